@@ -42,9 +42,10 @@ pub struct SitewiseFlow<R> {
     ledger: Ledger<R>,
     start: Twofold<R>,
     time: Twofold<R>,
-    /// Whether motions are kept. A copy, which moves to samples and to trial times, keeps none, so
-    /// that its bits do not depend on what it was used for before.
-    keeps: bool,
+    /// Whether this is a copy, which moves to samples or to trial times. It keeps the motion over
+    /// its first drift only, which for samples is the last drift of a step: so its bits do not depend
+    /// on how often it was used before.
+    copy: bool,
     kept: Vec<Kept<R>>,
     /// Positions of beads, forces in bonds, and forces on beads.
     u: Vec<R>,
@@ -88,7 +89,7 @@ impl<R: Real> SitewiseFlow<R> {
             ledger: Ledger::of(&[zero; super::LEDGER]),
             start: Twofold::new(start),
             time: Twofold::new(start),
-            keeps: true,
+            copy: false,
             kept: Vec::new(),
             u: vec![zero; n],
             push: vec![zero; n + 1],
@@ -132,15 +133,20 @@ impl<R: Real> SitewiseFlow<R> {
         }
     }
 
-    /// The motion of all sites over a time, from the second drift over this time on: a motion costs
-    /// many drifts, and times at which a run lands on an event are not repeated.
+    /// The motion of all sites over a time that is repeated, as far as it is kept: from the second
+    /// drift over this time on, as a motion costs many drifts. A copy keeps that of its first drift.
     fn repeated(&mut self, dt: Twofold<R>) -> Option<Arc<Drift<R>>> {
         let Self { kept, stretches, classes, class, .. } = self;
         if let Some((_, motion)) = kept.iter_mut().find(|(time, _)| *time == dt) {
             let motion = motion.get_or_insert_with(|| Arc::new(stretches.over(dt, classes, class)));
             return Some(Arc::clone(motion));
         }
-        if self.keeps && kept.len() < KEPT {
+        if self.copy && kept.is_empty() {
+            let motion = Arc::new(stretches.over(dt, classes, class));
+            kept.push((dt, Some(Arc::clone(&motion))));
+            return Some(motion);
+        }
+        if !self.copy && kept.len() < KEPT {
             kept.push((dt, None));
         }
         None
@@ -215,7 +221,7 @@ impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
             ledger: self.ledger,
             start: self.start,
             time: self.time,
-            keeps: false,
+            copy: true,
             kept: Vec::new(),
             u: self.u.clone(),
             push: self.push.clone(),
@@ -229,10 +235,13 @@ impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
     }
 
     fn drift(&mut self, dt: Twofold<R>) {
-        let drift = self.repeated(dt);
-        let Ledger { drag, dashpots, .. } = &mut self.ledger;
-        let classes = (&self.classes[..], &self.class[..]);
-        self.stretches.drift(&mut self.z, (dt, drift.as_deref()), classes, [drag, dashpots]);
+        // The last drift of a step may be none.
+        if dt != Twofold::zero() {
+            let drift = self.repeated(dt);
+            let Ledger { drag, dashpots, .. } = &mut self.ledger;
+            let classes = (&self.classes[..], &self.class[..]);
+            self.stretches.drift(&mut self.z, (dt, drift.as_deref()), classes, [drag, dashpots]);
+        }
         self.time = self.time + dt;
         self.follow();
     }
