@@ -85,7 +85,7 @@ impl<R: Real> Twofold<R> {
 
     /// `2 pi`.
     pub fn two_pi() -> Self {
-        let parts = [6.283185307179586, 2.4492935982947064e-16, -5.989539619436679e-33, 2.2249084417267306e-49];
+        let parts = [std::f64::consts::TAU, 2.4492935982947064e-16, -5.989539619436679e-33, 2.2249084417267306e-49];
         parts.into_iter().rev().fold(Self::zero(), |sum, part| sum + Self::new(R::of(part)))
     }
 

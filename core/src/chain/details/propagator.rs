@@ -352,7 +352,7 @@ mod tests {
                 let back = if dashpot > 1.0 { 1e-2 } else { -0.2 };
                 for dt in [1e-3, 0.2, 1.3, back, 20.0] {
                     let (mut by_series, mut by_matrix, dt) = (class.split(z), class.split(z), Twofold::new(dt));
-                    let lost = [class.advance(&mut by_series, dt), class.over(dt).apply(&mut by_matrix)];
+                    let (lost, want) = (class.advance(&mut by_series, dt), class.over(dt).apply(&mut by_matrix));
                     let parts = if let Class::Linear { a, .. } = &class { short_times(a, dt.hi) } else { 1.0 };
                     let size = by_matrix.iter().fold(1.0, |most: f64, z| most.max(z.abs()));
                     let bound = 4.0 * f64::EPSILON * (1.0 + parts) * size * size;
@@ -360,8 +360,8 @@ mod tests {
                         let off = by_series[k] - by_matrix[k];
                         assert!(off.abs() < bound, "{drag} {dashpot} {rho} {dt:?}: {off:e} of {bound:e}");
                     }
-                    for k in 0..2 {
-                        let off = lost[0][k] - lost[1][k];
+                    for (lost, want) in lost.into_iter().zip(want) {
+                        let off = lost - want;
                         assert!(off.abs() < bound, "{drag} {dashpot} {rho} {dt:?}: lost {off:e} of {bound:e}");
                     }
                 }
