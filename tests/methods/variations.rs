@@ -31,7 +31,7 @@ fn chain<R: Real>() -> Chain<R> {
     Chain::new(Params::new(1.5, 1.0, 1.0).unwrap(), Boundary::Fixed, 6).unwrap().with(&details).unwrap()
 }
 
-fn start<R: Real>(chain: &Chain<R>) -> Vec<R> {
+pub(crate) fn start<R: Real>(chain: &Chain<R>) -> Vec<R> {
     let of = |x: f64| R::of(x);
     let site = |i: usize| {
         let x = i as f64;
@@ -42,7 +42,7 @@ fn start<R: Real>(chain: &Chain<R>) -> Vec<R> {
 }
 
 /// The same with contacts that dissipate, all but one.
-fn lossy<R: Real>(kind: Kind) -> Chain<R> {
+pub(crate) fn lossy<R: Real>(kind: Kind) -> Chain<R> {
     let strength = vec![0.1, 0.3, 0.05, 0.2, 0.0, 0.4, 0.15];
     let details = chain::<R>().details().unwrap().clone();
     let details = Details { dissipation: Some(Dissipation { kind, strength }), ..details };
@@ -50,14 +50,14 @@ fn lossy<R: Real>(kind: Kind) -> Chain<R> {
 }
 
 /// Entries of a state that are free: positions, then velocities.
-fn free(chain: &Chain<f64>) -> Vec<usize> {
+pub(crate) fn free(chain: &Chain<f64>) -> Vec<usize> {
     let (n, half) = (chain.sites(), chain.layout().half());
     let q: Vec<usize> = (1..n).chain((0..n).filter(|&i| chain.resonator_moves(i)).map(|i| n + i)).collect();
     q.iter().copied().chain(q.iter().map(|i| half + i)).collect()
 }
 
 /// The derivative by the free entries of the state, by rows.
-fn monodromy(chain: &Chain<f64>, y: &[f64], t: f64, tol: f64) -> DMatrix<f64> {
+pub(crate) fn monodromy(chain: &Chain<f64>, y: &[f64], t: f64, tol: f64) -> DMatrix<f64> {
     let (free, rows) = (free(chain), 2 * chain.layout().half());
     let mut columns = vec![0.0; rows * free.len()];
     for (j, &i) in free.iter().enumerate() {
@@ -74,12 +74,12 @@ fn collocated(chain: &Chain<f64>, y: &[f64], t: f64, windows: u64) -> DMatrix<f6
     DMatrix::from_fn(free.len(), free.len(), |i, j| columns[free[j] * dim + free[i]])
 }
 
-fn direction(dim: usize, k: usize) -> Vec<f64> {
+pub(crate) fn direction(dim: usize, k: usize) -> Vec<f64> {
     (0..dim).map(|i| ((2.399_963 + 0.618 * k as f64) * i as f64 + 1.0).sin()).collect()
 }
 
 /// `dy(t)/dy(0) w` by central differences of this step in 32 digits, from runs under a tolerance.
-fn difference(chain: &Chain<TwoFloat>, w: &[f64], t: f64, (size, tol): (f64, f64)) -> Vec<f64> {
+pub(crate) fn difference(chain: &Chain<TwoFloat>, w: &[f64], t: f64, (size, tol): (f64, f64)) -> Vec<f64> {
     let entries = free(&self::chain::<f64>());
     let end = |sign: f64| {
         let mut y = start(chain);
@@ -92,12 +92,12 @@ fn difference(chain: &Chain<TwoFloat>, w: &[f64], t: f64, (size, tol): (f64, f64
     entries.iter().map(|&i| Real::f64(plus[i] - minus[i]) / (2.0 * size)).collect()
 }
 
-fn error(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn error(a: &[f64], b: &[f64]) -> f64 {
     let size = b.iter().fold(0.0, |size: f64, b| size.max(b.abs()));
     a.iter().zip(b).fold(0.0, |largest: f64, (a, b)| largest.max((a - b).abs())) / size
 }
 
-fn applied(m: &DMatrix<f64>, w: &[f64]) -> Vec<f64> {
+pub(crate) fn applied(m: &DMatrix<f64>, w: &[f64]) -> Vec<f64> {
     (m * DMatrix::from_column_slice(w.len(), 1, w)).as_slice().to_vec()
 }
 
@@ -308,7 +308,7 @@ fn viscoelastic_spheres_rebound_with_the_published_derivative() {
 
 /// Beads of mass 1 that just touch, of which the first is struck, with contacts that dissipate
 /// equally.
-fn struck<R: Real>(sites: usize, kind: Kind, gamma: f64) -> (Chain<R>, Vec<R>) {
+pub(crate) fn struck<R: Real>(sites: usize, kind: Kind, gamma: f64) -> (Chain<R>, Vec<R>) {
     let dissipation = Some(Dissipation { kind, strength: vec![gamma; sites - 1] });
     let bare = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, sites).unwrap();
     let chain = bare.with(&Details { dissipation, ..Details::default() }).unwrap();
@@ -317,7 +317,7 @@ fn struck<R: Real>(sites: usize, kind: Kind, gamma: f64) -> (Chain<R>, Vec<R>) {
     (chain, y)
 }
 
-const STRENGTHS: [f64; 6] = [1e-6, 1e-3, 0.02, 0.1, 0.3, 1.0];
+pub(crate) const STRENGTHS: [f64; 6] = [1e-6, 1e-3, 0.02, 0.1, 0.3, 1.0];
 
 /// Rows of the unit matrix, without the columns of the first `skipped` entries.
 fn unit(rows: usize, skipped: usize) -> Vec<f64> {

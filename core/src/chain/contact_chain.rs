@@ -50,8 +50,9 @@ impl Chain<f64> {
     /// are zero.
     ///
     /// # Errors
-    /// A state, a span or a pace outside its rule; a chain whose contacts dissipate, or one of more
-    /// than 256 bonds.
+    /// A state, a span or a pace outside its rule; a chain of more than 256 bonds. Where contacts
+    /// dissipate, beads that touch at rest, or just touch at the start with a dashpot between them:
+    /// [`Variations`](super::Variations) has the derivatives that there are.
     pub fn monodromy(&self, y0: &[f64], span: (f64, f64), pace: Pace) -> Result<Vec<f64>, Error> {
         match self.details() {
             None => monodromy(self.clone(), y0, span, pace),

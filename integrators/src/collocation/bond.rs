@@ -141,6 +141,9 @@ pub(crate) struct Contacts {
     pub(crate) found: Vec<Contact>,
     /// The contacts before the last search.
     pub(super) assumed: Vec<Contact>,
+    /// Contacts of bonds beyond the neighbours at whose ends panels are cut too, with their
+    /// [fade](super::system::Link::fade). There are none but in the tangent map.
+    pub(super) beyond: Vec<(Contact, f64)>,
     /// The changes of sign of the overlap that the last search found.
     pub(super) crossings: Vec<Crossing>,
 }
@@ -314,6 +317,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let contacts = Contacts {
             found: Vec::with_capacity(CONTACTS),
             assumed: Vec::with_capacity(CONTACTS),
+            beyond: Vec::new(),
             crossings: Vec::with_capacity(2 * CONTACTS),
         };
         Self {

@@ -118,23 +118,25 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let (mut behind, mut ahead) = (contact.onset, contact.release + self.fade());
         let mut points = [(0.0, f64::INFINITY); 8];
         let mut count = 0;
+        let mut see = |c: &Contact, fade: f64| {
+            if c.onset <= start + cuts.merge {
+                behind = behind.max(c.onset.min(start));
+            } else if c.onset < end - cuts.merge && count < points.len() {
+                points[count] = (c.onset, f64::INFINITY);
+                count += 1;
+            }
+            if c.release >= end - cuts.merge {
+                ahead = ahead.min(c.release.max(end) + fade);
+            } else if c.release > start + cuts.merge && count < points.len() {
+                points[count] = (c.release, c.release + fade);
+                count += 1;
+            }
+        };
         if cuts.neighbours {
             for bond in beside.into_iter().flatten() {
-                for c in &bond.contacts.found {
-                    if c.onset <= start + cuts.merge {
-                        behind = behind.max(c.onset.min(start));
-                    } else if c.onset < end - cuts.merge && count < points.len() {
-                        points[count] = (c.onset, f64::INFINITY);
-                        count += 1;
-                    }
-                    if c.release >= end - cuts.merge {
-                        ahead = ahead.min(c.release.max(end) + bond.fade());
-                    } else if c.release > start + cuts.merge && count < points.len() {
-                        points[count] = (c.release, c.release + bond.fade());
-                        count += 1;
-                    }
-                }
+                bond.contacts.found.iter().for_each(|c| see(c, bond.fade()));
             }
+            self.contacts.beyond.iter().for_each(|(c, fade)| see(c, *fade));
         }
         let points = &mut points[..count];
         if count > 1 {

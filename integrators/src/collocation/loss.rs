@@ -23,13 +23,13 @@
 //! ends with next to no slope, and Newton's method for its zero goes astray.
 
 use super::{
-    bond::Beside,
+    bond::{Beside, Bond},
     foresee::Turned,
     known::Known,
-    panel::{Frame, Panel, View, dot, product, times, value},
+    panel::{Frame, Panel, View, dot, product, sin_cos, times, value},
     panels::{Panels, Shared},
     rule::Rule,
-    system::{Link, Path},
+    system::{Link, Path, Side},
 };
 use crate::real::Kernel;
 
@@ -59,6 +59,11 @@ impl<const S: usize> Link<S> {
         S != 1 && self.loss.is_some()
     }
 
+    /// Whether the contact is a dashpot.
+    pub(super) fn dashpot(&self) -> bool {
+        matches!(self.loss, Some(Loss::Dashpot(_)))
+    }
+
     /// `c(g)`.
     pub(crate) fn resistance(&self, overlap: f64) -> f64 {
         match self.loss {
@@ -66,6 +71,11 @@ impl<const S: usize> Link<S> {
             Some(Loss::Dashpot(gamma)) if overlap > 0.0 => gamma,
             _ => 0.0,
         }
+    }
+
+    /// `c(g)` of a contact that pushes, also where rounding takes its overlap below zero.
+    fn resists(&self, overlap: f64) -> f64 {
+        if let Some(Loss::Dashpot(gamma)) = self.loss { gamma } else { self.resistance(overlap) }
     }
 
     /// `P(g, g')`.
@@ -154,6 +164,22 @@ impl<const S: usize> Link<S> {
             return [[1.0; L], [0.0; L], [0.0; L]];
         }
         [[1.0; L], sin.map(|sin| -omega * sin), cos.map(|cos| omega * cos)]
+    }
+
+    /// The path by a unit impulse at `t` on a side, after `t`.
+    fn answer(&self, side: usize, t: f64) -> Path {
+        if let Some(flow) = self.flow(side) {
+            return flow.answer(&[t]).map(|part| part[0]);
+        }
+        let Side { m, mu_per_omega, omega, .. } = self.sides[side];
+        let (sin, cos) = sin_cos(omega * t);
+        [-m * t, m, -mu_per_omega * sin, mu_per_omega * cos]
+    }
+
+    /// The path whose position is the velocity along a path on a side.
+    fn rates(&self, side: usize, path: &Path) -> Path {
+        let omega = self.sides[side].omega;
+        self.flow(side).map_or([path[1], 0.0, omega * path[3], -omega * path[2]], |flow| flow.rates(path))
     }
 
     /// `K(t)` on a side: the velocity by a unit force that acts from time 0.
@@ -359,6 +385,62 @@ impl<const M: usize, const S: usize> Panel<M, S> {
             let t = self.tau[j];
             let driven = t * (2.0 * a + t * (3.0 * b + t * 4.0 * c));
             frame.link.force_at_rate(g[j], along[j] + driven)
+        })
+    }
+}
+
+/// The tangent map, see `tangent.rs`.
+impl<const M: usize, const S: usize> Panel<M, S> {
+    /// `F'(g)` at the nodes.
+    #[inline(always)]
+    pub(super) fn stiffness(&self, link: &Link<S>) -> [f64; M] {
+        self.overlap.map(|g| if g > 0.0 { link.stiffness(g) } else { 0.0 })
+    }
+
+    /// `int c(g) dt`.
+    pub(super) fn resisted(&self, rule: &Rule<M>, link: &Link<S>) -> f64 {
+        let resistance = self.overlap.map(|g| link.resists(g));
+        dot(&rule.weights, &times(&resistance, &self.rate))
+    }
+
+    /// Replaces the answers to unit forces at the nodes by those to unit changes `dg` of the
+    /// overlap there: to the forces `F' dg + d/dt(c dg)`, with the impulse `-c dg` at the start of
+    /// the panel and `c dg` at its end as far as `impulses` says.
+    pub(super) fn respond(&mut self, frame: &Frame<'_, M, S>, impulses: [bool; 2]) {
+        let (link, ends) = (frame.link, &frame.rule.ends);
+        let (stiffness, resistance) = (self.stiffness(link), self.overlap.map(|g| link.resists(g)));
+        let at_end = |end: usize| if impulses[end] { link.resists(dot(&ends[end], &self.overlap)) } else { 0.0 };
+        let (begun, ended) = (at_end(0), at_end(1));
+        for side in 0..S {
+            let [start, end] = [self.start, self.end].map(|t| link.answer(side, t));
+            let moved: [f64; M] = std::array::from_fn(|j| self.times().along_side(&start, side, j));
+            for k in 0..M {
+                let (left, [first, last]) = (self.left[k][side], [-begun * ends[0][k], ended * ends[1][k]]);
+                let rates = link.rates(side, &left);
+                for i in 0..4 {
+                    let by_overlap = stiffness[k].mul_add(left[i], resistance[k] * rates[i]);
+                    self.left[k][side][i] = by_overlap + (first * start[i] + last * end[i]);
+                }
+                let velocity = self.rates.as_deref().map_or([0.0; M], |rates| rates.reaction[side][k]);
+                for j in 0..M {
+                    let by_overlap = stiffness[k] * self.reaction[side][k][j] + resistance[k] * velocity[j];
+                    self.reaction[side][k][j] = by_overlap + first * moved[j];
+                }
+            }
+        }
+    }
+}
+
+impl<const M: usize, const S: usize> Bond<M, S> {
+    /// Whether the impulses `-c dg` at the start and `c dg` at the end of a panel are part of the
+    /// change of the contact's force: at the ends of the contact in the window, except where beads
+    /// meet.
+    pub(super) fn impulses(&self, panel: usize) -> [bool; 2] {
+        let contacts = self.contacts.found.iter().enumerate();
+        let mut of = contacts.filter(|(_, contact)| (contact.panels.0..contact.panels.1).contains(&panel));
+        of.next().map_or([false; 2], |(i, contact)| {
+            let meets = !contact.pressed && (i > 0 || self.initial.ongoing.is_none());
+            [panel == contact.panels.0 && !meets, panel + 1 == contact.panels.1]
         })
     }
 }

@@ -96,7 +96,7 @@ pub(crate) struct Panel<const M: usize, const S: usize> {
     /// `dt/dx` at the nodes.
     pub(crate) rate: [f64; M],
     /// `reaction[side][k][j]`: displacement at node `j` by a unit force at node `k`, on each side.
-    reaction: [[[f64; M]; M]; S],
+    pub(super) reaction: [[[f64; M]; M]; S],
     /// The paths by a unit force at each node, after the panel.
     pub(crate) left: [[Path; S]; M],
     /// The part of the overlap at the nodes that drives prescribe.

@@ -160,17 +160,25 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
         let (held, State { sites, phases, ongoing, signals, .. }) = (&self.held, &mut self.state);
         let at_start = Sites { chain: &held.chain, sites, phases, open: held.open(signals) };
         for b in held.share.reach() {
-            let (path, largest) = at_start.overlap(b, 0.0);
-            let known = at_start.known(b).map_or(0.0, |known| known.ends[0][0]);
-            let overlap = path.iter().fold(0.0, |sum, [r, _, c, _]| sum + r + c) + known;
+            let ([overlap, rate], largest) = at_start.now(&held.links, b);
             let closed = overlap > held.chain.dead_band(largest);
-            let pushes = S == 1 || {
-                let (link, known) = (held.links.link(b), at_start.known(b).map_or(0.0, |known| known.ends[0][1]));
-                let rates = path.iter().zip(&link.sides).map(|(path, side)| path[1] + side.omega * path[3]);
-                link.pushes(overlap, rates.sum::<f64>() + known) > 0.0
-            };
+            let pushes = S == 1 || held.links.link(b).pushes(overlap, rate) > 0.0;
             ongoing[b] = (closed && pushes).then(Contact::from_the_start);
         }
+    }
+
+    /// The bonds of a chain whose contacts dissipate that are not in a contact and whose beads
+    /// touch at the start of the last window; and whether at rest, so that their rate does not part
+    /// them in the window.
+    pub(super) fn touching(&self) -> Vec<(usize, bool)> {
+        let Self { held, state: State { sites, phases, ongoing, signals, .. }, h, .. } = self;
+        let at_start = Sites { chain: &held.chain, sites, phases, open: held.open(signals) };
+        let bonds = if held.links.lossy() { 0..held.chain.bonds() } else { 0..0 };
+        let touching = bonds.filter(|&b| ongoing[b].is_none()).filter_map(|b| {
+            let ([overlap, rate], band) = (at_start.now(&held.links, b).0, at_start.free(b, *h).band);
+            (overlap.abs() <= band).then_some((b, (rate * h).abs() <= band))
+        });
+        touching.collect()
     }
 
     /// The free and the oscillating part of the position of a site, and their rates.

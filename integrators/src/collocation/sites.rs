@@ -4,7 +4,7 @@ use super::{
     flow::Flow,
     known::Known,
     open::{Open, Signals},
-    system::{ContactChain, Path},
+    system::{ContactChain, Links, Path},
 };
 use crate::clock::Twofold;
 use std::{cell::Cell, collections::HashMap, sync::Arc};
@@ -122,6 +122,16 @@ impl<C: ContactChain<S>, const S: usize> Sites<'_, C, S> {
             }
         }
         (path, largest)
+    }
+
+    /// The overlap of a bond at the start of a window and its rate, and a bound of the terms of the
+    /// overlap.
+    pub(crate) fn now(&self, links: &Links<S>, bond: usize) -> ([f64; 2], f64) {
+        let (path, largest) = self.overlap(bond, 0.0);
+        let known = self.known(bond).map_or([0.0; 2], |known| known.ends[0]);
+        let overlap = path.iter().fold(0.0, |sum, [r, _, c, _]| sum + r + c) + known[0];
+        let rates = path.iter().zip(&links.link(bond).sides).map(|(path, side)| path[1] + side.omega * path[3]);
+        ([overlap, rates.sum::<f64>() + known[1]], largest)
     }
 }
 

@@ -21,6 +21,7 @@ pub(crate) trait Solver<const S: usize>: Send {
     fn pieces(&self) -> Box<dyn Iterator<Item = &Piece> + '_>;
     /// The tangent map of the last window that was solved, of length `h`, for a chain of one block:
     /// replaces changes of the linear paths of bonds by the changes of the paths by their forces.
+    /// Returns the part of [`Tangent::contraction`](super::Tangent::contraction) in the window.
     ///
     /// # Errors
     /// A bond and its residual if the sweeps do not converge.
@@ -30,7 +31,7 @@ pub(crate) trait Solver<const S: usize>: Send {
         h: f64,
         cuts: &Cuts,
         columns: &mut [tangent::BondBlock<S>],
-    ) -> Result<(), (usize, f64)>;
+    ) -> Result<f64, (usize, f64)>;
 }
 
 /// Numbers of nodes that a panel may have; all loops over nodes are compiled for each. Shorter
@@ -129,7 +130,7 @@ impl<const M: usize, const S: usize> Solver<S> for Nodes<M, S> {
         h: f64,
         cuts: &Cuts,
         columns: &mut [tangent::BondBlock<S>],
-    ) -> Result<(), (usize, f64)> {
+    ) -> Result<f64, (usize, f64)> {
         let bonds = &self.workspaces[0].bonds[..links.bonds];
         let frames = &Frames { rule: self.rule, links, cuts, h };
         run::<S, _>(tangent::Window { frames, bonds, columns })

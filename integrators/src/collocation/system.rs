@@ -209,6 +209,11 @@ impl<const S: usize> Links<S> {
         self.links.iter()
     }
 
+    /// Whether a contact dissipates.
+    pub(crate) fn lossy(&self) -> bool {
+        self.links.iter().any(Link::lossy)
+    }
+
     #[inline(always)]
     pub(crate) fn link(&self, bond: usize) -> &Link<S> {
         &self.links[if S == 1 { 0 } else { bond }]

@@ -17,13 +17,35 @@
 //! of its time is an error `t^{alpha+1}` of the impulse, and `t^alpha` of its derivative. So the
 //! nodes are laid out anew, from ends that are improved by one more step of Newton's method.
 //!
+//! # Contacts that dissipate
+//!
+//! A contact that pushes has the force `f = F(g) + c(g) g'`, see `loss.rs`. Its change is `F' dg +
+//! d/dt(c dg)`, and `f` jumps only where beads meet at a dashpot: there the movement of the onset
+//! adds the impulse `c dg` to the change. Where a contact lets go, or pushes again while beads
+//! overlap, `f` is continuous and nothing is added. So for a contact from `a` to `b` in the window
+//!
+//! ```text
+//! int K df = int_a^b (K F' + K' c) dg ds - [K c dg](a) + [K c dg](b)
+//! ```
+//!
+//! with the first bracket left out where beads meet; `[K c dg](s)` is the path by the impulse
+//! `c dg` at `s`. No derivative of `c` is left, which is infinite where viscoelastic contacts
+//! begin, and `dg` is smooth in the variable of the panels. It is the unknown,
+//! `dg = dg_lin + T_1 dg` with `T_1` from this formula (`Panel::respond`). At `a` and `b` it is interpolated from the nodes;
+//! panels are halved once for that.
+//!
+//! Beside a dashpot `dg` has a kink where its contact begins, and one bond further a jump of the
+//! second derivative. So panels are cut at the events of second neighbours, too. Columns that
+//! change the overlap of beads which touch at rest are refused: such overlaps begin with powers of
+//! time that no panel resolves, and the stiffness of one that is a rounding is not small.
+//!
 //! Damping is in the paths and influences, see `flow.rs`. Drives do not depend on the state: they
 //! are in `g` and not in `dg_lin`, and a site that is moved has no change of its own.
 
 use super::{
     Collocation, Section,
     block::OWN,
-    bond::Bond,
+    bond::{Bond, Contact},
     flow::Flow,
     open::Open,
     panel::{Frames, Panel, dot, product},
@@ -51,6 +73,10 @@ pub(crate) type BondBlock<const S: usize> = Vec<[[Lanes; 4]; S]>;
 /// itself was solved.
 const MOST_SWEEPS: u32 = 100;
 
+/// Changes of overlaps up to this, relative to the largest change of a position or velocity, count
+/// as none: columns have them where a wave has just come to beads that touch.
+const CHANGED: f64 = 1e-12;
+
 fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
     Error::Argument { name, value: value as f64, rule }
 }
@@ -69,7 +95,9 @@ fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
 ///
 /// No difference quotients are used: what the nodes of a window resolve is exact to rounding.
 /// Forces are smoother than their derivative, so columns need shorter windows than the state does.
-/// With [`Pace::Tolerance`](super::Pace) expect a few hundred times the tolerance.
+/// With [`Pace::Tolerance`](super::Pace) expect a few hundred times the tolerance. Where contacts
+/// dissipate the run itself is less exact than fine tolerances ask: maps of random chains erred by
+/// up to 5e-9 at 1e-11 and 5e-10 at 1e-14, and by 1e-11 in equal windows.
 #[derive(Clone, Debug)]
 pub struct Tangent<const S: usize = 1> {
     blocks: Vec<Block>,
@@ -78,6 +106,10 @@ pub struct Tangent<const S: usize = 1> {
     phases: Phases<S>,
     /// Number of windows of the run at the time of the columns.
     windows: u64,
+    /// Number of windows of the run when the columns were made.
+    from: u64,
+    /// See [`contraction`](Self::contraction).
+    contraction: f64,
 }
 
 impl<const S: usize> Tangent<S> {
@@ -95,16 +127,12 @@ impl<const S: usize> Tangent<S> {
     /// Columns, one after the other and each like a state, at the present state of a run.
     ///
     /// # Errors
-    /// Not a whole number of columns, an entry that is not finite, contacts that dissipate, or a
-    /// chain of more than 256 bonds.
+    /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256
+    /// bonds.
     pub fn new<C: ContactChain<S>>(run: &Collocation<Section<C, S>>, columns: &[f64]) -> Result<Self, Error> {
         let (chain, dim) = (&run.windows.held.chain, run.dim());
         if chain.bonds() > OWN {
             return Err(argument("bonds", chain.bonds(), "a tangent map is there for at most 256 bonds"));
-        }
-        let lossy = (0..chain.bonds()).position(|bond| S != 1 && chain.loss(bond).is_some());
-        if let Some(bond) = lossy {
-            return Err(argument("bond", bond, "a tangent map needs contacts that do not dissipate"));
         }
         if !columns.len().is_multiple_of(dim) {
             return Err(argument("columns", columns.len(), "as many entries as whole columns have"));
@@ -114,7 +142,7 @@ impl<const S: usize> Tangent<S> {
         }
         let mut phases = run.windows.state.phases.clone();
         phases.advance(run.h);
-        let count = columns.len() / dim;
+        let (count, windows) = (columns.len() / dim, run.stats.steps);
         let mut blocks = vec![vec![[[0.0; LANES]; 4]; chain.sites()]; count.div_ceil(LANES)];
         for (c, column) in columns.chunks_exact(dim).enumerate() {
             for (i, site) in blocks[c / LANES].iter_mut().enumerate() {
@@ -122,20 +150,23 @@ impl<const S: usize> Tangent<S> {
                 set(site, c % LANES, [r, v, p * cos - s * sin, p * sin + s * cos]);
             }
         }
-        Ok(Self { blocks, columns: count, dim, phases, windows: run.stats.steps })
+        Ok(Self { blocks, columns: count, dim, phases, windows, from: windows, contraction: 0.0 })
     }
 
     /// Moves the columns over the window that the run has just done.
     ///
     /// # Errors
-    /// Not the window after the last one that was followed; or sweeps that do not settle (windows
-    /// far too long), after which the columns are of no use.
+    /// Not the window after the last one that was followed. Sweeps that do not settle (windows far
+    /// too long), or, in a chain whose contacts dissipate, columns that change the overlap of beads
+    /// which touch at rest, or which touch where the columns begin and whose contact is a dashpot:
+    /// the columns are then of no use.
     pub fn follow<C: ContactChain<S>>(&mut self, run: &Collocation<Section<C, S>>) -> Result<(), Error> {
         self.check(run)?;
         let (done, h) = (run.stats.steps, run.h);
         if done != self.windows + 1 || h <= 0.0 {
             return Err(argument("window", done as usize, "every window of a run is followed once, when it is done"));
         }
+        self.refuse_touching(run)?;
         let (cuts, phases) = (run.control.goal(h).cuts, &run.windows.state.phases);
         let chain = &run.windows.held.chain;
         let across = |block: &Block| {
@@ -146,7 +177,8 @@ impl<const S: usize> Tangent<S> {
         let Section { held, solver, .. } = &run.windows;
         let solver = solver.as_ref().expect("a window was solved");
         let result = solver.differentiate(&held.links, h, &cuts, &mut bonds);
-        result.map_err(|(bond, residual)| Error::NoContraction { t: run.t.value(), h, bond, residual })?;
+        self.contraction +=
+            result.map_err(|(bond, residual)| Error::NoContraction { t: run.t.value(), h, bond, residual })?;
         let flows = flows(held.links.open.as_ref(), chain.sites(), h);
         for (block, left) in self.blocks.iter_mut().zip(&bonds) {
             advance((chain, &flows), left, block, h, phases);
@@ -178,6 +210,50 @@ impl<const S: usize> Tangent<S> {
     /// Number of columns.
     pub fn columns(&self) -> usize {
         self.columns
+    }
+
+    /// What contacts that dissipate contribute to `-ln det` of the tangent map of the windows that
+    /// were followed: `int sum_b c(g_b) sum_n 1/m_n dt`, over contacts that push and sites that no
+    /// drive moves.
+    pub fn contraction(&self) -> f64 {
+        self.contraction
+    }
+
+    /// Fails where beads touch in a chain whose contacts dissipate: at rest, if a column changes
+    /// their overlap or its rate; where the columns begin, if the contact is a dashpot and a column
+    /// changes their overlap.
+    fn refuse_touching<C: ContactChain<S>>(&self, run: &Collocation<Section<C, S>>) -> Result<(), Error> {
+        let (section, touching) = (&run.windows, run.windows.touching());
+        if touching.is_empty() {
+            return Ok(());
+        }
+        let (chain, phases) = (&section.held.chain, &section.state.phases);
+        let now = |block: &Block, lane: usize, i: usize| {
+            let [r, v, c, s] = turned(get(&block[i], lane), phases.sin_cos(i));
+            [r + c, v + chain.response(i).omega.value() * s, 0.0, 0.0]
+        };
+        // The largest changes, in all columns, of some quantities and of their rates.
+        let largest = |of: &dyn Fn(&Block, usize) -> Vec<Path>| {
+            let columns = self.blocks.iter().flat_map(|block| (0..LANES).flat_map(move |lane| of(block, lane)));
+            columns.fold([0.0f64; 2], |most, by| [most[0].max(by[0].abs()), most[1].max(by[1].abs())])
+        };
+        let all = largest(&|block, lane| (0..block.len()).map(|i| now(block, lane, i)).collect());
+        for (bond, resting) in touching {
+            let over = |block: &Block, lane| {
+                let sides = chain.across(bond, |i| now(block, lane, i));
+                vec![sides.iter().fold([0.0; 4], |sum, side| std::array::from_fn(|k| sum[k] + side[k]))]
+            };
+            let by = largest(&over);
+            let [overlap, rate] = [0, 1].map(|k| by[k] > CHANGED * all[k]);
+            if resting && (overlap || rate) {
+                return Err(argument("bond", bond, "beads that touch at rest have their tangent map by `Variations`"));
+            }
+            if overlap && self.windows == self.from && section.held.links.link(bond).dashpot() {
+                let rule = "a dashpot's derivatives by gap and overlap differ where beads touch, see `Variations`";
+                return Err(argument("bond", bond, rule));
+            }
+        }
+        Ok(())
     }
 
     fn check<C: ContactChain<S>>(&self, run: &Collocation<Section<C, S>>) -> Result<(), Error> {
@@ -227,7 +303,7 @@ fn turned([r, v, c, s]: Path, (sin, cos): (f64, f64)) -> Path {
 }
 
 /// The rows of one panel in `df = D (dg_lin + T df)`. Matrices are kept by columns, and are
-/// multiplied by `G D`.
+/// multiplied by `G D`. Where contacts dissipate the unknown is `dg`, with 1 in the place of `D`.
 struct Row<const M: usize> {
     bond: usize,
     /// `D`.
@@ -248,15 +324,16 @@ pub(crate) struct Window<'a, const M: usize, const S: usize> {
 }
 
 impl<const M: usize, const S: usize> Kernel for Window<'_, M, S> {
-    /// If the sweeps do not converge, a bond and its residual.
-    type Output = Result<(), (usize, f64)>;
+    /// The part of [`Tangent::contraction`] in the window. If the sweeps do not converge, a bond
+    /// and its residual.
+    type Output = Result<f64, (usize, f64)>;
 
     #[inline(always)]
     fn run(self) -> Self::Output {
         let Self { frames, bonds, columns } = self;
         let ring = frames.links.ring && bonds.len() > 1;
-        let panels = laid_out(frames, bonds, ring);
-        let (rows, left) = rows(frames, bonds, &panels, ring);
+        let bonds = &laid_out(frames, bonds, ring)[..];
+        let (rows, left) = rows(frames, bonds, ring);
         let mut memory =
             Memory { driven: vec![[[0.0; LANES]; M]; rows.len()], force: vec![[[0.0; LANES]; M]; rows.len()] };
         for bond in columns {
@@ -271,7 +348,16 @@ impl<const M: usize, const S: usize> Kernel for Window<'_, M, S> {
                 }
             }
         }
-        Ok(())
+        let mut contraction = 0.0;
+        if frames.links.lossy() {
+            for bond in bonds {
+                let link = frames.of(bond.initial.bond).link;
+                for panel in bond.panels.as_slice() {
+                    contraction += bond.initial.recoil * panel.resisted(frames.rule, link);
+                }
+            }
+        }
+        Ok(contraction)
     }
 }
 
@@ -302,24 +388,31 @@ fn add(to: &mut Lanes, by: f64, values: &Lanes) {
     }
 }
 
-/// The panels of a solved window, with their ends where the contacts of its solution begin and end,
-/// and the overlaps at their nodes.
+/// The bonds of a solved window, with the ends of their panels where the contacts of its solution
+/// begin and end, and the overlaps at their nodes.
 #[inline(always)]
 fn laid_out<const M: usize, const S: usize>(
     frames: &Frames<'_, M, S>,
     bonds: &[Bond<M, S>],
     ring: bool,
-) -> Vec<Panels<M, S>> {
+) -> Vec<Bond<M, S>> {
     let n = bonds.len();
     let mut anew = bonds.to_vec();
-    for bond in &mut anew {
+    for (b, bond) in anew.iter_mut().enumerate() {
+        let (frame, start) = (&frames.of(b), bond.initial.overlap[0]);
         for contact in &mut bond.contacts.found {
             let panels = &bond.panels.list[contact.panels.0..contact.panels.1];
             let (Some(first), Some(last)) = (panels.first(), panels.last()) else { continue };
             // One more step of Newton's method, if it is short: at grazing contacts the slope is
             // near zero.
             let newton = |panel: &Panel<M, S>, end: usize| {
-                let by = -dot(&frames.rule.ends[end], &panel.overlap) / contact.slopes[end];
+                let value = if !frame.link.lossy() || end == 0 && !contact.pressed {
+                    dot(&frames.rule.ends[end], &panel.overlap)
+                } else {
+                    panel.pushes_at(frame, &panel.pushes(frame.link), end)
+                };
+                let known = frame.link.lossy() && end == 0 && contact.onset == 0.0 && !contact.pressed;
+                let by = -(if known { start } else { value }) / contact.slopes[end];
                 let reach = 0.1 * (panel.end - panel.start);
                 if by.abs() <= reach { by } else { 0.0 }
             };
@@ -337,6 +430,10 @@ fn laid_out<const M: usize, const S: usize>(
     for b in 0..n {
         let beside = beside(b, n, ring);
         let mut me = anew[b].clone();
+        if frames.links.lossy() {
+            me.resolution.halvings += 1;
+            me.contacts.beyond = second(&anew, b, ring);
+        }
         me.lay_out(&frames.of(b), beside.map(|b| b.map(|b| &anew[b])), &mut old);
         for panel in &mut me.panels.list[..me.panels.len] {
             let at = panel.times();
@@ -355,9 +452,16 @@ fn laid_out<const M: usize, const S: usize>(
             }
             panel.overlap = g;
         }
-        out.push(me.panels);
+        out.push(me);
     }
     out
+}
+
+/// The contacts of the second neighbours of a bond, with their fades.
+fn second<const M: usize, const S: usize>(bonds: &[Bond<M, S>], b: usize, ring: bool) -> Vec<(Contact, f64)> {
+    let of = |b: usize, side: usize| beside(b, bonds.len(), ring)[side];
+    let far = [0, 1].into_iter().filter_map(|side| of(of(b, side)?, side));
+    far.flat_map(|b| bonds[b].contacts.found.iter().map(move |&contact| (contact, bonds[b].fade()))).collect()
 }
 
 /// The paths by unit forces at the nodes of a panel, after the panel.
@@ -369,15 +473,13 @@ type Traces<const M: usize, const S: usize> = [[Path; S]; M];
 fn rows<const M: usize, const S: usize>(
     frames: &Frames<'_, M, S>,
     bonds: &[Bond<M, S>],
-    panels: &[Panels<M, S>],
     ring: bool,
 ) -> (Vec<Row<M>>, Vec<Traces<M, S>>) {
-    let n = bonds.len();
+    let (n, lossy) = (bonds.len(), frames.links.lossy());
     let (mut rows, mut all, mut traces, mut first) = (Vec::new(), Vec::new(), Vec::new(), vec![0]);
-    for (b, panels) in panels.iter().enumerate() {
-        for panel in panels.as_slice() {
-            let link = frames.links.link(b);
-            let stiffness = panel.overlap.map(|g| if g > 0.0 { link.stiffness(g) } else { 0.0 });
+    for (b, bond) in bonds.iter().enumerate() {
+        for panel in bond.panels.as_slice() {
+            let stiffness = if lossy { [1.0; M] } else { panel.stiffness(frames.links.link(b)) };
             let scaled = |by: &[f64; M]| std::array::from_fn(|j| stiffness[j] * by[j]);
             let side = |k: usize| {
                 let free = std::array::from_fn(|j| panel.tau[j] + panel.lag[k][j]);
@@ -394,6 +496,10 @@ fn rows<const M: usize, const S: usize>(
         let b = rows[q].bond;
         source.list[0].clone_from(all[q]);
         source.list[0].before = [[0.0; 4]; S];
+        if lossy {
+            let impulses = bonds[b].impulses(q - first[b]);
+            source.list[0].respond(&frames.of(b), impulses);
+        }
         let start = source.list[0].start;
         let [left, right] = beside(b, n, ring);
         // The bond before sees this one as its neighbour after it (1), the bond after as that
