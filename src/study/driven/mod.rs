@@ -18,8 +18,7 @@ use crate::{
     scene::{Quantity, Scene, Units},
     sweep::Engine,
 };
-pub use file::load_driven_branch;
-use file::npz;
+pub use file::{driven_branch_from_archive, driven_branch_npz, load_driven_branch};
 #[cfg(feature = "plot")]
 pub(crate) use report::{multipliers_panel, stability_lines};
 use std::path::PathBuf;
@@ -376,8 +375,9 @@ impl Kept<'_> {
     /// Continues a branch, unless it has ended, and computes its multipliers and bifurcations.
     fn go_on(mut self, mut trail: DrivenTrail, scale: Scale<'_>, progress: Progress<'_>) -> Result<DrivenBranch> {
         let DrivenContinuation { parameter, to, .. } = trail.continuation;
-        let mut keep =
-            |trail: &DrivenTrail| self.keeper.keep(trail.orbits.len(), trail.end.is_some(), || npz(self.scene, trail));
+        let mut keep = |trail: &DrivenTrail| {
+            self.keeper.keep(trail.orbits.len(), trail.end.is_some(), || driven_branch_npz(self.scene, trail))
+        };
         if trail.end.is_none() {
             let back = trail.back;
             let extended = trail.extend(|trail| {
