@@ -22,7 +22,7 @@ use super::{
     shooting::{Equations, NewtonStep, least_squares},
 };
 use crate::{
-    chain::{Chain, Details, Drive, Envelope, Means, State, Variations, max_norm},
+    chain::{Chain, Details, Drive, Envelope, Kind, Means, State, Variations, max_norm},
     error::{Error, Iterate, Result},
     interrupt,
 };
@@ -308,6 +308,34 @@ impl DrivenSetting {
             let moved = details.drives.iter().filter(|drive| drive.means == Means::Moved);
             moved.map(|drive| drive.signal.size()).fold(0.0, f64::max)
         }))
+    }
+
+    /// A bound of the rates in a chain whose unknowns are as large as `z`, in units of the frequency
+    /// of the orbit: frequencies of contacts and resonators, rates of damping, harmonics of drives.
+    pub(crate) fn haste(&self, z: &[f64]) -> Result<f64> {
+        let (chain, reach) = (self.chain()?, 2.0 * max_norm(z.iter().copied()).max(self.moved()?));
+        let (params, details) = (chain.params(), chain.details().cloned().unwrap_or_default());
+        let of = |list: &[f64], i: usize, uniform: f64| list.get(i).copied().unwrap_or(uniform);
+        let lightest = self.free_beads().map(|i| chain.masses(i)[0]).fold(f64::INFINITY, f64::min);
+        let bond = |(k, rest): (usize, &f64)| {
+            let (constant, alpha) = (of(&details.contact, k, 1.0), of(&details.alpha, k, params.alpha));
+            let stiffness = constant * alpha * (rest + reach).max(0.0).powf(alpha - 1.0);
+            let resistance = details.dissipation.as_ref().map_or(0.0, |loss| match loss.kind {
+                Kind::Viscoelastic => loss.strength[k] * stiffness,
+                Kind::Dashpot => loss.strength[k],
+            });
+            // A bead has two contacts, and Gershgorin's circles double the sum.
+            (4.0 * stiffness / lightest).sqrt().max(4.0 * resistance / lightest)
+        };
+        let site = |i: usize| {
+            let [mass, resonator] = chain.masses(i);
+            let inverse = 1.0 / mass + if resonator > 0.0 { 1.0 / resonator } else { 0.0 };
+            let damping = of(&details.drag, i, 0.0) / mass + of(&details.dashpot, i, 0.0) * inverse;
+            (of(&details.kappa, i, params.kappa) * inverse).sqrt().max(damping)
+        };
+        let harmonics = details.drives.iter().flat_map(|drive| &drive.signal.harmonics).map(|one| one.omega);
+        let rates = details.overlap.iter().enumerate().map(bond).chain((0..self.sites()).map(site)).chain(harmonics);
+        Ok(max_norm(rates) * self.period() / (2.0 * PI))
     }
 
     /// The unknowns at rest.

@@ -20,6 +20,9 @@ const FORMAT: (&str, u64) = ("hertzchain driven branch", 1);
 /// Largest residual of an orbit in a file, measured when the file is read; orbits are solved to
 /// 1e-11.
 const ORBIT: f64 = 1e-8;
+/// Largest rate of contacts, resonators, damping and drives in units of the frequency of the orbit,
+/// so that the residual is measured within seconds on a short chain.
+const FASTEST: f64 = 1e5;
 
 /// Format and version of a file.
 #[derive(Deserialize)]
@@ -155,7 +158,11 @@ fn orbits(
             return Err(refused("z", &"numbers of an orbit are finite"));
         }
         let setting = setting.with(continuation.parameter, p);
-        setting.chain().map_err(|why| refused("parameter", &why))?;
+        let haste = setting.haste(z).map_err(|why| refused("parameter", &why))?;
+        if haste > FASTEST {
+            let rule = "contacts, resonators, damping and drives of an orbit are at most 10^5 times as fast as it is";
+            return Err(refused("z", &format!("{rule}: these may be {haste:.1e} times")));
+        }
         orbits.push(DrivenOrbit { setting, z: z.to_vec(), residual, newton: Vec::new() });
     }
     Ok(orbits)
