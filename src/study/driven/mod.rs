@@ -246,7 +246,7 @@ impl Study for DrivenContinue {
         let Some(path) = &self.resume else {
             let scene = self.told.load()?;
             let DrivenScene { search, si, .. } = &self.told;
-            self.way.from_scene(&scene, search, *si)?;
+            self.way.for_scene(&scene, search, *si)?;
             return Ok(Box::new(move |engine, progress| {
                 Ok(Box::new(begun(scene, search, &self.way, *si, engine, progress)?))
             }));
@@ -293,7 +293,7 @@ impl DrivenWay {
     }
 
     /// The continuation from a scene, and the units in which it was given and is told.
-    fn from_scene(
+    fn for_scene(
         &self,
         scene: &Scene,
         search: &DrivenSearch,
@@ -350,7 +350,7 @@ fn begun(
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<DrivenBranchStudy> {
-    let (setting, continuation, si) = way.from_scene(&scene, search, si)?;
+    let (setting, continuation, si) = way.for_scene(&scene, search, si)?;
     let orbit = search.orbit(&scene, &setting, &|share, what| progress(SETTLING * share, what))?;
     followed(scene, DrivenTrail::new(continuation, orbit)?, si, way.switch, engine, progress)
 }

@@ -94,7 +94,7 @@ impl ModeWay {
     }
 
     /// The modes of a scene, the continuation, and the units in which it was given and is told.
-    fn from_scene(&self, scene: &Scene, si: InSi) -> Result<(NormalModes, ModeContinuation, Option<Units>)> {
+    fn for_scene(&self, scene: &Scene, si: InSi) -> Result<(NormalModes, ModeContinuation, Option<Units>)> {
         let si = si.units(scene)?;
         let (modes, scale) = (NormalModes::new(scene.chain())?, Scale(si.as_ref()));
         let &Self { to, step, .. } = self;
@@ -130,7 +130,7 @@ impl Study for FollowMode {
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = Scene::load_with(&self.scene, &self.changes.set)?;
-        let (modes, continuation, si) = self.way.from_scene(&scene, self.si)?;
+        let (modes, continuation, si) = self.way.for_scene(&scene, self.si)?;
         Ok(Box::new(move |engine, progress| {
             Ok(Box::new(followed(scene, modes, si, &continuation, self.way.switch, engine, progress)?))
         }))
@@ -144,7 +144,7 @@ impl Study for FollowMode {
 /// A scene that dissipates or is driven, or whose contacts do not hold every bead, or without the
 /// units that are asked for; a number outside its rule; a first orbit that is not found; a signal.
 pub fn follow_mode(scene: Scene, way: &ModeWay, si: InSi, progress: Progress<'_>) -> Result<ModeStudy> {
-    let (modes, continuation, si) = way.from_scene(&scene, si)?;
+    let (modes, continuation, si) = way.for_scene(&scene, si)?;
     followed(scene, modes, si, &continuation, way.switch, &Engine::threads(), progress)
 }
 
