@@ -24,32 +24,36 @@ class DrivenOrbit:
     ----------
     y0 : dict of ndarray
         Displacements and momenta ``u, v, pu, pv`` at ``t = 0``, for :func:`run`; for a drive with a
-        ramp, those under the drive at its full height.
+        ramp, those under the drive at its full height. Always dimensionless, as :func:`run` takes
+        them.
     period, response, residual : float
-        Period of the orbit; largest half range of a bead that no drive moves; residual of Newton's
-        method.
+        Period of the orbit (s, if in SI units); largest half range of a bead that no drive moves
+        (m); residual of Newton's method.
     bead_ranges, strain_ranges : ndarray, shape (sites,), (sites - 1,)
-        Half ranges of displacements and of strains between neighbours.
+        Half ranges of displacements and of strains between neighbours (m).
     multipliers : complex ndarray
         The multipliers, the largest modulus first.
     stable : bool
         Whether no multiplier is outside the unit circle.
     driven, dissipated : float
-        Work of the drives, and dissipated energy, over the orbit.
+        Work of the drives, and dissipated energy, over the orbit (J).
+    si : bool
+        Whether the numbers are in SI units; otherwise all are dimensionless.
     record : dict
-        All that ``hertzchain orbit driven --json`` prints.
+        All that ``hertzchain orbit driven --json`` prints, with ``--si`` if in SI units.
     """
 
     def __init__(self, scene: Scene, turns: int, settle: int, record: dict[str, Any]) -> None:
         self.scene = scene
         self.record = record
         self._search = (turns, settle)
-        masses = scene._scene.masses()
+        self.si: bool = record.get("si", False)
+        masses, (length, velocity) = scene._scene.masses(), chain_units(record)
         self.y0: dict[str, Vector] = {}
         for name, mass in zip("uv", masses):
             if record[name]:
-                self.y0[name] = np.array(record[name], dtype=np.float64)
-                self.y0[f"p{name}"] = mass * np.array(record[f"{name}_dot"], dtype=np.float64)
+                self.y0[name] = np.array(record[name], dtype=np.float64) / length
+                self.y0[f"p{name}"] = mass * (np.array(record[f"{name}_dot"], dtype=np.float64) / velocity)
         self.period: float = record["drive"]["period"]
         self.response: float = record["response"]
         self.residual: float = record["residual"]
@@ -65,6 +69,12 @@ class DrivenOrbit:
         return f"DrivenOrbit(period={self.period:g}, response={self.response:g}, {what})"
 
 
+def chain_units(record: dict[str, Any]) -> tuple[float, float]:
+    """The chain's units of length and velocity in those of a record: 1 unless it is in SI units."""
+    units = record["units"] if record.get("si") else {}
+    return units.get("length_m", 1.0), units.get("velocity_m_per_s", 1.0)
+
+
 class DrivenBranch:
     """A branch of driven orbits in one parameter.
 
@@ -73,24 +83,28 @@ class DrivenBranch:
     parameter : {"amplitude", "omega", "damping"}
         The parameter that varies.
     values, response, max_modulus : ndarray, shape (points,)
-        The parameter, the largest half range of a bead that no drive moves, and the largest modulus
-        of a multiplier.
+        The parameter (in SI units m for the amplitude of a bead that is moved, N for that of a
+        force, rad/s for ``omega``), the largest half range of a bead that no drive moves (m), and
+        the largest modulus of a multiplier.
     stable : bool ndarray, shape (points,)
         Whether no multiplier is outside the unit circle.
     bifurcations : list of dict
         ``kind`` (fold, plus-one, period-doubling, torus), ``parameter``, ``response``,
-        ``multiplier`` of each.
+        ``multiplier`` of each, in the units of `values` and `response`.
     end : str
         Why the branch ended.
     switched : DrivenBranch or None
         The branch that crosses at the bifurcation that was asked for; ``None``, with a warning that
         says why, if none was followed.
+    si : bool
+        Whether the numbers are in SI units; otherwise all are dimensionless.
     record : dict
-        All that ``hertzchain orbit continue --json`` prints.
+        All that ``hertzchain orbit continue --json`` prints, with ``--si`` if in SI units.
     """
 
     def __init__(self, record: dict[str, Any]) -> None:
         self.record = record
+        self.si: bool = record.get("si", False)
         other = crossing(record)
         self.switched: DrivenBranch | None = None if other is None else DrivenBranch(other)
         points = self.record["points"]
@@ -118,7 +132,10 @@ class DrivenBranch:
             here = [(one["parameter"], one["response"]) for one in self.bifurcations if one["kind"] == kind]
             if here:
                 ax.plot(*zip(*here), marker, color=color, markersize=5)
-        ax.set(xlabel=self.parameter, ylabel="largest half range of a bead")
+        ax.set(
+            xlabel=f"{self.parameter} (SI unit)" if self.si and self.parameter != "damping" else self.parameter,
+            ylabel="largest half range of a bead" + (" (m)" if self.si else ""),
+        )
         return ax
 
 
@@ -136,6 +153,7 @@ def driven_orbit(
     y0: Any = None,
     turns: int = 1,
     settle: int = 300,
+    si: bool = False,
     progress: Progress = False,
 ) -> DrivenOrbit:
     """The periodic orbit to which a driven chain settles.
@@ -154,6 +172,9 @@ def driven_orbit(
     settle : int
         Periods of the orbit for which the chain runs before the search; fewer if its motion
         becomes periodic earlier.
+    si : bool
+        Whether the numbers of the orbit are in SI units, as by ``hertzchain orbit driven --si``;
+        for a scene or chain with ``[units]``. `y0` is dimensionless in any case.
     progress : bool or callable
         As in :func:`run`.
 
@@ -161,6 +182,8 @@ def driven_orbit(
     ------
     ConvergenceError
         If Newton's method does not converge.
+    ParameterError
+        For a scene without a periodic drive; for SI units of a scene without ``[units]``.
 
     Examples
     --------
@@ -172,6 +195,14 @@ def driven_orbit(
     >>> orbit = hc.driven_orbit(chain)
     >>> bool(abs(orbit.response * abs(1 - 1.3**2 + 0.26j) - 1) < 2e-3), orbit.stable
     (True, True)
+
+    In SI units the period is in seconds, and ``frequency`` in hertz.
+
+    >>> orbit = hc.driven_orbit(hc.Scene.load("granular-crystal"), si=True)
+    >>> bool(abs(orbit.period * orbit.record["drive"]["frequency"] - 1) < 1e-15)
+    True
+    >>> bool(abs(orbit.record["drive"]["omega"] / 3e4 - 1) < 1e-15)
+    True
     """
     if isinstance(scene, Chain):
         # A scene needs an end time; the orbit has its own period.
@@ -180,7 +211,7 @@ def driven_orbit(
         scene = scene_of(scene, y0, None)
     turns, settle = whole("turns", turns), whole("settle", settle)
     with shown(progress, "orbit") as tell:
-        text = _native.driven_orbit(scene._scene, turns=turns, settle=settle, progress=tell)
+        text = _native.driven_orbit(scene._scene, turns=turns, settle=settle, si=si, progress=tell)
     return DrivenOrbit(scene, turns, settle, json.loads(text))
 
 
@@ -202,6 +233,7 @@ def continue_driven(
     step: float | None,
     points: int,
     switch: int | None,
+    si: bool | None,
     progress: Progress,
 ) -> DrivenBranch:
     """The branch of a driven orbit; :func:`continue_branch` describes the parameters."""
@@ -216,6 +248,7 @@ def continue_driven(
             step=optional("step", step),
             points=whole("points", points),
             switch=None if switch is None else whole("switch", switch),
+            si=orbit.si if si is None else si,
             progress=tell,
         )
     return DrivenBranch(json.loads(text))

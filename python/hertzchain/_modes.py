@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from . import _native
 from ._arrays import Vector, number, optional, whole
 from ._chain import Chain, Scene
-from ._driven import crossing, stretches
+from ._driven import chain_units, crossing, stretches
 from ._progress import Progress, shown
 from ._run import scene_of
 
@@ -22,22 +22,24 @@ class NormalMode:
     Attributes
     ----------
     linear : structured ndarray, shape (modes,)
-        The linear modes in order of frequency: ``omega``, ``participation``, and the ``site`` with
-        the largest share in the mode; ``resonator`` is true if that is the share of a resonator.
+        The linear modes in order of frequency: ``omega`` (rad/s, if in SI units),
+        ``participation``, and the ``site`` with the largest share in the mode; ``resonator`` is
+        true if that is the share of a resonator.
     mode : int
         Number of the linear mode that is followed, counted from 1.
     amplitude, omega, energy, participation, least_overlap, max_modulus : ndarray, shape (points,)
-        Amplitude; frequency; energy above the equilibrium; participation number, which counts the
-        coordinates that share the orbit; least overlap at the two times of rest, negative where
-        beads are apart; largest modulus of a multiplier.
+        Amplitude (m); frequency (rad/s); energy above the equilibrium (J); participation number,
+        which counts the coordinates that share the orbit; least overlap at the two times of rest
+        (m), negative where beads are apart; largest modulus of a multiplier.
     stable : bool ndarray, shape (points,)
         Whether no multiplier is outside the unit circle.
     bifurcations : list of dict
         ``kind``, ``amplitude`` and ``omega`` of each that was located.
     y0 : dict of ndarray
-        The last orbit of the branch when it is at rest, ``u`` and ``v``, for :func:`run`.
+        The last orbit of the branch when it is at rest, ``u`` and ``v``, for :func:`run`. Always
+        dimensionless, as :func:`run` takes them.
     period : float
-        Period of the last orbit.
+        Period of the last orbit (s).
     multipliers : complex ndarray
         Multipliers of the last orbit.
     end : str
@@ -45,12 +47,15 @@ class NormalMode:
     switched : NormalMode or None
         The branch that crosses at the bifurcation that was asked for; ``None``, with a warning that
         says why, if none was followed.
+    si : bool
+        Whether the numbers are in SI units; otherwise all are dimensionless.
     record : dict
-        All that ``hertzchain orbit mode --json`` prints.
+        All that ``hertzchain orbit mode --json`` prints, with ``--si`` if in SI units.
     """
 
     def __init__(self, record: dict[str, Any]) -> None:
         self.record = record
+        self.si: bool = record.get("si", False)
         # What belongs to the chain is said once.
         other = crossing(record)
         self.switched: NormalMode | None = None if other is None else NormalMode(other)
@@ -69,8 +74,8 @@ class NormalMode:
         self.max_modulus = column("max_modulus")
         self.stable: NDArray[np.bool_] = np.array([point["unstable"] == 0 for point in points])
         self.bifurcations: list[dict[str, Any]] = self.record["bifurcations"]
-        start = last["start"].items()
-        self.y0: dict[str, Vector] = {name: np.array(array, dtype=np.float64) for name, array in start if array}
+        (length, _), start = chain_units(record), last["start"].items()
+        self.y0: dict[str, Vector] = {name: np.array(array, dtype=np.float64) / length for name, array in start if array}
         self.period = float(2.0 * np.pi / self.omega[-1])
         multipliers = [complex(one["re"], one["im"]) for one in last["multipliers"]]
         self.multipliers: NDArray[np.complex128] = np.array(multipliers)
@@ -91,7 +96,7 @@ class NormalMode:
         here = [(one["amplitude"], one["omega"]) for one in self.bifurcations]
         if here:
             ax.plot(*zip(*here), "x", color=color, markersize=5)
-        ax.set(xlabel="amplitude a", ylabel="frequency")
+        ax.set(xlabel="amplitude a" + (" (m)" if self.si else ""), ylabel="frequency" + (" (rad/s)" if self.si else ""))
         return ax
 
 
@@ -103,6 +108,7 @@ def normal_mode(
     step: float | None = None,
     points: int = 200,
     switch: int | None = None,
+    si: bool = False,
     progress: Progress = False,
 ) -> NormalMode:
     """Follow a nonlinear normal mode of a conservative chain, starting from the linear mode.
@@ -125,13 +131,17 @@ def normal_mode(
     switch : int, optional
         Number of a bifurcation, counted from 1. The branch that crosses there is followed too; it
         is ``switched`` of the result.
+    si : bool
+        Whether `to` and `step` (m) and the numbers of the result are in SI units, as by
+        ``hertzchain orbit mode --si``; for a scene or chain with ``[units]``.
     progress : bool or callable
         As in :func:`run`.
 
     Raises
     ------
     ParameterError
-        For a chain that dissipates or is driven, or in which contacts do not hold every bead.
+        For a chain that dissipates or is driven, or in which contacts do not hold every bead; for
+        SI units of a chain without ``[units]``.
     ConvergenceError
         If no first orbit is found.
 
@@ -139,10 +149,19 @@ def normal_mode(
     --------
     A bead between two walls with the overlap 1 has ``omega^2 = 2 alpha`` for small amplitudes.
 
-    >>> import hertzchain as hc
+    >>> import hertzchain as hc, numpy as np
     >>> mode = hc.normal_mode(hc.Chain(sites=1, boundary="fixed", precompression=1.0), to=0.1)
     >>> bool(abs(mode.linear["omega"][0] - 3**0.5) < 1e-14), bool(mode.omega[-1] < mode.omega[0])
     (True, True)
+
+    Two steel spheres under 20 N, in SI units: moving in phase, they have the stiffness of one wall.
+
+    >>> steel = {"radius": 9.525e-3, "density": 8027.0, "young": 193e9, "poisson": 0.3, "static_load": 20.0}
+    >>> mode = hc.normal_mode(hc.Chain(sites=2, boundary="fixed", units=steel), to=1e-9, mode=1, si=True)
+    >>> mass, modulus = 4 / 3 * np.pi * 9.525e-3**3 * 8027.0, 193e9 / (1 - 0.3**2) / 2
+    >>> wall = 4 / 3 * modulus * 9.525e-3**0.5
+    >>> bool(abs(mode.linear["omega"][0] / np.sqrt(1.5 * wall ** (2 / 3) * 20 ** (1 / 3) / mass) - 1) < 1e-13)
+    True
     """
     if isinstance(scene, Chain):
         scene = scene_of(scene, {}, 1.0)
@@ -156,6 +175,7 @@ def normal_mode(
             step=optional("step", step),
             points=whole("points", points),
             switch=None if switch is None else whole("switch", switch),
+            si=si,
             progress=tell,
         )
     return NormalMode(json.loads(text))

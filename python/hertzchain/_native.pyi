@@ -123,7 +123,7 @@ def continue_branch(
 ) -> tuple[str, bytes]: ...
 def load_branch(path: Any) -> tuple[str, bytes]: ...
 def driven_orbit(
-    scene: Scene, *, turns: int, settle: int, progress: Callable[[float], Any] | None
+    scene: Scene, *, turns: int, settle: int, si: bool, progress: Callable[[float], Any] | None
 ) -> str: ...
 def driven_branch(
     scene: Scene,
@@ -135,6 +135,7 @@ def driven_branch(
     step: float | None,
     points: int,
     switch: int | None,
+    si: bool,
     progress: Callable[[float], Any] | None,
 ) -> str: ...
 def normal_mode(
@@ -145,6 +146,7 @@ def normal_mode(
     step: float | None,
     points: int,
     switch: int | None,
+    si: bool,
     progress: Callable[[float], Any] | None,
 ) -> str: ...
 def compare_json(

@@ -277,6 +277,7 @@ def continue_branch(
     step: float | None = None,
     points: int | None = None,
     switch: int | None = None,
+    si: bool | None = None,
     progress: Progress = False,
 ) -> DrivenBranch: ...
 def continue_branch(
@@ -290,6 +291,7 @@ def continue_branch(
     weak: float = 0.01,
     bound: bool = False,
     switch: int | None = None,
+    si: bool | None = None,
     progress: Progress = False,
 ) -> Branch | DrivenBranch:
     """Follow a branch from an orbit.
@@ -321,22 +323,33 @@ def continue_branch(
     switch : int, optional
         Number of a bifurcation, counted from 1. The branch that crosses there is followed too; it
         is ``switched`` of the result. For driven orbits only.
+    si : bool, optional
+        Whether `to` and `step`, and the numbers of the branch, are in SI units, as by ``hertzchain
+        orbit continue --si``; by default as those of the orbit. For driven orbits only.
     progress : bool or callable
         As in :func:`run`.
 
     Examples
     --------
-    >>> import hertzchain as hc
+    >>> import hertzchain as hc, numpy as np
     >>> branch = hc.continue_branch(hc.DarkBreather("bond", 2.02, sites=11), to=2.04, step=0.01)
     >>> branch.end, bool((branch.column("k_x")[1:] > branch.column("k_x")[:-1]).all())
+    ('reached', True)
+
+    A driven orbit in SI units: the first bead is moved by 10 nm at first, and by 12 nm at the end.
+
+    >>> orbit = hc.driven_orbit(hc.Scene.load("granular-crystal"), si=True)
+    >>> driven = hc.continue_branch(orbit, "amplitude", to=12e-9)
+    >>> driven.end, bool(np.allclose(driven.values[[0, -1]], [10e-9, 12e-9], rtol=1e-15, atol=0))
     ('reached', True)
     """
     if isinstance(orbit, DrivenOrbit):
         if natural or bound or weak != 0.01:
             raise ParameterError("natural, weak and bound are not valid: they are for dark breathers")
-        return continue_driven(orbit, parameter, to, step, 200 if points is None else points, switch, progress)
-    if switch is not None:
-        raise ParameterError("switch is not valid: it is for driven orbits")
+        return continue_driven(orbit, parameter, to, step, 200 if points is None else points, switch, si, progress)
+    for name, value in (("switch", switch), ("si", si)):
+        if value is not None:
+            raise ParameterError(f"{name} is not valid: it is for driven orbits")
     breather = orbit.breather if isinstance(orbit, Orbit) else orbit
     if not isinstance(breather, DarkBreather):
         raise ParameterError(f"orbit = {orbit!r} is not valid: an Orbit, a DarkBreather or a DrivenOrbit")

@@ -11,8 +11,8 @@ use hertzchain::{
     orbits::{DriveParameter, Formulation, Trail},
     output::Folder,
     study::{
-        self, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, ModeWay, Plan, Report, Ring, Study, compare,
-        planned,
+        self, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi, ModeWay, Plan, Report, Ring, Study,
+        compare, planned,
     },
     sweep::Engine,
 };
@@ -136,24 +136,25 @@ pub(crate) fn load_branch(py: Python<'_>, path: PathBuf) -> PyResult<BranchBytes
 
 /// The orbit to which a driven scene leads, as JSON.
 #[pyfunction]
-#[pyo3(signature = (scene, *, turns, settle, progress))]
+#[pyo3(signature = (scene, *, turns, settle, si, progress))]
 pub(crate) fn driven_orbit<'py>(
     py: Python<'py>,
     scene: &Scene,
     turns: u32,
     settle: u32,
+    si: bool,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<String> {
     finished(py, progress.as_ref(), |watched| {
         let search = DrivenSearch { turns, settle };
-        let orbit = study::driven_orbit(scene.0.clone(), &search, &|share, _| watched.tell(share))?;
+        let orbit = study::driven_orbit(scene.0.clone(), &search, InSi { si }, &|share, _| watched.tell(share))?;
         Ok(text(&orbit.json()))
     })
 }
 
 /// The branch of that orbit in a parameter, and the one that crosses it, as JSON.
 #[pyfunction]
-#[pyo3(signature = (scene, *, turns, settle, parameter, to, step, points, switch, progress))]
+#[pyo3(signature = (scene, *, turns, settle, parameter, to, step, points, switch, si, progress))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn driven_branch<'py>(
     py: Python<'py>,
@@ -165,20 +166,22 @@ pub(crate) fn driven_branch<'py>(
     step: Option<f64>,
     points: usize,
     switch: Option<usize>,
+    si: bool,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<String> {
     finished(py, progress.as_ref(), |watched| {
         let search = DrivenSearch { turns, settle };
         let vary = DriveParameter::named(parameter)?;
         let way = DrivenWay { vary, to: Some(to), step, max_points: points, switch };
-        let branch = study::driven_branch(scene.0.clone(), &search, &way, &|share, _| watched.tell(share))?;
+        let branch =
+            study::driven_branch(scene.0.clone(), &search, &way, InSi { si }, &|share, _| watched.tell(share))?;
         Ok(text(&branch.json()))
     })
 }
 
 /// The branch of a normal mode of a scene, as JSON.
 #[pyfunction]
-#[pyo3(signature = (scene, *, mode, to, step, points, switch, progress))]
+#[pyo3(signature = (scene, *, mode, to, step, points, switch, si, progress))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn normal_mode<'py>(
     py: Python<'py>,
@@ -188,11 +191,12 @@ pub(crate) fn normal_mode<'py>(
     step: Option<f64>,
     points: usize,
     switch: Option<usize>,
+    si: bool,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<String> {
     finished(py, progress.as_ref(), |watched| {
         let way = ModeWay { mode, to, step, max_points: points, switch };
-        let branch = study::follow_mode(scene.0.clone(), &way, &|share, _| watched.tell(share))?;
+        let branch = study::follow_mode(scene.0.clone(), &way, InSi { si }, &|share, _| watched.tell(share))?;
         Ok(text(&branch.json()))
     })
 }

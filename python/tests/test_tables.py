@@ -168,6 +168,29 @@ def test_si_units_are_those_of_the_program(program: Any, tmp_path: Any) -> None:
     assert np.allclose(si.energy, run.energy * units["energy_j"], rtol=1e-15, atol=0)
 
 
+def test_a_run_in_si_units_is_the_run_turned_into_them() -> None:
+    scene = hc.Scene.load("granular-crystal")
+    si = hc.run(scene, until=110.0, tol=1e-6, events=True, si=True)
+    run = hc.run(scene, until=110.0, tol=1e-6, events=True).in_si()
+    assert np.array_equal(si.t, run.t) and np.array_equal(si.u, run.u) and np.array_equal(si.pu, run.pu)
+    assert si.contacts is not None and run.contacts is not None
+    assert si.contacts.tobytes() == run.contacts.tobytes() and si.driven == run.driven
+    times: list[float] = []
+    with pytest.raises(hc.ParameterError, match="units"):
+        # Refused before the run begins.
+        hc.run(hc.Chain(sites=2), y0={"pu": [1.0, 0.0]}, until=1.0, on_sample=lambda t, _: times.append(t), si=True)
+    assert not times
+
+    def stop(t: float, _: Any) -> None:
+        if t > 50.0:
+            raise LookupError("enough")
+
+    with pytest.raises(LookupError) as caught:
+        hc.run(scene, until=110.0, method="verlet", step=1e-2, on_sample=stop, si=True)
+    partial, units = caught.value.partial, scene.units  # type: ignore[attr-defined]
+    assert units is not None and 50.0 < partial.t[-1] / units["time_s"] < 51.0
+
+
 def test_si_units_need_spheres() -> None:
     run = hc.run(hc.Chain(sites=2), y0={"pu": [1.0, 0.0]}, until=1.0)
     assert run.units is None

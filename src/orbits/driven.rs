@@ -22,7 +22,7 @@ use super::{
     shooting::{Equations, NewtonStep, least_squares},
 };
 use crate::{
-    chain::{Chain, Details, Drive, Envelope, Means, State, Variations, max_norm},
+    chain::{Chain, Details, Drive, Envelope, Kind, Means, State, Variations, max_norm},
     error::{Error, Iterate, Result},
     interrupt,
 };
@@ -308,6 +308,36 @@ impl DrivenSetting {
             let moved = details.drives.iter().filter(|drive| drive.means == Means::Moved);
             moved.map(|drive| drive.signal.size()).fold(0.0, f64::max)
         }))
+    }
+
+    /// A bound of the rates in a chain whose unknowns are as large as `z`, in units of the frequency
+    /// of the orbit: frequencies of contacts and resonators, rates of damping, harmonics of drives.
+    pub(crate) fn haste(&self, z: &[f64]) -> Result<f64> {
+        let (chain, reach) = (self.chain()?, 2.0 * max_norm(z.iter().copied()).max(self.moved()?));
+        let (params, details) = (chain.params(), chain.details().cloned().unwrap_or_default());
+        let of = |list: &[f64], i: usize, uniform: f64| list.get(i).copied().unwrap_or(uniform);
+        let inverse = |mass: f64| if mass > 0.0 { 1.0 / mass } else { 0.0 };
+        let per_mass = max_norm(self.free_beads().map(|i| inverse(chain.masses(i)[0])));
+        // By Gershgorin, as a bead has two contacts.
+        let contacts = details.overlap.iter().enumerate().map(|(k, rest)| {
+            let (constant, alpha) = (of(&details.contact, k, 1.0), of(&details.alpha, k, params.alpha));
+            let stiffness = constant * alpha * (rest + reach).max(0.0).powf(alpha - 1.0);
+            let resistance = details.dissipation.as_ref().map_or(0.0, |loss| match loss.kind {
+                Kind::Viscoelastic => loss.strength[k] * stiffness,
+                Kind::Dashpot => loss.strength[k],
+            });
+            [stiffness, resistance].map(|one| 4.0 * one * per_mass)
+        });
+        let sites = (0..self.sites()).map(|i| {
+            let [bead, both] = [inverse(chain.masses(i)[0]), chain.masses(i).map(inverse).iter().sum()];
+            let damping = of(&details.drag, i, 0.0) * bead + of(&details.dashpot, i, 0.0) * both;
+            [of(&details.kappa, i, params.kappa) * both, damping]
+        });
+        let largest = |[a, b]: [f64; 2], [x, y]: [f64; 2]| [a.max(x), b.max(y)];
+        let (contacts, sites) = (contacts.fold([0.0; 2], largest), sites.fold([0.0; 2], largest));
+        let [squared, damping] = [0, 1].map(|k| contacts[k] + sites[k]);
+        let harmonics = details.drives.iter().flat_map(|drive| &drive.signal.harmonics).map(|one| one.omega);
+        Ok(max_norm(harmonics.chain([squared.sqrt(), damping])) * self.period() / (2.0 * PI))
     }
 
     /// The unknowns at rest.
@@ -678,5 +708,48 @@ impl Family for DrivenFamily<'_> {
 
     fn solved(&self) -> f64 {
         SOLVED
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        chain::{Boundary, Harmonic, Params, Signal},
+        orbits::NormalModes,
+    };
+
+    const OMEGA: f64 = 0.5;
+
+    fn haste(params: (f64, f64), details: Details, turns: u32, z: f64) -> f64 {
+        let harmonics = vec![Harmonic { amplitude: 0.1, omega: OMEGA, phase: 0.0 }];
+        let signal = Signal { harmonics, envelope: Envelope::None };
+        let details = Details { drives: vec![Drive { site: 0, means: Means::Pushed, signal }], ..details };
+        let setting = DrivenSetting::new(&chain(params, &details), turns).unwrap();
+        setting.haste(&vec![z; setting.unknowns()]).unwrap() * OMEGA
+    }
+
+    fn chain((kappa, rho): (f64, f64), details: &Details) -> Chain<f64> {
+        let params = Params::new(1.5, kappa, rho).unwrap();
+        Chain::new(params, Boundary::Fixed, 4).unwrap().precompressed(1.0).unwrap().with(details).unwrap()
+    }
+
+    // Truth: the upper edge of the band of a long chain, 4 k = 6 at the overlap 1; the frequency of a
+    // bead against its resonator; the largest mode of four beads that differ.
+    #[test]
+    fn rates_are_bounded_by_those_of_long_chains() {
+        let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-14;
+        let none = Details::default;
+        assert!(near(haste((0.0, 0.0), none(), 1, 0.0), 6f64.sqrt()));
+        assert!(near(haste((0.0, 0.0), none(), 3, 0.0), 3.0 * 6f64.sqrt()));
+        assert!(near(haste((0.0, 0.0), none(), 1, 1.5), 12f64.sqrt()));
+        assert!(near(haste((1.0, 1.0 / 3.0), none(), 1, 0.0), 10f64.sqrt()));
+        let damped = |dashpot: f64| Details { drag: vec![0.0, 7.0, 0.0, 0.0], dashpot: vec![dashpot; 4], ..none() };
+        assert!(near(haste((0.0, 0.0), damped(0.0), 1, 0.0), 7.0));
+        assert!(near(haste((1.0, 1.0 / 3.0), damped(2.0), 1, 0.0), 15.0));
+        let differing = Details { mass: vec![1.0, 0.2, 3.0, 0.5], contact: vec![1.0, 2.0, 0.3, 4.0, 1.0], ..none() };
+        let modes = NormalModes::new(&chain((1.0, 0.5), &differing)).unwrap();
+        let largest = modes.linear().iter().map(|mode| mode.omega).fold(0.0, f64::max);
+        assert!(haste((1.0, 0.5), differing, 1, 0.0) > largest && largest > 6f64.sqrt());
     }
 }

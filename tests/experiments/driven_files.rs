@@ -124,6 +124,11 @@ fn a_driven_branch_goes_on_beyond_its_end_and_not_back() {
     assert_eq!(read.onward(None, None, 200).unwrap().end, Some(End::Reached), "there is nothing to follow");
 }
 
+/// Gives the drive another frequency.
+fn slowed(settings: &mut Value, omega: f64) {
+    settings["scene"] = json!(settings["scene"].as_str().unwrap().replace("omega = 1.8", &format!("omega = {omega}")));
+}
+
 /// An alteration of the settings, or of the numbers `parameter`, `residual` and `z`.
 type Case = (fn(&mut Value, &mut [Vec<f64>; 3]), &'static str, &'static str);
 
@@ -152,6 +157,9 @@ fn what_cannot_be_a_driven_branch_is_refused_with_file_place_and_rule() {
         (|_, a| a[1][2] = f64::INFINITY, "z", "point 2: numbers of an orbit are finite"),
         (|_, a| a[2][3] += 1e-6, "z", "point 1: an orbit returns to 1e-8"),
         (|_, a| a[2][0] = 1e300, "z", "point 0: "),
+        // The flow over a period of these would take hours.
+        (|s, _| slowed(s, 1.8e-7), "z", "at most 10^5 times as fast as it is: these may be 1.4e7 times"),
+        (|_, a| a[2][1] = 1e24, "z", "point 0: contacts, resonators, damping and drives of an orbit"),
     ];
     for (alter, place, rule) in cases {
         let (mut settings, mut arrays) = (settings.clone(), arrays.clone());

@@ -18,8 +18,7 @@ use crate::{
     scene::{Quantity, Scene, Units},
     sweep::Engine,
 };
-pub use file::load_driven_branch;
-use file::npz;
+pub use file::{driven_branch_from_archive, driven_branch_npz, load_driven_branch};
 #[cfg(feature = "plot")]
 pub(crate) use report::{multipliers_panel, stability_lines};
 use std::path::PathBuf;
@@ -125,21 +124,21 @@ impl Study for Driven {
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.told.load()?;
-        let si = self.told.si.units(&scene)?;
+        self.told.si.units(&scene)?;
         self.told.search.setting(&scene)?;
-        Ok(Box::new(move |_, progress| {
-            Ok(Box::new(DrivenStudy { si, ..driven_orbit(scene, &self.told.search, progress)? }))
-        }))
+        Ok(Box::new(move |_, progress| Ok(Box::new(driven_orbit(scene, &self.told.search, self.told.si, progress)?))))
     }
 }
 
 /// The orbit to which a driven scene leads. `progress` is told the share done.
 ///
 /// # Errors
-/// A scene without a periodic drive; an orbit that is not found; a signal.
-pub fn driven_orbit(scene: Scene, search: &DrivenSearch, progress: Progress<'_>) -> Result<DrivenStudy> {
+/// A scene without a periodic drive, or without the units that are asked for; an orbit that is not
+/// found; a signal.
+pub fn driven_orbit(scene: Scene, search: &DrivenSearch, si: InSi, progress: Progress<'_>) -> Result<DrivenStudy> {
+    let si = si.units(&scene)?;
     let orbit = search.orbit(&scene, &search.setting(&scene)?, progress)?;
-    DrivenStudy::new(scene, orbit)
+    Ok(DrivenStudy { si, ..DrivenStudy::new(scene, orbit)? })
 }
 
 impl DrivenStudy {
@@ -246,14 +245,10 @@ impl Study for DrivenContinue {
         check_switch(self.way.switch)?;
         let Some(path) = &self.resume else {
             let scene = self.told.load()?;
-            let si = self.told.si.units(&scene)?;
-            let setting = self.told.search.setting(&scene)?;
-            let way = self.way.read(Scale(si.as_ref()), self.way.vary, &setting);
-            self.refused_as_given(si, self.way.vary, way.continuation(&setting))?;
+            let DrivenScene { search, si, .. } = &self.told;
+            self.way.for_scene(&scene, search, *si)?;
             return Ok(Box::new(move |engine, progress| {
-                let settling = |share: f64, what: &str| progress(SETTLING * share, what);
-                let trail = first(&scene, &self.told.search, &way, &settling)?;
-                Ok(Box::new(followed(scene, trail, si, way.switch, engine, progress)?))
+                Ok(Box::new(begun(scene, search, &self.way, *si, engine, progress)?))
             }));
         };
         let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
@@ -264,21 +259,13 @@ impl Study for DrivenContinue {
             Some(orbit) => self.way.read(Scale(si.as_ref()), parameter, &orbit.setting),
             None => self.way,
         };
-        let trail = self.refused_as_given(si, parameter, trail.onward(way.to, way.step, way.max_points))?;
+        let trail = self.way.as_given(si, parameter, trail.onward(way.to, way.step, way.max_points))?;
         Ok(Box::new(move |engine, progress| Ok(Box::new(followed(scene, trail, si, way.switch, engine, progress)?))))
     }
 
     fn beside(&self) -> Option<PathBuf> {
         let path = self.resume.as_deref()?;
         (path.is_dir() || path.ends_with(BRANCH_FILE)).then(|| super::folder_of(path))
-    }
-}
-
-impl DrivenContinue {
-    /// A refusal of a number with its value as it was given.
-    fn refused_as_given<T>(&self, si: Option<Units>, parameter: DriveParameter, result: Result<T>) -> Result<T> {
-        let DrivenWay { to, step, .. } = self.way;
-        Scale(si.as_ref()).given(result, &[("to", to), (parameter.name(), to), ("step", step)])
     }
 }
 
@@ -299,6 +286,27 @@ impl DrivenWay {
         Self { to: self.to.map(read), step: self.step.map(read), ..*self }
     }
 
+    /// A refusal of a number with its value as it was given.
+    fn as_given<T>(&self, si: Option<Units>, parameter: DriveParameter, result: Result<T>) -> Result<T> {
+        let &Self { to, step, .. } = self;
+        Scale(si.as_ref()).given(result, &[("to", to), (parameter.name(), to), ("step", step)])
+    }
+
+    /// The continuation from a scene, and the units in which it was given and is told.
+    fn for_scene(
+        &self,
+        scene: &Scene,
+        search: &DrivenSearch,
+        si: InSi,
+    ) -> Result<(DrivenSetting, DrivenContinuation, Option<Units>)> {
+        check_switch(self.switch)?;
+        let si = si.units(scene)?;
+        let setting = search.setting(scene)?;
+        let read = self.read(Scale(si.as_ref()), self.vary, &setting);
+        let continuation = self.as_given(si, self.vary, read.continuation(&setting))?;
+        Ok((setting, continuation, si))
+    }
+
     /// The continuation from the scene's own value.
     fn continuation(&self, setting: &DrivenSetting) -> Result<DrivenContinuation> {
         let &Self { vary: parameter, to, step, max_points: most_points, .. } = self;
@@ -317,28 +325,34 @@ impl DrivenWay {
 const SETTLING: f64 = 0.2;
 const ORBITS: f64 = 0.6;
 
-/// The branch, in one parameter, that begins with the orbit to which a driven scene leads.
-/// `progress` is told the share done.
+/// The branch, in one parameter, that begins with the orbit to which a driven scene leads. In SI
+/// units, `to` and `step` of the way are read, and the report is told, in these. `progress` is told
+/// the share done.
 ///
 /// # Errors
-/// A scene without a periodic drive; a number outside its rule; a first orbit that is not found; a
-/// signal.
+/// A scene without a periodic drive, or without the units that are asked for; a number outside its
+/// rule; a first orbit that is not found; a signal.
 pub fn driven_branch(
     scene: Scene,
     search: &DrivenSearch,
     way: &DrivenWay,
+    si: InSi,
     progress: Progress<'_>,
 ) -> Result<DrivenBranchStudy> {
-    check_switch(way.switch)?;
-    let trail = first(&scene, search, way, &|share, what| progress(SETTLING * share, what))?;
-    followed(scene, trail, None, way.switch, &Engine::threads(), progress)
+    begun(scene, search, way, si, &Engine::threads(), progress)
 }
 
-/// The branch with its first orbit only.
-fn first(scene: &Scene, search: &DrivenSearch, way: &DrivenWay, progress: Progress<'_>) -> Result<DrivenTrail> {
-    let setting = search.setting(scene)?;
-    let continuation = way.continuation(&setting)?;
-    DrivenTrail::new(continuation, search.orbit(scene, &setting, progress)?)
+fn begun(
+    scene: Scene,
+    search: &DrivenSearch,
+    way: &DrivenWay,
+    si: InSi,
+    engine: &Engine,
+    progress: Progress<'_>,
+) -> Result<DrivenBranchStudy> {
+    let (setting, continuation, si) = way.for_scene(&scene, search, si)?;
+    let orbit = search.orbit(&scene, &setting, &|share, what| progress(SETTLING * share, what))?;
+    followed(scene, DrivenTrail::new(continuation, orbit)?, si, way.switch, engine, progress)
 }
 
 /// Continues and studies a branch, and the one that crosses it at bifurcation `switch`, if given.
@@ -376,8 +390,9 @@ impl Kept<'_> {
     /// Continues a branch, unless it has ended, and computes its multipliers and bifurcations.
     fn go_on(mut self, mut trail: DrivenTrail, scale: Scale<'_>, progress: Progress<'_>) -> Result<DrivenBranch> {
         let DrivenContinuation { parameter, to, .. } = trail.continuation;
-        let mut keep =
-            |trail: &DrivenTrail| self.keeper.keep(trail.orbits.len(), trail.end.is_some(), || npz(self.scene, trail));
+        let mut keep = |trail: &DrivenTrail| {
+            self.keeper.keep(trail.orbits.len(), trail.end.is_some(), || driven_branch_npz(self.scene, trail))
+        };
         if trail.end.is_none() {
             let back = trail.back;
             let extended = trail.extend(|trail| {

@@ -1,6 +1,6 @@
 //! Orbits of driven scenes and their branches as text, JSON, CSV and pictures.
 
-use super::{BRANCH_FILE, DrivenBranchStudy, DrivenStudy, SWITCHED_FILE, SWITCHED_TABLE, npz, quantity};
+use super::{BRANCH_FILE, DrivenBranchStudy, DrivenStudy, SWITCHED_FILE, SWITCHED_TABLE, driven_branch_npz, quantity};
 #[cfg(feature = "plot")]
 use crate::study::shown;
 use crate::{
@@ -311,12 +311,12 @@ impl Report for DrivenBranchStudy {
         let mut files = named([
             ("driven-branch.csv", branch_csv(branch, self.scale())),
             ("driven-branch.json", format!("{json}\n").into()),
-            (BRANCH_FILE, npz(scene, &branch.trail)?),
+            (BRANCH_FILE, driven_branch_npz(scene, &branch.trail)?),
         ]);
         if let Some((_, other)) = self.crossing() {
             files.extend(named([
                 (SWITCHED_TABLE, branch_csv(other, self.scale())),
-                (SWITCHED_FILE, npz(scene, &other.trail)?),
+                (SWITCHED_FILE, driven_branch_npz(scene, &other.trail)?),
             ]));
         }
         Ok(files)

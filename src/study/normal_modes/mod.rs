@@ -93,6 +93,15 @@ impl ModeWay {
         Self { to: read(self.to), step: self.step.map(read), ..*self }
     }
 
+    /// The modes of a scene, the continuation, and the units in which it was given and is told.
+    fn for_scene(&self, scene: &Scene, si: InSi) -> Result<(NormalModes, ModeContinuation, Option<Units>)> {
+        let si = si.units(scene)?;
+        let (modes, scale) = (NormalModes::new(scene.chain())?, Scale(si.as_ref()));
+        let &Self { to, step, .. } = self;
+        let continuation = scale.given(self.read(scale).continuation(&modes), &[("to", Some(to)), ("step", step)])?;
+        Ok((modes, continuation, si))
+    }
+
     fn continuation(&self, modes: &NormalModes) -> Result<ModeContinuation> {
         let &Self { mode, to, step, max_points: most_points, switch } = self;
         check_switch(switch)?;
@@ -121,27 +130,22 @@ impl Study for FollowMode {
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = Scene::load_with(&self.scene, &self.changes.set)?;
-        let si = self.si.units(&scene)?;
-        let modes = NormalModes::new(scene.chain())?;
-        let scale = Scale(si.as_ref());
-        let ModeWay { to, step, .. } = self.way;
-        let continuation =
-            scale.given(self.way.read(scale).continuation(&modes), &[("to", Some(to)), ("step", step)])?;
+        let (modes, continuation, si) = self.way.for_scene(&scene, self.si)?;
         Ok(Box::new(move |engine, progress| {
             Ok(Box::new(followed(scene, modes, si, &continuation, self.way.switch, engine, progress)?))
         }))
     }
 }
 
-/// The branch of a normal mode of a conservative scene. `progress` is told the share done.
+/// The branch of a normal mode of a conservative scene. In SI units, `to` and `step` of the way are
+/// read, and the report is told, in these. `progress` is told the share done.
 ///
 /// # Errors
-/// A scene that dissipates or is driven, or whose contacts do not hold every bead; a number outside
-/// its rule; a first orbit that is not found; a signal.
-pub fn follow_mode(scene: Scene, way: &ModeWay, progress: Progress<'_>) -> Result<ModeStudy> {
-    let modes = NormalModes::new(scene.chain())?;
-    let continuation = way.continuation(&modes)?;
-    followed(scene, modes, None, &continuation, way.switch, &Engine::threads(), progress)
+/// A scene that dissipates or is driven, or whose contacts do not hold every bead, or without the
+/// units that are asked for; a number outside its rule; a first orbit that is not found; a signal.
+pub fn follow_mode(scene: Scene, way: &ModeWay, si: InSi, progress: Progress<'_>) -> Result<ModeStudy> {
+    let (modes, continuation, si) = way.for_scene(&scene, si)?;
+    followed(scene, modes, si, &continuation, way.switch, &Engine::threads(), progress)
 }
 
 /// Names of the stores of bifurcations.
