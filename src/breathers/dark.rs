@@ -60,7 +60,7 @@ impl DarkBreather {
         z.extend(y);
         // Such a strong background is not a small oscillation, and Newton's method would run for
         // minutes without result.
-        if self.setting().haste(&z) > FASTEST {
+        if self.setting().fastest_rate(&z) > FASTEST {
             let rule = "the first-order breather has contacts at most 10 times as fast as it is: take a larger rho, or omega_b nearer to omega";
             return Err(Error::parameter("strains", max_norm(z), rule));
         }

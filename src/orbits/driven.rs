@@ -312,7 +312,7 @@ impl DrivenSetting {
 
     /// A bound of the rates in a chain whose unknowns are as large as `z`, in units of the frequency
     /// of the orbit: frequencies of contacts and resonators, rates of damping, harmonics of drives.
-    pub(crate) fn haste(&self, z: &[f64]) -> Result<f64> {
+    pub(crate) fn fastest_rate(&self, z: &[f64]) -> Result<f64> {
         let (chain, reach) = (self.chain()?, 2.0 * max_norm(z.iter().copied()).max(self.moved()?));
         let (params, details) = (chain.params(), chain.details().cloned().unwrap_or_default());
         let of = |list: &[f64], i: usize, uniform: f64| list.get(i).copied().unwrap_or(uniform);
@@ -721,12 +721,12 @@ mod tests {
 
     const OMEGA: f64 = 0.5;
 
-    fn haste(params: (f64, f64), details: Details, turns: u32, z: f64) -> f64 {
+    fn fastest_rate(params: (f64, f64), details: Details, turns: u32, z: f64) -> f64 {
         let harmonics = vec![Harmonic { amplitude: 0.1, omega: OMEGA, phase: 0.0 }];
         let signal = Signal { harmonics, envelope: Envelope::None };
         let details = Details { drives: vec![Drive { site: 0, means: Means::Pushed, signal }], ..details };
         let setting = DrivenSetting::new(&chain(params, &details), turns).unwrap();
-        setting.haste(&vec![z; setting.unknowns()]).unwrap() * OMEGA
+        setting.fastest_rate(&vec![z; setting.unknowns()]).unwrap() * OMEGA
     }
 
     fn chain((kappa, rho): (f64, f64), details: &Details) -> Chain<f64> {
@@ -740,16 +740,16 @@ mod tests {
     fn rates_are_bounded_by_those_of_long_chains() {
         let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-14;
         let none = Details::default;
-        assert!(near(haste((0.0, 0.0), none(), 1, 0.0), 6f64.sqrt()));
-        assert!(near(haste((0.0, 0.0), none(), 3, 0.0), 3.0 * 6f64.sqrt()));
-        assert!(near(haste((0.0, 0.0), none(), 1, 1.5), 12f64.sqrt()));
-        assert!(near(haste((1.0, 1.0 / 3.0), none(), 1, 0.0), 10f64.sqrt()));
+        assert!(near(fastest_rate((0.0, 0.0), none(), 1, 0.0), 6f64.sqrt()));
+        assert!(near(fastest_rate((0.0, 0.0), none(), 3, 0.0), 3.0 * 6f64.sqrt()));
+        assert!(near(fastest_rate((0.0, 0.0), none(), 1, 1.5), 12f64.sqrt()));
+        assert!(near(fastest_rate((1.0, 1.0 / 3.0), none(), 1, 0.0), 10f64.sqrt()));
         let damped = |dashpot: f64| Details { drag: vec![0.0, 7.0, 0.0, 0.0], dashpot: vec![dashpot; 4], ..none() };
-        assert!(near(haste((0.0, 0.0), damped(0.0), 1, 0.0), 7.0));
-        assert!(near(haste((1.0, 1.0 / 3.0), damped(2.0), 1, 0.0), 15.0));
+        assert!(near(fastest_rate((0.0, 0.0), damped(0.0), 1, 0.0), 7.0));
+        assert!(near(fastest_rate((1.0, 1.0 / 3.0), damped(2.0), 1, 0.0), 15.0));
         let differing = Details { mass: vec![1.0, 0.2, 3.0, 0.5], contact: vec![1.0, 2.0, 0.3, 4.0, 1.0], ..none() };
         let modes = NormalModes::new(&chain((1.0, 0.5), &differing)).unwrap();
         let largest = modes.linear().iter().map(|mode| mode.omega).fold(0.0, f64::max);
-        assert!(haste((1.0, 0.5), differing, 1, 0.0) > largest && largest > 6f64.sqrt());
+        assert!(fastest_rate((1.0, 0.5), differing, 1, 0.0) > largest && largest > 6f64.sqrt());
     }
 }

@@ -303,7 +303,7 @@ impl Orbit {
     /// apply to both formulations.
     fn measured(self, shooting: &Shooting) -> Result<Self> {
         // The integration of strains far from any orbit may take too long.
-        if self.setting.haste(&self.z) > FASTEST {
+        if self.setting.fastest_rate(&self.z) > FASTEST {
             let rule = "contacts and resonators of an orbit are at most 1000 times as fast as it is";
             return Err(Error::parameter("strains", self.amplitude(), rule));
         }

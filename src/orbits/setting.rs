@@ -105,7 +105,7 @@ impl Setting {
     /// or that of the resonators if it is higher, in units of `omega_b`.
     ///
     /// Infinite for strains that are not finite.
-    pub(crate) fn haste(&self, strains: &[f64]) -> f64 {
+    pub(crate) fn fastest_rate(&self, strains: &[f64]) -> f64 {
         let Self { params, omega_b, .. } = *self;
         let size =
             strains.iter().fold(0.0, |size: f64, x| if x.is_finite() { size.max(x.abs()) } else { f64::INFINITY });

@@ -158,10 +158,10 @@ fn orbits(
             return Err(refused("z", &"numbers of an orbit are finite"));
         }
         let setting = setting.with(continuation.parameter, p);
-        let haste = setting.haste(z).map_err(|why| refused("parameter", &why))?;
-        if haste > FASTEST {
+        let rate = setting.fastest_rate(z).map_err(|why| refused("parameter", &why))?;
+        if rate > FASTEST {
             let rule = "contacts, resonators, damping and drives of an orbit are at most 10^5 times as fast as it is";
-            return Err(refused("z", &format!("{rule}: these may be {haste:.1e} times")));
+            return Err(refused("z", &format!("{rule}: these may be {rate:.1e} times")));
         }
         orbits.push(DrivenOrbit { setting, z: z.to_vec(), residual, newton: Vec::new() });
     }
