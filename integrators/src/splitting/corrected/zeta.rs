@@ -92,12 +92,19 @@ impl ZetaTable {
         let square = x * x;
         let fourth = square * square;
         let (quads, _) = self.powers.as_chunks::<4>();
-        // Four sums over every fourth power, of which none waits for another.
-        let mut sums = quads[quads.len() - 1].map(|row| row.map(Pack::all));
-        for quad in quads[..quads.len() - 1].iter().rev() {
-            for (sums, row) in sums.iter_mut().zip(quad) {
-                for (sum, &coefficient) in sums.iter_mut().zip(row) {
-                    *sum = *sum * fourth + coefficient;
+        // Four sums over every fourth power, of which none waits for another. No closure: it would
+        // not be compiled for the registers of the kernel.
+        let mut sums = [[Pack::all(0.0); Self::COUNT]; 4];
+        let (last, others) = quads.split_last().expect("powers");
+        for j in 0..4 {
+            for k in 0..Self::COUNT {
+                sums[j][k] = Pack::all(last[j][k]);
+            }
+        }
+        for quad in others.iter().rev() {
+            for j in 0..4 {
+                for k in 0..Self::COUNT {
+                    sums[j][k] = sums[j][k] * fourth + quad[j][k];
                 }
             }
         }
