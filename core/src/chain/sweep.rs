@@ -63,7 +63,7 @@ const PIECE: usize = if cfg!(test) { 64 } else { 512 } * LANES;
 /// Smallest number of sites of a chain whose kicks follow each other. Timed on one core, with
 /// resonators, in CPU time: on 10^6 sites a run takes 48 % (`verlet`) and 72 % (`strang-linear`) of
 /// the time of kicks one at a time; on 10^4 and 10^5 sites, 97 to 116 %. Tests use shorter chains.
-const LONG: usize = if cfg!(test) { 1 << 13 } else { 1 << 17 };
+const LONG: usize = if cfg!(test) { 1 << 13 } else { 1 << 16 };
 
 /// A flow whose kicks are sweeps.
 pub(crate) trait Swept<R: Real> {
