@@ -19,11 +19,6 @@ impl<R: Real> Turns<R> {
     pub fn new(chain: Chain<R>) -> Self {
         Self { overlaps: Overlaps::new(chain.clone()), lossy: chain.lossy(), chain }
     }
-
-    /// Whether a contact dissipates.
-    pub(crate) fn dissipates(&self) -> bool {
-        !self.lossy.is_empty()
-    }
 }
 
 impl<R: Real> EventFunctions<R> for Turns<R> {

@@ -73,6 +73,8 @@
 //!   [`Variations::flow`] refuses such columns. So it does where beads touch at rest for longer, as
 //!   beyond a gap that the wave has not closed, and a column changes their overlap or its rate.
 //!
+//! Without dissipation the flow has a derivative at `g = g' = 0`, too, and the same holds.
+//!
 //! So values inside the band at the start count as positive until they are below zero by more than
 //! the error of a step ([`EventFunctions::told`]). An event that was found within such errors, and
 //! after which its function goes back to where it came from, is taken back.
@@ -355,7 +357,7 @@ impl<R: Real> EventFunctions<R> for OfState<R> {
     }
 
     fn told(&self) -> bool {
-        self.turns.dissipates()
+        true
     }
 }
 
