@@ -62,8 +62,8 @@ pub(crate) const MOST_KICKS: usize = 16;
 const PIECE: usize = if cfg!(test) { 64 } else { 512 } * LANES;
 /// Smallest number of sites of a chain whose kicks follow each other. Timed on one core, with
 /// resonators, against kicks one at a time (least of two samples, a busy machine): on 10^6 sites a
-/// run takes 0.49 (`verlet`) and 0.57 (`strang-linear`) of the time, on 10^5 sites 0.93 and 0.96, on
-/// 20 000 and 50 000 sites 0.89 to 1.04. Tests use shorter chains.
+/// run takes 0.49 (`verlet`) and 0.57 (`strang-linear`) of the time, on 10^5 sites 0.93 and 0.96,
+/// on 20 000 and 50 000 sites 0.89 to 1.04. Tests use shorter chains.
 const LONG: usize = if cfg!(test) { 1 << 13 } else { 1 << 16 };
 
 /// A flow whose kicks are sweeps.

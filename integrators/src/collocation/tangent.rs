@@ -31,8 +31,8 @@
 //! with the first bracket left out where beads meet; `[K c dg](s)` is the path by the impulse
 //! `c dg` at `s`. No derivative of `c` is left, which is infinite where viscoelastic contacts
 //! begin, and `dg` is smooth in the variable of the panels. It is the unknown,
-//! `dg = dg_lin + T_1 dg` with `T_1` from this formula (`Panel::respond`). At `a` and `b` it is interpolated from the nodes;
-//! panels are halved once for that.
+//! `dg = dg_lin + T_1 dg` with `T_1` from this formula (`Panel::respond`). At `a` and `b` it is
+//! interpolated from the nodes; panels are halved once for that.
 //!
 //! Beside a dashpot `dg` has a kink where its contact begins, and one bond further a jump of the
 //! second derivative. So panels are cut at the events of second neighbours, too. Columns that
