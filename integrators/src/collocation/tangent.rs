@@ -348,16 +348,7 @@ impl<const M: usize, const S: usize> Kernel for Window<'_, M, S> {
                 }
             }
         }
-        let mut contraction = 0.0;
-        if frames.links.lossy() {
-            for bond in bonds {
-                let link = frames.of(bond.initial.bond).link;
-                for panel in bond.panels.as_slice() {
-                    contraction += bond.initial.recoil * panel.resisted(frames.rule, link);
-                }
-            }
-        }
-        Ok(contraction)
+        Ok(contraction(frames, bonds))
     }
 }
 
@@ -386,6 +377,20 @@ fn add(to: &mut Lanes, by: f64, values: &Lanes) {
     for lane in 0..LANES {
         to[lane] = by.mul_add(values[lane], to[lane]);
     }
+}
+
+/// The part of [`Tangent::contraction`] in a window.
+fn contraction<const M: usize, const S: usize>(frames: &Frames<'_, M, S>, bonds: &[Bond<M, S>]) -> f64 {
+    let mut sum = 0.0;
+    if frames.links.lossy() {
+        for bond in bonds {
+            let link = frames.of(bond.initial.bond).link;
+            for panel in bond.panels.as_slice() {
+                sum += bond.initial.recoil * panel.resisted(frames.rule, link);
+            }
+        }
+    }
+    sum
 }
 
 /// The bonds of a solved window, with the ends of their panels where the contacts of its solution
