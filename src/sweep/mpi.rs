@@ -44,8 +44,8 @@ const QUICK: Duration = Duration::from_millis(100);
 /// The ranks of the MPI job that this process belongs to.
 ///
 /// Every rank has as many threads as the environment variable `RAYON_NUM_THREADS` says, one without
-/// it. The grid must be the same on all ranks. A job does one sweep, after which the other ranks
-/// have ended.
+/// it. The grid must be the same on all ranks. The other ranks end with the first sweep; further
+/// ones are computed by rank 0 alone.
 pub struct Mpi {
     universe: Universe,
     threads: usize,
@@ -116,8 +116,11 @@ impl Mpi {
         let mut ranks = vec![Rank::default(); world.size() as usize];
         thread::scope(|scope| {
             let own: Vec<_> = (0..self.threads).map(|_| scope.spawn(compute)).collect();
+            // A rank that came late to a sweep before this one, when all its points were dealt, has
+            // ended, although its `READY` is first heard now.
+            let hear = || if self.ended.get() { None } else { world.any_process().immediate_matched_probe() };
             loop {
-                if let Some(message) = world.any_process().immediate_matched_probe() {
+                if let Some(message) = hear() {
                     let number = message.1.source_rank();
                     let rank = &mut ranks[number as usize];
                     if let Some((k, text)) = rank.hear(message) {

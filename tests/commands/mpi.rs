@@ -6,6 +6,7 @@ use super::{
 };
 use hertzchain::sweep::{Engine, Grid, Mpi};
 use std::{
+    ffi::OsStr,
     fs,
     path::Path,
     process::{Command, Stdio},
@@ -15,10 +16,16 @@ use std::{
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_hertzchain");
 
+/// A program on so many ranks.
+fn job(count: usize, program: impl AsRef<OsStr>) -> Command {
+    let mut mpirun = Command::new("mpirun");
+    mpirun.args(["--oversubscribe", "--allow-run-as-root", "-n", &count.to_string()]).arg(program);
+    mpirun
+}
+
 /// The command on so many ranks.
 fn ranks(count: usize, line: &str, out: &Path) -> Command {
-    let mut mpirun = Command::new("mpirun");
-    mpirun.args(["--oversubscribe", "--allow-run-as-root", "-n", &count.to_string(), PROGRAM]);
+    let mut mpirun = job(count, PROGRAM);
     mpirun.args(line.split(' ')).args(["--engine", "mpi", "--out"]).arg(out).env_remove("RAYON_NUM_THREADS");
     mpirun
 }
@@ -283,8 +290,7 @@ fn killed_by_part(line: &str, kills: usize) {
 
 /// A job of so many ranks that goes on with a run.
 fn resumed(count: usize, folder: &Path) -> Command {
-    let mut job = Command::new("mpirun");
-    job.args(["--oversubscribe", "--allow-run-as-root", "-n", &count.to_string(), PROGRAM]);
+    let mut job = job(count, PROGRAM);
     job.args(["run", "--engine", "mpi", "--resume"]).arg(folder);
     job
 }
@@ -323,19 +329,51 @@ fn what_ranks_cannot_do_is_refused_once() {
 /// Set for the ranks that a test starts with this program of tests.
 const INNER: &str = "HERTZCHAIN_TEST_RANK";
 
+/// Runs a test of this program on two ranks. Returns false in a process that is one of them.
+fn on_two_ranks(name: &str) -> bool {
+    let outer = std::env::var_os(INNER).is_none();
+    if outer {
+        let mut mpirun = job(2, std::env::current_exe().unwrap());
+        mpirun.args(["--exact", name, "--include-ignored", "--nocapture"]).env(INNER, "1");
+        let ended = mpirun.env_remove("RAYON_NUM_THREADS").output().unwrap();
+        println!("{}", String::from_utf8_lossy(&ended.stdout));
+        assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    }
+    outer
+}
+
+/// A rank that comes when the points of the first sweep are computed has no part in the second.
+#[test]
+fn a_rank_that_comes_late_ends_with_the_first_sweep() {
+    if on_two_ranks("mpi::a_rank_that_comes_late_ends_with_the_first_sweep") {
+        return;
+    }
+    let engine = Engine::new(Box::new(Mpi::new().unwrap()));
+    let grid = Grid { store: "roots.store", study: "roots", settings: serde_json::json!({}) };
+    let sweep = |points: &[f64], wait| {
+        sleep(Duration::from_millis(wait));
+        let root = |x: &f64| {
+            sleep(Duration::from_millis(10));
+            Ok(x.sqrt())
+        };
+        engine.sweep(&grid, points, &|_, _| (), root)
+    };
+    if engine.serves() {
+        assert!(sweep(&[4.0], 300).is_err());
+        return;
+    }
+    for (points, wait) in [(vec![4.0], 0), ((1..50).map(f64::from).collect(), 500)] {
+        let roots: Vec<f64> = sweep(&points, wait).unwrap().rows.into_iter().map(Result::unwrap).collect();
+        assert_eq!(roots, points.iter().map(|x| x.sqrt()).collect::<Vec<f64>>());
+    }
+}
+
 /// The share of the time of two ranks that is not in their points, each of which waits busily for a
 /// millisecond. Truth: the times that the points say they took.
 #[test]
 #[ignore = "nightly: points of 1 ms"]
 fn ranks_cost_less_than_a_twentieth_of_points_of_one_millisecond() {
-    let name = "mpi::ranks_cost_less_than_a_twentieth_of_points_of_one_millisecond";
-    if std::env::var_os(INNER).is_none() {
-        let mut mpirun = Command::new("mpirun");
-        mpirun.args(["--oversubscribe", "--allow-run-as-root", "-n", "2"]).arg(std::env::current_exe().unwrap());
-        mpirun.args(["--exact", name, "--include-ignored", "--nocapture"]).env(INNER, "1");
-        let ended = mpirun.env_remove("RAYON_NUM_THREADS").output().unwrap();
-        println!("{}", String::from_utf8_lossy(&ended.stdout));
-        assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    if on_two_ranks("mpi::ranks_cost_less_than_a_twentieth_of_points_of_one_millisecond") {
         return;
     }
     let engine = Engine::new(Box::new(Mpi::new().unwrap()));
