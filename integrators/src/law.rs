@@ -49,10 +49,15 @@ pub trait Power<R: Real>: Copy {
     fn raise<V: Vector<R>>(self, g: V) -> V;
     /// `g^alpha` and its derivative `alpha g^{alpha-1}` for `g > 0`; two zeros for `g = 0`.
     fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V);
+    /// `g^alpha` where `g` exceeds `band >= 0`; zero elsewhere.
+    #[inline(always)]
+    fn raise_above<V: Vector<R>>(self, band: R, g: V) -> V {
+        self.raise(g.above(band, g))
+    }
     /// As [`raise_with_slope`](Self::raise_with_slope) where `g` exceeds `band >= 0`; two zeros
     /// elsewhere.
     #[inline(always)]
-    fn raise_above<V: Vector<R>>(self, band: R, g: V) -> (V, V) {
+    fn raise_above_with_slope<V: Vector<R>>(self, band: R, g: V) -> (V, V) {
         self.raise_with_slope(g.above(band, g))
     }
 }
@@ -117,9 +122,15 @@ impl<R: Real> Power<R> for ThreeHalves {
         (g * root, V::all(R::of(1.5)) * root)
     }
 
+    // Masks come after the root, so that the root need not wait for the comparison.
+
     #[inline(always)]
-    fn raise_above<V: Vector<R>>(self, band: R, g: V) -> (V, V) {
-        // The mask comes after the root, so that the root need not wait for the comparison.
+    fn raise_above<V: Vector<R>>(self, band: R, g: V) -> V {
+        g.above(band, self.raise(g))
+    }
+
+    #[inline(always)]
+    fn raise_above_with_slope<V: Vector<R>>(self, band: R, g: V) -> (V, V) {
         let (power, slope) = self.raise_with_slope(g);
         (g.above(band, power), g.above(band, slope))
     }
@@ -292,10 +303,16 @@ impl<R: Real> ContactLaw<R> {
         g.above(self.dead_band, g)
     }
 
+    /// Forces, by the power of this law.
+    #[inline(always)]
+    pub fn force_by<V: Vector<R>>(&self, power: impl Power<R>, g: V) -> V {
+        power.raise_above(self.dead_band, g)
+    }
+
     /// Forces and their derivatives, by the power of this law.
     #[inline(always)]
     pub fn force_and_slope<V: Vector<R>>(&self, power: impl Power<R>, g: V) -> (V, V) {
-        power.raise_above(self.dead_band, g)
+        power.raise_above_with_slope(self.dead_band, g)
     }
 
     /// The force `(g)_+^alpha`.
@@ -391,6 +408,7 @@ mod tests {
             // Loops for one power and for any give the same bits, with masks before or after roots.
             for g in [-1.0, 0.0, law.dead_band, 1e-100, 0.3, 2.7] {
                 assert_eq!(law.force_and_slope(law.any_power(), g), law.force_with_slope(g));
+                assert_eq!(with_power!(law, power => law.force_by(power, g)), law.force(g));
                 assert_eq!(with_power!(law, power => law.force_and_slope(power, g)), law.force_with_slope(g));
             }
         }

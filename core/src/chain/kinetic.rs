@@ -31,9 +31,13 @@ impl<R: Real> KineticFlow<R> {
     pub fn new(chain: Chain<R>) -> Self {
         assert!(chain.details().is_none(), "a chain with details flows site by site");
         let n = chain.sites();
-        let moving = if chain.layout().resonators() { n } else { 0 };
-        let [u, u_dot] = Aligned::together(n);
-        Self { forces: RowForces::new(&chain), chain, beads: [u, u_dot], resonators: Aligned::together(moving) }
+        let (beads, resonators) = if chain.layout().resonators() {
+            let [u, u_dot, v, v_dot] = Aligned::together(n);
+            ([u, u_dot], [v, v_dot])
+        } else {
+            (Aligned::together(n), Aligned::together(0))
+        };
+        Self { forces: RowForces::new(&chain), chain, beads, resonators }
     }
 
     /// The chain, and its beads for a kick by contacts and a drift.

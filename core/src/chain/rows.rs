@@ -195,7 +195,7 @@ struct Raised<'a, 'b, R, P> {
 impl<R: Real, P: Power<R>> Bonds<R> for Raised<'_, '_, R, P> {
     #[inline(always)]
     unsafe fn take<V: Vector<R>>(&mut self, at: usize, _positions: V, overlaps: V) {
-        let force = self.power.raise(self.law.positive_part(overlaps));
+        let force = self.law.force_by(self.power, overlaps);
         // SAFETY: the caller's promise.
         unsafe { self.to.store(PAD + at, force) }
     }

@@ -300,7 +300,7 @@ fn ghosts<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: &S) -> (R, R) {
 /// positions `q` of the sites.
 #[inline(always)]
 fn bonds<R: Real, V: Vector<R>, P: Power<R>, const STRAIN: bool>(chain: &Chain<R>, power: P, before: V, q: V) -> V {
-    power.raise(chain.law.positive_part(overlaps::<R, V, STRAIN>(chain, before, q)))
+    chain.law.force_by(power, overlaps::<R, V, STRAIN>(chain, before, q))
 }
 
 /// Overlaps of the bonds to the left of sites, `delta_0 + q_{i-1} - q_i` from positions or `-x_i`
