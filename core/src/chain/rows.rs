@@ -17,6 +17,7 @@ use super::{
     sweep::{Sites, overlaps},
 };
 use hertzchain_integrators::{Column, Real, Twofold, Vector, VectorKernel};
+use std::ops::Range;
 
 /// Largest number of sites of a chain whose kicks are made in rows: its columns take at most 768
 /// KiB. Timed with AVX2 on rings of 1000 sites (least of many samples), a step takes 0.73
@@ -234,52 +235,85 @@ impl<R: Real> Pass<'_, R> {
         let Self { chain, start } = *self;
         let (n, ring) = (chain.sites(), chain.topology.ring());
         let last = n.next_multiple_of(V::LANES) - V::LANES;
+        let (left, right) = chain.topology.ghosts(R::zero(), R::zero());
+        let (mut q, mut first, mut at) = (V::all(left), V::all(left), start);
         // Overlaps need no neighbour on a strain ring. On another ring the first register waits for
         // the last.
         let wait = ring && !STRAIN;
-        let (left, right) = chain.topology.ghosts(R::zero(), R::zero());
-        let (mut q, mut first) = (V::all(left), V::all(left));
-        let mut at = start;
         // SAFETY, here and below: the caller's promise.
         unsafe {
-            loop {
-                let here = if KICK {
-                    sites.advance(at, given::<R, V, STRAIN>(forces, n, at), next)
-                } else {
-                    sites.positions::<V>(at)
-                };
-                if wait && at == start {
-                    first = here;
-                } else {
-                    bonds.take(at, here, overlaps::<R, V, STRAIN>(chain, q, here));
-                }
-                q = here;
-                if at == last {
-                    if !STRAIN {
-                        let mut lanes = [R::zero(); LANES];
-                        here.store(lanes.as_mut_ptr());
-                        q = V::all(lanes[n - 1 - last]);
-                    }
-                    at = 0;
-                } else {
-                    at += V::LANES;
-                }
-                if at == start {
-                    break;
-                }
-            }
             if wait {
-                bonds.take(start, first, overlaps::<R, V, STRAIN>(chain, q, first));
+                first = moved::<R, V, S, KICK>(sites, start, given::<R, V, STRAIN>(forces, n, start), next);
+                (q, at) = (first, start + V::LANES);
+            }
+            q = self.whole::<V, S, B, STRAIN, KICK>(at..last, q, sites, next, forces, &mut bonds);
+            if at <= last {
+                let here = moved::<R, V, S, KICK>(sites, last, given::<R, V, STRAIN>(forces, n, last), next);
+                bonds.take(last, here, overlaps::<R, V, STRAIN>(chain.precompression, q, here));
+                q = here;
+            }
+            if !STRAIN {
+                let mut lanes = [R::zero(); LANES];
+                q.store(lanes.as_mut_ptr());
+                q = V::all(lanes[n - 1 - last]);
+            }
+            q = self.whole::<V, S, B, STRAIN, KICK>(0..start, q, sites, next, forces, &mut bonds);
+            if wait {
+                bonds.take(start, first, overlaps::<R, V, STRAIN>(chain.precompression, q, first));
             }
             if ring {
                 bonds.join(n);
             } else {
                 let mut lanes = [R::zero(); LANES];
                 q.store(lanes.as_mut_ptr());
-                bonds.take::<R>(n, right, overlaps::<R, R, STRAIN>(chain, lanes[0], right));
+                bonds.take::<R>(n, right, overlaps::<R, R, STRAIN>(chain.precompression, lanes[0], right));
             }
         }
     }
+
+    /// The pass over some registers without the last of the chain. `q` are the positions of the
+    /// register before; returns those of the last one here.
+    ///
+    /// # Safety
+    /// As [`go`](Self::go).
+    #[inline(always)]
+    unsafe fn whole<V: Vector<R>, S: Moving<R>, B: Bonds<R>, const STRAIN: bool, const KICK: bool>(
+        &self,
+        registers: Range<usize>,
+        mut q: V,
+        sites: &mut S,
+        next: &S::Moment,
+        forces: &Column<'_, R>,
+        bonds: &mut B,
+    ) -> V {
+        let (rest, mut at) = (self.chain.precompression, registers.start);
+        while at < registers.end {
+            // SAFETY: the caller's promise.
+            unsafe {
+                let here = moved::<R, V, S, KICK>(sites, at, pushes::<R, V, STRAIN>(forces, at), next);
+                bonds.take(at, here, overlaps::<R, V, STRAIN>(rest, q, here));
+                q = here;
+            }
+            at += V::LANES;
+        }
+        q
+    }
+}
+
+/// Positions of the sites from `at` on: at the `next` kick, after the kick by `force`, if `KICK`;
+/// else at the present time.
+///
+/// # Safety
+/// There is room for `at + LANES` numbers.
+#[inline(always)]
+unsafe fn moved<R: Real, V: Vector<R>, S: Moving<R>, const KICK: bool>(
+    sites: &mut S,
+    at: usize,
+    force: V,
+    next: &S::Moment,
+) -> V {
+    // SAFETY: the caller's promise.
+    unsafe { if KICK { sites.advance(at, force, next) } else { sites.positions::<V>(at) } }
 }
 
 /// Contact forces on the sites from `at` on, from those of bonds; zero beyond the last site.
@@ -289,10 +323,20 @@ impl<R: Real> Pass<'_, R> {
 #[inline(always)]
 unsafe fn given<R: Real, V: Vector<R>, const STRAIN: bool>(forces: &Column<'_, R>, n: usize, at: usize) -> V {
     // SAFETY: the caller's promise.
+    let force = unsafe { pushes::<R, V, STRAIN>(forces, at) };
+    if at + V::LANES > n { force.first(n - at, V::all(R::zero())) } else { force }
+}
+
+/// The same, where no site is beyond the last.
+///
+/// # Safety
+/// As above.
+#[inline(always)]
+unsafe fn pushes<R: Real, V: Vector<R>, const STRAIN: bool>(forces: &Column<'_, R>, at: usize) -> V {
+    // SAFETY: the caller's promise.
     let [before, here, next]: [V; 3] =
         unsafe { [forces.load(PAD + at - 1), forces.load(PAD + at), forces.load(PAD + at + 1)] };
-    let force = if STRAIN { (here - before) - (next - here) } else { here - next };
-    if at + V::LANES > n { force.first(n - at, V::all(R::zero())) } else { force }
+    if STRAIN { (here - before) - (next - here) } else { here - next }
 }
 
 /// (Kick, drift) pairs in order of time.

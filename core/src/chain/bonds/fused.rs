@@ -404,7 +404,7 @@ impl<P: Power<f64>> Survey<'_, '_, P> {
     /// a bond has changed its side or may have turned near zero.
     #[inline(always)]
     unsafe fn bonds<V: Vector<f64>, const STRAIN: bool>(&mut self, at: usize, before: V, q: V) -> u64 {
-        let g = overlaps::<f64, V, STRAIN>(self.chain, before, q);
+        let g = overlaps::<f64, V, STRAIN>(self.chain.precompression(), before, q);
         let (f, slope) = self.law.force_and_slope(self.power, g);
         let [positions, overlap, force, derivative] = &mut self.write;
         // SAFETY: the caller's promise.
