@@ -118,7 +118,15 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
                 seen |= unsafe {
                     let pushes = Pushes::<V, STRAIN>::new(topology, c, &f1, &slope1);
                     let (read, write) = ([&g1, &g0], [&mut q, &mut g, &mut f, &mut slope]);
-                    let survey = Survey { chain, law: chain.law(), power, reach: reach * WIDER, read, write };
+                    let survey = Survey {
+                        chain,
+                        law: chain.law(),
+                        rest: chain.precompression(),
+                        power,
+                        reach: reach * WIDER,
+                        read,
+                        write,
+                    };
                     pass::<V, _, _, STRAIN>(&mut sites, &next, [from + start, to + start], pushes, survey)
                 };
             }
@@ -389,6 +397,8 @@ impl<V: Vector<f64>, const STRAIN: bool> Pushes<'_, '_, V, STRAIN> {
 struct Survey<'a, 'b, P> {
     chain: &'a Chain<f64>,
     law: ContactLaw<f64>,
+    /// Overlap at rest.
+    rest: f64,
     power: P,
     reach: f64,
     /// Overlaps at the two surveys before, later one first.
@@ -404,7 +414,7 @@ impl<P: Power<f64>> Survey<'_, '_, P> {
     /// a bond has changed its side or may have turned near zero.
     #[inline(always)]
     unsafe fn bonds<V: Vector<f64>, const STRAIN: bool>(&mut self, at: usize, before: V, q: V) -> u64 {
-        let g = overlaps::<f64, V, STRAIN>(self.chain.precompression(), before, q);
+        let g = overlaps::<f64, V, STRAIN>(self.rest, before, q);
         let (f, slope) = self.law.force_and_slope(self.power, g);
         let [positions, overlap, force, derivative] = &mut self.write;
         // SAFETY: the caller's promise.
