@@ -6,15 +6,16 @@
 //! still in the register, computes the forces of the next kick. No register waits for another of
 //! the same pass.
 //!
-//! On a ring a pass begins two registers after the one before it. Its first registers then do not
-//! need the forces that were computed last. Each number is computed as by kicks one at a time, so
-//! that the bits are the same.
+//! On a ring a pass begins a register after the one before it. Its first registers then do not need
+//! the forces that were computed last. Forces are loaded in the registers in which they were stored,
+//! since a load that spans two stores waits until both have left the processor. Each number is
+//! computed as by kicks one at a time, so that the bits are the same.
 
 use super::{
     Chain,
     aligned::Aligned,
     law::{ContactLaw, LANES, Power, with_power},
-    sweep::{Sites, overlaps},
+    sweep::{Sites, overlaps, push},
 };
 use hertzchain_integrators::{Column, Real, Twofold, Vector, VectorKernel};
 use std::ops::Range;
@@ -154,7 +155,7 @@ impl<R: Real, S: Moving<R>, C: Clock<Moment = S::Moment>> Row<'_, R, S, C> {
         for left in (1..kicks).rev() {
             let ahead = if left > 1 { clock.next() } else { next };
             if ring {
-                pass.start = (pass.start + 2 * V::LANES) % registers;
+                pass.start = (pass.start + V::LANES) % registers;
             }
             // SAFETY: as above.
             unsafe {
@@ -171,43 +172,23 @@ impl<R: Real, S: Moving<R>, C: Clock<Moment = S::Moment>> Row<'_, R, S, C> {
     }
 }
 
-/// Work on bonds whose overlaps are known.
-trait Bonds<R: Real> {
-    /// Takes the bonds to the left of the sites from `at` on.
-    ///
-    /// # Safety
-    /// `at` begins a register of sites, or is the last bond of a chain with ends.
-    unsafe fn take<V: Vector<R>>(&mut self, at: usize, positions: V, overlaps: V);
-    /// Copies the numbers of the bonds at either end of a ring of `n` sites to the place beyond its
-    /// other end.
-    ///
-    /// # Safety
-    /// All bonds were taken.
-    unsafe fn join(&mut self, n: usize);
-}
-
-/// The forces of the bonds, as the only result.
+/// The forces of the bonds at the next kick.
 struct Raised<'a, 'b, R, P> {
     law: ContactLaw<R>,
     power: P,
     to: &'a mut Column<'b, R>,
 }
 
-impl<R: Real, P: Power<R>> Bonds<R> for Raised<'_, '_, R, P> {
+impl<R: Real, P: Power<R>> Raised<'_, '_, R, P> {
+    /// Stores the forces of the bonds to the left of the sites from `at` on.
+    ///
+    /// # Safety
+    /// The column has room for a register from `PAD + at` on.
     #[inline(always)]
-    unsafe fn take<V: Vector<R>>(&mut self, at: usize, _positions: V, overlaps: V) {
+    unsafe fn take<V: Vector<R>>(&mut self, at: usize, overlaps: V) {
         let force = self.law.force_by(self.power, overlaps);
         // SAFETY: the caller's promise.
         unsafe { self.to.store(PAD + at, force) }
-    }
-
-    #[inline(always)]
-    unsafe fn join(&mut self, n: usize) {
-        // SAFETY: the caller's promise.
-        unsafe {
-            self.to.store::<R>(PAD - 1, self.to.load(PAD + n - 1));
-            self.to.store::<R>(PAD + n, self.to.load(PAD));
-        }
     }
 }
 
@@ -225,12 +206,12 @@ impl<R: Real> Pass<'_, R> {
     /// The columns of sites are whole registers; those of bonds have a register more than these on
     /// either side.
     #[inline(always)]
-    unsafe fn go<V: Vector<R>, S: Moving<R>, B: Bonds<R>, const STRAIN: bool, const KICK: bool>(
+    unsafe fn go<V: Vector<R>, S: Moving<R>, P: Power<R>, const STRAIN: bool, const KICK: bool>(
         &self,
         sites: &mut S,
         next: &S::Moment,
         forces: &Column<'_, R>,
-        mut bonds: B,
+        mut bonds: Raised<'_, '_, R, P>,
     ) {
         let Self { chain, start } = *self;
         let (n, ring) = (chain.sites(), chain.topology.ring());
@@ -246,10 +227,10 @@ impl<R: Real> Pass<'_, R> {
                 first = moved::<R, V, S, KICK>(sites, start, given::<R, V, STRAIN>(forces, n, start), next);
                 (q, at) = (first, start + V::LANES);
             }
-            q = self.whole::<V, S, B, STRAIN, KICK>(at..last, q, sites, next, forces, &mut bonds);
+            q = self.whole::<V, S, P, STRAIN, KICK>(at..last, q, sites, next, forces, &mut bonds);
             if at <= last {
                 let here = moved::<R, V, S, KICK>(sites, last, given::<R, V, STRAIN>(forces, n, last), next);
-                bonds.take(last, here, overlaps::<R, V, STRAIN>(chain.precompression, q, here));
+                bonds.take(last, overlaps::<R, V, STRAIN>(chain.precompression, q, here));
                 q = here;
             }
             if !STRAIN {
@@ -257,16 +238,20 @@ impl<R: Real> Pass<'_, R> {
                 q.store(lanes.as_mut_ptr());
                 q = V::all(lanes[n - 1 - last]);
             }
-            q = self.whole::<V, S, B, STRAIN, KICK>(0..start, q, sites, next, forces, &mut bonds);
+            q = self.whole::<V, S, P, STRAIN, KICK>(0..start, q, sites, next, forces, &mut bonds);
             if wait {
-                bonds.take(start, first, overlaps::<R, V, STRAIN>(chain.precompression, q, first));
+                bonds.take(start, overlaps::<R, V, STRAIN>(chain.precompression, q, first));
             }
+            let beyond = PAD + last + V::LANES;
             if ring {
-                bonds.join(n);
+                bonds.to.store::<R>(PAD - 1, bonds.to.load(PAD + n - 1));
+                bonds.to.store::<R>(beyond, bonds.to.load(PAD));
             } else {
                 let mut lanes = [R::zero(); LANES];
                 q.store(lanes.as_mut_ptr());
-                bonds.take::<R>(n, right, overlaps::<R, R, STRAIN>(chain.precompression, lanes[0], right));
+                let force =
+                    bonds.law.force_by(bonds.power, overlaps::<R, R, STRAIN>(chain.precompression, lanes[0], right));
+                bonds.to.store::<R>(beyond, force);
             }
         }
     }
@@ -277,22 +262,24 @@ impl<R: Real> Pass<'_, R> {
     /// # Safety
     /// As [`go`](Self::go).
     #[inline(always)]
-    unsafe fn whole<V: Vector<R>, S: Moving<R>, B: Bonds<R>, const STRAIN: bool, const KICK: bool>(
+    unsafe fn whole<V: Vector<R>, S: Moving<R>, P: Power<R>, const STRAIN: bool, const KICK: bool>(
         &self,
         registers: Range<usize>,
         mut q: V,
         sites: &mut S,
         next: &S::Moment,
         forces: &Column<'_, R>,
-        bonds: &mut B,
+        bonds: &mut Raised<'_, '_, R, P>,
     ) -> V {
         let (rest, mut at) = (self.chain.precompression, registers.start);
+        // SAFETY, here and below: the caller's promise.
+        let [mut before, mut f] = unsafe { [V::all(forces.load(PAD + at - 1)), forces.load(PAD + at)] };
         while at < registers.end {
-            // SAFETY: the caller's promise.
             unsafe {
-                let here = moved::<R, V, S, KICK>(sites, at, pushes::<R, V, STRAIN>(forces, at), next);
-                bonds.take(at, here, overlaps::<R, V, STRAIN>(rest, q, here));
-                q = here;
+                let after = forces.load(PAD + at + V::LANES);
+                let here = moved::<R, V, S, KICK>(sites, at, push::<R, V, STRAIN>(before, f, after), next);
+                bonds.take(at, overlaps::<R, V, STRAIN>(rest, q, here));
+                (q, before, f) = (here, f, after);
             }
             at += V::LANES;
         }
@@ -319,24 +306,18 @@ unsafe fn moved<R: Real, V: Vector<R>, S: Moving<R>, const KICK: bool>(
 /// Contact forces on the sites from `at` on, from those of bonds; zero beyond the last site.
 ///
 /// # Safety
-/// The column has a register before that of the first bond, and one after the last.
+/// The column has the forces of bonds from `PAD` on, that of the bond before the first before it,
+/// and that of the bond after the last site in the register after the last.
 #[inline(always)]
 unsafe fn given<R: Real, V: Vector<R>, const STRAIN: bool>(forces: &Column<'_, R>, n: usize, at: usize) -> V {
     // SAFETY: the caller's promise.
-    let force = unsafe { pushes::<R, V, STRAIN>(forces, at) };
-    if at + V::LANES > n { force.first(n - at, V::all(R::zero())) } else { force }
-}
-
-/// The same, where no site is beyond the last.
-///
-/// # Safety
-/// As above.
-#[inline(always)]
-unsafe fn pushes<R: Real, V: Vector<R>, const STRAIN: bool>(forces: &Column<'_, R>, at: usize) -> V {
-    // SAFETY: the caller's promise.
-    let [before, here, next]: [V; 3] =
-        unsafe { [forces.load(PAD + at - 1), forces.load(PAD + at), forces.load(PAD + at + 1)] };
-    if STRAIN { (here - before) - (next - here) } else { here - next }
+    let (before, f): (R, V) = unsafe { (forces.load(PAD + at - 1), forces.load(PAD + at)) };
+    let (before, after) = (V::all(before), PAD + at + V::LANES);
+    if at + V::LANES < n {
+        return push::<R, V, STRAIN>(before, f, unsafe { forces.load(after) });
+    }
+    let (sites, beyond) = (n - at, V::all(unsafe { forces.load(after) }));
+    push::<R, V, STRAIN>(before, f.first(sites, beyond), beyond).first(sites, V::all(R::zero()))
 }
 
 /// (Kick, drift) pairs in order of time.
