@@ -65,6 +65,8 @@ pub trait Vector<R>:
     fn after(self, previous: Self) -> Self;
     /// The numbers of `self` in the first `n` lanes, those of `others` in the lanes after these.
     fn first(self, n: usize, others: Self) -> Self;
+    /// The number of one lane in all lanes.
+    fn spread(self, lane: usize) -> Self;
     /// A function of each lane.
     fn each(self, f: impl Fn(R) -> R) -> Self;
 }
@@ -162,6 +164,11 @@ impl<R: Real> Vector<R> for R {
     #[inline(always)]
     fn first(self, n: usize, others: Self) -> Self {
         if n > 0 { self } else { others }
+    }
+
+    #[inline(always)]
+    fn spread(self, _lane: usize) -> Self {
+        self
     }
 
     #[inline(always)]
@@ -379,6 +386,11 @@ impl Vector<f64> for Pair {
     fn first(self, n: usize, others: Self) -> Self {
         Self([if n > 0 { self.0[0] } else { others.0[0] }, if n > 1 { self.0[1] } else { others.0[1] }])
     }
+
+    #[inline(always)]
+    fn spread(self, lane: usize) -> Self {
+        Self([self.0[lane]; 2])
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -497,6 +509,16 @@ mod wide {
                 Self(_mm256_blendv_pd(others.0, self.0, _mm256_castsi256_pd(mask)))
             }
         }
+
+        #[inline(always)]
+        fn spread(self, lane: usize) -> Self {
+            // Both halves of the number, as there is no such instruction for whole ones.
+            let halves = (2 * lane + 1) << 32 | 2 * lane;
+            unsafe {
+                let lanes = _mm256_set1_epi64x(halves as i64);
+                Self(_mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), lanes)))
+            }
+        }
     }
 
     /// Eight numbers, for AVX-512.
@@ -603,6 +625,11 @@ mod wide {
         fn first(self, n: usize, others: Self) -> Self {
             unsafe { Self(_mm512_mask_mov_pd(others.0, ((1u32 << n.min(8)) - 1) as u8, self.0)) }
         }
+
+        #[inline(always)]
+        fn spread(self, lane: usize) -> Self {
+            unsafe { Self(_mm512_permutexvar_pd(_mm512_set1_epi64(lane as i64), self.0)) }
+        }
     }
 }
 
@@ -655,7 +682,7 @@ mod tests {
         }
     }
 
-    /// The lanes after `before`, `after` and `first`.
+    /// The lanes after `before`, `after`, `first` and `spread`.
     struct Moves<'a>(&'a mut Vec<f64>);
 
     impl VectorKernel<f64> for Moves<'_> {
@@ -667,7 +694,9 @@ mod tests {
             let column = Column::new(&mut numbers);
             // SAFETY: two registers from the start are within the column.
             let (a, b): (V, V) = unsafe { (column.load(0), column.load(V::LANES)) };
-            for value in [a.before(b), b.after(a)].into_iter().chain((0..=V::LANES).map(|n| a.first(n, b))) {
+            let spread = (0..V::LANES).map(|lane| b.spread(lane));
+            let moved = [a.before(b), b.after(a)].into_iter().chain((0..=V::LANES).map(|n| a.first(n, b)));
+            for value in moved.chain(spread) {
                 let mut lanes = [0.0; MOST_LANES];
                 // SAFETY: the array is as long as the largest number of lanes.
                 unsafe { value.store(lanes.as_mut_ptr()) };
@@ -721,6 +750,7 @@ mod tests {
             for n in 0..=lanes {
                 want.extend((0..lanes).map(|k| if k < n { k as f64 } else { (lanes + k) as f64 }));
             }
+            want.extend((0..lanes * lanes).map(|k| (lanes + k / lanes) as f64));
             assert_eq!(got, want, "{set}");
         }
         assert!(used.select());

@@ -234,24 +234,18 @@ impl<R: Real> Pass<'_, R> {
                 q = here;
             }
             if !STRAIN {
-                let mut lanes = [R::zero(); LANES];
-                q.store(lanes.as_mut_ptr());
-                q = V::all(lanes[n - 1 - last]);
+                q = q.spread(n - 1 - last);
             }
             q = self.whole::<V, S, P, STRAIN, KICK>(0..start, q, sites, next, forces, &mut bonds);
             if wait {
                 bonds.take(start, overlaps::<R, V, STRAIN>(chain.precompression, q, first));
             }
-            let beyond = PAD + last + V::LANES;
+            let beyond = last + V::LANES;
             if ring {
                 bonds.to.store::<R>(PAD - 1, bonds.to.load(PAD + n - 1));
-                bonds.to.store::<R>(beyond, bonds.to.load(PAD));
+                bonds.to.store::<R>(PAD + beyond, bonds.to.load(PAD));
             } else {
-                let mut lanes = [R::zero(); LANES];
-                q.store(lanes.as_mut_ptr());
-                let force =
-                    bonds.law.force_by(bonds.power, overlaps::<R, R, STRAIN>(chain.precompression, lanes[0], right));
-                bonds.to.store::<R>(beyond, force);
+                bonds.take(beyond, overlaps::<R, V, STRAIN>(chain.precompression, q, V::all(right)));
             }
         }
     }

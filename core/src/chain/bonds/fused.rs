@@ -210,14 +210,14 @@ unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
             if !wait || moved != start {
                 seen |= survey.bonds::<V, STRAIN>(moved, q, here);
             }
-            q = if STRAIN || moved != last { here } else { V::all(lanes(here)[n - 1 - last]) };
+            q = if STRAIN || moved != last { here } else { here.spread(n - 1 - last) };
             (moved, here) = (at, there);
         }
         if !wait || moved != start {
             seen |= survey.bonds::<V, STRAIN>(moved, q, here);
         }
         if !STRAIN {
-            q = if moved != last { here } else { V::all(lanes(here)[n - 1 - last]) };
+            q = if moved != last { here } else { here.spread(n - 1 - last) };
         }
         if wait {
             seen |= survey.bonds::<V, STRAIN>(start, q, first);
