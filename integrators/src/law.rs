@@ -43,6 +43,21 @@ macro_rules! with_power {
     };
 }
 
+/// Runs `$body` with `$power` bound to [`ThreeHalves`](crate::law::ThreeHalves), or to the one type
+/// of all other powers: for loops that are too large to be compiled for every kind of exponent.
+#[macro_export]
+macro_rules! with_hertz {
+    ($law:expr, $power:ident => $body:expr) => {
+        if $law.exponent() == $crate::law::Exponent::ThreeHalves {
+            let $power = $crate::law::ThreeHalves;
+            $body
+        } else {
+            let $power = $law.any_power();
+            $body
+        }
+    };
+}
+
 /// A power `g^alpha` as a type, so that loops are compiled for it.
 pub trait Power<R: Real>: Copy {
     /// `g^alpha` for `g >= 0`.

@@ -14,7 +14,7 @@
 use super::{
     Chain,
     aligned::Aligned,
-    law::{ContactLaw, LANES, Power, with_power},
+    law::{ContactLaw, LANES, Power, with_hertz},
     sweep::{Sites, overlaps, push},
 };
 use hertzchain_integrators::{Column, Real, Twofold, Vector, VectorKernel};
@@ -123,7 +123,7 @@ impl<R: Real, S: Moving<R>, C: Clock<Moment = S::Moment>> VectorKernel<R> for Ro
 
     #[inline(always)]
     fn run<V: Vector<R>>(self) {
-        with_power!(self.chain.law, power => {
+        with_hertz!(self.chain.law, power => {
             if self.chain.topology.strains() {
                 self.lanes::<V, _, true>(power);
             } else {

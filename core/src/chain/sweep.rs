@@ -17,7 +17,7 @@
 
 use super::{
     Chain,
-    law::{LANES, Power, with_power},
+    law::{LANES, Power, with_hertz},
     rows::Moving,
 };
 use hertzchain_integrators::{Real, Twofold, Vector, VectorKernel};
@@ -222,7 +222,7 @@ impl<R: Real, S: Sites<R>> VectorKernel<R> for Sweep<'_, R, S> {
     fn run<V: Vector<R>>(self) {
         let Self { chain, piece: Piece { pass, to }, sites } = self;
         assert!(sites.room() >= chain.sites().next_multiple_of(V::LANES), "columns are whole registers");
-        with_power!(chain.law, power => {
+        with_hertz!(chain.law, power => {
             if chain.topology.strains() {
                 go_on::<R, V, S, _, true>(chain, power, sites, pass, to);
             } else {

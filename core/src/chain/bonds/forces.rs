@@ -5,15 +5,12 @@
 use super::{
     super::{
         Chain, ContactLaw, Topology,
-        law::{LANES, Power, with_power},
+        law::{LANES, Power, with_hertz},
         sweep::{Sites, push},
     },
     PAD, WORD,
 };
-use hertzchain_integrators::{
-    Column, Real, Vector, VectorKernel,
-    law::{Exponent, ThreeHalves},
-};
+use hertzchain_integrators::{Column, Real, Vector, VectorKernel};
 use std::ops::Range;
 
 /// The arrays of a survey: positions, and what follows from them, namely overlaps, forces and their
@@ -60,11 +57,7 @@ impl VectorKernel<f64> for Refresh<'_> {
 
     #[inline(always)]
     fn run<V: Vector<f64>>(self) {
-        let law = self.chain.law();
-        match law.exponent() {
-            Exponent::ThreeHalves => self.lanes::<V, _>(ThreeHalves),
-            _ => self.lanes::<V, _>(law.any_power()),
-        }
+        with_hertz!(self.chain.law(), power => self.lanes::<V, _>(power));
     }
 }
 
@@ -150,7 +143,7 @@ impl<S: Sites<f64>> VectorKernel<f64> for Survey<'_, S> {
 
     #[inline(always)]
     fn run<V: Vector<f64>>(self) {
-        with_power!(self.law, power => {
+        with_hertz!(self.law, power => {
             if self.topology.strains() {
                 self.lanes::<V, _, true>(power);
             } else {

@@ -14,7 +14,7 @@
 use super::{
     super::{
         Chain, ContactLaw, Topology,
-        law::Power,
+        law::{Power, with_hertz},
         rows::{Clock, InRow, Moving},
         sweep::{overlaps, push},
     },
@@ -22,10 +22,7 @@ use super::{
     awake::Stretch,
     forces::{lanes, mark},
 };
-use hertzchain_integrators::{
-    Column, Real, Vector, VectorKernel,
-    law::{Exponent, ThreeHalves},
-};
+use hertzchain_integrators::{Column, Real, Vector, VectorKernel};
 
 /// Factor by which the cheap test of a pass widens `reach`, so that no rounding hides a turn.
 const WIDER: f64 = 1.0 + 1e-9;
@@ -84,14 +81,13 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> VectorKernel<f64> for Kernel<
 
     #[inline(always)]
     fn run<V: Vector<f64>>(self) -> usize {
-        // The kernel is large: it is compiled for the power 3/2, and once more for all others.
-        let law = self.chain.law();
-        match (law.exponent(), self.chain.topology().strains()) {
-            (Exponent::ThreeHalves, true) => self.lanes::<V, _, true>(ThreeHalves),
-            (Exponent::ThreeHalves, false) => self.lanes::<V, _, false>(ThreeHalves),
-            (_, true) => self.lanes::<V, _, true>(law.any_power()),
-            (_, false) => self.lanes::<V, _, false>(law.any_power()),
-        }
+        with_hertz!(self.chain.law(), power => {
+            if self.chain.topology().strains() {
+                self.lanes::<V, _, true>(power)
+            } else {
+                self.lanes::<V, _, false>(power)
+            }
+        })
     }
 }
 

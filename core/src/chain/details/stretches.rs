@@ -7,7 +7,7 @@
 use super::{
     super::{
         Chain, ContactLaw, Resonators,
-        law::{Power, with_power},
+        law::{Power, with_hertz},
     },
     Parts,
     propagator::{Class, Propagator},
@@ -167,7 +167,7 @@ impl<R: Real> Stretches<R> {
         if let Some(law) = &self.law {
             let contacts = self.contacts.each_ref().map(|numbers| &numbers[1..]);
             let push = &mut push[1..n];
-            with_power!(law, power => over(n - 1, Push { power, law, contacts, u, push }));
+            with_hertz!(law, power => over(n - 1, Push { power, law, contacts, u, push }));
         } else {
             touching.clone().for_each(|bond| push[bond] = own(bond));
         }
