@@ -513,7 +513,7 @@ mod wide {
         #[inline(always)]
         fn spread(self, lane: usize) -> Self {
             // Both halves of the number, as there is no such instruction for whole ones.
-            let halves = (2 * lane + 1) << 32 | 2 * lane;
+            let halves = ((2 * lane + 1) << 32) | (2 * lane);
             unsafe {
                 let lanes = _mm256_set1_epi64x(halves as i64);
                 Self(_mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), lanes)))
