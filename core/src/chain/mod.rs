@@ -293,7 +293,7 @@ impl<R: Real> Chain<R> {
 
 /// A lock for tests that choose instruction sets: a choice holds for all threads.
 #[cfg(test)]
-fn one_set_at_a_time() -> std::sync::MutexGuard<'static, ()> {
+pub(crate) fn one_set_at_a_time() -> std::sync::MutexGuard<'static, ()> {
     static ONE: std::sync::Mutex<()> = std::sync::Mutex::new(());
     ONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
