@@ -15,7 +15,7 @@ use super::{
     super::{
         Chain, ContactLaw, Topology,
         law::{Power, with_hertz},
-        rows::{Clock, InRow, Moving},
+        rows::{Clock, InRow, Moving, given},
         sweep::{overlaps, push},
     },
     PAD, WORD,
@@ -23,6 +23,7 @@ use super::{
     forces::{lanes, mark},
 };
 use hertzchain_integrators::{Column, Real, Vector, VectorKernel};
+use std::ops::Range;
 
 /// Factor by which the cheap test of a pass widens `reach`, so that no rounding hides a turn.
 const WIDER: f64 = 1.0 + 1e-9;
@@ -46,6 +47,9 @@ pub struct Fused<'a> {
     /// Forces and derivatives, from `PAD` on: those of the last survey, and room for the next.
     pub(super) forces: [Column<'a, f64>; 2],
     pub(super) slopes: [Column<'a, f64>; 2],
+    /// Modified forces, from `PAD` on, with those of neighbours beyond either end; zeros where sites
+    /// sleep.
+    pub(super) modified: Column<'a, f64>,
     /// A bit for each bond: whether it was closed and whether it had turned near zero at the last
     /// survey, and whether it was closed at the last call of `changed`.
     pub(super) closed: &'a mut [u64],
@@ -98,49 +102,34 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
         let Self { chain, mut sites, mut clock, kicks, fused } = self;
         let (topology, n) = (chain.topology(), chain.sites());
         fused.check(n, V::LANES, sites.room());
-        let Fused { c, reach, watched, awake, mut q, overlaps, forces, slopes, closed, turning, told } = fused;
+        let Fused { c, reach, watched, awake, mut q, overlaps, forces, slopes, mut modified, .. } = fused;
+        let Fused { closed, turning, told, .. } = fused;
         let ([mut g, mut g1, mut g0], [mut f, mut f1], [mut slope, mut slope1]) = (overlaps, forces, slopes);
         // SAFETY, here and below: columns have room, as checked.
         let same = unsafe { sides::<V>(&g, topology, awake, told) };
         let kicks = if watched && !same { 1 } else { kicks };
-        let (mut start, mut made) = (0, 0);
-        let whole = matches!(awake, [Stretch { from, to }] if from == to);
+        let mut made = 0;
         loop {
             (g, g1, g0, f, f1, slope, slope1) = (g0, g, g1, f1, f, slope1, slope);
             sites.turn_to(clock.next());
-            let next = clock.now();
-            let mut seen = false;
-            for &Stretch { from, to } in awake {
-                seen |= unsafe {
-                    let pushes = Pushes::<V, STRAIN>::new(topology, c, &f1, &slope1);
-                    let (read, write) = ([&g1, &g0], [&mut q, &mut g, &mut f, &mut slope]);
-                    let survey = Survey {
-                        chain,
-                        law: chain.law(),
-                        rest: chain.precompression(),
-                        power,
-                        reach: reach * WIDER,
-                        read,
-                        write,
-                    };
-                    pass::<V, _, _, STRAIN>(&mut sites, &next, [from + start, to + start], pushes, survey)
-                };
+            let (next, mut seen) = (clock.now(), 0);
+            for &stretch in awake {
+                unsafe { modify::<V>(topology, c, stretch, [&f1, &slope1], &mut modified) };
+            }
+            for &stretch in awake {
+                let (read, write) = ([&g1, &g0], [&mut q, &mut g, &mut f, &mut slope]);
+                let (law, rest, reach) = (chain.law(), chain.precompression(), reach * WIDER);
+                let survey = Survey { n, law, rest, power, watched, reach, read, write };
+                seen |= unsafe { pass::<V, _, _, STRAIN>(topology, &mut sites, &next, stretch, &modified, survey) };
             }
             made += 1;
-            if made == kicks || watched && seen {
+            if made == kicks || seen != 0 {
                 // No closure: it would not be compiled for the registers of the pass.
                 for bonds in awake.iter().flat_map(|stretch| stretch.bonds(n)) {
                     unsafe { mark::<V>(bonds, reach, [&g, &g1, &g0], [&mut *closed, &mut *turning]) };
                 }
                 if made == kicks || tells(topology, [&*closed, &*turning, told]) {
                     break;
-                }
-            }
-            if topology.ring() && whole {
-                // The first registers of the next pass then need no force that was computed last.
-                start += if STRAIN { V::LANES } else { 2 * V::LANES };
-                while start >= n {
-                    start -= n.next_multiple_of(V::LANES);
                 }
             }
         }
@@ -155,73 +144,146 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
     }
 }
 
+/// Stores the modified forces of the bonds of a stretch, and those beyond the ends of the chain,
+/// from forces and derivatives.
+///
+/// # Safety
+/// Columns have room.
+#[inline(always)]
+unsafe fn modify<V: Vector<f64>>(
+    topology: Topology,
+    c: f64,
+    stretch: Stretch,
+    [force, slope]: [&Column<'_, f64>; 2],
+    to: &mut Column<'_, f64>,
+) {
+    let (n, ring) = (topology.sites(), topology.ring());
+    // SAFETY, here and below: the caller's promise.
+    let of = |b: usize| unsafe { force.load::<f64>(PAD + b) };
+    // Forces beyond the ends: on a ring those of the neighbours, else copies of the outer ones.
+    let (left, right, after) = if ring { (of(n - 1), of(0), of(1 % n)) } else { (of(0), of(n), of(n)) };
+    for Range { start, end } in stretch.bonds(n) {
+        let mut before = V::all(if start > 0 { of(start - 1) } else { left });
+        let mut at = start;
+        let mut f: V = unsafe { forces_from(n, at, right, force) };
+        while at < end.min(n) {
+            unsafe {
+                let next = forces_from(n, at + V::LANES, right, force);
+                to.store(PAD + at, modified(c, [before, f, next], slope.load(PAD + at)));
+                (before, f, at) = (f, next, at + V::LANES);
+            }
+        }
+        if end > n {
+            let slope = unsafe { slope.load::<f64>(PAD + n) };
+            let beyond = modified(c, [of(n - 1), right, after], slope);
+            unsafe {
+                to.store(PAD + n.next_multiple_of(V::LANES), V::all(beyond));
+                to.store::<f64>(PAD - 1, to.load(PAD + n - 1));
+            }
+        }
+    }
+}
+
+/// The forces of the bonds from `at` on, `right` in lanes after the last site. No register is loaded
+/// that was written in parts.
+///
+/// # Safety
+/// The column has room for registers that begin at a site.
+#[inline(always)]
+unsafe fn forces_from<V: Vector<f64>>(n: usize, at: usize, right: f64, force: &Column<'_, f64>) -> V {
+    if at >= n {
+        return V::all(right);
+    }
+    // SAFETY: the caller's promise.
+    let f: V = unsafe { force.load(PAD + at) };
+    if at + V::LANES <= n { f } else { f.first(n - at, V::all(right)) }
+}
+
+/// `f + c f' s` of bonds, from the forces of three neighbouring bonds each.
+#[inline(always)]
+fn modified<V: Vector<f64>>(c: f64, [before, f, behind]: [V; 3], slope: V) -> V {
+    f + V::all(c) * slope * ((f.after(before) - f) - (f - f.before(behind)))
+}
+
 /// Kicks and drifts sites and surveys their bonds, from the register at `start` up to, and without,
-/// that at `stop`; all of them if both are the same. Returns whether a bond may have changed its
-/// side or turned near zero.
+/// that at `stop`; all of them if both are the same. Returns bits, which are not all zero where a
+/// bond may have changed its side or turned near zero.
 ///
 /// # Safety
 /// Columns have room.
 #[inline(always)]
 unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool>(
+    topology: Topology,
     sites: &mut S,
     next: &S::Moment,
-    [start, stop]: [usize; 2],
-    mut pushes: Pushes<'_, '_, V, STRAIN>,
+    Stretch { from, to }: Stretch,
+    forces: &Column<'_, f64>,
     mut survey: Survey<'_, '_, P>,
-) -> bool {
-    let chain = survey.chain;
-    let (n, ring) = (chain.sites(), chain.topology().ring());
-    let last = n.next_multiple_of(V::LANES) - V::LANES;
+) -> u64 {
+    let (n, ring) = (topology.sites(), topology.ring());
+    let end = n.next_multiple_of(V::LANES);
     // Overlaps of strains need no neighbour. In a pass over a whole ring the first register is
     // surveyed last, since its first overlap needs the site before it.
-    let wait = ring && !STRAIN && start == stop;
-    let (left, right) = chain.topology().ghosts(0.0, 0.0);
-    let (mut q, mut first) = (V::all(left), V::all(left));
-    let (mut seen, mut at) = (0, start);
+    let wait = ring && !STRAIN && from == to;
+    let (left, right) = topology.ghosts(0.0, 0.0);
+    let (mut q, mut first, mut at, mut seen) = (V::all(left), V::all(left), from, 0);
     // SAFETY, here and below: the caller's promise.
     unsafe {
-        if !STRAIN && start != stop && (ring || start > 0) {
+        if wait {
+            first = sites.advance(at, given::<f64, V, STRAIN>(forces, n, at), next);
+            (q, at) = (if at + V::LANES < n { first } else { first.spread(n - 1 - at) }, at + V::LANES);
+        } else if !STRAIN && from != to && (ring || from > 0) {
             // The site before sleeps: nothing pushes it.
-            q = V::all(sites.advance(if start > 0 { start - 1 } else { n - 1 }, 0.0, next));
+            q = V::all(sites.advance(if from > 0 { from - 1 } else { n - 1 }, 0.0, next));
         }
-        pushes.begin(at);
-        // The register that moved last is surveyed when the next has moved: so the next does not
-        // wait for the square roots of its forces.
-        let (mut moved, mut here) = (at, sites.advance(at, pushes.next(at), next));
-        if wait {
-            first = here;
-        }
-        loop {
-            at += V::LANES;
-            if at > last {
-                at = 0;
-            }
-            if at == stop {
-                break;
-            }
-            if at == 0 {
-                pushes.begin(at);
-            }
-            let there = sites.advance(at, pushes.next(at), next);
-            if !wait || moved != start {
-                seen |= survey.bonds::<V, STRAIN>(moved, q, here);
-            }
-            q = if STRAIN || moved != last { here } else { here.spread(n - 1 - last) };
-            (moved, here) = (at, there);
-        }
-        if !wait || moved != start {
-            seen |= survey.bonds::<V, STRAIN>(moved, q, here);
-        }
-        if !STRAIN {
-            q = if moved != last { here } else { here.spread(n - 1 - last) };
+        let wraps = to <= from;
+        for registers in [at..if wraps { end } else { to }, 0..if wraps { to } else { 0 }] {
+            (q, seen) = part::<V, S, P, STRAIN>(sites, next, registers, (q, seen), forces, &mut survey);
         }
         if wait {
-            seen |= survey.bonds::<V, STRAIN>(start, q, first);
-        } else if !ring && moved == last {
+            seen |= survey.bonds::<V, STRAIN>(from, q, first);
+        } else if !ring && (from == to || to == 0) {
             seen |= survey.bonds::<f64, STRAIN>(n, lanes(q)[0], right);
         }
     }
-    seen != 0
+    seen
+}
+
+/// [`pass`] over registers that follow each other. `q` are the positions of the register before,
+/// `seen` the bits of bonds so far; both are returned for these registers.
+///
+/// # Safety
+/// Columns have room.
+#[inline(always)]
+unsafe fn part<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool>(
+    sites: &mut S,
+    next: &S::Moment,
+    registers: Range<usize>,
+    (mut q, mut seen): (V, u64),
+    forces: &Column<'_, f64>,
+    survey: &mut Survey<'_, '_, P>,
+) -> (V, u64) {
+    let (n, mut at) = (survey.n, registers.start);
+    if registers.is_empty() {
+        return (q, seen);
+    }
+    // SAFETY, here and below: the caller's promise.
+    unsafe {
+        let (mut before, mut f) = (V::all(forces.load::<f64>(PAD + at - 1)), forces.load::<V>(PAD + at));
+        while at < registers.end && at + V::LANES < n {
+            let after = forces.load(PAD + at + V::LANES);
+            let here = sites.advance(at, push::<f64, V, STRAIN>(before, f, after), next);
+            seen |= survey.bonds::<V, STRAIN>(at, q, here);
+            (q, before, f) = (here, f, after);
+            at += V::LANES;
+        }
+        if at < registers.end {
+            let here = sites.advance(at, given::<f64, V, STRAIN>(forces, n, at), next);
+            seen |= survey.bonds::<V, STRAIN>(at, q, here);
+            q = here.spread(n - 1 - at);
+        }
+    }
+    (q, seen)
 }
 
 impl Fused<'_> {
@@ -231,8 +293,8 @@ impl Fused<'_> {
         assert!(self.awake.iter().all(|stretch| stretch.from.max(stretch.to) < n), "stretches are of the chain");
         assert!(sites >= n.next_multiple_of(lanes), "columns are whole registers");
         assert!(self.overlaps.iter().all(|column| column.len() >= room));
-        let padded = self.forces.iter().chain(&self.slopes).chain([&self.q]);
-        assert!(padded.into_iter().all(|column| column.len() >= PAD + room));
+        let padded = self.forces.iter().chain(&self.slopes).chain([&self.q, &self.modified]);
+        assert!(padded.into_iter().all(|column| column.len() >= PAD + room + lanes));
     }
 }
 
@@ -277,125 +339,15 @@ fn low(bits: usize) -> u64 {
     u64::MAX >> WORD.saturating_sub(bits)
 }
 
-/// The pushes of modified forces on the sites of a pass, register by register.
-struct Pushes<'a, 'b, V, const STRAIN: bool> {
-    n: usize,
-    c: f64,
-    force: &'a Column<'b, f64>,
-    slope: &'a Column<'b, f64>,
-    /// Force that stands before that of bond 0, and force of the bond beyond the last site.
-    left: f64,
-    right: f64,
-    /// Modified force of the bond beyond the last site, and that of the last bond of a strain ring.
-    beyond: f64,
-    last: f64,
-    /// Forces of the present register of bonds and of the next; modified forces of the register
-    /// before and of the present one.
-    f: [V; 2],
-    modified: [V; 2],
-}
-
-impl<'a, 'b, V: Vector<f64>, const STRAIN: bool> Pushes<'a, 'b, V, STRAIN> {
-    /// # Safety
-    /// The columns have all bonds.
-    #[inline(always)]
-    unsafe fn new(topology: Topology, c: f64, force: &'a Column<'b, f64>, slope: &'a Column<'b, f64>) -> Self {
-        let (n, ring) = (topology.sites(), topology.ring());
-        // SAFETY: the caller's promise.
-        let of = |b: usize| unsafe { force.load::<f64>(PAD + b) };
-        let modified = |f: [f64; 3], b: usize| modified(c, f, unsafe { slope.load::<f64>(PAD + b) });
-        let none = [V::all(0.0); 2];
-        let mut new =
-            Self { n, c, force, slope, left: 0.0, right: 0.0, beyond: 0.0, last: 0.0, f: none, modified: none };
-        if ring {
-            (new.left, new.right) = (of(n - 1), of(0));
-            new.beyond = modified([new.left, new.right, of(if n > 1 { 1 } else { 0 })], 0);
-        } else {
-            (new.left, new.right) = (of(0), of(n));
-            new.beyond = modified([of(n - 1), new.right, new.right], n);
-        }
-        if STRAIN {
-            new.last = modified([of(if n > 1 { n - 2 } else { 0 }), new.left, new.right], n - 1);
-        }
-        new
-    }
-
-    /// The forces of the bonds from `at` on.
-    #[inline(always)]
-    unsafe fn forces(&self, at: usize) -> V {
-        let whole = at + V::LANES <= self.n;
-        if !whole && at >= self.n {
-            return V::all(self.right);
-        }
-        // SAFETY: columns have room for registers that begin at a site.
-        let f: V = unsafe { self.force.load(PAD + at) };
-        if whole { f } else { f.first(self.n - at, V::all(self.right)) }
-    }
-
-    /// The modified forces of the bonds from `at` on, from the forces of three registers: the one
-    /// before, that at `at`, and the one after.
-    #[inline(always)]
-    unsafe fn modified(&self, at: usize, [before, f, next]: [V; 3]) -> V {
-        let whole = at + V::LANES <= self.n;
-        if !whole && at >= self.n {
-            return V::all(self.beyond);
-        }
-        // SAFETY: as above.
-        let slope: V = unsafe { self.slope.load(PAD + at) };
-        let modified = modified(self.c, [f.after(before), f, f.before(next)], slope);
-        if whole { modified } else { modified.first(self.n - at, V::all(self.beyond)) }
-    }
-}
-
-/// `f + c f' s` of bonds, from the forces of three neighbouring bonds each.
-#[inline(always)]
-fn modified<V: Vector<f64>>(c: f64, [before, f, behind]: [V; 3], slope: V) -> V {
-    f + V::all(c) * slope * ((before - f) - (f - behind))
-}
-
-impl<V: Vector<f64>, const STRAIN: bool> Pushes<'_, '_, V, STRAIN> {
-    #[inline(always)]
-    unsafe fn begin(&mut self, at: usize) {
-        // SAFETY: the caller's promise, and that of `new`.
-        unsafe {
-            let of = |b: usize| self.force.load::<f64>(PAD + b);
-            let mut before = V::all(if at > 0 { of(at - 1) } else { self.left });
-            self.f = [self.forces(at), self.forces(at + V::LANES)];
-            let here = self.modified(at, [before, self.f[0], self.f[1]]);
-            if STRAIN {
-                // Of the register before, the last bond.
-                before = V::all(if at > 0 {
-                    let f = [if at > 1 { of(at - 2) } else { self.left }, of(at - 1), of(at)];
-                    modified(self.c, f, self.slope.load(PAD + at - 1))
-                } else {
-                    self.last
-                });
-            }
-            self.modified = [before, here];
-        }
-    }
-
-    #[inline(always)]
-    unsafe fn next(&mut self, at: usize) -> V {
-        // SAFETY: the caller's promise.
-        let (f, next) = unsafe {
-            let f = self.forces(at + 2 * V::LANES);
-            (f, self.modified(at + V::LANES, [self.f[0], self.f[1], f]))
-        };
-        let force = push::<f64, V, STRAIN>(self.modified[0], self.modified[1], next);
-        self.f = [self.f[1], f];
-        self.modified = [self.modified[1], next];
-        if at + V::LANES > self.n { force.first(self.n - at, V::all(0.0)) } else { force }
-    }
-}
-
 /// The survey of a pass, register by register.
 struct Survey<'a, 'b, P> {
-    chain: &'a Chain<f64>,
+    n: usize,
     law: ContactLaw<f64>,
     /// Overlap at rest.
     rest: f64,
     power: P,
+    /// Whether bonds are tested.
+    watched: bool,
     reach: f64,
     /// Overlaps at the two surveys before, later one first.
     read: [&'a Column<'b, f64>; 2],
@@ -421,12 +373,14 @@ impl<P: Power<f64>> Survey<'_, '_, P> {
             overlap.store(at, g);
             force.store(PAD + at, f);
             derivative.store(PAD + at, slope);
+            if !self.watched {
+                return 0;
+            }
             [self.read[0].load(at), self.read[1].load(at)]
         };
         // An overlap that turns near zero is near zero: the test for a turn itself is left out.
         let bend = ((g - g1) - (g1 - g0)).size();
         let seen = g.positive() ^ g1.positive() | (V::all(self.reach) * bend).exceeds(g1.size());
-        let n = self.chain.sites();
-        if V::LANES > 1 && at + V::LANES > n { seen & low(n - at) } else { seen }
+        if V::LANES > 1 && at + V::LANES > self.n { seen & low(self.n - at) } else { seen }
     }
 }

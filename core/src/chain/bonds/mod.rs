@@ -104,6 +104,8 @@ pub struct Bonded<F> {
     /// `f` and `f'` at the survey before.
     force_before: Box<Aligned<f64>>,
     slope_before: Box<Aligned<f64>>,
+    /// Modified forces of the last kick that was made in a row, from `PAD` on.
+    modified: Aligned<f64>,
     /// A bit for each bond: whether it was closed at the last survey, and whether it was closed at
     /// the last call of [`changed`](BondFlow::changed).
     closed: Vec<u64>,
@@ -145,6 +147,7 @@ impl<F: SiteFlow> Bonded<F> {
             slope: padded(),
             force_before: padded(),
             slope_before: padded(),
+            modified: *padded(),
             closed: vec![0; (sites + 1).div_ceil(WORD)],
             told: vec![0; (sites + 1).div_ceil(WORD)],
             spring: if springs { padded() } else { zeros(0) },
@@ -488,6 +491,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
                 overlaps: [overlap.column(), latest.column(), first.column()],
                 forces: [self.force.column(), self.force_before.column()],
                 slopes: [self.slope.column(), self.slope_before.column()],
+                modified: self.modified.column(),
                 closed,
                 turning,
                 told,
