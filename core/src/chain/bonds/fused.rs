@@ -174,7 +174,7 @@ unsafe fn modify<V: Vector<f64>>(
             }
         }
         if end > n {
-            let slope = unsafe { slope.load::<f64>(PAD + n) };
+            let slope = unsafe { slope.load::<f64>(PAD + if ring { 0 } else { n }) };
             let beyond = modified(c, [of(n - 1), right, after], slope);
             unsafe {
                 to.store(PAD + n.next_multiple_of(V::LANES), V::all(beyond));
