@@ -39,16 +39,17 @@ impl Forces<'_> {
         f64::run_vector(Survey { topology, law, rest, sites, forces: self });
     }
 
-    /// Surveys some bonds from the positions in `q`. The bits of closed bonds are not changed.
-    pub(super) fn refresh(self, chain: &Chain<f64>, bonds: &[usize]) {
-        f64::run_vector(Refresh { chain, bonds, forces: self });
+    /// Surveys the registers at `registers` again, from the positions in `q`. The bits of closed
+    /// bonds are not changed.
+    pub(super) fn refresh(self, chain: &Chain<f64>, registers: &[usize]) {
+        f64::run_vector(Refresh { chain, registers, forces: self });
     }
 }
 
-/// A survey of some bonds.
+/// A survey of some registers of [`LANES`] bonds.
 struct Refresh<'a> {
     chain: &'a Chain<f64>,
-    bonds: &'a [usize],
+    registers: &'a [usize],
     forces: Forces<'a>,
 }
 
@@ -64,29 +65,29 @@ impl VectorKernel<f64> for Refresh<'_> {
 impl Refresh<'_> {
     #[inline(always)]
     fn lanes<V: Vector<f64>, P: Power<f64>>(self, power: P) {
-        let Self { chain, bonds, mut forces } = self;
+        let Self { chain, registers, mut forces } = self;
         let (law, strain, rest) = (chain.law(), chain.topology().strains(), V::all(chain.precompression()));
-        assert!(bonds.iter().all(|&b| b <= chain.sites()));
-        for bonds in bonds.chunks(V::LANES) {
-            // Lanes for which no bond is left compute the last bond once more.
-            let bond = |k: usize| bonds[k.min(bonds.len() - 1)];
-            // SAFETY, here and below: columns have all bonds.
-            let of = |column: &Column<'_, f64>, at: usize| V::by_lane(|k| unsafe { column.load::<f64>(at + bond(k)) });
-            let here = of(&forces.q, PAD);
-            let g = if strain { V::all(0.0) - here } else { rest + (of(&forces.q, PAD - 1) - here) };
-            let (f, slope) = law.force_and_slope(power, g);
-            let [g1, g0] = forces.before.each_ref().map(|column| of(column, 0));
-            let turns = turning(forces.reach, [g0, g1, g]);
-            let [g, f, slope] = [g, f, slope].map(lanes);
-            for (k, &b) in bonds.iter().enumerate() {
+        let room = (chain.sites() + 1).next_multiple_of(LANES);
+        assert!(forces.overlap.len() >= room && forces.before.iter().all(|column| column.len() >= room));
+        assert!([&forces.q, &forces.force, &forces.slope].iter().all(|column| column.len() >= PAD + room));
+        for &register in registers {
+            assert!(register % LANES == 0 && register < room);
+            let mut turns = 0;
+            for at in (register..register + LANES).step_by(V::LANES) {
+                // SAFETY: columns have room, as asserted.
                 unsafe {
-                    forces.overlap.store(b, g[k]);
-                    forces.force.store(PAD + b, f[k]);
-                    forces.slope.store(PAD + b, slope[k]);
+                    let here: V = forces.q.load(PAD + at);
+                    let g = if strain { V::all(0.0) - here } else { rest + (forces.q.load::<V>(PAD + at - 1) - here) };
+                    let (f, slope) = law.force_and_slope(power, g);
+                    forces.overlap.store(at, g);
+                    forces.force.store(PAD + at, f);
+                    forces.slope.store(PAD + at, slope);
+                    let (g1, g0) = (forces.before[0].load(at), forces.before[1].load(at));
+                    turns |= turning(forces.reach, [g0, g1, g]) << (at - register);
                 }
-                let (bits, bit) = (&mut forces.turning[b / WORD], b % WORD);
-                *bits = *bits & !(1 << bit) | (turns >> k & 1) << bit;
             }
+            let (bits, first) = (&mut forces.turning[register / WORD], register % WORD);
+            *bits = *bits & !(u64::MAX >> (WORD - LANES) << first) | turns << first;
         }
     }
 }

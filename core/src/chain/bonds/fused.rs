@@ -234,7 +234,10 @@ unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
             (q, at) = (if at + V::LANES < n { first } else { first.spread(n - 1 - at) }, at + V::LANES);
         } else if !STRAIN && from != to && (ring || from > 0) {
             // The site before sleeps: nothing pushes it.
-            q = V::all(sites.advance(if from > 0 { from - 1 } else { n - 1 }, 0.0, next));
+            let site = if from > 0 { from - 1 } else { n - 1 };
+            let before = sites.advance(site, 0.0, next);
+            survey.write[0].store(PAD + site, before);
+            q = V::all(before);
         }
         let wraps = to <= from;
         for registers in [at..if wraps { end } else { to }, 0..if wraps { to } else { 0 }] {

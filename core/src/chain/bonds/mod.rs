@@ -122,7 +122,7 @@ pub struct Bonded<F> {
     a: Aligned<f64>,
     /// The step size, and [`swung`] of it.
     swung: (f64, f64),
-    /// Bonds whose sites the last corrections have moved; some more than once.
+    /// Registers of bonds whose sites the last corrections have moved; some more than once.
     moved: Vec<usize>,
     /// Which sites are worked on. Other sites have forces of zero, and positions and overlaps that
     /// are out of date.
@@ -156,7 +156,7 @@ impl<F: SiteFlow> Bonded<F> {
             reach: 0.0,
             a: Aligned::zeros(sites),
             swung: (0.0, 1.0),
-            moved: Vec::with_capacity(3 * sites + 7),
+            moved: Vec::with_capacity(3 * sites + 3),
             awake: Awake::all(sites),
         }
     }
@@ -230,7 +230,7 @@ impl<F: SiteFlow> Bonded<F> {
         (f[0], f[n + 2]) = if ring { (f[n], f[2]) } else { (f[1], f[n + 1]) };
     }
 
-    /// Surveys the bonds of `moved` again.
+    /// Surveys the registers of `moved` again.
     #[inline(always)]
     fn refresh(&mut self) {
         let Self { flow, q, overlap, overlaps_before: [latest, first], force, slope, turning, .. } = self;
@@ -557,8 +557,6 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
 
     #[inline(always)]
     fn correct<'a>(&mut self, given: impl Iterator<Item = (usize, &'a Correction)>) {
-        let n = self.sites;
-        let mut ends = false;
         self.moved.clear();
         for (bond, correction) in given {
             let b = self.bond(bond);
@@ -568,18 +566,21 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
             for &(site, weight) in beads.iter() {
                 self.q[PAD + site] += weight * shift;
             }
-            self.moved.extend(b.saturating_sub(1)..(b + 2).min(n + 1));
-            ends |= b <= 3 || b + 3 >= n;
+            let [before, behind] = self.chain().topology().beside(b);
+            for b in [before, Some(b), behind].into_iter().flatten() {
+                let register = b / LANES * LANES;
+                if self.moved.last() != Some(&register) {
+                    self.moved.push(register);
+                }
+            }
         }
-        if ends {
-            (self.q[PAD - 1], self.q[PAD + n]) = self.chain().topology().ghosts(self.q[PAD], self.q[PAD + n - 1]);
-            // A ring's first bond is its last.
-            self.moved.extend([0, 1, n - 1, n]);
+        if self.ring() {
+            // Positions beyond the ends, for the first bond and its copy.
+            (self.q[PAD - 1], self.q[PAD + self.sites]) = (self.q[PAD + self.sites - 1], self.q[PAD]);
         }
         self.refresh();
-        if ends {
-            self.close();
-        }
+        self.join();
+        self.close();
     }
 
     fn kick(&mut self, kick: f64, c: f64) {
