@@ -303,7 +303,11 @@ unsafe fn moved<R: Real, V: Vector<R>, S: Moving<R>, const KICK: bool>(
 /// The column has the forces of bonds from `PAD` on, that of the bond before the first before it,
 /// and that of the bond after the last site in the register after the last.
 #[inline(always)]
-pub(crate) unsafe fn given<R: Real, V: Vector<R>, const STRAIN: bool>(forces: &Column<'_, R>, n: usize, at: usize) -> V {
+pub(crate) unsafe fn given<R: Real, V: Vector<R>, const STRAIN: bool>(
+    forces: &Column<'_, R>,
+    n: usize,
+    at: usize,
+) -> V {
     // SAFETY: the caller's promise.
     let (before, f): (R, V) = unsafe { (forces.load(PAD + at - 1), forces.load(PAD + at)) };
     let (before, after) = (V::all(before), PAD + at + V::LANES);

@@ -3,9 +3,9 @@
 
 use super::{
     super::{Chain, KineticFlow, kinetic::Drifts, rows::InRow, sweep::Visit},
-    Forces, Fused, Kick, Modified, SiteFlow, Survey,
+    Forces, Fused, Kick, Lanes, Modified, SiteFlow, Survey, gathered,
 };
-use hertzchain_integrators::{Twofold, splitting::corrected::Correction};
+use hertzchain_integrators::{Twofold, Vector, splitting::corrected::Correction};
 
 impl SiteFlow for KineticFlow<f64> {
     fn chain(&self) -> &Chain<f64> {
@@ -21,8 +21,9 @@ impl SiteFlow for KineticFlow<f64> {
         (self.beads[0][site], self.beads[1][site])
     }
 
-    fn motion(&self, site: usize) -> [f64; 3] {
-        [self.beads[1][site], 0.0, 0.0]
+    #[inline(always)]
+    fn motions_at<V: Vector<f64>>(&self, sites: &Lanes) -> [V; 3] {
+        [gathered(&self.beads[1], sites), V::all(0.0), V::all(0.0)]
     }
 
     #[inline]

@@ -2,9 +2,9 @@
 
 use super::{
     super::{Chain, LinearFlow, sweep::Swept},
-    Forces, Fused, Kick, Modified, SiteFlow, Survey,
+    Forces, Fused, Kick, Lanes, Modified, SiteFlow, Survey, gathered,
 };
-use hertzchain_integrators::{Twofold, splitting::corrected::Correction};
+use hertzchain_integrators::{Twofold, Vector, splitting::corrected::Correction};
 
 impl SiteFlow for LinearFlow<f64> {
     fn chain(&self) -> &Chain<f64> {
@@ -21,9 +21,12 @@ impl SiteFlow for LinearFlow<f64> {
     }
 
     #[inline(always)]
-    fn motion(&self, site: usize) -> [f64; 3] {
-        let [_, r_dot, p, p_dot] = self.motions(site, self.phase.sin_cos());
-        [r_dot + p_dot, p, p_dot]
+    fn motions_at<V: Vector<f64>>(&self, sites: &Lanes) -> [V; 3] {
+        let ([_, v], [c, s], (sin, cos)) = (&self.centre, &self.oscillation, self.phase.sin_cos());
+        let (v, c, s): (V, V, V) = (gathered(v, sites), gathered(c, sites), gathered(s, sites));
+        let (sin, cos, omega) = (V::all(sin), V::all(cos), V::all(self.omega()));
+        let p_dot = omega * (s * cos - c * sin);
+        [v + p_dot, c * cos + s * sin, p_dot]
     }
 
     const RESTS: bool = true;

@@ -24,7 +24,7 @@ use fused::Fused;
 
 use super::{Chain, aligned::Aligned, law::LANES, rows::Moving, sweep::Visit};
 use hertzchain_integrators::{
-    Error, SplitFlow, Stepper, Twofold,
+    Error, SplitFlow, Stepper, Twofold, Vector,
     collocation::Pace,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
 };
@@ -50,7 +50,11 @@ pub trait SiteFlow: SplitFlow<f64> {
     fn bead(&self, site: usize) -> (f64, f64);
     /// `[velocity, p, p']` of a bead; `p` is the part of its position that oscillates with `omega`
     /// in the drift.
-    fn motion(&self, site: usize) -> [f64; 3];
+    fn motion(&self, site: usize) -> [f64; 3] {
+        self.motions_at(&[site; LANES])
+    }
+    /// [`motion`](Self::motion) of several beads, one in each lane.
+    fn motions_at<V: Vector<f64>>(&self, sites: &Lanes) -> [V; 3];
     /// Whether sites that no force pushes need no work.
     const RESTS: bool = false;
     /// `[r, r', p, p'/omega]` of a bead, where [`RESTS`](Self::RESTS): position and velocity of its
@@ -257,43 +261,29 @@ impl<F: SiteFlow> Bonded<F> {
 
     /// The path of a bond under two pulls, one a step `h` ago and one now, between which the pull
     /// is linear in time: through the bond's overlaps at both ends of the step, and moved by
-    /// processing.
+    /// processing. It is linear in its overlap, its [motion](SiteFlow::motion) and the pulls.
     ///
     /// With the mean `s` and the rate `s'` of the pull, the path is the chord plus
     /// `s t (t + h)/2 + s' t (t + h)(t + h/2)/6`.
     #[inline(always)]
-    fn along(&self, b: usize, pulls: [f64; 2], h: f64) -> BondPath {
-        let [before, behind] = self.chain().topology().ends(b).map(|site| self.motion_of(site));
-        let motion = std::array::from_fn(|k| before[k] - behind[k]);
-        self.path_of((self.overlap[b], motion), pulls, h)
-    }
-
-    /// The [motion](SiteFlow::motion) of a site; walls have none.
-    #[inline(always)]
-    fn motion_of(&self, site: Option<usize>) -> [f64; 3] {
-        site.map_or([0.0; 3], |i| self.flow.motion(i))
-    }
-
-    /// [`along`](Self::along) for a given overlap and [motion](SiteFlow::motion) of the bond. The
-    /// path is linear in these and in the pulls.
-    #[inline(always)]
-    fn path_of(&self, (g, [rate, p, p_dot]): (f64, [f64; 3]), [before, now]: [f64; 2], h: f64) -> BondPath {
+    fn path_of<V: Vector<f64>>(
+        &self,
+        (g, [rate, p, p_dot]): (V, [V; 3]),
+        [before, now]: [V; 2],
+        h: f64,
+    ) -> BondPath<V> {
         let (m, mu, omega) = self.flow.response();
-        let change = if h > 0.0 { (now - before) / h } else { 0.0 };
-        let (share, half) = (h * h / 12.0, 0.25 * h * (before + now));
+        let none = V::all(0.0);
+        let change = if h > 0.0 { (now - before) / V::all(h) } else { none };
+        let (share, half) = (h * h / 12.0, V::all(0.25 * h) * (before + now));
         // To the chord's rate the bends add s h/2 + s' h^2/12, and processing adds s' h^2/12.
-        let (overlap, bend) = (g + share * now, 2.0 * share * change);
+        let (overlap, bend) = (g + V::all(share) * now, V::all(2.0 * share) * change);
         if omega == 0.0 {
-            return BondPath {
-                overlap,
-                rate: rate + (half + bend),
-                acceleration: [now, 0.0],
-                jerk: [change, 0.0],
-                omega,
-            };
+            let rate = rate + (half + bend);
+            return BondPath { overlap, rate, acceleration: [now, none], jerk: [change, none], omega };
         }
-        let swung = mu * (if h == self.swung.0 { self.swung.1 } else { swung(omega, h) } * half + bend);
-        let stiffness = omega * omega;
+        let (m, mu, stiffness) = (V::all(m), V::all(mu), V::all(omega * omega));
+        let swung = mu * (V::all(if h == self.swung.0 { self.swung.1 } else { swung(omega, h) }) * half + bend);
         BondPath {
             overlap,
             rate: rate + (m * (half + bend) + swung),
@@ -301,6 +291,51 @@ impl<F: SiteFlow> Bonded<F> {
             jerk: [m * change, mu * change - stiffness * (p_dot + swung)],
             omega,
         }
+    }
+
+    /// Overlaps of bonds and their [motions](SiteFlow::motion), one in each lane.
+    #[inline(always)]
+    fn motions<V: Vector<f64>>(&self, bonds: &Lanes) -> (V, [V; 3]) {
+        let topology = self.chain().topology();
+        // A lane without a site on one side has another site's motion there, which does not count.
+        let mut ends = [[0; LANES]; 2];
+        let mut sites = [0; 2];
+        for k in 0..V::LANES {
+            for (side, site) in topology.ends(bonds[k]).into_iter().enumerate() {
+                ends[side][k] = site.unwrap_or(0);
+                sites[side] |= u64::from(site.is_some()) << k;
+            }
+        }
+        // No closure: it would not be compiled for the registers of a kernel.
+        let mut motion = [V::all(0.0); 3];
+        if sites[0] != 0 {
+            let before: [V; 3] = self.flow.motions_at(&ends[0]);
+            for k in 0..3 {
+                motion[k] = before[k].or(sites[0], motion[k]);
+            }
+        }
+        let behind: [V; 3] = self.flow.motions_at(&ends[1]);
+        for k in 0..3 {
+            motion[k] = motion[k] - behind[k].or(sites[1], V::all(0.0));
+        }
+        (gathered(&self.overlap, bonds), motion)
+    }
+
+    /// [`pull`](Self::pull) of bonds, one in each lane.
+    #[inline(always)]
+    fn pulls<V: Vector<f64>>(&self, bonds: &Lanes, force: &[f64], spring: &[f64]) -> V {
+        let mut beside = [[0; LANES]; 2];
+        for k in 0..V::LANES {
+            for (side, bond) in self.chain().topology().beside(bonds[k]).into_iter().enumerate() {
+                // Nothing is stored at 0.
+                beside[side][k] = bond.map_or(0, |b| PAD + b);
+            }
+        }
+        let contacts: V = gathered::<V>(force, &beside[0]) + gathered(force, &beside[1]);
+        if spring.is_empty() {
+            return contacts;
+        }
+        contacts + V::by_lane(|k| self.chain().across(bonds[k], |i| spring[PAD + i]))
     }
 
     /// Accelerations of beads by the forces of the kick and the rates of these, then both of
@@ -344,6 +379,20 @@ impl<F: SiteFlow> Bonded<F> {
             }
         }
     }
+}
+
+/// A number for each lane of a register.
+type Lanes = [usize; LANES];
+
+/// The numbers of a slice at given places; zeros if it is empty.
+#[inline(always)]
+fn gathered<V: Vector<f64>>(numbers: &[f64], at: &Lanes) -> V {
+    if numbers.is_empty() {
+        return V::all(0.0);
+    }
+    assert!(at[..V::LANES].iter().all(|&at| at < numbers.len()), "places are in the slice");
+    // SAFETY: as asserted.
+    V::by_lane(|k| unsafe { *numbers.get_unchecked(at[k]) })
 }
 
 /// A survey, as work on the sites of a flow.
@@ -541,18 +590,21 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     }
 
     fn path(&self, bond: usize) -> BondPath {
-        let b = self.bond(bond);
-        let pull = self.pull(b, &self.force, &self.spring);
-        self.along(b, [pull; 2], 0.0)
+        let b = [self.bond(bond); LANES];
+        let pull = self.pulls(&b, &self.force, &self.spring);
+        self.path_of(self.motions(&b), [pull; 2], 0.0)
     }
 
     #[inline(always)]
-    fn view(&self, bond: usize, h: f64) -> BondView {
-        let b = self.bond(bond);
-        let now = self.pull(b, &self.force, &self.spring);
-        let before = self.pull(b, &self.force_before, &self.spring_before);
-        let (path, mobility) = (self.along(b, [before, now], h), self.chain().topology().recoil(b));
-        BondView { path, mobility, pull: [before, now] }
+    fn views<V: Vector<f64>>(&self, bonds: &[(usize, bool)], h: f64) -> BondView<V> {
+        let mut b = [self.bond(bonds[0].0); LANES];
+        for (b, &(bond, _)) in b.iter_mut().zip(bonds) {
+            *b = self.bond(bond);
+        }
+        let now = self.pulls(&b, &self.force, &self.spring);
+        let before = self.pulls(&b, &self.force_before, &self.spring_before);
+        let mobility = V::by_lane(|k| self.chain().topology().recoil(b[k]));
+        BondView { path: self.path_of(self.motions(&b), [before, now], h), mobility, pull: [before, now] }
     }
 
     #[inline(always)]

@@ -34,7 +34,7 @@ use super::{
     Bonded, PAD, SiteFlow,
 };
 use hertzchain_integrators::{
-    Kernel, Real, SplitFlow, Twofold,
+    Kernel, Real, SplitFlow, Twofold, Vector,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Dependence, Side},
 };
 
@@ -615,8 +615,9 @@ impl BondFlow for TangentFlow {
         BondFlow::path(&self.state, bond)
     }
 
-    fn view(&self, bond: usize, h: f64) -> BondView {
-        self.state.view(bond, h)
+    #[inline(always)]
+    fn views<V: Vector<f64>>(&self, bonds: &[(usize, bool)], h: f64) -> BondView<V> {
+        self.state.views(bonds, h)
     }
 
     fn depends(&mut self, bond: usize, dependence: Dependence<'_>) {

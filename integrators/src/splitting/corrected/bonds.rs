@@ -1,19 +1,20 @@
 //! The interface between contact-corrected splitting and a problem.
 
 use super::{ends::Side, path::BondPath};
-use crate::{clock::Twofold, system::SplitFlow};
+use crate::{clock::Twofold, system::SplitFlow, vector::Vector};
 
-/// The motion of a bond between two kicks, without the bond's own force.
+/// The motion of a bond between two kicks, without the bond's own force; or of several bonds, one in
+/// each lane of `T`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BondView {
+pub struct BondView<T = f64> {
     /// The overlap as a function of the time since the second kick.
-    pub path: BondPath,
+    pub path: BondPath<T>,
     /// Minus the acceleration of the overlap by a unit of the bond's own force: 2 between beads, 1
     /// at a wall.
-    pub mobility: f64,
+    pub mobility: T,
     /// The acceleration of the overlap by all other forces of the kick, at the first kick and the
     /// second.
-    pub pull: [f64; 2],
+    pub pull: [T; 2],
 }
 
 /// The correction of a bond at an event or a turning point.
@@ -79,7 +80,12 @@ pub trait BondFlow: SplitFlow<f64> {
     ///
     /// Its path is that of the processed solution, `g + (h^2/12) s`, where `s` is linear in time
     /// between the accelerations by all other forces at the two kicks.
-    fn view(&self, bond: usize, h: f64) -> BondView;
+    fn view(&self, bond: usize, h: f64) -> BondView {
+        self.views(&[(bond, false)], h)
+    }
+    /// [`view`](Self::view) of several bonds, at most as many as lanes; the other lanes view the
+    /// first bond. What [`changed`](Self::changed) tells of the bonds does not matter.
+    fn views<V: Vector<f64>>(&self, bonds: &[(usize, bool)], h: f64) -> BondView<V>;
     /// Receives a correction as a function of the view of its bond. It is called for every
     /// correction of the next call of [`correct`](Self::correct), in the same order, before that
     /// call.

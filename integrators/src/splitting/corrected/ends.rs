@@ -156,7 +156,7 @@ impl VectorKernel<f64> for Around<'_> {
     #[inline(always)]
     fn run<V: Vector<f64>>(self) {
         for paths in self.paths.chunks(V::LANES) {
-            let zeros = Paths::<V>::new(paths, |path| path).around(self.reach).map(Pack::lanes);
+            let zeros = Paths::<V>::of(&BondPath::new(paths, |path| path)).around(self.reach).map(Pack::lanes);
             let of = |t: f64| Some(t).filter(|t| !t.is_nan());
             self.out.extend((0..paths.len()).map(|k| [of(zeros[0][k]), of(zeros[1][k])]));
         }
@@ -207,7 +207,7 @@ fn missed<V: Vector<f64>>(corrector: &Corrector, events: &[Event]) -> [Pack<V>; 
     }
     let (zero, one) = (Pack::all(0.0), Pack::all(1.0));
     let t = Pack::<V>::of(events, |event| event.t);
-    let jet = Paths::new(events, |event| &event.path).at(t);
+    let jet = Paths::of(&BondPath::new(events, |event| &event.path)).at(t);
     let (c, x) = (jet.rate.abs(), t.abs() / h);
     let turn = jet.acceleration * h / c;
     let [z0, z1] = end_terms(corrector, x);

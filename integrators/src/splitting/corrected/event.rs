@@ -1,9 +1,9 @@
 //! The correction at one onset or release.
 
 use super::{
-    bonds::{BondView, Correction},
+    bonds::{BondFlow, BondView, Correction},
     pack::Pack,
-    path::{Paths, Zero},
+    path::{BondPath, Paths, Zero},
     zeta::ZetaTable,
 };
 use crate::{
@@ -41,9 +41,51 @@ impl VectorKernel<f64> for Events<'_> {
     #[inline(always)]
     fn run<V: Vector<f64>>(self) {
         for events in self.events.chunks(V::LANES) {
-            self.corrector.corrections::<V>(events, self.out);
+            let of = |number: fn(&BondView) -> f64| Pack::<V>::of(events, |event| number(&event.view)).0;
+            let view = BondView {
+                path: BondPath::new(events, |event| &event.view.path),
+                mobility: of(|view| view.mobility),
+                pull: [of(|view| view.pull[0]), of(|view| view.pull[1])],
+            };
+            self.corrector.corrections::<V>(
+                &view,
+                sides(V::LANES, events, |event| event.onset),
+                events.len(),
+                self.out,
+            );
         }
     }
+}
+
+/// The corrections of bonds of a flow that have changed their side, a register at a time.
+struct Changes<'a, S> {
+    corrector: &'a Corrector,
+    flow: &'a S,
+    changed: &'a [(usize, bool)],
+    out: &'a mut Vec<Option<Correction>>,
+}
+
+impl<S: BondFlow> VectorKernel<f64> for Changes<'_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vector<f64>>(self) {
+        for changed in self.changed.chunks(V::LANES) {
+            let view = self.flow.views::<V>(changed, self.corrector.h);
+            self.corrector.corrections::<V>(&view, sides(V::LANES, changed, |bond| bond.1), changed.len(), self.out);
+        }
+    }
+}
+
+/// A bit for each lane: whether its event is an onset. As in [`Pack::of`], lanes without an event of
+/// their own repeat the first one.
+#[inline(always)]
+fn sides<T>(lanes: usize, events: &[T], onset: impl Fn(&T) -> bool) -> u64 {
+    let mut onsets = if onset(&events[0]) { u64::MAX << events.len() } else { 0 };
+    for (k, event) in events.iter().enumerate() {
+        onsets |= u64::from(onset(event)) << k;
+    }
+    onsets & u64::MAX >> (u64::BITS as usize - lanes)
 }
 
 impl Corrector {
@@ -59,22 +101,29 @@ impl Corrector {
         f64::run_vector(Events { corrector: self, events, out });
     }
 
-    /// Appends the corrections of some events, at most as many as there are lanes.
+    /// [`events`](Self::events) of the bonds of a flow that have changed their side in the step that
+    /// ends now.
+    pub(super) fn changes<S: BondFlow>(&self, flow: &S, changed: &[(usize, bool)], out: &mut Vec<Option<Correction>>) {
+        f64::run_vector(Changes { corrector: self, flow, changed, out });
+    }
+
+    /// Appends the corrections of the events in the first `count` lanes.
     #[inline(always)]
-    fn corrections<V: Vector<f64>>(&self, events: &[Event], out: &mut Vec<Option<Correction>>) {
-        // As in `Pack::of`, lanes without an event of their own repeat the first one.
-        let mut onsets = if events[0].onset { u64::MAX << events.len() } else { 0 };
-        for (k, event) in events.iter().enumerate() {
-            onsets |= u64::from(event.onset) << k;
-        }
-        onsets &= u64::MAX >> (u64::BITS as usize - V::LANES);
-        let paths = Paths::<V>::new(events, |event| &event.view.path);
+    fn corrections<V: Vector<f64>>(
+        &self,
+        view: &BondView<V>,
+        onsets: u64,
+        count: usize,
+        out: &mut Vec<Option<Correction>>,
+    ) {
+        let paths = Paths::<V>::of(&view.path);
         let zero = paths.zeros(self.h, onsets);
         let turn = paths.turn(zero.at);
-        let (impulse, displacement) = self.at_zeros(events, onsets, &zero);
-        let [sin, cos] = turn.map(Pack::lanes);
-        let [impulse, displacement, at, rate] = [impulse, displacement, zero.at, zero.rate].map(Pack::lanes);
-        out.extend((0..events.len()).map(|k| {
+        let (impulse, displacement) = self.at_zeros(view, onsets, &zero);
+        // No closure with registers: it would not be compiled for those of a kernel.
+        let ([sin, cos], [at, rate]) = ([turn[0].lanes(), turn[1].lanes()], [zero.at.lanes(), zero.rate.lanes()]);
+        let (impulse, displacement) = (impulse.lanes(), displacement.lanes());
+        out.extend((0..count).map(|k| {
             let turn = [sin[k], cos[k]];
             let correction =
                 Correction { impulse: impulse[k], displacement: displacement[k], at: at[k], rate: rate[k], turn };
@@ -84,7 +133,7 @@ impl Corrector {
 
     /// Impulses and displacements at the zeros of paths.
     #[inline(always)]
-    fn at_zeros<V: Vector<f64>>(&self, events: &[Event], onsets: u64, zero: &Zero<Pack<V>>) -> (Pack<V>, Pack<V>) {
+    fn at_zeros<V: Vector<f64>>(&self, view: &BondView<V>, onsets: u64, zero: &Zero<Pack<V>>) -> (Pack<V>, Pack<V>) {
         let &Zero { at, rate, acceleration } = zero;
         let one = Pack::all(1.0);
         let sign = one.or(onsets, Pack::all(-1.0));
@@ -97,9 +146,9 @@ impl Corrector {
         let start = self.gradient(local, None, &mut z);
         // One iteration of the implicit midpoint rule: the next would change it by a factor of the
         // size of f' h^2 less.
-        let half = sign * Pack::of(events, |event| 0.5 * event.view.mobility);
+        let half = sign * (Pack(view.mobility) * 0.5);
         let (by_overlap, by_rate) = self.gradient(local, Some((-half * start.1, half * start.0)), &mut z);
-        let [before, now] = self.kicks(events, (at, rate, acceleration));
+        let [before, now] = self.kicks(view, (at, rate, acceleration));
         // The impulses for the two kicks act at these kicks, not at the event: the displacement
         // makes up for the difference.
         ((before + now) - by_overlap, sign * by_rate + (now * at + before * (at + self.h)))
@@ -109,13 +158,13 @@ impl Corrector {
     /// processed path: `h (f(g + e) - f(g) - f'(g) e)` with `e = (h^2/12) s`. Farther kicks lack `h
     /// e^2 f''/2`, of which the singular part is of order `h^{alpha+3}`.
     #[inline(always)]
-    fn kicks<V: Vector<f64>>(&self, events: &[Event], (at, rate, a): (Pack<V>, Pack<V>, Pack<V>)) -> [Pack<V>; 2] {
+    fn kicks<V: Vector<f64>>(&self, view: &BondView<V>, (at, rate, a): (Pack<V>, Pack<V>, Pack<V>)) -> [Pack<V>; 2] {
         let h = self.h;
         let share = h * h / 12.0;
-        let shifts = [0, 1].map(|k| Pack::of(events, |event| share * event.view.pull[k]));
+        let shifts = [Pack(view.pull[0]) * share, Pack(view.pull[1]) * share];
         let to_before = -(at + h);
         let before = to_before * (rate + a * 0.5 * to_before);
-        let now = Pack::of(events, |event| event.view.path.overlap);
+        let now = Pack(view.path.overlap);
         [self.lack(before, shifts[0]), self.lack(now, shifts[1])]
     }
 
@@ -154,7 +203,7 @@ impl Corrector {
     /// there.
     pub(super) fn given(&self, view: &BondView, zero: (f64, f64, f64), onset: bool) -> [f64; 2] {
         let zero = Zero { at: Pack(zero.0), rate: Pack(zero.1), acceleration: Pack(zero.2) };
-        let (impulse, displacement) = self.at_zeros(&[Event { view: *view, onset }], u64::from(onset), &zero);
+        let (impulse, displacement) = self.at_zeros(view, u64::from(onset), &zero);
         [impulse.0, displacement.0]
     }
 
@@ -218,7 +267,7 @@ pub(super) fn slope<V: Vector<f64>>(alpha: f64, x: Pack<V>) -> Pack<V> {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::path::BondPath, *};
+    use super::*;
 
     fn event(corrector: &Corrector, view: &BondView, onset: bool) -> Option<Correction> {
         let mut out = Vec::new();

@@ -228,8 +228,7 @@ pub struct Corrected<S> {
     changed: Vec<(usize, bool)>,
     /// Bonds whose overlap turned near zero at the kick before, and whether they were closed there.
     turned: Vec<(usize, bool)>,
-    /// The bonds of `changed` as they are before any correction, and their corrections.
-    events: Vec<Event>,
+    /// The corrections of the bonds of `changed`.
     corrections: Vec<Option<Correction>>,
     sides: Vec<Side>,
     log: Option<Log>,
@@ -270,7 +269,6 @@ impl<S: BondFlow> Corrected<S> {
             turns: OnceCell::new(),
             changed: Vec::with_capacity(flow.bonds()),
             turned: Vec::with_capacity(flow.bonds()),
-            events: Vec::with_capacity(flow.bonds()),
             corrections: Vec::with_capacity(flow.bonds()),
             sides: vec![Side::Open; flow.bonds()],
             log: None,
@@ -394,12 +392,10 @@ impl<S: BondFlow> Corrected<S> {
     /// Corrects the bonds that have changed their side in the step that ends now.
     fn correct(&mut self) {
         let (h, alpha) = (self.h.value(), self.flow.exponent());
-        self.events.clear();
-        let Self { flow, changed, events, corrections, corrector, .. } = self;
+        let Self { flow, changed, corrections, corrector, .. } = self;
         let corrector = corrector.get_or_init(|| Corrector::new(alpha, h));
-        events.extend(changed.iter().map(|&(bond, onset)| Event { view: flow.view(bond, h), onset }));
         corrections.clear();
-        corrector.events(events, corrections);
+        corrector.changes(flow, changed, corrections);
         if S::CARRIES {
             for (&(bond, onset), correction) in changed.iter().zip(&*corrections) {
                 let Some(correction) = correction else { continue };

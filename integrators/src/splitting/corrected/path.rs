@@ -18,7 +18,7 @@ const HALVINGS: u32 = 53;
 const MOVED: f64 = 0.25;
 
 /// The overlap of one bond as a function of the time `t` since a kick: the smooth path through the
-/// kicks, without the bond's own force:
+/// kicks, without the bond's own force; or those of several bonds, one in each lane of `T`:
 ///
 /// ```text
 /// g(t) = g + r t + t^2 (a/2 + b c2(omega t)) + t^3 (j/6 + k s3(omega t)),   c2(x) = (1 - cos x)/x^2,  s3(x) = (x - sin x)/x^3
@@ -27,15 +27,15 @@ const MOVED: f64 = 0.25;
 /// `a, j` are acceleration and jerk of the part that moves freely, `b, k` those of the part that
 /// oscillates with `omega`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BondPath {
+pub struct BondPath<T = f64> {
     /// Overlap `g`.
-    pub overlap: f64,
+    pub overlap: T,
     /// Rate `r`.
-    pub rate: f64,
+    pub rate: T,
     /// Steady and oscillating part of the acceleration, `a` and `b`.
-    pub acceleration: [f64; 2],
+    pub acceleration: [T; 2],
     /// Steady and oscillating part of the jerk, `j` and `k`.
-    pub jerk: [f64; 2],
+    pub jerk: [T; 2],
     /// Frequency of the oscillation; 0 if there is none.
     pub omega: f64,
 }
@@ -60,13 +60,13 @@ pub(super) struct Zero<P> {
 impl BondPath {
     /// Sine and cosine of the phase `omega t`.
     pub(super) fn turn(&self, t: f64) -> [f64; 2] {
-        let [sin, cos] = Paths::<f64>::new(&[*self], |path| path).turn(Pack(t));
+        let [sin, cos] = Paths::<f64>::of(self).turn(Pack(t));
         [sin.0, cos.0]
     }
 
     /// Value and derivatives at `t`.
     pub(super) fn at(&self, t: f64) -> Jet {
-        let jet = Paths::<f64>::new(&[*self], |path| path).at(Pack(t));
+        let jet = Paths::<f64>::of(self).at(Pack(t));
         Jet { value: jet.value.0, rate: jet.rate.0, acceleration: jet.acceleration.0 }
     }
 
@@ -96,17 +96,31 @@ pub(super) struct Paths<V> {
     omega: Pack<V>,
 }
 
-impl<V: Vector<f64>> Paths<V> {
-    /// The paths of some things, see [`Pack::of`].
+impl<V: Vector<f64>> BondPath<V> {
+    /// The paths of some things, see [`Pack::of`]; all have the frequency of the first.
     #[inline(always)]
     pub(super) fn new<S>(things: &[S], path: impl Fn(&S) -> &BondPath) -> Self {
-        let [a, b] = [0, 1].map(|k| Pack::of(things, |thing| path(thing).acceleration[k]));
+        let pair = |of: fn(&BondPath) -> [f64; 2]| [0, 1].map(|k| Pack::of(things, |thing| of(path(thing))[k]).0);
         Self {
-            overlap: Pack::of(things, |thing| path(thing).overlap),
-            rate: Pack::of(things, |thing| path(thing).rate),
-            acceleration: [a, b],
-            jerk: [0, 1].map(|k| Pack::of(things, |thing| path(thing).jerk[k])),
-            omega: Pack::of(things, |thing| path(thing).omega),
+            overlap: Pack::of(things, |thing| path(thing).overlap).0,
+            rate: Pack::of(things, |thing| path(thing).rate).0,
+            acceleration: pair(|path| path.acceleration),
+            jerk: pair(|path| path.jerk),
+            omega: path(&things[0]).omega,
+        }
+    }
+}
+
+impl<V: Vector<f64>> Paths<V> {
+    #[inline(always)]
+    pub(super) fn of(path: &BondPath<V>) -> Self {
+        let &BondPath { overlap, rate, acceleration: [a, b], jerk: [j, k], omega } = path;
+        Self {
+            overlap: Pack(overlap),
+            rate: Pack(rate),
+            acceleration: [Pack(a), Pack(b)],
+            jerk: [Pack(j), Pack(k)],
+            omega: Pack::all(omega),
         }
     }
 

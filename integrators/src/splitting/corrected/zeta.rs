@@ -92,25 +92,18 @@ impl ZetaTable {
         let square = x * x;
         let fourth = square * square;
         let (quads, _) = self.powers.as_chunks::<4>();
-        // Four sums over every fourth power, of which none waits for another. No closure: it would
-        // not be compiled for the registers of the kernel.
-        let mut sums = [[Pack::all(0.0); Self::COUNT]; 4];
         let (last, others) = quads.split_last().expect("powers");
-        for j in 0..4 {
-            for k in 0..Self::COUNT {
-                sums[j][k] = Pack::all(last[j][k]);
-            }
-        }
-        for quad in others.iter().rev() {
-            for j in 0..4 {
-                for k in 0..Self::COUNT {
-                    sums[j][k] = sums[j][k] * fourth + quad[j][k];
-                }
-            }
-        }
-        let [mut zeta, first, second, third] = sums;
+        let mut zeta = [Pack::all(0.0); Self::COUNT];
         for k in 0..Self::COUNT {
-            zeta[k] = (zeta[k] + x * first[k]) + square * (second[k] + x * third[k]);
+            // Four sums over every fourth power, of which none waits for another. They are no array,
+            // and there is no closure: so they stay in the registers of the kernel.
+            let (mut s0, mut s1) = (Pack::all(last[0][k]), Pack::all(last[1][k]));
+            let (mut s2, mut s3) = (Pack::all(last[2][k]), Pack::all(last[3][k]));
+            for quad in others.iter().rev() {
+                (s0, s1) = (s0 * fourth + quad[0][k], s1 * fourth + quad[1][k]);
+                (s2, s3) = (s2 * fourth + quad[2][k], s3 * fourth + quad[3][k]);
+            }
+            zeta[k] = (s0 + x * s1) + square * (s2 + x * s3);
         }
         zeta
     }
