@@ -221,10 +221,14 @@ fn a_struck_chain_keeps_its_tolerance_where_contacts_dissipate() {
     // Truth: regularised DOP853 at 3e-15 a step. Beads touch without a force, so that all contacts
     // but the first begin by forces that are zero at the start of the window. Asked: three
     // tolerances, as of conservative chains. Measured: 1.98, at 1e-5 by one long first window, else
-    // 0.02; beyond 1e-8 DOP853 says nothing about forces that jump.
-    for (kind, gamma, decades) in
-        [(Kind::Viscoelastic, 0.1, 10), (Kind::Viscoelastic, 1.0, 10), (Kind::Dashpot, 0.2, 8)]
-    {
+    // 0.40. Without cuts at the events of bonds beyond the neighbours, and with overlaps that count
+    // as zero by their elastic force, dashpots of strength 1 have 400.
+    for (kind, gamma, decades) in [
+        (Kind::Viscoelastic, 0.1, 11),
+        (Kind::Viscoelastic, 1.0, 11),
+        (Kind::Dashpot, 0.2, 11),
+        (Kind::Dashpot, 1.0, 11),
+    ] {
         let (chain, state) = struck(12, kind, gamma);
         let want = regularised(&chain, state.as_slice(), 12.0);
         let error = |k: i32| {
@@ -250,11 +254,11 @@ fn struck(sites: usize, kind: Kind, gamma: f64) -> (Chain<f64>, State<f64>) {
 #[test]
 fn beads_that_just_touch_begin_to_push_where_they_do() {
     // Truth: regularised DOP853 at 3e-15 a step. The overlaps of touching beads rise so slowly that
-    // a zero of their series may be anywhere. Asked: three tolerances, as of conservative chains;
-    // dashpots beyond 1e-7 do not keep them. In the log, contacts with an overlap of a tenth and
+    // a zero of their series may be anywhere. Asked: three tolerances, as of conservative chains; with
+    // dashpots DOP853 errs by 6e-11. In the log, contacts with an overlap of a tenth and
     // more: the same number, with onsets where both have one, and the overlaps at both onsets agree
     // to three tolerances and, as the log interpolates, a thousandth of the overlap there.
-    for (kind, decades) in [(Kind::Viscoelastic, 4..=10), (Kind::Dashpot, 4..=7)] {
+    for (kind, decades) in [(Kind::Viscoelastic, 4..=11), (Kind::Dashpot, 4..=10)] {
         let (mut worst, mut late) = (0.0f64, 0.0f64);
         for gamma in [1e-6, 1e-3, 0.1, 0.3] {
             let (chain, state) = struck(12, kind, gamma);
@@ -316,8 +320,9 @@ fn dashpots_of_beads_that_touch_push_from_the_start() {
 #[ignore = "nightly: a minute; the numbers of docs/collocation.md"]
 fn tolerances_of_struck_chains() {
     // Truth: regularised DOP853 at 1e-15 a step, with ten times its change from 1e-14 as its error.
-    // Measured: 3.2 tolerances; below the range 5.8e-11 (viscoelastic) and 8.3e-9.
-    for (kind, least, below) in [(Kind::Viscoelastic, 1e-11, 1.3e-10), (Kind::Dashpot, 1e-8, 2.6e-8)] {
+    // Asked: three tolerances. Measured: 0.84 (viscoelastic) and 2.2; below the range 2e-15 and
+    // 2.2e-11.
+    for (kind, least, below) in [(Kind::Viscoelastic, 1e-13, 0.0), (Kind::Dashpot, 1e-11, 5e-11)] {
         let (mut ratio, mut error, mut over) = (0.0f64, 0.0f64, 0.0f64);
         for gamma in [1e-6, 1e-3, 0.02, 0.1, 0.3, 1.0] {
             for (sites, end) in [12, 40].into_iter().flat_map(|n| [1.0, 3.0, 5.0, 10.0, 20.0].map(|end| (n, end))) {
@@ -339,7 +344,7 @@ fn tolerances_of_struck_chains() {
             }
         }
         println!("{kind:?}: {ratio:.2} tolerances; below {least:e} {error:e}, {over:.0} tolerances");
-        assert!(ratio < 4.0 && error < below, "{kind:?}: {ratio} {error:e}");
+        assert!(ratio < 3.0 && error <= below, "{kind:?}: {ratio} {error:e}");
     }
 }
 

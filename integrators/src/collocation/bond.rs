@@ -142,7 +142,8 @@ pub(crate) struct Contacts {
     /// The contacts before the last search.
     pub(super) assumed: Vec<Contact>,
     /// Contacts of bonds beyond the neighbours at whose ends panels are cut too, with their
-    /// [fade](super::system::Link::fade). There are none but in the tangent map.
+    /// [fade](super::system::Link::fade): where contacts dissipate, see
+    /// [`look_beyond`](super::block::look_beyond).
     pub(super) beyond: Vec<(Contact, f64)>,
     /// The changes of sign of the overlap that the last search found.
     pub(super) crossings: Vec<Crossing>,

@@ -35,8 +35,8 @@
 //! interpolated from the nodes; panels are halved once for that.
 //!
 //! Beside a dashpot `dg` has a kink where its contact begins, and one bond further a jump of the
-//! second derivative. So panels are cut at the events of second neighbours, too. Columns that
-//! change the overlap of beads which touch at rest are refused: such overlaps begin with powers of
+//! second derivative: panels are cut at the events of bonds beyond the neighbours, as those of runs
+//! are. Columns that change the overlap of beads which touch at rest are refused: such overlaps begin with powers of
 //! time that no panel resolves, and the stiffness of one that is a rounding is not small.
 //!
 //! Damping is in the paths and influences, see `flow.rs`. Drives do not depend on the state: they
@@ -44,8 +44,8 @@
 
 use super::{
     Collocation, Section,
-    block::OWN,
-    bond::{Bond, Contact},
+    block::{OWN, look_beyond},
+    bond::Bond,
     flow::Flow,
     open::Open,
     panel::{Frames, Panel, dot, product},
@@ -434,11 +434,11 @@ fn laid_out<const M: usize, const S: usize>(
     let (mut old, mut out) = (Panels::new(), Vec::with_capacity(n));
     for b in 0..n {
         let beside = beside(b, n, ring);
-        let mut me = anew[b].clone();
         if frames.links.lossy() {
-            me.resolution.halvings += 1;
-            me.contacts.beyond = second(&anew, b, ring);
+            look_beyond(&mut anew, b, ring);
         }
+        let mut me = anew[b].clone();
+        me.resolution.halvings += u32::from(frames.links.lossy());
         me.lay_out(&frames.of(b), beside.map(|b| b.map(|b| &anew[b])), &mut old);
         for panel in &mut me.panels.list[..me.panels.len] {
             let at = panel.times();
@@ -460,13 +460,6 @@ fn laid_out<const M: usize, const S: usize>(
         out.push(me);
     }
     out
-}
-
-/// The contacts of the second neighbours of a bond, with their fades.
-fn second<const M: usize, const S: usize>(bonds: &[Bond<M, S>], b: usize, ring: bool) -> Vec<(Contact, f64)> {
-    let of = |b: usize, side: usize| beside(b, bonds.len(), ring)[side];
-    let far = [0, 1].into_iter().filter_map(|side| of(of(b, side)?, side));
-    far.flat_map(|b| bonds[b].contacts.found.iter().map(move |&contact| (contact, bonds[b].fade()))).collect()
 }
 
 /// The paths by unit forces at the nodes of a panel, after the panel.
