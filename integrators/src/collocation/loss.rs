@@ -92,17 +92,6 @@ impl<const S: usize> Link<S> {
         (force / self.constant()).powf(1.0 / self.law.alpha())
     }
 
-    /// A bound of the error of `P` from those of the overlap and of its rate. For a dashpot it is
-    /// reached where the rate is zero.
-    pub(crate) fn pushes_off(&self, [overlap, rate]: [f64; 2]) -> f64 {
-        overlap
-            + match self.loss {
-                Some(Loss::Viscoelastic(gamma)) => gamma * self.law.alpha() * rate,
-                Some(Loss::Dashpot(gamma)) => self.held(gamma * rate),
-                None => 0.0,
-            }
-    }
-
     /// An error of the overlap, in a window of length `h`, by which `P` is off by no more than
     /// `value`; the rate is then off by `2/h` times this.
     pub(crate) fn harmless(&self, value: f64, h: f64) -> f64 {

@@ -27,8 +27,8 @@ const REFINED: f64 = 0.01;
 /// Distance of the points of difference quotients of `P`, as a share of the window. Chosen.
 const STEP: f64 = 1e-4;
 
-/// A time, and `[g, P]` at it.
-type Look = (f64, [f64; 2]);
+/// `[g, g']` at a time.
+type Look = [f64; 2];
 
 /// The smaller of `g` and `P`: positive where the bond pushes.
 fn least([overlap, pushes]: [f64; 2]) -> f64 {
@@ -55,11 +55,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let (h, drive, path, given) = (frame.h, self.drive(beside), self.initial.path, self.known);
         let course = (&path, known::<S>(&given));
         let overlap = |t: f64| predicted(frame, course, &drive, t);
-        let look = |t: f64| {
-            let (g, rate) = (overlap(t), predicted_rate(frame, course, &drive, t));
-            (g, rate)
-        };
-        let (end, rate) = look(h);
+        let look = |t: f64| [overlap(t), predicted_rate(frame, course, &drive, t)];
+        let [end, rate] = look(h);
         self.forecast.at_end = frame.link.pushes(end, rate);
         let [force, by] = self.initial.force;
         self.forecast.bend = (frame.link.force_at_rate(end, rate) - (force + by * h)) / (h * h);
@@ -74,7 +71,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let Some(contact) = self.contacts.found.last_mut().filter(|contact| contact.release > h) else { return };
         // A release soon after the window's end.
         let pushes = |t: f64| {
-            let (g, rate) = look(t);
+            let [g, rate] = look(t);
             frame.link.pushes(g, rate)
         };
         let slope = (self.forecast.at_end - pushes(h * (1.0 - STEP))) / (STEP * h);
@@ -96,14 +93,14 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let course = (&path, known::<S>(&given));
         let h = frame.h;
         let look = |t: f64| {
-            (overlap_at(course, (panels, own), frame, beside, t), rate_at(course, (panels, own), frame, beside, t))
+            [overlap_at(course, (panels, own), frame, beside, t), rate_at(course, (panels, own), frame, beside, t)]
         };
         self.gather(frame, band, look);
         let pushes = |t: f64| {
-            let (g, rate) = look(t);
+            let [g, rate] = look(t);
             frame.link.pushes(g, rate)
         };
-        let (overlap, end) = (look(h).0, pushes(h));
+        let (overlap, end) = (look(h)[0], pushes(h));
         let by = end / slope(pushes, h, h);
         overlap.abs() <= band || frame.cuts.negligible(frame.link, end.abs(), by, Some(overlap))
     }
@@ -195,31 +192,33 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         free.filter(|(from, to)| from < to).map(|(from, to)| energy(from) - energy(to)).sum()
     }
 
-    /// Values of `P` up to this are rounding.
+    /// Rates of the overlap up to this are rounding.
     fn rounding(&self, link: &Link<S>) -> f64 {
         let speed = |path: &Path, omega: f64| path[1].abs() + omega * (path[2].abs() + path[3].abs());
         let paths = self.initial.path.iter().zip(&link.sides);
         let speed = paths.map(|(path, side)| speed(path, side.omega)).sum::<f64>() + self.initial.overlap[1].abs();
-        link.pushes_off([self.initial.band, ROUNDING * speed])
+        ROUNDING * speed
     }
 
     /// Finds the time intervals in which the bond pushes, from the function `look` that gives
     /// overlap and rate at a time; overlaps up to `band` count as zero.
-    fn gather(&mut self, frame: &Frame<'_, M, S>, band: f64, look: impl Fn(f64) -> (f64, f64)) {
+    fn gather(&mut self, frame: &Frame<'_, M, S>, band: f64, look: impl Fn(f64) -> Look) {
         let (h, link) = (frame.h, frame.link);
-        let of = |(g, rate): (f64, f64)| [g, link.pushes(g, rate)];
+        let of = |[g, rate]: Look| [g, link.pushes(g, rate)];
         let at = |t: f64| of(look(t));
-        let mut looks = looks(h, &at);
+        let mut looks = looks(h, &look, &of);
         // At the start both are known, which tells the error of values by series.
-        let start = of(self.initial.overlap.into());
+        let start = self.initial.overlap;
         let by_series = std::mem::replace(&mut looks[0].1, start);
-        let band = band.max((by_series[0] - start[0]).abs());
-        let rounding = self.rounding(link).max((by_series[1] - start[1]).abs());
+        let off = |k: usize, least: f64| least.max((by_series[k] - start[k]).abs());
+        let off = [off(0, band), off(1, self.rounding(link))];
         // A bound of the error of the overlap, over the window, that does not change whether the
         // bond pushes.
         let margin = |[g, pushes]: [f64; 2]| g.abs().min(link.harmless(pushes.abs(), h));
-        let side = |[g, pushes]: [f64; 2]| {
-            if g < -band || pushes < -rounding { Some(false) } else { (g > band && pushes > rounding).then_some(true) }
+        // `P` ascends with the overlap and with its rate.
+        let side = |[g, rate]: Look| {
+            let by = |sign: f64| least(of([g + sign * off[0], rate + sign * off[1]]));
+            if by(1.0) < 0.0 { Some(false) } else { (by(-1.0) > 0.0).then_some(true) }
         };
         // Beads that touch at the start, and push later, count as pushing from the start: their
         // overlap may rise so slowly that its first zero in floating point is anywhere.
@@ -227,10 +226,11 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let mut open = self.initial.ongoing.map(|contact| Contact { release: f64::INFINITY, ..contact });
         let found = &mut self.contacts.found;
         found.clear();
-        let (mut last, mut slack): (Look, f64) = (looks[0], f64::INFINITY);
-        for (k, &(t, value)) in looks.iter().enumerate() {
+        let (mut last, mut slack) = ((looks[0].0, of(start)), f64::INFINITY);
+        for (k, &(t, looked)) in looks.iter().enumerate() {
+            let value = of(looked);
             slack = slack.min(margin(value));
-            if side(value).is_none_or(|pushes| pushes == open.is_some()) {
+            if side(looked).is_none_or(|pushes| pushes == open.is_some()) {
                 last = (t, value);
                 continue;
             }
@@ -245,12 +245,12 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             };
             // At the start without the error of a series, of which `P` of a dashpot takes the power
             // 1/alpha.
-            let [g, pushes] = if event == 0.0 { start } else { at(event) };
+            let [g, pushes] = if event == 0.0 { of(start) } else { at(event) };
             // Whether `P` vanishes there, and not the overlap: it is less than without the rate.
             let pressed = g > 0.0 && pushes < 0.5 * link.pushes(g, 0.0);
             match open.take() {
                 None => {
-                    let slope = if pressed { slope(|t| at(t)[1], event, h) } else { look(event).1 };
+                    let slope = if pressed { slope(|t| at(t)[1], event, h) } else { look(event)[1] };
                     open = Some(Contact { pressed, ..Contact::new(event, f64::INFINITY, [slope, 0.0]) });
                 }
                 Some(contact) => {
@@ -271,25 +271,25 @@ fn slope(of: impl Fn(f64) -> f64, t: f64, h: f64) -> f64 {
     (of(b) - of(a)) / (b - a)
 }
 
-/// Values of `g` and `P` at equally spaced times, and at the vertices of parabolas through three of
-/// these values that lie on the other side of zero.
-fn looks(h: f64, at: &impl Fn(f64) -> [f64; 2]) -> Vec<Look> {
+/// Overlaps and rates at equally spaced times, and at the vertices of parabolas through three values
+/// of `g` or of `P`, as `of` gives them, that lie on the other side of zero.
+fn looks(h: f64, look: &impl Fn(f64) -> Look, of: &impl Fn(Look) -> [f64; 2]) -> Vec<(f64, Look)> {
     let step = h / PARTS as f64;
-    let mut looks: Vec<Look> = (0..=PARTS)
+    let mut looks: Vec<(f64, Look)> = (0..=PARTS)
         .map(|k| {
             let t = if k == PARTS { h } else { step * k as f64 };
-            (t, at(t))
+            (t, look(t))
         })
         .collect();
-    let turns = |k: usize, of: usize| {
-        let [a, b, c] = [k - 1, k, k + 1].map(|k| looks[k].1[of]);
+    let turns = |k: usize, part: usize| {
+        let [a, b, c] = [k - 1, k, k + 1].map(|k| of(looks[k].1)[part]);
         let (slope, bend) = (0.5 * (c - a), a - 2.0 * b + c);
         let by = -slope / bend;
         let beyond = (b > 0.0) != (b + 0.5 * slope * by > 0.0);
         (by.abs() < 1.0 && beyond).then(|| looks[k].0 + by * step)
     };
     let more: Vec<f64> = (1..PARTS).flat_map(|k| [turns(k, 0), turns(k, 1)]).flatten().collect();
-    looks.extend(more.into_iter().map(|t| (t, at(t))));
+    looks.extend(more.into_iter().map(|t| (t, look(t))));
     looks.sort_by(|a, b| a.0.total_cmp(&b.0));
     looks
 }

@@ -4,6 +4,7 @@ use super::{
     super::{
         goal::Goal,
         layout::Cuts,
+        loss::Loss,
         system::{ContactChain, Links, Path},
     },
     Pace,
@@ -70,6 +71,9 @@ pub(super) struct Contacts {
     alphas: [f64; 2],
     /// If contacts dissipate, the smallest power of time with which the force of one begins.
     abrupt: Option<f64>,
+    /// The largest `gamma` of viscoelastic contacts, and the largest acceleration by dashpots at
+    /// unit rate of the overlap; zero without.
+    resistances: [f64; 2],
     /// Whether all exponents are whole or half numbers.
     pub(super) analytic: bool,
     /// The largest acceleration by a unit overlap.
@@ -81,7 +85,16 @@ impl Contacts {
         let kinds = if S == 1 { 1 } else { chain.bonds() };
         let alphas: Vec<f64> = (0..kinds).map(|b| chain.law(b).alpha()).collect();
         let losses = (0..if S == 1 { 0 } else { kinds }).filter_map(|b| Some(chain.loss(b)?.power(alphas[b])));
+        let mut resistances = [0.0f64; 2];
+        for link in links.each() {
+            match link.loss {
+                Some(Loss::Viscoelastic(gamma)) => resistances[0] = resistances[0].max(gamma),
+                Some(Loss::Dashpot(gamma)) => resistances[1] = resistances[1].max(gamma * link.lightest()),
+                None => {}
+            }
+        }
         Self {
+            resistances,
             abrupt: losses.min_by(f64::total_cmp),
             alphas: [alphas.iter().copied().fold(f64::INFINITY, f64::min), alphas.iter().copied().fold(0.0, f64::max)],
             analytic: alphas.iter().all(|&alpha| analytic(alpha)),
@@ -151,7 +164,10 @@ impl Accuracy {
         if let Some(power) = self.contacts.abrupt {
             lost = lost.min(h * least.powf(1.0 / (power + 2.0)));
         }
-        let acceleration = 0.1 * least * self.size / h / self.contacts.strongest;
+        // An overlap that rises to `g` in the window makes the impulses `F(g) h` and `int c dg`.
+        let [viscous, dashpots] = self.contacts.resistances;
+        let negligible = 0.1 * least * self.size;
+        let acceleration = negligible / (h + viscous) / self.contacts.strongest;
         Goal {
             change: change.max(BIAS) * self.size,
             rounded: 0.1 * ROUNDING * self.size,
@@ -170,7 +186,7 @@ impl Accuracy {
                     _ => NEAR[0],
                 },
                 event_impulse: 0.1 * least * self.size,
-                least_overlap: self.contacts.least(|alpha| acceleration.powf(1.0 / alpha)),
+                least_overlap: self.contacts.least(|alpha| acceleration.powf(1.0 / alpha)).min(negligible / dashpots),
                 least_move_beside: lost,
             },
         }
