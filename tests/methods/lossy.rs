@@ -74,12 +74,11 @@ fn two_hundred_contacts_that_dissipate_are_those_of_another_program() {
 #[test]
 fn tolerances_are_kept_where_contacts_dissipate() {
     // Truth: regularised DOP853 at 3e-15 a step. Viscoelastic contacts, with and without damping and
-    // drives, over seven decades. Dashpots, whose forces jump, over five, beyond which DOP853 says
-    // nothing; to three tolerances, as conservative chains.
+    // drives, and dashpots, whose forces jump; over seven decades.
     for (law, driven, decades, bound) in [
         ((Kind::Viscoelastic, 0.3), false, 7, 1.0),
         ((Kind::Viscoelastic, 1.0), true, 7, 1.0),
-        ((Kind::Dashpot, 0.4), false, 5, 3.0),
+        ((Kind::Dashpot, 0.4), false, 7, 1.0),
     ] {
         let mut worst = vec![0.0f64; decades];
         for seed in 0..6 {
@@ -332,17 +331,17 @@ fn errors_when_struck(
 
 #[test]
 fn fine_tolerances_of_struck_chains() {
-    // Asked: three tolerances. With cuts at the events of neighbours only, viscoelastic contacts
-    // have 20; where last terms of dashpots may be as large as those of other forces, these have 6.
-    for (kind, gammas, end, decades) in
-        [(Kind::Viscoelastic, [0.1, 0.3, 1.0], 20.0, 9..=13), (Kind::Dashpot, [0.1, 0.3, 1.0], 3.0, 8..=11)]
+    // Asked: three tolerances. With cuts at the events of neighbours only, viscoelastic contacts have
+    // 20; with last terms of dashpots as large as those of other forces, these have 12.
+    for (kind, gamma, end) in [Kind::Viscoelastic, Kind::Dashpot]
+        .into_iter()
+        .flat_map(|kind| [0.02, 0.1, 0.3, 1.0].map(|gamma| (kind, gamma)))
+        .flat_map(|(kind, gamma)| [3.0, 20.0].map(|end| (kind, gamma, end)))
     {
-        for gamma in gammas {
-            let tolerances = decades.clone().map(|k| 10f64.powi(-k));
-            for (tol, error) in errors_when_struck((kind, gamma), (12, end), tolerances) {
-                println!("{kind:?} {gamma} {tol:e}: {error:e}");
-                assert!(error < 3.0 * tol, "{kind:?} {gamma} {tol:e}: {error:e}");
-            }
+        let tolerances = (8..=13).flat_map(|k| [1.0, 3.0].map(|by| by * 10f64.powi(-k)));
+        for (tol, error) in errors_when_struck((kind, gamma), (12, end), tolerances) {
+            println!("{kind:?} {gamma} {end} {tol:e}: {error:e}");
+            assert!(error < 3.0 * tol, "{kind:?} {gamma} {end} {tol:e}: {error:e}");
         }
     }
 }
@@ -350,24 +349,19 @@ fn fine_tolerances_of_struck_chains() {
 #[test]
 #[ignore = "nightly: a minute; the numbers of docs/collocation.md"]
 fn tolerances_of_struck_chains() {
-    // Asked: three tolerances. Measured: 0.84 (viscoelastic) and 2.2; below the range 2e-15 and
-    // 2.2e-11.
-    for (kind, least, below) in [(Kind::Viscoelastic, 1e-13, 0.0), (Kind::Dashpot, 1e-11, 5e-11)] {
-        let (mut ratio, mut worst, mut over) = (0.0f64, 0.0f64, 0.0f64);
+    // Asked: three tolerances. Measured: 0.84 (viscoelastic) and 0.37.
+    for kind in [Kind::Viscoelastic, Kind::Dashpot] {
+        let mut ratio = 0.0f64;
         for gamma in [1e-6, 1e-3, 0.02, 0.1, 0.3, 1.0] {
             for to in [12, 40].into_iter().flat_map(|n| [1.0, 3.0, 5.0, 10.0, 20.0].map(|end| (n, end))) {
                 let tolerances = (4..=13).flat_map(|k| [1.0, 3.0].map(|by| by * 10f64.powi(-k)));
                 for (tol, error) in errors_when_struck((kind, gamma), to, tolerances) {
-                    if tol >= 0.99 * least {
-                        ratio = ratio.max(error / tol);
-                    } else {
-                        (worst, over) = (worst.max(error), over.max(error / tol));
-                    }
+                    ratio = ratio.max(error / tol);
                 }
             }
         }
-        println!("{kind:?}: {ratio:.2} tolerances; below {least:e} {worst:e}, {over:.0} tolerances");
-        assert!(ratio < 3.0 && worst <= below, "{kind:?}: {ratio} {worst:e}");
+        println!("{kind:?}: {ratio:.2} tolerances");
+        assert!(ratio < 3.0, "{kind:?}: {ratio}");
     }
 }
 

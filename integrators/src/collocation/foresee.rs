@@ -6,7 +6,6 @@ use super::{
     bond::{Beside, Bond, Contact, Contacts, Initial, known, ramps},
     detect::{Search, Start},
     known::Known,
-    layout::Cuts,
     panel::{Frame, Times, sin_cos},
     panels::{Panels, Shared},
     system::Path,
@@ -495,9 +494,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     pub(super) fn band(&self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2], panels: &Panels<M, S>) -> f64 {
         let driven = Self::driven_up_to(frame, beside, (panels, self.initial.recoil), frame.h);
         let rounding = ROUNDING * driven * frame.h * frame.h;
-        let Cuts { least_overlap, event_impulse, .. } = *frame.cuts;
-        let least = if S == 1 { least_overlap } else { frame.link.unfelt(least_overlap, event_impulse) };
-        least.max(rounding).max(self.initial.band)
+        frame.cuts.least_overlap.max(rounding).max(self.initial.band)
     }
 
     /// Finds the contacts of the window from all forces computed so far. Returns whether they

@@ -103,16 +103,6 @@ impl<const S: usize> Link<S> {
         }
     }
 
-    /// `least`, or a smaller overlap below which resistance gives at most `impulse`, a change of
-    /// velocity: `int c g' dt` is `gamma F` or `gamma g`, however short the contact is.
-    pub(crate) fn unfelt(&self, least: f64, impulse: f64) -> f64 {
-        match self.loss {
-            Some(Loss::Viscoelastic(gamma)) => least.min(self.held(impulse / (gamma * self.lightest()))),
-            Some(Loss::Dashpot(gamma)) => least.min(impulse / (gamma * self.lightest())),
-            None => least,
-        }
-    }
-
     /// The force at an overlap and its rate.
     pub(crate) fn force_at_rate(&self, overlap: f64, rate: f64) -> f64 {
         if overlap > 0.0 { (self.force(overlap) + self.resistance(overlap) * rate).max(0.0) } else { 0.0 }
@@ -318,7 +308,8 @@ impl<const M: usize, const S: usize> Kernel for Resist<'_, M, S> {
             }
         }
         let elastic = frame.link.forces(g);
-        let resistance = g.map(|g| frame.link.resistance(g));
+        // On a panel, also where the series of neighbours take an overlap below zero.
+        let resistance = g.map(|g| frame.link.resists(g));
         let mut own = [[0.0; M]; M];
         for side in 0..S {
             for k in 0..M {
