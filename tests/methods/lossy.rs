@@ -347,6 +347,24 @@ fn fine_tolerances_of_struck_chains() {
 }
 
 #[test]
+fn errors_of_equal_windows_do_not_grow_with_their_number() {
+    // Truth: regularised DOP853 at 1e-15 a step. Asked: ten roundings. With sides of P decided by
+    // its largest error, that at rate zero, each window lost an impulse; where an error of a series
+    // took an overlap below zero, the force lacked its resistance.
+    for gamma in [0.02, 1.0] {
+        let (chain, state) = struck(12, Kind::Dashpot, gamma);
+        let want = run(&chain, &state, 0.9, "dop853-regularised", Setting::Tolerance(1e-15)).state;
+        for windows in [1, 4, 16, 64, 256, 1024] {
+            let pace = Pace::Windows { windows, nodes: 12, neighbours: true };
+            let got = collocation(&chain, state.as_slice(), 0.9, pace);
+            let error = distance(&got[..24], &want[..24]);
+            println!("{gamma} {windows}: {error:e}");
+            assert!(error < 10.0 * f64::EPSILON, "{gamma} {windows}: {error:e}");
+        }
+    }
+}
+
+#[test]
 #[ignore = "nightly: a minute; the numbers of docs/collocation.md"]
 fn tolerances_of_struck_chains() {
     // Asked: three tolerances. Measured: 0.84 (viscoelastic) and 0.37.
