@@ -458,3 +458,48 @@ fn numbers_that_no_flag_can_take_are_refused_by_every_command_at_once() {
     }
     assert!(bad.is_empty(), "{}", bad.concat());
 }
+
+/// The keys or values that the reader of scenes lists when it refuses `zzz` in a text.
+fn known(text: &str) -> Vec<String> {
+    let message = SceneFile::parse(text, "scene.toml").unwrap_err().to_string();
+    let (found, listed) = message.split_once("`zzz`, expected ").unwrap_or_else(|| panic!("{text}: {message}"));
+    assert!(found.ends_with("unknown field ") || found.ends_with("unknown variant "), "{text}: {message}");
+    listed.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+#[test]
+fn the_dictionary_of_the_fuzz_target_has_every_key_of_a_scene() {
+    // Truth: what the reader says that it knows. A key of one letter needs no dictionary.
+    let dictionary = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/fuzz/scene.dict")).unwrap();
+    let has = |word: &str| dictionary.lines().any(|line| line == format!("\"{word}\""));
+    let sections = known("zzz = 1");
+    assert!(sections.len() > 8, "{sections:?}");
+    let mut keys = Vec::new();
+    for section in &sections {
+        let head = if section == "drive" { format!("[[{section}]]") } else { format!("[{section}]") };
+        match section.as_str() {
+            "name" | "summary" => keys.push(section.clone()),
+            "initial" => {
+                for kind in known("[initial]\nkind = \"zzz\"") {
+                    keys.extend(known(&format!("[initial]\nkind = \"{kind}\"\nzzz = 1")));
+                    assert!(has(&format!("\\\"{kind}\\\"")), "fuzz/scene.dict lacks the kind {kind}");
+                }
+            }
+            _ => keys.extend(known(&format!("{head}\nzzz = 1"))),
+        }
+        assert!(section == "name" || section == "summary" || has(&head), "fuzz/scene.dict lacks {head}");
+    }
+    keys.extend(known("[beads]\nmass = { zzz = 1 }"));
+    for (key, values) in
+        [("boundary", known("[chain]\nboundary = \"zzz\"")), ("kind", known("[[drive]]\nkind = \"zzz\""))]
+    {
+        keys.push(key.to_owned());
+        for value in values {
+            assert!(has(&format!("\\\"{value}\\\"")), "fuzz/scene.dict lacks the value {value}");
+        }
+    }
+    assert!(keys.len() > 50, "{keys:?}");
+    for key in keys.iter().filter(|key| key.len() > 1) {
+        assert!(has(key), "fuzz/scene.dict lacks the key {key}");
+    }
+}
