@@ -80,8 +80,8 @@ pub(crate) struct Initial<const S: usize> {
     pub(crate) force: [f64; 2],
     /// The contact that the bond is in when the window begins.
     pub(crate) ongoing: Option<Contact>,
-    /// See [`Link::fade`](super::system::Link::fade).
-    fade: f64,
+    /// See [`Link::fade`](super::system::Link::fade); of the last release that was found.
+    pub(super) fade: f64,
 }
 
 impl<const S: usize> Initial<S> {
@@ -362,7 +362,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             // forces that follow.
             force = [link.force(overlap[0]), if link.law.alpha() < 1.0 { 0.0 } else { rate }];
         }
-        self.initial = Initial { bond, recoil, path, band, overlap, force, ongoing, fade: link.fade() };
+        self.initial = Initial { bond, recoil, path, band, overlap, force, ongoing, fade: link.fade(0.0) };
         if link.lossy() {
             self.initial.force = self.resisting(frame);
         }

@@ -126,12 +126,13 @@ impl<const S: usize> Link<S> {
     }
 
     /// The time from the end of a contact to the singularity of its force, where the overlap would
-    /// come to zero if the force went on as the same analytic function. Panels before a release
-    /// have their origin there.
+    /// come to zero if the force went on as the same analytic function: `g/|g'|` at the end, from
+    /// the rate there. Panels before a release have their origin there.
     #[inline(always)]
-    pub(crate) fn fade(&self) -> f64 {
+    pub(crate) fn fade(&self, rate: f64) -> f64 {
         match self.loss {
             Some(Loss::Viscoelastic(gamma)) if S != 1 => gamma * self.law.alpha(),
+            Some(Loss::Dashpot(gamma)) if S != 1 && rate < 0.0 => self.held(-gamma * rate) / -rate,
             _ => 0.0,
         }
     }

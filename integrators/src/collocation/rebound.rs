@@ -78,6 +78,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let t = h - self.forecast.at_end / slope;
         if slope < 0.0 && t > h && t < (1.0 + AHEAD) * h {
             (contact.release, contact.slopes[1]) = (t, slope);
+            self.initial.fade = frame.link.fade(rate);
         }
     }
 
@@ -255,6 +256,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 }
                 Some(contact) => {
                     let slopes = [contact.slopes[0], slope(|t| at(t)[1], event, h)];
+                    self.initial.fade = link.fade(look(event)[1]);
                     found.push(Contact { release: event, slopes, ..contact });
                 }
             }
