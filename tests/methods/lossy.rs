@@ -367,9 +367,10 @@ fn errors_of_equal_windows_do_not_grow_with_their_number() {
 
 #[test]
 fn dashpots_let_go_without_a_root_of_time() {
-    // Truth: 4000 windows of 12 nodes, with which 200 agree to 1e-13. Beads overlap where a dashpot ceases to
-    // push, so that its force is analytic in time up to there. Asked: 1e-11; with the root of the
-    // time to the release as the variable there, in these windows of 6 nodes, 1.0e-9 and 5.2e-10.
+    // Truth: 4000 windows of 12 nodes, with which 200 agree to 1e-13. Beads overlap where a dashpot
+    // ceases to push, so that its force is analytic in time up to there. Asked: 1e-11; with the root
+    // of the time to the release as the variable there, in these windows of 6 nodes, 1.0e-9 and
+    // 5.2e-10.
     for gamma in [0.3, 1.0] {
         let (chain, state) = struck(12, Kind::Dashpot, gamma);
         let at = |count: u64, nodes: usize| {
