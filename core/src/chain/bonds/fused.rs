@@ -1,10 +1,10 @@
 //! Kicks with modified forces, each with its drift and the survey after it, in one pass.
 //!
 //! A pass kicks sites by their modified forces, drifts them and computes overlaps, forces and
-//! derivatives at the new positions, as in [`rows`](super::super::rows). Modified forces are not
-//! stored: those of a register of bonds are computed from the forces of the survey before in this
-//! register and its two neighbours, which are kept from one register to the next. Forces beyond the
-//! ends are loaded bond by bond, so that no register is loaded that was written in parts.
+//! derivatives at the new positions, as in [`rows`](super::super::rows). Modified forces are computed
+//! before it, in a loop of their own, from the survey before: so operations of the pass wait for
+//! fewer others. Forces beyond the ends are loaded bond by bond, so that no register is loaded that
+//! was written in parts.
 //!
 //! For each register a cheap test finds whether a bond in it may have changed its side or turned
 //! near zero. Only after a pass in which one may have, the exact test follows. One call makes steps
@@ -205,9 +205,8 @@ fn modified<V: Vector<f64>>(c: f64, [before, f, behind]: [V; 3], slope: V) -> V 
     f + V::all(c) * slope * ((f.after(before) - f) - (f - f.before(behind)))
 }
 
-/// Kicks and drifts sites and surveys their bonds, from the register at `start` up to, and without,
-/// that at `stop`; all of them if both are the same. Returns bits, which are not all zero where a
-/// bond may have changed its side or turned near zero.
+/// Kicks and drifts the sites of a stretch by modified `forces`, and surveys their bonds. Returns
+/// bits, which are not all zero where a bond may have changed its side or turned near zero.
 ///
 /// # Safety
 /// Columns have room.
