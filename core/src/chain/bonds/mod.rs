@@ -254,9 +254,7 @@ impl<F: SiteFlow> Bonded<F> {
     /// Acceleration of the overlap of a bond by given forces of its neighbours and of springs.
     #[inline(always)]
     fn pull(&self, b: usize, force: &[f64], spring: &[f64]) -> f64 {
-        let [left, right] = self.chain().topology().beside(b);
-        let contacts = left.map_or(0.0, |b| force[PAD + b]) + right.map_or(0.0, |b| force[PAD + b]);
-        if spring.is_empty() { contacts } else { contacts + self.chain().across(b, |i| spring[PAD + i]) }
+        self.pulls(&[b; LANES], force, spring)
     }
 
     /// The path of a bond under two pulls, one a step `h` ago and one now, between which the pull
