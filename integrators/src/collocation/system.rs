@@ -182,6 +182,8 @@ pub(crate) struct Links<const S: usize> {
     pub(crate) precompressed: bool,
     /// Damping, drives and dissipation of the chain, if it has any.
     pub(crate) open: Option<Open>,
+    /// Whether a contact dissipates. Kept, since the solver asks for each bond of each window.
+    lossy: bool,
 }
 
 impl<const S: usize> Links<S> {
@@ -190,7 +192,14 @@ impl<const S: usize> Links<S> {
         let kinds = if S == 1 { 1 } else { bonds };
         let open = Open::of(chain);
         let links: Vec<Link<S>> = (0..kinds).map(|b| link(chain, open.as_ref(), b)).collect();
-        Self { bonds, ring: chain.ring(), precompressed: (0..kinds).any(|b| chain.rest(b) > 0.0), links, open }
+        Self {
+            bonds,
+            ring: chain.ring(),
+            precompressed: (0..kinds).any(|b| chain.rest(b) > 0.0),
+            lossy: links.iter().any(Link::lossy),
+            links,
+            open,
+        }
     }
 
     /// Minus the second derivative of a bond's overlap by a unit force in it: 2 between two sites
@@ -211,7 +220,7 @@ impl<const S: usize> Links<S> {
 
     /// Whether a contact dissipates.
     pub(crate) fn lossy(&self) -> bool {
-        self.links.iter().any(Link::lossy)
+        self.lossy
     }
 
     #[inline(always)]
