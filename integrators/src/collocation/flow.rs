@@ -36,13 +36,14 @@ const WIDE: usize = 2 * MOST_LANES;
 
 /// Series in `theta` of `N` functions, term by term, since they are summed together.
 type Series<const N: usize> = [[f64; N]; TERMS];
+/// Series of no functions.
+const NO_SERIES: &Series<0> = &[[]; TERMS];
 
 /// The motion of one site with its drag and dashpot, without its contacts.
 #[derive(Clone, Debug)]
 pub(crate) struct Flow {
-    /// `A` and `b`.
+    /// `A`.
     a: [Path; 4],
-    b: Path,
     response: Response,
     /// Drag, a force over a velocity.
     drag: f64,
@@ -58,8 +59,22 @@ pub(crate) struct Flow {
     swing: Series<3>,
     /// Series of `exp(-A t) b`.
     answer: Series<4>,
-    /// Series of `K`.
-    kernel: [f64; TERMS],
+    /// Series of the functions of [`Ahead`], the last two without their powers of `t`; the end is
+    /// zero, and makes whole registers.
+    ahead: Series<8>,
+    /// `K'`, `K''` and `K'''` at zero.
+    slopes: [f64; 3],
+    /// For `b` and `A b`, the coefficients of `1` and `h` in [`bend`](Self::bend).
+    bends: [[f64; 2]; 2],
+}
+
+/// What a forecast needs of a site at a time `t`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ahead {
+    /// `lag`, `cos` and `sin`.
+    pub(crate) position: [f64; 3],
+    /// `K(t)`, and `int_0^t K(t - s) s^k/k! ds` for `k = 0, 1`.
+    pub(crate) ramps: [f64; 3],
 }
 
 fn apply(a: &[Path; 4], y: &Path) -> Path {
@@ -105,6 +120,17 @@ const REACH: [f64; TERMS - 1] = {
     reach
 };
 
+/// `1/k` for `k` from 1 on.
+const PER: [f64; TERMS] = {
+    let mut per = [1.0; TERMS];
+    let mut k = 1;
+    while k < TERMS {
+        per[k] = 1.0 / (k + 1) as f64;
+        k += 1;
+    }
+    per
+};
+
 /// The number of terms that the series of `exp(theta)` needs. To compare `theta` with all of
 /// [`REACH`] costs less than terms that are not needed.
 #[inline(always)]
@@ -112,37 +138,52 @@ fn terms(theta: f64) -> usize {
     REACH.iter().map(|&reach| usize::from(theta > reach)).sum::<usize>() + 1
 }
 
-/// Sums series at several times together, by Horner's rule. It is written with vector registers,
-/// since compilers would keep this number of sums in memory.
-struct Horner<'a, const N: usize> {
-    series: &'a [[f64; N]],
+/// Sums series at several times together, by Horner's rule: `N` functions, and `P` more. It is
+/// written with vector registers, since compilers would keep this number of sums in memory.
+struct Horner<'a, const N: usize, const P: usize> {
+    series: (&'a [[f64; N]], &'a [[f64; P]]),
     theta: &'a [f64; WIDE],
     times: usize,
-    sums: &'a mut [[f64; WIDE]; N],
+    sums: (&'a mut [[f64; WIDE]; N], &'a mut [[f64; WIDE]; P]),
 }
 
-impl<const N: usize> VectorKernel<f64> for Horner<'_, N> {
+impl<const N: usize, const P: usize> Horner<'_, N, P> {
+    /// For the times in `R` registers from `at` on.
+    #[inline(always)]
+    fn sum<V: Vector<f64>, const R: usize>(&mut self, at: usize) {
+        // SAFETY, here and below: the registers are within `WIDE` numbers.
+        let theta: [V; R] = std::array::from_fn(|r| unsafe { V::load(self.theta.as_ptr().add(at + r * V::LANES)) });
+        let (mut sums, mut more) = ([[V::all(0.0); R]; N], [[V::all(0.0); R]; P]);
+        for (term, next) in self.series.0.iter().zip(self.series.1).rev() {
+            for r in 0..R {
+                for i in 0..N {
+                    sums[i][r] = theta[r].fused(sums[i][r], V::all(term[i]));
+                }
+                for i in 0..P {
+                    more[i][r] = theta[r].fused(more[i][r], V::all(next[i]));
+                }
+            }
+        }
+        let all = sums.iter().zip(self.sums.0.iter_mut()).chain(more.iter().zip(self.sums.1.iter_mut()));
+        for (sums, out) in all {
+            for r in 0..R {
+                unsafe { sums[r].store(out.as_mut_ptr().add(at + r * V::LANES)) };
+            }
+        }
+    }
+}
+
+impl<const N: usize, const P: usize> VectorKernel<f64> for Horner<'_, N, P> {
     type Output = ();
 
     #[inline(always)]
-    fn run<V: Vector<f64>>(self) {
+    fn run<V: Vector<f64>>(mut self) {
         const { assert!(WIDE.is_multiple_of(2 * V::LANES)) };
+        if self.times <= V::LANES {
+            return self.sum::<V, 1>(0);
+        }
         for at in (0..self.times).step_by(2 * V::LANES) {
-            // SAFETY, here and below: two registers from `at` on are within `WIDE` numbers.
-            let theta = [at, at + V::LANES].map(|at| unsafe { V::load(self.theta.as_ptr().add(at)) });
-            let mut sums = [[V::all(0.0); 2]; N];
-            for term in self.series.iter().rev() {
-                for i in 0..N {
-                    for half in 0..2 {
-                        sums[i][half] = theta[half].fused(sums[i][half], V::all(term[i]));
-                    }
-                }
-            }
-            for i in 0..N {
-                for half in 0..2 {
-                    unsafe { sums[i][half].store(self.sums[i].as_mut_ptr().add(at + half * V::LANES)) };
-                }
-            }
+            self.sum::<V, 2>(at);
         }
     }
 }
@@ -168,9 +209,14 @@ impl Flow {
         let of_path = |of: Path| powers(&transposed, of).map(|[_, v, c, s]| [v, c, s]);
         let mut position = of_path([1.0, 0.0, 1.0, 0.0]);
         position[1][0] = 0.0;
-        Self {
+        let kernel = powers(&scaled, b).map(|[r, _, c, _]| r + c);
+        let mut ahead = [[0.0; 8]; TERMS];
+        for (k, ahead) in ahead.iter_mut().enumerate() {
+            let ([lag, cos, sin], x, n) = (position[k], kernel[k], k as f64);
+            *ahead = [lag, cos, sin, x, x / (n + 1.0), x / ((n + 1.0) * (n + 2.0)), 0.0, 0.0];
+        }
+        let mut flow = Self {
             a,
-            b,
             response,
             drag,
             slip,
@@ -179,8 +225,12 @@ impl Flow {
             velocity: of_path([0.0, 1.0, 0.0, omega]),
             swing: of_path([0.0, 0.0, 0.0, omega]),
             answer: powers(&scaled.map(|row| row.map(|x| -x)), b),
-            kernel: powers(&scaled, b).map(|[r, _, c, _]| r + c),
-        }
+            ahead,
+            slopes: [kernel[1] * rate, 2.0 * kernel[2] * rate.powi(2), 6.0 * kernel[3] * rate.powi(3)],
+            bends: [[0.0; 2]; 2],
+        };
+        flow.bends = [flow.bend_over(&b), flow.bend_over(&flow.rates(&b))];
+        flow
     }
 
     /// Whether drag or a dashpot acts.
@@ -211,8 +261,9 @@ impl Flow {
     /// `exp(A t) y - y`.
     pub(crate) fn moved(&self, y: &Path, t: f64) -> Path {
         let (mut term, mut sum) = (*y, [0.0; 4]);
-        for k in 1..=terms(self.rate * t) {
-            term = self.rates(&term).map(|x| x * (t / k as f64));
+        for per in &PER[..terms(self.rate * t)] {
+            let part = t * per;
+            term = self.rates(&term).map(|x| x * part);
             for i in 0..4 {
                 sum[i] += term[i];
             }
@@ -227,70 +278,93 @@ impl Flow {
 
     /// The sums of some series at `L` times, at most [`WIDE`].
     #[inline(always)]
-    fn at<const L: usize, const N: usize>(&self, series: &Series<N>, t: &[f64; L]) -> [[f64; L]; N] {
+    fn at<const L: usize, const N: usize, const P: usize>(
+        &self,
+        (series, more): (&Series<N>, &Series<P>),
+        t: &[f64; L],
+    ) -> ([[f64; L]; N], [[f64; L]; P]) {
         const { assert!(L <= WIDE) };
         let (mut theta, mut largest) = ([0.0; WIDE], 0.0);
         for j in 0..L {
             theta[j] = self.rate * t[j];
             largest = if theta[j] > largest { theta[j] } else { largest };
         }
-        let mut sums = [[0.0; WIDE]; N];
-        f64::run_vector(Horner { series: &series[..terms(largest)], theta: &theta, times: L, sums: &mut sums });
-        sums.map(|sum| std::array::from_fn(|j| sum[j]))
+        let (mut sums, mut others) = ([[0.0; WIDE]; N], [[0.0; WIDE]; P]);
+        let terms = terms(largest);
+        f64::run_vector(Horner {
+            series: (&series[..terms], &more[..terms]),
+            theta: &theta,
+            times: L,
+            sums: (&mut sums, &mut others),
+        });
+        let short = |sum: [f64; WIDE]| std::array::from_fn(|j| sum[j]);
+        (sums.map(short), others.map(short))
     }
 
     /// `lag`, `cos` and `sin` at `L` times.
     #[inline(always)]
     pub(crate) fn position<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
-        self.at(&self.position, t)
+        self.at((&self.position, NO_SERIES), t).0
     }
 
     /// The factors of `v`, `c` and `s` in the velocity `q'`.
     #[inline(always)]
     pub(crate) fn velocity<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
-        self.at(&self.velocity, t)
+        self.at((&self.velocity, NO_SERIES), t).0
     }
 
     /// The factors of `v`, `c` and `s` in the velocity of the oscillating part.
     #[inline(always)]
     pub(crate) fn swing<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
-        self.at(&self.swing, t)
+        self.at((&self.swing, NO_SERIES), t).0
     }
 
-    /// `exp(-A t) b`: the path by a unit impulse at `t`, after `t`.
+    /// [`position`](Self::position), and `exp(-A t) b`: the path by a unit impulse at `t`, after
+    /// `t`.
     #[inline(always)]
-    pub(crate) fn answer<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 4] {
-        self.at(&self.answer, t)
+    pub(crate) fn position_and_answer<const L: usize>(&self, t: &[f64; L]) -> ([[f64; L]; 3], [[f64; L]; 4]) {
+        self.at((&self.position, &self.answer), t)
     }
 
-    /// `K(t)`, and `int_0^t K(t - s) s^k/k! ds` for `k = 0, 1`.
-    pub(crate) fn ramps(&self, t: f64) -> [f64; 3] {
-        let theta = self.rate * t;
-        let mut out = [0.0; 3];
-        for k in (0..terms(theta)).rev() {
-            let (x, k) = (self.kernel[k], k as f64);
-            for (out, part) in out.iter_mut().zip([x, x / (k + 1.0), x / ((k + 1.0) * (k + 2.0))]) {
-                *out = theta * *out + part;
+    /// [`velocity`](Self::velocity), and `exp(-A t) b`.
+    #[inline(always)]
+    pub(crate) fn velocity_and_answer<const L: usize>(&self, t: &[f64; L]) -> ([[f64; L]; 3], [[f64; L]; 4]) {
+        self.at((&self.velocity, &self.answer), t)
+    }
+
+    /// The functions of a forecast at a time.
+    #[inline(always)]
+    pub(crate) fn ahead(&self, t: f64) -> Ahead {
+        let (theta, mut sums) = (self.rate * t, [0.0; 8]);
+        for term in self.ahead[..terms(theta)].iter().rev() {
+            for i in 0..8 {
+                sums[i] = theta.mul_add(sums[i], term[i]);
             }
         }
-        [out[0], out[1] * t, out[2] * t * t]
+        let [lag, cos, sin, k1, k2, k3, ..] = sums;
+        Ahead { position: [lag, cos, sin], ramps: [k1, k2 * t, k3 * t * t] }
     }
 
     /// Coefficients of `t^2`, `t^3` and `t^4` in `sum_k rates[k] int_0^t K(t - s) s^k/k! ds`.
     pub(crate) fn ramped(&self, [f0, f1, f2]: [f64; 3]) -> [f64; 3] {
-        let [_, a, b, c, ..] = self.kernel;
-        let [a, b, c] = [a * self.rate, 2.0 * b * self.rate.powi(2), 6.0 * c * self.rate.powi(3)];
-        [a * f0 / 2.0, (a * f1 + b * f0) / 6.0, (a * f2 + b * f1 + c * f0) / 24.0]
+        let [a, b, c] = self.slopes;
+        [a * f0 * 0.5, (a * f1 + b * f0) * (1.0 / 6.0), (a * f2 + b * f1 + c * f0) * (1.0 / 24.0)]
     }
 
     /// A bound of `q''` over a time `h` along a path.
     ///
     /// The energy `r'^2/m + (c'^2 + omega^2 c^2)/mu` does not grow, so that it bounds the velocity;
     /// drag then adds no more than this to the amplitude of the oscillation.
-    pub(crate) fn bend(&self, [_, v, c, s]: &Path, h: f64) -> f64 {
+    pub(crate) fn bend(&self, path: &Path, h: f64) -> f64 {
+        let [now, per_time] = self.bend_over(path);
+        now + h * per_time
+    }
+
+    /// The coefficients of `1` and `h` in [`bend`](Self::bend).
+    fn bend_over(&self, [_, v, c, s]: &Path) -> [f64; 2] {
         let Self { drag, slip, response: Response { m, mu, .. }, .. } = *self;
         let omega = self.a[2][3];
-        let (mut amplitude, mut energy) = (0.0, 0.0);
+        let (mut amplitude, mut growth, mut energy) = (0.0, 0.0, 0.0);
         if m > 0.0 {
             energy += v * v / m;
         }
@@ -300,14 +374,15 @@ impl Flow {
         }
         let speed = (energy * (m + mu)).sqrt();
         if mu > 0.0 {
-            amplitude += h * drag * mu * speed / omega;
+            growth = drag * mu * speed / omega;
         }
-        omega * (omega + slip) * amplitude + drag * (m + mu) * speed
+        let square = omega * (omega + slip);
+        [square * amplitude + drag * (m + mu) * speed, square * growth]
     }
 
     /// Bounds of `K''` and `K'''` up to the time `h`.
     pub(crate) fn bends(&self, h: f64) -> [f64; 2] {
-        [self.bend(&self.b, h), self.bend(&self.rates(&self.b), h)]
+        self.bends.map(|[now, per_time]| now + h * per_time)
     }
 }
 
@@ -362,11 +437,11 @@ mod tests {
         // sum; integrals of K by the rule of Gauss.
         let site = flow(0.6, 0.5, 1.7, [0.8, 0.3]);
         let (t, s) = (0.45, 0.17);
-        let answer = site.answer(&[s]).map(|x| x[0]);
+        let answer = site.position_and_answer(&[s]).1.map(|x| x[0]);
         // Terms are below 1; each of some ten sums and products rounds by half of 2.2e-16 of its
         // size.
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-15 * a.abs().max(b.abs()).max(0.5), "{a:e} {b:e}");
-        near(at(&site, answer, t)[0], site.ramps(t - s)[0]);
+        near(at(&site, answer, t)[0], site.ahead(t - s).ramps[0]);
         let y = [0.3, -0.4, 0.2, 0.7];
         let add = |y: Path, by: Path| std::array::from_fn(|i| y[i] + by[i]);
         let once = add(y, site.moved(&y, t));
@@ -380,17 +455,17 @@ mod tests {
         let velocity = y[1] * v + y[2] * c + y[3] * s;
         assert!((velocity - once[1] - 1.7 * once[3]).abs() < 3e-16);
         assert!((position - once[0] - once[2]).abs() < 2e-16 && (swing - 1.7 * once[3]).abs() < 3e-16);
-        let [_, k2, k3] = site.ramps(t);
+        let [_, k2, k3] = site.ahead(t).ramps;
         let rule = super::super::Rule::<12>::shared();
         let times = rule.nodes.map(|x| 0.5 * t * (1.0 + x));
         let integral = |of: &dyn Fn(f64) -> f64| -> f64 {
-            (0..12).map(|j| 0.5 * t * rule.weights[j] * of(times[j]) * site.ramps(t - times[j])[0]).sum()
+            (0..12).map(|j| 0.5 * t * rule.weights[j] * of(times[j]) * site.ahead(t - times[j]).ramps[0]).sum()
         };
         near(k2, integral(&|_| 1.0));
         near(k3, integral(&|s| s));
         // Truth: the integrals themselves, up to the next power.
         let (h, [a, b, c]) = (1e-3, site.ramped([2.0, 3.0, 0.0]));
-        let [_, k2, k3] = site.ramps(h);
+        let [_, k2, k3] = site.ahead(h).ramps;
         assert!((2.0 * k2 + 3.0 * k3 - h * h * (a + h * (b + h * c))).abs() < 1e-15);
     }
 

@@ -5,6 +5,7 @@ use super::{
     block::{Piece, apart},
     bond::{Beside, Bond, Contact, Contacts, Initial, known, ramps},
     detect::{Search, Start},
+    flow::Ahead,
     known::Known,
     panel::{Frame, Times, sin_cos},
     panels::{Panels, Shared},
@@ -33,11 +34,13 @@ pub(super) struct Turned {
     pub(super) sin: f64,
     pub(super) cos: f64,
     pub(super) lag: f64,
+    /// See [`Ahead`](super::flow::Ahead); set only where the site is damped.
+    pub(super) ramps: [f64; 3],
 }
 
 impl Turned {
     /// The values at `t = 0`.
-    pub(super) const NONE: Self = Self { sin: 0.0, cos: 1.0, lag: 0.0 };
+    pub(super) const NONE: Self = Self { sin: 0.0, cos: 1.0, lag: 0.0, ramps: [0.0; 3] };
 }
 
 /// [`Turned`] for each side of a bond.
@@ -77,8 +80,8 @@ impl<const M: usize, const S: usize> Kernel for TurnDamped<'_, M, S> {
     fn run(self) {
         for side in 0..S {
             if let Some(flow) = self.frame.link.flow(side) {
-                let [[lag], [cos], [sin]] = flow.position(&[self.t]);
-                self.turn[side] = Turned { sin, cos, lag };
+                let Ahead { position: [lag, cos, sin], ramps } = flow.ahead(self.t);
+                self.turn[side] = Turned { sin, cos, lag, ramps };
             }
         }
     }
@@ -136,7 +139,7 @@ fn ramped_damped<const M: usize, const S: usize>(
     let mut sum = 0.0;
     for side in 0..S {
         let (k2, k3) = match frame.link.flow(side) {
-            Some(flow) => (flow.ramps(t)[1], flow.ramps(t)[2]),
+            Some(_) => (turn[side].ramps[1], turn[side].ramps[2]),
             None => ramps(frame, side, t, turn[side]),
         };
         sum += drive[side][0] * k2 + drive[side][1] * k3;
@@ -417,9 +420,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let (h, mut rate) = (frame.h, known::<S>(&self.known).map_or(0.0, |known| known.ends[1][1]));
         for side in 0..S {
             let (path, kernel, [d0, d1]) = (&self.initial.path[side], &frame.link.sides[side], drive[side]);
-            let Turned { sin, cos, lag } = turn[side];
+            let Turned { sin, cos, lag, ramps: [k1, k2, _] } = turn[side];
             if let Some(flow) = frame.link.flow(side) {
-                let ([_, v, c, s], [k1, k2, _]) = (flow.rates(path), flow.ramps(h));
+                let [_, v, c, s] = flow.rates(path);
                 rate += v * (h + lag) + (c * cos + s * sin) + d0 * k1 + d1 * k2;
             } else {
                 let swing = if kernel.omega == 0.0 { kernel.mu * h } else { kernel.mu * sin / kernel.omega };

@@ -152,10 +152,10 @@ impl Kernel for Foresight<'_> {
             return (Driven { known: Known::new(&values, h, [start, end]), left: [0.0; 4] }, longest);
         };
         let impulses = values.map(|value| 0.5 * h * value);
-        let parts = flow.answer(&times).map(|part| super::panel::times(&part, &impulses));
+        let ([lag, cos, sin], answer) = flow.position_and_answer(&times);
+        let parts = answer.map(|part| super::panel::times(&part, &impulses));
         let left = parts.map(|part| super::panel::dot(&rule.weights, &part));
         let [r, v, c, s] = parts.map(|part| super::panel::product(&rule.integral, &part));
-        let [lag, cos, sin] = flow.position(&times);
         let position =
             std::array::from_fn(|j| (r[j] + v[j] * times[j]) + (v[j] * lag[j] + c[j] * cos[j] + s[j] * sin[j]));
         let end = flow.moved(&left, h);

@@ -159,7 +159,7 @@ impl<const S: usize> Link<S> {
     /// The path by a unit impulse at `t` on a side, after `t`.
     fn answer(&self, side: usize, t: f64) -> Path {
         if let Some(flow) = self.flow(side) {
-            return flow.answer(&[t]).map(|part| part[0]);
+            return flow.position_and_answer(&[t]).1.map(|part| part[0]);
         }
         let Side { m, mu_per_omega, omega, .. } = self.sides[side];
         let (sin, cos) = sin_cos(omega * t);
@@ -174,8 +174,8 @@ impl<const S: usize> Link<S> {
 
     /// `K(t)` on a side: the velocity by a unit force that acts from time 0.
     pub(crate) fn ramp(&self, side: usize, t: f64, turned: Turned) -> f64 {
-        if let Some(flow) = self.flow(side) {
-            return flow.ramps(t)[0];
+        if self.flow(side).is_some() {
+            return turned.ramps[0];
         }
         let kernel = &self.sides[side];
         let swing = if kernel.omega == 0.0 { kernel.mu * t } else { kernel.mu_per_omega * turned.sin };

@@ -201,25 +201,31 @@ impl<const M: usize, const S: usize> Kernel for Gains<'_, M, S> {
             }
             return gains;
         };
-        let pushed = drive.is_some() || panels.iter().any(|panels| !panels.is_empty());
-        if !pushed && y == [0.0; 4] {
-            return gains;
-        }
-        let mut cuts = vec![0.0, h];
-        cuts.extend(panels.iter().flat_map(|panels| panels.iter().flat_map(|panel| [panel.start, panel.end])));
-        if h > RESOLVED * open.longest {
-            cuts.extend((1..PARTS).map(|k| h * f64::from(k) / f64::from(PARTS)));
-        }
-        cuts.sort_unstable_by(f64::total_cmp);
-        for pair in cuts.windows(2).filter(|pair| pair[1] > pair[0]) {
-            let middle = 0.5 * (pair[0] + pair[1]);
+        let mut from = 0.0;
+        while from < h {
+            let ends = panels.iter().flat_map(|panels| panels.iter().flat_map(|panel| [panel.start, panel.end]));
+            let mut to = ends.filter(|&t| t > from).fold(h, f64::min);
+            let middle = 0.5 * (from + to);
             let here = panels.map(|panels| panels.iter().find(|panel| panel.start < middle && middle < panel.end));
+            let pushed = drive.is_some() || here.iter().any(Option::is_some);
+            if pushed {
+                if h > RESOLVED * open.longest {
+                    to = (1..PARTS)
+                        .map(|k| h * f64::from(k) / f64::from(PARTS))
+                        .filter(|&t| t > from)
+                        .fold(to, f64::min);
+                }
+            } else if y == [0.0; 4] {
+                from = to;
+                continue;
+            }
+            let part = (from, to);
             let near = here.iter().flatten().filter(|panel| panel.rates.is_some());
             let piece = match near.min_by(|a, b| a.far(middle).total_cmp(&b.far(middle))) {
-                Some(panel) => Piece::inside((pair[0], pair[1]), panel.map()),
+                Some(panel) => Piece::inside(part, panel.map()),
                 None => {
                     let singular = here.iter().flatten().any(|panel| panel.singular());
-                    Piece::between((pair[0], pair[1]), singular)
+                    Piece::between(part, singular)
                 }
             };
             let (mut force, mut lost, mut push) = ([0.0; NODES], [0.0; NODES], [0.0; NODES]);
@@ -238,6 +244,7 @@ impl<const M: usize, const S: usize> Kernel for Gains<'_, M, S> {
                 }
             }
             piece.follow(flow, &mut y, ([&force, &lost], &push), pushed, &mut gains);
+            from = to;
         }
         gains
     }
@@ -298,16 +305,13 @@ impl Piece {
         gains: &mut Path,
     ) {
         let rule = Rule::<NODES>::shared();
-        let mut now = [[0.0; NODES]; 4];
-        for k in 0..4 {
-            now[k] = [y[k]; NODES];
-        }
-        if pushed {
+        let mut now = y.map(|part| [part; NODES]);
+        let by = if pushed {
             let mut impulse = [0.0; NODES];
             for j in 0..NODES {
                 impulse[j] = self.rate[j] * (contacts[j] + drive[j]);
             }
-            let answer = flow.answer(&self.t);
+            let (by, answer) = flow.velocity_and_answer(&self.t);
             for k in 0..4 {
                 let part = times(&answer[k], &impulse);
                 let moved = product(&rule.integral, &part);
@@ -316,7 +320,10 @@ impl Piece {
                 }
                 y[k] += dot(&rule.weights, &part);
             }
-        }
+            by
+        } else {
+            flow.velocity(&self.t)
+        };
         let [_, v, c, s] = &now;
         let along = |by: [[f64; NODES]; 3]| {
             let mut out = [0.0; NODES];
@@ -325,7 +332,7 @@ impl Piece {
             }
             out
         };
-        let velocity = along(flow.velocity(&self.t));
+        let velocity = along(by);
         gains[0] += flow.drag() * dot(&self.weights, &times(&velocity, &velocity));
         gains[2] -= dot(&self.weights, &times(lost, &velocity));
         gains[3] += dot(&self.weights, &times(drive, &velocity));
@@ -338,8 +345,9 @@ impl Piece {
 
 /// Number of nodes of a quadrature between two ends of panels.
 const NODES: usize = 12;
-/// Windows longer than the share `RESOLVED` of the longest window are cut into `PARTS` parts for
-/// the quadrature. Chosen; `methods energy_dissipated_and_driven_balance` measures what it gives.
+/// While a force acts on the site, windows longer than the share `RESOLVED` of the longest one are
+/// cut into `PARTS` parts for the quadrature. Chosen; `methods energy_dissipated_and_driven_balance`
+/// measures what it gives.
 const RESOLVED: f64 = 0.3;
 const PARTS: u32 = 4;
 /// Times nearer than this, relative to the time, count as the same.

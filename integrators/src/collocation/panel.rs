@@ -302,6 +302,9 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         for j in 0..M {
             self.tau[j] = origin + sign * tau[j];
         }
+        if frame.link.wholly_damped() {
+            return apart(PlaceDamped { panel: self, frame });
+        }
         for side in 0..S {
             let omega = frame.link.sides[side].omega;
             if S != 1 && self.lags {
@@ -352,20 +355,21 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     /// site is damped.
     #[inline(always)]
     fn place_damped(&mut self, rule: &Rule<M>, flow: &Flow, side: usize) {
-        [self.lag[side], self.cos[side], self.sin[side]] = flow.position(&self.tau);
-        self.lags = true;
-        let answer = flow.answer(&self.tau);
+        let ([lag, cos, sin], answer) = flow.position_and_answer(&self.tau);
+        let mut free = self.tau;
+        for j in 0..M {
+            free[j] += lag[j];
+        }
         for k in 0..M {
-            let (mut path, mut kernel) = ([0.0; 4], [0.0; M]);
-            for i in 0..4 {
-                path[i] = self.rate[k] * answer[i][k];
-                self.left[k][side][i] = rule.weights[k] * path[i];
-            }
+            let [r, v, c, s] = answer.map(|part| self.rate[k] * part[k]);
+            self.left[k][side] = [r, v, c, s].map(|part| rule.weights[k] * part);
+            let mut kernel = [0.0; M];
             for j in 0..M {
-                kernel[j] = self.times().along_side(&path, side, j);
+                kernel[j] = s.mul_add(sin[j], c.mul_add(cos[j], v.mul_add(free[j], r)));
             }
             self.reaction[side][k] = times(&rule.integral[k], &kernel);
         }
+        (self.lag[side], self.cos[side], self.sin[side], self.lags) = (lag, cos, sin, true);
     }
 
     /// The slope of the chord from a node to the first of `others` that is far enough from it. A

@@ -310,7 +310,7 @@ fn predicted_rate<const M: usize, const S: usize>(
             rate += path[side][k + 1] * velocity[k][0];
         }
         let moved = match frame.link.flow(side) {
-            Some(flow) => flow.ramps(t)[1],
+            Some(_) => turned[side].ramps[1],
             None => ramps(frame, side, t, turned[side]).0,
         };
         rate += drive[side][0] * frame.link.ramp(side, t, turned[side]) + drive[side][1] * moved;

@@ -84,8 +84,10 @@ pub(crate) struct Link<const S: usize> {
     /// The largest weight of a side, which is the inverse mass of the lighter site; 1 if both
     /// weights are zero, between a wall and a site that is moved.
     lightest: f64,
-    /// Whether a site of the bond is damped, and whether drag acts on the free motion of one.
+    /// Whether a site of the bond is damped, whether both are, and whether drag acts on the free
+    /// motion of one.
     damped: bool,
+    wholly_damped: bool,
     pub(crate) lags: bool,
     /// Dissipation of the contact, if there is any.
     pub(super) loss: Option<Loss>,
@@ -110,6 +112,12 @@ impl<const S: usize> Link<S> {
     #[inline(always)]
     pub(crate) fn damped(&self) -> bool {
         S != 1 && self.damped
+    }
+
+    /// Whether both sites are damped.
+    #[inline(always)]
+    pub(crate) fn wholly_damped(&self) -> bool {
+        S != 1 && self.wholly_damped
     }
 
     /// The motion of the site on a side, if it is damped.
@@ -256,6 +264,7 @@ fn link<const S: usize, C: ContactChain<S>>(chain: &C, open: Option<&Open>, bond
             most => most,
         },
         damped: sides.iter().any(|side| side.flow.is_some()),
+        wholly_damped: sides.iter().all(|side| side.flow.is_some()),
         lags: sides.iter().any(|side| side.flow.as_ref().is_some_and(|flow| flow.lags())),
         loss: loss(bond),
         rated,
