@@ -56,7 +56,7 @@ impl<R: Real, M> Visit<R, M> for Step {
 }
 
 /// Largest number of kicks that follow each other through a chain.
-pub(crate) const MOST_KICKS: usize = 16;
+pub(crate) const MOST_KICKS: usize = 64;
 /// Number of sites that each kick moves on by in its turn: chosen so that the sites of all kicks
 /// that follow each other stay in the second cache (8192 sites with resonators take 256 KiB).
 /// Shorter pieces, in the nearest cache, cost more in calls than they gain. Tests use shorter ones.
@@ -384,7 +384,7 @@ mod tests {
         // kicks than follow each other or than there are between two anchors.
         let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
-        let pairs: Vec<_> = (0..70).map(|k| (0.01 + 1e-4 * f64::from(k % 3), Twofold::new(0.02))).collect();
+        let pairs: Vec<_> = (0..150).map(|k| (0.01 + 1e-4 * f64::from(k % 3), Twofold::new(0.02))).collect();
         for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
             for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
                 for (rho, n) in [(0.0, LONG), (1.0 / 3.0, LONG + 13), (f64::INFINITY, LONG + PIECE)] {

@@ -13,7 +13,7 @@ use crate::{
 /// Largest number of steps made in a row, without a look at the observer in between.
 const STEPS_A_ROW: usize = 64;
 /// Largest number of components times kicks in such a row: about a tenth of a second of work.
-const NUMBERS_A_ROW: usize = 1 << 26;
+const NUMBERS_A_ROW: usize = 1 << 30;
 
 /// A splitting scheme with a fixed number of equal steps.
 ///
