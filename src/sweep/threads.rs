@@ -4,6 +4,8 @@ use super::Backend;
 use crate::error::Result;
 #[cfg(feature = "parallel")]
 use crate::interrupt;
+#[cfg(feature = "parallel")]
+use std::sync::{Mutex, PoisonError};
 
 /// All cores, or as many threads as the environment variable `RAYON_NUM_THREADS` says.
 #[derive(Clone, Copy, Debug, Default)]
@@ -52,9 +54,19 @@ impl Backend for InTurn {
 /// The results of `f` for all items, in the order of the items, computed on all cores.
 #[cfg(feature = "parallel")]
 pub fn map<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
+    let results: Vec<_> = items.iter().map(|_| Mutex::new(None)).collect();
+    each(items.len(), &|k| *super::locked(&results[k]) = Some(f(&items[k])));
+    let filled = results.into_iter().map(|result| result.into_inner().unwrap_or_else(PoisonError::into_inner));
+    filled.map(|result| result.expect("every item has a result")).collect()
+}
+
+/// Calls `work` for all numbers below `count`, on all cores. This is not generic: `rayon` would be
+/// compiled again for every closure.
+#[cfg(feature = "parallel")]
+fn each(count: usize, work: &(dyn Fn(usize) + Sync)) {
     use rayon::prelude::*;
     let token = interrupt::token();
-    items.par_iter().map(|item| token.within(|| f(item))).collect()
+    (0..count).into_par_iter().for_each(|k| token.within(|| work(k)));
 }
 
 /// The results of `f`, in the order of the items.
