@@ -615,7 +615,7 @@ fn unsettled<const M: usize, const S: usize>(
         let of = |bond: Beside<M, S>| bond.map_or(0.0, |bond| bond.forecast.surprise);
         let others = Bond::driven(frame, of(beside[0]), of(beside[1]));
         let off = per * (others + me.initial.recoil * me.forecast.surprise);
-        if off > me.forecast.slack || me.pending.search {
+        if off > me.forecast.slack || me.pending.search || me.pending.astray {
             match me.verify(frame, beside) {
                 None => verdict.failure = Some((b, f64::INFINITY)),
                 Some(true) => (me.pending.layout, anew) = (true, Some(b)),

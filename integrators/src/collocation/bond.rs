@@ -16,7 +16,8 @@ use super::{
 /// after it. Times count from the start of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Contact {
-    /// Time of the onset; minus infinity if the bond was closed when the run began.
+    /// Time of the onset; see [`from_the_start`](Self::from_the_start) if the bond was closed when
+    /// the run began.
     pub(crate) onset: f64,
     /// Time of the release; infinity where none is predicted.
     pub(crate) release: f64,
@@ -34,9 +35,13 @@ impl Contact {
         Self { onset, release, slopes, pressed: false, panels: (0, 0) }
     }
 
-    /// The contact of a bond that is closed when the run begins.
-    pub(crate) fn from_the_start() -> Self {
-        Self::new(f64::NEG_INFINITY, f64::INFINITY, [0.0; 2])
+    /// The contact of a bond that is closed when the run begins, with this overlap and its rate.
+    ///
+    /// Its force is singular at the zero of the overlap before the run, if the overlap grows: the
+    /// onset is there, as far as the rate tells it. Else it is at minus infinity.
+    pub(crate) fn from_the_start(overlap: f64, rate: f64) -> Self {
+        let onset = if rate > 0.0 { (-overlap / rate).min(-f64::MIN_POSITIVE) } else { f64::NEG_INFINITY };
+        Self::new(onset, f64::INFINITY, [0.0; 2])
     }
 
     /// Whether it begins and whether it ends inside the window.
@@ -187,6 +192,9 @@ pub(crate) struct Pending {
     /// Newton's method found events that contradict the contacts: the contacts must be searched for
     /// again.
     pub(crate) search: bool,
+    /// In the last sweep Newton's method would have led an onset out of the window: it was not
+    /// moved, and the contacts must be searched for again.
+    pub(crate) astray: bool,
 }
 
 /// The part of an overlap that drives prescribe. For `S = 1` it is `None` at compile time, since
@@ -494,6 +502,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     ) -> Change {
         let (linear, own) = (self.initial.path, self.initial.own());
         let anew = old.is_some();
+        self.pending.astray = false;
         let panels = self.panels.len as u64;
         let mut change = Change { work: panels * if anew { LAYOUT + SWEEP } else { SWEEP }, ..Change::default() };
         let total = old.map_or(self.panels.total, |old| old.total);
@@ -601,7 +610,12 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         if frame.cuts.negligible(frame.link, overlap, by, contact.pressed.then_some(self.sweeps.largest)) {
             return 0.0;
         }
-        contact.onset += by;
+        let moved = contact.onset + by;
+        if moved.is_nan() || moved > frame.h {
+            self.pending.astray = true;
+            return 0.0;
+        }
+        contact.onset = moved;
         self.pending.search |= contact.onset > contact.release;
         by.abs()
     }

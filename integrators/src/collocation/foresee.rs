@@ -517,17 +517,24 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let on_surface = g(frame.h).abs() <= band;
             (self.search(frame.h, band, |t| linear + driven(t), g), on_surface)
         };
-        self.panels = panels;
         self.pending.search = false;
         // If the overlap is zero at the end of the window, the contact may or may not have ended.
         let alike = |(a, b): (&Contact, &Contact)| {
             let ([begins, ends], [begun, ended]) = (a.events(frame.h), b.events(frame.h));
-            // Newton's method may have led astray.
-            let sound = a.release >= a.onset.max(0.0) && a.onset <= frame.h;
-            sound && begins == begun && (ends == ended || on_surface)
+            begins == begun && (ends == ended || on_surface)
         };
         let Contacts { assumed, found, .. } = &mut self.contacts;
-        let same = assumed.len() == found.len() && assumed.iter().zip(found.iter()).all(alike);
+        // Newton's method may have led astray, or to contacts of which one begins before another
+        // has ended, so that its force counts twice.
+        let twice = |pair: &[Contact]| {
+            let (from, to) = (pair[1].onset.max(0.0), pair[0].release);
+            from < to && !frame.cuts.negligible(frame.link, g(from).abs().max(g(to).abs()), to - from, None)
+        };
+        let sound = !self.pending.astray
+            && assumed.iter().all(|a| a.release >= a.onset.max(0.0))
+            && !assumed.windows(2).any(twice);
+        let same = sound && assumed.len() == found.len() && assumed.iter().zip(found.iter()).all(alike);
+        self.panels = panels;
         if same {
             std::mem::swap(found, assumed);
         } else if let (Some(old), Some(new)) = (assumed.last(), found.last_mut())
@@ -537,6 +544,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             // A contact that was assumed to end in the window ends soon after it.
             (new.release, new.slopes[1]) = (old.release.max(frame.h * (1.0 + f64::EPSILON)), old.slopes[1]);
         }
+        self.pending.astray = false;
         sure.then_some(!same)
     }
 

@@ -163,7 +163,7 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
             let ([overlap, rate], largest) = at_start.now(&held.links, b);
             let closed = overlap > held.chain.dead_band(largest);
             let pushes = S == 1 || held.links.link(b).pushes(overlap, rate) > 0.0;
-            ongoing[b] = (closed && pushes).then(Contact::from_the_start);
+            ongoing[b] = (closed && pushes).then(|| Contact::from_the_start(overlap, rate));
         }
     }
 
