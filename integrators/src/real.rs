@@ -91,6 +91,8 @@ impl Real for f64 {
             }
             // SAFETY: `used` returns a set that this machine has.
             match Instructions::used() {
+                // SAFETY: as above.
+                // SAFETY: as above.
                 Instructions::Avx512 => return unsafe { avx512(kernel) },
                 Instructions::Avx2 => return unsafe { avx2(kernel) },
                 Instructions::Portable => {}
@@ -113,6 +115,8 @@ impl Real for f64 {
             }
             // SAFETY: `used` returns a set that this machine has.
             match Instructions::used() {
+                // SAFETY: as above.
+                // SAFETY: as above.
                 Instructions::Avx512 => return unsafe { avx512(kernel) },
                 Instructions::Avx2 => return unsafe { avx2(kernel) },
                 Instructions::Portable => {}

@@ -405,116 +405,81 @@ mod wide {
     use super::{Add, Div, Mul, One, Sub, Vector};
     use std::arch::x86_64::*;
 
+    /// Functions whose bodies call instructions.
+    macro_rules! instructions {
+        ($(fn $name:ident($($argument:tt)*) -> $to:ty $body:block)*) => {$(
+            #[inline(always)]
+            fn $name($($argument)*) -> $to {
+                // SAFETY: a value of this type, or a kernel run with it, exists only where `Real`
+                // has found the instructions.
+                unsafe { $body }
+            }
+        )*};
+    }
+
     /// Four numbers, for AVX2.
     #[derive(Clone, Copy)]
     pub(crate) struct Four(__m256d);
 
     operations!(Four: Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
 
-    // SAFETY of all blocks: a value of this type, or a kernel run with it, exists only where `Real`
-    // has found the instructions; addresses are the caller's promise.
     impl Vector<f64> for Four {
         const LANES: usize = 4;
         each_lane!();
 
         #[inline(always)]
-        fn all(x: f64) -> Self {
-            unsafe { Self(_mm256_set1_pd(x)) }
-        }
-
-        #[inline(always)]
         unsafe fn load(start: *const f64) -> Self {
+            // SAFETY: the instructions exist, see `instructions!`; the address is the caller's promise.
             unsafe { Self(_mm256_loadu_pd(start)) }
         }
 
         #[inline(always)]
-        fn by_lane(number: impl Fn(usize) -> f64) -> Self {
-            unsafe { Self(_mm256_setr_pd(number(0), number(1), number(2), number(3))) }
-        }
-
-        #[inline(always)]
         unsafe fn store(self, start: *mut f64) {
+            // SAFETY: the instructions exist, see `instructions!`; the address is the caller's promise.
             unsafe { _mm256_storeu_pd(start, self.0) }
         }
 
-        #[inline(always)]
-        fn fused(self, by: Self, plus: Self) -> Self {
-            unsafe { Self(_mm256_fmadd_pd(self.0, by.0, plus.0)) }
-        }
-
-        #[inline(always)]
-        fn larger(self, other: Self) -> Self {
-            unsafe { Self(_mm256_max_pd(other.0, self.0)) }
-        }
-
-        #[inline(always)]
-        fn root(self) -> Self {
-            unsafe { Self(_mm256_sqrt_pd(self.0)) }
-        }
-
-        #[inline(always)]
-        fn floor(self) -> Self {
-            unsafe { Self(_mm256_floor_pd(self.0)) }
-        }
-
-        #[inline(always)]
-        fn above(self, bound: f64, then: Self) -> Self {
-            unsafe { Self(_mm256_and_pd(then.0, _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_set1_pd(bound)))) }
-        }
-
-        #[inline(always)]
-        fn positive(self) -> u64 {
-            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_setzero_pd())) as u64 }
-        }
-
-        #[inline(always)]
-        fn exceeds(self, other: Self) -> u64 {
-            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.0, other.0)) as u64 }
-        }
-
-        #[inline(always)]
-        fn at_most(self, other: Self) -> u64 {
-            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0)) as u64 }
-        }
-
-        #[inline(always)]
-        fn or(self, bits: u64, others: Self) -> Self {
-            unsafe {
+        instructions! {
+            fn all(x: f64) -> Self { Self(_mm256_set1_pd(x)) }
+            fn by_lane(number: impl Fn(usize) -> f64) -> Self {
+                Self(_mm256_setr_pd(number(0), number(1), number(2), number(3)))
+            }
+            fn fused(self, by: Self, plus: Self) -> Self { Self(_mm256_fmadd_pd(self.0, by.0, plus.0)) }
+            fn larger(self, other: Self) -> Self { Self(_mm256_max_pd(other.0, self.0)) }
+            fn root(self) -> Self { Self(_mm256_sqrt_pd(self.0)) }
+            fn floor(self) -> Self { Self(_mm256_floor_pd(self.0)) }
+            fn above(self, bound: f64, then: Self) -> Self {
+                Self(_mm256_and_pd(then.0, _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_set1_pd(bound))))
+            }
+            fn positive(self) -> u64 {
+                _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_setzero_pd())) as u64
+            }
+            fn exceeds(self, other: Self) -> u64 {
+                _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.0, other.0)) as u64
+            }
+            fn at_most(self, other: Self) -> u64 {
+                _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0)) as u64
+            }
+            fn or(self, bits: u64, others: Self) -> Self {
                 let lane = _mm256_set_epi64x(8, 4, 2, 1);
                 let mask = _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(bits as i64), lane), lane);
                 Self(_mm256_blendv_pd(others.0, self.0, _mm256_castsi256_pd(mask)))
             }
-        }
-
-        #[inline(always)]
-        fn size(self) -> Self {
-            unsafe { Self(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)) }
-        }
-
-        #[inline(always)]
-        fn before(self, next: Self) -> Self {
-            unsafe { Self(_mm256_shuffle_pd::<0b0101>(self.0, _mm256_permute2f128_pd::<0x21>(self.0, next.0))) }
-        }
-
-        #[inline(always)]
-        fn after(self, previous: Self) -> Self {
-            unsafe { Self(_mm256_shuffle_pd::<0b0101>(_mm256_permute2f128_pd::<0x21>(previous.0, self.0), self.0)) }
-        }
-
-        #[inline(always)]
-        fn first(self, n: usize, others: Self) -> Self {
-            unsafe {
+            fn size(self) -> Self { Self(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)) }
+            fn before(self, next: Self) -> Self {
+                Self(_mm256_shuffle_pd::<0b0101>(self.0, _mm256_permute2f128_pd::<0x21>(self.0, next.0)))
+            }
+            fn after(self, previous: Self) -> Self {
+                Self(_mm256_shuffle_pd::<0b0101>(_mm256_permute2f128_pd::<0x21>(previous.0, self.0), self.0))
+            }
+            fn first(self, n: usize, others: Self) -> Self {
                 let lane = _mm256_set_epi64x(3, 2, 1, 0);
                 let mask = _mm256_cmpgt_epi64(_mm256_set1_epi64x(n as i64), lane);
                 Self(_mm256_blendv_pd(others.0, self.0, _mm256_castsi256_pd(mask)))
             }
-        }
-
-        #[inline(always)]
-        fn spread(self, lane: usize) -> Self {
-            // Both halves of the number, as there is no such instruction for whole ones.
-            let halves = ((2 * lane + 1) << 32) | (2 * lane);
-            unsafe {
+            fn spread(self, lane: usize) -> Self {
+                // Both halves of the number, as there is no such instruction for whole ones.
+                let halves = ((2 * lane + 1) << 32) | (2 * lane);
                 let lanes = _mm256_set1_epi64x(halves as i64);
                 Self(_mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), lanes)))
             }
@@ -527,108 +492,56 @@ mod wide {
 
     operations!(Eight: Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd);
 
-    // SAFETY of all blocks: as above.
     impl Vector<f64> for Eight {
         const LANES: usize = 8;
         each_lane!();
 
         #[inline(always)]
-        fn all(x: f64) -> Self {
-            unsafe { Self(_mm512_set1_pd(x)) }
-        }
-
-        #[inline(always)]
         unsafe fn load(start: *const f64) -> Self {
+            // SAFETY: the instructions exist, see `instructions!`; the address is the caller's promise.
             unsafe { Self(_mm512_loadu_pd(start)) }
         }
 
         #[inline(always)]
-        fn by_lane(n: impl Fn(usize) -> f64) -> Self {
-            unsafe { Self(_mm512_setr_pd(n(0), n(1), n(2), n(3), n(4), n(5), n(6), n(7))) }
-        }
-
-        #[inline(always)]
         unsafe fn store(self, start: *mut f64) {
+            // SAFETY: the instructions exist, see `instructions!`; the address is the caller's promise.
             unsafe { _mm512_storeu_pd(start, self.0) }
         }
 
-        #[inline(always)]
-        fn fused(self, by: Self, plus: Self) -> Self {
-            unsafe { Self(_mm512_fmadd_pd(self.0, by.0, plus.0)) }
-        }
-
-        #[inline(always)]
-        fn larger(self, other: Self) -> Self {
-            unsafe { Self(_mm512_max_pd(other.0, self.0)) }
-        }
-
-        #[inline(always)]
-        fn root(self) -> Self {
-            unsafe { Self(_mm512_sqrt_pd(self.0)) }
-        }
-
-        #[inline(always)]
-        fn floor(self) -> Self {
-            unsafe { Self(_mm512_roundscale_pd::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(self.0)) }
-        }
-
-        #[inline(always)]
-        fn above(self, bound: f64, then: Self) -> Self {
-            unsafe {
+        instructions! {
+            fn all(x: f64) -> Self { Self(_mm512_set1_pd(x)) }
+            fn by_lane(n: impl Fn(usize) -> f64) -> Self {
+                Self(_mm512_setr_pd(n(0), n(1), n(2), n(3), n(4), n(5), n(6), n(7)))
+            }
+            fn fused(self, by: Self, plus: Self) -> Self { Self(_mm512_fmadd_pd(self.0, by.0, plus.0)) }
+            fn larger(self, other: Self) -> Self { Self(_mm512_max_pd(other.0, self.0)) }
+            fn root(self) -> Self { Self(_mm512_sqrt_pd(self.0)) }
+            fn floor(self) -> Self {
+                Self(_mm512_roundscale_pd::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(self.0))
+            }
+            fn above(self, bound: f64, then: Self) -> Self {
                 let mask = _mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, _mm512_set1_pd(bound));
                 Self(_mm512_maskz_mov_pd(mask, then.0))
             }
-        }
-
-        #[inline(always)]
-        fn positive(self) -> u64 {
-            unsafe { u64::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, _mm512_setzero_pd())) }
-        }
-
-        #[inline(always)]
-        fn exceeds(self, other: Self) -> u64 {
-            unsafe { u64::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, other.0)) }
-        }
-
-        #[inline(always)]
-        fn at_most(self, other: Self) -> u64 {
-            unsafe { u64::from(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0)) }
-        }
-
-        #[inline(always)]
-        fn or(self, bits: u64, others: Self) -> Self {
-            unsafe { Self(_mm512_mask_mov_pd(others.0, bits as u8, self.0)) }
-        }
-
-        #[inline(always)]
-        fn size(self) -> Self {
-            unsafe { Self(_mm512_abs_pd(self.0)) }
-        }
-
-        #[inline(always)]
-        fn before(self, next: Self) -> Self {
-            unsafe {
+            fn positive(self) -> u64 { u64::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, _mm512_setzero_pd())) }
+            fn exceeds(self, other: Self) -> u64 { u64::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, other.0)) }
+            fn at_most(self, other: Self) -> u64 { u64::from(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0)) }
+            fn or(self, bits: u64, others: Self) -> Self { Self(_mm512_mask_mov_pd(others.0, bits as u8, self.0)) }
+            fn size(self) -> Self { Self(_mm512_abs_pd(self.0)) }
+            fn before(self, next: Self) -> Self {
                 let (now, next) = (_mm512_castpd_si512(self.0), _mm512_castpd_si512(next.0));
                 Self(_mm512_castsi512_pd(_mm512_alignr_epi64::<1>(next, now)))
             }
-        }
-
-        #[inline(always)]
-        fn after(self, previous: Self) -> Self {
-            unsafe {
+            fn after(self, previous: Self) -> Self {
                 let (previous, now) = (_mm512_castpd_si512(previous.0), _mm512_castpd_si512(self.0));
                 Self(_mm512_castsi512_pd(_mm512_alignr_epi64::<7>(now, previous)))
             }
-        }
-
-        #[inline(always)]
-        fn first(self, n: usize, others: Self) -> Self {
-            unsafe { Self(_mm512_mask_mov_pd(others.0, ((1u32 << n.min(8)) - 1) as u8, self.0)) }
-        }
-
-        #[inline(always)]
-        fn spread(self, lane: usize) -> Self {
-            unsafe { Self(_mm512_permutexvar_pd(_mm512_set1_epi64(lane as i64), self.0)) }
+            fn first(self, n: usize, others: Self) -> Self {
+                Self(_mm512_mask_mov_pd(others.0, ((1u32 << n.min(8)) - 1) as u8, self.0))
+            }
+            fn spread(self, lane: usize) -> Self {
+                Self(_mm512_permutexvar_pd(_mm512_set1_epi64(lane as i64), self.0))
+            }
         }
     }
 }

@@ -221,7 +221,7 @@ impl<R: Real> Pass<'_, R> {
         // Overlaps need no neighbour on a strain ring. On another ring the first register waits for
         // the last.
         let wait = ring && !STRAIN;
-        // SAFETY, here and below: the caller's promise.
+        // SAFETY: the caller's promise.
         unsafe {
             if wait {
                 first = moved::<R, V, S, KICK>(sites, start, given::<R, V, STRAIN>(forces, n, start), next);
@@ -266,9 +266,10 @@ impl<R: Real> Pass<'_, R> {
         bonds: &mut Raised<'_, '_, R, P>,
     ) -> V {
         let (rest, mut at) = (self.chain.precompression, registers.start);
-        // SAFETY, here and below: the caller's promise.
+        // SAFETY: the caller's promise.
         let [mut before, mut f] = unsafe { [V::all(forces.load(PAD + at - 1)), forces.load(PAD + at)] };
         while at < registers.end {
+            // SAFETY: as above.
             unsafe {
                 let after = forces.load(PAD + at + V::LANES);
                 let here = moved::<R, V, S, KICK>(sites, at, push::<R, V, STRAIN>(before, f, after), next);
@@ -312,8 +313,10 @@ pub(crate) unsafe fn given<R: Real, V: Vector<R>, const STRAIN: bool>(
     let (before, f): (R, V) = unsafe { (forces.load(PAD + at - 1), forces.load(PAD + at)) };
     let (before, after) = (V::all(before), PAD + at + V::LANES);
     if at + V::LANES < n {
+        // SAFETY: as above.
         return push::<R, V, STRAIN>(before, f, unsafe { forces.load(after) });
     }
+    // SAFETY: as above.
     let (sites, beyond) = (n - at, V::all(unsafe { forces.load(after) }));
     push::<R, V, STRAIN>(before, f.first(sites, beyond), beyond).first(sites, V::all(R::zero()))
 }

@@ -247,9 +247,10 @@ fn go_on<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
     // Positions and forces of the last register, which is updated next; forces of the register
     // before it.
     let (mut q, mut f, mut before);
-    // SAFETY, here and below: a register of sites that begins before `n` ends within the columns,
+    // SAFETY: a register of sites that begins before `n` ends within the columns,
     // by the check of `run`.
     if at > pass.began {
+        // SAFETY: as above.
         (q, f, before) = (V::all(pass.q), unsafe { V::load(pass.f.as_ptr()) }, V::all(pass.before));
     } else {
         let left = pass.begin(chain, &sites);
@@ -257,6 +258,7 @@ fn go_on<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
         (q, before) = (V::all(left), none);
         f = V::all(if STRAIN { bonds::<R, R, P, STRAIN>(chain, power, zero, left) } else { zero });
         if at < stop {
+            // SAFETY: as above.
             let here = unsafe { sites.positions::<V>(at) };
             (before, f) = (f, bonds::<R, V, P, STRAIN>(chain, power, q, here));
             (q, at) = (here, at + V::LANES);
@@ -266,9 +268,11 @@ fn go_on<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
     // Forces on the registers whose sites are updated next.
     let (mut late, begin) = ([none; LATE], at);
     while at < stop {
+        // SAFETY: as above.
         let here = unsafe { sites.positions::<V>(at) };
         let next = bonds::<R, V, P, STRAIN>(chain, power, q, here);
         if at >= begin + LATE * V::LANES {
+            // SAFETY: as above.
             unsafe { sites.update(at - (LATE + 1) * V::LANES, late[0]) };
         }
         late = [late[1], late[2], push::<R, V, STRAIN>(before, f, next)];
@@ -277,11 +281,13 @@ fn go_on<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
     for (k, force) in late.into_iter().enumerate() {
         let behind = (LATE - k) * V::LANES;
         if at >= begin + behind {
+            // SAFETY: as above.
             unsafe { sites.update(at - behind - V::LANES, force) };
         }
     }
     if to < n {
         if pass.closing {
+            // SAFETY: as above.
             unsafe { sites.update(to - V::LANES, push::<R, V, STRAIN>(before, f, V::all(pass.first))) };
         } else {
             pass.keep(to, [q, f, before]);
@@ -294,12 +300,15 @@ fn go_on<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
     }
     // The sites that do not fill a register, and the position beyond the last.
     let beyond = V::all(pass.right);
+    // SAFETY: as above.
     let here = if rest > 0 { unsafe { sites.positions::<V>(end) }.first(rest, beyond) } else { beyond };
     let next = bonds::<R, V, P, STRAIN>(chain, power, q, here);
     if end > 0 {
+        // SAFETY: as above.
         unsafe { sites.update(end - V::LANES, push::<R, V, STRAIN>(before, f, next)) };
     }
     if rest > 0 {
+        // SAFETY: as above.
         unsafe { sites.update(end, push::<R, V, STRAIN>(f, next, none).first(rest, none)) };
     }
 }

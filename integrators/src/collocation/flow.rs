@@ -151,7 +151,7 @@ impl<const N: usize, const P: usize> Horner<'_, N, P> {
     /// For the times in `R` registers from `at` on.
     #[inline(always)]
     fn sum<V: Vector<f64>, const R: usize>(&mut self, at: usize) {
-        // SAFETY, here and below: the registers are within `WIDE` numbers.
+        // SAFETY: the registers are within `WIDE` numbers.
         let theta: [V; R] = std::array::from_fn(|r| unsafe { V::load(self.theta.as_ptr().add(at + r * V::LANES)) });
         let (mut sums, mut more) = ([[V::all(0.0); R]; N], [[V::all(0.0); R]; P]);
         for (term, next) in self.series.0.iter().zip(self.series.1).rev() {
@@ -167,6 +167,7 @@ impl<const N: usize, const P: usize> Horner<'_, N, P> {
         let all = sums.iter().zip(self.sums.0.iter_mut()).chain(more.iter().zip(self.sums.1.iter_mut()));
         for (sums, out) in all {
             for r in 0..R {
+                // SAFETY: as above.
                 unsafe { sums[r].store(out.as_mut_ptr().add(at + r * V::LANES)) };
             }
         }

@@ -166,23 +166,28 @@ impl<S: Sites<f64>> Survey<'_, S> {
         assert!([q, force, slope].iter().all(|column| column.len() >= PAD + room));
         forces.closed.fill(0);
         forces.turning.fill(0);
-        // SAFETY, here and below: registers begin at most at the last bond, and columns have room
+        // SAFETY: registers begin at most at the last bond, and columns have room
         // for them, as asserted.
+        // SAFETY: as above.
         let (first, last) = unsafe { (sites.positions::<f64>(0), sites.positions::<f64>(n - 1)) };
         let (left, right) = topology.ghosts(first, last);
+        // SAFETY: as above.
         unsafe { forces.q.store(PAD - 1, left) };
         let (mut before, beyond) = (V::all(left), V::all(right));
         for at in (0..=n).step_by(V::LANES) {
+            // SAFETY: as above.
             let here =
                 if at < n { unsafe { sites.positions::<V>(at) }.first((n - at).min(V::LANES), beyond) } else { beyond };
             let g = if STRAIN { V::all(0.0) - here } else { V::all(rest) + (here.after(before) - here) };
             let (f, by_overlap) = power.raise_with_slope(law.positive_part(g));
+            // SAFETY: as above.
             unsafe {
                 forces.q.store(PAD + at, here);
                 forces.overlap.store(at, g);
                 forces.force.store(PAD + at, f);
                 forces.slope.store(PAD + at, by_overlap);
             }
+            // SAFETY: as above.
             let [g1, g0]: [V; 2] = unsafe { [forces.before[0].load(at), forces.before[1].load(at)] };
             forces.closed[at / WORD] |= g.positive() << (at % WORD);
             forces.turning[at / WORD] |= turning(forces.reach, [g0, g1, g]) << (at % WORD);
@@ -266,17 +271,23 @@ impl<S: Sites<f64>> Kick<'_, S> {
         assert!(sites.room() >= n.next_multiple_of(V::LANES));
         assert!(forces.force.len() >= room && forces.slope.len() >= room);
         assert!(forces.spring.as_ref().is_none_or(|spring| spring.len() >= room));
-        // SAFETY, here and below: registers begin at most at the last bond, and one follows it in
+        // SAFETY: registers begin at most at the last bond, and one follows it in
         // the columns, as asserted.
+        // SAFETY: as above.
         let around = |b: usize| unsafe { [PAD + b - 1, PAD + b, PAD + b + 1].map(|at| forces.force.load::<f64>(at)) };
         // On a ring of strains the last bond pushes the first strain.
+        // SAFETY: as above.
         let wrapped = if STRAIN { unsafe { forces.at::<f64, STRAIN>(n - 1, around(n - 1)) } } else { 0.0 };
         let (mut before, mut modified) = (V::all(0.0), V::all(wrapped));
+        // SAFETY: as above.
         let mut f: [V; 2] = unsafe { [V::all(forces.force.load(PAD - 1)), forces.force.load(PAD)] };
         for at in (0..=n).step_by(V::LANES) {
+            // SAFETY: as above.
             let next = unsafe { forces.force.load(PAD + at + V::LANES) };
+            // SAFETY: as above.
             let here = unsafe { forces.at::<V, STRAIN>(at, [f[0], f[1], next]) };
             if at > 0 {
+                // SAFETY: as above.
                 unsafe { sites.update(at - V::LANES, push::<f64, V, STRAIN>(before, modified, here)) };
             }
             (before, modified, f) = (modified, here, [f[1], next]);
@@ -285,6 +296,7 @@ impl<S: Sites<f64>> Kick<'_, S> {
         if rest > 0 {
             let none = V::all(0.0);
             let last = push::<f64, V, STRAIN>(before, modified, none).first(rest, none);
+            // SAFETY: as above.
             unsafe { sites.update(n - rest, last) };
         }
     }

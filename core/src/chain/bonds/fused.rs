@@ -105,7 +105,7 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
         let Fused { c, reach, watched, awake, mut q, overlaps, forces, slopes, mut modified, .. } = fused;
         let Fused { closed, turning, told, .. } = fused;
         let ([mut g, mut g1, mut g0], [mut f, mut f1], [mut slope, mut slope1]) = (overlaps, forces, slopes);
-        // SAFETY, here and below: columns have room, as checked.
+        // SAFETY: columns have room, as checked.
         let same = unsafe { sides::<V>(&g, topology, awake, told) };
         let kicks = if watched && !same { 1 } else { kicks };
         let mut made = 0;
@@ -114,18 +114,21 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
             sites.turn_to(clock.next());
             let (next, mut seen) = (clock.now(), 0);
             for &stretch in awake {
+                // SAFETY: as above.
                 unsafe { modify::<V>(topology, c, stretch, [&f1, &slope1], &mut modified) };
             }
             for &stretch in awake {
                 let (read, write) = ([&g1, &g0], [&mut q, &mut g, &mut f, &mut slope]);
                 let (law, rest, reach) = (chain.law(), chain.precompression(), reach * WIDER);
                 let survey = Survey { n, law, rest, power, watched, reach, read, write };
+                // SAFETY: as above.
                 seen |= unsafe { pass::<V, _, _, STRAIN>(topology, &mut sites, &next, stretch, &modified, survey) };
             }
             made += 1;
             if made == kicks || seen != 0 {
                 // No closure: it would not be compiled for the registers of the pass.
                 for bonds in awake.iter().flat_map(|stretch| stretch.bonds(n)) {
+                    // SAFETY: as above.
                     unsafe { mark::<V>(bonds, reach, [&g, &g1, &g0], [&mut *closed, &mut *turning]) };
                 }
                 if made == kicks || tells(topology, [&*closed, &*turning, told]) {
@@ -136,6 +139,7 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
         if STRAIN {
             for bonds in awake.iter().flat_map(|stretch| stretch.bonds(n)) {
                 for at in (bonds.start..bonds.end.min(n)).step_by(V::LANES) {
+                    // SAFETY: as above.
                     unsafe { q.store(PAD + at, V::all(0.0) - g.load(at)) };
                 }
             }
@@ -158,15 +162,17 @@ unsafe fn modify<V: Vector<f64>>(
     to: &mut Column<'_, f64>,
 ) {
     let (n, ring) = (topology.sites(), topology.ring());
-    // SAFETY, here and below: the caller's promise.
+    // SAFETY: the caller's promise.
     let of = |b: usize| unsafe { force.load::<f64>(PAD + b) };
     // Forces beyond the ends: on a ring those of the neighbours, else copies of the outer ones.
     let (left, right, after) = if ring { (of(n - 1), of(0), of(1 % n)) } else { (of(0), of(n), of(n)) };
     for Range { start, end } in stretch.bonds(n) {
         let mut before = V::all(if start > 0 { of(start - 1) } else { left });
         let mut at = start;
+        // SAFETY: as above.
         let mut f: V = unsafe { forces_from(n, at, right, force) };
         while at < end.min(n) {
+            // SAFETY: as above.
             unsafe {
                 let next = forces_from(n, at + V::LANES, right, force);
                 to.store(PAD + at, modified(c, [before, f, next], slope.load(PAD + at)));
@@ -174,8 +180,10 @@ unsafe fn modify<V: Vector<f64>>(
             }
         }
         if end > n {
+            // SAFETY: as above.
             let slope = unsafe { slope.load::<f64>(PAD + if ring { 0 } else { n }) };
             let beyond = modified(c, [of(n - 1), right, after], slope);
+            // SAFETY: as above.
             unsafe {
                 to.store(PAD + n.next_multiple_of(V::LANES), V::all(beyond));
                 to.store::<f64>(PAD - 1, to.load(PAD + n - 1));
@@ -226,7 +234,7 @@ unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
     let wait = ring && !STRAIN && from == to;
     let (left, right) = topology.ghosts(0.0, 0.0);
     let (mut q, mut first, mut at, mut seen) = (V::all(left), V::all(left), from, 0);
-    // SAFETY, here and below: the caller's promise.
+    // SAFETY: the caller's promise.
     unsafe {
         if wait {
             first = sites.advance(at, given::<f64, V, STRAIN>(forces, n, at), next);
@@ -269,7 +277,7 @@ unsafe fn part<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
     if registers.is_empty() {
         return (q, seen);
     }
-    // SAFETY, here and below: the caller's promise.
+    // SAFETY: the caller's promise.
     unsafe {
         let (mut before, mut f) = (V::all(forces.load::<f64>(PAD + at - 1)), forces.load::<V>(PAD + at));
         while at < registers.end && at + V::LANES < n {
