@@ -6,6 +6,7 @@ mod branch_points;
 mod cli;
 mod figures;
 mod first_use;
+mod golden;
 mod guide;
 mod help;
 mod long_runs;
