@@ -530,7 +530,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let [[a0, a1], [b0, b1]] = [a, b].map(|c| [c.onset.max(0.0), c.release.min(frame.h)]);
             let (longer, middle) = ((a1 - a0).max(b1 - b0), 0.5 * (b0 + b1));
             let nothing = || {
-                let rate = if frame.link.lossy() { rate_at(course, (&panels, own), frame, beside, middle) } else { 0.0 };
+                let rate =
+                    if frame.link.lossy() { rate_at(course, (&panels, own), frame, beside, middle) } else { 0.0 };
                 let force = frame.link.force_at_rate(g(middle), rate);
                 g(middle) <= band || force * longer * frame.link.lightest() <= SHARE * frame.cuts.event_impulse
             };
