@@ -16,6 +16,7 @@ mod corrected_tangent;
 mod details;
 mod differing;
 mod lossy;
+mod lossy_random;
 mod lossy_tangent;
 mod main_job;
 mod open;

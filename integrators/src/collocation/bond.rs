@@ -24,6 +24,8 @@ pub(crate) struct Contact {
     /// Slopes `dg/dt` at onset and release; `dP/dt`, see `loss.rs`, if the contact dissipates and
     /// the event is a zero of `P`.
     pub(crate) slopes: [f64; 2],
+    /// The size of the last step of Newton's method for the onset; infinite before the first.
+    pub(crate) step: f64,
     /// Whether beads overlapped already at the onset, which is then a zero of `P`, see `loss.rs`.
     pub(crate) pressed: bool,
     /// Its panels in this window: index of the first, and one past the last.
@@ -32,7 +34,7 @@ pub(crate) struct Contact {
 
 impl Contact {
     pub(super) fn new(onset: f64, release: f64, slopes: [f64; 2]) -> Self {
-        Self { onset, release, slopes, pressed: false, panels: (0, 0) }
+        Self { onset, release, slopes, step: f64::INFINITY, pressed: false, panels: (0, 0) }
     }
 
     /// The contact of a bond that is closed when the run begins, with this overlap and its rate.
@@ -607,7 +609,11 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let known = frame.link.lossy() && contact.onset == 0.0 && !contact.pressed;
         let overlap = if known { self.initial.overlap[0] } else { overlap };
         let by = (-overlap / contact.slopes[0]).max(-contact.onset);
-        if frame.cuts.negligible(frame.link, overlap, by, contact.pressed.then_some(self.sweeps.largest)) {
+        // The impulse of a force that jumps is of first order in the error of its onset, so that a
+        // step may be rounding and not negligible.
+        let rounding = overlap.abs() <= self.initial.band && by.abs() >= 0.5 * contact.step;
+        let pressed = contact.pressed.then_some(self.sweeps.largest);
+        if rounding || frame.cuts.negligible(frame.link, overlap, by, pressed) {
             return 0.0;
         }
         let moved = contact.onset + by;
@@ -615,7 +621,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             self.pending.astray = true;
             return 0.0;
         }
-        contact.onset = moved;
+        (contact.onset, contact.step) = (moved, by.abs());
         self.pending.search |= contact.onset > contact.release;
         by.abs()
     }

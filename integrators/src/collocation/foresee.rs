@@ -9,6 +9,7 @@ use super::{
     known::Known,
     panel::{Frame, Times, sin_cos},
     panels::{Panels, Shared},
+    rebound::rate_at,
     system::Path,
 };
 use crate::real::Kernel;
@@ -20,6 +21,9 @@ pub(super) const AHEAD: f64 = 1.5;
 /// window. Chosen; `methods contacts_are_those_that_a_search_of_every_step_finds` measures the
 /// speeds.
 const SPEED_STEP: f64 = 1e-4;
+/// A window's share of the tolerance over the change of an impulse for which no event is moved. See
+/// `control/accuracy.rs`.
+const SHARE: f64 = 1e3;
 /// Bound for the relative rounding error of displacements by forces in a window. Chosen: a sum of
 /// some 64 terms.
 pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -508,7 +512,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let (linear, own) = (self.linear(frame), self.initial.own());
         std::mem::swap(&mut self.contacts.found, &mut self.contacts.assumed);
         let panels = std::mem::replace(&mut self.panels, Panels::new());
-        let g = |t: f64| overlap_at((&path, known::<S>(&given)), (&panels, own), frame, beside, t);
+        let course = (&path, known::<S>(&given));
+        let g = |t: f64| overlap_at(course, (&panels, own), frame, beside, t);
         let driven = |t: f64| Self::driven_up_to(frame, beside, (&panels, recoil), t);
         let band = self.band(frame, beside, &panels);
         let (sure, on_surface) = if frame.link.lossy() {
@@ -518,10 +523,24 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             (self.search(frame.h, band, |t| linear + driven(t), g), on_surface)
         };
         self.pending.search = false;
+        // Two contacts are one if they share half of the longer one's time in the window, or if the
+        // force between does not matter. Newton's method may find other zeros than the search: it
+        // may lead a contact to next to no time, with all its forces.
+        let shared = |a: &Contact, b: &Contact| {
+            let [[a0, a1], [b0, b1]] = [a, b].map(|c| [c.onset.max(0.0), c.release.min(frame.h)]);
+            let (longer, middle) = ((a1 - a0).max(b1 - b0), 0.5 * (b0 + b1));
+            let nothing = || {
+                let rate =
+                    if frame.link.lossy() { rate_at(course, (&panels, own), frame, beside, middle) } else { 0.0 };
+                let force = frame.link.force_at_rate(g(middle), rate);
+                g(middle) <= band || force * longer * frame.link.lightest() <= SHARE * frame.cuts.event_impulse
+            };
+            2.0 * (a1.min(b1) - a0.max(b0)) >= longer || nothing()
+        };
         // If the overlap is zero at the end of the window, the contact may or may not have ended.
         let alike = |(a, b): (&Contact, &Contact)| {
             let ([begins, ends], [begun, ended]) = (a.events(frame.h), b.events(frame.h));
-            begins == begun && (ends == ended || on_surface)
+            begins == begun && (ends == ended || on_surface) && shared(a, b)
         };
         let Contacts { assumed, found, .. } = &mut self.contacts;
         // Newton's method may have led astray, or to contacts of which one begins before another

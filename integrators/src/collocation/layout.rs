@@ -93,10 +93,12 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         for i in 0..self.contacts.found.len() {
             let contact = self.contacts.found[i];
             let first = self.panels.len;
-            // A contact that ends when the window begins has no panels: there is nothing to solve
-            // for, and its end does not move.
+            // A contact that ends when the window begins has no panels, so that its end does not
+            // move any more. Newton's method may have led it there from a contact that goes on.
             if contact.release > contact.onset.max(0.0) {
                 self.cut(frame, contact, beside);
+            } else {
+                self.pending.search = true;
             }
             self.contacts.found[i].panels = (first, self.panels.len);
         }

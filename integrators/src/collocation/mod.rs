@@ -63,7 +63,10 @@
 //! signs of its coefficients in Bernstein's basis; where these do not decide, by subdivision under
 //! a bound for `g''`. This search also gives a bound on how far the overlap may be off without a
 //! change of the contacts. After the sweeps, every bond that may be off by more is searched again
-//! with the forces found.
+//! with the forces found. A window stands only if its contacts are those of this search: as many,
+//! and each with half of its time in common with the one found. The search evaluates overlaps and,
+//! where contacts dissipate, their rates; it knows nothing of Newton's steps, which may have led a
+//! contact to next to no time and to no force.
 //!
 //! # The error
 //!

@@ -320,7 +320,7 @@ fn predicted_rate<const M: usize, const S: usize>(
 
 /// The rate of the overlap at a time of the window, from all forces; the bond's own are in
 /// `panels`.
-fn rate_at<const M: usize, const S: usize>(
+pub(super) fn rate_at<const M: usize, const S: usize>(
     (path, known): Course<S>,
     (panels, own): (&Panels<M, S>, f64),
     frame: &Frame<'_, M, S>,
