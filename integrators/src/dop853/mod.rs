@@ -11,7 +11,14 @@ pub mod tableau;
 
 pub use controller::Options;
 
-use crate::{clock::{Breaks, Twofold}, drive::Stepper, error::Error, real::Real, stats::Stats, system::VectorField};
+use crate::{
+    clock::{Breaks, Twofold},
+    drive::Stepper,
+    error::Error,
+    real::Real,
+    stats::Stats,
+    system::VectorField,
+};
 use controller::{Controller, Guess, Verdict};
 use dense::Dense;
 use step::{Leap, Step};

@@ -469,7 +469,8 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
 
     /// Starts a leg at `origin` with power `a`, up to the end of the stretch.
     fn set_out(&mut self, origin: Twofold<R>, a: u32) -> Result<(), Error> {
-        self.leg = Leg { origin, map: TimeMap::new((self.stop - origin).value(), a, 1), sigma: R::zero(), target: None };
+        self.leg =
+            Leg { origin, map: TimeMap::new((self.stop - origin).value(), a, 1), sigma: R::zero(), target: None };
         self.slope()
     }
 

@@ -2,7 +2,12 @@
 
 use super::{First, Scheme, scheme::Pair, stepper::check};
 use crate::{
-    clock::{Breaks, Twofold}, drive::Stepper, error::Error, events::root::bracketed, real::Real, stats::Stats,
+    clock::{Breaks, Twofold},
+    drive::Stepper,
+    error::Error,
+    events::root::bracketed,
+    real::Real,
+    stats::Stats,
     system::ContactFlow,
 };
 
