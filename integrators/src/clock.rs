@@ -161,15 +161,15 @@ impl Breaks {
         Self(times)
     }
 
-    /// The last of them up to `t`, zero if there is none, and the first after `t`, else infinity.
-    pub(crate) fn around(&self, t: f64) -> [f64; 2] {
+    /// The first of them after `t`; infinity if there is none.
+    pub(crate) fn after(&self, t: f64) -> f64 {
         let next = self.0.partition_point(|&at| at <= t + NEAR * t.abs());
-        [next.checked_sub(1).map_or(0.0, |last| self.0[last]), self.0.get(next).copied().unwrap_or(f64::INFINITY)]
+        self.0.get(next).copied().unwrap_or(f64::INFINITY)
     }
 
     /// The first of them after `t`, or the end of the run if that is earlier.
     pub(crate) fn or_end<R: Real>(&self, t: R, end: Twofold<R>) -> Twofold<R> {
-        let [_, at] = self.around(t.f64());
+        let at = self.after(t.f64());
         if at + NEAR * at.abs() < end.value().f64() { Twofold::new(R::of(at)) } else { end }
     }
 }

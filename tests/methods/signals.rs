@@ -64,21 +64,24 @@ fn states(run: &Run) -> Vec<f64> {
 #[test]
 fn methods_that_choose_their_steps_see_every_drive_of_a_chain_at_rest() {
     // Truth: collocation at a tolerance of 1e-13, whose drives are series. A signal that is passed
-    // over costs all of it. The bound is a thousand times the tolerance of a step; before, the two
-    // that stop at events missed all late bursts, and all three failed on short ramps.
+    // over costs all of it, 1e-4 at least. The unit is that of the tolerance, the size of the drive
+    // or of the state; the bound is 10^4 times the tolerance of a step, as dop853 crosses contacts
+    // (measured: 2e3). Before, the two that stop at events missed all late bursts, and all three
+    // failed on short ramps.
     let adaptive = ["dop853", "dop853-landed", "dop853-regularised", "collocation"].map(named);
     for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring] {
         for (k, signal) in signals().into_iter().enumerate() {
             for means in [Means::Moved, Means::Pushed] {
                 let chain = chain(boundary, means, signal.clone());
                 let want = states(&from_rest(&chain, Method::Collocation, Setting::Tolerance(1e-13)));
-                let unit = largest(want.iter().copied());
-                assert!(unit > 0.0, "{boundary:?} {k} {means:?}: nothing moves");
+                let moves = largest(want.iter().copied());
+                let unit = moves.max(signal.size());
+                assert!(moves > 1e-4, "{boundary:?} {k} {means:?}: nothing moves");
                 for method in adaptive {
                     let got = states(&from_rest(&chain, method, Setting::Tolerance(1e-11)));
                     let off = distance(&got, &want) / unit;
                     println!("{boundary:?} signal {k} {means:?} {}: {off:e}", method.name());
-                    assert!(off < 1e-8, "{boundary:?} signal {k} {means:?} {}: {off:e}", method.name());
+                    assert!(off < 1e-7, "{boundary:?} signal {k} {means:?} {}: {off:e}", method.name());
                 }
             }
         }
@@ -88,9 +91,9 @@ fn methods_that_choose_their_steps_see_every_drive_of_a_chain_at_rest() {
 #[test]
 fn equal_steps_see_every_drive_that_they_resolve() {
     // Truth: collocation. Bounds: c (h/L)^2 of order two for bursts of length L = 0.3, and of
-    // contacts that begin, h^2.5, for the others, with h = 5e-3.
+    // contacts that begin, h^2.5, for the others, with h = 1e-2.
     let boundaries = [Boundary::Free, Boundary::Fixed, Boundary::Ring];
-    let setting = Setting::steps(END / 5e-3).unwrap();
+    let setting = Setting::steps(END / 1e-2).unwrap();
     for (k, signal) in signals().into_iter().take(LONG).enumerate() {
         for (m, means) in [Means::Moved, Means::Pushed].into_iter().enumerate() {
             let chain = chain(boundaries[(k + m) % 3], means, signal.clone());
@@ -99,7 +102,7 @@ fn equal_steps_see_every_drive_that_they_resolve() {
             let fixed = Method::all().into_iter().filter(|method| !method.adaptive() && method.lacks(&chain).is_none());
             for method in fixed {
                 let off = distance(&run(method, setting), &want) / largest(want.iter().copied());
-                let bound = if method.order() == 2 { 1e-2 } else { 1e-4 };
+                let bound = if method.order() == 2 { 4e-2 } else { 1e-3 };
                 assert!(off < bound, "signal {k} {means:?} {}: {off:e}", method.name());
                 assert!(from_rest(&chain, method, setting).unresolved().is_empty());
             }
@@ -149,7 +152,7 @@ fn a_pushed_bead_moves_by_the_double_integral_of_its_force() {
             let (setting, bound) = match method.adaptive() {
                 true => (Setting::Tolerance(1e-12), 1e-9),
                 false if k >= LONG => continue,
-                false => (Setting::steps(END / 5e-3).unwrap(), if method.order() == 2 { 1e-2 } else { 1e-4 }),
+                false => (Setting::steps(END / 1e-2).unwrap(), if method.order() == 2 { 4e-2 } else { 1e-3 }),
             };
             let got = from_rest(&chain, method, setting).records(Records::End).start().unwrap().state[0];
             let off = (got - want).abs() / want.abs();
@@ -162,7 +165,7 @@ fn a_pushed_bead_moves_by_the_double_integral_of_its_force() {
 fn a_ramp_that_ends_inside_a_step_costs_order_six_and_no_lower_one() {
     // Truth: the double integral of the force. The fourth derivative of a ramp jumps at its end, so
     // that one step errs by h^5 times the jump: orders 2 and 4 stay, orders above fall to 5.
-    let signal = Signal { harmonics: vec![sine(0.3, 1.3, 0.4)], envelope: Envelope::Ramp(79.0 / 18.0) };
+    let signal = Signal { harmonics: vec![sine(0.3, 1.3, 0.4)], envelope: Envelope::Ramp(65.0 / 168.0) };
     let want = pushed_to(&signal, END);
     let alone = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 1).unwrap();
     let drives = vec![Drive { site: 0, means: Means::Pushed, signal }];
@@ -173,12 +176,13 @@ fn a_ramp_that_ends_inside_a_step_costs_order_six_and_no_lower_one() {
             let run = from_rest(&chain, method, Setting::Steps(steps));
             (run.records(Records::End).start().unwrap().state[0] - want).abs()
         };
-        // The ramp ends a third, and two thirds, of a step after the start of the step.
-        let [coarse, fine] = [54, 432].map(error);
+        // Both times the ramp ends two sevenths of a step after the start of the step.
+        let [coarse, fine] = [216, 1728].map(error);
         let slope = (coarse / fine.max(1e-14)).log2() / 3.0;
         println!("{}: {coarse:e} {fine:e} {slope:.2}", method.name());
-        let order = f64::from(method.order().min(5));
-        assert!(fine < 1e-13 || slope > order - 0.4, "{}: {slope}", method.name());
+        let order = f64::from(method.order());
+        let good = if order < 5.0 { slope > order - 0.4 } else { (4.6..5.6).contains(&slope) };
+        assert!(fine < 1e-13 || good, "{}: {slope}", method.name());
     }
 }
 

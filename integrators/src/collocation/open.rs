@@ -94,13 +94,9 @@ impl Open {
         self.longest
     }
 
-    /// The time from `t` to the next one at which a signal is not smooth. Where sites are moved, at
-    /// most a quarter of the stretch between two of these: in a short ramp a contact does work
-    /// that is not small, though its impulse is.
+    /// The time from `t` to the next one at which a signal is not smooth.
     pub(crate) fn until_break(&self, t: f64) -> f64 {
-        let [last, next] = self.breaks.around(t);
-        let quarter = if self.drives.iter().any(|drive| drive.moved) { 0.25 * (next - last) } else { f64::INFINITY };
-        quarter.min(next - t)
+        self.breaks.after(t) - t
     }
 
     /// Computes what drives do in a window, given by its start, its length and the tolerance.

@@ -223,6 +223,10 @@ impl ContactChain<2> for Differing {
             collocation::Drive {
                 site,
                 moved: self.sites[site].moved,
+                varies: self
+                    .drives_of(site)
+                    .find_map(|drive| drive.signal.breaks().try_into().ok())
+                    .unwrap_or_default(),
                 size: sum(&|drive| drive.signal.size()),
                 rate: sum(&|drive| drive.signal.speed()),
                 speed: sum(&|drive| self.speed(drive)),
