@@ -147,6 +147,33 @@ impl<R: Real> Mul for Twofold<R> {
     }
 }
 
+/// Times nearer than this, relative to the time, count as the same.
+const NEAR: f64 = 1e-12;
+
+/// Times at which a problem is not smooth, where steps end.
+#[derive(Clone, Debug)]
+pub(crate) struct Breaks(Vec<f64>);
+
+impl Breaks {
+    /// The given times, in any order.
+    pub(crate) fn new(mut times: Vec<f64>) -> Self {
+        times.sort_by(f64::total_cmp);
+        Self(times)
+    }
+
+    /// The first of them after `t`; infinity if there is none.
+    pub(crate) fn after(&self, t: f64) -> f64 {
+        let next = self.0.partition_point(|&at| at <= t + NEAR * t.abs());
+        self.0.get(next).copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// The first of them after `t`, or the end of the run if that is earlier.
+    pub(crate) fn or_end<R: Real>(&self, t: R, end: Twofold<R>) -> Twofold<R> {
+        let at = self.after(t.f64());
+        if at + NEAR * at.abs() < end.value().f64() { Twofold::new(R::of(at)) } else { end }
+    }
+}
+
 /// A rotation of the plane, as sine and cosine of its angle to twice the working precision.
 #[derive(Clone, Copy, Debug)]
 pub struct Rotation<R> {

@@ -214,7 +214,8 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Gauss<R, F> {
     /// Its error is of the order of the square or the cube of the step.
     fn sample(&mut self, t: R, y: &mut [R]) {
         if t >= self.time || self.stats.steps == 0 {
-            return y.copy_from_slice(&self.y);
+            y.copy_from_slice(&self.y);
+            return self.field.complete(self.start, self.time, y);
         }
         let (h, half, s) = (self.h.value(), R::of(0.5), Self::node());
         let share = ((t - self.from) / h).max(R::zero());
@@ -227,6 +228,7 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Gauss<R, F> {
         for (n, y) in y.iter_mut().enumerate() {
             *y = self.before[n] + h * (weights[0] * self.slopes[0][n] + weights[1] * self.slopes[1][n]);
         }
+        self.field.complete(self.start, t, y);
     }
 
     fn stats(&self) -> Stats {

@@ -8,6 +8,15 @@ pub trait VectorField<R: Real> {
     fn dim(&self) -> usize;
     /// Writes `f(t, y)` into `dy`; both slices have [`dim`](Self::dim) entries.
     fn eval(&mut self, t: R, y: &[R], dy: &mut [R]);
+    /// Times at which the field is not smooth in `t`. Methods that choose their steps end one at
+    /// each, and choose the next one as at the start of a run.
+    fn breaks(&self) -> Vec<f64> {
+        Vec::new()
+    }
+    /// Adds to a state at time `t` what is known without integration of the time since `start`.
+    /// Methods call it for states that they hand out. At [`breaks`](Self::breaks) they go on from
+    /// the completed state, with the break as the new `start`.
+    fn complete(&self, _start: R, _t: R, _y: &mut [R]) {}
     /// Learns from a method that stops at events that event function `index` is positive from here
     /// on, or no longer. At the start of a run all functions that are positive are told, in the
     /// order of their indices. Returns whether field or state have changed; `y` may change.
@@ -61,6 +70,10 @@ pub trait ContactFlow<R: Real>: SplitFlow<R> {
     /// Writes overlap and rate of each bond at the present time. Returns the dead band: smaller
     /// overlaps, in absolute value, are rounding errors.
     fn overlaps(&self, overlaps: &mut [R], rates: &mut [R]) -> R;
+    /// Times at which kicks are not smooth in time, see [`VectorField::breaks`].
+    fn breaks(&self) -> Vec<f64> {
+        Vec::new()
+    }
 }
 
 /// A split system that can average its kick over a window of time.

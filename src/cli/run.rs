@@ -145,6 +145,7 @@ fn report(
     // JSON has the whole state. For a long chain it takes more memory than the run, so it is made
     // only if it is asked for.
     let text = if args.json { to_json(&study::run_json(&ran)) + "\n" } else { study::run_summary(&ran) };
+    study::run_warnings(&ran).iter().for_each(|warning| say(&format!("warning: {warning}")));
     // Files are written even if printing fails, and results are printed before a file can fail.
     let printed = print(&text);
     if let Some(folder) = folder {

@@ -51,7 +51,7 @@ pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(St
             Ok((by_sites(chain, move |i| own.site(i, 0.0))?, Some(Theory::Bright(breather))))
         }
         Initial::State { ref u, ref v, ref u_dot, ref v_dot } => {
-            let state = given(chain, [u, v, u_dot, v_dot])?.driven(chain);
+            let state = driven(chain, given(chain, [u, v, u_dot, v_dot])?)?;
             let exact = match chain.details() {
                 None => TrivialBreather::of_state(chain, state.as_slice()).map(Theory::Breather),
                 Some(_) => None,
@@ -66,7 +66,26 @@ pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(St
 fn by_sites(chain: &Chain<f64>, site: impl Fn(usize) -> Site<f64> + Send + Sync + 'static) -> Result<Start> {
     match chain.details() {
         None => Ok(Start::by_sites(chain, site)),
-        Some(_) => Ok(State::from_fn(chain, site)?.driven(chain).into()),
+        Some(_) => Ok(driven(chain, State::from_fn(chain, site)?)?.into()),
+    }
+}
+
+/// The state in which beads that drives move begin with their drives.
+///
+/// # Errors
+/// A number other than zero for such a bead that is not that of its drive.
+fn driven(chain: &Chain<f64>, state: State<f64>) -> Result<State<f64>> {
+    let own = state.clone().driven(chain);
+    let mut filled = state.clone();
+    filled.as_mut_slice().iter_mut().zip(own.as_slice()).filter(|(y, _)| **y == 0.0).for_each(|(y, own)| *y = *own);
+    match chain.follows_drives(filled.as_slice(), 0.0) {
+        Ok(()) => Ok(own),
+        Err(site) => {
+            let [given, drive] =
+                [&state, &own].map(|state| format!("u = {:e}, u_dot = {:e}", state.u()[site], state.u_dot()[site]));
+            let rule = "a bead that is moved begins as its drive does: leave its numbers 0, or give those of the drive";
+            Err(Error::parameter("initial", format!("{given} at site {site}, whose drive begins at {drive}"), rule))
+        }
     }
 }
 

@@ -24,6 +24,7 @@ mod order;
 mod plain;
 mod pulses;
 mod run;
+mod signals;
 mod splitting;
 mod tangent;
 mod variations;

@@ -45,6 +45,14 @@ impl<R: Real> VectorField<R> for Field<R> {
         self.chain.layout().dim()
     }
 
+    fn breaks(&self) -> Vec<f64> {
+        self.chain.breaks()
+    }
+
+    fn complete(&self, start: R, t: R, y: &mut [R]) {
+        details::complete(&self.chain, start, t, y);
+    }
+
     fn eval(&mut self, t: R, y: &[R], dy: &mut [R]) {
         let Self { chain, contacts: [u, force], pushing } = self;
         if let Some(parts) = chain.parts() {

@@ -135,13 +135,7 @@ impl<R: Real> State<R> {
     /// at time 0.
     #[must_use]
     pub fn driven(mut self, chain: &Chain<R>) -> Self {
-        let half = self.layout.half();
-        for drive in chain.details().iter().flat_map(|details| &details.drives) {
-            if drive.means == super::Means::Moved {
-                let [s, s_dot, _] = drive.signal.at(R::zero());
-                (self.y[drive.site], self.y[half + drive.site]) = (s, s_dot);
-            }
-        }
+        chain.follow(R::zero(), &mut self.y);
         self
     }
 

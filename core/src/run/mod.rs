@@ -27,7 +27,7 @@ pub use states::States;
 pub use states::state_at;
 
 use crate::{
-    chain::{Chain, Contact, State},
+    chain::{Chain, Contact, Envelope, State},
     error::{Error, Result},
     parts::{ONE_PART, Parts},
 };
@@ -333,6 +333,32 @@ impl Run {
                 (method, setting)
             }
         })
+    }
+
+    /// The drives that steps of a given length do not resolve, each as a sentence: its ramp or its
+    /// burst is shorter than a step. Empty for methods that choose their steps, or their windows:
+    /// these end where a signal is not smooth.
+    pub fn unresolved(&self) -> Vec<String> {
+        let Ok((Method::Splitting(..) | Method::Landed(_), Setting::Steps(steps))) = self.choice() else {
+            return Vec::new();
+        };
+        let step = self.end / steps as f64;
+        let drives = self.chain.details().into_iter().flat_map(|details| &details.drives).enumerate();
+        let short = drives.filter_map(|(k, drive)| {
+            let (kind, length) = match drive.signal.envelope {
+                Envelope::Ramp(ramp) => ("ramp", ramp),
+                Envelope::Burst { length, .. } => ("burst", length),
+                Envelope::None => return None,
+            };
+            (length < step).then(|| {
+                let site = drive.site;
+                format!(
+                    "drive {k}, of bead {site}, has a {kind} of length {length:e}, which steps of {step:e} pass over: \
+                     take shorter steps, or --tol"
+                )
+            })
+        });
+        short.collect()
     }
 
     /// The stepper of the method, for callers that take the steps themselves.

@@ -148,6 +148,9 @@ impl Kernel for Foresight<'_> {
         let shorter = 0.9 * h * (allowed / last).powf(1.0 / TERMS as f64);
         let longest = if last <= allowed { f64::INFINITY } else { shorter };
         let Some(flow) = flow else {
+            // In a short ramp a contact does work that is not small, though its impulse is.
+            let ([from, to], quarter) = (drive.varies, 0.25 * (drive.varies[1] - drive.varies[0]));
+            let longest = if from <= t && t < to && h > quarter { longest.min(quarter) } else { longest };
             let [start, end] = [0.0, h].map(|t| [signal(t)[0], signal(t)[1]]);
             return (Driven { known: Known::new(&values, h, [start, end]), left: [0.0; 4] }, longest);
         };

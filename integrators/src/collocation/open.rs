@@ -12,7 +12,7 @@ use super::{
     sites::Bonds,
     system::{ContactChain, Drive, Path},
 };
-use crate::real::Kernel;
+use crate::{clock::Breaks, real::Kernel};
 use std::{collections::HashMap, sync::Arc};
 
 /// The sites that are damped, driven, or beside a contact that dissipates.
@@ -28,8 +28,8 @@ pub(crate) struct Open {
     kept: Vec<[Option<usize>; 2]>,
     /// Sites whose gains of the ledger are computed with no bond.
     pub(crate) alone: Vec<usize>,
-    /// Times at which signals are not smooth, ascending.
-    breaks: Vec<f64>,
+    /// Times at which signals are not smooth.
+    breaks: Breaks,
     /// The longest window for which the series of all flows are exact to rounding.
     longest: f64,
 }
@@ -73,8 +73,6 @@ impl Open {
             *kept = [ends[S - 1], first].map(|site| site.filter(|&i| counts(i)));
             kept.iter().flatten().for_each(|&i| alone[i] = false);
         }
-        let mut breaks = chain.breaks();
-        breaks.sort_by(f64::total_cmp);
         Some(Self {
             longest: flows.iter().flatten().fold(f64::INFINITY, |most, flow| most.min(flow.longest())),
             alone: (0..sites).filter(|&i| alone[i] && counts(i)).collect(),
@@ -82,7 +80,7 @@ impl Open {
             drives,
             driven,
             kept,
-            breaks,
+            breaks: Breaks::new(chain.breaks()),
         })
     }
 
@@ -98,8 +96,7 @@ impl Open {
 
     /// The time from `t` to the next one at which a signal is not smooth.
     pub(crate) fn until_break(&self, t: f64) -> f64 {
-        let next = self.breaks.partition_point(|&at| at <= t + NEAR * t.abs());
-        self.breaks.get(next).map_or(f64::INFINITY, |at| at - t)
+        self.breaks.after(t) - t
     }
 
     /// Computes what drives do in a window, given by its start, its length and the tolerance.
@@ -350,8 +347,6 @@ const NODES: usize = 12;
 /// measures what it gives.
 const RESOLVED: f64 = 0.3;
 const PARTS: u32 = 4;
-/// Times nearer than this, relative to the time, count as the same.
-const NEAR: f64 = 1e-12;
 
 /// What drives do in a window.
 #[derive(Clone, Debug, Default)]

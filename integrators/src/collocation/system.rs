@@ -44,6 +44,8 @@ pub struct Drive {
     pub rate: f64,
     /// The scale of the velocities that the drive causes.
     pub speed: f64,
+    /// Start and end of the ramp or burst of the signal; both zero without.
+    pub varies: [f64; 2],
 }
 
 /// One side of a bond: the [`Response`] of its site, in the form that loops over nodes need.

@@ -11,7 +11,14 @@ pub mod tableau;
 
 pub use controller::Options;
 
-use crate::{clock::Twofold, drive::Stepper, error::Error, real::Real, stats::Stats, system::VectorField};
+use crate::{
+    clock::{Breaks, Twofold},
+    drive::Stepper,
+    error::Error,
+    real::Real,
+    stats::Stats,
+    system::VectorField,
+};
 use controller::{Controller, Guess, Verdict};
 use dense::Dense;
 use step::{Leap, Step};
@@ -22,8 +29,12 @@ pub struct Dop853<R, F> {
     step: Step<R>,
     dense: Dense<R>,
     pace: Pace<R>,
+    /// Start of the span, or of the stretch since the last break.
     start: R,
     end: R,
+    /// Times at which the field is not smooth, and the end of the stretch up to the next one.
+    breaks: Breaks,
+    stop: Twofold<R>,
     time: Twofold<R>,
     /// The last step, until the next trial.
     last: Option<Leap<R>>,
@@ -71,7 +82,9 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
     pub fn new(field: F, y0: &[R], (start, end): (R, R), options: Options<R>) -> Result<Self, Error> {
         let options = options.checked((R::of(10.0), "a relative tolerance is finite and above 10 unit round-offs"))?;
         let controller = Controller::new(&options, end - start);
-        Self::paced(field, y0, (start, end), Pace::Controlled { options, controller, next: R::zero() })
+        let breaks = Breaks::new(field.breaks());
+        let pace = Pace::Controlled { options, controller, next: R::zero() };
+        Ok(Self { breaks, ..Self::paced(field, y0, (start, end), pace)? })
     }
 
     /// Integrates `field` in `steps` equal steps, without error control.
@@ -97,6 +110,8 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
             pace,
             start,
             end,
+            breaks: Breaks::new(Vec::new()),
+            stop: Twofold::new(end),
             time: Twofold::new(start),
             last: None,
             round_off: controller::round_off(),
@@ -117,22 +132,32 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
         Error::NotFinite { t: self.time.value().f64(), step: self.stats.steps, index }
     }
 
-    /// Computes the first slope and, if none is given, the first step.
+    /// Computes the first slope of the run, or after a time at which the field is not smooth, and,
+    /// if none is given, the first step.
     fn begin(&mut self) -> Result<(), Error> {
-        self.step.begin(&mut self.field, self.start);
+        let t = self.time.value();
+        if t > self.start {
+            self.field.complete(self.start, t, self.step.state_mut());
+            self.start = t;
+        }
+        self.stop = self.breaks.or_end(t, Twofold::new(self.end));
+        self.step.begin(&mut self.field, t);
         self.stats.force_evaluations += 1;
         self.step.check(0).map_err(|index| self.not_finite(index))?;
         if let Pace::Controlled { options, controller, next } = &mut self.pace {
+            *controller = Controller::new(options, self.end - self.start);
             let max_step = controller.max_step();
             *next = match options.first_step {
                 Some(h) => h.min(max_step),
                 None => {
                     let guess = Guess::new(options.scale(), max_step, self.step.state(), self.step.slope(0));
-                    self.step.euler(&mut self.field, self.start, guess.euler);
+                    self.step.euler(&mut self.field, t, guess.euler);
                     self.stats.force_evaluations += 1;
                     guess.refine(self.step.state(), self.step.slope(0), self.step.slope(1))
                 }
             };
+            // Late in a long run the least guess is below what times resolve.
+            *next = (*next).max(R::of(100.0) * t.abs() * self.round_off);
         }
         self.begun = true;
         Ok(())
@@ -140,7 +165,7 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
 
     /// The next trial step.
     fn propose(&self) -> Result<Leap<R>, Error> {
-        let (from, end) = (self.time, Twofold::new(self.end));
+        let (from, end) = (self.time, self.stop);
         let t = from.value();
         let (h, to) = match &self.pace {
             Pace::Controlled { options, next, .. } => {
@@ -148,7 +173,7 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
                     return Err(Error::TooManySteps { t: t.f64(), steps: self.trials });
                 }
                 // Avoids a tiny last step: a step that nearly reaches the end is stretched to it.
-                let last = t + self.stretch * *next > self.end;
+                let last = t + self.stretch * *next > end.value();
                 (*next, if last { end } else { from + Twofold::new(*next) })
             }
             Pace::Equal { h, steps } => {
@@ -182,6 +207,8 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Dop853<R, F> {
     /// After an error only the last state reached can be sampled, not the inside of the last step.
     fn step(&mut self) -> Result<(), Error> {
         if !self.begun {
+            self.last = None;
+            self.dense.clear();
             self.begin()?;
         }
         loop {
@@ -215,6 +242,7 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Dop853<R, F> {
             accepted.map_err(|index| self.not_finite(index))?;
             self.stats.steps += 1;
             self.time = leap.to;
+            self.begun = leap.to != self.stop;
             self.last = Some(leap);
             return Ok(());
         }
@@ -223,15 +251,23 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Dop853<R, F> {
     /// Inside the last step the state is that of dense output; the first such sample of a step
     /// costs three evaluations. For other times it is the state at the nearer end of the step.
     fn sample(&mut self, t: R, y: &mut [R]) {
-        match self.last {
-            Some(leap) if t <= leap.from.value() => y.copy_from_slice(self.step.before()),
+        let t = match self.last {
+            Some(leap) if t <= leap.from.value() => {
+                y.copy_from_slice(self.step.before());
+                leap.from.value()
+            }
             Some(leap) if t < leap.to.value() => {
                 self.stats.force_evaluations += self.dense.prepare(&mut self.step, &mut self.field, leap);
                 let share = (Twofold::new(t) - leap.from).over(Twofold::new(leap.h)).value();
                 self.dense.eval(self.step.before(), share, y);
+                t
             }
-            _ => y.copy_from_slice(self.step.state()),
-        }
+            _ => {
+                y.copy_from_slice(self.step.state());
+                self.time.value()
+            }
+        };
+        self.field.complete(self.start, t, y);
     }
 
     fn stats(&self) -> Stats {

@@ -201,6 +201,11 @@ impl<R: Real> Step<R> {
         std::mem::swap(&mut self.y, &mut self.other);
     }
 
+    /// The state reached, to be changed.
+    pub(crate) fn state_mut(&mut self) -> &mut [R] {
+        &mut self.y[..self.dim]
+    }
+
     /// Sets the state.
     pub(crate) fn load(&mut self, y: &[R]) {
         self.y[..self.dim].copy_from_slice(y);

@@ -166,6 +166,7 @@ pub fn equal_steps<R: Real, F: VectorField<R>, E: EventFunctions<R>>(
         onset = stop.is_some_and(|stop| stop.onset);
         from.copy_from_slice(step.state());
     }
+    field.complete(start, end, &mut from);
     Ok((from, steps))
 }
 

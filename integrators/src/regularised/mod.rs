@@ -29,7 +29,7 @@ pub use map::{TimeMap, common_power, power};
 use leg::{Leg, Mapped, Pace};
 
 use crate::{
-    clock::Twofold,
+    clock::{Breaks, Twofold},
     dop853::{
         Options,
         controller::{Controller, Guess, Verdict, round_off},
@@ -104,6 +104,10 @@ pub struct Regularised<R, F, E> {
     dense: Dense<R>,
     leg: Leg<R>,
     end: Twofold<R>,
+    /// Times at which the field is not smooth; start and end of the stretch between two of them.
+    breaks: Breaks,
+    start: R,
+    stop: Twofold<R>,
     pace: Option<Pace<R>>,
     /// The last step with its leg, until the next one.
     last: Option<(Leg<R>, Leap<R>)>,
@@ -175,6 +179,8 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         check_problem(field.dim(), y0, (start, end), alpha, q)?;
         let count = functions.count();
         let step = Step::new(y0);
+        let breaks = Breaks::new(field.breaks());
+        let stop = breaks.or_end(start, Twofold::new(end));
         let mut regularised = Self {
             // Steps are in sigma here; `propose` enforces the longest step, which is a time.
             controller: Controller::new(&Options { max_step: None, ..options }, R::infinity()),
@@ -182,11 +188,14 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             step,
             leg: Leg {
                 origin: Twofold::new(start),
-                map: TimeMap::new(end - start, 1, 1),
+                map: TimeMap::new((stop - Twofold::new(start)).value(), 1, 1),
                 sigma: R::zero(),
                 target: None,
             },
             end: Twofold::new(end),
+            breaks,
+            start,
+            stop,
             pace: None,
             last: None,
             sides: Sides::new(count),
@@ -252,6 +261,22 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         self.step.begin(&mut self.leg.mapped(&mut self.field), self.leg.sigma);
         self.stats.force_evaluations += 1;
         self.step.check(0).map_err(|index| self.not_finite(index))
+    }
+
+    /// Begins the run or, at a break, a new stretch: a leg with a first step as at the start.
+    fn begin(&mut self) -> Result<Pace<R>, Error> {
+        if self.leg.sigma == R::one() {
+            let from = std::mem::replace(&mut self.start, self.stop.value());
+            self.field.complete(from, self.start, self.step.state_mut());
+            let origin = self.stop;
+            self.stop = self.breaks.or_end(self.start, self.end);
+            self.controller = Controller::new(&Options { max_step: None, ..self.options }, R::infinity());
+            let map = TimeMap::new((self.stop - origin).value(), 1, 1);
+            self.leg = Leg { origin, map, sigma: R::zero(), target: None };
+        }
+        let pace = self.guess()?;
+        self.slope()?;
+        Ok(pace)
     }
 
     /// The first step, estimated as DOP853 does.
@@ -442,16 +467,17 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         self.slope()
     }
 
-    /// Starts a leg at `origin` with power `a`, up to the end of the span.
+    /// Starts a leg at `origin` with power `a`, up to the end of the stretch.
     fn set_out(&mut self, origin: Twofold<R>, a: u32) -> Result<(), Error> {
-        self.leg = Leg { origin, map: TimeMap::new((self.end - origin).value(), a, 1), sigma: R::zero(), target: None };
+        self.leg =
+            Leg { origin, map: TimeMap::new((self.stop - origin).value(), a, 1), sigma: R::zero(), target: None };
         self.slope()
     }
 
     /// Drops the target of the leg, as no event was found there, and halves the step.
     fn give_up(&mut self, pace: &mut Pace<R>) -> Result<(), Error> {
         let (a, now) = (self.leg.map.powers().0, self.leg.tau());
-        self.leg.map = TimeMap::new((self.end - self.leg.origin).value(), a, 1);
+        self.leg.map = TimeMap::new((self.stop - self.leg.origin).value(), a, 1);
         self.leg.sigma = self.leg.map.inverse(now);
         self.leg.target = None;
         *pace.of(&self.leg) *= R::of(0.5);
@@ -543,7 +569,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         match leg.target.filter(|_| arrived) {
             Some(target) => self.arrive(target),
             None if arrived => {
-                self.done = true;
+                self.done = self.stop == self.end;
                 Ok(())
             }
             // Far from its origin the solution is smooth in time itself, and times since the origin
@@ -575,15 +601,11 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Stepper<R> for Regularise
 
     fn step(&mut self) -> Result<(), Error> {
         self.events.clear();
+        self.last = None;
         let mut pace = match self.pace {
             Some(pace) => pace,
-            None => {
-                let pace = self.guess()?;
-                self.slope()?;
-                pace
-            }
+            None => self.begin()?,
         };
-        self.last = None;
         let mut retry = 0;
         loop {
             let to = self.propose(&mut pace)?;
@@ -591,7 +613,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Stepper<R> for Regularise
             match trial {
                 Trial::Good(next) => {
                     self.advance(to, next, &mut pace)?;
-                    self.pace = Some(pace);
+                    self.pace = (self.leg.sigma < R::one()).then_some(pace);
                     return Ok(());
                 }
                 Trial::Smaller(h) => *pace.of(&self.leg) = h * self.leg.map.unit(),
@@ -610,7 +632,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Stepper<R> for Regularise
                 Trial::Miss(target, miss) => {
                     retry += 1;
                     let tau = self.leg.map.length() + miss;
-                    let beyond = tau >= (self.end - self.leg.origin).value();
+                    let beyond = tau >= (self.stop - self.leg.origin).value();
                     if retry >= MOST_RETRIES || tau <= self.leg.tau() || beyond {
                         self.give_up(&mut pace)?;
                     } else {
@@ -626,14 +648,19 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Stepper<R> for Regularise
 
     /// Inside the last step the state is that of dense output, in the mapped variable.
     fn sample(&mut self, t: R, y: &mut [R]) {
-        match self.last {
+        let t = match self.last {
             Some((leg, leap)) if t < self.time() => {
                 let tau = (Twofold::new(t) - leg.origin).value();
                 let share = ((leg.map.inverse(tau) - leap.from.value()) / leap.h).max(R::zero()).min(R::one());
                 self.dense.eval(self.step.before(), share, y);
+                t
             }
-            _ => y.copy_from_slice(self.step.state()),
-        }
+            _ => {
+                y.copy_from_slice(self.step.state());
+                self.time()
+            }
+        };
+        self.field.complete(self.start, t, y);
     }
 
     fn stats(&self) -> Stats {

@@ -2,7 +2,12 @@
 
 use super::{First, Scheme, scheme::Pair, stepper::check};
 use crate::{
-    clock::Twofold, drive::Stepper, error::Error, events::root::bracketed, real::Real, stats::Stats,
+    clock::{Breaks, Twofold},
+    drive::Stepper,
+    error::Error,
+    events::root::bracketed,
+    real::Real,
+    stats::Stats,
     system::ContactFlow,
 };
 
@@ -51,6 +56,8 @@ pub struct Landed<R, S> {
     from: Twofold<R>,
     time: Twofold<R>,
     end: Twofold<R>,
+    /// Times at which the flow is not smooth: steps end there, too.
+    breaks: Breaks,
     stats: Stats,
 }
 
@@ -70,6 +77,7 @@ impl<R: Real, S: ContactFlow<R>> Landed<R, S> {
         let mut landed = Self {
             before: flow.duplicate(),
             mirror: flow.duplicate(),
+            breaks: Breaks::new(flow.breaks()),
             flow,
             pairs: scheme.pairs(first),
             bonds: vec![bond; count],
@@ -154,7 +162,8 @@ impl<R: Real, S: ContactFlow<R>> Stepper<R> for Landed<R, S> {
 
     fn step(&mut self) -> Result<(), Error> {
         let near = R::of(TOGETHER) * self.h.value();
-        let left = self.end - self.time;
+        let stop = self.breaks.or_end(self.time.value(), self.end);
+        let left = stop - self.time;
         let full = if left.value() <= self.h.value() + near { left } else { self.h };
         self.from = self.time;
         self.before.copy_from(&self.flow);
@@ -189,7 +198,7 @@ impl<R: Real, S: ContactFlow<R>> Stepper<R> for Landed<R, S> {
         }
         self.time = if target.is_none() { self.from + full } else { self.from + Twofold::new(length) };
         if target.is_none() && full == left {
-            self.time = self.end;
+            self.time = stop;
         }
         self.stats.steps += 1;
         Ok(())

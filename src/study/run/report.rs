@@ -9,7 +9,7 @@ use crate::{
     chain::{Boundary, Energy, Ledger, Overlaps},
     error::Result,
     output::{Folder, NpzWriter, csv, write_csv, write_json},
-    run::{Profile, Trajectory},
+    run::{Method, Profile, Setting, Trajectory},
     scene::{Scene, Theory, Units},
     study::si::ALL_IN_SI,
 };
@@ -163,10 +163,17 @@ fn entries(ran: &Ran<'_>) -> Entries {
     put("rejected", json!(outcome.stats.rejected));
     put("wall_s", json!(outcome.wall.as_secs_f64()));
     put("sampling_s", json!(outcome.sampling.as_secs_f64()));
+    put("warnings", json!(run_warnings(ran)));
     put("failure", json!(outcome.failure.as_ref().map(ToString::to_string)));
     put("scene_file", crate::study::scene_json(scene));
     put("version", json!(env!("CARGO_PKG_VERSION")));
     Entries(object)
+}
+
+/// What makes the result doubtful, in words.
+pub fn run_warnings(&Ran { scene, integrator, outcome, .. }: &Ran<'_>) -> Vec<String> {
+    let Ok(method) = Method::named(integrator) else { return Vec::new() };
+    scene.run().method(method).setting(Setting::Steps(outcome.stats.steps.max(1))).unresolved()
 }
 
 /// The period of the scene, in the units of the run.

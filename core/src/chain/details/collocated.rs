@@ -96,12 +96,6 @@ impl Differing {
         drive.signal.harmonics.iter().map(of).sum()
     }
 
-    /// Kinetic energy of the beads that are moved.
-    fn kinetic_of_moved(&self, t: f64) -> f64 {
-        let moved = self.parts().drives().iter().filter(|drive| drive.means == Means::Moved);
-        moved.map(|drive| 0.5 * self.parts().sites[drive.site].mass * drive.signal.at(t)[1].powi(2)).sum()
-    }
-
     fn layout(&self) -> Layout {
         self.chain.layout()
     }
@@ -229,6 +223,10 @@ impl ContactChain<2> for Differing {
             collocation::Drive {
                 site,
                 moved: self.sites[site].moved,
+                varies: self
+                    .drives_of(site)
+                    .find_map(|drive| drive.signal.breaks().try_into().ok())
+                    .unwrap_or_default(),
                 size: sum(&|drive| drive.signal.size()),
                 rate: sum(&|drive| drive.signal.speed()),
                 speed: sum(&|drive| self.speed(drive)),
@@ -245,7 +243,7 @@ impl ContactChain<2> for Differing {
     }
 
     fn breaks(&self) -> Vec<f64> {
-        self.parts().drives().iter().flat_map(|drive| drive.signal.breaks()).collect()
+        self.chain.breaks()
     }
 
     fn loss(&self, bond: usize) -> Option<Loss> {
@@ -257,7 +255,7 @@ impl ContactChain<2> for Differing {
 
     fn ledger(&self, y: &[f64], t: f64) -> Path {
         let Some(ledger) = self.layout().ledger(y) else { return [0.0; 4] };
-        Ledger { driven: ledger.driven - self.kinetic_of_moved(t), ..ledger }.entries()
+        Ledger { driven: ledger.driven - self.chain.kinetic_of_moved(t), ..ledger }.entries()
     }
 
     fn complete(&self, ledger: Path, t: f64, y: &mut [f64]) {
@@ -265,12 +263,9 @@ impl ContactChain<2> for Differing {
         if !layout.has_ledger() {
             return;
         }
-        let (half, ledger) = (layout.half(), Ledger::of(&ledger));
-        let driven = ledger.driven + self.kinetic_of_moved(t);
-        y[2 * half..].copy_from_slice(&Ledger { driven, ..ledger }.entries());
-        for drive in self.parts().drives().iter().filter(|drive| drive.means == Means::Moved) {
-            let [s, s_dot, _] = drive.signal.at(t);
-            (y[drive.site], y[half + drive.site]) = (s, s_dot);
-        }
+        let ledger = Ledger::of(&ledger);
+        let driven = ledger.driven + self.chain.kinetic_of_moved(t);
+        y[2 * layout.half()..].copy_from_slice(&Ledger { driven, ..ledger }.entries());
+        self.chain.follow(t, y);
     }
 }

@@ -3,6 +3,10 @@
 use crate::error::{Error, Result};
 use hertzchain_integrators::Real;
 
+/// Least length of a burst, relative to its start. Methods take times as the same that are nearer
+/// than a tenth of this.
+const LEAST_BURST: f64 = 1e-11;
+
 /// `amplitude sin(omega t + phase)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Harmonic {
@@ -143,6 +147,10 @@ impl Signal {
             Envelope::Burst { start, length } => {
                 if !(start.is_finite() && start >= 0.0) {
                     return Err(Error::parameter("drive.start", start, "finite and at least zero"));
+                }
+                if start + length <= start * (1.0 + LEAST_BURST) {
+                    let rule = "a burst is longer than 1e-11 of its start: times have sixteen digits";
+                    return Err(Error::parameter("drive.length", length, rule));
                 }
                 positive("drive.length", length)
             }

@@ -6,6 +6,15 @@ use super::{
 };
 use hertzchain_integrators::Real;
 
+/// Completes a state at time `t`, integrated by [`rates`] from time `start` on: where beads are that
+/// drives move, and the work that goes into their kinetic energy.
+pub(crate) fn complete<R: Real>(chain: &Chain<R>, start: R, t: R, y: &mut [R]) {
+    if chain.movers().next().is_some() {
+        chain.follow(t, y);
+        y[chain.layout().dim() - 1] += chain.kinetic_of_moved(t) - chain.kinetic_of_moved(start);
+    }
+}
+
 /// Writes the derivative of a state, entry by entry. Without `pushing` contacts that dissipate push
 /// where the signs of their overlap and of their force say so.
 pub(crate) fn rates<R: Real>(
@@ -45,8 +54,9 @@ pub(crate) fn rates<R: Real>(
                 ledger.driven += value * u_dot[i];
             }
             Means::Moved => {
-                // Power of the drive's force, which is mass times acceleration minus contact force.
-                ledger.driven += parts.sites[i].mass * second * u_dot[i] - force[i] * first;
+                // Without the power that goes into the kinetic energy of the bead, see
+                // `Chain::kinetic_of_moved`.
+                ledger.driven -= force[i] * first;
                 (dy[i], dy[half + i]) = (first, second);
             }
         }

@@ -127,7 +127,7 @@ impl<R: Real> SitewiseFlow<R> {
     fn follow(&mut self) {
         let t = self.time.value();
         let Self { chain, z, .. } = self;
-        for drive in parts(chain).drives().iter().filter(|drive| drive.means == Means::Moved) {
+        for drive in chain.movers() {
             let [s, s_dot, _] = drive.signal.at(t);
             z.iter_mut().zip([s, R::zero(), s_dot, R::zero()]).for_each(|(z, value)| z[drive.site] = value);
         }
@@ -273,5 +273,9 @@ impl<R: Real> ContactFlow<R> for SitewiseFlow<R> {
             *overlap += parts.bonds[bond].rest;
         }
         self.chain.dead_band((0..self.chain.sites()).map(|i| self.bead(i)[0]))
+    }
+
+    fn breaks(&self) -> Vec<f64> {
+        self.chain.breaks()
     }
 }

@@ -38,7 +38,7 @@ pub use ledger::Ledger;
 pub use turns::Turns;
 pub use variations::{Variations, Varied};
 
-pub(super) use field::rates;
+pub(super) use field::{complete, rates};
 pub(super) use ledger::LEDGER;
 pub(super) use pushing::{Pushing, Turned};
 
@@ -370,6 +370,33 @@ impl<R: Real> Chain<R> {
         self.details.as_deref()
     }
 
+    /// Times at which drives are not smooth: ends of ramps, starts and ends of bursts.
+    pub(crate) fn breaks(&self) -> Vec<f64> {
+        self.parts().into_iter().flat_map(Parts::drives).flat_map(|drive| drive.signal.breaks()).collect()
+    }
+
+    /// The drives that move their beads.
+    pub(crate) fn movers(&self) -> impl Iterator<Item = &Drive> {
+        self.parts().into_iter().flat_map(Parts::drives).filter(|drive| drive.means == Means::Moved)
+    }
+
+    /// Sets the beads that drives move to their positions and velocities at time `t`.
+    pub(crate) fn follow(&self, t: R, y: &mut [R]) {
+        for drive in self.movers() {
+            let [s, s_dot, _] = drive.signal.at(t);
+            (y[drive.site], y[self.layout.half() + drive.site]) = (s, s_dot);
+        }
+    }
+
+    /// Kinetic energy of the beads that drives move. It is part of the work of drives. Methods
+    /// integrate the rest, which is smaller by many orders where a ramp is short.
+    pub(crate) fn kinetic_of_moved(&self, t: R) -> R {
+        self.movers().fold(R::zero(), |sum, drive| {
+            let speed = drive.signal.at(t)[1];
+            sum + R::of(0.5) * self.masses(drive.site)[0] * (speed * speed)
+        })
+    }
+
     /// For DOP853 of order `p` from event to event: the smallest power of time with which the field
     /// begins at an event, and the power of the map at singular ends.
     pub fn powers_at_events(&self, p: u32) -> (f64, u32) {
@@ -389,10 +416,9 @@ impl<R: Real> Chain<R> {
 
     /// Whether the beads that drives move have the prescribed positions and velocities at time `t`,
     /// to 1e-9 of the drive's size and speed. The error is a site that has not.
-    pub(crate) fn follows_drives(&self, y: &[R], t: R) -> std::result::Result<(), usize> {
-        let Some(parts) = self.parts() else { return Ok(()) };
+    pub fn follows_drives(&self, y: &[R], t: R) -> std::result::Result<(), usize> {
         let (u, u_dot) = (self.layout.u(y), self.layout.u_dot(y));
-        for drive in parts.drives().iter().filter(|drive| drive.means == Means::Moved) {
+        for drive in self.movers() {
             let [s, s_dot, _] = drive.signal.at(t);
             let scale = R::of(drive.signal.size()).max(R::of(f64::MIN_POSITIVE));
             let (near, slow) = (R::of(1e-9) * scale, R::of(1e-9) * R::of(drive.signal.speed()));

@@ -381,6 +381,14 @@ impl<R: Real> VectorField<R> for Variations<R> {
         }
     }
 
+    fn breaks(&self) -> Vec<f64> {
+        self.chain.breaks()
+    }
+
+    fn complete(&self, start: R, t: R, y: &mut [R]) {
+        self.field.complete(start, t, &mut y[..self.chain.layout().dim()]);
+    }
+
     fn turn(&mut self, index: usize, positive: bool, y: &mut [R]) -> bool {
         let Some(Turned { bond, pushes, meeting }) = self.field.told(index, positive) else { return false };
         if !meeting && self.columns > 0 {

@@ -1,0 +1,341 @@
+//! Signals of drives that are not smooth at some times: all methods see them, wherever they are.
+
+use crate::{
+    common::{distance, largest},
+    differing::off_variations,
+};
+use hertzchain::{
+    chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State},
+    run::{Method, Records, Run, Setting, Trajectory},
+    scene::Scene,
+};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+fn sine(amplitude: f64, omega: f64, phase: f64) -> Harmonic {
+    Harmonic { amplitude, omega, phase }
+}
+
+/// Every kind of signal; those with an envelope of no length below 0.1 come first.
+fn signals() -> Vec<Signal> {
+    let several = vec![sine(0.2, 1.3, 0.4), sine(-0.1, 7.0, 2.0), sine(0.1, 0.0, 1.0)];
+    let constant = vec![sine(0.3, 0.0, FRAC_PI_2)];
+    // Frequencies and phases that fill a band and a turn evenly.
+    let noise = (0..64).map(|k| sine(0.04, 1.0 + f64::from(k) / 8.0, TAU * (0.618_034 * f64::from(k)).fract()));
+    let burst = |start, length| Envelope::Burst { start, length };
+    let all = [
+        (several.clone(), Envelope::Ramp(0.8)),
+        (several.clone(), burst(6.0, 0.3)),
+        (noise.collect(), burst(6.0, 1.5)),
+        (constant.clone(), burst(6.0, 1.0)),
+        (constant, Envelope::Ramp(2.0)),
+        (several.clone(), burst(6.0, 1e-3)),
+        (several, Envelope::Ramp(1e-3)),
+    ];
+    all.map(|(harmonics, envelope)| Signal { harmonics, envelope }).to_vec()
+}
+
+const LONG: usize = 5;
+const END: f64 = 9.0;
+
+/// Three beads that touch, those without a drive with resonators, and one drive.
+fn chain(boundary: Boundary, means: Means, signal: Signal) -> Chain<f64> {
+    let uniform = Chain::new(Params::new(1.5, 1.0, 0.5).unwrap(), boundary, 3).unwrap();
+    let drives = vec![Drive { site: 0, means, signal }];
+    let details = Details { kappa: vec![0.0, 1.0, 1.0], rho: vec![0.0, 0.5, 0.5], drives, ..Details::default() };
+    uniform.with(&details).unwrap()
+}
+
+fn named(name: &str) -> Method {
+    Method::named(name).unwrap()
+}
+
+/// A run from rest, up to [`END`].
+fn from_rest(chain: &Chain<f64>, method: Method, setting: Setting) -> Run {
+    let rest = State::rest(chain).driven(chain);
+    Run::new(chain.clone(), rest).until(END).unwrap().method(method).setting(setting)
+}
+
+/// The states at some times, one after the other; times are ends of steps and inside steps.
+fn states(run: &Run) -> Vec<f64> {
+    let times = [0.7, 6.0, 6.0007, 6.21, 7.9, END];
+    run.at(&times).unwrap().flat_map(|state| state.unwrap().as_slice().to_vec()).collect()
+}
+
+#[test]
+fn methods_that_choose_their_steps_see_every_drive_of_a_chain_at_rest() {
+    // Truth: collocation at a tolerance of 1e-13, whose drives are series. A signal that is passed
+    // over costs all of it, 1e-4 at least. The unit is that of the tolerance, the size of the drive
+    // or of the state; the bound is 10^4 times the tolerance of a step, as dop853 crosses contacts
+    // (measured: 2e3). Before, the two that stop at events missed all late bursts, and all three
+    // failed on short ramps.
+    let adaptive = ["dop853", "dop853-landed", "dop853-regularised", "collocation"].map(named);
+    for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring] {
+        for (k, signal) in signals().into_iter().enumerate() {
+            for means in [Means::Moved, Means::Pushed] {
+                let chain = chain(boundary, means, signal.clone());
+                let want = states(&from_rest(&chain, Method::Collocation, Setting::Tolerance(1e-13)));
+                let moves = largest(want.iter().copied());
+                let unit = moves.max(signal.size());
+                assert!(moves > 1e-4, "{boundary:?} {k} {means:?}: nothing moves");
+                for method in adaptive {
+                    let got = states(&from_rest(&chain, method, Setting::Tolerance(1e-11)));
+                    let off = distance(&got, &want) / unit;
+                    println!("{boundary:?} signal {k} {means:?} {}: {off:e}", method.name());
+                    assert!(off < 1e-7, "{boundary:?} signal {k} {means:?} {}: {off:e}", method.name());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn equal_steps_see_every_drive_that_they_resolve() {
+    // Truth: collocation. Bounds: c (h/L)^2 of order two for bursts of length L = 0.3, and of
+    // contacts that begin, h^2.5, for the others, with h = 1e-2.
+    let boundaries = [Boundary::Free, Boundary::Fixed, Boundary::Ring];
+    let setting = Setting::steps(END / 1e-2).unwrap();
+    for (k, signal) in signals().into_iter().take(LONG).enumerate() {
+        for (m, means) in [Means::Moved, Means::Pushed].into_iter().enumerate() {
+            let chain = chain(boundaries[(k + m) % 3], means, signal.clone());
+            let run = |method, setting| from_rest(&chain, method, setting).records(Records::End).start().unwrap().state;
+            let want = run(Method::Collocation, Setting::Tolerance(1e-12));
+            let fixed = Method::all().into_iter().filter(|method| !method.adaptive() && method.lacks(&chain).is_none());
+            for method in fixed {
+                let off = distance(&run(method, setting), &want) / largest(want.iter().copied());
+                let bound = if method.order() == 2 { 4e-2 } else { 1e-3 };
+                assert!(off < bound, "signal {k} {means:?} {}: {off:e}", method.name());
+                assert!(from_rest(&chain, method, setting).unresolved().is_empty());
+            }
+        }
+    }
+}
+
+/// `int_0^t (t - s) F(s) ds`, the displacement by a force, by Simpson's rule between its breaks.
+fn pushed_to(signal: &Signal, t: f64) -> f64 {
+    let (from, to) = match signal.envelope {
+        Envelope::None => (0.0, t),
+        Envelope::Ramp(ramp) => (0.0, ramp.min(t)),
+        Envelope::Burst { start, length } => (start, start + length),
+    };
+    let simpson = |from: f64, to: f64| {
+        let parts = 4000;
+        let h = (to - from) / f64::from(parts);
+        let term = |k: i32| {
+            let (s, weight) =
+                (from + h * f64::from(k), if k == 0 || k == parts { 1.0 } else { f64::from(2 + 2 * (k % 2)) });
+            weight * (t - s) * signal.at(s)[0]
+        };
+        h / 3.0 * (0..=parts).map(term).sum::<f64>()
+    };
+    let rest = if matches!(signal.envelope, Envelope::Ramp(_)) { simpson(to, t) } else { 0.0 };
+    simpson(from, to) + rest
+}
+
+#[test]
+fn a_pushed_bead_moves_by_the_double_integral_of_its_force() {
+    // Truth: closed forms of constant forces: a burst (4x(1-x))^4 has the integral 256 B(5, 5) =
+    // 128/315 and its centroid in the middle; a ramp has the integrals 1/2 and 5/36. For the others
+    // the double integral by a quadrature.
+    let alone = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 1).unwrap();
+    for (k, signal) in signals().into_iter().enumerate() {
+        let want = match (k, signal.envelope) {
+            (3, Envelope::Burst { start, length }) => 0.3 * length * (128.0 / 315.0) * (END - start - 0.5 * length),
+            (4, Envelope::Ramp(ramp)) => {
+                let left = END - ramp;
+                0.3 * (ramp * ramp * (5.0 / 36.0) + 0.5 * ramp * left + 0.5 * left * left)
+            }
+            _ => pushed_to(&signal, END),
+        };
+        let drives = vec![Drive { site: 0, means: Means::Pushed, signal }];
+        let chain = alone.clone().with(&Details { drives, ..Details::default() }).unwrap();
+        for method in Method::all().into_iter().filter(|method| method.lacks(&chain).is_none()) {
+            let (setting, bound) = match method.adaptive() {
+                true => (Setting::Tolerance(1e-12), 1e-9),
+                false if k >= LONG => continue,
+                false => (Setting::steps(END / 1e-2).unwrap(), if method.order() == 2 { 4e-2 } else { 1e-3 }),
+            };
+            let got = from_rest(&chain, method, setting).records(Records::End).start().unwrap().state[0];
+            let off = (got - want).abs() / want.abs();
+            assert!(off < bound, "signal {k} {}: {got} for {want}, {off:e}", method.name());
+        }
+    }
+}
+
+#[test]
+fn a_ramp_that_ends_inside_a_step_costs_order_six_and_no_lower_one() {
+    // Truth: the double integral of the force. The fourth derivative of a ramp jumps at its end, so
+    // that one step errs by h^5 times the jump: orders 2 and 4 stay, orders above fall to 5.
+    let signal = Signal { harmonics: vec![sine(0.3, 1.3, 0.4)], envelope: Envelope::Ramp(65.0 / 168.0) };
+    let want = pushed_to(&signal, END);
+    let alone = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 1).unwrap();
+    let drives = vec![Drive { site: 0, means: Means::Pushed, signal }];
+    let chain = alone.with(&Details { drives, ..Details::default() }).unwrap();
+    let fixed = Method::all().into_iter().filter(|method| !method.adaptive() && method.lacks(&chain).is_none());
+    for method in fixed.filter(|method| !matches!(method, Method::Landed(_))) {
+        let error = |steps: u64| {
+            let run = from_rest(&chain, method, Setting::Steps(steps));
+            (run.records(Records::End).start().unwrap().state[0] - want).abs()
+        };
+        // Both times the ramp ends two sevenths of a step after the start of the step.
+        let [coarse, fine] = [216, 1728].map(error);
+        let slope = (coarse / fine.max(1e-14)).log2() / 3.0;
+        println!("{}: {coarse:e} {fine:e} {slope:.2}", method.name());
+        let order = f64::from(method.order());
+        let good = if order < 5.0 { slope > order - 0.4 } else { (4.6..5.6).contains(&slope) };
+        assert!(fine < 1e-13 || good, "{}: {slope}", method.name());
+    }
+}
+
+#[test]
+fn an_event_on_a_break_is_one_event() {
+    // Truth: collocation. A bead of speed 1 crosses a gap of 2 and meets the next one at t = 2, where
+    // the ramp of a third bead ends.
+    let uniform = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 3).unwrap();
+    let signal = Signal { harmonics: vec![sine(0.1, 1.0, 0.3)], envelope: Envelope::Ramp(2.0) };
+    let drives = vec![Drive { site: 2, means: Means::Pushed, signal }];
+    let details = Details { drives, overlap: vec![-2.0, -0.5], ..Details::default() };
+    let chain = uniform.with(&details).unwrap();
+    let mut state = State::rest(&chain);
+    state.u_dot_mut()[0] = 1.0;
+    let run = |name: &str, tol: f64| -> Trajectory {
+        let run = Run::new(chain.clone(), state.clone()).until(8.0).unwrap().method(named(name));
+        run.setting(Setting::Tolerance(tol)).contacts().start().unwrap().complete().unwrap()
+    };
+    let want = run("collocation", 1e-13);
+    for name in ["dop853", "dop853-landed", "dop853-regularised"] {
+        let got = run(name, 1e-12);
+        let off = distance(&got.state, &want.state);
+        assert!(off < 1e-8, "{name}: {off:e}");
+        let [got, want] = [&got, &want].map(|run| run.contacts.as_ref().unwrap());
+        assert_eq!(got.len(), want.len(), "{name}");
+        for (got, want) in got.iter().zip(want) {
+            let off = (got.onset.unwrap() - want.onset.unwrap()).abs();
+            assert!(got.bond == want.bond && off < 1e-7, "{name}: {got:?} {want:?}");
+        }
+    }
+}
+
+#[test]
+fn the_tangent_map_sees_a_late_burst() {
+    // Truth: two methods that share nothing, collocation in windows and the variational equation by
+    // regularised DOP853, which stepped over the burst. The chain is compressed: the derivative of
+    // the flow at rest without contact is none of contacts.
+    let uniform = Chain::<f64>::new(Params::new(1.5, 1.0, 0.5).unwrap(), Boundary::Fixed, 3).unwrap();
+    let signal = Signal { harmonics: vec![sine(0.8, 2.0, 0.4)], envelope: Envelope::Burst { start: 3.0, length: 0.5 } };
+    let drives = vec![Drive { site: 1, means: Means::Pushed, signal }];
+    let details = Details { drives, overlap: vec![0.1; 4], ..Details::default() };
+    let chain = uniform.with(&details).unwrap();
+    let off = off_variations(&chain, State::rest(&chain).as_slice(), 4.0, |_| true);
+    assert!(off < 1e-10, "{off:e}");
+}
+
+#[test]
+fn a_moved_bead_carries_its_kinetic_energy_and_drives_do_that_work() {
+    // Truth: E = m s'^2/2 for the moved bead, which touches nobody, and driven = E(t) - E(0), by
+    // every method; its position and speed are those of the signal.
+    let uniform = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 2).unwrap();
+    for envelope in [Envelope::None, Envelope::Ramp(1e-2)] {
+        let signal = Signal { harmonics: vec![sine(0.3, 2.0, 0.5), sine(0.1, 5.0, 1.0)], envelope };
+        let drives = vec![Drive { site: 0, means: Means::Moved, signal: signal.clone() }];
+        let details = Details { mass: vec![2.5, 1.0], overlap: vec![-9.0], drives, ..Details::default() };
+        let chain = uniform.clone().with(&details).unwrap();
+        let kinetic = |t: f64| 0.5 * 2.5 * signal.at(t)[1].powi(2);
+        for method in Method::all().into_iter().filter(|method| method.lacks(&chain).is_none()) {
+            let setting = if method.adaptive() { Setting::Tolerance(1e-10) } else { Setting::Steps(900) };
+            let end = from_rest(&chain, method, setting).start().unwrap();
+            let (energy, ledger) = (end.energy.unwrap(), chain.layout().ledger(&end.state).unwrap());
+            let [s, s_dot, _] = signal.at(END);
+            let off = [
+                end.state[0] - s,
+                chain.layout().u_dot(&end.state)[0] - s_dot,
+                energy.beads - kinetic(END),
+                ledger.driven - (kinetic(END) - kinetic(0.0)),
+            ];
+            assert!(largest(off) < 1e-14, "{} {envelope:?}: {off:?}", method.name());
+        }
+    }
+}
+
+/// The scene in which the first bead is moved under a ramp much shorter than all else.
+fn short_ramp(initial: &str) -> hertzchain::error::Result<Scene> {
+    let text = format!(
+        "name = \"short-ramp\"\nchain = {{ sites = 3, alpha = 1.5, boundary = \"free\" }}\n\
+         drive = [{{ site = 0, kind = \"moved\", amplitude = 0.7, omega = 1.3, phase = 1.0, ramp = 1e-6 }}]\n\
+         initial = {initial}\nspan = {{ until = 12.0 }}\n"
+    );
+    Scene::parse(&text, "short-ramp.toml")
+}
+
+#[test]
+fn the_work_of_a_drive_in_a_short_ramp_is_that_of_the_contact() {
+    // Truth: energy + dissipated - driven is constant, and the position is prescribed. Speeds in the
+    // ramp are 10^6; before, DOP853 took their squares into the work of drives.
+    let scene = short_ramp("{ kind = \"state\", u_dot = [0, 0, -0.3] }").unwrap();
+    for name in ["dop853", "dop853-landed", "dop853-regularised", "collocation"] {
+        let end = scene.run().method(named(name)).setting(Setting::Tolerance(1e-12)).start().unwrap();
+        let (u, error) = (end.state[0], end.energy_error.unwrap());
+        println!("{name}: {u} {error:e}");
+        assert!((u - 0.7 * (1.3f64 * 12.0 + 1.0).sin()).abs() < 1e-14, "{name}: {u}");
+        assert!(error < 1e-8, "{name}: {error:e}");
+    }
+}
+
+#[test]
+fn steps_that_are_longer_than_a_ramp_or_a_burst_are_said() {
+    // Truth: lengths and steps as given. 0.05 is below the step of 0.1, 0.3 is not.
+    let burst = |length| Signal { envelope: Envelope::Burst { start: 6.0, length }, ..Signal::sine(0.5, 2.0, 0.0) };
+    let said = |signal: Signal, name: &str, setting: Setting| {
+        from_rest(&chain(Boundary::Free, Means::Pushed, signal), named(name), setting).unresolved()
+    };
+    let step = Setting::steps(END / 0.1).unwrap();
+    for name in ["verlet", "strang-linear", "aba1064-linear", "aba1064-linear-landed"] {
+        let [text] = said(burst(0.05), name, step).try_into().unwrap();
+        let words = ["drive 0, of bead 0, has a burst of length 5e-2", "steps of 1e-1"];
+        assert!(words.iter().all(|word| text.contains(word)), "{text}");
+        let [text] = said(Signal::sine(0.5, 2.0, 0.02), name, step).try_into().unwrap();
+        assert!(text.contains("has a ramp of length 2e-2"), "{text}");
+        assert!(said(burst(0.3), name, step).is_empty() && said(Signal::sine(0.5, 2.0, 0.0), name, step).is_empty());
+    }
+    for name in ["dop853", "dop853-regularised", "collocation"] {
+        assert!(said(burst(0.05), name, Setting::Tolerance(1e-10)).is_empty());
+    }
+    assert!(said(burst(0.05), "collocation", Setting::Windows(3, 8)).is_empty());
+}
+
+#[test]
+fn a_burst_that_times_do_not_resolve_is_refused() {
+    let burst = Signal { envelope: Envelope::Burst { start: 50.0, length: 1e-10 }, ..Signal::sine(0.5, 2.0, 0.0) };
+    let drives = vec![Drive { site: 0, means: Means::Pushed, signal: burst }];
+    let alone = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 1).unwrap();
+    let message = alone.with(&Details { drives, ..Details::default() }).unwrap_err().to_string();
+    assert!(message.contains("drive.length") && message.contains("1e-11 of its start"), "{message}");
+}
+
+#[test]
+fn a_moved_bead_given_another_start_than_its_drive_is_refused() {
+    // With the ramp it begins at rest at zero. Numbers of other beads, zeros, and numbers of the
+    // drive itself, with rounding, are taken.
+    for (initial, given) in [
+        ("{ kind = \"state\", u = [0.1, 0, 0], u_dot = [0, 0, 0] }", "u = 1e-1, u_dot = 0e0 at site 0"),
+        ("{ kind = \"state\", u_dot = [0.2, 0, 0] }", "u_dot = 2e-1 at site 0"),
+        ("{ kind = \"single-bead\", site = 0, displacement = 0.0, velocity = 1.0 }", "u_dot = 1e0 at site 0"),
+    ] {
+        let message = short_ramp(initial).unwrap_err().to_string();
+        assert!(message.contains(given) && message.contains("begins as its drive does"), "{message}");
+    }
+    let text = |u: f64, u_dot: f64| {
+        format!(
+            "name = \"moved\"\nchain = {{ sites = 2, alpha = 1.5, boundary = \"free\" }}\n\
+             drive = [{{ site = 1, kind = \"moved\", amplitude = 0.7, omega = 1.3, phase = 1.0 }}]\n\
+             initial = {{ kind = \"state\", u = [-0.5, {u:e}], u_dot = [0.1, {u_dot:e}] }}\nspan = {{ until = 1.0 }}\n"
+        )
+    };
+    let [s, s_dot] = [0.7 * 1f64.sin(), 0.7 * 1.3 * 1f64.cos()];
+    for (u, u_dot) in [(0.0, 0.0), (s, s_dot), (s * (1.0 + 1e-14), 0.0), (0.0, s_dot)] {
+        let scene = Scene::parse(&text(u, u_dot), "moved.toml").unwrap();
+        assert!((scene.initial().u()[1] - s).abs() < 1e-15);
+        let again = scene.from_state(scene.initial().u().to_vec(), vec![], scene.initial().u_dot().to_vec(), vec![]);
+        assert_eq!(again.unwrap().initial(), scene.initial());
+    }
+    assert!(Scene::parse(&text(s + 1e-3, s_dot), "moved.toml").is_err());
+}
