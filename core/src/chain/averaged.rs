@@ -242,7 +242,7 @@ impl<'a, R: Real> Part<'a, R> {
         }
         // Refinement reduces the error only down to the effect of rounding errors of the overlaps.
         let path = self.path;
-        let size = path.size(self.start.abs() + self.length.abs());
+        let size = path.a.abs() + path.c.abs() + path.d.abs() + (path.b * self.length).abs();
         let largest = path.at(self.start).max(path.at(self.start + self.length));
         let noise = self.law.stiffness(largest) * self.length.abs() * size;
         let tolerance = R::of(4.0 * f64::EPSILON) * (whole[0].abs() + noise);

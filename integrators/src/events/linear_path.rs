@@ -48,23 +48,13 @@ impl<R: Real> LinearPath<R> {
 
     /// `sqrt(c^2 + d^2)`.
     fn amplitude(&self) -> R {
-        self.swing(R::one())
-    }
-
-    /// A bound of the oscillating part up to a phase `omega t`: where springs are weak, `d` is far
-    /// above it.
-    fn swing(&self, phase: R) -> R {
-        if self.omega == R::zero() { R::zero() } else { self.c.hypot(self.d * phase.min(R::one())) }
-    }
-
-    /// A bound of the terms of a value for `|t| <= reach`.
-    pub fn size(&self, reach: R) -> R {
-        self.a.abs() + self.b.abs() * reach + self.swing(self.omega * reach)
+        if self.omega == R::zero() { R::zero() } else { self.c.hypot(self.d) }
     }
 
     /// A generous bound of the rounding error of a value for `|t| <= reach`.
     fn rounding(&self, reach: R) -> R {
-        R::of(ROUNDING) * (self.size(reach) + self.amplitude() * self.omega * reach)
+        let phase = R::one() + self.omega * reach;
+        R::of(ROUNDING) * (self.a.abs() + self.b.abs() * reach + self.amplitude() * phase)
     }
 
     /// Bounds `(lo, hi)` with `lo <= g <= hi` on the interval between `t0` and `t1`, at the cost of
