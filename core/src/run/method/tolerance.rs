@@ -28,9 +28,11 @@ const ORDER: f64 = 4.0;
 const FARTHEST: f64 = 2.0;
 /// Largest growth of the number of steps from one pair of runs to the next.
 const FASTEST: f64 = 16.0;
-/// Most pairs of runs in a row whose estimates of the error are not below that of an earlier one:
-/// each has at least twice the steps of the one before, so that only rounding errors are left.
-const STALLED: u32 = 4;
+/// Runs with an error below this resolve their contacts: the error of the next pair, with at least
+/// twice as many steps, is smaller unless it consists of rounding errors. Chosen, not measured.
+const RESOLVED: f64 = 1e-3;
+/// Number of pairs in a row without a smaller error after which the tolerance is refused. Chosen.
+const STALLED: u32 = 2;
 /// Largest number of steps in the coarser run of a pair.
 const MOST_STEPS: f64 = 1e12;
 
@@ -66,7 +68,7 @@ pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol:
             return Ok(at_samples(run, span, finer as u64));
         }
         last = if error.is_finite() { error } else { last };
-        stalled = if error < least { 0 } else { stalled + u32::from(least.is_finite()) };
+        stalled = if error < least || least > RESOLVED { 0 } else { stalled + 1 };
         least = least.min(error);
         if stalled >= STALLED {
             return Err(Error::parameter("tol", tol, "rounding errors of contact-corrected splitting are larger here"));
