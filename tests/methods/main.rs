@@ -28,6 +28,7 @@ mod signals;
 mod splitting;
 mod tangent;
 mod variations;
+mod weak_springs;
 
 /// Equal windows, with panels cut at events of neighbours.
 fn windows(windows: u64, nodes: usize) -> hertzchain::integrators::collocation::Pace {

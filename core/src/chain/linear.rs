@@ -12,6 +12,10 @@
 //! kicks nothing is computed for a site: no rotation of it is repeated, so that no rounding errors
 //! of rotations add up, and `V, C, S` of a site on which no contact acts keep their bits. The phase
 //! is one number for the whole chain, kept to twice the working precision.
+//!
+//! For a spring that is weak for the time of a run, `S = P'/omega` is large, and `S sin(theta)` is
+//! exact to a rounding all the same: the flow goes over into the free flight. Bounds of
+//! displacements, and of their roundings, must therefore not take `S` for its motion.
 
 use super::{
     Chain, Resonators,

@@ -400,9 +400,11 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             v += path[side][1];
         }
         for ([_, _, c, s], kernel) in path.iter().zip(&link.sides) {
-            let size = if kernel.omega == 0.0 { 0.0 } else { (c * c + s * s).sqrt() };
-            swing += size;
-            swings += kernel.omega * size;
+            // The squares of `c` and `s` may overflow where omega is small.
+            let [c, s] = [c, s].map(|part| kernel.omega * part);
+            let fast = (c * c + s * s).sqrt();
+            swing += fast * kernel.per_omega;
+            swings += fast;
         }
         if let Some(known) = known::<S>(&self.known) {
             let [far, fast] = known.reach();

@@ -365,20 +365,15 @@ impl Flow {
     fn bend_over(&self, [_, v, c, s]: &Path) -> [f64; 2] {
         let Self { drag, slip, response: Response { m, mu, .. }, .. } = *self;
         let omega = self.a[2][3];
-        let (mut amplitude, mut growth, mut energy) = (0.0, 0.0, 0.0);
+        let (mut energy, fast) = (0.0, (omega * c).hypot(omega * s));
         if m > 0.0 {
             energy += v * v / m;
         }
         if mu > 0.0 {
-            amplitude = (c * c + s * s).sqrt();
-            energy += omega * omega * amplitude * amplitude / mu;
+            energy += fast * fast / mu;
         }
         let speed = (energy * (m + mu)).sqrt();
-        if mu > 0.0 {
-            growth = drag * mu * speed / omega;
-        }
-        let square = omega * (omega + slip);
-        [square * amplitude + drag * (m + mu) * speed, square * growth]
+        [(omega + slip) * fast + drag * (m + mu) * speed, (omega + slip) * drag * mu * speed]
     }
 
     /// Bounds of `K''` and `K'''` up to the time `h`.

@@ -4,7 +4,7 @@ use super::{
     flow::Flow,
     known::Known,
     open::{Open, Signals},
-    system::{ContactChain, Links, Path},
+    system::{ContactChain, Links, Path, swing},
 };
 use crate::clock::Twofold;
 use std::{cell::Cell, collections::HashMap, sync::Arc};
@@ -106,7 +106,8 @@ impl<C: ContactChain<S>, const S: usize> Sites<'_, C, S> {
         for side in 0..S {
             let (c, s) = (hi[side][2] + lo[side][2], hi[side][3] + lo[side][3]);
             let (sin, cos) = ends[side].map_or((0.0, 1.0), |site| phases.sin_cos(site));
-            largest = largest + c.abs() + s.abs();
+            let turn = ends[side].map_or(0.0, |site| chain.response(site).omega.value() * h);
+            largest = largest + c.abs() + s.abs() * swing(sin.abs() + turn);
             path[side] = [0.0, 0.0, c * cos + s * sin, s * cos - c * sin];
         }
         (path[0][0], path[0][1]) = (rest + r, v);

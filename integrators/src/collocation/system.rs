@@ -31,6 +31,17 @@ impl Response {
 /// `[r, v, c, s]`.
 pub type Path = [f64; 4];
 
+/// Phases below this are small: a sine is then bounded by its phase, above by 1. Chosen; held by
+/// `methods springs_go_over_into_the_free_flight`.
+const SMALL: f64 = 1e-3;
+
+/// A bound of `|sin x|` for `x` up to a phase. With a spring that is weak for the time of a run,
+/// `s = v/omega` is far above the displacements `s sin(omega t)` that occur.
+#[inline(always)]
+pub(crate) fn swing(phase: f64) -> f64 {
+    if phase < SMALL { phase } else { 1.0 }
+}
+
 /// A drive of a site from outside, see [`ContactChain::signal`].
 #[derive(Clone, Copy, Debug)]
 pub struct Drive {

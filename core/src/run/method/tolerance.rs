@@ -8,7 +8,7 @@
 use super::{Method, Setting};
 use crate::run::Run;
 use crate::{
-    chain::{Layout, max_norm},
+    chain::{Chain, max_norm},
     error::{Error, Result},
     interrupt,
 };
@@ -28,21 +28,26 @@ const ORDER: f64 = 4.0;
 const FARTHEST: f64 = 2.0;
 /// Largest growth of the number of steps from one pair of runs to the next.
 const FASTEST: f64 = 16.0;
+/// Runs with an error below this resolve their contacts: the error of the next pair, with at least
+/// twice as many steps, is smaller unless it consists of rounding errors. Chosen, not measured.
+const RESOLVED: f64 = 1e-3;
+/// Number of pairs in a row without a smaller error after which the tolerance is refused. Chosen.
+const STALLED: u32 = 2;
 /// Largest number of steps in the coarser run of a pair.
 const MOST_STEPS: f64 = 1e12;
 
 /// Number of steps for which the estimated error of the state at the end is at most `tol`. The
-/// error is the largest relative error of a column `u, v, u', v'` of the state, in the maximum
-/// norm.
+/// error is the largest error of a column `u, v, u', v'` of the state, in the maximum norm and
+/// relative to the size of the column. The size of a column of resonators is at least `1/(1 + rho)`
+/// of that of the beads, with which they would move if springs were rigid.
 ///
 /// # Errors
 /// A tolerance below 1e-13 or above 0.1; a tolerance that no number of steps up to 1e12 reaches by
-/// the estimate; the error that ends a run.
+/// the estimate, or that rounding errors keep it from; the error that ends a run.
 pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol: f64) -> Result<u64> {
     if !TOLERANCES.contains(&tol) {
         return Err(Error::parameter("tol", tol, "contact-corrected splitting takes tolerances from 1e-13 to 0.1"));
     }
-    let layout = run.chain().layout();
     let end = |steps: f64| -> Result<Vec<f64>> {
         let mut stepper = method.start(run, y, span, Setting::Steps(steps as u64))?;
         let mut end = y.to_vec();
@@ -50,10 +55,10 @@ pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol:
         Ok(end)
     };
     let mut steps = (FIRST * (span.1 - span.0) / run.period()).ceil().max(FIRST);
-    let mut last = f64::INFINITY;
+    let (mut last, mut least, mut stalled) = (f64::INFINITY, f64::INFINITY, 0);
     loop {
         let finer = (SQRT_2 * steps).round();
-        let error = distance(layout, &end(steps)?, &end(finer)?) / (SQRT_2.powf(ORDER) - 1.0);
+        let error = distance(run.chain(), &end(steps)?, &end(finer)?) / (SQRT_2.powf(ORDER) - 1.0);
         let factor = (error / (GOAL * tol)).powf(1.0 / ORDER);
         if factor <= FARTHEST {
             return Ok(at_samples(run, span, (finer * factor.max(0.5)).ceil() as u64));
@@ -63,6 +68,11 @@ pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol:
             return Ok(at_samples(run, span, finer as u64));
         }
         last = if error.is_finite() { error } else { last };
+        stalled = if error < least || least > RESOLVED { 0 } else { stalled + 1 };
+        least = least.min(error);
+        if stalled >= STALLED {
+            return Err(Error::parameter("tol", tol, "rounding errors of contact-corrected splitting are larger here"));
+        }
         steps = (finer * if factor.is_finite() { (factor / FARTHEST).clamp(SQRT_2, FASTEST) } else { FASTEST }).ceil();
         if steps > MOST_STEPS {
             return Err(Error::parameter("tol", tol, "no number of steps up to 1e12 reaches this tolerance"));
@@ -80,16 +90,20 @@ fn at_samples(run: &Run, span: (f64, f64), steps: u64) -> u64 {
     }
 }
 
-/// Largest relative difference of a column of the state, in the maximum norm.
-fn distance(layout: Layout, a: &[f64], b: &[f64]) -> f64 {
-    let n = layout.sites();
-    let columns = a.chunks(n).zip(b.chunks(n));
-    columns.fold(0.0, |largest, (a, b)| {
+/// Largest relative difference of a column of the state, see [`steps`].
+fn distance(chain: &Chain<f64>, a: &[f64], b: &[f64]) -> f64 {
+    let (n, share, mut beads) = (chain.sites(), 1.0 / (1.0 + chain.params().rho), 0.0);
+    let columns = a.chunks(n).zip(b.chunks(n)).enumerate();
+    columns.fold(0.0, |largest, (k, (a, b))| {
         let gap = a
             .iter()
             .zip(b)
             .fold(0.0, |gap: f64, (a, b)| if (a - b).is_nan() { f64::INFINITY } else { gap.max((a - b).abs()) });
-        let size = max_norm(b.iter().copied());
+        let mut size = max_norm(b.iter().copied());
+        if chain.layout().resonators() && k % 2 == 1 {
+            size = size.max(share * beads);
+        }
+        beads = size;
         if gap == 0.0 { largest } else { f64::max(largest, gap / size) }
     })
 }

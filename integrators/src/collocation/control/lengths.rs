@@ -2,7 +2,7 @@
 
 use super::super::{
     block::Verdict,
-    system::{ContactChain, Links, Path},
+    system::{ContactChain, Links, Path, swing},
 };
 use super::nodes::MOST_HALVED;
 
@@ -59,7 +59,10 @@ impl Lengths {
         start: &dyn Fn(usize) -> Path,
         span: f64,
     ) -> Self {
-        let reach = (0..chain.sites()).map(start).fold(0.0f64, |far, [r, _, c, s]| far.max(r.abs() + c.hypot(s)));
+        let reach = (0..chain.sites()).fold(0.0f64, |far, i| {
+            let [r, _, c, s] = start(i);
+            far.max(r.abs() + c.hypot(s * swing(chain.response(i).omega.value() * span)))
+        });
         let kinds = |all: usize| if S == 1 { 1 } else { all };
         let stiffness = |b: usize| links.link(b).stiffness(chain.rest(b) + 2.0 * reach) * links.link(b).lightest();
         let stiffness = (0..kinds(chain.bonds())).map(stiffness).fold(0.0, f64::max);
