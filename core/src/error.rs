@@ -97,6 +97,8 @@ pub struct Iterate {
     pub z: Vec<f64>,
     /// Residual of the iterate.
     pub residual: f64,
+    /// Largest residual of a solution.
+    pub solved: f64,
     /// Parameters of the problem, in words.
     pub place: String,
 }
@@ -145,8 +147,8 @@ pub fn in_words(message: &str) -> String {
 pub type Result<T> = std::result::Result<T, Error>;
 
 fn best_residual(best: Option<&Iterate>) -> String {
-    best.map_or("it broke down".to_owned(), |Iterate { residual, place, .. }| {
-        format!("the smallest residual is {residual:.1e} at {place}; it must be 1e-12")
+    best.map_or("it broke down".to_owned(), |Iterate { residual, solved, place, .. }| {
+        format!("the smallest residual is {residual:.1e} at {place}; it must be {solved:.0e}")
     })
 }
 

@@ -340,7 +340,8 @@ impl MovingBreather {
             return Ok(MovingOrbit { breather: *self, z, residual, newton });
         }
         let place = format!("omega_b = {}, turns = {}", self.omega_b, self.turns);
-        Err(Error::Stalled { steps: newton.len(), best: Some(Box::new(Iterate { z, residual, place })) })
+        let best = Box::new(Iterate { z, residual, solved: SOLVED, place });
+        Err(Error::Stalled { steps: newton.len(), best: Some(best) })
     }
 
     /// The orbit: of those that Newton's method finds from seeds of several velocities, the one

@@ -26,6 +26,16 @@ use serde::{Deserialize, Serialize};
 const LONGEST: f64 = 0.5;
 /// Smallest `ds`, in units of the first one.
 const SHORTEST: f64 = 1e-6;
+/// Longest chord to the next point, in units of the predictor: the chord is 25 degrees from the
+/// tangent.
+const TURN: f64 = 1.1;
+/// Longest chord that is not a jump, in units of the shortest predictor: a branch may have a
+/// corner.
+pub(super) const FARTHEST: f64 = 4.0;
+/// Largest second correction of Newton's method, in units of the first one. Where corrections
+/// contract more slowly, Newton's method may lead to a solution far from its start (Deuflhard 2011,
+/// *Newton Methods for Nonlinear Problems*, Sec. 5.1).
+const CONTRACTION: f64 = 0.5;
 /// Largest number of steps of the corrector. The next `ds` is longer if it took fewer than
 /// `GOOD_CORRECTIONS`, and shorter if it took more than `MANY_CORRECTIONS`.
 pub(super) const MOST_CORRECTIONS: usize = 10;
@@ -45,16 +55,11 @@ pub(super) trait Family {
     fn solve(&self, seed: &[f64], p: f64) -> Result<Solution>;
     /// Unit of residuals: by default the largest unknown. It is larger where rounding errors are
     /// those of larger numbers.
-    fn size(&self, z: &[f64]) -> f64 {
+    fn size(&self, z: &[f64], _p: f64) -> f64 {
         max_norm(z.iter().copied())
     }
-    /// Longest chord to the next point, in units of `ds`. If the chord is longer, the point may be
-    /// on another branch or beyond a fold, and `ds` is halved.
-    fn longest_chord(&self) -> f64 {
-        f64::INFINITY
-    }
     /// Largest residual of a solution, in units of [`size`](Self::size).
-    fn solved(&self) -> f64;
+    fn solved(&self, z: &[f64], p: f64) -> f64;
 }
 
 /// A solution, with its residual in units of [`Family::size`].
@@ -87,6 +92,8 @@ pub enum End {
     TurnedBack,
     /// No orbit was found with the shortest step.
     Lost,
+    /// Newton's method leads to an orbit of another branch, also with the shortest step.
+    Jumped,
     /// The branch of doubled period came back to the branch of half its period.
     Rejoined,
     /// The multipliers of the last orbit are not known.
@@ -106,6 +113,7 @@ impl End {
             Self::MostPoints => "it has the largest number of points",
             Self::TurnedBack => "it turned back and passed the first value",
             Self::Lost => "no orbit was found with the shortest step",
+            Self::Jumped => "Newton's method leads to another branch, also with the shortest step",
             Self::Rejoined => "it came back to the branch of half its period",
             Self::NoMultipliers => "the multipliers of its last orbit are not known",
         }
@@ -222,7 +230,7 @@ pub(super) fn correct(family: &impl Family, spot: Spot<'_>, scales: Scales, ds: 
         let rows = residual.len();
         let mut bordered = jacobian.insert_row(rows, 0.0);
         bordered.set_row(rows, &t.transpose());
-        let relative = residual.amax() / family.size(z.as_slice());
+        let relative = residual.amax() / family.size(z.as_slice(), p);
         let stalled = Error::Stalled { steps: newton.len(), best: None };
         // All iterates are in the hyperplane of the predictor: its equation has the residual zero.
         let Some(by) = least_squares(bordered, &residual.push(0.0)) else { return Err(stalled) };
@@ -231,9 +239,10 @@ pub(super) fn correct(family: &impl Family, spot: Spot<'_>, scales: Scales, ds: 
         z -= by.rows(0, columns) * scales.state;
         p -= by[columns] * scales.parameter;
         if step <= LAST_CORRECTION {
-            let residual = family.equations(z.as_slice(), p, false)?.residual.amax() / family.size(z.as_slice());
-            let solution = Solution { z: z.as_slice().to_vec(), p, residual, newton };
-            return if residual <= family.solved() { Ok(solution) } else { Err(stalled) };
+            let z = z.as_slice();
+            let residual = family.equations(z, p, false)?.residual.amax() / family.size(z, p);
+            let solution = Solution { z: z.to_vec(), p, residual, newton };
+            return if residual <= family.solved(&solution.z, p) { Ok(solution) } else { Err(stalled) };
         }
         if newton.len() >= MOST_CORRECTIONS || step > LONGEST && step > before {
             return Err(stalled);
@@ -250,16 +259,26 @@ fn naturally(family: &impl Family, spot: Spot<'_>, scales: Scales, to: f64) -> R
     family.solve(&z, to)
 }
 
-/// The next point after `spot`, and the length `ds` for the point after it.
+/// Whether a solution may be one of another branch, or beyond a fold: the chord to it is much longer
+/// than the predictor, or Newton's corrections do not contract from the first one on.
+pub(crate) fn strays(chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
+    let slow = |first: f64, second: f64| second > CONTRACTION * first && second > LAST_CORRECTION;
+    chord > TURN * predictor + LAST_CORRECTION
+        || matches!(newton, [first, second, ..] if slow(first.step, second.step))
+}
+
+/// The next point after `spot`, and the length `ds` for the point after it; otherwise why the branch
+/// ends.
 ///
-/// The predictor has the length `ds` at first; the length is halved until the corrector converges.
+/// The predictor has the length `ds` at first; the length is halved until the corrector converges to
+/// a point that does not [stray](strays).
 pub(super) fn next(
     family: &impl Family,
     spot: Spot<'_>,
     scales: Scales,
     Way { to, step, natural, direction }: Way,
     ds: f64,
-) -> Option<(Solution, f64)> {
+) -> std::result::Result<(Solution, f64), End> {
     let rate = spot.tangent[spot.tangent.len() - 1] * scales.parameter;
     let shortest = SHORTEST * step / scales.parameter;
     let mut ds = ds.min(LONGEST).min(step / rate.abs());
@@ -272,19 +291,21 @@ pub(super) fn next(
         } else {
             correct(family, spot, scales, ds)
         };
+        let length = if lands { ((to - spot.p) / rate).abs() } else { ds };
         let chord = |to: &Solution| scales.chord((spot.z, spot.p), (&to.z, to.p)).norm();
         match next {
-            Ok(solution) if ds > shortest && !lands && chord(&solution) > family.longest_chord() * ds => ds *= 0.5,
+            Ok(solution) if ds > shortest && strays(chord(&solution), length, &solution.newton) => ds *= 0.5,
+            Ok(solution) if chord(&solution) > FARTHEST * length + LAST_CORRECTION => return Err(End::Jumped),
             Ok(solution) => {
                 let factor = match solution.newton.len() {
                     ..GOOD_CORRECTIONS => 1.5,
                     GOOD_CORRECTIONS | MANY_CORRECTIONS => 1.0,
                     _ => 0.6,
                 };
-                return Some((solution, ds * factor));
+                return Ok((solution, ds * factor));
             }
             Err(_) if ds > shortest => ds *= 0.5,
-            Err(_) => return None,
+            Err(_) => return Err(End::Lost),
         }
     }
 }
@@ -333,7 +354,10 @@ pub(super) fn follow(
         };
         let Ok(tangent) = tangent(family, (&z, p), scales, &before) else { return Ok(End::Lost) };
         let spot = Spot { z: &z, p, tangent: &tangent };
-        let Some((solution, longer)) = next(family, spot, scales, way, ds) else { return Ok(End::Lost) };
+        let (solution, longer) = match next(family, spot, scales, way, ds) {
+            Ok(next) => next,
+            Err(end) => return Ok(end),
+        };
         let gone_back = ((solution.p - back) * direction < 0.0).then_some(End::TurnedBack);
         let end = if (solution.p - to) * direction >= 0.0 { Some(End::Reached) } else { gone_back };
         if let Some(end) = keep(&solution, longer, end)?.or(end) {

@@ -75,7 +75,7 @@ impl Family for Varying<'_> {
         Ok(Solution { z, p, residual, newton })
     }
 
-    fn solved(&self) -> f64 {
+    fn solved(&self, _z: &[f64], _p: f64) -> f64 {
         SOLVED
     }
 }

@@ -17,7 +17,7 @@
 
 use super::{
     arclength::{Family, MOST_CORRECTIONS, Solution},
-    eigen::eigenvalues,
+    eigen::eigen,
     floquet::or_infinite,
     shooting::{Equations, NewtonStep, least_squares},
 };
@@ -302,6 +302,18 @@ impl DrivenSetting {
         max_norm(z.iter().copied()).max(ROUNDED * overlap)
     }
 
+    /// Largest residual of an orbit, in units of [`size`](Self::size): [`SOLVED`], or what roundings
+    /// allow. With the fastest rate `R`, in units of the frequency of the orbit, the period has some
+    /// `2 pi R` windows. Each rounds displacements of the size `s` by `eps s`, where `s` is the
+    /// largest of the unknowns, static overlaps and moved beads: these sum to at most `2 pi R eps s`.
+    /// Velocities are then rounded by `R omega eps s`, and the unknowns `q'/omega` by `R eps s`.
+    fn solved(&self, z: &[f64]) -> f64 {
+        let overlap = self.details.overlap.iter().copied().fold(0.0, f64::max);
+        let state = max_norm(z.iter().copied()).max(overlap).max(self.moved().unwrap_or(0.0));
+        let radians = 2.0 * PI * self.fastest_rate(z).unwrap_or(0.0);
+        SOLVED.max(f64::EPSILON * radians * state / self.size(z))
+    }
+
     /// Largest displacement of a bead that a drive moves.
     fn moved(&self) -> Result<f64> {
         Ok(self.chain()?.details().map_or(0.0, |details| {
@@ -381,17 +393,20 @@ pub struct DrivenOrbit {
 /// A step of Newton's method below this, in the unit of residuals, is the last: by quadratic
 /// convergence the next one would be below rounding.
 const LAST_STEP: f64 = 1e-9;
-/// Largest residual of an orbit, in its unit.
+/// Largest residual of an orbit, in its unit, unless [roundings](DrivenSetting::solved) are larger.
 const SOLVED: f64 = 1e-11;
 /// Share of the largest static overlap that is the least unit of residuals: [`SOLVED`] is then some
 /// 450 roundings of the overlap.
 const ROUNDED: f64 = 1e-2;
-/// Longest chord to the next point of a branch, in units of the predictor: the chord is 25 degrees
-/// from the tangent. Strongly driven branches have pairs of folds close to each other; a longer
-/// step could land beyond both, and the branch would then be followed back.
-const TURN: f64 = 1.1;
 /// Longest step of Newton's method, in the unit of residuals.
 const LONGEST_STEP: f64 = 0.5;
+/// Tolerance of the second estimate of a monodromy matrix, in units of that of the first.
+const FINER: f64 = 1e-2;
+/// Error of the eigenvalues' algorithm, in roundings of the largest entry. Chosen, not measured.
+const EIGEN: f64 = 4.0;
+/// Largest change of the unknowns over a period of an orbit, in units of the largest displacement or
+/// scaled velocity, for which the orbit counts as one of that period.
+const RETURNED: f64 = 1e-8;
 /// A run has settled if a period changes the unknowns by at most this, in units of the largest.
 const SETTLED: f64 = 1e-8;
 /// Tolerance of a step of the run that settles.
@@ -418,6 +433,26 @@ impl DrivenShooting {
 
     /// `M`, the derivative of `P^m` by `z`, and `Gamma`.
     fn monodromy(&self, setting: &DrivenSetting, z: &[f64]) -> Result<(DMatrix<f64>, f64)> {
+        let varied = setting.chain()?.dissipative_contacts().then_some(self.tangent_tol);
+        self.monodromy_by(varied, setting, z)
+    }
+
+    /// The same, with bounds for the errors of the entries of `M`: the distance from the derivative
+    /// by [`Variations`] at a finer tolerance, and a rounding for each radian of the fastest motion.
+    fn checked_monodromy(&self, setting: &DrivenSetting, z: &[f64]) -> Result<(DMatrix<f64>, DMatrix<f64>, f64)> {
+        let (first, contacts) = self.monodromy(setting, z)?;
+        let (radians, size) = (2.0 * PI * setting.fastest_rate(z)?, first.norm());
+        let rounded = first.map(|entry| f64::EPSILON * (radians * entry.abs() + EIGEN * size));
+        let finer = self.monodromy_by(Some(FINER * self.tangent_tol), setting, z);
+        let errors = match finer {
+            Ok((finer, _)) => (&first - finer).abs() + rounded,
+            Err(_) => rounded.map(|_| f64::INFINITY),
+        };
+        Ok((first, errors, contacts))
+    }
+
+    /// `M` and `Gamma` by [`Variations`] at the tolerance `varied`, else by contact collocation.
+    fn monodromy_by(&self, varied: Option<f64>, setting: &DrivenSetting, z: &[f64]) -> Result<(DMatrix<f64>, f64)> {
         let chain = setting.chain()?;
         let (half, omega, m) = (chain.layout().half(), setting.omega(), setting.free.len());
         let (start, dim) = (setting.start(&chain, z), chain.layout().dim());
@@ -427,13 +462,13 @@ impl DrivenShooting {
             None => (setting.free[k], 1.0),
             Some(k) => (half + setting.free[k], omega),
         };
-        if chain.dissipative_contacts() {
+        if let Some(tol) = varied {
             let mut unit = vec![0.0; 2 * half * 2 * m];
             for j in 0..2 * m {
                 let (row, per) = place(j);
                 unit[row * 2 * m + j] = per;
             }
-            let end = Variations::flow(&chain, &start, span, &unit, self.tangent_tol)?;
+            let end = Variations::flow(&chain, &start, span, &unit, tol)?;
             let entry = |k: usize, j: usize| {
                 let (row, unit) = place(k);
                 end.columns[row * 2 * m + j] / unit
@@ -489,7 +524,8 @@ impl DrivenShooting {
     ///
     /// # Errors
     /// A seed of another length or not finite; a seed whose flow fails; [`Error::Stalled`] with the
-    /// best iterate where the residual of Newton's method does not fall to 1e-11.
+    /// best iterate where the residual of Newton's method does not fall to 1e-11 or, if that is
+    /// larger, to the roundings of the fastest motion over the period.
     pub fn solve(&self, setting: &DrivenSetting, seed: &[f64]) -> Result<DrivenOrbit> {
         if seed.len() != setting.unknowns() {
             let rule = "a displacement and a velocity for each free bead and resonator";
@@ -533,11 +569,12 @@ impl DrivenShooting {
             Err(_) => f64::INFINITY,
         };
         match keep(&z, last, &newton) {
-            Some(orbit) if orbit.residual <= SOLVED => Ok(DrivenOrbit { newton, ..orbit }),
+            Some(orbit) if orbit.residual <= setting.solved(&orbit.z) => Ok(DrivenOrbit { newton, ..orbit }),
             best => {
                 let best = best.map(|orbit| {
                     let place = format!("omega = {}, amplitude = {}", setting.omega(), setting.values[0]);
-                    Box::new(Iterate { z: orbit.z, residual: orbit.residual, place })
+                    let solved = setting.solved(&orbit.z);
+                    Box::new(Iterate { z: orbit.z, residual: orbit.residual, solved, place })
                 });
                 Err(Error::Stalled { steps: newton.len(), best })
             }
@@ -554,6 +591,10 @@ pub struct DrivenMultiplier {
     pub im: f64,
     /// Modulus.
     pub modulus: f64,
+    /// Bound for the error of the multiplier as an eigenvalue of the linearised flow along the
+    /// computed orbit, to first order in the error of the derivative of `P^m`.
+    #[serde(deserialize_with = "or_infinite")]
+    pub error: f64,
 }
 
 /// The multipliers of a driven orbit.
@@ -571,9 +612,20 @@ pub struct DrivenSpectrum {
 pub(super) const MARGIN: f64 = 1e-7;
 
 impl DrivenSpectrum {
-    fn new(monodromy: &DMatrix<f64>, exponent: f64) -> Option<Self> {
-        let of = |value: Complex<f64>| DrivenMultiplier { re: value.re, im: value.im, modulus: value.norm() };
-        let mut multipliers: Vec<DrivenMultiplier> = eigenvalues(monodromy)?.into_iter().map(of).collect();
+    /// The multipliers of a matrix with these bounds `E` for the errors of its entries.
+    ///
+    /// With right and left eigenvectors `x` and `y` an eigenvalue errs by `|y|^T E |x| / |y^H x|`. Two
+    /// that meet err by at most `(|M| |E|)^{1/2}`.
+    fn new(monodromy: &DMatrix<f64>, errors: &DMatrix<f64>, exponent: f64) -> Option<Self> {
+        let (values, vectors): (Vec<_>, Vec<_>) = eigen(monodromy)?.into_iter().unzip();
+        let right = DMatrix::from_columns(&vectors);
+        let most = (monodromy.norm() * errors.norm()).sqrt();
+        let each = right.clone().try_inverse().map(|left| left.map(Complex::norm) * errors * right.map(Complex::norm));
+        let error = |k: usize| each.as_ref().map_or(most, |each| each[(k, k)].min(most));
+        let of = |(k, value): (usize, Complex<f64>)| {
+            DrivenMultiplier { re: value.re, im: value.im, modulus: value.norm(), error: error(k) }
+        };
+        let mut multipliers: Vec<DrivenMultiplier> = values.into_iter().enumerate().map(of).collect();
         multipliers
             .sort_by(|a, b| b.modulus.total_cmp(&a.modulus).then(b.re.total_cmp(&a.re)).then(b.im.total_cmp(&a.im)));
         let lu = monodromy.clone().lu();
@@ -609,9 +661,9 @@ impl DrivenOrbit {
     /// # Errors
     /// An integration that fails, or eigenvalues that do not converge.
     pub fn spectrum(&self, shooting: &DrivenShooting) -> Result<DrivenSpectrum> {
-        let (monodromy, contacts) = shooting.monodromy(&self.setting, &self.z)?;
+        let (monodromy, errors, contacts) = shooting.checked_monodromy(&self.setting, &self.z)?;
         let exponent = self.setting.contraction()? * self.setting.period() + contacts;
-        DrivenSpectrum::new(&monodromy, exponent).ok_or_else(|| {
+        DrivenSpectrum::new(&monodromy, &errors, exponent).ok_or_else(|| {
             let rule = "no multipliers: the eigenvalues did not converge";
             Error::parameter("omega", self.setting.omega(), rule)
         })
@@ -632,6 +684,22 @@ impl DrivenOrbit {
             samples.push(next);
         }
         Ok(samples)
+    }
+
+    /// Periods of the drive in the least period of the orbit, from [`samples`](Self::samples): less
+    /// than `turns` if the orbit has also been solved for as one of a shorter period.
+    ///
+    /// # Errors
+    /// A parameter of the setting outside its rule.
+    pub fn least_turns(&self, samples: &[Vec<f64>]) -> Result<u32> {
+        let (setting, chain) = (&self.setting, self.setting.chain()?);
+        let start = DVector::from_column_slice(&self.z);
+        let returns = |turns: &u32| {
+            let now = setting.unknowns_of(&chain, &samples[(turns * SAMPLES) as usize]);
+            (now - &start).amax() <= RETURNED * setting.size(&self.z)
+        };
+        let divides = |turns: &u32| setting.turns.is_multiple_of(*turns);
+        Ok((1..setting.turns).filter(divides).find(returns).unwrap_or(setting.turns))
     }
 
     /// The residual, computed anew.
@@ -698,16 +766,12 @@ impl Family for DrivenFamily<'_> {
         Ok(Solution { z, p, residual, newton })
     }
 
-    fn size(&self, z: &[f64]) -> f64 {
+    fn size(&self, z: &[f64], _p: f64) -> f64 {
         self.setting.size(z)
     }
 
-    fn longest_chord(&self) -> f64 {
-        TURN
-    }
-
-    fn solved(&self) -> f64 {
-        SOLVED
+    fn solved(&self, z: &[f64], p: f64) -> f64 {
+        self.setting.with(self.parameter, p).solved(z)
     }
 }
 

@@ -4,11 +4,13 @@
 //! |---|---|
 //! | `U` | number of multipliers outside the unit circle, with a modulus above `1 + MARGIN` |
 //! | `psi(s)` | `abs(lambda_k) - 1 - MARGIN` over the chord of two points; moduli descend |
+//! | `chi(s)` | `abs(lambda) - 1` of the multiplier nearest to that at the zero of `psi` |
 //!
 //! Where `U` differs between two points, `psi` changes its sign, with `k` (from 0) the smaller `U`:
 //! ordered moduli are continuous. The multiplier at the zero gives the kind of the bifurcation: 1
 //! at a fold or a branch point, -1 at a period doubling, a complex pair where a torus branches off
-//! (Neimark-Sacker).
+//! (Neimark-Sacker). The bifurcation is at the zero of `chi` beside that of `psi`: there a real
+//! multiplier is 1 or -1, and a pair on the circle.
 
 use super::{
     arclength::{self, End, Scales, Spot},
@@ -43,6 +45,8 @@ pub struct DrivenPoint {
     pub spectrum: DrivenSpectrum,
     /// Half the range of the displacement of the free bead that moves most.
     pub amplitude: f64,
+    /// Periods of the drive in the least period of the orbit.
+    pub least_turns: u32,
 }
 
 /// A bifurcation of a branch.
@@ -82,8 +86,12 @@ pub struct DrivenBranch {
 const MOST_CUTS: u32 = 12;
 /// Largest number of evaluations of `psi`.
 const MOST_TRIALS: u32 = 40;
+/// Largest distance of the zero of `chi` from that of `psi`, as a share of the stretch.
+const BESIDE: f64 = 0.1;
 /// Error of a located bifurcation, as a share of the stretch.
 const LOCATED: f64 = 1e-9;
+/// Most steps of the secant method from the zero of `psi` to that of `chi`; two are usual.
+const MOST_SECANTS: u32 = 6;
 /// Largest `|psi|` of a located bifurcation.
 const NEAR: f64 = 1e-6;
 /// A multiplier with a smaller imaginary part counts as real.
@@ -96,7 +104,8 @@ impl DrivenPoint {
     /// An integration that fails, or eigenvalues that do not converge.
     pub fn new(orbit: DrivenOrbit, shooting: &DrivenShooting) -> Result<Self> {
         let (spectrum, samples) = (orbit.spectrum(shooting)?, orbit.samples(shooting)?);
-        Ok(Self { spectrum, amplitude: orbit.amplitude(&samples), orbit })
+        let least_turns = orbit.least_turns(&samples)?;
+        Ok(Self { spectrum, amplitude: orbit.amplitude(&samples), least_turns, orbit })
     }
 
     /// Whether no multiplier is outside the unit circle.
@@ -197,11 +206,11 @@ impl<'a> Stretch<'a> {
         DrivenPoint::new(family.orbit(solution), &self.continuation.shooting).ok()
     }
 
-    /// The zero of `psi` by the rule of false position (Illinois variant).
+    /// The zero of `psi` by the rule of false position (Illinois variant), and then that of `chi`.
     fn locate(&self, a: &DrivenPoint, b: &DrivenPoint, k: usize) -> Option<DrivenBifurcation> {
         let psi = |point: &DrivenPoint| point.spectrum.multipliers[k].modulus - 1.0 - MARGIN;
         let (mut left, mut right) = ((0.0, psi(a)), (1.0, psi(b)));
-        let mut last = None;
+        let (mut last, mut before) = (None, [(0.0, psi(a)), (1.0, psi(b))]);
         for _ in 0..MOST_TRIALS {
             let s = (left.0 * right.1 - right.0 * left.1) / (right.1 - left.1);
             // At a branch point the corrector is singular and fails. Then the last point counts, if
@@ -216,12 +225,27 @@ impl<'a> Stretch<'a> {
             }
             let by = (s - right.0).abs();
             right = (s, value);
+            before = [before[1], right];
             if value.abs() <= 1e-2 * MARGIN || by <= LOCATED || (left.0 - right.0).abs() <= LOCATED {
                 break;
             }
         }
-        let point = last.filter(|point| psi(point).abs() <= NEAR)?;
-        let multiplier = point.spectrum.multipliers[k];
+        let mut point = last.filter(|point| psi(point).abs() <= NEAR)?;
+        let mut multiplier = point.spectrum.multipliers[k];
+        let [mut old, mut new] = before.map(|(s, psi)| (s, psi + MARGIN));
+        for _ in 0..MOST_SECANTS {
+            let s = new.0 - new.1 * (new.0 - old.0) / (new.1 - old.1);
+            let beside = (s - new.0).abs() <= BESIDE;
+            if !beside || new.1.abs() <= multiplier.error {
+                break;
+            }
+            let Some(next) = self.point(s) else { break };
+            let apart = |one: &DrivenMultiplier| (one.re - multiplier.re).hypot(one.im - multiplier.im);
+            let nearest = next.spectrum.multipliers.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+            let Some(&nearest) = nearest.filter(|one| (one.modulus - 1.0).abs() < new.1.abs()) else { break };
+            (old, new) = (new, (s, nearest.modulus - 1.0));
+            (point, multiplier) = (next, nearest);
+        }
         let multiplier = DrivenMultiplier { im: multiplier.im.abs(), ..multiplier };
         let kind = if multiplier.im > REAL {
             BifurcationKind::Torus

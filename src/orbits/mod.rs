@@ -30,6 +30,7 @@ mod shooting;
 mod switching;
 
 pub use arclength::End;
+pub(crate) use arclength::strays;
 pub use bifurcation::{Bifurcation, BifurcationKind};
 pub use continuation::{Continuation, Trail};
 pub use driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum};

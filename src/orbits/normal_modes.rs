@@ -76,6 +76,8 @@ const SOLVED: f64 = 1e-11;
 /// Share of the largest static overlap that is the least unit of residuals: [`SOLVED`] is then some
 /// 450 roundings of the overlap.
 const ROUNDED: f64 = 1e-2;
+/// Most times that the first amplitude is halved.
+const MOST_HALVINGS: u32 = 10;
 /// A step of Newton's method below this is the last one.
 const LAST_STEP: f64 = 1e-9;
 /// Least unit of the amplitude for the stretch between two points, as a share of the amplitude:
@@ -269,7 +271,8 @@ pub struct ModeOrbit {
     /// Shape `xi`, of beads and of resonators that move.
     pub shape: Vec<f64>,
     /// Largest residual of the equations, in units of the largest of: 1, the unknowns, and a
-    /// hundredth of the largest static overlap over the first amplitude of the branch.
+    /// hundredth of the largest static overlap over the amplitude or, if it is smaller, over the
+    /// largest step of the branch.
     pub residual: f64,
     /// Steps of Newton's method.
     pub newton: Vec<NewtonStep>,
@@ -304,7 +307,9 @@ pub struct ModeContinuation {
     pub mode: usize,
     /// The amplitude at which the branch ends.
     pub to: f64,
-    /// The first amplitude, and the largest change of the amplitude from point to point.
+    /// The largest change of the amplitude from point to point, and the first amplitude, unless the
+    /// orbit of this amplitude that is found differs much from the linear mode: see
+    /// [`follow`](Self::follow).
     pub step: f64,
     /// Largest number of points.
     pub most_points: usize,
@@ -363,6 +368,10 @@ impl ModeContinuation {
     /// called with every point. Collisions of multipliers that lead to no modulus above 1.001 are
     /// left out.
     ///
+    /// The first orbit is sought from the linear mode, at the amplitude `step`. While Newton's
+    /// corrections do not contract, or shape and frequency turn by more than 25 degrees from those
+    /// of the linear mode, in the space of the unknowns, the amplitude is halved.
+    ///
     /// # Errors
     /// Numbers outside their rules; a first orbit that is not found; multipliers that cannot be
     /// computed; a signal.
@@ -377,11 +386,11 @@ impl ModeContinuation {
         let mut seed = family.linear.shape.clone();
         seed.remove(family.linear.leading);
         seed.push(0.0);
-        let first = family.solve(&seed, self.step)?;
+        let first = family.first(&seed, self.step)?;
         let mut points = vec![family.point(&first)?];
         seen(&points[0]);
         let way = Way { to: self.to, step: self.step, natural: false, direction: 1.0 };
-        let ds = self.step / (self.to - self.step);
+        let ds = first.p / (self.to - first.p);
         let course = Course { back: first.p, previous: None, last: (first.z, first.p), ds, points: 1 };
         let end = arclength::follow(&family, course, way, self.most_points, &mut |solution, _, _| {
             let Ok(point) = family.point(solution) else { return Ok(Some(End::NoMultipliers)) };
@@ -397,16 +406,33 @@ impl ModeContinuation {
 pub(super) struct ModeFamily<'a> {
     pub(super) modes: &'a NormalModes,
     pub(super) linear: &'a LinearMode,
-    /// Least unit of residuals: [`ROUNDED`] times the largest static overlap, over the first
-    /// amplitude.
+    /// [`ROUNDED`] times the largest static overlap; over the amplitude it is the least unit of
+    /// residuals.
     floor: f64,
+    /// Largest amplitude in that unit.
+    step: f64,
 }
 
 impl<'a> ModeFamily<'a> {
     pub(super) fn new(modes: &'a NormalModes, continuation: &ModeContinuation) -> Self {
         let linear = &modes.linear[continuation.mode];
-        let floor = ROUNDED * modes.overlap / continuation.step;
-        Self { modes, linear, floor }
+        Self { modes, linear, floor: ROUNDED * modes.overlap, step: continuation.step }
+    }
+
+    /// The orbit near the linear mode, whose unknowns are `seed`, at the amplitude `step` or a
+    /// smaller one.
+    fn first(&self, seed: &[f64], step: f64) -> Result<Solution> {
+        let seed = DVector::from_column_slice(seed);
+        // The leading coordinate, which is 1, is not among the unknowns.
+        let size = seed.norm().hypot(1.0);
+        let near = |found: &Solution| {
+            let apart = (DVector::from_column_slice(&found.z) - &seed).norm();
+            !arclength::strays(size.hypot(apart), size, &found.newton)
+        };
+        let at = |k: u32| self.solve(seed.as_slice(), step * 0.5f64.powf(f64::from(k))).ok().filter(near);
+        (0..=MOST_HALVINGS).find_map(at).ok_or_else(|| {
+            Error::parameter("step", step, "there is no orbit near the linear mode, down to a thousandth of the step")
+        })
     }
 
     /// Shape `xi` and frequency `omega` for the unknowns `z`.
@@ -489,10 +515,10 @@ impl Family for ModeFamily<'_> {
         while newton.len() < arclength::MOST_CORRECTIONS {
             let Equations { residual, jacobian } = self.equations(z.as_slice(), a, true)?;
             let Some(by) = least_squares(jacobian, &residual) else { break };
-            newton.push(NewtonStep { residual: residual.amax() / self.size(z.as_slice()), step: by.amax() });
+            newton.push(NewtonStep { residual: residual.amax() / self.size(z.as_slice(), a), step: by.amax() });
             z -= &by;
             if by.amax() <= LAST_STEP {
-                let residual = self.equations(z.as_slice(), a, false)?.residual.amax() / self.size(z.as_slice());
+                let residual = self.equations(z.as_slice(), a, false)?.residual.amax() / self.size(z.as_slice(), a);
                 if residual <= SOLVED {
                     return Ok(Solution { z: z.as_slice().to_vec(), p: a, residual, newton });
                 }
@@ -502,11 +528,11 @@ impl Family for ModeFamily<'_> {
         Err(Error::Stalled { steps: newton.len(), best: None })
     }
 
-    fn size(&self, z: &[f64]) -> f64 {
-        max_norm(z.iter().copied()).max(1.0).max(self.floor)
+    fn size(&self, z: &[f64], a: f64) -> f64 {
+        max_norm(z.iter().copied()).max(1.0).max(self.floor / a.abs().min(self.step))
     }
 
-    fn solved(&self) -> f64 {
+    fn solved(&self, _z: &[f64], _a: f64) -> f64 {
         SOLVED
     }
 }

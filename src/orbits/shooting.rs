@@ -196,7 +196,7 @@ impl Shooting {
 
 fn iterate(Orbit { setting, z, residual, .. }: Orbit) -> Iterate {
     let Setting { omega_b, params, .. } = setting;
-    Iterate { z, residual, place: format!("omega_b = {omega_b}, rho = {}", params.rho) }
+    Iterate { z, residual, solved: SOLVED, place: format!("omega_b = {omega_b}, rho = {}", params.rho) }
 }
 
 /// The vector `x` with the least `|matrix x - right|`; `None` where the matrix does not have full

@@ -12,15 +12,12 @@
 //! hyperplane is parallel to the known branch, so that it meets the other branch only. Source:
 //! Keller 1977, in *Applications of Bifurcation Theory*, pp. 359-384.
 
-use super::arclength::{self, Family, Scales, Solution, Spot};
+use super::arclength::{self, FARTHEST, Family, Scales, Solution, Spot};
 use crate::error::{Error, Result};
 use nalgebra::DVector;
 
 /// Values of `delta`, tried in this order.
 const DISTANCES: [f64; 5] = [0.02, 0.01, 5e-3, 2.5e-3, 1.25e-3];
-/// Largest distance of a solution from `X_0`, in units of `delta`. A solution farther away may be
-/// one of the known branch.
-const FARTHEST: f64 = 4.0;
 /// Two branches cross if the least singular value of `(F_X, t)` is at most this share of the next.
 const SINGULAR: f64 = 1e-2;
 
@@ -68,6 +65,7 @@ pub(super) fn first(
     let near = |delta: f64| {
         let solution = arclength::correct(family, spot, scales, delta).ok()?;
         let chord = scales.chord((z, p), (&solution.z, solution.p)).norm();
+        // A solution farther away may be one of the known branch.
         (chord <= FARTHEST * delta).then_some((solution, delta))
     };
     DISTANCES.into_iter().find_map(near).ok_or(Error::Stalled { steps: arclength::MOST_CORRECTIONS, best: None })

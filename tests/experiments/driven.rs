@@ -68,6 +68,74 @@ fn a_weak_drive_gives_the_linear_response_and_its_multipliers() {
     assert!(spectrum.liouville < 1e-9 && spectrum.unstable() == 0);
 }
 
+#[test]
+fn multipliers_of_a_linear_bead_are_within_their_error_over_up_to_64_periods() {
+    // Truth: e^{mu T} with mu^2 + c mu + 3 = 0. At the amplitude 1e-7 the stiffness differs from 3 by
+    // a rounding. With fewer nodes for the derivative than for a state of the size of the overlap, 64
+    // periods err by 4e-6.
+    for drag in [1e-3, 0.01, 0.1, 1.0] {
+        for turns in [1, 2, 4, 16, 64] {
+            let spectrum = orbit(&bead(drag, 1e-7, 1.0), turns).spectrum(&DrivenShooting::default()).unwrap();
+            let mu = Complex::new(-0.5 * drag, (3.0 - 0.25 * drag * drag).sqrt());
+            let want = (mu * (2.0 * PI * f64::from(turns))).exp();
+            let got = spectrum.multipliers[0];
+            let off = (got.re - want.re).hypot(got.im.abs() - want.im.abs());
+            println!("{drag} {turns}: {off:e} of {:e}, bound {:e}", want.norm(), got.error);
+            assert!(off <= got.error && got.error < 1e-10, "{drag} {turns}: {off:e} {got:?} {want}");
+        }
+    }
+}
+
+/// Trace and determinant of the derivative of the stroboscopic map of one bead, by [`Variations`] at
+/// its finest tolerance.
+fn trace_and_determinant(orbit: &DrivenOrbit) -> [f64; 2] {
+    let (chain, start) = (orbit.setting.chain().unwrap(), orbit.start().unwrap());
+    let span = (0.0, orbit.setting.period());
+    let w = Variations::flow(&chain, start.as_slice(), span, &[1.0, 0.0, 0.0, 1.0], 1e-14).unwrap().columns;
+    [w[0] + w[3], w[0] * w[3] - w[1] * w[2]]
+}
+
+#[test]
+fn multipliers_of_a_rattling_bead_are_within_their_error() {
+    // Truth: the quadratic equation of a derivative by another method. The contact opens.
+    let (shooting, setting) = (DrivenShooting::default(), DrivenSetting::new(&shaken(0.1), 1).unwrap());
+    let parameter = DriveParameter::Amplitude;
+    let continuation = DrivenContinuation { parameter, to: 1.8, step: 0.2, most_points: 100, shooting };
+    let start = shooting.solve(&setting, &setting.rest()).unwrap();
+    let branch = continuation.follow(start, |_| {}).unwrap();
+    let last = &branch.points.last().unwrap().orbit;
+    let four = DrivenSetting::new(&shaken(1.8), 4).unwrap();
+    let four = shooting.solve(&four, &last.z).unwrap();
+    for orbit in branch.points.iter().map(|point| &point.orbit).chain([&four]) {
+        let [trace, determinant] = trace_and_determinant(orbit);
+        for one in orbit.spectrum(&shooting).unwrap().multipliers {
+            let at = Complex::new(one.re, one.im);
+            // The residual over the distance to the other multiplier.
+            let off = (at * at - at * trace + determinant).norm() / (at * 2.0 - trace).norm();
+            println!("{}: {off:e}, bound {:e}", orbit.setting.get(parameter), one.error);
+            assert!(off <= one.error && one.error < 1e-7, "{off:e} {one:?}");
+        }
+    }
+}
+
+#[test]
+fn a_slow_drive_moves_a_bead_through_its_equilibria() {
+    // Truth: (1 + u)^{3/2} - (1 - u)^{3/2} = a at the largest displacement, up to omega^2. The
+    // residual, of velocities over omega = 1e-3, is above 1e-11 by roundings.
+    let orbit = orbit(&bead(0.01, 0.1, 1e-3), 1);
+    let samples = orbit.samples(&DrivenShooting::default()).unwrap();
+    let u = orbit.amplitude(&samples);
+    let force = (1.0 + u).powf(1.5) - (1.0 - u).powf(1.5);
+    assert!((force - 0.1).abs() < 1e-6, "{u} {force}");
+    assert!(orbit.residual < 1e-9, "{:e}", orbit.residual);
+}
+
+#[test]
+fn an_orbit_of_four_periods_tells_its_least_period() {
+    let least = |orbit: DrivenOrbit| DrivenPoint::new(orbit, &DrivenShooting::default()).unwrap().least_turns;
+    assert_eq!([1, 2, 4].map(|turns| least(orbit(&bead(0.2, 0.1, 1.1), turns))), [1; 3]);
+}
+
 /// The largest distance of an orbit of [`bead_with`] from the linear response with drag `c`, in
 /// units of that.
 fn from_linear_response(orbit: &DrivenOrbit, c: f64, a: f64, omega: f64) -> f64 {
@@ -332,6 +400,19 @@ fn a_period_doubling_is_where_a_run_begins_to_alternate() {
     let found = found.unwrap_or_else(|| panic!("{:?}", branch.bifurcations.len()));
     assert!((found.multiplier.re + 1.0).abs() < 1e-6 && found.multiplier.im < 1e-6);
     println!("period doubling at {}", found.parameter);
+    // Truth: the zero of det (M + I) = 1 + tr M + det M by another method, by the secant method. Where
+    // the modulus is 1 + 1e-7 the amplitude is larger by 4e-8.
+    let test = |a: f64| {
+        let setting = setting.with(DriveParameter::Amplitude, a);
+        let orbit = shooting.solve(&setting, &found.point.orbit.z).unwrap();
+        1.0 + trace_and_determinant(&orbit).iter().sum::<f64>()
+    };
+    let (mut old, mut new) = (found.parameter - 1e-4, found.parameter + 1e-4);
+    for _ in 0..4 {
+        let [before, now] = [old, new].map(test);
+        (old, new) = (new, new - now * (new - old) / (now - before));
+    }
+    assert!((found.parameter - new).abs() < 1e-10, "{} {new}", found.parameter);
     for (factor, alternates) in [(0.98, false), (1.02, true)] {
         let setting = setting.with(DriveParameter::Amplitude, factor * found.parameter);
         let chain = setting.chain().unwrap();

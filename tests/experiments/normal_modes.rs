@@ -33,6 +33,19 @@ fn integral(f: impl Fn(f64) -> f64) -> f64 {
 }
 
 #[test]
+fn a_mode_that_begins_with_a_long_step_is_that_of_short_steps() {
+    // From the linear mode at a = 1.2 Newton's method leads to another family, with omega = 1.53495
+    // at a = 1.3.
+    let four = ["chain.boundary=fixed", "chain.sites=4", "chain.precompression=1"].map(str::to_owned);
+    let modes = NormalModes::new(Scene::load_with("dimer", &four).unwrap().chain()).unwrap();
+    let [short, long] = [0.05, 1.2].map(|step| branch(&modes, 1, step, 1.3));
+    let [want, got] = [&short, &long].map(|branch| &branch.points.last().unwrap().orbit);
+    assert_eq!([short.end, long.end], [End::Reached; 2]);
+    assert!(long.points[0].orbit.amplitude < 1.2);
+    assert!((want.omega / got.omega - 1.0).abs() < 1e-9, "{} {}", want.omega, got.omega);
+}
+
+#[test]
 fn one_bead_between_walls_has_the_period_of_its_potential() {
     let modes = NormalModes::new(&chain(Boundary::Fixed, 1, &Details::default())).unwrap();
     assert!((modes.linear()[0].omega - 3f64.sqrt()).abs() < 1e-15);

@@ -125,7 +125,7 @@ fn orbits_of_doubled_period_return_after_two_periods_by_another_method_and_not_a
     let kinds: Vec<BifurcationKind> = doubled.bifurcations.iter().map(|one| one.kind).collect();
     assert_eq!(kinds, [BifurcationKind::Fold, BifurcationKind::Fold, BifurcationKind::PeriodDoubling]);
     for point in doubled.points[1..].iter().step_by(6) {
-        assert_eq!(point.orbit.setting.turns(), 2);
+        assert_eq!((point.orbit.setting.turns(), point.least_turns), (2, 2));
         let [start, end] = after(&point.orbit, 2.0);
         let [_, middle] = after(&point.orbit, 1.0);
         println!("{} {:e} {:e}", amplitude(&point.orbit), apart(&start, &end), apart(&start, &middle));

@@ -15,6 +15,8 @@ use serde_json::{Value, json};
 
 /// Number of leading multipliers, one of each conjugate pair, that text and JSON show.
 const LEADING: usize = 6;
+/// Multipliers are shown with ten decimals; smaller ones, and those below their error, by a bound.
+const SHOWN: f64 = 5e-11;
 /// Name of the integrator of driven orbits.
 const METHOD: &str = "dop853-regularised";
 
@@ -30,6 +32,7 @@ fn parameters(point: &DrivenPoint, scale: Scale<'_>) -> Value {
         "omega": parameter(setting, DriveParameter::Omega, scale),
         "damping": setting.get(DriveParameter::Damping),
         "turns": setting.turns(),
+        "least_turns": point.least_turns,
         "period": scale.told(Quantity::Time, setting.period()),
     });
     scale.put_frequency(setting.omega(), &mut value);
@@ -103,9 +106,13 @@ impl Report for DrivenStudy {
         let period = scale.shown(Quantity::Time, setting.period(), 12);
         let [driven, dissipated] = [driven, dissipated].map(|energy| scale.told(Quantity::Energy, *energy));
         let response = scale.told(Quantity::Length, point.amplitude);
+        let least = match point.least_turns {
+            least if least == setting.turns() => String::new(),
+            least => format!("; its least period: {least}"),
+        };
         let labelled = |name: &str, quantity: Quantity, value: String| (scale.label(name, quantity), value);
         let measured = [
-            labelled("period of the orbit", Quantity::Time, format!("{period} ({} of the drive)", setting.turns())),
+            labelled("period of the orbit", Quantity::Time, format!("{period} ({} of the drive{least})", setting.turns())),
             labelled("largest half range of a free bead", Quantity::Length, format!("{response:.9e}")),
             labelled("driven, dissipated over the orbit", Quantity::Energy, format!("{driven:.9e}, {dissipated:.9e}")),
         ];
@@ -120,7 +127,10 @@ impl Report for DrivenStudy {
             self.drive().into_iter().chain(measured).chain(checked).map(|(name, value)| vec![name, value]).collect();
         let leading = point.spectrum.multipliers.iter().filter(|one| one.im >= 0.0).take(LEADING);
         let leading: Vec<_> = leading
-            .map(|one| vec![format!("{:.10}", one.re), format!("{:.10}", one.im), format!("{:.10}", one.modulus)])
+            .map(|one| match one.error.max(SHOWN) {
+                least if one.modulus > least => [one.re, one.im, one.modulus].map(|x| format!("{x:.10}")).to_vec(),
+                least => vec![String::new(), String::new(), format!("below 1e{:.0}", least.log10().ceil())],
+            })
             .collect();
         format!(
             "{}\n{}\nThe leading multipliers, one of each conjugate pair; the orbit is {}.\n{}",

@@ -29,6 +29,7 @@ struct Studied {
 struct Measured {
     spectrum: DrivenSpectrum,
     amplitude: f64,
+    least_turns: u32,
 }
 
 /// A [`DrivenBifurcation`], with the numbers of its orbit that differ from orbit to orbit.
@@ -45,12 +46,13 @@ struct Located {
 }
 
 impl Measured {
-    fn of(DrivenPoint { spectrum, amplitude, .. }: &DrivenPoint) -> Self {
-        Self { spectrum: spectrum.clone(), amplitude: *amplitude }
+    fn of(&DrivenPoint { ref spectrum, amplitude, least_turns, .. }: &DrivenPoint) -> Self {
+        Self { spectrum: spectrum.clone(), amplitude, least_turns }
     }
 
     fn point(self, orbit: DrivenOrbit) -> DrivenPoint {
-        DrivenPoint { orbit, spectrum: self.spectrum, amplitude: self.amplitude }
+        let Self { spectrum, amplitude, least_turns } = self;
+        DrivenPoint { orbit, spectrum, amplitude, least_turns }
     }
 }
 

@@ -215,7 +215,7 @@ impl Study for Exact {
 /// left.
 fn keep_iterate(folder: Option<&Folder>, resonators: bool, why: &Error) {
     let (Some(folder), Error::Stalled { steps, best: Some(best) }) = (folder, why) else { return };
-    let Iterate { z, residual, place } = &**best;
+    let Iterate { z, residual, place, .. } = &**best;
     let half = z.len() / 2;
     let arrays = if resonators { 2 } else { 1 };
     let [x, vx] = [0, half].map(|from| &z[from..from + half / arrays]);

@@ -356,7 +356,7 @@ impl Report for WaveBranchStudy {
     }
 
     fn succeeded(&self) -> bool {
-        self.end != WaveEnd::Lost
+        !matches!(self.end, WaveEnd::Lost | WaveEnd::Jumped)
     }
 }
 

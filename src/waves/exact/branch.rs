@@ -17,7 +17,7 @@ use crate::{
     chain::{Params, Resonators},
     error::{Error, Result},
     interrupt,
-    orbits::{NewtonStep, least_squares},
+    orbits::{NewtonStep, least_squares, strays},
 };
 use nalgebra::DVector;
 use serde::Serialize;
@@ -146,6 +146,8 @@ pub enum WaveEnd {
     NoContact,
     /// No wave was found with the shortest step.
     Lost,
+    /// Newton's method leads to a wave of another branch, also with the shortest step.
+    Jumped,
     /// The process was asked to end.
     Stopped,
 }
@@ -159,6 +161,7 @@ impl WaveEnd {
             Self::TurnedBack => "it turned back and passed its first value",
             Self::NoContact => "no contact closes any more, and the frequency is omega",
             Self::Lost => "no wave was found with the shortest step",
+            Self::Jumped => "Newton's method leads to another branch, also with the shortest step",
             Self::Stopped => "the process was asked to end",
         }
     }
@@ -223,7 +226,10 @@ impl WaveContinuation {
                 () if interrupt::asked() => break WaveEnd::Stopped,
                 () => {}
             }
-            let Some(next) = self.next(&waves, direction, ds) else { break WaveEnd::Lost };
+            let next = match self.next(&waves, direction, ds) {
+                Ok(next) => next,
+                Err(end) => break end,
+            };
             waves.push(next.wave);
             (ds, landed) = (next.ds, next.lands);
         };
@@ -268,10 +274,11 @@ impl WaveContinuation {
         Ok(())
     }
 
-    fn next(&self, waves: &[ExactWave], direction: f64, ds: f64) -> Option<Next> {
-        let wave = waves.last()?;
+    /// The next wave; otherwise why the branch ends.
+    fn next(&self, waves: &[ExactWave], direction: f64, ds: f64) -> std::result::Result<Next, WaveEnd> {
+        let wave = waves.last().ok_or(WaveEnd::Lost)?;
         let scales = self.scales(wave);
-        let tangent = self.tangent(waves, scales, direction)?;
+        let tangent = self.tangent(waves, scales, direction).ok_or(WaveEnd::Lost)?;
         let now = self.parameter.of(wave);
         let last = tangent.len() - 1;
         let rate = match self.parameter {
@@ -283,14 +290,27 @@ impl WaveContinuation {
             let lands = rate * direction > 0.0 && (self.to - now).abs() <= 1.001 * (rate * ds).abs();
             let length = if lands { (self.to - now) / rate } else { ds };
             match self.step(wave, &tangent, scales, length, lands) {
+                Ok(next) if strays(self.chord(wave, &next, scales), length.abs(), &next.newton) => {
+                    if ds <= SHORTEST {
+                        return Err(WaveEnd::Jumped);
+                    }
+                    ds *= 0.5;
+                }
                 Ok(next) => {
                     let factor = if next.newton.len() <= GOOD_CORRECTIONS { 1.5 } else { 0.7 };
-                    return Some(Next { wave: next, ds: ds * factor, lands });
+                    return Ok(Next { wave: next, ds: ds * factor, lands });
                 }
                 Err(_) if ds > SHORTEST => ds *= 0.5,
-                Err(_) => return None,
+                Err(_) => return Err(WaveEnd::Lost),
             }
         }
+    }
+
+    /// The distance of two waves in scaled unknowns.
+    fn chord(&self, from: &ExactWave, to: &ExactWave, scales: Scales) -> f64 {
+        let parameter = self.parameter.free(&to.setting) - self.parameter.free(&from.setting);
+        let state = from.z.iter().zip(&to.z).map(|(a, b)| ((b - a) / scales.state).powi(2)).sum::<f64>().sqrt();
+        state.hypot(parameter / scales.parameter)
     }
 
     fn scales(&self, wave: &ExactWave) -> Scales {

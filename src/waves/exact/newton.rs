@@ -285,7 +285,7 @@ pub(super) fn stalled(steps: usize, best: Option<ExactWave>) -> Error {
         let WaveSetting { omega_tw, q, .. } = setting;
         let q_over_pi = 2.0 * q.turns() as f64 / q.cell() as f64;
         let place = format!("q = {q_over_pi} pi, omega_tw = {omega_tw}, mean strain {}", mean(&z, &setting));
-        Box::new(Iterate { z, residual, place })
+        Box::new(Iterate { z, residual, solved: SOLVED, place })
     };
     Error::Stalled { steps, best: best.map(iterate) }
 }

@@ -124,6 +124,13 @@ impl Control {
         }
     }
 
+    /// From now on never fewer nodes a panel than now.
+    pub(crate) fn keep_nodes(&mut self) {
+        if let Plan::Adapted(adapted) = &mut self.plan {
+            adapted.nodes.keep();
+        }
+    }
+
     pub(crate) fn done(&self) -> bool {
         self.finished
     }

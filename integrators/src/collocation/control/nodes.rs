@@ -49,6 +49,11 @@ impl NodeChoice {
         Self { count, least, since: 0, tail: 0.0 }
     }
 
+    /// From now on never fewer nodes than now.
+    pub(super) fn keep(&mut self) {
+        self.least = self.count;
+    }
+
     pub(super) fn count(&self) -> usize {
         self.count
     }
