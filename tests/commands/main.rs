@@ -8,6 +8,7 @@ mod figures;
 mod first_use;
 mod guide;
 mod help;
+mod limits;
 mod long_runs;
 mod machines;
 #[cfg(feature = "mpi")]
