@@ -250,7 +250,8 @@ fn lists_checked(command: &clap::Command, matches: &ArgMatches) -> std::result::
         let texts: Vec<String> = given.map(|text| text.to_string_lossy().trim().to_owned()).collect();
         let number = |text: &String| text.parse::<f64>().ok();
         let same = |a: &String, b: &String| a == b || number(a).is_some_and(|value| number(b) == Some(value));
-        if let Some((_, twice)) = texts.iter().enumerate().find(|(k, text)| texts[..*k].iter().any(|one| same(one, text)))
+        if let Some((_, twice)) =
+            texts.iter().enumerate().find(|(k, text)| texts[..*k].iter().any(|one| same(one, text)))
         {
             let words = format!("--{}: {twice} is there twice", arg.get_long().unwrap_or_default());
             return Err(clap::Error::raw(ErrorKind::ValueValidation, words + "\n"));

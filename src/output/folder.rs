@@ -27,7 +27,7 @@ pub struct Folder {
 }
 
 /// What ends with the last clone of a folder.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Kept {
     /// The folders that were created, the innermost first. Those that are empty are removed.
     created: Vec<PathBuf>,
@@ -62,7 +62,7 @@ impl Folder {
         let path = path.into();
         let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
         let created = path.ancestors().take_while(missing).map(Path::to_owned).collect();
-        let folder = Self { path, kept: Arc::new(Kept { created, ..Kept::default() }) };
+        let folder = Self { path, kept: Arc::new(Kept { created, locks: Vec::new() }) };
         let fail = |source| Error::File { path: folder.path.clone(), source };
         let there = |path: &&Path| path.exists() || path.is_symlink();
         if let Some(other) = folder.path.ancestors().filter(there).find(|path| !path.is_dir()) {

@@ -441,9 +441,8 @@ struct Leaf<'a> {
 /// Checks that doubles can hold the numbers of a table, and that its texts and keys have no control
 /// characters, which a terminal would obey. An error is the place in the source, and key and rule.
 pub(crate) fn held(table: &DeTable<'_>) -> std::result::Result<(), (usize, String)> {
-    let told = |leaf: Leaf<'_>| {
-        leaf.held().map_err(|rule| (leaf.span.start, format!("`{}`: {rule}", one_line(&leaf.key))))
-    };
+    let told =
+        |leaf: Leaf<'_>| leaf.held().map_err(|rule| (leaf.span.start, format!("`{}`: {rule}", one_line(&leaf.key))));
     leaves(table, "").into_iter().try_for_each(told)
 }
 

@@ -51,7 +51,8 @@ impl Study for Integrals {
         let (averages, b, r) = (Averages::new(self.alpha, self.kappa)?, self.b, self.r);
         let values = averages.checked(b, r)?;
         // Slopes may be infinite where the averages begin; an average never is.
-        let lost = |(name, _, value): &(&str, &str, f64)| value.is_nan() || value.is_infinite() && !name.starts_with('d');
+        let lost =
+            |(name, _, value): &(&str, &str, f64)| value.is_nan() || value.is_infinite() && !name.starts_with('d');
         if let Some((name, ..)) = rows(&values).into_iter().find(lost) {
             let why = format!("{name} is no number that a double holds");
             return Err(Error::Point { point: format!("b = {b:e}, r = {r:e}"), why });

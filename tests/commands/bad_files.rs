@@ -65,7 +65,8 @@ fn a_scene_cut_or_altered_anywhere_is_a_scene_or_an_error() {
 
 #[test]
 fn a_plan_cut_or_altered_anywhere_is_a_plan_or_an_error() {
-    let text: String = Plan::TEMPLATE.lines().filter(|line| !line.starts_with('#')).map(|line| format!("{line}\n")).collect();
+    let text: String =
+        Plan::TEMPLATE.lines().filter(|line| !line.starts_with('#')).map(|line| format!("{line}\n")).collect();
     let read = |text: &str| {
         at_once(text, || Plan::parse(text, Path::new("x.toml"))).map_err(|error| {
             let message = error.to_string();
@@ -176,7 +177,13 @@ fn what_no_scene_can_say_is_refused_with_file_key_and_rule() {
         ),
         ("tw-q15", "samples = 400", "sample = 400", "line 23: ", "did you mean `samples`?"),
         ("tw-q15", "[record]", "[recorded]", "line 22: ", "did you mean `record`?"),
-        ("tw-q15", "name = \"tw-q15\"", "name = \"\\u001b[31m\\u0007\"", "line 1: `name`: \"\\u{1b}[31m\\u{7}\"", "no control"),
+        (
+            "tw-q15",
+            "name = \"tw-q15\"",
+            "name = \"\\u001b[31m\\u0007\"",
+            "line 1: `name`: \"\\u{1b}[31m\\u{7}\"",
+            "no control",
+        ),
         ("tw-q15", "name = \"tw-q15\"", "name = \"a\\tb\"", "line 1: `name`: \"a\\tb\"", "no control"),
         ("tw-q15", "name = \"tw-q15\"", "\"\\u009b\" = 1", "`\u{fffd}`: \"\\u{9b}\"", "no control"),
         ("end-driven", "amplitude = 0.2", "amplitude = 1e400", "`drive`: 1e400", "larger than any double"),

@@ -6,7 +6,7 @@ use hertzchain::output::Folder;
 use std::{
     fs,
     path::Path,
-    process::{Command, Output},
+    process::{Command, Output, Stdio},
     thread::sleep,
     time::Duration,
 };
@@ -51,7 +51,8 @@ fn no_control_character_reaches_the_terminal() {
     let named = write("named.toml", &format!("name = \"x\\u001b]0;title\\u0007\"\n{scene}"));
     let summed = write("summed.toml", &format!("summary = \"\"\"two\nlines\"\"\"\n{scene}"));
     let odd = write("odd\u{1b}[31m\u{7}.toml", scene);
-    let plan = write("plan.toml", "scene = \"impact\"\n[[axis]]\nkey = \"name\"\nvalues = [\"a\", \"\\u001b\", \"c\"]\n");
+    let plan =
+        write("plan.toml", "scene = \"impact\"\n[[axis]]\nkey = \"name\"\nvalues = [\"a\", \"\\u001b\", \"c\"]\n");
     let none = path("none\u{9b}.toml");
     for (args, code, words) in [
         (&["run", &named][..], 2, "line 1: `name`: \"x\\u{1b}]0;title\\u{7}\": a text here has no control characters"),
@@ -95,7 +96,8 @@ fn a_scene_whose_name_the_font_lacks_has_its_pictures() {
 fn what_stands_where_a_file_must_go_is_refused_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     let plan = folder.path().join("plan.toml");
-    fs::write(&plan, "scene = \"impact\"\nset = [\"span.until=1\"]\n[[axis]]\nkey = \"chain.rho\"\nvalues = [1]\n").unwrap();
+    fs::write(&plan, "scene = \"impact\"\nset = [\"span.until=1\"]\n[[axis]]\nkey = \"chain.rho\"\nvalues = [1]\n")
+        .unwrap();
     let run = "run impact --until 1 --out".to_owned();
     let sweep = format!("sweep {} --out", plan.display());
     let pipe = |path: &Path| assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
@@ -134,16 +136,22 @@ fn a_folder_belongs_to_one_process_and_its_lock_ends_with_it() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let line = |until: &str| format!("run impact --until {until} --out {}", out.display());
-    let mut long = Command::new(PROGRAM).args(line("1e6").split(' ')).output_to_null().spawn().unwrap();
+    let mut long = Command::new(PROGRAM);
+    let long = long.args(line("1e6").split(' ')).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut long = long.spawn().unwrap();
     let who = format!("process {} on ", long.id());
     let lock = out.join(".hertzchain-lock");
     while !fs::read_to_string(&lock).is_ok_and(|text| text.starts_with(&who)) {
         sleep(Duration::from_millis(5));
     }
-    for line in [line("1"), format!("run --resume {}", out.display()), format!("dps dark --sites 5 --out {}", out.display())]
+    for line in
+        [line("1"), format!("run --resume {}", out.display()), format!("dps dark --sites 5 --out {}", out.display())]
     {
         let said = refused(output(&line), 2);
-        assert!(said.contains(&format!("in use by another run ({who}")) && said.contains("until it has ended"), "{said}");
+        assert!(
+            said.contains(&format!("in use by another run ({who}")) && said.contains("until it has ended"),
+            "{said}"
+        );
     }
     long.kill().unwrap();
     long.wait().unwrap();
@@ -161,16 +169,6 @@ fn a_folder_belongs_to_one_process_and_its_lock_ends_with_it() {
     drop(two);
     assert!(own(None).is_ok());
     assert!(before.len() == names(&out).len() + 3 && !names(&out).iter().any(|name| name.starts_with('.')));
-}
-
-trait ToNull {
-    fn output_to_null(&mut self) -> &mut Self;
-}
-
-impl ToNull for Command {
-    fn output_to_null(&mut self) -> &mut Self {
-        self.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null())
-    }
 }
 
 #[test]
@@ -255,16 +253,23 @@ fn values_without_meaning_are_refused_and_numbers_that_no_double_holds_are_no_re
     assert_eq!(said, "error: b = -1e300, r = 1e300: g is no number that a double holds\n");
     let folder = tempfile::tempdir().unwrap();
     let (plan, out) = (folder.path().join("plan.toml"), folder.path().join("out"));
-    fs::write(&plan, "scene = \"impact\"\nkeep = [\"energies.all\"]\n[[axis]]\nkey = \"chain.rho\"\nvalues = [1]\n").unwrap();
+    fs::write(&plan, "scene = \"impact\"\nkeep = [\"energies.all\"]\n[[axis]]\nkey = \"chain.rho\"\nvalues = [1]\n")
+        .unwrap();
     let said = refused(output(&format!("sweep {} --out {}", plan.display(), out.display())), 2);
-    assert!(said.contains("`keep`: energies.all: the report of this run has no `energies.all`") && !out.exists(), "{said}");
+    assert!(
+        said.contains("`keep`: energies.all: the report of this run has no `energies.all`") && !out.exists(),
+        "{said}"
+    );
 }
 
 #[test]
 fn messages_spell_values_as_scenes_and_flags_as_they_were_typed() {
     for (line, words) in [
         ("run tw-q15 --set chain.boundary=free", "`chain.boundary`: boundary = free is not valid: a travelling wave"),
-        ("run trivial-breather --set chain.boundary=fixed", "boundary = fixed is not valid: a trivial breather has free"),
+        (
+            "run trivial-breather --set chain.boundary=fixed",
+            "boundary = fixed is not valid: a trivial breather has free",
+        ),
         ("run impact --si", "error: --si is not valid: the scene has no table [units]\n"),
         ("run impact --by-part", "error: --by-part is not valid: without a name the integrator"),
         ("run impact --until=-1", "error: --until = -1 is not valid: finite and positive\n"),

@@ -538,9 +538,15 @@ mod tests {
             ("scene = \"impact\"\nkeep = [\"energy_eror\"]", "`keep`: unknown quantity `energy_eror`; did you mean"),
             ("scene = \"impact\"\nkeep = [\"vx\"]", "`keep`: `vx`: states are u, v, pu and pv on this boundary"),
             ("scene = \"impact\"\nname = \"a\\u0007\"", "line 2: `name`: \"a\\u{7}\": a text here has no control"),
-            ("scene = \"impact\"\nkeep = [\"contacts.impulses\"]", "`keep`: contacts.impulses: the report of this run has"),
+            (
+                "scene = \"impact\"\nkeep = [\"contacts.impulses\"]",
+                "`keep`: contacts.impulses: the report of this run has",
+            ),
             ("scene = \"impact\"\nkeep = [\"u[99]\", \"u[100]\"]", "`keep`: u[100]: the report of this run has no"),
-            ("scene = \"impact\"\nkeep = [\"contacts\"]", "`keep`: contacts: name one of its numbers: contacts, onsets"),
+            (
+                "scene = \"impact\"\nkeep = [\"contacts\"]",
+                "`keep`: contacts: name one of its numbers: contacts, onsets",
+            ),
             ("scene = \"impact\"\npicture = \"steps\"", "`picture`: `steps` is not kept"),
         ] {
             let why = plan(text).unwrap_err().to_string();
