@@ -441,8 +441,7 @@ struct Leaf<'a> {
 /// Checks that doubles can hold the numbers of a table, and that its texts and keys have no control
 /// characters, which a terminal would obey. An error is the place in the source, and key and rule.
 pub(crate) fn held(table: &DeTable<'_>) -> std::result::Result<(), (usize, String)> {
-    let told =
-        |leaf: Leaf<'_>| leaf.held().map_err(|rule| (leaf.span.start, format!("`{}`: {rule}", one_line(&leaf.key))));
+    let told = |leaf: Leaf<'_>| leaf.held().map_err(|(at, rule)| (at, format!("`{}`: {rule}", one_line(&leaf.key))));
     leaves(table, "").into_iter().try_for_each(told)
 }
 
@@ -477,22 +476,25 @@ impl Leaf<'_> {
     }
 
     /// As [`held`], of one key.
-    fn held(&self) -> std::result::Result<(), String> {
-        fn of(value: &DeValue<'_>) -> std::result::Result<(), String> {
+    fn held(&self) -> std::result::Result<(), (usize, String)> {
+        fn of(value: &DeValue<'_>, at: usize) -> std::result::Result<(), (usize, String)> {
+            let broken = |rule| (at, rule);
             match value {
                 DeValue::Float(float) => match double(float.as_str()) {
                     Ok(_) => Ok(()),
-                    Err(rule) => Err(format!("{}: {rule}", float.as_str().chars().take(SHOWN).collect::<String>())),
+                    Err(rule) => {
+                        Err(broken(format!("{}: {rule}", float.as_str().chars().take(SHOWN).collect::<String>())))
+                    }
                 },
-                DeValue::String(text) => plain(text),
-                DeValue::Array(array) => array.iter().try_for_each(|value| of(value.get_ref())),
-                DeValue::Table(table) => {
-                    table.iter().try_for_each(|(key, value)| plain(key.get_ref()).and_then(|()| of(value.get_ref())))
-                }
+                DeValue::String(text) => plain(text).map_err(broken),
+                DeValue::Array(array) => array.iter().try_for_each(|value| of(value.get_ref(), value.span().start)),
+                DeValue::Table(table) => table.iter().try_for_each(|(key, value)| {
+                    plain(key.get_ref()).map_err(broken).and_then(|()| of(value.get_ref(), value.span().start))
+                }),
                 _ => Ok(()),
             }
         }
-        plain(&self.key).and_then(|()| of(self.value))
+        plain(&self.key).map_err(|rule| (self.span.start, rule)).and_then(|()| of(self.value, self.span.start))
     }
 }
 

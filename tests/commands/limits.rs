@@ -192,7 +192,10 @@ fn memory_that_is_not_there_is_said_before_the_run_and_a_plan_needs_none() {
     // A state of 5 10^7 sites without resonators has 0.8 GB.
     let line = "run impact --set chain.sites=50000000 --until 1 --integrator verlet --step 0.1";
     let said = refused(limited("ulimit -v 1000000", line), 2);
-    let words = ["line 5: `chain.sites`: sites = 50000000, which need 2.400 GB of memory where ", "are available"];
+    let words = [
+        "--set chain.sites=50000000: `chain.sites`: sites = 50000000, which need 2.400 GB of memory where ",
+        "are available",
+    ];
     assert!(words.iter().all(|words| said.contains(words)), "{said}");
     let plan = limited("ulimit -v 600000", &format!("{line} --plan"));
     let said = String::from_utf8(plan.stdout).unwrap();
