@@ -32,6 +32,7 @@ pub mod breathers;
 pub mod cli;
 #[cfg(feature = "plot")]
 pub mod figures;
+mod memory;
 mod number;
 pub mod orbits;
 pub mod output;

@@ -66,7 +66,7 @@ pub(super) fn main(args: &FiguresArgs) -> Exit {
         return Ok(DONE);
     }
     let chosen = chosen(&args.only)?;
-    let folder = Folder::create(&args.out)?;
+    let folder = args.spread.own(&args.out)?;
     signals::ask()?;
     let engine = args.spread.keeping(engine, Some(&folder))?;
     let bar = progress_bar();
@@ -275,5 +275,21 @@ mod tests {
         }
         // A failed row is kept as any other, so that each figure was made once.
         assert_eq!(*made.lock().unwrap(), names);
+    }
+
+    #[test]
+    fn a_figure_whose_file_cannot_be_written_does_not_lose_the_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = Folder::create(folder.path()).unwrap();
+        let engine = Engine::new(Box::new(InTurn)).keeping(&folder);
+        let args = Told::parse_from(["figures"]).args;
+        let chosen = ["homoclinics", "exact-wave"].map(|name| Figure::named(name).unwrap());
+        // A folder in the place of a file, which was not there when the command began.
+        std::fs::create_dir_all(folder.path().join("homoclinics.csv/in the way")).unwrap();
+        let make = |figure: &Figure, _: &FiguresArgs, _: &(dyn Fn(f64) + Sync)| Ok(small(figure.name));
+        let (drawn, _) = sweep(&chosen, &args, &engine, &ProgressBar::hidden(), &make).unwrap();
+        assert!(drawn[0].outcome.as_ref().is_err_and(|why| why.contains("homoclinics.csv")), "{drawn:?}");
+        assert!(drawn[1].outcome.is_ok() && folder.path().join("exact-wave.csv").is_file(), "{drawn:?}");
+        assert_eq!(told(&drawn, 0, &args, &folder).unwrap(), FAILED);
     }
 }

@@ -21,13 +21,13 @@ use crate::{
 };
 use args::{BreatherAction, Cli, Command, DpsAction, OrbitAction, PaperAction, StudyAction, WaveAction};
 use clap::{
-    CommandFactory, FromArgMatches,
+    ArgMatches, CommandFactory, FromArgMatches,
     builder::ValueParser,
     error::{ContextKind, ErrorKind},
     value_parser,
 };
 use hertzchain_integrators::Error as Failure;
-use std::ffi::OsString;
+use std::{env, ffi::OsString};
 use terminal::{print, print_help, progress_bar};
 
 /// Exit code of a command that is refused: because the command line is not understood (clap has the
@@ -44,14 +44,21 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     if arguments.len() <= 1 {
         return print(shell::FIRST_STEPS).map_or(FAILED, |()| DONE);
     }
-    let ended = numbers_checked(Cli::command())
-        .try_get_matches_from(&arguments)
-        .and_then(|matches| Cli::from_arg_matches(&matches))
-        .map_or_else(|error| not_begun(&error, &arguments), |cli| begun(&cli));
-    ended.unwrap_or_else(|error| {
-        say(&format!("error: {error}"));
+    let ended = parsed(&arguments).map_or_else(|error| not_begun(&error, &arguments), |cli| begun(&cli));
+    // A signal has an exit code of its own, also if it has ended the command with an error.
+    let code = ended.unwrap_or_else(|error| {
+        say(&format!("error: {}", words(&error, &arguments)));
         code(&error)
-    })
+    });
+    signals::exit_code().unwrap_or(code)
+}
+
+/// The command and its flags.
+fn parsed(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> std::result::Result<Cli, clap::Error> {
+    let command = numbers_checked(Cli::command());
+    let matches = command.clone().try_get_matches_from(arguments)?;
+    lists_checked(&command, &matches)?;
+    Cli::from_arg_matches(&matches)
 }
 
 /// Whether arguments, the name of the program first, are a command with its flags; nothing is run.
@@ -65,29 +72,44 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 /// # Errors
 /// The message that the program would print.
 pub fn understood(arguments: impl IntoIterator<Item = OsString>) -> std::result::Result<(), String> {
-    match numbers_checked(Cli::command())
-        .try_get_matches_from(arguments)
-        .and_then(|matches| Cli::from_arg_matches(&matches))
-    {
+    match parsed(arguments) {
         Err(error) if error.use_stderr() => Err(error.to_string()),
         _ => Ok(()),
     }
 }
 
-/// Runs the command. If a signal asked it to end, the exit code is that of the signal.
+/// Runs the command.
 fn begun(cli: &Cli) -> Exit {
+    threads_checked()?;
+    signals::outlive_file_limits();
     if let Some(set) = cli.instructions {
         // The flag's parser has refused sets that the machine lacks.
         let _ = set.select();
     }
-    let outcome = run_command(&cli.command);
-    match signals::exit_code() {
-        Some(code) => {
-            outcome.err().into_iter().for_each(|error| say(&format!("error: {error}")));
-            Ok(code)
-        }
-        None => outcome,
+    run_command(&cli.command)
+}
+
+/// Refuses a number of threads that is none, for which the thread pool would take all cores.
+fn threads_checked() -> Result<()> {
+    const NAME: &str = "RAYON_NUM_THREADS";
+    let text = env::var_os(NAME).unwrap_or_default();
+    if text.is_empty() || text.to_str().is_some_and(|text| text.parse::<usize>().is_ok()) {
+        return Ok(());
     }
+    Err(Error::parameter(NAME, text.to_string_lossy(), "a whole number of threads, 0 for all cores"))
+}
+
+/// The message of an error. A value that a flag has given is named as the flag.
+fn words(error: &Error, arguments: &[OsString]) -> String {
+    if let Error::Parameter { name, value, rule } = error {
+        let flag = format!("--{}", name.replace('_', "-"));
+        let given = |word: &str| word.strip_prefix(&flag).is_some_and(|rest| rest.is_empty() || rest.starts_with('='));
+        if arguments.iter().any(|word| word.to_str().is_some_and(given)) {
+            let value = if value == "true" { String::new() } else { format!(" = {value}") };
+            return format!("{flag}{value} is not valid: {rule}");
+        }
+    }
+    error.to_string()
 }
 
 /// Prints help or the version, or says what is wrong with the command line.
@@ -98,6 +120,10 @@ fn not_begun(error: &clap::Error, arguments: &[OsString]) -> Exit {
     match (refusal(error), moved(error, arguments)) {
         (Some(refusal), _) => say(&format!("error: {refusal}")),
         (None, Some(words)) => say(&format!("error: {words}")),
+        // The message repeats words of the command line.
+        (None, None) if arguments.iter().any(|word| word.to_string_lossy().contains(char::is_control)) => {
+            say(error.render().to_string().trim_end());
+        }
         // An error here cannot be reported: standard error cannot be written.
         (None, None) => drop(error.print()),
     }
@@ -211,6 +237,28 @@ fn numbers_checked(command: clap::Command) -> clap::Command {
         _ => arg,
     });
     command.mut_subcommands(numbers_checked)
+}
+
+/// Lists with a number for each site, which may be the same for several.
+const BY_SITE: [&str; 4] = ["amplitudes", "phases", "offsets", "means"];
+
+/// Refuses a list that has an entry twice.
+fn lists_checked(command: &clap::Command, matches: &ArgMatches) -> std::result::Result<(), clap::Error> {
+    let listed = |arg: &&clap::Arg| arg.get_value_delimiter().is_some() && !BY_SITE.contains(&arg.get_id().as_str());
+    for arg in command.get_arguments().filter(listed) {
+        let given = matches.get_raw(arg.get_id().as_str()).into_iter().flatten();
+        let texts: Vec<String> = given.map(|text| text.to_string_lossy().trim().to_owned()).collect();
+        let number = |text: &String| text.parse::<f64>().ok();
+        let same = |a: &String, b: &String| a == b || number(a).is_some_and(|value| number(b) == Some(value));
+        if let Some((_, twice)) =
+            texts.iter().enumerate().find(|(k, text)| texts[..*k].iter().any(|one| same(one, text)))
+        {
+            let words = format!("--{}: {twice} is there twice", arg.get_long().unwrap_or_default());
+            return Err(clap::Error::raw(ErrorKind::ValueValidation, words + "\n"));
+        }
+    }
+    let below = matches.subcommand().and_then(|(name, below)| Some((command.find_subcommand(name)?, below)));
+    below.map_or(Ok(()), |(command, matches)| lists_checked(command, matches))
 }
 
 /// An exit code, or the error that ended the command.

@@ -87,7 +87,7 @@ const EPSILONS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
 pub(super) fn main(args: &ReportArgs) -> Exit {
     let parts = chosen(&args.only)?;
-    let folder = Folder::create(&args.out)?;
+    let folder = Folder::own(&args.out, None)?;
     let bar = progress_bar();
     let whole: f64 = parts.iter().map(|part| part.share).sum();
     let mut page = Page::default();

@@ -34,7 +34,8 @@ pub(super) fn main(args: &RunArgs) -> Exit {
             return Err(Error::parameter("by-part", true, rule));
         }
     }
-    let load = if args.by_part { Scene::load_by_part } else { Scene::load_with };
+    // A plan needs no state.
+    let load = if args.by_part || args.plan { Scene::load_by_part } else { Scene::load_with };
     let mut scene = load(name, &changes)?;
     if let Some(until) = args.until {
         scene = scene.until(until)?;
@@ -60,12 +61,12 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     scene.units_if(args.si)?;
     if let Some(interval) = args.checkpoint {
         let long = how.in_legs(scene, args.events, interval, parts, args.by_part)?;
-        let folder = Folder::create(args.out.as_deref().unwrap_or(".".as_ref()))?;
+        let folder = Folder::own(args.out.as_deref().unwrap_or(".".as_ref()), None)?;
         say_why();
         return go_on(args, long, &folder);
     }
     let run = scene.run().in_parts(parts)?;
-    let folder = args.out.as_ref().map(Folder::create).transpose()?;
+    let folder = args.out.as_ref().map(|out| Folder::own(out, None)).transpose()?;
     say_why();
     signals::ask()?;
     let run = run.records(if folder.is_some() { Records::Profiles } else { Records::Energy });
@@ -175,6 +176,7 @@ fn report(
 
 /// Goes on from a checkpoint.
 fn resume(args: &RunArgs, path: &Path, parts: Parts) -> Exit {
+    let folder = Folder::own(folder_of(path), None)?;
     let long = LongRun::load_in(path, parts, args.by_part)?;
     long.scene().units_if(args.si)?;
     // Only its file is compared.
@@ -183,7 +185,7 @@ fn resume(args: &RunArgs, path: &Path, parts: Parts) -> Exit {
     if args.events && !long.has_contacts() {
         return Err(Error::parameter("events", true, NO_EVENTS));
     }
-    go_on(args, long, &Folder::create(folder_of(path))?)
+    go_on(args, long, &folder)
 }
 
 /// Runs the remaining legs of a run, and reports its results.

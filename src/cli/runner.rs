@@ -49,6 +49,11 @@ impl Spread {
         if self.mpi { over_ranks() } else { Ok(here()) }
     }
 
+    /// The folder of the results. Shards share it.
+    pub(super) fn own(&self, out: impl Into<PathBuf>) -> Result<Folder> {
+        Folder::own(out, self.shard.map(|shard| shard.to_string().replace('/', "-of-")).as_deref())
+    }
+
     /// The engine with the folder of the store, for the shard if one is given.
     pub(super) fn keeping(&self, engine: Engine, folder: Option<&Folder>) -> Result<Engine> {
         let engine = folder.into_iter().fold(engine, Engine::keeping);
@@ -123,7 +128,7 @@ impl<S: Study> Told<S> {
             return Ok(DONE);
         }
         let work = self.study.begin()?;
-        let folder = self.out.clone().or_else(|| self.study.beside()).map(Folder::create).transpose()?;
+        let folder = self.out.clone().or_else(|| self.study.beside()).map(|out| self.spread.own(out)).transpose()?;
         if S::STOPS {
             signals::ask()?;
         }

@@ -21,7 +21,7 @@ pub(super) fn main(args: &ShellArgs) -> Exit {
 
 /// Writes a page for the program and for every command.
 fn man(args: &ManArgs) -> Exit {
-    let folder = Folder::create(&args.out)?;
+    let folder = Folder::own(&args.out, None)?;
     // A page shows the long help. Subcommands know their full name only after `build`.
     let mut program = Cli::command().disable_help_subcommand(true);
     program.build();

@@ -31,6 +31,14 @@ pub(super) fn ask() -> Result<()> {
     Ok(())
 }
 
+/// From this call on, a file that would grow beyond the limit of the process (`ulimit -f`) is an
+/// error of writing it. The signal SIGXFSZ would end the process, and leave half a file.
+pub(super) fn outlive_file_limits() {
+    #[cfg(unix)]
+    // Without it the signal ends the process: nothing to report.
+    let _ = flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
+}
+
 /// The exit code of a command that was asked to end: 128 and the number of the signal, as shells
 /// have it.
 pub(super) fn exit_code() -> Option<u8> {

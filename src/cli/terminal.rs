@@ -1,7 +1,10 @@
 //! The one door to standard output, and the progress bar. A lint keeps all other code from
 //! printing.
 
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    output::harmless,
+};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{ErrorKind, Result as Written, Write, stdout};
 
@@ -11,7 +14,7 @@ use std::io::{ErrorKind, Result as Written, Write, stdout};
 /// # Errors
 /// An error that keeps the text from being written whole, such as a full disk.
 pub(super) fn print(text: &str) -> Result<()> {
-    checked(stdout().lock().write_all(text.as_bytes()))
+    checked(stdout().lock().write_all(harmless(text).as_bytes()))
 }
 
 /// Writes help or the version, in colours where the terminal has them.

@@ -2,7 +2,6 @@
 
 use super::{DONE, Exit, FAILED, args::VerifyArgs, print, progress_bar, runner::part_text, say, signals};
 use crate::{
-    output::Folder,
     paper::{verify, verify_csv, verify_json, verify_table},
     sweep::Engine,
 };
@@ -14,7 +13,7 @@ pub(super) fn main(args: &VerifyArgs) -> Exit {
         let _ = signals::ask().and_then(|()| verify(args.section, &engine, &|_, _| ()).map(drop));
         return Ok(DONE);
     }
-    let folder = args.out.as_ref().map(Folder::create).transpose()?;
+    let folder = args.out.as_ref().map(|out| args.spread.own(out)).transpose()?;
     if folder.is_some() {
         // Without a folder there is nothing to keep, and the first signal ends the process.
         signals::ask()?;

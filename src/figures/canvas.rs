@@ -28,13 +28,17 @@ pub(super) static FONT: LazyLock<FontRef<'static>> =
 /// The characters of a text that the font of the figures cannot draw, each once, in increasing
 /// order.
 ///
-/// A figure with such a character in one of its texts is an error.
+/// A figure has the sign for an unknown character, U+FFFD, in their place.
 pub fn missing_glyphs(text: &str) -> Vec<char> {
-    let mut missing: Vec<char> =
-        text.chars().filter(|&c| c != '\n' && (c.is_control() || FONT.glyph_id(c).0 == 0)).collect();
+    let mut missing: Vec<char> = text.chars().filter(|&c| c != '\n' && drawn(c) != c).collect();
     missing.sort_unstable();
     missing.dedup();
     missing
+}
+
+/// The character that is drawn for `c`.
+fn drawn(c: char) -> char {
+    if c.is_control() || FONT.glyph_id(c).0 == 0 { char::REPLACEMENT_CHARACTER } else { c }
 }
 
 /// A rectangle in pixels; `y` increases downwards.
@@ -65,7 +69,7 @@ pub(super) fn layout(text: &str, size: f64) -> (Vec<Glyph>, f32) {
         let (scale, drop) = level.scale_and_drop();
         let font = FONT.as_scaled(em * scale as f32 * FONT.height_unscaled() / FONT.units_per_em().unwrap_or(2048.0));
         let mut before = None;
-        for c in run.chars() {
+        for c in run.chars().map(drawn) {
             let mut glyph = font.scaled_glyph(c);
             x += before.map_or(0.0, |before| font.kern(before, glyph.id));
             before = Some(glyph.id);
@@ -216,23 +220,12 @@ impl Canvas {
     }
 
     fn label(&mut self, label: Label) -> Result<(), Error> {
-        drawable(&label.text)?;
         self.shapes.push(Shape::Text(label));
         Ok(())
     }
 
     /// The finished picture.
     pub(super) fn picture(self, caption: &str) -> Result<Picture, Error> {
-        drawable(caption)?;
         Ok(Picture { size: self.size, title: self.title, caption: caption.to_owned(), shapes: self.shapes })
     }
-}
-
-/// Refuses a text with a character that the font lacks.
-fn drawable(text: &str) -> Result<(), Error> {
-    let missing = missing_glyphs(text);
-    if missing.is_empty() {
-        return Ok(());
-    }
-    Err(Error(format!("the font of the figures lacks {missing:?}, needed for {text:?}")))
 }

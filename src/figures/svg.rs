@@ -127,7 +127,10 @@ fn hex((r, g, b): Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
+/// A text in XML, which has no control characters. For a character that the font lacks a viewer
+/// may have another font.
 fn escaped(text: &str) -> String {
+    let text = crate::output::harmless(text);
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 

@@ -13,6 +13,7 @@ pub use npz::{Archive, Array, NpzWriter, SETTINGS, npz, npz_with};
 
 use crate::error::{Error, Result};
 use std::{
+    borrow::Cow,
     fs::File,
     io::{Read, Write, stderr},
     path::Path,
@@ -56,8 +57,29 @@ pub(crate) fn write_csv(
     Ok(())
 }
 
+/// A text without characters that a terminal obeys: U+FFFD in place of control characters other
+/// than tabs and ends of lines.
+pub(crate) fn harmless(text: &str) -> Cow<'_, str> {
+    let obeyed = |c: char| c.is_control() && c != '\n' && c != '\t';
+    if text.contains(obeyed) { text.replace(obeyed, "\u{fffd}").into() } else { text.into() }
+}
+
 /// Writes a line to standard error, where all messages go that are not results. An error is
 /// ignored, since it could not be reported.
 pub(crate) fn say(line: &str) {
-    let _ = writeln!(stderr(), "{line}");
+    let _ = writeln!(stderr(), "{}", harmless(line));
+}
+
+/// Whether the open file is still the one of this path.
+#[cfg(unix)]
+pub(crate) fn is_at(file: &File, path: &Path) -> bool {
+    use std::{fs::Metadata, os::unix::fs::MetadataExt};
+    let inode = |file: std::io::Result<Metadata>| file.ok().map(|file| (file.dev(), file.ino()));
+    inode(file.metadata()) == inode(std::fs::metadata(path))
+}
+
+/// On other systems a file that is open is not replaced.
+#[cfg(not(unix))]
+pub(crate) fn is_at(_: &File, _: &Path) -> bool {
+    true
 }

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use std::{
     collections::BTreeMap,
     fs::File,
-    io::{BufReader, Cursor, Read, Seek, Write},
+    io::{self, BufReader, Cursor, Read, Seek, Write},
     path::{Path, PathBuf},
 };
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter, write::SimpleFileOptions};
@@ -79,7 +79,7 @@ fn write(bytes: &mut Cursor<Vec<u8>>, text: Option<(&str, &str)>, arrays: &[Arra
 /// An archive that is written array by array, and each array row by row, without a second copy in
 /// memory.
 pub struct NpzWriter<W: Write + Seek> {
-    zip: ZipWriter<W>,
+    zip: ZipWriter<ToFirstError<W>>,
     /// Buffer for the bytes of up to [`BLOCK`] numbers.
     block: Vec<u8>,
 }
@@ -90,7 +90,7 @@ impl<W: Write + Seek> NpzWriter<W> {
     /// # Errors
     /// Errors of the archive writer.
     pub fn new(to: W, text: Option<(&str, &str)>) -> std::io::Result<Self> {
-        let mut zip = ZipWriter::new(to);
+        let mut zip = ZipWriter::new(ToFirstError { to, failed: false });
         if let Some((name, text)) = text {
             zip.start_file(file_name(name), Self::options())?;
             zip.write_all(&npy_head(&bytes_type(text.len()), &[]))?;
@@ -142,8 +142,42 @@ impl<W: Write + Seek> NpzWriter<W> {
     /// # Errors
     /// Errors of the archive writer.
     pub fn finish(self) -> std::io::Result<()> {
-        self.zip.finish()?;
-        Ok(())
+        let end = self.zip.finish()?;
+        if end.failed { Err(io::ErrorKind::WriteZero.into()) } else { Ok(()) }
+    }
+}
+
+/// Writes up to the first error, and nothing after it: a `ZipWriter` that is dropped then ends its
+/// archive, and would print the next error itself.
+struct ToFirstError<W> {
+    to: W,
+    failed: bool,
+}
+
+impl<W> ToFirstError<W> {
+    fn unless_failed<T>(&mut self, instead: T, work: impl FnOnce(&mut W) -> io::Result<T>) -> io::Result<T> {
+        if self.failed {
+            return Ok(instead);
+        }
+        let done = work(&mut self.to);
+        self.failed = done.as_ref().is_err_and(|why| why.kind() != io::ErrorKind::Interrupted);
+        done
+    }
+}
+
+impl<W: Write> Write for ToFirstError<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.unless_failed(bytes.len(), |to| to.write(bytes))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.unless_failed((), Write::flush)
+    }
+}
+
+impl<W: Seek> Seek for ToFirstError<W> {
+    fn seek(&mut self, place: io::SeekFrom) -> io::Result<u64> {
+        self.unless_failed(0, |to| to.seek(place))
     }
 }
 

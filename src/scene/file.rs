@@ -340,13 +340,11 @@ impl SceneFile {
             let change = DeTable::parse(line).map_err(|error| fail(explain(&error, &source, None)))?;
             merge(table.get_mut(), change.into_inner());
         }
-        for leaf in leaves(table.get_ref(), "") {
-            leaf.held().map_err(|rule| fail(format!("{}: `{}`: {rule}", source.place(leaf.span.start), leaf.key)))?;
-        }
+        held(table.get_ref()).map_err(|(at, rule)| fail(format!("{}: {rule}", source.place(at))))?;
         let mut scene = Self::deserialize(Deserializer::from(table.clone()))
             .map_err(|error| fail(explain(&error, &source, Some(&table))))?;
         if scene.name.is_empty() {
-            scene.name = Path::new(file).file_stem().map_or("scene".into(), |stem| stem.to_string_lossy().into_owned());
+            scene.name = Path::new(file).file_stem().map_or("scene".into(), |stem| one_line(&stem.to_string_lossy()));
         }
         Ok(scene)
     }
@@ -440,6 +438,22 @@ struct Leaf<'a> {
     span: Range<usize>,
 }
 
+/// Checks that doubles can hold the numbers of a table, and that its texts and keys have no control
+/// characters, which a terminal would obey. An error is the place in the source, and key and rule.
+pub(crate) fn held(table: &DeTable<'_>) -> std::result::Result<(), (usize, String)> {
+    let told = |leaf: Leaf<'_>| leaf.held().map_err(|(at, rule)| (at, format!("`{}`: {rule}", one_line(&leaf.key))));
+    leaves(table, "").into_iter().try_for_each(told)
+}
+
+/// Refuses a text with control characters.
+fn plain(text: &str) -> std::result::Result<(), String> {
+    if !text.contains(char::is_control) {
+        return Ok(());
+    }
+    let shown: String = text.escape_debug().take(SHOWN).collect();
+    Err(format!("\"{shown}\": a text here has no control characters"))
+}
+
 fn leaves<'a>(table: &'a DeTable<'a>, above: &str) -> Vec<Leaf<'a>> {
     let below = |(name, value): (&toml::Spanned<_>, &'a toml::Spanned<DeValue<'a>>)| {
         let key = format!("{above}{}", name.get_ref());
@@ -461,19 +475,26 @@ impl Leaf<'_> {
         }
     }
 
-    /// Checks that doubles can hold the numbers of the value.
-    fn held(&self) -> std::result::Result<(), String> {
-        fn of(value: &DeValue<'_>) -> std::result::Result<(), String> {
+    /// As [`held`], of one key.
+    fn held(&self) -> std::result::Result<(), (usize, String)> {
+        fn of(value: &DeValue<'_>, at: usize) -> std::result::Result<(), (usize, String)> {
+            let broken = |rule| (at, rule);
             match value {
                 DeValue::Float(float) => match double(float.as_str()) {
                     Ok(_) => Ok(()),
-                    Err(rule) => Err(format!("{}: {rule}", float.as_str().chars().take(SHOWN).collect::<String>())),
+                    Err(rule) => {
+                        Err(broken(format!("{}: {rule}", float.as_str().chars().take(SHOWN).collect::<String>())))
+                    }
                 },
-                DeValue::Array(array) => array.iter().try_for_each(|value| of(value.get_ref())),
+                DeValue::String(text) => plain(text).map_err(broken),
+                DeValue::Array(array) => array.iter().try_for_each(|value| of(value.get_ref(), value.span().start)),
+                DeValue::Table(table) => table.iter().try_for_each(|(key, value)| {
+                    plain(key.get_ref()).map_err(broken).and_then(|()| of(value.get_ref(), value.span().start))
+                }),
                 _ => Ok(()),
             }
         }
-        of(self.value)
+        plain(&self.key).map_err(|rule| (self.span.start, rule)).and_then(|()| of(self.value, self.span.start))
     }
 }
 

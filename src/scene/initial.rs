@@ -94,7 +94,7 @@ fn driven(chain: &Chain<f64>, state: State<f64>) -> Result<State<f64>> {
 fn on_the_ring(chain: &Chain<f64>, q_over_pi: f64) -> Result<()> {
     if chain.boundary() != Boundary::StrainRing {
         let rule = "a travelling wave lives on a strain-ring";
-        return Err(Error::parameter("boundary", format!("{:?}", chain.boundary()), rule));
+        return Err(Error::parameter("boundary", chain.boundary(), rule));
     }
     if !(-1.0..=1.0).contains(&q_over_pi) {
         let rule = "the wave number is from -pi to pi: a lattice knows no other";
@@ -193,7 +193,7 @@ fn finite(name: &'static str, value: f64) -> Result<()> {
 fn trivial_breather(chain: &Chain<f64>, section: &TrivialSection) -> Result<TrivialBreather> {
     if chain.boundary() != Boundary::Free {
         let rule = "a trivial breather has free ends";
-        return Err(Error::parameter("boundary", format!("{:?}", chain.boundary()), rule));
+        return Err(Error::parameter("boundary", chain.boundary(), rule));
     }
     let (params, amplitudes, phases) =
         (chain.params(), amplitudes(chain.sites(), section)?, phases(chain.sites(), section)?);

@@ -8,6 +8,7 @@ mod units;
 mod values;
 
 pub use details::{BeadsSection, BondsSection, DriveKind, DriveSection};
+pub(crate) use file::held;
 pub use file::{ChainSection, Initial, MethodSection, Record, SceneFile, Span, TrivialSection};
 pub use units::{Quantity, Units, UnitsSection};
 pub use values::{Rule, Values};
@@ -16,6 +17,7 @@ use crate::{
     breathers::{BrightBreather, TrivialBreather},
     chain::{Chain, Resonators, State},
     error::{Error, Result},
+    memory::lacking,
     output::read,
     run::{Initial as Start, Method, Run, Setting},
     waves::{PerturbedWave, TravellingWave},
@@ -28,6 +30,8 @@ use std::{f64::consts::PI, path::Path};
 pub(crate) const MOST_SITES: usize = 100_000_000;
 /// Longest scene file in bytes; arrays of millions of sites fit.
 const MOST_BYTES: u64 = 1 << 28;
+/// Bytes of a run that every machine has.
+const NEGLIGIBLE: u64 = 1 << 28;
 const MOST_SAMPLES: usize = 1_000_000;
 
 const NO_WAVE: &str = "a scene whose initial state is of kind travelling-wave";
@@ -194,6 +198,14 @@ impl Scene {
         let (chain, units) = tables.apply(chain)?;
         // Beads that differ have no common frequency.
         let has_frequency = chain.params().resonators() != Resonators::None && chain.details().is_none();
+        if !by_part {
+            // Small states are not worth a look at the files of the system.
+            let needed = Self::least_memory(&chain);
+            if let Some(words) = (needed > NEGLIGIBLE).then(|| lacking(needed)).flatten() {
+                let what = format!("{}, which need {words},", chain.sites());
+                return Err(Error::parameter("sites", what, "three states fit into the memory"));
+            }
+        }
         let (initial, theory) = initial_state(&chain, &file.initial)?;
         if !by_part {
             initial.make()?;
@@ -232,6 +244,12 @@ impl Scene {
         scene.sample();
         scene.checked_run()?;
         Ok(scene)
+    }
+
+    /// Bytes that a run of a chain takes at least: the initial state, the recorded one, and that of
+    /// the method.
+    pub(crate) fn least_memory(chain: &Chain<f64>) -> u64 {
+        3 * size_of::<f64>() as u64 * chain.layout().dim() as u64
     }
 
     /// Sets the number of samples to its default if it is not given.

@@ -5,7 +5,7 @@ use super::{File, Report, Study, Work, named};
 use crate::{
     chain::Params,
     dps::{Averages, Center, DarkProfile, Homoclinic, Values},
-    error::Result,
+    error::{Error, Result},
     output::csv,
     present::table,
 };
@@ -50,6 +50,13 @@ impl Study for Integrals {
     fn begin(&self) -> Result<Work<'_>> {
         let (averages, b, r) = (Averages::new(self.alpha, self.kappa)?, self.b, self.r);
         let values = averages.checked(b, r)?;
+        // Slopes may be infinite where the averages begin; an average never is.
+        let lost =
+            |(name, _, value): &(&str, &str, f64)| value.is_nan() || value.is_infinite() && !name.starts_with('d');
+        if let Some((name, ..)) = rows(&values).into_iter().find(lost) {
+            let why = format!("{name} is no number that a double holds");
+            return Err(Error::Point { point: format!("b = {b:e}, r = {r:e}"), why });
+        }
         Ok(Box::new(move |_, _| Ok(Box::new(Integrated { averages, b, r, values }))))
     }
 }

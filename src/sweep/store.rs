@@ -16,7 +16,7 @@
 use super::{shard::Shard, threads};
 use crate::{
     error::{Error, Result},
-    output::Folder,
+    output::{Folder, is_at},
 };
 use serde_json::{Value, json, value::RawValue};
 use std::{
@@ -459,20 +459,6 @@ fn parts(json: &str) -> std::result::Result<(&str, &str), String> {
 /// The row of a line that was checked.
 pub(super) fn row(line: &str) -> std::result::Result<&str, String> {
     parts(check_and_json(line.as_bytes()).1).map(|(_, row)| row)
-}
-
-/// Whether the open file is still the one of this path.
-#[cfg(unix)]
-fn is_at(file: &File, path: &Path) -> bool {
-    use std::{fs::Metadata, os::unix::fs::MetadataExt};
-    let inode = |file: io::Result<Metadata>| file.ok().map(|file| (file.dev(), file.ino()));
-    inode(file.metadata()) == inode(std::fs::metadata(path))
-}
-
-/// On other systems a file that is open is not replaced.
-#[cfg(not(unix))]
-fn is_at(_: &File, _: &Path) -> bool {
-    true
 }
 
 fn refused(path: &Path, line: usize, rule: impl Into<String>) -> Error {

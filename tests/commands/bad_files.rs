@@ -11,7 +11,7 @@ use hertzchain::{
     orbits::{Orbit, Pick, Shooting, Trail},
     output::{Archive, Array, npz, to_json},
     scene::{Initial, Scene, SceneFile},
-    study::{DarkStudy, LongRun, Report, orbit_study},
+    study::{DarkStudy, LongRun, Plan, Report, orbit_study},
 };
 use serde_json::{Value, json};
 use std::{
@@ -60,6 +60,25 @@ fn a_scene_cut_or_altered_anywhere_is_a_scene_or_an_error() {
                 assert!(scene.end().is_finite() && scene.end() > 0.0, "{name}, byte {k}");
             }
         }
+    }
+}
+
+#[test]
+fn a_plan_cut_or_altered_anywhere_is_a_plan_or_an_error() {
+    let text: String =
+        Plan::TEMPLATE.lines().filter(|line| !line.starts_with('#')).map(|line| format!("{line}\n")).collect();
+    let read = |text: &str| {
+        at_once(text, || Plan::parse(text, Path::new("x.toml"))).map_err(|error| {
+            let message = error.to_string();
+            assert!(message.contains("x.toml") && !message.contains(char::is_control), "{message:?}");
+        })
+    };
+    assert!(read(&text).is_ok_and(|plan| plan.points() == 15));
+    for k in 0..text.len() {
+        let _ = read(&text[..k]);
+        let mut altered = text.clone().into_bytes();
+        altered[k] ^= 1 << (k % 7);
+        let _ = read(&String::from_utf8(altered).unwrap());
     }
 }
 
@@ -158,6 +177,16 @@ fn what_no_scene_can_say_is_refused_with_file_key_and_rule() {
         ),
         ("tw-q15", "samples = 400", "sample = 400", "line 23: ", "did you mean `samples`?"),
         ("tw-q15", "[record]", "[recorded]", "line 22: ", "did you mean `record`?"),
+        (
+            "tw-q15",
+            "name = \"tw-q15\"",
+            "name = \"\\u001b[31m\\u0007\"",
+            "line 1: `name`: \"\\u{1b}[31m\\u{7}\"",
+            "no control",
+        ),
+        ("tw-q15", "name = \"tw-q15\"", "name = \"a\\tb\"", "line 1: `name`: \"a\\tb\"", "no control"),
+        ("tw-q15", "name = \"tw-q15\"", "\"\\u009b\" = 1", "`\u{fffd}`: \"\\u{9b}\"", "no control"),
+        ("end-driven", "amplitude = 0.2", "amplitude = 1e400", "`drive`: 1e400", "larger than any double"),
         ("tw-q15", "name = \"tw-q15\"", "name = 7", "line 1: `name`", "number `7`, expected a string"),
         ("precompressed", "precompression = ", "precompression = -", "precompression = -", "at least zero"),
         ("precompressed", "precompression = ", "precompression = nan #", "precompression = NaN", "at least zero"),
@@ -461,7 +490,15 @@ fn numbers_that_no_flag_can_take_are_refused_by_every_command_at_once() {
 
 /// The keys or values that the reader of scenes lists when it refuses `zzz` in a text.
 fn known(text: &str) -> Vec<String> {
-    let message = SceneFile::parse(text, "scene.toml").unwrap_err().to_string();
+    listed(text, &SceneFile::parse(text, "scene.toml").unwrap_err().to_string())
+}
+
+/// The same of the reader of plans.
+fn known_of_plans(text: &str) -> Vec<String> {
+    listed(text, &Plan::parse(text, Path::new("plan.toml")).unwrap_err().to_string())
+}
+
+fn listed(text: &str, message: &str) -> Vec<String> {
     let (found, listed) = message.split_once("`zzz`, expected ").unwrap_or_else(|| panic!("{text}: {message}"));
     assert!(found.ends_with("unknown field ") || found.ends_with("unknown variant "), "{text}: {message}");
     listed.split('`').skip(1).step_by(2).map(str::to_owned).collect()
@@ -501,5 +538,11 @@ fn the_dictionary_of_the_fuzz_target_has_every_key_of_a_scene() {
     assert!(keys.len() > 50, "{keys:?}");
     for key in keys.iter().filter(|key| key.len() > 1) {
         assert!(has(key), "fuzz/scene.dict lacks the key {key}");
+    }
+    let dictionary = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/fuzz/plan.dict")).unwrap();
+    let axis = known_of_plans("scene = \"impact\"\n[[axis]]\nzzz = 1");
+    assert!(axis.len() > 7, "{axis:?}");
+    for key in known_of_plans("zzz = 1").into_iter().chain(axis) {
+        assert!(dictionary.lines().any(|line| line == format!("\"{key}\"")), "fuzz/plan.dict lacks the key {key}");
     }
 }

@@ -9,6 +9,7 @@ mod first_use;
 mod golden;
 mod guide;
 mod help;
+mod limits;
 mod long_runs;
 mod machines;
 #[cfg(feature = "mpi")]

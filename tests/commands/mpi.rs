@@ -145,8 +145,8 @@ fn a_job_whose_ranks_are_killed_twenty_times_goes_on_from_its_store() {
 fn a_refusal_is_said_once_and_ends_all_ranks() {
     let folder = tempfile::tempdir().unwrap();
     for (line, words) in [
-        ("study lifetimes --epsilons -1", "epsilons = -1 is not valid"),
-        ("wave tw-q45 --until 0", "until = 0 is not valid"),
+        ("study lifetimes --epsilons -1", "--epsilons = -1 is not valid"),
+        ("wave tw-q45 --until 0", "--until = 0 is not valid"),
         ("sweep nothing.toml", "nothing.toml"),
     ] {
         let ended = ranks(3, line, folder.path()).output().unwrap();

@@ -368,7 +368,7 @@ fn results_in_si_units_are_those_of_the_laboratory() {
         let [si, one] = [&run, &plain].map(|run| run.pointer(entry).unwrap().as_f64().unwrap());
         assert!((si / (one * spheres) - 1.0).abs() < 1e-14, "{entry}");
     }
-    assert!(refusal(&["run", "tw-q15", "--si"]).contains("si = true is not valid: the scene has no table [units]"));
+    assert!(refusal(&["run", "tw-q15", "--si"]).contains("--si is not valid: the scene has no table [units]"));
     assert!(refusal(&["run", "granular-crystal", "--si", "--plan"]).contains("--plan"));
 }
 

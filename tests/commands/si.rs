@@ -413,7 +413,7 @@ fn tables_and_pictures_of_driven_orbits_have_their_units() {
 fn si_units_of_orbits_need_spheres_and_refusals_name_what_was_given() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
-    let rule = "error: si = true is not valid: the scene has no table [units]\n";
+    let rule = "error: --si is not valid: the scene has no table [units]\n";
     let out = path("out");
     for command in [
         &["orbit", "driven", "end-driven"][..],

@@ -541,7 +541,7 @@ fn studies_write_the_pictures_that_their_help_names() {
 #[test]
 fn a_rule_of_the_library_that_a_flag_breaks_is_told_in_its_words() {
     for (args, words) in [
-        (&["study", "theorem", "--rho-law", "eps^-3"][..], "error: rho-law = eps^-3 is not valid"),
+        (&["study", "theorem", "--rho-law", "eps^-3"][..], "error: --rho-law = eps^-3 is not valid"),
         (&["study", "stability", "--charts", "lite"], "error: unknown chart \"lite\"; one of light, stiffness"),
         (&["breather", "bright", "--integrator", "xx"], "`hertzchain integrators` lists all"),
         (&["run", "impact", "--integrator", "xx"], "`hertzchain integrators` lists all"),
@@ -666,7 +666,7 @@ fn a_branch_is_kept_if_no_other_one_crosses_where_asked() {
         let output = hertzchain(&[args, &["--json", "--out", out.to_str().unwrap()]].concat());
         let error = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(1), "{error}");
-        assert!(error.starts_with("error: switch = 99 of 0 is not valid: the branch has no bifurcation"), "{error}");
+        assert!(error.starts_with("error: --switch = 99 of 0 is not valid: the branch has no bifurcation"), "{error}");
         let result: Value = serde_json::from_slice(&output.stdout).unwrap();
         assert!(result["points"].as_array().unwrap().len() > 1);
         assert!(result["switched"]["at"] == 99 && error.contains(result["switched"]["failure"].as_str().unwrap()));

@@ -277,7 +277,7 @@ fn bad_input_is_refused_with_its_value_and_its_rule() {
         (TheoremOptions { epsilons: vec![], ..good() }, "epsilons = none"),
         (TheoremOptions { epsilons: vec![0.1, 1.0], ..good() }, "epsilons = 1 "),
         (TheoremOptions { epsilons: vec![0.0], ..good() }, "epsilons = 0 "),
-        (TheoremOptions { epsilons: vec![0.1, 0.01, 0.1], ..good() }, "each size once"),
+        (TheoremOptions { epsilons: vec![0.1, 0.01, 0.1], ..good() }, "every point once"),
         (TheoremOptions { epsilons: vec![1e-17], ..good() }, "at most 1e8 long"),
         (TheoremOptions { sites: Some(3), ..good() }, "sites = 3"),
         (TheoremOptions { sites: Some(1001), ..good() }, "sites = 1001"),

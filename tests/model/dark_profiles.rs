@@ -491,9 +491,9 @@ fn the_command_keeps_its_contract_and_refuses() {
     let table = String::from_utf8(run(&[]).stdout).unwrap();
     assert!(table.contains("omega = 2, omega_b = 2.01") && table.lines().count() == 2 + 41 + 5, "{table}");
     for (args, message) in [
-        (["--sites", "40"], "error: sites = 40 is not valid: a ring with one kink has an odd number of sites"),
-        (["--omega-b", "2"], "error: omega_b = 2 is not valid: a dark breather is faster"),
-        (["--rho", "inf"], "error: rho = inf is not valid"),
+        (["--sites", "40"], "error: --sites = 40 is not valid: a ring with one kink has an odd number of sites"),
+        (["--omega-b", "2"], "error: --omega-b = 2 is not valid: a dark breather is faster"),
+        (["--rho", "inf"], "error: --rho = inf is not valid"),
         (["--sites", "-3"], "invalid value '-3'"),
     ] {
         let output = run(&args);

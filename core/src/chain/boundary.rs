@@ -1,6 +1,7 @@
 //! The boundary conditions of the chain.
 
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// The boundary condition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,4 +19,16 @@ pub enum Boundary {
     // Commands that take a boundary take a chain of displacements.
     #[cfg_attr(feature = "cli", value(skip))]
     StrainRing,
+}
+
+/// As scenes spell it.
+impl fmt::Display for Boundary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Free => "free",
+            Self::Fixed => "fixed",
+            Self::Ring => "ring",
+            Self::StrainRing => "strain-ring",
+        })
+    }
 }

@@ -76,7 +76,11 @@ impl Ansatz {
         if layout.form == Form::Displacements && layout.ends == Ends::Ring && constraint != Constraint::MeanStrain(0.0)
         {
             let rule = "displacements of a ring have strains with sum zero: give the mean strain 0";
-            return Err(Error::parameter("constraint", format!("{constraint:?}"), rule));
+            let given = match constraint {
+                Constraint::Force(force) => format!("mean force {force}"),
+                Constraint::MeanStrain(strain) => format!("mean strain {strain}"),
+            };
+            return Err(Error::parameter("constraint", given, rule));
         }
         Self::new(params, layout, epsilon, Dps::generalised(params, constraint, layout)?)
     }

@@ -2,7 +2,7 @@
 
 use super::{Method, Run, Setting, method::Split};
 use crate::{
-    chain::{Chain, max_norm},
+    chain::{Blocks, Chain, max_norm},
     error::Result,
 };
 use hertzchain_integrators::splitting::tables;
@@ -45,6 +45,39 @@ pub fn overlap_scale(chain: &Chain<f64>, y: &[f64]) -> f64 {
     strain.max((speed * speed * power).powf(power.recip()))
 }
 
+/// The same of the initial state of a run, which need not be in memory: it is looked at in blocks.
+fn overlap_scale_of(run: &Run) -> f64 {
+    let (chain, rest) = (run.chain(), run.chain().precompression());
+    if run.initial.made().is_some() || chain.sites() == 1 {
+        return overlap_scale(chain, run.initial().as_slice());
+    }
+    let (mut strain, mut speed, mut last) = (0.0f64, 0.0f64, None);
+    let mut across = |left: f64, right: f64| {
+        let overlap = rest + (left - right);
+        strain = if overlap.is_finite() { strain.max((rest - overlap).abs()) } else { strain };
+    };
+    let (mut first, end) = (0.0, run.initial.last());
+    run.initial.each(&mut |_, [u, _, u_dot, _]| {
+        speed = speed.max(max_norm(u_dot.iter().copied()));
+        if chain.topology().strains() {
+            u.iter().for_each(|&x| across(0.0, x));
+            return;
+        }
+        let before = last.unwrap_or_else(|| {
+            first = u[0];
+            chain.topology().ghosts(u[0], end).0
+        });
+        across(before, u[0]);
+        u.windows(2).for_each(|pair| across(pair[0], pair[1]));
+        last = u.last().copied();
+    });
+    if !chain.topology().ring() {
+        across(end, chain.topology().ghosts(first, end).1);
+    }
+    let power = chain.params().alpha + 1.0;
+    strain.max((speed * speed * power).powf(power.recip()))
+}
+
 /// Contact frequency `Omega_c = sqrt(2 alpha (A + delta_0)^{alpha-1})`, with
 /// `overlap = A + delta_0`.
 pub fn contact_frequency(alpha: f64, overlap: f64) -> f64 {
@@ -70,7 +103,7 @@ pub fn regime(run: &Run) -> Result<Regime> {
         run.end()?;
         return Ok(of_details(run.chain()));
     }
-    let (chain, end, overlap) = (run.chain(), run.end()?, overlap_scale(run.chain(), run.initial().as_slice()));
+    let (chain, end, overlap) = (run.chain(), run.end()?, overlap_scale_of(run));
     let (params, omega) = (chain.params(), chain.params().omega());
     let contact = contact_frequency(params.alpha, overlap + chain.precompression());
     let known = format!("omega = {omega:.3e}, Omega_c = {contact:.3e} of contacts that overlap by {overlap:.1e}");

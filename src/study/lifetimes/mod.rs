@@ -328,9 +328,9 @@ fn checked(options: &LifetimeOptions) -> Result<Vec<Place>> {
         if let Some(value) = values.iter().find(|value| !(value.is_finite() && **value > 0.0)) {
             return Err(Error::parameter(name, value, "finite and positive"));
         }
-        if let Some((_, twice)) = values.iter().enumerate().find(|(k, value)| values[..*k].contains(value)) {
-            return Err(Error::parameter(name, twice, "each value once"));
-        }
+    }
+    if let Some(large) = epsilons.iter().find(|epsilon| **epsilon >= 1.0) {
+        return Err(Error::parameter("epsilons", large, "sizes between 0 and 1, both excluded"));
     }
     if let Some(sites) = sites.filter(|sites| !GIVEN_SITES.contains(sites)) {
         return Err(Error::parameter("sites", sites, "from 20 to 10^5"));

@@ -302,8 +302,9 @@ fn check(options: &StabilityOptions) -> Result<()> {
     if epsilons.is_empty() {
         return Err(Error::parameter("epsilon", "\"\"", "name at least one size of the wave"));
     }
-    if let Some(epsilon) = epsilons.iter().find(|epsilon| !(epsilon.is_normal() && **epsilon > 0.0)) {
-        return Err(Error::parameter("epsilon", epsilon, "finite and positive"));
+    if let Some(epsilon) = epsilons.iter().find(|epsilon| !(epsilon.is_normal() && **epsilon > 0.0 && **epsilon < 1.0))
+    {
+        return Err(Error::parameter("epsilon", epsilon, "sizes between 0 and 1, both excluded"));
     }
     let fixed = params.resonators() == Resonators::Fixed;
     if fixed && (modes.is_some() || *chart) {

@@ -2,18 +2,26 @@
 
 use crate::{
     error::{Error, Result, nearest, one_line},
+    memory::lacking,
     output::read,
-    scene::Scene,
+    scene::{Scene, held},
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json, json};
 use std::path::{Path, PathBuf};
-use toml::{Table, Value};
+use toml::{
+    Table, Value,
+    de::{DeTable, Deserializer},
+};
 
 /// Longest plan in bytes.
 const MOST_BYTES: u64 = 1 << 26;
-/// Most points of a plan.
+/// A plan has fewer points.
 const MOST_POINTS: usize = 1 << 32;
+/// Most axes of a plan, those that move along with others included.
+const MOST_AXES: usize = 1000;
+/// Most values of all axes together: these are in memory, about 100 bytes each.
+const MOST_VALUES: usize = 1 << 22;
 /// Quantities that are kept if the plan names none.
 const KEPT: [&str; 2] = ["energy_error", "force_evaluations"];
 /// What a run reports as a number, or as a table or an array of numbers.
@@ -133,17 +141,20 @@ impl Plan {
     /// The place and the rule that the plan breaks; scenes at the ends of the axes that cannot be
     /// read or built.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
-        let file: PlanFile = toml::from_str(text).map_err(|error| {
-            let line = error.span().map_or(1, |span| 1 + text[..span.start.min(text.len())].matches('\n').count());
-            refused(path, &format!("line {line}"), error.message().to_owned())
-        })?;
+        let line = |at: usize| format!("line {}", 1 + text.bytes().take(at).filter(|&byte| byte == b'\n').count());
+        let told = |error: toml::de::Error| {
+            refused(path, &line(error.span().map_or(0, |span| span.start)), error.message().to_owned())
+        };
+        let table = DeTable::parse(text).map_err(told)?;
+        held(table.get_ref()).map_err(|(at, rule)| refused(path, &line(at), rule))?;
+        let file = PlanFile::deserialize(Deserializer::from(table)).map_err(told)?;
         let keep = file.keep.unwrap_or_else(|| KEPT.map(str::to_owned).into());
         let keep = keep.iter().map(|name| Reported::named(name, path)).collect::<Result<Vec<_>>>()?;
         if keep.is_empty() {
             return Err(refused(path, "`keep`", "name at least one quantity"));
         }
         let picture = file.picture.map(|name| picture(&keep, &name, path)).transpose()?.unwrap_or(0);
-        let stem = path.file_stem().map_or("sweep".into(), |stem| stem.to_string_lossy().into_owned());
+        let stem = path.file_stem().map_or("sweep".into(), |stem| one_line(&stem.to_string_lossy()));
         let plan = Self {
             path: path.to_owned(),
             name: file.name.unwrap_or(stem),
@@ -157,19 +168,39 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Refuses too many points, scenes at the ends of the axes that cannot be built, and quantities
-    /// that runs with this boundary do not report.
+    /// Refuses more points than the memory has room for, scenes at the ends of the axes that cannot
+    /// be built, and quantities that runs do not report.
     fn check(&self) -> Result<()> {
-        let points = self.axes.iter().try_fold(1usize, |points, axis| points.checked_mul(axis.values.len()));
-        if points.is_none_or(|points| points >= MOST_POINTS) {
-            return Err(refused(&self.path, "`axis`", "a plan has less than 2^32 points"));
+        // Hash, place and entry of the store, and a number of each column.
+        let bytes = self.points() as u64 * 8 * (7 + self.keys().count() + self.keep.len()) as u64;
+        if let Some(words) = lacking(bytes) {
+            return Err(refused(&self.path, "`axis`", format!("{} points need {words}", self.points())));
         }
-        let mut stride = self.points();
+        let (mut stride, mut corners) = (self.points(), vec![self.point(0)]);
         for axis in &self.axes {
             stride /= axis.values.len();
-            self.scene(&self.point(stride * (axis.values.len() - 1)))?;
+            corners.push(self.point(stride * (axis.values.len() - 1)));
         }
-        let ring = self.scene(&self.point(0))?.chain().boundary() == crate::chain::Boundary::StrainRing;
+        // What a run reports is known before its first step; sites may differ from corner to corner.
+        let mut lost: Vec<Option<String>> = Vec::new();
+        for (k, corner) in corners.iter().enumerate() {
+            let scene = self.scene(corner)?;
+            if k == 0 {
+                self.on_the_boundary_of(&scene)?;
+            }
+            let report = super::before_its_first_step(&scene);
+            let why = self.keep.iter().map(|kept| kept.of(&report).err().map(|why| why.to_string()));
+            lost = match k {
+                0 => why.collect(),
+                _ => lost.into_iter().zip(why).map(|(before, here)| before.and(here)).collect(),
+            };
+        }
+        lost.into_iter().flatten().next().map_or(Ok(()), |why| Err(refused(&self.path, "`keep`", why)))
+    }
+
+    /// Refuses strains of a chain of displacements, and the other way round.
+    fn on_the_boundary_of(&self, scene: &Scene) -> Result<()> {
+        let ring = scene.chain().boundary() == crate::chain::Boundary::StrainRing;
         let others: &[&str] = if ring { &["u", "v", "pu", "pv"] } else { &["x", "y", "vx", "vy"] };
         match self.keep.iter().find(|kept| others.contains(&kept.root())) {
             None => Ok(()),
@@ -305,7 +336,12 @@ fn axes(files: Vec<AxisFile>, path: &Path) -> Result<Vec<Axis>> {
     if files.is_empty() {
         return Err(refused(path, "`axis`", "a plan has at least one axis: [[axis]] with key and values"));
     }
+    if files.len() > MOST_AXES {
+        return Err(refused(path, "`axis`", format!("{} axes: a plan has at most {MOST_AXES}", files.len())));
+    }
     let mut axes: Vec<Axis> = Vec::new();
+    // All that a plan asks for is counted before any of it is made.
+    let (mut points, mut all) = (1, 0usize);
     for (k, file) in files.into_iter().enumerate() {
         let at = |what: &str, rule: String| refused(path, &format!("axis {}, `{what}`", k + 1), rule);
         let key = match (&file.key, file.seeds) {
@@ -316,7 +352,15 @@ fn axes(files: Vec<AxisFile>, path: &Path) -> Result<Vec<Axis>> {
         if axes.iter().any(|axis| axis.keys.contains(&key)) {
             return Err(at("key", format!("{key} has an axis above")));
         }
-        let zip = file.zip;
+        let (zip, (what, places)) = (file.zip, file.places());
+        all = all.saturating_add(places);
+        if all > MOST_VALUES {
+            return Err(at(what, format!("{places}: the axes of a plan have at most 2^22 values together")));
+        }
+        points *= if zip { 1 } else { places };
+        if points >= MOST_POINTS {
+            return Err(at(what, format!("{places}: a plan has fewer than 2^32 points")));
+        }
         let values = file.values().map_err(|(what, rule)| at(what, rule))?;
         match (zip, axes.last_mut()) {
             (false, _) => {
@@ -340,6 +384,15 @@ fn axes(files: Vec<AxisFile>, path: &Path) -> Result<Vec<Axis>> {
 type Refusal = (&'static str, String);
 
 impl AxisFile {
+    /// The key that says how many values the axis has, and that number.
+    fn places(&self) -> (&'static str, usize) {
+        match (&self.values, self.count, self.seeds) {
+            (Some(values), ..) => ("values", values.len()),
+            (_, Some(count), _) => ("count", count),
+            (.., seeds) => ("seeds", seeds.unwrap_or(0)),
+        }
+    }
+
     fn values(self) -> std::result::Result<Vec<Value>, Refusal> {
         let Self { values, from, to, count, seeds, scale, .. } = self;
         let values = match (values, from, to, count, seeds) {
@@ -348,7 +401,9 @@ impl AxisFile {
             (None, from, None, None, Some(seeds)) => {
                 let first = from.map_or(Some(1), |from| from.as_integer());
                 let first = first.ok_or_else(|| ("from", "the first seed is a whole number".to_owned()))?;
-                (0..seeds as i64).map(|k| Value::Integer(first + k)).collect()
+                let end = first.checked_add_unsigned(seeds as u64);
+                let end = end.ok_or_else(|| ("from", format!("{first}: the last seed is less than 2^63")))?;
+                (first..end).map(Value::Integer).collect()
             }
             _ => return Err(("values", "give `values`, or `from`, `to` and `count`, or `seeds`".to_owned())),
         };
@@ -375,19 +430,27 @@ fn range(from: &Value, to: &Value, count: usize, scale: Scale) -> std::result::R
     if scale == Scale::Log && !(first > 0.0 && last > 0.0) {
         return Err(("scale", "both ends of a logarithmic axis are positive".to_owned()));
     }
+    let far = match scale {
+        Scale::Linear => last - first,
+        Scale::Log => (last / first).ln(),
+    };
+    if !far.is_finite() {
+        return Err(("to", format!("{to}: too far from {from} for a double")));
+    }
     let steps = count as i64 - 1;
-    if let (Value::Integer(from), Value::Integer(to), Scale::Linear) = (from, to, scale)
-        && (to - from) % steps == 0
+    if let (&Value::Integer(from), &Value::Integer(to), Scale::Linear) = (from, to, scale)
+        && let Some(far) = to.checked_sub(from)
+        && far % steps == 0
     {
-        return Ok((0..=steps).map(|k| Value::Integer(from + (to - from) / steps * k)).collect());
+        return Ok((0..=steps).map(|k| Value::Integer(from + far / steps * k)).collect());
     }
     let at = |k: i64| {
         let share = k as f64 / steps as f64;
         match scale {
             _ if k == 0 => first,
             _ if k == steps => last,
-            Scale::Linear => first + (last - first) * share,
-            Scale::Log => (first.ln() + (last / first).ln() * share).exp(),
+            Scale::Linear => first + far * share,
+            Scale::Log => (first.ln() + far * share).exp(),
         }
     };
     Ok((0..=steps).map(|k| Value::Float(at(k))).collect())
@@ -444,6 +507,19 @@ mod tests {
             ("key = \"chain.rho\"\nform = 1", "a/plan.toml, line 4: unknown field `form`"),
             ("key = \"chain.rho\"\nfrom = 0\nto = 1\ncount = 3\nscale = \"log\"", "`scale`: both ends"),
             ("key = \"chain.rho\"\nfrom = 0\nto = 1\ncount = 1", "`count`: at least 2"),
+            (
+                "key = \"chain.rho\"\nfrom = 0\nto = 1\ncount = 1000000000000",
+                "a/plan.toml, axis 1, `count`: 1000000000000: the axes of a plan have at most 2^22 values together",
+            ),
+            ("seeds = 1000000000", "axis 1, `seeds`: 1000000000: the axes of a plan have at most 2^22 values"),
+            (
+                "seeds = 65536\n[[axis]]\nkey = \"chain.rho\"\nfrom = 0\nto = 1\ncount = 65536",
+                "axis 2, `count`: 65536: a plan has fewer than 2^32 points",
+            ),
+            ("seeds = 2\nfrom = 9223372036854775807", "`from`: 9223372036854775807: the last seed is less than 2^63"),
+            ("key = \"chain.rho\"\nfrom = -1e308\nto = 1e308\ncount = 3", "`to`: 1e308: too far from -1e308"),
+            ("key = \"chain.rho\"\nvalues = [1e400]", "line 4: `axis`: 1e400: larger than any double"),
+            ("key = \"chain.\\u001b\"\nvalues = [1]", "line 3: `axis`: \"chain.\\u{1b}\": a text here has no control"),
             ("key = \"chain.rho\"\nvalues = [1]\nzip = true", "`zip`: the first axis"),
             ("key = \"chain.roh\"\nvalues = [1]", "scene impact: --set chain.roh=1: unknown field `roh`"),
             ("key = \"chain.rho\"\nvalues = [1, -1]", "scene impact: --set chain.rho=-1: `chain.rho`: rho = -1"),
@@ -451,6 +527,9 @@ mod tests {
             let why = axis(text);
             assert!(why.contains(words), "{text}: {why}");
         }
+        let many = "[[axis]]\nkey = \"chain.rho\"\nvalues = [1]\n".repeat(1001);
+        let why = parsed(&format!("scene = \"impact\"\n{many}")).unwrap_err().to_string();
+        assert!(why.contains("`axis`: 1001 axes: a plan has at most 1000"), "{why}");
         let plan = |text: &str| parsed(&format!("{text}\naxis = [{{ key = \"chain.rho\", values = [1] }}]"));
         for (text, words) in [
             ("scene = \"impakt\"", "unknown scene \"impakt\"; did you mean \"impact\"?"),
@@ -458,6 +537,16 @@ mod tests {
             ("", "missing field `scene`"),
             ("scene = \"impact\"\nkeep = [\"energy_eror\"]", "`keep`: unknown quantity `energy_eror`; did you mean"),
             ("scene = \"impact\"\nkeep = [\"vx\"]", "`keep`: `vx`: states are u, v, pu and pv on this boundary"),
+            ("scene = \"impact\"\nname = \"a\\u0007\"", "line 2: `name`: \"a\\u{7}\": a text here has no control"),
+            (
+                "scene = \"impact\"\nkeep = [\"contacts.impulses\"]",
+                "`keep`: contacts.impulses: the report of this run has",
+            ),
+            ("scene = \"impact\"\nkeep = [\"u[99]\", \"u[100]\"]", "`keep`: u[100]: the report of this run has no"),
+            (
+                "scene = \"impact\"\nkeep = [\"contacts\"]",
+                "`keep`: contacts: name one of its numbers: contacts, onsets",
+            ),
             ("scene = \"impact\"\npicture = \"steps\"", "`picture`: `steps` is not kept"),
         ] {
             let why = plan(text).unwrap_err().to_string();

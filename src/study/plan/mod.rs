@@ -18,7 +18,7 @@ use super::{Ran, Study, Work, run_json};
 use crate::{
     error::{Error, Result},
     output::Folder,
-    run::Records,
+    run::{Kept, Recorder, Records},
     scene::Scene,
     sweep::{Engine, Grid, Row, Rows, STOPPED},
 };
@@ -147,6 +147,14 @@ pub fn planned(plan: &Plan, engine: &Engine, progress: &(dyn Fn(u64, u64) + Sync
         resumed,
         wall: clock.elapsed(),
     })
+}
+
+/// The report of a run of a scene at time zero, with a log of contacts: it has the names of all that
+/// a run reports.
+fn before_its_first_step(scene: &Scene) -> Value {
+    let run = scene.run().records(Records::Energy).contacts();
+    let trajectory = Recorder::new(&run, Kept::new(&run), &mut |_, _| ()).trajectory(None);
+    run_json(&Ran { scene, integrator: "", setting: "", reason: None, outcome: &trajectory, si: None })
 }
 
 /// Runs a point: the quantities that the plan keeps.

@@ -6,6 +6,7 @@ use crate::{
     breathers::{self, TrivialBreather},
     chain::Contact,
     error::{Error, Result},
+    memory,
     parts::Parts,
     run::{Method, Regime, Run, Setting, Trajectory, method::NO_TOLERANCE, regime},
     scene::Scene,
@@ -16,6 +17,8 @@ const DEFAULT_TOLERANCE: f64 = 1e-10;
 const DEFAULT_NODES: usize = 10;
 /// Most windows of a run. Chosen: more than a run of years takes.
 const MOST_STEPS: f64 = 1e15;
+/// A plan starts the method if the run takes fewer bytes than this.
+const MOST_PLANNED: u64 = 1 << 24;
 
 /// Integrator and accuracy that the user asks for. What is `None` follows from the others, from the
 /// scene, or from a default.
@@ -129,8 +132,16 @@ impl How {
                 self.takes(scene, parts)?;
                 let run = scene.run().method(*method).setting(*setting).in_parts(parts.clone())?;
                 if parts.whole() && !by_part {
-                    run.stepper()?;
-                    return Ok(scene.plan(events));
+                    let needed = Scene::least_memory(scene.chain());
+                    // A method that starts has a state, which a long chain is not to have here.
+                    match setting {
+                        _ if needed < MOST_PLANNED => drop(run.stepper()?),
+                        Setting::Tolerance(tol) => drop(run.tolerance(*tol)?),
+                        _ => {}
+                    }
+                    let lacking = memory::lacking(needed).map(|words| format!("; refused if run: {words}"));
+                    let words = format!("memory: at least {}, for three states", memory::bytes(needed));
+                    return Ok(scene.plan(events).into_iter().chain([words + &lacking.unwrap_or_default()]).collect());
                 }
                 let own = parts_plan(scene.file(), *method, parts.count(), by_part)?;
                 Ok(scene.plan(events).into_iter().chain(own).collect())

@@ -3,6 +3,7 @@
 use crate::{
     chain::{Boundary, Topology},
     error::{Error, Result},
+    memory::bytes,
     parts::{Demand, Motion},
     run::Method,
     scene::{MOST_SITES, SceneFile},
@@ -92,18 +93,6 @@ fn order(method: Method) -> u64 {
     (8 * (2 + 3 * ORDERED * method.stages())) as u64
 }
 
-/// A number of bytes with its unit, for people.
-fn bytes(count: u64) -> String {
-    let mut value = count as f64;
-    for unit in ["B", "kB", "MB", "GB"] {
-        if value < 1000.0 {
-            return if unit == "B" { format!("{value} B") } else { format!("{value:.3} {unit}") };
-        }
-        value /= 1000.0;
-    }
-    format!("{value:.3} TB")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,10 +143,5 @@ mod tests {
         assert!(refused("verlet", 0).contains("ranks = 0"));
         assert!(refused("dop853", 2).contains("only splitting schemes"));
         assert!(refused("collocation", 2).contains("ranks = 2 > 1"));
-    }
-
-    #[test]
-    fn bytes_are_said_in_the_next_unit() {
-        assert_eq!([999, 1000, 1_234_567, 96_000_000_000].map(bytes), ["999 B", "1.000 kB", "1.235 MB", "96.000 GB"]);
     }
 }

@@ -237,9 +237,12 @@ pub fn run_summary(ran: &Ran<'_>) -> String {
     lines.join("\n") + "\n"
 }
 
+/// The JSON of a run with the names of its files.
+const SUMMARY: &str = "summary.json";
+
 /// Every file that a run may write, but for the checkpoint.
 pub const RUN_FILES: [&str; 16] = [
-    "summary.json",
+    SUMMARY,
     "scene.toml",
     "final.csv",
     "energy.csv",
@@ -257,9 +260,9 @@ pub const RUN_FILES: [&str; 16] = [
     "contacts.svg",
 ];
 
-/// Writes the run: `summary.json`, which is the JSON with the names of all files, `scene.toml`,
-/// `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, and the pictures; with a contact log
-/// also `contacts.csv` and `contacts.npz`. Other files of an earlier run are removed, and its
+/// Writes the run: `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, and the
+/// pictures; with a contact log also `contacts.csv` and `contacts.npz`; last `summary.json`, which
+/// is the JSON with the names of all files. Other files of an earlier run are removed, and its
 /// checkpoint as well unless this run was `in_legs`. If the parts of the chain keep the states,
 /// only `summary.json`, without the state, `scene.toml` and `energy.csv` are written.
 ///
@@ -276,14 +279,11 @@ pub fn run_files(folder: &Folder, ran: &Ran<'_>, pictures: &[crate::study::File]
     };
     let (files, left): (Vec<&str>, Vec<&str>) =
         RUN_FILES.into_iter().chain([CHECKPOINT]).partition(|name| written(name));
-    folder.remove(left)?;
+    // The list of files comes last: without it a folder is not all of a run.
+    folder.remove(left.into_iter().chain([SUMMARY]))?;
     if !in_legs {
         Legs::default().sweep(folder.path());
     }
-    let mut summary = entries(ran);
-    summary.0.push(("files", Entry::Value(json!(files))));
-    folder.write_with("summary.json", |file| buffered(file, |out| write_json(out, &summary)))?;
-    drop(summary);
     folder.write("scene.toml", scene.file().to_toml().as_bytes())?;
     if !by_part(outcome) {
         folder.write_with("final.csv", |file| buffered(file, |out| last_state(out, ran)))?;
@@ -302,7 +302,10 @@ pub fn run_files(folder: &Folder, ran: &Ran<'_>, pictures: &[crate::study::File]
         folder.write("contacts.csv", &contacts_csv(contacts))?;
         folder.write("contacts.npz", &contacts_npz(contacts)?)?;
     }
-    pictures.iter().try_for_each(|(name, png)| folder.write(name, png).map(drop))
+    pictures.iter().try_for_each(|(name, png)| folder.write(name, png).map(drop))?;
+    let mut summary = entries(ran);
+    summary.0.push(("files", Entry::Value(json!(files))));
+    folder.write_with(SUMMARY, |file| buffered(file, |out| write_json(out, &summary))).map(drop)
 }
 
 /// Writes to a file through a buffer.

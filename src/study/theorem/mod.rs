@@ -429,9 +429,6 @@ fn checked(options: &TheoremOptions) -> Result<TheoremOptions> {
         return Err(Error::parameter("epsilons", wrong, "sizes between 0 and 1, both excluded"));
     }
     epsilons.sort_by(|a, b| b.total_cmp(a));
-    if let Some(twice) = epsilons.windows(2).find(|pair| pair[0] == pair[1]) {
-        return Err(Error::parameter("epsilons", twice[0], "each size once"));
-    }
     let longest = epsilons.iter().map(|epsilon| horizon * epsilon.powf(1.0 - alpha)).fold(0.0, f64::max);
     if longest > LONGEST {
         let rule = "runs are at most 1e8 long: a larger epsilon, or a shorter horizon";
