@@ -263,8 +263,7 @@ fn naturally(family: &impl Family, spot: Spot<'_>, scales: Scales, to: f64) -> R
 /// than the predictor, or Newton's corrections do not contract from the first one on.
 pub(crate) fn strays(chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
     let slow = |first: f64, second: f64| second > CONTRACTION * first && second > LAST_CORRECTION;
-    chord > TURN * predictor + LAST_CORRECTION
-        || matches!(newton, [first, second, ..] if slow(first.step, second.step))
+    chord > TURN * predictor + LAST_CORRECTION || matches!(newton, [first, second, ..] if slow(first.step, second.step))
 }
 
 /// The next point after `spot`, and the length `ds` for the point after it; otherwise why the branch

@@ -622,8 +622,11 @@ impl DrivenSpectrum {
         let most = (monodromy.norm() * errors.norm()).sqrt();
         let each = right.clone().try_inverse().map(|left| left.map(Complex::norm) * errors * right.map(Complex::norm));
         let error = |k: usize| each.as_ref().map_or(most, |each| each[(k, k)].min(most));
-        let of = |(k, value): (usize, Complex<f64>)| {
-            DrivenMultiplier { re: value.re, im: value.im, modulus: value.norm(), error: error(k) }
+        let of = |(k, value): (usize, Complex<f64>)| DrivenMultiplier {
+            re: value.re,
+            im: value.im,
+            modulus: value.norm(),
+            error: error(k),
         };
         let mut multipliers: Vec<DrivenMultiplier> = values.into_iter().enumerate().map(of).collect();
         multipliers

@@ -112,7 +112,11 @@ impl Report for DrivenStudy {
         };
         let labelled = |name: &str, quantity: Quantity, value: String| (scale.label(name, quantity), value);
         let measured = [
-            labelled("period of the orbit", Quantity::Time, format!("{period} ({} of the drive{least})", setting.turns())),
+            labelled(
+                "period of the orbit",
+                Quantity::Time,
+                format!("{period} ({} of the drive{least})", setting.turns()),
+            ),
             labelled("largest half range of a free bead", Quantity::Length, format!("{response:.9e}")),
             labelled("driven, dissipated over the orbit", Quantity::Energy, format!("{driven:.9e}, {dissipated:.9e}")),
         ];
