@@ -435,7 +435,7 @@ fn range(from: &Value, to: &Value, count: usize, scale: Scale) -> std::result::R
         Scale::Log => (last / first).ln(),
     };
     if !far.is_finite() {
-        return Err(("to", format!("{to}: too far from {from} for a double")));
+        return Err(("to", format!("{last:e}: too far from {first:e} for a double")));
     }
     let steps = count as i64 - 1;
     if let (&Value::Integer(from), &Value::Integer(to), Scale::Linear) = (from, to, scale)
