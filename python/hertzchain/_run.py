@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any
@@ -68,6 +69,8 @@ class Trajectory:
         for a chain that dissipates or is driven.
     driven : float or None
         Work of the drives up to the end, for such a chain.
+    warnings : list of str
+        What makes the result doubtful, such as an energy error that the tolerance does not explain.
     failure : str or None
         Why the run stopped before its end, if it did.
     t_end : float
@@ -96,6 +99,7 @@ class Trajectory:
         work = record.get("dissipated")
         self.dissipated = None if work is None else dict(zip(("drag", "dashpots", "contacts", "total"), work))
         self.driven: float | None = record.get("driven")
+        self.warnings: list[str] = record["warnings"]
         self.failure: str | None = record["failure"]
         self.t_end: float = record["t_end"]
         self.end: dict[str, Vector] = {
@@ -317,6 +321,11 @@ def run(
     Trajectory
         The attribute `failure` is set if the run failed before its end.
 
+    Warns
+    -----
+    RuntimeWarning
+        If the result is doubtful; the attribute `warnings` has the same sentences.
+
     Raises
     ------
     Error
@@ -367,6 +376,8 @@ def run(
         )
     trajectory = Trajectory(scene if isinstance(scene, Chain) else whole.chain, record, whole.units)
     trajectory = trajectory.in_si() if si else trajectory
+    for warning in trajectory.warnings:
+        warnings.warn(warning, RuntimeWarning, stacklevel=2)
     if isinstance(raised, KeyboardInterrupt):
         raise Interrupted(trajectory) from None
     if raised is not None:

@@ -5,7 +5,7 @@ use crate::{
     error::{Error, Result},
     output::{Folder, to_json},
     parts::Parts,
-    run::{Method, Records, Trajectory},
+    run::{Method, Records, Trajectory, Warning},
     scene::{Scene, SceneFile},
     study::{self, Asked, How, LongRun, Ran, folder_of},
 };
@@ -169,7 +169,8 @@ fn report(
             ));
         }
     }
-    outcome.failure.map_or(printed, |failure| Err(failure.into())).map(|()| DONE)
+    let doubt = outcome.warnings.into_iter().find(Warning::fatal).map(Error::from);
+    outcome.failure.map(Error::from).or(doubt).map_or(printed, Err).map(|()| DONE)
 }
 
 /// Goes on from a checkpoint.

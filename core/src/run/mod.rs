@@ -8,6 +8,7 @@
 //! | `record` | [`Trajectory`]: the result of a run; checks for unstable states during the run |
 //! | `sight` | checks, energy and profile of a state, in memory or in the parts of a run |
 //! | `states` | [`States`]: an iterator over the states at given times |
+//! | `warning` | [`Warning`]: what makes the result of a run doubtful, such as its energy error |
 //! | `regime` | [`regime`]: the default method and setting for a chain and its initial state |
 
 mod initial;
@@ -16,6 +17,7 @@ mod record;
 mod regime;
 mod sight;
 mod states;
+mod warning;
 
 pub use initial::{Initial, Measure};
 pub use method::{Method, Setting};
@@ -25,6 +27,7 @@ pub use regime::{Regime, regime};
 pub use regime::{contact_frequency, overlap_scale};
 pub use states::States;
 pub use states::state_at;
+pub use warning::Warning;
 
 use crate::{
     chain::{Chain, Contact, State},

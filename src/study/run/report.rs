@@ -163,6 +163,7 @@ fn entries(ran: &Ran<'_>) -> Entries {
     put("rejected", json!(outcome.stats.rejected));
     put("wall_s", json!(outcome.wall.as_secs_f64()));
     put("sampling_s", json!(outcome.sampling.as_secs_f64()));
+    put("warnings", json!(outcome.warnings.iter().map(ToString::to_string).collect::<Vec<_>>()));
     put("failure", json!(outcome.failure.as_ref().map(ToString::to_string)));
     put("scene_file", crate::study::scene_json(scene));
     put("version", json!(env!("CARGO_PKG_VERSION")));
@@ -221,6 +222,7 @@ pub fn run_summary(ran: &Ran<'_>) -> String {
         outcome.wall.as_secs_f64(),
         outcome.sampling.as_secs_f64()
     ));
+    lines.extend(outcome.warnings.iter().map(|warning| format!("WARNING     {warning}")));
     if let Some(failure) = &outcome.failure {
         lines.push(match failure.cause {
             Failure::Stopped { t } => format!("stopped     by a signal at t = {t}"),
