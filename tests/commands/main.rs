@@ -21,3 +21,4 @@ mod shards;
 mod si;
 mod stored;
 mod studies;
+mod tolerances;

@@ -298,6 +298,7 @@ pub fn compare(scene: &Scene, options: &CompareOptions, progress: Progress<'_>) 
     }
     let mut climb = Climb::new(scene, entrants, budget, progress);
     let truth = Truth::find(scene, budget * REFERENCE_SHARE, &|words| progress(0.0, words))?;
+    truth.good()?;
     climb.run(&truth);
     let (rows, stopped) = climb.finish();
     Ok(Comparison {

@@ -158,8 +158,15 @@ fn run(plan: &Plan, point: &Point) -> Result<Vec<Value>> {
     if let Some(doubt) = trajectory.warnings.iter().find(|warning| warning.fatal()) {
         return Err(doubt.clone().into());
     }
-    let report =
-        run_json(&Ran { scene: &scene, integrator: "", setting: "", reason: None, outcome: &trajectory, si: None });
+    let report = run_json(&Ran {
+        scene: &scene,
+        integrator: "",
+        setting: "",
+        reason: None,
+        outcome: &trajectory,
+        amplification: None,
+        si: None,
+    });
     plan.keep.iter().map(|quantity| quantity.of(&report)).collect()
 }
 

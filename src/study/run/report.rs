@@ -9,7 +9,7 @@ use crate::{
     chain::{Boundary, Energy, Ledger, Overlaps},
     error::Result,
     output::{Folder, NpzWriter, csv, write_csv, write_json},
-    run::{Profile, Trajectory},
+    run::{Profile, Run, Trajectory},
     scene::{Scene, Theory, Units},
     study::si::ALL_IN_SI,
 };
@@ -89,12 +89,14 @@ pub struct Ran<'a> {
     pub reason: Option<&'a str>,
     /// The result of the run.
     pub outcome: &'a Trajectory,
+    /// The factor by which a small change has grown, see [`Run::amplification`], if it was asked for.
+    pub amplification: Option<f64>,
     /// The units that `outcome` is in, if it is in SI units; see [`in_si`](super::in_si).
     pub si: Option<&'a Units>,
 }
 
 /// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy;
-/// `reason` is present if [`Ran::reason`] is, `si` if all numbers are in SI units.
+/// `reason` and `amplification` are present if those of [`Ran`] are, `si` if all numbers are in SI units.
 pub fn run_json(ran: &Ran<'_>) -> Value {
     json!(entries(ran))
 }
@@ -119,7 +121,7 @@ enum Entry {
 
 /// The entries of the JSON of a run.
 fn entries(ran: &Ran<'_>) -> Entries {
-    let &Ran { scene, integrator, setting, reason, outcome, si } = ran;
+    let &Ran { scene, integrator, setting, reason, outcome, amplification, si } = ran;
     let mut object = Vec::new();
     let mut put = |name, value| object.push((name, Entry::Value(value)));
     put("scene", json!(scene.name()));
@@ -163,6 +165,9 @@ fn entries(ran: &Ran<'_>) -> Entries {
     put("rejected", json!(outcome.stats.rejected));
     put("wall_s", json!(outcome.wall.as_secs_f64()));
     put("sampling_s", json!(outcome.sampling.as_secs_f64()));
+    if let Some(factor) = amplification {
+        put("amplification", json!(factor));
+    }
     put("warnings", json!(outcome.warnings.iter().map(ToString::to_string).collect::<Vec<_>>()));
     put("failure", json!(outcome.failure.as_ref().map(ToString::to_string)));
     put("scene_file", crate::study::scene_json(scene));
@@ -222,6 +227,9 @@ pub fn run_summary(ran: &Ran<'_>) -> String {
         outcome.wall.as_secs_f64(),
         outcome.sampling.as_secs_f64()
     ));
+    if let Some(factor) = ran.amplification {
+        lines.push(format!("amplified   by {factor:.2e}: that much a small change of the initial state has grown"));
+    }
     lines.extend(outcome.warnings.iter().map(|warning| format!("WARNING     {warning}")));
     if let Some(failure) = &outcome.failure {
         lines.push(match failure.cause {
