@@ -76,7 +76,9 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     bar.finish_and_clear();
     let outcome = outcome?;
     let again = again.filter(|_| outcome.failure.is_none());
-    let amplification = again.map(|run| run.amplification(&outcome.state)).transpose()?;
+    // The results of the run count, also if the second run fails.
+    let unknown = |why: &Error| say(&format!("amplification unknown: {why}"));
+    let amplification = again.and_then(|run| run.amplification(&outcome.state).inspect_err(unknown).ok());
     report(args, &scene, (&name, &wording, reason), (outcome, amplification), folder.as_ref())
 }
 

@@ -45,10 +45,11 @@ pub(crate) struct RunArgs {
     /// A second run begins from a state that is changed by the tolerance (1e-10 for equal steps, at
     /// least 1e-12), relative to the size of the state. The tolerance times this factor is the size
     /// of the error at the end.
-    #[arg(long, conflicts_with_all = ["checkpoint", "resume", "plan"])]
+    #[arg(long, hide_short_help = true, conflicts_with_all = ["checkpoint", "resume", "plan"])]
     pub(crate) amplification: bool,
-    /// Steps per period of the scene, for splitting schemes [default: 512 per period of its fastest
-    /// motion].
+    /// Steps per period of the scene, for splitting schemes.
+    ///
+    /// By default 512 steps per period of the fastest motion: of resonators, drives or contacts.
     #[arg(long, value_name = "N", conflicts_with_all = ["step", "tol"])]
     pub(crate) steps_per_period: Option<f64>,
     /// Step size, in units of time, for splitting schemes.

@@ -288,7 +288,8 @@ impl Comparison {
 /// at a time.
 ///
 /// # Errors
-/// A budget outside its rule, no method, or references that cannot be computed.
+/// A budget outside its rule, no method, or references that cannot be computed or contradict each
+/// other.
 pub fn compare(scene: &Scene, options: &CompareOptions, progress: Progress<'_>) -> Result<Comparison> {
     let (methods, left_out) = options.methods(scene)?;
     let entrants = CompareOptions::entrants(methods, scene);
