@@ -18,7 +18,8 @@ fn text(bytes: &[u8]) -> String {
 fn operands(command: &str) -> &'static [&'static str] {
     match command {
         "run" => &["impact"],
-        "wave" | "wave exact" | "wave continue" => &["tw-q15"],
+        "wave" | "wave exact" => &["tw-q15"],
+        "wave continue" => &["tw-q15", "--to", "2.01"],
         "breather evolve" => &["orbit.json"],
         _ => &[],
     }
@@ -142,8 +143,8 @@ fn a_point_of_a_sweep_whose_energy_is_lost_has_failed() {
     assert!(study.failed[0].1.contains("the energy is off by"), "{:?}", study.failed);
 }
 
-/// Eight beads between walls, the first one struck. A change of the initial state is 9.5e8 times
-/// larger at t = 320 (found by runs in double-double).
+/// Eight beads between walls, the first one struck. Changes of 1e-12 and 1e-13 of the initial state
+/// are 3.5e11 and 4.7e11 times larger at t = 320; those of 1e-10 have the size of the state.
 const EIGHT: [&str; 7] =
     ["impact", "--set", "chain.sites=8", "--set", "chain.boundary=fixed", "--set", "record.samples=5"];
 
@@ -157,7 +158,7 @@ fn amplification_bounds_the_error_by_the_tolerance() {
     let [coarse, fine] = [["--amplification", "--tol", "1e-10"], ["--integrator=dop853-regularised", "--tol", "1e-15"]]
         .map(|more| run(&more));
     let factor = coarse["amplification"].as_f64().unwrap();
-    assert!((1e8..1e10).contains(&factor), "{factor:e}");
+    assert!((1e9..1e11).contains(&factor), "{factor:e}");
     let numbers = |json: &Value| -> Vec<f64> {
         json["u"].as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
     };

@@ -1,6 +1,6 @@
 //! How much a small change of the initial state has grown at the end of a run.
 
-use super::{Records, Run, Setting, regime::TOLERANCE};
+use super::{Records, Run, Setting, overlap_scale, regime::TOLERANCE};
 use crate::{
     chain::{Details, State, max_norm},
     error::Result,
@@ -8,10 +8,6 @@ use crate::{
 
 /// Least change, relative to the size of the state: rounding errors of the two runs must not matter.
 const LEAST: f64 = 1e-12;
-/// Smaller entries than this share of the largest one of their kind are not changed, so that beads
-/// at rest stay at rest.
-const SMALL: f64 = 1e-3;
-
 /// The distance of a state from a reference: the larger of the largest error of a position relative
 /// to the largest position, and that of a velocity relative to the largest velocity.
 pub fn deviation(y: &[f64], reference: &[f64]) -> f64 {
@@ -23,10 +19,10 @@ pub fn deviation(y: &[f64], reference: &[f64]) -> f64 {
     part(&y[..half], &reference[..half]).max(part(&y[half..], &reference[half..]))
 }
 
-/// Adds a change to those entries that are not small, with signs that depend on their index.
-pub fn perturb(entries: &mut [f64], change: f64) {
-    let size = max_norm(entries.iter().copied());
-    for (i, entry) in entries.iter_mut().enumerate().filter(|(_, entry)| entry.abs() >= SMALL * size) {
+/// Adds a change to those entries whose absolute value is at least `least`, with signs that depend on
+/// their index.
+pub fn perturb(entries: &mut [f64], change: f64, least: f64) {
+    for (i, entry) in entries.iter_mut().enumerate().filter(|(_, entry)| entry.abs() >= least) {
         *entry += if (i * i + 3 * i) % 7 < 3 { change } else { -change };
     }
 }
@@ -35,21 +31,22 @@ impl Run {
     /// The factor by which a small change of the initial state has grown at the end, where the
     /// state of this run is `end`.
     ///
-    /// A second run begins from a state in which positions and velocities that are not small are
-    /// changed by the tolerance (1e-10 without one, at least 1e-12) times the largest of their
-    /// kind. The factor is the distance of the ends over this share, both as in [`deviation`]. A
-    /// change that has grown to the size of the state grows no more: the factor is then a lower
-    /// bound.
+    /// A second run begins from a state in which all positions and velocities are changed by the
+    /// tolerance (1e-10 without one, at least 1e-12) times the largest of their kind, positions at
+    /// least by that of the [overlaps](super::overlap_scale). The factor is the distance of the
+    /// ends over this share, see [`deviation`]. A change that has grown to the size of the state
+    /// grows no more: the factor is then a lower bound.
     ///
     /// ```
     /// # use hertzchain_core::{Boundary, Chain, Params, Run, State};
-    /// // Two beads that fly apart: at the end all numbers have changed by the same share.
+    /// // Two beads that fly apart from -1 and 1: their strain is 2, and they end at -11 and 11.
     /// let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, 2)?;
     /// let mut state = State::rest(&chain);
+    /// state.u_mut().copy_from_slice(&[-1.0, 1.0]);
     /// state.u_dot_mut().copy_from_slice(&[-1.0, 1.0]);
     /// let run = Run::new(chain, state).until(10.0)?;
     /// let end = run.start()?;
-    /// assert!((run.amplification(&end.state)? - 1.0).abs() < 1e-4);
+    /// assert!((run.amplification(&end.state)? - (2.0 + 10.0) / 11.0).abs() < 1e-4);
     /// # Ok::<(), hertzchain_core::Error>(())
     /// ```
     ///
@@ -70,11 +67,13 @@ impl Run {
     /// a strain ring the means stay. A bead that a drive moves begins with its drive.
     fn changed(&self, share: f64) -> State<f64> {
         let (initial, layout) = (self.initial(), self.chain.layout());
-        let rest = max_norm(initial.as_slice().iter().copied()) == 0.0;
         let mut state = initial.clone();
-        for column in state.as_mut_slice()[..2 * layout.half()].chunks_mut(layout.half()) {
-            let size = max_norm(column.iter().copied());
-            perturb(column, share * if rest { self.chain.details().map_or(1.0, Details::scale) } else { size });
+        let driven = self.chain.details().map_or(0.0, Details::scale);
+        let rest = max_norm(initial.as_slice().iter().copied()) == 0.0;
+        let sizes = [overlap_scale(&self.chain, initial.as_slice()), 0.0];
+        for (column, size) in state.as_mut_slice()[..2 * layout.half()].chunks_mut(layout.half()).zip(sizes) {
+            let size = max_norm(column.iter().copied()).max(size);
+            perturb(column, share * if rest { driven } else { size }, 0.0);
         }
         if self.chain.topology().strains() {
             let n = layout.sites();

@@ -43,8 +43,8 @@ pub(crate) struct RunArgs {
     /// Measure by what factor a small change of the initial state has grown at the end.
     ///
     /// A second run begins from a state that is changed by the tolerance (1e-10 for equal steps, at
-    /// least 1e-12), relative to the size of the state. The tolerance times this factor is the size
-    /// of the error at the end.
+    /// least 1e-12), relative to the size of the state. The error at the end is at most about the
+    /// tolerance times this factor.
     #[arg(long, hide_short_help = true, conflicts_with_all = ["checkpoint", "resume", "plan"])]
     pub(crate) amplification: bool,
     /// Steps per period of the scene, for splitting schemes.

@@ -66,7 +66,8 @@ fn perturbed(state: &State<f64>) -> State<f64> {
     let mut out = state.clone();
     let half = state.as_slice().len() / 2;
     let velocities = &mut out.as_mut_slice()[half..];
-    perturb(velocities, PERTURBATION * max_norm(velocities.iter().copied()));
+    let size = max_norm(velocities.iter().copied());
+    perturb(velocities, PERTURBATION * size, 1e-3 * size);
     out
 }
 

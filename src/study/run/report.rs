@@ -9,7 +9,7 @@ use crate::{
     chain::{Boundary, Energy, Ledger, Overlaps},
     error::Result,
     output::{Folder, NpzWriter, csv, write_csv, write_json},
-    run::{Profile, Run, Trajectory},
+    run::{Profile, Trajectory},
     scene::{Scene, Theory, Units},
     study::si::ALL_IN_SI,
 };
@@ -89,7 +89,8 @@ pub struct Ran<'a> {
     pub reason: Option<&'a str>,
     /// The result of the run.
     pub outcome: &'a Trajectory,
-    /// The factor by which a small change has grown, see [`Run::amplification`], if it was asked for.
+    /// The factor by which a small change has grown, if it was asked for; see
+    /// [`Run::amplification`](crate::run::Run::amplification).
     pub amplification: Option<f64>,
     /// The units that `outcome` is in, if it is in SI units; see [`in_si`](super::in_si).
     pub si: Option<&'a Units>,
