@@ -20,7 +20,7 @@ fn operands(command: &str) -> &'static [&'static str] {
         "run" => &["impact"],
         "wave" | "wave exact" => &["tw-q15"],
         "wave continue" => &["tw-q15", "--to", "2.01"],
-        "breather evolve" => &["orbit.json"],
+        "breather evolve" => &["dark-breather.json"],
         _ => &[],
     }
 }
