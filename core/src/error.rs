@@ -45,6 +45,9 @@ pub enum Error {
     /// A run that could not go on, with its mean step and the place on the chain.
     #[error(transparent)]
     Run(#[from] Failed),
+    /// A result that must not be trusted.
+    #[error(transparent)]
+    Doubtful(#[from] crate::run::Warning),
     /// A point of a study that failed.
     #[error("{point}: {why}")]
     Point {

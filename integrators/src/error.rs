@@ -6,7 +6,7 @@
 #[non_exhaustive]
 pub enum Error {
     /// An argument outside its range.
-    #[error("{name} = {value:?} is not valid: {rule}")]
+    #[error("{name} = {} is not valid: {rule}", brief(.value))]
     Argument {
         /// Name of the argument.
         name: &'static str,
@@ -88,7 +88,7 @@ pub enum Error {
     },
 }
 
-/// A time in decimal or, if very small or very large, exponential notation.
+/// A number in decimal or, if very small or very large, exponential notation.
 fn brief(t: &f64) -> String {
     if *t == 0.0 || (1e-5..1e16).contains(&t.abs()) { t.to_string() } else { format!("{t:e}") }
 }

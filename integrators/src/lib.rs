@@ -15,6 +15,7 @@
 //! | [`events`] | changes of sign of functions of the state |
 //! | [`regularised`] | DOP853 through events, in a variable in which the solution is smooth |
 //! | [`drive`](mod@drive) | the loop over time: advance, record, stop |
+//! | [`tolerance`](mod@tolerance) | the ranges of tolerances |
 //! | [`stats`], [`error`] | counts of work; the error type |
 
 pub mod clock;
@@ -32,6 +33,7 @@ pub mod regularised;
 pub mod splitting;
 pub mod stats;
 pub mod system;
+pub mod tolerance;
 pub mod vector;
 
 pub use clock::{Rotation, Twofold};
@@ -47,4 +49,5 @@ pub use regularised::Regularised;
 pub use splitting::{Scheme, Splitting};
 pub use stats::Stats;
 pub use system::{SplitFlow, VectorField};
+pub use tolerance::Tolerance;
 pub use vector::{Column, Vector};

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any
@@ -68,6 +69,8 @@ class Trajectory:
         for a chain that dissipates or is driven.
     driven : float or None
         Work of the drives up to the end, for such a chain.
+    warnings : list of str
+        What makes the result doubtful, such as an energy error that the tolerance does not explain.
     failure : str or None
         Why the run stopped before its end, if it did.
     t_end : float
@@ -96,6 +99,7 @@ class Trajectory:
         work = record.get("dissipated")
         self.dissipated = None if work is None else dict(zip(("drag", "dashpots", "contacts", "total"), work))
         self.driven: float | None = record.get("driven")
+        self.warnings: list[str] = record["warnings"]
         self.failure: str | None = record["failure"]
         self.t_end: float = record["t_end"]
         self.end: dict[str, Vector] = {
@@ -289,7 +293,8 @@ def run(
         An integrator by name, see :func:`integrators`. Without a name, a `tol` selects contact
         collocation; otherwise ``hertzchain run`` has the same choice.
     tol : float, optional
-        Tolerance, from 1e-15 to 0.1; for collocation it bounds the error of the whole run.
+        Tolerance, from 1e-15 to 0.1; for collocation it bounds the sum of the errors of all
+        windows, which the error at the end exceeds where small changes grow.
     step, steps_per_period : float, optional
         Step of a method with equal steps, slightly reduced so that a whole number fits.
     at : array_like or int, optional
@@ -316,6 +321,11 @@ def run(
     -------
     Trajectory
         The attribute `failure` is set if the run failed before its end.
+
+    Warns
+    -----
+    RuntimeWarning
+        If the result is doubtful; the attribute `warnings` has the same sentences.
 
     Raises
     ------
@@ -367,6 +377,8 @@ def run(
         )
     trajectory = Trajectory(scene if isinstance(scene, Chain) else whole.chain, record, whole.units)
     trajectory = trajectory.in_si() if si else trajectory
+    for warning in trajectory.warnings:
+        warnings.warn(warning, RuntimeWarning, stacklevel=2)
     if isinstance(raised, KeyboardInterrupt):
         raise Interrupted(trajectory) from None
     if raised is not None:

@@ -10,7 +10,7 @@ pub(crate) fn exception(py: Python<'_>, error: &Error) -> PyErr {
         Error::Parameter { .. } | Error::Integration(integrators::Error::Argument { .. }) => "ParameterError",
         Error::Unknown { .. } => "UnknownNameError",
         Error::Scene { .. } => "SceneError",
-        Error::Integration(_) | Error::Run(_) | Error::Point { .. } => "RunError",
+        Error::Integration(_) | Error::Run(_) | Error::Doubtful(_) | Error::Point { .. } => "RunError",
         Error::Stalled { .. } => "ConvergenceError",
         Error::File { .. } | Error::Content { .. } => "FileError",
         _ => "Error",

@@ -149,6 +149,8 @@ fn record<'py>(py: Python<'py>, outcome: Trajectory, mut rows: Rows, states: boo
     result.set_item("force_evaluations", stats.force_evaluations)?;
     result.set_item("wall_s", outcome.wall.as_secs_f64())?;
     result.set_item("energy_error", outcome.energy_error)?;
+    let warnings: Vec<String> = outcome.warnings.iter().map(ToString::to_string).collect();
+    result.set_item("warnings", warnings)?;
     result.set_item("failure", outcome.failure.map(|failure| failure.to_string()))?;
     result.set_item("t_end", outcome.t)?;
     if let Some(ledger) = rows.layout.ledger(&outcome.state) {

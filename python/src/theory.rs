@@ -5,7 +5,7 @@ use hertzchain::{
     Params, breathers,
     chain::Site,
     dps::{Averages, Constraint, DarkProfile, Dps, Ends, Form, Homoclinic, Layout},
-    integrators::{Dop853, dop853::Options},
+    integrators::{Dop853, Tolerance, dop853::Options},
     run::state_at,
     waves::{self, Shape, Size},
 };
@@ -185,6 +185,7 @@ pub(crate) fn flow<'py>(
     };
     let dim = start.len();
     let rows = finished(py, None, |_| {
+        let tol = Tolerance::CROSSED.check(tol)?;
         let mut rows = Vec::with_capacity(times.len() * dim);
         let mut row = start.clone();
         let mut run = (end > 0.0).then(|| Dop853::new(field, &start, (0.0, end), Options::new(tol))).transpose()?;

@@ -5,7 +5,7 @@ use crate::{
     error::{Error, Result},
     output::{Folder, to_json},
     parts::Parts,
-    run::{Method, Records, Trajectory},
+    run::{Method, Records, Trajectory, Warning},
     scene::{Scene, SceneFile},
     study::{self, Asked, How, LongRun, Ran, folder_of},
 };
@@ -66,6 +66,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
         return go_on(args, long, &folder);
     }
     let run = scene.run().in_parts(parts)?;
+    let again = args.amplification.then(|| how.integrated(run.clone())).transpose()?;
     let folder = args.out.as_ref().map(|out| Folder::own(out, None)).transpose()?;
     say_why();
     signals::ask()?;
@@ -74,7 +75,12 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let run = if args.events { run.contacts() } else { run };
     let outcome = how.start(run, &mut |t, _| bar.set_position((1000.0 * t / scene.end()) as u64));
     bar.finish_and_clear();
-    report(args, &scene, (&name, &wording, reason), outcome?, folder.as_ref())
+    let outcome = outcome?;
+    let again = again.filter(|_| outcome.failure.is_none());
+    // The results of the run count, also if the second run fails.
+    let unknown = |why: &Error| say(&format!("amplification unknown: {why}"));
+    let amplification = again.and_then(|run| run.amplification(&outcome.state).inspect_err(unknown).ok());
+    report(args, &scene, (&name, &wording, reason), (outcome, amplification), folder.as_ref())
 }
 
 /// Where the sites are integrated. `None` for an MPI rank that has served rank 0 and is done.
@@ -135,18 +141,17 @@ fn report(
     args: &RunArgs,
     scene: &Scene,
     (name, wording, reason): (&str, &str, Option<&str>),
-    mut outcome: Trajectory,
+    (mut outcome, amplification): (Trajectory, Option<f64>),
     folder: Option<&Folder>,
 ) -> Exit {
     let si = scene.units_if(args.si)?;
     if let Some(units) = si {
         outcome = study::in_si(outcome, scene.chain().layout(), units);
     }
-    let ran = Ran { scene, integrator: name, setting: wording, reason, outcome: &outcome, si };
+    let ran = Ran { scene, integrator: name, setting: wording, reason, outcome: &outcome, amplification, si };
     // JSON has the whole state. For a long chain it takes more memory than the run, so it is made
     // only if it is asked for.
     let text = if args.json { to_json(&study::run_json(&ran)) + "\n" } else { study::run_summary(&ran) };
-    study::run_warnings(&ran).iter().for_each(|warning| say(&format!("warning: {warning}")));
     // Files are written even if printing fails, and results are printed before a file can fail.
     let printed = print(&text);
     if let Some(folder) = folder {
@@ -171,7 +176,8 @@ fn report(
             ));
         }
     }
-    outcome.failure.map_or(printed, |failure| Err(failure.into())).map(|()| DONE)
+    let doubt = outcome.warnings.into_iter().find(Warning::fatal).map(Error::from);
+    outcome.failure.map(Error::from).or(doubt).map_or(printed, Err).map(|()| DONE)
 }
 
 /// Goes on from a checkpoint.
@@ -197,5 +203,5 @@ fn go_on(args: &RunArgs, long: LongRun, folder: &Folder) -> Exit {
     let bar = progress_bar();
     let outcome = long.run(folder, &mut |t| bar.set_position((1000.0 * t / scene.end()) as u64));
     bar.finish_and_clear();
-    report(args, &scene, (&name, &wording, None), outcome?, Some(folder))
+    report(args, &scene, (&name, &wording, None), (outcome?, None), Some(folder))
 }

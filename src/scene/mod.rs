@@ -23,6 +23,7 @@ use crate::{
     waves::{PerturbedWave, TravellingWave},
 };
 use builtin::BUILTIN;
+use hertzchain_integrators::Error as Failure;
 use initial::{initial_state, within_range};
 use std::{f64::consts::PI, path::Path};
 
@@ -145,7 +146,9 @@ impl Scene {
     fn parse_as(text: &str, file: &str, changes: &[String], by_part: bool) -> Result<Self> {
         let refused = |error: Error| {
             let place = match &error {
-                Error::Parameter { name, .. } => SceneFile::place(text, changes, name),
+                Error::Parameter { name, .. } | Error::Integration(Failure::Argument { name, .. }) => {
+                    SceneFile::place(text, changes, name)
+                }
                 _ => None,
             };
             let message = place.map(|place| place + ": ").unwrap_or_default() + &error.to_string();
@@ -384,6 +387,12 @@ impl Scene {
     /// (`2 pi/sqrt(kappa)` for the cradle), and otherwise the `period` of the file.
     pub fn period(&self) -> f64 {
         self.period
+    }
+
+    /// Period of the fastest motion, see [`Run::fast_period`]: the unit of steps that nobody gives,
+    /// and of ladders of steps.
+    pub fn fast_period(&self) -> f64 {
+        self.run().fast_period()
     }
 
     /// The end of the time span, which starts at 0.

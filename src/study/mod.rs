@@ -101,6 +101,8 @@ use crate::{
     scene::Scene,
     sweep::Engine,
 };
+#[cfg(feature = "cli")]
+use hertzchain_integrators::Tolerance;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -211,6 +213,20 @@ fn scene(name: &str, changes: &Changes) -> Result<Scene> {
     let scene = Scene::load_with(name, &changes.set)?;
     scene.chain().uniform("this study")?;
     Ok(scene)
+}
+
+/// What the tolerance of collocation bounds, for the help of options.
+#[cfg(feature = "cli")]
+const OF_WINDOWS: &str = "It bounds the sum of the errors of all windows, relative to the size of the state. Where small \
+                          changes grow, the error at the end is larger by the same factor.";
+/// The same of the flow of an exact wave.
+#[cfg(feature = "cli")]
+const OF_WAVE: &str = "It bounds the sum of the errors of the flow over a relative period.";
+
+/// The help of the tolerance of a run, with what else it may mean.
+#[cfg(feature = "cli")]
+pub(crate) fn tolerance_help(more: &str) -> String {
+    Tolerance::RUN.long_help(&format!("For collocation: {OF_WINDOWS} {more}For dop853: error of a step"))
 }
 
 /// The integrators that are named; all for `all`; those of `unnamed` if none is.

@@ -10,7 +10,7 @@ fn hertzchain(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args).env_remove("COLUMNS").output().unwrap()
 }
 
-fn help(path: &[String], flag: &str) -> String {
+pub(crate) fn help(path: &[String], flag: &str) -> String {
     let args: Vec<&str> = path.iter().map(String::as_str).chain([flag]).collect();
     let output = hertzchain(&args);
     assert!(output.status.success() && output.stderr.is_empty(), "{args:?}");
@@ -25,7 +25,7 @@ fn listed(help: &str) -> Vec<String> {
 }
 
 /// Every command with those above it, as the help tells them.
-fn commands() -> Vec<Vec<String>> {
+pub(crate) fn commands() -> Vec<Vec<String>> {
     let mut all = vec![Vec::new()];
     let mut next = 0;
     while let Some(path) = all.get(next).cloned() {

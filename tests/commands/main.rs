@@ -23,3 +23,4 @@ mod shards;
 mod si;
 mod stored;
 mod studies;
+mod tolerances;

@@ -130,3 +130,79 @@ fn a_scene_names_its_method_and_is_refused_where_that_makes_no_sense() {
         assert!(error.contains(part) && error.contains("mine.toml"), "{method}: {error}");
     }
 }
+
+#[test]
+fn no_scene_of_the_program_has_a_warning() {
+    for (name, _) in Scene::list() {
+        let scene = Scene::load(name).unwrap();
+        // Some drives come to their full height later.
+        let short = scene.clone().until(scene.end().min(60.0)).unwrap_or(scene);
+        let end = short.run().start().unwrap();
+        assert!(end.failure.is_none() && end.warnings.is_empty(), "{name}: {:?}", end.warnings);
+    }
+}
+
+#[test]
+fn rounding_errors_and_energy_that_flows_through_are_no_warning() {
+    // The smallest tolerance: what remains is rounding.
+    let run = struck(8).until(400.0).unwrap().method(Method::named("dop853-regularised").unwrap());
+    let end = run.tolerance(1e-15).unwrap().start().unwrap();
+    assert!(end.energy_error.unwrap() > 1e-15 && end.warnings.is_empty(), "{:?}", end.warnings);
+    // Almost at rest, then driven: the error is far above the initial energy.
+    let scene = r#"
+        name = "pushed"
+        chain = { sites = 3, alpha = 1.5, kappa = 0.0, rho = 0.0, boundary = "fixed" }
+        drive = [{ site = 0, kind = "pushed", amplitude = 0.5, omega = 2.0, ramp = 4.0 }]
+        initial = { kind = "state", u_dot = [0.0, 1e-9, 0.0] }
+        span = { until = 30.0 }
+    "#;
+    let run = Scene::parse(scene, "pushed").unwrap().run();
+    let end = run.method(Method::Collocation).tolerance(1e-6).unwrap().start().unwrap();
+    assert!(end.energy_error.unwrap() > 1e3 && end.warnings.is_empty(), "{:?}", end.warnings);
+}
+
+/// Truth: `Omega_c = sqrt(2 alpha A^(alpha-1))`, `A^(alpha+1) = (alpha+1) V^2`, for two beads that
+/// meet with speed `V` each; Hertz' law scales.
+#[test]
+fn steps_are_counted_against_the_fastest_motion() {
+    use std::f64::consts::TAU;
+    let period = |changes: &[&str]| {
+        let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+        Scene::load_with("impact", &changes).unwrap().fast_period()
+    };
+    let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-13, "{a:e}, {b:e}");
+    let hertz = TAU / (3.0 * 2.5f64.powf(0.2)).sqrt();
+    for changes in [&[][..], &["span.period=32"], &["chain.boundary=ring"], &["chain.boundary=fixed"]] {
+        close(period(changes), hertz);
+    }
+    // Equal beads with details are equal beads. Masses and constants of contacts scale.
+    close(period(&["beads.mass=1.0"]), hertz);
+    close(period(&["beads.mass=8.0", "bonds.contact=8.0"]), hertz);
+    close(period(&["beads.mass=8.0"]), hertz * 8f64.powf(0.4));
+    // A static overlap of 0.3 between beads that hardly move; a faster drive.
+    let still = ["initial.velocity=1e-9", "chain.boundary=ring", "chain.precompression=0.3"];
+    let stiff = TAU / (3.0 * 0.3f64.sqrt()).sqrt();
+    assert!((period(&still) / stiff - 1.0).abs() < 1e-6);
+    close(period(&["drive=[{site=0,kind=\"pushed\",amplitude=1e-3,omega=50.0}]"]), TAU / 50.0);
+    // Nothing moves: the period of the scene.
+    let rest = State::rest(struck(4).chain());
+    let plain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 4).unwrap();
+    assert_eq!(Run::new(plain.clone(), State::rest(&plain)).with_period(7.0).fast_period(), 7.0);
+    // Resonators at rest.
+    close(Run::new(struck(4).chain().clone(), rest).fast_period(), TAU / 2.0);
+}
+
+#[test]
+fn the_waves_and_breathers_of_the_paper_keep_their_period() {
+    let faster = |name: &str| Scene::load(name).unwrap().fast_period() / Scene::load(name).unwrap().period();
+    for (name, _) in Scene::list() {
+        let uniform = Scene::load(name).unwrap().chain().details().is_none();
+        match name {
+            "tw-breakdown-q15" => assert!((0.9..0.95).contains(&faster(name))),
+            "precompressed" => assert!((0.94..0.96).contains(&faster(name))),
+            "impact" => assert!((3.3..3.32).contains(&faster(name))),
+            _ if uniform => assert_eq!(faster(name), 1.0, "{name}"),
+            _ => (),
+        }
+    }
+}

@@ -437,10 +437,10 @@ fn bad_input_is_refused_with_the_rule() {
     }
     let dps = || Dps::plain(1.5, 1.0, RING).unwrap();
     for (y, span, steps, want) in [
-        (vec![0.0; 9], (0.0, 1.0), 1, "y0 = 9.0 is not valid"),
+        (vec![0.0; 9], (0.0, 1.0), 1, "y0 = 9 is not valid"),
         (vec![f64::NAN; 10], (0.0, 1.0), 1, "y0 = NaN is not valid"),
-        (vec![0.0; 10], (0.0, -1.0), 1, "end = -1.0 is not valid"),
-        (vec![0.0; 10], (0.0, 1.0), 0, "steps = 0.0 is not valid: at least one step"),
+        (vec![0.0; 10], (0.0, -1.0), 1, "end = -1 is not valid"),
+        (vec![0.0; 10], (0.0, 1.0), 0, "steps = 0 is not valid: at least one step"),
     ] {
         let message = Gauss::new(dps(), &y, span, steps, Stages::Two).err().unwrap().to_string();
         assert!(message.starts_with(want), "{message}");

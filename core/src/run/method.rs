@@ -11,7 +11,7 @@ use crate::{
     parts::{Motion, Parted, Parts},
 };
 use hertzchain_integrators::{
-    Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper,
+    Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper, Tolerance,
     collocation::{ContactStepper, Pace, Section, Windows},
     conserving::{DiscreteGradient, Quadratised},
     dop853::Options,
@@ -68,7 +68,8 @@ pub enum Setting {
     /// Number of equal steps over the whole span.
     Steps(u64),
     /// Tolerance. For DOP853: of a step, relative, and absolute in units of the largest entry of
-    /// the initial state. For collocation and contact-corrected splitting: of the whole run.
+    /// the initial state. For collocation: of the sum of the errors of all windows, relative to the
+    /// size of the state. For contact-corrected splitting: of the state at the end.
     Tolerance(f64),
     /// Number of equal windows over the whole span, and number of Gauss nodes per panel.
     Windows(u64, usize),
@@ -102,7 +103,7 @@ impl Setting {
             // At least the smallest tolerance of the method, unless the given tolerance is smaller
             // still, and refused.
             Self::Tolerance(tol) if method.of_the_run() => {
-                Self::Tolerance((tol * share).max(tol.min(method.least_tolerance())))
+                Self::Tolerance((tol * share).max(tol.min(method.tolerances().least)))
             }
             Self::Tolerance(_) => self,
         }
@@ -132,9 +133,6 @@ pub const NO_TOLERANCE: &str = "a method with equal steps takes --step or --step
 /// Rule in the error for parts asked of a method that cannot run in parts.
 const NOT_DIVISIBLE: &str = "only splitting schemes and collocation run in parts, as --integrator strang-linear: \
                                  leave --threads, ranks and --by-part out, or take one";
-
-/// Smallest tolerance that collocation accepts.
-const LEAST_TOLERANCE: f64 = 1e-15;
 
 impl Method {
     /// Contact-corrected splitting on the exact linear flow.
@@ -265,11 +263,12 @@ impl Method {
         self.tolerant() && !matches!(self, Self::Dop853(_))
     }
 
-    /// Smallest tolerance that a method of the whole run accepts.
-    fn least_tolerance(self) -> f64 {
+    /// The tolerances that the method accepts, if it takes one.
+    pub fn tolerances(&self) -> Tolerance {
         match self {
-            Self::Corrected(..) => *tolerance::TOLERANCES.start(),
-            _ => LEAST_TOLERANCE,
+            Self::Corrected(..) => Tolerance::CORRECTED,
+            Self::Dop853(Contacts::Crossed) => Tolerance::CROSSED,
+            _ => Tolerance::RUN,
         }
     }
 

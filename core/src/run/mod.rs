@@ -4,19 +4,24 @@
 //! |---|---|
 //! | `mod` | [`Run`]: chain, initial state, span, method, setting, and what is recorded |
 //! | `method` | [`Method`]: the integrators by name; [`Setting`]: steps, tolerance or windows |
+//! | `amplification` | by how much a small change of the initial state has grown at the end |
 //! | `initial` | [`Initial`]: the state from which it begins, in memory or site by site |
 //! | `record` | [`Trajectory`]: the result of a run; checks for unstable states during the run |
 //! | `sight` | checks, energy and profile of a state, in memory or in the parts of a run |
 //! | `states` | [`States`]: an iterator over the states at given times |
+//! | `warning` | [`Warning`]: what makes the result of a run doubtful, such as its energy error |
 //! | `regime` | [`regime`]: the default method and setting for a chain and its initial state |
 
+mod amplification;
 mod initial;
 pub mod method;
 mod record;
 mod regime;
 mod sight;
 mod states;
+mod warning;
 
+pub use amplification::{deviation, perturb};
 pub use initial::{Initial, Measure};
 pub use method::{Method, Setting};
 pub use record::{Kept, Recorder};
@@ -25,17 +30,16 @@ pub use regime::{Regime, regime};
 pub use regime::{contact_frequency, overlap_scale};
 pub use states::States;
 pub use states::state_at;
+pub use warning::Warning;
 
 use crate::{
-    chain::{Chain, Contact, Envelope, State},
+    chain::{Chain, Contact, State},
     error::{Error, Result},
     parts::{ONE_PART, Parts},
 };
 use hertzchain_integrators::Stepper;
 use std::f64::consts::PI;
 
-/// Tolerances that a run accepts; a method may accept fewer of them.
-const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-15..=0.1;
 /// Default number of samples.
 const SAMPLES: usize = 400;
 /// Largest number of samples.
@@ -144,16 +148,14 @@ impl Run {
         self
     }
 
-    /// Sets the tolerance: of the whole run for [`Method::Collocation`] and [`Method::CORRECTED`],
-    /// of a step for the other methods that take one. Without a [`method`](Self::method), the
-    /// method is collocation.
+    /// Sets the tolerance: of the sum of the errors of all windows for [`Method::Collocation`], of
+    /// the state at the end for [`Method::CORRECTED`], of a step for the other methods that take
+    /// one. Without a [`method`](Self::method), the method is collocation.
     ///
     /// # Errors
-    /// A tolerance outside 1e-15 .. 0.1.
+    /// A tolerance that the method does not accept, see [`Method::tolerances`].
     pub fn tolerance(self, tol: f64) -> Result<Self> {
-        if !TOLERANCES.contains(&tol) {
-            return Err(Error::parameter("tol", tol, "from 1e-15 to 0.1"));
-        }
+        let tol = self.method.unwrap_or(Method::by_tolerance()).tolerances().check(tol)?;
         Ok(self.setting(Setting::Tolerance(tol)))
     }
 
@@ -275,6 +277,15 @@ impl Run {
         self.period
     }
 
+    /// Period of the fastest motion: of resonators, drives, or contacts. Steps that nobody gives
+    /// are counted in it.
+    ///
+    /// Contacts count with their static overlap and the one that strains and speeds of the initial
+    /// state and the drives give them.
+    pub fn fast_period(&self) -> f64 {
+        regime::fast_period(self)
+    }
+
     /// Number of equal parts of the span at whose ends samples are taken; 0 if the times of samples
     /// were given.
     pub fn sample_count(&self) -> usize {
@@ -327,38 +338,14 @@ impl Run {
             (None, Some(setting @ Setting::Steps(_))) => (Method::by_steps(&self.chain), setting),
             (None, Some(setting)) => (Method::by_tolerance(), setting),
             (Some(method), None) if method.tolerant() => (method, Setting::Tolerance(regime::TOLERANCE)),
-            (Some(method), None) => (method, Setting::steps(regime::STEPS_PER_PERIOD * self.end()? / self.period)?),
+            (Some(method), None) => {
+                (method, Setting::steps(regime::STEPS_PER_PERIOD * self.end()? / self.fast_period())?)
+            }
             (None, None) => {
                 let Regime { method, setting, .. } = regime(self)?;
                 (method, setting)
             }
         })
-    }
-
-    /// The drives that steps of a given length do not resolve, each as a sentence: its ramp or its
-    /// burst is shorter than a step. Empty for methods that choose their steps, or their windows:
-    /// these end where a signal is not smooth.
-    pub fn unresolved(&self) -> Vec<String> {
-        let Ok((Method::Splitting(..) | Method::Landed(_), Setting::Steps(steps))) = self.choice() else {
-            return Vec::new();
-        };
-        let step = self.end / steps as f64;
-        let drives = self.chain.details().into_iter().flat_map(|details| &details.drives).enumerate();
-        let short = drives.filter_map(|(k, drive)| {
-            let (kind, length) = match drive.signal.envelope {
-                Envelope::Ramp(ramp) => ("ramp", ramp),
-                Envelope::Burst { length, .. } => ("burst", length),
-                Envelope::None => return None,
-            };
-            (length < step).then(|| {
-                let site = drive.site;
-                format!(
-                    "drive {k}, of bead {site}, has a {kind} of length {length:e}, which steps of {step:e} pass over: \
-                     take shorter steps, or --tol"
-                )
-            })
-        });
-        short.collect()
     }
 
     /// The stepper of the method, for callers that take the steps themselves.

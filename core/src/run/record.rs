@@ -1,6 +1,6 @@
 //! The result of a run, and the observer that collects it.
 
-use super::{Measure, Method, Run, Setting, method::start_logged};
+use super::{Measure, Method, Run, Setting, Warning, method::start_logged};
 use crate::{
     chain::{Contact, ContactLog, Contacts, Energy, Overlaps, max_norm},
     error::{Failed, Result},
@@ -84,6 +84,8 @@ pub struct Trajectory {
     pub wall: Duration,
     /// Part of `wall` spent on samples: states at the sample times, energies, strains.
     pub sampling: Duration,
+    /// What makes the result doubtful.
+    pub warnings: Vec<Warning>,
     /// Why the run stopped before its end, if it did.
     pub failure: Option<Failed>,
 }
@@ -366,12 +368,29 @@ impl<'a> Recorder<'a> {
         let energy = self.energy(&self.kept.state);
         let Kept { t, state, largest, samples, profiles, contacts, stats, wall, sampling, .. } = self.kept;
         let contacts = contacts.map(|contacts| contacts.list());
-        let most = samples.iter().filter_map(|sample: &Sample| sample.energy).chain(energy);
-        let most = most.fold(0.0f64, |most, energy| most.max(energy.total()));
-        let unit =
-            |initial: f64| if initial == 0.0 && self.run.chain.open() { nonzero(most) } else { nonzero(initial) };
-        let energy_error = energy.map(|_| largest / self.initial_energy.map_or(1.0, unit));
-        Trajectory { t, state, energy, energy_error, samples, profiles, contacts, stats, wall, sampling, failure }
+        let (open, initial) = (self.run.chain.open(), self.initial_energy.unwrap_or(1.0));
+        let energies = || samples.iter().filter_map(|sample: &Sample| sample.energy).chain(energy);
+        let most = energies().fold(0.0f64, |most, energy| most.max(energy.total()));
+        let unit = if initial == 0.0 && open { nonzero(most) } else { nonzero(initial) };
+        let energy_error = energy.map(|_| largest / unit);
+        // What flows through an open chain may be much more than what it holds.
+        let flow = energies().fold(most, |most, energy| most.max(energy.dissipated).max(energy.driven.abs()));
+        let unit = if open { nonzero(flow) } else { unit };
+        let warnings = Warning::of(self.run, energy.map(|_| largest / unit), stats);
+        Trajectory {
+            t,
+            state,
+            energy,
+            energy_error,
+            samples,
+            profiles,
+            contacts,
+            stats,
+            wall,
+            sampling,
+            warnings,
+            failure,
+        }
     }
 
     fn energy(&self, y: &[f64]) -> Option<Energy<f64>> {
@@ -393,8 +412,10 @@ impl<'a> Recorder<'a> {
         if energy.is_some() {
             self.kept.largest = self.kept.largest.max((value - initial).abs());
         }
-        // An energy that overflows exceeds the bound too.
-        if !value.is_finite() || initial > 0.0 && value > bound * initial {
+        // An open chain is compared with what flows through it. An energy that overflows exceeds the
+        // bound too.
+        let scale = energy.map_or(initial, |energy| initial.max(energy.dissipated).max(energy.driven.abs()));
+        if !value.is_finite() || initial > 0.0 && value > bound * scale {
             return Err(Failure::Unstable { quantity, initial, value, t, step });
         }
         Ok(energy)

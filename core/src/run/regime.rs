@@ -2,10 +2,11 @@
 
 use super::{Method, Run, Setting, method::Split};
 use crate::{
-    chain::{Blocks, Chain, max_norm},
+    chain::{Blocks, Boundary, Chain, Whole, max_norm},
     error::Result,
 };
 use hertzchain_integrators::splitting::tables;
+use std::f64::consts::PI;
 
 /// Value of `chi = omega/Omega_c` above which `regime` chooses Strang's splitting on the exact
 /// linear flow: its energy error is then below 10^-6, at a tenth of the run time of collocation or
@@ -20,7 +21,7 @@ const GOAL: f64 = 1e-6;
 const LONGEST: f64 = 2.0;
 /// Default tolerance of methods that take one.
 pub(super) const TOLERANCE: f64 = 1e-10;
-/// Default number of steps per period of the other methods.
+/// Default number of steps of the other methods in a period of the fastest motion.
 pub(super) const STEPS_PER_PERIOD: f64 = 512.0;
 
 /// Method and setting that `regime` chose, with its reason.
@@ -40,42 +41,58 @@ pub struct Regime {
 /// overlap `A` of two beads that meet with the largest speed `V` each,
 /// `A^(alpha+1) = (alpha+1) V^2`.
 pub fn overlap_scale(chain: &Chain<f64>, y: &[f64]) -> f64 {
-    let (strain, power) = (max_norm(chain.strains(y)), chain.params().alpha + 1.0);
-    let speed = max_norm(chain.layout().u_dot(y).iter().copied());
+    overlap_of(chain, &Whole(chain.layout(), y))
+}
+
+/// The same of a state in blocks.
+fn overlap_of(chain: &Chain<f64>, state: &dyn Blocks<f64>) -> f64 {
+    let ((strain, speed), power) = (scales(chain, state), chain.params().alpha + 1.0);
     strain.max((speed * speed * power).powf(power.recip()))
 }
 
-/// The same of the initial state of a run, which need not be in memory: it is looked at in blocks.
-fn overlap_scale_of(run: &Run) -> f64 {
-    let (chain, rest) = (run.chain(), run.chain().precompression());
-    if run.initial.made().is_some() || chain.sites() == 1 {
-        return overlap_scale(chain, run.initial().as_slice());
-    }
-    let (mut strain, mut speed, mut last) = (0.0f64, 0.0f64, None);
-    let mut across = |left: f64, right: f64| {
-        let overlap = rest + (left - right);
-        strain = if overlap.is_finite() { strain.max((rest - overlap).abs()) } else { strain };
+/// The largest strain, in absolute value, and the largest speed of a bead.
+fn scales(chain: &Chain<f64>, state: &dyn Blocks<f64>) -> (f64, f64) {
+    let (mut strain, mut speed) = (0.0f64, 0.0f64);
+    let mut before = match chain.boundary() {
+        Boundary::Ring => Some(state.last()),
+        Boundary::Fixed | Boundary::StrainRing => Some(0.0),
+        Boundary::Free => None,
     };
-    let (mut first, end) = (0.0, run.initial.last());
-    run.initial.each(&mut |_, [u, _, u_dot, _]| {
+    state.each(&mut |_, [u, _, u_dot, _]| {
         speed = speed.max(max_norm(u_dot.iter().copied()));
-        if chain.topology().strains() {
-            u.iter().for_each(|&x| across(0.0, x));
-            return;
+        for &u in u {
+            strain = strain.max(before.map_or(0.0, |before| (u - before).abs()));
+            before = Some(if chain.topology().strains() { 0.0 } else { u });
         }
-        let before = last.unwrap_or_else(|| {
-            first = u[0];
-            chain.topology().ghosts(u[0], end).0
-        });
-        across(before, u[0]);
-        u.windows(2).for_each(|pair| across(pair[0], pair[1]));
-        last = u.last().copied();
     });
-    if !chain.topology().ring() {
-        across(end, chain.topology().ghosts(first, end).1);
+    // The wall at the end.
+    let wall = before.filter(|_| chain.boundary() == Boundary::Fixed);
+    (strain.max(wall.map_or(0.0, f64::abs)), speed)
+}
+
+/// Period of the fastest motion of a run: of its resonators, its contacts and its drives. A run
+/// with none of them, as at rest without precompression, has its own [period](Run::period).
+///
+/// Contacts count with their static overlap and the [overlap](overlap_scale) that strains and
+/// speeds give them. Where a frequency of resonators is the largest, it is the period of the run,
+/// which for waves and breathers is slightly shorter than that of the resonators.
+pub(super) fn fast_period(run: &Run) -> f64 {
+    let (chain, initial) = (&run.chain, &run.initial);
+    let (own, contacts) = match chain.parts() {
+        None => {
+            let (params, overlap) = (chain.params(), overlap_of(chain, initial) + chain.precompression());
+            (params.omega(), contact_frequency(params.alpha, overlap))
+        }
+        Some(parts) => {
+            let (strain, speed) = scales(chain, initial);
+            (0.0, parts.fast_frequency(chain.topology().ring(), strain, speed))
+        }
+    };
+    match 2.0 * PI / own.max(contacts) {
+        fast if own > 0.0 && run.period < fast => run.period,
+        fast if fast > 0.0 && fast.is_finite() => fast,
+        _ => run.period,
     }
-    let power = chain.params().alpha + 1.0;
-    strain.max((speed * speed * power).powf(power.recip()))
 }
 
 /// Contact frequency `Omega_c = sqrt(2 alpha (A + delta_0)^{alpha-1})`, with
@@ -103,7 +120,7 @@ pub fn regime(run: &Run) -> Result<Regime> {
         run.end()?;
         return Ok(of_details(run.chain()));
     }
-    let (chain, end, overlap) = (run.chain(), run.end()?, overlap_scale_of(run));
+    let (chain, end, overlap) = (run.chain(), run.end()?, overlap_of(run.chain(), &run.initial));
     let (params, omega) = (chain.params(), chain.params().omega());
     let contact = contact_frequency(params.alpha, overlap + chain.precompression());
     let known = format!("omega = {omega:.3e}, Omega_c = {contact:.3e} of contacts that overlap by {overlap:.1e}");
@@ -124,7 +141,7 @@ pub fn regime(run: &Run) -> Result<Regime> {
         method: Method::Collocation,
         setting: Setting::Tolerance(TOLERANCE),
         wording: format!("tol {TOLERANCE:e}"),
-        reason: format!("{known}: up to 10^4 Omega_c collocation keeps this tolerance at all times"),
+        reason: format!("{known}: up to 10^4 Omega_c the errors of its windows add up to less than this tolerance"),
     })
 }
 
@@ -142,6 +159,6 @@ fn of_details(chain: &Chain<f64>) -> Regime {
         method: Method::by_tolerance(),
         setting: Setting::Tolerance(TOLERANCE),
         wording: format!("tol {TOLERANCE:e}"),
-        reason: format!("{sites} {what}: collocation keeps this tolerance over the whole run"),
+        reason: format!("{sites} {what}: the errors of its windows add up to less than this tolerance"),
     }
 }

@@ -1,7 +1,8 @@
 //! Flags of a run, and examples of comparisons.
 
-use crate::study::Changes;
+use crate::study::{Changes, tolerance_help};
 use clap::Args;
+use hertzchain_integrators::Tolerance;
 use std::path::PathBuf;
 
 pub(super) const COMPARE_EXAMPLES: &str = "\
@@ -9,6 +10,17 @@ Examples:
   hertzchain compare tw-q15 --out out/compare
   hertzchain compare cradle --integrators verlet,corrected,collocation
   hertzchain compare impact --integrators all --max-time 60";
+
+/// The help of --tol of a run, in full.
+fn tolerance() -> String {
+    let corrected = Tolerance::CORRECTED.rule;
+    let more = format!(
+        "--amplification measures this factor. {corrected}: error of the state at the end; runs over the whole span \
+         determine the step. "
+    );
+    tolerance_help(&more)
+        + ", relative, and absolute in units of the largest entry of the initial state [default: 1e-10]"
+}
 
 #[derive(Args)]
 pub(crate) struct RunArgs {
@@ -25,15 +37,19 @@ pub(crate) struct RunArgs {
     /// 10^4 times the frequency of contacts. Which one, and why, is printed on stderr.
     #[arg(long, value_name = "NAME")]
     pub(crate) integrator: Option<String>,
-    /// Tolerance, from 1e-15 to 0.1.
-    ///
-    /// For collocation: error of the whole run, relative to the size of the state. For corrected
-    /// and corrected-kinetic: error of the state at the end, from 1e-13 on; runs over the whole
-    /// span determine the step. For dop853: error of a step, relative, and absolute in units of the
-    /// largest entry of the initial state [default: 1e-10].
-    #[arg(long, value_name = "T")]
+    /// Tolerance.
+    #[arg(long, value_name = "T", help = Tolerance::RUN.help(), long_help = tolerance())]
     pub(crate) tol: Option<f64>,
-    /// Steps per period of the scene, for splitting schemes [default: 512].
+    /// Measure by what factor a small change of the initial state has grown at the end.
+    ///
+    /// A second run begins from a state that is changed by the tolerance (1e-10 for equal steps, at
+    /// least 1e-12), relative to the size of the state. The error at the end is at most about the
+    /// tolerance times this factor.
+    #[arg(long, hide_short_help = true, conflicts_with_all = ["checkpoint", "resume", "plan"])]
+    pub(crate) amplification: bool,
+    /// Steps per period of the scene, for splitting schemes.
+    ///
+    /// By default 512 steps per period of the fastest motion: of resonators, drives or contacts.
     #[arg(long, value_name = "N", conflicts_with_all = ["step", "tol"])]
     pub(crate) steps_per_period: Option<f64>,
     /// Step size, in units of time, for splitting schemes.

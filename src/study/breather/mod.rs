@@ -11,6 +11,8 @@
 
 mod report;
 
+#[cfg(feature = "cli")]
+use super::tolerance_help;
 use super::{Changes, Study, Work};
 pub(crate) use report::bright_tables;
 
@@ -23,6 +25,8 @@ use crate::{
     run::state_at,
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span, Theory},
 };
+#[cfg(feature = "cli")]
+use hertzchain_integrators::Tolerance;
 use hertzchain_integrators::{Stats, collocation::Pace};
 use std::time::{Duration, Instant};
 
@@ -56,11 +60,11 @@ pub struct BreatherOptions {
         )
     )]
     pub method: Method,
-    /// Tolerance, from 1e-15 to 0.1.
-    ///
-    /// For collocation: error of the whole run, relative to the size of the state. For dop853:
-    /// error of a step.
-    #[cfg_attr(feature = "cli", arg(long = "tol", value_name = "T", default_value = "1e-10"))]
+    /// Tolerance.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long = "tol", value_name = "T", default_value = "1e-10", help = Tolerance::RUN.help(), long_help = tolerance_help(""))
+    )]
     pub tolerance: f64,
 }
 

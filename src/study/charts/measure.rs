@@ -50,7 +50,7 @@ pub enum Verdict {
     Stable,
     /// The energy error has a trend: a line through it rises by more than four of its residuals. An
     /// error below 10^-12 is rounding and counts as none; so does one of contact collocation below
-    /// its tolerance, which bounds the error of the whole run.
+    /// its tolerance, which bounds the sum of all local errors.
     Drifting,
     /// The energy error is above 1, or the run failed.
     Lost,

@@ -30,10 +30,11 @@ mod problem;
 mod resonances;
 mod struck;
 
+pub use crate::run::deviation;
 pub use measure::{BOUNDS, Limit, Measured, Trial, Verdict};
 pub use problem::{Problem, Variant};
 pub use resonances::{Resonance, kick_sum, resonance};
-pub use struck::{Struck, StruckRun, StruckRuns, deviation};
+pub use struck::{Struck, StruckRun, StruckRuns};
 
 use super::{Changes, Study, Work, methods, scene};
 use crate::{

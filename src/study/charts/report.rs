@@ -665,7 +665,7 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> crate::figures::Matrix {
         values,
         notes,
         caption: format!(
-            "{} In cells: −log₁₀ of the error; d: drifting, of collocation only above its tolerance, which is for the whole run; lost: above 1 or failed; dear: not finished within twenty times the work of a run; –: not tried.",
+            "{} In cells: −log₁₀ of the error; d: drifting, of collocation only above its tolerance, which bounds the sum of all local errors; lost: above 1 or failed; dear: not finished within twenty times the work of a run; –: not tried.",
             provenance(study, chart)
         ),
     }

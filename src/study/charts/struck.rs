@@ -9,8 +9,9 @@ use crate::{
     chain::{Boundary, Chain, Params, State, max_norm},
     error::Result,
     run::{
-        Records,
+        Records, deviation,
         method::{Method, Setting},
+        perturb,
     },
 };
 use serde::{Deserialize, Serialize};
@@ -59,14 +60,6 @@ pub struct StruckRuns {
     pub runs: Vec<StruckRun>,
 }
 
-/// The distance of a state from a reference: the larger of the largest error of a position relative
-/// to the largest position, and that of a velocity relative to the largest velocity.
-pub fn deviation(y: &[f64], reference: &[f64]) -> f64 {
-    let half = y.len() / 2;
-    let part = |a: &[f64], b: &[f64]| max_norm(a.iter().zip(b).map(|(a, b)| a - b)) / max_norm(b.iter().copied());
-    part(&y[..half], &reference[..half]).max(part(&y[half..], &reference[half..]))
-}
-
 /// The state with perturbed velocities: those that are not small, with signs that depend on their
 /// index.
 fn perturbed(state: &State<f64>) -> State<f64> {
@@ -74,9 +67,7 @@ fn perturbed(state: &State<f64>) -> State<f64> {
     let half = state.as_slice().len() / 2;
     let velocities = &mut out.as_mut_slice()[half..];
     let size = max_norm(velocities.iter().copied());
-    for (i, v) in velocities.iter_mut().enumerate().filter(|(_, v)| v.abs() > 1e-3 * size) {
-        *v += if (i * i + 3 * i) % 7 < 3 { PERTURBATION } else { -PERTURBATION } * size;
-    }
+    perturb(velocities, PERTURBATION * size, 1e-3 * size);
     out
 }
 

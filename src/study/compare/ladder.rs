@@ -26,8 +26,8 @@ use crate::{
 use hertzchain_integrators::{Silent, Stats, drive};
 use std::time::Instant;
 
-/// Contact kicks a period on the first rung of a method with fixed steps: the same work for every
-/// scheme. Each rung has twice those of the one before.
+/// Contact kicks a period of the fastest motion on the first rung of a method with fixed steps: the
+/// same work for every scheme. Each rung has twice those of the one before.
 const KICKS: f64 = 16.0;
 /// Tolerances on the rungs of an adaptive method; every ladder has as many rungs.
 const TOLERANCES: [f64; 11] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13];
@@ -70,13 +70,14 @@ impl Rung {
     }
 }
 
-/// The number of steps over the span that makes about this many kicks a period.
+/// The number of steps over the span that makes about this many kicks a period of the fastest
+/// motion.
 pub(in crate::study) fn steps_for_kicks(scene: &Scene, method: &Method, kicks: f64) -> u64 {
     steps(scene, method.stages(), kicks)
 }
 
 fn steps(scene: &Scene, stages: usize, kicks: f64) -> u64 {
-    let steps = kicks * scene.end() / scene.period() / stages as f64;
+    let steps = kicks * scene.end() / scene.fast_period() / stages as f64;
     (steps.round() as u64).max(1)
 }
 

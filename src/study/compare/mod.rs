@@ -288,7 +288,8 @@ impl Comparison {
 /// at a time.
 ///
 /// # Errors
-/// A budget outside its rule, no method, or references that cannot be computed.
+/// A budget outside its rule, no method, or references that cannot be computed or contradict each
+/// other.
 pub fn compare(scene: &Scene, options: &CompareOptions, progress: Progress<'_>) -> Result<Comparison> {
     let (methods, left_out) = options.methods(scene)?;
     let entrants = CompareOptions::entrants(methods, scene);
@@ -298,6 +299,7 @@ pub fn compare(scene: &Scene, options: &CompareOptions, progress: Progress<'_>) 
     }
     let mut climb = Climb::new(scene, entrants, budget, progress);
     let truth = Truth::find(scene, budget * REFERENCE_SHARE, &|words| progress(0.0, words))?;
+    truth.good()?;
     climb.run(&truth);
     let (rows, stopped) = climb.finish();
     Ok(Comparison {

@@ -9,7 +9,7 @@
 use super::Entrant;
 use crate::{
     chain::{State, max_norm},
-    error::Result,
+    error::{Error, Result},
     run::{
         Records,
         method::{Method, Setting},
@@ -45,6 +45,8 @@ const MOST_KICKS: f64 = 131_072.0;
 const TRIAL_SHARE: f64 = 0.05;
 /// Rows nearer to the reference than this many times its error estimate are marked.
 pub(super) const TRUSTED: f64 = 3.0;
+/// Largest error that the list of the fastest methods begins with.
+pub(super) const COARSEST: f64 = 0.1;
 
 /// The stored references, by name of scene.
 const STORED: [(&str, &str); 13] = [
@@ -165,6 +167,20 @@ impl Truth {
         let roundoff = 4.0 * f64::EPSILON * largest / amplitude;
         let gap = ends.get(1).map_or(0.0, |other| distance(&ends[0].strains, &other.strains) / amplitude);
         Self { method, ends, amplitude, error_estimate: gap.max(roundoff) }
+    }
+
+    /// Refuses references that contradict each other: with them no row shows an error of
+    /// [`COARSEST`].
+    pub(super) fn good(&self) -> Result<()> {
+        if TRUSTED * self.error_estimate <= COARSEST {
+            return Ok(());
+        }
+        let (point, gap) = ("reference".to_owned(), self.error_estimate);
+        let why = format!(
+            "{} differ by {gap:.1e} of the amplitude: no error can be measured; end the scene earlier",
+            self.method.replace(", checked by ", " and ")
+        );
+        Err(Error::Point { point, why })
     }
 
     /// The error of a state at the end.

@@ -27,7 +27,7 @@ const STORE: &str = "drift.store";
 const PERIODS: std::ops::RangeInclusive<f64> = 1.0..=1e9;
 /// Numbers of times that may be kept.
 const SAMPLES: std::ops::RangeInclusive<usize> = 2..=100_000;
-/// Contact kicks a period of splitting schemes.
+/// Contact kicks of splitting schemes in a period of the fastest motion.
 const KICKS: f64 = 64.0;
 /// Tolerance of adaptive methods.
 const TOLERANCE: f64 = 1e-13;

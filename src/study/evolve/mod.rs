@@ -14,12 +14,16 @@ mod report;
 pub(crate) use report::swing_maps;
 pub(crate) use report::{evolution_csv, swing_csv};
 
+#[cfg(feature = "cli")]
+use super::OF_WINDOWS;
 use super::{Progress, Study, Work, fit_line};
 use crate::{
     chain::max_norm,
     error::{Error, Result},
     orbits::{Orbit, Pick, Shooting, Spectrum},
 };
+#[cfg(feature = "cli")]
+use hertzchain_integrators::Tolerance;
 use hertzchain_integrators::{Stepper, collocation::Pace};
 use nalgebra::Complex;
 use std::{f64::consts::PI, path::PathBuf};
@@ -63,10 +67,11 @@ pub struct Evolve {
     /// Counted from 0 in the order of `breather dark --json`: the largest modulus first.
     #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value_t = 0, requires = "kick"))]
     pub mode: usize,
-    /// Tolerance, from 1e-15 to 0.1.
-    ///
-    /// Error of the run, relative to the size of the state.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-13"))]
+    /// Tolerance.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "T", default_value = "1e-13", help = Tolerance::RUN.help(), long_help = Tolerance::RUN.long_help(OF_WINDOWS))
+    )]
     pub tol: f64,
 }
 

@@ -8,6 +8,8 @@ pub(crate) use report::{branch_csv as wave_branch_csv, exact_caption, tables as 
 #[cfg(feature = "plot")]
 pub(crate) use report::{branch_plots as wave_branch_plots, exact_columns};
 
+#[cfg(feature = "cli")]
+use super::OF_WAVE;
 use super::{Changes, Progress, Study, Work};
 use crate::{
     chain::{Params, Resonators},
@@ -20,6 +22,7 @@ use crate::{
         WaveNumber, WaveParameter, WaveSetting, WaveSpectrum, ansatz,
     },
 };
+use hertzchain_integrators::Tolerance;
 use serde_json::json;
 use std::f64::consts::PI;
 
@@ -44,8 +47,6 @@ const RESULTS: [&str; 9] = [
     "waves.csv",
     report::STATES,
 ];
-/// Least and largest tolerance of the flow; above the largest, waves are not solved to 1e-12.
-const TOLERANCES: (f64, f64) = (1e-15, 1e-12);
 
 /// The wave that is looked for.
 #[derive(Clone, Debug)]
@@ -88,10 +89,11 @@ pub struct Wanted {
     /// scene's].
     #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
     pub sites: Option<usize>,
-    /// Tolerance, from 1e-15 to 0.1.
-    ///
-    /// Error of the flow over a relative period; for an exact wave at most 1e-12.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-14"))]
+    /// Tolerance.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "T", default_value = "1e-14", help = Tolerance::WAVE.help(), long_help = Tolerance::WAVE.long_help(OF_WAVE))
+    )]
     pub tol: f64,
 }
 
@@ -136,10 +138,7 @@ impl Wanted {
         let shape = wave.shape();
         let params = Params { rho: self.rho.unwrap_or(wave.params().rho), ..wave.params() };
         params.validate()?;
-        let (least, most) = TOLERANCES;
-        if !(least..=most).contains(&self.tol) {
-            return Err(Error::parameter("tol", self.tol, "from 1e-15 to 1e-12 for an exact wave"));
-        }
+        Tolerance::WAVE.check(self.tol)?;
         let sites = self.sites.unwrap_or(scene.chain().sites());
         let q = WaveNumber::on_ring(self.q_over_pi.unwrap_or(shape.q.abs() / PI), sites)?;
         let share = match params.resonators() {

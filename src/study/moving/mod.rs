@@ -18,6 +18,8 @@ pub use kicked::{KickedRun, Passage};
 pub(crate) use report::columns as moving_columns;
 pub(crate) use report::{caption as moving_caption, tables as moving_tables};
 
+#[cfg(feature = "cli")]
+use super::OF_WINDOWS;
 use super::{Progress, Study, Work};
 use crate::{
     breathers::{Band, Envelope, KinkEnergy, LinearWave, LinearWaves, MovingBreather, MovingOrbit, Tail},
@@ -27,6 +29,7 @@ use crate::{
     orbits::{Kantorovich, Kind, Orbit, Shooting, Spectrum},
     sweep::map,
 };
+use hertzchain_integrators::Tolerance;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Default frequency, in units of `omega`.
@@ -84,10 +87,11 @@ pub struct Moving {
     /// For rings of at most 61 sites.
     #[cfg_attr(feature = "cli", arg(long))]
     pub bound: bool,
-    /// Tolerance, from 1e-15 to 0.1.
-    ///
-    /// Error of the flow, relative to the size of the state.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-14"))]
+    /// Tolerance.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "T", default_value = "1e-14", help = Tolerance::RUN.help(), long_help = Tolerance::RUN.long_help(OF_WINDOWS))
+    )]
     pub tol: f64,
 }
 
@@ -192,9 +196,7 @@ impl Moving {
         if self.turns.is_empty() {
             return Err(Error::parameter("turns", "none", "at least one number of turns"));
         }
-        if !(1e-15..=0.1).contains(&self.tol) {
-            return Err(Error::parameter("tol", self.tol, "from 1e-15 to 0.1"));
-        }
+        Tolerance::RUN.check(self.tol)?;
         let sites = self.sites;
         let of = |omega_b: f64| self.turns.iter().map(move |&turns| MovingBreather { params, sites, omega_b, turns });
         let breathers: Vec<MovingBreather> = frequencies.into_iter().flat_map(of).collect();

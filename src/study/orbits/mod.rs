@@ -4,6 +4,8 @@
 mod report;
 mod spectra;
 
+#[cfg(feature = "cli")]
+use super::OF_WINDOWS;
 use super::{Progress, Study, Work, keeper::Keeper, stretches};
 pub(crate) use report::branch_csv;
 
@@ -21,6 +23,8 @@ use crate::{
     output::Folder,
     sweep::Engine,
 };
+#[cfg(feature = "cli")]
+use hertzchain_integrators::Tolerance;
 use hertzchain_integrators::collocation::Pace;
 use std::path::{Path, PathBuf};
 
@@ -58,10 +62,11 @@ pub struct Ring {
     /// Equations of Newton's method.
     #[cfg_attr(feature = "cli", arg(long, value_name = "F", value_enum, default_value_t = Formulation::HalfPeriod))]
     pub formulation: Formulation,
-    /// Tolerance, from 1e-15 to 0.1.
-    ///
-    /// Error of the flow, relative to the size of the state.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-13"))]
+    /// Tolerance.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "T", default_value = "1e-13", help = Tolerance::RUN.help(), long_help = Tolerance::RUN.long_help(OF_WINDOWS))
+    )]
     pub tol: f64,
 }
 

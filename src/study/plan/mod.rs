@@ -162,12 +162,19 @@ fn run(plan: &Plan, point: &Point) -> Result<Vec<Value>> {
     let scene: Scene = plan.scene(point)?;
     let run = scene.run().records(Records::Energy);
     let run = if plan.contacts() { run.contacts() } else { run };
-    let mut trajectory = run.start()?;
-    if let Some(failure) = trajectory.failure.take() {
-        return Err(failure.into());
+    let trajectory = run.start()?.complete()?;
+    if let Some(doubt) = trajectory.warnings.iter().find(|warning| warning.fatal()) {
+        return Err(doubt.clone().into());
     }
-    let report =
-        run_json(&Ran { scene: &scene, integrator: "", setting: "", reason: None, outcome: &trajectory, si: None });
+    let report = run_json(&Ran {
+        scene: &scene,
+        integrator: "",
+        setting: "",
+        reason: None,
+        outcome: &trajectory,
+        amplification: None,
+        si: None,
+    });
     plan.keep.iter().map(|quantity| quantity.of(&report)).collect()
 }
 

@@ -12,6 +12,7 @@ use crate::{
     scene::Scene,
 };
 
+/// Default number of steps in a period of the fastest motion.
 const DEFAULT_STEPS_PER_PERIOD: f64 = 512.0;
 const DEFAULT_TOLERANCE: f64 = 1e-10;
 const DEFAULT_NODES: usize = 10;
@@ -190,6 +191,20 @@ impl How {
             Self::ClosedForm(exact) => run.start_by(&mut breathers::ClosedForm::new(exact, run.end()?), seen),
         }
     }
+
+    /// The run with its method and setting.
+    ///
+    /// # Errors
+    /// An exact solution, in which no error grows.
+    pub fn integrated(&self, run: Run) -> Result<Run> {
+        match self {
+            Self::Integrated(method, setting, ..) => Ok(run.method(*method).setting(*setting)),
+            Self::ClosedForm(_) => {
+                let rule = "an exact solution is evaluated, and no error grows: name an --integrator";
+                Err(Error::parameter("amplification", true, rule))
+            }
+        }
+    }
 }
 
 /// Refuses a log of contacts in a run whose parts keep the states of their own sites.
@@ -220,7 +235,7 @@ fn setting(args: &Asked, method: Method, scene: &Scene) -> Result<(Setting, Stri
         if let Some(value) = args.step.or(args.steps_per_period) {
             return Err(Error::parameter("step", value, "an adaptive method chooses its steps: give it --tol"));
         }
-        let tol = positive("tol", args.tol.unwrap_or(DEFAULT_TOLERANCE))?;
+        let tol = method.tolerances().check(args.tol.unwrap_or(DEFAULT_TOLERANCE))?;
         return Ok((Setting::Tolerance(tol), in_words(scene, Setting::Tolerance(tol))));
     }
     if let Some(tol) = args.tol {
@@ -228,10 +243,10 @@ fn setting(args: &Asked, method: Method, scene: &Scene) -> Result<(Setting, Stri
     }
     let steps = match args.step {
         Some(step) => scene.end() / positive("step", step)?,
-        None => {
-            let per_period = args.steps_per_period.unwrap_or(DEFAULT_STEPS_PER_PERIOD);
-            scene.end() / scene.period() * positive("steps-per-period", per_period)?
-        }
+        None => match args.steps_per_period {
+            Some(per_period) => scene.end() / scene.period() * positive("steps-per-period", per_period)?,
+            None => scene.end() / scene.fast_period() * DEFAULT_STEPS_PER_PERIOD,
+        },
     };
     let setting = Setting::steps(steps)?;
     Ok((setting, in_words(scene, setting)))

@@ -17,5 +17,5 @@ pub use parts::parts_plan;
 pub use pieces::PartFiles;
 #[cfg(feature = "plot")]
 pub use report::run_pictures;
-pub use report::{RUN_FILES, Ran, run_files, run_json, run_summary, run_warnings};
+pub use report::{RUN_FILES, Ran, run_files, run_json, run_summary};
 pub use si::in_si;

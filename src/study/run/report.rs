@@ -89,12 +89,15 @@ pub struct Ran<'a> {
     pub reason: Option<&'a str>,
     /// The result of the run.
     pub outcome: &'a Trajectory,
+    /// The factor by which a small change has grown, if it was asked for; see
+    /// [`Run::amplification`](crate::run::Run::amplification).
+    pub amplification: Option<f64>,
     /// The units that `outcome` is in, if it is in SI units; see [`in_si`](super::in_si).
     pub si: Option<&'a Units>,
 }
 
 /// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy;
-/// `reason` is present if [`Ran::reason`] is, `si` if all numbers are in SI units.
+/// `reason` and `amplification` are present if those of [`Ran`] are, `si` if all numbers are in SI units.
 pub fn run_json(ran: &Ran<'_>) -> Value {
     json!(entries(ran))
 }
@@ -119,7 +122,7 @@ enum Entry {
 
 /// The entries of the JSON of a run.
 fn entries(ran: &Ran<'_>) -> Entries {
-    let &Ran { scene, integrator, setting, reason, outcome, si } = ran;
+    let &Ran { scene, integrator, setting, reason, outcome, amplification, si } = ran;
     let mut object = Vec::new();
     let mut put = |name, value| object.push((name, Entry::Value(value)));
     put("scene", json!(scene.name()));
@@ -163,17 +166,14 @@ fn entries(ran: &Ran<'_>) -> Entries {
     put("rejected", json!(outcome.stats.rejected));
     put("wall_s", json!(outcome.wall.as_secs_f64()));
     put("sampling_s", json!(outcome.sampling.as_secs_f64()));
-    put("warnings", json!(run_warnings(ran)));
+    if let Some(factor) = amplification {
+        put("amplification", json!(factor));
+    }
+    put("warnings", json!(outcome.warnings.iter().map(ToString::to_string).collect::<Vec<_>>()));
     put("failure", json!(outcome.failure.as_ref().map(ToString::to_string)));
     put("scene_file", crate::study::scene_json(scene));
     put("version", json!(env!("CARGO_PKG_VERSION")));
     Entries(object)
-}
-
-/// What makes the result doubtful, in words.
-pub fn run_warnings(&Ran { scene, integrator, outcome, .. }: &Ran<'_>) -> Vec<String> {
-    let Ok(method) = Method::named(integrator) else { return Vec::new() };
-    scene.run().method(method).setting(Setting::Steps(outcome.stats.steps.max(1))).unresolved()
 }
 
 /// The period of the scene, in the units of the run.
@@ -228,6 +228,10 @@ pub fn run_summary(ran: &Ran<'_>) -> String {
         outcome.wall.as_secs_f64(),
         outcome.sampling.as_secs_f64()
     ));
+    if let Some(factor) = ran.amplification {
+        lines.push(format!("amplified   by {factor:.2e}: that much a small change of the initial state has grown"));
+    }
+    lines.extend(outcome.warnings.iter().map(|warning| format!("WARNING     {warning}")));
     if let Some(failure) = &outcome.failure {
         lines.push(match failure.cause {
             Failure::Stopped { t } => format!("stopped     by a signal at t = {t}"),

@@ -15,7 +15,7 @@ use crate::{
     scene::{Initial, Scene, SceneFile},
     sweep::on_one_thread,
 };
-use hertzchain_integrators::Stats;
+use hertzchain_integrators::{Stats, Tolerance};
 use std::time::Instant;
 
 /// The scene whose wave runs on rings of all lengths, and the sites that one wave takes there.
@@ -27,8 +27,6 @@ const MOST_SITES: usize = 1_000_000;
 const PERIODS: f64 = 3.0;
 /// Size of the perturbation, relative to the largest entry of its kind.
 const PERTURBATION: f64 = 0.1;
-/// Tolerances that every method takes.
-const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-15..=0.1;
 /// Sites of a trial run, from which the run time on a first ring with more sites is predicted.
 const TRIAL_SITES: usize = 50;
 
@@ -46,10 +44,11 @@ pub struct ScalingOptions {
         )
     )]
     pub sites: Vec<usize>,
-    /// Tolerance, from 1e-15 to 0.1.
-    ///
-    /// The same tolerance for every method.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-9"))]
+    /// Tolerance.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "T", default_value = "1e-9", help = Tolerance::CROSSED.help(), long_help = Tolerance::CROSSED.long_help("The same tolerance for every method."))
+    )]
     pub tol: f64,
     /// Seed of the random numbers.
     ///
@@ -152,9 +151,7 @@ fn checked(options: &ScalingOptions) -> Result<Vec<usize>> {
         let rule = "a multiple of 10 from 10 to 10^6, so that whole waves fit the ring";
         return Err(Error::parameter("sites", sites, rule));
     }
-    if !TOLERANCES.contains(&options.tol) {
-        return Err(Error::parameter("tol", options.tol, "from 1e-15 to 0.1"));
-    }
+    Tolerance::CROSSED.check(options.tol)?;
     if !(options.max_time.is_finite() && options.max_time > 0.0) {
         return Err(Error::parameter("max-time", options.max_time, "a finite number of seconds, above zero"));
     }

@@ -89,7 +89,7 @@ fn how(study: &ScalingStudy) -> String {
     format!(
         "Median wall time of runs that record nothing, on one thread, over {} periods of the wave of scene tw-q15 (strain ring, \
          q = pi/5, alpha = 1.5, kappa = 1, rho = 1/3),\nevery entry of the initial state moved by up to {} of the largest of its \
-         kind (seed {}); tolerance {:e}: of the whole run for collocation and corrected (whose trial runs count), of a step for dop853,\nin the mean over all sites, so \
+         kind (seed {}); tolerance {:e}: of the sum of all local errors for collocation, of the end for corrected (whose trial runs count), of a step for dop853,\nin the mean over all sites, so \
          that on a long ring no single contact counts: equal tolerances are not equal errors.",
         study.periods, study.perturbation, study.seed, study.tol,
     )

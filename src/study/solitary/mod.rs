@@ -6,6 +6,8 @@ mod report;
 pub(crate) use report::columns as solitary_columns;
 pub(crate) use report::{caption as solitary_caption, tables as solitary_tables};
 
+#[cfg(feature = "cli")]
+use super::OF_WAVE;
 use super::{Study, Work, fit_line};
 use crate::{
     chain::Params,
@@ -13,6 +15,7 @@ use crate::{
     sweep::map,
     waves::{LinePulse, Search, SolitaryWave, best_ring, wake_of_line},
 };
+use hertzchain_integrators::Tolerance;
 use std::f64::consts::PI;
 
 /// Phases `k/(2 pi)` of resonators from site to site of the default mass ratios. At whole ones
@@ -55,10 +58,11 @@ pub struct Solitary {
     /// three sites longer, the one that is farthest from resonance with the tails.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 20))]
     pub sites: usize,
-    /// Tolerance, from 1e-15 to 0.1.
-    ///
-    /// Error of the flow over a relative period; for an exact wave at most 1e-12.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-14"))]
+    /// Tolerance.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "T", default_value = "1e-14", help = Tolerance::WAVE.help(), long_help = Tolerance::WAVE.long_help(OF_WAVE))
+    )]
     pub tol: f64,
 }
 
@@ -129,9 +133,7 @@ impl Solitary {
         if self.kappa == 0.0 {
             return Err(Error::parameter("kappa", self.kappa, "positive: without springs there are no resonators"));
         }
-        if !(1e-15..=1e-12).contains(&self.tol) {
-            return Err(Error::parameter("tol", self.tol, "from 1e-15 to 1e-12 for an exact wave"));
-        }
+        Tolerance::WAVE.check(self.tol)?;
         if !(8..=60).contains(&self.sites) {
             return Err(Error::parameter("sites", self.sites, "from 8 to 60 for a solitary wave"));
         }

@@ -11,6 +11,8 @@ mod report;
 
 pub(crate) use report::tables as wave_tables;
 
+#[cfg(feature = "cli")]
+use super::tolerance_help;
 use super::{Changes, Study, Work, fit_line, scene_json};
 use crate::{
     chain::{Site, max_norm},
@@ -22,6 +24,8 @@ use crate::{
     sweep::{Engine, Grid, map},
     waves::{PerturbedWave, TravellingWave},
 };
+#[cfg(feature = "cli")]
+use hertzchain_integrators::Tolerance;
 use hertzchain_integrators::{Dop853, Stats, dop853::Options};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -97,11 +101,11 @@ pub struct WaveOptions {
         )
     )]
     pub method: Method,
-    /// Tolerance, from 1e-15 to 0.1.
-    ///
-    /// For collocation: error of the whole run, relative to the size of the state. For dop853:
-    /// error of a step.
-    #[cfg_attr(feature = "cli", arg(long = "tol", value_name = "T", default_value = "1e-10"))]
+    /// Tolerance.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long = "tol", value_name = "T", default_value = "1e-10", help = Tolerance::RUN.help(), long_help = tolerance_help(""))
+    )]
     pub tolerance: f64,
     /// Samples per period, from which largest values are taken.
     ///

@@ -164,6 +164,36 @@ impl<R: Real> Parts<R> {
     }
 }
 
+impl Parts<f64> {
+    /// The largest frequency of resonators, harmonics of drives and contacts. Beyond its static
+    /// overlap, a contact overlaps by the largest of: `strain`; the greatest overlap of its two
+    /// beads if they meet with this `speed` each, or that of a moved bead; the greatest overlap of
+    /// beads that the largest driving force pushes from rest.
+    pub(crate) fn fast_frequency(&self, ring: bool, strain: f64, speed: f64) -> f64 {
+        let drives = |means| self.drives().iter().filter(move |drive| drive.means == means).map(|drive| &drive.signal);
+        let speed = drives(Means::Moved).map(Signal::speed).fold(speed, f64::max);
+        let push = drives(Means::Pushed).map(Signal::size).fold(0.0, f64::max);
+        let of_site = |site: &SiteParts<f64>| {
+            let inverse = if site.resonators == Resonators::None { 0.0 } else { 1.0 + 1.0 / site.rho };
+            (inverse * site.kappa / site.mass).sqrt()
+        };
+        // A wall, and a bead that is moved, have the inverse mass zero.
+        let inverse = |k: usize| self.sites.get(k).filter(|site| !site.moved).map_or(0.0, |site| 1.0 / site.mass);
+        let of_bond = |(k, bond): (usize, &Contact<f64>)| {
+            let before = k.checked_sub(1).or(ring.then(|| self.sites.len() - 1));
+            let per_mass = before.map_or(0.0, inverse) + inverse(k);
+            let Some(alpha) = bond.elastic_power().filter(|_| per_mass > 0.0) else { return 0.0 };
+            let scale = (alpha + 1.0) / bond.constant();
+            let met = (scale * 2.0 * speed * speed / per_mass).powf(1.0 / (alpha + 1.0));
+            let overlap = bond.rest.max(0.0) + strain.max(met).max((scale * push).powf(1.0 / alpha));
+            (bond.stiffness(overlap) * per_mass).sqrt()
+        };
+        let of_drives = self.drives().iter().flat_map(|drive| &drive.signal.harmonics).map(|harmonic| harmonic.omega);
+        let sites = self.sites.iter().map(of_site);
+        sites.chain(self.bonds.iter().enumerate().map(of_bond)).chain(of_drives).fold(0.0, f64::max)
+    }
+}
+
 /// The least power, and the power of the map that suits all. Jumps need no map.
 fn map(powers: &[f64], p: u32) -> (f64, u32) {
     let least = powers.iter().copied().fold(f64::INFINITY, f64::min);

@@ -15,9 +15,7 @@ use crate::{
 use hertzchain_integrators::{Error as Failure, Observer, Stats, drive};
 use std::{f64::consts::SQRT_2, ops::ControlFlow};
 
-/// Accepted tolerances. Rounding errors prevent smaller ones.
-pub(super) const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=0.1;
-/// Number of steps per period in the first run.
+/// Number of steps in the first run per period of the fastest motion.
 const FIRST: f64 = 16.0;
 /// Error that the number of steps is chosen for, in units of the tolerance. It is less than one
 /// because the estimate is not a bound.
@@ -45,16 +43,14 @@ const MOST_STEPS: f64 = 1e12;
 /// A tolerance below 1e-13 or above 0.1; a tolerance that no number of steps up to 1e12 reaches by
 /// the estimate, or that rounding errors keep it from; the error that ends a run.
 pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol: f64) -> Result<u64> {
-    if !TOLERANCES.contains(&tol) {
-        return Err(Error::parameter("tol", tol, "contact-corrected splitting takes tolerances from 1e-13 to 0.1"));
-    }
+    let tol = method.tolerances().check(tol)?;
     let end = |steps: f64| -> Result<Vec<f64>> {
         let mut stepper = method.start(run, y, span, Setting::Steps(steps as u64))?;
         let mut end = y.to_vec();
         drive(&mut *stepper, &mut Interruptible, &mut end)?;
         Ok(end)
     };
-    let mut steps = (FIRST * (span.1 - span.0) / run.period()).ceil().max(FIRST);
+    let mut steps = (FIRST * (span.1 - span.0) / run.fast_period()).ceil().max(FIRST);
     let (mut last, mut least, mut stalled) = (f64::INFINITY, f64::INFINITY, 0);
     loop {
         let finer = (SQRT_2 * steps).round();

@@ -17,7 +17,7 @@ use super::{
     solver::NODES,
     system::{ContactChain, Links, Path},
 };
-use crate::{clock::Twofold, error::Error};
+use crate::{clock::Twofold, error::Error, tolerance::Tolerance};
 use accuracy::Accuracy;
 use lengths::Lengths;
 use nodes::NodeChoice;
@@ -106,9 +106,7 @@ impl Control {
                 Plan::Equal(Equal { windows, nodes, done: 0, length, h: length, rest: length })
             }
             Pace::Tolerance(tol) => {
-                if !(1e-15..=0.1).contains(&tol) {
-                    return Err(rule("tol", tol, "from 1e-15 to 0.1"));
-                }
+                Tolerance::RUN.check(tol)?;
                 let lengths = Lengths::new(chain, start, span.value());
                 let nodes = NodeChoice::new(tol, accuracy.contacts().analytic);
                 Plan::Adapted(Adapted { lengths, nodes, halved: 0.0 })

@@ -1,0 +1,185 @@
+//! Tolerances: every command that takes one says and keeps the same range; what a run says where its
+//! energy or a second method contradicts it.
+#![cfg(feature = "cli")]
+
+use super::help::{commands, help};
+use serde_json::Value;
+use std::process::{Command, Output};
+
+fn hertzchain(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// What a command needs beside its tolerance.
+fn operands(command: &str) -> &'static [&'static str] {
+    match command {
+        "run" => &["impact"],
+        "wave" | "wave exact" => &["tw-q15"],
+        "wave continue" => &["tw-q15", "--to", "2.01"],
+        "breather evolve" => &["dark-breather.json"],
+        _ => &[],
+    }
+}
+
+#[test]
+fn every_command_with_a_tolerance_refuses_what_its_help_excludes() {
+    let folder = tempfile::tempdir().unwrap();
+    // An orbit to evolve.
+    let dark = ["breather", "dark", "--sites", "5", "--out", folder.path().to_str().unwrap()];
+    assert!(hertzchain(&dark).status.success());
+    let mut seen = Vec::new();
+    for path in commands() {
+        let help = help(&path, "-h");
+        let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        let Some((_, said)) = help.split_once("--tol <T> ") else { continue };
+        let rule = said.strip_prefix("Tolerance, ").unwrap_or_else(|| panic!("{path:?}: {said}"));
+        let rule = rule.split(" [default").next().unwrap().split(" --").next().unwrap();
+        let words: Vec<&str> = rule.split(' ').collect();
+        let [least, most] = [1, 3].map(|k| words[k].parse::<f64>().unwrap());
+        assert!(words[0] == "from" && words[2] == "to" && least < most, "{path:?}: {rule}");
+        let name = path.join(" ");
+        let path: Vec<&str> = path.iter().map(String::as_str).chain(operands(&name).iter().copied()).collect();
+        for tol in [0.5 * least, 1.5 * most] {
+            let run = Command::new(env!("CARGO_BIN_EXE_hertzchain"))
+                .args(&path)
+                .args(["--tol", &format!("{tol:e}")])
+                .current_dir(folder.path())
+                .output()
+                .unwrap();
+            let said = text(&run.stderr);
+            let wanted = format!("is not valid: {rule}");
+            assert!(
+                run.status.code() == Some(2) && said.contains("tol = ") && said.contains(&wanted),
+                "{name}: {said}"
+            );
+        }
+        seen.push(name);
+    }
+    assert!(seen.len() >= 11, "{seen:?}");
+}
+
+#[test]
+fn a_method_has_one_range_for_the_command_line_a_scene_and_the_library() {
+    use hertzchain::{Method, Scene};
+    for name in ["collocation", "corrected", "dop853", "dop853-landed", "dop853-regularised"] {
+        let method = Method::named(name).unwrap();
+        let range = method.tolerances();
+        for (tol, good) in [(range.least, true), (0.9 * range.least, false), (range.most, true), (0.5, false)] {
+            let set = [format!("method.integrator={name}"), format!("method.tol={tol:e}"), "span.until=0.1".into()];
+            let scene = Scene::load_with("impact", &set);
+            let run = Scene::load("impact").unwrap().until(0.1).unwrap().run().method(method).tolerance(tol);
+            let (by_scene, by_run) =
+                (scene.err().map(|error| error.to_string()), run.err().map(|error| error.to_string()));
+            let plan =
+                ["run", "impact", "--plan", "--until", "0.1", "--integrator", name, "--tol", &format!("{tol:e}")];
+            let plan = hertzchain(&plan);
+            let by_flag = (!plan.status.success()).then(|| text(&plan.stderr));
+            for said in [by_scene, by_run, by_flag] {
+                assert_eq!(said.is_none(), good, "{name} at {tol:e}: {said:?}");
+                assert!(said.is_none_or(|said| said.contains("tol = ") && said.contains(range.rule)), "{name}");
+            }
+        }
+    }
+}
+
+/// Two beads that meet head-on, 10^8 from the origin: positions there have a spacing of 1.5e-8, so
+/// that no method keeps the energy to 1e-10.
+const FAR: &str = r#"
+name = "far"
+chain = { sites = 2, alpha = 1.5, kappa = 0.0, rho = 0.0, boundary = "free" }
+initial = { kind = "state", u = [1e8, 1e8], u_dot = [1.0, -1.0] }
+span = { until = 10.0 }
+"#;
+
+#[test]
+fn a_run_whose_energy_error_is_not_explained_fails_and_keeps_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, scene) = (folder.path().join("out"), folder.path().join("far.toml"));
+    std::fs::write(&scene, FAR).unwrap();
+    let far = |more: &[&str]| {
+        let run = ["run", scene.to_str().unwrap(), "--integrator", "dop853-regularised", "--json"];
+        hertzchain(&[&run[..], more].concat())
+    };
+    let run = far(&["--tol", "1e-13", "--out", out.to_str().unwrap()]);
+    let (json, said): (Value, _) = (serde_json::from_slice(&run.stdout).unwrap(), text(&run.stderr));
+    let error = json["energy_error"].as_f64().unwrap();
+    assert!(run.status.code() == Some(1) && error > 1e-10, "{said}{error}");
+    let warning = json["warnings"][0].as_str().unwrap();
+    assert!(warning.contains("the tolerance 1e-13 explains at most 1.0e-10") && said.contains(warning), "{warning}");
+    assert!(json["failure"].is_null());
+    let stored = std::fs::read(out.join("summary.json")).unwrap();
+    assert_eq!(serde_json::from_slice::<Value>(&stored).unwrap()["warnings"], json["warnings"]);
+    // The same motion at the origin.
+    std::fs::write(&scene, FAR.replace("1e8", "0.0")).unwrap();
+    let run = far(&["--tol", "1e-13"]);
+    let json: Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert!(run.status.success() && json["warnings"] == serde_json::json!([]), "{}", text(&run.stderr));
+    // Equal steps, too long for the contact.
+    let two = ["run", "impact", "--set", "chain.sites=2", "--until", "13"];
+    let long = hertzchain(&[&two[..], &["--integrator", "verlet", "--step", "1.3"]].concat());
+    let (summary, said) = (text(&long.stdout), text(&long.stderr));
+    assert!(long.status.code() == Some(1) && said.contains("no order explains more than half"), "{said}");
+    assert!(summary.contains("WARNING     the energy is off by"), "{summary}");
+}
+
+#[test]
+fn a_point_of_a_sweep_whose_energy_is_lost_has_failed() {
+    use hertzchain::{
+        study::{Plan, planned},
+        sweep::Engine,
+    };
+    let plan = r#"
+        scene = "impact"
+        set = ["chain.sites=2", "span.until=13", "method.integrator=verlet"]
+        axis = [{ key = "method.step", values = [0.01, 1.3] }]
+    "#;
+    let plan = Plan::parse(plan, "plan.toml".as_ref()).unwrap();
+    let study = planned(&plan, &Engine::threads(), &|_, _| ()).unwrap();
+    assert!(study.failures == 1 && study.failed[0].0 == 1, "{:?}", study.failed);
+    assert!(study.failed[0].1.contains("the energy is off by"), "{:?}", study.failed);
+}
+
+/// Eight beads between walls, the first one struck. Changes of 1e-12 and 1e-13 of the initial state
+/// are 3.5e11 and 4.7e11 times larger at t = 320; those of 1e-10 have the size of the state.
+const EIGHT: [&str; 7] =
+    ["impact", "--set", "chain.sites=8", "--set", "chain.boundary=fixed", "--set", "record.samples=5"];
+
+#[test]
+fn amplification_bounds_the_error_by_the_tolerance() {
+    let run = |more: &[&str]| -> Value {
+        let run = hertzchain(&[&["run"], &EIGHT[..], &["--until", "320", "--json"], more].concat());
+        assert!(run.status.success(), "{}", text(&run.stderr));
+        serde_json::from_slice(&run.stdout).unwrap()
+    };
+    let [coarse, fine] = [["--amplification", "--tol", "1e-10"], ["--integrator=dop853-regularised", "--tol", "1e-15"]]
+        .map(|more| run(&more));
+    let factor = coarse["amplification"].as_f64().unwrap();
+    assert!((1e9..1e11).contains(&factor), "{factor:e}");
+    let numbers = |json: &Value| -> Vec<f64> {
+        json["u"].as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
+    };
+    let (coarse, fine) = (numbers(&coarse), numbers(&fine));
+    let size = fine.iter().fold(0.0, |size: f64, u| size.max(u.abs()));
+    let error = coarse.iter().zip(&fine).fold(0.0, |error: f64, (a, b)| error.max((a - b).abs())) / size;
+    // The tolerance alone does not bound the error; times the factor it does.
+    assert!(error > 1e5 * 1e-10 && error < 3.0 * factor * 1e-10, "{error:e}, {factor:e}");
+    let exact = hertzchain(&["run", "trivial-breather", "--amplification"]);
+    assert!(exact.status.code() == Some(2) && text(&exact.stderr).contains("no error grows"));
+}
+
+#[test]
+fn references_that_contradict_each_other_end_a_comparison() {
+    // Far beyond t = 320 the two references share no digit.
+    let run = [&["compare"], &EIGHT[..], &["--set", "span.until=1500", "--max-time", "20", "--integrators", "verlet"]];
+    let run = hertzchain(&run.concat());
+    let said = text(&run.stderr);
+    assert!(run.status.code() == Some(1) && run.stdout.is_empty(), "{said}");
+    assert!(
+        said.contains("collocation at tol 1e-14 and dop853-regularised") && said.contains("of the amplitude"),
+        "{said}"
+    );
+}
