@@ -1,9 +1,10 @@
 //! The one way in which studies run: folder, progress bar, signals, what is printed, files, exit
 //! code.
 
-use super::{DONE, Exit, FAILED, print, progress_bar, say, signals};
+use super::{DONE, Exit, FAILED, print, progress_bar, say};
 use crate::{
     error::{Error, Result},
+    interrupt,
     output::{Folder, to_json},
     study::{Report, Study, Work},
     sweep::{Engine, Part, Shard},
@@ -119,14 +120,11 @@ impl<S: Study> Told<S> {
         let engine = self.spread.engine(Engine::threads)?;
         if engine.serves() {
             // Rank 0 reports errors.
-            let _ = self.study.begin().and_then(|work| signals::ask().and_then(|()| work(&engine, &|_, _| ())));
+            let _ = self.study.begin().and_then(|work| work(&engine, &|_, _| ()));
             return Ok(DONE);
         }
         let work = self.study.begin()?;
         let folder = self.out.clone().or_else(|| self.study.beside()).map(Folder::create).transpose()?;
-        if S::STOPS {
-            signals::ask()?;
-        }
         self.carry_out(work, &self.spread.keeping(engine, folder.as_ref())?)
     }
 
@@ -144,6 +142,10 @@ impl<S: Study> Told<S> {
             Some(_) => report?,
             None => whole(report?, engine)?,
         };
+        if !S::STOPS && interrupt::asked() {
+            // Parts of this study may have failed since they were asked to end, and it does not know.
+            return Err(Error::Stopped { kept: "nothing of this study; the same command begins it again".to_owned() });
+        }
         if let Some(remark) = report.remark() {
             say(&remark);
         }

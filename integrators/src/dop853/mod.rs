@@ -11,7 +11,7 @@ pub mod tableau;
 
 pub use controller::Options;
 
-use crate::{clock::Twofold, drive::Stepper, error::Error, real::Real, stats::Stats, system::VectorField};
+use crate::{clock::Twofold, drive::Stepper, error::Error, interrupt, real::Real, stats::Stats, system::VectorField};
 use controller::{Controller, Guess, Verdict};
 use dense::Dense;
 use step::{Leap, Step};
@@ -185,6 +185,7 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Dop853<R, F> {
             self.begin()?;
         }
         loop {
+            interrupt::check(self.time().f64())?;
             let leap = self.propose()?;
             if self.last.take().is_some() {
                 self.step.advance();

@@ -2,7 +2,7 @@
 
 use super::{First, Scheme, scheme::Pair, stepper::check};
 use crate::{
-    clock::Twofold, drive::Stepper, error::Error, events::root::bracketed, real::Real, stats::Stats,
+    clock::Twofold, drive::Stepper, error::Error, events::root::bracketed, interrupt, real::Real, stats::Stats,
     system::ContactFlow,
 };
 
@@ -153,6 +153,7 @@ impl<R: Real, S: ContactFlow<R>> Stepper<R> for Landed<R, S> {
     }
 
     fn step(&mut self) -> Result<(), Error> {
+        interrupt::check(self.time().f64())?;
         let near = R::of(TOGETHER) * self.h.value();
         let left = self.end - self.time;
         let full = if left.value() <= self.h.value() + near { left } else { self.h };
