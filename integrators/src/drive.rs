@@ -119,11 +119,7 @@ where
                 return Ok(Stop::Observer);
             }
         }
-        let outcome = if stepper.done() {
-            Some(Ok(Stop::End))
-        } else {
-            stepper.steps(observer.next()).err().map(Err)
-        };
+        let outcome = if stepper.done() { Some(Ok(Stop::End)) } else { stepper.steps(observer.next()).err().map(Err) };
         if let Some(outcome) = outcome {
             stepper.sample(stepper.time(), y);
             return outcome;

@@ -10,7 +10,8 @@
 //! sections II.1.3, IV.2.1 and VIII.6.
 
 use crate::{
-    clock::Twofold, dop853::check_start, drive::Stepper, error::Error, interrupt, real::Real, stats::Stats, system::VectorField,
+    clock::Twofold, dop853::check_start, drive::Stepper, error::Error, interrupt, real::Real, stats::Stats,
+    system::VectorField,
 };
 
 /// Number of stages, which fixes the order.

@@ -223,7 +223,9 @@ impl WaveContinuation {
                 () if interrupt::asked() => break WaveEnd::Stopped,
                 () => {}
             }
-            let Some(next) = self.next(&waves, direction, ds) else { break WaveEnd::Lost };
+            let Some(next) = self.next(&waves, direction, ds) else {
+                break if interrupt::asked() { WaveEnd::Stopped } else { WaveEnd::Lost };
+            };
             waves.push(next.wave);
             (ds, landed) = (next.ds, next.lands);
         };
