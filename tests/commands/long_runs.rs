@@ -462,8 +462,7 @@ mod processes {
         (output.status.code(), printed, said)
     }
 
-    /// Commands that take long, one for each name of a command that clap knows, with arguments that
-    /// make it long; those that are short on any arguments have none.
+    /// Commands with arguments that make them long.
     const LONG: &[&str] = &[
         "run tw-q15 --integrator strang-linear --until 1e7",
         "run tw-q15 --tol 1e-12 --until 1e6 --events",
