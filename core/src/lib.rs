@@ -17,7 +17,6 @@
 pub mod chain;
 pub mod dps;
 pub mod error;
-pub mod interrupt;
 pub mod parts;
 pub mod plain;
 pub mod run;
@@ -25,4 +24,5 @@ pub mod run;
 pub use chain::{Boundary, Chain, Params, State};
 pub use error::{Error, Result};
 pub use hertzchain_integrators as integrators;
+pub use hertzchain_integrators::interrupt;
 pub use run::{Method, Run, Setting, Trajectory};

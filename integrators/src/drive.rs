@@ -14,7 +14,9 @@ pub trait Stepper<R: Real> {
     /// Makes one accepted step. Must not be called after [`done`](Self::done).
     ///
     /// # Errors
-    /// The failure of the method. The last state stays readable through [`sample`](Self::sample).
+    /// The failure of the method; [`Error::Stopped`] if the work of the thread is
+    /// [asked](crate::interrupt) to end. The last state stays readable through
+    /// [`sample`](Self::sample).
     fn step(&mut self) -> Result<(), Error>;
     /// Makes one accepted step or a few in a row. No step is made after one that ends at the time
     /// `wanted` or later.
@@ -70,10 +72,6 @@ pub trait Observer<R: Real> {
     /// # Errors
     /// A reason to end the run, such as a state that is not finite.
     fn observe(&mut self, t: R, y: &[R], stats: Stats) -> Result<ControlFlow<()>, Error>;
-    /// Whether the run must end now. It is asked between calls of [`Stepper::steps`].
-    fn stop(&self) -> bool {
-        false
-    }
 }
 
 /// An observer that asks for no times.
@@ -101,8 +99,8 @@ pub enum Stop {
 /// the times it asks for. The loop itself allocates nothing.
 ///
 /// # Errors
-/// The first error of the stepper or of the observer; [`Error::Stopped`] if the observer wants the
-/// run to end. After an error of the stepper or a stop, `y` holds the last state reached.
+/// The first error of the stepper or of the observer. After an error of the stepper, `y` holds the
+/// last state reached.
 pub fn drive<R, S, O>(stepper: &mut S, observer: &mut O, y: &mut [R]) -> Result<Stop, Error>
 where
     R: Real,
@@ -121,13 +119,7 @@ where
                 return Ok(Stop::Observer);
             }
         }
-        let outcome = if stepper.done() {
-            Some(Ok(Stop::End))
-        } else if observer.stop() {
-            Some(Err(Error::Stopped { t: stepper.time().f64() }))
-        } else {
-            stepper.steps(observer.next()).err().map(Err)
-        };
+        let outcome = if stepper.done() { Some(Ok(Stop::End)) } else { stepper.steps(observer.next()).err().map(Err) };
         if let Some(outcome) = outcome {
             stepper.sample(stepper.time(), y);
             return outcome;

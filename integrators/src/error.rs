@@ -68,7 +68,7 @@ pub enum Error {
         /// The change of its impulse.
         residual: f64,
     },
-    /// The observer asked the run to end.
+    /// The work was [asked](crate::interrupt) to end.
     #[error("stopped by a signal at t = {}", brief(.t))]
     Stopped {
         /// Time.

@@ -10,7 +10,8 @@
 //! sections II.1.3, IV.2.1 and VIII.6.
 
 use crate::{
-    clock::Twofold, dop853::check_start, drive::Stepper, error::Error, real::Real, stats::Stats, system::VectorField,
+    clock::Twofold, dop853::check_start, drive::Stepper, error::Error, interrupt, real::Real, stats::Stats,
+    system::VectorField,
 };
 
 /// Number of stages, which fixes the order.
@@ -188,6 +189,7 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Gauss<R, F> {
 
     /// Makes one step. After an error the state is the one before the step.
     fn step(&mut self) -> Result<(), Error> {
+        interrupt::check(self.time.f64())?;
         self.from = self.time;
         self.before.copy_from_slice(&self.y);
         self.predict();

@@ -27,6 +27,7 @@ pub mod error;
 pub mod events;
 pub mod gauss;
 pub mod instructions;
+pub mod interrupt;
 pub mod law;
 pub mod real;
 pub mod regularised;

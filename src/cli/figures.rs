@@ -4,7 +4,7 @@
 //! rank needs no folder for them. Files in the folder are written from rows only. Those that were
 //! changed or removed since an earlier run are so written again.
 
-use super::{DONE, Exit, FAILED, args::FiguresArgs, print, progress_bar, runner::part_text, say, signals};
+use super::{DONE, Exit, FAILED, args::FiguresArgs, print, progress_bar, runner::part_text, say};
 use crate::{
     error::{Error, Result},
     interrupt,
@@ -62,12 +62,11 @@ pub(super) fn main(args: &FiguresArgs) -> Exit {
     if engine.serves() {
         // Rank 0 reports errors.
         let sweep = |chosen: Vec<_>| sweep(&chosen, args, &engine, &ProgressBar::hidden(), &made).map(drop);
-        let _ = chosen(&args.only).and_then(|chosen| signals::ask().and_then(|()| sweep(chosen)));
+        let _ = chosen(&args.only).and_then(sweep);
         return Ok(DONE);
     }
     let chosen = chosen(&args.only)?;
     let folder = args.spread.own(&args.out)?;
-    signals::ask()?;
     let engine = args.spread.keeping(engine, Some(&folder))?;
     let bar = progress_bar();
     let swept = sweep(&chosen, args, &engine, &bar, &made);

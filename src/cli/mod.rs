@@ -86,7 +86,14 @@ fn begun(cli: &Cli) -> Exit {
         // The flag's parser has refused sets that the machine lacks.
         let _ = set.select();
     }
-    run_command(&cli.command)
+    let outcome = signals::ask().and_then(|()| run_command(&cli.command));
+    match signals::exit_code() {
+        Some(code) => {
+            outcome.err().into_iter().for_each(|error| say(&format!("error: {error}")));
+            Ok(code)
+        }
+        None => outcome,
+    }
 }
 
 /// Refuses a number of threads that is none, for which the thread pool would take all cores.

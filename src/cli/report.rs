@@ -3,6 +3,7 @@
 use super::{DONE, Exit, FAILED, args::ReportArgs, print, progress_bar, say};
 use crate::{
     error::{Error, Result},
+    interrupt,
     output::Folder,
     paper::{Data, FIGURES, Figure, verify, verify_csv, verify_table},
     present::{Block, Page, Section},
@@ -95,7 +96,13 @@ pub(super) fn main(args: &ReportArgs) -> Exit {
     for part in &parts {
         bar.set_message(part.name);
         let tell = |share: f64| bar.set_position((1000.0 * (before + part.share * share.min(1.0)) / whole) as u64);
-        page.sections.push(part.section(&tell));
+        let section = part.section(&tell);
+        if interrupt::asked() {
+            bar.finish_and_clear();
+            let kept = format!("{} of {} parts are in {}", page.sections.len(), parts.len(), args.out.display());
+            return Err(Error::Stopped { kept });
+        }
+        page.sections.push(section);
         before += part.share;
         // If a later part is killed, the page with the parts so far is kept.
         folder.write("report.html", page.html().as_bytes())?;

@@ -1,6 +1,6 @@
 //! `hertzchain run`.
 
-use super::{DONE, Exit, args::RunArgs, print, progress_bar, runner::MPI, say, signals};
+use super::{DONE, Exit, args::RunArgs, print, progress_bar, runner::MPI, say};
 use crate::{
     error::{Error, Result},
     output::{Folder, to_json},
@@ -69,7 +69,6 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let again = args.amplification.then(|| how.integrated(run.clone())).transpose()?;
     let folder = args.out.as_ref().map(|out| Folder::own(out, None)).transpose()?;
     say_why();
-    signals::ask()?;
     let run = run.records(if folder.is_some() { Records::Profiles } else { Records::Energy });
     let bar = progress_bar();
     let run = if args.events { run.contacts() } else { run };
@@ -97,8 +96,6 @@ fn parts(args: &RunArgs) -> Result<Option<Parts>> {
 fn over_ranks(threads: usize) -> Result<Option<Parts>> {
     let job = crate::ranks::Job::new(threads)?;
     if job.serves() {
-        // A signal to the job reaches all ranks. It must not kill this one: rank 0 decides to end.
-        signals::ask()?;
         job.serve(&study::PartFiles);
         return Ok(None);
     }
@@ -198,7 +195,6 @@ fn resume(args: &RunArgs, path: &Path, parts: Parts) -> Exit {
 fn go_on(args: &RunArgs, long: LongRun, folder: &Folder) -> Exit {
     // Results of an earlier run must not stand beside a new checkpoint.
     folder.remove(study::RUN_FILES)?;
-    signals::ask()?;
     let (scene, name, wording) = (long.scene().clone(), long.method().name(), long.wording().to_owned());
     let bar = progress_bar();
     let outcome = long.run(folder, &mut |t| bar.set_position((1000.0 * t / scene.end()) as u64));

@@ -1,9 +1,10 @@
 //! The one way in which studies run: folder, progress bar, signals, what is printed, files, exit
 //! code.
 
-use super::{DONE, Exit, FAILED, print, progress_bar, say, signals};
+use super::{DONE, Exit, FAILED, print, progress_bar, say};
 use crate::{
     error::{Error, Result},
+    interrupt,
     output::{Folder, to_json},
     study::{Report, Study, Work},
     sweep::{Engine, Part, Shard},
@@ -124,14 +125,11 @@ impl<S: Study> Told<S> {
         let engine = self.spread.engine(Engine::threads)?;
         if engine.serves() {
             // Rank 0 reports errors.
-            let _ = self.study.begin().and_then(|work| signals::ask().and_then(|()| work(&engine, &|_, _| ())));
+            let _ = self.study.begin().and_then(|work| work(&engine, &|_, _| ()));
             return Ok(DONE);
         }
         let work = self.study.begin()?;
         let folder = self.out.clone().or_else(|| self.study.beside()).map(|out| self.spread.own(out)).transpose()?;
-        if S::STOPS {
-            signals::ask()?;
-        }
         self.carry_out(work, &self.spread.keeping(engine, folder.as_ref())?)
     }
 
@@ -144,10 +142,20 @@ impl<S: Study> Told<S> {
             bar.set_message(what.to_owned());
         });
         bar.finish_and_clear();
+        let asked = interrupt::asked();
         let report = match engine.part() {
             Some(part) if part.kept == part.points => return print(&part_text(&part, self.json)).map(|()| DONE),
-            Some(_) => report?,
-            None => whole(report?, engine)?,
+            Some(_) => report,
+            None => report.and_then(|report| whole(report, engine)),
+        };
+        if asked {
+            say(&stopped(S::SWEEPS, engine));
+        }
+        let report = match report {
+            // Parts of this study may have failed since it was asked to end, and it does not know.
+            Ok(_) if asked && !S::STOPS => return Err(nothing()),
+            Err(Error::Integration(_) | Error::Stalled { .. } | Error::Run(_)) if asked => return Err(nothing()),
+            report => report?,
         };
         if let Some(remark) = report.remark() {
             say(&remark);
@@ -230,6 +238,20 @@ fn drawn(files: &str) -> bool {
 fn whole(report: Box<dyn Report>, engine: &Engine) -> Result<Box<dyn Report>> {
     let rule = "with these options there is no grid to divide: leave --shard out";
     engine.its_shard().map_or(Ok(report), |shard| Err(Error::parameter("shard", shard, rule)))
+}
+
+/// What to do after a signal.
+fn stopped(sweeps: bool, engine: &Engine) -> String {
+    let next = match (sweeps, engine.folder()) {
+        (true, Some(folder)) => format!("the same command goes on with what {} has", folder.path().display()),
+        (true, None) => "with --out DIR, the same command goes on where it was stopped".to_owned(),
+        (false, _) => "the same command begins again".to_owned(),
+    };
+    format!("asked to end by a signal; results are of what was done before: {next}")
+}
+
+fn nothing() -> Error {
+    Error::Stopped { kept: "nothing of this study was finished".to_owned() }
 }
 
 /// What a shard has done, as text or as JSON.

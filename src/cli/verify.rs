@@ -1,6 +1,6 @@
 //! `hertzchain paper verify`.
 
-use super::{DONE, Exit, FAILED, args::VerifyArgs, print, progress_bar, runner::part_text, say, signals};
+use super::{DONE, Exit, FAILED, args::VerifyArgs, print, progress_bar, runner::part_text, say};
 use crate::{
     paper::{verify, verify_csv, verify_json, verify_table},
     sweep::Engine,
@@ -10,14 +10,10 @@ pub(super) fn main(args: &VerifyArgs) -> Exit {
     let engine = args.spread.engine(Engine::threads)?;
     if engine.serves() {
         // Rank 0 reports errors.
-        let _ = signals::ask().and_then(|()| verify(args.section, &engine, &|_, _| ()).map(drop));
+        let _ = verify(args.section, &engine, &|_, _| ());
         return Ok(DONE);
     }
     let folder = args.out.as_ref().map(|out| args.spread.own(out)).transpose()?;
-    if folder.is_some() {
-        // Without a folder there is nothing to keep, and the first signal ends the process.
-        signals::ask()?;
-    }
     let engine = args.spread.keeping(engine, folder.as_ref())?;
     let bar = progress_bar();
     let verification = verify(args.section, &engine, &|done, total| bar.set_position(1000 * done / total));

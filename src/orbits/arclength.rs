@@ -343,18 +343,24 @@ pub(super) fn follow(
         if points >= most_points {
             break;
         }
+        // A step that fails after the branch was asked to end does not say that it is lost.
+        let lost = || match interrupt::asked() {
+            true => Err(Error::Stopped { kept: format!("{points} points of the branch") }),
+            false => Ok(End::Lost),
+        };
         if interrupt::asked() {
-            return Err(Error::Stopped { kept: format!("{points} points of the branch") });
+            return lost();
         }
         let scales = Scales::new(&z, (to - back).abs());
         let before = match &previous {
             Some((before, q)) => scales.chord((before, *q), (&z, p)).normalize(),
             None => along(z.len(), direction),
         };
-        let Ok(tangent) = tangent(family, (&z, p), scales, &before) else { return Ok(End::Lost) };
+        let Ok(tangent) = tangent(family, (&z, p), scales, &before) else { return lost() };
         let spot = Spot { z: &z, p, tangent: &tangent };
         let (solution, longer) = match next(family, spot, scales, way, ds) {
             Ok(next) => next,
+            Err(End::Lost) => return lost(),
             Err(end) => return Ok(end),
         };
         let gone_back = ((solution.p - back) * direction < 0.0).then_some(End::TurnedBack);

@@ -19,7 +19,7 @@ use crate::{
     error::{Error, Result},
     memory::lacking,
     output::read,
-    run::{Initial as Start, Method, Run, Setting},
+    run::{Initial as Start, Method, Run, Setting, checked_end},
     waves::{PerturbedWave, TravellingWave},
 };
 use builtin::BUILTIN;
@@ -230,11 +230,9 @@ impl Scene {
         };
         let period = positive("period", period)?;
         let end = match (file.span.periods, file.span.until) {
-            (Some(periods), None) if (positive("periods", periods)? * period).is_infinite() => {
-                return Err(Error::parameter("periods", periods, "their end is a finite time"));
-            }
-            (Some(periods), None) => periods * period,
-            (None, Some(until)) => positive("until", until)?,
+            (Some(periods), None) => checked_end(positive("periods", periods)? * period)
+                .map_err(|_| Error::parameter("periods", periods, "the end of a run is from 1e-100 to 1e100"))?,
+            (None, Some(until)) => checked_end(until)?,
             _ => return Err(Error::parameter("span", "[span]", "give exactly one of `periods` and `until`")),
         };
         if let (Some(Theory::PerturbedWave(drawn)), Initial::TravellingWave { seed, .. }) = (&theory, &mut file.initial)
@@ -268,12 +266,9 @@ impl Scene {
     /// The scene with another end time.
     ///
     /// # Errors
-    /// A time that is not finite or not positive.
+    /// A time outside 1e-100 .. 1e100.
     pub fn until(mut self, end: f64) -> Result<Self> {
-        if !(end.is_finite() && end > 0.0) {
-            return Err(Error::parameter("until", end, "finite and positive"));
-        }
-        details::within(&self.chain, end)?;
+        details::within(&self.chain, checked_end(end)?)?;
         self.end = end;
         (self.file.span.periods, self.file.span.until) = (None, Some(end));
         self.sample();

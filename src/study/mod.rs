@@ -124,7 +124,8 @@ pub type Work<'a> = Box<dyn FnOnce(&Engine, Progress<'_>) -> Result<Box<dyn Repo
 pub trait Study {
     /// The files it writes, in words for the help.
     const FILES: &'static str;
-    /// Whether it checks if the process was asked to end, and then keeps what it has.
+    /// Whether its report says what is missing after the process was asked to end. That of another
+    /// study is dropped then.
     const STOPS: bool = false;
 
     /// Whether it sweeps a grid, so that it takes a shard.

@@ -131,13 +131,21 @@ impl<O: Sync, K: Send + Sync> Branch<'_, O, K> {
 
 /// The result of `work`, unless the process was asked to end before or meanwhile: what was computed
 /// meanwhile may be incomplete.
-fn unless_asked<U>(work: impl FnOnce() -> Result<U>) -> Result<U> {
-    let stopped = || Error::Stopped { kept: "not this point".to_owned() };
+pub(super) fn unless_asked<U>(work: impl FnOnce() -> Result<U>) -> Result<U> {
+    let stopped = || Error::Stopped { kept: "nothing of this point".to_owned() };
     if interrupt::asked() {
         return Err(stopped());
     }
     let result = work();
     if interrupt::asked() { Err(stopped()) } else { result }
+}
+
+/// The results that were made by [`unless_asked`]; those that were finished, after the process was
+/// asked to end.
+pub(super) fn finished<U>(results: Vec<Result<U>>) -> Result<Vec<U>> {
+    let any = results.iter().any(Result::is_ok);
+    let stopped = |result: &Result<U>| any && matches!(result, Err(Error::Stopped { .. }));
+    results.into_iter().filter(|result| !stopped(result)).collect()
 }
 
 /// The folder in which a branch is kept while it is followed. A shard follows the branch for itself

@@ -352,8 +352,9 @@ where
     let (left, stopped) = (AtomicU64::new(todo.len() as u64), AtomicBool::new(false));
     let row = |k: usize| {
         let row = attempt(|| work((points.point)(k)));
-        // An interrupted computation has no result.
-        if row.is_err() && interrupt::asked() { String::new() } else { text(row) }
+        // A computation that was asked to end may have a part of its result, or a wrong one: what
+        // fails on the way is an answer to some.
+        if interrupt::asked() { String::new() } else { text(row) }
     };
     let rows = Mutex::new(rows);
     backend.run(todo, &row, &|k, text| {

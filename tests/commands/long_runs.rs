@@ -462,6 +462,135 @@ mod processes {
         (output.status.code(), printed, said)
     }
 
+    /// Commands with arguments that make them long.
+    const LONG: &[&str] = &[
+        "run tw-q15 --integrator strang-linear --until 1e7",
+        "run tw-q15 --tol 1e-12 --until 1e6 --events",
+        "compare tw-q15 --max-time 600",
+        "study order --beads 300 --integrators all",
+        "study scaling --sites 20000,40000 --max-time 600",
+        "study drift tw-q15 --periods 1000000",
+        "study stability --work 1e9",
+        "study theorem --epsilons 0.0001,0.00001",
+        "study lifetimes --epsilons 0.2,0.3 --rhos 50,60 --until 1000",
+        "study dimer --ratios 500",
+        "study impurity --ratios 500",
+        "study taper --tapers 500",
+        "study disorder --chains 1000",
+        "study end-driven",
+        "study boundary-wave",
+        "wave modulation --measure --chart",
+        "wave continue --to 3 --step 1e-4 --waves 2000",
+        "breather bright --until 1e6",
+        "breather trivial --until 1e9",
+        "breather dark --sites 201",
+        "breather continue --center bond --sites 41 --from 2.01 --to 2.06 --step 2e-4",
+        "breather doubled",
+        "breather barrier --frequencies 500",
+        "breather moving",
+        "orbit driven end-driven --turns 64",
+        "orbit mode precompressed --to 1",
+        "dps homoclinic --alpha 1.01",
+        "paper verify",
+    ];
+
+    /// CPU time of a process, in ticks of a hundredth of a second; `None` once it has ended.
+    #[cfg(target_os = "linux")]
+    fn ticks(id: u32) -> Option<u64> {
+        let text = fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
+        let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
+        (fields[0] != "Z").then_some(fields[11].parse::<u64>().ok()? + fields[12].parse::<u64>().ok()?)
+    }
+
+    /// The CPU time from SIGINT to the end, in ticks, and the exit code; `None` if the command ends
+    /// by itself before the signal, after 0.4 s of CPU time.
+    #[cfg(target_os = "linux")]
+    fn ticks_to_end(line: &str) -> Option<(u64, Option<i32>)> {
+        let args: Vec<&str> = line.split(' ').collect();
+        let mut command = Command::new(PROGRAM);
+        command.env("RAYON_NUM_THREADS", "1").args(args).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut process = command.spawn().unwrap();
+        while ticks(process.id())? < 40 {
+            sleep(Duration::from_millis(10));
+        }
+        let (before, clock) = (ticks(process.id())?, Instant::now());
+        signal(&process, "INT");
+        let mut last = before;
+        while let Some(now) = ticks(process.id()) {
+            last = now;
+            if clock.elapsed() > Duration::from_secs(60) {
+                process.kill().unwrap();
+            }
+            sleep(Duration::from_millis(5));
+        }
+        Some((last - before, process.wait().unwrap().code()))
+    }
+
+    #[cfg(target_os = "linux")]
+    fn end_soon(lines: &[&str]) {
+        let mut late = Vec::new();
+        for line in lines {
+            let ended = ticks_to_end(line);
+            println!("{line}: {ended:?}");
+            if ended.is_some_and(|(ticks, code)| ticks >= 100 || code != Some(130)) {
+                late.push(*line);
+            }
+        }
+        assert!(late.is_empty(), "{late:?}");
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_signal_ends_long_searches_within_a_second_of_cpu_time() {
+        end_soon(&[
+            "study end-driven",
+            "study stability --work 1e9",
+            "orbit mode precompressed --to 1",
+            "paper verify",
+        ]);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    #[ignore = "nightly: all commands take half a minute"]
+    fn a_signal_ends_every_command_within_a_second_of_cpu_time() {
+        end_soon(LONG);
+    }
+
+    #[test]
+    fn a_run_that_blows_up_ends_with_events_as_without_them() {
+        // Truth: the same run without the search for events.
+        let folder = tempfile::tempdir().unwrap();
+        for (contact, method, step) in [("1e8", "verlet", "0.01"), ("1e4", "yoshida4", "0.1")] {
+            let scene = folder.path().join(format!("{method}.toml"));
+            let text = format!(
+                "name = \"blow-up\"\nchain = {{sites = 1, alpha = 1.5, boundary = \"fixed\"}}\n\
+                 bonds = {{overlap = -0.5, contact = {contact}}}\ninitial = {{kind = \"state\", u_dot = [1.0]}}\n\
+                 span = {{until = 20.0}}\nrecord = {{samples = 40}}\n"
+            );
+            fs::write(&scene, text).unwrap();
+            let args = ["run", scene.to_str().unwrap(), "--integrator", method, "--step", step];
+            let [without, with] = [&args[..], &[&args[..], &["--events"]].concat()].map(output);
+            assert!(without.status.code() == Some(1) && with.status.code() == Some(1), "{method}");
+            assert!(String::from_utf8_lossy(&with.stderr).contains("not finite at t = 1 "), "{method}");
+            assert_eq!(without.stderr, with.stderr, "{method}");
+        }
+    }
+
+    #[test]
+    fn an_end_that_no_method_can_reach_is_refused_by_value_and_rule() {
+        for end in ["1e-310", "1e300"] {
+            for args in [["--until".to_owned(), end.to_owned()], ["--set".to_owned(), format!("span.until={end}")]] {
+                let refused = output(&["run", "impact", &args[0], &args[1]]);
+                let said = String::from_utf8(refused.stderr).unwrap();
+                assert!(
+                    refused.status.code() == Some(2) && said.contains(&format!("until = {end} is not valid")),
+                    "{said}"
+                );
+            }
+        }
+    }
+
     #[test]
     fn a_signal_ends_a_run_with_what_was_done() {
         for (name, code) in [("INT", 130), ("TERM", 143)] {

@@ -6,7 +6,7 @@ use crate::{
 };
 use hertzchain::{
     chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State},
-    run::{Method, Records, Run, Setting, Trajectory},
+    run::{Method, Records, Run, Setting, Trajectory, Warning},
     scene::Scene,
 };
 use std::f64::consts::{FRAC_PI_2, TAU};

@@ -106,6 +106,17 @@ impl Sampling {
     }
 }
 
+/// The end of a run, if methods can reach it.
+///
+/// # Errors
+/// As [`Run::until`].
+pub fn checked_end(end: f64) -> Result<f64> {
+    if (1e-100..=1e100).contains(&end) {
+        return Ok(end);
+    }
+    Err(Error::parameter("until", format!("{end:e}"), "the end of a run is from 1e-100 to 1e100"))
+}
+
 impl Run {
     /// A run of `chain` from `initial`: a state, or an [`Initial`] that computes it. Its end must
     /// be given by [`until`](Self::until). An [`Arc`](std::sync::Arc) of a state and an [`Initial`]
@@ -132,12 +143,10 @@ impl Run {
     /// Sets the end time. The run starts at time zero.
     ///
     /// # Errors
-    /// A time that is not finite or not positive.
+    /// A time outside 1e-100 .. 1e100: powers of shorter or longer times leave the range of a
+    /// double.
     pub fn until(mut self, end: f64) -> Result<Self> {
-        if !(end.is_finite() && end > 0.0) {
-            return Err(Error::parameter("until", end, "finite and positive"));
-        }
-        self.end = end;
+        self.end = checked_end(end)?;
         Ok(self)
     }
 

@@ -4,7 +4,6 @@ use super::{Measure, Method, Run, Setting, Warning, method::start_logged};
 use crate::{
     chain::{Contact, ContactLog, Contacts, Energy, Overlaps, max_norm},
     error::{Failed, Result},
-    interrupt,
 };
 use hertzchain_integrators::{
     Error as Failure, Event, Observer, Stats, Stepper, Watch,
@@ -263,7 +262,6 @@ pub struct Recorder<'a> {
     run: &'a Run,
     seen: &'a mut dyn FnMut(f64, &[f64]),
     told: Option<&'a mut dyn FnMut(&Contact)>,
-    token: interrupt::Token,
     /// Number of samples from one profile to the next.
     stride: usize,
     has_energy: bool,
@@ -282,7 +280,6 @@ impl<'a> Recorder<'a> {
             run,
             seen,
             told: None,
-            token: interrupt::token(),
             stride: (run.chain.layout().dim() * run.sampling.count()).div_ceil(MOST_NUMBERS),
             has_energy: energy.is_some(),
             initial_energy: energy.map(|energy| energy.balance()),
@@ -438,9 +435,5 @@ impl Observer<f64> for Recorder<'_> {
         (self.seen)(t, y);
         self.kept.sampling += clock.elapsed();
         Ok(ControlFlow::Continue(()))
-    }
-
-    fn stop(&self) -> bool {
-        self.token.asked()
     }
 }

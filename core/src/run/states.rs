@@ -1,7 +1,7 @@
 //! The states of a run at given times.
 
 use super::Run;
-use crate::{chain::State, error::Result, interrupt};
+use crate::{chain::State, error::Result};
 use hertzchain_integrators::{Error as Failure, Stats, Stepper};
 
 /// An iterator over the states of a run at given times, from [`Run::at`].
@@ -46,9 +46,6 @@ impl Iterator for States {
 /// The state at time `t`. The stepper must not have passed the step that contains `t`.
 pub fn state_at(run: &mut (impl Stepper<f64> + ?Sized), t: f64) -> std::result::Result<Vec<f64>, Failure> {
     while run.time() < t && !run.done() {
-        if interrupt::asked() {
-            return Err(Failure::Stopped { t: run.time() });
-        }
         run.step()?;
     }
     let mut y = vec![0.0; run.dim()];

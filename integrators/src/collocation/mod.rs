@@ -166,7 +166,7 @@ pub use section::{BLOCK, EDGE, Section};
 pub use system::{ContactChain, Drive, Path, Response};
 pub use tangent::{Tangent, monodromy};
 
-use crate::{clock::Twofold, drive::Stepper, error::Error, stats::Stats};
+use crate::{clock::Twofold, drive::Stepper, error::Error, interrupt, stats::Stats};
 use control::Control;
 use system::Links;
 
@@ -411,8 +411,12 @@ impl<W: Windows> Stepper<f64> for Collocation<W> {
         }
         self.nodes = self.control.nodes();
         loop {
+            interrupt::check(self.t.value())?;
             let left_to_go = (self.end - self.t).value();
             let h = self.propose(left_to_go);
+            if self.t + Twofold::new(h) == self.t {
+                return Err(Error::StepUnderflow { t: self.t.value(), h });
+            }
             let window = self.window(h, self.log);
             let verdict = self.windows.solve(&window);
             self.stats.force_evaluations += verdict.sweeps * self.nodes as u64;

@@ -15,7 +15,7 @@
 //! G. R. W. Quispel and D. I. McLaren, *J. Phys. A* 41 (2008) 045206.
 
 use super::{Modal, Sites, Steps, path};
-use crate::{collocation::ContactChain, drive::Stepper, error::Error, law::ContactLaw, stats::Stats};
+use crate::{collocation::ContactChain, drive::Stepper, error::Error, interrupt, law::ContactLaw, stats::Stats};
 
 /// Most sweeps of a step. They converge where `h^2` times the stiffness of a contact is below one.
 const SWEEPS: u32 = 500;
@@ -162,6 +162,7 @@ impl<C: ContactChain> Stepper<f64> for DiscreteGradient<C> {
     fn step(&mut self) -> Result<(), Error> {
         let h = self.steps.h.value();
         let t = self.time();
+        interrupt::check(t)?;
         let sweeps = self
             .chain
             .discrete_gradient(&mut self.sites, &mut self.phi, h)

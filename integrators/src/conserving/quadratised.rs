@@ -17,7 +17,7 @@
 //! the part that is not quadratised.
 
 use super::{Modal, Sites, Steps};
-use crate::{collocation::ContactChain, drive::Stepper, error::Error, stats::Stats};
+use crate::{collocation::ContactChain, drive::Stepper, error::Error, interrupt, stats::Stats};
 
 /// The quadratised scheme at work, in equal steps.
 pub struct Quadratised<C> {
@@ -106,6 +106,7 @@ impl<C: ContactChain> Stepper<f64> for Quadratised<C> {
     }
 
     fn step(&mut self) -> Result<(), Error> {
+        interrupt::check(self.time())?;
         let h = self.steps.h.value();
         for [r, r_dot, p, p_dot] in &mut self.sites {
             *r += h * *r_dot;

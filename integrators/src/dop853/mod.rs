@@ -15,6 +15,7 @@ use crate::{
     clock::{Breaks, Twofold},
     drive::Stepper,
     error::Error,
+    interrupt,
     real::Real,
     stats::Stats,
     system::VectorField,
@@ -212,6 +213,7 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Dop853<R, F> {
             self.begin()?;
         }
         loop {
+            interrupt::check(self.time().f64())?;
             let leap = self.propose()?;
             if self.last.take().is_some() {
                 self.step.advance();

@@ -68,7 +68,7 @@ impl Polynomial {
     /// As [`first_above`](Self::first_above), for a polynomial on an interval given by its start
     /// and its length.
     fn first_above_in(&self, (start, length): (f64, f64), level: f64) -> Option<f64> {
-        if self.0.iter().all(|&c| c <= level) {
+        if self.0.iter().all(|&c| c <= level) || !self.0.iter().all(|c| c.is_finite()) {
             return None;
         }
         if self.0[0] > level || length < f64::EPSILON {

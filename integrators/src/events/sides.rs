@@ -160,7 +160,8 @@ impl Sides {
             let mut last = found[first];
             let polynomial = self.polynomial(last.index);
             let band = self.band(last.index);
-            loop {
+            // A polynomial of degree seven changes its sign at most seven times.
+            for _ in 1..NODES {
                 self.positive[last.index] = last.rising;
                 let rest = polynomial.split(last.left).1;
                 let Some((zero, left)) = rest.first_crossing(last.rising, false, band) else { break };

@@ -141,6 +141,10 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
             let t = if share == 1.0 { to } else { from + (to - from) * R::of(share) };
             self.values_at(t);
             self.sides.put(k, &self.g);
+            // A state that is lost has no events; the observer of the run ends it.
+            if !self.g.iter().all(|g| g.is_finite()) {
+                return;
+            }
         }
         self.sides.set_band(self.functions.band(&self.y).f64());
         let mut crossings = std::mem::take(&mut self.crossings);

@@ -42,6 +42,7 @@ use crate::{
         Event, EventFunctions, SHARES,
         sides::{Crossing, Sides},
     },
+    interrupt,
     real::Real,
     stats::Stats,
     system::VectorField,
@@ -608,6 +609,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Stepper<R> for Regularise
         };
         let mut retry = 0;
         loop {
+            interrupt::check(self.time().f64())?;
             let to = self.propose(&mut pace)?;
             let trial = self.attempt(to)?;
             match trial {

@@ -6,6 +6,7 @@ use crate::{
     drive::Stepper,
     error::Error,
     events::root::bracketed,
+    interrupt,
     real::Real,
     stats::Stats,
     system::ContactFlow,
@@ -161,6 +162,7 @@ impl<R: Real, S: ContactFlow<R>> Stepper<R> for Landed<R, S> {
     }
 
     fn step(&mut self) -> Result<(), Error> {
+        interrupt::check(self.time().f64())?;
         let near = R::of(TOGETHER) * self.h.value();
         let stop = self.breaks.or_end(self.time.value(), self.end);
         let left = stop - self.time;

@@ -5,6 +5,7 @@ use crate::{
     clock::Twofold,
     drive::Stepper,
     error::Error,
+    interrupt,
     real::{Kernel, Real},
     stats::Stats,
     system::SplitFlow,
@@ -158,11 +159,13 @@ impl<R: Real, S: SplitFlow<R>> Stepper<R> for Splitting<R, S> {
     }
 
     fn step(&mut self) -> Result<(), Error> {
+        interrupt::check(self.time().f64())?;
         self.run(1);
         Ok(())
     }
 
     fn steps(&mut self, wanted: Option<R>) -> Result<(), Error> {
+        interrupt::check(self.time().f64())?;
         let most = (self.row.len() / self.inner) as u64;
         let before = steps_before(wanted, self.time(), self.h.value(), most);
         self.run(before.min(self.total - self.taken).max(1) as usize);

@@ -20,7 +20,7 @@ mod report;
 pub(crate) use report::columns as barrier_columns;
 pub(crate) use report::{caption as barrier_caption, tables as barrier_tables};
 
-use super::{Progress, Study, Work, orbits::Ring};
+use super::{Progress, Study, Work, orbits::Ring, stretches::unless_asked};
 use crate::{
     chain::Energy,
     dps::Center,
@@ -128,6 +128,7 @@ pub struct BarrierStudy {
 
 impl Study for Barrier {
     const FILES: &'static str = "Files: barrier.json, barrier.png and barrier.csv.";
+    const STOPS: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
         self.frequencies()?;
@@ -171,7 +172,7 @@ impl Barrier {
         let (frequencies, shooting) = (self.frequencies()?, self.ring.shooting());
         let done = AtomicUsize::new(0);
         let point = |&omega_b: &f64| {
-            let found = self.point(omega_b, &shooting);
+            let found = unless_asked(|| self.point(omega_b, &shooting));
             let count = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress(count as f64 / frequencies.len() as f64, "");
             found
@@ -186,6 +187,8 @@ impl Barrier {
                     missing.push(*omega_b);
                     why = Some(error);
                 }
+                // The points before it are kept.
+                Err(error @ Error::Stopped { .. }) => why = Some(error),
                 Err(error) => return Err(error),
             }
         }

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     error::Result,
-    interrupt,
+    interrupt::{self, Token},
     plain::{Loop, Sites},
     run::{
         Trajectory,
@@ -23,7 +23,7 @@ use crate::{
     scene::Scene,
     sweep::map,
 };
-use hertzchain_integrators::{Silent, Stats, drive};
+use hertzchain_integrators::{Error as Failure, Silent, Stats, drive};
 use std::time::Instant;
 
 /// Contact kicks a period of the fastest motion on the first rung of a method with fixed steps: the
@@ -121,6 +121,14 @@ fn plain(scene: &Scene, plain: Loop, rung: Rung) -> (Vec<f64>, Stats) {
     (sites.state(), Stats { steps, force_evaluations: plain.evaluations(steps), rejected: 0 })
 }
 
+/// At least so many seconds of a plain loop: a nanosecond for each kick of a site.
+fn plain_seconds(scene: &Scene, plain: Loop, rung: Rung) -> f64 {
+    1e-9 * scene.chain().sites() as f64 * plain.kicks() as f64 * steps(scene, plain.kicks(), rung.kicks()) as f64
+}
+
+/// Why a run has no row.
+const OVER: &str = "--max-time was over, or a signal came, before this run ended";
+
 /// The ladder of a method or loop.
 struct Ladder {
     entrant: Entrant,
@@ -179,7 +187,10 @@ impl<'a> Climb<'a> {
                 break;
             }
             let entrants: Vec<Entrant> = going.iter().map(|&index| self.ladders[index].entrant).collect();
-            let rows = map(&entrants, |entrant| truth.row(self.scene, *entrant, rung));
+            // The first rung of a long run may take longer than all of the time.
+            let left = self.budget - self.spent();
+            let rows =
+                Token::timed(left).within(|| map(&entrants, |entrant| truth.row(self.scene, *entrant, rung, left)));
             for (index, row) in going.into_iter().zip(rows) {
                 (self.progress)(self.spent() / self.budget, &format!("{} at {}", row.entrant.name(), row.setting));
                 let row = self.timed(row, rung);
@@ -263,8 +274,11 @@ impl<'a> Climb<'a> {
 
 impl Truth {
     /// The row of a method or loop, also of one that cannot even start; not yet timed.
-    fn row(&self, scene: &Scene, entrant: Entrant, rung: Rung) -> Row {
+    fn row(&self, scene: &Scene, entrant: Entrant, rung: Rung, left: f64) -> Row {
         match entrant {
+            Entrant::Plain(of) if plain_seconds(scene, of, rung) > left => {
+                Row::failed(entrant, rung.words(&entrant), OVER.to_owned())
+            }
             Entrant::Method(method) => self.row_of_method(scene, method, rung),
             Entrant::Plain(of) => {
                 let (state, stats) = plain(scene, of, rung);
@@ -287,7 +301,10 @@ impl Truth {
             Err(why) => return Row::failed(entrant, rung.words(&entrant), why.to_string()),
         };
         let Trajectory { t, state, energy_error, stats, failure, .. } = outcome;
-        let words = failure.as_ref().map(ToString::to_string).unwrap_or_default();
+        let words = failure.as_ref().map_or(String::new(), |failure| match failure.cause {
+            Failure::Stopped { .. } => OVER.to_owned(),
+            _ => failure.to_string(),
+        });
         let row =
             Row { step: t / stats.steps.max(1) as f64, stats, ..Row::failed(entrant, rung.words(&entrant), words) };
         if failure.is_some() {

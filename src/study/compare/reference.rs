@@ -6,10 +6,11 @@
 //! way: contact collocation at [`FINEST`], and a run by a method of another family, whose difference
 //! is the error estimate.
 
-use super::Entrant;
+use super::{Entrant, REFERENCE_SHARE};
 use crate::{
     chain::{State, max_norm},
-    error::{Error, Result},
+    error::{Error, Failed, Result},
+    interrupt::{self, Token},
     run::{
         Records,
         method::{Method, Setting},
@@ -18,6 +19,7 @@ use crate::{
     study::{compare::steps_for_kicks, scene_json},
     sweep::map,
 };
+use hertzchain_integrators::Error as Failure;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::time::Duration;
@@ -199,7 +201,8 @@ fn computed(scene: &Scene, budget: f64) -> Result<Vec<End>> {
         .filter(|run| affordable(scene, *run, budget))
         .collect();
     // A run that fails is no reference; the others may do better.
-    let ends: Vec<End> = map(&fine, |run| End::by_tolerance(scene, *run)).into_iter().filter_map(Result::ok).collect();
+    let ends = Token::timed(2.0 * budget).within(|| map(&fine, |run| End::by_tolerance(scene, *run)));
+    let ends: Vec<End> = ends.into_iter().filter_map(Result::ok).collect();
     if ends.len() == 2 {
         return Ok(ends);
     }
@@ -218,7 +221,9 @@ fn affordable(scene: &Scene, (method, tolerance): (&str, f64), budget: f64) -> b
         let run = scene.run().until(TRIAL_SHARE * scene.end())?.samples(0)?;
         run.method(Method::named(method)?).setting(Setting::Tolerance(tolerance)).records(Records::End).start()
     };
-    trial().is_ok_and(|trial| trial.failure.is_none() && trial.wall.as_secs_f64() <= TRIAL_SHARE * budget)
+    Token::timed(TRIAL_SHARE * budget)
+        .within(trial)
+        .is_ok_and(|trial| trial.failure.is_none() && trial.wall.as_secs_f64() <= TRIAL_SHARE * budget)
 }
 
 /// Runs by the first two of [`TOLERANT`] that can, as fine as the budget allows.
@@ -230,7 +235,7 @@ fn by_tolerances(scene: &Scene, budget: f64) -> Result<Vec<End>> {
     };
     let (mut ends, mut why) = (Vec::new(), None);
     for name in TOLERANT {
-        match finest(name) {
+        match Token::timed(2.0 * budget).within(|| finest(name)) {
             Ok(end) => ends.push(end),
             Err(error) => why = Some(error),
         }
@@ -250,11 +255,15 @@ fn by_steps(scene: &Scene, count: usize, budget: f64) -> Result<Vec<End>> {
     for name in STEPPED {
         let method = Method::named(name)?;
         let steps = Setting::Steps(steps_for_kicks(scene, &method, TRIAL_KICKS));
-        let trial = scene.run().method(method).setting(steps).records(Records::End).start();
-        match trial.and_then(crate::run::Trajectory::complete) {
+        let trial = || scene.run().method(method).setting(steps).records(Records::End).start();
+        match Token::timed(budget).within(trial).and_then(crate::run::Trajectory::complete) {
             Ok(trial) => {
                 wall += trial.wall;
                 methods.push(method);
+            }
+            Err(Error::Run(Failed { cause: Failure::Stopped { .. }, .. })) if !interrupt::asked() => {
+                let rule = "no run that could be a reference ends in its share of this time";
+                return Err(Error::parameter("max-time", budget / REFERENCE_SHARE, rule));
             }
             Err(error) => why = Some(error),
         }

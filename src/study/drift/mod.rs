@@ -10,7 +10,6 @@ use super::{Changes, Study, Work, compare::steps_for_kicks, fit_line, methods, s
 use crate::{
     chain::Chain,
     error::{Error, Result},
-    interrupt,
     run::method::{Method, Setting},
     scene::Scene,
     sweep::{Engine, Grid},
@@ -265,13 +264,12 @@ struct Look<'a> {
     largest: f64,
     /// Largest error up to each of `times` that has passed.
     errors: Vec<f64>,
-    token: interrupt::Token,
 }
 
 impl<'a> Look<'a> {
     fn new(scene: &'a Scene, times: &'a [f64]) -> Self {
         let initial = energy(scene.chain(), scene.initial().as_slice());
-        Self { scene, times, looks: 0, initial, largest: 0.0, errors: Vec::new(), token: interrupt::token() }
+        Self { scene, times, looks: 0, initial, largest: 0.0, errors: Vec::new() }
     }
 
     /// Time of the next regular evaluation.
@@ -304,10 +302,6 @@ impl Observer<f64> for Look<'_> {
             self.looks += 1;
         }
         Ok(ControlFlow::Continue(()))
-    }
-
-    fn stop(&self) -> bool {
-        self.token.asked()
     }
 }
 

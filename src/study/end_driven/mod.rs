@@ -21,7 +21,10 @@
 
 mod report;
 
-use super::{Progress, Study, Work};
+use super::{
+    Progress, Study, Work,
+    stretches::{finished, unless_asked},
+};
 use crate::{
     breathers::DarkBreather,
     chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State, max_norm},
@@ -308,12 +311,12 @@ impl EndDriven {
         }
         let done = std::sync::atomic::AtomicUsize::new(0);
         let one = |&(sites, ends, omega): &(usize, Ends, f64)| {
-            let case = self.case(sites, ends, omega);
+            let case = unless_asked(|| self.case(sites, ends, omega));
             let count = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
             progress(count as f64 / cases.len() as f64, &format!("N = {sites}, omega = {omega}"));
             case
         };
-        let found = map(&cases, one).into_iter().collect::<Result<Vec<_>>>()?;
+        let found = finished(map(&cases, one))?;
         Ok(EndDrivenStudy { options: self.clone(), cases: found })
     }
 

@@ -10,7 +10,10 @@ pub(crate) use report::{branch_plots as wave_branch_plots, exact_columns};
 
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
-use super::{Changes, Progress, Study, Work};
+use super::{
+    Changes, Progress, Study, Work,
+    stretches::{finished, unless_asked},
+};
 use crate::{
     chain::{Params, Resonators},
     error::{Error, Iterate, Result},
@@ -432,14 +435,14 @@ pub fn wave_branch(
     let branch = continuation.follow(start, |wave| {
         let share = (parameter.of(wave) - from) / (continuation.to - from);
         progress(share.clamp(0.0, 1.0), &format!("{} waves", waves.len()));
-        waves.push(branch_wave(wave, sites, &continuation.search));
+        waves.push(unless_asked(|| branch_wave(wave, sites, &continuation.search)));
         if let (Some(folder), true) = (folder, waves.len().is_multiple_of(20)) {
             let states: Vec<&ExactWave> = waves.iter().flatten().map(|one| &one.wave).collect();
             // An error is ignored here: the states are written again at the end.
             let _ = report::states_npz(&states).and_then(|bytes| folder.write(report::STATES, &bytes));
         }
     })?;
-    let waves = waves.into_iter().collect::<Result<_>>()?;
+    let waves = finished(waves)?;
     Ok(WaveBranchStudy { scene: scene.to_owned(), continuation: *continuation, sites, waves, end: branch.end })
 }
 

@@ -9,7 +9,7 @@ use crate::{
     chain::{Boundary, Energy, Ledger, Overlaps},
     error::Result,
     output::{Folder, NpzWriter, csv, write_csv, write_json},
-    run::{Method, Profile, Setting, Trajectory},
+    run::{Profile, Trajectory},
     scene::{Scene, Theory, Units},
     study::si::ALL_IN_SI,
 };

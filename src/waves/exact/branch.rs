@@ -228,6 +228,7 @@ impl WaveContinuation {
             }
             let next = match self.next(&waves, direction, ds) {
                 Ok(next) => next,
+                Err(_) if interrupt::asked() => break WaveEnd::Stopped,
                 Err(end) => break end,
             };
             waves.push(next.wave);

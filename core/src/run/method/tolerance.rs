@@ -10,10 +10,9 @@ use crate::run::Run;
 use crate::{
     chain::{Chain, max_norm},
     error::{Error, Result},
-    interrupt,
 };
-use hertzchain_integrators::{Error as Failure, Observer, Stats, drive};
-use std::{f64::consts::SQRT_2, ops::ControlFlow};
+use hertzchain_integrators::{Silent, drive};
+use std::f64::consts::SQRT_2;
 
 /// Number of steps in the first run per period of the fastest motion.
 const FIRST: f64 = 16.0;
@@ -47,7 +46,7 @@ pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol:
     let end = |steps: f64| -> Result<Vec<f64>> {
         let mut stepper = method.start(run, y, span, Setting::Steps(steps as u64))?;
         let mut end = y.to_vec();
-        drive(&mut *stepper, &mut Interruptible, &mut end)?;
+        drive(&mut *stepper, &mut Silent, &mut end)?;
         Ok(end)
     };
     let mut steps = (FIRST * (span.1 - span.0) / run.fast_period()).ceil().max(FIRST);
@@ -102,21 +101,4 @@ fn distance(chain: &Chain<f64>, a: &[f64], b: &[f64]) -> f64 {
         beads = size;
         if gap == 0.0 { largest } else { f64::max(largest, gap / size) }
     })
-}
-
-/// An observer that takes no samples and stops the run when the process is asked to end.
-struct Interruptible;
-
-impl Observer<f64> for Interruptible {
-    fn next(&self) -> Option<f64> {
-        None
-    }
-
-    fn observe(&mut self, _: f64, _: &[f64], _: Stats) -> std::result::Result<ControlFlow<()>, Failure> {
-        Ok(ControlFlow::Continue(()))
-    }
-
-    fn stop(&self) -> bool {
-        interrupt::asked()
-    }
 }

@@ -174,6 +174,7 @@ use crate::{
     collocation::{ContactStepper, Piece},
     drive::Stepper,
     error::Error,
+    interrupt,
     stats::Stats,
 };
 use ends::Ends;
@@ -433,6 +434,7 @@ impl<S: BondFlow> Stepper<f64> for Corrected<S> {
     }
 
     fn step(&mut self) -> Result<(), Error> {
+        interrupt::check(self.time())?;
         let (h, share) = (self.h.value(), self.share());
         if let Some(kick) = self.due.take() {
             self.flow.kicks_and_surveys(&[(kick, self.h)], share, false);
@@ -455,6 +457,7 @@ impl<S: BondFlow> Stepper<f64> for Corrected<S> {
         if self.log.is_some() || self.taken == 0 {
             return self.step();
         }
+        interrupt::check(self.time())?;
         let before = steps_before(wanted, self.time(), self.h.value(), self.row.len() as u64);
         let mut left = before.min(self.total - self.taken).max(1) as usize;
         let (share, watched) = (self.share(), self.parts.corrected);

@@ -1,21 +1,24 @@
-//! Flags that ask work to end. Runs, sweeps and branches read them, stop, and keep what they have
-//! computed.
+//! Flags that ask work to end. Every [`Stepper`](crate::Stepper) reads them at each step and fails
+//! with [`Error::Stopped`]; sweeps, branches and searches read them between runs, stop, and keep
+//! what they have computed.
 //!
 //! The process has one flag, which a signal handler sets. A thread may have a flag of its own while
 //! it does a piece of work, so that one piece can be stopped without the others.
 
+use crate::error::Error;
 use std::{
     cell::RefCell,
     sync::{
         Arc, OnceLock,
         atomic::{AtomicBool, Ordering},
     },
+    time::{Duration, Instant},
 };
 
 static FLAG: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
 thread_local! {
-    static OWN: RefCell<Token> = const { RefCell::new(Token(None)) };
+    static OWN: RefCell<Token> = const { RefCell::new(Token { flag: None, deadline: None }) };
 }
 
 /// Registers the flag of the process, which a signal handler sets. Only the first call has an
@@ -27,7 +30,15 @@ pub fn watch(flag: Arc<AtomicBool>) {
 /// Whether the work of this thread is asked to end: by the flag of the thread or that of the
 /// process.
 pub fn asked() -> bool {
-    token().asked()
+    OWN.with_borrow(Token::asked)
+}
+
+/// Fails if the work of this thread is asked to end; `t` is the time that a run has reached.
+///
+/// # Errors
+/// [`Error::Stopped`].
+pub fn check(t: f64) -> Result<(), Error> {
+    if asked() { Err(Error::Stopped { t }) } else { Ok(()) }
 }
 
 /// The flag of the work of this thread: to read it often, or to hand it to threads that take part
@@ -39,29 +50,48 @@ pub fn token() -> Token {
 /// A flag that asks a piece of work to end. The default has no flag of its own, only that of the
 /// process.
 #[derive(Clone, Debug, Default)]
-pub struct Token(Option<Arc<AtomicBool>>);
+pub struct Token {
+    flag: Option<Arc<AtomicBool>>,
+    deadline: Option<Instant>,
+}
 
 impl Token {
     /// A new flag, not set.
     ///
     /// ```
-    /// use hertzchain_core::interrupt::{Token, asked};
+    /// use hertzchain_integrators::interrupt::{Token, asked};
     /// let (one, other) = (Token::new(), Token::new());
     /// one.ask();
     /// assert_eq!((one.within(asked), other.within(asked), asked()), (true, false, false));
     /// ```
     pub fn new() -> Self {
-        Self(Some(Arc::default()))
+        Self { flag: Some(Arc::default()), deadline: None }
+    }
+
+    /// The flag of the work of this thread, which also asks to end once the time is over, in
+    /// seconds of the wall clock.
+    ///
+    /// ```
+    /// use hertzchain_integrators::interrupt::{Token, asked};
+    /// assert!(Token::timed(0.0).within(asked) && !Token::timed(1e300).within(asked));
+    /// ```
+    #[must_use]
+    pub fn timed(seconds: f64) -> Self {
+        let time = Duration::try_from_secs_f64(seconds).ok();
+        let end = time.and_then(|time| Instant::now().checked_add(time));
+        let Self { flag, deadline } = token();
+        Self { flag, deadline: deadline.into_iter().chain(end).min() }
     }
 
     /// Sets the token's own flag, if it has one; never that of the process.
     pub fn ask(&self) {
-        self.0.iter().for_each(|flag| flag.store(true, Ordering::Relaxed));
+        self.flag.iter().for_each(|flag| flag.store(true, Ordering::Relaxed));
     }
 
-    /// Whether this flag or that of the process is set.
+    /// Whether this flag or that of the process is set, or its time is over.
     pub fn asked(&self) -> bool {
-        self.0.iter().chain(FLAG.get()).any(|flag| flag.load(Ordering::Relaxed))
+        self.flag.iter().chain(FLAG.get()).any(|flag| flag.load(Ordering::Relaxed))
+            || self.deadline.is_some_and(|end| Instant::now() >= end)
     }
 
     /// Does a piece of work on this thread; within it, [`asked`] reads this flag.
