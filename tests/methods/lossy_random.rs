@@ -9,7 +9,7 @@ use hertzchain::{
 use std::f64::consts::PI;
 
 /// Numbers from 0 to 1, the same in every run.
-fn random(mut seed: u64) -> impl FnMut() -> f64 {
+pub(crate) fn random(mut seed: u64) -> impl FnMut() -> f64 {
     move || {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (seed >> 11) as f64 / (1_u64 << 53) as f64
@@ -18,7 +18,7 @@ fn random(mut seed: u64) -> impl FnMut() -> f64 {
 
 /// A chain of a few beads in which everything differs, a state in which they meet and part, and the
 /// end of the run.
-fn scene(next: &mut dyn FnMut() -> f64) -> (Chain<f64>, State<f64>, f64) {
+pub(crate) fn scene(next: &mut dyn FnMut() -> f64) -> (Chain<f64>, State<f64>, f64) {
     let boundary = [Boundary::Free, Boundary::Fixed, Boundary::Ring][(3.0 * next()) as usize];
     let sites = 3 + (4.0 * next()) as usize;
     let uniform = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), boundary, sites).unwrap();
