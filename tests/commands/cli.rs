@@ -104,7 +104,8 @@ fn a_contact_log_is_written_and_summed_up() {
     let csv = std::fs::read_to_string(folder.path().join("contacts.csv")).unwrap();
     assert_eq!(
         csv.lines().next().unwrap(),
-        "bond,onset,release,approach,separation,largest_overlap,impulse,t_largest,onset_overlap,release_overlap"
+        "bond,onset,release,approach,separation,largest_overlap,impulse,t_largest,onset_overlap,release_overlap,\
+         force_end"
     );
     assert_eq!(totals["contacts"].as_u64().unwrap() as usize, csv.lines().count() - 1);
     // The first contact: struck with speed one, at once.

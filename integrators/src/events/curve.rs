@@ -162,6 +162,13 @@ impl Curve {
         (self.time(self.x[k]), values[k])
     }
 
+    /// Time, value and rate at `x`.
+    pub fn at(&self, x: f64) -> [f64; 3] {
+        let (values, rule) = (self.values(), Barycentric::new(self.x()));
+        let slopes = rule.slopes(values);
+        [self.time(x), rule.at(values, x), self.per_time(rule.at(&slopes[..values.len()], x), x)]
+    }
+
     /// Time of the start.
     pub fn start(&self) -> f64 {
         self.time(0.0)
@@ -181,8 +188,8 @@ impl Curve {
         let value = |x: f64| rule.at(values, x) - level;
         let ends = [from, to].map(|k| (self.x[k], values[k] - level));
         let x = if from == to { self.x[from] } else { bracketed(value, ends[0], ends[1]) };
-        let slopes = rule.slopes(values);
-        (self.time(x), self.per_time(rule.at(&slopes[..values.len()], x), x))
+        let [t, _, rate] = self.at(x);
+        (t, rate)
     }
 
     /// The curve as plain numbers, for [`of_numbers`](Self::of_numbers).

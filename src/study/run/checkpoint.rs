@@ -45,7 +45,7 @@ use std::{
 pub(super) const FILE: &str = "checkpoint.npz";
 const SETTINGS: &str = "settings.json";
 const FORMAT: &str = "hertzchain checkpoint";
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 const PROGRAM: &str = concat!("hertzchain ", env!("CARGO_PKG_VERSION"));
 /// Most intervals of a run.
 const MOST_LEGS: f64 = 1e6;

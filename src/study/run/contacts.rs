@@ -19,6 +19,7 @@ pub const CONTACT_COLUMNS: [&str; Contact::NUMBERS] = [
     "t_largest",
     "onset_overlap",
     "release_overlap",
+    "force_end",
 ];
 
 /// The contacts as CSV, a line for each; `nan` stands for what a contact does not have, such as a
@@ -169,11 +170,12 @@ mod tests {
             t_largest: 0.2,
             onset_overlap: Some(0.0),
             release_overlap: Some(2e-8),
+            force_end: Some(0.35),
         };
         let early = Contact { bond: 3, onset: None, approach: None, release: Some(7.0), impulse: 0.5, ..whole };
         let early = Contact { onset_overlap: None, ..early };
         let late = Contact { release: None, separation: None, largest_overlap: 5e-5, ..whole };
-        let late = Contact { release_overlap: None, ..late };
+        let late = Contact { release_overlap: None, force_end: None, ..late };
         [early, whole, late]
     }
 
@@ -182,8 +184,8 @@ mod tests {
         let text = String::from_utf8(contacts_csv(&three())).unwrap();
         let lines: Vec<&str> = text.lines().collect();
         let columns = "bond,onset,release,approach,separation,largest_overlap,impulse,t_largest";
-        assert_eq!(lines[0], format!("{columns},onset_overlap,release_overlap"));
-        assert_eq!(lines[1], "3,nan,7e0,nan,3e-1,2e-5,5e-1,2e-1,nan,2e-8");
+        assert_eq!(lines[0], format!("{columns},onset_overlap,release_overlap,force_end"));
+        assert_eq!(lines[1], "3,nan,7e0,nan,3e-1,2e-5,5e-1,2e-1,nan,2e-8,3.5e-1");
         assert_eq!(lines.len(), 4);
         for (line, contact) in lines[1..].iter().zip(&three()) {
             let numbers: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();

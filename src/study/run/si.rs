@@ -58,5 +58,6 @@ fn of_contact(contact: &Contact, units: &Units) -> Contact {
         t_largest: contact.t_largest * units.time_s,
         onset_overlap: length(contact.onset_overlap),
         release_overlap: length(contact.release_overlap),
+        force_end: time(contact.force_end),
     }
 }

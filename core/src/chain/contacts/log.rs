@@ -2,7 +2,7 @@
 
 use super::{
     super::{Chain, gauss},
-    Contact, Overlaps, ROUNDING,
+    Contact, FAINT, Overlaps, ROUNDING, STEEP,
     impulse::Quadrature,
     in_order,
     pending::Pending,
@@ -25,12 +25,28 @@ pub struct Contacts {
 
 impl Contacts {
     /// All contacts in the order of their onsets; those without an onset come first, by bond.
-    /// Contacts that are rounding errors in comparison with the largest one are left out.
+    /// Contacts that are rounding errors in comparison with the largest one are left out, and those
+    /// that are [`FAINT`].
     pub fn list(&self) -> Vec<Contact> {
         let open = self.open.iter().map(|contact| contact.finish(None));
         let all: Vec<Contact> = self.ended.iter().copied().chain(open).collect();
         let largest = all.iter().fold(0.0f64, |largest, contact| largest.max(contact.largest_overlap));
-        in_order(all.into_iter().filter(|contact| contact.largest_overlap > ROUNDING * largest).collect())
+        let speeds = all.iter().flat_map(|contact| [contact.approach, contact.separation]).flatten();
+        let fastest = speeds.fold(0.0f64, f64::max);
+        let hardest = all.iter().fold(0.0f64, |hardest, contact| hardest.max(contact.impulse));
+        let faint = |contact: &Contact| {
+            let Contact { onset, release, approach, largest_overlap, impulse, t_largest, .. } = *contact;
+            let lasts = t_largest - onset.unwrap_or(f64::NEG_INFINITY);
+            let drifts = approach.is_some_and(|rate| rate * lasts >= STEEP * largest_overlap);
+            let light = if release.is_some() {
+                impulse <= FAINT * hardest
+            } else {
+                drifts && largest_overlap <= FAINT * fastest * lasts
+            };
+            light && largest_overlap <= FAINT * largest
+        };
+        let kept = |contact: &Contact| contact.largest_overlap > ROUNDING * largest && !faint(contact);
+        in_order(all.into_iter().filter(kept).collect())
     }
 
     /// The contacts that have not ended, as numbers.
@@ -63,6 +79,7 @@ pub struct ContactLog {
     /// The contact under way in each bond that can touch.
     open: Vec<Option<Pending>>,
     ended: Vec<Contact>,
+    dissipates: bool,
     /// Start time of the leg; `None` for the first leg of a run.
     leg: Option<f64>,
 }
@@ -70,7 +87,8 @@ pub struct ContactLog {
 impl ContactLog {
     /// An empty log of a chain.
     pub fn new(chain: Chain<f64>) -> Self {
-        let quadrature = Quadrature::new(chain.powers_at_events(gauss::ORDER).1, chain.dissipative_contacts());
+        let dissipates = chain.dissipative_contacts();
+        let quadrature = Quadrature::new(chain.powers_at_events(gauss::ORDER).1, dissipates);
         let overlaps = Overlaps::new(chain.clone());
         let count = overlaps.count();
         Self {
@@ -80,6 +98,7 @@ impl ContactLog {
             rates: vec![0.0; count],
             open: vec![None; count],
             ended: Vec::new(),
+            dissipates,
             leg: None,
         }
     }
@@ -109,7 +128,9 @@ impl ContactLog {
             self.close(piece.bond, (start + t, rate));
         }
         if let Some(curve) = &piece.curve {
-            self.press(piece.bond, &curve.later(start), piece.impulse);
+            let curve = curve.later(start);
+            let pushed = (self.dissipates && piece.impulse > 0.0).then(|| curve.end()[0]);
+            self.press(piece.bond, &curve, (piece.impulse, pushed));
         }
         if let Some((t, rate)) = piece.release {
             self.part(piece.bond, (start + t, rate));
@@ -141,13 +162,14 @@ impl ContactLog {
         self.open[index] = Some(Pending::new(self.overlaps.bond(index), Some(zero)));
     }
 
-    /// Adds a stretch of overlap and its impulse to the contact of a closed bond.
-    fn press(&mut self, index: usize, curve: &Curve, impulse: f64) {
+    /// Adds a stretch of overlap, its impulse and the last time at which it pushes to the contact of
+    /// a closed bond.
+    fn press(&mut self, index: usize, curve: &Curve, push: (f64, Option<f64>)) {
         // A contact without an event at its start was there at the start of the run, or began
         // between two legs.
         let (bond, leg) = (self.overlaps.bond(index), self.leg);
         let contact = self.open[index].get_or_insert_with(|| Pending::new(bond, leg.map(|t| (t, 0.0))));
-        self.ended.extend(contact.press(curve, impulse));
+        self.ended.extend(contact.press(curve, push));
     }
 
     /// A bond opens at `zero`: its contact ends.
@@ -158,11 +180,28 @@ impl ContactLog {
     }
 }
 
+/// The last point of `[0, 1]` at which something holds, where it has held for an eighth or longer.
+fn last(holds: impl Fn(f64) -> bool) -> Option<f64> {
+    let k = (0..=8).rev().find(|&k| holds(f64::from(k) / 8.0))?;
+    let (mut from, mut to) = (f64::from(k) / 8.0, f64::from(k + 1).min(8.0) / 8.0);
+    while from < 0.5 * (from + to) && 0.5 * (from + to) < to {
+        let middle = 0.5 * (from + to);
+        *(if holds(middle) { &mut from } else { &mut to }) = middle;
+    }
+    Some(from)
+}
+
 impl Listener<f64> for ContactLog {
     fn positive(&mut self, part: &Part<f64>) {
         let bond = self.overlaps.bond(part.index);
         let impulse = self.quadrature.integral(part, |g, rate| self.chain.bond_force(bond, g, rate));
-        self.press(part.index, &part.curve(), impulse);
+        let curve = part.curve();
+        let pushes = |x: f64| {
+            let [_, g, rate] = curve.at(x);
+            self.chain.bond_force(bond, g, rate) > 0.0
+        };
+        let pushed = self.dissipates.then(|| last(pushes)).flatten().map(|x| curve.at(x)[0]);
+        self.press(part.index, &curve, (impulse, pushed));
     }
 
     fn event(&mut self, event: Event<f64>, y: &[f64]) -> ControlFlow<()> {

@@ -36,6 +36,12 @@ const STEEP: f64 = 0.1;
 /// errors.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
+/// Contacts whose overlap is at most this share of the largest one in the log are left out if their
+/// impulse is at most this share of the largest one, too; or, if they have not ended, if their beads
+/// drift together at most at this share of the largest speed. Chosen: at a tolerance of 1e-6 a
+/// method does not know whether such beads part or meet.
+const FAINT: f64 = 1e-6;
+
 /// The overlaps of all bonds that can close, as event functions.
 #[derive(Clone, Debug)]
 pub struct Overlaps<R> {
@@ -110,30 +116,34 @@ pub struct Contact {
     pub onset_overlap: Option<f64>,
     /// The overlap at the release: zero, or [`TOUCH`] of the largest for beads that touch after it.
     pub release_overlap: Option<f64>,
+    /// Time at which the force ends: the release of an elastic contact. A contact that dissipates
+    /// never pulls, and its force ends while the beads still overlap. `None` without a release.
+    pub force_end: Option<f64>,
 }
 
 impl Contact {
     /// Length of the array of [`numbers`](Self::numbers).
-    pub const NUMBERS: usize = 10;
+    pub const NUMBERS: usize = 11;
 
     /// The contact as plain numbers, in the order of the fields; NaN for `None`.
     pub fn numbers(&self) -> [f64; Self::NUMBERS] {
         let Self { bond, onset, release, approach, separation, largest_overlap, impulse, t_largest, .. } = *self;
         let number = |number: Option<f64>| number.unwrap_or(f64::NAN);
         let [onset, release, approach, separation] = [onset, release, approach, separation].map(number);
-        let [start, end] = [self.onset_overlap, self.release_overlap].map(number);
-        [bond as f64, onset, release, approach, separation, largest_overlap, impulse, t_largest, start, end]
+        let [start, end, last] = [self.onset_overlap, self.release_overlap, self.force_end].map(number);
+        [bond as f64, onset, release, approach, separation, largest_overlap, impulse, t_largest, start, end, last]
     }
 
     /// The contact with these [`numbers`](Self::numbers); `None` if they are not those of a
     /// contact.
     pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Option<Self> {
-        let [bond, onset, release, approach, separation, largest_overlap, impulse, t_largest, start, end] = *numbers;
+        let [bond, onset, release, approach, separation, largest_overlap, impulse, t_largest, start, end, last] =
+            *numbers;
         let sound = bond.fract() == 0.0 && bond >= 0.0;
         let finite = [largest_overlap, impulse, t_largest].iter().all(|number| number.is_finite());
-        let may_lack = [onset, release, approach, separation, start, end];
+        let may_lack = [onset, release, approach, separation, start, end, last];
         let known = may_lack.iter().all(|number| !number.is_infinite());
-        let [onset, release, approach, separation, onset_overlap, release_overlap] =
+        let [onset, release, approach, separation, onset_overlap, release_overlap, force_end] =
             may_lack.map(|number| (!number.is_nan()).then_some(number));
         (sound && finite && known).then_some(Self {
             bond: bond as usize,
@@ -146,6 +156,7 @@ impl Contact {
             t_largest,
             onset_overlap,
             release_overlap,
+            force_end,
         })
     }
 }

@@ -11,6 +11,9 @@ const RIPPLE: f64 = 16.0 * ROUNDING;
 /// A time, and the rate of the overlap at that time.
 type Instant = (f64, f64);
 
+/// The impulse of a stretch; and, of a contact that dissipates, the last time at which it pushes.
+type Push = (f64, Option<f64>);
+
 /// A contact under way, with the data that give its onset once its largest overlap is known.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Pending {
@@ -18,6 +21,8 @@ pub(super) struct Pending {
     /// The zero of the overlap from which it came; `None` if it was there at the start of the run.
     began: Option<Instant>,
     impulse: f64,
+    /// The last time at which it has pushed, for contacts that dissipate.
+    pushed: Option<f64>,
     /// Time and value of the largest overlap so far.
     largest: (f64, f64),
     /// The stretches in which the overlap reached new largest values, from [`TOUCH`] of its largest
@@ -50,7 +55,7 @@ fn through(zero: Instant, t: f64, level: f64) -> bool {
 impl Pending {
     pub(super) fn new(bond: usize, began: Option<Instant>) -> Self {
         let largest = (began.map_or(0.0, |zero| zero.0), 0.0);
-        Self { bond, began, impulse: 0.0, largest, rise: Vec::new(), lull: None, seen: true }
+        Self { bond, began, impulse: 0.0, pushed: None, largest, rise: Vec::new(), lull: None, seen: true }
     }
 
     /// The contact that may follow a stretch in which the overlap had its least value.
@@ -59,29 +64,33 @@ impl Pending {
         Self { largest: (t, overlap), rise: vec![*curve], ..Self::new(bond, Some((curve.least().0, 0.0))) }
     }
 
-    /// Sets the zero at which the contact began.
+    /// Sets the zero at which the contact began, unless one with a speed is known.
     pub(super) fn begin(&mut self, zero: Instant) {
-        self.began = Some(zero);
+        if self.began.is_none_or(|(_, rate)| rate == 0.0) {
+            self.began = Some(zero);
+        }
     }
 
-    /// Takes the next stretch of the overlap and the impulse in it. Returns the contact under way
-    /// if it turns out to have ended; the next one then takes its place.
-    pub(super) fn press(&mut self, curve: &Curve, impulse: f64) -> Option<Contact> {
+    /// Takes the next stretch of the overlap, the impulse in it and, if the contact dissipates, the
+    /// last time at which it pushes in it. Returns the contact under way if it turns out to have
+    /// ended; the next one then takes its place.
+    pub(super) fn press(&mut self, curve: &Curve, push: Push) -> Option<Contact> {
         self.seen = true;
         let Some(lull) = &mut self.lull else {
-            self.grow(curve, impulse);
+            self.grow(curve, push);
             self.fall(curve);
             return None;
         };
         let least = curve.range().0;
         lull.end = curve.end();
         if least < lull.least {
-            self.impulse += lull.next.impulse + impulse;
             lull.least = least;
-            *lull.next = Self::rising(self.bond, curve);
+            let risen = std::mem::replace(&mut *lull.next, Self::rising(self.bond, curve));
+            self.add((risen.impulse + push.0, push.1.or(risen.pushed)));
         } else {
-            lull.next.grow(curve, impulse);
+            lull.next.grow(curve, push);
         }
+        let Some(lull) = &self.lull else { return None };
         let (largest, second) = (self.largest.1, lull.next.largest.1);
         if TOUCH * second > lull.least && second > RIPPLE * largest {
             let next = lull.next.as_ref().clone();
@@ -91,17 +100,27 @@ impl Pending {
         }
         if curve.falls_to(TOUCH * largest).is_some() {
             // The rise in between is a part of this contact.
-            self.impulse += lull.next.impulse;
+            let risen = lull.next.push();
+            self.add(risen);
             self.lull = None;
             self.fall(curve);
         }
         None
     }
 
-    /// Adds the impulse of a stretch, and keeps the stretch if the overlap reaches a new largest
-    /// value in it.
-    fn grow(&mut self, curve: &Curve, impulse: f64) {
+    fn push(&self) -> Push {
+        (self.impulse, self.pushed)
+    }
+
+    fn add(&mut self, (impulse, pushed): Push) {
         self.impulse += impulse;
+        self.pushed = pushed.or(self.pushed);
+    }
+
+    /// Adds the push of a stretch, and keeps the stretch if the overlap reaches a new largest
+    /// value in it.
+    fn grow(&mut self, curve: &Curve, push: Push) {
+        self.add(push);
         // Between nodes the overlap may be larger than at all nodes.
         if curve.range().1 < (1.0 - 1e-3) * self.largest.1 {
             return;
@@ -154,25 +173,29 @@ impl Pending {
             (None, None) => None,
         };
         let start = onset.map_or(f64::NEG_INFINITY, |[t, ..]| t);
+        // The events of a contact that is a rounding error may be in any order.
+        let end = release.map(|[t, ..]| t.max(start));
+        let risen = self.lull.as_ref().map_or((0.0, None), |lull| lull.next.push());
         Contact {
             bond: self.bond,
             onset: onset.map(|[t, ..]| t),
-            // The events of a contact that is a rounding error may be in any order.
-            release: release.map(|[t, ..]| t.max(start)),
+            release: end,
             approach: onset.map(|[_, rate, _]| rate),
             separation: release.map(|[_, rate, _]| -rate),
             largest_overlap: self.largest.1,
-            impulse: self.impulse + self.lull.as_ref().map_or(0.0, |lull| lull.next.impulse),
+            impulse: self.impulse + risen.0,
             t_largest: self.largest.0,
             onset_overlap: onset.map(|[.., overlap]| overlap),
             release_overlap: release.map(|[.., overlap]| overlap),
+            force_end: end.map(|t| risen.1.or(self.pushed).map_or(t, |pushed| pushed.min(t))),
         }
     }
 
     /// Appends the contact as numbers.
     pub(super) fn store(&self, out: &mut Vec<f64>) {
         let began = self.began.unwrap_or((f64::NAN, f64::NAN));
-        out.extend([self.bond as f64, began.0, began.1, self.impulse, self.largest.0, self.largest.1]);
+        let pushed = self.pushed.unwrap_or(f64::NAN);
+        out.extend([self.bond as f64, began.0, began.1, self.impulse, pushed, self.largest.0, self.largest.1]);
         out.push(self.rise.len() as f64);
         out.extend(self.rise.iter().flat_map(Curve::numbers));
         out.push(f64::from(u8::from(self.lull.is_some())));
@@ -192,6 +215,8 @@ impl Pending {
         let began = (next()?, next()?);
         let began = if began.0.is_nan() { None } else { Some((finite(began.0)?, finite(began.1)?)) };
         let impulse = finite(next()?)?;
+        let pushed = next()?;
+        let pushed = if pushed.is_nan() { None } else { Some(finite(pushed)?) };
         let largest = (finite(next()?)?, finite(next()?)?);
         let rise = (0..count(next()?)?).map(|_| {
             let mut curve = [0.0; Curve::NUMBERS];
@@ -211,7 +236,7 @@ impl Pending {
             }
             _ => return None,
         };
-        Some(Self { bond, began, impulse, largest, rise, lull, seen: false })
+        Some(Self { bond, began, impulse, pushed, largest, rise, lull, seen: false })
     }
 }
 
@@ -237,7 +262,7 @@ mod tests {
         for k in 0..count {
             let [from, to] = [k, k + 1].map(|k| start + (end - start) * k as f64 / count as f64);
             let points = (0..8).map(|k| f64::from(k) / 7.0).map(|x| (x, g(from + (to - from) * x)));
-            all.extend(pending.press(&Curve::over((from, to), points), 0.25));
+            all.extend(pending.press(&Curve::over((from, to), points), (0.25, None)));
         }
         all.push(pending.finish(rates[1].map(|rate| (end, rate))));
         assert!((all.iter().map(|contact| contact.impulse).sum::<f64>() - 0.25 * count as f64).abs() < 1e-12);
@@ -324,7 +349,7 @@ mod tests {
         for k in 0..75 {
             let from = -4.0 + 0.1 * f64::from(k);
             let points = [0.0, 0.3, 0.7, 1.0].map(|x| (x, f64::exp(-(from + 0.1 * x).cosh())));
-            pending.press(&Curve::over((from, from + 0.1), points), 0.1);
+            pending.press(&Curve::over((from, from + 0.1), points), (0.1, Some(from)));
             let mut numbers = Vec::new();
             pending.store(&mut numbers);
             let mut iterator = numbers.iter().copied();
