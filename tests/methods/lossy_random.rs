@@ -1,5 +1,9 @@
 //! Random chains whose contacts dissipate, against another method and at two tolerances.
 
+use crate::{
+    common::{distance, largest},
+    differing::random,
+};
 use hertzchain::{
     chain::{
         Boundary, Chain, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Params, Signal, Site, State,
@@ -7,14 +11,6 @@ use hertzchain::{
     run::{Method, Records, Run, Setting},
 };
 use std::f64::consts::PI;
-
-/// Numbers from 0 to 1, the same in every run.
-pub(crate) fn random(mut seed: u64) -> impl FnMut() -> f64 {
-    move || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
 
 /// A chain of a few beads in which everything differs, a state in which they meet and part, and the
 /// end of the run.
@@ -93,24 +89,22 @@ pub(crate) fn not_kept(
         let end = run.start().and_then(|run| run.complete());
         end.map(|end| end.state[..dim].to_vec()).map_err(|error| error.to_string())
     };
-    let largest = |a: &[f64]| a.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-    let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
     let [want, rough] = [1e-14, 1e-13].map(|tol| run(state, "dop853-regularised", tol).unwrap());
-    let unsure = 10.0 * apart(&want, &rough);
-    let size = largest(&state.as_slice()[half..dim]);
+    let unsure = 10.0 * distance(&want, &rough);
+    let size = largest(state.as_slice()[half..dim].iter().copied());
     let (by, base) = (1e-6 * size, run(state, "collocation", 1e-9));
     let mut amplification = 1.0f64;
     for _ in 0..3 {
         let mut moved = state.clone();
         moved.as_mut_slice()[..dim].iter_mut().for_each(|y| *y += by * (2.0 * next() - 1.0));
         if let (Ok(base), Ok(moved)) = (&base, run(&moved.driven(chain), "collocation", 1e-9)) {
-            amplification = amplification.max(apart(base, &moved) / by);
+            amplification = amplification.max(distance(base, &moved) / by);
         }
     }
     let failed = |&tol: &f64| match run(state, "collocation", tol) {
         Err(error) => Some(format!("{tol:e}: {error}")),
         Ok(got) => {
-            let error = (apart(&got, &want) - unsure).max(0.0);
+            let error = (distance(&got, &want) - unsure).max(0.0);
             let kept = error < 10.0 * tol * size * amplification;
             (!kept).then(|| format!("{tol:e}: {error:e}, amplification {amplification:.1}"))
         }
@@ -119,7 +113,7 @@ pub(crate) fn not_kept(
 }
 
 /// Two tolerances from 1e-6 to 1e-13 for each scene of a range: those that are [`not_kept`].
-pub(crate) fn search(seeds: std::ops::Range<u64>) -> Vec<String> {
+fn search(seeds: std::ops::Range<u64>) -> Vec<String> {
     let failed = |seed: u64| {
         let mut next = random(seed);
         (0..3).for_each(|_| _ = next());
@@ -133,8 +127,24 @@ pub(crate) fn search(seeds: std::ops::Range<u64>) -> Vec<String> {
 
 #[test]
 fn random_chains_that_dissipate_keep_their_tolerance() {
-    let failed = search(0..100);
+    let failed = search(0..70);
     assert!(failed.is_empty(), "{failed:#?}");
+}
+
+#[test]
+fn scenes_of_the_search_that_lost_an_impulse_keep_it() {
+    // With one sweep over halved panels the onset of the first was late by 6e-8, and its error 1.1e-9
+    // at every tolerance from 1e-9 to 2e-11. In the second the panels of a neighbour were not cut at
+    // a release that was found anew: 7.4e-10 at tolerances from 1e-10 to 2e-11. In the third, with
+    // extra sweeps only, forces with 1.2 for alpha and last terms as large as those of analytic
+    // forces had 5.8e-10.
+    for (seed, tolerances) in [(116, [1e-10, 2e-11]), (806, [1e-10, 2e-11]), (792, [5e-11, 2e-11])] {
+        let mut next = random(seed);
+        (0..3).for_each(|_| _ = next());
+        let (chain, state, end) = scene(&mut next);
+        let failed = not_kept((&chain, &state, end), &tolerances, &mut next);
+        assert!(failed.is_empty(), "{seed}: {failed:?}");
+    }
 }
 
 #[test]

@@ -599,20 +599,6 @@ impl<const M: usize, const S: usize> Pass<'_, M, S> {
     }
 }
 
-/// Has the panels of the bonds around one whose contacts are found anew cut at these, where contacts
-/// dissipate.
-fn cut_around<const M: usize, const S: usize>(stretch: &mut Stretch<'_, M, S>, frames: &Frames<'_, M, S>, b: usize) {
-    let Stretch { bonds, ring } = stretch;
-    for side in (0..2).filter(|_| frames.links.lossy()) {
-        let mut at = b;
-        for _ in 0..FAR {
-            let Some(next) = beside(at, bonds.len(), *ring)[side] else { break };
-            bonds[next].pending.layout |= !bonds[next].contacts.found.is_empty();
-            at = next;
-        }
-    }
-}
-
 /// After the sweeps: searches the contacts of bonds whose overlaps may be too far from the
 /// prediction again, and halves panels that do not resolve their force. Returns the last bond that
 /// must be swept again for one of these reasons, if there is one.
@@ -637,7 +623,11 @@ fn unsettled<const M: usize, const S: usize>(
                 None => verdict.failure = Some((b, f64::INFINITY)),
                 Some(true) => {
                     (me.pending.layout, anew) = (true, Some(b));
-                    cut_around(stretch, frames, b);
+                    // As where an event moves far, see [`Pass::tell`].
+                    for side in super::system::beside(b, stretch.bonds.len(), stretch.ring).into_iter().flatten() {
+                        let other = &mut stretch.bonds[side];
+                        other.pending.layout |= frames.links.lossy() && !other.contacts.found.is_empty();
+                    }
                 }
                 Some(false) => {}
             }

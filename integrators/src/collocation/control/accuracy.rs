@@ -19,8 +19,10 @@ use super::{
 /// the power is 1: struck chains have errors of 5 tolerances with `POWER`.
 const TAIL: f64 = 4e3;
 const POWER: f64 = 0.8;
-/// Largest last terms where the terms fall slowly, as for a contact that nearly opens: `SLOW_TAIL
-/// e`. Held by `methods contacts_that_nearly_open_keep_the_tolerance`.
+/// Largest last terms where the terms fall slowly: `SLOW_TAIL e`. For a contact that nearly opens,
+/// held by `methods contacts_that_nearly_open_keep_the_tolerance`; where contacts dissipate and a
+/// force is not analytic in the panels' variable, by `methods
+/// random_chains_that_dissipate_keep_their_tolerance`.
 const SLOW_TAIL: f64 = 2e2;
 /// Largest distance from a panel to an event that is the origin of its variable, in lengths of the
 /// panel. The second value is for a tolerance and forces that are all analytic in the panels'
@@ -149,8 +151,12 @@ impl Accuracy {
             Pace::Windows { .. } => (f64::INFINITY, 0.0, f64::INFINITY, 1.0),
             Pace::Tolerance(tol) => {
                 let share = tol * (h / self.span).max(LEAST_SHARE);
-                let power = if self.contacts.abrupt == Some(0.0) { 1.0 } else { POWER };
-                let tail = (TAIL * share).powf(power).max(ROUNDED_TAIL);
+                let tail = match self.contacts {
+                    Contacts { abrupt: Some(_), analytic: false, .. } => SLOW_TAIL * share,
+                    Contacts { abrupt: Some(0.0), .. } => TAIL * share,
+                    _ => (TAIL * share).powf(POWER),
+                };
+                let tail = tail.max(ROUNDED_TAIL);
                 (share, UNDONE * share, tail, (tail / (SLOW_TAIL * share)).max(1.0))
             }
         };
