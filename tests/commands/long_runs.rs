@@ -154,8 +154,8 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         refusal(kept.is(&path, None, Some(method)).unwrap_err()).contains("integrator: dop853 there and verlet here")
     );
     for (from, to, key, rule) in [
-        ("\"version\": 2", "\"version\": 3", "version", "read is hertzchain checkpoint, version 2"),
-        ("hertzchain checkpoint", "hertzchain branch", "version", "hertzchain branch, version 2"),
+        ("\"version\": 3", "\"version\": 4", "version", "read is hertzchain checkpoint, version 3"),
+        ("hertzchain checkpoint", "hertzchain branch", "version", "hertzchain branch, version 3"),
         ("\"hertzchain 0", "\"hertzchain 99", "program", "only the same program"),
         // Found by fuzzing: lines that a file brings along are not those of a message.
         ("\"hertzchain 0", "\"two\\nlines 0", "program", "only the same program"),
@@ -841,7 +841,7 @@ mod processes {
         for (displacement, how, words) in [
             (
                 "1e100",
-                &["--integrator", "verlet"][..],
+                &["--integrator", "verlet", "--steps-per-period", "512"][..],
                 &["not finite at t = 1 ", "step 116", "steps of 8.67", "u of site 0"][..],
             ),
             ("1e100", &["--tol", "1e-6"], &["did not settle at t = ", "window ", "the bond to the left of site "]),

@@ -114,7 +114,8 @@ pub fn checked_end(end: f64) -> Result<f64> {
     if (1e-100..=1e100).contains(&end) {
         return Ok(end);
     }
-    Err(Error::parameter("until", format!("{end:e}"), "the end of a run is from 1e-100 to 1e100"))
+    let value = format!("{end:?}");
+    Err(Error::parameter("until", value.trim_end_matches(".0"), "the end of a run is from 1e-100 to 1e100"))
 }
 
 impl Run {

@@ -154,7 +154,15 @@ pub fn planned(plan: &Plan, engine: &Engine, progress: &(dyn Fn(u64, u64) + Sync
 fn before_its_first_step(scene: &Scene) -> Value {
     let run = scene.run().records(Records::Energy).contacts();
     let trajectory = Recorder::new(&run, Kept::new(&run), &mut |_, _| ()).trajectory(None);
-    run_json(&Ran { scene, integrator: "", setting: "", reason: None, outcome: &trajectory, amplification: None, si: None })
+    run_json(&Ran {
+        scene,
+        integrator: "",
+        setting: "",
+        reason: None,
+        outcome: &trajectory,
+        amplification: None,
+        si: None,
+    })
 }
 
 /// Runs a point: the quantities that the plan keeps.
