@@ -318,12 +318,14 @@ impl MovingBreather {
             return Err(Error::parameter("start", size, "strains are finite, and not all zero"));
         }
         let mut at = shot.start.transpose() * DVector::from_column_slice(start);
+        // Flows fail when they are asked to end.
+        let stopped = || Err(Error::Stopped { kept: "nothing of this breather".to_owned() });
+        if interrupt::asked() {
+            return stopped();
+        }
         let mut now = shot.equations(&at, true)?;
         let mut newton = Vec::new();
         for _ in 0..MOST_STEPS {
-            if interrupt::asked() {
-                return Err(Error::Stopped { kept: "nothing of this breather".to_owned() });
-            }
             let Some(by) = least_squares(now.jacobian.clone(), &now.residual) else { break };
             newton.push(NewtonStep { residual: now.residual.amax() / size, step: by.amax() / size });
             let Some((share, next)) = shot.step(&at, &by, now.residual.norm(), LONGEST_STEP * size) else { break };
@@ -338,6 +340,9 @@ impl MovingBreather {
         let residual = now.residual.amax() / max_norm(z[..self.sites].iter().copied());
         if residual <= SOLVED {
             return Ok(MovingOrbit { breather: *self, z, residual, newton });
+        }
+        if interrupt::asked() {
+            return stopped();
         }
         let place = format!("omega_b = {}, turns = {}", self.omega_b, self.turns);
         let best = Box::new(Iterate { z, residual, solved: SOLVED, place });

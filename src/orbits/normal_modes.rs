@@ -78,6 +78,8 @@ const SOLVED: f64 = 1e-11;
 const ROUNDED: f64 = 1e-2;
 /// Most times that the first amplitude is halved.
 const MOST_HALVINGS: u32 = 10;
+/// Largest relative difference of two frequencies that are taken for one.
+const DEGENERATE: f64 = 1e-8;
 /// A step of Newton's method below this is the last one.
 const LAST_STEP: f64 = 1e-9;
 /// Least unit of the amplitude for the stretch between two points, as a share of the amplitude:
@@ -402,6 +404,11 @@ impl ModeContinuation {
     }
 }
 
+/// The part of a vector that is orthogonal to an orthonormal basis.
+fn outside(basis: &[DVector<f64>], x: DVector<f64>) -> DVector<f64> {
+    basis.iter().fold(x, |x, b| &x - b * b.dot(&x))
+}
+
 /// The orbits of a mode, with the amplitude as parameter.
 pub(super) struct ModeFamily<'a> {
     pub(super) modes: &'a NormalModes,
@@ -422,14 +429,21 @@ impl<'a> ModeFamily<'a> {
     /// The orbit near the linear mode, whose unknowns are `seed`, at the amplitude `step` or a
     /// smaller one.
     fn first(&self, seed: &[f64], step: f64) -> Result<Solution> {
-        let seed = DVector::from_column_slice(seed);
-        // The leading coordinate, which is 1, is not among the unknowns.
-        let size = seed.norm().hypot(1.0);
+        // Modes of one frequency, as on a ring, may have any shape among theirs: an orthonormal basis.
+        let one = |mode: &&LinearMode| (mode.omega / self.linear.omega - 1.0).abs() < DEGENERATE;
+        let mut basis: Vec<DVector<f64>> = Vec::new();
+        for mode in self.modes.linear.iter().filter(one) {
+            let shape = DVector::from_column_slice(&mode.shape);
+            basis.push(outside(&basis, shape).normalize());
+        }
         let near = |found: &Solution| {
-            let apart = (DVector::from_column_slice(&found.z) - &seed).norm();
+            let (shape, omega) = self.parts(&found.z);
+            let shape = DVector::from_vec(shape);
+            let apart = outside(&basis, shape.clone()).norm().hypot((omega / self.linear.omega).ln());
+            let size = (shape.norm_squared() - apart * apart).max(0.0).sqrt();
             !arclength::strays(size.hypot(apart), size, &found.newton)
         };
-        let at = |k: u32| self.solve(seed.as_slice(), step * 0.5f64.powf(f64::from(k))).ok().filter(near);
+        let at = |k: u32| self.solve(seed, step * 0.5f64.powf(f64::from(k))).ok().filter(near);
         (0..=MOST_HALVINGS).find_map(at).ok_or_else(|| {
             Error::parameter("step", step, "there is no orbit near the linear mode, down to a thousandth of the step")
         })

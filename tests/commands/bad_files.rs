@@ -165,7 +165,13 @@ fn what_no_scene_can_say_is_refused_with_file_key_and_rule() {
         ("tw-q15", "periods = 100", "periods = -0.0", "periods = -0", "finite and positive"),
         ("tw-q15", "periods = 100", "periods = 1e400", "line 20: `span.periods`", "1e400: larger than any double"),
         ("tw-q15", "periods = 100", "until = nan", "until = NaN", "the end of a run is from 1e-100 to 1e100"),
-        ("tw-q15", "periods = 100", "periods = 1.7e308", "periods = 1.7e308", "a finite time"),
+        (
+            "tw-q15",
+            "periods = 100",
+            "periods = 1.7e308",
+            "periods = 1.7e308",
+            "the end of a run is from 1e-100 to 1e100",
+        ),
         ("tw-q15", "samples = 400", "samples = 1000001", "samples = 1000001", "at most 10^6"),
         ("tw-q15", "samples = 400", "samples = 9223372036854775807", "samples", "at most 10^6"),
         (

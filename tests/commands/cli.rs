@@ -112,7 +112,7 @@ fn a_contact_log_is_written_and_summed_up() {
     let first: Vec<f64> = csv.lines().nth(1).unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
     assert_eq!((first[0], first[1], first[3]), (1.0, 0.0, 1.0));
     let file = std::fs::File::open(folder.path().join("contacts.npz")).unwrap();
-    assert_eq!(zip::ZipArchive::new(file).unwrap().len(), 10, "a member a column");
+    assert_eq!(zip::ZipArchive::new(file).unwrap().len(), 11, "a member a column");
     assert!(folder.path().join("contacts.png").exists() == cfg!(feature = "plot"));
     // Nobody asked, nobody gets.
     let silent = json(&["run", "impact", "--until", "10", "--json"]);
