@@ -441,7 +441,9 @@ impl<'a> ModeFamily<'a> {
             let shape = DVector::from_vec(shape);
             let apart = outside(&basis, shape.clone()).norm().hypot((omega / self.linear.omega).ln());
             let size = (shape.norm_squared() - apart * apart).max(0.0).sqrt();
-            !arclength::strays(size.hypot(apart), size, &found.newton)
+            // Newton's method is slow along modes of one frequency.
+            let newton = if basis.len() > 1 { &[] } else { &found.newton[..] };
+            !arclength::strays(size.hypot(apart), size, newton)
         };
         let at = |k: u32| self.solve(seed, step * 0.5f64.powf(f64::from(k))).ok().filter(near);
         (0..=MOST_HALVINGS).find_map(at).ok_or_else(|| {
