@@ -89,11 +89,10 @@ impl Real for f64 {
             fn avx2<K: Kernel>(kernel: K) -> K::Output {
                 kernel.run()
             }
-            // SAFETY: `used` returns a set that this machine has.
             match Instructions::used() {
-                // SAFETY: as above.
-                // SAFETY: as above.
+                // SAFETY: `used` returns a set that this machine has.
                 Instructions::Avx512 => return unsafe { avx512(kernel) },
+                // SAFETY: `used` returns a set that this machine has.
                 Instructions::Avx2 => return unsafe { avx2(kernel) },
                 Instructions::Portable => {}
             }
@@ -113,11 +112,10 @@ impl Real for f64 {
             fn avx2<K: VectorKernel<f64>>(kernel: K) -> K::Output {
                 kernel.run::<Four>()
             }
-            // SAFETY: `used` returns a set that this machine has.
             match Instructions::used() {
-                // SAFETY: as above.
-                // SAFETY: as above.
+                // SAFETY: `used` returns a set that this machine has.
                 Instructions::Avx512 => return unsafe { avx512(kernel) },
+                // SAFETY: `used` returns a set that this machine has.
                 Instructions::Avx2 => return unsafe { avx2(kernel) },
                 Instructions::Portable => {}
             }

@@ -104,7 +104,8 @@ fn what_stands_where_a_file_must_go_is_refused_before_the_work() {
     let link = |path: &Path| std::os::unix::fs::symlink("nowhere", path).unwrap();
     let round = |path: &Path| std::os::unix::fs::symlink(path, path).unwrap();
     let below = |path: &Path| fs::create_dir(path).unwrap();
-    let cases: [(&str, &str, &dyn Fn(&Path)); 8] = [
+    type Obstacle<'a> = &'a dyn Fn(&Path);
+    let cases: [(&str, &str, Obstacle<'_>); 8] = [
         (&run, "summary.json", &below),
         (&run, "profiles.npz", &link),
         (&run, "energy.png", &round),

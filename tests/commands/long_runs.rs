@@ -510,10 +510,17 @@ mod processes {
         let mut command = Command::new(PROGRAM);
         command.env("RAYON_NUM_THREADS", "1").args(args).stdout(Stdio::null()).stderr(Stdio::null());
         let mut process = command.spawn().unwrap();
-        while ticks(process.id())? < 40 {
-            sleep(Duration::from_millis(10));
-        }
-        let (before, clock) = (ticks(process.id())?, Instant::now());
+        let before = loop {
+            match ticks(process.id()) {
+                None => {
+                    process.wait().unwrap();
+                    return None;
+                }
+                Some(now) if now >= 40 => break now,
+                Some(_) => sleep(Duration::from_millis(10)),
+            }
+        };
+        let clock = Instant::now();
         signal(&process, "INT");
         let mut last = before;
         while let Some(now) = ticks(process.id()) {

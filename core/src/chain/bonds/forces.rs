@@ -175,8 +175,8 @@ impl<S: Sites<f64>> Survey<'_, S> {
         unsafe { forces.q.store(PAD - 1, left) };
         let (mut before, beyond) = (V::all(left), V::all(right));
         for at in (0..=n).step_by(V::LANES) {
-            // SAFETY: as above.
             let here =
+                // SAFETY: as above.
                 if at < n { unsafe { sites.positions::<V>(at) }.first((n - at).min(V::LANES), beyond) } else { beyond };
             let g = if STRAIN { V::all(0.0) - here } else { V::all(rest) + (here.after(before) - here) };
             let (f, by_overlap) = power.raise_with_slope(law.positive_part(g));
