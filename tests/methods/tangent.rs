@@ -243,9 +243,10 @@ fn a_map_that_begins_inside_a_run_is_the_rest_of_the_whole() {
 #[test]
 fn under_a_tolerance_it_errs_with_the_run_but_more() {
     // Truth: equal windows; twice as many give the same map. All errors are relative. Measured: the
-    // map errs by up to 12 times the tolerance and 143 times the error of the run. Of that a factor
-    // of 13 is the flow's: the map of a true run with another end, from a start that is moved a
-    // little, differs as much. The rest is the map's own, whose forces have a derivative less.
+    // map errs by up to 12 times the tolerance. Of that a factor of 13 over the error of the run is
+    // the flow's: the map of a true run with another end, from a start that is moved a little,
+    // differs as much. The rest is the map's own, whose forces have a derivative less. The map keeps
+    // the nodes of its first window, so that a run without it has other errors.
     let case: Case = (1.5, THIRD, Boundary::Free, 21);
     let chain = chain(case.0, case.1, case.2, case.3);
     let y0 = start(&chain);
@@ -267,7 +268,7 @@ fn under_a_tolerance_it_errs_with_the_run_but_more() {
     for tol in [1e-6, 1e-8, 1e-10, 1e-12] {
         let (run, map) = errors(both(&y0, Pace::Tolerance(tol)));
         println!("{tol:e}: run {run:e}, map {map:e}, ratio {:.1}, of which {curvature:.1}", map / run);
-        assert!(map < 25.0 * tol && map < 290.0 * run, "{tol:e}: run {run:e}, map {map:e}");
+        assert!(map < 25.0 * tol, "{tol:e}: run {run:e}, map {map:e}");
     }
 }
 
