@@ -26,7 +26,7 @@ pub struct Contacts {
 impl Contacts {
     /// All contacts in the order of their onsets; those without an onset come first, by bond.
     /// Contacts that are rounding errors in comparison with the largest one are left out, and those
-    /// that are [`FAINT`].
+    /// with next to no overlap and impulse.
     pub fn list(&self) -> Vec<Contact> {
         let open = self.open.iter().map(|contact| contact.finish(None));
         let all: Vec<Contact> = self.ended.iter().copied().chain(open).collect();
