@@ -143,25 +143,6 @@ fn drift_writes_table_csv_json_and_png() {
     assert_eq!(png.is_ok_and(|png| png.starts_with(b"\x89PNG")), cfg!(feature = "plot"));
 }
 
-// Between walls and pressed by 10, the contacts swing at about 4; 64 steps of a "period" of 100 are
-// unstable.
-#[test]
-fn a_method_that_fails_keeps_what_it_had() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("stiff.toml");
-    let text = "name = \"stiff\"\n[chain]\nsites = 3\nalpha = 1.5\nkappa = 0.0\nrho = 0.0\nboundary = \"fixed\"\n\
-                precompression = 10.0\n[initial]\nkind = \"state\"\nu = [0.1, 0.2, -0.1]\n[span]\nperiods = 1\nperiod = 100.0\n";
-    std::fs::write(&path, text).unwrap();
-    let args =
-        ["study", "drift", path.to_str().unwrap(), "--periods", "30", "--integrators", "verlet,dop853", "--json"];
-    let study = json(&args);
-    let [failed, other] = [&study["rows"][0], &study["rows"][1]];
-    assert!(failed["failure"].as_str().is_some_and(|why| why.contains("unstable") || why.contains("not finite")));
-    assert_eq!(numbers(&failed["t"]).len(), numbers(&failed["energy_error"]).len());
-    assert!(failed["slope"].is_null());
-    assert!(other["failure"].is_null() && numbers(&other["t"]).len() == 200);
-}
-
 #[test]
 fn bad_numbers_and_names_are_refused() {
     for (flag, value, rule) in [
@@ -337,7 +318,7 @@ fn breathers_outside_their_rules_are_refused() {
         ("--sites", "4", "sites = 4 is not valid: the chain holds the breather"),
         ("--sites", "0", "sites = 0"),
         ("--until", "-3", "until = -3"),
-        ("--until", "1e300", "at most 10^7"),
+        ("--until", "1e300", "the end of a run is from 1e-100 to 1e100"),
         ("--samples-per-period", "0", "samples-per-period = 0 is not valid: from 1 to 1000"),
         ("--tol", "0", "tol = 0"),
         ("--integrator", "verlet", "integrator = verlet is not valid: breathers are run by an adaptive method"),
@@ -455,7 +436,7 @@ fn a_branch_goes_along_other_parameters_too() {
 #[test]
 fn dark_breathers_outside_their_rules_are_refused() {
     assert!(refusal(&["breather", "dark", "--sites", "40"]).contains("sites = 40"));
-    assert!(refusal(&["breather", "dark", "--omega-b", "2"]).contains("omega_b = 2"));
+    assert!(refusal(&["breather", "dark", "--omega-b", "2"]).contains("= 2 is not valid"));
     assert!(refusal(&["breather", "dark", "--tol", "1"]).contains("tol"));
     assert!(refusal(&["breather", "dark", "--rho", "inf"]).contains("rho = inf"));
     assert!(refusal(&["breather", "continue", "--parameter", "omega"]).contains("did you mean \"omega_b\""));
@@ -541,7 +522,7 @@ fn studies_write_the_pictures_that_their_help_names() {
 #[test]
 fn a_rule_of_the_library_that_a_flag_breaks_is_told_in_its_words() {
     for (args, words) in [
-        (&["study", "theorem", "--rho-law", "eps^-3"][..], "error: --rho-law = eps^-3 is not valid"),
+        (&["study", "theorem", "--rho-law", "eps^-3"][..], "rho-law = eps^-3 is not valid"),
         (&["study", "stability", "--charts", "lite"], "error: unknown chart \"lite\"; one of light, stiffness"),
         (&["breather", "bright", "--integrator", "xx"], "`hertzchain integrators` lists all"),
         (&["run", "impact", "--integrator", "xx"], "`hertzchain integrators` lists all"),
@@ -666,7 +647,7 @@ fn a_branch_is_kept_if_no_other_one_crosses_where_asked() {
         let output = hertzchain(&[args, &["--json", "--out", out.to_str().unwrap()]].concat());
         let error = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(1), "{error}");
-        assert!(error.starts_with("error: --switch = 99 of 0 is not valid: the branch has no bifurcation"), "{error}");
+        assert!(error.starts_with("error: switch = 99 of 0 is not valid: the branch has no bifurcation"), "{error}");
         let result: Value = serde_json::from_slice(&output.stdout).unwrap();
         assert!(result["points"].as_array().unwrap().len() > 1);
         assert!(result["switched"]["at"] == 99 && error.contains(result["switched"]["failure"].as_str().unwrap()));
