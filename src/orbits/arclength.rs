@@ -293,7 +293,7 @@ pub(super) fn next(
         let length = if lands { ((to - spot.p) / rate).abs() } else { ds };
         let chord = |to: &Solution| scales.chord((spot.z, spot.p), (&to.z, to.p)).norm();
         match next {
-            Ok(solution) if ds > shortest && strays(chord(&solution), length, &solution.newton) => ds *= 0.5,
+            Ok(solution) if ds > shortest && strays(chord(&solution), length, &[]) => ds *= 0.5,
             Ok(solution) if chord(&solution) > FARTHEST * length + LAST_CORRECTION => return Err(End::Jumped),
             Ok(solution) => {
                 let factor = match solution.newton.len() {
