@@ -58,6 +58,11 @@ pub(super) trait Family {
     fn size(&self, z: &[f64], _p: f64) -> f64 {
         max_norm(z.iter().copied())
     }
+    /// Whether a solution may be one of another branch, from the chord to it, the predictor and
+    /// Newton's corrections; the step is then halved. By default as [`strays`].
+    fn strays(&self, chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
+        strays(chord, predictor, newton)
+    }
     /// Largest residual of a solution, in units of [`size`](Self::size).
     fn solved(&self, z: &[f64], p: f64) -> f64;
 }
@@ -293,7 +298,7 @@ pub(super) fn next(
         let length = if lands { ((to - spot.p) / rate).abs() } else { ds };
         let chord = |to: &Solution| scales.chord((spot.z, spot.p), (&to.z, to.p)).norm();
         match next {
-            Ok(solution) if ds > shortest && strays(chord(&solution), length, &[]) => ds *= 0.5,
+            Ok(solution) if ds > shortest && family.strays(chord(&solution), length, &solution.newton) => ds *= 0.5,
             Ok(solution) if chord(&solution) > FARTHEST * length + LAST_CORRECTION => return Err(End::Jumped),
             Ok(solution) => {
                 let factor = match solution.newton.len() {

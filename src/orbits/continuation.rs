@@ -9,9 +9,9 @@
 //! Predictor and corrector are those of `arclength`.
 
 use super::{
-    arclength::{self, Course, End, Family, MOST_CORRECTIONS, Scales, Solution, Spot, Way},
+    arclength::{self, Course, End, FARTHEST, Family, MOST_CORRECTIONS, Scales, Solution, Spot, Way},
     setting::{Parameter, Setting},
-    shooting::{Equations, Orbit, Shooting},
+    shooting::{Equations, NewtonStep, Orbit, Shooting},
 };
 use crate::{
     dps::Center,
@@ -73,6 +73,12 @@ impl Family for Varying<'_> {
         let shooting = Shooting { most_steps: MOST_CORRECTIONS, ..self.continuation.shooting };
         let Orbit { z, residual, newton, .. } = shooting.solve(&self.at(p), seed)?;
         Ok(Solution { z, p, residual, newton })
+    }
+
+    /// Steps in the mass ratio are long where these branches bend: only what would be a jump with
+    /// the shortest step is one.
+    fn strays(&self, chord: f64, predictor: f64, _newton: &[NewtonStep]) -> bool {
+        chord > FARTHEST * predictor
     }
 
     fn solved(&self, _z: &[f64], _p: f64) -> f64 {
