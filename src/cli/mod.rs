@@ -86,14 +86,8 @@ fn begun(cli: &Cli) -> Exit {
         // The flag's parser has refused sets that the machine lacks.
         let _ = set.select();
     }
-    let outcome = signals::ask().and_then(|()| run_command(&cli.command));
-    match signals::exit_code() {
-        Some(code) => {
-            outcome.err().into_iter().for_each(|error| say(&format!("error: {error}")));
-            Ok(code)
-        }
-        None => outcome,
-    }
+    signals::ask()?;
+    run_command(&cli.command)
 }
 
 /// Refuses a number of threads that is none, for which the thread pool would take all cores.
@@ -108,15 +102,14 @@ fn threads_checked() -> Result<()> {
 
 /// The message of an error. A value that a flag has given is named as the flag.
 fn words(error: &Error, arguments: &[OsString]) -> String {
-    if let Error::Parameter { name, value, rule } = error {
-        let flag = format!("--{}", name.replace('_', "-"));
-        let given = |word: &str| word.strip_prefix(&flag).is_some_and(|rest| rest.is_empty() || rest.starts_with('='));
-        if arguments.iter().any(|word| word.to_str().is_some_and(given)) {
-            let value = if value == "true" { String::new() } else { format!(" = {value}") };
-            return format!("{flag}{value} is not valid: {rule}");
-        }
+    let text = error.to_string();
+    let Some((name, rest)) = text.split_once(" = ") else { return text };
+    let flag = format!("--{}", name.replace('_', "-"));
+    let given = |word: &str| word.strip_prefix(&flag).is_some_and(|rest| rest.is_empty() || rest.starts_with('='));
+    if !arguments.iter().any(|word| word.to_str().is_some_and(given)) {
+        return text;
     }
-    error.to_string()
+    rest.strip_prefix("true ").map_or_else(|| format!("{flag} = {rest}"), |rest| format!("{flag} {rest}"))
 }
 
 /// Prints help or the version, or says what is wrong with the command line.
