@@ -100,10 +100,12 @@ fn threads_checked() -> Result<()> {
     Err(Error::parameter(NAME, text.to_string_lossy(), "a whole number of threads, 0 for all cores"))
 }
 
-/// The message of an error. A value that a flag has given is named as the flag.
+/// The message of an error. A value that a flag has given and that is refused is named as the flag.
 fn words(error: &Error, arguments: &[OsString]) -> String {
     let text = error.to_string();
-    let Some((name, rest)) = text.split_once(" = ") else { return text };
+    let Some((name, rest)) = text.split_once(" = ").filter(|(_, rest)| rest.contains(" is not valid")) else {
+        return text;
+    };
     let flag = format!("--{}", name.replace('_', "-"));
     let given = |word: &str| word.strip_prefix(&flag).is_some_and(|rest| rest.is_empty() || rest.starts_with('='));
     if !arguments.iter().any(|word| word.to_str().is_some_and(given)) {
@@ -118,7 +120,7 @@ fn not_begun(error: &clap::Error, arguments: &[OsString]) -> Exit {
         return print_help(error).map(|()| DONE);
     }
     match (refusal(error), moved(error, arguments)) {
-        (Some(refusal), _) => say(&format!("error: {refusal}")),
+        (Some(refusal), _) => say(&format!("error: {}", words(refusal, arguments))),
         (None, Some(words)) => say(&format!("error: {words}")),
         // The message repeats words of the command line.
         (None, None) if arguments.iter().any(|word| word.to_string_lossy().contains(char::is_control)) => {

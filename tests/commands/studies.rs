@@ -647,7 +647,7 @@ fn a_branch_is_kept_if_no_other_one_crosses_where_asked() {
         let output = hertzchain(&[args, &["--json", "--out", out.to_str().unwrap()]].concat());
         let error = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(1), "{error}");
-        assert!(error.starts_with("error: --switch = 99 of 0 is not valid: the branch has no bifurcation"), "{error}");
+        assert!(error.starts_with("error: switch = 99 of 0 is not valid: the branch has no bifurcation"), "{error}");
         let result: Value = serde_json::from_slice(&output.stdout).unwrap();
         assert!(result["points"].as_array().unwrap().len() > 1);
         assert!(result["switched"]["at"] == 99 && error.contains(result["switched"]["failure"].as_str().unwrap()));
