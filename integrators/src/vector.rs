@@ -429,13 +429,13 @@ mod wide {
 
         #[inline(always)]
         unsafe fn load(start: *const f64) -> Self {
-            // SAFETY: the instructions exist, see `instructions!`; the address is the caller's promise.
+            // SAFETY: as in `instructions!`; the address is the caller's promise.
             unsafe { Self(_mm256_loadu_pd(start)) }
         }
 
         #[inline(always)]
         unsafe fn store(self, start: *mut f64) {
-            // SAFETY: the instructions exist, see `instructions!`; the address is the caller's promise.
+            // SAFETY: as in `instructions!`; the address is the caller's promise.
             unsafe { _mm256_storeu_pd(start, self.0) }
         }
 
@@ -498,13 +498,13 @@ mod wide {
 
         #[inline(always)]
         unsafe fn load(start: *const f64) -> Self {
-            // SAFETY: the instructions exist, see `instructions!`; the address is the caller's promise.
+            // SAFETY: as in `instructions!`; the address is the caller's promise.
             unsafe { Self(_mm512_loadu_pd(start)) }
         }
 
         #[inline(always)]
         unsafe fn store(self, start: *mut f64) {
-            // SAFETY: the instructions exist, see `instructions!`; the address is the caller's promise.
+            // SAFETY: as in `instructions!`; the address is the caller's promise.
             unsafe { _mm512_storeu_pd(start, self.0) }
         }
 
