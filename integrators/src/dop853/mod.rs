@@ -154,11 +154,11 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
                     let guess = Guess::new(options.scale(), max_step, self.step.state(), self.step.slope(0));
                     self.step.euler(&mut self.field, t, guess.euler);
                     self.stats.force_evaluations += 1;
-                    guess.refine(self.step.state(), self.step.slope(0), self.step.slope(1))
+                    let guess = guess.refine(self.step.state(), self.step.slope(0), self.step.slope(1));
+                    // Late in a long run the least guess is below what times resolve.
+                    guess.max(R::of(100.0) * t.abs() * self.round_off)
                 }
             };
-            // Late in a long run the least guess is below what times resolve.
-            *next = (*next).max(R::of(100.0) * t.abs() * self.round_off);
         }
         self.begun = true;
         Ok(())
