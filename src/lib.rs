@@ -15,6 +15,7 @@
 //! | `ranks` | its parts as the ranks of an MPI job (feature `mpi`) |
 //! | [`sweep`] | grids of independent points: threads, progress, a store that resumes |
 //! | [`study`] | studies: their options, their computations, and their reports |
+//! | [`report`] | results as values: facts, tables, pictures, and what they become |
 //! | [`present`] | tables of text, CSV, and the HTML page |
 //! | [`paper`] | claims of the paper, and our numbers and figures for them |
 //! | [`output`] | files, written whole or not at all, and text |
@@ -41,6 +42,7 @@ pub mod present;
 mod random;
 #[cfg(feature = "mpi")]
 pub mod ranks;
+pub mod report;
 pub mod scene;
 pub mod study;
 pub mod sweep;

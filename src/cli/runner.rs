@@ -189,7 +189,7 @@ impl<S: Study> Told<S> {
 
 impl<S: Study + Args> Args for Told<S> {
     fn augment_args(command: Command) -> Command {
-        let command = with_outputs(S::augment_args(command), S::FILES);
+        let command = with_outputs(S::augment_args(command), &files_help::<S>());
         if S::SWEEPS { Spread::augment_args(command) } else { command }
     }
 
@@ -207,7 +207,7 @@ impl<S: Study + FromArgMatches> FromArgMatches for Told<S> {
             spread: Spread::from_arg_matches(matches)?,
             json: matches.get_flag("json"),
             #[cfg(feature = "plot")]
-            formats: drawn(S::FILES).then(|| super::formats::Formats::from_arg_matches(matches)).transpose()?,
+            formats: writes::<S>().then(|| super::formats::Formats::from_arg_matches(matches)).transpose()?,
         })
     }
 
@@ -216,22 +216,28 @@ impl<S: Study + FromArgMatches> FromArgMatches for Told<S> {
     }
 }
 
-/// Adds `--out`, for a study that writes files, and `--json`.
-fn with_outputs(command: Command, files: &'static str) -> Command {
+/// Adds `--out`, for a study that writes files, and `--json`. `files` are the words on them.
+fn with_outputs(command: Command, files: &str) -> Command {
     let out = Arg::new("out").long("out").value_name("DIR").value_parser(value_parser!(PathBuf)).help(OUT);
     let json = Arg::new("json").long("json").action(ArgAction::SetTrue).help("Print JSON instead of text");
     if files.is_empty() {
         return command.arg(json);
     }
     #[cfg(feature = "plot")]
-    let command = if drawn(files) { super::formats::Formats::augment_args(command) } else { command };
+    let command = super::formats::Formats::augment_args(command);
     command.arg(out.long_help(format!("{OUT}.\n\n{files}"))).arg(json)
 }
 
-/// Whether pictures are among the files of a study: every study that writes files has one.
+/// Whether a study writes files; pictures are among them.
 #[cfg(feature = "plot")]
-fn drawn(files: &str) -> bool {
-    !files.is_empty()
+fn writes<S: Study>() -> bool {
+    !S::FILES.is_empty() || S::outline().is_some()
+}
+
+/// The files of a study and the columns of its tables, for the help.
+fn files_help<S: Study>() -> String {
+    let Some(outline) = S::outline() else { return S::FILES.to_owned() };
+    format!("{}{}", outline.files_in_words(), S::FILES)
 }
 
 /// Refuses the report of a study that had no grid to take a shard of.

@@ -7,45 +7,7 @@ use super::colour_bar::{ColourBar, range_with_zero};
 use super::legend::{self, Entry};
 use super::palette::{self, Marker, Rgb, Style};
 use super::space_time::largest;
-use super::{Error, Line, page, usable};
-
-/// Growth rates against wave number, and a map.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Growth {
-    /// Title above the axes.
-    pub title: String,
-    /// Label of the abscissa of the curve, such as “wave number p / π”.
-    pub wave_label: String,
-    /// Label of the ordinate of the curve.
-    pub growth_label: String,
-    /// The theory: a line without markers.
-    pub theory: Line,
-    /// The measurements: markers without a line.
-    pub measured: Vec<Line>,
-    /// The map, if there is one.
-    pub map: Option<GrowthMap>,
-    /// Caption, enough to make the figure again.
-    pub caption: String,
-}
-
-/// A map of cells, with lines and points on it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GrowthMap {
-    /// Labels of abscissa, ordinate and colour bar.
-    pub labels: [String; 3],
-    /// Range of the abscissa; the columns divide it evenly.
-    pub x: (f64, f64),
-    /// The same for the ordinate and rows.
-    pub y: (f64, f64),
-    /// The values row by row, the lowest row first.
-    pub values: Vec<f64>,
-    /// Number of columns, the length of a row.
-    pub columns: usize,
-    /// Lines over the map: white, each with its own dashes.
-    pub lines: Vec<Line>,
-    /// Points over the map.
-    pub points: Line,
-}
+use super::{Error, Growth, GrowthMap, page, usable};
 
 /// Draws the curve at the left and the map, if there is one, at the right, with a legend above
 /// each.

@@ -7,44 +7,13 @@ use super::canvas::{Canvas, Rect, SMALL, text_width};
 use super::colour_bar::ColourBar;
 use super::legend::{self, Entry};
 use super::palette::{self, INK, PAPER, Rgb, Style};
-use super::{Error, Line, page, usable};
+use super::{CellMap, Error, Maps, page, usable};
 
 /// Position of the note in a cell, as a share of its height from the top; lines often run through
 /// the middle.
 const NOTE: f64 = 0.84;
 /// Least brightness of a colour on which letters are dark.
 const BRIGHT: f64 = 130.0;
-
-/// Maps side by side.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Maps {
-    /// Title at the top.
-    pub title: String,
-    /// The maps, from the left.
-    pub maps: Vec<CellMap>,
-    /// Caption, enough to make the figure again.
-    pub caption: String,
-}
-
-/// A cell for each pair of parameters; neighbours meet at the geometric mean of their parameters.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct CellMap {
-    /// Labels of abscissa, ordinate and colour bar.
-    pub labels: [String; 3],
-    /// Abscissas of the columns, increasing.
-    pub x: Vec<f64>,
-    /// Ordinates of the rows, increasing.
-    pub y: Vec<f64>,
-    /// The values row by row, the lowest row first; a value that is not positive is grey.
-    pub values: Vec<f64>,
-    /// A note in each cell, in the order of the values; may be empty.
-    pub notes: Vec<String>,
-    /// Lines over the map, each with its own dashes.
-    pub lines: Vec<Line>,
-    /// Kinds of cells off the scale of colours, at most two: name in the legend, and the indices of
-    /// the cells.
-    pub apart: Vec<(String, Vec<usize>)>,
-}
 
 /// Draws maps side by side, each with its colour bar.
 ///

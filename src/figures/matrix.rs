@@ -7,32 +7,13 @@ use super::canvas::{Canvas, LABEL, Rect, SMALL, text_width};
 use super::colour_bar::ColourBar;
 use super::maps::legible;
 use super::palette::{self, INK};
-use super::{Error, SIZE, page_of, usable};
+use super::{Error, Matrix, SIZE, page_of, usable};
 
 /// Height of a row, and height of everything besides rows, in pixels.
 const ROW: f64 = 23.0;
 const AROUND: f64 = 280.0;
 /// Size of the notes in cells, in pixels per em.
 const NOTE: f64 = 13.0;
-
-/// A matrix with a cell for each row and column.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Matrix {
-    /// Title at the top.
-    pub title: String,
-    /// Names of the rows, from the top.
-    pub rows: Vec<String>,
-    /// Names of the columns, from the left; drawn upwards.
-    pub columns: Vec<String>,
-    /// Label of the columns, and label of the colour bar.
-    pub labels: [String; 2],
-    /// The values row by row; a value that is not positive is grey.
-    pub values: Vec<f64>,
-    /// A note in each cell, in the order of the values.
-    pub notes: Vec<String>,
-    /// Caption, enough to make the figure again.
-    pub caption: String,
-}
 
 /// Draws a matrix; the number of rows determines the height of the page.
 ///

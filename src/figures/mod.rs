@@ -40,15 +40,19 @@ pub mod work_precision;
 
 use canvas::{Canvas, Rect};
 
+pub use crate::report::{
+    Band, Bar, CellMap, Column, Curve, Figure, Growth, GrowthMap, Inset, Kind, Line, Maps, Matrix, Panel, Panels, Plot,
+    Point, Raster, SpaceTime, WorkPrecision,
+};
 pub use canvas::missing_glyphs;
-pub use growth::{Growth, GrowthMap, growth};
-pub use maps::{CellMap, Maps, maps};
-pub use matrix::{Matrix, matrix};
-pub use panels::{Band, Column, Inset, Kind, Panel, Panels, Plot, panels};
+pub use growth::growth;
+pub use maps::maps;
+pub use matrix::matrix;
+pub use panels::panels;
 pub use picture::{Format, Picture};
-pub use raster::{Bar, Raster, raster};
-pub use space_time::{SpaceTime, space_time};
-pub use work_precision::{Curve, Point, WorkPrecision, work_precision};
+pub use raster::raster;
+pub use space_time::space_time;
+pub use work_precision::work_precision;
 
 /// Width and height of most figures in pixels. Panels of more than two rows and matrices have
 /// another height.
@@ -73,22 +77,21 @@ impl std::fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
-/// A named line through points, joined in the given order.
-///
-/// A point that cannot be drawn (not finite, or not positive on a logarithmic axis) leaves a gap in
-/// the line.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Line {
-    /// Name in the legend.
-    pub name: String,
-    /// The points (abscissa, ordinate).
-    pub points: Vec<(f64, f64)>,
-}
-
-impl Line {
-    /// A line through some points.
-    pub fn new(name: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        Self { name: name.to_owned(), points: points.into_iter().collect() }
+impl Figure {
+    /// The picture.
+    ///
+    /// # Errors
+    /// As of the function that draws its kind.
+    pub fn draw(&self) -> Result<Picture, Error> {
+        match self {
+            Self::Panels(figure) => panels(figure),
+            Self::WorkPrecision(figure) => work_precision(figure),
+            Self::SpaceTime(figure) => space_time(figure),
+            Self::Maps(figure) => maps(figure),
+            Self::Matrix(figure) => matrix(figure),
+            Self::Raster(figure) => raster(figure),
+            Self::Growth(figure) => growth(figure),
+        }
     }
 }
 

@@ -6,8 +6,8 @@ use super::axes::{Axes, Axis, LEFT, mark, mark_of};
 use super::canvas::{Canvas, LABEL, Rect, SMALL};
 use super::legend::{self, Entry};
 use super::palette::{self, GREY, INK, PAPER, Style};
-use super::space_time::{self, SpaceTime};
-use super::{Error, Line, SIZE, page_of, usable};
+use super::space_time;
+use super::{Column, Error, Inset, Kind, Line, Panel, Panels, Plot, SIZE, page_of, usable};
 use std::f64::consts::TAU;
 
 /// Largest number of points of a line with markers.
@@ -25,95 +25,6 @@ const ROW: f64 = 230.0;
 /// The part of the axes that an inset and its labels take, from the left and from the top.
 const INSET: (f64, f64) = (0.62, 0.46);
 
-/// Columns of panels.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Panels {
-    /// Title at the top.
-    pub title: String,
-    /// The columns, of equal width.
-    pub columns: Vec<Column>,
-    /// Caption, enough to make the figure again.
-    pub caption: String,
-}
-
-/// Panels and maps one above the other.
-///
-/// All have the same height, except that panels with a cloud of points or an inset are higher.
-/// Panels with the same kind and the same label of the abscissa share its range.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Column {
-    /// Heading of the column; may be empty.
-    pub heading: String,
-    /// The plots, from the top.
-    pub panels: Vec<Plot>,
-}
-
-/// One plot of a column.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Plot {
-    /// A panel: a pair of axes.
-    Panel(Panel),
-    /// A map over space and time; its title and caption are not drawn.
-    Map(SpaceTime),
-}
-
-impl From<Panel> for Plot {
-    fn from(panel: Panel) -> Self {
-        Self::Panel(panel)
-    }
-}
-
-impl From<SpaceTime> for Plot {
-    fn from(map: SpaceTime) -> Self {
-        Self::Map(map)
-    }
-}
-
-/// A pair of axes, with its title and the legend above it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Panel {
-    /// Title above the legend; may be empty.
-    pub title: String,
-    /// The kind of the axes.
-    pub kind: Kind,
-    /// Label of the abscissa, such as “site n”.
-    pub x_label: String,
-    /// Label of the ordinate, such as “strain xₙ”.
-    pub y_label: String,
-    /// The lines.
-    pub lines: Vec<Line>,
-    /// Ranges, drawn before the lines; the n-th has the colour of the n-th line.
-    pub bands: Vec<Band>,
-    /// A smaller pair of axes in the upper left corner; the range of the ordinate is extended
-    /// upwards to make room for it.
-    pub inset: Option<Inset>,
-}
-
-/// The kind of the axes and of the points in a panel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Kind {
-    /// Values against sites, which are whole numbers. Lines of at most 200 points have markers:
-    /// squares first, for computed values, then stars and crosses.
-    #[default]
-    Sites,
-    /// Values against time.
-    Time,
-    /// Values against time on a logarithmic ordinate; zeros and negative values leave a gap.
-    LogTime,
-    /// Both axes logarithmic, each point with a marker; values that are not positive leave a gap.
-    LogLog,
-    /// Values against a parameter, each point with a marker.
-    Parameter,
-    /// `Parameter` with a logarithmic ordinate.
-    LogParameter,
-    /// Points that are not joined, against a parameter.
-    Cloud,
-    /// `Cloud` with a logarithmic abscissa.
-    LogCloud,
-    /// Points of the complex plane, not joined, with the unit circle; the axes have the same scale.
-    Plane,
-}
-
 impl Kind {
     fn log_abscissa(self) -> bool {
         matches!(self, Self::LogLog | Self::LogCloud)
@@ -128,37 +39,7 @@ impl Kind {
     }
 }
 
-/// A range of values at each abscissa.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Band {
-    /// Name in the legend.
-    pub name: String,
-    /// Abscissa, lower end and upper end of the range.
-    pub points: Vec<(f64, f64, f64)>,
-}
-
-/// An enlargement of one line in axes of its own.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Inset {
-    /// Label of the ordinate of the inset.
-    pub label: String,
-    /// Index of the line in the panel, from 0.
-    pub line: usize,
-}
-
-impl Panels {
-    /// A figure of one column without heading.
-    pub fn column(title: impl Into<String>, panels: Vec<Panel>, caption: impl Into<String>) -> Self {
-        Self { title: title.into(), columns: vec![Column::new("", panels)], caption: caption.into() }
-    }
-}
-
 impl Column {
-    /// A column of plots of one type.
-    pub fn new<P: Into<Plot>>(heading: impl Into<String>, plots: impl IntoIterator<Item = P>) -> Self {
-        Self { heading: heading.into(), panels: plots.into_iter().map(Into::into).collect() }
-    }
-
     fn height(&self) -> f64 {
         self.panels.iter().map(Plot::height).sum()
     }
@@ -179,11 +60,6 @@ impl Plot {
 }
 
 impl Panel {
-    /// Lines on axes of a kind, with the labels of abscissa and ordinate.
-    pub fn new(kind: Kind, [x_label, y_label]: [&str; 2], lines: Vec<Line>) -> Self {
-        Self { kind, x_label: x_label.to_owned(), y_label: y_label.to_owned(), lines, ..Self::default() }
-    }
-
     /// All points that the axes can show, including the ends of ranges.
     fn points(&self) -> impl Iterator<Item = (f64, f64)> {
         let lines = self.lines.iter().flat_map(|line| &line.points).copied();

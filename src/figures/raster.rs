@@ -7,44 +7,10 @@ use super::axes::{Axes, Axis};
 use super::canvas::LABEL;
 use super::colour_bar::{ColourBar, range_with_zero};
 use super::palette::{self, Rgb};
-use super::{Error, page, usable};
+use super::{Bar, Error, Raster, page, usable};
 
 /// The share of a row that stays free between the bars of neighbours, if it is at least a pixel.
 const GAP: f64 = 0.2;
-
-/// One contact as a bar.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bar {
-    /// Number of the bond.
-    pub bond: f64,
-    /// Time at which the contact began.
-    pub start: f64,
-    /// Time at which the contact ended.
-    pub end: f64,
-    /// Magnitude of the contact, shown by the colour; grey if it is not finite.
-    pub shade: f64,
-}
-
-/// Contacts over time and bonds.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Raster {
-    /// Title above the axes.
-    pub title: String,
-    /// Label of the ordinate, such as “bond n”.
-    pub bond_label: String,
-    /// Label of the abscissa, such as “time t”.
-    pub time_label: String,
-    /// The contacts, in any order.
-    pub bars: Vec<Bar>,
-    /// Label of the colour bar, such as “largest overlap”.
-    pub shade_label: String,
-    /// The first and the last bond on the axis.
-    pub bonds: (f64, f64),
-    /// The first and the last time on the axis.
-    pub times: (f64, f64),
-    /// Caption, enough to make the figure again.
-    pub caption: String,
-}
 
 impl Raster {
     /// Whether a part of the bar lies inside the axes.

@@ -5,36 +5,7 @@ use super::axes::{Axes, Axis};
 use super::canvas::{Canvas, Rect};
 use super::colour_bar::{ColourBar, range_with_zero};
 use super::palette::{self, Rgb};
-use super::{Error, page, usable};
-
-/// A matrix of values at times and sites.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SpaceTime {
-    /// Title above the axes.
-    pub title: String,
-    /// Label of the abscissa, such as “bond n”.
-    pub site_label: String,
-    /// Label of the ordinate, such as “time t”; time increases upwards.
-    pub time_label: String,
-    /// Label of the colour bar, such as “strain xₙ”.
-    pub value_label: String,
-    /// The values by rows: all sites at the first time, then at the next.
-    pub values: Vec<f64>,
-    /// Number of sites, the length of a row.
-    pub sites: usize,
-    /// Number of the first site.
-    pub first_site: f64,
-    /// Times of the first and of the last row; the others are evenly spaced between them.
-    pub times: (f64, f64),
-    /// Upper end of the scale of colours, if it is given; larger values have one colour, that of the
-    /// tip above the colour bar.
-    pub most: Option<f64>,
-    /// Whether the range is symmetric, with colours from blue over white at 0 to red; otherwise
-    /// colours run from dark to light.
-    pub signed: bool,
-    /// Caption, enough to make the figure again.
-    pub caption: String,
-}
+use super::{Error, SpaceTime, page, usable};
 
 /// Draws a space-time map with its colour bar.
 ///

@@ -4,62 +4,13 @@ use super::Picture;
 use super::axes::{Axes, Axis, mark, short};
 use super::legend::{self, Entry};
 use super::palette::{self, Style};
-use super::{Error, guide, page, usable};
-
-/// A method and its measurements.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
-    /// Name in the legend.
-    pub name: String,
-    /// Index of the family, which determines the colour and the heading in the legend.
-    pub family: usize,
-    /// The measurements, joined in this order.
-    pub points: Vec<Point>,
-    /// The order fitted in the range of clean convergence, for the legend.
-    pub slope: Option<f64>,
-}
-
-/// One measurement of a method.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
-    /// The cost: seconds, or evaluations of the force.
-    pub work: f64,
-    /// The relative error.
-    pub error: f64,
-    /// Whether the error is too small to be resolved by the reference; such a point is drawn
-    /// hollow.
-    pub below_reference: bool,
-}
+use super::{Error, Point, WorkPrecision, guide, page, usable};
 
 impl Point {
     /// Whether both numbers can be shown on logarithmic axes.
     fn drawable(&self) -> bool {
         usable(self.work) && usable(self.error) && self.work > 0.0 && self.error > 0.0
     }
-}
-
-/// A work-precision diagram.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct WorkPrecision {
-    /// Title above the axes.
-    pub title: String,
-    /// Label of the abscissa, with its unit.
-    pub work_label: String,
-    /// Label of the ordinate.
-    pub error_label: String,
-    /// The methods.
-    pub curves: Vec<Curve>,
-    /// The error of the reference, drawn as a grey line; smaller errors are not resolved.
-    pub floor: Option<f64>,
-    /// Caption, enough to make the figure again.
-    pub caption: String,
-    /// The names of the families, by index.
-    pub families: Vec<String>,
-    /// The family that is a yardstick and drawn in grey, by index.
-    pub grey: Option<usize>,
-    /// Orders to compare with and their labels, drawn as thin dashed lines through the middle of
-    /// the points.
-    pub guides: Vec<(f64, String)>,
 }
 
 /// Draws a work-precision diagram with logarithmic axes and the legend at the right.

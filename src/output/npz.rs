@@ -137,6 +137,21 @@ impl<W: Write + Seek> NpzWriter<W> {
         self.row(values)
     }
 
+    /// Writes an array of words, with one axis.
+    ///
+    /// # Errors
+    /// Errors of the archive writer.
+    pub fn words(&mut self, name: &str, words: &[String]) -> std::io::Result<()> {
+        let longest = words.iter().map(|word| word.chars().count()).max().unwrap_or(0).max(1);
+        self.zip.start_file(file_name(name), Self::options())?;
+        self.zip.write_all(&npy_head(&format!("<U{longest}"), &[words.len() as u64]))?;
+        for word in words {
+            let letters = word.chars().map(u32::from).chain(std::iter::repeat(0)).take(longest);
+            self.zip.write_all(&letters.flat_map(u32::to_le_bytes).collect::<Vec<_>>())?;
+        }
+        Ok(())
+    }
+
     /// Ends the archive.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! Tables in plain text, and such text read again.
 
-/// A table in plain text, with two spaces between columns. Columns in which all cells begin like
-/// numbers are aligned to the right, others to the left.
+/// A table in plain text, with two spaces between columns. Columns in which all cells but `–` begin
+/// like numbers are aligned to the right, others to the left.
 pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());
@@ -10,8 +10,8 @@ pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
     let widths: Vec<usize> = (0..head.len()).map(width).collect();
     let numeric: Vec<bool> = (0..head.len())
         .map(|column| {
-            let mut cells = rows.iter().filter_map(|row| row.get(column)).filter(|cell| !cell.is_empty());
-            rows.iter().any(|row| row.get(column).is_some_and(|cell| !cell.is_empty()))
+            let mut cells = rows.iter().filter_map(|row| row.get(column)).filter(|cell| !is_missing(cell)).peekable();
+            cells.peek().is_some()
                 && cells.all(|cell| cell.starts_with(|c: char| c.is_ascii_digit() || c == '-'))
         })
         .collect();
@@ -28,6 +28,11 @@ pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
         text += &line((0..head.len()).map(|column| row.get(column).map_or("", String::as_str)).collect());
     }
     text
+}
+
+/// Whether a cell stands for a value that does not exist.
+fn is_missing(cell: &str) -> bool {
+    cell.is_empty() || cell == "–"
 }
 
 /// A part of a text.

@@ -1,10 +1,7 @@
 //! The tables `[beads]`, `[bonds]` and `[[drive]]` of a scene, and the details of a chain that they
 //! and `[units]` give.
 
-use super::{
-    units::{Units, UnitsSection},
-    values::Values,
-};
+use super::{Units, UnitsSection, values::Values};
 use crate::{
     chain::{Boundary, Chain, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Signal},
     error::{Error, Result},

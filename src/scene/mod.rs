@@ -7,10 +7,11 @@ mod initial;
 mod units;
 mod values;
 
+pub use crate::report::{Quantity, Units};
 pub use details::{BeadsSection, BondsSection, DriveKind, DriveSection};
 pub(crate) use file::held;
 pub use file::{ChainSection, Initial, MethodSection, Record, SceneFile, Span, TrivialSection};
-pub use units::{Quantity, Units, UnitsSection};
+pub use units::UnitsSection;
 pub use values::{Rule, Values};
 
 use crate::{

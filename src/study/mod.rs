@@ -97,6 +97,7 @@ use crate::{
     chain::Params,
     error::{Error, Result},
     number::written,
+    report,
     run::Method,
     scene::Scene,
     sweep::Engine,
@@ -122,8 +123,8 @@ pub type Work<'a> = Box<dyn FnOnce(&Engine, Progress<'_>) -> Result<Box<dyn Repo
 
 /// A study by its options.
 pub trait Study {
-    /// The files it writes, in words for the help.
-    const FILES: &'static str;
+    /// The files it writes besides those of its [`outline`](Self::outline), in words for the help.
+    const FILES: &'static str = "";
     /// Whether its report says what is missing after the process was asked to end. That of another
     /// study is dropped then.
     const STOPS: bool = false;
@@ -135,6 +136,11 @@ pub trait Study {
     /// the folder. All other files are written anew by every run.
     fn sometimes() -> Vec<String> {
         Vec::new()
+    }
+
+    /// Its report without rows, which tells the help the names of files and columns.
+    fn outline() -> Option<report::Report> {
+        None
     }
 
     /// Checks the options as far as possible before a folder is made, and returns the work.
@@ -178,6 +184,33 @@ pub trait Report {
     /// Whether the study succeeded; if not, the command fails.
     fn succeeded(&self) -> bool {
         true
+    }
+}
+
+impl Report for report::Report {
+    fn json(&self) -> Value {
+        self.json()
+    }
+
+    fn text(&self) -> String {
+        self.text()
+    }
+
+    fn files(&self, _: &str) -> Result<Vec<File>> {
+        self.files()
+    }
+
+    #[cfg(feature = "plot")]
+    fn pictures(&self) -> Result<Vec<Drawing>> {
+        self.pictures().iter().map(|(name, figure)| Ok((name.clone(), figure.draw()?))).collect()
+    }
+
+    fn remark(&self) -> Option<String> {
+        self.remarks().map(str::to_owned)
+    }
+
+    fn succeeded(&self) -> bool {
+        self.succeeded()
     }
 }
 

@@ -15,15 +15,17 @@
 use super::{ALPHA, CREST, Crests, LEAD, METHOD, STEP, check_count, follow, plain, pulse_energy, solitary_wave};
 use crate::{
     error::{Error, Result},
-    output::csv,
-    present::table,
     random::uniform,
-    study::{File, Progress, Report, Study, Work, fit_line, named},
+    report::{
+        Band,
+        Digits::{Fixed, Hidden, Json, Power},
+        Kind, Line, Panel, Panels, Report, Table, rows,
+    },
+    study::{Progress, Study, Work, fit_line},
     sweep::{Engine, Grid},
     waves::LinePulse,
 };
-use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// Name of the store in the folder of results.
 const STORE: &str = "disorder.store";
@@ -70,21 +72,23 @@ impl Default for DisorderOptions {
     }
 }
 
-/// Pulses in chains with disorder of one strength.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct DisorderRow {
-    /// Strength `eps`.
-    pub strength: f64,
-    /// Rate of decay of the energy from bead to bead.
-    pub rate: f64,
-    /// Its standard error, from the spread of the rates of single chains.
-    pub error: f64,
-    /// `eps^2/6`, the rate of a sequence of collisions of two beads.
-    pub binary: f64,
-    /// Mean of `ln E_n` over seeds, from the first disordered bond on.
-    pub log_energy: Vec<f64>,
-    /// Standard deviation of `ln E_n` over seeds.
-    pub spread: Vec<f64>,
+rows! {
+    /// Pulses in chains with disorder of one strength.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct DisorderRow {
+        /// Strength `eps`: masses are drawn from 1 - eps to 1 + eps.
+        strength: f64 => Fixed(3),
+        /// Rate of decay of the energy of the pulse from bead to bead, mean of all chains.
+        rate: f64 => Power(3),
+        /// Its standard error, from the spread of the rates of single chains.
+        error: f64 => Power(3),
+        /// `eps^2/6`, the rate of a sequence of collisions of two beads.
+        binary: f64 => Power(3),
+        /// Mean of `ln E_n` over seeds, from the first disordered bond on.
+        log_energy: Vec<f64> => Json,
+        /// Standard deviation of `ln E_n` over seeds.
+        spread: Vec<f64> => Json,
+    }
 }
 
 /// The outcome of the study.
@@ -110,15 +114,18 @@ impl DisorderOptions {
 }
 
 impl Study for DisorderOptions {
-    const FILES: &'static str = "\
-Files: disorder.csv, energies.csv, disorder.json, disorder.png and disorder.store. The store keeps every \
-chain as soon as it was run; the same command resumes from it.";
+    const FILES: &'static str =
+        "disorder.store keeps every chain as soon as it was run; the same command resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 
+    fn outline() -> Option<Report> {
+        Some(DisorderStudy { seeds: 0, rows: Vec::new() }.report())
+    }
+
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|engine, progress| Ok(Box::new(disorder(self, engine, progress)?))))
+        Ok(Box::new(|engine, progress| Ok(Box::new(disorder(self, engine, progress)?.report()))))
     }
 }
 
@@ -219,75 +226,33 @@ impl DisorderStudy {
     }
 }
 
-impl Report for DisorderStudy {
-    fn json(&self) -> Value {
-        json!({
-            "seeds": self.seeds,
-            "integrator": METHOD,
-            "step": STEP,
-            "exponent": self.exponent(),
-            "rows": self.rows,
-            "version": env!("CARGO_PKG_VERSION"),
-        })
-    }
-
-    fn text(&self) -> String {
-        let cells = |row: &DisorderRow| {
-            let per_square = row.rate / (row.strength * row.strength);
-            let ratio = if row.strength > 0.0 { format!("{per_square:.4}") } else { "–".to_owned() };
-            let rates = [row.rate, row.error, row.binary].map(|rate| format!("{rate:.3e}"));
-            [format!("{:.3}", row.strength)].into_iter().chain(rates).chain([ratio]).collect()
-        };
-        let rows: Vec<_> = self.rows.iter().map(cells).collect();
-        let fit = self.exponent().map_or_else(String::new, |slope| format!("rate ~ strength^{slope:.2}.\n"));
-        format!(
-            "{}\nRate of decay of the energy of a pulse from bead to bead, mean of {} chains, with its standard error; \
-             collisions: eps^2/6, of a sequence of collisions of two beads.\n{fit}",
-            table(&["strength eps", "rate", "error", "collisions", "rate/eps^2"], &rows),
-            self.seeds
-        )
-    }
-
-    fn files(&self, json: &str) -> Result<Vec<File>> {
-        let rows = self.rows.iter().map(|row| vec![row.strength, row.rate, row.error, row.binary]);
-        let energies = self.rows.iter().flat_map(|row| {
-            let bonds = row.log_energy.iter().zip(&row.spread).enumerate();
-            bonds.map(|(n, (log, spread))| vec![row.strength, n as f64, *log, *spread])
-        });
-        Ok(named([
-            ("disorder.csv", csv(&["strength", "rate", "error", "binary"], rows)),
-            ("energies.csv", csv(&["strength", "bond", "log_energy", "spread"], energies)),
-            ("disorder.json", json.into()),
-        ]))
-    }
-
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
-        Ok(named([("disorder.png", self.picture()?)]))
-    }
-}
-
 impl DisorderStudy {
-    /// Energy against distance, and the rate against the strength.
-    #[cfg(feature = "plot")]
-    fn picture(&self) -> Result<crate::figures::Picture> {
-        use crate::figures::{Band, Kind, Line, Panel, Panels, panels};
+    /// The report.
+    pub fn report(&self) -> Report {
+        let per_square = |row: &DisorderRow| (row.strength > 0.0).then(|| row.rate / (row.strength * row.strength));
+        let table = DisorderRow::table("disorder", &self.rows).col("rate/eps^2", Fixed(4), "", per_square).done();
+        let all = |row: &DisorderRow| {
+            let bonds = row.log_energy.iter().zip(&row.spread).enumerate();
+            bonds.map(|(n, (log, spread))| (row.strength, n, *log, *spread)).collect::<Vec<_>>()
+        };
+        let energies = Table::of("energies", &self.rows.iter().flat_map(all).collect::<Vec<_>>())
+            .key("")
+            .col("strength", Hidden, "masses are drawn from 1 - eps to 1 + eps", |row| row.0)
+            .col("bond", Hidden, "number of the bead, from 0", |row| row.1)
+            .col("log_energy", Hidden, "mean of the logarithm of the energy of the pulse there", |row| row.2)
+            .col("spread", Hidden, "its standard deviation", |row| row.3)
+            .done();
         let decays = self.rows.iter().map(|row| {
             let points = row.log_energy.iter().enumerate().map(|(n, log)| (n as f64, log.exp()));
             Line::new(&format!("ε = {}", row.strength), points)
         });
-        let bands = self.rows.iter().map(|row| Band {
-            name: "± σ".to_owned(),
-            points: row
-                .log_energy
-                .iter()
-                .zip(&row.spread)
-                .enumerate()
-                .map(|(n, (log, spread))| (n as f64, (log - spread).exp(), (log + spread).exp()))
-                .collect(),
-        });
+        let band = |row: &DisorderRow| {
+            let bonds = row.log_energy.iter().zip(&row.spread).enumerate();
+            let points = bonds.map(|(n, (log, spread))| (n as f64, (log - spread).exp(), (log + spread).exp()));
+            Band { name: "± σ".to_owned(), points: points.collect() }
+        };
         let mut energy = Panel::new(Kind::LogTime, ["bead n", "energy of the pulse"], decays.collect());
-        energy.bands = bands.collect();
+        energy.bands = self.rows.iter().map(band).collect();
         let positive = || self.rows.iter().filter(|row| row.strength > 0.0 && row.rate > 0.0);
         let rates = vec![
             Line::new("computed", positive().map(|row| (row.strength, row.rate))),
@@ -301,11 +266,21 @@ impl DisorderStudy {
             "A solitary wave of the uniform chain, α = 3/2, without precompression, runs into beads with masses drawn evenly \
              from 1 − ε to 1 + ε. Above: geometric mean over {} chains of the energy in {} sites about the crest, and its \
              standard deviation σ. Below: rate of the exponential decay; ε²/6 if two beads collide at a time. Seeds from 1 \
-             on. Integrator {METHOD}, steps of {STEP}, shorter for light beads. hertzchain {}.",
+             on. Integrator {METHOD}, steps of {STEP}, shorter for light beads.",
             self.seeds,
             2 * super::HALF_PULSE,
-            env!("CARGO_PKG_VERSION")
         );
-        Ok(panels(&Panels::column("A pulse in disordered chains".to_owned(), plots, caption))?)
+        let fit = self.exponent().map_or_else(String::new, |slope| {
+            format!("rate ~ strength^{slope:.2}, over {} chains a strength.", self.seeds)
+        });
+        Report::new("disorder")
+            .fact("seeds", self.seeds)
+            .fact("integrator", METHOD)
+            .fact("step", STEP)
+            .fact("exponent", self.exponent())
+            .table(table)
+            .table(energies)
+            .words(fit)
+            .picture(Panels::column("A pulse in disordered chains", plots, caption))
     }
 }

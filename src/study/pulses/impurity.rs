@@ -21,14 +21,14 @@
 use super::{ALPHA, LEAD, METHOD, STEP, check_count, check_range, follow, geometric, plain, solitary_wave};
 use crate::{
     error::{Error, Result},
-    output::csv,
-    present::table,
-    study::{File, Progress, Report, Study, Work, named},
+    report::{
+        Digits::{Fixed, Power, Short},
+        Kind, Line, Panels, Report, rows,
+    },
+    study::{Progress, Study, Work},
     sweep::map,
     waves::LinePulse,
 };
-use serde::Serialize;
-use serde_json::{Value, json};
 
 const RATIOS: std::ops::RangeInclusive<f64> = 1e-3..=20.0;
 const POINTS: std::ops::RangeInclusive<usize> = 3..=10_000;
@@ -71,29 +71,31 @@ impl Default for ImpurityOptions {
     }
 }
 
-/// A solitary wave that has met an impurity.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ImpurityRow {
-    /// Mass ratio `M`.
-    pub ratio: f64,
-    /// Share `T` of the energy behind the impurity.
-    pub transmitted: f64,
-    /// Share `R` of the energy before the impurity.
-    pub reflected: f64,
-    /// Share `L` of the energy of the impurity itself.
-    pub localised: f64,
-    /// The most by which one of these shares changed in the last quarter of the run.
-    pub late_change: f64,
-    /// `(4 M/(1 + M)^2)^2`, the share `T` of two collisions, one after the other.
-    pub binary: f64,
-    /// `2 p^2/(M E)`, the share `T` of a heavy bead.
-    pub heavy: f64,
-    /// Sign changes of `w''` until a contact of the impurity first opens.
-    pub changes: usize,
-    /// `Omega` from the times between them, if there are at least four.
-    pub frequency: Option<f64>,
-    /// The mean of `(f'(G/2) (2/M + 1))^{1/2}` over the same time.
-    pub frequency_law: Option<f64>,
+rows! {
+    /// A solitary wave that has met an impurity.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct ImpurityRow {
+        /// Mass ratio `M`.
+        ratio: f64 => Fixed(4),
+        /// Share `T` of the energy behind the impurity at the end of the run, `t = 200 + 20 (M - 1)_+`.
+        transmitted: f64 => Fixed(6),
+        /// Share `R` of the energy before the impurity.
+        reflected: f64 => Fixed(6),
+        /// Share `L` of the energy of the impurity itself.
+        localised: f64 => Fixed(6),
+        /// The most by which one of these shares changed in the last quarter of the run.
+        late_change: f64 => Power(0),
+        /// `(4 M/(1 + M)^2)^2`, the share `T` of two collisions, one after the other.
+        binary: f64,
+        /// `2 p^2/(M E)`, the share `T` of a heavy bead.
+        heavy: f64,
+        /// Changes of the sign of `w''` until a contact of the impurity first opens.
+        changes: usize => Short,
+        /// `Omega` from the times between them, if there are at least four.
+        frequency: Option<f64> => Fixed(4),
+        /// The mean of `(f'(G/2) (2/M + 1))^{1/2}` over the same time.
+        frequency_law: Option<f64> => Fixed(4),
+    }
 }
 
 /// The outcome of the study.
@@ -111,11 +113,13 @@ impl ImpurityOptions {
 }
 
 impl Study for ImpurityOptions {
-    const FILES: &'static str = "Files: impurity.csv, impurity.json and impurity.png.";
+    fn outline() -> Option<Report> {
+        Some(ImpurityStudy { rows: Vec::new() }.report())
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(impurity(self, progress)?))))
+        Ok(Box::new(|_, progress| Ok(Box::new(impurity(self, progress)?.report()))))
     }
 }
 
@@ -241,97 +245,36 @@ impl Ringing {
     }
 }
 
-impl Report for ImpurityStudy {
-    fn json(&self) -> Value {
-        json!({
-            "integrator": METHOD,
-            "step": STEP,
-            "rows": self.rows,
-            "version": env!("CARGO_PKG_VERSION"),
-        })
-    }
-
-    fn text(&self) -> String {
-        let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| format!("{value:.4}"));
-        let cells = |row: &ImpurityRow| {
-            let shares = [row.transmitted, row.reflected, row.localised].map(|share| format!("{share:.6}"));
-            let late = format!("{:.0e}", row.late_change);
-            let rest = [late, row.changes.to_string(), number(row.frequency), number(row.frequency_law)];
-            [format!("{:.4}", row.ratio)].into_iter().chain(shares).chain(rest).collect()
-        };
-        let rows: Vec<_> = self.rows.iter().map(cells).collect();
-        let head =
-            ["mass ratio", "transmitted", "reflected", "localised", "late change", "changes", "frequency", "law"];
-        format!(
-            "{}\nShares of the energy of a solitary wave behind an impurity (transmitted), before it (reflected) and in it (localised), at t = 200 + 20 (M - 1)_+; \
-             late change: the largest change of a share in the last quarter of the run.\nchanges: number of changes of the sign of the acceleration of the impurity between its neighbours, until one \
-             of its contacts opens; law: (f'(G/2) (2/M + 1))^(1/2).\n",
-            table(&head, &rows)
-        )
-    }
-
-    fn files(&self, json: &str) -> Result<Vec<File>> {
-        let names = [
-            "ratio",
-            "transmitted",
-            "reflected",
-            "localised",
-            "late_change",
-            "binary",
-            "heavy",
-            "changes",
-            "frequency",
-            "frequency_law",
-        ];
-        let rows = self.rows.iter().map(|row| {
-            let [frequency, law] = [row.frequency, row.frequency_law].map(|value| value.unwrap_or(f64::NAN));
-            let changes = row.changes as f64;
-            let ImpurityRow { ratio, transmitted, reflected, localised, late_change, binary, heavy, .. } = *row;
-            vec![ratio, transmitted, reflected, localised, late_change, binary, heavy, changes, frequency, law]
-        });
-        Ok(named([("impurity.csv", csv(&names, rows)), ("impurity.json", json.into())]))
-    }
-
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
-        Ok(named([("impurity.png", self.picture()?)]))
-    }
-}
-
 impl ImpurityStudy {
-    /// Shares of the energy, and the frequency, against the mass ratio.
-    #[cfg(feature = "plot")]
-    fn picture(&self) -> Result<crate::figures::Picture> {
-        use crate::figures::{Kind, Line, Panel, Panels, panels};
-        let rows = &self.rows;
-        let of = |value: &dyn Fn(&ImpurityRow) -> Option<f64>| -> Vec<(f64, f64)> {
-            rows.iter().filter_map(|row| Some((row.ratio, value(row)?))).collect()
-        };
-        let shares = vec![
-            Line::new("transmitted", of(&|row| Some(row.transmitted))),
-            Line::new("reflected", of(&|row| Some(row.reflected))),
-            Line::new("localised", of(&|row| Some(row.localised))),
-            Line::new("two collisions", of(&|row| Some(row.binary))),
-            Line::new("2p²/(ME)", of(&|row| (row.heavy < 1.0).then_some(row.heavy))),
-        ];
-        let frequencies = vec![
-            Line::new("computed", of(&|row| row.frequency)),
-            Line::new("(f′(G/2)(2/M + 1))^(1/2)", of(&|row| row.frequency_law)),
-        ];
+    /// The report.
+    pub fn report(&self) -> Report {
+        let table = ImpurityRow::table("impurity", &self.rows).done();
         let label = "mass ratio M";
-        let mut plots = vec![Panel::new(Kind::LogCloud, [label, "share of the energy"], shares)];
-        if frequencies.iter().all(|line| !line.points.is_empty()) {
-            plots.push(Panel::new(Kind::LogLog, [label, "frequency Ω"], frequencies));
-        }
-        let late = rows.iter().map(|row| row.late_change).fold(0.0, f64::max);
+        let lines = [
+            ("transmitted", "transmitted"),
+            ("reflected", "reflected"),
+            ("localised", "localised"),
+            ("two collisions", "binary"),
+        ];
+        let mut shares = table.panel(Kind::LogCloud, [label, "share of the energy"], "ratio", &lines);
+        let heavy = self.rows.iter().filter(|row| row.heavy < 1.0).map(|row| (row.ratio, row.heavy));
+        shares.lines.push(Line::new("2p²/(ME)", heavy));
+        let lines = [("computed", "frequency"), ("(f′(G/2)(2/M + 1))^(1/2)", "frequency_law")];
+        let frequencies = table.panel(Kind::LogLog, [label, "frequency Ω"], "ratio", &lines);
+        let measured = frequencies.lines.iter().all(|line| !line.points.is_empty());
+        let late = self.rows.iter().map(|row| row.late_change).fold(0.0, f64::max);
         let caption = format!(
             "A solitary wave of speed 1 of the plain chain, α = 3/2, without precompression, meets one bead of mass M amid \
              beads of mass 1. Above: energy behind the bead, before it and its own at t = 200 + 20 (M − 1)₊, \
              where none of them changed by more than {late:.0e} in the last quarter of the run; what two collisions of hard beads would pass on; what a heavy bead passes on that was thrown forward with \
              twice the momentum p of the wave of energy E. Below: frequency of the bead between its neighbours until a \
-             contact opens, where it has at least {CHANGES} changes of sign of the acceleration, and that of small swings. Integrator {METHOD}, steps of {STEP}, shorter for light beads. hertzchain {}.",
-            env!("CARGO_PKG_VERSION")
+             contact opens, where it has at least {CHANGES} changes of sign of the acceleration, and that of small swings. Integrator {METHOD}, steps of {STEP}, shorter for light beads."
         );
-        Ok(panels(&Panels::column("A solitary wave at an impurity".to_owned(), plots, caption))?)
+        let plots = [shares].into_iter().chain(measured.then_some(frequencies)).collect();
+        Report::new("impurity").fact("integrator", METHOD).fact("step", STEP).table(table).picture(Panels::column(
+            "A solitary wave at an impurity",
+            plots,
+            caption,
+        ))
     }
 }

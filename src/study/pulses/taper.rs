@@ -17,14 +17,14 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    output::csv,
-    present::table,
-    study::{File, Progress, Report, Study, Work, fit_line, named},
+    report::{
+        Digits::{Fixed, Hidden, Json},
+        Kind, Panels, Report, Table, rows,
+    },
+    study::{Progress, Study, Work, fit_line},
     sweep::map,
     waves::LinePulse,
 };
-use serde::Serialize;
-use serde_json::{Value, json};
 
 const RADII: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 const POINTS: std::ops::RangeInclusive<usize> = 2..=1000;
@@ -69,21 +69,23 @@ impl Default for TaperOptions {
     }
 }
 
-/// A pulse in a tapered chain.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct TaperRow {
-    /// Ratio of radii `s`.
-    pub ratio: f64,
-    /// Growth of `ln V_n` a sphere.
-    pub growth: f64,
-    /// `ln(2/(1 + s^3))`, the growth by a sequence of collisions of two spheres.
-    pub binary: f64,
-    /// `-3/2 ln s`, the growth of a pulse that keeps its energy.
-    pub adiabatic: f64,
-    /// Share of the energy that the pulse has at the last sphere that is measured.
-    pub energy: f64,
-    /// `V_n` over the velocity in the uniform chain, sphere by sphere.
-    pub velocity: Vec<f64>,
+rows! {
+    /// A pulse in a tapered chain.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct TaperRow {
+        /// Radius over that of the sphere before it, `s`.
+        ratio: f64 => Fixed(4),
+        /// Growth of `ln V_n` a sphere.
+        growth: f64 => Fixed(6),
+        /// `ln(2/(1 + s^3))`, the growth by a sequence of collisions of two spheres.
+        binary: f64 => Fixed(6),
+        /// `-3/2 ln s`, the growth of a pulse that keeps its energy.
+        adiabatic: f64 => Fixed(6),
+        /// Share of the energy that the pulse has at the last sphere that is measured.
+        energy: f64 => Fixed(4),
+        /// `V_n` over the velocity in the uniform chain, sphere by sphere.
+        velocity: Vec<f64> => Json,
+    }
 }
 
 /// The outcome of the study.
@@ -108,11 +110,13 @@ impl TaperOptions {
 }
 
 impl Study for TaperOptions {
-    const FILES: &'static str = "Files: taper.csv, velocities.csv, taper.json and taper.png.";
+    fn outline() -> Option<Report> {
+        Some(TaperStudy { rows: Vec::new() }.report())
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(taper(self, progress)?))))
+        Ok(Box::new(|_, progress| Ok(Box::new(taper(self, progress)?.report()))))
     }
 }
 
@@ -175,75 +179,45 @@ pub fn tapered(ratio: f64, spheres: usize, line: &LinePulse) -> Result<TaperRow>
     Ok(TaperRow { ratio, growth, binary, adiabatic, energy, velocity })
 }
 
-impl Report for TaperStudy {
-    fn json(&self) -> Value {
-        json!({
-            "integrator": METHOD,
-            "step": STEP,
-            "rows": self.rows,
-            "version": env!("CARGO_PKG_VERSION"),
-        })
-    }
-
-    fn text(&self) -> String {
-        let cells = |row: &TaperRow| {
-            let growth = [row.growth, row.binary, row.adiabatic].map(|rate| format!("{rate:.5}"));
-            [format!("{:.4}", row.ratio)].into_iter().chain(growth).chain([format!("{:.5}", row.energy)]).collect()
-        };
-        let rows: Vec<_> = self.rows.iter().map(cells).collect();
-        format!(
-            "{}\nRatio of a radius to the one before it; growth of the logarithm of the velocity from sphere to sphere: \
-             computed, by a sequence of collisions of two spheres (Harbola, Rosas, Esposito & Lindenberg 2009), and of \
-             a pulse that keeps its energy; share of the energy in the pulse at the last sphere.\n",
-            table(&["ratio", "growth", "collisions", "same energy", "energy"], &rows)
-        )
-    }
-
-    fn files(&self, json: &str) -> Result<Vec<File>> {
-        let rows = self.rows.iter().map(|row| vec![row.ratio, row.growth, row.binary, row.adiabatic, row.energy]);
-        let velocities = self.rows.iter().flat_map(|row| {
-            row.velocity.iter().enumerate().map(|(n, velocity)| vec![row.ratio, (n + 1) as f64, *velocity])
-        });
-        Ok(named([
-            ("taper.csv", csv(&["ratio", "growth", "binary", "adiabatic", "energy"], rows)),
-            ("velocities.csv", csv(&["ratio", "sphere", "velocity"], velocities)),
-            ("taper.json", json.into()),
-        ]))
-    }
-
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
-        Ok(named([("taper.png", self.picture()?)]))
-    }
-}
-
 impl TaperStudy {
-    /// Growth and energy against the ratio of radii.
-    #[cfg(feature = "plot")]
-    fn picture(&self) -> Result<crate::figures::Picture> {
-        use crate::figures::{Kind, Line, Panel, Panels, panels};
-        let of = |value: fn(&TaperRow) -> f64| self.rows.iter().map(move |row| (row.ratio, value(row)));
-        let growth = vec![
-            Line::new("computed", of(|row| row.growth)),
-            Line::new("collisions of two spheres", of(|row| row.binary)),
-            Line::new("same energy", of(|row| row.adiabatic)),
-        ];
+    /// The report.
+    pub fn report(&self) -> Report {
+        let table = TaperRow::table("taper", &self.rows).done();
+        let all = |row: &TaperRow| {
+            let ratio = row.ratio;
+            row.velocity.iter().enumerate().map(move |(n, velocity)| (ratio, n + 1, *velocity)).collect::<Vec<_>>()
+        };
+        let velocities = Table::of("velocities", &self.rows.iter().flat_map(all).collect::<Vec<_>>())
+            .key("")
+            .col("ratio", Hidden, "ratio of radii", |row| row.0)
+            .col("sphere", Hidden, "number of the tapered sphere, from 1", |row| row.1)
+            .col("velocity", Hidden, "largest velocity over that in the uniform chain", |row| row.2)
+            .done();
         let label = "radius over that of the sphere before it";
-        let panel = |y: &str, lines| Panel::new(Kind::Parameter, [label, y], lines);
+        let growth = [("computed", "growth"), ("collisions of two spheres", "binary"), ("same energy", "adiabatic")];
         let plots = vec![
-            panel("growth of ln Vₙ a sphere", growth),
-            panel("energy of the pulse", vec![Line::new("share at the last sphere", of(|row| row.energy))]),
+            table.panel(Kind::Parameter, [label, "growth of ln Vₙ a sphere"], "ratio", &growth),
+            table.panel(
+                Kind::Parameter,
+                [label, "energy of the pulse"],
+                "ratio",
+                &[("share at the last sphere", "energy")],
+            ),
         ];
         let caption = format!(
             "A solitary wave of the uniform chain, α = 3/2, without precompression, runs into spheres of one material whose \
              radii are a geometric sequence. Above: growth of the largest velocity Vₙ from sphere to sphere over the second \
              half of them; 2/(1 + s³) a sphere if two spheres collide at a time; s^(−3/2) if the pulse keeps its energy. \
              Below: energy in {} sites about the crest when it is at the last of {} spheres. Integrator {METHOD}, steps of \
-             {STEP}, shorter for small spheres. hertzchain {}.",
+             {STEP}, shorter for small spheres.",
             2 * super::HALF_PULSE,
             self.rows.first().map_or(0, |row| row.velocity.len()),
-            env!("CARGO_PKG_VERSION")
         );
-        Ok(panels(&Panels::column("A pulse in a tapered chain".to_owned(), plots, caption))?)
+        Report::new("taper")
+            .fact("integrator", METHOD)
+            .fact("step", STEP)
+            .table(table)
+            .table(velocities)
+            .picture(Panels::column("A pulse in a tapered chain", plots, caption))
     }
 }

@@ -11,12 +11,14 @@
 //! the maxima at which `T` is 1. K. R. Jayaprakash, Y. Starosvetsky & A. F. Vakakis 2011, Phys. Rev. E 83,
 //! 036606.
 
-mod report;
-
-use super::{Crests, STEP, check_count, check_range, follow, plain};
+use super::{Crests, METHOD, STEP, check_count, check_range, follow, plain};
 use crate::{
     chain::State,
     error::Result,
+    report::{
+        Digits::{Fixed, Hidden},
+        Kind, Line, Panel, Panels, Report, Table,
+    },
     study::{Progress, Study, Work},
 };
 
@@ -72,11 +74,13 @@ impl Default for DimerOptions {
 }
 
 impl Study for DimerOptions {
-    const FILES: &'static str = "Files: dimer.csv, dimer.json and dimer.png.";
+    fn outline() -> Option<Report> {
+        Some(DimerStudy { cells: 0, rows: Vec::new(), maxima: Vec::new() }.report())
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(dimer(self, progress)?))))
+        Ok(Box::new(|_, progress| Ok(Box::new(dimer(self, progress)?.report()))))
     }
 }
 
@@ -108,6 +112,52 @@ pub struct DimerStudy {
     /// The maxima of the transmission inside the range, ascending; where it is 1 the pulse is a
     /// solitary wave.
     pub maxima: Vec<DimerRow>,
+}
+
+impl DimerStudy {
+    /// The report.
+    pub fn report(&self) -> Report {
+        let known = |row: &DimerRow| PUBLISHED.into_iter().find(|known| (row.ratio / known - 1.0).abs() < 0.1);
+        let columns = |name, rows| {
+            Table::of(name, rows)
+                .col("ratio", Fixed(4), "mass of the light beads over that of the heavy ones", |row: &DimerRow| {
+                    row.ratio
+                })
+                .col("first", Hidden, "largest contact force near the struck end", |row| row.first)
+                .col("last", Hidden, "the same, the cells farther on", |row| row.last)
+                .col("transmission", Fixed(5), "last over first, 1 for a solitary wave", DimerRow::transmission)
+        };
+        let rows = columns("dimer", &self.rows).hidden().done();
+        let source = "Jayaprakash, Starosvetsky & Vakakis 2011";
+        let maxima = columns("maxima", &self.maxima).key("maxima").col("published", Fixed(4), source, known).done();
+        let least = self.rows.iter().min_by(|a, b| a.transmission().total_cmp(&b.transmission()));
+        let least = least.map_or_else(String::new, |row| {
+            format!("; the least of {} mass ratios is {:.5}, at {:.4}", self.rows.len(), row.transmission(), row.ratio)
+        });
+        let range = self.rows.first().zip(self.rows.last());
+        let inside = |ratio: &f64| range.is_some_and(|(low, high)| (low.ratio..=high.ratio).contains(ratio));
+        let lines = vec![
+            rows.line("computed", ["ratio", "transmission"]),
+            maxima.line("maxima", ["ratio", "transmission"]),
+            Line::new("published", PUBLISHED.into_iter().filter(inside).map(|ratio| (ratio, 1.0))),
+        ];
+        let panel = Panel::new(Kind::LogCloud, ["mass ratio m, light over heavy", "transmission F₂/F₁"], lines);
+        let caption = format!(
+            "Largest contact force of a pulse {} cells after the {FIRST_CELL}th cell, over that there, in a 1:1 dimer without \
+             precompression, α = 3/2, struck by a heavy bead of speed 1; at T = 1 the pulse is a solitary wave. Published: \
+             Jayaprakash, Starosvetsky & Vakakis 2011. Integrator {METHOD}, steps of {STEP}.",
+            self.cells,
+        );
+        Report::new("dimer")
+            .fact("cells", self.cells)
+            .fact("first_cell", FIRST_CELL)
+            .fact("integrator", METHOD)
+            .fact("step", STEP)
+            .table(rows)
+            .table(maxima)
+            .words(format!("Maxima of the transmission of a pulse over {} cells of a 1:1 dimer{least}.", self.cells))
+            .picture(Panels::column(format!("A pulse through {} cells of a dimer", self.cells), vec![panel], caption))
+    }
 }
 
 impl DimerOptions {

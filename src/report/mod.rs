@@ -1,0 +1,230 @@
+//! Results as values: facts, tables and pictures, told once. Text, JSON, CSV, NPZ, pictures and the
+//! page of a report follow from them. Knows no physics.
+
+mod figure;
+mod table;
+mod units;
+
+pub use figure::{
+    Band, Bar, CellMap, Column, Curve, Figure, Growth, GrowthMap, Inset, Kind, Line, Maps, Matrix, Panel, Panels, Plot,
+    Point, Raster, SpaceTime, WorkPrecision,
+};
+pub use table::{Cell, Digits, Rows, Table};
+pub(crate) use table::{rows, told};
+pub use units::{Quantity, Units};
+
+use crate::{
+    error::{Error, Result},
+    output::{NpzWriter, to_json},
+};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+use std::io::Cursor;
+
+/// The end of every caption.
+const PROGRAM: &str = concat!(" hertzchain ", env!("CARGO_PKG_VERSION"), ".");
+
+/// A paragraph or a table.
+#[derive(Clone, Debug)]
+pub enum Block {
+    /// Words, with an end of line after each.
+    Words(String),
+    /// A table.
+    Table(Table),
+}
+
+/// The result of a study.
+///
+/// Facts and tables are the fields of its JSON output, words and tables its text, both in the order
+/// in which they are added. Files are `NAME.json`, `NAME.npz` with an array for each column of all
+/// tables, and a CSV file for each table.
+#[derive(Clone, Debug)]
+pub struct Report {
+    name: &'static str,
+    facts: Map<String, Value>,
+    blocks: Vec<Block>,
+    pictures: Vec<(String, Figure)>,
+    files: Vec<(String, Vec<u8>)>,
+    remark: Option<String>,
+    succeeded: bool,
+    units: Option<Units>,
+}
+
+impl Report {
+    /// A result without anything, by the name of its files.
+    pub fn new(name: &'static str) -> Self {
+        Self {
+            name,
+            facts: Map::new(),
+            blocks: Vec::new(),
+            pictures: Vec::new(),
+            files: Vec::new(),
+            remark: None,
+            succeeded: true,
+            units: None,
+        }
+    }
+
+    /// A field of the JSON output.
+    #[must_use]
+    pub fn fact(mut self, name: &str, value: impl Serialize) -> Self {
+        // Values here have string keys: serialisation cannot fail.
+        self.facts.insert(name.to_owned(), serde_json::to_value(value).unwrap_or_default());
+        self
+    }
+
+    /// A table; its rows are a field of the JSON output.
+    #[must_use]
+    pub fn table(mut self, table: impl Into<Table>) -> Self {
+        let table = table.into();
+        if !table.key_in_json().is_empty() {
+            self.facts.insert(table.key_in_json().to_owned(), Value::Array(table.json()));
+        }
+        self.blocks.push(Block::Table(table));
+        self
+    }
+
+    /// A paragraph of the text.
+    #[must_use]
+    pub fn words(mut self, words: impl AsRef<str>) -> Self {
+        if !words.as_ref().is_empty() {
+            self.blocks.push(Block::Words(table::filled(words.as_ref())));
+        }
+        self
+    }
+
+    /// A picture, `NAME.png`. The program is named at the end of its caption.
+    #[must_use]
+    pub fn picture(self, figure: impl Into<Figure>) -> Self {
+        let name = self.name;
+        self.picture_named(name, figure)
+    }
+
+    /// A picture with a name of its own.
+    #[must_use]
+    pub fn picture_named(mut self, name: &str, figure: impl Into<Figure>) -> Self {
+        let mut figure = figure.into();
+        *figure.caption() += PROGRAM;
+        self.pictures.push((format!("{name}.png"), figure));
+        self
+    }
+
+    /// A file with a format of its own; in place of `NAME.npz`, if it has this name.
+    #[must_use]
+    pub fn file(mut self, name: &str, bytes: Vec<u8>) -> Self {
+        self.files.push((name.to_owned(), bytes));
+        self
+    }
+
+    /// A remark beside the results, such as what is missing. An error: the command fails.
+    #[must_use]
+    pub fn failure(mut self, words: Option<String>) -> Self {
+        self.succeeded &= words.is_none();
+        self.remark = words.map(|words| format!("error: {words}")).or(self.remark);
+        self
+    }
+
+    /// A remark beside the results, which is no error.
+    #[must_use]
+    pub fn remark(mut self, words: Option<String>) -> Self {
+        self.remark = words.or(self.remark);
+        self
+    }
+
+    /// Says that all numbers are in SI units, if they are.
+    #[must_use]
+    pub fn si(mut self, units: Option<&Units>) -> Self {
+        self.units = units.copied();
+        self
+    }
+
+    /// The JSON output.
+    pub fn json(&self) -> Value {
+        let mut facts = self.facts.clone();
+        facts.insert("version".to_owned(), json!(env!("CARGO_PKG_VERSION")));
+        if let Some(units) = &self.units {
+            facts.insert("units".to_owned(), json!(units));
+            facts.insert("si".to_owned(), json!(true));
+        }
+        Value::Object(facts)
+    }
+
+    /// The text: paragraphs and tables with an empty line between them.
+    pub fn text(&self) -> String {
+        let block = |block: &Block| match block {
+            Block::Words(words) => words.clone(),
+            Block::Table(table) => table.text(),
+        };
+        let si = self.units.map(|units| format!("units: {}; all numbers here are in SI units\n", units.words()));
+        let parts = self.blocks.iter().map(block).chain(si).filter(|text| !text.is_empty());
+        parts.collect::<Vec<_>>().join("\n")
+    }
+
+    /// Paragraphs and tables, from the top.
+    pub fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    /// The tables.
+    pub fn tables(&self) -> impl Iterator<Item = &Table> {
+        self.blocks.iter().filter_map(|block| if let Block::Table(table) = block { Some(table) } else { None })
+    }
+
+    /// The CSV files, one a table.
+    pub fn csv(&self) -> impl Iterator<Item = (String, Vec<u8>)> {
+        self.tables().map(|table| (format!("{}.csv", table.name()), table.csv().into_bytes()))
+    }
+
+    /// All files but pictures.
+    ///
+    /// # Errors
+    /// Errors of the archive writer.
+    pub fn files(&self) -> Result<Vec<(String, Vec<u8>)>> {
+        let mut bytes = Cursor::new(Vec::new());
+        let mut archive = || {
+            let mut archive = NpzWriter::new(&mut bytes, None)?;
+            self.tables().try_for_each(|table| table.npz(&mut archive))?;
+            archive.finish()
+        };
+        archive().map_err(|source| Error::File { path: "npz archive".into(), source })?;
+        let json = (format!("{}.json", self.name), (to_json(&self.json()) + "\n").into_bytes());
+        let npz = (format!("{}.npz", self.name), bytes.into_inner());
+        let own = self.files.iter().any(|(name, _)| *name == npz.0);
+        Ok(self.csv().chain([json]).chain((!own).then_some(npz)).chain(self.files.iter().cloned()).collect())
+    }
+
+    /// Its files, and the columns of its tables, for the help of a command.
+    pub fn files_in_words(&self) -> String {
+        let name = self.name;
+        let columns = |table: &Table| {
+            let told = |(column, about): (String, &str)| {
+                if about.is_empty() { column } else { format!("{column} ({about})") }
+            };
+            format!("{}.csv: {}", table.name(), table.columns().map(told).collect::<Vec<_>>().join(", "))
+        };
+        let tables = self.tables().map(columns).collect::<Vec<_>>().join(".\n\n");
+        format!(
+            "Files: {name}.json, {name}.png; {name}.npz with an array TABLE.COLUMN for each column of\n\n{tables}.\n\n"
+        )
+    }
+
+    /// The pictures, by the name of their PNG file.
+    pub fn pictures(&self) -> &[(String, Figure)] {
+        &self.pictures
+    }
+
+    /// What is missing or remarkable, if anything.
+    pub fn remarks(&self) -> Option<&str> {
+        self.remark.as_deref()
+    }
+
+    /// Whether the study has done what it was asked for.
+    pub fn succeeded(&self) -> bool {
+        self.succeeded
+    }
+}
+
+/// A number as JSON: `null` for not-a-number, `"inf"` and `"-inf"` for infinity, which JSON lacks.
+fn number(x: f64) -> Value {
+    if x.is_infinite() { json!(x.to_string()) } else { json!(x) }
+}
