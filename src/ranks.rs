@@ -3,7 +3,7 @@
 
 use crate::{
     error::{Error, Result},
-    parts::{Carrier, Files, Ranks, serve},
+    parts::{Carrier, Ranks, serve},
 };
 use mpi::{
     Threading,
@@ -61,10 +61,10 @@ impl Job {
         self.0.world().rank() != 0
     }
 
-    /// Integrates the sites that rank 0 assigns, until the job of rank 0 is dropped. `files` writes
-    /// what this rank keeps itself. Not for rank 0 itself.
-    pub fn serve(&self, files: &dyn Files) {
-        serve(&mut Messages(self.0.clone()), files);
+    /// Integrates the sites that rank 0 assigns, until the job of rank 0 is dropped. Not for rank 0
+    /// itself.
+    pub fn serve(&self) {
+        serve(&mut Messages(self.0.clone()));
     }
 }
 

@@ -13,8 +13,6 @@ use std::path::Path;
 #[cfg(feature = "mpi")]
 use std::sync::Arc;
 
-const NOT_NAMED: &str = "without a name the integrator is found from the whole state: give --integrator";
-const NOT_KEPT: &str = "what parts write are checkpoints: give --checkpoint and --out";
 const NO_EVENTS: &str = "this run was begun without --events: its first contacts are not known";
 
 pub(super) fn main(args: &RunArgs) -> Exit {
@@ -28,14 +26,8 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     if let Some(ranks) = args.ranks {
         return plan_of_ranks(args, &SceneFile::parse_with(&Scene::source(name)?, name, &changes)?, ranks);
     }
-    for (missing, rule) in [(args.integrator.is_none(), NOT_NAMED), (args.checkpoint.is_none() && !args.plan, NOT_KEPT)]
-    {
-        if args.by_part && missing {
-            return Err(Error::parameter("by-part", true, rule));
-        }
-    }
     // A plan needs no state.
-    let load = if args.by_part || args.plan { Scene::load_by_part } else { Scene::load_with };
+    let load = if args.plan { Scene::load_by_sites } else { Scene::load_with };
     let mut scene = load(name, &changes)?;
     if let Some(until) = args.until {
         scene = scene.until(until)?;
@@ -47,7 +39,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let say_why = || reason.filter(|_| !args.json).iter().for_each(|why| say(&format!("{name}, {wording}: {why}")));
     if args.plan {
         // `How::plan` refuses what a run would refuse.
-        let plan = how.plan(&scene, args.events, &parts, args.by_part)?;
+        let plan = how.plan(&scene, args.events, &parts)?;
         let text = if args.json {
             to_json(&serde_json::json!({"scene": scene.name(), "integrator": name, "reason": reason, "plan": plan}))
                 + "\n"
@@ -60,7 +52,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     how.takes(&scene, &parts)?;
     scene.units_if(args.si)?;
     if let Some(interval) = args.checkpoint {
-        let long = how.in_legs(scene, args.events, interval, parts, args.by_part)?;
+        let long = how.in_legs(scene, args.events, interval, parts)?;
         let folder = Folder::own(args.out.as_deref().unwrap_or(".".as_ref()), None)?;
         say_why();
         return go_on(args, long, &folder);
@@ -96,7 +88,7 @@ fn parts(args: &RunArgs) -> Result<Option<Parts>> {
 fn over_ranks(threads: usize) -> Result<Option<Parts>> {
     let job = crate::ranks::Job::new(threads)?;
     if job.serves() {
-        job.serve(&study::PartFiles);
+        job.serve();
         return Ok(None);
     }
     Ok(Some(Parts::Ranks(Arc::new(job))))
@@ -112,7 +104,7 @@ fn over_ranks(_: usize) -> Result<Option<Parts>> {
 fn plan_of_ranks(args: &RunArgs, file: &SceneFile, ranks: usize) -> Exit {
     let named = args.integrator.as_deref().or(file.method.as_ref().map(|method| method.integrator.as_str()));
     let method = Method::named(named.unwrap_or("strang-linear"))?;
-    let (name, plan) = (method.name(), study::parts_plan(file, method, ranks, args.by_part)?);
+    let (name, plan) = (method.name(), study::parts_plan(file, method, ranks)?);
     print(&if args.json {
         to_json(&serde_json::json!({"scene": file.name, "integrator": name, "plan": plan})) + "\n"
     } else {
@@ -166,12 +158,6 @@ fn report(
             Ok(_) => {}
         }
         say(&format!("written to {}", folder.path().display()));
-        if args.by_part {
-            say(&format!(
-                "states are in its folder parts; joined by: hertzchain run --resume {}",
-                folder.path().display()
-            ));
-        }
     }
     let doubt = outcome.warnings.into_iter().find(Warning::fatal).map(Error::from);
     outcome.failure.map(Error::from).or(doubt).map_or(printed, Err).map(|()| DONE)
@@ -180,10 +166,10 @@ fn report(
 /// Goes on from a checkpoint.
 fn resume(args: &RunArgs, path: &Path, parts: Parts) -> Exit {
     let folder = Folder::own(folder_of(path), None)?;
-    let long = LongRun::load_in(path, parts, args.by_part)?;
+    let long = LongRun::load_in(path, parts)?;
     long.scene().units_if(args.si)?;
     // Only its file is compared.
-    let scene = args.scene.as_deref().map(|name| Scene::load_by_part(name, &[])).transpose()?;
+    let scene = args.scene.as_deref().map(|name| Scene::load_by_sites(name, &[])).transpose()?;
     long.is(path, scene.as_ref(), args.integrator.as_deref().map(Method::named).transpose()?)?;
     if args.events && !long.has_contacts() {
         return Err(Error::parameter("events", true, NO_EVENTS));

@@ -8,7 +8,6 @@ mod npz;
 pub use folder::Folder;
 pub use json::to_json;
 pub(crate) use json::write_json;
-pub(crate) use npz::read_vectors;
 pub use npz::{Archive, Array, NpzWriter, SETTINGS, npz, npz_with};
 
 use crate::error::{Error, Result};

@@ -280,11 +280,6 @@ impl Archive {
         Ok(out)
     }
 
-    /// The folder of the file.
-    pub(crate) fn folder(&self) -> &Path {
-        self.path.parent().unwrap_or(Path::new(""))
-    }
-
     /// The error for content at `place` that breaks a rule.
     pub fn refused(&self, place: &str, rule: impl Into<String>) -> Error {
         Error::Content { path: self.path.clone(), place: place.to_owned(), rule: rule.into() }
@@ -325,63 +320,6 @@ impl Archive {
     fn member(&self, name: &str) -> Result<&[u8]> {
         self.members.get(&file_name(name)).map(Vec::as_slice).ok_or_else(|| self.refused(name, "it is missing"))
     }
-}
-
-/// Reads vectors of the archive `path`, of `length` numbers each, side by side: `see` is called
-/// with blocks of at most `block` numbers of every vector, and the index of the first. The CRC-32
-/// of a vector is checked when its end is read, after the last block was seen.
-///
-/// # Errors
-/// A file that cannot be opened; [`Error::Content`] for a file that is not such an archive, has no
-/// such vectors, or is damaged.
-pub(crate) fn read_vectors(
-    path: &Path,
-    names: &[&str],
-    length: usize,
-    block: usize,
-    see: &mut dyn FnMut(usize, &[Vec<f64>]),
-) -> Result<()> {
-    let refused = |place: &str, why: &dyn std::fmt::Display| Error::Content {
-        path: path.to_owned(),
-        place: place.to_owned(),
-        rule: format!("not as it was written: {why}"),
-    };
-    // A reader of its own for each, as an archive reads one member at a time.
-    let open = |_: &&str| {
-        let file = File::open(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
-        ZipArchive::new(BufReader::new(file)).map_err(|why| refused("archive", &why))
-    };
-    let mut archives = names.iter().map(open).collect::<Result<Vec<_>>>()?;
-    let mut members = Vec::new();
-    let head = npy_head(DOUBLE, &[length as u64]);
-    for (archive, name) in archives.iter_mut().zip(names) {
-        let mut member = archive.by_name(&file_name(name)).map_err(|why| refused(name, &why))?;
-        let mut bytes = vec![0; head.len()];
-        member.read_exact(&mut bytes).map_err(|why| refused(name, &why))?;
-        if bytes != head {
-            return Err(refused(name, &format!("no vector of {length} doubles")));
-        }
-        members.push(member);
-    }
-    let (mut vectors, mut bytes) = (vec![Vec::new(); names.len()], Vec::new());
-    for first in (0..length).step_by(block) {
-        bytes.resize(8 * block.min(length - first), 0);
-        for ((member, vector), name) in members.iter_mut().zip(&mut vectors).zip(names) {
-            member.read_exact(&mut bytes).map_err(|why| refused(name, &why))?;
-            let (values, _) = bytes.as_chunks();
-            vector.clear();
-            vector.extend(values.iter().map(|value| f64::from_le_bytes(*value)));
-        }
-        see(first, &vectors);
-    }
-    for (member, name) in members.iter_mut().zip(names) {
-        match member.read(&mut [0]) {
-            Ok(0) => {}
-            Ok(_) => return Err(refused(name, &"longer than its head says")),
-            Err(why) => return Err(refused(name, &why)),
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

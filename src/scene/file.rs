@@ -301,18 +301,6 @@ impl Record {
     }
 }
 
-impl Initial {
-    /// Whether it says of each site what it does, without the others: travelling waves that are not
-    /// perturbed, single beads, normal modes and bright breathers.
-    pub fn by_sites(&self) -> bool {
-        match self {
-            Self::TravellingWave { zeta, .. } => zeta.is_none_or(|zeta| zeta == 0.0),
-            Self::SingleBead { .. } | Self::NormalMode { .. } | Self::BrightBreather { .. } => true,
-            Self::TrivialBreather(_) | Self::State { .. } => false,
-        }
-    }
-}
-
 impl SceneFile {
     /// Reads a scene from `text`; messages call it `file`.
     ///

@@ -135,16 +135,17 @@ impl Scene {
         Self::parse_as(text, file, changes, false)
     }
 
-    /// As [`load_with`](Self::load_with), for a run whose parts keep the states of their own sites:
-    /// see [`build_by_part`](Self::build_by_part).
+    /// As [`load_with`](Self::load_with), for a plan: an initial state whose kind says of each site
+    /// what it does is not computed as a whole, unless somebody asks for it; see
+    /// [`Initial::by_sites`].
     ///
     /// # Errors
     /// As [`load`](Self::load).
-    pub fn load_by_part(name_or_file: &str, changes: &[String]) -> Result<Self> {
+    pub fn load_by_sites(name_or_file: &str, changes: &[String]) -> Result<Self> {
         Self::parse_as(&Self::source(name_or_file)?, name_or_file, changes, true)
     }
 
-    fn parse_as(text: &str, file: &str, changes: &[String], by_part: bool) -> Result<Self> {
+    fn parse_as(text: &str, file: &str, changes: &[String], by_sites: bool) -> Result<Self> {
         let refused = |error: Error| {
             let place = match &error {
                 Error::Parameter { name, .. } | Error::Integration(Failure::Argument { name, .. }) => {
@@ -155,7 +156,7 @@ impl Scene {
             let message = place.map(|place| place + ": ").unwrap_or_default() + &error.to_string();
             Error::Scene { file: file.to_owned(), message }
         };
-        Self::build_as(SceneFile::parse_with(text, file, changes)?, by_part).map_err(refused)
+        Self::build_as(SceneFile::parse_with(text, file, changes)?, by_sites).map_err(refused)
     }
 
     /// Checks a scene and computes its initial state.
@@ -166,16 +167,7 @@ impl Scene {
         Self::build_as(file, false)
     }
 
-    /// The same, but an initial state whose kind says of each site what it does is not computed as a
-    /// whole, unless somebody asks for it: see [`Initial::by_sites`].
-    ///
-    /// # Errors
-    /// As [`build`](Self::build).
-    pub fn build_by_part(file: SceneFile) -> Result<Self> {
-        Self::build_as(file, true)
-    }
-
-    fn build_as(mut file: SceneFile, by_part: bool) -> Result<Self> {
+    fn build_as(mut file: SceneFile, by_sites: bool) -> Result<Self> {
         let section = &file.chain;
         if section.sites > MOST_SITES {
             return Err(Error::parameter("sites", section.sites, "at most 10^8"));
@@ -202,7 +194,7 @@ impl Scene {
         let (chain, units) = tables.apply(chain)?;
         // Beads that differ have no common frequency.
         let has_frequency = chain.params().resonators() != Resonators::None && chain.details().is_none();
-        if !by_part {
+        if !by_sites {
             // Small states are not worth a look at the files of the system.
             let needed = Self::least_memory(&chain);
             if let Some(words) = (needed > NEGLIGIBLE).then(|| lacking(needed)).flatten() {
@@ -211,7 +203,7 @@ impl Scene {
             }
         }
         let (initial, theory) = initial_state(&chain, &file.initial)?;
-        if !by_part {
+        if !by_sites {
             initial.make()?;
         }
         within_range(&chain, &initial, &file.initial)?;

@@ -275,7 +275,6 @@ fn messages_spell_values_as_scenes_and_flags_as_they_were_typed() {
             "boundary = fixed is not valid: a trivial breather has free",
         ),
         ("run impact --si", "error: --si is not valid: the scene has no table [units]\n"),
-        ("run impact --by-part", "error: --by-part is not valid: without a name the integrator"),
         ("run impact --until=-1", "error: --until = -1 is not valid: the end of a run is from 1e-100 to 1e100\n"),
         ("run impact --steps-per-period 0", "error: --steps-per-period = 0 is not valid: finite and positive\n"),
     ] {

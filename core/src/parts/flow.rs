@@ -1,10 +1,9 @@
 //! The flow of a chain in parts, used by part 0.
 
 use super::{
-    Apart, Carrier, Division, Motion, Parts,
+    Carrier, Division, Motion, Parts,
     bonds::receive_pieces,
     order::Order,
-    own::{Files, NoFiles},
     part::{Part, blocks, numbers, parted},
 };
 use crate::{
@@ -30,9 +29,8 @@ static NEXT: AtomicU64 = AtomicU64::new(0);
 /// A chain in parts: on one of its two splits, each kick and drift is made by all parts at once; by
 /// contact collocation each window is solved by all of them.
 ///
-/// Loading and storing move the whole state. In a run [`Apart`] each part loads and stores the
-/// state that it keeps, and the array is neither read nor written. The bits are those of
-/// [`KineticFlow`], [`LinearFlow`] and [`Section`], for any number of parts.
+/// Loading and storing move the whole state. The bits are those of [`KineticFlow`], [`LinearFlow`]
+/// and [`Section`], for any number of parts.
 ///
 /// [`KineticFlow`]: crate::chain::KineticFlow
 /// [`LinearFlow`]: crate::chain::LinearFlow
@@ -43,7 +41,6 @@ pub struct Parted {
     layout: Layout,
     division: Division,
     own: Part,
-    apart: Option<Arc<Apart>>,
 }
 
 impl Parted {
@@ -55,17 +52,10 @@ impl Parted {
         parts.check_for(motion, chain.topology())?;
         let division = Division::new(chain.topology(), parts.count(), motion);
         let flow = NEXT.fetch_add(1, Ordering::Relaxed);
-        let apart = parts.apart().cloned();
-        let carrier = match &apart {
-            Some(apart) => apart.carrier.clone(),
-            None => {
-                let nobody: Arc<dyn Files> = Arc::new(NoFiles);
-                Arc::new(Mutex::new(parts.carrier(&nobody)))
-            }
-        };
+        let carrier = Arc::new(Mutex::new(parts.carrier()));
         let threads = locked(&carrier).threads();
         let own = Part::new(chain, division, (0, threads), motion);
-        let mut parted = Self { carrier, flow, layout: chain.layout(), division, own, apart };
+        let mut parted = Self { carrier, flow, layout: chain.layout(), division, own };
         drop(parted.order(&Order::Begin(flow, motion, Box::new(chain.clone()))));
         parted.load(y);
         Ok(parted)
@@ -94,11 +84,8 @@ impl Parted {
         }
     }
 
-    /// Collects the state of all parts in `y`; in a run [`Apart`] each part keeps its own instead.
+    /// Collects the state of all parts in `y`.
     fn get(&self, y: &mut [f64]) {
-        if let Some(apart) = &self.apart {
-            return apart.take(self.flow, &self.own);
-        }
         let mut message = Vec::new();
         let mut carrier = self.order(&Order::Store(self.flow));
         self.own.write(within(self.layout.arrays_mut(y), &self.own.own()));
@@ -116,9 +103,8 @@ impl Parted {
     fn another(&self) -> Self {
         let flow = NEXT.fetch_add(1, Ordering::Relaxed);
         drop(self.order(&Order::Duplicate(self.flow, flow)));
-        let Self { carrier, layout, division, own, apart, .. } = self;
-        let (carrier, apart) = (carrier.clone(), apart.clone());
-        Self { carrier, flow, layout: *layout, division: *division, own: own.duplicate(), apart }
+        let Self { carrier, layout, division, own, .. } = self;
+        Self { carrier: carrier.clone(), flow, layout: *layout, division: *division, own: own.duplicate() }
     }
 
     fn follow(&mut self, other: &Self) {
@@ -148,10 +134,7 @@ impl SplitFlow<f64> for Parted {
     }
 
     fn load(&mut self, y: &[f64]) {
-        match self.apart.clone() {
-            Some(apart) => apart.give(self.flow, &mut self.own),
-            None => self.set(y),
-        }
+        self.set(y);
     }
 
     fn store(&self, y: &mut [f64]) {
@@ -213,13 +196,6 @@ impl Windows for Parted {
 
     fn store(&self, y: &mut [f64]) {
         self.get(y);
-    }
-
-    fn lose(&self, y: &mut [f64]) {
-        match &self.apart {
-            Some(apart) => apart.lose(),
-            None => y.fill(f64::NAN),
-        }
     }
 
     fn tell(&self, told: &mut dyn FnMut(&Piece)) {

@@ -24,27 +24,21 @@
 //! The results have the bits of a run in one process. A kernel does the same operations for a site
 //! at any place of an array, messages copy numbers, and phase and time depend on durations alone.
 //! Part 0 controls the run: it sends the orders, collects the whole state whenever it is looked at,
-//! and computes energies from it. In a run [`Apart`] no process has the whole state: each part
-//! keeps and writes that of its own sites, and part 0 receives all sites in blocks, from the first
-//! to the last, for its sums. So nothing that is computed depends on the number of parts, and no
-//! sums of parts are added up.
+//! and computes energies from it. So nothing that is computed depends on the number of
+//! parts, and no sums of parts are added up.
 
-mod apart;
 mod bonds;
 mod demand;
 mod division;
 mod flow;
 mod order;
-mod own;
 mod part;
 mod serve;
 mod threads;
 
-pub use apart::Apart;
 pub use demand::Demand;
 pub use division::{Division, GHOSTS};
 pub use flow::Parted;
-pub use own::{Files, Own};
 pub use serve::{end, serve};
 
 use crate::{
@@ -146,8 +140,6 @@ pub enum Parts {
     Threads(usize),
     /// A part in this process and in each process that serves it.
     Ranks(Arc<dyn Ranks>),
-    /// In threads or processes, each of which keeps the states of its own sites only.
-    Apart(Arc<Apart>),
 }
 
 impl Parts {
@@ -157,20 +149,13 @@ impl Parts {
             Self::Whole => 1,
             Self::Threads(count) => *count,
             Self::Ranks(ranks) => ranks.count(),
-            Self::Apart(apart) => apart.parts().count(),
         }
-    }
-
-    /// The parts of a run of which no process has the whole state; `None` for other runs.
-    pub fn apart(&self) -> Option<&Arc<Apart>> {
-        if let Self::Apart(apart) = self { Some(apart) } else { None }
     }
 
     /// The processes, if the parts are in processes.
     fn ranks(&self) -> Option<&dyn Ranks> {
         match self {
             Self::Ranks(ranks) => Some(&**ranks),
-            Self::Apart(apart) => apart.parts().ranks(),
             Self::Whole | Self::Threads(_) => None,
         }
     }
@@ -219,19 +204,18 @@ impl Parts {
         motion.check(self.name(), self.count(), topology)
     }
 
-    /// The carrier of part 0. Threads that it starts write their files by `files`.
-    fn carrier(&self, files: &Arc<dyn Files>) -> Box<dyn Carrier> {
+    /// The carrier of part 0.
+    fn carrier(&self) -> Box<dyn Carrier> {
         match self {
-            Self::Whole => threads::start(1, files),
-            Self::Threads(count) => threads::start(*count, files),
+            Self::Whole => threads::start(1),
+            Self::Threads(count) => threads::start(*count),
             Self::Ranks(ranks) => ranks.carrier(),
-            Self::Apart(apart) => apart.parts().carrier(files),
         }
     }
 }
 
 /// The rule for chains with [`Details`](crate::chain::Details), for errors.
 pub(crate) const ONE_PART: &str =
-    "beads that differ, are damped or driven run in one part: leave --threads, ranks and --by-part out";
+    "beads that differ, are damped or driven run in one part: leave --threads and ranks out";
 /// Most threads. Chosen: more than any machine has cores for.
 const MOST_THREADS: usize = 1024;

@@ -5,11 +5,8 @@ use crate::{
     parts::Motion,
 };
 use hertzchain_integrators::{Twofold, collocation::Window};
-use std::{ops::Range, path::PathBuf};
-
 /// What the other parts are to do next. A part may have several flows, each with a number: the
-/// first field of most orders. With [`Apart`](super::Apart), it also keeps a state of its own
-/// sites.
+/// first field of most orders.
 #[derive(Debug)]
 pub(super) enum Order {
     /// Create a flow of a chain, at rest.
@@ -32,26 +29,6 @@ pub(super) enum Order {
     Advance(u64),
     /// Send part 0 the pieces of contacts of the window that was solved last.
     Tell(u64),
-    /// Create the kept state of the part's own sites, at rest.
-    Keep(Motion, Box<Chain<f64>>),
-    /// Receive the kept state from part 0.
-    Put,
-    /// Send the kept state to part 0.
-    Show,
-    /// Send the kept state of some sites to part 0. Only the part given first does so; sites are
-    /// counted from its first one.
-    Piece(usize, Range<usize>),
-    /// Set the kept state to that of a flow.
-    Take(u64),
-    /// Set the state of a flow to the kept state.
-    Give(u64),
-    /// Mark the kept state as one that could not be computed.
-    Lose,
-    /// Keep a copy of the kept state as a profile.
-    Profile,
-    /// Write the kept state and profiles of the leg of this number to a folder, and send an error
-    /// message to part 0, empty if there was no error.
-    Write(u64, PathBuf),
     /// Leave the loop of orders.
     End,
 }
@@ -78,20 +55,6 @@ impl Order {
             Self::Solve(flow, window) => [9, *flow].into_iter().chain(window.numbers().map(f64::to_bits)).collect(),
             Self::Advance(flow) => vec![10, *flow],
             Self::Tell(flow) => vec![11, *flow],
-            Self::Keep(motion, chain) => about([12, 0], *motion, chain),
-            Self::Put => vec![13],
-            Self::Show => vec![14],
-            Self::Take(flow) => vec![15, *flow],
-            Self::Give(flow) => vec![16, *flow],
-            Self::Lose => vec![17],
-            Self::Piece(part, sites) => {
-                [20usize, *part, sites.start, sites.end].map(|word: usize| word as u64).to_vec()
-            }
-            Self::Profile => vec![18],
-            Self::Write(leg, folder) => {
-                let bytes = folder.as_os_str().as_encoded_bytes().iter().map(|&byte| u64::from(byte));
-                [19, *leg].into_iter().chain(bytes).collect()
-            }
             Self::End => vec![8],
         }
     }
@@ -116,25 +79,13 @@ impl Order {
             }
             [10, flow] => Self::Advance(flow),
             [11, flow] => Self::Tell(flow),
-            [12, 0, ref about @ ..] => chain(about).map(|(motion, chain)| Self::Keep(motion, chain))?,
-            [13] => Self::Put,
-            [14] => Self::Show,
-            [15, flow] => Self::Take(flow),
-            [16, flow] => Self::Give(flow),
-            [17] => Self::Lose,
-            [20, part, start, end] => Self::Piece(part as usize, start as usize..end as usize),
-            [18] => Self::Profile,
-            [19, leg, ref folder @ ..] => {
-                let bytes: std::result::Result<Vec<u8>, _> = folder.iter().map(|&word| u8::try_from(word)).collect();
-                Self::Write(leg, String::from_utf8(bytes.ok()?).ok()?.into())
-            }
             [8] => Self::End,
             _ => return None,
         })
     }
 }
 
-/// The words of an order that has a motion and a chain.
+/// The words of [`Order::Begin`].
 fn about(head: [u64; 2], motion: Motion, chain: &Chain<f64>) -> Vec<u64> {
     let Params { alpha, kappa, rho } = chain.params();
     let numbers = [alpha, kappa, rho, chain.precompression()].map(f64::to_bits);
@@ -142,7 +93,7 @@ fn about(head: [u64; 2], motion: Motion, chain: &Chain<f64>) -> Vec<u64> {
     [&head[..], &chain, &numbers].concat()
 }
 
-/// The motion and the chain of such an order.
+/// The motion and the chain of that order.
 fn chain(words: &[u64]) -> Option<(Motion, Box<Chain<f64>>)> {
     let &[motion, boundary, sites, alpha, kappa, rho, rest] = words else { return None };
     let [alpha, kappa, rho, rest] = [alpha, kappa, rho, rest].map(f64::from_bits);
@@ -172,16 +123,7 @@ mod tests {
         let chain = Box::new(chain.precompressed(0.1).unwrap());
         let orders = [
             Order::Begin(3, Motion::Kicks(Split::Linear), chain.clone()),
-            Order::Begin(4, Motion::Windows, chain.clone()),
-            Order::Keep(Motion::Windows, chain),
-            Order::Put,
-            Order::Show,
-            Order::Take(15),
-            Order::Give(16),
-            Order::Lose,
-            Order::Piece(18, 19..20),
-            Order::Profile,
-            Order::Write(17, "out/λ parts".into()),
+            Order::Begin(4, Motion::Windows, chain),
             Order::Load(1),
             Order::Store(2),
             Order::Drift(4, third),

@@ -1,12 +1,9 @@
 //! Parts in the threads of one process: messages are arrays that are handed over.
 
-use super::{Carrier, Files, order::Order, serve};
+use super::{Carrier, order::Order, serve};
 use std::{
     collections::BTreeMap,
-    sync::{
-        Arc,
-        mpsc::{Receiver, Sender, SyncSender, channel, sync_channel},
-    },
+    sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel},
     thread::{self, JoinHandle},
 };
 
@@ -29,9 +26,9 @@ enum Orders {
     Taken(Receiver<Vec<u64>>),
 }
 
-/// Starts the threads of all parts but part 0, which write their files by `files`. Returns the
-/// carrier of part 0; the threads end when it is dropped.
-pub(super) fn start(parts: usize, files: &Arc<dyn Files>) -> Box<dyn Carrier> {
+/// Starts the threads of all parts but part 0. Returns the carrier of part 0; the threads end when
+/// it is dropped.
+pub(super) fn start(parts: usize) -> Box<dyn Carrier> {
     let (mut to, mut from): (Vec<_>, Vec<_>) = (0..parts).map(|_| (BTreeMap::new(), BTreeMap::new())).unzip();
     // Part 0 exchanges messages with all parts, the others with their neighbours. Across the ends
     // of a ring, one of the two is part 0.
@@ -50,8 +47,7 @@ pub(super) fn start(parts: usize, files: &Arc<dyn Files>) -> Box<dyn Carrier> {
         let (sender, orders) = channel();
         given.push(sender);
         let mut between = Between { part, parts, to, from, orders: Orders::Taken(orders) };
-        let files = files.clone();
-        threads.push(thread::spawn(move || serve(&mut between, &*files)));
+        threads.push(thread::spawn(move || serve(&mut between)));
     }
     let (to, from) = first.unwrap_or_default();
     Box::new(Between { part: 0, parts, to, from, orders: Orders::Given(given, threads) })

@@ -132,7 +132,7 @@ pub const NO_TOLERANCE: &str = "a method with equal steps takes --step or --step
 
 /// Rule in the error for parts asked of a method that cannot run in parts.
 const NOT_DIVISIBLE: &str = "only splitting schemes and collocation run in parts, as --integrator strang-linear: \
-                                 leave --threads, ranks and --by-part out, or take one";
+                                 leave --threads and ranks out, or take one";
 
 impl Method {
     /// Contact-corrected splitting on the exact linear flow.
@@ -465,10 +465,7 @@ fn collocated(
     let threads = matches!(parts, Parts::Threads(_)).then_some(1);
     Ok(if !parts.whole() {
         let windows = Parted::new(chain, Motion::Windows, parts, y)?;
-        match parts.apart().map(|apart| apart.sites()) {
-            Some(site) => boxed(Collocation::by_paths(windows, chain, &|i| chain.path_of(site(i)), span, pace)?, log),
-            None => boxed(Collocation::by(windows, chain, y, span, pace)?, log),
-        }
+        boxed(Collocation::by(windows, chain, y, span, pace)?, log)
     } else if chain.details().is_some() {
         boxed(Collocation::on_threads(Differing::new(chain.clone())?, y, span, pace, threads)?, log)
     } else {

@@ -7,7 +7,6 @@
 //! | `amplification` | by how much a small change of the initial state has grown at the end |
 //! | `initial` | [`Initial`]: the state from which it begins, in memory or site by site |
 //! | `record` | [`Trajectory`]: the result of a run; checks for unstable states during the run |
-//! | `sight` | checks, energy and profile of a state, in memory or in the parts of a run |
 //! | `states` | [`States`]: an iterator over the states at given times |
 //! | `warning` | [`Warning`]: what makes the result of a run doubtful, such as its energy error |
 //! | `regime` | [`regime`]: the default method and setting for a chain and its initial state |
@@ -17,7 +16,6 @@ mod initial;
 pub mod method;
 mod record;
 mod regime;
-mod sight;
 mod states;
 mod warning;
 
@@ -332,11 +330,6 @@ impl Run {
         Ok((0.0, self.end()?))
     }
 
-    /// The initial state; empty if the parts keep it.
-    fn start_state(&self) -> &[f64] {
-        if self.parts.apart().is_some() { &[] } else { self.initial().as_slice() }
-    }
-
     /// Method and setting of the run. What was not given follows from what was given, or from
     /// [`regime`] if neither was given.
     ///
@@ -365,7 +358,7 @@ impl Run {
     /// method accepts.
     pub fn stepper(&self) -> Result<Box<dyn Stepper<f64> + Send>> {
         let (span, (method, setting)) = (self.span()?, self.choice()?);
-        method.start(self, self.start_state(), span, setting)
+        method.start(self, self.initial().as_slice(), span, setting)
     }
 
     /// Runs to the end.

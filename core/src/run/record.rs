@@ -46,8 +46,7 @@ pub struct Sample {
     pub energy: Option<Energy<f64>>,
 }
 
-/// Strains and state at a sample time; both are empty in a run [`Apart`](crate::parts::Apart),
-/// whose parts keep them.
+/// Strains and state at a sample time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     /// Time.
@@ -244,7 +243,7 @@ impl Kept {
     pub fn new(run: &Run) -> Self {
         Self {
             t: 0.0,
-            state: run.start_state().to_vec(),
+            state: run.initial().as_slice().to_vec(),
             taken: 0,
             largest: 0.0,
             samples: Vec::new(),
@@ -349,7 +348,10 @@ impl<'a> Recorder<'a> {
         let (h, place) = match cause {
             Failure::NotFinite { index, .. } => (h, Some(chain.place(index))),
             Failure::Unstable { .. } => {
-                let (index, largest) = self.run.sight(y).largest();
+                let largest = |(i, value): &(usize, &f64), (k, other): &(usize, &f64)| {
+                    value.abs().total_cmp(&other.abs()).then(i.cmp(k))
+                };
+                let (index, largest) = y.iter().enumerate().max_by(largest).unwrap_or((0, &0.0));
                 (h, Some(format!("largest is {} = {largest:e}", chain.place(index))))
             }
             Failure::NoContraction { bond, .. } => {
@@ -391,20 +393,19 @@ impl<'a> Recorder<'a> {
     }
 
     fn energy(&self, y: &[f64]) -> Option<Energy<f64>> {
-        self.has_energy.then(|| self.run.sight(y).energy())
+        self.has_energy.then(|| self.run.chain.energy(y))
     }
 
     /// Refuses a state that is not finite, or whose energy or size exceeds its bound.
     fn check(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<Option<Energy<f64>>, Failure> {
         let step = self.kept.stats.steps + stats.steps;
-        let sight = self.run.sight(y);
-        if let Some(index) = sight.lost() {
+        if let Some(index) = lost(y) {
             return Err(Failure::NotFinite { t, step, index });
         }
         let energy = self.energy(y);
         let (quantity, initial, value, bound) = match (energy, self.initial_energy) {
             (Some(energy), Some(initial)) => ("energy", initial, energy.balance(), ENERGY_BOUND),
-            _ => ("largest entry of the state", self.initial_size, sight.size(), SIZE_BOUND),
+            _ => ("largest entry of the state", self.initial_size, max_norm(y.iter().copied()), SIZE_BOUND),
         };
         if energy.is_some() {
             self.kept.largest = self.kept.largest.max((value - initial).abs());
@@ -419,6 +420,16 @@ impl<'a> Recorder<'a> {
     }
 }
 
+/// Length of the blocks in which a state is searched for values that are not finite.
+const BLOCK: usize = 512;
+
+/// Index of the first entry that is not finite.
+fn lost(y: &[f64]) -> Option<usize> {
+    // No branch inside a block, so that the compiler can vectorise the loop.
+    let some = |block: &[f64]| block.iter().fold(false, |lost, value| lost | !value.is_finite());
+    y.chunks(BLOCK).any(some).then(|| y.iter().position(|value| !value.is_finite()))?
+}
+
 impl Observer<f64> for Recorder<'_> {
     fn next(&self) -> Option<f64> {
         if self.run.records == Records::End { None } else { self.run.sampling.time(self.kept.taken, self.run.end) }
@@ -430,7 +441,7 @@ impl Observer<f64> for Recorder<'_> {
         let energy = self.check(t, y, stats)?;
         self.kept.samples.push(Sample { t, energy });
         if self.run.records == Records::Profiles && (self.kept.taken - 1).is_multiple_of(self.stride) {
-            self.kept.profiles.push(self.run.sight(y).profile(t));
+            self.kept.profiles.push(Profile { t, x: self.run.chain.strains(y), state: y.to_vec() });
         }
         (self.seen)(t, y);
         self.kept.sampling += clock.elapsed();

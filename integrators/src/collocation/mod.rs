@@ -210,10 +210,6 @@ pub trait Windows: Send + Sized {
     fn copy_from(&mut self, other: &Self);
     /// Writes the current state into `y`.
     fn store(&self, y: &mut [f64]);
-    /// Takes the place of [`store`](Self::store) if no state could be computed: writes NaN.
-    fn lose(&self, y: &mut [f64]) {
-        y.fill(f64::NAN);
-    }
     /// Calls `told` with every [`Piece`] of the window that was solved last, in the order of bonds,
     /// if the window was logged.
     fn tell(&self, told: &mut dyn FnMut(&Piece));
@@ -300,22 +296,7 @@ impl<W: Windows> Collocation<W> {
         pace: Pace,
     ) -> Result<Self, Error> {
         crate::dop853::check_start(chain.dim(), y0, span)?;
-        Self::by_paths(windows, chain, &|i| chain.path(y0, i), span, pace)
-    }
-
-    /// As [`by`](Self::by), from the paths of the sites at the start instead of a state. Paths are
-    /// asked for from the first site to the last.
-    ///
-    /// # Errors
-    /// A pace outside its rule.
-    pub fn by_paths<C: ContactChain<S>, const S: usize>(
-        windows: W,
-        chain: &C,
-        start: &dyn Fn(usize) -> Path,
-        span: (f64, f64),
-        pace: Pace,
-    ) -> Result<Self, Error> {
-        let control = control(chain, &Links::of(chain), start, span, pace)?;
+        let control = control(chain, &Links::of(chain), &|i| chain.path(y0, i), span, pace)?;
         Ok(Self::steered(windows, control, (span, pace)))
     }
 
@@ -448,7 +429,7 @@ impl<W: Windows> Stepper<f64> for Collocation<W> {
                 parts *= 2;
                 if parts > MOST_PARTS {
                     // No state is better than a wrong one.
-                    return self.windows.lose(y);
+                    return y.fill(f64::NAN);
                 }
             }
         }

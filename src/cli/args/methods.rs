@@ -98,18 +98,10 @@ pub(crate) struct RunArgs {
     /// Where parts of the chain are moved: threads or mpi.
     ///
     /// threads: in this process, see --threads. mpi: on the ranks of the job of mpirun, one part each,
-    /// for splitting schemes and collocation; rank 0 reads the scene, has the whole state unless each
-    /// rank keeps its own (--by-part), writes and prints, and the bits are those of one process. Needs a
-    /// build with the feature mpi.
+    /// for splitting schemes and collocation; rank 0 reads the scene, has the whole state,
+    /// writes and prints, and the bits are those of one process. Needs a build with the feature mpi.
     #[arg(long, value_name = "E", value_parser = ["threads", "mpi"], default_value = "threads", hide_short_help = true)]
     pub(crate) engine: String,
-    /// With --checkpoint or --resume: each part keeps the states of its own sites, and none has all.
-    ///
-    /// Of runs on ranks or threads, see --engine and --threads; needs --integrator. Each part writes
-    /// its states to the folder parts beside checkpoint.npz. --resume without this flag joins them:
-    /// it writes the files of one process, or goes on in one. With it any number of parts goes on.
-    #[arg(long, hide_short_help = true)]
-    pub(crate) by_part: bool,
     /// Say what this scene needs and what is left out, and stop.
     #[arg(long)]
     pub(crate) plan: bool,
@@ -161,5 +153,5 @@ A long chain in parts:
   hertzchain run impact --set chain.sites=2000000 --tol 1e-6 --until 1 --threads 2
 
 The same with no whole state anywhere, and joined:
-  hertzchain run tw-q15 --integrator strang-linear --threads 2 --checkpoint 10 --by-part --out out/parts
+  hertzchain run tw-q15 --integrator strang-linear --threads 2 --checkpoint 10 --out out/parts
   hertzchain run --resume out/parts";

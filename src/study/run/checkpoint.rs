@@ -14,20 +14,12 @@
 //! `checkpoint.npz` holds `settings.json` and arrays: `state`, and what was recorded so far,
 //! `sample_t`, `energies`, `profile_t`, `profiles`, `contacts`; `largest` is `max |E(t) - E(0)|`.
 //! Every member is checked by its CRC-32.
-//!
-//! A run by part has `state` and `profiles` in files of its parts, see [`pieces`](super::pieces),
-//! and its checkpoint names them. One process can join them, and any number of parts can go on from
-//! them.
 
-use super::{
-    how::no_log,
-    pieces::{self, Leg, Legs, PartFiles, Written},
-};
 use crate::{
-    chain::{Blocks, Chain, Contact, Contacts, Energy},
+    chain::{Chain, Contact, Contacts, Energy},
     error::{Error, Result},
     output::{Archive, Folder, NpzWriter, to_json},
-    parts::{Apart, Parts},
+    parts::Parts,
     run::method::{Method, Setting},
     run::{Kept, Profile, Recorder, Records, Run, Sample, Trajectory},
     scene::{Scene, SceneFile},
@@ -37,7 +29,6 @@ use serde::{Deserialize, Serialize};
 use std::{
     io,
     path::{Path, PathBuf},
-    sync::Arc,
     time::Duration,
 };
 
@@ -61,8 +52,6 @@ pub struct LongRun {
     interval: f64,
     done: u64,
     kept: Kept,
-    /// The legs that its parts have written, in a run by part; else empty.
-    legs: Legs,
 }
 
 /// The keys of `settings.json` that are checked before the others are read.
@@ -103,9 +92,6 @@ struct Settings {
     /// Absent from files that were written before it was measured.
     #[serde(default)]
     sampling_s: f64,
-    /// The legs whose files count, in a run by part; absent from others.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    by_part: Option<Legs>,
 }
 
 impl LongRun {
@@ -130,24 +116,7 @@ impl LongRun {
         let run = scene.run().method(method).setting(setting).records(Records::Profiles).in_parts(parts)?;
         run.stepper()?;
         let kept = Kept::new(&run);
-        Ok(Self { scene, run, method, setting, wording, interval, done: 0, kept, legs: Legs::default() })
-    }
-
-    /// As [`new`](Self::new), but each part keeps and writes the states of its own sites only. No
-    /// process has the whole state, if the scene was built [by part](Scene::build_by_part).
-    ///
-    /// # Errors
-    /// As [`new`](Self::new), and as [`Apart::new`].
-    pub fn by_part(
-        scene: Scene,
-        method: Method,
-        setting: Setting,
-        wording: String,
-        interval: f64,
-        parts: &Parts,
-    ) -> Result<Self> {
-        let parts = apart(&scene, method, parts, scene.start())?;
-        Self::new(scene, method, setting, wording, interval, parts)
+        Ok(Self { scene, run, method, setting, wording, interval, done: 0, kept })
     }
 
     /// Adds a log of contacts. A run that has begun without one stays without.
@@ -228,27 +197,9 @@ impl LongRun {
             }
             self.kept = recorder.kept;
             self.done += 1;
-            self.keep(folder)?;
+            folder.write_with(FILE, |file| self.write(file))?;
         }
         Ok(Recorder::new(&self.run, self.kept, &mut seen).trajectory(None))
-    }
-
-    /// Writes the files of its parts, in a run by part, and then the checkpoint, which names them.
-    fn keep(&mut self, folder: &Folder) -> Result<()> {
-        match self.run.parts().apart() {
-            Some(apart) => {
-                if self.legs.0.is_empty() {
-                    // A checkpoint of another run may name the files that are written next.
-                    folder.remove([FILE])?;
-                }
-                let profiles = apart.write(&folder.path().join(pieces::FOLDER), self.done)?;
-                self.legs.push(Leg { leg: self.done, parts: apart.parts().count(), profiles });
-            }
-            None => self.legs = Legs::default(),
-        }
-        folder.write_with(FILE, |file| self.write(file))?;
-        self.legs.sweep(folder.path());
-        Ok(())
     }
 
     /// The checkpoint of the run, as bytes.
@@ -288,7 +239,6 @@ impl LongRun {
             force_evaluations,
             wall_s: wall.as_secs_f64(),
             sampling_s: sampling.as_secs_f64(),
-            by_part: self.run.parts().apart().map(|_| self.legs.clone()),
         };
         let energies = samples.iter().filter_map(|sample| sample.energy).map(|energy| {
             let Energy { beads, resonators, springs, contacts, dissipated, driven } = energy;
@@ -298,18 +248,13 @@ impl LongRun {
         let energies: Vec<f64> = energies.flat_map(|energy| energy.into_iter().take(kinds)).collect();
         let ended = || contacts.iter().flat_map(|contacts| &contacts.ended);
         let mut archive = NpzWriter::new(to, Some((SETTINGS, &to_json(&settings))))?;
-        let whole = settings.by_part.is_none();
-        if whole {
-            archive.vector("state", state)?;
-        }
+        archive.vector("state", state)?;
         archive.vector("largest", &[largest])?;
         archive.vector("sample_t", &samples.iter().map(|sample| sample.t).collect::<Vec<_>>())?;
         archive.vector("energies", &energies)?;
         archive.vector("profile_t", &profiles.iter().map(|profile| profile.t).collect::<Vec<_>>())?;
-        if whole {
-            archive.begin("profiles", &[profiles.len() as u64, state.len() as u64])?;
-            profiles.iter().try_for_each(|profile| archive.row(&profile.state))?;
-        }
+        archive.begin("profiles", &[profiles.len() as u64, state.len() as u64])?;
+        profiles.iter().try_for_each(|profile| archive.row(&profile.state))?;
         archive.begin("contacts", &[ended().count() as u64, Contact::NUMBERS as u64])?;
         ended().try_for_each(|contact| archive.row(&contact.numbers()))?;
         archive.vector("open_contacts", &open)?;
@@ -321,19 +266,17 @@ impl LongRun {
     /// # Errors
     /// A file that cannot be read; what [`from_archive`](Self::from_archive) refuses.
     pub fn load(path: &Path) -> Result<Self> {
-        Self::load_in(path, Parts::Whole, false)
+        Self::load_in(path, Parts::Whole)
     }
 
     /// As [`load`](Self::load), to go on in `parts`, without starting a method for the chain in one
-    /// piece first. `by_part`: each part keeps the states of its own sites only, and no process has
-    /// a whole state.
+    /// piece first.
     ///
     /// # Errors
-    /// As [`load`](Self::load), and as [`in_parts`](Self::in_parts); with `by_part`, a run that was
-    /// not begun by part.
-    pub fn load_in(path: &Path, parts: Parts, by_part: bool) -> Result<Self> {
+    /// As [`load`](Self::load), and as [`in_parts`](Self::in_parts).
+    pub fn load_in(path: &Path, parts: Parts) -> Result<Self> {
         let path: PathBuf = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
-        Self::of(&Archive::read(&path)?, parts, by_part)
+        Self::of(&Archive::read(&path)?, parts)
     }
 
     /// The run whose checkpoint is an archive.
@@ -342,10 +285,10 @@ impl LongRun {
     /// [`Error::Content`], with key and rule, for an archive that is not as it was written, is of
     /// another version of the program, or has numbers outside their rules.
     pub fn from_archive(file: &Archive) -> Result<Self> {
-        Self::of(file, Parts::Whole, false)
+        Self::of(file, Parts::Whole)
     }
 
-    fn of(file: &Archive, parts: Parts, by_part: bool) -> Result<Self> {
+    fn of(file: &Archive, parts: Parts) -> Result<Self> {
         let refused =
             |key: &str, why: &dyn std::fmt::Display| file.refused(&format!("{SETTINGS}, {key}"), why.to_string());
         let text = file.text(SETTINGS)?;
@@ -361,29 +304,16 @@ impl LongRun {
             return Err(refused("program", &rule));
         }
         let settings: Settings = serde_json::from_str(text).map_err(|why| refused("keys", &why))?;
-        let build = if by_part { Scene::build_by_part } else { Scene::build };
-        let scene = SceneFile::parse(&settings.scene, SETTINGS).and_then(build);
+        let scene = SceneFile::parse(&settings.scene, SETTINGS).and_then(Scene::build);
         let scene = scene.map_err(|why| refused("scene", &why))?;
         let method = Method::named(&settings.integrator).map_err(|why| refused("integrator", &why))?;
         // What parts cannot do is not the fault of the file.
         method.takes(&parts, scene.chain().topology())?;
-        no_log(settings.contacts.is_some(), by_part)?;
-        let (sites, layout) = (scene.chain().sites(), scene.chain().layout());
-        let written = match &settings.by_part {
-            None if by_part => return Err(refused("by_part", &"a run that keeps whole states: leave --by-part out")),
-            None => None,
-            Some(legs) => {
-                legs.check(settings.profiles, sites).map_err(|rule| refused("by_part", &rule))?;
-                by_part.then(|| Written::new(file.folder(), legs, layout))
-            }
-        };
-        let parts = written.as_ref().map_or(Ok(parts.clone()), |state| apart(&scene, method, &parts, state))?;
-        written.map_or(Ok(()), Written::read)?;
         let new = Self::new(scene, method, settings.setting, settings.wording.clone(), settings.interval, parts);
         let new = new.map_err(|why| refused("setting", &why))?;
         let legs = new.legs();
-        let kept = kept(file, &settings, &new.scene, by_part)?;
-        let run = Self { done: settings.legs, kept, legs: settings.by_part.unwrap_or_default(), ..new };
+        let kept = kept(file, &settings, &new.scene)?;
+        let run = Self { done: settings.legs, kept, ..new };
         if !(1..=legs).contains(&run.done) {
             return Err(refused("legs", &format!("{} of {legs}: from 1 to all", run.done)));
         }
@@ -416,15 +346,6 @@ impl LongRun {
     }
 }
 
-/// Parts that keep the states of their own sites, for the chain of a scene in a state.
-fn apart(scene: &Scene, method: Method, parts: &Parts, state: &dyn Blocks<f64>) -> Result<Parts> {
-    method.takes(parts, scene.chain().topology())?;
-    // What parts cannot run is refused before they begin.
-    let run = scene.run().in_parts(parts.clone())?;
-    let apart = Apart::new(run.chain(), method.motion()?, parts, Arc::new(PartFiles), state)?;
-    Ok(Parts::Apart(Arc::new(apart)))
-}
-
 /// Numbers that a checkpoint has for each energy: four kinds, and for chains that dissipate or are
 /// driven the dissipated energy and the work of drives.
 fn energy_kinds(chain: &Chain<f64>) -> usize {
@@ -447,7 +368,7 @@ fn contacts(file: &Archive, settings: &Settings, chain: &Chain<f64>, count: u64)
 }
 
 /// The record in a checkpoint, checked as far as is possible without running it again.
-fn kept(file: &Archive, settings: &Settings, scene: &Scene, by_part: bool) -> Result<Kept> {
+fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
     let &Settings { t, taken, samples, profiles, steps, rejected, force_evaluations, .. } = settings;
     let chain = scene.chain();
     let dim = chain.layout().dim();
@@ -467,11 +388,7 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene, by_part: bool) -> Re
         let rule = format!("{taken} taken, {samples} kept, {} asked for", scene.samples());
         return Err(file.refused(&format!("{SETTINGS}, samples"), rule));
     }
-    let state = match &settings.by_part {
-        _ if by_part => Vec::new(),
-        None => finite("state", &[dim as u64])?,
-        Some(legs) => Written::new(file.folder(), legs, chain.layout()).whole()?,
-    };
+    let state = finite("state", &[dim as u64])?;
     let largest = finite("largest", &[1])?[0];
     let sample_t = finite("sample_t", &[samples])?;
     let has_energy = scene.start().measure(chain).energy.is_some();
@@ -484,22 +401,15 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene, by_part: bool) -> Re
         Some(Energy { beads, resonators, springs, contacts, dissipated, driven })
     };
     let profile_t = finite("profile_t", &[profiles])?;
-    let states = match &settings.by_part {
-        _ if by_part => vec![Vec::new(); profile_t.len()],
-        None => finite("profiles", &[profiles, dim as u64])?.chunks_exact(dim).map(<[f64]>::to_vec).collect(),
-        Some(legs) => legs.profiles(file.folder(), chain.layout())?,
-    };
-    let profile = |(&t, state): (&f64, Vec<f64>)| {
-        let x = if by_part { Vec::new() } else { chain.strains(&state) };
-        Profile { t, x, state }
-    };
+    let states = finite("profiles", &[profiles, dim as u64])?;
+    let profile = |(&t, state): (&f64, &[f64])| Profile { t, x: chain.strains(state), state: state.to_vec() };
     Ok(Kept {
         t,
         state,
         taken,
         largest,
         samples: sample_t.iter().enumerate().map(|(k, &t)| Sample { t, energy: energy(k) }).collect(),
-        profiles: profile_t.iter().zip(states).map(profile).collect(),
+        profiles: profile_t.iter().zip(states.chunks_exact(dim)).map(profile).collect(),
         contacts: settings.contacts.map(|count| contacts(file, settings, chain, count)).transpose()?,
         stats: Stats { steps, rejected, force_evaluations },
         wall,

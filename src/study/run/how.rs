@@ -97,19 +97,14 @@ impl How {
         }
     }
 
-    /// The run of a scene in legs of length `interval`, with a checkpoint after each. `by_part`:
-    /// each part keeps the states of its own sites only.
+    /// The run of a scene in legs of length `interval`, with a checkpoint after each.
     ///
     /// # Errors
     /// A closed form, which needs no legs; what [`LongRun::new`] refuses.
-    pub fn in_legs(self, scene: Scene, events: bool, interval: f64, parts: Parts, by_part: bool) -> Result<LongRun> {
+    pub fn in_legs(self, scene: Scene, events: bool, interval: f64, parts: Parts) -> Result<LongRun> {
         match self {
             Self::Integrated(method, setting, wording, _) => {
                 let wording = format!("{wording}, in legs of {interval}");
-                no_log(events, by_part)?;
-                if by_part {
-                    return LongRun::by_part(scene, method, setting, wording, interval, &parts);
-                }
                 let long = LongRun::new(scene, method, setting, wording, interval, parts)?;
                 Ok(if events { long.with_contacts() } else { long })
             }
@@ -122,17 +117,16 @@ impl How {
     }
 
     /// What the run computes and what it leaves out, in words; for a run in parts also their memory
-    /// and messages. `by_part`: each part keeps the states of its own sites only.
+    /// and messages.
     ///
     /// # Errors
     /// What the run would refuse.
-    pub fn plan(&self, scene: &Scene, events: bool, parts: &Parts, by_part: bool) -> Result<Vec<String>> {
+    pub fn plan(&self, scene: &Scene, events: bool, parts: &Parts) -> Result<Vec<String>> {
         match self {
             Self::Integrated(method, setting, ..) => {
-                no_log(events, by_part)?;
                 self.takes(scene, parts)?;
                 let run = scene.run().method(*method).setting(*setting).in_parts(parts.clone())?;
-                if parts.whole() && !by_part {
+                if parts.whole() {
                     let needed = Scene::least_memory(scene.chain());
                     // A method that starts has a state, which a long chain is not to have here.
                     match setting {
@@ -144,7 +138,7 @@ impl How {
                     let words = format!("memory: at least {}, for three states", memory::bytes(needed));
                     return Ok(scene.plan(events).into_iter().chain([words + &lacking.unwrap_or_default()]).collect());
                 }
-                let own = parts_plan(scene.file(), *method, parts.count(), by_part)?;
+                let own = parts_plan(scene.file(), *method, parts.count())?;
                 Ok(scene.plan(events).into_iter().chain(own).collect())
             }
             Self::ClosedForm(_) => self.takes(scene, parts).map(|()| scene.plan_in_closed_form()),
@@ -205,12 +199,6 @@ impl How {
             }
         }
     }
-}
-
-/// Refuses a log of contacts in a run whose parts keep the states of their own sites.
-pub(super) fn no_log(events: bool, by_part: bool) -> Result<()> {
-    let rule = "a log of contacts is kept in one piece: leave --events or --by-part out";
-    if events && by_part { Err(Error::parameter("events", true, rule)) } else { Ok(()) }
 }
 
 /// The setting that `args` mean for a method on a scene, and the setting in words.

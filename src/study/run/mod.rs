@@ -4,7 +4,6 @@ mod checkpoint;
 mod contacts;
 mod how;
 mod parts;
-mod pieces;
 mod report;
 mod si;
 
@@ -14,7 +13,6 @@ pub use contacts::contacts_picture;
 pub use contacts::{CONTACT_COLUMNS, ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
 pub use how::{Asked, How};
 pub use parts::parts_plan;
-pub use pieces::PartFiles;
 #[cfg(feature = "plot")]
 pub use report::run_pictures;
 pub use report::{RUN_FILES, Ran, run_files, run_json, run_summary};

@@ -1,7 +1,7 @@
 //! Memory and messages of a run in parts, in words.
 
 use crate::{
-    chain::{Boundary, Topology},
+    chain::Topology,
     error::{Error, Result},
     memory::bytes,
     parts::{Demand, Motion},
@@ -13,13 +13,12 @@ use crate::{
 const ORDERED: usize = 64;
 
 /// Memory and messages of a scene in `parts` parts, a line each. The scene is not built, so that it
-/// may be one that no machine can hold. `by_part`: each part keeps the states of its own sites
-/// only.
+/// may be one that no machine can hold.
 ///
 /// # Errors
 /// Parameters outside their rules; no part, or more parts than sites; a method that does not run in
 /// parts.
-pub fn parts_plan(file: &SceneFile, method: Method, parts: usize, by_part: bool) -> Result<Vec<String>> {
+pub fn parts_plan(file: &SceneFile, method: Method, parts: usize) -> Result<Vec<String>> {
     let chain = &file.chain;
     chain.params().validate()?;
     if !(1..=chain.sites).contains(&parts) {
@@ -39,22 +38,7 @@ pub fn parts_plan(file: &SceneFile, method: Method, parts: usize, by_part: bool)
             "{} sites in {parts} parts: at most {sites} each, and {ghosts}{of_bonds} of each neighbour",
             chain.sites
         ),
-        if by_part {
-            let (state, own) = (demand.whole / 2, bytes(demand.whole / 2 / chain.sites as u64 * sites));
-            let start = if file.initial.by_sites() {
-                "no part has a whole state".to_owned()
-            } else {
-                format!("the first besides the initial state, {}", bytes(state))
-            };
-            format!(
-                "memory: {memory}{panels} a part, half of it for samples, and {own} for its state and for each \
-                 profile of a leg; {start}"
-            )
-        } else {
-            format!(
-                "memory: {memory}{panels} a part, half of it for samples; the first besides two whole states, {whole}"
-            )
-        },
+        format!("memory: {memory}{panels} a part, half of it for samples; the first besides two whole states, {whole}"),
     ];
     if parts > 1 {
         lines.push(match motion {
@@ -73,14 +57,7 @@ pub fn parts_plan(file: &SceneFile, method: Method, parts: usize, by_part: bool)
                 )
             }
         });
-        lines.push(if by_part {
-            let often = if chain.boundary == Boundary::StrainRing { "three times" } else { "twice" };
-            format!(
-                "samples: each passes {sample} by the first part {often}, which checks, counts and keeps none of it"
-            )
-        } else {
-            format!("samples: each brings {sample} to the first part, which checks, counts and writes")
-        });
+        lines.push(format!("samples: each brings {sample} to the first part, which checks, counts and writes"));
     }
     if chain.sites > MOST_SITES {
         lines.push("refused if run: a scene has at most 10^8 sites".to_owned());
@@ -101,7 +78,7 @@ mod tests {
     fn plan(changes: &[&str], name: &str, parts: usize) -> Result<Vec<String>> {
         let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
         let file = SceneFile::parse_with(&Scene::source("impact")?, "impact", &changes)?;
-        parts_plan(&file, Method::named(name)?, parts, false)
+        parts_plan(&file, Method::named(name)?, parts)
     }
 
     #[test]
@@ -116,22 +93,6 @@ mod tests {
         // beside.
         let lines = plan(&["chain.sites=1000000000"], "collocation", 1024).unwrap().join("\n");
         for part in ["976640 each, and 13 bonds of each", "32.000 GB", "728 B to each neighbour and 64 B", "10^8"] {
-            assert!(lines.contains(part), "{part}: {lines}");
-        }
-    }
-
-    #[test]
-    fn a_run_by_part_plans_no_whole_state() {
-        // Truth: by hand, as above; with two numbers a site a state of 976563 sites has 15.625 MB.
-        let plan = |changes: &[&str]| {
-            let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
-            let file = SceneFile::parse_with(&Scene::source("impact").unwrap(), "impact", &changes).unwrap();
-            parts_plan(&file, Method::named("verlet").unwrap(), 1024, true).unwrap().join("\n")
-        };
-        let lines = plan(&["chain.sites=1000000000"]);
-        for part in
-            ["31.254 MB a part", "and 15.625 MB for its state", "no part has a whole state", "twice, which checks"]
-        {
             assert!(lines.contains(part), "{part}: {lines}");
         }
     }

@@ -3,7 +3,6 @@
 use super::{
     checkpoint::FILE as CHECKPOINT,
     contacts::{contact_lines, contact_totals, contacts_csv, contacts_npz},
-    pieces::Legs,
 };
 use crate::{
     chain::{Boundary, Energy, Ledger, Overlaps},
@@ -50,16 +49,8 @@ fn state_array(scene: &Scene, state: &[f64], i: usize, si: Option<&Units>) -> (&
     (names[i], values.iter().enumerate().map(|(site, &value)| momentum(site, value)).collect())
 }
 
-/// Whether the parts of the chain keep the states, so that the trajectory has none.
-fn by_part(outcome: &Trajectory) -> bool {
-    outcome.state.is_empty()
-}
-
 /// `(E_x, E_y)` of (eq:relerr_tw) at the end, for waves.
 fn wave_errors(scene: &Scene, outcome: &Trajectory) -> Option<(f64, f64)> {
-    if by_part(outcome) {
-        return None;
-    }
     let layout = scene.chain().layout();
     match (scene.theory(), layout.v(&outcome.state)) {
         (Some(Theory::Wave(wave)), Some(y)) => Some(wave.errors(outcome.t, layout.u(&outcome.state), y)),
@@ -133,10 +124,8 @@ fn entries(ran: &Ran<'_>) -> Entries {
     }
     put("t", json!(outcome.t));
     put("period", json!(period(ran)));
-    if !by_part(outcome) {
-        let arrays = state_arrays(scene, &outcome.state, si);
-        object.extend(arrays.map(|(name, values)| (name, Entry::Numbers(values))));
-    }
+    let arrays = state_arrays(scene, &outcome.state, si);
+    object.extend(arrays.map(|(name, values)| (name, Entry::Numbers(values))));
     let mut put = |name, value| object.push((name, Entry::Value(value)));
     put("energy", json!(outcome.energy.map(|energy| energy.total())));
     put("energy_error", json!(outcome.energy_error));
@@ -277,7 +266,6 @@ pub fn run_files(folder: &Folder, ran: &Ran<'_>, pictures: &[crate::study::File]
     let logged = outcome.contacts.is_some();
     let written = |name: &str| match name {
         CHECKPOINT => in_legs,
-        "final.csv" | "profiles.npz" | "profiles.csv" if by_part(outcome) => false,
         _ if name.ends_with(".png") || name.ends_with(".svg") => pictures.iter().any(|picture| picture.0 == name),
         _ => logged || !name.starts_with("contacts"),
     };
@@ -285,15 +273,10 @@ pub fn run_files(folder: &Folder, ran: &Ran<'_>, pictures: &[crate::study::File]
         RUN_FILES.into_iter().chain([CHECKPOINT]).partition(|name| written(name));
     // The list of files comes last: without it a folder is not all of a run.
     folder.remove(left.into_iter().chain([SUMMARY]))?;
-    if !in_legs {
-        Legs::default().sweep(folder.path());
-    }
     folder.write("scene.toml", scene.file().to_toml().as_bytes())?;
-    if !by_part(outcome) {
-        folder.write_with("final.csv", |file| buffered(file, |out| last_state(out, ran)))?;
-        folder.write_with("profiles.npz", |file| profiles(file, scene, &outcome.profiles, si))?;
-        folder.write_with("profiles.csv", |file| strains(file, scene, &outcome.profiles))?;
-    }
+    folder.write_with("final.csv", |file| buffered(file, |out| last_state(out, ran)))?;
+    folder.write_with("profiles.npz", |file| profiles(file, scene, &outcome.profiles, si))?;
+    folder.write_with("profiles.csv", |file| strains(file, scene, &outcome.profiles))?;
     let open = scene.chain().open();
     let energies = outcome.samples.iter().filter_map(|sample| {
         let energy = sample.energy?;
@@ -374,9 +357,6 @@ fn strains(file: &mut File, scene: &Scene, profiles: &[Profile]) -> std::io::Res
 #[cfg(feature = "plot")]
 pub fn run_pictures(ran: &Ran<'_>) -> Result<Vec<crate::study::Drawing>> {
     use crate::figures;
-    if by_part(ran.outcome) {
-        return Ok(Vec::new());
-    }
     let &Ran { scene, integrator, setting, outcome, si, .. } = ran;
     let how = format!("Integrator {integrator}, {setting}.").replace(".000000 a period", " a period");
     let caption = |what: &str| format!("{what} {}", crate::study::provenance(scene, &how));
