@@ -23,7 +23,7 @@ use args::{BreatherAction, Cli, Command, DpsAction, OrbitAction, PaperAction, St
 use clap::{
     ArgMatches, CommandFactory, FromArgMatches,
     builder::ValueParser,
-    error::{ContextKind, ErrorKind},
+    error::ErrorKind,
     value_parser,
 };
 use hertzchain_integrators::Error as Failure;
@@ -119,15 +119,14 @@ fn not_begun(error: &clap::Error, arguments: &[OsString]) -> Exit {
     if !error.use_stderr() {
         return print_help(error).map(|()| DONE);
     }
-    match (refusal(error), moved(error, arguments)) {
-        (Some(refusal), _) => say(&format!("error: {}", words(refusal, arguments))),
-        (None, Some(words)) => say(&format!("error: {words}")),
+    match refusal(error) {
+        Some(refusal) => say(&format!("error: {}", words(refusal, arguments))),
         // The message repeats words of the command line.
-        (None, None) if arguments.iter().any(|word| word.to_string_lossy().contains(char::is_control)) => {
+        None if arguments.iter().any(|word| word.to_string_lossy().contains(char::is_control)) => {
             say(error.render().to_string().trim_end());
         }
         // An error here cannot be reported: standard error cannot be written.
-        (None, None) => drop(error.print()),
+        None => drop(error.print()),
     }
     Ok(REFUSED)
 }
@@ -202,19 +201,6 @@ fn run_command(command: &Command) -> Exit {
 /// The library's own error inside an error of clap, if the library has refused a value.
 fn refusal(error: &clap::Error) -> Option<&Error> {
     std::error::Error::source(error)?.downcast_ref()
-}
-
-/// The message that a command has a new name, if the error is an old name.
-fn moved(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
-    if error.kind() != ErrorKind::InvalidSubcommand {
-        return None;
-    }
-    let name = error.get(ContextKind::InvalidSubcommand)?.to_string();
-    let given: Vec<String> = arguments.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
-    let above = given.iter().position(|word| *word == name)?.checked_sub(1).map(|k| given[k].as_str());
-    let now = args::moved(above, &name)?;
-    let above = above.filter(|above| *above == "dps").map(|above| format!("{above} ")).unwrap_or_default();
-    Some(format!("`hertzchain {above}{name}` is now `hertzchain {now}`"))
 }
 
 /// The command, changed so that each flag that takes a number accepts negative numbers. Text that

@@ -36,7 +36,12 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let (name, wording) = how.words();
     let reason = how.reason().map(str::to_owned);
     let reason = reason.as_deref();
-    let say_why = || reason.filter(|_| !args.json).iter().for_each(|why| say(&format!("{name}, {wording}: {why}")));
+    let say_why = || {
+        if reason.is_some() && !args.json {
+            let setting = wording.replacen("tol ", "tolerance ", 1);
+            say(&format!("method: {name} ({setting}); --integrator chooses another"));
+        }
+    };
     if args.plan {
         // `How::plan` refuses what a run would refuse.
         let plan = how.plan(&scene, args.events, &parts)?;

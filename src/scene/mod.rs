@@ -249,10 +249,7 @@ impl Scene {
     /// Sets the number of samples to its default if it is not given.
     fn sample(&mut self) {
         if !self.says_samples {
-            let resonates = self.chain.params().resonators() != Resonators::None && self.chain.details().is_none();
-            let has_frequency = resonates || self.theory.is_some();
-            let known = has_frequency || self.file.span.period.is_some();
-            self.file.record = Record::of(Record::by_default(known.then_some(self.end / self.period)));
+            self.file.record = Record::of(Record::by_default(self.has_period().then_some(self.end / self.period)));
         }
     }
 
@@ -375,6 +372,12 @@ impl Scene {
     /// (`2 pi/sqrt(kappa)` for the cradle), and otherwise the `period` of the file.
     pub fn period(&self) -> f64 {
         self.period
+    }
+
+    /// Whether the scene has a period: of a theory, of its resonators, or one that its file names.
+    pub fn has_period(&self) -> bool {
+        let frequency = self.chain.params().resonators() != Resonators::None && self.chain.details().is_none();
+        self.theory.is_some() || frequency || self.file.span.period.is_some()
     }
 
     /// Period of the fastest motion, see [`Run::fast_period`]: the unit of steps that nobody gives,

@@ -105,40 +105,6 @@ fn help_is_as_narrow_as_the_terminal() {
 }
 
 #[test]
-fn an_old_name_is_answered_with_the_new_one() {
-    for (old, new) in [
-        ("order", "study order"),
-        ("scaling", "study scaling"),
-        ("drift", "study drift"),
-        ("stability", "study stability"),
-        ("theorem", "study theorem"),
-        ("lifetimes", "study lifetimes"),
-        ("dps stability", "wave modulation"),
-        ("dark", "breather dark"),
-        ("continue", "breather continue"),
-        ("doubled", "breather doubled"),
-        ("evolve", "breather evolve"),
-        ("figures", "paper figures"),
-        ("verify", "paper verify"),
-        ("report", "paper report"),
-    ] {
-        let args: Vec<&str> = old.split(' ').chain(["--json"]).collect();
-        let output = hertzchain(&args);
-        let text = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(
-            (output.status.code(), text.as_str()),
-            (Some(2), &*format!("error: `hertzchain {old}` is now `hertzchain {new}`\n"))
-        );
-        assert!(output.stdout.is_empty());
-        assert!(commands().iter().any(|path| path.join(" ") == new), "{new}");
-    }
-    // A name that never was is answered as before.
-    let output = hertzchain(&["ordering"]);
-    let text = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.code() == Some(2) && text.contains("unrecognized subcommand 'ordering'"), "{text}");
-}
-
-#[test]
 fn nothing_is_written_unless_a_folder_is_given() {
     for args in [
         &["run", "tw-q15", "--until", "3"][..],

@@ -147,31 +147,6 @@ Examples:
     Shell(ShellArgs),
 }
 
-/// Names that commands had before, and where they are now.
-const MOVED: &[(&str, &str)] = &[
-    ("order", "study order"),
-    ("scaling", "study scaling"),
-    ("drift", "study drift"),
-    ("stability", "study stability"),
-    ("theorem", "study theorem"),
-    ("lifetimes", "study lifetimes"),
-    ("dark", "breather dark"),
-    ("continue", "breather continue"),
-    ("doubled", "breather doubled"),
-    ("evolve", "breather evolve"),
-    ("figures", "paper figures"),
-    ("verify", "paper verify"),
-    ("report", "paper report"),
-];
-
-/// The present name of the command that was called `name`, a subcommand of `above` if one is given.
-pub(super) fn moved(above: Option<&str>, name: &str) -> Option<&'static str> {
-    match above {
-        Some("dps") if name == "stability" => Some("wave modulation"),
-        _ => MOVED.iter().find(|(old, _)| *old == name).map(|(_, new)| *new),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -242,14 +242,17 @@ fn setting(args: &Asked, method: Method, scene: &Scene) -> Result<(Setting, Stri
 
 fn in_words(scene: &Scene, setting: Setting) -> String {
     let (end, period) = (scene.end(), scene.period());
-    let per_period = |count: u64| count as f64 * period / end;
+    let per_period = |count: u64| match scene.has_period() {
+        true => format!(" ({:.6} a period)", count as f64 * period / end),
+        false => String::new(),
+    };
     match setting {
         Setting::Tolerance(tol) => format!("tol {tol:e}"),
         Setting::Steps(steps) => {
-            format!("{steps} steps of {:e} ({:.6} a period)", end / steps as f64, per_period(steps))
+            format!("{steps} steps of {:e}{}", end / steps as f64, per_period(steps))
         }
         Setting::Windows(windows, nodes) => {
-            format!("{windows} windows ({:.6} a period), {nodes} nodes", per_period(windows))
+            format!("{windows} windows{}, {nodes} nodes", per_period(windows))
         }
     }
 }

@@ -178,7 +178,10 @@ pub fn run_summary(ran: &Ran<'_>) -> String {
     let mut lines = vec![
         format!("scene       {}{what}", scene.name()),
         format!("integrator  {integrator}, {setting}"),
-        format!("reached     t = {} = {:.6} periods of {period}", outcome.t, outcome.t / period),
+        match scene.has_period() {
+            true => format!("reached     t = {} = {:.6} periods of {period}", outcome.t, outcome.t / period),
+            false => format!("reached     t = {}", outcome.t),
+        },
     ];
     match outcome.energy {
         Some(energy) => {
