@@ -75,14 +75,3 @@ pub trait ContactFlow<R: Real>: SplitFlow<R> {
         Vec::new()
     }
 }
-
-/// A split system that can average its kick over a window of time.
-pub trait PathFlow<R: Real>: SplitFlow<R> {
-    /// The kick, then the drift over `drift`. The Hamiltonian of the kick is the potential
-    /// integrated along the drift from `window.0` to `window.1`, two times relative to now
-    /// (backwards if they descend); its flow is computed by the implicit midpoint rule.
-    ///
-    /// The kick is symplectic; the same kick with the window reversed undoes it. Where the
-    /// potential is zero, it does nothing.
-    fn averaged_kick_drift(&mut self, window: (R, R), drift: Twofold<R>);
-}

@@ -20,12 +20,7 @@ use crate::{
     output::say,
 };
 use args::{BreatherAction, Cli, Command, DpsAction, OrbitAction, PaperAction, StudyAction, WaveAction};
-use clap::{
-    ArgMatches, CommandFactory, FromArgMatches,
-    builder::ValueParser,
-    error::ErrorKind,
-    value_parser,
-};
+use clap::{ArgMatches, CommandFactory, FromArgMatches, builder::ValueParser, error::ErrorKind, value_parser};
 use hertzchain_integrators::Error as Failure;
 use std::{env, ffi::OsString};
 use terminal::{print, print_help, progress_bar};

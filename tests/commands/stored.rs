@@ -128,7 +128,7 @@ fn the_order_study_keeps_its_table_its_files_and_its_stored_numbers() {
     assert!(study["events"].as_u64().unwrap() > 0);
     let rows = study["rows"].as_array().unwrap();
     for row in rows {
-        assert!(["plain", "landed", "averaged", "corrected", "regularised"].contains(&row["mode"].as_str().unwrap()));
+        assert!(["plain", "landed", "corrected", "regularised"].contains(&row["mode"].as_str().unwrap()));
         assert!(["state", "tangent"].contains(&row["quantity"].as_str().unwrap()));
         assert!(row["slope"].is_f64() || row["slope"].is_null());
         assert!(row["slope_theory"].is_f64());

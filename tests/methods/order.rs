@@ -18,7 +18,7 @@ fn study(alpha: f64, integrators: &[&str]) -> OrderStudy {
 /// Spheres: the study of the README, without the compositions that say nothing new.
 static SPHERES: LazyLock<OrderStudy> = LazyLock::new(|| study(1.5, &SHORT));
 
-/// Of each kind one or two; the compositions whose kicks can be averaged.
+/// Of each kind one or two.
 const SHORT: [&str; 13] = [
     "verlet",
     "strang-linear",
@@ -112,20 +112,6 @@ fn landing_makes_the_constant_smaller_and_not_the_order_larger() {
 }
 
 #[test]
-fn averaged_kicks_gain_one_order_at_contacts() {
-    // min(p, alpha + 2) for the state, min(p, alpha + 1) for the tangent; compositions of order 4
-    // show their own order.
-    for name in ["yoshida6-linear", "kahan-li6-linear", "yoshida8-linear", "kahan-li8-linear"] {
-        let of = |quantity| slope(&SPHERES, name, Mode::Averaged, quantity);
-        assert!((of(Quantity::State) - 3.5).abs() < 0.4, "{name}: {}", of(Quantity::State));
-        assert!((of(Quantity::Tangent) - 2.5).abs() < 0.4, "{name}: {}", of(Quantity::Tangent));
-    }
-    assert!((slope(&SPHERES, "strang-linear", Mode::Averaged, Quantity::State) - 2.0).abs() < 0.1);
-    // Only compositions of Strang steps keep their order; other schemes are not in the study.
-    assert!(!SPHERES.rows.iter().any(|row| row.mode == Mode::Averaged && row.method.name() == "aba1064-linear"));
-}
-
-#[test]
 fn the_regularised_method_has_its_full_order_down_to_rounding() {
     let slope_of = |quantity| slope(&SPHERES, "dop853", Mode::Regularised, quantity);
     assert!((slope_of(Quantity::State) - 8.0).abs() < 0.5, "{}", slope_of(Quantity::State));
@@ -152,10 +138,8 @@ fn an_integer_exponent_needs_landing_only() {
 #[test]
 fn a_steep_exponent_has_the_whole_order_whatever_the_mode() {
     // The force is so smooth that contacts do not limit a method of order 8.
-    let study = study(7.0, &["kahan-li8-linear", "dop853"]);
-    for (name, mode) in [("kahan-li8-linear", Mode::Averaged), ("dop853", Mode::Regularised)] {
-        assert!((slope(&study, name, mode, Quantity::State) - 8.0).abs() < 0.5, "{name}");
-    }
+    let study = study(7.0, &["dop853"]);
+    assert!((slope(&study, "dop853", Mode::Regularised, Quantity::State) - 8.0).abs() < 0.5);
 }
 
 #[test]
@@ -181,7 +165,7 @@ fn theory_is_that_of_the_exponent() {
 fn schemes_that_conserve_an_energy_have_the_slopes_of_theory() {
     // Slopes are of six rungs and errors at an opening depend on where in a step it falls.
     for (alpha, within) in [(0.5, 0.3), (1.0, 0.15), (1.5, 0.25), (3.0, 0.15)] {
-        let study = study(alpha, &["discrete-gradient", "energy-quadratised"]);
+        let study = study(alpha, &["discrete-gradient"]);
         for row in &study.rows {
             let limited = row.theory < 0.5;
             println!("{alpha} {} {:?}: {:?}, {}", row.method.name(), row.quantity, row.slope, row.theory);

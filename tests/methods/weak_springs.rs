@@ -3,12 +3,11 @@
 
 use hertzchain::{
     Run,
-    chain::{Boundary, Chain, Details, Drive, LinearFlow, Means, Params, Signal, Site, State, TangentFlow},
+    chain::{Boundary, Chain, Details, Drive, Means, Params, Signal, Site, State, TangentFlow},
     integrators::{
-        Silent, SplitFlow, Splitting, Stepper,
+        Stepper,
         collocation::Pace,
-        drive,
-        splitting::{Averaged, Corrected, First, Parts, tables},
+        splitting::{Corrected, Parts},
     },
     run::{
         Records,
@@ -126,24 +125,6 @@ fn every_method_does_without_springs_that_are_too_weak() {
                 assert!(off < bound, "{} {kappa:e}: {off:e}", method.name());
             }
         }
-    }
-}
-
-#[test]
-fn averaged_kicks_do_without_springs_that_are_too_weak() {
-    // Truth: the same without springs.
-    let end = |kappa: f64| {
-        let chain = chain(params(kappa, 1.0));
-        let (mut flow, mut y) = (Averaged::new(LinearFlow::new(chain.clone())), meeting(&chain, [1.0; 2]));
-        flow.load(y.as_slice());
-        let mut run = Splitting::new(&tables::STRANG, First::Drift, flow, (0.0, END), 401).unwrap();
-        drive(&mut run, &mut Silent, y.as_mut_slice()).unwrap();
-        let (u, u_dot) = (y.u(), y.u_dot());
-        [u[0], u[1], u_dot[0], u_dot[1]]
-    };
-    for kappa in weak() {
-        let off = gap(end(kappa), end(0.0));
-        assert!(off < 1e-12 + 4.0 * kappa * END * END, "{kappa:e}: {off:e}");
     }
 }
 

@@ -4,7 +4,6 @@
 #[path = "../common/properties.rs"]
 mod properties;
 
-mod averaged;
 mod averages;
 mod chain;
 mod chain_properties;

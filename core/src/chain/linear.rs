@@ -20,13 +20,12 @@
 use super::{
     Chain, Resonators,
     aligned::Aligned,
-    averaged::Bonds,
     divisible::Divisible,
     phase::Phase,
     rows::{Clock, InRow, Moving, Pairs, RowForces},
     sweep::{MOST_KICKS, Sites, Step, Swept, Visit, follow, long},
 };
-use hertzchain_integrators::{Column, Real, SplitFlow, Twofold, Vector};
+use hertzchain_integrators::{Column, Real, SplitFlow, Twofold, Vector, system::ContactFlow};
 
 /// Number of kicks after which `R0` is set to the present position and `tau` to zero, so that `V
 /// tau` stays of the size of `R0`. Chosen, not measured.
@@ -43,8 +42,6 @@ pub struct LinearFlow<R> {
     pub(super) phase: Phase<R>,
     pub(super) tau: R,
     pub(super) kicks: u32,
-    /// Buffers for averaged kicks; empty before the first of them.
-    pub(super) bonds: Bonds<R>,
     /// Buffers for kicks in a row.
     forces: RowForces<R>,
 }
@@ -74,7 +71,6 @@ impl<R: Real> LinearFlow<R> {
             phase: Phase::new(modes.omega),
             tau: R::zero(),
             kicks: 0,
-            bonds: Bonds::new(),
             forces: RowForces::new(&chain),
             chain,
         }
@@ -140,6 +136,27 @@ impl<R: Real> LinearFlow<R> {
 #[inline(always)]
 fn turned<R: Real>([c, s]: [R; 2], (sin, cos): (R, R), omega: R) -> [R; 2] {
     [c * cos + s * sin, omega * (s * cos - c * sin)]
+}
+
+impl<R: Real> ContactFlow<R> for LinearFlow<R> {
+    fn bonds(&self) -> usize {
+        self.chain.touching().len()
+    }
+
+    fn overlaps(&self, overlaps: &mut [R], rates: &mut [R]) -> R {
+        let phase = self.phase.sin_cos();
+        let position = |i| {
+            let [r, _, p, _] = self.motions(i, phase);
+            r + p
+        };
+        let velocity = |i| {
+            let [_, r_dot, _, p_dot] = self.motions(i, phase);
+            r_dot + p_dot
+        };
+        self.chain.across_bonds(self.chain.precompression(), position, overlaps);
+        self.chain.across_bonds(R::zero(), velocity, rates);
+        self.chain.dead_band((0..self.chain.sites()).map(position))
+    }
 }
 
 impl<R: Real> SplitFlow<R> for LinearFlow<R> {

@@ -9,7 +9,6 @@
 //! | `omega` | `sqrt(kappa (1 + 1/rho))`, the frequency of a bead against its resonator |
 
 mod aligned;
-mod averaged;
 mod blocks;
 mod bonds;
 mod boundary;

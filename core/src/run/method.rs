@@ -13,7 +13,7 @@ use crate::{
 use hertzchain_integrators::{
     Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper, Tolerance,
     collocation::{ContactStepper, Pace, Section, Windows},
-    conserving::{DiscreteGradient, Quadratised},
+    conserving::DiscreteGradient,
     dop853::Options,
     splitting::{self, Corrected, First, Landed, tables},
 };
@@ -31,21 +31,12 @@ pub enum Method {
     /// One kick a step, a processor before and after, and corrections at contacts that begin or
     /// end.
     Corrected(splitting::Parts, Split),
-    /// A scheme of order two that conserves an energy exactly.
-    Conserving(Conserved),
+    /// The discrete gradient: order two, conserves the energy exactly.
+    Conserving,
     /// DOP853, the adaptive 8(5,3) pair.
     Dop853(Contacts),
     /// Contact collocation: adaptive; the ends of contacts are ends of panels.
     Collocation,
-}
-
-/// What an energy-conserving scheme conserves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Conserved {
-    /// The energy itself, by a discrete gradient.
-    Energy,
-    /// An energy of its own in which the contact potential is the square of a variable.
-    Quadratised,
 }
 
 /// How DOP853 treats contacts that begin or end.
@@ -60,6 +51,25 @@ pub enum Contacts {
 }
 
 const ADAPTIVE: [Contacts; 3] = [Contacts::Crossed, Contacts::Landed, Contacts::Regularised];
+
+/// What is known of a method.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MethodInfo {
+    /// Name on the command line and in scenes.
+    pub name: String,
+    /// Name of the family, for tables and colours.
+    pub family: &'static str,
+    /// Order on smooth problems.
+    pub order: u32,
+    /// Evaluations of the force a step.
+    pub stages: usize,
+    /// Article with the coefficients.
+    pub source: &'static str,
+    /// The tolerances that it accepts; `None` if it takes none.
+    pub tolerance: Option<Tolerance>,
+}
+
+const PROCESSED: &str = "processed, one kick a step";
 
 /// Number of steps, tolerance or windows of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -143,8 +153,8 @@ impl Method {
     /// contacts.
     pub const TAKAHASHI_IMADA: Self = Self::Corrected(splitting::Parts::PROCESSED, Split::Linear);
 
-    /// All methods: kinetic splits, linear splits, the one that lands, the processed ones, those
-    /// that conserve an energy, the adaptive ones, then collocation.
+    /// All methods: kinetic splits, linear splits, the one that lands, the processed ones, the
+    /// one that conserves the energy, the adaptive ones, then collocation.
     pub fn all() -> Vec<Self> {
         let on = |split| tables::ALL.iter().map(move |scheme| Self::Splitting(scheme, split));
         let landed = Self::Landed(&tables::ABA1064);
@@ -153,7 +163,7 @@ impl Method {
             .chain(on(Split::Linear))
             .chain([landed])
             .chain(processed)
-            .chain([Conserved::Energy, Conserved::Quadratised].map(Self::Conserving))
+            .chain([Self::Conserving])
             .chain(ADAPTIVE.map(Self::Dop853))
             .chain([Self::Collocation])
             .collect()
@@ -184,47 +194,88 @@ impl Method {
         }
     }
 
+    /// What is known of the method, told once.
+    pub fn info(&self) -> MethodInfo {
+        let of = |scheme: &'static Scheme, name: String, family| MethodInfo {
+            name,
+            family,
+            order: scheme.order,
+            stages: scheme.stages(),
+            source: scheme.source,
+            tolerance: None,
+        };
+        let one = |name: &str, family, (order, stages), source, tolerance| MethodInfo {
+            name: name.to_owned(),
+            family,
+            order,
+            stages,
+            source,
+            tolerance,
+        };
+        match self {
+            Self::Splitting(scheme, Split::Kinetic) => {
+                let name = if scheme.name == tables::STRANG.name { "verlet" } else { scheme.name };
+                of(scheme, name.to_owned(), "kinetic + potential")
+            }
+            Self::Splitting(scheme, Split::Linear) => {
+                of(scheme, format!("{}-linear", scheme.name), "exact linear flow + contact kick")
+            }
+            Self::Landed(scheme) => of(scheme, format!("{}-linear-landed", scheme.name), "exact linear flow, landed"),
+            Self::Corrected(splitting::Parts { corrected: false, .. }, _) => {
+                let source = "Takahashi & Imada 1984, J. Phys. Soc. Jpn. 53, 3765; processed after Rowlands 1991, J. Comput. Phys. 97, 235";
+                one("takahashi-imada-linear", PROCESSED, (4, 1), source, None)
+            }
+            Self::Corrected(_, split) => {
+                let name = if *split == Split::Linear { "corrected" } else { "corrected-kinetic" };
+                let source = "this software; Takahashi & Imada 1984; Navot 1961, J. Math. and Phys. 40, 271";
+                one(name, PROCESSED, (4, 1), source, Some(Tolerance::CORRECTED))
+            }
+            // The discrete gradient iterates: five to ten evaluations where steps resolve contacts.
+            Self::Conserving => {
+                let source = "McLachlan, Quispel & Robidoux 1999, Phil. Trans. R. Soc. A 357, 1021";
+                one("discrete-gradient", "energy-conserving", (2, 1), source, None)
+            }
+            Self::Dop853(contacts) => {
+                let (name, tolerance) = match contacts {
+                    Contacts::Crossed => ("dop853", Tolerance::CROSSED),
+                    Contacts::Landed => ("dop853-landed", Tolerance::RUN),
+                    Contacts::Regularised => ("dop853-regularised", Tolerance::RUN),
+                };
+                let source = "Dormand & Prince 1980; Hairer, Norsett & Wanner 1993, Sec. II.5, II.10";
+                one(name, "adaptive", (8, 12), source, Some(tolerance))
+            }
+            // Order: twice the number of Gauss nodes a panel, 8 at the middle of the range.
+            Self::Collocation => {
+                let source = "this software; Gauss collocation after Hairer, Lubich & Wanner 2006, Sec. II.1";
+                one("collocation", "contact collocation", (16, 8), source, Some(Tolerance::RUN))
+            }
+        }
+    }
+
     /// Name of the method: that of the scheme, with `-linear` on the exact linear flow; `verlet`
     /// for Strang's scheme on the kinetic split.
     pub fn name(&self) -> String {
-        match self {
-            Self::Splitting(scheme, Split::Kinetic) if scheme.name == tables::STRANG.name => "verlet".to_owned(),
-            Self::Splitting(scheme, Split::Kinetic) => scheme.name.to_owned(),
-            Self::Splitting(scheme, Split::Linear) => format!("{}-linear", scheme.name),
-            Self::Landed(scheme) => format!("{}-linear-landed", scheme.name),
-            Self::Corrected(splitting::Parts { corrected: false, .. }, _) => "takahashi-imada-linear".to_owned(),
-            Self::Corrected(_, Split::Linear) => "corrected".to_owned(),
-            Self::Corrected(_, Split::Kinetic) => "corrected-kinetic".to_owned(),
-            Self::Conserving(Conserved::Energy) => "discrete-gradient".to_owned(),
-            Self::Conserving(Conserved::Quadratised) => "energy-quadratised".to_owned(),
-            Self::Dop853(Contacts::Crossed) => "dop853".to_owned(),
-            Self::Dop853(Contacts::Landed) => "dop853-landed".to_owned(),
-            Self::Dop853(Contacts::Regularised) => "dop853-regularised".to_owned(),
-            Self::Collocation => "collocation".to_owned(),
-        }
+        self.info().name
     }
 
     /// Order on smooth problems.
     pub fn order(&self) -> u32 {
-        match self {
-            Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.order,
-            Self::Corrected(..) => 4,
-            Self::Conserving(_) => 2,
-            Self::Dop853(_) => 8,
-            // Twice the number of Gauss nodes per panel, 8 at the middle of the range.
-            Self::Collocation => 16,
-        }
+        self.info().order
     }
 
     /// Number of force evaluations per step.
     pub fn stages(&self) -> usize {
-        match self {
-            Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.stages(),
-            // The discrete gradient iterates: five to ten evaluations where steps resolve contacts.
-            Self::Corrected(..) | Self::Conserving(_) => 1,
-            Self::Dop853(_) => 12,
-            Self::Collocation => 8,
-        }
+        self.info().stages
+    }
+
+    /// Article with the coefficients.
+    pub fn source(&self) -> &'static str {
+        self.info().source
+    }
+
+    /// Name of the family, for tables and colours.
+    pub fn family(&self) -> &'static str {
+        self.info().family
     }
 
     /// Whether the method chooses its steps during the run, by a tolerance.
@@ -234,7 +285,7 @@ impl Method {
 
     /// Whether the method accepts a tolerance.
     pub fn tolerant(&self) -> bool {
-        self.adaptive() || matches!(self, Self::Corrected(splitting::Parts { corrected: true, .. }, _))
+        self.info().tolerance.is_some()
     }
 
     /// How the method moves the [`parts`](crate::parts) of a chain.
@@ -265,41 +316,7 @@ impl Method {
 
     /// The tolerances that the method accepts, if it takes one.
     pub fn tolerances(&self) -> Tolerance {
-        match self {
-            Self::Corrected(..) => Tolerance::CORRECTED,
-            Self::Dop853(Contacts::Crossed) => Tolerance::CROSSED,
-            _ => Tolerance::RUN,
-        }
-    }
-
-    /// Article with the coefficients.
-    pub fn source(&self) -> &'static str {
-        match self {
-            Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.source,
-            Self::Corrected(splitting::Parts { corrected: false, .. }, _) => {
-                "Takahashi & Imada 1984, J. Phys. Soc. Jpn. 53, 3765; processed after Rowlands 1991, J. Comput. Phys. 97, 235"
-            }
-            Self::Corrected(..) => "this software; Takahashi & Imada 1984; Navot 1961, J. Math. and Phys. 40, 271",
-            Self::Collocation => "this software; Gauss collocation after Hairer, Lubich & Wanner 2006, Sec. II.1",
-            Self::Conserving(Conserved::Energy) => {
-                "McLachlan, Quispel & Robidoux 1999, Phil. Trans. R. Soc. A 357, 1021"
-            }
-            Self::Conserving(Conserved::Quadratised) => "Bilbao, Ducceschi & Zama 2023, J. Comput. Phys. 472, 111697",
-            Self::Dop853(_) => "Dormand & Prince 1980; Hairer, Norsett & Wanner 1993, Sec. II.5, II.10",
-        }
-    }
-
-    /// Name of the family, for tables and colours.
-    pub fn family(&self) -> &'static str {
-        match self {
-            Self::Splitting(_, Split::Kinetic) => "kinetic + potential",
-            Self::Splitting(_, Split::Linear) => "exact linear flow + contact kick",
-            Self::Landed(_) => "exact linear flow, landed",
-            Self::Corrected(..) => "processed, one kick a step",
-            Self::Conserving(_) => "energy-conserving",
-            Self::Dop853(_) => "adaptive",
-            Self::Collocation => "contact collocation",
-        }
+        self.info().tolerance.unwrap_or(Tolerance::RUN)
     }
 
     /// Refuses a chain that the method cannot run: those that can run one with [`Details`] are
@@ -322,7 +339,7 @@ impl Method {
             Self::Splitting(..) | Self::Landed(_) => chain
                 .dissipative_contacts()
                 .then_some("its kicks know no velocities, and contacts here dissipate: take dop853-regularised"),
-            Self::Corrected(..) | Self::Conserving(_) => Some(
+            Self::Corrected(..) | Self::Conserving => Some(
                 "it needs equal beads, without damping or drives: take dop853-regularised, or strang-linear for \
                  equal steps",
             ),
@@ -392,12 +409,7 @@ impl Method {
                 let steps = tolerance::steps(run, *self, y, span, tol)?;
                 self.start(run, y, span, Setting::Steps(steps))
             }
-            (Self::Conserving(Conserved::Energy), Setting::Steps(steps)) => {
-                Ok(Box::new(DiscreteGradient::new(chain, y, span, steps)?))
-            }
-            (Self::Conserving(Conserved::Quadratised), Setting::Steps(steps)) => {
-                Ok(Box::new(Quadratised::new(chain, y, span, steps)?))
-            }
+            (Self::Conserving, Setting::Steps(steps)) => Ok(Box::new(DiscreteGradient::new(chain, y, span, steps)?)),
             (&Self::Dop853(contacts), Setting::Tolerance(tol)) => dop853(run, contacts, y, span, tol),
             (Self::Collocation, Setting::Tolerance(_) | Setting::Windows(..)) => {
                 Ok(collocated(run, y, span, setting, false)?)
@@ -406,7 +418,7 @@ impl Method {
                 Err(Error::parameter("windows-per-period", windows, "only collocation takes windows"))
             }
             (
-                Self::Splitting(..) | Self::Landed(_) | Self::Corrected(..) | Self::Conserving(_),
+                Self::Splitting(..) | Self::Landed(_) | Self::Corrected(..) | Self::Conserving,
                 Setting::Tolerance(tol),
             ) => Err(Error::parameter("tol", tol, NO_TOLERANCE)),
             (Self::Dop853(_) | Self::Collocation, Setting::Steps(steps)) => {

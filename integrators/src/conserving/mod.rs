@@ -1,12 +1,8 @@
-//! Two schemes that conserve an energy exactly, as rivals of the symplectic ones.
+//! A scheme that conserves the energy exactly, as a rival of the symplectic ones: the
+//! [`DiscreteGradient`].
 //!
-//! | scheme | conserves | price |
-//! |---|---|---|
-//! | [`DiscreteGradient`] | the energy itself | forces of a step are found by iteration |
-//! | [`Quadratised`] | an energy of its own, within `O(h^2)` of the true one | one evaluation of the forces a step |
-//!
-//! Both have order two, also on smooth problems, and neither is symplectic. Springs enter as
-//! forces, like contacts: the schemes do not use the exact linear flow.
+//! It has order two, also on smooth problems, and is not symplectic; the forces of a step are found
+//! by iteration. Springs enter as forces, like contacts: it does not use the exact linear flow.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -16,10 +12,8 @@
 //! | `F_i` | contact force on a site |
 
 mod gradient;
-mod quadratised;
 
 pub use gradient::DiscreteGradient;
-pub use quadratised::Quadratised;
 
 use crate::{
     clock::Twofold,

@@ -12,14 +12,12 @@
 //! [`Splitting`] steps across contacts, [`Landed`] ends steps on them, [`Averaged`] is a flow whose
 //! kicks integrate the force, and [`Corrected`] adds corrections at contacts that begin or end.
 
-mod averaged;
 pub mod corrected;
 mod landed;
 mod scheme;
 mod stepper;
 pub mod tables;
 
-pub use averaged::Averaged;
 pub use corrected::{Corrected, Parts, hurwitz};
 pub use landed::Landed;
 pub use scheme::{Coefficients, First, Scheme};

@@ -177,7 +177,7 @@ fn knobs(method: &Method, contact: f64, fast: f64, span: f64) -> Box<dyn Iterato
         return Box::new(ladder);
     }
     let longest = match method {
-        Method::Splitting(_, Split::Kinetic) | Method::Corrected(_, Split::Kinetic) | Method::Conserving(_) => {
+        Method::Splitting(_, Split::Kinetic) | Method::Corrected(_, Split::Kinetic) | Method::Conserving => {
             LONGEST / fast
         }
         // Rungs are the same for all methods, counted from those of the fastest motion.

@@ -699,7 +699,7 @@ fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, crat
     let lines = match method {
         Method::Splitting(_, crate::run::method::Split::Kinetic)
         | Method::Corrected(_, crate::run::method::Split::Kinetic)
-        | Method::Conserving(_) => {
+        | Method::Conserving => {
             vec![line("2", 2.0)]
         }
         _ => vec![line("π", PI), line("2π", 2.0 * PI), line("3π", 3.0 * PI)],

@@ -19,16 +19,16 @@ use super::{Study, Work, fit_line, methods};
 use crate::{
     chain::{Bonded, Boundary, Chain, Field, KineticFlow, LinearFlow, Overlaps, Params, Site, State, max_norm},
     error::{Error, Result},
-    run::method::{Conserved, Contacts, Method, Split, loaded},
+    run::method::{Contacts, Method, Split, loaded},
     sweep::Tally,
 };
 use hertzchain_integrators::{
-    Dop853, Error as Failure, Event, Regularised, Scheme, Silent, Splitting, Stepper,
-    conserving::{DiscreteGradient, Quadratised},
+    Dop853, Error as Failure, Event, Regularised, Silent, Splitting, Stepper,
+    conserving::DiscreteGradient,
     dop853::Options,
     drive,
     regularised::{Division, Itinerary, equal_steps, power},
-    splitting::{Averaged, Coefficients, Corrected, First, Landed, Parts, tables},
+    splitting::{Corrected, First, Landed, Parts, tables},
 };
 
 /// Exponents that the ladders are made for.
@@ -67,8 +67,6 @@ pub enum Mode {
     Plain,
     /// Steps end on events.
     Landed,
-    /// Kicks integrate the contact force along the exact linear flow instead of sampling it.
-    Averaged,
     /// Kicks sample the contact force, and their error at events is corrected.
     Corrected,
     /// Steps start anew at events, in a variable in which the solution is smooth.
@@ -77,14 +75,13 @@ pub enum Mode {
 
 impl Mode {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Plain, Self::Landed, Self::Averaged, Self::Corrected, Self::Regularised];
+    pub const ALL: [Self; 4] = [Self::Plain, Self::Landed, Self::Corrected, Self::Regularised];
 
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Plain => "plain",
             Self::Landed => "landed",
-            Self::Averaged => "averaged",
             Self::Corrected => "corrected",
             Self::Regularised => "regularised",
         }
@@ -154,20 +151,16 @@ pub struct OrderStudy {
 ///
 /// `min(p, alpha + 1)` for the state and `min(p, alpha)` for the tangent when events are crossed;
 /// the same when they are landed on, unless `alpha` is an integer and the force analytic on either
-/// side; one more when kicks are averaged, as discrete gradients do over a step; two more when they
-/// are corrected, or `alpha + 1` if that is less; `p` when regularised. Energy quadratisation divides
-/// by the square root of the energy of all contacts: where all of them open at once this is like the
-/// overlap to the power `(alpha + 1)/2`, and that is the limit for its state.
+/// side; one more for discrete gradients, which average the force over a step; two more when kicks
+/// are corrected, or `alpha + 1` if that is less; `p` when regularised.
 pub fn theory(method: Method, alpha: f64, mode: Mode, quantity: Quantity) -> f64 {
     let p = f64::from(method.order());
     let lost = if quantity == Quantity::State { 0.0 } else { 1.0 };
     let limit = alpha + 1.0 - lost;
     match mode {
-        _ if method == Method::Conserving(Conserved::Quadratised) => p.min(0.5 * (alpha + 1.0) - lost),
-        _ if method == Method::Conserving(Conserved::Energy) => p.min(limit + 1.0),
+        _ if method == Method::Conserving => p.min(limit + 1.0),
         Mode::Regularised => p,
         Mode::Landed if alpha.fract() == 0.0 => p,
-        Mode::Averaged => p.min(limit + 1.0),
         // The next terms of an event are of order alpha + 3 and 2 alpha + 2.
         Mode::Corrected => p.min(limit + 2.0).min(limit + alpha + 1.0),
         Mode::Plain | Mode::Landed => p.min(limit),
@@ -246,15 +239,9 @@ fn cases(alpha: f64) -> Vec<(Method, Mode)> {
     let dop853 = Method::Dop853(Contacts::Crossed);
     let all = || Method::all().into_iter().filter(|method| matches!(method, Method::Splitting(..)));
     let linear = || all().filter(|method| matches!(method, Method::Splitting(_, Split::Linear)));
-    // Averaged kicks keep the order of compositions of Strang steps only.
-    let composed = |method: &Method| {
-        matches!(method, Method::Splitting(Scheme { coefficients: Coefficients::Composition(_), .. }, Split::Linear))
-    };
     let mode = |mode: Mode| move |method: Method| (method, mode);
-    let conserving = [Conserved::Energy, Conserved::Quadratised].map(Method::Conserving);
-    let plain = all().chain(conserving).chain([dop853]).map(mode(Mode::Plain));
+    let plain = all().chain([Method::Conserving, dop853]).map(mode(Mode::Plain));
     let landed = linear().chain([dop853]).map(mode(Mode::Landed));
-    let averaged = linear().filter(composed).map(mode(Mode::Averaged));
     // Either part of contact-corrected splitting alone, then both. They are for exponents from 1.
     let corrected = [
         (Method::TAKAHASHI_IMADA, Mode::Plain),
@@ -263,7 +250,7 @@ fn cases(alpha: f64) -> Vec<(Method, Mode)> {
         (Method::CORRECTED_KINETIC, Mode::Corrected),
     ];
     let corrected = corrected.into_iter().filter(|_| alpha >= 1.0);
-    plain.chain(landed).chain(averaged).chain(corrected).chain([(dop853, Mode::Regularised)]).collect()
+    plain.chain(landed).chain(corrected).chain([(dop853, Mode::Regularised)]).collect()
 }
 
 /// A chain with generic contacts, its initial state, and a direction in the space of those.
@@ -387,20 +374,11 @@ impl Problem {
                 let flow = Bonded::new(loaded(LinearFlow::new(chain), y0));
                 finish(&mut Corrected::new(flow, span, steps, Parts::CORRECTED)?, &mut y)
             }
-            (Method::Splitting(scheme, Split::Linear), Mode::Averaged) => {
-                let flow = loaded(Averaged::new(LinearFlow::new(chain)), y0);
-                finish(&mut Splitting::new(scheme, First::Drift, flow, span, steps)?, &mut y)
-            }
             (Method::Splitting(scheme, Split::Linear), _) => {
                 let flow = loaded(LinearFlow::new(chain), y0);
                 finish(&mut Splitting::new(scheme, First::Drift, flow, span, steps)?, &mut y)
             }
-            (Method::Conserving(Conserved::Energy), _) => {
-                finish(&mut DiscreteGradient::new(chain, y0, span, steps)?, &mut y)
-            }
-            (Method::Conserving(Conserved::Quadratised), _) => {
-                finish(&mut Quadratised::new(chain, y0, span, steps)?, &mut y)
-            }
+            (Method::Conserving, _) => finish(&mut DiscreteGradient::new(chain, y0, span, steps)?, &mut y),
             (Method::Dop853(_), _) => finish(&mut Dop853::fixed(Field::new(chain), y0, span, steps)?, &mut y),
             (Method::Corrected(parts, Split::Kinetic), _) => {
                 let flow = Bonded::new(loaded(KineticFlow::new(chain), y0));
@@ -466,12 +444,9 @@ impl Problem {
             (Method::Dop853(_), Mode::Landed) => Rung::Divided(Division::Length(END / steps)),
             _ => Rung::Steps(steps as u64),
         };
-        // Averaged kicks cost a hundred times more, and their errors do not depend on where in a
-        // step an event lies.
-        let (rungs, shares) = if mode == Mode::Averaged { (5, 1) } else { (EVALUATIONS.len(), NEIGHBOURS.len()) };
-        let rung = |rung: f64| NEIGHBOURS[..shares].iter().map(|&share| work(steps(rung, share))).collect();
+        let rung = |rung: f64| NEIGHBOURS.iter().map(|&share| work(steps(rung, share))).collect();
         let ladder = if mode == Mode::Corrected { CORRECTED_EVALUATIONS } else { EVALUATIONS };
-        ladder[..rungs].iter().map(|&evaluations| rung(evaluations)).collect()
+        ladder.iter().map(|&evaluations| rung(evaluations)).collect()
     }
 }
 

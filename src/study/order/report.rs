@@ -140,8 +140,7 @@ fn picture(study: &OrderStudy, (quantity, floor): (Quantity, f64)) -> Result<cra
         floor: Some(floor),
         caption: format!(
             "{words} at t = 12 on a free chain of {} beads with resonators (κ = 1, ρ = 1/3) and {} onsets and releases. \
-             Crossing a contact limits the order to {} whatever the method; landing on it {}; kicks that integrate the force \
-             gain one order; kicks whose error at events is taken back have order 4; a variable in which the solution is smooth (power q = {}) lifts the limit. Each \
+             Crossing a contact limits the order to {} whatever the method; landing on it {}; kicks whose error at events is taken back have order 4; a variable in which the solution is smooth (power q = {}) lifts the limit. Each \
              point of the crossing and landing methods is a root mean square over seven neighbouring numbers of steps, of corrected kicks the median. hertzchain {}.",
             study.beads,
             study.events.len(),
