@@ -65,6 +65,7 @@ fn branches_have_the_same_files_for_any_number_of_threads() {
 }
 
 #[test]
+#[ignore = "nightly: nine seconds"]
 fn multipliers_that_are_killed_repeat_what_was_in_flight_only() {
     let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let (whole, parts) = (whole.path(), parts.path());
@@ -121,6 +122,7 @@ fn multipliers_that_are_asked_to_end_go_on_with_and_without_resume() {
 }
 
 #[test]
+#[ignore = "nightly: nine seconds"]
 fn another_branch_in_the_same_folder_reads_no_rows_of_the_first() {
     let shared = tempfile::tempdir().unwrap();
     let shared = shared.path();
@@ -153,6 +155,7 @@ fn another_branch_in_the_same_folder_reads_no_rows_of_the_first() {
 }
 
 #[test]
+#[ignore = "nightly: fourteen seconds"]
 fn another_scene_in_the_same_folder_reads_no_rows_of_the_first() {
     for (line, change, stores) in [
         (DRIVEN, "beads.drag=0.16", ["driven-spectra.store", "switched-spectra.store"]),

@@ -24,7 +24,7 @@ use std::ops::Range;
 /// KiB. Timed with AVX2 on rings of 1000 sites (least of many samples), a step takes 0.73
 /// (`strang-linear`) and 0.89 (`verlet`) of the time of kicks made one at a time; with AVX-512 and
 /// 1 MiB of second cache on rings of 10^4 sites (medians) 0.79 and 1.05 with resonators, 0.94 and
-/// 0.92 without; docs/decisions.md has those for 50 sites. Tests use shorter chains.
+/// 0.92 without. Tests use shorter chains.
 const SHORT: usize = if cfg!(test) { 1 << 12 } else { 1 << 14 };
 /// Numbers before the force of the first bond.
 const PAD: usize = LANES;
