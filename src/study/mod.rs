@@ -20,6 +20,7 @@ mod lifetimes;
 mod modulation;
 mod moving;
 mod normal_modes;
+mod options;
 mod orbits;
 mod order;
 mod plan;

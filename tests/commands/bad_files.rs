@@ -432,9 +432,9 @@ fn numbers_that_no_flag_can_take_are_refused_by_every_command_at_once() {
         (&["study", "order"], &["--alpha"], &["--beads"]),
         (&["study", "scaling"], &["--tol", "--max-time"], &["--sites"]),
         (&["study", "drift"], &["--periods"], &["--samples"]),
-        (&["study", "dimer"], &["--from", "--to"], &["--ratios", "--cells"]),
-        (&["study", "impurity"], &["--from", "--to"], &["--ratios"]),
-        (&["study", "taper"], &["--from", "--to"], &["--tapers", "--spheres"]),
+        (&["study", "dimer"], &["--from", "--to"], &["--points", "--cells"]),
+        (&["study", "impurity"], &["--from", "--to"], &["--points"]),
+        (&["study", "taper"], &["--from", "--to"], &["--points", "--spheres"]),
         (&["study", "disorder"], &[], &["--chains", "--drawn"]),
         (&["wave", "tw-q15"], &["--until", "--tol"], &["--samples-per-period", "--seeds"]),
         (

@@ -47,7 +47,7 @@ fn options_of_the_dimer_study_outside_their_rules_are_refused() {
     refused(DimerOptions { from: 0.01, ..own() }, "from 0.02 to 1");
     refused(DimerOptions { to: 1.5, ..own() }, "to = 1.5");
     refused(DimerOptions { from: 0.5, to: 0.5, ..own() }, "below the largest");
-    refused(DimerOptions { points: 2, ..own() }, "ratios = 2");
+    refused(DimerOptions { points: 2, ..own() }, "points = 2");
     refused(DimerOptions { cells: 3, ..own() }, "cells = 3");
 }
 
@@ -160,10 +160,10 @@ fn options_of_studies_of_pulses_outside_their_rules_are_refused() {
     refused(ImpurityOptions { from: 0.0, ..own() }, "from = 0");
     refused(ImpurityOptions { to: f64::NAN, ..own() }, "to = NaN");
     refused(ImpurityOptions { from: 2.0, to: 1.0, ..own() }, "below the largest");
-    refused(ImpurityOptions { points: 2, ..own() }, "ratios = 2");
+    refused(ImpurityOptions { points: 2, ..own() }, "points = 2");
     let own = TaperOptions::default;
     refused(TaperOptions { from: 0.7, ..own() }, "from = 0.7");
-    refused(TaperOptions { points: 1, ..own() }, "tapers = 1");
+    refused(TaperOptions { points: 1, ..own() }, "points = 1");
     refused(TaperOptions { spheres: 9, ..own() }, "spheres = 9");
     refused(TaperOptions { from: 0.8, spheres: 60, ..own() }, "radii stay");
     let own = DisorderOptions::default;

@@ -83,7 +83,7 @@ Example:
     /// A chain of alternating heavy and light beads is struck at one end. The transmission is the
     /// largest contact force far from that end, divided by the one near it. A mass ratio at which
     /// it has a maximum of 1 has a solitary wave.
-    #[command(after_long_help = "Example:\n  hertzchain study dimer --from 0.3 --to 0.4 --ratios 20 --out out/dimer")]
+    #[command(after_long_help = "Example:\n  hertzchain study dimer --from 0.3 --to 0.4 --points 20 --out out/dimer")]
     Dimer(Told<DimerOptions>),
     /// Measure how one bead of another mass scatters a solitary wave.
     ///
@@ -91,7 +91,7 @@ Example:
     /// in it long after the wave has passed, and the frequency at which a light bead oscillates
     /// between its neighbours.
     #[command(
-        after_long_help = "Example:\n  hertzchain study impurity --from 0.1 --to 10 --ratios 20 --out out/impurity"
+        after_long_help = "Example:\n  hertzchain study impurity --from 0.1 --to 10 --points 20 --out out/impurity"
     )]
     Impurity(Told<ImpurityOptions>),
     /// Measure how a pulse grows in tapered chains.
@@ -99,7 +99,7 @@ Example:
     /// Spheres of one material whose radii are a geometric sequence, shrinking or growing: the
     /// growth of the velocity from sphere to sphere, and the share of its energy that the pulse
     /// keeps.
-    #[command(after_long_help = "Example:\n  hertzchain study taper --from 0.95 --to 1 --tapers 11 --out out/taper")]
+    #[command(after_long_help = "Example:\n  hertzchain study taper --from 0.95 --to 1 --points 11 --out out/taper")]
     Taper(Told<TaperOptions>),
     /// Measure how a pulse decays in chains with masses drawn at random.
     ///

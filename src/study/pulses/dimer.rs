@@ -11,7 +11,7 @@
 //! the maxima at which `T` is 1. K. R. Jayaprakash, Y. Starosvetsky & A. F. Vakakis 2011, Phys. Rev. E 83,
 //! 036606.
 
-use super::{Crests, METHOD, STEP, check_count, check_range, follow, plain};
+use super::{Crests, METHOD, STEP, ascending, follow, plain};
 use crate::{
     chain::State,
     error::Result,
@@ -19,14 +19,12 @@ use crate::{
         Digits::{Fixed, Hidden},
         Kind, Line, Panel, Panels, Report, Table,
     },
-    study::{Progress, Study, Work},
+    study::{Progress, Study, Work, options::options},
 };
 
 /// Mass ratios at which solitary waves were found, in the article cited above.
 pub const PUBLISHED: [f64; 4] = [1.0, 0.3428, 0.1548, 0.0901];
 
-/// Mass ratios that can be asked for.
-const RATIOS: std::ops::RangeInclusive<f64> = 0.02..=1.0;
 /// Cells that the pulse passes before it is measured: it has then its own shape. Measured at m =
 /// 0.3428: a pulse that starts as a strike loses 8e-4 of its force between cell 12 and cell 36,
 /// and 1e-5 in the next 72. With 12 cells the maximum is found at 0.3414, 0.3419 and 0.3426 over
@@ -34,42 +32,28 @@ const RATIOS: std::ops::RangeInclusive<f64> = 0.02..=1.0;
 const FIRST_CELL: usize = 36;
 /// Cells beyond the last that is measured, so that the end of the chain is not felt.
 const BEYOND: usize = 4;
-const CELLS: std::ops::RangeInclusive<usize> = 4..=1000;
-const POINTS: std::ops::RangeInclusive<usize> = 3..=10_000;
 /// The golden ratio less 1.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Accuracy of the mass ratios at maxima.
 const NEAR: f64 = 2e-5;
 
-/// The study of a pulse in dimers.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct DimerOptions {
-    /// Smallest mass ratio.
-    ///
-    /// Mass of the light beads over that of the heavy ones, from 0.02 to 1.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value = "0.07"))]
-    pub from: f64,
-    /// Largest mass ratio.
-    ///
-    /// Mass of the light beads over that of the heavy ones, from 0.02 to 1.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value = "1"))]
-    pub to: f64,
-    /// Number of mass ratios, evenly spaced in their logarithm.
-    ///
-    /// From 3 to 10000.
-    #[cfg_attr(feature = "cli", arg(long = "ratios", value_name = "K", default_value_t = 120))]
-    pub points: usize,
-    /// Distance of the two bonds whose forces are compared, in cells.
-    ///
-    /// A cell is a heavy and a light bead. From 4 to 1000.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 24))]
-    pub cells: usize,
-}
-
-impl Default for DimerOptions {
-    fn default() -> Self {
-        Self { from: 0.07, to: 1.0, points: 120, cells: 24 }
+options! {
+    /// The study of a pulse in dimers.
+    pub struct DimerOptions {
+        /// Smallest mass ratio.
+        ///
+        /// Mass of the light beads over that of the heavy ones.
+        from: f64 = 0.07, 0.02 to 1.0, "M", f64;
+        /// Largest mass ratio.
+        ///
+        /// Mass of the light beads over that of the heavy ones.
+        to: f64 = 1.0, 0.02 to 1.0, "M", f64;
+        /// Number of mass ratios, evenly spaced in their logarithm.
+        points: usize = 120_usize, 3 to 10_000, "K", usize;
+        /// Distance of the two bonds whose forces are compared, in cells.
+        ///
+        /// A cell is a heavy and a light bead.
+        cells: usize = 24_usize, 4 to 1000, "N", usize;
     }
 }
 
@@ -162,9 +146,8 @@ impl DimerStudy {
 
 impl DimerOptions {
     fn check(&self) -> Result<()> {
-        check_range(self.from, self.to, &RATIOS, "a mass ratio from 0.02 to 1")?;
-        check_count("ratios", self.points, &POINTS, "from 3 to 10000")?;
-        check_count("cells", self.cells, &CELLS, "from 4 to 1000")
+        self.within_ranges()?;
+        ascending(self.from, self.to)
     }
 }
 

@@ -12,7 +12,7 @@
 //! `4 m m'/(m + m')^2` of the energy each time, whose mean logarithm is `-eps^2/6` to leading order.
 //! The wave is wider than a bead and loses less.
 
-use super::{ALPHA, CREST, Crests, LEAD, METHOD, STEP, check_count, follow, plain, pulse_energy, solitary_wave};
+use super::{ALPHA, CREST, Crests, LEAD, METHOD, STEP, follow, plain, pulse_energy, solitary_wave};
 use crate::{
     error::{Error, Result},
     random::uniform,
@@ -21,7 +21,7 @@ use crate::{
         Digits::{Fixed, Hidden, Json, Power},
         Kind, Line, Panel, Panels, Report, Table, rows,
     },
-    study::{Progress, Study, Work, fit_line},
+    study::{Progress, Study, Work, fit_line, options::options},
     sweep::{Engine, Grid},
     waves::LinePulse,
 };
@@ -29,11 +29,6 @@ use serde_json::json;
 
 /// Name of the store in the folder of results.
 const STORE: &str = "disorder.store";
-/// Strengths that may be asked for. Above them a mass could be so small that its contacts need
-/// shorter steps.
-const STRENGTHS: std::ops::RangeInclusive<f64> = 0.0..=0.9;
-const CHAINS: std::ops::RangeInclusive<usize> = 2..=100_000;
-const DRAWN: std::ops::RangeInclusive<usize> = 20..=2000;
 /// Number of first bonds that the line fit of the rate leaves out.
 const FIRST: usize = 10;
 /// Beads after the last that is measured, so that the free end is not felt.
@@ -41,34 +36,19 @@ const BEYOND: usize = 8;
 /// End of a run, in units of the time that the solitary wave takes.
 const END: f64 = 6.0;
 
-/// The study of pulses in disordered chains.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct DisorderOptions {
-    /// Strengths of the disorder, separated by commas.
-    ///
-    /// With the strength E, masses are drawn evenly from 1 - E to 1 + E. Each strength is from 0 to
-    /// 0.9.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "E,..", value_delimiter = ',', default_values = ["0.1", "0.2", "0.4", "0.8"])
-    )]
-    pub strengths: Vec<f64>,
-    /// Number of chains for each strength.
-    ///
-    /// From 2 to 10^5. Their seeds are 1, 2, 3, and so on.
-    #[cfg_attr(feature = "cli", arg(long = "chains", value_name = "K", default_value_t = 100))]
-    pub chains: u64,
-    /// Number of beads whose masses are drawn.
-    ///
-    /// From 20 to 2000.
-    #[cfg_attr(feature = "cli", arg(long = "drawn", value_name = "N", default_value_t = 100))]
-    pub drawn: usize,
-}
-
-impl Default for DisorderOptions {
-    fn default() -> Self {
-        Self { strengths: vec![0.1, 0.2, 0.4, 0.8], chains: 100, drawn: 100 }
+options! {
+    /// The study of pulses in disordered chains.
+    pub struct DisorderOptions {
+        /// Strengths of the disorder, separated by commas.
+        ///
+        /// With the strength E, masses are drawn evenly from 1 - E to 1 + E.
+        strengths: Vec<f64> = [0.1, 0.2, 0.4, 0.8], 0.0 to 0.9, "E,..", f64;
+        /// Number of chains for each strength.
+        ///
+        /// Their seeds are 1, 2, 3, and so on.
+        chains: u64 = 100_u64, 2 to 100_000, "K", u64;
+        /// Number of beads whose masses are drawn.
+        drawn: usize = 100_usize, 20 to 2000, "N", usize;
     }
 }
 
@@ -100,19 +80,6 @@ pub struct DisorderStudy {
     pub rows: Vec<DisorderRow>,
 }
 
-impl DisorderOptions {
-    fn check(&self) -> Result<()> {
-        if self.strengths.is_empty() {
-            return Err(Error::parameter("strengths", "", "at least one strength"));
-        }
-        if let Some(strength) = self.strengths.iter().find(|strength| !STRENGTHS.contains(*strength)) {
-            return Err(Error::parameter("strengths", strength, "a strength from 0 to 0.9"));
-        }
-        check_count("chains", self.chains as usize, &CHAINS, "from 2 to 10^5")?;
-        check_count("drawn", self.drawn, &DRAWN, "from 20 to 2000")
-    }
-}
-
 impl Study for DisorderOptions {
     const FILES: &'static str =
         "disorder.store keeps every chain as soon as it was run; the same command resumes from it.";
@@ -124,7 +91,7 @@ impl Study for DisorderOptions {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        self.check()?;
+        self.within_ranges()?;
         Ok(Box::new(|engine, progress| Ok(Box::new(disorder(self, engine, progress)?.report()))))
     }
 }
@@ -134,7 +101,7 @@ impl Study for DisorderOptions {
 /// # Errors
 /// An option outside its rule; a run that fails; a signal.
 pub fn disorder(options: &DisorderOptions, engine: &Engine, progress: Progress<'_>) -> Result<DisorderStudy> {
-    options.check()?;
+    options.within_ranges()?;
     let DisorderOptions { strengths, chains: seeds, drawn: beads } = options;
     let line = LinePulse::new(ALPHA);
     let chains: Vec<(f64, u64)> =

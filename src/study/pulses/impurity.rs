@@ -18,20 +18,18 @@
 //! A run ends at `t = 200 + 20 (M - 1)_+`. Beads still touch each other then, gently; each row also
 //! has the largest change of a share in the last quarter of the run.
 
-use super::{ALPHA, LEAD, METHOD, STEP, check_count, check_range, follow, geometric, plain, solitary_wave};
+use super::{ALPHA, LEAD, METHOD, STEP, ascending, follow, geometric, plain, solitary_wave};
 use crate::{
     error::{Error, Result},
     report::{
         Digits::{Fixed, Power, Short},
         Kind, Line, Panels, Report, rows,
     },
-    study::{Progress, Study, Work},
+    study::{Progress, Study, Work, options::options},
     sweep::map,
     waves::LinePulse,
 };
 
-const RATIOS: std::ops::RangeInclusive<f64> = 1e-3..=20.0;
-const POINTS: std::ops::RangeInclusive<usize> = 3..=10_000;
 /// Number of beads behind the impurity: a fixed one, and more for each unit of its mass, as a heavy
 /// bead drives a train of pulses.
 const BEYOND: f64 = 16.0;
@@ -44,30 +42,19 @@ const LATE: f64 = 0.75;
 /// Least number of sign changes of `w''` from which a frequency is taken.
 const CHANGES: usize = 4;
 
-/// The study of a solitary wave at an impurity.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct ImpurityOptions {
-    /// Smallest mass ratio.
-    ///
-    /// Mass of the impurity over that of the other beads, from 0.001 to 20.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value = "0.01"))]
-    pub from: f64,
-    /// Largest mass ratio.
-    ///
-    /// Mass of the impurity over that of the other beads, from 0.001 to 20.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value = "20"))]
-    pub to: f64,
-    /// Number of mass ratios, evenly spaced in their logarithm.
-    ///
-    /// From 3 to 10000.
-    #[cfg_attr(feature = "cli", arg(long = "ratios", value_name = "K", default_value_t = 67))]
-    pub points: usize,
-}
-
-impl Default for ImpurityOptions {
-    fn default() -> Self {
-        Self { from: 0.01, to: 20.0, points: 67 }
+options! {
+    /// The study of a solitary wave at an impurity.
+    pub struct ImpurityOptions {
+        /// Smallest mass ratio.
+        ///
+        /// Mass of the impurity over that of the other beads.
+        from: f64 = 0.01, 1e-3 to 20.0, "M", f64;
+        /// Largest mass ratio.
+        ///
+        /// Mass of the impurity over that of the other beads.
+        to: f64 = 20.0, 1e-3 to 20.0, "M", f64;
+        /// Number of mass ratios, evenly spaced in their logarithm.
+        points: usize = 67_usize, 3 to 10_000, "K", usize;
     }
 }
 
@@ -107,8 +94,8 @@ pub struct ImpurityStudy {
 
 impl ImpurityOptions {
     fn check(&self) -> Result<()> {
-        check_range(self.from, self.to, &RATIOS, "a mass ratio from 0.001 to 20")?;
-        check_count("ratios", self.points, &POINTS, "from 3 to 10000")
+        self.within_ranges()?;
+        ascending(self.from, self.to)
     }
 }
 

@@ -28,7 +28,6 @@ use crate::{
     waves::LinePulse,
 };
 use hertzchain_integrators::Stepper;
-use std::ops::RangeInclusive;
 
 /// Exponent of the contacts.
 const ALPHA: f64 = 1.5;
@@ -139,22 +138,9 @@ fn pulse_energy(chain: &Chain<f64>, y: &[f64], bond: usize) -> f64 {
     energies[bond.saturating_sub(HALF_PULSE)..(bond + HALF_PULSE).min(energies.len())].iter().sum()
 }
 
-/// Checks both ends of a range of values, by a rule in words.
-fn check_range(from: f64, to: f64, allowed: &RangeInclusive<f64>, rule: &'static str) -> Result<()> {
-    for (name, value) in [("from", from), ("to", to)] {
-        if !allowed.contains(&value) {
-            return Err(Error::parameter(name, value, rule));
-        }
-    }
-    if from >= to {
-        return Err(Error::parameter("from", from, "below the largest value, --to"));
-    }
-    Ok(())
-}
-
-/// Checks a count, which belongs to a flag, by a rule in words.
-fn check_count(flag: &'static str, count: usize, allowed: &RangeInclusive<usize>, rule: &'static str) -> Result<()> {
-    if allowed.contains(&count) { Ok(()) } else { Err(Error::parameter(flag, count, rule)) }
+/// Refuses a range that is empty.
+fn ascending(from: f64, to: f64) -> Result<()> {
+    if from < to { Ok(()) } else { Err(Error::parameter("from", from, "below the largest value, --to")) }
 }
 
 /// Values from `from` to `to`, both included, evenly spaced in their logarithm.

@@ -12,23 +12,18 @@
 //! energy, `V_n` would be proportional to `m_n^{-1/2}`, which is `s^{-3/2}` a sphere. Both are
 //! `1 - 3 (s - 1)/2` near `s = 1`.
 
-use super::{
-    ALPHA, CREST, Crests, LEAD, METHOD, STEP, check_count, check_range, follow, plain, pulse_energy, solitary_wave,
-};
+use super::{ALPHA, CREST, Crests, LEAD, METHOD, STEP, ascending, follow, plain, pulse_energy, solitary_wave};
 use crate::{
     error::{Error, Result},
     report::{
         Digits::{Fixed, Hidden, Json},
         Kind, Panels, Report, Table, rows,
     },
-    study::{Progress, Study, Work, fit_line},
+    study::{Progress, Study, Work, fit_line, options::options},
     sweep::map,
     waves::LinePulse,
 };
 
-const RADII: std::ops::RangeInclusive<f64> = 0.8..=1.25;
-const POINTS: std::ops::RangeInclusive<usize> = 2..=1000;
-const SPHERES: std::ops::RangeInclusive<usize> = 10..=200;
 /// Least and largest radius that a chain may have.
 const LIMITS: (f64, f64) = (1e-3, 1e3);
 /// Spheres after the last that is measured, so that the free end is not felt.
@@ -37,35 +32,21 @@ const BEYOND: usize = 8;
 /// `(m/A)^{1/2} g^{-1/4}`, with `g` proportional to `A^{-2/5}`.
 const TIME: f64 = 1.3;
 
-/// The study of a pulse in tapered chains.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct TaperOptions {
-    /// Smallest ratio of a radius to the one before it.
-    ///
-    /// From 0.8 (shrinking spheres) to 1.25 (growing ones).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value = "0.92"))]
-    pub from: f64,
-    /// Largest ratio of a radius to the one before it.
-    ///
-    /// From 0.8 (shrinking spheres) to 1.25 (growing ones).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value = "1.08"))]
-    pub to: f64,
-    /// Number of ratios of radii, evenly spaced.
-    ///
-    /// From 2 to 1000.
-    #[cfg_attr(feature = "cli", arg(long = "tapers", value_name = "K", default_value_t = 33))]
-    pub points: usize,
-    /// Number of tapered spheres whose velocity is measured.
-    ///
-    /// From 10 to 200, and so few that all radii stay between 0.001 and 1000 times the first one.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 40))]
-    pub spheres: usize,
-}
-
-impl Default for TaperOptions {
-    fn default() -> Self {
-        Self { from: 0.92, to: 1.08, points: 33, spheres: 40 }
+options! {
+    /// The study of a pulse in tapered chains.
+    pub struct TaperOptions {
+        /// Smallest ratio of a radius to the one before it.
+        ///
+        /// Below 1 spheres shrink.
+        from: f64 = 0.92, 0.8 to 1.25, "S", f64;
+        /// Largest ratio of a radius to the one before it.
+        to: f64 = 1.08, 0.8 to 1.25, "S", f64;
+        /// Number of ratios of radii, evenly spaced.
+        points: usize = 33_usize, 2 to 1000, "K", usize;
+        /// Number of tapered spheres whose velocity is measured.
+        ///
+        /// So few that all radii stay between 0.001 and 1000 times the first one.
+        spheres: usize = 40_usize, 10 to 200, "N", usize;
     }
 }
 
@@ -97,9 +78,8 @@ pub struct TaperStudy {
 
 impl TaperOptions {
     fn check(&self) -> Result<()> {
-        check_range(self.from, self.to, &RADII, "a ratio of radii from 0.8 to 1.25")?;
-        check_count("tapers", self.points, &POINTS, "from 2 to 1000")?;
-        check_count("spheres", self.spheres, &SPHERES, "from 10 to 200")?;
+        self.within_ranges()?;
+        ascending(self.from, self.to)?;
         let last = |ratio: f64| ratio.powi((self.spheres + BEYOND) as i32);
         if last(self.from) < LIMITS.0 || last(self.to) > LIMITS.1 {
             let rule = "so few that all radii stay between 0.001 and 1000";
