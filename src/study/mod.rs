@@ -32,10 +32,7 @@ mod stretches;
 mod theorem;
 mod wave;
 
-#[cfg(feature = "plot")]
-pub(crate) use barrier::barrier_columns;
 pub use barrier::*;
-pub(crate) use barrier::{barrier_caption, barrier_tables};
 pub use boundary_wave::*;
 pub(crate) use breather::bright_tables;
 pub use breather::*;
@@ -80,10 +77,7 @@ pub use pulses::*;
 pub use run::*;
 pub use scaling::*;
 pub use si::InSi;
-#[cfg(feature = "plot")]
-pub(crate) use solitary::solitary_columns;
 pub use solitary::*;
-pub(crate) use solitary::{solitary_caption, solitary_tables};
 pub(crate) use theorem::theorem_csv;
 pub use theorem::{
     Bound, Errors as TheoremErrors, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremRun, TheoremSlope,
