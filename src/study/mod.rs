@@ -46,7 +46,6 @@ pub use dps::*;
 pub(crate) use dps::{center_word, of_sites};
 pub use drift::*;
 pub use driven::*;
-#[cfg(feature = "plot")]
 pub(crate) use driven::{multipliers_panel, stability_lines};
 pub use end_driven::*;
 #[cfg(feature = "plot")]
@@ -63,10 +62,7 @@ pub use lifetimes::*;
 pub(crate) use modulation::figure as stability_figure;
 pub use modulation::*;
 pub(crate) use modulation::{caption as stability_caption, stability_tables};
-#[cfg(feature = "plot")]
-pub(crate) use moving::moving_columns;
 pub use moving::*;
-pub(crate) use moving::{moving_caption, moving_tables};
 pub use normal_modes::*;
 pub(crate) use orbits::branch_csv;
 pub(crate) use orbits::folder_of;

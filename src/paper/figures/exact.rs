@@ -8,8 +8,7 @@ use crate::{
     output::csv,
     study::{
         Barrier, BarrierStudy, BranchWave, ContinueWave, ExactStudy, Moving, MovingStudy, Solitary, SolitaryStudy,
-        Wanted, WaveBranchStudy, exact_caption, exact_study, exact_tables, fit_line, moving_caption, moving_tables,
-        wave_branch_csv,
+        Wanted, WaveBranchStudy, exact_caption, exact_study, exact_tables, fit_line, wave_branch_csv,
     },
     waves::{Given, MeanStrain, Search, Shape, Size, TravellingWave, WaveNumber, WaveParameter, WaveSetting},
 };
@@ -196,7 +195,7 @@ pub(super) fn exact_words(data: &ExactData) -> String {
         }
         ExactData::Solitary(study) => study.caption(),
         ExactData::Barrier(studies) => studies.iter().map(BarrierStudy::caption).collect::<Vec<_>>().join(" "),
-        ExactData::Moving(studies) => studies.iter().map(moving_caption).collect::<Vec<_>>().join(" "),
+        ExactData::Moving(studies) => studies.iter().map(MovingStudy::caption).collect::<Vec<_>>().join(" "),
     };
     format!("{words} hertzchain {}.", env!("CARGO_PKG_VERSION"))
 }
@@ -224,7 +223,7 @@ pub(super) fn exact_files(data: &ExactData) -> Vec<(String, Vec<(String, Vec<u8>
         }
         ExactData::Moving(studies) => {
             let tag = |k: usize| if k == 0 { String::new() } else { "frequencies".to_owned() };
-            studies.iter().enumerate().map(|(k, study)| (tag(k), old(moving_tables(study)))).collect()
+            studies.iter().enumerate().map(|(k, study)| (tag(k), study.report().csv().collect())).collect()
         }
     }
 }
@@ -260,7 +259,7 @@ pub(super) fn exact_panels(title: &str, data: &ExactData, caption: String) -> cr
         ExactData::Barrier(studies) => studies.iter().map(BarrierStudy::column).collect(),
         // Of the first study profiles, tails and depths; of the others tails and depths only.
         ExactData::Moving(studies) => {
-            let columns = |(k, study)| crate::study::moving_columns(study).into_iter().skip(k);
+            let columns = |(k, study)| MovingStudy::columns(study).into_iter().skip(k);
             studies.iter().enumerate().flat_map(|(k, study)| columns((usize::from(k > 0), study))).collect()
         }
     };
