@@ -33,10 +33,7 @@ mod stretches;
 mod theorem;
 mod wave;
 
-#[cfg(feature = "plot")]
-pub(crate) use barrier::barrier_columns;
 pub use barrier::*;
-pub(crate) use barrier::{barrier_caption, barrier_tables};
 pub use boundary_wave::*;
 pub(crate) use breather::bright_tables;
 pub use breather::*;
@@ -50,7 +47,6 @@ pub use dps::*;
 pub(crate) use dps::{center_word, of_sites};
 pub use drift::*;
 pub use driven::*;
-#[cfg(feature = "plot")]
 pub(crate) use driven::{multipliers_panel, stability_lines};
 pub use end_driven::*;
 #[cfg(feature = "plot")]
@@ -67,10 +63,7 @@ pub use lifetimes::*;
 pub(crate) use modulation::figure as stability_figure;
 pub use modulation::*;
 pub(crate) use modulation::{caption as stability_caption, stability_tables};
-#[cfg(feature = "plot")]
-pub(crate) use moving::moving_columns;
 pub use moving::*;
-pub(crate) use moving::{moving_caption, moving_tables};
 pub use normal_modes::*;
 pub(crate) use orbits::branch_csv;
 pub(crate) use orbits::folder_of;
@@ -81,10 +74,7 @@ pub use pulses::*;
 pub use run::*;
 pub use scaling::*;
 pub use si::InSi;
-#[cfg(feature = "plot")]
-pub(crate) use solitary::solitary_columns;
 pub use solitary::*;
-pub(crate) use solitary::{solitary_caption, solitary_tables};
 pub(crate) use theorem::theorem_csv;
 pub use theorem::{
     Bound, Errors as TheoremErrors, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremRun, TheoremSlope,

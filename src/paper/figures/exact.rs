@@ -8,8 +8,7 @@ use crate::{
     output::csv,
     study::{
         Barrier, BarrierStudy, BranchWave, ContinueWave, ExactStudy, Moving, MovingStudy, Solitary, SolitaryStudy,
-        Wanted, WaveBranchStudy, barrier_caption, barrier_tables, exact_caption, exact_study, exact_tables, fit_line,
-        moving_caption, moving_tables, solitary_caption, solitary_tables, wave_branch_csv,
+        Wanted, WaveBranchStudy, exact_caption, exact_study, exact_tables, fit_line, wave_branch_csv,
     },
     waves::{Given, MeanStrain, Search, Shape, Size, TravellingWave, WaveNumber, WaveParameter, WaveSetting},
 };
@@ -194,19 +193,20 @@ pub(super) fn exact_words(data: &ExactData) -> String {
                 slopes.trim_end_matches("; ")
             )
         }
-        ExactData::Solitary(study) => solitary_caption(study),
-        ExactData::Barrier(studies) => studies.iter().map(barrier_caption).collect::<Vec<_>>().join(" "),
-        ExactData::Moving(studies) => studies.iter().map(moving_caption).collect::<Vec<_>>().join(" "),
+        ExactData::Solitary(study) => study.caption(),
+        ExactData::Barrier(studies) => studies.iter().map(BarrierStudy::caption).collect::<Vec<_>>().join(" "),
+        ExactData::Moving(studies) => studies.iter().map(MovingStudy::caption).collect::<Vec<_>>().join(" "),
     };
     format!("{words} hertzchain {}.", env!("CARGO_PKG_VERSION"))
 }
 
-pub(super) fn exact_files(data: &ExactData) -> Vec<(String, Tables)> {
+pub(super) fn exact_files(data: &ExactData) -> Vec<(String, Vec<(String, Vec<u8>)>)> {
+    let old = |tables: Tables| tables.into_iter().map(|(name, bytes)| (name.to_owned(), bytes)).collect();
     match data {
-        ExactData::Wave(study) => vec![(String::new(), exact_tables(study))],
+        ExactData::Wave(study) => vec![(String::new(), old(exact_tables(study)))],
         ExactData::Branches(branches) => branches
             .iter()
-            .map(|(_, study)| (study.scene.clone(), vec![("waves.csv", wave_branch_csv(study))]))
+            .map(|(_, study)| (study.scene.clone(), old(vec![("waves.csv", wave_branch_csv(study))])))
             .collect(),
         ExactData::Limits(waves) => {
             let row = |wave: &LimitWave| {
@@ -214,16 +214,16 @@ pub(super) fn exact_files(data: &ExactData) -> Vec<(String, Tables)> {
                 vec![rho, epsilon, e_x, e_y, growth, modulation]
             };
             let names = ["rho", "epsilon", "e_x", "e_y", "growth", "modulation"];
-            vec![(String::new(), vec![("limits.csv", csv(&names, waves.iter().map(row)))])]
+            vec![(String::new(), old(vec![("limits.csv", csv(&names, waves.iter().map(row)))]))]
         }
-        ExactData::Solitary(study) => vec![(String::new(), solitary_tables(study))],
+        ExactData::Solitary(study) => vec![(String::new(), study.report().csv().collect())],
         ExactData::Barrier(studies) => {
             let tag = |study: &BarrierStudy| format!("rho{:.2}", study.options.ring.rho);
-            studies.iter().map(|study| (tag(study), barrier_tables(study))).collect()
+            studies.iter().map(|study| (tag(study), study.report().csv().collect())).collect()
         }
         ExactData::Moving(studies) => {
             let tag = |k: usize| if k == 0 { String::new() } else { "frequencies".to_owned() };
-            studies.iter().enumerate().map(|(k, study)| (tag(k), moving_tables(study))).collect()
+            studies.iter().enumerate().map(|(k, study)| (tag(k), study.report().csv().collect())).collect()
         }
     }
 }
@@ -255,11 +255,11 @@ pub(super) fn exact_panels(title: &str, data: &ExactData, caption: String) -> cr
             let growth = panel("|growth / DpS growth − 1| at p = π", &|wave| wave.apart().abs());
             vec![Column::new("", [errors]), Column::new("", [growth])]
         }
-        ExactData::Solitary(study) => crate::study::solitary_columns(study),
-        ExactData::Barrier(studies) => studies.iter().map(crate::study::barrier_columns).collect(),
+        ExactData::Solitary(study) => study.columns(),
+        ExactData::Barrier(studies) => studies.iter().map(BarrierStudy::column).collect(),
         // Of the first study profiles, tails and depths; of the others tails and depths only.
         ExactData::Moving(studies) => {
-            let columns = |(k, study)| crate::study::moving_columns(study).into_iter().skip(k);
+            let columns = |(k, study)| MovingStudy::columns(study).into_iter().skip(k);
             studies.iter().enumerate().flat_map(|(k, study)| columns((usize::from(k > 0), study))).collect()
         }
     };

@@ -183,10 +183,13 @@ impl Figure {
     /// The tables of the figure, `(file name, CSV)`: those of the command that computes the same
     /// data, or the profiles.
     pub fn tables(&self, data: &Data) -> Vec<(String, Vec<u8>)> {
-        let named = |tag: &str, tables: Vec<(&str, Vec<u8>)>| {
+        let told = |tag: &str, tables: Vec<(String, Vec<u8>)>| {
             let dash = if tag.is_empty() { "" } else { "-" };
-            let name = |table: &str| format!("{}{dash}{tag}-{table}", self.name);
+            let name = |table: String| format!("{}{dash}{tag}-{table}", self.name);
             tables.into_iter().map(|(table, bytes)| (name(table), bytes)).collect::<Vec<_>>()
+        };
+        let named = |tag: &str, tables: Tables| {
+            told(tag, tables.into_iter().map(|(table, bytes)| (table.to_owned(), bytes)).collect())
         };
         match data {
             Data::Waves(_, runs) => runs.iter().flat_map(|(run, study)| named(run.tag, wave_tables(study))).collect(),
@@ -209,7 +212,7 @@ impl Figure {
                 orbits::orbit_tables(data).into_iter().flat_map(|(tag, tables)| named(&tag, tables)).collect()
             }
             Data::Exact(data) => {
-                exact::exact_files(data).into_iter().flat_map(|(tag, tables)| named(&tag, tables)).collect()
+                exact::exact_files(data).into_iter().flat_map(|(tag, tables)| told(&tag, tables)).collect()
             }
         }
     }

@@ -19,7 +19,6 @@ use crate::{
     sweep::Engine,
 };
 pub use file::{driven_branch_from_archive, driven_branch_npz, load_driven_branch};
-#[cfg(feature = "plot")]
 pub(crate) use report::{multipliers_panel, stability_lines};
 use std::path::PathBuf;
 

@@ -358,9 +358,8 @@ impl Report for DrivenBranchStudy {
 
 /// The multipliers in the complex plane, with a line each for those inside or on the circle, and
 /// for those outside.
-#[cfg(feature = "plot")]
-pub(crate) fn multipliers_panel(point: &DrivenPoint) -> crate::figures::Panel {
-    use crate::figures::{Kind, Line, Panel};
+pub(crate) fn multipliers_panel(point: &DrivenPoint) -> crate::report::Panel {
+    use crate::report::{Kind, Line, Panel};
     let outside = point.spectrum.unstable();
     let at = |one: &DrivenMultiplier| (one.re, one.im);
     let (out, inside) = point.spectrum.multipliers.split_at(outside);
@@ -372,16 +371,15 @@ pub(crate) fn multipliers_panel(point: &DrivenPoint) -> crate::figures::Panel {
 }
 
 /// The points of a branch as two lines of a picture, one for stable and one for unstable ones.
-#[cfg(feature = "plot")]
 pub(crate) fn stability_lines<'a, T: 'a>(
     points: &'a [T],
     place: impl Fn(&'a T) -> (f64, f64),
     stable: impl Fn(&'a T) -> bool,
-) -> Vec<crate::figures::Line> {
+) -> Vec<crate::report::Line> {
     let chosen = |wanted: bool| points.iter().filter(|point| stable(point) == wanted).map(&place).collect::<Vec<_>>();
     [("stable", true), ("unstable", false)]
         .into_iter()
-        .map(|(name, wanted)| crate::figures::Line::new(name, chosen(wanted)))
+        .map(|(name, wanted)| crate::report::Line::new(name, chosen(wanted)))
         .collect()
 }
 

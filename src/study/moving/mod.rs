@@ -14,9 +14,6 @@ mod kicked;
 mod report;
 
 pub use kicked::{KickedRun, Passage};
-#[cfg(feature = "plot")]
-pub(crate) use report::columns as moving_columns;
-pub(crate) use report::{caption as moving_caption, tables as moving_tables};
 
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
@@ -27,6 +24,7 @@ use crate::{
     error::{Error, Result},
     interrupt,
     orbits::{Kantorovich, Kind, Orbit, Shooting, Spectrum},
+    report::Report,
     sweep::map,
 };
 use hertzchain_integrators::Tolerance;
@@ -172,8 +170,10 @@ pub struct MovingStudy {
 type Measured = (MovingOrbit, Envelope);
 
 impl Study for Moving {
-    const FILES: &'static str =
-        "Files: moving.json, moving.csv, envelope.csv and moving.png; passages.csv with a kicked run.";
+    fn outline() -> Option<Report> {
+        let tables = [report::points(&[], false), report::envelopes(&[]), report::passages(&[])];
+        Some(tables.into_iter().fold(Report::new("moving"), Report::table))
+    }
 
     fn sometimes() -> Vec<String> {
         vec!["passages.csv".to_owned()]
@@ -181,7 +181,7 @@ impl Study for Moving {
 
     fn begin(&self) -> Result<Work<'_>> {
         self.breathers()?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(self.study(progress)?))))
+        Ok(Box::new(move |_, progress| Ok(Box::new(self.study(progress)?.report()))))
     }
 }
 

@@ -1,64 +1,18 @@
-//! Moving breathers as text, JSON, files and pictures.
+//! The report of moving breathers.
 
-use super::{MovingPoint, MovingStudy};
+use super::{MovingPoint, MovingStudy, Passage};
 use crate::{
     chain::Params,
-    error::Result,
     number::shown,
-    output::csv,
-    present::table,
-    study::{File, Report, exact::nearness, params_words},
+    report::{
+        Column,
+        Digits::{Fixed, Hidden, Json, Power, Short},
+        Kind, Line, Panel, Panels, Report, Table,
+    },
+    study::params_words,
 };
 use serde_json::{Value, json};
 use std::f64::consts::PI;
-
-impl MovingPoint {
-    /// The numbers of the breather, in the order of [`NAMES`].
-    fn numbers(&self) -> [f64; 18] {
-        let (breather, envelope) = (&self.orbit.breather, &self.envelope);
-        [
-            breather.omega_b,
-            f64::from(breather.turns),
-            breather.passage(),
-            breather.velocity(),
-            self.orbit.residual,
-            self.return_error,
-            envelope.background,
-            envelope.depth,
-            envelope.tail,
-            self.spectrum.largest(),
-            self.real(),
-            self.tail.twist,
-            self.tail.wave_number,
-            self.tail.share,
-            self.resonant_wave(),
-            self.energy.energy,
-            self.energy.free,
-            self.kantorovich.and_then(|found| found.radius).unwrap_or(f64::NAN),
-        ]
-    }
-}
-
-const NAMES: [&str; 18] = [
-    "omega_b",
-    "turns",
-    "passage",
-    "velocity",
-    "residual",
-    "return_error",
-    "background",
-    "depth",
-    "tail",
-    "max_modulus",
-    "real",
-    "twist",
-    "tail_wave",
-    "tail_share",
-    "resonant_wave",
-    "energy",
-    "free_energy",
-    "radius",
-];
 
 impl MovingStudy {
     fn params(&self) -> Params {
@@ -88,239 +42,201 @@ impl MovingStudy {
         });
         tail + &kicked + &apart
     }
-}
 
-impl Report for MovingStudy {
-    fn json(&self) -> Value {
-        let point = |point: &MovingPoint| {
-            let mut row: serde_json::Map<String, Value> =
-                NAMES.iter().zip(point.numbers()).map(|(name, value)| ((*name).to_owned(), json!(value))).collect();
-            row["turns"] = json!(point.orbit.breather.turns);
-            row.insert("growth".to_owned(), json!(point.growth()));
-            row.insert("quality".to_owned(), json!(point.spectrum.quality));
-            row.insert("newton".to_owned(), json!(point.orbit.newton));
-            row.insert("tail_amplitude".to_owned(), json!(point.tail.amplitude));
-            row.insert("resonant".to_owned(), json!(point.resonant));
-            row.insert("kantorovich".to_owned(), json!(point.kantorovich));
-            Value::Object(row)
-        };
-        let kicked = self.kicked.as_ref().map(|run| {
+    /// The report.
+    pub fn report(&self) -> Report {
+        let options = &self.options;
+        let passages = self.kicked.as_ref().map(|run| {
+            let family = |one: &Passage| (*one, one.velocity.and_then(|velocity| self.depth(velocity)));
+            passages(&run.passages.iter().map(family).collect::<Vec<_>>())
+        });
+        let kicked = self.kicked.as_ref().zip(passages.as_ref()).map(|(run, passages)| {
             json!({
                 "omega_b": run.omega_b,
-                "kick": self.options.kick,
+                "kick": options.kick,
                 "t": run.times,
                 "position": run.position,
-                "passages": run.passages,
+                "passages": passages.json(),
                 "velocities": self.quarters(),
                 "depth_apart": self.apart(),
             })
         });
-        let missing = self
-            .missing
-            .iter()
-            .map(|(omega_b, turns, why)| json!({ "omega_b": omega_b, "turns": turns, "reason": why }));
-        json!({
-            "alpha": self.options.alpha,
-            "kappa": self.options.kappa,
-            "rho": self.options.rho,
-            "sites": self.options.sites,
-            "points": self.points.iter().map(point).collect::<Vec<_>>(),
-            "missing": missing.collect::<Vec<_>>(),
-            "kicked": kicked,
-            "tol": self.options.tol,
-            "version": env!("CARGO_PKG_VERSION"),
-        })
+        let missing = |(omega_b, turns, why): &(f64, u32, String)| -> Value {
+            json!({ "omega_b": omega_b, "turns": turns, "reason": why })
+        };
+        let lost: Vec<String> =
+            self.missing.iter().map(|(omega_b, turns, _)| format!("{} with {turns} turns", shown(*omega_b))).collect();
+        let title = "Moving dark breathers".to_owned();
+        let report = Report::new("moving")
+            .fact("alpha", options.alpha)
+            .fact("kappa", options.kappa)
+            .fact("rho", options.rho)
+            .fact("sites", options.sites)
+            .words(self.caption())
+            .table(points(&self.points, options.bound))
+            .table(envelopes(&self.points))
+            .fact("missing", self.missing.iter().map(missing).collect::<Vec<_>>())
+            .fact("kicked", kicked)
+            .fact("tol", options.tol)
+            .picture(Panels { title, columns: self.columns(), caption: self.caption() })
+            .failure(
+                (!lost.is_empty()).then(|| format!("no moving breather was found at omega_b = {}", lost.join(", "))),
+            );
+        passages.into_iter().fold(report, Report::table)
     }
 
-    fn text(&self) -> String {
-        let row = |point: &MovingPoint| {
-            let (breather, envelope) = (&point.orbit.breather, &point.envelope);
-            vec![
-                format!("{:.6}", breather.omega_b),
-                breather.turns.to_string(),
-                format!("{:.6}", breather.velocity()),
-                format!("{:.1e}", point.orbit.residual),
-                format!("{:.1e}", point.return_error),
-                format!("{:.6}", envelope.background),
-                format!("{:.5}", envelope.depth),
-                format!("{:.5}", envelope.tail),
-                format!("{:.3}", point.tail.wave_number / PI),
-                format!("{:.3}", point.resonant_wave() / PI),
-                format!("{:.3e}", point.energy.energy),
-                format!("{:.4e}", point.energy.free),
-                format!("{:.6}", point.spectrum.largest()),
-                format!("{:.2e}", point.growth()),
-            ]
-        };
-        let rows: Vec<Vec<String>> = self.points.iter().map(row).collect();
-        let head = [
-            "omega_b",
-            "turns",
-            "velocity",
-            "residual",
-            "return",
-            "background",
-            "depth",
-            "tail",
-            "p/pi",
-            "resonant",
-            "energy",
-            "E-wJ-vP",
-            "max |l|",
-            "growth",
-        ];
-        let bounds: String = if self.options.bound {
-            let line = |point: &MovingPoint| {
-                format!(
-                    "{} turns at {}: {}\n",
-                    point.orbit.breather.turns,
-                    point.orbit.breather.omega_b,
-                    nearness(point.kantorovich)
-                )
-            };
-            self.points.iter().map(line).collect()
-        } else {
-            String::new()
-        };
+    /// What the picture shows, with all numbers.
+    pub(crate) fn caption(&self) -> String {
+        let residual = self.points.iter().map(|point| point.orbit.residual).fold(0.0, f64::max);
         format!(
-            "Moving dark breathers on {} sites; depth and tail in units of the background, growth per unit of time.\n\
-             Wave number p of the tail, and of the modulation of the background that keeps its phase in the frame of the kink; energy of the kink.\n\n\
-             {}\n{}\n{bounds}",
+            "{}, N = {}: {} moving breathers, largest residual {residual:.0e}. {}",
+            params_words(self.params()),
             self.options.sites,
-            table(&head, &rows),
+            self.points.len(),
             self.words()
         )
     }
 
-    fn files(&self, json: &str) -> Result<Vec<File>> {
-        let mut files = vec![("moving.json".to_owned(), format!("{json}\n").into_bytes())];
-        files.extend(tables(self).into_iter().map(|(name, table)| (name.to_owned(), table)));
-        Ok(files)
-    }
-
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
-        use crate::figures::{Panels, panels};
-        let caption = format!("{} hertzchain {}.", caption(self), env!("CARGO_PKG_VERSION"));
-        let title = "Moving dark breathers".to_owned();
-        Ok(crate::study::named([("moving.png", panels(&Panels { title, columns: columns(self), caption })?)]))
-    }
-
-    fn remark(&self) -> Option<String> {
-        let places: Vec<String> =
-            self.missing.iter().map(|(omega_b, turns, _)| format!("{} with {turns} turns", shown(*omega_b))).collect();
-        (!places.is_empty()).then(|| format!("error: no moving breather was found at omega_b = {}", places.join(", ")))
-    }
-
-    /// The breathers that were found are written, but one that was not found is a failure.
-    fn succeeded(&self) -> bool {
-        self.missing.is_empty()
+    /// Local amplitudes of the slowest and of the fastest breather; tails and depths over velocities,
+    /// a line for each frequency, or over frequencies where all have the same turns.
+    pub(crate) fn columns(&self) -> Vec<Column> {
+        let middle = (self.options.sites / 2) as f64;
+        let velocity = |point: &MovingPoint| point.orbit.breather.velocity();
+        let by_velocity = |a: &&MovingPoint, b: &&MovingPoint| velocity(a).total_cmp(&velocity(b));
+        let ends = [self.points.iter().min_by(by_velocity), self.points.iter().max_by(by_velocity)];
+        let profile = |of: &dyn Fn(&MovingPoint, usize) -> f64| -> Vec<Line> {
+            let line = |point: &MovingPoint| {
+                let values = (0..self.options.sites).map(|i| (i as f64 - middle, of(point, i)));
+                Line::new(&format!("v = {:.5}", velocity(point)), values)
+            };
+            ends.into_iter().flatten().map(line).collect()
+        };
+        let amplitudes = profile(&|point, i| point.envelope.amplitude[i] / point.envelope.background);
+        let phases = profile(&|point, i| point.envelope.phase[i] / PI);
+        let one = self.options.turns.len() == 1;
+        let families = |of: &dyn Fn(&MovingPoint) -> f64| -> Vec<Line> {
+            let line = |points: &[MovingPoint]| {
+                let first = &points[0].orbit.breather;
+                let name =
+                    if one { format!("{} turns", first.turns) } else { format!("ω_b = {}", shown(first.omega_b)) };
+                let place = |point: &MovingPoint| if one { point.orbit.breather.omega_b } else { velocity(point) };
+                let mut family: Vec<(f64, f64)> = points.iter().map(|point| (place(point), of(point))).collect();
+                family.sort_by(|a, b| a.0.total_cmp(&b.0));
+                Line::new(&name, family)
+            };
+            let same = |a: &MovingPoint, b: &MovingPoint| one || a.orbit.breather.omega_b == b.orbit.breather.omega_b;
+            self.points.chunk_by(same).map(line).collect()
+        };
+        let mut depths = families(&|point| point.envelope.depth);
+        if let (Some(run), false) = (&self.kicked, one) {
+            let passages = run.passages.iter().filter_map(|one| Some((one.velocity?, one.depth)));
+            depths.push(Line::new("kicked", passages));
+        }
+        let named = |what: &str, lines: Vec<Line>| -> Vec<Line> {
+            lines.into_iter().map(|line| Line { name: format!("{what}, {}", line.name), ..line }).collect()
+        };
+        let waves = [
+            named("tail", families(&|point| point.tail.wave_number / PI)),
+            named("resonant", families(&|point| point.resonant_wave() / PI)),
+        ]
+        .concat();
+        let over = if one { "ω_b" } else { "velocity, sites per unit of time" };
+        vec![
+            Column::new(
+                "",
+                [
+                    Panel::new(Kind::Sites, ["site n", "amplitude / background"], amplitudes),
+                    Panel::new(Kind::Sites, ["site n", "phase / π"], phases),
+                    Panel::new(Kind::Parameter, [over, "wave number of the tail / π"], waves),
+                ],
+            ),
+            Column::new(
+                "",
+                [
+                    Panel::new(Kind::LogParameter, [over, "tail / background"], families(&|point| point.envelope.tail)),
+                    Panel::new(Kind::Parameter, [over, "depth of the kink"], depths),
+                    Panel::new(
+                        Kind::Parameter,
+                        [over, "E − ωJ − vP of the kink"],
+                        families(&|point| point.energy.free),
+                    ),
+                ],
+            ),
+        ]
     }
 }
 
-/// `moving.csv`: a row for each breather; `envelope.csv`: a row for each of its sites;
-/// `passages.csv`: a row for each bond that the kicked breather passes.
-pub(crate) fn tables(study: &MovingStudy) -> Vec<(&'static str, Vec<u8>)> {
-    let middle = (study.options.sites / 2) as f64;
-    let sites = |point: &MovingPoint| {
-        let (breather, envelope) = (point.orbit.breather, point.envelope.clone());
-        (0..breather.sites).map(move |i| {
-            let [amplitude, phase, mean] = [&envelope.amplitude, &envelope.phase, &envelope.mean].map(|all| all[i]);
-            vec![breather.omega_b, f64::from(breather.turns), i as f64 - middle, amplitude, phase, mean]
+/// A row for each breather.
+pub(super) fn points(points: &[MovingPoint], bound: bool) -> Table {
+    let radius = |point: &MovingPoint| point.kantorovich.and_then(|found| found.radius);
+    Table::of("moving", points)
+        .key("points")
+        .col("omega_b", Fixed(6), "frequency of the background", |point| point.orbit.breather.omega_b)
+        .col("turns", Short, "its whole periods for a site that the kink moves on", |point| {
+            u64::from(point.orbit.breather.turns)
         })
-    };
-    let rows = study.points.iter().map(|point| point.numbers().to_vec());
-    let mut tables = vec![
-        ("moving.csv", csv(&NAMES, rows)),
-        (
-            "envelope.csv",
-            csv(&["omega_b", "turns", "n", "amplitude", "phase", "mean"], study.points.iter().flat_map(sites)),
-        ),
-    ];
-    if let Some(run) = &study.kicked {
-        let row = |one: &super::Passage| {
-            let family = one.velocity.and_then(|velocity| study.depth(velocity));
-            vec![one.t, one.bond as f64, one.velocity.unwrap_or(f64::NAN), one.depth, family.unwrap_or(f64::NAN)]
-        };
-        let names = ["t", "bond", "velocity", "depth", "depth_of_moving"];
-        tables.push(("passages.csv", csv(&names, run.passages.iter().map(row))));
-    }
-    tables
+        .col("passage", Hidden, "time for a site", |point| point.orbit.breather.passage())
+        .col("velocity", Fixed(6), "in sites per unit of time", |point| point.orbit.breather.velocity())
+        .col("residual", Power(1), "", |point| point.orbit.residual)
+        .col("return_error", Power(1), "distance from the orbit after a passage", |point| point.return_error)
+        .head("return")
+        .col("background", Fixed(6), "amplitude of the background", |point| point.envelope.background)
+        .col("depth", Fixed(5), "local amplitude at the kink, in its units", |point| point.envelope.depth)
+        .col("tail", Fixed(5), "range of the local amplitude far from the kink, in its units", |point| {
+            point.envelope.tail
+        })
+        .col("max_modulus", Fixed(6), "largest modulus of a multiplier", |point| point.spectrum.largest())
+        .col("real", Hidden, "largest real multiplier; 1 if none is above 1", MovingPoint::real)
+        .col("growth", Power(2), "of the largest multiplier, per unit of time", MovingPoint::growth)
+        .col("twist", Hidden, "change of the phase along the ring", |point| point.tail.twist)
+        .col("tail_wave", Fixed(3), "wave number of the tail", |point| point.tail.wave_number)
+        .col("tail_share", Hidden, "share of the tail that this wave explains", |point| point.tail.share)
+        .col("tail_amplitude", Hidden, "amplitude of this wave", |point| point.tail.amplitude)
+        .col(
+            "resonant_wave",
+            Fixed(3),
+            "that of the modulation of the background which keeps its phase in the frame of the kink",
+            MovingPoint::resonant_wave,
+        )
+        .col("energy", Power(3), "E of the kink", |point| point.energy.energy)
+        .col("free_energy", Power(4), "its E - omega J - v P", |point| point.energy.free)
+        .col("radius", if bound { Power(1) } else { Hidden }, "bound of the distance to an exact orbit", radius)
+        .col("quality", Json, "", |point| json!(point.spectrum.quality))
+        .col("newton", Json, "", |point| json!(point.orbit.newton))
+        .col("resonant", Json, "", |point| json!(point.resonant))
+        .col("kantorovich", Json, "", |point| json!(point.kantorovich))
+        .done()
 }
 
-/// What the picture shows, with all numbers.
-pub(crate) fn caption(study: &MovingStudy) -> String {
-    let residual = study.points.iter().map(|point| point.orbit.residual).fold(0.0, f64::max);
-    format!(
-        "{}, N = {}: {} moving breathers, largest residual {residual:.0e}. {}",
-        params_words(study.params()),
-        study.options.sites,
-        study.points.len(),
-        study.words()
-    )
+/// A row for each site of each breather.
+pub(super) fn envelopes(points: &[MovingPoint]) -> Table {
+    let sites = |point: &MovingPoint| {
+        let (breather, envelope) = (point.orbit.breather, &point.envelope);
+        let row = |i: usize| {
+            let n = i as f64 - (breather.sites / 2) as f64;
+            (breather.omega_b, breather.turns, n, [envelope.amplitude[i], envelope.phase[i], envelope.mean[i]])
+        };
+        (0..breather.sites).map(row).collect::<Vec<_>>()
+    };
+    Table::of("envelope", &points.iter().flat_map(sites).collect::<Vec<_>>())
+        .key("")
+        .col("omega_b", Hidden, "", |row| row.0)
+        .col("turns", Hidden, "", |row| u64::from(row.1))
+        .col("n", Hidden, "site", |row| row.2)
+        .col("amplitude", Hidden, "local amplitude", |row| row.3[0])
+        .col("phase", Hidden, "its phase", |row| row.3[1])
+        .col("mean", Hidden, "mean strain", |row| row.3[2])
+        .done()
 }
 
-/// Local amplitudes of the slowest and of the fastest breather; tails and depths over velocities, a
-/// line for each frequency, or over frequencies where all have the same turns.
-#[cfg(feature = "plot")]
-pub(crate) fn columns(study: &MovingStudy) -> Vec<crate::figures::Column> {
-    use crate::figures::{Column, Kind, Line, Panel};
-    let middle = (study.options.sites / 2) as f64;
-    let velocity = |point: &MovingPoint| point.orbit.breather.velocity();
-    let by_velocity = |a: &&MovingPoint, b: &&MovingPoint| velocity(a).total_cmp(&velocity(b));
-    let ends = [study.points.iter().min_by(by_velocity), study.points.iter().max_by(by_velocity)];
-    let profile = |of: &dyn Fn(&MovingPoint, usize) -> f64| -> Vec<Line> {
-        let line = |point: &MovingPoint| {
-            let values = (0..study.options.sites).map(|i| (i as f64 - middle, of(point, i)));
-            Line::new(&format!("v = {:.5}", velocity(point)), values)
-        };
-        ends.into_iter().flatten().map(line).collect()
-    };
-    let amplitudes = profile(&|point, i| point.envelope.amplitude[i] / point.envelope.background);
-    let phases = profile(&|point, i| point.envelope.phase[i] / std::f64::consts::PI);
-    let one = study.options.turns.len() == 1;
-    let families = |of: &dyn Fn(&MovingPoint) -> f64| -> Vec<Line> {
-        let line = |points: &[MovingPoint]| {
-            let first = &points[0].orbit.breather;
-            let name = if one { format!("{} turns", first.turns) } else { format!("ω_b = {}", shown(first.omega_b)) };
-            let place = |point: &MovingPoint| if one { point.orbit.breather.omega_b } else { velocity(point) };
-            let mut family: Vec<(f64, f64)> = points.iter().map(|point| (place(point), of(point))).collect();
-            family.sort_by(|a, b| a.0.total_cmp(&b.0));
-            Line::new(&name, family)
-        };
-        let same = |a: &MovingPoint, b: &MovingPoint| one || a.orbit.breather.omega_b == b.orbit.breather.omega_b;
-        study.points.chunk_by(same).map(line).collect()
-    };
-    let mut depths = families(&|point| point.envelope.depth);
-    if let (Some(run), false) = (&study.kicked, one) {
-        let passages = run.passages.iter().filter_map(|one| Some((one.velocity?, one.depth)));
-        depths.push(Line::new("kicked", passages));
-    }
-    let named = |what: &str, lines: Vec<Line>| -> Vec<Line> {
-        lines.into_iter().map(|line| Line { name: format!("{what}, {}", line.name), ..line }).collect()
-    };
-    let waves = [
-        named("tail", families(&|point| point.tail.wave_number / PI)),
-        named("resonant", families(&|point| point.resonant_wave() / PI)),
-    ]
-    .concat();
-    let over = if one { "ω_b" } else { "velocity, sites per unit of time" };
-    vec![
-        Column::new(
-            "",
-            [
-                Panel::new(Kind::Sites, ["site n", "amplitude / background"], amplitudes),
-                Panel::new(Kind::Sites, ["site n", "phase / π"], phases),
-                Panel::new(Kind::Parameter, [over, "wave number of the tail / π"], waves),
-            ],
-        ),
-        Column::new(
-            "",
-            [
-                Panel::new(Kind::LogParameter, [over, "tail / background"], families(&|point| point.envelope.tail)),
-                Panel::new(Kind::Parameter, [over, "depth of the kink"], depths),
-                Panel::new(Kind::Parameter, [over, "E − ωJ − vP of the kink"], families(&|point| point.energy.free)),
-            ],
-        ),
-    ]
+/// A row for each bond that the kicked breather passes, with the depth that belongs to its velocity.
+pub(super) fn passages(rows: &[(Passage, Option<f64>)]) -> Table {
+    Table::of("passages", rows)
+        .key("")
+        .col("t", Hidden, "time of the passage of the kicked breather", |row| row.0.t)
+        .col("bond", Hidden, "bond that its kink passes", |row| row.0.bond as f64)
+        .col("velocity", Hidden, "", |row| row.0.velocity)
+        .col("depth", Hidden, "", |row| row.0.depth)
+        .col("depth_of_moving", Hidden, "depth of the moving breather of this velocity", |row| row.1)
+        .done()
 }

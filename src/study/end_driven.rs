@@ -19,11 +19,10 @@
 //! have one about the bead in the middle. With ends in phase it is one together with half a period:
 //! an odd number of bonds has a kink about the bond in the middle, an even number has none.
 
-mod report;
-
 use super::{
-    Progress, Study, Work,
+    Progress, Study, Work, multipliers_panel, shown, stability_lines,
     stretches::{finished, unless_asked},
+    word,
 };
 use crate::{
     breathers::DarkBreather,
@@ -34,10 +33,16 @@ use crate::{
         DriveParameter, DrivenBifurcation, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
         End, Shooting,
     },
+    report::{
+        Column,
+        Digits::{Fixed, Hidden, Json, Short},
+        Kind, Line, Panel, Panels, Report, Table,
+    },
     sweep::map,
 };
 use nalgebra::Complex;
 use serde::Serialize;
+use serde_json::{Value, json};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Bonds at each end that are left out of the background.
@@ -178,12 +183,16 @@ pub struct EndDrivenStudy {
 }
 
 impl Study for EndDriven {
-    const FILES: &'static str = "Files: end-driven.csv, end-driven.json and end-driven.png.";
     const STOPS: bool = true;
+
+    fn outline() -> Option<Report> {
+        let [branches, points] = tables(&[]);
+        Some(Report::new("end-driven").table(branches).table(points))
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(self.study(progress)?))))
+        Ok(Box::new(|_, progress| Ok(Box::new(self.study(progress)?.report()))))
     }
 }
 
@@ -191,6 +200,11 @@ impl Ends {
     /// The sign of the right end.
     fn sign(self) -> f64 {
         if self == Self::InPhase { 1.0 } else { -1.0 }
+    }
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        if self == Self::InPhase { "in phase" } else { "antiphase" }
     }
 }
 
@@ -400,4 +414,207 @@ impl EndDrivenCase {
         let dark = |one: &&EndDrivenPoint| one.dark(self.free);
         [self.points.iter().find(dark), self.points.iter().find(|one| dark(one) && one.point.stable())]
     }
+
+    /// Of its stable dark breathers, the one with the strongest background.
+    fn best(&self) -> Option<&EndDrivenPoint> {
+        Some(&self.points[self.best?])
+    }
+}
+
+/// The ranges of the search, in words.
+fn searched(options: &EndDriven) -> String {
+    let list = |values: &[String]| values.join(", ");
+    format!(
+        "α = 3/2, κ = 1, ρ = {}, drag {}, dashpot {}; N = {}; ω_d = {}; a from {} to {}, at most {} points a branch",
+        shown(options.rho),
+        options.drag,
+        options.dashpot,
+        list(&options.lengths.iter().map(ToString::to_string).collect::<Vec<_>>()),
+        list(&options.omegas.iter().map(ToString::to_string).collect::<Vec<_>>()),
+        options.step,
+        options.to,
+        options.max_points
+    )
+}
+
+impl EndDrivenStudy {
+    /// The answer of the search, in a sentence.
+    pub fn answer(&self) -> String {
+        let dark = self.cases.iter().filter(|case| case.first()[0].is_some()).count();
+        let stable: Vec<&EndDrivenCase> = self.cases.iter().filter(|case| case.best.is_some()).collect();
+        let least = stable.iter().filter_map(|case| {
+            let one = case.first()[1]?;
+            Some((one.amplitude(), *case))
+        });
+        let all = self.cases.len();
+        match least.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((a, case)) => format!(
+                "Dark breathers on {dark} of {all} branches, stable ones on {}; the least drive amplitude of a stable one is {a:.4} \
+                 (N = {}, ends {}, ω_d = {}).",
+                stable.len(),
+                case.sites,
+                case.ends.words(),
+                case.omega
+            ),
+            None if dark > 0 => format!("Dark breathers on {dark} of {all} branches, none of them stable."),
+            None => format!("No dark breather on {all} branches."),
+        }
+    }
+
+    /// The report.
+    pub fn report(&self) -> Report {
+        let (options, [branches, points]) = (&self.options, tables(&self.cases));
+        let about = format!(
+            "Searched: {}. Dark: the background alternates with a kink in the middle, and B >= K_x/2.",
+            searched(options)
+        );
+        Report::new("end-driven")
+            .fact("alpha", 1.5)
+            .fact("kappa", 1.0)
+            .fact("rho", options.rho)
+            .fact("drag", options.drag)
+            .fact("dashpot", options.dashpot)
+            .fact("from", options.step)
+            .fact("to", options.to)
+            .fact("step", options.step)
+            .fact("max_points", options.max_points)
+            .fact("settle", SETTLE)
+            .fact("ramps", RAMPS)
+            .fact("after_ramp", AFTER_RAMP)
+            .fact("ring", RING)
+            .fact("integrator", "dop853-regularised")
+            .fact("answer", self.answer())
+            .table(branches)
+            .table(points)
+            .words(self.answer())
+            .words(about)
+            .picture(self.picture())
+    }
+
+    /// For each length and way to drive it that has kinks: the background against the drive amplitude;
+    /// then the best stable breather, its strains and multipliers.
+    fn picture(&self) -> Panels {
+        let relative = |case: &EndDrivenCase, one: &EndDrivenPoint| (one.amplitude(), one.background / case.free);
+        let mut branches = Vec::new();
+        for &sites in &self.options.lengths {
+            let kinked: Vec<(&EndDrivenCase, &EndDrivenPoint)> = self
+                .cases
+                .iter()
+                .filter(|case| case.sites == sites)
+                .flat_map(|case| case.points.iter().filter(|one| one.kinked()).map(move |one| (case, one)))
+                .collect();
+            if kinked.is_empty() {
+                continue;
+            }
+            let mut lines = stability_lines(&kinked, |(case, one)| relative(case, one), |(_, one)| one.point.stable());
+            for line in &mut lines {
+                line.name = format!("N = {sites}, {}", line.name);
+            }
+            branches.push(Panel::new(Kind::Cloud, ["drive amplitude a", "background B/Kₓ"], lines));
+        }
+        let strongest = self.cases.iter().filter_map(|case| Some((case, case.best()?)));
+        let strongest = strongest.max_by(|(c, a), (d, b)| (a.background / c.free).total_cmp(&(b.background / d.free)));
+        let mut columns = vec![Column::new("", branches)];
+        let mut best = String::new();
+        if let Some((case, one)) = strongest {
+            let strains = one.harmonics.iter().enumerate().map(|(b, c)| ((b + 1) as f64, c.re));
+            let lines = vec![Line::new("part in phase with the left half", strains)];
+            let profile = Panel::new(Kind::Sites, ["bond n", "first harmonic of the strain"], lines);
+            columns.push(Column::new("", [profile, multipliers_panel(&one.point)]));
+            best = format!(
+                " Right: the stable one with the largest B/Kₓ = {:.3}: N = {}, ends {}, ω_d = {}, a = {:.4}.",
+                one.background / case.free,
+                case.sites,
+                case.ends.words(),
+                case.omega,
+                one.amplitude()
+            );
+        }
+        let caption = format!(
+            "Left: background B of the orbits with a kink in the middle, over Kₓ of the conservative dark breather of the same \
+             frequency, all frequencies together.{best} Searched: {}.",
+            searched(&self.options)
+        );
+        Panels { title: "Chains driven at both ends".to_owned(), columns, caption }
+    }
+}
+
+/// The branches, and their points.
+fn tables(cases: &[EndDrivenCase]) -> [Table; 2] {
+    let first = |k: usize| move |case: &EndDrivenCase| case.first()[k].map(EndDrivenPoint::amplitude);
+    let rest = |case: &EndDrivenCase| {
+        let reached = case.from_rest.iter().filter(|run| run.ramp.is_some()).count();
+        (!case.from_rest.is_empty()).then(|| format!("{reached} of {}", case.from_rest.len()))
+    };
+    let bifurcations = |case: &EndDrivenCase| -> Value {
+        let told = |one: &DrivenBifurcation| json!({ "kind": one.kind, "parameter": one.parameter, "multiplier": one.multiplier });
+        case.bifurcations.iter().map(told).collect()
+    };
+    let branches = Table::of("end-driven-branches", cases)
+        .key("cases")
+        .col("sites", Short, "", |case| case.sites)
+        .head("N")
+        .col("ends", Short, "how they move", |case| word(&case.ends))
+        .col("omega", Short, "frequency of the drive", |case| case.omega)
+        .col("orbits", Short, "points of the branch", |case| case.points.len())
+        .col("first_dark", Fixed(4), "least drive amplitude of a dark breather", first(0))
+        .col("first_stable_dark", Fixed(4), "of a stable one", first(1))
+        .col("best_amplitude", Fixed(4), "of the stable one with the largest background B", |case| {
+            case.best().map(EndDrivenPoint::amplitude)
+        })
+        .col(
+            "best_share",
+            Fixed(3),
+            "its B over K_x, that of the conservative breather of the same frequency",
+            |case| case.best().map(|one| one.background / case.free),
+        )
+        .head("B/K_x")
+        .col(
+            "reached",
+            Short,
+            "stable ones with the strongest background that a chain at rest comes to by a ramp",
+            rest,
+        )
+        .head("from rest")
+        .col("k_x", Hidden, "K_x", |case| case.free)
+        .col("end", Json, "", |case| json!(case.end))
+        .col("best", Json, "", best)
+        .col("from_rest", Json, "", |case| json!(case.from_rest))
+        .col("points", Json, "", |case| Value::from(points(&of(case)).json()))
+        .col("bifurcations", Json, "", bifurcations);
+    [branches.done(), points(&cases.iter().flat_map(of).collect::<Vec<_>>())]
+}
+
+/// A branch beside each of its points.
+fn of(case: &EndDrivenCase) -> Vec<(&EndDrivenCase, &EndDrivenPoint)> {
+    case.points.iter().map(|one| (case, one)).collect()
+}
+
+/// Points of branches.
+fn points(rows: &[(&EndDrivenCase, &EndDrivenPoint)]) -> Table {
+    Table::of("end-driven", rows)
+        .key("")
+        .col("sites", Hidden, "", |(case, _)| case.sites)
+        .col("ends", Hidden, "1 in phase, -1 in antiphase", |(case, _)| case.ends.sign())
+        .col("omega", Hidden, "frequency of the drive", |(case, _)| case.omega)
+        .col("amplitude", Hidden, "of the ends", |(_, one)| one.amplitude())
+        .col("background", Hidden, "B", |(_, one)| one.background)
+        .col("k_x", Hidden, "B of the conservative breather", |(case, _)| case.free)
+        .col("cosine", Hidden, "of the angle between the backgrounds of the two halves", |(_, one)| one.cosine)
+        .col("centre", Hidden, "amplitude in the middle", |(_, one)| one.centre)
+        .col("dark", Hidden, "whether it is a dark breather", |(case, one)| one.dark(case.free))
+        .col("max_modulus", Hidden, "largest modulus of a multiplier", |(_, one)| one.point.spectrum.largest())
+        .col("unstable", Hidden, "multipliers outside the unit circle", |(_, one)| one.point.spectrum.unstable())
+        .col("residual", Hidden, "of the orbit", |(_, one)| one.point.orbit.residual)
+        .done()
+}
+
+/// The stable dark breather with the strongest background, with its state.
+fn best(case: &EndDrivenCase) -> Value {
+    let Some(one) = case.best() else { return Value::Null };
+    let mut value = points(&[(case, one)]).json().remove(0);
+    value["u"] = json!(one.point.orbit.start().ok().map(|state| state.u().to_vec()));
+    value["harmonics"] = one.harmonics.iter().map(|c| json!({ "re": c.re, "im": c.im })).collect();
+    value["multipliers"] = json!(one.point.spectrum.multipliers);
+    value
 }

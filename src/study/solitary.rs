@@ -1,17 +1,17 @@
 //! Solitary waves: the Hertz pulse, and its tails as resonators are switched on.
 
-mod report;
-
-#[cfg(feature = "plot")]
-pub(crate) use report::columns as solitary_columns;
-pub(crate) use report::{caption as solitary_caption, tables as solitary_tables};
-
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
 use super::{Study, Work, fit_line};
 use crate::{
     chain::Params,
     error::{Error, Result},
+    number::shown,
+    report::{
+        Column,
+        Digits::{Fixed, Hidden, Power, Short},
+        Kind, Line, Panel, Panels, Report, Table,
+    },
     sweep::map,
     waves::{LinePulse, Search, SolitaryWave, best_ring, wake_of_line},
 };
@@ -73,11 +73,14 @@ impl Default for Solitary {
 }
 
 impl Study for Solitary {
-    const FILES: &'static str = "Files: solitary.json, solitary.png, pulse.csv and tails.csv.";
+    fn outline() -> Option<Report> {
+        let [pulse, tails] = tables(&[], &[]);
+        Some(Report::new("solitary").table(pulse).table(tails))
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(move |_, _| Ok(Box::new(self.study()?))))
+        Ok(Box::new(move |_, _| Ok(Box::new(self.study()?.report()))))
     }
 }
 
@@ -212,4 +215,124 @@ impl SolitaryStudy {
         let off = |n: usize| (-z[n] - scale * self.line.at(n.min(sites - n) as f64)[0]).abs();
         (0..sites).map(off).fold(0.0, f64::max) / self.hertz.crest()
     }
+
+    /// The report.
+    pub fn report(&self) -> Report {
+        let [pulse, tails] = tables(&self.decay, &self.tails);
+        let hertz = &self.hertz;
+        let lost: Vec<String> = self.tails.iter().filter(|tail| tail.wave.is_none()).map(|t| shown(t.rho)).collect();
+        let start = hertz.wave.on_ring(self.options.sites);
+        Report::new("solitary")
+            .fact("alpha", self.options.alpha)
+            .fact("kappa", self.options.kappa)
+            .fact("sites", self.options.sites)
+            .fact("speed", hertz.speed)
+            .fact("crest", hertz.crest())
+            .fact("coefficient", hertz.coefficient())
+            .fact("coefficient_of_line", self.line.coefficient())
+            .fact("residual", hertz.wave.residual)
+            .fact("apart", self.apart())
+            .fact("x", &start[0])
+            .fact("vx", &start[2])
+            .fact("pulse", &self.decay)
+            .fact("decay_slope", self.decay_slope())
+            .fact("ln_alpha", self.options.alpha.ln())
+            .words(self.caption())
+            .table(pulse)
+            .table(tails)
+            .fact("fit", self.fit)
+            .picture(Panels { title: "Solitary waves".to_owned(), columns: self.columns(), caption: self.caption() })
+            .failure((!lost.is_empty()).then(|| format!("no wave was found at rho = {}", lost.join(", "))))
+    }
+
+    /// What the picture shows, with all numbers.
+    pub(crate) fn caption(&self) -> String {
+        let fit = self.fit.map_or("No fit: fewer than three wakes".to_owned(), |fit| {
+            format!(
+                "Fit: ln(W k/(4 sin²(k/2) g)) = {:.4} − {:.4} k to {:.2}, over {} pulses",
+                fit.constant, fit.width, fit.residual, fit.points
+            )
+        });
+        format!(
+            "α = {}, κ = {}, speed c = {:.9}, N = {} and up to 3 more. Without resonators c = C g^((α−1)/2) with \
+             C = {:.12}, on the line {:.12}, g = {:.12}, residual {:.1e}, distance from the line {:.1e} of the crest; slope of ln|ln(gₙ/g₀)| at the end {:.6}, ln α = {:.6}. \
+             W: amplitude of xₙ − yₙ that one passage leaves behind, from the tails of the exact wave of the ring; line: \
+             from the Fourier transform of the plain pulse for beads of mass 1 + ρ; k = ω/c. {fit} with W from 10⁻¹² to \
+             10⁻³ of the crest g and |sin(k/2)| ≥ 0.1.",
+            self.options.alpha,
+            self.options.kappa,
+            self.hertz.speed,
+            self.options.sites,
+            self.hertz.coefficient(),
+            self.line.coefficient(),
+            self.hertz.crest(),
+            self.hertz.wave.residual,
+            self.apart(),
+            self.decay_slope(),
+            self.options.alpha.ln(),
+        )
+    }
+
+    /// The pulse and its decay; the wakes against the phase of a resonator and their fit.
+    pub(crate) fn columns(&self) -> Vec<Column> {
+        let [decays, tails] = tables(&self.decay, &self.tails);
+        let crest = self.line.at(0.0)[0];
+        let shape =
+            (0..=400).map(|i| 0.01 * f64::from(i) - 2.0).map(|xi| (1.5 * xi, self.line.at(1.5 * xi)[0] / crest));
+        let (z, m) = (&self.hertz.wave.z, self.options.sites);
+        let sites = [3, 2, 1].map(|n| (-(n as f64), -z[m - n])).into_iter().chain((0..=3).map(|n| (n as f64, -z[n])));
+        let sites = sites.map(|(n, g)| (n, g / self.hertz.crest()));
+        let decay = decays.line("ln|ln(gₙ/g₀)|", ["n", "double_log"]);
+        let last = self.decay.len() - 1;
+        let end = decay.points.last().map_or(f64::NAN, |point| point.1);
+        let law = (1..=last).map(|n| (n as f64, end - (last - n) as f64 * self.options.alpha.ln()));
+        let pulse = vec![Line::new("on the line", shape), Line::new("exact wave of the ring", sites)];
+        let decay = vec![decay, Line::new("slope ln α", law)];
+        let place = "k_over_2pi";
+        let labels = ["phase k/2π of a resonator a site", "wake W/g"];
+        let mut wakes =
+            tails.panel(Kind::LogParameter, labels, place, &[("exact", "wake_share"), ("line", "wake_share_of_line")]);
+        if let Some(fit) = self.fit {
+            let of = |k: f64| 4.0 * (0.5 * k).sin().powi(2) / k * (fit.constant - fit.width * k).exp();
+            wakes.lines.push(Line::new("fit", self.tails.iter().map(|tail| (tail.k / (2.0 * PI), of(tail.k)))));
+        }
+        let crests = tails.panel(Kind::Parameter, ["mass ratio ρ", "largest overlap g"], "rho", &[("g", "crest")]);
+        let pulse = Panel::new(Kind::Cloud, ["sites from the crest", "overlap g/g₀"], pulse);
+        let decay = Panel::new(Kind::Parameter, ["site n", "decay of the overlap"], decay);
+        vec![Column::new("without resonators", [pulse, decay]), Column::new("with resonators", [wakes, crests])]
+    }
+}
+
+/// The decay of the pulse, and the pulses with tails.
+fn tables(decay: &[f64], tails: &[Tail]) -> [Table; 2] {
+    let decay: Vec<(usize, f64)> = decay.iter().copied().enumerate().collect();
+    let double_log = |g: f64| Some(g.ln().abs().ln()).filter(|log| log.is_finite());
+    let of = |of: fn(&SolitaryWave) -> f64| move |tail: &Tail| tail.wave.as_ref().map(of);
+    [
+        Table::of("pulse", &decay)
+            .key("")
+            .col("n", Short, "sites from the crest", |row| row.0)
+            .col("g", Power(12), "overlap over that of the crest", |row| row.1)
+            .col("double_log", Fixed(6), "ln|ln g|", move |row| double_log(row.1))
+            .done(),
+        Table::of("tails", tails)
+            .key("tails")
+            .col("rho", Power(6), "mass ratio", |tail| tail.rho)
+            .col("k_over_2pi", Fixed(4), "phase of a resonator from site to site, k = omega/c", |tail| {
+                tail.k / (2.0 * PI)
+            })
+            .col("sites", Short, "length of the ring", |tail| tail.wave.as_ref().map(|wave| wave.wave.setting.q.cell()))
+            .col("crest", Fixed(8), "largest overlap g", of(SolitaryWave::crest))
+            .col("residual", Power(1), "", of(|wave| wave.wave.residual))
+            .col("tail", Power(4), "amplitude of the tail", of(SolitaryWave::tail))
+            .col("wake", Power(4), "amplitude W that a passage leaves behind", of(SolitaryWave::wake))
+            .col("wake_of_line", Power(4), "the same of the pulse whose resonators follow their beads", |tail| {
+                tail.line
+            })
+            .col("wake_share", Hidden, "wake over crest", of(|wave| wave.wake() / wave.crest()))
+            .col("wake_share_of_line", Hidden, "wake of the line over crest", |tail| {
+                tail.wave.as_ref().map(|wave| tail.line / wave.crest())
+            })
+            .done(),
+    ]
 }

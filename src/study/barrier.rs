@@ -14,21 +14,22 @@
 //! for both kinks. So in the limit of a long ring the energies at the same action and length differ
 //! by the difference of `E - omega_b J + F X` at the same frequency.
 
-mod report;
-
-#[cfg(feature = "plot")]
-pub(crate) use report::columns as barrier_columns;
-pub(crate) use report::{caption as barrier_caption, tables as barrier_tables};
-
-use super::{Progress, Study, Work, orbits::Ring, stretches::unless_asked};
+use super::{Progress, Study, Work, orbits::Ring, params_words, stretches::unless_asked};
 use crate::{
-    chain::Energy,
+    chain::{Energy, Params},
     dps::Center,
     error::{Error, Result},
+    number::{shown, written},
     orbits::{Kind, Orbit, Setting, Shooting},
+    report::{
+        self, Column,
+        Digits::{Fixed, Hidden, Json, Power},
+        Line, Panel, Panels, Report, Table,
+    },
     sweep::map,
 };
 use hertzchain_integrators::collocation::Pace;
+use serde_json::json;
 use std::{
     f64::consts::PI,
     sync::atomic::{AtomicUsize, Ordering},
@@ -127,12 +128,15 @@ pub struct BarrierStudy {
 }
 
 impl Study for Barrier {
-    const FILES: &'static str = "Files: barrier.json, barrier.png and barrier.csv.";
     const STOPS: bool = true;
+
+    fn outline() -> Option<Report> {
+        Some(Report::new("barrier").table(table(&[])))
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.frequencies()?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(self.study(progress)?))))
+        Ok(Box::new(move |_, progress| Ok(Box::new(self.study(progress)?.report()))))
     }
 }
 
@@ -272,4 +276,146 @@ fn background(breather: &Orbit, shooting: &Shooting) -> Result<Invariants> {
     let share = |value: f64| value / BACKGROUND as f64;
     let (energy, action, length) = (share(whole.energy), share(whole.action), share(whole.length));
     Ok(Invariants { energy, action, length, force: whole.force })
+}
+
+impl BarrierStudy {
+    /// Frequencies at which a difference changes its sign, interpolated linearly between
+    /// neighbouring points.
+    pub fn zeros(&self, of: fn(&BarrierPoint) -> f64) -> Vec<f64> {
+        let change = |pair: &[BarrierPoint]| {
+            let [a, b] = [&pair[0], &pair[1]];
+            let [left, right] = [of(a), of(b)];
+            (left * right < 0.0).then(|| a.omega_b + (b.omega_b - a.omega_b) * left / (left - right))
+        };
+        self.points.windows(2).filter_map(change).collect()
+    }
+
+    fn words(&self) -> String {
+        let say = |what: &str, zeros: &[f64]| {
+            let places: Vec<String> = zeros.iter().map(|zero| format!("{zero:.5}")).collect();
+            match places.as_slice() {
+                [] => format!("At the same {what} the difference keeps its sign."),
+                places => format!("At the same {what} it changes its sign at ω_b = {}.", places.join(", ")),
+            }
+        };
+        let both = [self.zeros(BarrierPoint::at_frequency), self.zeros(BarrierPoint::barrier)];
+        if both.iter().all(Vec::is_empty) {
+            return "Neither difference changes its sign.".to_owned();
+        }
+        format!("{} {}", say("frequency", &both[0]), say("action and length", &both[1]))
+    }
+
+    /// The report.
+    pub fn report(&self) -> Report {
+        let ring = &self.options.ring;
+        let lost: Vec<String> = self.missing.iter().map(|omega_b| shown(*omega_b)).collect();
+        let zeros = json!({
+            "at_frequency": self.zeros(BarrierPoint::at_frequency),
+            "at_action_and_length": self.zeros(BarrierPoint::barrier),
+        });
+        let title = "Peierls–Nabarro barrier of dark breathers";
+        let picture = Panels { title: title.to_owned(), columns: vec![self.column()], caption: self.caption() };
+        Report::new("barrier")
+            .fact("alpha", ring.alpha)
+            .fact("kappa", ring.kappa)
+            .fact("rho", ring.rho)
+            .fact("sites", ring.sites)
+            .fact("c_x", ring.c_x)
+            .table(table(&self.points))
+            .words(self.caption())
+            .fact("sign_changes", zeros)
+            .fact("missing", &self.missing)
+            .picture(picture)
+            .failure(
+                (!lost.is_empty()).then(|| format!("no pair of orbits was found at omega_b = {}", lost.join(", "))),
+            )
+    }
+
+    /// What the picture shows, with all numbers.
+    pub(crate) fn caption(&self) -> String {
+        let ring = &self.options.ring;
+        let ends = [self.points.first(), self.points.last()].map(|point| {
+            point.map_or(String::new(), |point| {
+                format!("{} at {}", shown(point.barrier()), shown(point.omega_b)).replace('-', "−")
+            })
+        });
+        format!(
+            "{}, N = {}: energy of the bond-centred breather less that of the site-centred one, at the same action and \
+             length {} and {}. {}",
+            params_words(Params { alpha: ring.alpha, kappa: ring.kappa, rho: ring.rho }),
+            ring.sites,
+            ends[0],
+            ends[1],
+            self.words()
+        )
+    }
+
+    /// Panels against frequency: energies of the kinks over the background's energy per site, their
+    /// differences over the energy of the kink about a site, and largest multipliers.
+    pub(crate) fn column(&self) -> Column {
+        let table = table(&self.points);
+        let share = |name: &str, of: fn(&BarrierPoint) -> f64, over: fn(&BarrierPoint) -> f64| {
+            Line::new(name, self.points.iter().map(|point| (point.omega_b, of(point) / over(point))))
+        };
+        let background = |point: &BarrierPoint| point.background.energy;
+        let energies = vec![
+            share("site", |point| point.kinks[0].kink_energy, background),
+            share("bond", |point| point.kinks[1].kink_energy, background),
+        ];
+        let kink = |point: &BarrierPoint| point.kinks[0].kink_energy.abs();
+        let differences = vec![
+            share("same frequency", BarrierPoint::at_frequency, kink),
+            share("same action and length", BarrierPoint::barrier, kink),
+        ];
+        let moduli = [
+            ("site, any", "site.largest"),
+            ("bond, any", "bond.largest"),
+            ("site, real", "site.real"),
+            ("bond, real", "bond.real"),
+        ];
+        let (linear, logarithmic) = (report::Kind::Parameter, report::Kind::LogParameter);
+        Column::new(
+            format!("ρ = {}", written(self.options.ring.rho)),
+            [
+                Panel::new(linear, ["ω_b", "energy of a kink / e"], energies),
+                Panel::new(logarithmic, ["ω_b", "bond − site, share of kink"], differences),
+                table.panel(linear, ["ω_b", "largest |λ|"], "omega_b", &moduli),
+            ],
+        )
+    }
+}
+
+/// A row for each frequency.
+fn table(points: &[BarrierPoint]) -> Table {
+    let mut table = Table::of("barrier", points)
+        .key("points")
+        .col("omega_b", Fixed(6), "", |point| point.omega_b)
+        .col("background.energy", Hidden, "energy of the background, per site", |point| point.background.energy)
+        .col("background.action", Hidden, "its action", |point| point.background.action)
+        .col("background.length", Hidden, "its length", |point| point.background.length)
+        .col("background.force", Hidden, "its mean contact force", |point| point.background.force);
+    for (k, at) in ["site", "bond"].into_iter().enumerate() {
+        let of = |of: fn(&CenteredKink) -> f64| move |point: &BarrierPoint| of(&point.kinks[k]);
+        let name = |name: &str| format!("{at}.{name}");
+        table = table
+            .col(
+                name("energy"),
+                Power(6),
+                format!("of the kink about a {at}, less the background"),
+                of(|x| x.kink_energy),
+            )
+            .col(name("action"), Hidden, "its action, less that of the background", of(|x| x.kink_action))
+            .col(name("length"), Hidden, "its length, less that of the background", of(|x| x.kink_length))
+            .col(name("ring_energy"), Hidden, "with the background", of(|x| x.energy))
+            .col(name("ring_action"), Hidden, "with the background", of(|x| x.action))
+            .col(name("ring_length"), Hidden, "with the background", of(|x| x.length))
+            .col(name("real"), Fixed(6), "largest real multiplier; 1 if none is above 1", of(|x| x.real))
+            .col(name("largest"), Fixed(6), "largest modulus of a multiplier", of(|x| x.largest))
+            .col(name("max_modulus"), Json, "", of(|x| x.largest))
+            .col(name("residual"), Hidden, "of the orbit", of(|x| x.orbit.residual));
+    }
+    table
+        .col("at_frequency", Power(6), "energy about a bond less that about a site", BarrierPoint::at_frequency)
+        .col("at_action_and_length", Power(6), "the same at the same action and length", BarrierPoint::barrier)
+        .done()
 }

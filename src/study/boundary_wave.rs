@@ -15,18 +15,20 @@
 //! `sin^2(q_tw/2) = (omega_d - omega) omega^3/(2 h(X, r/(2 kappa)))`. For a weak wave `h` is
 //! `kappa alpha g_0^{alpha-1}`, `g_0` the static overlap.
 
-mod report;
-
 use super::{Progress, Study, Work};
 use crate::{
     chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State},
     dps::Averages,
     error::{Error, Result},
+    report::{
+        Column,
+        Digits::{Fixed, Hidden, Power, Short},
+        Kind, Panel, Panels, Report, Table,
+    },
     run::{Method, Run},
     sweep::Tally,
 };
 use nalgebra::Complex;
-use serde::Serialize;
 use std::{
     f64::consts::TAU,
     ops::{Range, RangeInclusive},
@@ -97,7 +99,7 @@ impl Default for BoundaryWave {
 }
 
 /// The strain of a bond.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BondStrain {
     /// Number of the bond, between the sites `bond - 1` and `bond`.
     pub bond: usize,
@@ -110,7 +112,7 @@ pub struct BondStrain {
 }
 
 /// The wave that a drive of one frequency launches.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LaunchedWave {
     /// Frequency of the drive, `omega_d`.
     pub omega: f64,
@@ -129,7 +131,6 @@ pub struct LaunchedWave {
     /// Wave number `q_tw` of theory; `None` if the frequency is outside the band of such waves.
     pub q_theory: Option<f64>,
     /// All bonds between beads but the last.
-    #[serde(skip)]
     pub bonds: Vec<BondStrain>,
 }
 
@@ -143,11 +144,13 @@ pub struct BoundaryWaveStudy {
 }
 
 impl Study for BoundaryWave {
-    const FILES: &'static str = "Files: boundary-wave.csv, strains.csv, boundary-wave.json and boundary-wave.png.";
+    fn outline() -> Option<Report> {
+        Some(BoundaryWaveStudy { options: Self::default(), waves: Vec::new() }.report())
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(self.study(progress)?))))
+        Ok(Box::new(|_, progress| Ok(Box::new(self.study(progress)?.report()))))
     }
 }
 
@@ -295,5 +298,76 @@ impl BoundaryWave {
         let tell = |done, total| progress(done as f64 / total as f64, "");
         let waves = Tally::new(self.omegas.len(), &tell).map(&self.omegas, |&omega_d| self.wave(omega_d));
         Ok(BoundaryWaveStudy { options: self.clone(), waves: waves.into_iter().collect::<Result<_>>()? })
+    }
+}
+
+impl BoundaryWaveStudy {
+    /// The report. Pictures: wave number and mean strain against frequency; amplitude and mean strain
+    /// along the chain.
+    pub fn report(&self) -> Report {
+        let waves = Table::of("boundary-wave", &self.waves)
+            .key("waves")
+            .col("omega", Short, "frequency of the drive", |wave| wave.omega)
+            .col("q", Fixed(4), "wave number, measured", |wave| wave.q)
+            .col("q_theory", Fixed(4), "that of the first-order wave, if the frequency is in its band", |wave| {
+                wave.q_theory
+            })
+            .col("amplitude", Power(3), "amplitude of the strain", |wave| wave.amplitude)
+            .col("mean_strain", Power(3), "", |wave| wave.mean_strain)
+            .col(
+                "spread",
+                Fixed(3),
+                "standard deviation of the amplitude over the measured bonds, in its units",
+                |wave| wave.spread,
+            )
+            .col("opens", Short, "whether a measured contact opens", |wave| wave.opens)
+            .col("end", Hidden, "time at which the run ends", |wave| wave.end)
+            .done();
+        let bonds = |wave: &LaunchedWave| wave.bonds.iter().map(|&bond| (wave.omega, bond)).collect::<Vec<_>>();
+        let strains = |rows: &[(f64, BondStrain)]| {
+            Table::of("strains", rows)
+                .key("")
+                .col("omega", Hidden, "frequency of the drive", |row| row.0)
+                .col("bond", Hidden, "between the sites bond - 1 and bond", |row| row.1.bond)
+                .col("mean", Hidden, "mean of the strain", |row| row.1.mean)
+                .col("amplitude", Hidden, "amplitude of its first harmonic", |row| row.1.amplitude)
+                .col("angle", Hidden, "angle from this harmonic to that of the next bond", |row| row.1.angle)
+                .done()
+        };
+        let along = |label: &str, column: &str| {
+            let line =
+                |wave: &LaunchedWave| strains(&bonds(wave)).line(&format!("ω = {}", wave.omega), ["bond", column]);
+            Panel::new(Kind::Parameter, ["bond n", label], self.waves.iter().map(line).collect())
+        };
+        let over = |label: &str, lines: &[(&str, &str)]| {
+            waves.panel(Kind::Parameter, ["drive frequency ω", label], "omega", lines)
+        };
+        let left = [
+            over("wave number q", &[("measured", "q"), ("first-order wave", "q_theory")]),
+            over("mean strain", &[("measured", "mean_strain")]),
+        ];
+        let right = [along("amplitude of the strain", "amplitude"), along("mean strain", "mean")];
+        let options = &self.options;
+        let caption = format!(
+            "N = {} sites between walls, α = {ALPHA}, κ = {KAPPA}, ρ = {:.4}, static overlap {}. The first bead has no \
+             resonator and is moved with the amplitude {}, after a ramp of {RAMP} periods; dashpots in the last {ABSORBING} \
+             sites. Means and first harmonics over the last {PERIODS} periods. Theory: (eq:w_tw) with the measured \
+             frequency, amplitude and mean strain. Collocation, tolerance {TOLERANCE:e}.",
+            options.sites, options.rho, options.overlap, options.drive
+        );
+        let title = "Travelling waves launched from one end".to_owned();
+        let columns = vec![Column::new("", left), Column::new("", right)];
+        Report::new("boundary-wave")
+            .fact("alpha", ALPHA)
+            .fact("kappa", KAPPA)
+            .fact("rho", options.rho)
+            .fact("sites", options.sites)
+            .fact("drive_amplitude", options.drive)
+            .fact("overlap", options.overlap)
+            .fact("integrator", "collocation")
+            .fact("tol", TOLERANCE)
+            .table(waves)
+            .table(strains(&self.waves.iter().flat_map(bonds).collect::<Vec<_>>()))
+            .picture(Panels { title, columns, caption })
     }
 }
