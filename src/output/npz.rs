@@ -327,6 +327,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn words_are_letters_of_four_bytes_filled_up_with_zeros() {
+        // Truth: NumPy's type `<U2`: UCS-4, little-endian.
+        let mut bytes = Cursor::new(Vec::new());
+        let mut archive = NpzWriter::new(&mut bytes, None).unwrap();
+        archive.words("names", &["αb".to_owned(), "c".to_owned()]).unwrap();
+        archive.finish().unwrap();
+        let letters = ['α', 'b', 'c', '\0'].map(|letter| u32::from(letter).to_le_bytes()).concat();
+        let wanted = [npy_head("<U2", &[2]), letters].concat();
+        assert!(bytes.into_inner().windows(wanted.len()).any(|part| part == wanted));
+    }
+
+    #[test]
     fn an_array_begins_as_numpy_says() {
         // Truth: NumPy's description of the format: magic, version, length of the text, a
         // dictionary, blanks up to a multiple of 64.
