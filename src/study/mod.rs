@@ -54,15 +54,9 @@ pub(crate) use evolve::swing_maps;
 pub use evolve::*;
 pub(crate) use evolve::{evolution_csv, swing_csv};
 pub use exact::*;
-pub(crate) use exact::{exact_caption, exact_tables, wave_branch_csv};
-#[cfg(feature = "plot")]
-pub(crate) use exact::{exact_columns, wave_branch_plots};
 pub(crate) use lifetimes::lifetimes_csv;
 pub use lifetimes::*;
-#[cfg(feature = "plot")]
-pub(crate) use modulation::figure as stability_figure;
 pub use modulation::*;
-pub(crate) use modulation::{caption as stability_caption, stability_tables};
 pub use moving::*;
 pub use normal_modes::*;
 pub(crate) use orbits::branch_csv;
@@ -80,7 +74,6 @@ pub use theorem::{
     Bound, Errors as TheoremErrors, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremRun, TheoremSlope,
     TheoremStudy, theorem,
 };
-pub(crate) use wave::wave_tables;
 pub use wave::*;
 
 pub(crate) use crate::number::shown;
@@ -298,19 +291,23 @@ fn infinite(value: &mut Value) {
     }
 }
 
-/// The end of every caption: the scene with its parameters, and the program.
+/// The end of a caption: the scene with its parameters, and the program.
 #[cfg(feature = "plot")]
 fn provenance(scene: &Scene, how: &str) -> String {
+    format!("{} hertzchain {}.", scene_caption(scene, how), env!("CARGO_PKG_VERSION"))
+}
+
+/// The same without the program.
+fn scene_caption(scene: &Scene, how: &str) -> String {
     let params = scene.chain().params();
     let details = scene.details_in_words().map(|words| format!(" Beads differ: {words}.")).unwrap_or_default();
     let summary = Some(&scene.file().summary).filter(|summary| !summary.is_empty());
     format!(
-        "Scene {}{}. N = {}, {}.{details} {how} hertzchain {}.",
+        "Scene {}{}. N = {}, {}.{details} {how}",
         scene.name(),
         summary.map_or(String::new(), |summary| format!(": {summary}")),
         scene.chain().sites(),
         params_words(params),
-        env!("CARGO_PKG_VERSION")
     )
 }
 

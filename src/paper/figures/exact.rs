@@ -1,6 +1,5 @@
 //! Exact travelling waves, which Sec. 8 of the paper leaves open.
 
-use super::Tables;
 use crate::{
     chain::Params,
     error::Result,
@@ -8,7 +7,7 @@ use crate::{
     output::csv,
     study::{
         Barrier, BarrierStudy, BranchWave, ContinueWave, ExactStudy, Moving, MovingStudy, Solitary, SolitaryStudy,
-        Wanted, WaveBranchStudy, exact_caption, exact_study, exact_tables, fit_line, wave_branch_csv,
+        Wanted, WaveBranchStudy, exact_study, fit_line,
     },
     waves::{Given, MeanStrain, Search, Shape, Size, TravellingWave, WaveNumber, WaveParameter, WaveSetting},
 };
@@ -158,7 +157,7 @@ fn by_rho(waves: &[LimitWave]) -> impl Iterator<Item = &[LimitWave]> {
 
 pub(super) fn exact_words(data: &ExactData) -> String {
     let words = match data {
-        ExactData::Wave(study) => exact_caption(study),
+        ExactData::Wave(study) => study.caption(),
         ExactData::Branches(branches) => {
             let words = |(heading, study): &(&str, WaveBranchStudy)| {
                 let fast = |one: &&BranchWave| {
@@ -201,20 +200,18 @@ pub(super) fn exact_words(data: &ExactData) -> String {
 }
 
 pub(super) fn exact_files(data: &ExactData) -> Vec<(String, Vec<(String, Vec<u8>)>)> {
-    let old = |tables: Tables| tables.into_iter().map(|(name, bytes)| (name.to_owned(), bytes)).collect();
     match data {
-        ExactData::Wave(study) => vec![(String::new(), old(exact_tables(study)))],
-        ExactData::Branches(branches) => branches
-            .iter()
-            .map(|(_, study)| (study.scene.clone(), old(vec![("waves.csv", wave_branch_csv(study))])))
-            .collect(),
+        ExactData::Wave(study) => vec![(String::new(), study.report().csv().collect())],
+        ExactData::Branches(branches) => {
+            branches.iter().map(|(_, study)| (study.scene.clone(), study.report().csv().collect())).collect()
+        }
         ExactData::Limits(waves) => {
             let row = |wave: &LimitWave| {
                 let &LimitWave { rho, epsilon, errors: [e_x, e_y], growth, modulation } = wave;
                 vec![rho, epsilon, e_x, e_y, growth, modulation]
             };
             let names = ["rho", "epsilon", "e_x", "e_y", "growth", "modulation"];
-            vec![(String::new(), old(vec![("limits.csv", csv(&names, waves.iter().map(row)))]))]
+            vec![(String::new(), vec![("limits.csv".to_owned(), csv(&names, waves.iter().map(row)))])]
         }
         ExactData::Solitary(study) => vec![(String::new(), study.report().csv().collect())],
         ExactData::Barrier(studies) => {
@@ -233,11 +230,9 @@ pub(super) fn exact_files(data: &ExactData) -> Vec<(String, Vec<(String, Vec<u8>
 pub(super) fn exact_panels(title: &str, data: &ExactData, caption: String) -> crate::figures::Panels {
     use crate::figures::{Column, Kind, Line, Panel, Panels};
     let columns = match data {
-        ExactData::Wave(study) => crate::study::exact_columns(study),
+        ExactData::Wave(study) => study.columns(),
         ExactData::Branches(branches) => {
-            let column = |(heading, study): &(&str, WaveBranchStudy)| {
-                Column::new(*heading, crate::study::wave_branch_plots(study))
-            };
+            let column = |(heading, study): &(&str, WaveBranchStudy)| Column::new(*heading, study.panels());
             branches.iter().map(column).collect()
         }
         ExactData::Limits(waves) => {

@@ -25,7 +25,7 @@ use crate::{
     output::to_json,
     study::{
         BrightHistory, BrightStudy, LifetimeStudy, StabilityStudy, TheoremStudy, WaveStudy, bright_tables, center_word,
-        lifetimes_csv, stability_caption, stability_tables, wave_tables,
+        lifetimes_csv,
     },
 };
 use serde_json::json;
@@ -167,7 +167,7 @@ impl Figure {
     pub fn caption(&self, data: &Data) -> String {
         let what = match data {
             Data::Waves(columns, runs) => waves::waves_caption(columns, runs),
-            Data::Growth(study) => stability_caption(study),
+            Data::Growth(study) => format!("{} hertzchain {}.", study.caption(), env!("CARGO_PKG_VERSION")),
             Data::Dark(profiles) => dark::dark_caption(profiles),
             Data::Bounds(pairs) => heavy::bounds_caption(pairs),
             Data::Homoclinics(both) => heavy::homoclinics_caption(both),
@@ -192,8 +192,14 @@ impl Figure {
             told(tag, tables.into_iter().map(|(table, bytes)| (table.to_owned(), bytes)).collect())
         };
         match data {
-            Data::Waves(_, runs) => runs.iter().flat_map(|(run, study)| named(run.tag, wave_tables(study))).collect(),
-            Data::Growth(study) => named("", stability_tables(study)),
+            Data::Waves(_, runs) => {
+                let csv = |study: &WaveStudy| {
+                    let tables = study.tables().into_iter();
+                    tables.map(|table| (format!("{}.csv", table.name()), table.csv().into_bytes())).collect()
+                };
+                runs.iter().flat_map(|(run, study)| told(run.tag, csv(study))).collect()
+            }
+            Data::Growth(study) => told("", study.report().csv().collect()),
             Data::Dark(profiles) => {
                 profiles.iter().flat_map(|one| named(center_word(one.center()), vec![dark::dark_csv(one)])).collect()
             }
@@ -239,7 +245,7 @@ impl Figure {
         let (title, caption) = (self.title, self.caption(data));
         Ok(match data {
             Data::Waves(columns, runs) => panels(&waves::wave_panels(title, columns, runs, caption))?,
-            Data::Growth(study) => growth(&crate::study::stability_figure(study, caption))?,
+            Data::Growth(study) => growth(&study.figure(caption))?,
             Data::Dark(profiles) => panels(&dark::dark_panels(title, profiles, caption))?,
             Data::Bounds(pairs) => panels(&heavy::bounds_panels(title, pairs, caption))?,
             Data::Homoclinics(both) => panels(&heavy::homoclinic_panels(title, both, caption))?,

@@ -4,9 +4,6 @@
 mod report;
 
 pub(super) use report::{bounds, nearness};
-pub(crate) use report::{branch_csv as wave_branch_csv, exact_caption, tables as exact_tables};
-#[cfg(feature = "plot")]
-pub(crate) use report::{branch_plots as wave_branch_plots, exact_columns};
 
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
@@ -19,6 +16,7 @@ use crate::{
     error::{Error, Iterate, Result},
     orbits::Kantorovich,
     output::{Folder, to_json},
+    report::Report,
     scene::Scene,
     waves::{
         ExactWave, Given, MeanStrain, Modulation, Profile, Search, Start, TravellingWave, WaveContinuation, WaveEnd,
@@ -39,13 +37,17 @@ const SCENE: &str = "tw-q15";
 /// File with the best iterate of a search that did not converge.
 const STALLED: &str = "stalled.json";
 /// The files of a search that converged.
-const RESULTS: [&str; 9] = [
+const RESULTS: [&str; 13] = [
     "exact.json",
+    "exact.npz",
     "exact.png",
+    "exact.csv",
+    "growth.csv",
     "profile.csv",
     "fourier.csv",
     "multipliers.csv",
     "waves.json",
+    "waves.npz",
     "waves.png",
     "waves.csv",
     report::STATES,
@@ -197,8 +199,8 @@ pub struct Exact {
 }
 
 impl Study for Exact {
-    const FILES: &'static str = "Files: exact.json, exact.png, profile.csv, fourier.csv and multipliers.csv; stalled.json, in place of all of them, with the \
-                                 best iterate of a search that did not converge.";
+    const FILES: &'static str =
+        "stalled.json, in place of all of them, with the best iterate of a search that did not converge.";
 
     fn sometimes() -> Vec<String> {
         vec![STALLED.to_owned()]
@@ -208,8 +210,12 @@ impl Study for Exact {
         let numbers = self.wanted.numbers()?;
         Ok(Box::new(move |engine, _| {
             let keep = |why: &Error| keep_iterate(engine.folder(), numbers.moving(), why);
-            Ok(Box::new(numbers.study().inspect_err(keep)?))
+            Ok(Box::new(numbers.study().inspect_err(keep)?.report()))
         }))
+    }
+
+    fn outline() -> Option<Report> {
+        Some(report::outline())
     }
 }
 
@@ -324,8 +330,8 @@ pub struct ContinueWave {
 }
 
 impl Study for ContinueWave {
-    const FILES: &'static str = "Files: waves.json, waves.png, waves.csv, and states.npz with the states of a cell; states.npz is written every 20 waves \
-                                 as well. stalled.json, in place of all of them, if there is no first wave.";
+    const FILES: &'static str = "states.npz has the states of a cell, and is written every 20 waves as well; stalled.json, in place of \
+                                 all of them, if there is no first wave.";
     const STOPS: bool = true;
 
     fn sometimes() -> Vec<String> {
@@ -335,8 +341,18 @@ impl Study for ContinueWave {
     fn begin(&self) -> Result<Work<'_>> {
         let (numbers, continuation) = self.checked()?;
         Ok(Box::new(move |engine, progress| {
-            Ok(Box::new(branch_from(&numbers, &continuation, engine.folder(), progress)?))
+            let study = branch_from(&numbers, &continuation, engine.folder(), progress)?;
+            let states: Vec<&ExactWave> = study.waves.iter().map(|one| &one.wave).collect();
+            Ok(Box::new(study.report().file(report::STATES, report::states_npz(&states)?)))
         }))
+    }
+
+    fn outline() -> Option<Report> {
+        let (parameter, to) = (WaveParameter::OmegaTw, f64::NAN);
+        let search = Search::default();
+        let continuation = WaveContinuation { parameter, to, step: f64::INFINITY, most_points: 0, search };
+        let (scene, waves, end) = (String::new(), Vec::new(), WaveEnd::Reached);
+        Some(WaveBranchStudy { scene, continuation, sites: 0, waves, end }.report())
     }
 }
 

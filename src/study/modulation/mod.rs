@@ -2,15 +2,11 @@
 
 mod report;
 
-pub(crate) use report::caption;
-#[cfg(feature = "plot")]
-pub(crate) use report::figure;
-pub(crate) use report::tables as stability_tables;
-
 use super::{Changes, Study, Work, fit_line};
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, State},
     error::{Error, Result},
+    report::Report,
     scene::Theory,
     sweep::Tally,
     waves::{Mode, Modulation, Shape, Size, TravellingWave, strains},
@@ -132,7 +128,11 @@ impl ModulationStudy {
 
 impl Study for ModulationStudy {
     const FILES: &'static str =
-        "Files: stability.csv, stability.json and dps-growth.png, with --measure measured.csv, with --chart chart.csv.";
+        "The picture is dps-growth.png. measured.csv comes with --measure, chart.csv with --chart.";
+
+    fn outline() -> Option<Report> {
+        Some(report::outline())
+    }
 
     fn sometimes() -> Vec<String> {
         ["measured.csv", "chart.csv"].map(str::to_owned).into()
@@ -140,7 +140,7 @@ impl Study for ModulationStudy {
 
     fn begin(&self) -> Result<Work<'_>> {
         let options = self.options()?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(stability(&options, progress)?))))
+        Ok(Box::new(move |_, progress| Ok(Box::new(stability(&options, progress)?.report()))))
     }
 }
 

@@ -1,136 +1,172 @@
-//! The modulational stability of travelling waves as text, JSON, CSV and a picture.
+//! The report of the modulational stability of travelling waves.
 
 use super::{MeasuredGrowth, Rates, StabilityChart, StabilityRow, StabilityStudy};
 use crate::{
-    error::Result,
-    number::shown,
-    output::csv,
-    present::table,
-    study::{File, Report},
+    number::{of_pi, shown, written},
+    report::{
+        Digits::{Fixed, Hidden, Json, Power, Short},
+        Growth, GrowthMap, Line, Report, Table,
+    },
+    study::params_words,
     waves::Shape,
 };
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
-impl Report for StabilityStudy {
-    /// Rates `growth`, `frequency`, `Omega` per slow time, `growth_t` per unit of time,
+/// Points of the curve of theory.
+const POINTS: usize = 600;
+
+impl StabilityStudy {
+    /// The report. Rates `growth`, `frequency`, `Omega` per slow time, `growth_t` per unit of time,
     /// `growth_period` per period of the wave.
-    fn json(&self) -> Value {
-        let (options, modulation, rates) = (&self.options, &self.modulation, rates(self));
+    pub fn report(&self) -> Report {
+        let (options, modulation, rates) = (&self.options, &self.modulation, self.rates());
         let Shape { q, a, b, .. } = options.shape;
-        let with = |p: f64, growth: f64, frequency: Option<f64>| {
-            let mut row = json!({ "p": p, "growth": growth, "growth_t": rates.per_time(growth), "growth_period": rates.per_period(growth) });
-            if let Some(frequency) = frequency {
-                row["frequency"] = json!(frequency);
-            }
-            row
-        };
-        let row = |row: &StabilityRow| with(row.p, row.growth, Some(row.frequency));
-        let measured = |at: &MeasuredGrowth| {
-            json!({
-                "epsilon": at.epsilon,
-                "p": at.row.p,
-                "growth": at.row.growth,
-                "frequency": at.row.frequency,
-                "growth_theory": at.theory.growth,
-                "frequency_theory": at.theory.frequency,
-                "residual": at.residual,
-                "window": [at.window.0, at.window.1],
-            })
-        };
-        let chart = |chart: &StabilityChart| {
+        let fastest = modulation.fastest().map(|(p, growth)| StabilityRow { p, growth, frequency: f64::NAN });
+        let row = |row: &StabilityRow| stability(std::slice::from_ref(row), rates).json().remove(0);
+        let params = json!({
+            "alpha": options.params.alpha,
+            "kappa": options.params.kappa,
+            "rho": number(options.params.rho),
+            "q": q,
+            "a": a,
+            "b": b,
+            "sites": options.sites,
+            "epsilon": rates.epsilon,
+        });
+        let chart_json = |chart: &StabilityChart| {
+            let factor = |&(rho, factor): &(f64, f64)| json!({ "rho": number(rho), "factor": factor });
             json!({
                 "q": chart.q,
                 "b": chart.b,
                 "growth": chart.growth,
                 "long_short_edge": chart.edge,
-                "rho": chart.rho.iter().map(|&(rho, factor)| json!({ "rho": number(rho), "factor": factor })).collect::<Vec<_>>(),
+                "rho": chart.rho.iter().map(factor).collect::<Vec<_>>(),
             })
         };
-        json!({
-            "params": {
-                "alpha": options.params.alpha,
-                "kappa": options.params.kappa,
-                "rho": number(options.params.rho),
-                "q": q,
-                "a": a,
-                "b": b,
-                "sites": options.sites,
-                "epsilon": rates.epsilon,
-            },
-            "Omega": modulation.slow_frequency(),
-            "omega_tw": rates.omega_tw,
-            "lag": rates.lag,
-            "sigma": modulation.sigma(),
-            "slope": modulation.slope(),
-            "verdict": modulation.verdict().words(),
-            "band": modulation.band().map(|(from, to)| [from, to]),
-            "fastest": modulation.fastest().map(|(p, growth)| with(p, growth, None)),
-            "fastest_on_ring": self.fastest().map(row),
-            "rows": self.rows.iter().map(row).collect::<Vec<Value>>(),
-            "measured": self.measured.iter().map(measured).collect::<Vec<Value>>(),
-            "chart": self.chart.as_ref().map(chart),
-            "version": env!("CARGO_PKG_VERSION"),
-        })
-    }
-
-    fn text(&self) -> String {
-        let (rates, modulation, params) = (rates(self), &self.modulation, self.options.params);
-        let Shape { q, a, b, .. } = self.options.shape;
-        let cells = |row: &StabilityRow| {
-            vec![
-                format!("{:.4}", row.p / PI),
-                format!("{:.6e}", row.growth),
-                format!("{:.6e}", row.frequency),
-                format!("{:.4e}", rates.per_time(row.growth)),
-                format!("{:.4e}", rates.per_period(row.growth)),
-            ]
+        let lag = if rates.lag.is_infinite() {
+            "rho = inf: the DpS equation of Newton's cradle, which has no mean strain.".to_owned()
+        } else {
+            format!(
+                "(1 + rho) epsilon^(alpha-1) = {:.3}: the theory holds where this is small, so that mean strains follow \
+                 at once.",
+                rates.lag
+            )
         };
-        let rows: Vec<_> = self.rows.iter().map(cells).collect();
-        let mut text = table(&["p/pi", "Re lambda", "Im lambda", "growth per t", "per period"], &rows);
-        text += &format!(
-            "\nalpha = {}, kappa = {}, rho = {}, q = {} pi, a = {a}, b = {b}, epsilon = {}, N = {}: Omega = {:.6e}, omega_tw = {:.9}, s = {:.6}.\n\
-         lambda and Omega per slow time epsilon^(alpha-1) t; s = d ln sigma / d ln r at constant mean force.\n\
-         {}\n{}\n",
-            params.alpha,
-            params.kappa,
-            params.rho,
-            shown(q / PI),
-            rates.epsilon,
-            self.options.sites,
-            modulation.slow_frequency(),
-            rates.omega_tw,
-            modulation.slope(),
-            lag(rates.lag),
-            verdict(self),
+        let about = format!(
+            "epsilon = {}, omega_tw = {:.9}. lambda and Omega are per slow time; s = d ln sigma / d ln r at constant mean \
+             force. {lag}",
+            rates.epsilon, rates.omega_tw
         );
-        if !self.measured.is_empty() {
-            text += &format!("\n{}\n{}\n", measured_table(self), how_measured(self));
-        }
-        if let Some(chart) = &self.chart {
-            text += &format!("\n{}\n", chart_words(chart));
-        }
-        text
+        let report = Report::new("stability")
+            .fact("params", params)
+            .fact("Omega", modulation.slow_frequency())
+            .fact("omega_tw", rates.omega_tw)
+            .fact("lag", rates.lag)
+            .fact("sigma", modulation.sigma())
+            .fact("slope", modulation.slope())
+            .fact("verdict", modulation.verdict().words())
+            .fact("band", modulation.band().map(|(from, to)| [from, to]))
+            .fact("fastest", fastest.as_ref().map(row))
+            .fact("fastest_on_ring", self.fastest().map(row))
+            .words(self.caption())
+            .words(about)
+            .table(stability(&self.rows, rates))
+            .fact("measured", measured(&self.measured).json())
+            .fact("chart", self.chart.as_ref().map(chart_json))
+            .picture_named("dps-growth", self.figure(self.caption()));
+        let report = options.modes.into_iter().fold(report, |report, _| report.table(measured(&self.measured)));
+        self.chart.iter().fold(report, |report, one| report.table(chart(Some(one))))
     }
 
-    fn files(&self, json: &str) -> Result<Vec<File>> {
-        let mut files = vec![("stability.json".to_owned(), json.into())];
-        files.extend(tables(self).into_iter().map(|(name, csv)| (name.to_owned(), csv)));
-        Ok(files)
+    /// The factors of the first size of the wave, by which rates are given per unit of time.
+    fn rates(&self) -> Rates {
+        // The study refuses an empty list of sizes.
+        self.rates[0]
     }
 
-    /// Growth against wave number with what was measured, and the chart.
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
-        let png = crate::figures::growth(&figure(self, caption(self)))?;
-        Ok(crate::study::named([("dps-growth.png", png)]))
+    /// What grows, in words.
+    fn verdict(&self) -> String {
+        let modulation = &self.modulation;
+        let words = modulation.verdict().words();
+        let Some(((from, to), (p, growth))) = modulation.band().zip(modulation.fastest()) else {
+            return format!("The wave is {words}: no modulation grows at this order.");
+        };
+        format!(
+            "The wave is {words}: p between {} π and {} π, fastest at {} π with Re λ = {} = {} Ω.",
+            shown(from / PI),
+            shown(to / PI),
+            shown(p / PI),
+            shown(growth),
+            shown(growth / modulation.slow_frequency()),
+        )
+    }
+
+    /// How growth was measured, in words.
+    fn how_measured(&self) -> String {
+        if self.measured.is_empty() {
+            return String::new();
+        }
+        let unit = if self.fastest().is_some() { "e-folding times of the ring's fastest mode" } else { "times 1/Ω" };
+        format!(
+            "Measured: two runs of the full chain by collocation, with and without 10⁻⁶ of the mode; the mode's share of \
+             their difference, fitted from 0.5 to 3 {unit}. "
+        )
+    }
+
+    /// The picture, with a caption.
+    pub(crate) fn figure(&self, caption: String) -> Growth {
+        let (options, modulation) = (&self.options, &self.modulation);
+        let points = (0..=POINTS).map(|k| k as f64 / POINTS as f64).map(|p| (p, modulation.growth(PI * p)));
+        let measured = |rates: &Rates| {
+            let at = self.measured.iter().filter(|at| at.epsilon == rates.epsilon);
+            Line {
+                name: format!("full chain, ε = {}", rates.epsilon),
+                points: at.map(|at| (at.row.p / PI, at.row.growth)).collect(),
+            }
+        };
+        let Shape { q, b, .. } = options.shape;
+        Growth {
+            title: format!(
+                "Growth of modulations of a travelling wave, q = {}, b = {}, ρ = {}",
+                of_pi(q),
+                shown(b),
+                written(options.params.rho)
+            ),
+            wave_label: "wave number of the modulation, p / π".to_owned(),
+            growth_label: "growth rate Re λ per slow time τ".to_owned(),
+            theory: Line { name: "linearised DpS".to_owned(), points: points.collect() },
+            measured: if self.measured.is_empty() { Vec::new() } else { self.rates.iter().map(measured).collect() },
+            map: self.chart.as_ref().map(|chart| map(self, chart)),
+            caption,
+        }
+    }
+
+    /// The caption of the picture.
+    pub(crate) fn caption(&self) -> String {
+        let (options, modulation) = (&self.options, &self.modulation);
+        let (params, Shape { q, a, b, .. }) = (options.params, options.shape);
+        format!(
+            "Modulational stability of the wave D = a exp(i(Ωτ − qn)) of the generalised DpS equations, τ = ε^(α−1) t. {}, \
+             q = {}, a = {a}, b = {b}, N = {}; Ω = {}, s = {}. {} {}{}",
+            params_words(params),
+            of_pi(q),
+            options.sites,
+            shown(modulation.slow_frequency()),
+            shown(modulation.slope()).replace('-', "−"),
+            self.verdict(),
+            self.how_measured(),
+            self.chart.as_ref().map(chart_words).unwrap_or_default(),
+        )
+        .trim_end()
+        .to_owned()
     }
 }
 
-/// The factors of the first size of the wave, by which rates are given per unit of time.
-fn rates(study: &StabilityStudy) -> Rates {
-    // The study refuses an empty list of sizes.
-    study.rates[0]
+/// The tables without rows.
+pub(super) fn outline() -> Report {
+    let rates = Rates { epsilon: 1.0, slow: 1.0, omega_tw: 1.0, lag: 1.0 };
+    Report::new("stability").table(stability(&[], rates)).table(measured(&[])).table(chart(None))
 }
 
 /// A number; as text if it is not finite, since JSON has no number for it.
@@ -138,101 +174,61 @@ fn number(x: f64) -> Value {
     if x.is_finite() { json!(x) } else { json!(x.to_string()) }
 }
 
-/// Theory as CSV, a line a wave number.
-fn rates_csv(study: &StabilityStudy) -> Vec<u8> {
-    let rates = rates(study);
-    let row = |row: &StabilityRow| {
-        vec![row.p, row.growth, rates.per_time(row.growth), rates.per_period(row.growth), row.frequency]
+/// Theory, a row for each wave number.
+fn stability(rows: &[StabilityRow], rates: Rates) -> Table {
+    Table::of("stability", rows)
+        .col("p", Hidden, "wave number of the modulation", |row| row.p)
+        .col("p_over_pi", Fixed(4), "wave number of the modulation, over pi", |row| row.p / PI)
+        .head("p/pi")
+        .col("growth", Power(6), "Re lambda", |row| row.growth)
+        .col("frequency", Power(6), "Im lambda", |row| row.frequency)
+        .col("growth_t", Power(4), "growth per unit of time", move |row| rates.per_time(row.growth))
+        .col("growth_period", Power(4), "growth per period of the wave", move |row| rates.per_period(row.growth))
+        .done()
+}
+
+/// What was measured, a row for each size and wave number.
+fn measured(rows: &[MeasuredGrowth]) -> Table {
+    let deviation =
+        |at: &MeasuredGrowth| (at.theory.growth > 0.0).then(|| 100.0 * (at.row.growth / at.theory.growth - 1.0));
+    Table::of("measured", rows)
+        .key("measured")
+        .col("epsilon", Short, "size of the wave", |at| at.epsilon)
+        .col("p", Hidden, "wave number of the modulation", |at| at.row.p)
+        .col("p_over_pi", Fixed(4), "", |at| at.row.p / PI)
+        .head("p/pi")
+        .col("growth", Power(6), "Re lambda, measured on the full chain", |at| at.row.growth)
+        .col("growth_theory", Power(6), "", |at| at.theory.growth)
+        .col("deviation", Fixed(2), "of the growth from theory, in percent", deviation)
+        .col("frequency", Power(6), "Im lambda, measured", |at| at.row.frequency)
+        .col("frequency_theory", Hidden, "", |at| at.theory.frequency)
+        .col("residual", Power(1), "largest deviation of the logarithm of the mode from the line", |at| at.residual)
+        .col("window", Json, "", |at| vec![at.window.0, at.window.1])
+        .done()
+}
+
+/// The chart, a row for each cell.
+fn chart(chart: Option<&StabilityChart>) -> Table {
+    let line = |(growth, b): (&Vec<f64>, f64), q: &[f64]| {
+        q.iter().zip(growth).map(|(&q, &growth)| [q, b, growth]).collect::<Vec<_>>()
     };
-    csv(&["p", "growth", "growth_t", "growth_period", "frequency"], study.rows.iter().map(row))
-}
-
-/// All tables, `(file name, CSV)`: `stability.csv`, with measurements `measured.csv`, with a chart
-/// `chart.csv`.
-pub(crate) fn tables(study: &StabilityStudy) -> Vec<(&'static str, Vec<u8>)> {
-    let mut tables = vec![("stability.csv", rates_csv(study))];
-    tables.extend(study.options.modes.map(|_| ("measured.csv", measured_growth_csv(study))));
-    tables.extend(study.chart.as_ref().map(|chart| ("chart.csv", chart_csv(chart))));
-    tables
-}
-
-/// What was measured as CSV, a line a size and wave number.
-fn measured_growth_csv(study: &StabilityStudy) -> Vec<u8> {
-    let row = |at: &MeasuredGrowth| {
-        let (row, theory) = (at.row, at.theory);
-        vec![at.epsilon, row.p, row.growth, theory.growth, row.frequency, theory.frequency, at.residual]
-    };
-    let names = ["epsilon", "p", "growth", "growth_theory", "frequency", "frequency_theory", "residual"];
-    csv(&names, study.measured.iter().map(row))
-}
-
-/// The chart as CSV, a line a cell.
-fn chart_csv(chart: &StabilityChart) -> Vec<u8> {
-    let line = |(&b, growth): (&f64, &Vec<f64>)| {
-        let cells = chart.q.iter().zip(growth).map(|(&q, &growth)| vec![q, b, growth]);
-        cells.collect::<Vec<_>>()
-    };
-    csv(&["q", "b", "growth"], chart.b.iter().zip(&chart.growth).flat_map(line))
-}
-
-/// Where the theory holds, in words.
-fn lag(lag: f64) -> String {
-    if lag.is_infinite() {
-        return "rho = inf: the DpS equation of Newton's cradle, which has no mean strain.".to_owned();
-    }
-    format!(
-        "(1 + rho) epsilon^(alpha-1) = {lag:.3}: the theory holds where this is small, so that mean strains follow at once."
-    )
-}
-
-/// What grows, in words.
-fn verdict(study: &StabilityStudy) -> String {
-    let modulation = &study.modulation;
-    let words = modulation.verdict().words();
-    let Some(((from, to), (p, growth))) = modulation.band().zip(modulation.fastest()) else {
-        return format!("The wave is {words}: no modulation grows at this order.");
-    };
-    format!(
-        "The wave is {words}: p between {} pi and {} pi, fastest at {} pi with Re lambda = {} = {} Omega.",
-        shown(from / PI),
-        shown(to / PI),
-        shown(p / PI),
-        shown(growth),
-        shown(growth / modulation.slow_frequency()),
-    )
-}
-
-fn measured_table(study: &StabilityStudy) -> String {
-    let cells = |at: &MeasuredGrowth| {
-        let deviation = at.row.growth / at.theory.growth - 1.0;
-        vec![
-            at.epsilon.to_string(),
-            format!("{:.4}", at.row.p / PI),
-            format!("{:.6e}", at.theory.growth),
-            format!("{:.6e}", at.row.growth),
-            if at.theory.growth > 0.0 { format!("{:+.2} %", 100.0 * deviation) } else { "–".to_owned() },
-            format!("{:.6e}", at.row.frequency),
-            format!("{:.1e}", at.residual),
-        ]
-    };
-    let head = ["epsilon", "p/pi", "Re lambda", "measured", "deviation", "measured Im", "residual"];
-    table(&head, &study.measured.iter().map(cells).collect::<Vec<_>>())
-}
-
-fn how_measured(study: &StabilityStudy) -> String {
-    let unit = if study.fastest().is_some() { "e-folding times of the ring's fastest mode" } else { "times 1/Omega" };
-    format!(
-        "Measured: two runs of the full chain by collocation, with and without 10^-6 of the mode; the mode's share of their difference, fitted from 0.5 to 3 {unit}.\n\
-         Residual: largest deviation of its logarithm from the line; where it is not small, more than this mode grows."
-    )
+    let rows = chart
+        .into_iter()
+        .flat_map(|chart| chart.growth.iter().zip(chart.b.iter().copied()).flat_map(|row| line(row, &chart.q)));
+    Table::of("chart", &rows.collect::<Vec<_>>())
+        .key("")
+        .col("q", Hidden, "wave number of the wave", |cell| cell[0])
+        .col("b", Hidden, "its mean strain", |cell| cell[1])
+        .col("growth", Hidden, "growth of the fastest mode, per slow time", |cell| cell[2])
+        .done()
 }
 
 fn chart_words(chart: &StabilityChart) -> String {
     let most = chart.growth.iter().flatten().copied().fold(0.0, f64::max);
     let factors: Vec<_> =
-        chart.rho.iter().map(|&(rho, factor)| format!("{} at rho = {}", shown(factor), shown(rho))).collect();
+        chart.rho.iter().map(|&(rho, factor)| format!("{} at ρ = {}", shown(factor), shown(rho))).collect();
     format!(
-        "Chart: {} x {} waves, largest growth {} per slow time. rho is a factor of all of it, (1 + 1/rho)^(-3/2), and moves no boundary: times {}.",
+        "Chart: {} × {} waves, largest growth {} per slow time. ρ is a factor of all of it, (1 + 1/ρ)^(−3/2), and moves no boundary: times {}.",
         chart.q.len(),
         chart.b.len(),
         shown(most),
@@ -240,71 +236,8 @@ fn chart_words(chart: &StabilityChart) -> String {
     )
 }
 
-/// Points of the curve of theory.
-#[cfg(feature = "plot")]
-const POINTS: usize = 600;
-
-/// The picture as numbers and words.
-#[cfg(feature = "plot")]
-pub(crate) fn figure(study: &StabilityStudy, caption: String) -> crate::figures::Growth {
-    use crate::figures::{Growth, Line};
-    let (options, modulation) = (&study.options, &study.modulation);
-    let points = (0..=POINTS).map(|k| k as f64 / POINTS as f64).map(|p| (p, modulation.growth(PI * p)));
-    let measured = |rates: &Rates| {
-        let at = study.measured.iter().filter(|at| at.epsilon == rates.epsilon);
-        Line {
-            name: format!("full chain, ε = {}", rates.epsilon),
-            points: at.map(|at| (at.row.p / PI, at.row.growth)).collect(),
-        }
-    };
-    let Shape { q, b, .. } = options.shape;
-    Growth {
-        title: format!(
-            "Growth of modulations of a travelling wave, q = {}, b = {}, ρ = {}",
-            crate::number::of_pi(q),
-            shown(b),
-            crate::number::written(options.params.rho)
-        ),
-        wave_label: "wave number of the modulation, p / π".to_owned(),
-        growth_label: "growth rate Re λ per slow time τ".to_owned(),
-        theory: Line { name: "linearised DpS".to_owned(), points: points.collect() },
-        measured: if study.measured.is_empty() { Vec::new() } else { study.rates.iter().map(measured).collect() },
-        map: study.chart.as_ref().map(|chart| map(study, chart)),
-        caption,
-    }
-}
-
-/// The caption of the picture.
-pub(crate) fn caption(study: &StabilityStudy) -> String {
-    let (options, modulation) = (&study.options, &study.modulation);
-    let (params, Shape { q, a, b, .. }) = (options.params, options.shape);
-    let how = if study.measured.is_empty() {
-        String::new()
-    } else {
-        how_measured(study).lines().next().unwrap_or_default().replace("Omega", "Ω").replace("10^-6", "10⁻⁶") + " "
-    };
-    let chart = study
-        .chart
-        .as_ref()
-        .map(|chart| chart_words(chart).replace("rho", "ρ").replace("^(-3/2)", "^(−3/2)").replace(" x ", " × ") + " ");
-    format!(
-        "Modulational stability of the wave D = a exp(i(Ωτ − qn)) of the generalised DpS equations, τ = ε^(α−1) t. {}, \
-             q = {}, a = {a}, b = {b}, N = {}; Ω = {}, s = {}. {}. {how}{}hertzchain {}.",
-        crate::study::params_words(params),
-        crate::number::of_pi(q),
-        options.sites,
-        shown(modulation.slow_frequency()),
-        shown(modulation.slope()).replace('-', "−"),
-        verdict(study).trim_end_matches('.').replace("Re lambda", "Re λ").replace("Omega", "Ω").replace(" pi", " π"),
-        chart.unwrap_or_default(),
-        env!("CARGO_PKG_VERSION")
-    )
-}
-
 /// The chart over `q / pi` and `b / (2 kappa a)`.
-#[cfg(feature = "plot")]
-fn map(study: &StabilityStudy, chart: &StabilityChart) -> crate::figures::GrowthMap {
-    use crate::figures::{GrowthMap, Line};
+fn map(study: &StabilityStudy, chart: &StabilityChart) -> GrowthMap {
     let Shape { q, a, b, .. } = study.options.shape;
     let swing = 2.0 * study.options.params.kappa * a;
     let means: Vec<f64> = chart.b.iter().map(|b| b / swing).collect();
@@ -315,7 +248,7 @@ fn map(study: &StabilityStudy, chart: &StabilityChart) -> crate::figures::Growth
         labels: [
             "wave number of the wave, q / π".to_owned(),
             "mean strain, b / (2κa)".to_owned(),
-            format!("fastest growth per τ, ρ = {}", crate::number::written(study.options.params.rho)),
+            format!("fastest growth per τ, ρ = {}", written(study.options.params.rho)),
         ],
         x: (0.0, 1.0),
         y: (low, high),

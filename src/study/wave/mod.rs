@@ -9,8 +9,6 @@
 
 mod report;
 
-pub(crate) use report::tables as wave_tables;
-
 #[cfg(feature = "cli")]
 use super::tolerance_help;
 use super::{Changes, Study, Work, fit_line, scene_json};
@@ -18,6 +16,7 @@ use crate::{
     chain::{Site, max_norm},
     dps::{Envelope, project},
     error::{Error, Result},
+    report::{Report, rows},
     run::method::Method,
     run::state_at,
     scene::{Scene, Theory},
@@ -139,21 +138,25 @@ impl Wave {
 }
 
 impl Study for Wave {
-    const FILES: &'static str = "Files: wave.json, wave.png, errors.csv, profile.csv, and of perturbed waves envelope.csv, ensemble.csv and \
-                                 spread.csv. With --seeds, ensemble.store keeps every seed once it was run: the same \
-                                 ensemble in the same folder resumes from it.";
+    const FILES: &'static str = "envelope.csv, ensemble.csv, spread.csv and growth.csv are those of perturbed waves. With --seeds, \
+                                 ensemble.store keeps every seed once it was run: the same ensemble in the same folder \
+                                 resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 
     fn sometimes() -> Vec<String> {
-        ["envelope.csv", "ensemble.csv", "spread.csv"].map(str::to_owned).into()
+        ["envelope.csv", "ensemble.csv", "spread.csv", "growth.csv"].map(str::to_owned).into()
+    }
+
+    fn outline() -> Option<Report> {
+        Some(report::outline())
     }
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.scene()?;
         Ok(Box::new(move |engine, progress| {
             let tell = |done, total| progress(done as f64 / total as f64, "");
-            Ok(Box::new(wave_in(&scene, &self.options, engine, &tell)?))
+            Ok(Box::new(wave_in(&scene, &self.options, engine, &tell)?.report()))
         }))
     }
 }
@@ -208,21 +211,22 @@ pub struct Envelopes {
     pub flow: Envelope,
 }
 
-/// The growth of the perturbation of one seed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Member {
-    /// The seed.
-    pub seed: u64,
-    /// Growth of `tilde E_x`; `None` for runs shorter than two periods.
-    pub growth_x: Option<f64>,
-    /// Growth of `tilde E_y`.
-    pub growth_y: Option<f64>,
-    /// Exponential rate of `tilde E_x`, per unit of time; `None` for runs shorter than eight
-    /// periods.
-    pub rate: Option<f64>,
-    /// Largest distance of the logarithms from the line of that slope: well below the rise along
-    /// the line where growth is exponential.
-    pub rate_residual: Option<f64>,
+rows! {
+    /// The growth of the perturbation of one seed.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Member {
+        /// The seed.
+        seed: u64,
+        /// Growth of `tilde E_x`; none for runs shorter than two periods.
+        growth_x: Option<f64>,
+        /// Growth of `tilde E_y`.
+        growth_y: Option<f64>,
+        /// Exponential rate of `tilde E_x`, per unit of time; none for runs shorter than eight periods.
+        rate: Option<f64>,
+        /// Largest distance of the logarithms from the line of that slope: well below the rise along the
+        /// line where growth is exponential.
+        rate_residual: Option<f64>,
+    }
 }
 
 /// The spread of a quantity over the ensemble.

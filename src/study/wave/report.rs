@@ -1,19 +1,21 @@
-//! Travelling waves as text, JSON, CSV and a picture.
+//! The report of travelling waves.
 
-use super::{Ensemble, Envelopes, Member, PerturbedRun, Spread, WaveStudy};
+use super::{Ensemble, Envelopes, Errors, Member, PerturbedRun, Spread, Strains, WaveStudy};
 use crate::{
-    error::Result,
-    output::csv,
-    present::table,
-    study::{File, Report, scene_json},
+    report::{
+        Column,
+        Digits::{Fixed, Hidden, Power, Short},
+        Kind, Panels, Report, Table,
+    },
+    study::{scene_caption, scene_json},
 };
 use serde_json::{Value, json};
 
-impl Report for WaveStudy {
-    /// `e_x_*` and `e_y_*` are those of the unperturbed wave (eq:relerr_tw); `growth` is null
-    /// without perturbation, and in runs shorter than two periods.
-    fn json(&self) -> Value {
-        let WaveStudy { scene, wave, errors, ensemble, .. } = self;
+impl WaveStudy {
+    /// The report. `e_x_*` and `e_y_*` are those of the unperturbed wave (eq:relerr_tw); `growth` is
+    /// null without perturbation, and in runs shorter than two periods.
+    pub fn report(&self) -> Report {
+        let Self { scene, wave, errors, ensemble, .. } = self;
         let of_all = |quantity: fn(&Member) -> Option<f64>| {
             spread_json(ensemble.as_ref().and_then(|ensemble| ensemble.spread(quantity)))
         };
@@ -35,97 +37,139 @@ impl Report for WaveStudy {
             })
         });
         let members = ensemble.as_ref().map_or(&[][..], |ensemble| &ensemble.members[..]);
-        json!({
-            "scene": scene.name(),
-            "setting": self.setting,
-            "epsilon": wave.epsilon(),
-            "omega": wave.params().omega(),
-            "omega_tw": wave.omega_tw(),
-            "period": scene.period(),
-            "t": scene.end(),
-            "samples": self.t.len(),
-            "e_x_final": last(&errors.x),
-            "e_y_final": last(&errors.y),
-            "e_x_max": largest(&errors.x),
-            "e_y_max": largest(&errors.y),
-            "growth": of_all(|member| member.growth_x),
-            "growth_y": of_all(|member| member.growth_y),
-            "rate": of_all(|member| member.rate),
-            "seeds": members.iter().map(|member| member.seed).collect::<Vec<_>>(),
-            "growth_of_seed": members.iter().map(|member| member.growth_x).collect::<Vec<_>>(),
-            "rate_of_seed": members.iter().map(|member| member.rate).collect::<Vec<_>>(),
-            "rate_residual_of_seed": members.iter().map(|member| member.rate_residual).collect::<Vec<_>>(),
-            "missing": ensemble.as_ref().map_or(0, |ensemble| ensemble.missing),
-            "perturbed": perturbed,
-            "force_evaluations": self.stats.force_evaluations,
-            "wall_s": self.wall.as_secs_f64(),
-            "scene_file": scene_json(scene),
-            "version": env!("CARGO_PKG_VERSION"),
-        })
+        let of_each = |of: fn(&Member) -> Option<f64>| members.iter().map(of).collect::<Vec<_>>();
+        let missing = ensemble.as_ref().map_or(0, |ensemble| ensemble.missing);
+        let all = members.len() + missing;
+        let stopped = (missing > 0).then(|| format!("stopped by a signal: {missing} seeds of {all} were not run"));
+        let report = Report::new("wave")
+            .fact("scene", scene.name())
+            .fact("setting", &self.setting)
+            .fact("epsilon", wave.epsilon())
+            .fact("omega", wave.params().omega())
+            .fact("omega_tw", wave.omega_tw())
+            .fact("period", scene.period())
+            .fact("t", scene.end())
+            .fact("samples", self.t.len())
+            .fact("e_x_final", last(&errors.x))
+            .fact("e_y_final", last(&errors.y))
+            .fact("e_x_max", largest(&errors.x))
+            .fact("e_y_max", largest(&errors.y))
+            .fact("growth", of_all(|member| member.growth_x))
+            .fact("growth_y", of_all(|member| member.growth_y))
+            .fact("rate", of_all(|member| member.rate))
+            .fact("seeds", members.iter().map(|member| member.seed).collect::<Vec<_>>())
+            .fact("growth_of_seed", of_each(|member| member.growth_x))
+            .fact("rate_of_seed", of_each(|member| member.rate))
+            .fact("rate_residual_of_seed", of_each(|member| member.rate_residual))
+            .fact("missing", missing)
+            .fact("perturbed", perturbed)
+            .fact("force_evaluations", self.stats.force_evaluations)
+            .fact("wall_s", self.wall.as_secs_f64())
+            .fact("scene_file", scene_json(scene))
+            .words(format!("scene {}: {}", scene.name(), scene.file().summary))
+            .words(format!(
+                "{}; epsilon = {:.16e}, omega = {:.16}, omega_tw = {:.16}, period = {:.16}",
+                self.setting,
+                wave.epsilon(),
+                wave.params().omega(),
+                wave.omega_tw(),
+                scene.period()
+            ))
+            .table(self.summary())
+            .words(self.about())
+            .picture(self.picture())
+            .remark(stopped);
+        self.tables().into_iter().chain(ensemble.as_ref().map(growth)).fold(report, Report::table)
     }
 
-    fn text(&self) -> String {
-        let WaveStudy { scene, wave, errors, t, .. } = self;
-        let percent = |value: f64| format!("{:.10}", 100.0 * value);
-        let row = |name: &str, values: &[f64]| vec![name.to_owned(), percent(last(values)), percent(largest(values))];
-        let mut text = format!(
-            "scene {}: {}\n{}\nepsilon = {:.16e}, omega = {:.16}, omega_tw = {:.16}, period = {:.16}\n\n",
-            scene.name(),
-            scene.file().summary,
-            self.setting,
-            wave.epsilon(),
-            wave.params().omega(),
-            wave.omega_tw(),
-            scene.period()
-        );
-        let mut rows = vec![row("E_x", &errors.x), row("E_y", &errors.y)];
+    /// Errors at the end, and the largest.
+    fn summary(&self) -> Table {
+        let mut rows = vec![("E_x", &self.errors.x), ("E_y", &self.errors.y)];
         if let Some(PerturbedRun { errors, difference, .. }) = &self.perturbed {
-            rows.push(row("E_x, perturbed", &errors.x));
-            rows.push(row("E_y, perturbed", &errors.y));
-            rows.push(row("tilde E_x", &difference.x));
-            rows.push(row("tilde E_y", &difference.y));
+            rows.extend([("E_x perturbed", &errors.x), ("E_y perturbed", &errors.y)]);
+            rows.extend([("tilde E_x", &difference.x), ("tilde E_y", &difference.y)]);
         }
-        text += &table(&["in percent of the amplitude", "at the end", "largest"], &rows);
-        text += &format!(
-            "\nat the end, t = {}, and the largest of {} samples from 0 to there.\nE: chain against ansatz (eq:relerr_tw)",
-            scene.end(),
-            t.len()
-        );
-        if let Some(run) = &self.perturbed {
-            text += &format!(
-                "; perturbed by zeta = {}, seed {}, against its own ansatz (eq:xy_app).\ntilde E: perturbed against unperturbed wave (eq:relerr_twPtd).\nThe \
-             modulation equations conserve their energy; its relative change was {:.1e}",
+        Table::of("summary", &rows)
+            .key("")
+            .col("error", Short, "", |row| row.0)
+            .col("at_the_end", Fixed(10), "in percent of the amplitude", |row| 100.0 * last(row.1))
+            .col("largest", Fixed(10), "of all samples, in percent of the amplitude", |row| 100.0 * largest(row.1))
+            .done()
+    }
+
+    /// What was compared.
+    fn about(&self) -> String {
+        let perturbed = self.perturbed.as_ref().map_or(String::new(), |run| {
+            format!(
+                "; perturbed by zeta = {}, seed {}, against its own ansatz (eq:xy_app). tilde E: perturbed against \
+                 unperturbed wave (eq:relerr_twPtd). The modulation equations conserve their energy; its relative change \
+                 was {:.1e}",
                 run.wave.zeta(),
                 run.wave.seed(),
                 run.flow_energy_change
-            );
-        }
-        text += ".\n";
-        if let Some(ensemble) = &self.ensemble {
-            text += &ensemble_table(ensemble);
-        }
-        text
+            )
+        });
+        let seeds = self.ensemble.as_ref().map_or(String::new(), |ensemble| {
+            let first = ensemble.members.first().map_or(0, |member| member.seed);
+            format!(" Growth and rates over {} seeds from {first}.", ensemble.members.len())
+        });
+        format!(
+            "{} samples from 0 to the end, t = {}. E: chain against ansatz (eq:relerr_tw){perturbed}.{seeds}",
+            self.t.len(),
+            self.scene.end()
+        )
     }
 
-    /// `errors.csv` (in time), `profile.csv` (strains at the end); with a perturbation
-    /// `envelope.csv`, `ensemble.csv` (a line a seed) and `spread.csv` (tilde E_x and tilde E_y
-    /// over the seeds, in time).
-    fn files(&self, json: &str) -> Result<Vec<File>> {
-        let mut files = vec![("wave.json".to_owned(), json.into())];
-        files.extend(tables(self).into_iter().map(|(name, csv)| (name.to_owned(), csv)));
-        Ok(files)
+    /// Errors in time and strains at the end by site; with a perturbation also envelopes, a row for
+    /// each seed, and the spread over them in time.
+    pub(crate) fn tables(&self) -> Vec<Table> {
+        let run = self.perturbed.as_ref();
+        let errors = errors(&self.t, &self.errors, run.map(|run| [&run.errors, &run.difference]));
+        let profile = profile(&self.strains, &self.ansatz, run.map(|run| [&run.strains, &run.ansatz]));
+        let envelope = run.and_then(|run| run.envelopes.as_ref()).map(envelope);
+        let ensemble = self.ensemble.iter().flat_map(|ensemble| {
+            let pairs = ensemble.difference_x.iter().zip(&ensemble.difference_y);
+            let rows: Vec<_> = self.t.iter().zip(pairs).map(|(&t, (&x, &y))| (t, [x, y])).collect();
+            [Member::table("ensemble", &ensemble.members).key("").done(), spread(&rows)]
+        });
+        [errors, profile].into_iter().chain(envelope).chain(ensemble).collect()
     }
 
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
-        Ok(crate::study::named([("wave.png", picture(self)?)]))
+    /// Strains at the end beside the ansatz, and errors in time.
+    fn picture(&self) -> Panels {
+        let tables = self.tables();
+        let strains = |label, x, ansatz| {
+            tables[1].panel(Kind::Sites, ["site n", label], "n", &[("chain", x), ("ansatz", ansatz)])
+        };
+        let in_time = |kind, label, lines: &[(&str, &str)]| tables[0].panel(kind, ["time t", label], "t", lines);
+        let profiles = [strains("strain xₙ", "x", "x_ansatz"), strains("strain yₙ", "y", "y_ansatz")];
+        let mut errors = vec![in_time(Kind::Time, "error over amplitude", &[("E_x", "e_x"), ("E_y", "e_y")])];
+        errors.extend(self.perturbed.as_ref().map(|_| {
+            let lines = [("Ẽ_x", "tilde_e_x"), ("Ẽ_y", "tilde_e_y")];
+            in_time(Kind::LogTime, "perturbed − unperturbed", &lines)
+        }));
+        let how = format!(
+            "Unperturbed wave at t = {:.6} beside its first-order ansatz (eq:xytw_app), and largest distances from it in \
+             time (eq:relerr_tw). {}.",
+            self.scene.end(),
+            self.setting
+        );
+        let columns = vec![Column::new("", profiles), Column::new("", errors)];
+        let title = format!("{}: chain and ansatz", self.scene.name());
+        Panels { title, columns, caption: scene_caption(&self.scene, &how) }
     }
+}
 
-    fn remark(&self) -> Option<String> {
-        let Ensemble { members, missing, .. } = self.ensemble.as_ref()?;
-        let all = members.len() + missing;
-        (*missing > 0).then(|| format!("stopped by a signal: {missing} seeds of {all} were not run"))
-    }
+/// The tables of a perturbed wave without rows.
+pub(super) fn outline() -> Report {
+    let (none, still) = (Errors::default(), Strains { x: Vec::new(), y: Vec::new() });
+    let tables = [
+        errors(&[], &none, Some([&none, &none])),
+        profile(&still, &still, Some([&still, &still])),
+        Member::table("ensemble", &[]).done(),
+        spread(&[]),
+    ];
+    tables.into_iter().fold(Report::new("wave"), Report::table)
 }
 
 fn largest(values: &[f64]) -> f64 {
@@ -142,129 +186,90 @@ fn spread_json(spread: Option<Spread>) -> Value {
     })
 }
 
-fn ensemble_table(ensemble: &Ensemble) -> String {
-    let row = |name: &str, quantity: fn(&Member) -> Option<f64>| {
-        let cells = match ensemble.spread(quantity) {
-            Some(Spread { low, lower, median, upper, high }) => {
-                [low, lower, median, upper, high].map(|value| format!("{value:.6e}"))
-            }
-            None => std::array::from_fn(|_| "–".to_owned()),
-        };
-        [name.to_owned()].into_iter().chain(cells).collect::<Vec<_>>()
-    };
+/// Growth and rates over the seeds.
+fn growth(ensemble: &Ensemble) -> Table {
     let rows = [
-        row("growth of tilde E_x", |member| member.growth_x),
-        row("growth of tilde E_y", |member| member.growth_y),
-        row("rate of tilde E_x", |member| member.rate),
-        row("misfit of the rate", |member| member.rate_residual),
+        ("growth of tilde E_x", ensemble.spread(|member| member.growth_x)),
+        ("growth of tilde E_y", ensemble.spread(|member| member.growth_y)),
+        ("rate of tilde E_x", ensemble.spread(|member| member.rate)),
+        ("misfit of the rate", ensemble.spread(|member| member.rate_residual)),
     ];
-    format!(
-        "\n{}\nover {} seeds from {}. Growth: largest of the last period over largest of the first. Rate: slope of ln(largest of each period) over \
-         the second half, per unit of time; misfit: its largest distance from the line.\n",
-        table(&["", "lowest", "quartile", "median", "quartile", "highest"], &rows),
-        ensemble.members.len(),
-        ensemble.members.first().map_or(0, |member| member.seed),
+    let of = |of: fn(Spread) -> f64| move |row: &(&str, Option<Spread>)| row.1.map(of);
+    let about = "growth: largest of the last period over largest of the first; rate: slope of ln(largest of each period) \
+                 over the second half, per unit of time; misfit: its largest distance from the line";
+    Table::of("growth", &rows)
+        .key("")
+        .col("quantity", Short, about, |row| row.0)
+        .col("lowest", Power(6), "", of(|spread| spread.low))
+        .col("lower_quartile", Power(6), "", of(|spread| spread.lower))
+        .col("median", Power(6), "", of(|spread| spread.median))
+        .col("upper_quartile", Power(6), "", of(|spread| spread.upper))
+        .col("highest", Power(6), "", of(|spread| spread.high))
+        .done()
+}
+
+/// Columns of equal length, for files.
+fn columns(name: &str, columns: &[(&str, &str, &[f64])]) -> Table {
+    let rows: Vec<usize> = (0..columns.first().map_or(0, |column| column.2.len())).collect();
+    let mut table = Table::of(name, &rows).key("");
+    for &(name, about, values) in columns {
+        table = table.col(name, Hidden, about, |&k| values[k]);
+    }
+    table.done()
+}
+
+/// Errors in time.
+fn errors(t: &[f64], own: &Errors, perturbed: Option<[&Errors; 2]>) -> Table {
+    let mut all = vec![("t", "", t), ("e_x", "E_x", &own.x[..]), ("e_y", "E_y", &own.y)];
+    if let Some([errors, difference]) = perturbed {
+        all.extend([("e_x_perturbed", "E_x of the perturbed wave", &errors.x[..]), ("e_y_perturbed", "", &errors.y)]);
+        all.extend([("tilde_e_x", "tilde E_x", &difference.x[..]), ("tilde_e_y", "tilde E_y", &difference.y)]);
+    }
+    columns("errors", &all)
+}
+
+/// Strains at the end by site.
+fn profile(strains: &Strains, ansatz: &Strains, perturbed: Option<[&Strains; 2]>) -> Table {
+    let sites: Vec<f64> = (0..strains.x.len()).map(|n| n as f64).collect();
+    let mut all = vec![("n", "site", &sites[..])];
+    all.extend([("x", "strain of the bead at the end", &strains.x[..]), ("y", "of the resonator", &strains.y)]);
+    all.extend([("x_ansatz", "", &ansatz.x[..]), ("y_ansatz", "", &ansatz.y)]);
+    if let Some([strains, ansatz]) = perturbed {
+        all.extend([("x_perturbed", "", &strains.x[..]), ("y_perturbed", "", &strains.y)]);
+        all.extend([("x_perturbed_ansatz", "", &ansatz.x[..]), ("y_perturbed_ansatz", "", &ansatz.y)]);
+    }
+    columns("profile", &all)
+}
+
+/// Envelopes of the chain and by the modulation equations.
+fn envelope(Envelopes { chain, flow, .. }: &Envelopes) -> Table {
+    let sites: Vec<f64> = (0..chain.means.len()).map(|n| n as f64).collect();
+    let [(re, im), (re_flow, im_flow)] = [chain, flow].map(|of| of.amplitudes.split_at(sites.len()));
+    columns(
+        "envelope",
+        &[
+            ("n", "site", &sites),
+            ("re_chain", "envelope of the chain", re),
+            ("im_chain", "", im),
+            ("b_chain", "its mean strain", &chain.means),
+            ("re_flow", "envelope by the modulation equations", re_flow),
+            ("im_flow", "", im_flow),
+            ("b_flow", "", &flow.means),
+        ],
     )
 }
 
-/// All tables as `(file name, CSV)`.
-pub(crate) fn tables(study: &WaveStudy) -> Vec<(&'static str, Vec<u8>)> {
-    let mut tables = vec![("errors.csv", errors_csv(study)), ("profile.csv", profile_csv(study))];
-    if let Some(Envelopes { chain, flow, .. }) = study.perturbed.as_ref().and_then(|run| run.envelopes.as_ref()) {
-        let sites = chain.means.len();
-        let rows = (0..sites).map(|n| {
-            let of = |z: &[f64]| [z[n], z[sites + n]];
-            let ([re, im], [re_flow, im_flow]) = (of(&chain.amplitudes), of(&flow.amplitudes));
-            vec![n as f64, re, im, chain.means[n], re_flow, im_flow, flow.means[n]]
-        });
-        let names = ["n", "re_chain", "im_chain", "b_chain", "re_flow", "im_flow", "b_flow"];
-        tables.push(("envelope.csv", csv(&names, rows)));
+/// `tilde E_x` and `tilde E_y` over the seeds, in time.
+fn spread(rows: &[(f64, [Spread; 2])]) -> Table {
+    let mut table = Table::of("spread", rows).key("").col("t", Hidden, "", |row| row.0);
+    for (k, name) in ["x", "y"].into_iter().enumerate() {
+        let of = |of: fn(Spread) -> f64| move |row: &(f64, [Spread; 2])| of(row.1[k]);
+        table = table
+            .col(format!("{name}_low"), Hidden, format!("least tilde E_{name} of the seeds"), of(|spread| spread.low))
+            .col(format!("{name}_lower"), Hidden, "quartile", of(|spread| spread.lower))
+            .col(format!("{name}_median"), Hidden, "", of(|spread| spread.median))
+            .col(format!("{name}_upper"), Hidden, "quartile", of(|spread| spread.upper))
+            .col(format!("{name}_high"), Hidden, "largest", of(|spread| spread.high));
     }
-    if let Some(ensemble) = &study.ensemble {
-        tables.push(("ensemble.csv", members_csv(ensemble)));
-        tables.push(("spread.csv", spread_csv(study, ensemble)));
-    }
-    tables
-}
-
-/// Errors in time: `t, e_x, e_y`, and of the perturbed wave `e_x_perturbed, e_y_perturbed,
-/// tilde_e_x, tilde_e_y`.
-fn errors_csv(study: &WaveStudy) -> Vec<u8> {
-    let mut columns = vec![("t", &study.t), ("e_x", &study.errors.x), ("e_y", &study.errors.y)];
-    if let Some(PerturbedRun { errors, difference, .. }) = &study.perturbed {
-        columns.extend([("e_x_perturbed", &errors.x), ("e_y_perturbed", &errors.y)]);
-        columns.extend([("tilde_e_x", &difference.x), ("tilde_e_y", &difference.y)]);
-    }
-    columns_csv(&columns)
-}
-
-/// Strains at the end by site: `n, x, y, x_ansatz, y_ansatz`, and those of the perturbed wave.
-fn profile_csv(study: &WaveStudy) -> Vec<u8> {
-    let sites: Vec<f64> = (0..study.strains.x.len()).map(|n| n as f64).collect();
-    let mut columns = vec![("n", &sites)];
-    columns.extend([("x", &study.strains.x), ("y", &study.strains.y)]);
-    columns.extend([("x_ansatz", &study.ansatz.x), ("y_ansatz", &study.ansatz.y)]);
-    if let Some(PerturbedRun { strains, ansatz, .. }) = &study.perturbed {
-        columns.extend([("x_perturbed", &strains.x), ("y_perturbed", &strains.y)]);
-        columns.extend([("x_perturbed_ansatz", &ansatz.x), ("y_perturbed_ansatz", &ansatz.y)]);
-    }
-    columns_csv(&columns)
-}
-
-fn columns_csv(columns: &[(&str, &Vec<f64>)]) -> Vec<u8> {
-    let names: Vec<&str> = columns.iter().map(|column| column.0).collect();
-    let rows = columns.first().map_or(0, |column| column.1.len());
-    csv(&names, (0..rows).map(|k| columns.iter().map(|column| column.1[k]).collect()))
-}
-
-fn members_csv(ensemble: &Ensemble) -> Vec<u8> {
-    let number = |value: Option<f64>| value.map(|value| format!("{value:e}")).unwrap_or_default();
-    let mut text = String::from("seed,growth_x,growth_y,rate,rate_residual\n");
-    for &Member { seed, growth_x, growth_y, rate, rate_residual } in &ensemble.members {
-        let cells = [growth_x, growth_y, rate, rate_residual].map(number).join(",");
-        text += &format!("{seed},{cells}\n");
-    }
-    text.into_bytes()
-}
-
-fn spread_csv(study: &WaveStudy, ensemble: &Ensemble) -> Vec<u8> {
-    let numbers = |spread: &Spread| {
-        let Spread { low, lower, median, upper, high } = *spread;
-        [low, lower, median, upper, high]
-    };
-    let rows = study.t.iter().zip(ensemble.difference_x.iter().zip(&ensemble.difference_y));
-    let rows = rows.map(|(&t, (x, y))| [t].into_iter().chain(numbers(x)).chain(numbers(y)).collect());
-    let names =
-        ["t", "x_low", "x_lower", "x_median", "x_upper", "x_high", "y_low", "y_lower", "y_median", "y_upper", "y_high"];
-    csv(&names, rows)
-}
-
-/// Strains at the end beside the ansatz, and errors in time.
-#[cfg(feature = "plot")]
-fn picture(study: &WaveStudy) -> Result<crate::figures::Picture> {
-    use super::Errors;
-    use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
-    let over = |x: &mut dyn Iterator<Item = f64>, y: &[f64]| x.zip(y.iter().copied()).collect::<Vec<_>>();
-    let profile = |name: &str, values: &[f64]| Line::new(name, over(&mut (0..).map(f64::from), values));
-    let in_time = |name: &str, values: &[f64]| Line::new(name, over(&mut study.t.iter().copied(), values));
-    let strains = |label: &str, chain: &[f64], ansatz: &[f64]| {
-        Panel::new(Kind::Sites, ["site n", label], vec![profile("chain", chain), profile("ansatz", ansatz)])
-    };
-    let errors_of = |kind, label: &str, names: [&str; 2], Errors { x, y }: &Errors| {
-        Panel::new(kind, ["time t", label], vec![in_time(names[0], x), in_time(names[1], y)])
-    };
-    let (chain, ansatz) = (&study.strains, &study.ansatz);
-    let profiles = [strains("strain xₙ", &chain.x, &ansatz.x), strains("strain yₙ", &chain.y, &ansatz.y)];
-    let mut errors = vec![errors_of(Kind::Time, "error over amplitude", ["E_x", "E_y"], &study.errors)];
-    errors.extend(study.perturbed.as_ref().map(|PerturbedRun { difference, .. }| {
-        errors_of(Kind::LogTime, "perturbed − unperturbed", ["Ẽ_x", "Ẽ_y"], difference)
-    }));
-    let how = format!(
-        "Unperturbed wave at t = {:.6} beside its first-order ansatz (eq:xytw_app), and largest distances from it in time (eq:relerr_tw). {}.",
-        study.scene.end(),
-        study.setting
-    );
-    let columns = vec![Column::new("", profiles), Column::new("", errors)];
-    let title = format!("{}: chain and ansatz", study.scene.name());
-    Ok(panels(&Panels { title, columns, caption: crate::study::provenance(&study.scene, &how) })?)
+    table.done()
 }
