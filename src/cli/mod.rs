@@ -73,6 +73,22 @@ pub fn understood(arguments: impl IntoIterator<Item = OsString>) -> std::result:
     }
 }
 
+/// The files of all commands with the columns of their tables, as `docs/columns.md` has them: what
+/// `--help` says of `--out`.
+pub fn columns() -> String {
+    fn told(command: &clap::Command, path: &str, text: &mut String) {
+        let out = command.get_arguments().find(|arg| arg.get_id() == "out").and_then(clap::Arg::get_long_help);
+        let files = out.map(ToString::to_string).unwrap_or_default();
+        if let Some(at) = files.find("Files: ").filter(|_| files.contains(".npz with an array")) {
+            *text += &format!("\n## {}\n\n{}\n", path.trim_start(), files[at..].trim_end());
+        }
+        command.get_subcommands().for_each(|below| told(below, &format!("{path} {}", below.get_name()), text));
+    }
+    let mut text = "# Files and columns\n\nGenerated: what `--help` says of `--out`.\n".to_owned();
+    told(&Cli::command(), "", &mut text);
+    text
+}
+
 /// Runs the command.
 fn begun(cli: &Cli) -> Exit {
     threads_checked()?;

@@ -184,11 +184,12 @@ fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
     };
     let study =
         charts(&Problem::built_in(), &options, &Engine::threads(), &|done, total| tell(done as f64 / total as f64))?;
+    let study: Box<dyn Report> = Box::new(study.report());
     #[cfg(feature = "plot")]
     let pictures = study.pictures()?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
     #[cfg(not(feature = "plot"))]
     let pictures = vec![];
-    Ok([vec![Block::Text(study.text()), data(&study)?], pictures].concat())
+    Ok([vec![Block::Text(study.text()), data(&*study)?], pictures].concat())
 }
 
 fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {

@@ -125,7 +125,7 @@ impl<T> Rows<'_, T> {
         value: impl Fn(&T) -> C,
     ) -> Self {
         let (name, about, quantity) = (name.into(), about.into(), Quantity::Number);
-        let head = name.replace(['_', '.'], " ");
+        let head = nested(&name).map_or_else(|| name.replace('_', " "), |_| name.replace(['_', '.'], " "));
         let cells = self.rows.iter().map(|row| value(row).into()).collect();
         self.table.columns.push(Column { name, head, about, quantity, digits, cells });
         self
@@ -234,7 +234,7 @@ impl Table {
                 Cell::Word(word) => json!(word),
                 Cell::Nested(value) => value.clone(),
             };
-            match column.name.split_once('.') {
+            match nested(&column.name) {
                 None => _ = object.insert(column.name.clone(), value),
                 Some((outer, inner)) => {
                     object.entry(outer).or_insert_with(|| json!({}))[inner] = value;
@@ -261,7 +261,7 @@ impl Table {
             Cell::Nested(_) => String::new(),
         };
         let line = |cells: Vec<String>| cells.join(",") + "\n";
-        let head = line(columns.iter().map(|column| column.name.replace('.', "_")).collect());
+        let head = line(columns.iter().map(|column| file_name(&column.name)).collect());
         let rows = (0..self.rows).map(|row| line(columns.iter().map(|column| cell(column, row)).collect()));
         head + &rows.collect::<String>()
     }
@@ -269,7 +269,7 @@ impl Table {
     /// Adds an array for each column to an archive, named `table.column`.
     pub(super) fn npz(&self, archive: &mut NpzWriter<impl Write + Seek>) -> io::Result<()> {
         for column in self.flat() {
-            let name = format!("{}.{}", self.name, column.name.replace('.', "_"));
+            let name = format!("{}.{}", self.name, file_name(&column.name));
             if let Some(Cell::Word(_)) = column.cells.first() {
                 let word = |cell: &Cell| if let Cell::Word(Some(word)) = cell { word.clone() } else { String::new() };
                 archive.words(&name, &column.cells.iter().map(word).collect::<Vec<_>>())?;
@@ -358,7 +358,7 @@ impl Table {
 
     /// Names of its columns in files, and what they are.
     pub fn columns(&self) -> impl Iterator<Item = (String, &str)> {
-        self.flat().map(|column| (column.name.replace('.', "_"), column.about.as_str()))
+        self.flat().map(|column| (file_name(&column.name), column.about.as_str()))
     }
 
     fn column(&self, name: &str) -> &Column {
@@ -376,6 +376,16 @@ impl Table {
     pub fn panel(&self, kind: Kind, labels: [&str; 2], x: &str, lines: &[(&str, &str)]) -> Panel {
         Panel::new(kind, labels, lines.iter().map(|(name, y)| self.line(name, [x, y])).collect())
     }
+}
+
+/// Field and field within it, of a name `a.b`; a number is no such name.
+fn nested(name: &str) -> Option<(&str, &str)> {
+    name.split_once('.').filter(|(outer, _)| outer.starts_with(char::is_alphabetic))
+}
+
+/// The name of a column in CSV and NPZ.
+fn file_name(name: &str) -> String {
+    if nested(name).is_some() { name.replace('.', "_") } else { name.to_owned() }
 }
 
 /// Rows whose fields are the columns of a table, each told once: its documentation is its legend.

@@ -39,8 +39,7 @@ pub(crate) use breather::bright_tables;
 pub use breather::*;
 pub use charts::{
     BOUNDS, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance, ResonancePoint,
-    Struck, StruckPoint, StruckRun, StruckRuns, Trial, Variant, Verdict as ChartVerdict, charts, deviation, kick_sum,
-    resonance,
+    Trial, Variant, Verdict as ChartVerdict, charts, kick_sum, resonance,
 };
 pub use compare::{Compare, CompareOptions, Comparison, Entrant, LeftOut, Reference, Row, compare};
 pub use dps::*;

@@ -197,6 +197,17 @@ fn all_commands_of_the_guide_run() {
 }
 
 #[test]
+fn columns_are_those_that_the_help_names() {
+    // HERTZCHAIN_GOLDEN=update writes the file anew, as for the golden net.
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/columns.md");
+    let now = hertzchain::cli::columns();
+    if env::var("HERTZCHAIN_GOLDEN").is_ok_and(|mode| mode == "update") {
+        fs::write(&path, &now).unwrap();
+    }
+    assert!(fs::read_to_string(&path).unwrap() == now, "docs/columns.md is not what the program says");
+}
+
+#[test]
 fn every_chapter_is_in_the_book() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
     let summary = fs::read_to_string(docs.join("SUMMARY.md")).unwrap();

@@ -33,7 +33,7 @@ pub(crate) enum StudyAction {
     /// Chart the stability of the integrators over extreme chains.
     ///
     /// Varies the mass ratio, the stiffness and the exponent of contacts, and the length of the
-    /// chain and of the run; also charts resonances and chains that are struck. A point is one
+    /// chain and of the run; also charts resonances. A point is one
     /// method on one variant of the chain: stable, drifting or lost (its energy error exceeds 1, or
     /// the run failed), its energy error, the largest steps that keep the error below 1e-3 and
     /// below 1e-6, and their cost. With --out points are kept as they are computed, and a run that

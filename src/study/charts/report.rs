@@ -1,123 +1,75 @@
-//! The charts of stability as text, JSON, CSV and pictures.
+//! The report of the charts of stability.
 
-use super::struck::TOLERANCES;
-#[cfg(feature = "plot")]
-use super::struck::{EXPONENTS, MASS_RATIOS};
 use super::{
-    BOUNDS, Chart, ChartPoint, ChartStudy, Limit, Measured, ResonancePoint, StruckPoint, Trial, Variant,
-    Verdict as ChartVerdict, kick_sum,
+    BOUNDS, Chart, ChartPoint, ChartStudy, Limit, Measured, ResonancePoint, Trial, Variant, Verdict as ChartVerdict,
+    kick_sum,
 };
 use crate::{
-    error::Result,
-    present::{machine_json, table},
+    present::machine_json,
+    report::{
+        CellMap,
+        Digits::{Fixed, Hidden, Power, Short},
+        Line, Maps, Matrix, Report, Rows, Table,
+    },
     run::method::Method,
-    study::{File, Report},
 };
 use serde_json::{Value, json};
-use std::fmt::Write;
 
-impl Report for ChartStudy {
-    /// `wall` is seconds a unit of time, and depends on the load of the machine.
-    fn json(&self) -> Value {
-        let chain = self.problem.chain();
-        json!({
-            "scene": self.problem.name(),
-            "chain": chain,
-            "amplitude": self.problem.amplitude(),
-            "bounds": BOUNDS,
-            "work": self.work,
-            "points": self.points.iter().map(point_json).collect::<Vec<_>>(),
-            "resonances": self.resonances.iter().map(resonance_json).collect::<Vec<_>>(),
-            "struck": self.struck.iter().map(struck_json).collect::<Vec<_>>(),
-            "regimes": regimes(self).iter().map(Cheapest::json).collect::<Vec<_>>(),
-            "computed": computed(self),
-            "resumed": self.resumed,
-            "wall_s": self.wall.as_secs_f64(),
-            "machine": machine_json(),
-            "version": env!("CARGO_PKG_VERSION"),
-        })
-    }
-
-    /// The verdict and the error of every method at its usual step, the resonances, and the
-    /// cheapest method of every regime.
-    fn text(&self) -> String {
-        let mut text = format!(
-            "{}: {} sites, alpha = {}, kappa = {}, rho = {}, amplitude {}\n",
-            self.problem.name(),
-            self.problem.chain().sites,
-            self.problem.chain().alpha,
-            self.problem.chain().kappa,
-            self.problem.chain().rho,
-            self.problem.amplitude()
-        );
-        for &chart in &self.charts {
-            text += &format!("\n{}\n\n", heading(chart));
-            text += &match chart {
-                Chart::Resonances => resonances_table(self),
-                Chart::Struck => struck_table(self),
-                _ => errors_table(self, chart),
-            };
-        }
-        let regimes = regimes(self);
-        if !regimes.is_empty() {
-            text += "\nFewest force evaluations for an energy error below\n\n";
-            text += &regimes_table(&regimes);
-            text += "\nh Omega: step times max(omega, Omega_c); >: no longer step was tried; tol: of an adaptive method, h is then its mean step. Cost: force\n\
-                 evaluations a unit of time.\n";
-        }
-        text += &format!(
-            "\n{} points computed, {} resumed, {:.1} s\n",
-            computed(self),
-            self.resumed,
-            self.wall.as_secs_f64()
-        );
-        text
-    }
-
-    fn files(&self, json: &str) -> Result<Vec<File>> {
-        let mut files = vec![("stability.json".to_owned(), json.into())];
-        files.extend(csv_files(self));
-        Ok(files)
-    }
-
-    /// Heat maps of every chart.
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
-        let mut pictures = Vec::new();
-        for &chart in &self.charts {
-            let name = chart.name();
-            if chart == Chart::Resonances {
-                if !self.resonances.is_empty() {
-                    pictures.push((format!("{name}.png"), crate::figures::matrix(&resonance_matrix(self))?));
-                }
-                continue;
+/// The verdict and the error of every method at its usual step, the resonances, and the cheapest
+/// method of every regime. `wall` is seconds a unit of time, and depends on the load of the machine.
+pub(super) fn report(study: &ChartStudy) -> Report {
+    let chain = study.problem.chain();
+    let regimes = regimes(study);
+    let mut report = Report::new("stability")
+        .fact("scene", study.problem.name())
+        .fact("chain", chain)
+        .fact("amplitude", study.problem.amplitude())
+        .fact("bounds", BOUNDS)
+        .fact("work", study.work)
+        .fact("points", study.points.iter().map(point_json).collect::<Vec<_>>())
+        .fact("resonances", study.resonances.iter().map(resonance_json).collect::<Vec<_>>())
+        .fact("regimes", regimes.iter().map(Cheapest::json).collect::<Vec<_>>())
+        .fact("computed", computed(study))
+        .fact("resumed", study.resumed)
+        .fact("wall_s", study.wall.as_secs_f64())
+        .fact("machine", machine_json())
+        .words(format!(
+            "{}: {} sites, alpha = {}, kappa = {}, rho = {}, amplitude {}",
+            study.problem.name(),
+            chain.sites,
+            chain.alpha,
+            chain.kappa,
+            chain.rho,
+            study.problem.amplitude()
+        ));
+    for &chart in &study.charts {
+        report = report.words(heading(chart));
+        report = match chart {
+            Chart::Resonances => report.table(resonances(study)).words(RESONANCES),
+            _ => {
+                report.table(errors(study, chart)).words(ERRORS).table(points(study, chart)).table(ladder(study, chart))
             }
-            if chart == Chart::Struck {
-                if !self.struck.is_empty() {
-                    pictures.push((format!("{name}.png"), crate::figures::maps(&struck_map(self))?));
-                }
-                continue;
-            }
-            pictures.push((format!("{name}.png"), crate::figures::matrix(&error_matrix(self, chart))?));
-            let maps: Vec<(String, String, crate::figures::CellMap)> = match chart {
-                Chart::Light => shown(self).iter().filter_map(|method| step_map(self, method)).collect(),
-                Chart::Stiffness => shown(self).iter().map(|method| stiffness_map(self, method)).collect(),
-                _ => Vec::new(),
-            };
-            for (title, caption, map) in maps {
-                let file = format!("{name}-{}.png", title.split(':').next().unwrap_or_default());
-                let caption = format!("{} {caption}", provenance(self, chart));
-                let figure = crate::figures::Maps { title, maps: vec![map], caption };
-                pictures.push((file, crate::figures::maps(&figure)?));
-            }
+        };
+        for (name, figure) in pictures(study, chart) {
+            report = report.picture_named(&name, figure);
         }
-        Ok(pictures)
     }
+    if !regimes.is_empty() {
+        report = report.words("Fewest force evaluations for an energy error below 1e-3 and below 1e-6:");
+        report = report.table(cheapest(&regimes)).words(CHEAPEST);
+    }
+    let [computed, seconds] = [computed(study).to_string(), format!("{:.1}", study.wall.as_secs_f64())];
+    report.words(format!("{computed} points computed, {} resumed, {seconds} s", study.resumed))
 }
+
+const ERRORS: &str = "d: drifting, of collocation only above its tolerance. lost: above 1, or failed. dear: not finished within twenty times the work of a run.";
+const RESONANCES: &str =
+    "Near h omega = k pi, at a static overlap A; kick_sum: |S_k|, the sum of the kicks b_j e^(2 pi i k c_j).";
+const CHEAPEST: &str = "h Omega: step times max(omega, Omega_c); >: no longer step was tried; tol: of an adaptive method, h is then its mean step. Cost: force evaluations a unit of time.";
 
 /// Number of points that were computed, not read from stores.
 fn computed(study: &ChartStudy) -> usize {
-    study.points.len() + study.resonances.len() + study.struck.len() - study.resumed
+    study.points.len() + study.resonances.len() - study.resumed
 }
 
 fn point_json(point: &ChartPoint) -> Value {
@@ -159,24 +111,6 @@ fn resonance_json(point: &ResonancePoint) -> Value {
     value
 }
 
-fn struck_json(point: &StruckPoint) -> Value {
-    let mut value = json!({"sites": point.sites, "alpha": point.alpha, "rho": point.rho});
-    match &point.runs {
-        Ok(measured) => {
-            value["until"] = json!(measured.until);
-            value["amplification"] = json!(measured.amplification);
-            let run = |run| {
-                let mut value = json!(run);
-                value["ratio"] = json!(measured.ratio(run));
-                value
-            };
-            value["runs"] = measured.runs.iter().map(run).collect();
-        }
-        Err(why) => value["refused"] = json!(why),
-    }
-    value
-}
-
 /// What a variant changes, by name.
 fn values(variant: &Variant) -> Vec<(&'static str, f64)> {
     let Variant { rho, kappa, alpha, amplitude, sites, periods } = *variant;
@@ -202,7 +136,6 @@ fn axes(chart: Chart) -> &'static [&'static str] {
         Chart::Length => &["sites"],
         Chart::Time => &["periods"],
         Chart::Resonances => &["sites", "amplitude"],
-        Chart::Struck => &[],
     }
 }
 
@@ -214,28 +147,65 @@ fn place(chart: Chart, variant: &Variant) -> Vec<f64> {
         .collect()
 }
 
-/// The charts as CSV files by name: a line a point. Charts of variants have the runs of their
-/// ladders in a second file. A cell is empty if there is no value.
-fn csv_files(study: &ChartStudy) -> Vec<File> {
-    let mut files = Vec::new();
-    for &chart in &study.charts {
-        let name = chart.name();
-        if chart == Chart::Resonances {
-            files.push((format!("{name}.csv"), resonances_csv(study)));
-            continue;
-        }
-        if chart == Chart::Struck {
-            files.push((format!("{name}.csv"), struck_csv(study)));
-            continue;
-        }
-        files.push((format!("{name}.csv"), points_csv(study, chart)));
-        files.push((format!("{name}-ladder.csv"), ladder_csv(study, chart)));
-    }
-    files
+/// Columns for the parameters of a chart, and one for the method before them.
+fn placed<T>(table: Rows<'_, T>, chart: Chart, point: impl Fn(&T) -> &ChartPoint + Copy) -> Rows<'_, T> {
+    let table = table.key("").col("integrator", Hidden, "method", move |row| point(row).method.name());
+    axes(chart).iter().enumerate().fold(table, |table, (k, name)| {
+        table.col(*name, Hidden, "parameter of the chart", move |row| place(chart, &point(row).variant)[k])
+    })
 }
 
-fn cell(value: Option<f64>) -> String {
-    value.map(|value| format!("{value:e}")).unwrap_or_default()
+/// The points of a chart, a row each.
+fn points(study: &ChartStudy, chart: Chart) -> Table {
+    let points: Vec<&ChartPoint> = study.of(chart).collect();
+    let of = |get: fn(&Measured) -> f64| move |point: &&ChartPoint| point.measured.as_ref().ok().map(get);
+    let usual = |point: &&ChartPoint| point.measured.as_ref().ok().and_then(|measured| measured.usual.error);
+    let limit = |nth: usize, get: fn(&Trial) -> f64| {
+        move |point: &&ChartPoint| {
+            let measured = point.measured.as_ref().ok()?;
+            measured.limits.get(nth)?.trial.as_ref().map(get)
+        }
+    };
+    let verdict =
+        |point: &&ChartPoint| point.measured.as_ref().map_or("refused", |measured| word(measured.usual.verdict));
+    let why = |point: &&ChartPoint| match &point.measured {
+        Ok(measured) => measured.usual.failure.clone(),
+        Err(why) => Some(why.clone()),
+    };
+    placed(Table::of(chart.name(), &points), chart, |point| point)
+        .col("contact_frequency", Hidden, "Omega_c", of(|measured| measured.contact))
+        .col("fast_frequency", Hidden, "max(omega, Omega_c)", of(|measured| measured.fast))
+        .col("span", Hidden, "length of the runs", of(|measured| measured.span))
+        .col("verdict", Hidden, "stable, drifting, lost, dear or refused", verdict)
+        .col("energy_error", Hidden, "largest |H - H(0)|/|H(0)| at the usual step", usual)
+        .col("step", Hidden, "the usual step", of(|measured| measured.usual.step))
+        .col("cost", Hidden, "force evaluations a unit of time with it", of(|measured| measured.usual.cost))
+        .col("step_1e-3", Hidden, "largest step with an error below 1e-3", limit(0, |trial| trial.step))
+        .col("cost_1e-3", Hidden, "cost of that step", limit(0, |trial| trial.cost))
+        .col("step_1e-6", Hidden, "largest step with an error below 1e-6", limit(1, |trial| trial.step))
+        .col("cost_1e-6", Hidden, "cost of that step", limit(1, |trial| trial.cost))
+        .col("stability_limit", Hidden, "step times the fast frequency above which the error has no bound", |point| {
+            point.measured.as_ref().ok().and_then(|measured| measured.stability)
+        })
+        .col("why", Hidden, "why there is no result", why)
+        .done()
+}
+
+/// All steps of the points of a chart, a row each.
+fn ladder(study: &ChartStudy, chart: Chart) -> Table {
+    let rows: Vec<(&ChartPoint, &Trial, f64)> = study
+        .of(chart)
+        .filter_map(|point| Some((point, point.measured.as_ref().ok()?)))
+        .flat_map(|(point, measured)| measured.ladder.iter().map(move |trial| (point, trial, measured.fast)))
+        .collect();
+    placed(Table::of(format!("{}-ladder", chart.name()), &rows), chart, |row| row.0)
+        .col("step", Hidden, "step, of an adaptive method the mean one", |row| row.1.step)
+        .col("tol", Hidden, "tolerance of an adaptive method", |row| row.1.tol)
+        .col("h_fast", Hidden, "step times the fast frequency", |row| row.1.step * row.2)
+        .col("verdict", Hidden, "stable, drifting, lost or dear", |row| word(row.1.verdict))
+        .col("energy_error", Hidden, "largest |H - H(0)|/|H(0)|", |row| row.1.error)
+        .col("cost", Hidden, "force evaluations a unit of time", |row| row.1.cost)
+        .done()
 }
 
 fn word(verdict: ChartVerdict) -> &'static str {
@@ -245,151 +215,6 @@ fn word(verdict: ChartVerdict) -> &'static str {
         ChartVerdict::Lost => "lost",
         ChartVerdict::Dear => "dear",
     }
-}
-
-fn points_csv(study: &ChartStudy, chart: Chart) -> Vec<u8> {
-    let mut text = format!(
-        "integrator,{},contact_frequency,fast_frequency,span,verdict,energy_error,step,cost,step_1e-3,cost_1e-3,step_1e-6,cost_1e-6,stability_limit,why\n",
-        axes(chart).join(",")
-    );
-    for point in study.of(chart) {
-        let place: Vec<String> = place(chart, &point.variant).into_iter().map(|value| format!("{value:e}")).collect();
-        let _ = write!(text, "{},{},", point.method.name(), place.join(","));
-        match &point.measured {
-            Ok(measured) => {
-                let usual = &measured.usual;
-                let limits = measured.limits.iter().flat_map(|limit| {
-                    let of = |value: fn(&Trial) -> f64| cell(limit.trial.as_ref().map(value));
-                    [of(|trial| trial.step), of(|trial| trial.cost)]
-                });
-                let cells: Vec<String> = [
-                    format!("{:e}", measured.contact),
-                    format!("{:e}", measured.fast),
-                    format!("{:e}", measured.span),
-                    word(usual.verdict).to_owned(),
-                    cell(usual.error),
-                    format!("{:e}", usual.step),
-                    format!("{:e}", usual.cost),
-                ]
-                .into_iter()
-                .chain(limits)
-                .chain([cell(measured.stability), usual.failure.clone().unwrap_or_default().replace(',', ";")])
-                .collect();
-                text += &(cells.join(",") + "\n");
-            }
-            Err(why) => {
-                let _ = writeln!(text, ",,,refused,,,,,,,,,{}", why.replace(',', ";"));
-            }
-        }
-    }
-    text.into_bytes()
-}
-
-fn ladder_csv(study: &ChartStudy, chart: Chart) -> Vec<u8> {
-    let mut text = format!("integrator,{},step,tol,h_fast,verdict,energy_error,cost\n", axes(chart).join(","));
-    for point in study.of(chart) {
-        let Ok(measured) = &point.measured else { continue };
-        let place: Vec<String> = place(chart, &point.variant).into_iter().map(|value| format!("{value:e}")).collect();
-        for trial in &measured.ladder {
-            let cells = [
-                point.method.name(),
-                place.join(","),
-                format!("{:e}", trial.step),
-                cell(trial.tol),
-                format!("{:e}", trial.step * measured.fast),
-                word(trial.verdict).to_owned(),
-                cell(trial.error),
-                format!("{:e}", trial.cost),
-            ];
-            text += &(cells.join(",") + "\n");
-        }
-    }
-    text.into_bytes()
-}
-
-fn resonances_csv(study: &ChartStudy) -> Vec<u8> {
-    let mut text =
-        String::from("integrator,k,amplitude,kick_sum,lower,upper,centre,width,growth,error_inside,error_beside,why\n");
-    for point in &study.resonances {
-        let _ = write!(
-            text,
-            "{},{},{:e},{},",
-            point.method.name(),
-            point.k,
-            point.amplitude,
-            cell(kick_sum(&point.method, point.k))
-        );
-        let line = match &point.resonance {
-            Ok(Some(found)) => format!(
-                "{:e},{:e},{:e},{:e},{:e},{},{},",
-                found.edges[0],
-                found.edges[1],
-                found.centre,
-                found.edges[1] - found.edges[0],
-                found.growth,
-                cell(found.inside),
-                cell(found.beside)
-            ),
-            Ok(None) => ",,,,,,,none found that stands apart and grows by more than 1e-6 a step".to_owned(),
-            Err(why) => format!(",,,,,,,{}", why.replace(',', ";")),
-        };
-        text += &(line + "\n");
-    }
-    text.into_bytes()
-}
-
-fn struck_csv(study: &ChartStudy) -> Vec<u8> {
-    let mut text = String::from("sites,alpha,rho,until,amplification,tol,error,ratio,windows,force_evaluations,why\n");
-    for point in &study.struck {
-        let StruckPoint { sites, alpha, rho, .. } = point;
-        match &point.runs {
-            Ok(measured) => {
-                for run in &measured.runs {
-                    let cells = [measured.until, measured.amplification, run.tol].map(|value| format!("{value:e}"));
-                    let errors = [cell(run.error), cell(measured.ratio(run))];
-                    let work = format!("{},{}", run.windows, run.force_evaluations);
-                    let why = if run.error.is_some() { "" } else { "failed" };
-                    let _ =
-                        writeln!(text, "{sites},{alpha},{rho},{},{},{work},{why}", cells.join(","), errors.join(","));
-                }
-            }
-            Err(why) => {
-                let _ = writeln!(text, "{sites},{alpha},{rho},,,,,,,,{}", why.replace(',', ";"));
-            }
-        }
-    }
-    text.into_bytes()
-}
-
-/// The cells of the chart of struck chains: number of beads, tolerance, and the largest error in
-/// units of tolerance times amplification over the chains of that length; `None` where a run
-/// failed.
-fn struck_cells(study: &ChartStudy) -> Vec<(usize, f64, Option<f64>)> {
-    let mut cells = Vec::new();
-    for points in study.struck.chunk_by(|a, b| a.sites == b.sites) {
-        for (k, &tol) in TOLERANCES.iter().enumerate() {
-            let ratio = |point: &StruckPoint| {
-                let measured = point.runs.as_ref().ok()?;
-                measured.ratio(&measured.runs[k])
-            };
-            let worst = points.iter().try_fold(0.0f64, |worst, point| Some(worst.max(ratio(point)?)));
-            cells.push((points[0].sites, tol, worst));
-        }
-    }
-    cells
-}
-
-fn struck_table(study: &ChartStudy) -> String {
-    let cells = struck_cells(study);
-    let names: Vec<String> = TOLERANCES.iter().map(|tol| format!("tol {tol:e}")).collect();
-    let head: Vec<&str> = ["N"].into_iter().chain(names.iter().map(String::as_str)).collect();
-    let word = |ratio: Option<f64>| ratio.map_or_else(|| "failed".to_owned(), |ratio| format!("{ratio:.0e}"));
-    let row = |cells: &[(usize, f64, Option<f64>)]| {
-        [cells[0].0.to_string()].into_iter().chain(cells.iter().map(|cell| word(cell.2))).collect()
-    };
-    let rows: Vec<Vec<String>> = cells.chunk_by(|a, b| a.0 == b.0).map(row).collect();
-    table(&head, &rows)
-        + "The largest error over all exponents and mass ratios, in units of tolerance times amplification: how many times larger the motion makes an error.\n"
 }
 
 /// The cheapest method for a variant, and its step.
@@ -464,9 +289,6 @@ fn heading(chart: Chart) -> &'static str {
         Chart::Resonances => {
             "resonances of schemes on the exact linear flow, one bead pressed between walls: width in h omega and growth a step"
         }
-        Chart::Struck => {
-            "struck: error of collocation on free chains at rest whose first bead is struck, against the number of beads and the tolerance"
-        }
     }
 }
 
@@ -496,91 +318,122 @@ fn badness(point: &ChartPoint) -> f64 {
     }
 }
 
-fn errors_table(study: &ChartStudy, chart: Chart) -> String {
-    let mut columns: Vec<f64> = study.variants(chart).iter().map(|variant| place(chart, variant)[0]).collect();
-    columns.dedup();
-    let names: Vec<String> = columns.iter().map(|&value| plain(value)).collect();
-    let mut head = vec!["integrator"];
-    head.extend(names.iter().map(String::as_str));
-    if chart == Chart::Light {
-        head.extend(["h omega", "h Omega_c"]);
-    }
-    let rows: Vec<Vec<String>> = study
-        .methods
-        .iter()
-        .map(|method| {
-            let of_method: Vec<&ChartPoint> = study.of(chart).filter(|point| point.method == *method).collect();
-            let worst = |&column: &f64| {
-                let points = of_method.iter().filter(|point| place(chart, &point.variant)[0] == column);
-                points
-                    .max_by(|a, b| badness(a).total_cmp(&badness(b)))
-                    .map(|point| error_cell(point))
-                    .unwrap_or_default()
-            };
-            let lightest = of_method.first().and_then(|point| point.measured.as_ref().ok());
-            let limit = |measured: &Measured| {
-                Some((measured.stability?, measured.stability? * measured.contact / measured.fast))
-            };
-            let limits = lightest.and_then(limit).map_or([String::new(), String::new()], |limit| {
-                [format!("{:.3}", limit.0), format!("{:.1e}", limit.1)]
-            });
-            let last = if chart == Chart::Light { limits.to_vec() } else { Vec::new() };
-            [method.name()].into_iter().chain(columns.iter().map(worst)).chain(last).collect()
-        })
-        .collect();
-    table(&head, &rows)
-        + "d: drifting, of collocation only above its tolerance. lost: above 1, or failed. dear: not finished within twenty times the work of a run.\n"
-}
-
-fn resonances_table(study: &ChartStudy) -> String {
-    let mut rows = Vec::new();
-    for points in study.resonances.chunk_by(|a, b| a.method == b.method && a.k == b.k) {
-        let cell = |point: &ResonancePoint| match &point.resonance {
-            Ok(Some(found)) => format!("{:.1e} {:.1e}", found.edges[1] - found.edges[0], found.growth),
-            Ok(None) => "–".to_owned(),
-            Err(_) => "failed".to_owned(),
+/// The errors of all methods: a column for each value of the first parameter of the chart.
+fn errors(study: &ChartStudy, chart: Chart) -> Table {
+    let mut values: Vec<f64> = study.variants(chart).iter().map(|variant| place(chart, variant)[0]).collect();
+    values.dedup();
+    let of = |method: &Method| study.of(chart).filter(|point| point.method == *method).collect::<Vec<_>>();
+    let rows: Vec<(&Method, Vec<&ChartPoint>)> = study.methods.iter().map(|method| (method, of(method))).collect();
+    let mut table = Table::of(format!("{}-methods", chart.name()), &rows).key("");
+    table = table.col("integrator", Short, "", |row| row.0.name());
+    for value in values {
+        let worst = move |row: &(&Method, Vec<&ChartPoint>)| {
+            let points = row.1.iter().filter(|point| place(chart, &point.variant)[0] == value);
+            points.max_by(|a, b| badness(a).total_cmp(&badness(b))).map(|point| error_cell(point))
         };
-        let first = &points[0];
-        let sum = kick_sum(&first.method, first.k).map(|sum| format!("{sum:.3}")).unwrap_or_default();
-        rows.push(
-            [first.method.name(), format!("{}", first.k), sum].into_iter().chain(points.iter().map(cell)).collect(),
+        table = table.col(plain(value), Short, "", worst);
+    }
+    if chart == Chart::Light {
+        let limit = |factor: fn(&Measured) -> f64| {
+            move |row: &(&Method, Vec<&ChartPoint>)| {
+                let lightest = row.1.first()?.measured.as_ref().ok()?;
+                Some(lightest.stability? * factor(lightest))
+            }
+        };
+        table = table.col("h_omega", Fixed(3), "", limit(|_| 1.0)).col(
+            "h_Omega_c",
+            Power(1),
+            "",
+            limit(|measured| measured.contact / measured.fast),
         );
     }
-    let mut amplitudes: Vec<f64> = study.resonances.iter().map(|point| point.amplitude).collect();
-    amplitudes.sort_by(f64::total_cmp);
-    amplitudes.dedup();
-    let names: Vec<String> = amplitudes.iter().map(|a| format!("A = {a:e}")).collect();
-    let mut head = vec!["integrator", "k", "|S_k|"];
-    head.extend(names.iter().map(String::as_str));
-    table(&head, &rows)
-        + "Near h omega = k pi, at a static overlap A. –: none found that stands apart and grows by more than 1e-6 a step. |S_k|: the sum of the kicks b_j e^(2 pi i k c_j).\n"
+    table.done()
 }
 
-fn regimes_table(regimes: &[Cheapest]) -> String {
-    let rows: Vec<Vec<String>> = regimes
-        .iter()
-        .map(|regime| {
-            let best = regime.best.iter().flat_map(|best| match best {
-                None => ["none".to_owned(), String::new(), String::new()],
-                Some((method, limit, _, fast)) => {
-                    let Some(trial) = &limit.trial else { return Default::default() };
-                    let more = if limit.longest { ">" } else { "" };
-                    let step = match trial.tol {
-                        Some(tol) => format!("tol {tol:.0e}, h Omega {:.2}", trial.step * fast),
-                        None => format!("{more}{:.3}", trial.step * fast),
-                    };
-                    [method.name(), step, format!("{:.1e}", trial.cost)]
-                }
-            });
-            [regime.chart.name().to_owned(), parameters(&regime.variant)].into_iter().chain(best).collect()
+/// The resonances, a row each.
+fn resonances(study: &ChartStudy) -> Table {
+    let found = |point: &ResonancePoint| point.resonance.as_ref().ok().cloned().flatten();
+    let edge = |k: usize| move |point: &ResonancePoint| found(point).map(|found| found.edges[k]);
+    let why = |point: &ResonancePoint| match &point.resonance {
+        Ok(Some(_)) => None,
+        Ok(None) => Some("none found that stands apart and grows by more than 1e-6 a step".to_owned()),
+        Err(why) => Some(why.clone()),
+    };
+    Table::of("resonances", &study.resonances)
+        .key("")
+        .col("integrator", Short, "", |point| point.method.name())
+        .col("k", Short, "", |point| u64::from(point.k))
+        .col("amplitude", Power(0), "static overlap A", |point| point.amplitude)
+        .col("kick_sum", Fixed(3), "", |point| kick_sum(&point.method, point.k))
+        .col("lower", Hidden, "h omega at the lower edge", edge(0))
+        .col("upper", Hidden, "h omega at the upper edge", edge(1))
+        .col("centre", Fixed(6), "h omega of the largest growth", |point| found(point).map(|found| found.centre))
+        .col("width", Power(1), "of the interval of h omega", |point| {
+            found(point).map(|found| found.edges[1] - found.edges[0])
         })
-        .collect();
-    table(&["chart", "regime", "1e-3", "h Omega", "cost", "1e-6", "h Omega", "cost"], &rows)
+        .col("growth", Power(1), "largest growth a step, ln |lambda|", |point| found(point).map(|found| found.growth))
+        .col("error_inside", Hidden, "energy error of the charted chain at the centre", |point| {
+            found(point).and_then(|found| found.inside)
+        })
+        .col("error_beside", Hidden, "the same half-way to the resonance before", |point| {
+            found(point).and_then(|found| found.beside)
+        })
+        .col("why", Hidden, "why there is none", why)
+        .done()
+}
+
+/// The cheapest methods.
+fn cheapest(regimes: &[Cheapest]) -> Table {
+    let limit = |nth: usize| move |regime: &Cheapest| regime.best[nth].as_ref().map(|best| best.0.name());
+    let step = |nth: usize| {
+        move |regime: &Cheapest| {
+            let (_, limit, _, fast) = regime.best[nth].as_ref()?;
+            let trial = limit.trial.as_ref()?;
+            let more = if limit.longest { ">" } else { "" };
+            Some(match trial.tol {
+                Some(tol) => format!("tol {tol:.0e}, h Omega {:.2}", trial.step * fast),
+                None => format!("{more}{:.3}", trial.step * fast),
+            })
+        }
+    };
+    let cost = |nth: usize| move |regime: &Cheapest| Some(regime.best[nth].as_ref()?.1.trial.as_ref()?.cost);
+    let mut table = Table::of("regimes", regimes).key("");
+    table = table.col("chart", Short, "", |regime| regime.chart.name());
+    table = table.col("regime", Short, "", |regime| parameters(&regime.variant));
+    for (nth, bound) in BOUNDS.iter().enumerate() {
+        table = table
+            .col(format!("integrator_{bound:e}"), Short, "", limit(nth))
+            .head(format!("{bound:e}"))
+            .col(format!("step_{bound:e}"), Short, "", step(nth))
+            .head("h Omega")
+            .col(format!("cost_{bound:e}"), Power(1), "", cost(nth))
+            .head("cost");
+    }
+    table.done()
+}
+
+/// The pictures of a chart by name: heat maps.
+fn pictures(study: &ChartStudy, chart: Chart) -> Vec<(String, crate::report::Figure)> {
+    let name = chart.name();
+    if chart == Chart::Resonances {
+        let some = (!study.resonances.is_empty()).then(|| (name.to_owned(), resonance_matrix(study).into()));
+        return some.into_iter().collect();
+    }
+    let maps: Vec<(String, String, CellMap)> = match chart {
+        Chart::Light => shown(study).iter().filter_map(|method| step_map(study, method)).collect(),
+        Chart::Stiffness => shown(study).iter().map(|method| stiffness_map(study, method)).collect(),
+        _ => Vec::new(),
+    };
+    let map = |(title, caption, map): (String, String, CellMap)| {
+        let file = format!("{name}-{}", title.split(':').next().unwrap_or_default());
+        let caption = format!("{} {caption}", provenance(study, chart));
+        (file, Maps { title, maps: vec![map], caption }.into())
+    };
+    [(name.to_owned(), error_matrix(study, chart).into())].into_iter().chain(maps.into_iter().map(map)).collect()
 }
 
 /// The methods that have maps of their own: of these four those that were charted, else the first
 /// three.
-#[cfg(feature = "plot")]
 fn shown(study: &ChartStudy) -> Vec<Method> {
     const NAMES: [&str; 4] = ["verlet", "strang-linear", "aba1064-linear", "collocation"];
     let methods = &study.methods;
@@ -589,7 +442,6 @@ fn shown(study: &ChartStudy) -> Vec<Method> {
 }
 
 /// The parameters that a chart does not vary.
-#[cfg(feature = "plot")]
 fn provenance(study: &ChartStudy, chart: Chart) -> String {
     let chain = study.problem.chain();
     let all = [
@@ -602,12 +454,11 @@ fn provenance(study: &ChartStudy, chart: Chart) -> String {
     let fixed = all.iter().filter(|(name, _, _)| !axes(chart).contains(name));
     let words: Vec<String> =
         fixed.map(|(_, symbol, value)| format!("{symbol} = {}", crate::number::written(*value))).collect();
-    format!("Scene {}: {}. hertzchain {}.", study.problem.name(), words.join(", "), env!("CARGO_PKG_VERSION"))
+    format!("Scene {}: {}.", study.problem.name(), words.join(", "))
 }
 
 /// The error as a value on the colour scale, from 1e-16 (rounding) to 10 (lost); 0 (grey) for a run
 /// that was not finished.
-#[cfg(feature = "plot")]
 fn shade(trial: &Trial) -> f64 {
     match (trial.verdict, trial.error) {
         (ChartVerdict::Dear, _) => 0.0,
@@ -617,7 +468,6 @@ fn shade(trial: &Trial) -> f64 {
 }
 
 /// Minus the decimal logarithm of the error, rounded, with a `d` if it drifts.
-#[cfg(feature = "plot")]
 fn note(point: &ChartPoint) -> String {
     match &point.measured {
         Err(_) => "–".to_owned(),
@@ -632,8 +482,7 @@ fn note(point: &ChartPoint) -> String {
     }
 }
 
-#[cfg(feature = "plot")]
-fn error_matrix(study: &ChartStudy, chart: Chart) -> crate::figures::Matrix {
+fn error_matrix(study: &ChartStudy, chart: Chart) -> Matrix {
     let variants = study.variants(chart);
     let column = |variant: &Variant| {
         let words: Vec<String> = place(chart, variant).into_iter().map(plain).collect();
@@ -655,9 +504,9 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> crate::figures::Matrix {
         Chart::Alpha => ("Exponent of the contact force", "exponent α"),
         Chart::Length => ("Length of the chain", "number of sites N"),
         Chart::Time => ("Length of the run", "contact periods"),
-        Chart::Resonances | Chart::Struck => ("", ""),
+        Chart::Resonances => ("", ""),
     };
-    crate::figures::Matrix {
+    Matrix {
         title: format!("{title}: energy error at 64 kicks a period of the fastest motion, or tolerance 10⁻⁹"),
         rows: study.methods.iter().map(Method::name).collect(),
         columns: variants.iter().map(column).collect(),
@@ -672,12 +521,10 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> crate::figures::Matrix {
 }
 
 /// Rows of the map of steps: `h Omega` from 12 down to 0.1, each the one before over `sqrt 2`.
-#[cfg(feature = "plot")]
 const STEP_ROWS: i32 = 14;
 
 /// Title, caption and map of the energy error over mass ratio and step; none for adaptive methods.
-#[cfg(feature = "plot")]
-fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, crate::figures::CellMap)> {
+fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, CellMap)> {
     use std::f64::consts::PI;
     let rung = |h_fast: f64| (2.0 * (12.0 / h_fast).log2()).round() as i32;
     let variants = study.variants(Chart::Light);
@@ -692,10 +539,8 @@ fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, crat
         values.extend(variants.iter().map(|variant| value(row, variant).unwrap_or(0.0)));
     }
     let (first, last) = (x.first().copied()?, x.last().copied()?);
-    let line = |name: &str, height: f64| crate::figures::Line {
-        name: format!("hΩ = {name}"),
-        points: vec![(first, height), (last, height)],
-    };
+    let line =
+        |name: &str, height: f64| Line { name: format!("hΩ = {name}"), points: vec![(first, height), (last, height)] };
     let lines = match method {
         Method::Splitting(_, crate::run::method::Split::Kinetic)
         | Method::Corrected(_, crate::run::method::Split::Kinetic)
@@ -704,7 +549,7 @@ fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, crat
         }
         _ => vec![line("π", PI), line("2π", 2.0 * PI), line("3π", 3.0 * PI)],
     };
-    let map = crate::figures::CellMap {
+    let map = CellMap {
         labels: ["mass ratio ρ", "step hΩ", "largest |H − H(0)|/|H(0)|"].map(str::to_owned),
         notes: vec![String::new(); values.len()],
         y: rows().map(|row| 12.0 * f64::powf(2.0, -0.5 * f64::from(row))).collect(),
@@ -720,8 +565,7 @@ fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, crat
 
 /// Title, caption and map of the energy error over amplitude and spring constant, with the cost in
 /// the cells.
-#[cfg(feature = "plot")]
-fn stiffness_map(study: &ChartStudy, method: &Method) -> (String, String, crate::figures::CellMap) {
+fn stiffness_map(study: &ChartStudy, method: &Method) -> (String, String, CellMap) {
     let variants = study.variants(Chart::Stiffness);
     let distinct = |of: fn(&Variant) -> Option<f64>| {
         let mut values: Vec<f64> = variants.iter().filter_map(of).collect();
@@ -745,13 +589,13 @@ fn stiffness_map(study: &ChartStudy, method: &Method) -> (String, String, crate:
             notes.push(measured.and_then(cost).unwrap_or_else(|| "–".to_owned()));
         }
     }
-    let map = crate::figures::CellMap {
+    let map = CellMap {
         labels: ["amplitude A", "spring constant κ", "largest |H − H(0)|/|H(0)|"].map(str::to_owned),
         x,
         y,
         values,
         notes,
-        ..crate::figures::CellMap::default()
+        ..CellMap::default()
     };
     let title = format!("{}: energy error over amplitude and spring constant, and what 10⁻⁶ costs", method.name());
     let caption = "Colour: at 64 kicks a period of the fastest motion, or tolerance 10⁻⁹, over ten contact periods 2π/Ω_c. In cells: force evaluations a contact period \
@@ -759,8 +603,7 @@ fn stiffness_map(study: &ChartStudy, method: &Method) -> (String, String, crate:
     (title, caption.to_owned(), map)
 }
 
-#[cfg(feature = "plot")]
-fn resonance_matrix(study: &ChartStudy) -> crate::figures::Matrix {
+fn resonance_matrix(study: &ChartStudy) -> Matrix {
     let mut methods: Vec<Method> = study.resonances.iter().map(|point| point.method).collect();
     methods.dedup();
     let first: Vec<&ResonancePoint> =
@@ -769,7 +612,7 @@ fn resonance_matrix(study: &ChartStudy) -> crate::figures::Matrix {
     let note = |point: &ResonancePoint| {
         found(point).map_or_else(|| "–".to_owned(), |found| format!("{:.1}", found.growth.log10()).replace('-', "−"))
     };
-    crate::figures::Matrix {
+    Matrix {
         title: "Resonances of the exact linear flow near hω = kπ: growth a step".to_owned(),
         rows: methods.iter().map(Method::name).collect(),
         columns: first.iter().map(|point| format!("k = {}, A = {}", point.k, plain(point.amplitude))).collect(),
@@ -779,51 +622,6 @@ fn resonance_matrix(study: &ChartStudy) -> crate::figures::Matrix {
         caption: format!(
             "{} One bead between walls, pressed by A: spectral radius of the matrix of a step. In cells: decimal logarithm of the growth; –: none found that stands apart and grows by more than 10⁻⁶ a step.",
             provenance(study, Chart::Resonances)
-        ),
-    }
-}
-
-/// A number to two digits.
-#[cfg(feature = "plot")]
-fn two_digits(x: f64) -> String {
-    crate::number::shown(format!("{x:.1e}").parse().unwrap_or(x))
-}
-
-#[cfg(feature = "plot")]
-fn struck_map(study: &ChartStudy) -> crate::figures::Maps {
-    let cells = struck_cells(study);
-    let mut x: Vec<f64> = cells.iter().map(|cell| cell.0 as f64).collect();
-    x.dedup();
-    let y: Vec<f64> = TOLERANCES.iter().rev().copied().collect();
-    let of = |sites: f64, tol: f64| cells.iter().find(|cell| cell.0 as f64 == sites && cell.1 == tol);
-    let (mut values, mut notes) = (Vec::new(), Vec::new());
-    for &tol in &y {
-        for &sites in &x {
-            let ratio = of(sites, tol).and_then(|cell| cell.2);
-            values.push(ratio.unwrap_or(0.0).max(if ratio.is_some() { f64::MIN_POSITIVE } else { 0.0 }));
-            notes.push(ratio.map_or_else(|| "failed".to_owned(), two_digits));
-        }
-    }
-    let label = ["number of beads N", "tolerance", "error/(tolerance × amplification)"].map(str::to_owned);
-    let list = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
-    crate::figures::Maps {
-        title: "collocation: free chains at rest whose first bead is struck".to_owned(),
-        maps: vec![crate::figures::CellMap {
-            labels: label,
-            x,
-            y,
-            values,
-            notes,
-            lines: Vec::new(),
-            apart: Vec::new(),
-        }],
-        caption: format!(
-            "The largest over α = {} and ρ = {}, κ = {}, until t = N/5; error of the state relative to its largest position or velocity, against tolerance 10⁻¹². \
-             Amplification: how many times larger the motion makes an error of velocities, made at the start or half way. hertzchain {}.",
-            list(&EXPONENTS),
-            list(&MASS_RATIOS),
-            study.problem.chain().kappa,
-            env!("CARGO_PKG_VERSION")
         ),
     }
 }
