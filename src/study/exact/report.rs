@@ -185,7 +185,13 @@ impl ExactStudy {
 
 /// The tables of exact waves without rows.
 pub(super) fn outline() -> Report {
-    let tables = [profile_table(&[]), fourier_table(&[]), growth_table(&[], 0.0), multipliers(&[])];
+    let tables = [
+        told(Table::of("exact", &[]), |wave| wave).done(),
+        profile_table(&[]),
+        fourier_table(&[]),
+        growth_table(&[], 0.0),
+        multipliers(&[]),
+    ];
     tables.into_iter().fold(Report::new("exact"), Report::table)
 }
 
