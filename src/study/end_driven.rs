@@ -423,14 +423,13 @@ impl EndDrivenCase {
 
 /// The ranges of the search, in words.
 fn searched(options: &EndDriven) -> String {
-    let list = |values: &[String]| values.join(", ");
     format!(
-        "α = 3/2, κ = 1, ρ = {}, drag {}, dashpot {}; N = {}; ω_d = {}; a from {} to {}, at most {} points a branch",
+        "α = 3/2, κ = 1, ρ = {}, drag {}, dashpot {}; N in {:?}; ω_d in {:?}; a from {} to {}, at most {} points a branch",
         shown(options.rho),
         options.drag,
         options.dashpot,
-        list(&options.lengths.iter().map(ToString::to_string).collect::<Vec<_>>()),
-        list(&options.omegas.iter().map(ToString::to_string).collect::<Vec<_>>()),
+        options.lengths,
+        options.omegas,
         options.step,
         options.to,
         options.max_points

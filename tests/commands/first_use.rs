@@ -178,7 +178,8 @@ fn studies_remove_what_only_some_of_their_runs_write() {
     done(&wave_out);
     let left = names(&wave);
     let pictures: &[&str] = if cfg!(feature = "plot") { &["wave.png"] } else { &[] };
-    assert!(left.iter().eq([&["errors.csv", "profile.csv", "wave.json"], pictures].concat()), "{left:?}");
+    let files = ["errors.csv", "profile.csv", "summary.csv", "wave.json", "wave.npz"];
+    assert!(left.iter().eq([&files, pictures].concat()), "{left:?}");
 
     let charts = folder.path().join("charts");
     let chart = |name: &str, method: &str| {

@@ -364,9 +364,9 @@ mod program {
             let text = std::fs::read_to_string(folder.path().join(name)).unwrap();
             (text.lines().next().unwrap().to_owned(), text.lines().count())
         };
-        assert_eq!(head("stability.csv"), ("p,growth,growth_t,growth_period,frequency".to_owned(), 7));
+        assert_eq!(head("stability.csv"), ("p,p_over_pi,growth,frequency,growth_t,growth_period".to_owned(), 7));
         assert_eq!(head("chart.csv"), ("q,b,growth".to_owned(), 1 + 120 * 120));
-        let names = "epsilon,p,growth,growth_theory,frequency,frequency_theory,residual";
+        let names = "epsilon,p,p_over_pi,growth,growth_theory,deviation,frequency,frequency_theory,residual";
         assert_eq!(head("measured.csv"), (names.to_owned(), 2));
         assert!(folder.path().join("stability.json").exists());
         assert_eq!(folder.path().join("dps-growth.png").exists(), cfg!(feature = "plot"));

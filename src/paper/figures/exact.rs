@@ -6,8 +6,8 @@ use crate::{
     number::{shown, written},
     output::csv,
     study::{
-        Barrier, BarrierStudy, BranchWave, ContinueWave, ExactStudy, Moving, MovingStudy, Solitary, SolitaryStudy,
-        Wanted, WaveBranchStudy, exact_study, fit_line,
+        Barrier, BarrierStudy, BranchWave, ContinueWave, ExactStudy, Moving, MovingStudy, Progress, Solitary,
+        SolitaryStudy, Wanted, WaveBranchStudy, exact_study, fit_line,
     },
     waves::{Given, MeanStrain, Search, Shape, Size, TravellingWave, WaveNumber, WaveParameter, WaveSetting},
 };
@@ -107,11 +107,10 @@ impl ExactRecipe {
         match *self {
             Self::Wave { scene } => Ok(ExactData::Wave(Box::new(Wanted::of(scene).study()?))),
             Self::Branches { runs } => {
-                let branch = |(k, &(scene, heading, above)): (usize, &(&'static str, &'static str, [f64; 2]))| {
-                    let tell = |share: f64, _: &str| progress((k as f64 + share) / runs.len() as f64);
-                    Ok((heading, branch(scene, above)?.branch(&tell)?))
+                let of = |&(scene, heading, above): &(&str, &'static str, [f64; 2]), tell: Progress<'_>| {
+                    Ok((heading, branch(scene, above)?.branch(tell)?))
                 };
-                runs.iter().enumerate().map(branch).collect::<Result<_>>().map(ExactData::Branches)
+                each(runs, progress, of).map(ExactData::Branches)
             }
             Self::Limits { rhos, epsilons } => {
                 let both = rhos.iter().flat_map(|&rho| epsilons.iter().map(move |&epsilon| (rho, epsilon)));
@@ -119,22 +118,29 @@ impl ExactRecipe {
             }
             Self::Solitary => Ok(ExactData::Solitary(Box::new(Solitary::default().study()?))),
             Self::Barrier { runs } => {
-                let study = |(k, &(rho, ends, points)): (usize, &(f64, [f64; 2], usize))| {
-                    let tell = |share: f64, _: &str| progress((k as f64 + share) / runs.len() as f64);
-                    Barrier::of(rho, ends, points).study(&tell)
-                };
-                runs.iter().enumerate().map(study).collect::<Result<_>>().map(ExactData::Barrier)
+                each(runs, progress, |&(rho, ends, points), tell| Barrier::of(rho, ends, points).study(tell))
+                    .map(ExactData::Barrier)
             }
             Self::Moving { runs } => {
-                let study = |(k, &(omega_b, turns, until)): (usize, &(&[f64], &[u32], f64))| {
-                    let tell = |share: f64, _: &str| progress((k as f64 + share) / runs.len() as f64);
+                let of = |&(omega_b, turns, until): &(&[f64], &[u32], f64), tell: Progress<'_>| {
                     let (omega_b, turns) = (omega_b.to_vec(), turns.to_vec());
-                    Moving { omega_b, turns, until, ..Moving::default() }.study(&tell)
+                    Moving { omega_b, turns, until, ..Moving::default() }.study(tell)
                 };
-                runs.iter().enumerate().map(study).collect::<Result<_>>().map(ExactData::Moving)
+                each(runs, progress, of).map(ExactData::Moving)
             }
         }
     }
+}
+
+/// A study for each run.
+fn each<R, S>(
+    runs: &[R],
+    progress: &(dyn Fn(f64) + Sync),
+    study: impl Fn(&R, Progress<'_>) -> Result<S>,
+) -> Result<Vec<S>> {
+    let count = runs.len() as f64;
+    let of = |(k, run)| study(run, &|share, _| progress((k as f64 + share) / count));
+    runs.iter().enumerate().map(of).collect()
 }
 
 /// The branch between two differences of `omega_tw` from `omega`.

@@ -199,7 +199,7 @@ mod pictures {
     use super::{WaveColumn, WavePanel, WaveRun};
     use crate::{
         figures::{Band, Column, Inset, Kind, Line, Panel, Panels},
-        study::{Errors, PerturbedRun, Spread, Strains, WaveStudy},
+        study::{Errors, Spread, WaveStudy},
     };
 
     pub(in super::super) fn wave_panels(
@@ -216,21 +216,26 @@ mod pictures {
 
     /// A panel of a run. A panel about perturbations is empty if the run has none.
     fn panel(which: WavePanel, study: &WaveStudy) -> Panel {
-        let (perturbed, ensemble) = (study.perturbed.as_ref(), study.ensemble.as_ref());
+        let ensemble = study.ensemble.as_ref();
         let errors = || pair(study, "error", ["E_x", "E_y"], &study.errors);
+        let profile = |label, numerical, ansatz| {
+            let lines = [("numerical", numerical), ("ansatz", ansatz)];
+            study.tables()[1].panel(Kind::Sites, ["site n", label], "n", &lines)
+        };
         match which {
-            WavePanel::X => profile("xₙ", &study.strains.x, &study.ansatz.x),
-            WavePanel::Y => profile("yₙ", &study.strains.y, &study.ansatz.y),
-            WavePanel::PerturbedX => perturbed_profile("xₙ", perturbed, |strains| &strains.x),
-            WavePanel::PerturbedY => perturbed_profile("yₙ", perturbed, |strains| &strains.y),
+            WavePanel::X => profile("strain xₙ", "x", "x_ansatz"),
+            WavePanel::Y => profile("strain yₙ", "y", "y_ansatz"),
             WavePanel::Errors => errors(),
             WavePanel::ErrorsEnlarged => {
                 Panel { inset: Some(Inset { label: "E_x (%)".to_owned(), line: 0 }), ..errors() }
             }
-            WavePanel::Differences => match perturbed {
+            WavePanel::Differences => match &study.perturbed {
                 Some(run) => pair(study, "difference", ["Ẽ_x", "Ẽ_y"], &run.difference),
                 None => in_time("difference", vec![]),
             },
+            _ if study.perturbed.is_none() => Panel::default(),
+            WavePanel::PerturbedX => profile("strain xₙ", "x_perturbed", "x_perturbed_ansatz"),
+            WavePanel::PerturbedY => profile("strain yₙ", "y_perturbed", "y_perturbed_ansatz"),
             WavePanel::SpreadX => spread(study, "Ẽ_x", |errors| &errors.x, ensemble.map_or(&[], |e| &e.difference_x)),
             WavePanel::SpreadY => spread(study, "Ẽ_y", |errors| &errors.y, ensemble.map_or(&[], |e| &e.difference_y)),
         }
@@ -238,24 +243,6 @@ mod pictures {
 
     fn line(name: &str, points: Vec<(f64, f64)>) -> Line {
         Line { name: name.to_owned(), points }
-    }
-
-    /// A profile on the chain and that of the ansatz.
-    fn profile(symbol: &str, numerical: &[f64], ansatz: &[f64]) -> Panel {
-        let sites = |values: &[f64]| values.iter().enumerate().map(|(n, &x)| (n as f64, x)).collect();
-        Panel {
-            x_label: "site n".to_owned(),
-            y_label: format!("strain {symbol}"),
-            lines: vec![line("numerical", sites(numerical)), line("ansatz", sites(ansatz))],
-            ..Panel::default()
-        }
-    }
-
-    fn perturbed_profile(symbol: &str, run: Option<&PerturbedRun>, of: fn(&Strains) -> &Vec<f64>) -> Panel {
-        match run {
-            Some(run) => profile(symbol, of(&run.strains), of(&run.ansatz)),
-            None => profile(symbol, &[], &[]),
-        }
     }
 
     /// Lines in percent against time.

@@ -12,7 +12,7 @@ use crate::{
         Kind, Panel, Panels, Report, Rows, Table,
     },
     study::{params_words, word},
-    waves::{ExactWave, Profile, TravellingWave, WaveEnd, WaveMultiplier},
+    waves::{ExactWave, Profile, TravellingWave, WaveEnd, WaveMultiplier, WaveParameter},
 };
 use serde_json::json;
 use std::f64::consts::PI;
@@ -185,7 +185,13 @@ impl ExactStudy {
 
 /// The tables of exact waves without rows.
 pub(super) fn outline() -> Report {
-    let tables = [profile_table(&[]), fourier_table(&[]), growth_table(&[], 0.0), multipliers(&[])];
+    let tables = [
+        told(Table::of("exact", &[]), |wave| wave).done(),
+        profile_table(&[]),
+        fourier_table(&[]),
+        growth_table(&[], 0.0),
+        multipliers(&[]),
+    ];
     tables.into_iter().fold(Report::new("exact"), Report::table)
 }
 
@@ -269,9 +275,10 @@ impl WaveBranchStudy {
     /// A row for each wave.
     pub(super) fn table(&self) -> Table {
         let parameter = self.continuation.parameter;
+        let beside = matches!(parameter, WaveParameter::Rho | WaveParameter::Kappa | WaveParameter::Alpha);
         let rows = Table::of("waves", &self.waves)
             .key("waves")
-            .col("parameter", Fixed(9), "what varies", move |one| parameter.of(&one.wave))
+            .col("parameter", if beside { Fixed(9) } else { Hidden }, "what varies", move |one| parameter.of(&one.wave))
             .head(word(&parameter));
         told(rows, |one| &one.wave)
             .col("growth", Power(4), "largest growth, per unit of time", |one| {

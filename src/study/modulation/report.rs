@@ -5,12 +5,12 @@ use crate::{
     number::{of_pi, shown, written},
     report::{
         Digits::{Fixed, Hidden, Json, Power, Short},
-        Growth, GrowthMap, Line, Report, Table,
+        Growth, GrowthMap, Line, Report, Table, number,
     },
     study::params_words,
     waves::Shape,
 };
-use serde_json::{Value, json};
+use serde_json::json;
 use std::f64::consts::PI;
 
 /// Points of the curve of theory.
@@ -20,7 +20,8 @@ impl StabilityStudy {
     /// The report. Rates `growth`, `frequency`, `Omega` per slow time, `growth_t` per unit of time,
     /// `growth_period` per period of the wave.
     pub fn report(&self) -> Report {
-        let (options, modulation, rates) = (&self.options, &self.modulation, self.rates());
+        // The study refuses an empty list of sizes.
+        let (options, modulation, rates) = (&self.options, &self.modulation, self.rates[0]);
         let Shape { q, a, b, .. } = options.shape;
         let fastest = modulation.fastest().map(|(p, growth)| StabilityRow { p, growth, frequency: f64::NAN });
         let row = |row: &StabilityRow| stability(std::slice::from_ref(row), rates).json().remove(0);
@@ -77,12 +78,6 @@ impl StabilityStudy {
             .picture_named("dps-growth", self.figure(self.caption()));
         let report = options.modes.into_iter().fold(report, |report, _| report.table(measured(&self.measured)));
         self.chart.iter().fold(report, |report, one| report.table(chart(Some(one))))
-    }
-
-    /// The factors of the first size of the wave, by which rates are given per unit of time.
-    fn rates(&self) -> Rates {
-        // The study refuses an empty list of sizes.
-        self.rates[0]
     }
 
     /// What grows, in words.
@@ -167,11 +162,6 @@ impl StabilityStudy {
 pub(super) fn outline() -> Report {
     let rates = Rates { epsilon: 1.0, slow: 1.0, omega_tw: 1.0, lag: 1.0 };
     Report::new("stability").table(stability(&[], rates)).table(measured(&[])).table(chart(None))
-}
-
-/// A number; as text if it is not finite, since JSON has no number for it.
-fn number(x: f64) -> Value {
-    if x.is_finite() { json!(x) } else { json!(x.to_string()) }
 }
 
 /// Theory, a row for each wave number.

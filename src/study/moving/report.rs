@@ -15,11 +15,6 @@ use serde_json::{Value, json};
 use std::f64::consts::PI;
 
 impl MovingStudy {
-    fn params(&self) -> Params {
-        let options = &self.options;
-        Params { alpha: options.alpha, kappa: options.kappa, rho: options.rho }
-    }
-
     /// Velocities of the kicked run in the second, third and fourth quarter.
     fn quarters(&self) -> Option<[f64; 3]> {
         let kicked = self.kicked.as_ref()?;
@@ -87,10 +82,11 @@ impl MovingStudy {
 
     /// What the picture shows, with all numbers.
     pub(crate) fn caption(&self) -> String {
+        let super::Moving { alpha, kappa, rho, .. } = self.options;
         let residual = self.points.iter().map(|point| point.orbit.residual).fold(0.0, f64::max);
         format!(
             "{}, N = {}: {} moving breathers, largest residual {residual:.0e}. {}",
-            params_words(self.params()),
+            params_words(Params { alpha, kappa, rho }),
             self.options.sites,
             self.points.len(),
             self.words()

@@ -1,6 +1,6 @@
 //! The report of travelling waves.
 
-use super::{Ensemble, Envelopes, Errors, Member, PerturbedRun, Spread, Strains, WaveStudy};
+use super::{Ensemble, Envelopes, Errors, Member, Spread, Strains, WaveStudy};
 use crate::{
     report::{
         Column,
@@ -75,26 +75,14 @@ impl WaveStudy {
                 wave.omega_tw(),
                 scene.period()
             ))
-            .table(self.summary())
+            .table(summary(&self.errors, self.perturbed.as_ref().map(|run| [&run.errors, &run.difference])))
             .words(self.about())
             .picture(self.picture())
             .remark(stopped);
-        self.tables().into_iter().chain(ensemble.as_ref().map(growth)).fold(report, Report::table)
-    }
-
-    /// Errors at the end, and the largest.
-    fn summary(&self) -> Table {
-        let mut rows = vec![("E_x", &self.errors.x), ("E_y", &self.errors.y)];
-        if let Some(PerturbedRun { errors, difference, .. }) = &self.perturbed {
-            rows.extend([("E_x perturbed", &errors.x), ("E_y perturbed", &errors.y)]);
-            rows.extend([("tilde E_x", &difference.x), ("tilde E_y", &difference.y)]);
-        }
-        Table::of("summary", &rows)
-            .key("")
-            .col("error", Short, "", |row| row.0)
-            .col("at_the_end", Fixed(10), "in percent of the amplitude", |row| 100.0 * last(row.1))
-            .col("largest", Fixed(10), "of all samples, in percent of the amplitude", |row| 100.0 * largest(row.1))
-            .done()
+        self.tables()
+            .into_iter()
+            .chain(ensemble.as_ref().map(|ensemble| growth(Some(ensemble))))
+            .fold(report, Report::table)
     }
 
     /// What was compared.
@@ -164,10 +152,12 @@ impl WaveStudy {
 pub(super) fn outline() -> Report {
     let (none, still) = (Errors::default(), Strains { x: Vec::new(), y: Vec::new() });
     let tables = [
+        summary(&none, None),
         errors(&[], &none, Some([&none, &none])),
         profile(&still, &still, Some([&still, &still])),
         Member::table("ensemble", &[]).done(),
         spread(&[]),
+        growth(None),
     ];
     tables.into_iter().fold(Report::new("wave"), Report::table)
 }
@@ -187,12 +177,13 @@ fn spread_json(spread: Option<Spread>) -> Value {
 }
 
 /// Growth and rates over the seeds.
-fn growth(ensemble: &Ensemble) -> Table {
+fn growth(ensemble: Option<&Ensemble>) -> Table {
+    let spread = |quantity: fn(&Member) -> Option<f64>| ensemble.and_then(|ensemble| ensemble.spread(quantity));
     let rows = [
-        ("growth of tilde E_x", ensemble.spread(|member| member.growth_x)),
-        ("growth of tilde E_y", ensemble.spread(|member| member.growth_y)),
-        ("rate of tilde E_x", ensemble.spread(|member| member.rate)),
-        ("misfit of the rate", ensemble.spread(|member| member.rate_residual)),
+        ("growth of tilde E_x", spread(|member| member.growth_x)),
+        ("growth of tilde E_y", spread(|member| member.growth_y)),
+        ("rate of tilde E_x", spread(|member| member.rate)),
+        ("misfit of the rate", spread(|member| member.rate_residual)),
     ];
     let of = |of: fn(Spread) -> f64| move |row: &(&str, Option<Spread>)| row.1.map(of);
     let about = "growth: largest of the last period over largest of the first; rate: slope of ln(largest of each period) \
@@ -205,6 +196,21 @@ fn growth(ensemble: &Ensemble) -> Table {
         .col("median", Power(6), "", of(|spread| spread.median))
         .col("upper_quartile", Power(6), "", of(|spread| spread.upper))
         .col("highest", Power(6), "", of(|spread| spread.high))
+        .done()
+}
+
+/// Errors at the end, and the largest.
+fn summary(own: &Errors, perturbed: Option<[&Errors; 2]>) -> Table {
+    let mut rows = vec![("E_x", &own.x), ("E_y", &own.y)];
+    if let Some([errors, difference]) = perturbed {
+        rows.extend([("E_x perturbed", &errors.x), ("E_y perturbed", &errors.y)]);
+        rows.extend([("tilde E_x", &difference.x), ("tilde E_y", &difference.y)]);
+    }
+    Table::of("summary", &rows)
+        .key("")
+        .col("error", Short, "", |row| row.0)
+        .col("at_the_end", Fixed(10), "in percent of the amplitude", |row| 100.0 * last(row.1))
+        .col("largest", Fixed(10), "of all samples, in percent of the amplitude", |row| 100.0 * largest(row.1))
         .done()
 }
 
