@@ -197,7 +197,7 @@ pub(crate) fn normal_mode<'py>(
     finished(py, progress.as_ref(), |watched| {
         let way = ModeWay { mode, to, step, max_points: points, switch };
         let branch = study::follow_mode(scene.0.clone(), &way, InSi { si }, &|share, _| watched.tell(share))?;
-        Ok(text(&branch.json()))
+        Ok(text(&branch.report().json()))
     })
 }
 

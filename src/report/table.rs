@@ -4,7 +4,10 @@
 use super::{Kind, Line, Panel, Quantity, Units};
 use crate::{output::NpzWriter, present};
 use serde_json::{Map, Value, json};
-use std::io::{self, Seek, Write};
+use std::{
+    io::{self, Seek, Write},
+    ops::Range,
+};
 
 /// Width of a text table from which it is cut into two, in characters.
 const WIDE: usize = 120;
@@ -95,6 +98,7 @@ pub struct Table {
     key: String,
     columns: Vec<Column>,
     rows: usize,
+    in_text: Range<usize>,
     units: Option<Units>,
 }
 
@@ -108,7 +112,10 @@ impl Table {
     /// The table of some rows; its columns follow. `name` is that of its CSV file.
     pub fn of<T>(name: impl Into<String>, rows: &[T]) -> Rows<'_, T> {
         let (name, key) = (name.into(), "rows".to_owned());
-        Rows { rows, table: Self { name, key, columns: Vec::new(), rows: rows.len(), units: None } }
+        Rows {
+            rows,
+            table: Self { name, key, columns: Vec::new(), rows: rows.len(), in_text: 0..rows.len(), units: None },
+        }
     }
 }
 
@@ -128,6 +135,23 @@ impl<T> Rows<'_, T> {
         let head = nested(&name).map_or_else(|| name.replace('_', " "), |_| name.replace(['_', '.'], " "));
         let cells = self.rows.iter().map(|row| value(row).into()).collect();
         self.table.columns.push(Column { name, head, about, quantity, digits, cells });
+        self
+    }
+
+    /// A column with the number of the row, from 1 on.
+    #[must_use]
+    pub fn counted(mut self, name: &str, digits: Digits, about: &str) -> Self {
+        self = self.col(name, digits, about, |_| 0_usize);
+        if let Some(column) = self.table.columns.last_mut() {
+            column.cells = (1..=self.rows.len()).map(Cell::from).collect();
+        }
+        self
+    }
+
+    /// The text has these rows only.
+    #[must_use]
+    pub fn in_text(mut self, rows: Range<usize>) -> Self {
+        self.table.in_text = rows.start.min(self.rows.len())..rows.end.min(self.rows.len());
         self
     }
 
@@ -314,7 +338,7 @@ impl Table {
             Cell::Word(word) => word.clone().unwrap_or_default(),
             Cell::Nested(value) => value.to_string(),
         };
-        let rows = (0..self.rows).map(|row| self.shown().map(|column| cell(column, row)).collect());
+        let rows = self.in_text.clone().map(|row| self.shown().map(|column| cell(column, row)).collect());
         (self.shown().map(|column| self.head(column)).collect(), rows.collect())
     }
 
@@ -325,11 +349,11 @@ impl Table {
         if all.is_empty() { String::new() } else { all.join("; ") + "." }
     }
 
-    /// The table as text, with its legend; empty if no column is shown. A wide table is cut into
+    /// The table as text, with its legend; empty without rows or columns. A wide table is cut into
     /// two, which both begin with its first column.
     pub fn text(&self) -> String {
         let (head, rows) = self.cells();
-        if head.is_empty() {
+        if head.is_empty() || rows.is_empty() {
             return String::new();
         }
         let width =

@@ -6,6 +6,7 @@
 
 mod barrier;
 mod boundary_wave;
+mod branches;
 mod breather;
 mod charts;
 mod compare;
@@ -199,6 +200,8 @@ impl Report for report::Report {
 
 /// The table of a branch that crosses the one that was asked for.
 const SWITCHED_TABLE: &str = "switched-branch.csv";
+/// The tables of such a branch: points and bifurcations.
+const SWITCHED: [&str; 2] = ["switched-branch", "switched-bifurcations"];
 
 /// Refuses the number of a bifurcation that is none.
 fn check_switch(number: Option<usize>) -> Result<()> {

@@ -201,7 +201,7 @@ fn modes_of_a_ring_of_spheres_have_the_published_frequencies_in_hertz() {
     assert_eq!(mode.pointer("/last/u"), mode.pointer("/last/start/u"));
 
     let text = stdout(&[&args[..], &["--out", &path("out"), "--format", "svg"]].concat());
-    for heading in ["a (m)", "frequency (Hz)", "energy (J)", "least overlap (m)"] {
+    for heading in ["amplitude (m)", "frequency (Hz)", "energy (J)", "least overlap (m)"] {
         assert!(text.contains(heading), "{heading}: {text}");
     }
     let (names, rows) = table(&folder.path().join("out/mode-branch.csv"));

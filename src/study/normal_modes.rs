@@ -1,0 +1,405 @@
+//! A nonlinear normal mode of a conservative scene: the branch of orbits that begins as a linear
+//! mode.
+
+use super::{
+    Changes, InSi, Progress, SWITCHED, Study, Work, branches, check_switch, crossing, scene_caption, scene_json, shown,
+    si::Scale,
+    stretches::{self, Known},
+    word,
+};
+use crate::{
+    error::{Error, Result},
+    orbits::{
+        Around, LinearMode, ModeBifurcation, ModeBranch, ModeContinuation, ModePoint, ModeTrail, Multiplier,
+        NormalModes,
+    },
+    report::{
+        Column,
+        Digits::{Fixed, Json, Power, Short},
+        Kind, Line, Panel, Panels, Report, Rows, Table,
+    },
+    scene::{Quantity, Scene, Units},
+    sweep::Engine,
+};
+use serde_json::json;
+
+/// A conservative scene, and a mode of it that is followed.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct FollowMode {
+    /// Name of a built-in scene, or a TOML file.
+    ///
+    /// All contacts of the scene must be closed at rest: a static overlap, between walls or on a
+    /// ring. Beads may differ. The initial state of the scene does not matter.
+    #[cfg_attr(feature = "cli", arg(default_value = "defect"))]
+    pub scene: String,
+    /// Changes to the scene.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub changes: Changes,
+    /// The branch.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub way: ModeWay,
+    /// The units of options and results.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub si: InSi,
+}
+
+/// The branch of a mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct ModeWay {
+    /// Number of the linear mode, from 1 on, the lowest frequency first.
+    ///
+    /// [default: the most localised one]
+    #[cfg_attr(feature = "cli", arg(long = "linear-mode", value_name = "K"))]
+    pub mode: Option<usize>,
+    /// Amplitude at which the branch ends.
+    ///
+    /// The amplitude is the displacement, at the start of the period, of the bead or resonator that
+    /// moves most in the linear mode.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A"))]
+    pub to: f64,
+    /// Largest change of the amplitude from point to point.
+    ///
+    /// The branch begins at this amplitude, or at a smaller one if the orbit found there is not near
+    /// the linear mode [default: a twentieth of the last one].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DA"))]
+    pub step: Option<f64>,
+    /// Points of the branch at most.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 200))]
+    pub max_points: usize,
+    /// Follow the branch that crosses at bifurcation K, too.
+    ///
+    /// A period doubling, for orbits of the doubled period, or a branch point; bifurcations are
+    /// numbered from 1 as they are printed. It ends as the first branch does, or where orbits of
+    /// doubled period come back to those of half the period.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "K"))]
+    pub switch: Option<usize>,
+}
+
+/// The branch of a mode of a scene. All of its numbers are dimensionless; `si` is for its
+/// [report](Self::report).
+#[derive(Clone, Debug)]
+pub struct ModeStudy {
+    /// The scene.
+    pub scene: Scene,
+    /// Its equilibrium and linear modes.
+    pub modes: NormalModes,
+    /// The branch.
+    pub branch: ModeBranch,
+    /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there or, in
+    /// words, why none was followed.
+    pub switched: Option<(usize, std::result::Result<ModeBranch, String>)>,
+    /// The units of the scene, if the report is in SI units.
+    pub si: Option<Units>,
+}
+
+impl ModeWay {
+    /// The way in the units of the chain.
+    fn read(&self, scale: Scale<'_>) -> Self {
+        let read = |amplitude: f64| scale.read(Quantity::Length, amplitude);
+        Self { to: read(self.to), step: self.step.map(read), ..*self }
+    }
+
+    /// The modes of a scene, the continuation, and the units in which it was given and is told.
+    fn for_scene(&self, scene: &Scene, si: InSi) -> Result<(NormalModes, ModeContinuation, Option<Units>)> {
+        let si = si.units(scene)?;
+        let (modes, scale) = (NormalModes::new(scene.chain())?, Scale(si.as_ref()));
+        let &Self { to, step, .. } = self;
+        let continuation = scale.given(self.read(scale).continuation(&modes), &[("to", Some(to)), ("step", step)])?;
+        Ok((modes, continuation, si))
+    }
+
+    fn continuation(&self, modes: &NormalModes) -> Result<ModeContinuation> {
+        let &Self { mode, to, step, max_points: most_points, switch } = self;
+        check_switch(switch)?;
+        let mode = match mode {
+            None => modes.most_localised(),
+            Some(0) => {
+                return Err(Error::parameter("linear_mode", 0, "linear modes are numbered from 1, by frequency"));
+            }
+            Some(number) => number - 1,
+        };
+        let continuation = ModeContinuation { mode, to, step: step.unwrap_or(0.05 * to), most_points };
+        continuation.check(modes).map(|()| continuation)
+    }
+}
+
+impl Study for FollowMode {
+    const FILES: &'static str = "With --switch also switched-branch.csv and switched-bifurcations.csv. \
+                                 mode-bifurcations.store and switched-bifurcations.store have bifurcations, from which the same command goes on. \
+                                 Each part of --shard follows the first branch itself and locates its share of these.";
+    const STOPS: bool = true;
+    const SWEEPS: bool = true;
+
+    fn sometimes() -> Vec<String> {
+        SWITCHED.map(|name| format!("{name}.csv")).into()
+    }
+
+    fn outline() -> Option<Report> {
+        let report = Report::new("mode").table(linear_modes(&[], 0, None));
+        Some(report.table(points(BRANCH[0], &[], None)).table(bifurcations(BRANCH[1], &[], None)))
+    }
+
+    fn begin(&self) -> Result<Work<'_>> {
+        let scene = Scene::load_with(&self.scene, &self.changes.set)?;
+        let (modes, continuation, si) = self.way.for_scene(&scene, self.si)?;
+        Ok(Box::new(move |engine, progress| {
+            Ok(Box::new(followed(scene, modes, si, &continuation, self.way.switch, engine, progress)?.report()))
+        }))
+    }
+}
+
+/// The branch of a normal mode of a conservative scene. In SI units, `to` and `step` of the way are
+/// read, and the report is told, in these. `progress` is told the share done.
+///
+/// # Errors
+/// A scene that dissipates or is driven, or whose contacts do not hold every bead, or without the
+/// units that are asked for; a number outside its rule; a first orbit that is not found; a signal.
+pub fn follow_mode(scene: Scene, way: &ModeWay, si: InSi, progress: Progress<'_>) -> Result<ModeStudy> {
+    let (modes, continuation, si) = way.for_scene(&scene, si)?;
+    followed(scene, modes, si, &continuation, way.switch, &Engine::threads(), progress)
+}
+
+/// Names of the stores of bifurcations.
+const STORE: &str = "mode-bifurcations.store";
+const SWITCHED_STORE: &str = "switched-bifurcations.store";
+
+/// Share of the progress of a branch for its orbits and multipliers; the rest is for bifurcations,
+/// which take most of the time where there are any.
+const ORBITS: f64 = 0.3;
+
+fn followed(
+    scene: Scene,
+    modes: NormalModes,
+    si: Option<Units>,
+    continuation: &ModeContinuation,
+    switch: Option<usize>,
+    engine: &Engine,
+    progress: Progress<'_>,
+) -> Result<ModeStudy> {
+    let tell = |first: f64, share: f64| {
+        let mut count = 0;
+        move |point: &ModePoint| {
+            count += 1;
+            let a = point.orbit.amplitude;
+            let done = first + ORBITS * share * (a.abs() / continuation.to).clamp(0.0, 1.0);
+            let a = Scale(si.as_ref()).shown(Quantity::Length, a, 6);
+            progress(done, &format!("point {count}, a = {a}"));
+        }
+    };
+    let rest = |first: f64, share: f64| {
+        move |part: f64, what: &str| progress(first + share * (ORBITS + (1.0 - ORBITS) * part), what)
+    };
+    let whole = if switch.is_some() { 0.5 } else { 1.0 };
+    let trail = continuation.trail(&modes, tell(0.0, whole))?;
+    let branch = located(&scene, &modes, trail, STORE, engine, &rest(0.0, whole))?;
+    let Some(number) = switch else { return Ok(ModeStudy { scene, modes, branch, switched: None, si }) };
+    let other = branch.switched_trail(&modes, number.wrapping_sub(1), tell(0.5, 0.5));
+    let other = other.and_then(|trail| located(&scene, &modes, trail, SWITCHED_STORE, engine, &rest(0.5, 0.5)));
+    Ok(ModeStudy { switched: crossing(number, other)?, scene, modes, branch, si })
+}
+
+/// Locates the bifurcations of a branch that was followed, as points of a sweep. The multipliers of
+/// its orbits are known: without them the branch would have ended.
+fn located(
+    scene: &Scene,
+    modes: &NormalModes,
+    trail: ModeTrail,
+    store: &'static str,
+    engine: &Engine,
+    progress: Progress<'_>,
+) -> Result<ModeBranch> {
+    let ModeContinuation { mode, to, step, .. } = trail.continuation;
+    let settings =
+        json!({ "scene": scene.file().to_toml(), "mode": mode, "to": to, "step": step, "first": trail.first });
+    let known = Known::new(&trail.points, &|_| Ok(()));
+    let branch = stretches::Branch { store, study: "orbit mode", settings, known: &known, joined: false };
+    let determined = |point: &ModePoint| json!([point.orbit.amplitude, point.orbit.omega, point.orbit.shape]);
+    let rows: Vec<Around> = branch.rows(engine, determined, |k| Ok(trail.around(modes, k)), progress)?;
+    let (mut bifurcations, mut folds, mut unresolved) = (Vec::new(), Vec::new(), 0);
+    for row in rows {
+        bifurcations.extend(row.between);
+        folds.extend(row.fold);
+        unresolved += row.unresolved;
+    }
+    bifurcations.extend(folds);
+    Ok(trail.with(bifurcations, unresolved))
+}
+
+/// The tables of the branch: points and bifurcations.
+const BRANCH: [&str; 2] = ["mode-branch", "mode-bifurcations"];
+/// Number of linear modes below and above the followed one, by frequency, that the text shows.
+const NEIGHBOURS: usize = 3;
+
+/// A linear mode with its number, and the site of the coordinate with its largest share; whether
+/// this is that of a resonator.
+type Numbered<'a> = (usize, &'a LinearMode, (usize, bool));
+
+/// The linear modes; the text has those near the followed one, the `chosen`-th from 0 on.
+fn linear_modes<'a>(modes: &'a [Numbered<'a>], chosen: usize, si: Option<&Units>) -> Rows<'a, Numbered<'a>> {
+    let first = chosen.saturating_sub(NEIGHBOURS).min(modes.len().saturating_sub(2 * NEIGHBOURS + 1));
+    Table::of("linear-modes", modes)
+        .key("linear")
+        .si(si)
+        .in_text(first..first + 2 * NEIGHBOURS + 1)
+        .col("mode", Short, "number by frequency", |row| row.0)
+        .col("omega", Fixed(12), "frequency", |row| row.1.omega)
+        .kind(Quantity::Omega)
+        .col("participation", Fixed(4), "number of sites that take part", |row| row.1.participation)
+        .col("site", Short, "of the bead or resonator that moves most", |row| row.2.0)
+        .col("resonator", Short, "whether that is a resonator", |row| row.2.1)
+}
+
+fn points<'a>(name: &str, points: &'a [ModePoint], si: Option<&Units>) -> Rows<'a, ModePoint> {
+    Table::of(name, points)
+        .si(si)
+        .col("amplitude", Fixed(6), "", |point| point.orbit.amplitude)
+        .kind(Quantity::Length)
+        .col("omega", Fixed(10), "frequency", |point| point.orbit.omega)
+        .kind(Quantity::Omega)
+        .col("energy", Power(6), "above that of the equilibrium", |point| point.energy)
+        .kind(Quantity::Energy)
+        .col("participation", Fixed(4), "number of sites that take part", |point| point.participation)
+        .col("least_overlap", Fixed(4), "of all contacts at the two times of rest", |point| point.least_overlap)
+        .kind(Quantity::Length)
+        .col("max_modulus", Fixed(8), "largest |lambda|", |point| point.spectrum.largest())
+        .col("unstable", Short, "multipliers outside the unit circle by more than their error", ModePoint::unstable)
+        .col("residual", Json, "", |point| point.orbit.residual)
+}
+
+fn bifurcations<'a>(name: &str, all: &'a [ModeBifurcation], si: Option<&Units>) -> Rows<'a, ModeBifurcation> {
+    branches::numbered(Table::of(name, all).si(si))
+        .col("kind", Short, "", |one| word(&one.kind))
+        .col("amplitude", Fixed(8), "", |one| one.point.orbit.amplitude)
+        .kind(Quantity::Length)
+        .col("omega", Fixed(8), "frequency", |one| one.point.orbit.omega)
+        .kind(Quantity::Omega)
+        .col("tau", Fixed(8), "(lambda + 1/lambda)/2 of the multipliers that meet", |one| one.tau)
+}
+
+/// The last point of a branch.
+fn last(branch: &ModeBranch) -> &ModePoint {
+    &branch.points[branch.points.len() - 1]
+}
+
+impl ModeStudy {
+    /// Displacements of beads and of resonators at the start of an orbit, from the equilibrium, as
+    /// they are told; zero where no resonator moves.
+    fn displacements(&self, point: &ModePoint) -> [Vec<f64>; 2] {
+        let n = self.scene.chain().sites();
+        let mut both = [vec![0.0; n], vec![0.0; n]];
+        for (k, xi) in point.orbit.shape.iter().enumerate() {
+            let (site, resonator) = self.modes.place(k);
+            both[usize::from(resonator)][site] = point.orbit.amplitude * xi;
+        }
+        both.map(|values| Scale(self.si.as_ref()).all(Quantity::Length, &values))
+    }
+
+    /// The branch that crosses, if one was followed, and the number of its bifurcation.
+    fn crossing(&self) -> Option<(usize, &ModeBranch)> {
+        let (number, other) = self.switched.as_ref()?;
+        Some((*number, other.as_ref().ok()?))
+    }
+
+    /// The branch and, if it was followed, the one that crosses it.
+    fn branches(&self) -> impl Iterator<Item = &ModeBranch> {
+        std::iter::once(&self.branch).chain(self.crossing().map(|(_, other)| other))
+    }
+
+    /// Adds points, bifurcations and the last orbit of a branch.
+    fn tell(&self, report: Report, at: Option<usize>, branch: &ModeBranch) -> Report {
+        let (si, last) = (self.si.as_ref(), last(branch));
+        let [u, v] = self.displacements(last);
+        let start = self.modes.state(&last.orbit);
+        let start = [Some(start.u()), start.v()].map(|all| all.map(|all| Scale(si).all(Quantity::Length, all)));
+        let facts = json!({ "end": branch.end, "unresolved": branch.unresolved, "last": {
+            "u": u,
+            "v": v,
+            "start": { "u": start[0], "v": start[1] },
+            "newton": last.orbit.newton,
+            "multipliers": last.spectrum.multipliers,
+            "quality": last.spectrum.quality,
+        }});
+        let names = if at.is_some() { SWITCHED } else { BRANCH };
+        let tables = (points(names[0], &branch.points, si), bifurcations(names[1], &branch.bifurcations, si));
+        branches::tell(report, at, tables, facts, &branch.end.words())
+    }
+
+    /// The report.
+    pub fn report(&self) -> Report {
+        let Self { scene, modes, branch, si, .. } = self;
+        let chosen = branch.continuation.mode;
+        let numbered = (1..).zip(modes.linear()).map(|(k, mode)| (k, mode, modes.place(mode.leading)));
+        let numbered: Vec<Numbered<'_>> = numbered.collect();
+        let report = Report::new("mode").si(si.as_ref()).fact("scene", scene.name()).fact("mode", chosen + 1);
+        let report = report.table(linear_modes(&numbered, chosen, si.as_ref()));
+        let report = report.words(format!("Mode {} of {} linear modes is followed.", chosen + 1, numbered.len()));
+        let mut report = self.tell(report, None, branch);
+        if let Some((number, other)) = self.crossing() {
+            report = self.tell(report, Some(number), other);
+        }
+        let short = self.branches().find(|branch| !branch.end.answers());
+        let short = short.map(|branch| format!("the branch ended: {}", branch.end.words()));
+        let report = branches::not_crossed(report.failure(short), self.switched.as_ref());
+        report.fact("scene_file", scene_json(scene)).picture(self.panels())
+    }
+
+    fn panels(&self) -> Panels {
+        let (branch, scale) = (&self.branch, Scale(self.si.as_ref()));
+        let (point, linear, other) = (last(branch), self.modes.linear(), self.crossing());
+        let (frequency, symbol) = match self.si {
+            None => (Quantity::Omega, "frequency ω"),
+            Some(_) => (Quantity::Frequency, "frequency ω/2π"),
+        };
+        let amplitude = |point: &ModePoint| scale.told(Quantity::Length, point.orbit.amplitude.abs());
+        let place = |point: &ModePoint| (amplitude(point), scale.told(frequency, point.orbit.omega));
+        let marks = self.branches().flat_map(|branch| &branch.bifurcations).map(|one| place(&one.point));
+        let crossed = other.map(|(_, other)| &*other.points);
+        let mut lines = branches::lines(&branch.points, crossed, place, |point| point.unstable() == 0, marks);
+        let near = linear.iter().map(|mode| (0.0, scale.told(frequency, mode.omega)));
+        lines.insert(2, Line::new("linear modes", near));
+        let share = |(name, branch): (&str, &ModeBranch)| {
+            Line::new(name, branch.points.iter().map(|point| (amplitude(point), point.participation)))
+        };
+        let both = [("orbits", branch)].into_iter().chain(other.map(|(_, other)| ("switched", other)));
+        let [u, v] = self.displacements(point).map(|all| (0..).map(f64::from).zip(all).collect::<Vec<_>>());
+        let moved = v.iter().any(|(_, v)| *v != 0.0);
+        let profile = [("beads", u)].into_iter().chain(moved.then_some(("resonators", v)));
+        let profile = profile.map(|(name, points)| Line::new(name, points)).collect();
+        let at = |one: &Multiplier| (one.re, one.im);
+        let multipliers = Line::new("multipliers", point.spectrum.multipliers.iter().map(at));
+        let labels = [("amplitude a", Quantity::Length), (symbol, frequency), ("displacement at a", Quantity::Length)];
+        let [a, omega, displacement] = labels.map(|(name, kind)| scale.label(name, kind));
+        let left = [
+            Panel::new(Kind::Cloud, [&*a, &*omega], lines),
+            Panel::new(Kind::Cloud, [&*a, "participation number"], both.map(share).collect()),
+        ];
+        let right = [
+            Panel::new(Kind::Sites, ["site n", &*displacement], profile),
+            Panel::new(Kind::Plane, ["Re λ", "Im λ"], vec![multipliers]),
+        ];
+        let mode = branch.continuation.mode;
+        let (omega, a) = (linear[mode].omega, point.orbit.amplitude);
+        let frequency = match self.si {
+            None => format!("ω₀ = {omega:.6}; on the right a = {a}"),
+            Some(_) => {
+                let [hertz, metres] = [(frequency, omega), (Quantity::Length, a)].map(|(kind, x)| scale.told(kind, x));
+                format!("ω₀/2π = {} Hz; on the right a = {} m", shown(hertz), shown(metres))
+            }
+        };
+        let how = format!(
+            "{} orbits; mode {} of {}, {frequency}, residual {:.1e}.{}",
+            branch.points.len(),
+            mode + 1,
+            linear.len(),
+            point.orbit.residual,
+            branches::from(other.map(|(number, other)| (number, other.points.len(), other.end.words())))
+        );
+        Panels {
+            title: format!("A nonlinear normal mode of {}", self.scene.name()),
+            columns: vec![Column::new("", left), Column::new("", right)],
+            caption: scene_caption(&self.scene, &how),
+        }
+    }
+}
