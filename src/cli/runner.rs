@@ -52,7 +52,7 @@ impl Spread {
 
     /// The folder of the results. Shards share it.
     pub(super) fn own(&self, out: impl Into<PathBuf>) -> Result<Folder> {
-        Folder::own(out, self.shard.map(|shard| shard.to_string().replace('/', "-of-")).as_deref())
+        Folder::own(out, self.shard.map(|shard| shard.to_string()).as_deref())
     }
 
     /// The engine with the folder of the store, for the shard if one is given.
