@@ -253,7 +253,7 @@ pub(crate) fn sweep_plan<'py>(
         let shard = shard.map(str::parse::<Shard>).transpose()?;
         let part = shard.map(|shard| shard.to_string());
         let folder = out.map(|out| Folder::own(out, part.as_deref())).transpose()?;
-        let engine = folder.as_ref().map_or(Engine::threads(), |folder| engine.keeping(folder));
+        let engine = folder.iter().fold(Engine::threads(), Engine::keeping);
         let engine = shard.into_iter().fold(engine, Engine::shard);
         let swept = planned(&plan, &engine, &|done, total| watched.tell(done as f64 / total as f64));
         if let Some(part) = engine.part().filter(|part| part.kept == part.points) {

@@ -154,7 +154,9 @@ impl<S: Study> Told<S> {
         let report = match report {
             // Parts of this study may have failed since it was asked to end, and it does not know.
             Ok(_) if asked && !S::STOPS => return Err(nothing()),
-            Err(Error::Integration(_) | Error::Stalled { .. } | Error::Run(_)) if asked => return Err(nothing()),
+            Err(Error::Parameter { .. } | Error::Integration(_) | Error::Stalled { .. } | Error::Run(_)) if asked => {
+                return Err(nothing());
+            }
             report => report?,
         };
         if let Some(remark) = report.remark() {

@@ -5,7 +5,7 @@ use super::ModeStudy;
 use crate::study::shown;
 use crate::{
     error::Result,
-    orbits::{LinearMode, ModeBifurcation, ModeBranch, ModePoint},
+    orbits::{End, LinearMode, ModeBifurcation, ModeBranch, ModePoint},
     output::csv,
     present::table,
     scene::Quantity::{self, Energy, Frequency, Length, Number, Omega},
@@ -95,6 +95,9 @@ impl ModeStudy {
             0 => String::new(),
             count => format!("stretches with several bifurcations that were not separated: {count}\n"),
         };
+        if branch.end == End::Stopped {
+            return "bifurcations were not located\n".to_owned();
+        }
         if rows.is_empty() {
             return "no bifurcation\n".to_owned() + &unresolved;
         }
