@@ -110,7 +110,7 @@ class Chain:
     @cached_property
     def masses(self) -> tuple[Vector, Vector]:
         """Masses of the beads and of the resonators, shape (sites,) each; 0 where nothing moves."""
-        beads, resonators = _native.Scene.of_chain(self._numbers, (None,) * 4, 1e300).masses()
+        beads, resonators = _native.Scene.of_chain(self._numbers, (None,) * 4, 1e100).masses()
         return beads, resonators
 
     @property

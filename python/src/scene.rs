@@ -212,7 +212,7 @@ pub(crate) fn check_chain(py: Python<'_>, chain: Numbers) -> PyResult<()> {
     }
     // At rest, and long enough for every drive.
     let rest = Initial::State { u: Vec::new(), v: Vec::new(), u_dot: Vec::new(), v_dot: Vec::new() };
-    hertzchain::Scene::build(chain.file(py, rest, 1e300)?).map(|_| ()).or_raise(py)
+    hertzchain::Scene::build(chain.file(py, rest, 1e100)?).map(|_| ()).or_raise(py)
 }
 
 /// Names and summaries of the built-in scenes.

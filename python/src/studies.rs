@@ -14,7 +14,7 @@ use hertzchain::{
         self, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi, ModeWay, Plan, Report, Ring, Study,
         compare, planned,
     },
-    sweep::Engine,
+    sweep::{Engine, Shard},
 };
 use numpy::{PyArray1, PyArray2, prelude::*};
 use pyo3::{prelude::*, types::PyBytes};
@@ -250,13 +250,11 @@ pub(crate) fn sweep_plan<'py>(
     let work = |watched: &Watched| {
         let plan = Plan::load(&path)?;
         let formats = formats.iter().map(|name| name.parse()).collect::<Result<Vec<Format>>>()?;
-        let folder = out.map(Folder::create).transpose()?;
-        let engine = Engine::threads();
-        let engine = folder.as_ref().map_or(Engine::threads(), |folder| engine.keeping(folder));
-        let engine = match shard {
-            Some(shard) => engine.shard(shard.parse()?),
-            None => engine,
-        };
+        let shard = shard.map(str::parse::<Shard>).transpose()?;
+        let part = shard.map(|shard| shard.to_string());
+        let folder = out.map(|out| Folder::own(out, part.as_deref())).transpose()?;
+        let engine = folder.iter().fold(Engine::threads(), Engine::keeping);
+        let engine = shard.into_iter().fold(engine, Engine::shard);
         let swept = planned(&plan, &engine, &|done, total| watched.tell(done as f64 / total as f64));
         if let Some(part) = engine.part().filter(|part| part.kept == part.points) {
             return Ok((part.words(), Vec::new(), Vec::new()));

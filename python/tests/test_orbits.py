@@ -184,6 +184,18 @@ def test_a_plan_has_the_bits_of_the_program_also_in_shards(program: Any, tmp_pat
     assert run.end["u"].tolist() == table["u"][3].tolist()
 
 
+def test_a_folder_of_another_process_is_refused_with_its_name(tmp_path: Path) -> None:
+    fcntl = pytest.importorskip("fcntl")
+    plan, lock = tmp_path / "plan.toml", tmp_path / ".hertzchain-lock"
+    plan.write_text(PLAN)
+    with lock.open("w") as held:
+        held.write("process 7 on elsewhere")
+        held.flush()
+        fcntl.flock(held, fcntl.LOCK_EX)
+        with pytest.raises(hc.Error, match=r"in use by another run \(process 7 on elsewhere\)"):
+            hc.sweep(plan, out=tmp_path)
+
+
 class Ranks:
     """As many ranks as threads, with the calls that a sweep makes of mpi4py."""
 

@@ -83,6 +83,7 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: hc.Chain(sites=3, units={"radius": 0.01}), "density|young"),
     (lambda: run(y0={"pu": [0.0, 1.0]}), "pu with 2 numbers"),
     (lambda: hc.run(MOVED, y0={"u": np.zeros(3), "pv": [1.0, 0, 0]}, until=1.0), "pv = 1.0 of site 0"),
+    (lambda: hc.run(MOVED, y0={"u": np.zeros(3), "v": [0.1, 0, 0]}, until=1.0), "v = 0.1 at site 0"),
     (lambda: hc.run(LOSSY, y0=REST, until=1.0, step=0.1, method="verlet"), "dop853"),
     (lambda: hc.monodromy(LOSSY, y0=REST, until=1.0), "touch at rest"),
     # Scenes.

@@ -52,7 +52,7 @@ impl Spread {
 
     /// The folder of the results. Shards share it.
     pub(super) fn own(&self, out: impl Into<PathBuf>) -> Result<Folder> {
-        Folder::own(out, self.shard.map(|shard| shard.to_string().replace('/', "-of-")).as_deref())
+        Folder::own(out, self.shard.map(|shard| shard.to_string()).as_deref())
     }
 
     /// The engine with the folder of the store, for the shard if one is given.
@@ -154,7 +154,9 @@ impl<S: Study> Told<S> {
         let report = match report {
             // Parts of this study may have failed since it was asked to end, and it does not know.
             Ok(_) if asked && !S::STOPS => return Err(nothing()),
-            Err(Error::Integration(_) | Error::Stalled { .. } | Error::Run(_)) if asked => return Err(nothing()),
+            Err(Error::Parameter { .. } | Error::Integration(_) | Error::Stalled { .. } | Error::Run(_)) if asked => {
+                return Err(nothing());
+            }
             report => report?,
         };
         if let Some(remark) = report.remark() {

@@ -103,6 +103,8 @@ pub enum End {
     Rejoined,
     /// The multipliers of the last orbit are not known.
     NoMultipliers,
+    /// The process was asked to end.
+    Stopped,
 }
 
 impl End {
@@ -121,6 +123,7 @@ impl End {
             Self::Jumped => "Newton's method leads to another branch, also with the shortest step",
             Self::Rejoined => "it came back to the branch of half its period",
             Self::NoMultipliers => "the multipliers of its last orbit are not known",
+            Self::Stopped => "the process was asked to end",
         }
     }
 }
@@ -326,6 +329,14 @@ pub(super) struct Course {
     pub(super) ds: f64,
     /// Number of solutions so far.
     pub(super) points: usize,
+}
+
+/// The end of a branch that is kept although the process was asked to end while it was followed.
+pub(super) fn kept(end: Result<End>) -> Result<End> {
+    match end {
+        Err(Error::Stopped { .. }) | Ok(End::NoMultipliers) if interrupt::asked() => Ok(End::Stopped),
+        end => end,
+    }
 }
 
 /// Called with every new solution, the length of the next predictor, and the reason why the branch

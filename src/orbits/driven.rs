@@ -302,16 +302,17 @@ impl DrivenSetting {
         max_norm(z.iter().copied()).max(ROUNDED * overlap)
     }
 
-    /// Largest residual of an orbit, in units of [`size`](Self::size): [`SOLVED`], or what roundings
-    /// allow. With the fastest rate `R`, in units of the frequency of the orbit, the period has some
-    /// `2 pi R` windows. Each rounds displacements of the size `s` by `eps s`, where `s` is the
-    /// largest of the unknowns, static overlaps and moved beads: these sum to at most `2 pi R eps s`.
-    /// Velocities are then rounded by `R omega eps s`, and the unknowns `q'/omega` by `R eps s`.
-    fn solved(&self, z: &[f64]) -> f64 {
+    /// Largest residual of an orbit, in units of [`size`](Self::size): [`SOLVED`], or what the
+    /// tolerance of the flow allows. With the fastest rate `R`, in units of the frequency of the
+    /// orbit, the period has some `2 pi R` steps. Each errs by `tol s` in displacements, where `s` is
+    /// the largest of the unknowns, static overlaps and moved beads: these sum to at most
+    /// `2 pi R tol s`. Velocities then err by `R omega tol s`, and the unknowns `q'/omega` by
+    /// `R tol s`.
+    fn solved(&self, z: &[f64], tol: f64) -> f64 {
         let overlap = self.details.overlap.iter().copied().fold(0.0, f64::max);
         let state = max_norm(z.iter().copied()).max(overlap).max(self.moved().unwrap_or(0.0));
         let radians = 2.0 * PI * self.fastest_rate(z).unwrap_or(0.0);
-        SOLVED.max(f64::EPSILON * radians * state / self.size(z))
+        SOLVED.max(tol * radians * state / self.size(z))
     }
 
     /// Largest displacement of a bead that a drive moves.
@@ -393,7 +394,8 @@ pub struct DrivenOrbit {
 /// A step of Newton's method below this, in the unit of residuals, is the last: by quadratic
 /// convergence the next one would be below rounding.
 const LAST_STEP: f64 = 1e-9;
-/// Largest residual of an orbit, in its unit, unless [roundings](DrivenSetting::solved) are larger.
+/// Largest residual of an orbit, in its unit, unless [errors of the flow](DrivenSetting::solved)
+/// are larger.
 const SOLVED: f64 = 1e-11;
 /// Share of the largest static overlap that is the least unit of residuals: [`SOLVED`] is then some
 /// 450 roundings of the overlap.
@@ -431,28 +433,24 @@ impl DrivenShooting {
         Ok(Equations { residual, jacobian })
     }
 
-    /// `M`, the derivative of `P^m` by `z`, and `Gamma`.
-    fn monodromy(&self, setting: &DrivenSetting, z: &[f64]) -> Result<(DMatrix<f64>, f64)> {
-        let varied = setting.chain()?.dissipative_contacts().then_some(self.tangent_tol);
-        self.monodromy_by(varied, setting, z)
-    }
-
-    /// The same, with bounds for the errors of the entries of `M`: the distance from the derivative
-    /// by [`Variations`] at a finer tolerance, and a rounding for each radian of the fastest motion.
+    /// `M`, and bounds for the errors of its entries: the distance from `M` at a finer tolerance, that
+    /// tolerance in units of `|M|`, and a rounding for each radian of the fastest motion; `Gamma`.
     fn checked_monodromy(&self, setting: &DrivenSetting, z: &[f64]) -> Result<(DMatrix<f64>, DMatrix<f64>, f64)> {
         let (first, contacts) = self.monodromy(setting, z)?;
         let (radians, size) = (2.0 * PI * setting.fastest_rate(z)?, first.norm());
-        let rounded = first.map(|entry| f64::EPSILON * (radians * entry.abs() + EIGEN * size));
-        let finer = self.monodromy_by(Some(FINER * self.tangent_tol), setting, z);
-        let errors = match finer {
-            Ok((finer, _)) => (&first - finer).abs() + rounded,
-            Err(_) => rounded.map(|_| f64::INFINITY),
+        let fine = Self { tangent_tol: FINER * self.tangent_tol, ..*self };
+        let least = (fine.tangent_tol + f64::EPSILON * EIGEN) * size;
+        let errors = match fine.monodromy(setting, z) {
+            Ok((finer, _)) => first
+                .zip_map(&finer, |entry, finer| (entry - finer).abs() + f64::EPSILON * radians * entry.abs() + least),
+            Err(_) => first.map(|_| f64::INFINITY),
         };
         Ok((first, errors, contacts))
     }
 
-    /// `M` and `Gamma` by [`Variations`] at the tolerance `varied`, else by contact collocation.
-    fn monodromy_by(&self, varied: Option<f64>, setting: &DrivenSetting, z: &[f64]) -> Result<(DMatrix<f64>, f64)> {
+    /// `M`, the derivative of `P^m` by `z`, and `Gamma`: by [`Variations`] where contacts dissipate,
+    /// else by contact collocation.
+    fn monodromy(&self, setting: &DrivenSetting, z: &[f64]) -> Result<(DMatrix<f64>, f64)> {
         let chain = setting.chain()?;
         let (half, omega, m) = (chain.layout().half(), setting.omega(), setting.free.len());
         let (start, dim) = (setting.start(&chain, z), chain.layout().dim());
@@ -462,13 +460,13 @@ impl DrivenShooting {
             None => (setting.free[k], 1.0),
             Some(k) => (half + setting.free[k], omega),
         };
-        if let Some(tol) = varied {
+        if chain.dissipative_contacts() {
             let mut unit = vec![0.0; 2 * half * 2 * m];
             for j in 0..2 * m {
                 let (row, per) = place(j);
                 unit[row * 2 * m + j] = per;
             }
-            let end = Variations::flow(&chain, &start, span, &unit, tol)?;
+            let end = Variations::flow(&chain, &start, span, &unit, self.tangent_tol)?;
             let entry = |k: usize, j: usize| {
                 let (row, unit) = place(k);
                 end.columns[row * 2 * m + j] / unit
@@ -525,7 +523,7 @@ impl DrivenShooting {
     /// # Errors
     /// A seed of another length or not finite; a seed whose flow fails; [`Error::Stalled`] with the
     /// best iterate where the residual of Newton's method does not fall to 1e-11 or, if that is
-    /// larger, to the roundings of the fastest motion over the period.
+    /// larger, to a step's tolerance for each radian of the fastest motion over the period.
     pub fn solve(&self, setting: &DrivenSetting, seed: &[f64]) -> Result<DrivenOrbit> {
         if seed.len() != setting.unknowns() {
             let rule = "a displacement and a velocity for each free bead and resonator";
@@ -569,11 +567,11 @@ impl DrivenShooting {
             Err(_) => f64::INFINITY,
         };
         match keep(&z, last, &newton) {
-            Some(orbit) if orbit.residual <= setting.solved(&orbit.z) => Ok(DrivenOrbit { newton, ..orbit }),
+            Some(orbit) if orbit.residual <= setting.solved(&orbit.z, self.tol) => Ok(DrivenOrbit { newton, ..orbit }),
             best => {
                 let best = best.map(|orbit| {
                     let place = format!("omega = {}, amplitude = {}", setting.omega(), setting.values[0]);
-                    let solved = setting.solved(&orbit.z);
+                    let solved = setting.solved(&orbit.z, self.tol);
                     Box::new(Iterate { z: orbit.z, residual: orbit.residual, solved, place })
                 });
                 Err(Error::Stalled { steps: newton.len(), best })
@@ -774,7 +772,7 @@ impl Family for DrivenFamily<'_> {
     }
 
     fn solved(&self, z: &[f64], p: f64) -> f64 {
-        self.setting.with(self.parameter, p).solved(z)
+        self.setting.with(self.parameter, p).solved(z, self.shooting.tol)
     }
 }
 

@@ -7,20 +7,53 @@
 //! of entries; where all eigenvalues are close to each other that loses every digit of it, and the
 //! iteration does not end. Orbits of small amplitude have such matrices: all `tau` are near 1.
 
-use nalgebra::{Complex, DMatrix, DVector, Hessenberg};
+use crate::interrupt;
+use nalgebra::{Complex, ComplexField, DMatrix, DVector, Hessenberg};
+use std::{
+    sync::mpsc::{self, RecvTimeoutError},
+    thread,
+    time::Duration,
+};
 
 /// Largest number of iterations for an eigenvalue; two or three are usual.
 const MOST: usize = 60;
 /// Every so many iterations without an eigenvalue the shifts are exceptional.
 const CYCLE: usize = 10;
 
+/// Rows of matrices whose decompositions take so long that a signal must not wait for them.
+const LARGE: usize = 256;
+/// Time between two looks at the flag that asks work to end.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// The result of `work` on matrices of so many rows, which reads no flag; `None` if the process was
+/// asked to end meanwhile. The work then goes on, on a thread of its own, as long as the process.
+pub(super) fn unless_asked<T: Send + 'static>(rows: usize, work: impl FnOnce() -> T + Send + 'static) -> Option<T> {
+    if rows <= LARGE {
+        return Some(work());
+    }
+    let (done, result) = mpsc::channel();
+    thread::spawn(move || done.send(work()));
+    loop {
+        match result.recv_timeout(LOOK) {
+            Err(RecvTimeoutError::Timeout) if !interrupt::asked() => {}
+            result => return result.ok(),
+        }
+    }
+}
+
+/// Unitary `Q` and the Hessenberg form `H` with `A = Q H Q^*`; `None` as [`unless_asked`].
+pub(crate) fn hessenberg<T: ComplexField>(a: &DMatrix<T>) -> Option<(DMatrix<T>, DMatrix<T>)> {
+    let (rows, a) = (a.nrows(), a.clone());
+    match rows {
+        0..=2 => Some((DMatrix::identity(rows, rows), a)),
+        _ => unless_asked(rows, || Hessenberg::new(a).unpack()),
+    }
+}
+
 /// `Q` and `S` of the Schur form: `S` is upper triangular up to blocks of two, which have complex
-/// eigenvalues. `None` if the iteration did not converge.
+/// eigenvalues. `None` if the iteration did not converge, or the process was asked to end.
 fn schur(a: &DMatrix<f64>) -> Option<[DMatrix<f64>; 2]> {
-    let (mut q, mut s) = match a.nrows() {
-        0..=2 => (DMatrix::identity(a.nrows(), a.nrows()), a.clone()),
-        _ => Hessenberg::new(a.clone()).unpack(),
-    };
+    let (mut q, mut s) = hessenberg(a)?;
     let (mut last, mut since) = (a.nrows(), 0);
     while last > 0 {
         let bottom = last - 1;
@@ -31,7 +64,7 @@ fn schur(a: &DMatrix<f64>) -> Option<[DMatrix<f64>; 2]> {
                 split(&mut s, &mut q, bottom);
                 (last, since) = (last - 2, 0);
             }
-            _ if since == MOST => return None,
+            _ if since == MOST || interrupt::asked() => return None,
             _ => {
                 since += 1;
                 sweep(&mut s, &mut q, (top, bottom), since % CYCLE == 0);

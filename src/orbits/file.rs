@@ -17,6 +17,7 @@ use crate::{
     error::{Error, Result},
     output::{Archive, Array, SETTINGS, npz_with, read, to_json},
 };
+use hertzchain_integrators::Tolerance;
 use serde::{Deserialize, Serialize};
 use serde_json::error::Category;
 use std::{fs::File, io::Read, path::Path};
@@ -257,6 +258,7 @@ impl Orbit {
     /// their rules, and strains that are not those of an orbit; a branch without a pick, or a pick
     /// that is not on the branch.
     pub fn load(path: &Path, pick: Option<Pick>, shooting: &Shooting) -> Result<Self> {
+        Tolerance::RUN.check(shooting.tol)?;
         let fail = |source| Error::File { path: path.to_owned(), source };
         let mut start = Vec::new();
         File::open(path).map_err(fail)?.take(ZIP.len() as u64).read_to_end(&mut start).map_err(fail)?;

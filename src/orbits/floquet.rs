@@ -27,7 +27,7 @@
 //! `R_1 M_h^{-1} R_2 M_h`. A [`Frame`] holds the metric and the uniform vectors in these
 //! coordinates.
 
-use super::eigen::{Eigenpair, eigen, eigenvalues};
+use super::eigen::{Eigenpair, eigen, eigenvalues, unless_asked};
 use crate::chain::{Boundary, Chain};
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -336,12 +336,12 @@ fn scaled_to_one(vector: &DVector<Complex<f64>>) -> Vec<f64> {
 
 /// `R M_h^{-1} R M_h`.
 fn by_reversal(half: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let n = half.nrows() / 2;
-    let reversed = |mut m: DMatrix<f64>| {
-        m.rows_mut(n, n).neg_mut();
+    let (rows, half) = (half.nrows(), half.clone());
+    let reversed = move |mut m: DMatrix<f64>| {
+        m.rows_mut(rows / 2, rows / 2).neg_mut();
         m
     };
-    half.clone().lu().solve(&reversed(half.clone())).map(reversed)
+    unless_asked(rows, move || half.clone().lu().solve(&reversed(half)).map(reversed))?
 }
 
 /// The `tau` that orbits of a chain with equal beads have: `linear`, and two that are 1.

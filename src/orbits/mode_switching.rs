@@ -103,7 +103,8 @@ impl ModeBranch {
             seen(&point);
             points.push(point);
             Ok(None)
-        })?;
+        });
+        let end = arclength::kept(end)?;
         Ok(ModeTrail { continuation, points, end, first: 1 })
     }
 

@@ -33,8 +33,11 @@ pub(crate) struct Around {
 }
 
 impl ModeTrail {
-    /// The branch with its bifurcations.
+    /// The branch with its bifurcations; without them, if the process was asked to end.
     pub(super) fn located(self, modes: &NormalModes) -> ModeBranch {
+        if self.end == End::Stopped {
+            return self.with(Vec::new(), 0);
+        }
         let family = ModeFamily::new(modes, &self.continuation);
         let (found, unresolved) = bifurcation::located(&family, &self.points[self.first..], WEAK);
         let found = found.into_iter().map(|one| told(one, self.first)).collect();

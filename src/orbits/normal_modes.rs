@@ -376,7 +376,7 @@ impl ModeContinuation {
     ///
     /// # Errors
     /// Numbers outside their rules; a first orbit that is not found; multipliers that cannot be
-    /// computed; a signal.
+    /// computed; a signal before the second point. A later one ends the branch.
     pub fn follow(&self, modes: &NormalModes, seen: impl FnMut(&ModePoint)) -> Result<ModeBranch> {
         self.trail(modes, seen).map(|trail| trail.located(modes))
     }
@@ -399,7 +399,8 @@ impl ModeContinuation {
             seen(&point);
             points.push(point);
             Ok(None)
-        })?;
+        });
+        let end = arclength::kept(end)?;
         Ok(ModeTrail { continuation: *self, points, end, first: 0 })
     }
 }

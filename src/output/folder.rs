@@ -84,8 +84,8 @@ impl Folder {
     }
 
     /// As [`create`](Self::create), for this process alone, until the last clone of the folder is
-    /// dropped or the process ends, however it ends. Owners of parts, with a name for each, share
-    /// the folder.
+    /// dropped or the process ends, however it ends. Owners of parts, such as the shard `1/2`,
+    /// share the folder.
     ///
     /// # Errors
     /// As [`create`](Self::create); a folder, or a part, that another process owns, with its number
@@ -94,7 +94,7 @@ impl Folder {
         let mut folder = Self::create(path)?;
         let mut locks = vec![folder.lock(LOCK, if part.is_some() { File::try_lock_shared } else { File::try_lock })?];
         match part {
-            Some(part) => locks.push(folder.lock(&format!("{LOCK}-{part}"), File::try_lock)?),
+            Some(part) => locks.push(folder.lock(&format!("{LOCK}-{}", part.replace('/', "-of-")), File::try_lock)?),
             // No part has an owner now.
             None => folder.entries(&format!("{LOCK}-")).for_each(|entry| drop(std::fs::remove_file(entry.path()))),
         }

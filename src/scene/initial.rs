@@ -182,6 +182,12 @@ fn given(chain: &Chain<f64>, arrays: [&[f64]; 4]) -> Result<State<f64>> {
         let rule = "no resonator moves in this chain: leave `v` and `v_dot` out";
         return Err(Error::parameter("v", format!("{} numbers", v.len().max(v_dot.len())), rule));
     }
+    for (name, array) in [("v", v), ("v_dot", v_dot)] {
+        if let Some(site) = (0..array.len()).find(|&i| array[i] != 0.0 && !chain.resonator_moves(i)) {
+            let rule = "no resonator moves at this site: its `v` and `v_dot` are 0";
+            return Err(Error::parameter(name, format!("{} at site {site}", array[site]), rule));
+        }
+    }
     let at = |array: &[f64], i: usize| array.get(i).copied().unwrap_or(0.0);
     State::from_fn(chain, |i| Site { u: at(u, i), v: at(v, i), u_dot: at(u_dot, i), v_dot: at(v_dot, i) })
 }

@@ -287,7 +287,7 @@ impl Scene {
     ///
     /// # Errors
     /// Arrays of another length than the chain; a number that is not finite; no moving resonators,
-    /// but arrays of them.
+    /// but arrays of them; a number other than 0 for a resonator that does not move.
     pub fn from_state(&self, u: Vec<f64>, v: Vec<f64>, u_dot: Vec<f64>, v_dot: Vec<f64>) -> Result<Self> {
         let span = Span { periods: None, until: Some(self.end), period: self.file.span.period };
         let initial = Initial::State { u, v, u_dot, v_dot };

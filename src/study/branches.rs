@@ -1,6 +1,9 @@
 //! Branches of orbits in reports: points, bifurcations, the end, and the branch that crosses.
 
-use crate::report::{Digits::Short, Line, Report, Rows};
+use crate::{
+    orbits::End,
+    report::{Digits::Short, Line, Report, Rows},
+};
 use serde_json::{Value, json};
 
 /// Adds a branch, whose fields are those of the report. One that crosses another at its bifurcation
@@ -10,16 +13,20 @@ pub(super) fn tell<P, B>(
     at: Option<usize>,
     (points, bifurcations): (Rows<'_, P>, Rows<'_, B>),
     mut facts: Value,
-    end: &str,
+    end: End,
 ) -> Report {
     let [points, bifurcations] = [points.key("").done(), bifurcations.key("").done()];
     let [all, found] = [&points, &bifurcations].map(|table| table.json());
-    let none = if found.is_empty() { "no bifurcation" } else { "" };
+    let none = match (end, found.is_empty()) {
+        (End::Stopped, _) => "bifurcations were not located",
+        (_, true) => "no bifurcation",
+        (_, false) => "",
+    };
     let unresolved = match facts["unresolved"].as_u64() {
         None | Some(0) => String::new(),
         Some(count) => format!("; stretches with several bifurcations that were not separated: {count}"),
     };
-    let end = format!("{} points; the branch ended: {end}{unresolved}", all.len());
+    let end = format!("{} points; the branch ended: {}{unresolved}", all.len(), end.words());
     facts["points"] = all.into();
     facts["bifurcations"] = found.into();
     let report = match (at, facts) {

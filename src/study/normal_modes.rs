@@ -10,8 +10,7 @@ use super::{
 use crate::{
     error::{Error, Result},
     orbits::{
-        Around, LinearMode, ModeBifurcation, ModeBranch, ModeContinuation, ModePoint, ModeTrail, Multiplier,
-        NormalModes,
+        End, LinearMode, ModeBifurcation, ModeBranch, ModeContinuation, ModePoint, ModeTrail, Multiplier, NormalModes,
     },
     report::{
         Column,
@@ -194,14 +193,17 @@ fn followed(
     let whole = if switch.is_some() { 0.5 } else { 1.0 };
     let trail = continuation.trail(&modes, tell(0.0, whole))?;
     let branch = located(&scene, &modes, trail, STORE, engine, &rest(0.0, whole))?;
-    let Some(number) = switch else { return Ok(ModeStudy { scene, modes, branch, switched: None, si }) };
+    let Some(number) = switch.filter(|_| branch.end != End::Stopped) else {
+        return Ok(ModeStudy { scene, modes, branch, switched: None, si });
+    };
     let other = branch.switched_trail(&modes, number.wrapping_sub(1), tell(0.5, 0.5));
     let other = other.and_then(|trail| located(&scene, &modes, trail, SWITCHED_STORE, engine, &rest(0.5, 0.5)));
     Ok(ModeStudy { switched: crossing(number, other)?, scene, modes, branch, si })
 }
 
 /// Locates the bifurcations of a branch that was followed, as points of a sweep. The multipliers of
-/// its orbits are known: without them the branch would have ended.
+/// its orbits are known: without them the branch would have ended. After a signal the points alone
+/// are the result.
 fn located(
     scene: &Scene,
     modes: &NormalModes,
@@ -216,9 +218,12 @@ fn located(
     let known = Known::new(&trail.points, &|_| Ok(()));
     let branch = stretches::Branch { store, study: "orbit mode", settings, known: &known, joined: false };
     let determined = |point: &ModePoint| json!([point.orbit.amplitude, point.orbit.omega, point.orbit.shape]);
-    let rows: Vec<Around> = branch.rows(engine, determined, |k| Ok(trail.around(modes, k)), progress)?;
+    let rows = branch.rows(engine, determined, |k| Ok(trail.around(modes, k)), progress);
+    if matches!(rows, Err(Error::Stopped { .. })) && engine.its_shard().is_none() {
+        return Ok(ModeTrail { end: End::Stopped, ..trail }.with(Vec::new(), 0));
+    }
     let (mut bifurcations, mut folds, mut unresolved) = (Vec::new(), Vec::new(), 0);
-    for row in rows {
+    for row in rows? {
         bifurcations.extend(row.between);
         folds.extend(row.fold);
         unresolved += row.unresolved;
@@ -323,7 +328,7 @@ impl ModeStudy {
         }});
         let names = if at.is_some() { SWITCHED } else { BRANCH };
         let tables = (points(names[0], &branch.points, si), bifurcations(names[1], &branch.bifurcations, si));
-        branches::tell(report, at, tables, facts, &branch.end.words())
+        branches::tell(report, at, tables, facts, branch.end)
     }
 
     /// The report.

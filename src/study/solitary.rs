@@ -2,7 +2,10 @@
 
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
-use super::{Study, Work, fit_line};
+use super::{
+    Study, Work, fit_line,
+    stretches::{finished, unless_asked},
+};
 use crate::{
     chain::Params,
     error::{Error, Result},
@@ -73,6 +76,8 @@ impl Default for Solitary {
 }
 
 impl Study for Solitary {
+    const STOPS: bool = true;
+
     fn outline() -> Option<Report> {
         let [pulse, tails] = tables(&[], &[]);
         Some(Report::new("solitary").table(pulse).table(tails))
@@ -152,7 +157,8 @@ impl Solitary {
     /// Computes the pulses.
     ///
     /// # Errors
-    /// Numbers outside their rules; [`Error::Stalled`] where there is no pulse without resonators.
+    /// Numbers outside their rules; [`Error::Stalled`] where there is no pulse without resonators; a
+    /// signal before the first tail. A later one leaves the other tails out.
     pub fn study(&self) -> Result<SolitaryStudy> {
         self.check()?;
         let (line, search) = (LinePulse::new(self.alpha), Search { tol: self.tol, ..Search::default() });
@@ -163,14 +169,16 @@ impl Solitary {
         let tail = |&rho: &f64| {
             let params = Params { alpha: self.alpha, kappa: self.kappa, rho };
             let sites = best_ring(params, speed, self.sites);
-            Tail {
-                rho,
-                k: params.omega() / speed,
-                wave: SolitaryWave::new(params, speed, sites, &line, &search).ok(),
-                line: wake_of_line(params, speed, &line),
-            }
+            unless_asked(|| {
+                Ok(Tail {
+                    rho,
+                    k: params.omega() / speed,
+                    wave: SolitaryWave::new(params, speed, sites, &line, &search).ok(),
+                    line: wake_of_line(params, speed, &line),
+                })
+            })
         };
-        let tails = map(&rhos, tail);
+        let tails = finished(map(&rhos, tail))?;
         let sites = line.at_sites();
         let decay = sites.iter().map(|g| g / sites[0]).collect();
         Ok(SolitaryStudy { options: self.clone(), line, decay, hertz, fit: fit(&tails), tails })

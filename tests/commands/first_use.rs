@@ -264,6 +264,10 @@ fn wrong_inputs_are_refused_in_words_that_help() {
                 u = [1.0, 2.0]\n[span]\nuntil = 1.0\n";
     let astray = write("astray.toml", toml.as_bytes());
     let short = write("short.toml", toml.replace("name = \"x\"\n", "").as_bytes());
+    // Only the first site has a resonator that moves: that of the second is fixed.
+    let alone =
+        toml.replace("name = \"x\"", "kappa = 1.0\n[beads]\nrho = [1.0, inf, 0.0]").replace("2.0]", "2.0, 0.0]");
+    let alone = write("alone.toml", alone.as_bytes());
     let (csv, empty, bytes) = (write("x.csv", b"a,b\n1,2\n"), write("empty", b""), write("bytes", b"\xff\xfe\0"));
     let (below, nowhere) = (path("empty/below"), path("nowhere.json"));
     for (args, code, words) in [
@@ -282,6 +286,12 @@ fn wrong_inputs_are_refused_in_words_that_help() {
         (&["run", "impact", "--set", "initial.velocity=1e200"], 2, "`initial.velocity`: velocity = 1e200 is not"),
         (&["run", "impact", "--set", "initial.displacement=1e200"], 2, "displacement = 1e200 is not valid: overflow"),
         (&["run", &short, "--set", "initial.u=[0, 0, 1e-200]"], 2, "`initial.u`: u = 1e-200 is not valid: underflow"),
+        (
+            &["run", &alone, "--set", "initial.v=[0, 0.1, 0]"],
+            2,
+            "`initial.v`: v = 0.1 at site 1 is not valid: no reson",
+        ),
+        (&["run", &alone, "--set", "initial.v_dot=[0, 0, -1]"], 2, "v_dot = -1 at site 2 is not valid: no resonator"),
         (&["run", "tw-q15", "--until", "-5"], 2, "until = -5 is not valid"),
         (&["run", "tw-q15", "--until", "10s"], 2, "invalid value '10s' for '--until <T>': not a number"),
         (&["run", "tw-q15", "--integrator", "rk4"], 2, "unknown integrator \"rk4\"; `hertzchain integrators` lists"),
@@ -295,6 +305,7 @@ fn wrong_inputs_are_refused_in_words_that_help() {
         (&["breather", "evolve", &astray], 2, "neither an orbit of `breather dark` nor a branch.npz"),
         (&["breather", "evolve", &csv], 2, "neither an orbit of `breather dark` nor a branch.npz"),
         (&["breather", "evolve", &empty], 2, "neither an orbit of `breather dark` nor a branch.npz"),
+        (&["breather", "evolve", &csv, "--tol", "0.5"], 2, "error: --tol = 0.5 is not valid: from 1e-15 to 0.1"),
         (&["breather", "evolve", &nowhere], 1, "nowhere.json: No such file"),
         (&["breather", "evolve", &csv, "--point", "x"], 2, "'--point <K>': not a whole number"),
         (&["paper", "verify", "--section", "x"], 2, "'--section <S>': not a whole number"),

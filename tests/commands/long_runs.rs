@@ -203,6 +203,7 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
 #[cfg(all(feature = "cli", unix))]
 mod processes {
     use super::*;
+    use crate::help::{commands, help};
     use serde_json::Value;
     use std::{
         collections::BTreeMap,
@@ -462,11 +463,16 @@ mod processes {
         (output.status.code(), printed, said)
     }
 
-    /// Commands with arguments that make them long.
+    /// Commands that compute nothing long.
+    const SHORT: &[&str] =
+        &["scenes", "scenes show", "scenes template", "integrators", "dps integrals", "shell completions", "shell man"];
+
+    /// Commands with arguments that make them long; OUT is a folder with a plan.
     const LONG: &[&str] = &[
         "run tw-q15 --integrator strang-linear --until 1e7",
         "run tw-q15 --tol 1e-12 --until 1e6 --events",
         "compare tw-q15 --max-time 600",
+        "sweep OUT/plan.toml",
         "study order --beads 300 --integrators all",
         "study scaling --sites 20000,40000 --max-time 600",
         "study drift tw-q15 --periods 1000000",
@@ -479,20 +485,44 @@ mod processes {
         "study disorder --chains 1000",
         "study end-driven",
         "study boundary-wave",
+        "wave tw-q15 --zeta 0.1 --seeds 500",
         "wave modulation --measure --chart",
+        "wave exact --sites 200 --q-over-pi 0.01",
+        "wave solitary --sites 60",
         "wave continue --to 3 --step 1e-4 --waves 2000",
         "breather bright --until 1e6",
         "breather trivial --until 1e9",
         "breather dark --sites 201",
         "breather continue --center bond --sites 41 --from 2.01 --to 2.06 --step 2e-4",
         "breather doubled",
+        "breather evolve tests/golden/orbit.json --until 1e6",
         "breather barrier --frequencies 500",
         "breather moving",
         "orbit driven end-driven --turns 64",
+        "orbit continue granular-crystal --settle 20 --to 2e-6 --step 2e-8",
         "orbit mode precompressed --to 1",
         "dps homoclinic --alpha 1.01",
+        "dps dark --sites 100001",
+        "paper figures --out OUT/figures",
         "paper verify",
+        "paper report --out OUT/report",
     ];
+
+    #[test]
+    fn every_command_is_known_as_long_or_as_short() {
+        let all = commands();
+        // Those that only have commands below them have a usage that ends so.
+        let group = |help: String| help.lines().any(|line| line.starts_with("Usage: ") && line.ends_with("<COMMAND>"));
+        let alone = |path: &&Vec<String>| !group(help(path, "-h"));
+        let own: Vec<String> = all[1..].iter().filter(alone).map(|path| path.join(" ")).collect();
+        let of = |line: &&str| own.iter().filter(|name| format!("{line} ").starts_with(&format!("{name} "))).max();
+        let mut known: Vec<&String> = LONG.iter().chain(SHORT).filter_map(of).collect();
+        let mut own: Vec<&String> = own.iter().collect();
+        own.sort();
+        known.sort();
+        known.dedup();
+        assert_eq!(own, known);
+    }
 
     /// CPU time of a process, in ticks of a hundredth of a second; `None` once it has ended.
     #[cfg(target_os = "linux")]
@@ -502,11 +532,11 @@ mod processes {
         (fields[0] != "Z").then_some(fields[11].parse::<u64>().ok()? + fields[12].parse::<u64>().ok()?)
     }
 
-    /// The CPU time from SIGINT to the end, in ticks, and the exit code; `None` if the command ends
-    /// by itself before the signal, after 0.4 s of CPU time.
+    /// The CPU time from SIGINT, after `first` ticks, to the end, and the exit code; `None` if the
+    /// command ends by itself before the signal.
     #[cfg(target_os = "linux")]
-    fn ticks_to_end(line: &str) -> Option<(u64, Option<i32>)> {
-        let args: Vec<&str> = line.split(' ').collect();
+    fn ticks_to_end(line: &str, out: &str, first: u64) -> Option<(u64, Option<i32>)> {
+        let args = line.split(' ').map(|word| word.replace("OUT", out));
         let mut command = Command::new(PROGRAM);
         command.env("RAYON_NUM_THREADS", "1").args(args).stdout(Stdio::null()).stderr(Stdio::null());
         let mut process = command.spawn().unwrap();
@@ -516,7 +546,7 @@ mod processes {
                     process.wait().unwrap();
                     return None;
                 }
-                Some(now) if now >= 40 => break now,
+                Some(now) if now >= first => break now,
                 Some(_) => sleep(Duration::from_millis(10)),
             }
         };
@@ -533,13 +563,24 @@ mod processes {
         Some((last - before, process.wait().unwrap().code()))
     }
 
+    /// Prints the seconds of CPU time to the end, for a signal after each of some ticks.
     #[cfg(target_os = "linux")]
-    fn end_soon(lines: &[&str]) {
+    fn end_soon(lines: &[&str], after: &[u64]) {
+        let folder = tempfile::tempdir().unwrap();
+        let plan = "scene = \"impact\"\nkeep = [\"energy_error\"]\n\
+                    axis = [{ key = \"initial.velocity\", from = 0.5, to = 1.0, count = 9000 }]\n";
+        fs::write(folder.path().join("plan.toml"), plan).unwrap();
         let mut late = Vec::new();
         for line in lines {
-            let ended = ticks_to_end(line);
-            println!("{line}: {ended:?}");
-            if ended.is_some_and(|(ticks, code)| ticks >= 100 || code != Some(130)) {
+            let ended: Vec<_> =
+                after.iter().map(|&first| ticks_to_end(line, folder.path().to_str().unwrap(), first)).collect();
+            let shown = ended.iter().map(|one| {
+                one.map_or("ended before".to_owned(), |(ticks, _)| format!("{:.2} s", ticks as f64 / 100.0))
+            });
+            println!("{line:<80} {}", shown.collect::<Vec<_>>().join("  "));
+            let soon =
+                |one: &Option<(u64, Option<i32>)>| one.is_none_or(|(ticks, code)| ticks < 100 && code == Some(130));
+            if ended[0].is_none() || !ended.iter().all(soon) {
                 late.push(*line);
             }
         }
@@ -549,19 +590,43 @@ mod processes {
     #[test]
     #[cfg(target_os = "linux")]
     fn a_signal_ends_long_searches_within_a_second_of_cpu_time() {
-        end_soon(&[
-            "study end-driven",
-            "study stability --work 1e9",
-            "orbit mode precompressed --to 1",
-            "paper verify",
-        ]);
+        let lines =
+            ["study end-driven", "study stability --work 1e9", "orbit mode precompressed --to 1", "paper verify"];
+        end_soon(&lines, &[40]);
     }
 
     #[test]
     #[cfg(target_os = "linux")]
-    #[ignore = "nightly: all commands take half a minute"]
+    #[ignore = "nightly: all commands take minutes"]
     fn a_signal_ends_every_command_within_a_second_of_cpu_time() {
-        end_soon(LONG);
+        end_soon(LONG, &[40, 300]);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_signal_leaves_the_points_of_a_mode_and_the_periods_of_an_orbit() {
+        let told = |args: &[&str], enough: &dyn Fn() -> bool| {
+            let (code, printed, said) = asked_and_heard(args, "INT", enough);
+            assert!(code == Some(130), "{code:?} {said}");
+            (serde_json::from_str::<Value>(&printed).unwrap_or_else(|why| panic!("{why}: {said}")), said)
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let scene = folder.path().join("modes.toml");
+        let text = "name = \"modes\"\nchain = {sites = 8, alpha = 1.5, boundary = \"fixed\", precompression = 0.1}\n\
+                    initial = {kind = \"single-bead\", site = 0}\nspan = {until = 1.0}\n";
+        fs::write(&scene, text).unwrap();
+        let clock = Instant::now();
+        let later = || clock.elapsed() > Duration::from_millis(1500);
+        let mode =
+            ["orbit", "mode", scene.to_str().unwrap(), "--to", "0.09", "--step", "1e-6", "--max-points", "90000"];
+        let (mode, said) = told(&[&mode[..], &["--json"]].concat(), &later);
+        assert!(mode["end"] == "stopped" && !mode["points"].as_array().unwrap().is_empty(), "{mode}");
+        assert!(said.contains("the process was asked to end"), "{said}");
+        let clock = Instant::now();
+        let later = || clock.elapsed() > Duration::from_millis(700);
+        let (run, _) = told(&["breather", "evolve", "tests/golden/orbit.json", "--until", "1e6", "--json"], &later);
+        assert!(run["failure"].as_str().unwrap().starts_with("stopped by a signal at t = "), "{}", run["failure"]);
+        assert!(run["e_b"].as_array().unwrap().len() > 2, "{run}");
     }
 
     #[test]

@@ -125,6 +125,14 @@ fn a_slow_drive_moves_a_bead_through_its_equilibria() {
     let orbit = orbit(&bead(0.01, 0.1, 1e-3), 1);
     assert!((orbit.z[1] - 0.1 / 3.0).abs() < 1e-6, "{:?}", orbit.z);
     assert!(orbit.residual < 1e-9, "{:e}", orbit.residual);
+    // The flow errs by more than a rounding a step: no seed must be refused for it.
+    let (shooting, chain) = (DrivenShooting::default(), bead(0.01, 0.1, 1e-2));
+    let setting = DrivenSetting::new(&chain, 1).unwrap();
+    for periods in 1..=8 {
+        let seed = shooting.settle(&setting, &chain, &State::rest(&chain), periods, |_| ()).unwrap();
+        let residual = shooting.solve(&setting, &seed).unwrap().residual;
+        assert!(residual < 1e-10, "{residual:e}");
+    }
 }
 
 #[test]

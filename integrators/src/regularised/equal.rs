@@ -6,6 +6,7 @@ use crate::{
     dop853::step::{Leap, Step},
     error::Error,
     events::{Event, EventFunctions},
+    interrupt,
     real::Real,
     system::VectorField,
 };
@@ -138,6 +139,7 @@ pub fn equal_steps<R: Real, F: VectorField<R>, E: EventFunctions<R>>(
         }
         let mut pass = 0;
         loop {
+            interrupt::check(origin.value().f64())?;
             let map = TimeMap::new(length, power(onset), power(stop.is_some_and(|stop| stop.release)));
             step.load(&from);
             let taken = traverse(&mut Mapped { field: &mut field, map, origin: origin.value() }, &mut step, division)?;

@@ -1,8 +1,11 @@
 //! Eigenvalues and eigenvectors of a complex matrix, by single-shift QR iteration on the Hessenberg
 //! form (EISPACK `comqr2`; Peters and Wilkinson 1970).
 
-use crate::orbits::Eigenpair;
-use nalgebra::{Complex, DMatrix, DVector, Hessenberg};
+use crate::{
+    interrupt,
+    orbits::{Eigenpair, hessenberg},
+};
+use nalgebra::{Complex, DMatrix, DVector};
 
 type Matrix = DMatrix<Complex<f64>>;
 
@@ -29,12 +32,9 @@ pub(super) fn eigen(a: &Matrix) -> Option<Vec<Eigenpair>> {
     Some((0..t.nrows()).map(vector).collect())
 }
 
-/// Unitary `Q` and triangular `T` with `A = Q T Q^*`.
+/// Unitary `Q` and triangular `T` with `A = Q T Q^*`. `None` also if the process was asked to end.
 fn schur(a: &Matrix) -> Option<(Matrix, Matrix)> {
-    let (mut q, mut t) = match a.nrows() {
-        0..=2 => (Matrix::identity(a.nrows(), a.nrows()), a.clone()),
-        _ => Hessenberg::new(a.clone()).unpack(),
-    };
+    let (mut q, mut t) = hessenberg(a)?;
     let (mut bottom, mut since) = (a.nrows().saturating_sub(1), 0);
     while bottom > 0 {
         let top = (1..=bottom).rev().find(|&k| negligible(&mut t, k)).unwrap_or(0);
@@ -42,7 +42,7 @@ fn schur(a: &Matrix) -> Option<(Matrix, Matrix)> {
             (bottom, since) = (bottom - 1, 0);
             continue;
         }
-        if since == MOST {
+        if since == MOST || interrupt::asked() {
             return None;
         }
         since += 1;
