@@ -1,0 +1,185 @@
+//! What the log gets of a bond in a window: the parts in which beads overlap, with or without a
+//! force.
+//!
+//! The sweeps know the ends of a contact as well as its force needs them. Where the force near an
+//! end is negligible, the zero of the overlap may be far from it, even in another window. But the
+//! overlap at the ends of a window is as exact as the state. Where its sign there is not that of the
+//! contacts, the overlap is evaluated inside the window, too.
+
+use super::{
+    block::Piece,
+    bond::{Beside, Bond, Initial, known},
+    foresee::{ROUNDING, overlap_at},
+    panel::Frame,
+    panels::Panels,
+    rebound::rate_at,
+};
+use crate::events::{Curve, root::bracketed};
+use std::f64::consts::FRAC_PI_2;
+
+/// Number of equal steps at whose ends an overlap in doubt is evaluated, in addition to the nodes of
+/// its panels. Chosen.
+const PARTS: usize = 12;
+/// Number of steps between Chebyshev's points at which the log gets an overlap without a force.
+/// Chosen.
+const FREE: usize = 12;
+/// The log leaves out parts of an overlap up to this share of the window, and takes a panel as a
+/// whole if no more of it is missing. Chosen.
+const SHORT: f64 = 1e-6;
+/// Overlaps inside a window have a sign if they exceed this number of errors by series. Chosen.
+const SURE: f64 = 4.0;
+/// Overlaps above this number of roundings have the same sign in the window before. Chosen.
+const ALIKE: f64 = 16.0;
+/// The largest step that makes an event more exact, as a share of the window. Chosen.
+const REFINED: f64 = 0.01;
+/// Distance of the points from which speeds at events are difference quotients, as a share of the
+/// window. Chosen; `methods contacts_are_those_that_a_search_of_every_step_finds` measures the
+/// speeds.
+const SPEED_STEP: f64 = 1e-4;
+
+/// A time and the rate of the overlap there.
+type Instant = (f64, f64);
+
+/// The sign of a value that is larger than its error.
+fn sign(value: f64, error: f64) -> Option<bool> {
+    (value.abs() > error).then_some(value > 0.0)
+}
+
+impl<const M: usize, const S: usize> Bond<M, S> {
+    /// Appends the pieces of this window in which beads overlap, with the index of the bond.
+    pub(super) fn pieces(
+        &self,
+        (frame, bond): (&Frame<'_, M, S>, usize),
+        beside: [Beside<M, S>; 2],
+        out: &mut Vec<Piece>,
+    ) {
+        let (h, rule, panels, found) = (frame.h, frame.rule, self.panels.as_slice(), &self.contacts.found);
+        let Initial { path, overlap: [value, slope], recoil, ongoing, .. } = self.initial;
+        let (own, known) = (self.initial.own(), known::<S>(&self.known));
+        let overlap = |t: f64| overlap_at((&path, known), (&self.panels, own), frame, beside, t);
+        let end = overlap(h.next_up());
+        let driven = Self::driven_up_to(frame, beside, (&self.panels, recoil), h);
+        let band = self.initial.band.max(ROUNDING * driven * h * h);
+        let starts = sign(value, ALIKE * band);
+        // Mostly bonds that stay open.
+        let most = value.max(end) + 0.125 * (self.linear(frame) + driven) * h * h;
+        if found.is_empty() && (most <= 0.0 && starts == Some(false) || [value, end, most] == [0.0; 3]) {
+            return;
+        }
+        // The series of a panel has errors, which show at its ends.
+        let jump = |t: f64| (overlap(t.next_up()) - overlap(t.next_down())).abs();
+        let noise = || {
+            let panels = [Some(self), beside[0], beside[1]].into_iter().flatten().flat_map(|bond| bond.panels.as_slice());
+            band.max(SURE * panels.flat_map(|panel| [panel.start, panel.end]).map(jump).fold(0.0, f64::max))
+        };
+        let edges = found.iter().flat_map(|contact| {
+            let [begins, ends] = contact.events(h);
+            [begins.then_some((contact.onset, true)), ends.then_some((contact.release, false))]
+        });
+        // The zero near an event, and the rate there. The force is zero at an event, so that near it
+        // the overlap follows the path by the panels before, whose values have no errors of a series.
+        let event = |(found, rising): (f64, bool), most: f64| {
+            let before = panels.partition_point(|panel| if rising { panel.end <= found } else { panel.start < found });
+            let (left, none, mut path) = (self.panels.before(before), Panels::new(), path);
+            for side in 0..S {
+                for i in 0..4 {
+                    path[side][i] -= own * left[side][i];
+                }
+            }
+            let course = (&path, known);
+            let g = |t: f64| overlap_at(course, (&none, own), frame, beside, t);
+            // dg/dt; without dissipation that of the parabola through three points nearby.
+            let speed = |t: f64| {
+                if frame.link.lossy() {
+                    return rate_at(course, (&none, own), frame, beside, t);
+                }
+                let near = SPEED_STEP * h;
+                let (a, c) = ((t - near).max(0.0), (t + near).min(h));
+                let b = 0.5 * (a + c);
+                let [ga, gb, gc] = [a, b, c].map(g);
+                let (first, second) = ((gb - ga) / (b - a), (gc - gb) / (c - b));
+                0.5 * (first + second) + (second - first) * (t - b) / (b - a)
+            };
+            let mut t = found;
+            for _ in 0..2 {
+                let by = -g(t) / speed(t);
+                t = if by.abs() < most { (t + by).clamp(0.0, h) } else { t };
+            }
+            ((t, speed(t)), rising)
+        };
+        let mut events: Vec<(Instant, bool)> = edges.flatten().map(|edge| event(edge, f64::INFINITY)).collect();
+        let mut positive = starts.unwrap_or(ongoing.is_some());
+        let ends = found.last().is_some_and(|contact| contact.release > h);
+        let least = panels.iter().flat_map(|panel| panel.overlap).fold(0.0, f64::min);
+        let doubt = positive != ongoing.is_some()
+            || sign(end, band).is_some_and(|positive| positive != ends)
+            || found.is_empty()
+            || frame.link.lossy() && !events.is_empty()
+            || least < -band && least < -noise();
+        let noise = if doubt { noise() } else { f64::INFINITY };
+        if doubt {
+            let (mut side, mut last) = (starts, (0.0, value));
+            events.clear();
+            for (t, g) in self.samples(h, end, &overlap) {
+                let now = sign(g, if t == h { band } else { noise });
+                match (side, now) {
+                    (None, Some(now)) => (positive, side) = (now, Some(now)),
+                    (Some(before), Some(now)) if before != now => {
+                        // Far from a zero that was found there is another one, or none.
+                        events.push(event((bracketed(overlap, last, (t, g)), now), REFINED * h));
+                        side = Some(now);
+                    }
+                    _ => {}
+                }
+                if side == Some(g > 0.0) {
+                    last = (t, g);
+                }
+            }
+        }
+        let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
+        let freely = |a: f64, b: f64| {
+            let share = |k: usize| (FRAC_PI_2 * k as f64 / FREE as f64).sin().powi(2);
+            let points = (0..=FREE).map(share).map(|x| (x, overlap(a + (b - a) * x)));
+            (doubt && b - a > SHORT * h).then(|| Curve::over((a, b), points)).filter(|curve| curve.range().1 > noise)
+        };
+        // The side on which the last window ended is not known here: near zero it is told again.
+        let again = starts.is_none().then_some((0.0, slope));
+        if !positive && again.is_some() {
+            out.push(Piece { release: again, ..piece(0.0, None) });
+        }
+        let mut from = positive.then_some((0.0, again));
+        for zero in events.into_iter().map(|(zero, _)| Some(zero)).chain([None]) {
+            let Some((from, onset)) = from.take() else {
+                from = zero.map(|zero| (zero.0, Some(zero)));
+                continue;
+            };
+            let (to, first, mut at) = (zero.map_or(h, |zero| zero.0), out.len(), from);
+            for panel in panels.iter().filter(|panel| panel.start < to && panel.end > from) {
+                out.extend(freely(at, panel.start).map(|curve| piece(0.0, Some(curve))));
+                let (a, b) = (panel.start.max(at), panel.end.min(to));
+                let whole = !doubt || (panel.end - panel.start) - (b - a) <= SHORT * h;
+                // A panel gives its impulse to the contact in which its force is largest.
+                let most = (1..M).fold(0, |most, j| if panel.force[j] > panel.force[most] { j } else { most });
+                let here = !doubt || from < panel.tau[most] && panel.tau[most] <= to;
+                let impulse = if here { panel.impulse(rule) } else { 0.0 };
+                out.push(piece(impulse, if whole { panel.curve(rule) } else { freely(a, b) }));
+                at = at.max(b);
+            }
+            out.extend(freely(at, to).map(|curve| piece(0.0, Some(curve))));
+            if out.len() == first {
+                out.push(piece(0.0, None));
+            }
+            let last = out.len() - 1;
+            (out[first].onset, out[last].release) = (onset, zero);
+        }
+    }
+
+    /// Times in a window and overlaps there, in order of time.
+    fn samples(&self, h: f64, end: f64, overlap: &impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+        let nodes = self.panels.as_slice().iter().flat_map(|panel| panel.tau.into_iter().zip(panel.overlap));
+        let inner = (1..PARTS).map(|k| h * k as f64 / PARTS as f64).map(|t| (t, overlap(t)));
+        let mut samples: Vec<(f64, f64)> = nodes.chain(inner).chain([(h, end)]).collect();
+        samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+        samples
+    }
+}
