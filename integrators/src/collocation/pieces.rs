@@ -57,15 +57,16 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let Initial { path, overlap: [value, slope], recoil, ongoing, .. } = self.initial;
         let (own, known) = (self.initial.own(), known::<S>(&self.known));
         let overlap = |t: f64| overlap_at((&path, known), (&self.panels, own), frame, beside, t);
-        let end = overlap(h.next_up());
         let driven = Self::driven_up_to(frame, beside, (&self.panels, recoil), h);
         let band = self.initial.band.max(ROUNDING * driven * h * h);
         let starts = sign(value, ALIKE * band);
-        // Mostly bonds that stay open.
-        let most = value.max(end) + 0.125 * (self.linear(frame) + driven) * h * h;
-        if found.is_empty() && (most <= 0.0 && starts == Some(false) || [value, end, most] == [0.0; 3]) {
+        // Mostly bonds that stay open, or at rest.
+        let bend = self.linear(frame) + driven;
+        let most = value + slope.max(0.0) * h + 0.5 * bend * h * h;
+        if found.is_empty() && (most <= 0.0 && starts == Some(false) || [value, slope, most] == [0.0; 3]) {
             return;
         }
+        let end = overlap(h.next_up());
         // The series of a panel has errors, which show at its ends.
         let jump = |t: f64| (overlap(t.next_up()) - overlap(t.next_down())).abs();
         let noise = || {
@@ -115,9 +116,13 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             || sign(end, band).is_some_and(|positive| positive != ends)
             || found.is_empty()
             || frame.link.lossy() && !events.is_empty()
-            || least < -band && least < -noise();
-        let noise = if doubt { noise() } else { f64::INFINITY };
-        if doubt {
+            || (least < -band || !events.is_empty()) && {
+                let noise = noise();
+                least < -noise || events.iter().any(|&((t, _), _)| overlap(t).abs() > noise)
+            };
+        let throughout = found.is_empty() && starts == Some(true) && end > band;
+        let noise = if doubt && !throughout { noise() } else { band };
+        if doubt && !throughout {
             let (mut side, mut last) = (starts, (0.0, value));
             events.clear();
             for (t, g) in self.samples(h, end, &overlap) {
@@ -138,8 +143,10 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
         let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
         let freely = |a: f64, b: f64| {
-            let share = |k: usize| (FRAC_PI_2 * k as f64 / FREE as f64).sin().powi(2);
-            let points = (0..=FREE).map(share).map(|x| (x, overlap(a + (b - a) * x)));
+            let steps = if bend > 0.0 { FREE } else { 1 };
+            let at = |t: f64| if t == 0.0 { value } else if t == h { end } else { overlap(t) };
+            let share = |k: usize| (FRAC_PI_2 * k as f64 / steps as f64).sin().powi(2);
+            let points = (0..=steps).map(share).map(|x| (x, at(a + (b - a) * x)));
             (doubt && b - a > SHORT * h).then(|| Curve::over((a, b), points)).filter(|curve| curve.range().1 > noise)
         };
         // The side on which the last window ended is not known here: near zero it is told again.
