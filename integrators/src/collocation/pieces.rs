@@ -10,7 +10,7 @@ use super::{
     block::Piece,
     bond::{Beside, Bond, Initial, known},
     foresee::{ROUNDING, overlap_at},
-    panel::Frame,
+    panel::{Frame, Panel},
     panels::Panels,
     rebound::rate_at,
 };
@@ -20,9 +20,12 @@ use std::f64::consts::FRAC_PI_2;
 /// Number of equal steps at whose ends an overlap in doubt is evaluated, in addition to the nodes of
 /// its panels. Chosen.
 const PARTS: usize = 12;
-/// Number of steps between Chebyshev's points at which the log gets an overlap without a force.
-/// Chosen.
-const FREE: usize = 12;
+/// Number of steps between Chebyshev's points at which the log gets an overlap by all forces: the
+/// most that a curve takes.
+const STEPS: usize = 13;
+/// Ratio of the smallest to the largest overlap on a panel below which the log gets the overlap by
+/// all forces: an end of the contact may be there. Chosen.
+const FADING: f64 = 0.15;
 /// The log leaves out parts of an overlap up to this share of the window, and takes a panel as a
 /// whole if no more of it is missing. Chosen.
 const SHORT: f64 = 1e-6;
@@ -142,12 +145,24 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             }
         }
         let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
-        let freely = |a: f64, b: f64| {
-            let steps = if bend > 0.0 { FREE } else { 1 };
+        let through = |(origin, sign, q): (f64, f64, u32), [from, to]: [f64; 2]| {
             let at = |t: f64| if t == 0.0 { value } else if t == h { end } else { overlap(t) };
+            let steps = if bend > 0.0 { STEPS } else { 1 };
             let share = |k: usize| (FRAC_PI_2 * k as f64 / steps as f64).sin().powi(2);
-            let points = (0..=steps).map(share).map(|x| (x, at(a + (b - a) * x)));
-            (doubt && b - a > SHORT * h).then(|| Curve::over((a, b), points)).filter(|curve| curve.range().1 > noise)
+            let time = |x: f64| origin + sign * (from + (to - from) * x).powi(q as i32);
+            Curve::new((origin, sign, q), [from, to], (0..=steps).map(share).map(|x| (x, at(time(x)))))
+        };
+        let freely = |a: f64, b: f64| {
+            let long = doubt && b - a > SHORT * h;
+            long.then(|| through((a, 1.0, 1), [0.0, b - a])).filter(|curve| curve.range().1 > noise)
+        };
+        // The overlap by all forces is more exact than the polynomial through its values at the nodes:
+        // it is told where it decides on a time.
+        let over = |panel: &Panel<M, S>| {
+            let curve = panel.curve(rule)?;
+            let (values, (low, high)) = (curve.values(), curve.range());
+            let monotonic = values[0] == high || curve.last() == high;
+            Some(if monotonic && low > FADING * high { curve } else { through(panel.map(), panel.sigmas()) })
         };
         // The side on which the last window ended is not known here: near zero it is told again.
         let again = starts.is_none().then_some((0.0, slope));
@@ -169,7 +184,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 let most = (1..M).fold(0, |most, j| if panel.force[j] > panel.force[most] { j } else { most });
                 let here = !doubt || from < panel.tau[most] && panel.tau[most] <= to;
                 let impulse = if here { panel.impulse(rule) } else { 0.0 };
-                out.push(piece(impulse, if whole { panel.curve(rule) } else { freely(a, b) }));
+                out.push(piece(impulse, if whole { over(panel) } else { freely(a, b) }));
                 at = at.max(b);
             }
             out.extend(freely(at, to).map(|curve| piece(0.0, Some(curve))));
