@@ -15,17 +15,31 @@ use super::{
     rebound::rate_at,
 };
 use crate::events::{Curve, root::bracketed};
-use std::f64::consts::FRAC_PI_2;
 
 /// Number of equal steps at whose ends an overlap in doubt is evaluated, in addition to the nodes of
 /// its panels. Chosen.
 const PARTS: usize = 12;
-/// Number of steps between Chebyshev's points at which the log gets an overlap by all forces: the
-/// most that a curve takes.
-const STEPS: usize = 13;
+/// Chebyshev's points on `[0, 1]` at which the log gets an overlap by all forces, as many as a curve
+/// takes.
+const SHARES: [f64; 14] = [
+    0.0,
+    0.014529091286973985,
+    0.05727198717339504,
+    0.12574462591444946,
+    0.21596762663442207,
+    0.3226975564787322,
+    0.4397316598723385,
+    0.5602683401276615,
+    0.6773024435212678,
+    0.784032373365578,
+    0.8742553740855505,
+    0.9427280128266049,
+    0.985470908713026,
+    1.0,
+];
 /// Ratio of the smallest to the largest overlap on a panel below which the log gets the overlap by
 /// all forces: an end of the contact may be there. Chosen.
-const FADING: f64 = 0.15;
+const FADING: f64 = 0.5;
 /// The log leaves out parts of an overlap up to this share of the window, and takes a panel as a
 /// whole if no more of it is missing. Chosen.
 const SHORT: f64 = 1e-6;
@@ -35,6 +49,8 @@ const SURE: f64 = 4.0;
 const ALIKE: f64 = 16.0;
 /// The largest step that makes an event more exact, as a share of the window. Chosen.
 const REFINED: f64 = 0.01;
+/// Newton's method has found a zero if it has made the overlap smaller by this factor. Chosen.
+const CLOSER: f64 = 1e-3;
 /// Distance of the points from which speeds at events are difference quotients, as a share of the
 /// window. Chosen; `methods contacts_are_those_that_a_search_of_every_step_finds` measures the
 /// speeds.
@@ -56,20 +72,33 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         beside: [Beside<M, S>; 2],
         out: &mut Vec<Piece>,
     ) {
-        let (h, rule, panels, found) = (frame.h, frame.rule, self.panels.as_slice(), &self.contacts.found);
-        let Initial { path, overlap: [value, slope], recoil, ongoing, .. } = self.initial;
-        let (own, known) = (self.initial.own(), known::<S>(&self.known));
-        let overlap = |t: f64| overlap_at((&path, known), (&self.panels, own), frame, beside, t);
-        let driven = Self::driven_up_to(frame, beside, (&self.panels, recoil), h);
+        let (h, [value, slope]) = (frame.h, self.initial.overlap);
+        let driven = Self::driven_up_to(frame, beside, (&self.panels, self.initial.recoil), h);
         let band = self.initial.band.max(ROUNDING * driven * h * h);
-        let starts = sign(value, ALIKE * band);
-        // Mostly bonds that stay open, or at rest.
         let bend = self.linear(frame) + driven;
         let most = value + slope.max(0.0) * h + 0.5 * bend * h * h;
-        if found.is_empty() && (most <= 0.0 && starts == Some(false) || [value, slope, most] == [0.0; 3]) {
-            return;
+        let stays_open = most <= 0.0 && value < -ALIKE * band || [value, slope, most] == [0.0; 3];
+        if !stays_open || !self.contacts.found.is_empty() {
+            self.pieces_between((frame, bond), beside, (band, bend), out);
         }
-        let end = overlap(h.next_up());
+    }
+
+    /// As [`pieces`](Self::pieces); overlaps up to `band` are rounding at the ends of the window,
+    /// and `bend` is a bound of the second derivative. Not inlined, to keep it away from bonds that
+    /// stay open.
+    #[inline(never)]
+    fn pieces_between(
+        &self,
+        (frame, bond): (&Frame<'_, M, S>, usize),
+        beside: [Beside<M, S>; 2],
+        (band, bend): (f64, f64),
+        out: &mut Vec<Piece>,
+    ) {
+        let (h, rule, panels, found) = (frame.h, frame.rule, self.panels.as_slice(), &self.contacts.found);
+        let Initial { path, overlap: [value, slope], ongoing, .. } = self.initial;
+        let (own, known) = (self.initial.own(), known::<S>(&self.known));
+        let overlap = |t: f64| overlap_at((&path, known), (&self.panels, own), frame, beside, t);
+        let (starts, end) = (sign(value, ALIKE * band), overlap(h.next_up()));
         // The series of a panel has errors, which show at its ends.
         let jump = |t: f64| (overlap(t.next_up()) - overlap(t.next_down())).abs();
         let noise = || {
@@ -80,7 +109,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let [begins, ends] = contact.events(h);
             [begins.then_some((contact.onset, true)), ends.then_some((contact.release, false))]
         });
-        // The zero near an event, and the rate there. The force is zero at an event, so that near it
+        // The zero near an event, and whether there is one. The force is zero at an event, so that near it
         // the overlap follows the path by the panels before, whose values have no errors of a series.
         let event = |(found, rising): (f64, bool), most: f64| {
             let before = panels.partition_point(|panel| if rising { panel.end <= found } else { panel.start < found });
@@ -109,7 +138,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 let by = -g(t) / speed(t);
                 t = if by.abs() < most { (t + by).clamp(0.0, h) } else { t };
             }
-            ((t, speed(t)), rising)
+            ((t, speed(t)), g(t).abs() <= (ALIKE * band).max(CLOSER * g(found).abs()))
         };
         let mut events: Vec<(Instant, bool)> = edges.flatten().map(|edge| event(edge, f64::INFINITY)).collect();
         let mut positive = starts.unwrap_or(ongoing.is_some());
@@ -119,10 +148,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             || sign(end, band).is_some_and(|positive| positive != ends)
             || found.is_empty()
             || frame.link.lossy() && !events.is_empty()
-            || (least < -band || !events.is_empty()) && {
-                let noise = noise();
-                least < -noise || events.iter().any(|&((t, _), _)| overlap(t).abs() > noise)
-            };
+            || events.iter().any(|(_, zero)| !zero)
+            || least < -band && least < -noise();
         let throughout = found.is_empty() && starts == Some(true) && end > band;
         let noise = if doubt && !throughout { noise() } else { band };
         if doubt && !throughout {
@@ -145,24 +172,33 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             }
         }
         let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
+        let at = |t: f64| if t == 0.0 { value } else if t == h { end } else { overlap(t) };
         let through = |(origin, sign, q): (f64, f64, u32), [from, to]: [f64; 2]| {
-            let at = |t: f64| if t == 0.0 { value } else if t == h { end } else { overlap(t) };
-            let steps = if bend > 0.0 { STEPS } else { 1 };
-            let share = |k: usize| (FRAC_PI_2 * k as f64 / steps as f64).sin().powi(2);
             let time = |x: f64| origin + sign * (from + (to - from) * x).powi(q as i32);
-            Curve::new((origin, sign, q), [from, to], (0..=steps).map(share).map(|x| (x, at(time(x)))))
+            let all = if bend > 0.0 { &SHARES[..] } else { &[0.0, 1.0] };
+            let points = all.iter().map(|&x| (x, at(time(x))));
+            Curve::new((origin, sign, q), [from, to], points)
         };
         let freely = |a: f64, b: f64| {
             let long = doubt && b - a > SHORT * h;
             long.then(|| through((a, 1.0, 1), [0.0, b - a])).filter(|curve| curve.range().1 > noise)
         };
-        // The overlap by all forces is more exact than the polynomial through its values at the nodes:
-        // it is told where it decides on a time.
+        // The polynomial through the values at the nodes is worst at the ends of a panel. Where it
+        // decides on a time, and is worse there than displacements, the overlap by all forces takes its
+        // place.
         let over = |panel: &Panel<M, S>| {
             let curve = panel.curve(rule)?;
             let (values, (low, high)) = (curve.values(), curve.range());
-            let monotonic = values[0] == high || curve.last() == high;
-            Some(if monotonic && low > FADING * high { curve } else { through(panel.map(), panel.sigmas()) })
+            let decides = low < FADING * high || values[0] < high && curve.last() < high;
+            let off = |[inside, outside]: [f64; 2], value: f64| {
+                let [inside, outside] = [overlap(inside), overlap(outside)];
+                (value - outside).abs() > band.max(SURE * (inside - outside).abs())
+            };
+            let Panel { start, end, .. } = *panel;
+            let exact = !decides
+                || !off([start.next_up(), start.next_down()], values[0])
+                    && !off([end.next_down(), end.next_up()], curve.last());
+            Some(if exact { curve } else { through(panel.map(), panel.sigmas()) })
         };
         // The side on which the last window ended is not known here: near zero it is told again.
         let again = starts.is_none().then_some((0.0, slope));
