@@ -3,11 +3,6 @@
 use super::{Contact, ROUNDING, STEEP, TOUCH};
 use hertzchain_integrators::events::Curve;
 
-/// An overlap that rises again without a gap is another contact only if it exceeds this share of
-/// the contact's largest overlap: positions are rounded too, and may be larger than overlaps.
-/// Chosen.
-const RIPPLE: f64 = 16.0 * ROUNDING;
-
 /// A time, and the rate of the overlap at that time.
 type Instant = (f64, f64);
 
@@ -97,7 +92,7 @@ impl Pending {
         }
         let Some(lull) = &self.lull else { return None };
         let (largest, second) = (self.largest.1, lull.next.largest.1);
-        if TOUCH * second > lull.least && second > RIPPLE * largest {
+        if TOUCH * second > lull.least && second > ROUNDING * largest {
             let next = lull.next.as_ref().clone();
             let over = std::mem::replace(self, next).without_next();
             self.fall(curve);
