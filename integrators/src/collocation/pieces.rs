@@ -102,7 +102,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         // The series of a panel has errors, which show at its ends.
         let jump = |t: f64| (overlap(t.next_up()) - overlap(t.next_down())).abs();
         let noise = || {
-            let panels = [Some(self), beside[0], beside[1]].into_iter().flatten().flat_map(|bond| bond.panels.as_slice());
+            let panels =
+                [Some(self), beside[0], beside[1]].into_iter().flatten().flat_map(|bond| bond.panels.as_slice());
             band.max(SURE * panels.flat_map(|panel| [panel.start, panel.end]).map(jump).fold(0.0, f64::max))
         };
         let edges = found.iter().flat_map(|contact| {
@@ -172,7 +173,15 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             }
         }
         let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
-        let at = |t: f64| if t == 0.0 { value } else if t == h { end } else { overlap(t) };
+        let at = |t: f64| {
+            if t == 0.0 {
+                value
+            } else if t == h {
+                end
+            } else {
+                overlap(t)
+            }
+        };
         let through = |(origin, sign, q): (f64, f64, u32), [from, to]: [f64; 2]| {
             let time = |x: f64| origin + sign * (from + (to - from) * x).powi(q as i32);
             let all = if bend > 0.0 { &SHARES[..] } else { &[0.0, 1.0] };
