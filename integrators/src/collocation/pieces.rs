@@ -3,8 +3,8 @@
 //!
 //! The sweeps know the ends of a contact as well as its force needs them. Where the force near an
 //! end is negligible, the zero of the overlap may be far from it, even in another window. But the
-//! overlap at the ends of a window is as exact as the state. Where its sign there is not that of the
-//! contacts, the overlap is evaluated inside the window, too.
+//! overlap at the ends of a window is as exact as the state. Where its sign there is not that of
+//! the contacts, the overlap is evaluated inside the window, too.
 
 use super::{
     block::Piece,
@@ -16,11 +16,11 @@ use super::{
 };
 use crate::events::{Curve, root::bracketed};
 
-/// Number of equal steps at whose ends an overlap in doubt is evaluated, in addition to the nodes of
-/// its panels. Chosen.
+/// Number of equal steps at whose ends an overlap in doubt is evaluated, in addition to the nodes
+/// of its panels. Chosen.
 const PARTS: usize = 12;
-/// Chebyshev's points on `[0, 1]` at which the log gets an overlap by all forces, as many as a curve
-/// takes.
+/// Chebyshev's points on `[0, 1]` at which the log gets an overlap by all forces, as many as a
+/// curve takes.
 const SHARES: [f64; 14] = [
     0.0,
     0.014529091286973985,
@@ -110,8 +110,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let [begins, ends] = contact.events(h);
             [begins.then_some((contact.onset, true)), ends.then_some((contact.release, false))]
         });
-        // The zero near an event, and whether there is one. The force is zero at an event, so that near it
-        // the overlap follows the path by the panels before, whose values have no errors of a series.
+        // The zero near an event, and whether there is one. The force is zero at an event, so that
+        // near it the overlap follows the path by the panels before, whose values have no errors of
+        // a series.
         let event = |(found, rising): (f64, bool), most: f64| {
             let before = panels.partition_point(|panel| if rising { panel.end <= found } else { panel.start < found });
             let (left, none, mut path) = (self.panels.before(before), Panels::new(), path);
@@ -173,14 +174,10 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             }
         }
         let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
-        let at = |t: f64| {
-            if t == 0.0 {
-                value
-            } else if t == h {
-                end
-            } else {
-                overlap(t)
-            }
+        let at = |t: f64| match t {
+            0.0 => value,
+            _ if t == h => end,
+            _ => overlap(t),
         };
         let through = |(origin, sign, q): (f64, f64, u32), [from, to]: [f64; 2]| {
             let time = |x: f64| origin + sign * (from + (to - from) * x).powi(q as i32);
@@ -193,8 +190,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             long.then(|| through((a, 1.0, 1), [0.0, b - a])).filter(|curve| curve.range().1 > noise)
         };
         // The polynomial through the values at the nodes is worst at the ends of a panel. Where it
-        // decides on a time, and is worse there than displacements, the overlap by all forces takes its
-        // place.
+        // decides on a time, and is worse there than displacements, the overlap by all forces
+        // takes its place.
         let over = |panel: &Panel<M, S>| {
             let curve = panel.curve(rule)?;
             let (values, (low, high)) = (curve.values(), curve.range());
