@@ -144,8 +144,8 @@ const DURATIONS: [(f64, f64); 9] = [
 
 #[test]
 fn the_log_of_two_beads_is_the_closed_form_for_every_exponent_method_and_tolerance() {
-    // Truth: closed form. Collocation logs a release as exactly as the force needs it: for alpha = 5
-    // and more, which are left out here, the force is negligible long before the overlap ends.
+    // Truth: closed form. For alpha = 20 a release by collocation was late by up to 0.3: there the
+    // force is negligible long before the overlap ends.
     for (alpha, duration) in DURATIONS {
         let (scene, most) = (two_beads(alpha, ""), f64::powf((alpha + 1.0) / 4.0, 1.0 / (alpha + 1.0)));
         let check = |name: &str, setting: Setting, [bound, at_largest]: [f64; 2]| {
@@ -159,9 +159,7 @@ fn the_log_of_two_beads_is_the_closed_form_for_every_exponent_method_and_toleran
             assert_eq!(c.force_end, c.release);
         };
         for tol in TOLERANCES {
-            if alpha <= 3.0 {
-                check("collocation", Setting::Tolerance(tol), [10.0 * tol, 100.0 * tol]);
-            }
+            check("collocation", Setting::Tolerance(tol), [10.0 * tol, 100.0 * tol]);
             check("dop853", Setting::Tolerance(tol), [300.0 * tol, 1000.0 * tol]);
             check("dop853-regularised", Setting::Tolerance(tol), [10.0 * tol, 1000.0 * tol]);
         }
@@ -199,9 +197,56 @@ fn the_force_of_a_dashpot_ends_before_the_overlap_by_every_method() {
 }
 
 #[test]
+fn beads_that_touch_and_close_have_their_onset_at_the_start_for_a_steep_force() {
+    // Truth: beads 1 and 2 close with speed 0.3 from the start. The log of collocation had an onset
+    // at 0.45, when the force began to matter, at an overlap of 0.135.
+    let scene = "chain = { sites = 3, alpha = 20.0, boundary = \"fixed\" }\nspan = { until = 6.0 }\n\
+                 initial = { kind = \"state\", u_dot = [1.0, 0.0, -0.3] }\n";
+    let want = logged(scene, "dop853-regularised", Setting::Tolerance(1e-13));
+    for tol in TOLERANCES {
+        let got = logged(scene, "collocation", Setting::Tolerance(tol));
+        let second = got.iter().find(|contact| contact.bond == 2).unwrap();
+        assert_eq!((second.onset, second.onset_overlap), (Some(0.0), Some(0.0)));
+        let off = differences(&got, &want);
+        assert!(largest(off) < 1e3 * tol, "{tol:e}: {off:?}");
+    }
+}
+
+#[test]
+fn onsets_of_beads_that_touch_follow_the_rule_for_every_exponent_and_tolerance() {
+    // Truth: the regularised run. Before, the log of collocation had onsets at which the force began
+    // to matter at its tolerance: 8.901 at 1e-6 for bond 9 and alpha = 2.5, where the rule says
+    // 9.270; 14.303 at 1e-10 for bond 13 and alpha = 3, where it says 14.625. Largest overlaps were
+    // off by 9.2e-10 at 1e-13 for alpha = 1.1. Bounds are about twice what was measured.
+    for (alpha, _) in DURATIONS {
+        let until = 12.0;
+        let chain = Chain::new(Params::new(alpha, 0.0, 0.0).unwrap(), Boundary::Free, 16).unwrap();
+        let mut state = State::rest(&chain);
+        state.u_dot_mut()[0] = 1.0;
+        let run = Run::new(chain, state).until(until).unwrap().records(Records::End).contacts();
+        let truth = log(&run, "dop853-regularised", Setting::Tolerance(1e-13));
+        for (name, setting, bounds) in [
+            ("collocation", Setting::Tolerance(1e-6), [3e-4, 3e-4, 1e-4, 1e-4, 5e-6]),
+            ("collocation", Setting::Tolerance(1e-10), [3e-7, 4e-7, 2e-7, 2e-7, 3e-9]),
+            ("collocation", Setting::Tolerance(1e-13), [1.5e-9, 7e-10, 1.4e-8, 1.5e-9, 4e-12]),
+            ("dop853", Setting::Tolerance(1e-10), [1.3e-6, 5e-8, 1.2e-6, 3e-8, 5e-9]),
+            ("verlet", Setting::Steps(12_000), [1e-5, 2e-5, 2e-5, 3e-6, 2e-5]),
+        ] {
+            // Where errors exceed a thousandth of G/1000, a method may see a zero or none.
+            if alpha < 2.0 && setting == Setting::Tolerance(1e-6) {
+                continue;
+            }
+            let got = differences(&log(&run, name, setting), &truth);
+            println!("{alpha} {name} {setting:?}: {:?}", got.map(|x| format!("{x:.1e}")));
+            assert!(got.iter().zip(bounds).all(|(got, bound)| *got < bound), "{alpha} {name} {setting:?}: {got:?}");
+        }
+    }
+}
+
+#[test]
 fn a_struck_chain_has_one_contact_in_every_bond_that_the_wave_has_reached() {
-    // Truth: the wave has passed or reached 88 bonds by t = 100, and presses bond 88 by 1.0e-9, by
-    // every method. Collocation had 97 contacts at 1e-6 and 93 at 1e-10: behind
+    // Truth: the wave has passed or reached 88 bonds by t = 100, and presses bond 88 by 1.0e-9, also
+    // by methods without a tolerance. Collocation had 97 contacts at 1e-6 and 93 at 1e-10: behind
     // the wave, beads whose velocities differ by errors only.
     let tolerances = [1e-6, 1e-8, 1e-10, 1e-12, 1e-14].map(|tol| ("collocation", Setting::Tolerance(tol)));
     let others = [
@@ -214,9 +259,11 @@ fn a_struck_chain_has_one_contact_in_every_bond_that_the_wave_has_reached() {
         let contacts = logged("impact", name, setting);
         let mut bonds: Vec<usize> = contacts.iter().map(|contact| contact.bond).collect();
         bonds.sort_unstable();
-        // At 1e-6 and 1e-8 the force that presses bond 88 is below the tolerance.
-        let loose = matches!(setting, Setting::Tolerance(tol) if tol >= 1e-8);
-        assert!(bonds.iter().copied().eq(1..=if loose { 87 } else { 88 }), "{name} {setting:?}: {bonds:?}");
+        assert!(bonds.iter().copied().eq(1..=88), "{name} {setting:?}: {bonds:?}");
+        // At 1e-6 the force that presses bond 88 is below the tolerance.
+        let found = contacts.iter().find(|contact| contact.bond == 88).unwrap().largest_overlap;
+        let loose = setting == Setting::Tolerance(1e-6);
+        assert!(loose || (found / 1.0076e-9 - 1.0).abs() < 5e-3, "{name} {setting:?}: {found:e}");
     }
 }
 

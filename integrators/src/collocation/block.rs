@@ -283,13 +283,7 @@ fn log_contacts<const M: usize, const S: usize>(
 ) {
     let bond = &bonds[i];
     let beside = beside(i, bonds.len(), ring).map(|i| i.map(|i| &bonds[i]));
-    let (frame, number) = (&frames.of(bond.initial.bond), share.number(bond.initial.bond));
-    if frame.link.lossy() {
-        return bond.pieces_over((frame, number), beside, pieces);
-    }
-    for contact in &bond.contacts.found {
-        bond.pieces_of((frame, number), contact, beside, pieces);
-    }
+    bond.pieces((&frames.of(bond.initial.bond), share.number(bond.initial.bond)), beside, pieces);
 }
 
 /// Writes the gains of the ledger into `left`, for the bonds of a block from `first` on.

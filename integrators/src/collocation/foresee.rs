@@ -2,7 +2,7 @@
 //! searched for again with the forces after the sweeps.
 
 use super::{
-    block::{Piece, apart},
+    block::apart,
     bond::{Beside, Bond, Contact, Contacts, Initial, known, ramps},
     detect::{Search, Start},
     flow::Ahead,
@@ -17,10 +17,6 @@ use crate::real::Kernel;
 /// A release is looked for up to this number of window lengths after the window's end. Chosen, not
 /// measured: a later release does not matter for the accuracy of the panels.
 pub(super) const AHEAD: f64 = 1.5;
-/// Distance of the points from which speeds at events are difference quotients, as a share of the
-/// window. Chosen; `methods contacts_are_those_that_a_search_of_every_step_finds` measures the
-/// speeds.
-const SPEED_STEP: f64 = 1e-4;
 /// A window's share of the tolerance over the change of an impulse for which no event is moved. See
 /// `control/accuracy.rs`.
 const SHARE: f64 = 1e3;
@@ -160,27 +156,15 @@ pub(super) fn overlap_at<const M: usize, const S: usize>(
     t: f64,
 ) -> f64 {
     let [lag, cos, sin] = exact_turn(frame, t);
-    let mut by_own = [0.0];
-    panels.own_influence(Times { tau: &[t], lag: &lag, cos: &cos, sin: &sin }, -own, &mut by_own);
-    driven_at(course, frame, beside, t) + by_own[0]
-}
-
-/// As [`overlap_at`], without the bond's own forces.
-fn driven_at<const M: usize, const S: usize>(
-    course: Course<S>,
-    frame: &Frame<'_, M, S>,
-    beside: [Beside<M, S>; 2],
-    t: f64,
-) -> f64 {
-    let [lag, cos, sin] = exact_turn(frame, t);
     let times = Times { tau: &[t], lag: &lag, cos: &cos, sin: &sin };
-    let mut out = [times.unforced(course)];
+    let (mut out, mut by_own) = ([times.unforced(course)], [0.0]);
+    panels.own_influence(times, -own, &mut by_own);
     for (k, bond) in beside.into_iter().enumerate() {
         if let Some(bond) = bond {
             bond.panels.influence(times, Shared::with::<S>(k), 1.0, &mut out);
         }
     }
-    out[0]
+    out[0] + by_own[0]
 }
 
 /// `lag`, `cos` and `sin` of each side at a time, see [`Turned`], with the sine and cosine of the
@@ -380,7 +364,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
 
     /// A bound of the second derivative of the overlap along its path.
     #[inline(always)]
-    fn linear(&self, frame: &Frame<'_, M, S>) -> f64 {
+    pub(super) fn linear(&self, frame: &Frame<'_, M, S>) -> f64 {
         let mut linear = 0.0;
         for side in 0..S {
             let ([_, _, c, s], omega) = (self.initial.path[side], frame.link.sides[side].omega);
@@ -485,7 +469,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
 
     /// A bound of the second derivative of the overlap by the forces up to a time; those of the
     /// bond are in `panels`.
-    fn driven_up_to(
+    pub(super) fn driven_up_to(
         frame: &Frame<'_, M, S>,
         beside: [Beside<M, S>; 2],
         (panels, recoil): (&Panels<M, S>, f64),
@@ -608,57 +592,5 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
         found.extend(open);
         slack.is_some()
-    }
-
-    /// Appends the pieces of a contact in this window, one for each panel, with the index of the
-    /// bond.
-    pub(crate) fn pieces_of(
-        &self,
-        (frame, bond): (&Frame<'_, M, S>, usize),
-        contact: &Contact,
-        beside: [Beside<M, S>; 2],
-        out: &mut Vec<Piece>,
-    ) {
-        let panels = &self.panels.list[contact.panels.0..contact.panels.1];
-        let rule = &frame.rule;
-        let [begins, ends] = contact.events(frame.h);
-        // The sweeps know an event as well as the force needs it; the log gets it to the last
-        // digit. The force is zero at the event, so that near it the overlap follows the path by
-        // the panels before, whose values have no errors of a series.
-        let event = |mut t: f64, before: usize| {
-            let (left, own) = (self.panels.before(before), self.initial.own());
-            let mut path = self.initial.path;
-            for side in 0..S {
-                for i in 0..4 {
-                    path[side][i] -= own * left[side][i];
-                }
-            }
-            let g = |t: f64| driven_at((&path, known::<S>(&self.known)), frame, beside, t);
-            // dg/dt of the parabola through three points nearby.
-            let speed = |t: f64| {
-                let near = SPEED_STEP * frame.h;
-                let (a, c) = ((t - near).max(0.0), (t + near).min(frame.h));
-                let b = 0.5 * (a + c);
-                let [ga, gb, gc] = [a, b, c].map(g);
-                let (first, second) = ((gb - ga) / (b - a), (gc - gb) / (c - b));
-                0.5 * (first + second) + (second - first) * (t - b) / (b - a)
-            };
-            for _ in 0..2 {
-                let slope = speed(t);
-                if slope != 0.0 {
-                    t = (t - g(t) / slope).clamp(0.0, frame.h);
-                }
-            }
-            (t, speed(t))
-        };
-        let first = out.len();
-        let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
-        out.extend(panels.iter().map(|panel| piece(panel.impulse(rule), panel.curve(rule))));
-        if panels.is_empty() {
-            out.push(piece(0.0, None));
-        }
-        let last = out.len() - 1;
-        out[first].onset = begins.then(|| event(contact.onset, contact.panels.0));
-        out[last].release = ends.then(|| event(contact.release, contact.panels.1));
     }
 }

@@ -149,6 +149,7 @@ mod numbers;
 mod open;
 mod panel;
 mod panels;
+mod pieces;
 mod rebound;
 mod rule;
 pub(crate) use rule::Rule;

@@ -252,6 +252,11 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         (self.origin, self.sign, self.q)
     }
 
+    /// `sigma` at the start and at the end.
+    pub(crate) fn sigmas(&self) -> [f64; 2] {
+        [self.middle - self.half, self.middle + self.half]
+    }
+
     /// Distance in time from the origin of the panel's variable; infinite if the variable is time.
     pub(crate) fn far(&self, t: f64) -> f64 {
         if self.singular() { (t - self.origin).abs() } else { f64::INFINITY }
@@ -440,8 +445,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         let [start, end] = rule.ends.map(|row| dot(&row, &self.overlap));
         let inner = rule.nodes.iter().zip(self.overlap).map(|(x, g)| (0.5 * (1.0 + x), g));
         let points = std::iter::once((0.0, start)).chain(inner).chain([(1.0, end)]);
-        let sigma = [self.middle - self.half, self.middle + self.half];
-        (self.half != 0.0).then(|| Curve::new((self.origin, self.sign, self.q), sigma, points))
+        (self.half != 0.0).then(|| Curve::new(self.map(), self.sigmas(), points))
     }
 
     /// Two changes of velocity. First the last terms of the series of `f`, `f cos` and `f sin`, the

@@ -8,7 +8,6 @@
 //! still see it if it has begun.
 
 use super::{
-    block::Piece,
     bond::{Beside, Bond, Contact, known, ramps},
     foresee::{AHEAD, Course, Drive, ROUNDING, exact_turn, overlap_at, predicted, turn},
     known::Known,
@@ -16,14 +15,10 @@ use super::{
     panels::Panels,
     system::{Link, Path},
 };
-use crate::events::{Curve, root::bracketed};
+use crate::events::root::bracketed;
 
 /// Number of equal parts of a window at whose ends `g` and `P` are evaluated. Chosen.
 const PARTS: usize = 12;
-/// Number of equal steps in time at which the log gets an overlap without a force. Chosen.
-const FREE: usize = 8;
-/// The largest step that makes an event for the log more exact, as a share of the window. Chosen.
-const REFINED: f64 = 0.01;
 /// Distance of the points of difference quotients of `P`, as a share of the window. Chosen.
 const STEP: f64 = 1e-4;
 
@@ -104,76 +99,6 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let (overlap, end) = (look(h)[0], pushes(h));
         let by = end / slope(pushes, h, h);
         overlap.abs() <= band || frame.cuts.negligible(frame.link, end.abs(), by, Some(overlap))
-    }
-
-    /// Appends the pieces of this window in which beads overlap, with or without a force, with the
-    /// index of the bond.
-    pub(super) fn pieces_over(
-        &self,
-        (frame, bond): (&Frame<'_, M, S>, usize),
-        beside: [Beside<M, S>; 2],
-        out: &mut Vec<Piece>,
-    ) {
-        let (h, own) = (frame.h, self.initial.own());
-        let course = (&self.initial.path, known::<S>(&self.known));
-        let overlap = |t: f64| overlap_at(course, (&self.panels, own), frame, beside, t);
-        let rate = |t: f64| rate_at(course, (&self.panels, own), frame, beside, t);
-        let by_series = (overlap(0.0) - self.initial.overlap[0]).abs();
-        let band = self.band(frame, beside, &self.panels).max(by_series);
-        // The sweeps know an event as well as the force needs it; the log gets it to the last
-        // digit. Where beads have just begun to move, an overlap is an error of its series: its
-        // zero far from the event is none.
-        let refined = |t: f64| {
-            let by = -overlap(t) / rate(t);
-            if by.abs() < REFINED * h { (t + by).clamp(0.0, h) } else { t }
-        };
-        let zero = |t: f64| {
-            if t == 0.0 {
-                return (t, self.initial.overlap[1]);
-            }
-            let t = refined(refined(t));
-            (t, rate(t))
-        };
-        let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
-        let freely = |from: f64, to: f64, out: &mut Vec<Piece>| {
-            if from >= to {
-                return;
-            }
-            let at = |k: usize| from + (to - from) * k as f64 / FREE as f64;
-            // The overlap without a force ends at its first zero: beads that have parted do not
-            // overlap again without a force.
-            let gone = (0..=FREE).find(|&k| overlap(at(k)) <= band);
-            let end = match gone {
-                None => to,
-                Some(0) if from == 0.0 && self.initial.overlap[0] > self.initial.band => 0.0,
-                Some(0) => return,
-                Some(k) => bracketed(overlap, (at(k - 1), overlap(at(k - 1))), (at(k), overlap(at(k)).min(0.0))),
-            };
-            let points = (0..=FREE).map(|k| k as f64 / FREE as f64).map(|x| (x, overlap(from + (end - from) * x)));
-            let release = gone.map(|_| zero(end));
-            out.push(Piece { release, ..piece(0.0, (end > from).then(|| Curve::over((from, end), points))) });
-        };
-        // Beads that did not overlap at the start begin a contact.
-        let (begun, fresh) = (out.len(), self.initial.ongoing.is_none() && self.initial.overlap[0] <= band);
-        let mut from = 0.0f64;
-        for contact in &self.contacts.found {
-            freely(from.max(0.0), contact.onset, out);
-            let first = out.len();
-            let panels = &self.panels.list[contact.panels.0..contact.panels.1];
-            out.extend(panels.iter().map(|panel| piece(panel.impulse(frame.rule), panel.curve(frame.rule))));
-            if contact.onset >= 0.0 && !contact.pressed && first < out.len() {
-                out[first].onset = Some(zero(contact.onset));
-            }
-            from = contact.release;
-            if from <= h && overlap(from) <= band {
-                out.push(Piece { release: Some(zero(from.max(0.0))), ..piece(0.0, None) });
-            }
-        }
-        freely(from.max(0.0), h, out);
-        let first = out[begun..].iter_mut().find_map(|piece| Some((&mut piece.onset, piece.curve?.start())));
-        if let Some((onset @ None, start)) = first.filter(|_| fresh) {
-            *onset = Some(zero(start));
-        }
     }
 
     /// Energy dissipated while beads overlap without a force: the decrease of the elastic energy of

@@ -37,7 +37,7 @@ impl Contacts {
         let faint = |contact: &Contact| {
             let Contact { onset, release, approach, largest_overlap, impulse, t_largest, .. } = *contact;
             let lasts = t_largest - onset.unwrap_or(f64::NEG_INFINITY);
-            let drifts = approach.is_some_and(|rate| rate * lasts >= STEEP * largest_overlap);
+            let drifts = approach.is_some_and(|rate| rate <= 0.0 || rate * lasts >= STEEP * largest_overlap);
             let light = if release.is_some() {
                 impulse <= FAINT * hardest
             } else {

@@ -33,8 +33,9 @@ pub const TOUCH: f64 = 1e-3;
 const STEEP: f64 = 0.1;
 
 /// Contacts whose largest overlap is at most this share of the largest one in the log are rounding
-/// errors.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// errors, and so is a rise of an overlap without a gap: positions are rounded too, in every step,
+/// and may be larger than overlaps. Chosen.
+const ROUNDING: f64 = 1024.0 * f64::EPSILON;
 
 /// Contacts whose overlap is at most this share of the largest one in the log are left out if their
 /// impulse is at most this share of the largest one, too; or, if they have not ended, if their beads

@@ -3,11 +3,6 @@
 use super::{Contact, ROUNDING, STEEP, TOUCH};
 use hertzchain_integrators::events::Curve;
 
-/// An overlap that rises again without a gap is another contact only if it exceeds this share of
-/// the contact's largest overlap: positions are rounded too, and may be larger than overlaps.
-/// Chosen.
-const RIPPLE: f64 = 16.0 * ROUNDING;
-
 /// A time, and the rate of the overlap at that time.
 type Instant = (f64, f64);
 
@@ -58,10 +53,14 @@ impl Pending {
         Self { bond, began, impulse: 0.0, pushed: None, largest, rise: Vec::new(), lull: None, seen: true }
     }
 
-    /// The contact that may follow a stretch in which the overlap had its least value.
-    fn rising(bond: usize, curve: &Curve) -> Self {
+    /// Becomes the contact that may follow a stretch in which the overlap had its least value. The
+    /// memory is kept: a lull may last for thousands of stretches.
+    fn rise_after(&mut self, curve: &Curve) {
+        let mut rise = std::mem::take(&mut self.rise);
+        rise.clear();
+        rise.push(*curve);
         let [t, overlap, _] = curve.end();
-        Self { largest: (t, overlap), rise: vec![*curve], ..Self::new(bond, Some((curve.least().0, 0.0))) }
+        *self = Self { largest: (t, overlap), rise, ..Self::new(self.bond, Some((curve.least().0, 0.0))) };
     }
 
     /// Sets the zero at which the contact began, unless one with a speed is known.
@@ -85,14 +84,15 @@ impl Pending {
         lull.end = curve.end();
         if least < lull.least {
             lull.least = least;
-            let risen = std::mem::replace(&mut *lull.next, Self::rising(self.bond, curve));
-            self.add((risen.impulse + push.0, push.1.or(risen.pushed)));
+            let (impulse, pushed) = lull.next.push();
+            lull.next.rise_after(curve);
+            self.add((impulse + push.0, push.1.or(pushed)));
         } else {
             lull.next.grow(curve, push);
         }
         let Some(lull) = &self.lull else { return None };
         let (largest, second) = (self.largest.1, lull.next.largest.1);
-        if TOUCH * second > lull.least && second > RIPPLE * largest {
+        if TOUCH * second > lull.least && second > ROUNDING * largest {
             let next = lull.next.as_ref().clone();
             let over = std::mem::replace(self, next).without_next();
             self.fall(curve);
@@ -140,7 +140,8 @@ impl Pending {
     /// Begins a lull if a stretch ends below [`TOUCH`] of the largest overlap.
     fn fall(&mut self, curve: &Curve) {
         if let Some(from) = curve.falls_to(TOUCH * self.largest.1) {
-            let (least, next) = (curve.range().0, Box::new(Self::rising(self.bond, curve)));
+            let (least, mut next) = (curve.range().0, Box::new(Self::new(self.bond, None)));
+            next.rise_after(curve);
             self.lull = Some(Lull { from, end: curve.end(), least, next });
         }
     }

@@ -1,0 +1,249 @@
+//! What the log gets of a bond in a window: the parts in which beads overlap, with or without a
+//! force.
+//!
+//! The sweeps know the ends of a contact as well as its force needs them. Where the force near an
+//! end is negligible, the zero of the overlap may be far from it, even in another window. But the
+//! overlap at the ends of a window is as exact as the state. Where its sign there is not that of
+//! the contacts, the overlap is evaluated inside the window, too.
+
+use super::{
+    block::Piece,
+    bond::{Beside, Bond, Initial, known},
+    foresee::{ROUNDING, overlap_at},
+    panel::{Frame, Panel},
+    panels::Panels,
+    rebound::rate_at,
+};
+use crate::events::{Curve, root::bracketed};
+
+/// Number of equal steps at whose ends an overlap in doubt is evaluated, in addition to the nodes
+/// of its panels. Chosen.
+const PARTS: usize = 12;
+/// Chebyshev's points on `[0, 1]` at which the log gets an overlap by all forces, as many as a
+/// curve takes.
+const SHARES: [f64; 14] = [
+    0.0,
+    0.014529091286973985,
+    0.05727198717339504,
+    0.12574462591444946,
+    0.21596762663442207,
+    0.3226975564787322,
+    0.4397316598723385,
+    0.5602683401276615,
+    0.6773024435212678,
+    0.784032373365578,
+    0.8742553740855505,
+    0.9427280128266049,
+    0.985470908713026,
+    1.0,
+];
+/// Ratio of the smallest to the largest overlap on a panel below which the log gets the overlap by
+/// all forces: an end of the contact may be there. Chosen.
+const FADING: f64 = 0.5;
+/// The log leaves out parts of an overlap up to this share of the window, and takes a panel as a
+/// whole if no more of it is missing. Chosen.
+const SHORT: f64 = 1e-6;
+/// Overlaps inside a window have a sign if they exceed this number of errors by series. Chosen.
+const SURE: f64 = 4.0;
+/// Overlaps above this number of roundings have the same sign in the window before. Chosen.
+const ALIKE: f64 = 16.0;
+/// The largest step that makes an event more exact, as a share of the window. Chosen.
+const REFINED: f64 = 0.01;
+/// Newton's method has found a zero if it has made the overlap smaller by this factor. Chosen.
+const CLOSER: f64 = 1e-3;
+/// Distance of the points from which speeds at events are difference quotients, as a share of the
+/// window. Chosen; `methods contacts_are_those_that_a_search_of_every_step_finds` measures the
+/// speeds.
+const SPEED_STEP: f64 = 1e-4;
+
+/// A time and the rate of the overlap there.
+type Instant = (f64, f64);
+
+/// The sign of a value that is larger than its error.
+fn sign(value: f64, error: f64) -> Option<bool> {
+    (value.abs() > error).then_some(value > 0.0)
+}
+
+impl<const M: usize, const S: usize> Bond<M, S> {
+    /// Appends the pieces of this window in which beads overlap, with the index of the bond.
+    pub(super) fn pieces(
+        &self,
+        (frame, bond): (&Frame<'_, M, S>, usize),
+        beside: [Beside<M, S>; 2],
+        out: &mut Vec<Piece>,
+    ) {
+        let (h, [value, slope]) = (frame.h, self.initial.overlap);
+        let driven = Self::driven_up_to(frame, beside, (&self.panels, self.initial.recoil), h);
+        let band = self.initial.band.max(ROUNDING * driven * h * h);
+        let bend = self.linear(frame) + driven;
+        let most = value + slope.max(0.0) * h + 0.5 * bend * h * h;
+        let stays_open = most <= 0.0 && value < -ALIKE * band || [value, slope, most] == [0.0; 3];
+        if !stays_open || !self.contacts.found.is_empty() {
+            self.pieces_between((frame, bond), beside, (band, bend), out);
+        }
+    }
+
+    /// As [`pieces`](Self::pieces); overlaps up to `band` are rounding at the ends of the window,
+    /// and `bend` is a bound of the second derivative. Not inlined, to keep it away from bonds that
+    /// stay open.
+    #[inline(never)]
+    fn pieces_between(
+        &self,
+        (frame, bond): (&Frame<'_, M, S>, usize),
+        beside: [Beside<M, S>; 2],
+        (band, bend): (f64, f64),
+        out: &mut Vec<Piece>,
+    ) {
+        let (h, rule, panels, found) = (frame.h, frame.rule, self.panels.as_slice(), &self.contacts.found);
+        let Initial { path, overlap: [value, slope], ongoing, .. } = self.initial;
+        let (own, known) = (self.initial.own(), known::<S>(&self.known));
+        let overlap = |t: f64| overlap_at((&path, known), (&self.panels, own), frame, beside, t);
+        let (starts, end) = (sign(value, ALIKE * band), overlap(h.next_up()));
+        // The series of a panel has errors, which show at its ends.
+        let jump = |t: f64| (overlap(t.next_up()) - overlap(t.next_down())).abs();
+        let noise = || {
+            let panels =
+                [Some(self), beside[0], beside[1]].into_iter().flatten().flat_map(|bond| bond.panels.as_slice());
+            band.max(SURE * panels.flat_map(|panel| [panel.start, panel.end]).map(jump).fold(0.0, f64::max))
+        };
+        let edges = found.iter().flat_map(|contact| {
+            let [begins, ends] = contact.events(h);
+            [begins.then_some((contact.onset, true)), ends.then_some((contact.release, false))]
+        });
+        // The zero near an event, and whether there is one. The force is zero at an event, so that
+        // near it the overlap follows the path by the panels before, whose values have no errors of
+        // a series.
+        let event = |(found, rising): (f64, bool), most: f64| {
+            let before = panels.partition_point(|panel| if rising { panel.end <= found } else { panel.start < found });
+            let (left, none, mut path) = (self.panels.before(before), Panels::new(), path);
+            for side in 0..S {
+                for i in 0..4 {
+                    path[side][i] -= own * left[side][i];
+                }
+            }
+            let course = (&path, known);
+            let g = |t: f64| overlap_at(course, (&none, own), frame, beside, t);
+            // dg/dt; without dissipation that of the parabola through three points nearby.
+            let speed = |t: f64| {
+                if frame.link.lossy() {
+                    return rate_at(course, (&none, own), frame, beside, t);
+                }
+                let near = SPEED_STEP * h;
+                let (a, c) = ((t - near).max(0.0), (t + near).min(h));
+                let b = 0.5 * (a + c);
+                let [ga, gb, gc] = [a, b, c].map(g);
+                let (first, second) = ((gb - ga) / (b - a), (gc - gb) / (c - b));
+                0.5 * (first + second) + (second - first) * (t - b) / (b - a)
+            };
+            let mut t = found;
+            for _ in 0..2 {
+                let by = -g(t) / speed(t);
+                t = if by.abs() < most { (t + by).clamp(0.0, h) } else { t };
+            }
+            ((t, speed(t)), g(t).abs() <= (ALIKE * band).max(CLOSER * g(found).abs()))
+        };
+        let mut events: Vec<(Instant, bool)> = edges.flatten().map(|edge| event(edge, f64::INFINITY)).collect();
+        let mut positive = starts.unwrap_or(ongoing.is_some());
+        let ends = found.last().is_some_and(|contact| contact.release > h);
+        let least = panels.iter().flat_map(|panel| panel.overlap).fold(0.0, f64::min);
+        let doubt = positive != ongoing.is_some()
+            || sign(end, band).is_some_and(|positive| positive != ends)
+            || found.is_empty()
+            || frame.link.lossy() && !events.is_empty()
+            || events.iter().any(|(_, zero)| !zero)
+            || least < -band && least < -noise();
+        let throughout = found.is_empty() && starts == Some(true) && end > band;
+        let noise = if doubt && !throughout { noise() } else { band };
+        if doubt && !throughout {
+            let (mut side, mut last) = (starts, (0.0, value));
+            events.clear();
+            for (t, g) in self.samples(h, end, &overlap) {
+                let now = sign(g, if t == h { band } else { noise });
+                match (side, now) {
+                    (None, Some(now)) => (positive, side) = (now, Some(now)),
+                    (Some(before), Some(now)) if before != now => {
+                        // Far from a zero that was found there is another one, or none.
+                        events.push(event((bracketed(overlap, last, (t, g)), now), REFINED * h));
+                        side = Some(now);
+                    }
+                    _ => {}
+                }
+                if side == Some(g > 0.0) {
+                    last = (t, g);
+                }
+            }
+        }
+        let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
+        let at = |t: f64| match t {
+            0.0 => value,
+            _ if t == h => end,
+            _ => overlap(t),
+        };
+        let through = |(origin, sign, q): (f64, f64, u32), [from, to]: [f64; 2]| {
+            let time = |x: f64| origin + sign * (from + (to - from) * x).powi(q as i32);
+            let all = if bend > 0.0 { &SHARES[..] } else { &[0.0, 1.0] };
+            let points = all.iter().map(|&x| (x, at(time(x))));
+            Curve::new((origin, sign, q), [from, to], points)
+        };
+        let freely = |a: f64, b: f64| {
+            let long = doubt && b - a > SHORT * h;
+            long.then(|| through((a, 1.0, 1), [0.0, b - a])).filter(|curve| curve.range().1 > noise)
+        };
+        // The polynomial through the values at the nodes is worst at the ends of a panel. Where it
+        // decides on a time, and is worse there than displacements, the overlap by all forces
+        // takes its place.
+        let over = |panel: &Panel<M, S>| {
+            let curve = panel.curve(rule)?;
+            let (values, (low, high)) = (curve.values(), curve.range());
+            let decides = low < FADING * high || values[0] < high && curve.last() < high;
+            let off = |[inside, outside]: [f64; 2], value: f64| {
+                let [inside, outside] = [overlap(inside), overlap(outside)];
+                (value - outside).abs() > band.max(SURE * (inside - outside).abs())
+            };
+            let Panel { start, end, .. } = *panel;
+            let exact = !decides
+                || !off([start.next_up(), start.next_down()], values[0])
+                    && !off([end.next_down(), end.next_up()], curve.last());
+            Some(if exact { curve } else { through(panel.map(), panel.sigmas()) })
+        };
+        // The side on which the last window ended is not known here: near zero it is told again.
+        let again = starts.is_none().then_some((0.0, slope));
+        if !positive && again.is_some() {
+            out.push(Piece { release: again, ..piece(0.0, None) });
+        }
+        let mut from = positive.then_some((0.0, again));
+        for zero in events.into_iter().map(|(zero, _)| Some(zero)).chain([None]) {
+            let Some((from, onset)) = from.take() else {
+                from = zero.map(|zero| (zero.0, Some(zero)));
+                continue;
+            };
+            let (to, first, mut at) = (zero.map_or(h, |zero| zero.0), out.len(), from);
+            for panel in panels.iter().filter(|panel| panel.start < to && panel.end > from) {
+                out.extend(freely(at, panel.start).map(|curve| piece(0.0, Some(curve))));
+                let (a, b) = (panel.start.max(at), panel.end.min(to));
+                let whole = !doubt || (panel.end - panel.start) - (b - a) <= SHORT * h;
+                // A panel gives its impulse to the contact in which its force is largest.
+                let most = (1..M).fold(0, |most, j| if panel.force[j] > panel.force[most] { j } else { most });
+                let here = !doubt || from < panel.tau[most] && panel.tau[most] <= to;
+                let impulse = if here { panel.impulse(rule) } else { 0.0 };
+                out.push(piece(impulse, if whole { over(panel) } else { freely(a, b) }));
+                at = at.max(b);
+            }
+            out.extend(freely(at, to).map(|curve| piece(0.0, Some(curve))));
+            if out.len() == first {
+                out.push(piece(0.0, None));
+            }
+            let last = out.len() - 1;
+            (out[first].onset, out[last].release) = (onset, zero);
+        }
+    }
+
+    /// Times in a window and overlaps there, in order of time.
+    fn samples(&self, h: f64, end: f64, overlap: &impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+        let nodes = self.panels.as_slice().iter().flat_map(|panel| panel.tau.into_iter().zip(panel.overlap));
+        let inner = (1..PARTS).map(|k| h * k as f64 / PARTS as f64).map(|t| (t, overlap(t)));
+        let mut samples: Vec<(f64, f64)> = nodes.chain(inner).chain([(h, end)]).collect();
+        samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+        samples
+    }
+}
