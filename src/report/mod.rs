@@ -15,7 +15,7 @@ pub use units::{Quantity, Units};
 
 use crate::{
     error::{Error, Result},
-    output::{NpzWriter, to_json},
+    output::{NpzWriter, SETTINGS, to_json},
 };
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -181,8 +181,9 @@ impl Report {
     /// Errors of the archive writer.
     pub fn files(&self) -> Result<Vec<(String, Vec<u8>)>> {
         let mut bytes = Cursor::new(Vec::new());
+        let program = json!({ "program": concat!("hertzchain ", env!("CARGO_PKG_VERSION")) }).to_string();
         let mut archive = || {
-            let mut archive = NpzWriter::new(&mut bytes, None)?;
+            let mut archive = NpzWriter::new(&mut bytes, Some((SETTINGS, &program)))?;
             self.tables().try_for_each(|table| table.npz(&mut archive))?;
             archive.finish()
         };

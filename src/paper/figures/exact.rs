@@ -6,7 +6,7 @@ use crate::{
     number::{shown, written},
     output::csv,
     study::{
-        Barrier, BarrierStudy, BranchWave, ContinueWave, ExactStudy, Moving, MovingStudy, Progress, Solitary,
+        Barrier, BarrierStudy, BranchWave, ContinueWave, ExactStudy, File, Moving, MovingStudy, Progress, Solitary,
         SolitaryStudy, Wanted, WaveBranchStudy, exact_study, fit_line,
     },
     waves::{Given, MeanStrain, Search, Shape, Size, TravellingWave, WaveNumber, WaveParameter, WaveSetting},
@@ -205,7 +205,7 @@ pub(super) fn exact_words(data: &ExactData) -> String {
     format!("{words} hertzchain {}.", env!("CARGO_PKG_VERSION"))
 }
 
-pub(super) fn exact_files(data: &ExactData) -> Vec<(String, Vec<(String, Vec<u8>)>)> {
+pub(super) fn exact_files(data: &ExactData) -> Vec<(String, Vec<File>)> {
     match data {
         ExactData::Wave(study) => vec![(String::new(), study.report().csv().collect())],
         ExactData::Branches(branches) => {
