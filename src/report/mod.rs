@@ -225,6 +225,6 @@ impl Report {
 }
 
 /// A number as JSON: `null` for not-a-number, `"inf"` and `"-inf"` for infinity, which JSON lacks.
-fn number(x: f64) -> Value {
+pub(crate) fn number(x: f64) -> Value {
     if x.is_infinite() { json!(x.to_string()) } else { json!(x) }
 }

@@ -94,6 +94,8 @@ pub struct Table {
     key: String,
     columns: Vec<Column>,
     rows: usize,
+    /// About how many rows the text has.
+    few: usize,
     units: Option<Units>,
 }
 
@@ -107,7 +109,7 @@ impl Table {
     /// The table of some rows; its columns follow. `name` is that of its CSV file.
     pub fn of<T>(name: impl Into<String>, rows: &[T]) -> Rows<'_, T> {
         let (name, key) = (name.into(), "rows".to_owned());
-        Rows { rows, table: Self { name, key, columns: Vec::new(), rows: rows.len(), units: None } }
+        Rows { rows, table: Self { name, key, columns: Vec::new(), rows: rows.len(), few: usize::MAX, units: None } }
     }
 }
 
@@ -162,6 +164,13 @@ impl<T> Rows<'_, T> {
         for column in &mut self.table.columns {
             column.digits = if column.digits == Digits::Json { Digits::Json } else { Digits::Hidden };
         }
+        self
+    }
+
+    /// About how many rows the text has: evenly spaced ones, and the last.
+    #[must_use]
+    pub fn few(mut self, rows: usize) -> Self {
+        self.table.few = rows;
         self
     }
 
@@ -313,7 +322,9 @@ impl Table {
             Cell::Word(word) => word.clone().unwrap_or_default(),
             Cell::Nested(value) => value.to_string(),
         };
-        let rows = (0..self.rows).map(|row| self.shown().map(|column| cell(column, row)).collect());
+        let every = self.rows.div_ceil(self.few).max(1);
+        let told = (0..self.rows).filter(|row| row % every == 0 || row + 1 == self.rows);
+        let rows = told.map(|row| self.shown().map(|column| cell(column, row)).collect());
         (self.shown().map(|column| self.head(column)).collect(), rows.collect())
     }
 

@@ -38,7 +38,6 @@ pub(crate) use barrier::barrier_columns;
 pub use barrier::*;
 pub(crate) use barrier::{barrier_caption, barrier_tables};
 pub use boundary_wave::*;
-pub(crate) use breather::bright_tables;
 pub use breather::*;
 pub use charts::{
     BOUNDS, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance, ResonancePoint,
@@ -53,10 +52,7 @@ pub use driven::*;
 #[cfg(feature = "plot")]
 pub(crate) use driven::{multipliers_panel, stability_lines};
 pub use end_driven::*;
-#[cfg(feature = "plot")]
-pub(crate) use evolve::swing_maps;
 pub use evolve::*;
-pub(crate) use evolve::{evolution_csv, swing_csv};
 pub use exact::*;
 pub(crate) use exact::{exact_caption, exact_tables, wave_branch_csv};
 #[cfg(feature = "plot")]
@@ -308,19 +304,23 @@ fn infinite(value: &mut Value) {
     }
 }
 
-/// The end of every caption: the scene with its parameters, and the program.
+/// The end of a caption: the scene with its parameters, and the program.
 #[cfg(feature = "plot")]
 fn provenance(scene: &Scene, how: &str) -> String {
+    format!("{} hertzchain {}.", scene_caption(scene, how), env!("CARGO_PKG_VERSION"))
+}
+
+/// The same without the program.
+fn scene_caption(scene: &Scene, how: &str) -> String {
     let params = scene.chain().params();
     let details = scene.details_in_words().map(|words| format!(" Beads differ: {words}.")).unwrap_or_default();
     let summary = Some(&scene.file().summary).filter(|summary| !summary.is_empty());
     format!(
-        "Scene {}{}. N = {}, {}.{details} {how} hertzchain {}.",
+        "Scene {}{}. N = {}, {}.{details} {how}",
         scene.name(),
         summary.map_or(String::new(), |summary| format!(": {summary}")),
         scene.chain().sites(),
         params_words(params),
-        env!("CARGO_PKG_VERSION")
     )
 }
 
