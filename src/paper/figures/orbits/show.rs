@@ -8,7 +8,7 @@ use crate::{
     orbits::{Bifurcation, BifurcationKind, Kind, Multiplier, Orbit, Parameter, Spectrum},
     output::csv,
     paper::figures::{Tables, heavy::version},
-    study::{Branch, Evolution, OrbitStudy, branch_csv, center_word, evolution_csv, shown, swing_csv},
+    study::{Branch, Evolution, OrbitStudy, branch_csv, center_word, shown},
 };
 
 /// Tables of a figure: `(part of the file name, tables)`.
@@ -27,7 +27,10 @@ pub(in super::super) fn orbit_tables(data: &OrbitData) -> Vec<(String, Tables)> 
             vec![(String::new(), tables)]
         }
         OrbitData::Evolutions(runs, _) => {
-            let tables = |run: &Evolution| [vec![("errors.csv", evolution_csv(run))], swing_csv(run)].concat();
+            let tables = |run: &Evolution| {
+                let tables = run.tables().map(|table| table.csv().into_bytes());
+                ["errors.csv", "x.csv", "y.csv"].into_iter().zip(tables).collect()
+            };
             runs.iter().map(|(center, run)| (evolution_tag(*center, run), tables(run))).collect()
         }
         OrbitData::Doubling(one) => vec![(String::new(), doubling_csv(one))],
@@ -349,7 +352,6 @@ pub(in super::super) use pictures::orbit_panels;
 mod pictures {
     use super::*;
     use crate::figures::{Column, Kind as Axes, Line, Panel, Panels, Plot};
-    use crate::study::swing_maps;
 
     fn line(name: &str, points: impl Iterator<Item = (f64, f64)>) -> Line {
         Line { name: name.to_owned(), points: points.collect() }
@@ -386,7 +388,7 @@ mod pictures {
                     let lines = [("at t = 0", &run.orbit.z), ("at the end", &run.end)];
                     let above = if *profile { profiles(&run.orbit, &lines) } else { Vec::new() };
                     let above = above.into_iter().map(Plot::from);
-                    Column::new(heading, above.chain(swing_maps(run).into_iter().map(Plot::from)))
+                    Column::new(heading, above.chain(run.maps().into_iter().map(Plot::from)))
                 };
                 all.iter().map(column).collect()
             }
