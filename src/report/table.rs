@@ -335,11 +335,11 @@ impl Table {
         if all.is_empty() { String::new() } else { all.join("; ") + "." }
     }
 
-    /// The table as text, with its legend; empty if no column is shown. A wide table is cut into
+    /// The table as text, with its legend; empty without rows, or if no column is shown. A wide table is cut into
     /// two, which both begin with its first column.
     pub fn text(&self) -> String {
         let (head, rows) = self.cells();
-        if head.is_empty() {
+        if head.is_empty() || rows.is_empty() {
             return String::new();
         }
         let width =

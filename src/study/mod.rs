@@ -48,9 +48,8 @@ pub use compare::{Compare, CompareOptions, Comparison, Entrant, LeftOut, Referen
 pub use dps::*;
 pub(crate) use dps::{center_word, of_sites};
 pub use drift::*;
+pub(crate) use driven::multipliers_panel;
 pub use driven::*;
-#[cfg(feature = "plot")]
-pub(crate) use driven::{multipliers_panel, stability_lines};
 pub use end_driven::*;
 pub use evolve::*;
 pub use exact::*;
@@ -68,7 +67,6 @@ pub(crate) use moving::moving_columns;
 pub use moving::*;
 pub(crate) use moving::{moving_caption, moving_tables};
 pub use normal_modes::*;
-pub(crate) use orbits::branch_csv;
 pub(crate) use orbits::folder_of;
 pub use orbits::*;
 pub use order::*;
@@ -94,6 +92,7 @@ use crate::{
     chain::Params,
     error::{Error, Result},
     number::written,
+    orbits::End,
     report,
     run::Method,
     scene::Scene,
@@ -227,6 +226,22 @@ fn crossing<B>(number: usize, found: Result<B>) -> Result<Option<(usize, std::re
         Err(stopped @ Error::Stopped { .. }) => Err(stopped),
         found => Ok(Some((number, found.map_err(|error| error.to_string())))),
     }
+}
+
+/// How a branch ended, in words.
+fn branch_end(points: usize, bifurcations: usize, end: End) -> String {
+    let none = if bifurcations == 0 { ", no bifurcation" } else { "" };
+    format!("{points} points{none}; the branch ended: {}.", end.words())
+}
+
+/// The points of a branch as two lines of a picture, one for stable and one for unstable ones.
+pub(crate) fn stability_lines<'a, T: 'a>(
+    points: &'a [T],
+    place: impl Fn(&'a T) -> (f64, f64),
+    stable: impl Fn(&'a T) -> bool,
+) -> Vec<report::Line> {
+    let chosen = |wanted: bool| points.iter().filter(|point| stable(point) == wanted).map(&place).collect::<Vec<_>>();
+    [("stable", true), ("unstable", false)].map(|(name, wanted)| report::Line::new(name, chosen(wanted))).to_vec()
 }
 
 /// Names for files and pictures.

@@ -358,9 +358,8 @@ impl Report for DrivenBranchStudy {
 
 /// The multipliers in the complex plane, with a line each for those inside or on the circle, and
 /// for those outside.
-#[cfg(feature = "plot")]
-pub(crate) fn multipliers_panel(point: &DrivenPoint) -> crate::figures::Panel {
-    use crate::figures::{Kind, Line, Panel};
+pub(crate) fn multipliers_panel(point: &DrivenPoint) -> crate::report::Panel {
+    use crate::report::{Kind, Line, Panel};
     let outside = point.spectrum.unstable();
     let at = |one: &DrivenMultiplier| (one.re, one.im);
     let (out, inside) = point.spectrum.multipliers.split_at(outside);
@@ -369,20 +368,6 @@ pub(crate) fn multipliers_panel(point: &DrivenPoint) -> crate::figures::Panel {
         lines.push(Line::new("outside", out.iter().map(at)));
     }
     Panel::new(Kind::Plane, ["Re λ", "Im λ"], lines)
-}
-
-/// The points of a branch as two lines of a picture, one for stable and one for unstable ones.
-#[cfg(feature = "plot")]
-pub(crate) fn stability_lines<'a, T: 'a>(
-    points: &'a [T],
-    place: impl Fn(&'a T) -> (f64, f64),
-    stable: impl Fn(&'a T) -> bool,
-) -> Vec<crate::figures::Line> {
-    let chosen = |wanted: bool| points.iter().filter(|point| stable(point) == wanted).map(&place).collect::<Vec<_>>();
-    [("stable", true), ("unstable", false)]
-        .into_iter()
-        .map(|(name, wanted)| crate::figures::Line::new(name, chosen(wanted)))
-        .collect()
 }
 
 /// Amplitude and frequency of a drive, for a caption.
@@ -435,7 +420,7 @@ fn branch_picture(study: &DrivenBranchStudy) -> Result<crate::figures::Picture> 
     let place = |point: &DrivenPoint| scale.told(kind, point.orbit.setting.get(parameter));
     let response = |point: &DrivenPoint| scale.told(Quantity::Length, point.amplitude);
     let responses = |branch: &DrivenBranch| {
-        stability_lines(&branch.points, |point| (place(point), response(point)), DrivenPoint::stable)
+        crate::study::stability_lines(&branch.points, |point| (place(point), response(point)), DrivenPoint::stable)
     };
     let mut lines = responses(branch);
     let marks = study.branches().flat_map(|branch| &branch.bifurcations);

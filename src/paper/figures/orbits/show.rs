@@ -8,13 +8,14 @@ use crate::{
     orbits::{Bifurcation, BifurcationKind, Kind, Multiplier, Orbit, Parameter, Spectrum},
     output::csv,
     paper::figures::{Tables, heavy::version},
-    study::{Branch, Evolution, OrbitStudy, branch_csv, center_word, shown},
+    study::{Branch, Evolution, OrbitStudy, center_word, shown},
 };
 
 /// Tables of a figure: `(part of the file name, tables)`.
 pub(in super::super) fn orbit_tables(data: &OrbitData) -> Vec<(String, Tables)> {
-    let branch =
-        |branch: &Branch| vec![("branch.csv", branch_csv(branch)), ("multipliers.csv", off_circle_csv(branch))];
+    let branch = |branch: &Branch| {
+        vec![("branch.csv", branch.table().csv().into_bytes()), ("multipliers.csv", off_circle_csv(branch))]
+    };
     match data {
         OrbitData::Profiles(profiles) => profiles.iter().map(|one| (tag(one.center), profile_csv(one))).collect(),
         OrbitData::Floquet(families, _) => {
