@@ -99,6 +99,8 @@ pub struct Table {
     columns: Vec<Column>,
     rows: usize,
     in_text: Range<usize>,
+    /// About how many rows the text has.
+    few: usize,
     units: Option<Units>,
 }
 
@@ -112,10 +114,16 @@ impl Table {
     /// The table of some rows; its columns follow. `name` is that of its CSV file.
     pub fn of<T>(name: impl Into<String>, rows: &[T]) -> Rows<'_, T> {
         let (name, key) = (name.into(), "rows".to_owned());
-        Rows {
-            rows,
-            table: Self { name, key, columns: Vec::new(), rows: rows.len(), in_text: 0..rows.len(), units: None },
-        }
+        let table = Self {
+            name,
+            key,
+            columns: Vec::new(),
+            rows: rows.len(),
+            in_text: 0..rows.len(),
+            few: usize::MAX,
+            units: None,
+        };
+        Rows { rows, table }
     }
 }
 
@@ -187,6 +195,13 @@ impl<T> Rows<'_, T> {
         for column in &mut self.table.columns {
             column.digits = if column.digits == Digits::Json { Digits::Json } else { Digits::Hidden };
         }
+        self
+    }
+
+    /// About how many rows the text has: evenly spaced ones, and the last.
+    #[must_use]
+    pub fn few(mut self, rows: usize) -> Self {
+        self.table.few = rows;
         self
     }
 
@@ -338,7 +353,10 @@ impl Table {
             Cell::Word(word) => word.clone().unwrap_or_default(),
             Cell::Nested(value) => value.to_string(),
         };
-        let rows = self.in_text.clone().map(|row| self.shown().map(|column| cell(column, row)).collect());
+        let (all, last) = (self.in_text.clone(), self.in_text.end);
+        let every = all.len().div_ceil(self.few).max(1);
+        let told = all.clone().filter(|row| (row - all.start) % every == 0 || row + 1 == last);
+        let rows = told.map(|row| self.shown().map(|column| cell(column, row)).collect());
         (self.shown().map(|column| self.head(column)).collect(), rows.collect())
     }
 

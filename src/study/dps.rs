@@ -1,15 +1,18 @@
 //! The modulation equations: averages of the contact force, homoclinic solutions, standing waves
 //! with a kink.
 
-use super::{File, Report, Study, Work, named};
+use super::{Study, Work, params_words};
 use crate::{
     chain::Params,
     dps::{Averages, Center, DarkProfile, Homoclinic, Values},
     error::{Error, Result},
-    output::csv,
-    present::table,
+    report::{
+        Column,
+        Digits::{Fixed, Power, Short},
+        Kind, Panels, Report, Table, number,
+    },
 };
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// Default frequency of a dark breather, in units of `omega`.
 const FREQUENCY: f64 = 1.005;
@@ -36,14 +39,6 @@ pub struct Integrals {
     pub r: f64,
 }
 
-/// The averages and their derivatives at one pair `(b, r)`.
-struct Integrated {
-    averages: Averages,
-    b: f64,
-    r: f64,
-    values: Values,
-}
-
 impl Study for Integrals {
     const FILES: &'static str = "";
 
@@ -57,39 +52,21 @@ impl Study for Integrals {
             let why = format!("{name} is no number that a double holds");
             return Err(Error::Point { point: format!("b = {b:e}, r = {r:e}"), why });
         }
-        Ok(Box::new(move |_, _| Ok(Box::new(Integrated { averages, b, r, values }))))
-    }
-}
-
-impl Report for Integrated {
-    /// Infinite slopes, which JSON has no number for, are `"inf"` and `"-inf"`.
-    fn json(&self) -> Value {
-        let number = |x: f64| if x.is_finite() { json!(x) } else { json!(x.to_string()) };
-        let mut fields: serde_json::Map<String, Value> =
-            rows(&self.values).map(|(name, _, value)| (name.to_owned(), number(value))).into_iter().collect();
-        for (name, value) in
-            [("alpha", self.averages.alpha()), ("kappa", self.averages.kappa()), ("b", self.b), ("r", self.r)]
-        {
-            fields.insert(name.to_owned(), json!(value));
-        }
-        fields.insert("version".to_owned(), json!(env!("CARGO_PKG_VERSION")));
-        Value::Object(fields)
-    }
-
-    /// All digits.
-    fn text(&self) -> String {
-        let rows = rows(&self.values)
-            .map(|(name, meaning, value)| vec![name.to_owned(), format!("{value:e}"), meaning.to_owned()]);
-        table(&["quantity", "value", "what it is"], &rows)
-    }
-
-    fn files(&self, _: &str) -> Result<Vec<File>> {
-        Ok(Vec::new())
-    }
-
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
-        Ok(Vec::new())
+        let rows = rows(&values);
+        let table = Table::of("integrals", &rows)
+            .key("")
+            .col("quantity", Short, "", |row| row.0)
+            .col("value", Short, "", |row| format!("{:e}", row.2))
+            .col("what_it_is", Short, "", |row| row.1);
+        let report = Report::new("integrals")
+            .fact("alpha", averages.alpha())
+            .fact("kappa", averages.kappa())
+            .fact("b", b)
+            .fact("r", r)
+            .table(table);
+        // Infinite slopes, which JSON has no number for, are `"inf"` and `"-inf"`.
+        let report = rows.iter().fold(report, |report, row| report.fact(row.0, number(row.2)));
+        Ok(Box::new(move |_, _| Ok(Box::new(report))))
     }
 }
 
@@ -125,41 +102,26 @@ impl Study for Homoclinics {
 
     fn begin(&self) -> Result<Work<'_>> {
         let one = Homoclinic::new(self.alpha, self.center)?;
-        Ok(Box::new(move |_, _| Ok(Box::new(one))))
-    }
-}
-
-impl Report for Homoclinic {
-    fn json(&self) -> Value {
-        json!({
-            "alpha": self.alpha(),
-            "omega_0": self.omega_0(),
-            "n": self.sites().collect::<Vec<_>>(),
-            "a": self.sites().map(|n| self.a(n)).collect::<Vec<_>>(),
-            "residual": self.residual(),
-            "version": env!("CARGO_PKG_VERSION"),
-        })
-    }
-
-    /// All digits.
-    fn text(&self) -> String {
-        let rows: Vec<_> = self.sites().map(|n| vec![n.to_string(), format!("{:e}", self.a(n))]).collect();
-        table(&["n", "a_n"], &rows)
-            + &format!(
-                "\nalpha = {}, omega_0 = {}; largest relative residual of (dpsstat) {:.1e}\n",
-                self.alpha(),
-                self.omega_0(),
-                self.residual()
-            )
-    }
-
-    fn files(&self, _: &str) -> Result<Vec<File>> {
-        Ok(Vec::new())
-    }
-
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
-        Ok(Vec::new())
+        let sites: Vec<i64> = one.sites().collect();
+        let table =
+            Table::of("homoclinic", &sites)
+                .key("")
+                .col("n", Fixed(0), "", |n| *n as f64)
+                .col("a", Short, "", |n| format!("{:e}", one.a(*n)));
+        let report = Report::new("homoclinic")
+            .fact("alpha", one.alpha())
+            .fact("omega_0", one.omega_0())
+            .fact("n", &sites)
+            .fact("a", sites.iter().map(|n| one.a(*n)).collect::<Vec<_>>())
+            .fact("residual", one.residual())
+            .table(table)
+            .words(format!(
+                "alpha = {}, omega_0 = {}; largest relative residual of (dpsstat) {:.1e}",
+                one.alpha(),
+                one.omega_0(),
+                one.residual()
+            ));
+        Ok(Box::new(move |_, _| Ok(Box::new(report))))
     }
 }
 
@@ -213,114 +175,84 @@ pub struct DarkProfiles {
     pub omega_b: Option<f64>,
 }
 
-/// A dark profile and the strains of the breather of a frequency.
-struct Profiled {
-    profile: DarkProfile,
-    omega_b: f64,
-    mu: f64,
-    x: Vec<f64>,
-    y: Vec<f64>,
+/// The row of a site: its number, `a` and `b` at `mu = 1`, strains of the breather at rest.
+type Site = (i64, [f64; 4]);
+
+fn dark_table(sites: &[Site]) -> Table {
+    Table::of("dark", sites)
+        .key("")
+        .col("n", Fixed(0), "", |site| site.0 as f64)
+        .col("a", Power(9), "delta^- of the standing wave (eq:DpSsw2) at mu = 1", |site| site.1[0])
+        .col("b", Power(9), "the same of its mean", |site| site.1[1])
+        .col("x", Power(9), "strains of the breather at rest (eq:xy_sw)", |site| site.1[2])
+        .col("y", Power(9), "", |site| site.1[3])
+        .done()
 }
 
 impl Study for DarkProfiles {
-    const FILES: &'static str = "Files: dark.csv, dark.json and dark.png.";
+    fn outline() -> Option<Report> {
+        Some(Report::new("dark").table(dark_table(&[])))
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         let &Self { sites, alpha, kappa, rho, c, .. } = self;
         let profile = DarkProfile::new(Params { alpha, kappa, rho }, self.center, sites, c)?;
         let omega_b = self.omega_b.unwrap_or(FREQUENCY * profile.params().omega());
         let (mu, (x, y)) = (profile.mu(omega_b)?, profile.seed(omega_b)?);
-        Ok(Box::new(move |_, _| Ok(Box::new(Profiled { profile, omega_b, mu, x, y }))))
+        Ok(Box::new(move |_, _| Ok(Box::new(dark_report(&profile, omega_b, mu, [x, y])))))
     }
 }
 
-impl Profiled {
-    fn a(&self) -> Vec<f64> {
-        of_sites(&self.profile, |n| self.profile.a(n))
-    }
-
-    fn b(&self) -> Vec<f64> {
-        of_sites(&self.profile, |n| self.profile.b(n))
-    }
-}
-
-impl Report for Profiled {
-    /// `a` and `b` are those of `mu = 1`, `x` and `y` those of the `mu` given.
-    fn json(&self) -> Value {
-        let (params, (a, b)) = (self.profile.params(), self.profile.background());
-        json!({
-            "alpha": params.alpha,
-            "kappa": params.kappa,
-            "rho": params.rho,
-            "center": center_word(self.profile.center()),
-            "sites": self.x.len(),
-            "c": self.profile.c(),
-            "mu": self.mu,
-            "omega": params.omega(),
-            "omega_b": self.omega_b,
-            "n": self.profile.sites().collect::<Vec<_>>(),
-            "a": self.a(),
-            "b": self.b(),
-            "residual": self.profile.residual(),
-            "newton": self.profile.newton(),
-            "background": { "a": a, "b": b },
-            "x": self.x,
-            "y": self.y,
-            "version": env!("CARGO_PKG_VERSION"),
-        })
-    }
-
-    fn text(&self) -> String {
-        let (profile, params, (a, b)) = (&self.profile, self.profile.params(), self.profile.background());
-        let row = |(n, (x, y)): (i64, (&f64, &f64))| {
-            let numbers = [profile.a(n), profile.b(n), *x, *y].map(|value| format!("{value:.9e}"));
-            [vec![n.to_string()], numbers.to_vec()].concat()
-        };
-        let rows: Vec<_> = profile.sites().zip(self.x.iter().zip(&self.y)).map(row).collect();
-        let newton: Vec<String> = profile.newton().iter().map(|residual| format!("{residual:.1e}")).collect();
-        table(&["n", "a_n", "b_n", "x_n(0)", "y_n(0)"], &rows)
-            + &format!(
-                "\na_n, b_n: delta^- of the standing wave (eq:DpSsw2) at mu = 1; x, y: strains of the breather at rest (eq:xy_sw)\n\
-                 alpha = {}, kappa = {}, rho = {}; omega = {}, omega_b = {}, mu = {:e}\n\
-                 background: a = {a:e}, b = {b:e}\nresidual at each step of Newton's method: {}\n",
-                params.alpha,
-                params.kappa,
-                params.rho,
-                params.omega(),
-                self.omega_b,
-                self.mu,
-                newton.join(", "),
-            )
-    }
-
-    fn files(&self, json: &str) -> Result<Vec<File>> {
-        let rows = self.profile.sites().zip(self.x.iter().zip(&self.y));
-        let row = |(n, (&x, &y)): (i64, (&f64, &f64))| vec![n as f64, self.profile.a(n), self.profile.b(n), x, y];
-        Ok(named([("dark.csv", csv(&["n", "a", "b", "x", "y"], rows.map(row))), ("dark.json", json.into())]))
-    }
-
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
-        use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
-        let panel = |label: &str, values: &[f64]| {
-            let points = self.profile.sites().map(|n| n as f64).zip(values.iter().copied());
-            Panel::new(Kind::Sites, ["site n", label], vec![Line::new(label, points)])
-        };
-        let params = self.profile.params();
-        let columns = vec![
-            Column::new("standing wave at μ = 1", [panel("aₙ", &self.a()), panel("bₙ", &self.b())]),
-            Column::new("breather at rest", [panel("strain xₙ", &self.x), panel("strain yₙ", &self.y)]),
-        ];
-        let caption = format!(
-            "Standing wave with a kink (eq:DpSsw2) about a {}, and the strains that start the breather (eq:xy_sw). N = {}, {}, ω_b = {}, μ = {:.6e}. hertzchain {}.",
-            center_word(self.profile.center()),
-            self.x.len(),
-            crate::study::params_words(params),
-            self.omega_b,
-            self.mu,
-            env!("CARGO_PKG_VERSION")
-        );
-        let figure = Panels { title: "Profile of a dark breather".into(), columns, caption };
-        Ok(named([("dark.png", panels(&figure)?)]))
-    }
+/// The report of a dark profile and the strains of the breather of a frequency: `a` and `b` are
+/// those of `mu = 1`, `x` and `y` those of the `mu` given.
+fn dark_report(profile: &DarkProfile, omega_b: f64, mu: f64, [x, y]: [Vec<f64>; 2]) -> Report {
+    let (params, background) = (profile.params(), profile.background());
+    let strains = x.iter().zip(&y);
+    let sites = profile.sites().zip(strains).map(|(n, (x, y))| (n, [profile.a(n), profile.b(n), *x, *y]));
+    let table = dark_table(&sites.collect::<Vec<Site>>());
+    let panel = |label: &str, column| table.panel(Kind::Sites, ["site n", label], "n", &[(label, column)]);
+    let columns = vec![
+        Column::new("standing wave at μ = 1", [panel("aₙ", "a"), panel("bₙ", "b")]),
+        Column::new("breather at rest", [panel("strain xₙ", "x"), panel("strain yₙ", "y")]),
+    ];
+    let center = center_word(profile.center());
+    let caption = format!(
+        "Standing wave with a kink (eq:DpSsw2) about a {center}, and the strains that start the breather (eq:xy_sw). \
+         N = {}, {}, ω_b = {omega_b}, μ = {mu:.6e}.",
+        x.len(),
+        params_words(params),
+    );
+    let newton: Vec<String> = profile.newton().iter().map(|residual| format!("{residual:.1e}")).collect();
+    let words = format!(
+        "alpha = {}, kappa = {}, rho = {}; omega = {}, omega_b = {omega_b}, mu = {mu:e}; background: a = {:e}, b = {:e}; \
+         residual at each step of Newton's method: {}",
+        params.alpha,
+        params.kappa,
+        params.rho,
+        params.omega(),
+        background.0,
+        background.1,
+        newton.join(", "),
+    );
+    Report::new("dark")
+        .fact("alpha", params.alpha)
+        .fact("kappa", params.kappa)
+        .fact("rho", params.rho)
+        .fact("center", center)
+        .fact("sites", x.len())
+        .fact("c", profile.c())
+        .fact("mu", mu)
+        .fact("omega", params.omega())
+        .fact("omega_b", omega_b)
+        .fact("n", profile.sites().collect::<Vec<_>>())
+        .fact("a", of_sites(profile, |n| profile.a(n)))
+        .fact("b", of_sites(profile, |n| profile.b(n)))
+        .fact("residual", profile.residual())
+        .fact("newton", profile.newton())
+        .fact("background", json!({ "a": background.0, "b": background.1 }))
+        .fact("x", x)
+        .fact("y", y)
+        .table(table)
+        .words(words)
+        .picture(Panels { title: "Profile of a dark breather".into(), columns, caption })
 }

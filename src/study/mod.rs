@@ -36,7 +36,6 @@ mod wave;
 
 pub use barrier::*;
 pub use boundary_wave::*;
-pub(crate) use breather::bright_tables;
 pub use breather::*;
 pub use charts::{
     BOUNDS, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance, ResonancePoint,
@@ -46,20 +45,16 @@ pub use compare::{Compare, CompareOptions, Comparison, Entrant, LeftOut, Referen
 pub use dps::*;
 pub(crate) use dps::{center_word, of_sites};
 pub use drift::*;
+pub(crate) use driven::multipliers_panel;
 pub use driven::*;
-pub(crate) use driven::{multipliers_panel, stability_lines};
 pub use end_driven::*;
-#[cfg(feature = "plot")]
-pub(crate) use evolve::swing_maps;
 pub use evolve::*;
-pub(crate) use evolve::{evolution_csv, swing_csv};
 pub use exact::*;
 pub(crate) use lifetimes::lifetimes_csv;
 pub use lifetimes::*;
 pub use modulation::*;
 pub use moving::*;
 pub use normal_modes::*;
-pub(crate) use orbits::branch_csv;
 pub(crate) use orbits::folder_of;
 pub use orbits::*;
 pub use order::*;
@@ -81,6 +76,7 @@ use crate::{
     chain::Params,
     error::{Error, Result},
     number::written,
+    orbits::End,
     report,
     run::Method,
     scene::Scene,
@@ -216,6 +212,22 @@ fn crossing<B>(number: usize, found: Result<B>) -> Result<Option<(usize, std::re
         Err(stopped @ Error::Stopped { .. }) => Err(stopped),
         found => Ok(Some((number, found.map_err(|error| error.to_string())))),
     }
+}
+
+/// How a branch ended, in words.
+fn branch_end(points: usize, bifurcations: usize, end: End) -> String {
+    let none = if bifurcations == 0 { ", no bifurcation" } else { "" };
+    format!("{points} points{none}; the branch ended: {}.", end.words())
+}
+
+/// The points of a branch as two lines of a picture, one for stable and one for unstable ones.
+pub(crate) fn stability_lines<'a, T: 'a>(
+    points: &'a [T],
+    place: impl Fn(&'a T) -> (f64, f64),
+    stable: impl Fn(&'a T) -> bool,
+) -> Vec<report::Line> {
+    let chosen = |wanted: bool| points.iter().filter(|point| stable(point) == wanted).map(&place).collect::<Vec<_>>();
+    [("stable", true), ("unstable", false)].map(|(name, wanted)| report::Line::new(name, chosen(wanted))).to_vec()
 }
 
 /// Names for files and pictures.

@@ -322,7 +322,7 @@ fn orbit_file() -> (Orbit, String) {
     let breather = DarkBreather { params, center: Center::Bond, sites: 5, omega_b: 2.03, c_x: 0.0 };
     let orbit = breather.orbit(&Shooting::default()).unwrap();
     let study = orbit_study(orbit.clone(), &Shooting::default()).unwrap();
-    (orbit, to_json(&DarkStudy { center: breather.center, study }.json()))
+    (orbit, to_json(&DarkStudy { center: breather.center, study }.report().json()))
 }
 
 #[test]

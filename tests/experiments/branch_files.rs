@@ -73,7 +73,7 @@ fn branches_and_orbits_are_read_back_to_the_bit() {
             let study = orbit_study(orbit.clone(), &shooting).unwrap();
             let json = folder.path().join("dark-breather.json");
             let dark = DarkStudy { center: breather().center, study };
-            fs::write(&json, to_json(&dark.json())).unwrap();
+            fs::write(&json, to_json(&dark.report().json())).unwrap();
             assert_eq!(bits(&Orbit::load(&json, None, &shooting).unwrap()), bits(orbit));
         }
     }

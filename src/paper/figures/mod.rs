@@ -24,8 +24,7 @@ use crate::{
     error::{Error, Result},
     output::to_json,
     study::{
-        BrightHistory, BrightStudy, LifetimeStudy, StabilityStudy, TheoremStudy, WaveStudy, bright_tables, center_word,
-        lifetimes_csv,
+        BrightHistory, BrightStudy, LifetimeStudy, StabilityStudy, TheoremStudy, WaveStudy, center_word, lifetimes_csv,
     },
 };
 use serde_json::json;
@@ -211,7 +210,9 @@ impl Figure {
                 let table = |one| named(center_word(Homoclinic::center(one)), vec![heavy::homoclinic_csv(one)]);
                 both.iter().flat_map(table).collect()
             }
-            Data::Bright(study) => named("", bright_tables(study)),
+            Data::Bright(study) => {
+                study.report().csv().map(|(table, bytes)| (format!("{}-{table}", self.name), bytes)).collect()
+            }
             Data::BrightHistory(history) => named("", heavy::history_csv(history)),
             Data::Lifetimes(study) => vec![(format!("{}.csv", self.name), lifetimes_csv(study))],
             Data::Orbits(data) => {

@@ -14,13 +14,13 @@ mod report;
 #[cfg(feature = "cli")]
 use super::tolerance_help;
 use super::{Changes, Study, Work};
-pub(crate) use report::bright_tables;
 
 use crate::{
     breathers::{BrightBreather, Norms, TrivialBreather},
     chain::{Boundary, Chain, Layout, MeanForces, Params, max_norm},
     dps::Center,
     error::{Error, Result},
+    report::Report,
     run::method::Method,
     run::state_at,
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span, Theory},
@@ -147,13 +147,13 @@ impl Bright {
 
 impl Study for Bright {
     const FILES: &'static str =
-        "Files: breather.json, breather.png, norms.csv, periods.csv, profiles.csv and forces.csv.";
+        "Files: breather.json, breather.png, breather.npz, norms.csv, periods.csv, profiles.csv and forces.csv.";
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.scene()?;
         Ok(Box::new(move |_, progress| {
             let mut tell = |share| progress(share, "");
-            Ok(Box::new(bright_breather(&scene, &self.options, self.samples_per_period, &mut tell)?))
+            Ok(Box::new(bright_breather(&scene, &self.options, self.samples_per_period, &mut tell)?.report()))
         }))
     }
 }
@@ -262,12 +262,15 @@ impl Trivial {
 }
 
 impl Study for Trivial {
-    const FILES: &'static str = "Files: breather.json, breather.png, sites.csv and deviation.csv.";
+    fn outline() -> Option<Report> {
+        let [sites, deviations] = report::trivial_tables(&[], &[]);
+        Some(Report::new("breather").table(sites).table(deviations))
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.scene()?;
         Ok(Box::new(move |_, progress| {
-            Ok(Box::new(trivial_breather(&scene, &self.options, &mut |share| progress(share, ""))?))
+            Ok(Box::new(trivial_breather(&scene, &self.options, &mut |share| progress(share, ""))?.report()))
         }))
     }
 }

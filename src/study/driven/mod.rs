@@ -19,7 +19,7 @@ use crate::{
     sweep::Engine,
 };
 pub use file::{driven_branch_from_archive, driven_branch_npz, load_driven_branch};
-pub(crate) use report::{multipliers_panel, stability_lines};
+pub(crate) use report::multipliers_panel;
 use std::path::PathBuf;
 
 /// A driven scene, by name, and the search for its orbit.

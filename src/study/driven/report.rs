@@ -370,19 +370,6 @@ pub(crate) fn multipliers_panel(point: &DrivenPoint) -> crate::report::Panel {
     Panel::new(Kind::Plane, ["Re λ", "Im λ"], lines)
 }
 
-/// The points of a branch as two lines of a picture, one for stable and one for unstable ones.
-pub(crate) fn stability_lines<'a, T: 'a>(
-    points: &'a [T],
-    place: impl Fn(&'a T) -> (f64, f64),
-    stable: impl Fn(&'a T) -> bool,
-) -> Vec<crate::report::Line> {
-    let chosen = |wanted: bool| points.iter().filter(|point| stable(point) == wanted).map(&place).collect::<Vec<_>>();
-    [("stable", true), ("unstable", false)]
-        .into_iter()
-        .map(|(name, wanted)| crate::report::Line::new(name, chosen(wanted)))
-        .collect()
-}
-
 /// Amplitude and frequency of a drive, for a caption.
 #[cfg(feature = "plot")]
 fn drive_words(setting: &DrivenSetting, scale: Scale<'_>) -> String {
@@ -433,7 +420,7 @@ fn branch_picture(study: &DrivenBranchStudy) -> Result<crate::figures::Picture> 
     let place = |point: &DrivenPoint| scale.told(kind, point.orbit.setting.get(parameter));
     let response = |point: &DrivenPoint| scale.told(Quantity::Length, point.amplitude);
     let responses = |branch: &DrivenBranch| {
-        stability_lines(&branch.points, |point| (place(point), response(point)), DrivenPoint::stable)
+        crate::study::stability_lines(&branch.points, |point| (place(point), response(point)), DrivenPoint::stable)
     };
     let mut lines = responses(branch);
     let marks = study.branches().flat_map(|branch| &branch.bifurcations);

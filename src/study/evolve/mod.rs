@@ -10,10 +10,6 @@
 
 mod report;
 
-#[cfg(feature = "plot")]
-pub(crate) use report::swing_maps;
-pub(crate) use report::{evolution_csv, swing_csv};
-
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
 use super::{Progress, Study, Work, fit_line};
@@ -84,7 +80,7 @@ impl Study for Evolve {
         let pick = self.point.map(Pick::Point).or(self.at.map(Pick::At));
         let orbit = Orbit::load(&self.orbit, pick, &shooting)?;
         let kick = self.kick.map(|size| Kick { size, mode: self.mode });
-        Ok(Box::new(move |_, progress| Ok(Box::new(evolve(&orbit, self.until, kick, &shooting, progress)?))))
+        Ok(Box::new(move |_, progress| Ok(Box::new(evolve(&orbit, self.until, kick, &shooting, progress)?.report()))))
     }
 }
 

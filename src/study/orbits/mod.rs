@@ -7,7 +7,6 @@ mod spectra;
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
 use super::{Progress, Study, Work, keeper::Keeper, stretches};
-pub(crate) use report::branch_csv;
 
 use crate::orbits::Formulation;
 use crate::sweep::map;
@@ -119,11 +118,11 @@ pub struct DarkStudy {
 }
 
 impl Study for Dark {
-    const FILES: &'static str = "Files: dark-breather.json and dark-breather.png.";
+    const FILES: &'static str = "Files: dark-breather.json, dark-breather.png, and multipliers-outside.csv.";
 
     fn begin(&self) -> Result<Work<'_>> {
         let breather = self.breather()?;
-        Ok(Box::new(move |_, _| Ok(Box::new(self.study(&breather)?))))
+        Ok(Box::new(move |_, _| Ok(Box::new(self.study(&breather)?.report()))))
     }
 }
 
@@ -245,7 +244,7 @@ impl Continue {
 }
 
 impl Study for Continue {
-    const FILES: &'static str = "Files: branch.json, branch.png, branch.csv and branch.npz; the last is written every 20 points or 10 s as well. \
+    const FILES: &'static str = "Files: branch.json, branch.png, branch.csv, bifurcations.csv and branch.npz; the last is written every 20 points or 10 s as well. \
                                  With --resume and without --out, the files go to the folder of the file that is gone on with. \
                                  spectra.store has multipliers and bifurcations, from which the same command goes on. \
                                  Each part of --shard follows the branch itself and computes its share of these.";
@@ -262,7 +261,7 @@ impl Study for Continue {
         };
         Ok(Box::new(move |engine, progress| {
             let trail = followed(trail, &mut keeper(stretches::folder(engine)), progress)?;
-            Ok(Box::new(spectra::studied(trail, self.bound, engine, progress)?))
+            Ok(Box::new(spectra::studied(trail, self.bound, engine, progress)?.report()?))
         }))
     }
 
@@ -317,7 +316,8 @@ pub struct DoubledStudy {
 }
 
 impl Study for Doubled {
-    const FILES: &'static str = "Files: branch.json, branch.png, branch.csv and branch.npz.";
+    const FILES: &'static str =
+        "Files: branch.json, branch.png, branch.csv, bifurcations.csv, multipliers-outside.csv and branch.npz.";
 
     fn begin(&self) -> Result<Work<'_>> {
         let (breather, shooting) = (self.ring.breather(Center::Bond, None, RANGE[0])?, self.ring.shooting());
@@ -338,7 +338,7 @@ impl Study for Doubled {
             let doubled = doubled_from(&main, self.omega_b, self.step, &mut keeper(engine.folder()), &half)?;
             let last = doubled.branch.points.last();
             let last = last.map(|point| orbit_study(point.orbit.clone(), &shooting)).transpose()?;
-            Ok(Box::new(DoubledStudy { doubled, last }))
+            Ok(Box::new(DoubledStudy { doubled, last }.report()?))
         }))
     }
 }

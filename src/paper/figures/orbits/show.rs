@@ -8,13 +8,14 @@ use crate::{
     orbits::{Bifurcation, BifurcationKind, Kind, Multiplier, Orbit, Parameter, Spectrum},
     output::csv,
     paper::figures::{Tables, heavy::version},
-    study::{Branch, Evolution, OrbitStudy, branch_csv, center_word, evolution_csv, shown, swing_csv},
+    study::{Branch, Evolution, OrbitStudy, center_word, shown},
 };
 
 /// Tables of a figure: `(part of the file name, tables)`.
 pub(in super::super) fn orbit_tables(data: &OrbitData) -> Vec<(String, Tables)> {
-    let branch =
-        |branch: &Branch| vec![("branch.csv", branch_csv(branch)), ("multipliers.csv", off_circle_csv(branch))];
+    let branch = |branch: &Branch| {
+        vec![("branch.csv", branch.table().csv().into_bytes()), ("multipliers.csv", off_circle_csv(branch))]
+    };
     match data {
         OrbitData::Profiles(profiles) => profiles.iter().map(|one| (tag(one.center), profile_csv(one))).collect(),
         OrbitData::Floquet(families, _) => {
@@ -27,7 +28,10 @@ pub(in super::super) fn orbit_tables(data: &OrbitData) -> Vec<(String, Tables)> 
             vec![(String::new(), tables)]
         }
         OrbitData::Evolutions(runs, _) => {
-            let tables = |run: &Evolution| [vec![("errors.csv", evolution_csv(run))], swing_csv(run)].concat();
+            let tables = |run: &Evolution| {
+                let tables = run.tables().map(|table| table.csv().into_bytes());
+                ["errors.csv", "x.csv", "y.csv"].into_iter().zip(tables).collect()
+            };
             runs.iter().map(|(center, run)| (evolution_tag(*center, run), tables(run))).collect()
         }
         OrbitData::Doubling(one) => vec![(String::new(), doubling_csv(one))],
@@ -349,7 +353,6 @@ pub(in super::super) use pictures::orbit_panels;
 mod pictures {
     use super::*;
     use crate::figures::{Column, Kind as Axes, Line, Panel, Panels, Plot};
-    use crate::study::swing_maps;
 
     fn line(name: &str, points: impl Iterator<Item = (f64, f64)>) -> Line {
         Line { name: name.to_owned(), points: points.collect() }
@@ -386,7 +389,7 @@ mod pictures {
                     let lines = [("at t = 0", &run.orbit.z), ("at the end", &run.end)];
                     let above = if *profile { profiles(&run.orbit, &lines) } else { Vec::new() };
                     let above = above.into_iter().map(Plot::from);
-                    Column::new(heading, above.chain(swing_maps(run).into_iter().map(Plot::from)))
+                    Column::new(heading, above.chain(run.maps().into_iter().map(Plot::from)))
                 };
                 all.iter().map(column).collect()
             }
