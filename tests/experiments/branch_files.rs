@@ -175,11 +175,14 @@ fn orbits_without_multipliers_are_gaps() {
     let branch = study(broken.clone(), &|_, _| {}).unwrap();
     assert_eq!((branch.points.len(), branch.end, branch.trail.orbits.len()), (count - 1, End::Reached, count));
     assert_eq!(branch.gaps, [gap]);
-    assert!(branch.report().text().contains(&format!("orbits without multipliers at omega_b = {gap:.8}")) && branch.report().succeeded());
+    assert!(
+        branch.report().unwrap().text().contains(&format!("orbits without multipliers at omega_b = {gap:.8}"))
+            && branch.report().unwrap().succeeded()
+    );
     broken.orbits[count - 1].setting.turns = 7;
     let branch = study(broken.clone(), &|_, _| {}).unwrap();
     assert_eq!((branch.points.len(), branch.end), (count - 2, End::NoMultipliers));
-    assert!(!branch.report().succeeded());
+    assert!(!branch.report().unwrap().succeeded());
     let why = branch.reached().unwrap_err().to_string();
     assert!(why.contains("ended at omega_b = 2.0") && why.contains("not at 2.04: the multipliers"), "{why}");
     broken.orbits.iter_mut().for_each(|orbit| orbit.setting.turns = 7);
