@@ -8,7 +8,7 @@ use hertzchain::{
     dps::Center,
     orbits::{Continuation, End, Formulation, Orbit, Parameter, Pick, Shooting, Trail},
     output::{Archive, Array, npz, npz_with, to_json},
-    study::{DarkStudy, Report, orbit_study, study},
+    study::{DarkStudy, orbit_study, study},
 };
 use serde_json::{Value, json};
 use std::{
