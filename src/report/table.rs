@@ -39,6 +39,7 @@ cells! {
     f64: x => Self::Number(x);
     Option<f64>: x => Self::Number(x.unwrap_or(f64::NAN));
     usize: n => Self::Count(n as u64);
+    Option<usize>: n => n.map_or(Self::Number(f64::NAN), Self::from);
     u64: n => Self::Count(n);
     bool: holds => Self::Flag(holds);
     &str: word => Self::Word(Some(word.to_owned()));

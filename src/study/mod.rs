@@ -42,8 +42,7 @@ pub(crate) use breather::bright_tables;
 pub use breather::*;
 pub use charts::{
     BOUNDS, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance, ResonancePoint,
-    Struck, StruckPoint, StruckRun, StruckRuns, Trial, Variant, Verdict as ChartVerdict, charts, deviation, kick_sum,
-    resonance,
+    Trial, Variant, Verdict as ChartVerdict, charts, deviation, kick_sum, perturb, resonance,
 };
 pub use compare::{Compare, CompareOptions, Comparison, Entrant, LeftOut, Reference, Row, compare};
 pub use dps::*;
@@ -61,7 +60,6 @@ pub use exact::*;
 pub(crate) use exact::{exact_caption, exact_tables, wave_branch_csv};
 #[cfg(feature = "plot")]
 pub(crate) use exact::{exact_columns, wave_branch_plots};
-pub(crate) use lifetimes::lifetimes_csv;
 pub use lifetimes::*;
 #[cfg(feature = "plot")]
 pub(crate) use modulation::figure as stability_figure;
@@ -85,7 +83,6 @@ pub use si::InSi;
 pub(crate) use solitary::solitary_columns;
 pub use solitary::*;
 pub(crate) use solitary::{solitary_caption, solitary_tables};
-pub(crate) use theorem::theorem_csv;
 pub use theorem::{
     Bound, Errors as TheoremErrors, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremRun, TheoremSlope,
     TheoremStudy, theorem,
@@ -308,19 +305,23 @@ fn infinite(value: &mut Value) {
     }
 }
 
-/// The end of every caption: the scene with its parameters, and the program.
+/// The end of a caption: the scene with its parameters, and the program.
 #[cfg(feature = "plot")]
 fn provenance(scene: &Scene, how: &str) -> String {
+    format!("{} hertzchain {}.", scene_caption(scene, how), env!("CARGO_PKG_VERSION"))
+}
+
+/// The same without the program.
+fn scene_caption(scene: &Scene, how: &str) -> String {
     let params = scene.chain().params();
     let details = scene.details_in_words().map(|words| format!(" Beads differ: {words}.")).unwrap_or_default();
     let summary = Some(&scene.file().summary).filter(|summary| !summary.is_empty());
     format!(
-        "Scene {}{}. N = {}, {}.{details} {how} hertzchain {}.",
+        "Scene {}{}. N = {}, {}.{details} {how}",
         scene.name(),
         summary.map_or(String::new(), |summary| format!(": {summary}")),
         scene.chain().sites(),
         params_words(params),
-        env!("CARGO_PKG_VERSION")
     )
 }
 
@@ -332,7 +333,6 @@ pub(crate) fn params_words(params: Params) -> String {
 
 /// The families of some methods, each once, and the index of that of each method: colours and
 /// headings of a legend.
-#[cfg(feature = "plot")]
 fn families(methods: &[Method]) -> (Vec<String>, Vec<usize>) {
     let mut names: Vec<String> = Vec::new();
     let index = |method: &Method| {

@@ -9,7 +9,7 @@ use hertzchain::{
     chain::{Boundary, Chain, Params, State},
     integrators::{Stepper, collocation::Pace},
     scene::{Scene, SceneFile},
-    study::{Struck as ChartStruck, deviation},
+    study::{deviation, perturb},
 };
 use proptest::{
     prelude::*,
@@ -60,11 +60,21 @@ fn run(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Option<Outcome> {
     Some(Outcome { y, evaluations: run.stats().force_evaluations, stiffness })
 }
 
-/// How many times larger errors of velocities are at the end, see [`ChartStruck`].
+/// How many times larger the motion makes errors of velocities, made at the start or half way, until
+/// the end; at least 1.
 fn amplification(Struck { chain, y0, end }: &Struck) -> f64 {
-    let mut state = State::rest(chain);
-    state.as_mut_slice().copy_from_slice(y0);
-    ChartStruck::new(chain.clone(), state, *end).amplification().expect("fine runs end").0
+    const CHANGE: f64 = 1e-7;
+    let fine = |y: &[f64], time: f64| run(chain, y, time, FINE).expect("fine runs end").y;
+    let half = fine(y0, 0.5 * end);
+    let last = fine(&half, 0.5 * end);
+    let grown = |from: &[f64], time: f64| {
+        let mut y = from.to_vec();
+        let velocities = &mut y[from.len() / 2..];
+        let size = velocities.iter().fold(0.0, |most: f64, velocity| most.max(velocity.abs()));
+        perturb(velocities, CHANGE * size, 1e-3 * size);
+        deviation(&fine(&y, time), &last) / CHANGE
+    };
+    grown(y0, *end).max(grown(&half, 0.5 * end)).max(1.0)
 }
 
 fn struck() -> impl Strategy<Value = Struck> {

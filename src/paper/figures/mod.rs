@@ -25,7 +25,7 @@ use crate::{
     output::to_json,
     study::{
         BrightHistory, BrightStudy, LifetimeStudy, StabilityStudy, TheoremStudy, WaveStudy, bright_tables, center_word,
-        lifetimes_csv, stability_caption, stability_tables, wave_tables,
+        stability_caption, stability_tables, wave_tables,
     },
 };
 use serde_json::json;
@@ -204,7 +204,7 @@ impl Figure {
             }
             Data::Bright(study) => named("", bright_tables(study)),
             Data::BrightHistory(history) => named("", heavy::history_csv(history)),
-            Data::Lifetimes(study) => vec![(format!("{}.csv", self.name), lifetimes_csv(study))],
+            Data::Lifetimes(study) => vec![(format!("{}.csv", self.name), study.table().csv().into_bytes())],
             Data::Orbits(data) => {
                 orbits::orbit_tables(data).into_iter().flat_map(|(tag, tables)| named(&tag, tables)).collect()
             }

@@ -14,8 +14,7 @@
 //! 10^4 periods of the fastest motion, over a ladder of steps, each the one before over `sqrt 2`,
 //! or of tolerances. A run that would take more work than it may is left out or stopped, and is
 //! marked so. Resonances of steps with periods, which a ladder may step over, have a chart of their
-//! own. So have long chains at rest that are struck, where contact collocation is tested at loose
-//! tolerances.
+//! own.
 //!
 //! Measured on the built-in problem: kinetic splits lose stability where the harmonic oscillator
 //! does (Verlet at `h omega = 2`); every scheme on the exact linear flow has resonances;
@@ -28,18 +27,16 @@ mod report;
 mod measure;
 mod problem;
 mod resonances;
-mod struck;
 
-pub use crate::run::deviation;
+pub use crate::run::{deviation, perturb};
 pub use measure::{BOUNDS, Limit, Measured, Trial, Verdict};
 pub use problem::{Problem, Variant};
 pub use resonances::{Resonance, kick_sum, resonance};
-pub use struck::{Struck, StruckRun, StruckRuns};
 
 use super::{Changes, Study, Work, methods, scene};
 use crate::{
-    chain::Params,
     error::{Error, Result},
+    report::Report,
     run::method::{Contacts, Method, Split},
     sweep::{Engine, Grid, Row},
 };
@@ -82,15 +79,11 @@ pub enum Chart {
     Time,
     /// (a) resonances of the exact linear flow, against amplitude.
     Resonances,
-    /// (f) long chains at rest that are struck: contact collocation, number of beads against
-    /// tolerance.
-    Struck,
 }
 
 impl Chart {
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::Light, Self::Stiffness, Self::Alpha, Self::Length, Self::Time, Self::Resonances, Self::Struck];
+    pub const ALL: [Self; 6] = [Self::Light, Self::Stiffness, Self::Alpha, Self::Length, Self::Time, Self::Resonances];
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -101,7 +94,6 @@ impl Chart {
             Self::Length => "length",
             Self::Time => "time",
             Self::Resonances => "resonances",
-            Self::Struck => "struck",
         }
     }
 
@@ -151,7 +143,7 @@ impl Chart {
                 })
                 .collect(),
             Self::Time => up_to(options.periods).map(|periods| Variant { periods: Some(periods), ..none }).collect(),
-            Self::Resonances | Self::Struck => Vec::new(),
+            Self::Resonances => Vec::new(),
         }
     }
 }
@@ -180,8 +172,8 @@ pub struct ChartOptions {
     /// Charts, separated by commas [default: all].
     ///
     /// The charts are light (mass ratios), stiffness (amplitudes and spring constants), alpha
-    /// (exponents), length (numbers of beads), time (lengths of runs), resonances (of the exact
-    /// linear flow) and struck (long chains at rest, struck at one end).
+    /// (exponents), length (numbers of beads), time (lengths of runs) and resonances (of the
+    /// exact linear flow).
     #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ',', value_parser = listed))]
     pub charts: Vec<Chart>,
     /// Integrators, separated by commas, or all [default: all].
@@ -199,12 +191,12 @@ pub struct ChartOptions {
     pub work: f64,
     /// Number of sites.
     ///
-    /// Length of the longest chain in the charts `length` and `struck`, from 1 to 10^6.
+    /// Length of the longest chain in the chart `length`, from 1 to 10^6.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value = "100000"))]
     pub sites: usize,
     /// Compute fewer points.
     ///
-    /// At most a third of the points of light, stiffness and alpha, and half of those of struck.
+    /// At most a third of the points of light, stiffness and alpha.
     #[cfg_attr(feature = "cli", arg(long))]
     pub quick: bool,
 }
@@ -227,17 +219,33 @@ impl ChartOptions {
 }
 
 impl Study for Charts {
-    const FILES: &'static str = "Files: stability.json, a CSV and PNGs a chart, and stability.store.";
+    const FILES: &'static str = "A chart has pictures of its own, CHART.png. stability.store keeps every point as soon as it was measured; the same \
+                                 command resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 
     fn sometimes() -> Vec<String> {
-        let of_chart = |chart: Chart| ["", "-ladder"].map(|part| format!("{}{part}", chart.name()));
+        let of_chart =
+            |chart: Chart| ["", "-ladder", "-errors", "-widths"].map(|part| format!("{}{part}", chart.name()));
         let of_method = |method: Method| ["light", "stiffness"].map(|chart| format!("{chart}-{}", method.name()));
         let tables = Chart::ALL.into_iter().flat_map(of_chart);
         let maps = Method::all().into_iter().flat_map(of_method);
         let names = |stem: String| [format!("{stem}.csv"), format!("{stem}.png")];
-        tables.chain(maps).flat_map(names).collect()
+        tables.chain(maps).chain(["regimes".to_owned()]).flat_map(names).collect()
+    }
+
+    fn outline() -> Option<Report> {
+        let empty = ChartStudy {
+            charts: Chart::ALL.to_vec(),
+            methods: Vec::new(),
+            work: 0.0,
+            problem: Problem::built_in(),
+            points: Vec::new(),
+            resonances: Vec::new(),
+            resumed: 0,
+            wall: Duration::ZERO,
+        };
+        Some(empty.report())
     }
 
     fn begin(&self) -> Result<Work<'_>> {
@@ -252,7 +260,7 @@ impl Study for Charts {
         options.methods()?;
         Ok(Box::new(move |engine, progress| {
             let tell = |done, total| progress(done as f64 / total as f64, "");
-            Ok(Box::new(charts(&problem, options, engine, &tell)?))
+            Ok(Box::new(charts(&problem, options, engine, &tell)?.report()))
         }))
     }
 }
@@ -283,19 +291,6 @@ pub struct ResonancePoint {
     pub resonance: Row<Option<Resonance>>,
 }
 
-/// A free chain at rest whose first bead is struck, by contact collocation.
-#[derive(Clone, Debug)]
-pub struct StruckPoint {
-    /// Number of beads.
-    pub sites: usize,
-    /// Exponent.
-    pub alpha: f64,
-    /// Mass ratio.
-    pub rho: f64,
-    /// The runs at all tolerances, or why there are none.
-    pub runs: Row<StruckRuns>,
-}
-
 /// The charts.
 #[derive(Clone, Debug)]
 pub struct ChartStudy {
@@ -311,8 +306,6 @@ pub struct ChartStudy {
     pub points: Vec<ChartPoint>,
     /// The points of the chart of resonances, ordered by scheme, then by multiple.
     pub resonances: Vec<ResonancePoint>,
-    /// The struck chains, ordered by number of beads.
-    pub struck: Vec<StruckPoint>,
     /// Number of points that were read from stores instead of computed.
     pub resumed: usize,
     /// Wall time.
@@ -366,12 +359,6 @@ enum Place<'a> {
         #[serde(skip)]
         method: Method,
     },
-    Struck {
-        sites: usize,
-        alpha: f64,
-        kappa: f64,
-        rho: f64,
-    },
 }
 
 /// What is measured at a point.
@@ -380,29 +367,10 @@ enum Place<'a> {
 enum Value {
     Chart(Measured),
     Resonance(Option<Resonance>),
-    Struck(StruckRuns),
-}
-
-/// The chains of the chart of struck chains, if it is asked for.
-fn struck_places(problem: &Problem, options: &ChartOptions, methods: &[Method]) -> Vec<Place<'static>> {
-    if !options.charts().contains(&Chart::Struck) || !methods.contains(&Method::Collocation) {
-        return Vec::new();
-    }
-    let count = if options.quick { struck::SITES.len() / 2 } else { struck::SITES.len() };
-    let mut lengths: Vec<usize> = struck::SITES[..count].iter().copied().filter(|n| *n <= options.sites).collect();
-    if lengths.is_empty() {
-        lengths.push(options.sites.max(2));
-    }
-    let chains = |sites: usize| {
-        let kappa = problem.chain().kappa;
-        let of = move |alpha| struck::MASS_RATIOS.map(|rho| Place::Struck { sites, alpha, kappa, rho });
-        struck::EXPONENTS.into_iter().flat_map(of)
-    };
-    lengths.into_iter().flat_map(chains).collect()
 }
 
 /// The points of all charts.
-fn places<'a>(problem: &Problem, options: &ChartOptions, methods: &[Method], names: &'a [String]) -> Vec<Place<'a>> {
+fn places<'a>(options: &ChartOptions, methods: &[Method], names: &'a [String]) -> Vec<Place<'a>> {
     let methods_named = || methods.iter().copied().zip(names);
     let charted = options.charts();
     let variants = charted.iter().flat_map(|&chart| chart.variants(options).into_iter().map(move |one| (chart, one)));
@@ -420,7 +388,6 @@ fn places<'a>(problem: &Problem, options: &ChartOptions, methods: &[Method], nam
             }
         }
     }
-    places.extend(struck_places(problem, options, methods));
     places
 }
 
@@ -441,7 +408,7 @@ pub fn charts(
     check(options)?;
     let methods = options.methods()?;
     let names: Vec<String> = methods.iter().map(Method::name).collect();
-    let places = places(problem, options, &methods, &names);
+    let places = places(options, &methods, &names);
     let settings = json!({"problem": problem.source(), "work": options.work, "bounds": BOUNDS});
     let grid = Grid { store: STORE, study: "charts", settings };
     let swept = engine.sweep(&grid, &places, progress, |place| value(problem, options, place))?;
@@ -455,7 +422,6 @@ pub fn charts(
         problem: problem.clone(),
         points: Vec::new(),
         resonances: Vec::new(),
-        struck: Vec::new(),
         resumed: swept.resumed,
         wall: Duration::ZERO,
         charts: options.charts(),
@@ -478,10 +444,6 @@ impl ChartStudy {
                 let resonance = row.and_then(|value| if let Value::Resonance(it) = value { Ok(it) } else { other() });
                 self.resonances.push(ResonancePoint { method, k, amplitude, resonance });
             }
-            Place::Struck { sites, alpha, rho, .. } => {
-                let runs = row.and_then(|value| if let Value::Struck(it) = value { Ok(it) } else { other() });
-                self.struck.push(StruckPoint { sites, alpha, rho, runs });
-            }
         }
     }
 }
@@ -499,9 +461,6 @@ fn value(problem: &Problem, options: &ChartOptions, place: &Place) -> Result<Val
         }
         Place::Resonance { method, k, amplitude, .. } => {
             resonances::resonance(problem, method, k, amplitude).map(Value::Resonance)
-        }
-        Place::Struck { sites, alpha, kappa, rho } => {
-            Struck::free(Params::new(alpha, kappa, rho)?, sites)?.measure().map(Value::Struck)
         }
     }
 }

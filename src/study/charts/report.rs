@@ -1,196 +1,114 @@
-//! The charts of stability as text, JSON, CSV and pictures.
+//! The report of the charts of stability.
 
-use super::struck::TOLERANCES;
-#[cfg(feature = "plot")]
-use super::struck::{EXPONENTS, MASS_RATIOS};
 use super::{
-    BOUNDS, Chart, ChartPoint, ChartStudy, Limit, Measured, ResonancePoint, StruckPoint, Trial, Variant,
-    Verdict as ChartVerdict, kick_sum,
+    BOUNDS, Chart, ChartPoint, ChartStudy, Limit, Measured, ResonancePoint, Trial, Variant, Verdict as ChartVerdict,
+    kick_sum,
 };
 use crate::{
-    error::Result,
-    present::{machine_json, table},
-    run::method::Method,
-    study::{File, Report},
+    present::machine_json,
+    report::{
+        CellMap,
+        Digits::{Fixed, Hidden, Json, Power, Short},
+        Line, Maps, Matrix, Report, Rows, Table,
+    },
+    run::method::{Method, Split},
+    study::word,
 };
 use serde_json::{Value, json};
-use std::fmt::Write;
 
-impl Report for ChartStudy {
-    /// `wall` is seconds a unit of time, and depends on the load of the machine.
-    fn json(&self) -> Value {
-        let chain = self.problem.chain();
-        json!({
-            "scene": self.problem.name(),
-            "chain": chain,
-            "amplitude": self.problem.amplitude(),
-            "bounds": BOUNDS,
-            "work": self.work,
-            "points": self.points.iter().map(point_json).collect::<Vec<_>>(),
-            "resonances": self.resonances.iter().map(resonance_json).collect::<Vec<_>>(),
-            "struck": self.struck.iter().map(struck_json).collect::<Vec<_>>(),
-            "regimes": regimes(self).iter().map(Cheapest::json).collect::<Vec<_>>(),
-            "computed": computed(self),
-            "resumed": self.resumed,
-            "wall_s": self.wall.as_secs_f64(),
-            "machine": machine_json(),
-            "version": env!("CARGO_PKG_VERSION"),
-        })
-    }
+/// What a variant may change.
+const VARIED: [&str; 6] = ["rho", "kappa", "alpha", "amplitude", "sites", "periods"];
+/// The names of the bounds in columns.
+const BOUND_NAMES: [&str; 2] = ["1e-3", "1e-6"];
 
-    /// The verdict and the error of every method at its usual step, the resonances, and the
-    /// cheapest method of every regime.
-    fn text(&self) -> String {
-        let mut text = format!(
-            "{}: {} sites, alpha = {}, kappa = {}, rho = {}, amplitude {}\n",
-            self.problem.name(),
-            self.problem.chain().sites,
-            self.problem.chain().alpha,
-            self.problem.chain().kappa,
-            self.problem.chain().rho,
-            self.problem.amplitude()
-        );
-        for &chart in &self.charts {
-            text += &format!("\n{}\n\n", heading(chart));
-            text += &match chart {
-                Chart::Resonances => resonances_table(self),
-                Chart::Struck => struck_table(self),
-                _ => errors_table(self, chart),
-            };
-        }
+impl ChartStudy {
+    /// The report. Wall times depend on the load of the machine.
+    pub fn report(&self) -> Report {
+        let (chain, problem) = (self.problem.chain(), &self.problem);
         let regimes = regimes(self);
-        if !regimes.is_empty() {
-            text += "\nFewest force evaluations for an energy error below\n\n";
-            text += &regimes_table(&regimes);
-            text += "\nh Omega: step times max(omega, Omega_c); >: no longer step was tried; tol: of an adaptive method, h is then its mean step. Cost: force\n\
-                 evaluations a unit of time.\n";
+        let computed = self.points.len() + self.resonances.len() - self.resumed;
+        let (wall, amplitude) = (self.wall.as_secs_f64(), problem.amplitude());
+        let mut report = Report::new("stability")
+            .fact("scene", problem.name())
+            .fact("chain", chain)
+            .fact("amplitude", amplitude)
+            .fact("bounds", BOUNDS)
+            .fact("work", self.work)
+            .fact("points", json!([]))
+            .fact("resonances", json!([]))
+            .words(format!(
+                "{}: {} sites, alpha = {}, kappa = {}, rho = {}, amplitude {amplitude}",
+                problem.name(),
+                chain.sites,
+                chain.alpha,
+                chain.kappa,
+                chain.rho,
+            ));
+        let mut all = Vec::new();
+        for &chart in &self.charts {
+            report = report.words(heading(chart));
+            if chart == Chart::Resonances {
+                report = report.table(resonances(&self.resonances)).table(widths(&self.resonances));
+                continue;
+            }
+            let points = points(self, chart);
+            all.extend(points.json());
+            report = report.table(errors(self, chart)).table(points).table(ladder(self, chart));
         }
-        text += &format!(
-            "\n{} points computed, {} resumed, {:.1} s\n",
-            computed(self),
-            self.resumed,
-            self.wall.as_secs_f64()
-        );
-        text
-    }
-
-    fn files(&self, json: &str) -> Result<Vec<File>> {
-        let mut files = vec![("stability.json".to_owned(), json.into())];
-        files.extend(csv_files(self));
-        Ok(files)
+        if self.charts != [Chart::Resonances] {
+            let last = "d: drifting, of collocation only above its tolerance. lost: above 1, or failed. dear: not \
+                        finished within twenty times the work of a run. Fewest force evaluations for an energy error \
+                        below 1e-3 and below 1e-6; >: no longer step was tried; tol: of an adaptive method, its mean step \
+                        follows:";
+            report = report.words(last).table(regimes_table(&regimes));
+        }
+        report = report
+            .fact("points", all)
+            .fact("computed", computed)
+            .fact("resumed", self.resumed)
+            .fact("wall_s", wall)
+            .fact("machine", machine_json())
+            .words(format!("{computed} points computed, {} resumed, {wall:.1} s", self.resumed));
+        self.pictures(report)
     }
 
     /// Heat maps of every chart.
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
-        let mut pictures = Vec::new();
+    fn pictures(&self, mut report: Report) -> Report {
         for &chart in &self.charts {
             let name = chart.name();
             if chart == Chart::Resonances {
                 if !self.resonances.is_empty() {
-                    pictures.push((format!("{name}.png"), crate::figures::matrix(&resonance_matrix(self))?));
+                    report = report.picture_named(name, resonance_matrix(self));
                 }
                 continue;
             }
-            if chart == Chart::Struck {
-                if !self.struck.is_empty() {
-                    pictures.push((format!("{name}.png"), crate::figures::maps(&struck_map(self))?));
-                }
-                continue;
-            }
-            pictures.push((format!("{name}.png"), crate::figures::matrix(&error_matrix(self, chart))?));
-            let maps: Vec<(String, String, crate::figures::CellMap)> = match chart {
+            report = report.picture_named(name, error_matrix(self, chart));
+            let maps: Vec<(String, String, CellMap)> = match chart {
                 Chart::Light => shown(self).iter().filter_map(|method| step_map(self, method)).collect(),
                 Chart::Stiffness => shown(self).iter().map(|method| stiffness_map(self, method)).collect(),
                 _ => Vec::new(),
             };
             for (title, caption, map) in maps {
-                let file = format!("{name}-{}.png", title.split(':').next().unwrap_or_default());
+                let file = format!("{name}-{}", title.split(':').next().unwrap_or_default());
                 let caption = format!("{} {caption}", provenance(self, chart));
-                let figure = crate::figures::Maps { title, maps: vec![map], caption };
-                pictures.push((file, crate::figures::maps(&figure)?));
+                report = report.picture_named(&file, Maps { title, maps: vec![map], caption });
             }
         }
-        Ok(pictures)
+        report
     }
-}
-
-/// Number of points that were computed, not read from stores.
-fn computed(study: &ChartStudy) -> usize {
-    study.points.len() + study.resonances.len() + study.struck.len() - study.resumed
-}
-
-fn point_json(point: &ChartPoint) -> Value {
-    let mut value = json!({"chart": point.chart, "integrator": point.method.name()});
-    for (name, given) in values(&point.variant) {
-        value[name] = json!(given);
-    }
-    match &point.measured {
-        Ok(Measured { contact, fast, span, usual, ladder, limits, stability }) => {
-            value["contact_frequency"] = json!(contact);
-            value["fast_frequency"] = json!(fast);
-            value["span"] = json!(span);
-            value["verdict"] = json!(usual.verdict);
-            value["energy_error"] = json!(usual.error);
-            value["usual"] = json!(usual);
-            value["limits"] = json!(limits);
-            value["stability_limit"] = json!(stability);
-            value["ladder"] = json!(ladder);
-        }
-        Err(why) => value["refused"] = json!(why),
-    }
-    value
-}
-
-fn resonance_json(point: &ResonancePoint) -> Value {
-    let mut value = json!({
-        "integrator": point.method.name(),
-        "k": point.k,
-        "amplitude": point.amplitude,
-        "kick_sum": kick_sum(&point.method, point.k),
-    });
-    match &point.resonance {
-        Ok(found) => {
-            value["resonance"] = json!(found);
-            value["width"] = json!(found.as_ref().map(|found| found.edges[1] - found.edges[0]));
-        }
-        Err(why) => value["refused"] = json!(why),
-    }
-    value
-}
-
-fn struck_json(point: &StruckPoint) -> Value {
-    let mut value = json!({"sites": point.sites, "alpha": point.alpha, "rho": point.rho});
-    match &point.runs {
-        Ok(measured) => {
-            value["until"] = json!(measured.until);
-            value["amplification"] = json!(measured.amplification);
-            let run = |run| {
-                let mut value = json!(run);
-                value["ratio"] = json!(measured.ratio(run));
-                value
-            };
-            value["runs"] = measured.runs.iter().map(run).collect();
-        }
-        Err(why) => value["refused"] = json!(why),
-    }
-    value
 }
 
 /// What a variant changes, by name.
-fn values(variant: &Variant) -> Vec<(&'static str, f64)> {
+fn value(name: &str, variant: &Variant) -> Option<f64> {
     let Variant { rho, kappa, alpha, amplitude, sites, periods } = *variant;
-    [
-        ("rho", rho),
-        ("kappa", kappa),
-        ("alpha", alpha),
-        ("amplitude", amplitude),
-        ("sites", sites.map(|n| n as f64)),
-        ("periods", periods),
-    ]
-    .into_iter()
-    .filter_map(|(name, value)| Some((name, value?)))
-    .collect()
+    match name {
+        "rho" => rho,
+        "kappa" => kappa,
+        "alpha" => alpha,
+        "amplitude" => amplitude,
+        "sites" => sites.map(|n| n as f64),
+        _ => periods,
+    }
 }
 
 /// The parameters that tell the variants of a chart apart.
@@ -202,209 +120,215 @@ fn axes(chart: Chart) -> &'static [&'static str] {
         Chart::Length => &["sites"],
         Chart::Time => &["periods"],
         Chart::Resonances => &["sites", "amplitude"],
-        Chart::Struck => &[],
     }
 }
 
 fn place(chart: Chart, variant: &Variant) -> Vec<f64> {
-    let values = values(variant);
-    axes(chart)
-        .iter()
-        .filter_map(|name| values.iter().find(|(other, _)| other == name).map(|(_, value)| *value))
-        .collect()
+    axes(chart).iter().filter_map(|name| value(name, variant)).collect()
 }
 
-/// The charts as CSV files by name: a line a point. Charts of variants have the runs of their
-/// ladders in a second file. A cell is empty if there is no value.
-fn csv_files(study: &ChartStudy) -> Vec<File> {
-    let mut files = Vec::new();
-    for &chart in &study.charts {
-        let name = chart.name();
-        if chart == Chart::Resonances {
-            files.push((format!("{name}.csv"), resonances_csv(study)));
-            continue;
-        }
-        if chart == Chart::Struck {
-            files.push((format!("{name}.csv"), struck_csv(study)));
-            continue;
-        }
-        files.push((format!("{name}.csv"), points_csv(study, chart)));
-        files.push((format!("{name}-ladder.csv"), ladder_csv(study, chart)));
+/// Columns for what tells the variants of a chart apart; JSON has all that they change.
+fn varied<'a, T>(mut table: Rows<'a, T>, chart: Chart, variant: fn(&T) -> &Variant) -> Rows<'a, T> {
+    let others = VARIED.iter().filter(|name| !axes(chart).contains(name));
+    for (name, digits) in axes(chart).iter().map(|name| (name, Hidden)).chain(others.map(|name| (name, Json))) {
+        table = table.col(*name, digits, "", |row| value(name, variant(row)));
     }
-    files
+    table
 }
 
-fn cell(value: Option<f64>) -> String {
-    value.map(|value| format!("{value:e}")).unwrap_or_default()
-}
-
-fn word(verdict: ChartVerdict) -> &'static str {
-    match verdict {
-        ChartVerdict::Stable => "stable",
-        ChartVerdict::Drifting => "drifting",
-        ChartVerdict::Lost => "lost",
-        ChartVerdict::Dear => "dear",
+/// The points of a chart.
+fn points(study: &ChartStudy, chart: Chart) -> Table {
+    fn of(value: fn(&Measured) -> Option<f64>) -> impl Fn(&&ChartPoint) -> Option<f64> {
+        move |point| point.measured.as_ref().ok().and_then(value)
     }
-}
-
-fn points_csv(study: &ChartStudy, chart: Chart) -> Vec<u8> {
-    let mut text = format!(
-        "integrator,{},contact_frequency,fast_frequency,span,verdict,energy_error,step,cost,step_1e-3,cost_1e-3,step_1e-6,cost_1e-6,stability_limit,why\n",
-        axes(chart).join(",")
+    fn nested(value: fn(&Measured) -> Value) -> impl Fn(&&ChartPoint) -> Value {
+        move |point| point.measured.as_ref().map_or(Value::Null, value)
+    }
+    let points: Vec<&ChartPoint> = study.of(chart).collect();
+    let table = Table::of(chart.name(), &points).key("").col("chart", Json, "", |point| point.chart.name()).col(
+        "integrator",
+        Hidden,
+        "",
+        |point| point.method.name(),
     );
-    for point in study.of(chart) {
-        let place: Vec<String> = place(chart, &point.variant).into_iter().map(|value| format!("{value:e}")).collect();
-        let _ = write!(text, "{},{},", point.method.name(), place.join(","));
-        match &point.measured {
-            Ok(measured) => {
-                let usual = &measured.usual;
-                let limits = measured.limits.iter().flat_map(|limit| {
-                    let of = |value: fn(&Trial) -> f64| cell(limit.trial.as_ref().map(value));
-                    [of(|trial| trial.step), of(|trial| trial.cost)]
-                });
-                let cells: Vec<String> = [
-                    format!("{:e}", measured.contact),
-                    format!("{:e}", measured.fast),
-                    format!("{:e}", measured.span),
-                    word(usual.verdict).to_owned(),
-                    cell(usual.error),
-                    format!("{:e}", usual.step),
-                    format!("{:e}", usual.cost),
-                ]
-                .into_iter()
-                .chain(limits)
-                .chain([cell(measured.stability), usual.failure.clone().unwrap_or_default().replace(',', ";")])
-                .collect();
-                text += &(cells.join(",") + "\n");
-            }
-            Err(why) => {
-                let _ = writeln!(text, ",,,refused,,,,,,,,,{}", why.replace(',', ";"));
-            }
-        }
+    let mut table = varied(table, chart, |point| &point.variant)
+        .col("contact_frequency", Hidden, "Omega_c", of(|measured| Some(measured.contact)))
+        .col("fast_frequency", Hidden, "frequency of the fastest motion", of(|measured| Some(measured.fast)))
+        .col("span", Hidden, "length of the runs", of(|measured| Some(measured.span)))
+        .col("verdict", Hidden, "at the usual step or tolerance", |point| {
+            point.measured.as_ref().map_or_else(|_| "refused".to_owned(), |measured| word(&measured.usual.verdict))
+        })
+        .col("energy_error", Hidden, "the same", of(|measured| measured.usual.error))
+        .col("step", Hidden, "the usual step", of(|measured| Some(measured.usual.step)))
+        .col("cost", Hidden, "force evaluations a unit of time", of(|measured| Some(measured.usual.cost)));
+    for (nth, bound) in BOUND_NAMES.iter().enumerate() {
+        let trial = move |point: &ChartPoint| point.measured.as_ref().ok()?.limits.get(nth)?.trial.clone();
+        table = table
+            .col(format!("step_{bound}"), Hidden, format!("largest step with an energy error below {bound}"), |point| {
+                trial(point).map(|trial| trial.step)
+            })
+            .col(format!("cost_{bound}"), Hidden, "its cost", |point| trial(point).map(|trial| trial.cost));
     }
-    text.into_bytes()
+    table
+        .col("stability_limit", Hidden, "limit of stability of the step times the fast frequency", {
+            of(|measured| measured.stability)
+        })
+        .col("why", Hidden, "why nothing was measured, or why the run failed", |point| {
+            point.measured.as_ref().map_or_else(|why| Some(why.clone()), |measured| measured.usual.failure.clone())
+        })
+        .col("usual", Json, "", nested(|measured| json!(measured.usual)))
+        .col("limits", Json, "", nested(|measured| json!(measured.limits)))
+        .col("ladder", Json, "", nested(|measured| json!(measured.ladder)))
+        .col("refused", Json, "", |point| point.measured.as_ref().err().cloned())
+        .done()
 }
 
-fn ladder_csv(study: &ChartStudy, chart: Chart) -> Vec<u8> {
-    let mut text = format!("integrator,{},step,tol,h_fast,verdict,energy_error,cost\n", axes(chart).join(","));
-    for point in study.of(chart) {
-        let Ok(measured) = &point.measured else { continue };
-        let place: Vec<String> = place(chart, &point.variant).into_iter().map(|value| format!("{value:e}")).collect();
-        for trial in &measured.ladder {
-            let cells = [
-                point.method.name(),
-                place.join(","),
-                format!("{:e}", trial.step),
-                cell(trial.tol),
-                format!("{:e}", trial.step * measured.fast),
-                word(trial.verdict).to_owned(),
-                cell(trial.error),
-                format!("{:e}", trial.cost),
-            ];
-            text += &(cells.join(",") + "\n");
-        }
-    }
-    text.into_bytes()
+/// The runs of the ladders of a chart.
+fn ladder(study: &ChartStudy, chart: Chart) -> Table {
+    let measured = study.of(chart).filter_map(|point| Some((point, point.measured.as_ref().ok()?)));
+    let rows: Vec<(&ChartPoint, f64, &Trial)> =
+        measured.flat_map(|(point, it)| it.ladder.iter().map(move |trial| (point, it.fast, trial))).collect();
+    let table = Table::of(format!("{}-ladder", chart.name()), &rows)
+        .key("")
+        .col("integrator", Hidden, "", |row| row.0.method.name());
+    varied(table, chart, |row| &row.0.variant)
+        .col("step", Hidden, "the mean one for adaptive methods", |row| row.2.step)
+        .col("tol", Hidden, "tolerance", |row| row.2.tol)
+        .col("h_fast", Hidden, "step times the fast frequency", |row| row.1 * row.2.step)
+        .col("verdict", Hidden, "", |row| word(&row.2.verdict))
+        .col("energy_error", Hidden, "", |row| row.2.error)
+        .col("cost", Hidden, "force evaluations a unit of time", |row| row.2.cost)
+        .done()
 }
 
-fn resonances_csv(study: &ChartStudy) -> Vec<u8> {
-    let mut text =
-        String::from("integrator,k,amplitude,kick_sum,lower,upper,centre,width,growth,error_inside,error_beside,why\n");
-    for point in &study.resonances {
-        let _ = write!(
-            text,
-            "{},{},{:e},{},",
-            point.method.name(),
-            point.k,
-            point.amplitude,
-            cell(kick_sum(&point.method, point.k))
-        );
-        let line = match &point.resonance {
-            Ok(Some(found)) => format!(
-                "{:e},{:e},{:e},{:e},{:e},{},{},",
-                found.edges[0],
-                found.edges[1],
-                found.centre,
-                found.edges[1] - found.edges[0],
-                found.growth,
-                cell(found.inside),
-                cell(found.beside)
-            ),
-            Ok(None) => ",,,,,,,none found that stands apart and grows by more than 1e-6 a step".to_owned(),
-            Err(why) => format!(",,,,,,,{}", why.replace(',', ";")),
+/// The worst error of every method at each value of the first parameter.
+fn errors(study: &ChartStudy, chart: Chart) -> Table {
+    let mut columns: Vec<f64> = study.variants(chart).iter().map(|variant| place(chart, variant)[0]).collect();
+    columns.dedup();
+    let of = |method: Method| study.of(chart).filter(move |point| point.method == method);
+    let mut table = Table::of(format!("{}-errors", chart.name()), &study.methods).key("").col(
+        "integrator",
+        Short,
+        "",
+        Method::name,
+    );
+    for column in columns {
+        table = table.col(plain(column), Short, "", |method| {
+            let points = of(*method).filter(|point| place(chart, &point.variant)[0] == column);
+            points.max_by(|a, b| badness(a).total_cmp(&badness(b))).map(error_cell)
+        });
+    }
+    if chart == Chart::Light {
+        let limit = |method: &Method| {
+            let measured = of(*method).next()?.measured.as_ref().ok()?;
+            Some((measured.stability?, measured.contact / measured.fast))
         };
-        text += &(line + "\n");
+        table = table.col("h omega", Fixed(3), "", |method| limit(method).map(|(limit, _)| limit)).col(
+            "h Omega_c",
+            Power(1),
+            "",
+            |method| limit(method).map(|(limit, ratio)| limit * ratio),
+        );
     }
-    text.into_bytes()
+    table.done()
 }
 
-fn struck_csv(study: &ChartStudy) -> Vec<u8> {
-    let mut text = String::from("sites,alpha,rho,until,amplification,tol,error,ratio,windows,force_evaluations,why\n");
-    for point in &study.struck {
-        let StruckPoint { sites, alpha, rho, .. } = point;
-        match &point.runs {
-            Ok(measured) => {
-                for run in &measured.runs {
-                    let cells = [measured.until, measured.amplification, run.tol].map(|value| format!("{value:e}"));
-                    let errors = [cell(run.error), cell(measured.ratio(run))];
-                    let work = format!("{},{}", run.windows, run.force_evaluations);
-                    let why = if run.error.is_some() { "" } else { "failed" };
-                    let _ =
-                        writeln!(text, "{sites},{alpha},{rho},{},{},{work},{why}", cells.join(","), errors.join(","));
-                }
-            }
-            Err(why) => {
-                let _ = writeln!(text, "{sites},{alpha},{rho},,,,,,,,{}", why.replace(',', ";"));
-            }
-        }
-    }
-    text.into_bytes()
-}
-
-/// The cells of the chart of struck chains: number of beads, tolerance, and the largest error in
-/// units of tolerance times amplification over the chains of that length; `None` where a run
-/// failed.
-fn struck_cells(study: &ChartStudy) -> Vec<(usize, f64, Option<f64>)> {
-    let mut cells = Vec::new();
-    for points in study.struck.chunk_by(|a, b| a.sites == b.sites) {
-        for (k, &tol) in TOLERANCES.iter().enumerate() {
-            let ratio = |point: &StruckPoint| {
-                let measured = point.runs.as_ref().ok()?;
-                measured.ratio(&measured.runs[k])
-            };
-            let worst = points.iter().try_fold(0.0f64, |worst, point| Some(worst.max(ratio(point)?)));
-            cells.push((points[0].sites, tol, worst));
-        }
-    }
-    cells
-}
-
-fn struck_table(study: &ChartStudy) -> String {
-    let cells = struck_cells(study);
-    let names: Vec<String> = TOLERANCES.iter().map(|tol| format!("tol {tol:e}")).collect();
-    let head: Vec<&str> = ["N"].into_iter().chain(names.iter().map(String::as_str)).collect();
-    let word = |ratio: Option<f64>| ratio.map_or_else(|| "failed".to_owned(), |ratio| format!("{ratio:.0e}"));
-    let row = |cells: &[(usize, f64, Option<f64>)]| {
-        [cells[0].0.to_string()].into_iter().chain(cells.iter().map(|cell| word(cell.2))).collect()
+/// The resonances.
+fn resonances(points: &[ResonancePoint]) -> Table {
+    let of = |value: fn(&super::Resonance) -> Option<f64>| {
+        move |point: &ResonancePoint| point.resonance.as_ref().ok()?.as_ref().and_then(value)
     };
-    let rows: Vec<Vec<String>> = cells.chunk_by(|a, b| a.0 == b.0).map(row).collect();
-    table(&head, &rows)
-        + "The largest error over all exponents and mass ratios, in units of tolerance times amplification: how many times larger the motion makes an error.\n"
+    Table::of("resonances", points)
+        .key("resonances")
+        .col("integrator", Hidden, "", |point| point.method.name())
+        .col("k", Hidden, "multiple of pi", |point| point.k as usize)
+        .col("amplitude", Hidden, "static overlap", |point| point.amplitude)
+        .col("kick_sum", Hidden, "|S_k|, the sum of the kicks b_j e^(2 pi i k c_j)", |point| {
+            kick_sum(&point.method, point.k)
+        })
+        .col("lower", Hidden, "lower edge in h omega", of(|found| Some(found.edges[0])))
+        .col("upper", Hidden, "upper edge", of(|found| Some(found.edges[1])))
+        .col("centre", Hidden, "where it grows most", of(|found| Some(found.centre)))
+        .col("width", Hidden, "", of(|found| Some(found.edges[1] - found.edges[0])))
+        .col("growth", Hidden, "growth a step, ln |lambda|", of(|found| Some(found.growth)))
+        .col("error_inside", Hidden, "energy error at the centre", of(|found| found.inside))
+        .col("error_beside", Hidden, "energy error at h omega = (k - 1/2) pi", of(|found| found.beside))
+        .col("why", Hidden, "why there is none", |point| match &point.resonance {
+            Ok(Some(_)) => None,
+            Ok(None) => Some("none found that stands apart and grows by more than 1e-6 a step".to_owned()),
+            Err(why) => Some(why.clone()),
+        })
+        .col("resonance", Json, "", |point| json!(point.resonance.as_ref().ok()))
+        .col("refused", Json, "", |point| point.resonance.as_ref().err().cloned())
+        .done()
+}
+
+/// Width and growth of every resonance at each static overlap.
+fn widths(points: &[ResonancePoint]) -> Table {
+    let rows: Vec<&[ResonancePoint]> = points.chunk_by(|a, b| a.method == b.method && a.k == b.k).collect();
+    let mut table = Table::of("resonances-widths", &rows)
+        .key("")
+        .col("integrator", Short, "", |row| row[0].method.name())
+        .col("k", Short, "multiple of pi", |row| row[0].k as usize)
+        .col("|S_k|", Fixed(3), "sum of the kicks b_j e^(2 pi i k c_j)", |row| kick_sum(&row[0].method, row[0].k));
+    for nth in 0..rows.first().map_or(0, |row| row.len()) {
+        table =
+            table.col(format!("A = {:e}", rows[0][nth].amplitude), Short, "", move |row| match &row[nth].resonance {
+                Ok(Some(found)) => format!("{:.1e} {:.1e}", found.edges[1] - found.edges[0], found.growth),
+                Ok(None) => "–".to_owned(),
+                Err(_) => "failed".to_owned(),
+            });
+    }
+    table.done()
+}
+
+/// The cheapest methods.
+fn regimes_table(regimes: &[Cheapest]) -> Table {
+    let mut table = Table::of("regimes", regimes)
+        .key("regimes")
+        .col("chart", Short, "", |regime| regime.chart.name())
+        .col("regime", Short, "", |regime| parameters(&regime.variant));
+    for name in VARIED {
+        table = table.col(name, Json, "", |regime| value(name, &regime.variant));
+    }
+    table = table.col("best", Json, "", Cheapest::json);
+    for (nth, bound) in BOUND_NAMES.iter().enumerate() {
+        let best = move |regime: &Cheapest| regime.best[nth].clone();
+        table = table
+            .col(format!("integrator_{bound}"), Short, "", move |regime| {
+                best(regime).map_or_else(|| "none".to_owned(), |(method, ..)| method.name())
+            })
+            .head(*bound)
+            .col(format!("h_fast_{bound}"), Short, "", move |regime| regime.step(nth))
+            .head("h Omega")
+            .col(format!("cost_{bound}"), Power(1), "", move |regime| best(regime)?.1.trial.map(|trial| trial.cost))
+            .head("cost");
+    }
+    table.done()
 }
 
 /// The cheapest method for a variant, and its step.
 struct Cheapest {
     chart: Chart,
     variant: Variant,
-    /// For each bound: the method, its limit, `Omega_c` and `max(omega, Omega_c)`; `None` if no
+    /// For each bound: the method, its limit and `max(omega, Omega_c)`; `None` if no
     /// method meets the bound.
-    best: Vec<Option<(Method, Limit, f64, f64)>>,
+    best: Vec<Option<(Method, Limit, f64)>>,
 }
 
 impl Cheapest {
+    /// The step of the best method for a bound, and its tolerance, in words.
+    fn step(&self, nth: usize) -> Option<String> {
+        let (_, limit, fast) = self.best[nth].as_ref()?;
+        let trial = limit.trial.as_ref()?;
+        let more = if limit.longest { ">" } else { "" };
+        let step = trial.step * fast;
+        Some(trial.tol.map_or_else(|| format!("{more}{step:.3}"), |tol| format!("tol {tol:.0e}: {step:.2}")))
+    }
+
     fn json(&self) -> Value {
-        let best = |entry: &Option<(Method, Limit, f64, f64)>| {
-            entry.as_ref().map(|(method, limit, _, fast)| {
+        let best = |entry: &Option<(Method, Limit, f64)>| {
+            entry.as_ref().map(|(method, limit, fast)| {
                 let trial = limit.trial.as_ref();
                 json!({
                     "bound": limit.bound,
@@ -417,11 +341,7 @@ impl Cheapest {
                 })
             })
         };
-        let mut value = json!({"chart": self.chart, "best": self.best.iter().map(best).collect::<Vec<_>>()});
-        for (name, given) in values(&self.variant) {
-            value[name] = json!(given);
-        }
-        value
+        self.best.iter().map(best).collect()
     }
 }
 
@@ -432,7 +352,7 @@ fn regimes(study: &ChartStudy) -> Vec<Cheapest> {
             let best = |nth: usize| {
                 let (method, limit, _) = study.cheapest(chart, &variant, nth)?;
                 let measured = study.point(chart, &variant, &method)?.measured.as_ref().ok()?;
-                Some((method, limit.clone(), measured.contact, measured.fast))
+                Some((method, limit.clone(), measured.fast))
             };
             regimes.push(Cheapest { chart, variant, best: (0..BOUNDS.len()).map(best).collect() });
         }
@@ -441,7 +361,8 @@ fn regimes(study: &ChartStudy) -> Vec<Cheapest> {
 }
 
 fn parameters(variant: &Variant) -> String {
-    values(variant).iter().map(|(name, value)| format!("{name} {}", plain(*value))).collect::<Vec<_>>().join(", ")
+    let given = VARIED.iter().filter_map(|name| Some(format!("{name} {}", plain(value(name, variant)?))));
+    given.collect::<Vec<_>>().join(", ")
 }
 
 fn plain(value: f64) -> String {
@@ -463,9 +384,6 @@ fn heading(chart: Chart) -> &'static str {
         }
         Chart::Resonances => {
             "resonances of schemes on the exact linear flow, one bead pressed between walls: width in h omega and growth a step"
-        }
-        Chart::Struck => {
-            "struck: error of collocation on free chains at rest whose first bead is struck, against the number of beads and the tolerance"
         }
     }
 }
@@ -496,91 +414,8 @@ fn badness(point: &ChartPoint) -> f64 {
     }
 }
 
-fn errors_table(study: &ChartStudy, chart: Chart) -> String {
-    let mut columns: Vec<f64> = study.variants(chart).iter().map(|variant| place(chart, variant)[0]).collect();
-    columns.dedup();
-    let names: Vec<String> = columns.iter().map(|&value| plain(value)).collect();
-    let mut head = vec!["integrator"];
-    head.extend(names.iter().map(String::as_str));
-    if chart == Chart::Light {
-        head.extend(["h omega", "h Omega_c"]);
-    }
-    let rows: Vec<Vec<String>> = study
-        .methods
-        .iter()
-        .map(|method| {
-            let of_method: Vec<&ChartPoint> = study.of(chart).filter(|point| point.method == *method).collect();
-            let worst = |&column: &f64| {
-                let points = of_method.iter().filter(|point| place(chart, &point.variant)[0] == column);
-                points
-                    .max_by(|a, b| badness(a).total_cmp(&badness(b)))
-                    .map(|point| error_cell(point))
-                    .unwrap_or_default()
-            };
-            let lightest = of_method.first().and_then(|point| point.measured.as_ref().ok());
-            let limit = |measured: &Measured| {
-                Some((measured.stability?, measured.stability? * measured.contact / measured.fast))
-            };
-            let limits = lightest.and_then(limit).map_or([String::new(), String::new()], |limit| {
-                [format!("{:.3}", limit.0), format!("{:.1e}", limit.1)]
-            });
-            let last = if chart == Chart::Light { limits.to_vec() } else { Vec::new() };
-            [method.name()].into_iter().chain(columns.iter().map(worst)).chain(last).collect()
-        })
-        .collect();
-    table(&head, &rows)
-        + "d: drifting, of collocation only above its tolerance. lost: above 1, or failed. dear: not finished within twenty times the work of a run.\n"
-}
-
-fn resonances_table(study: &ChartStudy) -> String {
-    let mut rows = Vec::new();
-    for points in study.resonances.chunk_by(|a, b| a.method == b.method && a.k == b.k) {
-        let cell = |point: &ResonancePoint| match &point.resonance {
-            Ok(Some(found)) => format!("{:.1e} {:.1e}", found.edges[1] - found.edges[0], found.growth),
-            Ok(None) => "–".to_owned(),
-            Err(_) => "failed".to_owned(),
-        };
-        let first = &points[0];
-        let sum = kick_sum(&first.method, first.k).map(|sum| format!("{sum:.3}")).unwrap_or_default();
-        rows.push(
-            [first.method.name(), format!("{}", first.k), sum].into_iter().chain(points.iter().map(cell)).collect(),
-        );
-    }
-    let mut amplitudes: Vec<f64> = study.resonances.iter().map(|point| point.amplitude).collect();
-    amplitudes.sort_by(f64::total_cmp);
-    amplitudes.dedup();
-    let names: Vec<String> = amplitudes.iter().map(|a| format!("A = {a:e}")).collect();
-    let mut head = vec!["integrator", "k", "|S_k|"];
-    head.extend(names.iter().map(String::as_str));
-    table(&head, &rows)
-        + "Near h omega = k pi, at a static overlap A. –: none found that stands apart and grows by more than 1e-6 a step. |S_k|: the sum of the kicks b_j e^(2 pi i k c_j).\n"
-}
-
-fn regimes_table(regimes: &[Cheapest]) -> String {
-    let rows: Vec<Vec<String>> = regimes
-        .iter()
-        .map(|regime| {
-            let best = regime.best.iter().flat_map(|best| match best {
-                None => ["none".to_owned(), String::new(), String::new()],
-                Some((method, limit, _, fast)) => {
-                    let Some(trial) = &limit.trial else { return Default::default() };
-                    let more = if limit.longest { ">" } else { "" };
-                    let step = match trial.tol {
-                        Some(tol) => format!("tol {tol:.0e}, h Omega {:.2}", trial.step * fast),
-                        None => format!("{more}{:.3}", trial.step * fast),
-                    };
-                    [method.name(), step, format!("{:.1e}", trial.cost)]
-                }
-            });
-            [regime.chart.name().to_owned(), parameters(&regime.variant)].into_iter().chain(best).collect()
-        })
-        .collect();
-    table(&["chart", "regime", "1e-3", "h Omega", "cost", "1e-6", "h Omega", "cost"], &rows)
-}
-
 /// The methods that have maps of their own: of these four those that were charted, else the first
 /// three.
-#[cfg(feature = "plot")]
 fn shown(study: &ChartStudy) -> Vec<Method> {
     const NAMES: [&str; 4] = ["verlet", "strang-linear", "aba1064-linear", "collocation"];
     let methods = &study.methods;
@@ -589,7 +424,6 @@ fn shown(study: &ChartStudy) -> Vec<Method> {
 }
 
 /// The parameters that a chart does not vary.
-#[cfg(feature = "plot")]
 fn provenance(study: &ChartStudy, chart: Chart) -> String {
     let chain = study.problem.chain();
     let all = [
@@ -602,12 +436,11 @@ fn provenance(study: &ChartStudy, chart: Chart) -> String {
     let fixed = all.iter().filter(|(name, _, _)| !axes(chart).contains(name));
     let words: Vec<String> =
         fixed.map(|(_, symbol, value)| format!("{symbol} = {}", crate::number::written(*value))).collect();
-    format!("Scene {}: {}. hertzchain {}.", study.problem.name(), words.join(", "), env!("CARGO_PKG_VERSION"))
+    format!("Scene {}: {}.", study.problem.name(), words.join(", "))
 }
 
 /// The error as a value on the colour scale, from 1e-16 (rounding) to 10 (lost); 0 (grey) for a run
 /// that was not finished.
-#[cfg(feature = "plot")]
 fn shade(trial: &Trial) -> f64 {
     match (trial.verdict, trial.error) {
         (ChartVerdict::Dear, _) => 0.0,
@@ -617,7 +450,6 @@ fn shade(trial: &Trial) -> f64 {
 }
 
 /// Minus the decimal logarithm of the error, rounded, with a `d` if it drifts.
-#[cfg(feature = "plot")]
 fn note(point: &ChartPoint) -> String {
     match &point.measured {
         Err(_) => "–".to_owned(),
@@ -632,8 +464,7 @@ fn note(point: &ChartPoint) -> String {
     }
 }
 
-#[cfg(feature = "plot")]
-fn error_matrix(study: &ChartStudy, chart: Chart) -> crate::figures::Matrix {
+fn error_matrix(study: &ChartStudy, chart: Chart) -> Matrix {
     let variants = study.variants(chart);
     let column = |variant: &Variant| {
         let words: Vec<String> = place(chart, variant).into_iter().map(plain).collect();
@@ -655,9 +486,9 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> crate::figures::Matrix {
         Chart::Alpha => ("Exponent of the contact force", "exponent α"),
         Chart::Length => ("Length of the chain", "number of sites N"),
         Chart::Time => ("Length of the run", "contact periods"),
-        Chart::Resonances | Chart::Struck => ("", ""),
+        Chart::Resonances => ("", ""),
     };
-    crate::figures::Matrix {
+    Matrix {
         title: format!("{title}: energy error at 64 kicks a period of the fastest motion, or tolerance 10⁻⁹"),
         rows: study.methods.iter().map(Method::name).collect(),
         columns: variants.iter().map(column).collect(),
@@ -672,12 +503,10 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> crate::figures::Matrix {
 }
 
 /// Rows of the map of steps: `h Omega` from 12 down to 0.1, each the one before over `sqrt 2`.
-#[cfg(feature = "plot")]
 const STEP_ROWS: i32 = 14;
 
 /// Title, caption and map of the energy error over mass ratio and step; none for adaptive methods.
-#[cfg(feature = "plot")]
-fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, crate::figures::CellMap)> {
+fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, CellMap)> {
     use std::f64::consts::PI;
     let rung = |h_fast: f64| (2.0 * (12.0 / h_fast).log2()).round() as i32;
     let variants = study.variants(Chart::Light);
@@ -692,19 +521,15 @@ fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, crat
         values.extend(variants.iter().map(|variant| value(row, variant).unwrap_or(0.0)));
     }
     let (first, last) = (x.first().copied()?, x.last().copied()?);
-    let line = |name: &str, height: f64| crate::figures::Line {
-        name: format!("hΩ = {name}"),
-        points: vec![(first, height), (last, height)],
-    };
+    let line =
+        |name: &str, height: f64| Line { name: format!("hΩ = {name}"), points: vec![(first, height), (last, height)] };
     let lines = match method {
-        Method::Splitting(_, crate::run::method::Split::Kinetic)
-        | Method::Corrected(_, crate::run::method::Split::Kinetic)
-        | Method::Conserving => {
+        Method::Splitting(_, Split::Kinetic) | Method::Corrected(_, Split::Kinetic) | Method::Conserving => {
             vec![line("2", 2.0)]
         }
         _ => vec![line("π", PI), line("2π", 2.0 * PI), line("3π", 3.0 * PI)],
     };
-    let map = crate::figures::CellMap {
+    let map = CellMap {
         labels: ["mass ratio ρ", "step hΩ", "largest |H − H(0)|/|H(0)|"].map(str::to_owned),
         notes: vec![String::new(); values.len()],
         y: rows().map(|row| 12.0 * f64::powf(2.0, -0.5 * f64::from(row))).collect(),
@@ -720,8 +545,7 @@ fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, crat
 
 /// Title, caption and map of the energy error over amplitude and spring constant, with the cost in
 /// the cells.
-#[cfg(feature = "plot")]
-fn stiffness_map(study: &ChartStudy, method: &Method) -> (String, String, crate::figures::CellMap) {
+fn stiffness_map(study: &ChartStudy, method: &Method) -> (String, String, CellMap) {
     let variants = study.variants(Chart::Stiffness);
     let distinct = |of: fn(&Variant) -> Option<f64>| {
         let mut values: Vec<f64> = variants.iter().filter_map(of).collect();
@@ -745,13 +569,13 @@ fn stiffness_map(study: &ChartStudy, method: &Method) -> (String, String, crate:
             notes.push(measured.and_then(cost).unwrap_or_else(|| "–".to_owned()));
         }
     }
-    let map = crate::figures::CellMap {
+    let map = CellMap {
         labels: ["amplitude A", "spring constant κ", "largest |H − H(0)|/|H(0)|"].map(str::to_owned),
         x,
         y,
         values,
         notes,
-        ..crate::figures::CellMap::default()
+        ..CellMap::default()
     };
     let title = format!("{}: energy error over amplitude and spring constant, and what 10⁻⁶ costs", method.name());
     let caption = "Colour: at 64 kicks a period of the fastest motion, or tolerance 10⁻⁹, over ten contact periods 2π/Ω_c. In cells: force evaluations a contact period \
@@ -759,8 +583,7 @@ fn stiffness_map(study: &ChartStudy, method: &Method) -> (String, String, crate:
     (title, caption.to_owned(), map)
 }
 
-#[cfg(feature = "plot")]
-fn resonance_matrix(study: &ChartStudy) -> crate::figures::Matrix {
+fn resonance_matrix(study: &ChartStudy) -> Matrix {
     let mut methods: Vec<Method> = study.resonances.iter().map(|point| point.method).collect();
     methods.dedup();
     let first: Vec<&ResonancePoint> =
@@ -769,7 +592,7 @@ fn resonance_matrix(study: &ChartStudy) -> crate::figures::Matrix {
     let note = |point: &ResonancePoint| {
         found(point).map_or_else(|| "–".to_owned(), |found| format!("{:.1}", found.growth.log10()).replace('-', "−"))
     };
-    crate::figures::Matrix {
+    Matrix {
         title: "Resonances of the exact linear flow near hω = kπ: growth a step".to_owned(),
         rows: methods.iter().map(Method::name).collect(),
         columns: first.iter().map(|point| format!("k = {}, A = {}", point.k, plain(point.amplitude))).collect(),
@@ -779,51 +602,6 @@ fn resonance_matrix(study: &ChartStudy) -> crate::figures::Matrix {
         caption: format!(
             "{} One bead between walls, pressed by A: spectral radius of the matrix of a step. In cells: decimal logarithm of the growth; –: none found that stands apart and grows by more than 10⁻⁶ a step.",
             provenance(study, Chart::Resonances)
-        ),
-    }
-}
-
-/// A number to two digits.
-#[cfg(feature = "plot")]
-fn two_digits(x: f64) -> String {
-    crate::number::shown(format!("{x:.1e}").parse().unwrap_or(x))
-}
-
-#[cfg(feature = "plot")]
-fn struck_map(study: &ChartStudy) -> crate::figures::Maps {
-    let cells = struck_cells(study);
-    let mut x: Vec<f64> = cells.iter().map(|cell| cell.0 as f64).collect();
-    x.dedup();
-    let y: Vec<f64> = TOLERANCES.iter().rev().copied().collect();
-    let of = |sites: f64, tol: f64| cells.iter().find(|cell| cell.0 as f64 == sites && cell.1 == tol);
-    let (mut values, mut notes) = (Vec::new(), Vec::new());
-    for &tol in &y {
-        for &sites in &x {
-            let ratio = of(sites, tol).and_then(|cell| cell.2);
-            values.push(ratio.unwrap_or(0.0).max(if ratio.is_some() { f64::MIN_POSITIVE } else { 0.0 }));
-            notes.push(ratio.map_or_else(|| "failed".to_owned(), two_digits));
-        }
-    }
-    let label = ["number of beads N", "tolerance", "error/(tolerance × amplification)"].map(str::to_owned);
-    let list = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
-    crate::figures::Maps {
-        title: "collocation: free chains at rest whose first bead is struck".to_owned(),
-        maps: vec![crate::figures::CellMap {
-            labels: label,
-            x,
-            y,
-            values,
-            notes,
-            lines: Vec::new(),
-            apart: Vec::new(),
-        }],
-        caption: format!(
-            "The largest over α = {} and ρ = {}, κ = {}, until t = N/5; error of the state relative to its largest position or velocity, against tolerance 10⁻¹². \
-             Amplification: how many times larger the motion makes an error of velocities, made at the start or half way. hertzchain {}.",
-            list(&EXPONENTS),
-            list(&MASS_RATIOS),
-            study.problem.chain().kappa,
-            env!("CARGO_PKG_VERSION")
         ),
     }
 }
