@@ -7,6 +7,7 @@ use crate::{
     output::Folder,
     paper::{Data, FIGURES, Figure, verify, verify_csv, verify_table},
     present::{Block, Page, Section},
+    report,
     scene::Scene,
     study::{
         ChartOptions, CompareOptions, OrderOptions, Problem, Report, RhoLaw, TheoremOptions, charts, compare, order,
@@ -145,21 +146,11 @@ impl Part {
 fn comparison(tell: Tell<'_>) -> Result<Vec<Block>> {
     let scene = Scene::load("tw-q15")?;
     let options = CompareOptions { integrators: vec!["all".to_owned()], max_time: SHORT };
-    let comparison = compare(&scene, &options, &|share, _| tell(share))?;
-    #[cfg(feature = "plot")]
-    let pictures = comparison.pictures()?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
-    #[cfg(not(feature = "plot"))]
-    let pictures = vec![];
-    Ok([pictures, vec![Block::Text(comparison.text()), data(&comparison)?]].concat())
+    told(&compare(&scene, &options, &|share, _| tell(share))?.report())
 }
 
 fn orders(tell: Tell<'_>) -> Result<Vec<Block>> {
-    let study = order(&OrderOptions { alpha: 1.5, beads: 6, integrators: vec![] }, tell)?;
-    #[cfg(feature = "plot")]
-    let pictures = study.pictures()?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
-    #[cfg(not(feature = "plot"))]
-    let pictures = vec![];
-    Ok([pictures, vec![Block::Text(study.text()), data(&study)?]].concat())
+    told(&order(&OrderOptions { alpha: 1.5, beads: 6, integrators: vec![] }, tell)?.report())
 }
 
 fn theorems(tell: Tell<'_>) -> Result<Vec<Block>> {
@@ -167,10 +158,10 @@ fn theorems(tell: Tell<'_>) -> Result<Vec<Block>> {
     let blocks = |(k, rho_law): (usize, RhoLaw)| {
         let options = TheoremOptions { rho_law, epsilons: EPSILONS.to_vec(), ..TheoremOptions::default() };
         let study = theorem(&options, &Engine::threads(), &|share| tell((k as f64 + share) / laws.len() as f64))?;
-        Ok([Block::Text(study.text()), data(&study)?])
+        told(&study.report())
     };
-    let laws: Vec<[Block; 2]> = laws.into_iter().enumerate().map(blocks).collect::<Result<_>>()?;
-    Ok(laws.into_flattened())
+    let laws: Vec<Vec<Block>> = laws.into_iter().enumerate().map(blocks).collect::<Result<_>>()?;
+    Ok(laws.concat())
 }
 
 fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
@@ -184,12 +175,7 @@ fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
     };
     let study =
         charts(&Problem::built_in(), &options, &Engine::threads(), &|done, total| tell(done as f64 / total as f64))?;
-    let study: Box<dyn Report> = Box::new(study.report());
-    #[cfg(feature = "plot")]
-    let pictures = study.pictures()?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
-    #[cfg(not(feature = "plot"))]
-    let pictures = vec![];
-    Ok([vec![Block::Text(study.text()), data(&*study)?], pictures].concat())
+    told(&study.report())
 }
 
 fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {
@@ -218,9 +204,13 @@ fn shown(figure: &Figure, data: &Data) -> Result<Block> {
     Ok(Block::Picture { title, caption, svg: figure.picture(data)?.file(Format::Svg)? })
 }
 
-/// The numbers of a study.
-fn data(report: &dyn Report) -> Result<Block> {
-    Ok(Block::Data(report.files("")?.into_iter().filter(|(name, _)| name.ends_with(".csv")).collect()))
+/// Pictures, text and numbers of a study.
+fn told(report: &report::Report) -> Result<Vec<Block>> {
+    #[cfg(feature = "plot")]
+    let pictures = Report::pictures(report)?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
+    #[cfg(not(feature = "plot"))]
+    let pictures = vec![];
+    Ok([pictures, vec![Block::Text(report.text()), Block::Data(report.csv().collect())]].concat())
 }
 
 /// A picture with its own title and caption.

@@ -12,5 +12,5 @@ pub(crate) use machine::machine;
 pub(crate) use machine::machine_json;
 #[cfg(feature = "cli")]
 pub use page::{Block, Page, Section};
-pub(crate) use rows::{cell, rows_csv};
+pub(crate) use rows::cell;
 pub use table::table;

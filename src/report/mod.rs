@@ -109,7 +109,7 @@ impl Report {
         self
     }
 
-    /// A file with a format of its own; in place of `NAME.npz`, if it has this name.
+    /// A file with a format of its own; in place of `NAME.json` or `NAME.npz`, if it has this name.
     #[must_use]
     pub fn file(mut self, name: &str, bytes: Vec<u8>) -> Self {
         self.files.push((name.to_owned(), bytes));
@@ -121,6 +121,13 @@ impl Report {
     pub fn failure(mut self, words: Option<String>) -> Self {
         self.succeeded &= words.is_none();
         self.remark = words.map(|words| format!("error: {words}")).or(self.remark);
+        self
+    }
+
+    /// Fails the command, if it is true, though nothing is missing.
+    #[must_use]
+    pub fn failed(mut self, failed: bool) -> Self {
+        self.succeeded &= !failed;
         self
     }
 
@@ -190,8 +197,12 @@ impl Report {
         archive().map_err(|source| Error::File { path: "npz archive".into(), source })?;
         let json = (format!("{}.json", self.name), (to_json(&self.json()) + "\n").into_bytes());
         let npz = (format!("{}.npz", self.name), bytes.into_inner());
-        let own = self.files.iter().any(|(name, _)| *name == npz.0);
-        Ok(self.csv().chain([json]).chain((!own).then_some(npz)).chain(self.files.iter().cloned()).collect())
+        let own = |(name, _): &(String, Vec<u8>)| self.files.iter().any(|(own, _)| own == name);
+        Ok(self
+            .csv()
+            .chain([json, npz].into_iter().filter(|file| !own(file)))
+            .chain(self.files.iter().cloned())
+            .collect())
     }
 
     /// Its files, and the columns of its tables, for the help of a command.

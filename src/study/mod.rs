@@ -50,7 +50,6 @@ pub use driven::*;
 pub use end_driven::*;
 pub use evolve::*;
 pub use exact::*;
-pub(crate) use lifetimes::lifetimes_csv;
 pub use lifetimes::*;
 pub use modulation::*;
 pub use moving::*;
@@ -64,7 +63,6 @@ pub use run::*;
 pub use scaling::*;
 pub use si::InSi;
 pub use solitary::*;
-pub(crate) use theorem::theorem_csv;
 pub use theorem::{
     Bound, Errors as TheoremErrors, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremRun, TheoremSlope,
     TheoremStudy, theorem,
@@ -333,7 +331,6 @@ pub(crate) fn params_words(params: Params) -> String {
 
 /// The families of some methods, each once, and the index of that of each method: colours and
 /// headings of a legend.
-#[cfg(feature = "plot")]
 fn families(methods: &[Method]) -> (Vec<String>, Vec<usize>) {
     let mut names: Vec<String> = Vec::new();
     let index = |method: &Method| {

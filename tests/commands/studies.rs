@@ -76,7 +76,7 @@ fn scaling_writes_table_csv_json_and_png() {
     let out = folder.path().join("deep/er");
     let output = hertzchain(&["study", "scaling", "--sites", "10,20", "--tol", "1e-6", "--out", out.to_str().unwrap()]);
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(output.status.success() && text.contains("ns/bond/period") && text.contains("one thread"), "{text}");
+    assert!(output.status.success() && text.contains("per bond period") && text.contains("one thread"), "{text}");
     let csv = std::fs::read_to_string(out.join("scaling.csv")).unwrap();
     assert_eq!(csv.lines().count(), 9);
     let columns = csv.lines().next().unwrap().split(',').count();

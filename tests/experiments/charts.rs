@@ -236,7 +236,7 @@ mod command {
         let tables = charts.iter().flat_map(|chart| [format!("{chart}.csv"), format!("{chart}-ladder.csv")]);
         let maps = ["light-strang-linear", "stiffness-strang-linear", "stiffness-collocation", "resonances"];
         let pictures = charts.iter().chain(&maps).map(|name| format!("{name}.png"));
-        let others = ["stability.json", "resonances.csv", "stability.store"];
+        let others = ["stability.json", "resonances.csv", "regimes.csv", "stability.store"];
         let others = others.map(str::to_owned);
         let files = tables.chain(pictures.filter(|_| cfg!(feature = "plot"))).chain(others);
         for file in files {

@@ -60,17 +60,17 @@ fn run(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Option<Outcome> {
     Some(Outcome { y, evaluations: run.stats().force_evaluations, stiffness })
 }
 
-/// How many times larger a change of velocities, made at the start or half way, is at the end; at
-/// least 1.
+/// How many times larger the motion makes errors of velocities, made at the start or half way, until
+/// the end; at least 1.
 fn amplification(Struck { chain, y0, end }: &Struck) -> f64 {
     const CHANGE: f64 = 1e-7;
-    let fine = |y: &[f64], time: f64| collocated(chain, y, time, Pace::Tolerance(FINE)).0;
+    let fine = |y: &[f64], time: f64| run(chain, y, time, FINE).expect("fine runs end").y;
     let half = fine(y0, 0.5 * end);
     let last = fine(&half, 0.5 * end);
     let grown = |from: &[f64], time: f64| {
         let mut y = from.to_vec();
         let velocities = &mut y[from.len() / 2..];
-        let size = velocities.iter().fold(0.0_f64, |size, v| size.max(v.abs()));
+        let size = velocities.iter().fold(0.0, |most: f64, velocity| most.max(velocity.abs()));
         perturb(velocities, CHANGE * size, 1e-3 * size);
         deviation(&fine(&y, time), &last) / CHANGE
     };

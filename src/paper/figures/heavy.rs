@@ -10,7 +10,6 @@ use crate::{
     study::{
         BreatherOptions, BrightHistory, BrightSample, BrightStudy, Criterion, LifetimeOptions, LifetimeStudy, Norm,
         RhoLaw, TheoremOptions, TheoremStudy, bright_breather, bright_history, center_word, lifetimes, shown, theorem,
-        theorem_csv,
     },
     sweep::Engine,
 };
@@ -161,7 +160,7 @@ pub(super) fn bounds_tag(study: &TheoremStudy) -> String {
 }
 
 pub(super) fn bounds_csv(study: &TheoremStudy) -> Tables {
-    vec![("suprema.csv", theorem_csv(study))]
+    vec![("suprema.csv", study.table().csv().into_bytes())]
 }
 
 pub(super) fn bounds_caption(pairs: &[[TheoremStudy; 2]]) -> String {

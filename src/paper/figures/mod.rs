@@ -23,9 +23,7 @@ use crate::{
     dps::{DarkProfile, Homoclinic},
     error::{Error, Result},
     output::to_json,
-    study::{
-        BrightHistory, BrightStudy, LifetimeStudy, StabilityStudy, TheoremStudy, WaveStudy, center_word, lifetimes_csv,
-    },
+    study::{BrightHistory, BrightStudy, LifetimeStudy, StabilityStudy, TheoremStudy, WaveStudy, center_word},
 };
 use serde_json::json;
 
@@ -214,7 +212,7 @@ impl Figure {
                 study.report().csv().map(|(table, bytes)| (format!("{}-{table}", self.name), bytes)).collect()
             }
             Data::BrightHistory(history) => named("", heavy::history_csv(history)),
-            Data::Lifetimes(study) => vec![(format!("{}.csv", self.name), lifetimes_csv(study))],
+            Data::Lifetimes(study) => vec![(format!("{}.csv", self.name), study.table().csv().into_bytes())],
             Data::Orbits(data) => {
                 orbits::orbit_tables(data).into_iter().flat_map(|(tag, tables)| named(&tag, tables)).collect()
             }

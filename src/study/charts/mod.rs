@@ -218,24 +218,24 @@ impl ChartOptions {
 }
 
 impl Study for Charts {
-    const FILES: &'static str = "The table of a chart is CHART-methods.csv, its points are in CHART.csv and their ladders in \
-                                 CHART-ladder.csv, its pictures in CHART.png and, of some methods, CHART-METHOD.png. \
-                                 stability.store keeps every point once it was measured.";
+    const FILES: &'static str = "A chart has pictures of its own, CHART.png. stability.store keeps every point as soon as it was measured; the same \
+                                 command resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 
     fn sometimes() -> Vec<String> {
-        let of_chart = |chart: Chart| ["", "-ladder", "-methods"].map(|part| format!("{}{part}", chart.name()));
+        let of_chart =
+            |chart: Chart| ["", "-ladder", "-errors", "-widths"].map(|part| format!("{}{part}", chart.name()));
         let of_method = |method: Method| ["light", "stiffness"].map(|chart| format!("{chart}-{}", method.name()));
         let tables = Chart::ALL.into_iter().flat_map(of_chart);
         let maps = Method::all().into_iter().flat_map(of_method);
         let names = |stem: String| [format!("{stem}.csv"), format!("{stem}.png")];
-        tables.chain(maps).flat_map(names).collect()
+        tables.chain(maps).chain(["regimes".to_owned()]).flat_map(names).collect()
     }
 
     fn outline() -> Option<Report> {
-        Some(report::report(&ChartStudy {
-            charts: vec![Chart::Light, Chart::Resonances],
+        let empty = ChartStudy {
+            charts: Chart::ALL.to_vec(),
             methods: Vec::new(),
             work: 0.0,
             problem: Problem::built_in(),
@@ -243,7 +243,8 @@ impl Study for Charts {
             resonances: Vec::new(),
             resumed: 0,
             wall: Duration::ZERO,
-        }))
+        };
+        Some(empty.report())
     }
 
     fn begin(&self) -> Result<Work<'_>> {
@@ -258,7 +259,7 @@ impl Study for Charts {
         options.methods()?;
         Ok(Box::new(move |engine, progress| {
             let tell = |done, total| progress(done as f64 / total as f64, "");
-            Ok(Box::new(report::report(&charts(&problem, options, engine, &tell)?)))
+            Ok(Box::new(charts(&problem, options, engine, &tell)?.report()))
         }))
     }
 }
@@ -311,11 +312,6 @@ pub struct ChartStudy {
 }
 
 impl ChartStudy {
-    /// The report.
-    pub fn report(&self) -> Report {
-        report::report(self)
-    }
-
     /// The points of a chart.
     pub fn of(&self, chart: Chart) -> impl Iterator<Item = &ChartPoint> {
         self.points.iter().filter(move |point| point.chart == chart)

@@ -8,123 +8,107 @@ use crate::{
     present::machine_json,
     report::{
         CellMap,
-        Digits::{Fixed, Hidden, Power, Short},
+        Digits::{Fixed, Hidden, Json, Power, Short},
         Line, Maps, Matrix, Report, Rows, Table,
     },
-    run::method::Method,
+    run::method::{Method, Split},
+    study::word,
 };
 use serde_json::{Value, json};
 
-/// The verdict and the error of every method at its usual step, the resonances, and the cheapest
-/// method of every regime. `wall` is seconds a unit of time, and depends on the load of the machine.
-pub(super) fn report(study: &ChartStudy) -> Report {
-    let chain = study.problem.chain();
-    let regimes = regimes(study);
-    let mut report = Report::new("stability")
-        .fact("scene", study.problem.name())
-        .fact("chain", chain)
-        .fact("amplitude", study.problem.amplitude())
-        .fact("bounds", BOUNDS)
-        .fact("work", study.work)
-        .fact("points", study.points.iter().map(point_json).collect::<Vec<_>>())
-        .fact("resonances", study.resonances.iter().map(resonance_json).collect::<Vec<_>>())
-        .fact("regimes", regimes.iter().map(Cheapest::json).collect::<Vec<_>>())
-        .fact("computed", computed(study))
-        .fact("resumed", study.resumed)
-        .fact("wall_s", study.wall.as_secs_f64())
-        .fact("machine", machine_json())
-        .words(format!(
-            "{}: {} sites, alpha = {}, kappa = {}, rho = {}, amplitude {}",
-            study.problem.name(),
-            chain.sites,
-            chain.alpha,
-            chain.kappa,
-            chain.rho,
-            study.problem.amplitude()
-        ));
-    for &chart in &study.charts {
-        report = report.words(heading(chart));
-        report = match chart {
-            Chart::Resonances => report.table(resonances(study)).words(RESONANCES),
-            _ => {
-                report.table(errors(study, chart)).words(ERRORS).table(points(study, chart)).table(ladder(study, chart))
+/// What a variant may change.
+const VARIED: [&str; 6] = ["rho", "kappa", "alpha", "amplitude", "sites", "periods"];
+/// The names of the bounds in columns.
+const BOUND_NAMES: [&str; 2] = ["1e-3", "1e-6"];
+
+impl ChartStudy {
+    /// The report. Wall times depend on the load of the machine.
+    pub fn report(&self) -> Report {
+        let (chain, problem) = (self.problem.chain(), &self.problem);
+        let regimes = regimes(self);
+        let computed = self.points.len() + self.resonances.len() - self.resumed;
+        let (wall, amplitude) = (self.wall.as_secs_f64(), problem.amplitude());
+        let mut report = Report::new("stability")
+            .fact("scene", problem.name())
+            .fact("chain", chain)
+            .fact("amplitude", amplitude)
+            .fact("bounds", BOUNDS)
+            .fact("work", self.work)
+            .fact("points", json!([]))
+            .fact("resonances", json!([]))
+            .words(format!(
+                "{}: {} sites, alpha = {}, kappa = {}, rho = {}, amplitude {amplitude}",
+                problem.name(),
+                chain.sites,
+                chain.alpha,
+                chain.kappa,
+                chain.rho,
+            ));
+        let mut all = Vec::new();
+        for &chart in &self.charts {
+            report = report.words(heading(chart));
+            if chart == Chart::Resonances {
+                report = report.table(resonances(&self.resonances)).table(widths(&self.resonances));
+                continue;
             }
-        };
-        for (name, figure) in pictures(study, chart) {
-            report = report.picture_named(&name, figure);
+            let points = points(self, chart);
+            all.extend(points.json());
+            report = report.table(errors(self, chart)).table(points).table(ladder(self, chart));
         }
-    }
-    if !regimes.is_empty() {
-        report = report.words("Fewest force evaluations for an energy error below 1e-3 and below 1e-6:");
-        report = report.table(cheapest(&regimes)).words(CHEAPEST);
-    }
-    let [computed, seconds] = [computed(study).to_string(), format!("{:.1}", study.wall.as_secs_f64())];
-    report.words(format!("{computed} points computed, {} resumed, {seconds} s", study.resumed))
-}
-
-const ERRORS: &str = "d: drifting, of collocation only above its tolerance. lost: above 1, or failed. dear: not finished within twenty times the work of a run.";
-const RESONANCES: &str =
-    "Near h omega = k pi, at a static overlap A; kick_sum: |S_k|, the sum of the kicks b_j e^(2 pi i k c_j).";
-const CHEAPEST: &str = "h Omega: step times max(omega, Omega_c); >: no longer step was tried; tol: of an adaptive method, h is then its mean step. Cost: force evaluations a unit of time.";
-
-/// Number of points that were computed, not read from stores.
-fn computed(study: &ChartStudy) -> usize {
-    study.points.len() + study.resonances.len() - study.resumed
-}
-
-fn point_json(point: &ChartPoint) -> Value {
-    let mut value = json!({"chart": point.chart, "integrator": point.method.name()});
-    for (name, given) in values(&point.variant) {
-        value[name] = json!(given);
-    }
-    match &point.measured {
-        Ok(Measured { contact, fast, span, usual, ladder, limits, stability }) => {
-            value["contact_frequency"] = json!(contact);
-            value["fast_frequency"] = json!(fast);
-            value["span"] = json!(span);
-            value["verdict"] = json!(usual.verdict);
-            value["energy_error"] = json!(usual.error);
-            value["usual"] = json!(usual);
-            value["limits"] = json!(limits);
-            value["stability_limit"] = json!(stability);
-            value["ladder"] = json!(ladder);
+        if self.charts != [Chart::Resonances] {
+            let last = "d: drifting, of collocation only above its tolerance. lost: above 1, or failed. dear: not \
+                        finished within twenty times the work of a run. Fewest force evaluations for an energy error \
+                        below 1e-3 and below 1e-6; >: no longer step was tried; tol: of an adaptive method, its mean step \
+                        follows:";
+            report = report.words(last).table(regimes_table(&regimes));
         }
-        Err(why) => value["refused"] = json!(why),
+        report = report
+            .fact("points", all)
+            .fact("computed", computed)
+            .fact("resumed", self.resumed)
+            .fact("wall_s", wall)
+            .fact("machine", machine_json())
+            .words(format!("{computed} points computed, {} resumed, {wall:.1} s", self.resumed));
+        self.pictures(report)
     }
-    value
-}
 
-fn resonance_json(point: &ResonancePoint) -> Value {
-    let mut value = json!({
-        "integrator": point.method.name(),
-        "k": point.k,
-        "amplitude": point.amplitude,
-        "kick_sum": kick_sum(&point.method, point.k),
-    });
-    match &point.resonance {
-        Ok(found) => {
-            value["resonance"] = json!(found);
-            value["width"] = json!(found.as_ref().map(|found| found.edges[1] - found.edges[0]));
+    /// Heat maps of every chart.
+    fn pictures(&self, mut report: Report) -> Report {
+        for &chart in &self.charts {
+            let name = chart.name();
+            if chart == Chart::Resonances {
+                if !self.resonances.is_empty() {
+                    report = report.picture_named(name, resonance_matrix(self));
+                }
+                continue;
+            }
+            report = report.picture_named(name, error_matrix(self, chart));
+            let maps: Vec<(String, String, CellMap)> = match chart {
+                Chart::Light => shown(self).iter().filter_map(|method| step_map(self, method)).collect(),
+                Chart::Stiffness => shown(self).iter().map(|method| stiffness_map(self, method)).collect(),
+                _ => Vec::new(),
+            };
+            for (title, caption, map) in maps {
+                let file = format!("{name}-{}", title.split(':').next().unwrap_or_default());
+                let caption = format!("{} {caption}", provenance(self, chart));
+                report = report.picture_named(&file, Maps { title, maps: vec![map], caption });
+            }
         }
-        Err(why) => value["refused"] = json!(why),
+        report
     }
-    value
 }
 
 /// What a variant changes, by name.
-fn values(variant: &Variant) -> Vec<(&'static str, f64)> {
+fn value(name: &str, variant: &Variant) -> Option<f64> {
     let Variant { rho, kappa, alpha, amplitude, sites, periods } = *variant;
-    [
-        ("rho", rho),
-        ("kappa", kappa),
-        ("alpha", alpha),
-        ("amplitude", amplitude),
-        ("sites", sites.map(|n| n as f64)),
-        ("periods", periods),
-    ]
-    .into_iter()
-    .filter_map(|(name, value)| Some((name, value?)))
-    .collect()
+    match name {
+        "rho" => rho,
+        "kappa" => kappa,
+        "alpha" => alpha,
+        "amplitude" => amplitude,
+        "sites" => sites.map(|n| n as f64),
+        _ => periods,
+    }
 }
 
 /// The parameters that tell the variants of a chart apart.
@@ -140,96 +124,211 @@ fn axes(chart: Chart) -> &'static [&'static str] {
 }
 
 fn place(chart: Chart, variant: &Variant) -> Vec<f64> {
-    let values = values(variant);
-    axes(chart)
-        .iter()
-        .filter_map(|name| values.iter().find(|(other, _)| other == name).map(|(_, value)| *value))
-        .collect()
+    axes(chart).iter().filter_map(|name| value(name, variant)).collect()
 }
 
-/// Columns for the parameters of a chart, and one for the method before them.
-fn placed<T>(table: Rows<'_, T>, chart: Chart, point: impl Fn(&T) -> &ChartPoint + Copy) -> Rows<'_, T> {
-    let table = table.key("").col("integrator", Hidden, "method", move |row| point(row).method.name());
-    axes(chart).iter().enumerate().fold(table, |table, (k, name)| {
-        table.col(*name, Hidden, "parameter of the chart", move |row| place(chart, &point(row).variant)[k])
-    })
-}
-
-/// The points of a chart, a row each.
-fn points(study: &ChartStudy, chart: Chart) -> Table {
-    let points: Vec<&ChartPoint> = study.of(chart).collect();
-    let of = |get: fn(&Measured) -> f64| move |point: &&ChartPoint| point.measured.as_ref().ok().map(get);
-    let usual = |point: &&ChartPoint| point.measured.as_ref().ok().and_then(|measured| measured.usual.error);
-    let limit = |nth: usize, get: fn(&Trial) -> f64| {
-        move |point: &&ChartPoint| {
-            let measured = point.measured.as_ref().ok()?;
-            measured.limits.get(nth)?.trial.as_ref().map(get)
-        }
-    };
-    let verdict =
-        |point: &&ChartPoint| point.measured.as_ref().map_or("refused", |measured| word(measured.usual.verdict));
-    let why = |point: &&ChartPoint| match &point.measured {
-        Ok(measured) => measured.usual.failure.clone(),
-        Err(why) => Some(why.clone()),
-    };
-    placed(Table::of(chart.name(), &points), chart, |point| point)
-        .col("contact_frequency", Hidden, "Omega_c", of(|measured| measured.contact))
-        .col("fast_frequency", Hidden, "max(omega, Omega_c)", of(|measured| measured.fast))
-        .col("span", Hidden, "length of the runs", of(|measured| measured.span))
-        .col("verdict", Hidden, "stable, drifting, lost, dear or refused", verdict)
-        .col("energy_error", Hidden, "largest |H - H(0)|/|H(0)| at the usual step", usual)
-        .col("step", Hidden, "the usual step", of(|measured| measured.usual.step))
-        .col("cost", Hidden, "force evaluations a unit of time with it", of(|measured| measured.usual.cost))
-        .col("step_1e-3", Hidden, "largest step with an error below 1e-3", limit(0, |trial| trial.step))
-        .col("cost_1e-3", Hidden, "cost of that step", limit(0, |trial| trial.cost))
-        .col("step_1e-6", Hidden, "largest step with an error below 1e-6", limit(1, |trial| trial.step))
-        .col("cost_1e-6", Hidden, "cost of that step", limit(1, |trial| trial.cost))
-        .col("stability_limit", Hidden, "step times the fast frequency above which the error has no bound", |point| {
-            point.measured.as_ref().ok().and_then(|measured| measured.stability)
-        })
-        .col("why", Hidden, "why there is no result", why)
-        .done()
-}
-
-/// All steps of the points of a chart, a row each.
-fn ladder(study: &ChartStudy, chart: Chart) -> Table {
-    let rows: Vec<(&ChartPoint, &Trial, f64)> = study
-        .of(chart)
-        .filter_map(|point| Some((point, point.measured.as_ref().ok()?)))
-        .flat_map(|(point, measured)| measured.ladder.iter().map(move |trial| (point, trial, measured.fast)))
-        .collect();
-    placed(Table::of(format!("{}-ladder", chart.name()), &rows), chart, |row| row.0)
-        .col("step", Hidden, "step, of an adaptive method the mean one", |row| row.1.step)
-        .col("tol", Hidden, "tolerance of an adaptive method", |row| row.1.tol)
-        .col("h_fast", Hidden, "step times the fast frequency", |row| row.1.step * row.2)
-        .col("verdict", Hidden, "stable, drifting, lost or dear", |row| word(row.1.verdict))
-        .col("energy_error", Hidden, "largest |H - H(0)|/|H(0)|", |row| row.1.error)
-        .col("cost", Hidden, "force evaluations a unit of time", |row| row.1.cost)
-        .done()
-}
-
-fn word(verdict: ChartVerdict) -> &'static str {
-    match verdict {
-        ChartVerdict::Stable => "stable",
-        ChartVerdict::Drifting => "drifting",
-        ChartVerdict::Lost => "lost",
-        ChartVerdict::Dear => "dear",
+/// Columns for what tells the variants of a chart apart; JSON has all that they change.
+fn varied<'a, T>(mut table: Rows<'a, T>, chart: Chart, variant: fn(&T) -> &Variant) -> Rows<'a, T> {
+    let others = VARIED.iter().filter(|name| !axes(chart).contains(name));
+    for (name, digits) in axes(chart).iter().map(|name| (name, Hidden)).chain(others.map(|name| (name, Json))) {
+        table = table.col(*name, digits, "", |row| value(name, variant(row)));
     }
+    table
+}
+
+/// The points of a chart.
+fn points(study: &ChartStudy, chart: Chart) -> Table {
+    fn of(value: fn(&Measured) -> Option<f64>) -> impl Fn(&&ChartPoint) -> Option<f64> {
+        move |point| point.measured.as_ref().ok().and_then(value)
+    }
+    fn nested(value: fn(&Measured) -> Value) -> impl Fn(&&ChartPoint) -> Value {
+        move |point| point.measured.as_ref().map_or(Value::Null, value)
+    }
+    let points: Vec<&ChartPoint> = study.of(chart).collect();
+    let table = Table::of(chart.name(), &points).key("").col("chart", Json, "", |point| point.chart.name()).col(
+        "integrator",
+        Hidden,
+        "",
+        |point| point.method.name(),
+    );
+    let mut table = varied(table, chart, |point| &point.variant)
+        .col("contact_frequency", Hidden, "Omega_c", of(|measured| Some(measured.contact)))
+        .col("fast_frequency", Hidden, "frequency of the fastest motion", of(|measured| Some(measured.fast)))
+        .col("span", Hidden, "length of the runs", of(|measured| Some(measured.span)))
+        .col("verdict", Hidden, "at the usual step or tolerance", |point| {
+            point.measured.as_ref().map_or_else(|_| "refused".to_owned(), |measured| word(&measured.usual.verdict))
+        })
+        .col("energy_error", Hidden, "the same", of(|measured| measured.usual.error))
+        .col("step", Hidden, "the usual step", of(|measured| Some(measured.usual.step)))
+        .col("cost", Hidden, "force evaluations a unit of time", of(|measured| Some(measured.usual.cost)));
+    for (nth, bound) in BOUND_NAMES.iter().enumerate() {
+        let trial = move |point: &ChartPoint| point.measured.as_ref().ok()?.limits.get(nth)?.trial.clone();
+        table = table
+            .col(format!("step_{bound}"), Hidden, format!("largest step with an energy error below {bound}"), |point| {
+                trial(point).map(|trial| trial.step)
+            })
+            .col(format!("cost_{bound}"), Hidden, "its cost", |point| trial(point).map(|trial| trial.cost));
+    }
+    table
+        .col("stability_limit", Hidden, "limit of stability of the step times the fast frequency", {
+            of(|measured| measured.stability)
+        })
+        .col("why", Hidden, "why nothing was measured, or why the run failed", |point| {
+            point.measured.as_ref().map_or_else(|why| Some(why.clone()), |measured| measured.usual.failure.clone())
+        })
+        .col("usual", Json, "", nested(|measured| json!(measured.usual)))
+        .col("limits", Json, "", nested(|measured| json!(measured.limits)))
+        .col("ladder", Json, "", nested(|measured| json!(measured.ladder)))
+        .col("refused", Json, "", |point| point.measured.as_ref().err().cloned())
+        .done()
+}
+
+/// The runs of the ladders of a chart.
+fn ladder(study: &ChartStudy, chart: Chart) -> Table {
+    let measured = study.of(chart).filter_map(|point| Some((point, point.measured.as_ref().ok()?)));
+    let rows: Vec<(&ChartPoint, f64, &Trial)> =
+        measured.flat_map(|(point, it)| it.ladder.iter().map(move |trial| (point, it.fast, trial))).collect();
+    let table = Table::of(format!("{}-ladder", chart.name()), &rows)
+        .key("")
+        .col("integrator", Hidden, "", |row| row.0.method.name());
+    varied(table, chart, |row| &row.0.variant)
+        .col("step", Hidden, "the mean one for adaptive methods", |row| row.2.step)
+        .col("tol", Hidden, "tolerance", |row| row.2.tol)
+        .col("h_fast", Hidden, "step times the fast frequency", |row| row.1 * row.2.step)
+        .col("verdict", Hidden, "", |row| word(&row.2.verdict))
+        .col("energy_error", Hidden, "", |row| row.2.error)
+        .col("cost", Hidden, "force evaluations a unit of time", |row| row.2.cost)
+        .done()
+}
+
+/// The worst error of every method at each value of the first parameter.
+fn errors(study: &ChartStudy, chart: Chart) -> Table {
+    let mut columns: Vec<f64> = study.variants(chart).iter().map(|variant| place(chart, variant)[0]).collect();
+    columns.dedup();
+    let of = |method: Method| study.of(chart).filter(move |point| point.method == method);
+    let mut table = Table::of(format!("{}-errors", chart.name()), &study.methods).key("").col(
+        "integrator",
+        Short,
+        "",
+        Method::name,
+    );
+    for column in columns {
+        table = table.col(plain(column), Short, "", |method| {
+            let points = of(*method).filter(|point| place(chart, &point.variant)[0] == column);
+            points.max_by(|a, b| badness(a).total_cmp(&badness(b))).map(error_cell)
+        });
+    }
+    if chart == Chart::Light {
+        let limit = |method: &Method| {
+            let measured = of(*method).next()?.measured.as_ref().ok()?;
+            Some((measured.stability?, measured.contact / measured.fast))
+        };
+        table = table.col("h omega", Fixed(3), "", |method| limit(method).map(|(limit, _)| limit)).col(
+            "h Omega_c",
+            Power(1),
+            "",
+            |method| limit(method).map(|(limit, ratio)| limit * ratio),
+        );
+    }
+    table.done()
+}
+
+/// The resonances.
+fn resonances(points: &[ResonancePoint]) -> Table {
+    let of = |value: fn(&super::Resonance) -> Option<f64>| {
+        move |point: &ResonancePoint| point.resonance.as_ref().ok()?.as_ref().and_then(value)
+    };
+    Table::of("resonances", points)
+        .key("resonances")
+        .col("integrator", Hidden, "", |point| point.method.name())
+        .col("k", Hidden, "multiple of pi", |point| point.k as usize)
+        .col("amplitude", Hidden, "static overlap", |point| point.amplitude)
+        .col("kick_sum", Hidden, "|S_k|, the sum of the kicks b_j e^(2 pi i k c_j)", |point| {
+            kick_sum(&point.method, point.k)
+        })
+        .col("lower", Hidden, "lower edge in h omega", of(|found| Some(found.edges[0])))
+        .col("upper", Hidden, "upper edge", of(|found| Some(found.edges[1])))
+        .col("centre", Hidden, "where it grows most", of(|found| Some(found.centre)))
+        .col("width", Hidden, "", of(|found| Some(found.edges[1] - found.edges[0])))
+        .col("growth", Hidden, "growth a step, ln |lambda|", of(|found| Some(found.growth)))
+        .col("error_inside", Hidden, "energy error at the centre", of(|found| found.inside))
+        .col("error_beside", Hidden, "energy error at h omega = (k - 1/2) pi", of(|found| found.beside))
+        .col("why", Hidden, "why there is none", |point| match &point.resonance {
+            Ok(Some(_)) => None,
+            Ok(None) => Some("none found that stands apart and grows by more than 1e-6 a step".to_owned()),
+            Err(why) => Some(why.clone()),
+        })
+        .col("resonance", Json, "", |point| json!(point.resonance.as_ref().ok()))
+        .col("refused", Json, "", |point| point.resonance.as_ref().err().cloned())
+        .done()
+}
+
+/// Width and growth of every resonance at each static overlap.
+fn widths(points: &[ResonancePoint]) -> Table {
+    let rows: Vec<&[ResonancePoint]> = points.chunk_by(|a, b| a.method == b.method && a.k == b.k).collect();
+    let mut table = Table::of("resonances-widths", &rows)
+        .key("")
+        .col("integrator", Short, "", |row| row[0].method.name())
+        .col("k", Short, "multiple of pi", |row| row[0].k as usize)
+        .col("|S_k|", Fixed(3), "sum of the kicks b_j e^(2 pi i k c_j)", |row| kick_sum(&row[0].method, row[0].k));
+    for nth in 0..rows.first().map_or(0, |row| row.len()) {
+        table =
+            table.col(format!("A = {:e}", rows[0][nth].amplitude), Short, "", move |row| match &row[nth].resonance {
+                Ok(Some(found)) => format!("{:.1e} {:.1e}", found.edges[1] - found.edges[0], found.growth),
+                Ok(None) => "–".to_owned(),
+                Err(_) => "failed".to_owned(),
+            });
+    }
+    table.done()
+}
+
+/// The cheapest methods.
+fn regimes_table(regimes: &[Cheapest]) -> Table {
+    let mut table = Table::of("regimes", regimes)
+        .key("regimes")
+        .col("chart", Short, "", |regime| regime.chart.name())
+        .col("regime", Short, "", |regime| parameters(&regime.variant));
+    for name in VARIED {
+        table = table.col(name, Json, "", |regime| value(name, &regime.variant));
+    }
+    table = table.col("best", Json, "", Cheapest::json);
+    for (nth, bound) in BOUND_NAMES.iter().enumerate() {
+        let best = move |regime: &Cheapest| regime.best[nth].clone();
+        table = table
+            .col(format!("integrator_{bound}"), Short, "", move |regime| {
+                best(regime).map_or_else(|| "none".to_owned(), |(method, ..)| method.name())
+            })
+            .head(*bound)
+            .col(format!("h_fast_{bound}"), Short, "", move |regime| regime.step(nth))
+            .head("h Omega")
+            .col(format!("cost_{bound}"), Power(1), "", move |regime| best(regime)?.1.trial.map(|trial| trial.cost))
+            .head("cost");
+    }
+    table.done()
 }
 
 /// The cheapest method for a variant, and its step.
 struct Cheapest {
     chart: Chart,
     variant: Variant,
-    /// For each bound: the method, its limit, `Omega_c` and `max(omega, Omega_c)`; `None` if no
+    /// For each bound: the method, its limit and `max(omega, Omega_c)`; `None` if no
     /// method meets the bound.
-    best: Vec<Option<(Method, Limit, f64, f64)>>,
+    best: Vec<Option<(Method, Limit, f64)>>,
 }
 
 impl Cheapest {
+    /// The step of the best method for a bound, and its tolerance, in words.
+    fn step(&self, nth: usize) -> Option<String> {
+        let (_, limit, fast) = self.best[nth].as_ref()?;
+        let trial = limit.trial.as_ref()?;
+        let more = if limit.longest { ">" } else { "" };
+        let step = trial.step * fast;
+        Some(trial.tol.map_or_else(|| format!("{more}{step:.3}"), |tol| format!("tol {tol:.0e}: {step:.2}")))
+    }
+
     fn json(&self) -> Value {
-        let best = |entry: &Option<(Method, Limit, f64, f64)>| {
-            entry.as_ref().map(|(method, limit, _, fast)| {
+        let best = |entry: &Option<(Method, Limit, f64)>| {
+            entry.as_ref().map(|(method, limit, fast)| {
                 let trial = limit.trial.as_ref();
                 json!({
                     "bound": limit.bound,
@@ -242,11 +341,7 @@ impl Cheapest {
                 })
             })
         };
-        let mut value = json!({"chart": self.chart, "best": self.best.iter().map(best).collect::<Vec<_>>()});
-        for (name, given) in values(&self.variant) {
-            value[name] = json!(given);
-        }
-        value
+        self.best.iter().map(best).collect()
     }
 }
 
@@ -257,7 +352,7 @@ fn regimes(study: &ChartStudy) -> Vec<Cheapest> {
             let best = |nth: usize| {
                 let (method, limit, _) = study.cheapest(chart, &variant, nth)?;
                 let measured = study.point(chart, &variant, &method)?.measured.as_ref().ok()?;
-                Some((method, limit.clone(), measured.contact, measured.fast))
+                Some((method, limit.clone(), measured.fast))
             };
             regimes.push(Cheapest { chart, variant, best: (0..BOUNDS.len()).map(best).collect() });
         }
@@ -266,7 +361,8 @@ fn regimes(study: &ChartStudy) -> Vec<Cheapest> {
 }
 
 fn parameters(variant: &Variant) -> String {
-    values(variant).iter().map(|(name, value)| format!("{name} {}", plain(*value))).collect::<Vec<_>>().join(", ")
+    let given = VARIED.iter().filter_map(|name| Some(format!("{name} {}", plain(value(name, variant)?))));
+    given.collect::<Vec<_>>().join(", ")
 }
 
 fn plain(value: f64) -> String {
@@ -316,120 +412,6 @@ fn badness(point: &ChartPoint) -> f64 {
         Ok(measured) if measured.usual.verdict == ChartVerdict::Dear => 1e9,
         Ok(measured) => measured.usual.error.unwrap_or(1e8),
     }
-}
-
-/// The errors of all methods: a column for each value of the first parameter of the chart.
-fn errors(study: &ChartStudy, chart: Chart) -> Table {
-    let mut values: Vec<f64> = study.variants(chart).iter().map(|variant| place(chart, variant)[0]).collect();
-    values.dedup();
-    let of = |method: &Method| study.of(chart).filter(|point| point.method == *method).collect::<Vec<_>>();
-    let rows: Vec<(&Method, Vec<&ChartPoint>)> = study.methods.iter().map(|method| (method, of(method))).collect();
-    let mut table = Table::of(format!("{}-methods", chart.name()), &rows).key("");
-    table = table.col("integrator", Short, "", |row| row.0.name());
-    for value in values {
-        let worst = move |row: &(&Method, Vec<&ChartPoint>)| {
-            let points = row.1.iter().filter(|point| place(chart, &point.variant)[0] == value);
-            points.max_by(|a, b| badness(a).total_cmp(&badness(b))).map(|point| error_cell(point))
-        };
-        table = table.col(plain(value), Short, "", worst);
-    }
-    if chart == Chart::Light {
-        let limit = |factor: fn(&Measured) -> f64| {
-            move |row: &(&Method, Vec<&ChartPoint>)| {
-                let lightest = row.1.first()?.measured.as_ref().ok()?;
-                Some(lightest.stability? * factor(lightest))
-            }
-        };
-        table = table.col("h_omega", Fixed(3), "", limit(|_| 1.0)).col(
-            "h_Omega_c",
-            Power(1),
-            "",
-            limit(|measured| measured.contact / measured.fast),
-        );
-    }
-    table.done()
-}
-
-/// The resonances, a row each.
-fn resonances(study: &ChartStudy) -> Table {
-    let found = |point: &ResonancePoint| point.resonance.as_ref().ok().cloned().flatten();
-    let edge = |k: usize| move |point: &ResonancePoint| found(point).map(|found| found.edges[k]);
-    let why = |point: &ResonancePoint| match &point.resonance {
-        Ok(Some(_)) => None,
-        Ok(None) => Some("none found that stands apart and grows by more than 1e-6 a step".to_owned()),
-        Err(why) => Some(why.clone()),
-    };
-    Table::of("resonances", &study.resonances)
-        .key("")
-        .col("integrator", Short, "", |point| point.method.name())
-        .col("k", Short, "", |point| u64::from(point.k))
-        .col("amplitude", Power(0), "static overlap A", |point| point.amplitude)
-        .col("kick_sum", Fixed(3), "", |point| kick_sum(&point.method, point.k))
-        .col("lower", Hidden, "h omega at the lower edge", edge(0))
-        .col("upper", Hidden, "h omega at the upper edge", edge(1))
-        .col("centre", Fixed(6), "h omega of the largest growth", |point| found(point).map(|found| found.centre))
-        .col("width", Power(1), "of the interval of h omega", |point| {
-            found(point).map(|found| found.edges[1] - found.edges[0])
-        })
-        .col("growth", Power(1), "largest growth a step, ln |lambda|", |point| found(point).map(|found| found.growth))
-        .col("error_inside", Hidden, "energy error of the charted chain at the centre", |point| {
-            found(point).and_then(|found| found.inside)
-        })
-        .col("error_beside", Hidden, "the same half-way to the resonance before", |point| {
-            found(point).and_then(|found| found.beside)
-        })
-        .col("why", Hidden, "why there is none", why)
-        .done()
-}
-
-/// The cheapest methods.
-fn cheapest(regimes: &[Cheapest]) -> Table {
-    let limit = |nth: usize| move |regime: &Cheapest| regime.best[nth].as_ref().map(|best| best.0.name());
-    let step = |nth: usize| {
-        move |regime: &Cheapest| {
-            let (_, limit, _, fast) = regime.best[nth].as_ref()?;
-            let trial = limit.trial.as_ref()?;
-            let more = if limit.longest { ">" } else { "" };
-            Some(match trial.tol {
-                Some(tol) => format!("tol {tol:.0e}, h Omega {:.2}", trial.step * fast),
-                None => format!("{more}{:.3}", trial.step * fast),
-            })
-        }
-    };
-    let cost = |nth: usize| move |regime: &Cheapest| Some(regime.best[nth].as_ref()?.1.trial.as_ref()?.cost);
-    let mut table = Table::of("regimes", regimes).key("");
-    table = table.col("chart", Short, "", |regime| regime.chart.name());
-    table = table.col("regime", Short, "", |regime| parameters(&regime.variant));
-    for (nth, bound) in BOUNDS.iter().enumerate() {
-        table = table
-            .col(format!("integrator_{bound:e}"), Short, "", limit(nth))
-            .head(format!("{bound:e}"))
-            .col(format!("step_{bound:e}"), Short, "", step(nth))
-            .head("h Omega")
-            .col(format!("cost_{bound:e}"), Power(1), "", cost(nth))
-            .head("cost");
-    }
-    table.done()
-}
-
-/// The pictures of a chart by name: heat maps.
-fn pictures(study: &ChartStudy, chart: Chart) -> Vec<(String, crate::report::Figure)> {
-    let name = chart.name();
-    if chart == Chart::Resonances {
-        let some = (!study.resonances.is_empty()).then(|| (name.to_owned(), resonance_matrix(study).into()));
-        return some.into_iter().collect();
-    }
-    let maps: Vec<(String, String, CellMap)> = match chart {
-        Chart::Light => shown(study).iter().filter_map(|method| step_map(study, method)).collect(),
-        Chart::Stiffness => shown(study).iter().map(|method| stiffness_map(study, method)).collect(),
-        _ => Vec::new(),
-    };
-    let map = |(title, caption, map): (String, String, CellMap)| {
-        let file = format!("{name}-{}", title.split(':').next().unwrap_or_default());
-        let caption = format!("{} {caption}", provenance(study, chart));
-        (file, Maps { title, maps: vec![map], caption }.into())
-    };
-    [(name.to_owned(), error_matrix(study, chart).into())].into_iter().chain(maps.into_iter().map(map)).collect()
 }
 
 /// The methods that have maps of their own: of these four those that were charted, else the first
@@ -542,9 +524,7 @@ fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, Cell
     let line =
         |name: &str, height: f64| Line { name: format!("hΩ = {name}"), points: vec![(first, height), (last, height)] };
     let lines = match method {
-        Method::Splitting(_, crate::run::method::Split::Kinetic)
-        | Method::Corrected(_, crate::run::method::Split::Kinetic)
-        | Method::Conserving => {
+        Method::Splitting(_, Split::Kinetic) | Method::Corrected(_, Split::Kinetic) | Method::Conserving => {
             vec![line("2", 2.0)]
         }
         _ => vec![line("π", PI), line("2π", 2.0 * PI), line("3π", 3.0 * PI)],

@@ -12,6 +12,7 @@ use crate::{
     chain::Resonators,
     error::{Error, Result},
     plain::Loop,
+    report::Report,
     run::method::Method,
     scene::Scene,
 };
@@ -105,13 +106,19 @@ impl CompareOptions {
 }
 
 impl Study for Compare {
-    const FILES: &'static str = "Files: compare.csv, compare.json and compare.png.";
     const STOPS: bool = true;
+
+    fn outline() -> Option<Report> {
+        let reference = Reference { method: String::new(), error_estimate: 0.0 };
+        let (rows, stopped, left_out) = (Vec::new(), Vec::new(), Vec::new());
+        let scene = Scene::load("impact").ok()?;
+        Some(Comparison { scene, amplitude: 1.0, reference, rows, stopped, left_out }.report())
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = Scene::load_with(&self.scene, &self.set.set)?;
         self.options.methods(&scene)?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(compare(&scene, &self.options, progress)?))))
+        Ok(Box::new(move |_, progress| Ok(Box::new(compare(&scene, &self.options, progress)?.report()))))
     }
 }
 

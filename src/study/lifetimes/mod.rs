@@ -30,7 +30,6 @@
 mod report;
 
 use super::{Study, Work};
-pub(crate) use report::csv as lifetimes_csv;
 
 use crate::{
     breathers::BrightBreather,
@@ -38,6 +37,7 @@ use crate::{
     dps::Center,
     error::{Error, Result},
     interrupt,
+    report::Report,
     run::method::Method,
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span},
     sweep::{Engine, Grid, Row},
@@ -167,14 +167,19 @@ pub struct LifetimeOptions {
 }
 
 impl Study for LifetimeOptions {
-    const FILES: &'static str = "Files: lifetimes.csv, lifetimes.json, lifetimes.png and lifetimes.store.";
+    const FILES: &'static str =
+        "lifetimes.store keeps every breather as soon as it was followed; the same command resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
+
+    fn outline() -> Option<Report> {
+        Some(Report::new("lifetimes").table(report::points(&[], Criterion::Energy)))
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         Ok(Box::new(|engine, progress| {
             let tell = |done, total| progress(done as f64 / total as f64, "");
-            Ok(Box::new(lifetimes(self, engine, &tell)?))
+            Ok(Box::new(lifetimes(self, engine, &tell)?.report()))
         }))
     }
 }

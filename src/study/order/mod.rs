@@ -19,6 +19,7 @@ use super::{Study, Work, fit_line, methods};
 use crate::{
     chain::{Bonded, Boundary, Chain, Field, KineticFlow, LinearFlow, Overlaps, Params, Site, State, max_norm},
     error::{Error, Result},
+    report::Report,
     run::method::{Contacts, Method, Split, loaded},
     sweep::Tally,
 };
@@ -202,11 +203,15 @@ impl OrderOptions {
 }
 
 impl Study for OrderOptions {
-    const FILES: &'static str = "Files: order.csv, order.json, order-state.png and order-tangent.png.";
+    const FILES: &'static str = "The pictures are order-state.png and order-tangent.png.";
+
+    fn outline() -> Option<Report> {
+        Some(Report::new("order").table(report::orders(&[])).table(report::runs(&[])))
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.cases()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(order(self, &|share| progress(share, ""))?))))
+        Ok(Box::new(|_, progress| Ok(Box::new(order(self, &|share| progress(share, ""))?.report()))))
     }
 }
 

@@ -19,7 +19,6 @@ mod slopes;
 mod start;
 mod suprema;
 
-pub(crate) use report::csv as theorem_csv;
 pub use slopes::{Bound, TheoremSlope};
 pub use suprema::{Errors, Norm, Sampling};
 
@@ -27,6 +26,7 @@ use super::{Study, Work};
 use crate::{
     error::{Error, Result},
     interrupt,
+    report::Report,
     sweep::{Engine, Grid},
 };
 use serde::{Deserialize, Serialize};
@@ -232,14 +232,20 @@ impl TheoremOptions {
 }
 
 impl Study for TheoremOptions {
-    const FILES: &'static str = "Files: theorem.json, theorem.txt, theorem.png, theorem.csv (suprema) and slopes.csv, and theorem.store, where every size is kept \
-                                 once it was run: the same study in the same folder resumes from it.";
+    const FILES: &'static str = "theorem.txt has what is printed. theorem.store keeps every size once it was run; the same command resumes from \
+                                 it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 
+    fn outline() -> Option<Report> {
+        let (runs, slopes, options) = (Vec::new(), Vec::new(), TheoremOptions::default());
+        let empty = TheoremStudy { options, sites: 0, runs, slopes, resumed: 0, missing: 0, wall: Duration::ZERO };
+        Some(empty.report())
+    }
+
     fn begin(&self) -> Result<Work<'_>> {
         checked(self)?;
-        Ok(Box::new(|engine, progress| Ok(Box::new(theorem(self, engine, &|share| progress(share, ""))?))))
+        Ok(Box::new(|engine, progress| Ok(Box::new(theorem(self, engine, &|share| progress(share, ""))?.report()))))
     }
 }
 

@@ -4,12 +4,17 @@
 //! like the square root of time. With a bias it grows like time. With a symplectic method on a
 //! smooth problem it does not grow at all.
 
-mod report;
-
-use super::{Changes, Study, Work, compare::steps_for_kicks, fit_line, methods, scene, scene_json};
+use super::{
+    Changes, Study, Work, compare::steps_for_kicks, families, fit_line, methods, scene, scene_caption, scene_json,
+};
 use crate::{
     chain::Chain,
     error::{Error, Result},
+    report::{
+        Curve,
+        Digits::{Fixed, Hidden, Json, Power, Short},
+        Point, Report, Table, WorkPrecision,
+    },
     run::method::{Method, Setting},
     scene::Scene,
     sweep::{Engine, Grid},
@@ -35,6 +40,8 @@ const TOLERANCE: f64 = 1e-13;
 const LOOK: f64 = 0.618_033_988_749_894_9;
 /// A slope is fitted from the last time over this factor to the last time.
 const FITTED: f64 = 100.0;
+/// Points of a curve in the picture, at most: more markers would hide the line.
+const MOST_POINTS: usize = 40;
 /// A run is unstable when its energy exceeds the initial one by this factor.
 const ENERGY_BOUND: f64 = 10.0;
 
@@ -79,18 +86,21 @@ pub struct DriftOptions {
 }
 
 impl Study for Drift {
-    const FILES: &'static str = "\
-Files: drift.csv, drift.json, drift.png and drift.store. The store keeps every integrator as soon as it \
-has come to the end; the same command resumes from it.";
+    const FILES: &'static str =
+        "drift.store keeps every integrator as soon as it has come to the end; the same command resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
+
+    fn outline() -> Option<Report> {
+        Some(tables(Report::new("drift"), &[], 0.0))
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = scene(&self.scene, &self.set)?;
         methods(&self.options.integrators, Method::all)?;
         Ok(Box::new(move |engine, progress| {
             let tell = |done: u64, total: u64| progress(done as f64 / total as f64, "integrators");
-            Ok(Box::new(drift(&scene, &self.options, engine, &tell)?))
+            Ok(Box::new(drift(&scene, &self.options, engine, &tell)?.report()))
         }))
     }
 }
@@ -127,6 +137,87 @@ pub struct DriftStudy {
     pub periods: f64,
     /// A row a method.
     pub rows: Vec<DriftRow>,
+}
+
+impl DriftRow {
+    /// Every k-th point, with the last one included. Each has the largest error so far, so that points
+    /// left out hide no error.
+    fn points(&self) -> Vec<Point> {
+        let stride = self.t.len().div_ceil(MOST_POINTS).max(1);
+        let all = self.t.iter().zip(&self.energy_error).rev().step_by(stride);
+        let mut points: Vec<_> = all.map(|(&work, &error)| Point { work, error, below_reference: false }).collect();
+        points.reverse();
+        points
+    }
+}
+
+impl DriftStudy {
+    /// The report.
+    pub fn report(&self) -> Report {
+        let Self { scene, periods, rows } = self;
+        let (families, family_of) = families(&rows.iter().map(|row| row.method).collect::<Vec<_>>());
+        let curve = |(row, family): (&DriftRow, usize)| {
+            let failed = if row.failure.is_some() { ": failed" } else { "" };
+            let name = format!("{}, {}{failed}", row.method.name(), row.setting);
+            Curve { name, family, points: row.points(), slope: None }
+        };
+        let how = "The energy is looked at every 0.618 periods, and its largest error so far is shown. One run a method: \
+                   the curves say how large errors get, not by which law they grow.";
+        let length = if *periods < 1e4 { periods.to_string() } else { format!("{periods:e}") };
+        let picture = WorkPrecision {
+            title: format!("{}: error of the energy over {length} periods", scene.name()),
+            work_label: format!("time t (dimensionless; a period is {:.4})", scene.period()),
+            error_label: "largest |E − E(0)| / |E(0)| up to t".to_owned(),
+            curves: rows.iter().zip(family_of).map(curve).collect(),
+            caption: scene_caption(scene, how),
+            families,
+            ..WorkPrecision::default()
+        };
+        let report =
+            Report::new("drift").fact("scene", scene.name()).fact("period", scene.period()).fact("periods", periods);
+        tables(report, rows, scene.end())
+            .words(format!(
+                "scene {}: {}; the end is that of {periods} periods of {:.6}",
+                scene.name(),
+                scene.file().summary,
+                scene.period()
+            ))
+            .fact("scene_file", scene_json(scene))
+            .picture(picture)
+    }
+}
+
+/// The table of the methods and that of all times, added to a report.
+fn tables(report: Report, rows: &[DriftRow], end: f64) -> Report {
+    let early = 0.01 * end * (1.0 + 1e-9);
+    let points = |row: &DriftRow| {
+        let (method, setting) = (row.method.name(), row.setting.clone());
+        let all = row.t.iter().zip(&row.energy_error);
+        all.map(|(&t, &error)| (method.clone(), setting.clone(), t, error)).collect::<Vec<_>>()
+    };
+    let points: Vec<_> = rows.iter().flat_map(points).collect();
+    let methods = Table::of("methods", rows)
+        .col("integrator", Short, "", |row| row.method.name())
+        .col("setting", Short, "", |row| row.setting.clone())
+        .col("t", Json, "", |row| row.t.clone())
+        .col("energy_error", Json, "", |row| row.energy_error.clone())
+        .col("early_error", Power(1), "largest |E(t) - E(0)| / |E(0)| up to 1 % of the time", |row| {
+            row.t.iter().rposition(|&t| t <= early).map(|k| row.energy_error[k])
+        })
+        .col("last_error", Power(1), "the same up to the end", |row| row.energy_error.last().copied())
+        .col("slope", Fixed(2), "of its logarithm against that of t, in between", |row| row.slope)
+        .col("wall", Power(2), "wall time, in seconds", |row| row.wall)
+        .col("steps", Short, "", |row| row.stats.steps)
+        .col("rejected", Hidden, "rejected steps", |row| row.stats.rejected)
+        .col("force_evaluations", Short, "", |row| row.stats.force_evaluations)
+        .col("failure", Short, "", |row| row.failure.clone());
+    let all = Table::of("drift", &points)
+        .key("")
+        .col("integrator", Hidden, "", |row| row.0.clone())
+        .col("setting", Hidden, "", |row| row.1.clone())
+        .col("t", Hidden, "time", |row| row.2)
+        .col("energy_error", Hidden, "largest |E - E(0)| / |E(0)| up to t", |row| row.3);
+    report.table(methods).table(all)
 }
 
 /// What the store keeps of the run of a method.

@@ -5,12 +5,16 @@
 //! the same per bond on every ring; a method that takes one step for the whole chain pays for each
 //! event with a step of the whole chain.
 
-mod report;
-
-use super::{Study, Work, compare::time};
+use super::{Study, Work, compare::time, families};
 use crate::{
     error::{Error, Result},
+    present::machine_json,
     random::uniform,
+    report::{
+        Curve,
+        Digits::{Power, Short},
+        Point, Report, Table, WorkPrecision,
+    },
     run::method::{Contacts, Method, Setting},
     scene::{Initial, Scene, SceneFile},
     sweep::on_one_thread,
@@ -63,10 +67,12 @@ pub struct ScalingOptions {
 }
 
 impl Study for ScalingOptions {
-    const FILES: &'static str = "Files: scaling.csv, scaling.json and scaling.png.";
+    fn outline() -> Option<Report> {
+        Some(Report::new("scaling").table(table(&[])))
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
-        Ok(Box::new(|_, progress| Ok(Box::new(scaling(self, progress)?))))
+        Ok(Box::new(|_, progress| Ok(Box::new(scaling(self, progress)?.report()))))
     }
 }
 
@@ -123,6 +129,65 @@ impl ScalingStudy {
     pub fn rows_of(&self, method: &Method) -> Vec<&ScalingRow> {
         self.rows.iter().filter(|row| row.method == *method).collect()
     }
+
+    /// The report; times are in seconds.
+    pub fn report(&self) -> Report {
+        let Self { scene, tol, periods, perturbation, seed, rows } = self;
+        let how = format!(
+            "Median wall time of runs that record nothing, on one thread, over {periods} periods of the wave of scene {scene} \
+             (strain ring, q = π/5, α = 1.5, κ = 1, ρ = 1/3), every entry of the initial state moved by up to {perturbation} \
+             of the largest of its kind (seed {seed}); tolerance {tol:e}: of the sum of all local errors for collocation, of \
+             the end for corrected (whose trial runs count), of a step for dop853, in the mean over all sites, so that on a \
+             long ring no single contact counts: equal tolerances are not equal errors."
+        );
+        let methods = Self::methods();
+        let (families, family_of) = families(&methods);
+        let point = |row: &ScalingRow| {
+            Some(Point { work: row.sites as f64, error: 1e9 * row.per_bond_period?, below_reference: false })
+        };
+        let curve = |(method, family): (&Method, usize)| {
+            let points = self.rows_of(method).into_iter().filter_map(point).collect();
+            Curve { name: method.name(), family, points, slope: None }
+        };
+        let picture = WorkPrecision {
+            title: format!("Run time per bond and period, tolerance {tol:e}"),
+            work_label: "number of sites N".to_owned(),
+            error_label: "run time per bond and period (ns)".to_owned(),
+            curves: methods.iter().zip(family_of).map(curve).collect(),
+            caption: format!(
+                "{how} Collocation alone would use all cores on chains of more than 256 bonds; here it has one, too. \
+                 The dashed line grows like N: the run time of the whole chain like N²."
+            ),
+            families,
+            guides: vec![(-1.0, "grows like N".to_owned())],
+            ..WorkPrecision::default()
+        };
+        Report::new("scaling")
+            .fact("tol", tol)
+            .fact("periods", periods)
+            .fact("perturbation", perturbation)
+            .fact("seed", seed)
+            .fact("scene", scene)
+            .table(table(rows))
+            .words(how)
+            .fact("machine", machine_json())
+            .picture(picture)
+    }
+}
+
+/// The table of the rows.
+fn table(rows: &[ScalingRow]) -> Table {
+    Table::of("scaling", rows)
+        .col("integrator", Short, "", |row| row.method.name())
+        .col("sites", Short, "", |row| row.sites)
+        .col("wall", Power(2), "median wall time of a run, in seconds", |row| row.wall)
+        .col("per_bond_period", Power(2), "wall time for each bond and period, in seconds", |row| row.per_bond_period)
+        .col("runs", Short, "", |row| row.repeats)
+        .col("steps", Short, "", |row| row.stats.steps)
+        .col("rejected", Short, "", |row| row.stats.rejected)
+        .col("force_evaluations", Short, "of each bond, at most", |row| row.stats.force_evaluations)
+        .col("failure", Short, "", |row| row.failure.clone())
+        .done()
 }
 
 /// Times every method on every ring, on one thread. `progress` is told the share of the time budget
