@@ -5,7 +5,7 @@ use crate::{
     error::{Error, Result},
     interrupt,
     output::Folder,
-    paper::{Data, FIGURES, Figure, verify, verify_csv, verify_table},
+    paper::{Data, FIGURES, Figure, verify, verify_report},
     present::{Block, Page, Section},
     report,
     scene::Scene,
@@ -181,8 +181,7 @@ fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
 fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {
     let verification = verify(None, &Engine::threads(), &|done, total| tell(done as f64 / total as f64))?;
     let unexpected: Vec<&str> = verification.unexpected().map(|item| item.claim.id.as_str()).collect();
-    let files = vec![("verify.csv".to_owned(), verify_csv(&verification))];
-    let mut blocks = vec![Block::Text(verify_table(&verification)), Block::Data(files)];
+    let mut blocks = told(&verify_report(&verification))?;
     if !unexpected.is_empty() {
         blocks.push(Block::Failure(format!("not as known: {}", unexpected.join(", "))));
     }
@@ -210,7 +209,8 @@ fn told(report: &report::Report) -> Result<Vec<Block>> {
     let pictures = Report::pictures(report)?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
     #[cfg(not(feature = "plot"))]
     let pictures = vec![];
-    Ok([pictures, vec![Block::Text(report.text()), Block::Data(report.csv().collect())]].concat())
+    let all = report.blocks().iter().cloned().map(Block::Told);
+    Ok(pictures.into_iter().chain(all).chain([Block::Data(report.csv().collect())]).collect())
 }
 
 /// A picture with its own title and caption.
@@ -223,5 +223,5 @@ fn drawn((_, picture): &Drawing) -> Result<Block> {
 /// Title and caption as text, in builds without pictures.
 #[cfg(not(feature = "plot"))]
 fn shown(figure: &Figure, data: &Data) -> Result<Block> {
-    Ok(Block::Text(format!("{}. {}\n", figure.title, figure.caption(data))))
+    Ok(Block::Told(report::Block::Words(format!("{}. {}\n", figure.title, figure.caption(data)))))
 }

@@ -2,7 +2,8 @@
 
 use super::{DONE, Exit, FAILED, args::VerifyArgs, print, progress_bar, runner::part_text, say};
 use crate::{
-    paper::{verify, verify_csv, verify_json, verify_table},
+    output::to_json,
+    paper::{verify, verify_report},
     sweep::Engine,
 };
 
@@ -22,12 +23,12 @@ pub(super) fn main(args: &VerifyArgs) -> Exit {
         return print(&part_text(&part, args.json)).map(|()| DONE);
     }
     let verification = verification?;
-    let (json, table) = (verify_json(&verification), verify_table(&verification));
-    let printed = print(&if args.json { json.clone() + "\n" } else { table.clone() });
+    let report = verify_report(&verification);
+    let printed = print(&if args.json { to_json(&report.json()) + "\n" } else { report.text() });
     if let Some(folder) = folder {
-        folder.write("verify.txt", table.as_bytes())?;
-        folder.write("verify.csv", &verify_csv(&verification))?;
-        folder.write("verify.json", json.as_bytes())?;
+        for (name, bytes) in report.files()? {
+            folder.write(&name, &bytes)?;
+        }
         say(&format!("written to {}", folder.path().display()));
     }
     printed?;

@@ -22,5 +22,5 @@ pub use figures::{
     figures_table,
 };
 pub use rule::Rule;
-pub use verdicts::{verify_csv, verify_json, verify_table};
+pub use verdicts::verify_report;
 pub use verify::{Item, Verdict, Verification, verify};

@@ -1,11 +1,8 @@
 //! One self-contained HTML page: tables, pictures and their data are inside, and nothing is fetched
 //! from elsewhere.
 
-use super::{
-    machine, machine_json,
-    table::{Part, parts},
-};
-use crate::output::to_json;
+use super::{machine, machine_json};
+use crate::{output::to_json, report};
 use base64::{Engine, engine::general_purpose::STANDARD};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde_json::json;
@@ -36,8 +33,8 @@ pub struct Section {
 /// One element of a part.
 #[derive(Clone, Debug)]
 pub enum Block {
-    /// Words and tables, as plain text.
-    Text(String),
+    /// Words or a table.
+    Told(report::Block),
     /// Files with the numbers.
     Data(Vec<(String, Vec<u8>)>),
     /// A picture.
@@ -186,25 +183,20 @@ impl Section {
 impl Block {
     /// Numbers of good, bad and open verdicts in the tables of the block.
     fn verdicts(&self) -> [usize; 3] {
-        let Self::Text(text) = self else { return [0; 3] };
-        let classes: Vec<&str> = parts(text)
-            .iter()
-            .filter_map(|part| match part {
-                // Only tables whose last column has the verdict are counted: others repeat
-                // verdicts.
-                Part::Table { head, rows } if head.last().is_some_and(|name| name == VERDICT) => {
-                    Some((head.len() - 1, rows))
-                }
-                _ => None,
-            })
-            .flat_map(|(column, rows)| rows.iter().map(move |row| class(&row[column])))
-            .collect();
+        let Self::Told(report::Block::Table(table)) = self else { return [0; 3] };
+        let (head, rows) = table.cells();
+        // Only tables whose last column has the verdict are counted: others repeat verdicts.
+        if head.last().is_none_or(|name| name != VERDICT) {
+            return [0; 3];
+        }
+        let classes: Vec<&str> = rows.iter().filter_map(|row| row.last()).map(|cell| class(cell)).collect();
         ["good", "bad", "open"].map(|class| classes.iter().filter(|one| **one == class).count())
     }
 
     fn html(&self) -> Markup {
         match self {
-            Self::Text(text) => html! { @for part in parts(text) { (part.html()) } },
+            Self::Told(report::Block::Words(words)) => html! { p.words { (words.trim()) } },
+            Self::Told(report::Block::Table(table)) => table_html(table),
             Self::Failure(why) => html! { p.failure { "Failed: " (why) } },
             Self::Picture { title, caption, svg } => html! {
                 figure {
@@ -234,7 +226,7 @@ const VERDICT: &str = "verdict";
 
 /// The style class of a verdict; empty for any other cell.
 fn class(cell: &str) -> &'static str {
-    match cell.trim_end_matches(" (!)") {
+    match cell {
         "agrees" | "holds" | "bounded" | "ok" => "good",
         "differs" | "fails" | "violated" | "FAILED" => "bad",
         "not decidable" | "undecided" => "open",
@@ -242,31 +234,31 @@ fn class(cell: &str) -> &'static str {
     }
 }
 
-impl Part {
-    fn html(&self) -> Markup {
-        let (head, rows) = match self {
-            Self::Words(words) => return html! { p.words { (words) } },
-            Self::Table { head, rows } => (head, rows),
-        };
-        let mut columns: Vec<usize> = (0..head.len()).collect();
-        columns.sort_by_key(|&column| head[column] != VERDICT);
-        let numbers = |column: usize| {
-            let mut cells = rows.iter().map(|row| &row[column]).filter(|cell| !cell.is_empty());
-            cells.all(|cell| cell.starts_with(|c: char| c.is_ascii_digit() || c == '-'))
-        };
-        let class = |row: &[String], column: usize| if numbers(column) { "number" } else { class(&row[column]) };
-        html! {
-            div.wide tabindex="0" {
-                table {
-                    thead { tr { @for &column in &columns { th scope="col" { button type="button" { (head[column]) } } } } }
-                    tbody {
-                        @for row in rows {
-                            tr { @for &column in &columns { td class=(class(row, column)) { (row[column]) } } }
-                        }
+/// A table with its legend; nothing if it has no column for people.
+fn table_html(table: &report::Table) -> Markup {
+    let (head, rows) = table.cells();
+    if head.is_empty() {
+        return html! {};
+    }
+    let mut columns: Vec<usize> = (0..head.len()).collect();
+    columns.sort_by_key(|&column| head[column] != VERDICT);
+    let numbers = |column: usize| {
+        let mut cells = rows.iter().map(|row| &row[column]).filter(|cell| !cell.is_empty());
+        cells.all(|cell| cell == "–" || cell.starts_with(|c: char| c.is_ascii_digit() || c == '-'))
+    };
+    let class = |row: &[String], column: usize| if numbers(column) { "number" } else { class(&row[column]) };
+    html! {
+        div.wide tabindex="0" {
+            table {
+                thead { tr { @for &column in &columns { th scope="col" { button type="button" { (head[column]) } } } } }
+                tbody {
+                    @for row in &rows {
+                        tr { @for &column in &columns { td class=(class(row, column)) { (row[column]) } } }
                     }
                 }
             }
         }
+        @if !table.legend().is_empty() { p.words { (table.legend()) } }
     }
 }
 
@@ -296,7 +288,7 @@ mod tests {
     #[test]
     fn a_page_fetches_nothing_and_escapes_what_it_is_given() {
         let blocks = vec![
-            Block::Text("1 < 2 & <script>".into()),
+            Block::Told(report::Block::Words("1 < 2 & <script>".into())),
             Block::Picture { title: "a \"b\"".into(), caption: "α < 2".into(), svg: vec![1, 2, 3] },
             Block::Failure("no <reason>".into()),
         ];
@@ -336,11 +328,17 @@ mod tests {
 
     #[test]
     fn verdicts_are_counted_and_stand_first_in_colour() {
-        let rows = [["a", "holds"], ["b", "differs (!)"], ["c", "not decidable"], ["d", "agrees"]];
-        let text = crate::present::table(&["item", "verdict"], &rows.map(|row| row.map(str::to_owned).to_vec()));
-        let block = Block::Text(text);
+        let rows = [["a", "holds"], ["b", "differs"], ["c", "not decidable"], ["d", "agrees"]];
+        let table = report::Table::of("t", &rows).col("item", report::Digits::Short, "what it is", |row| row[0]).col(
+            "verdict",
+            report::Digits::Short,
+            "",
+            |row| row[1],
+        );
+        let block = Block::Told(report::Block::Table(table.done()));
         assert_eq!(block.verdicts(), [2, 1, 1]);
         let html = block.html().into_string();
-        assert!(html.contains("<td class=\"bad\">differs (!)</td><td class=\"\">b</td>"), "{html}");
+        assert!(html.contains("<td class=\"bad\">differs</td><td class=\"\">b</td>"), "{html}");
+        assert!(html.contains("item: what it is."), "{html}");
     }
 }

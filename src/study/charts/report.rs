@@ -217,13 +217,14 @@ fn errors(study: &ChartStudy, chart: Chart) -> Table {
             let points = of(*method).filter(|point| place(chart, &point.variant)[0] == column);
             points.max_by(|a, b| badness(a).total_cmp(&badness(b))).map(error_cell)
         });
+        table = table.head(plain(column));
     }
     if chart == Chart::Light {
         let limit = |method: &Method| {
             let measured = of(*method).next()?.measured.as_ref().ok()?;
             Some((measured.stability?, measured.contact / measured.fast))
         };
-        table = table.col("h omega", Fixed(3), "", |method| limit(method).map(|(limit, _)| limit)).col(
+        table = table.col("h_omega", Fixed(3), "", |method| limit(method).map(|(limit, _)| limit)).col(
             "h Omega_c",
             Power(1),
             "",
@@ -270,14 +271,15 @@ fn widths(points: &[ResonancePoint]) -> Table {
         .key("")
         .col("integrator", Short, "", |row| row[0].method.name())
         .col("k", Short, "multiple of pi", |row| row[0].k as usize)
-        .col("|S_k|", Fixed(3), "sum of the kicks b_j e^(2 pi i k c_j)", |row| kick_sum(&row[0].method, row[0].k));
+        .col("kick_sum", Fixed(3), "sum of the kicks b_j e^(2 pi i k c_j)", |row| kick_sum(&row[0].method, row[0].k))
+        .head("|S_k|");
     for nth in 0..rows.first().map_or(0, |row| row.len()) {
-        table =
-            table.col(format!("A = {:e}", rows[0][nth].amplitude), Short, "", move |row| match &row[nth].resonance {
-                Ok(Some(found)) => format!("{:.1e} {:.1e}", found.edges[1] - found.edges[0], found.growth),
-                Ok(None) => "–".to_owned(),
-                Err(_) => "failed".to_owned(),
-            });
+        table = table.col(format!("A_{:e}", rows[0][nth].amplitude), Short, "", move |row| match &row[nth].resonance {
+            Ok(Some(found)) => format!("{:.1e} {:.1e}", found.edges[1] - found.edges[0], found.growth),
+            Ok(None) => "–".to_owned(),
+            Err(_) => "failed".to_owned(),
+        });
+        table = table.head(format!("A = {:e}", rows[0][nth].amplitude));
     }
     table.done()
 }
