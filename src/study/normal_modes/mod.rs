@@ -4,7 +4,7 @@
 mod report;
 
 use super::{
-    Changes, InSi, Progress, SWITCHED_TABLE, Study, Work, check_switch, crossing,
+    Changes, InSi, Progress, SWITCHED_EVENTS, SWITCHED_TABLE, Study, Work, check_switch, crossing,
     si::Scale,
     stretches::{self, Known},
 };
@@ -71,7 +71,7 @@ pub struct ModeWay {
 }
 
 /// The branch of a mode of a scene. All of its numbers are dimensionless; `si` is for its
-/// [`Report`](super::Report).
+/// report.
 #[derive(Clone, Debug)]
 pub struct ModeStudy {
     /// The scene.
@@ -119,21 +119,22 @@ impl ModeWay {
 }
 
 impl Study for FollowMode {
-    const FILES: &'static str = "Files: mode.json, mode-branch.csv, linear-modes.csv and mode.png, with --switch switched-branch.csv. \
+    const FILES: &'static str = "Files: mode.json, mode-branch.csv, bifurcations.csv, linear-modes.csv, neighbours.csv, mode.npz and mode.png, with --switch \
+                                 switched-branch.csv and switched-bifurcations.csv. \
                                  mode-bifurcations.store and switched-bifurcations.store have bifurcations, from which the same command goes on. \
                                  Each part of --shard follows the first branch itself and locates its share of these.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 
     fn sometimes() -> Vec<String> {
-        vec![SWITCHED_TABLE.to_owned()]
+        [SWITCHED_TABLE, SWITCHED_EVENTS].map(str::to_owned).to_vec()
     }
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = Scene::load_with(&self.scene, &self.changes.set)?;
         let (modes, continuation, si) = self.way.for_scene(&scene, self.si)?;
         Ok(Box::new(move |engine, progress| {
-            Ok(Box::new(followed(scene, modes, si, &continuation, self.way.switch, engine, progress)?))
+            Ok(Box::new(followed(scene, modes, si, &continuation, self.way.switch, engine, progress)?.report()))
         }))
     }
 }
