@@ -192,7 +192,7 @@ impl Report for report::Report {
     }
 }
 
-/// The table of a branch that crosses the one that was asked for.
+/// The tables of a branch that crosses the one that was asked for.
 const SWITCHED_TABLE: &str = "switched-branch.csv";
 /// The tables of such a branch: points and bifurcations.
 const SWITCHED: [&str; 2] = ["switched-branch", "switched-bifurcations"];
@@ -210,6 +210,24 @@ fn crossing<B>(number: usize, found: Result<B>) -> Result<Option<(usize, std::re
         Err(stopped @ Error::Stopped { .. }) => Err(stopped),
         found => Ok(Some((number, found.map_err(|error| error.to_string())))),
     }
+}
+
+/// A branch that crosses another one at the bifurcation of a number or, in words, why none was
+/// followed.
+type Switched<B> = Option<(usize, std::result::Result<B, String>)>;
+
+/// A branch and, if it was followed, the one that crosses it.
+fn followed_branches<'a, B>(branch: &'a B, switched: &'a Switched<B>) -> impl Iterator<Item = &'a B> {
+    std::iter::once(branch).chain(switched.iter().filter_map(|(_, other)| other.as_ref().ok()))
+}
+
+/// Why the branches, with these ends, are not what was asked for, if they are not: a branch answers
+/// if it reached its end or turned back, or came back to the branch of half its period.
+fn branch_failure<B>(switched: &Switched<B>, mut ends: impl Iterator<Item = End>) -> Option<String> {
+    if let Some((_, Err(why))) = switched {
+        return Some(why.clone());
+    }
+    ends.find(|end| !end.answers()).map(|end| format!("the branch ended: {}", end.words()))
 }
 
 /// How a branch ended, in words.

@@ -6,7 +6,6 @@ use crate::{
     error::{Error, Result},
     scene::{Quantity, Scene, Units},
 };
-use serde_json::{Value, json};
 
 /// What a report in SI units says of itself.
 pub(super) const ALL_IN_SI: &str = "all numbers here are in SI units";
@@ -70,26 +69,6 @@ impl Scale<'_> {
             Some(_) if quantity != Quantity::Number => format!("{value:.decimals$e}"),
             _ => format!("{value:.decimals$}"),
         }
-    }
-
-    /// The entries `frequency`, in SI units, beside an angular frequency `omega` of the chain.
-    pub(super) fn put_frequency(self, omega: f64, object: &mut Value) {
-        if self.0.is_some() {
-            object["frequency"] = json!(self.told(Quantity::Frequency, omega));
-        }
-    }
-
-    /// The entries `units` and `si` of a report in SI units.
-    pub(super) fn put_units(self, object: &mut Value) {
-        if let Some(units) = self.0 {
-            object["units"] = json!(units);
-            object["si"] = json!(true);
-        }
-    }
-
-    /// The last line of a report in SI units; empty for others.
-    pub(super) fn line(self) -> String {
-        self.0.map_or(String::new(), |units| format!("units: {}; {ALL_IN_SI}\n", units.words()))
     }
 
     /// An error of parameters with the values that were `given` for them, by name, where the error

@@ -6,7 +6,7 @@ use hertzchain::{
     orbits::{DriveParameter, DrivenContinuation, DrivenPoint, DrivenSetting, DrivenShooting, DrivenTrail, End},
     output::{Archive, Array, npz_with},
     scene::Scene,
-    study::{DrivenBranchStudy, Report, load_driven_branch},
+    study::{DrivenBranchStudy, load_driven_branch},
 };
 use serde_json::{Value, json};
 use std::{
@@ -68,7 +68,8 @@ fn saved(folder: &Path, scene: &Scene, trail: &DrivenTrail) -> PathBuf {
     let point = DrivenPoint::new(trail.orbits[0].clone(), &shooting).unwrap();
     let study =
         DrivenBranchStudy { scene: scene.clone(), branch: trail.clone().branch(vec![point]), switched: None, si: None };
-    let (name, bytes) = study.files("").unwrap().into_iter().find(|(name, _)| name == "driven-branch.npz").unwrap();
+    let (name, bytes) =
+        study.report().unwrap().files().unwrap().into_iter().find(|(name, _)| name == "driven-branch.npz").unwrap();
     let path = folder.join(name);
     fs::write(&path, bytes).unwrap();
     path

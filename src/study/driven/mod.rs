@@ -6,7 +6,8 @@ mod report;
 mod spectra;
 
 use super::{
-    Changes, InSi, Progress, SWITCHED_TABLE, Study, Work, check_switch, crossing, keeper::Keeper, si::Scale, stretches,
+    Changes, InSi, Progress, SWITCHED, SWITCHED_TABLE, Study, Work, check_switch, crossing, keeper::Keeper, si::Scale,
+    stretches,
 };
 use crate::{
     chain::Means,
@@ -118,14 +119,17 @@ pub struct DrivenStudy {
 }
 
 impl Study for Driven {
-    const FILES: &'static str = "Files: driven-orbit.json, driven-orbit.csv and driven-orbit.png.";
+    const FILES: &'static str =
+        "Files: driven-orbit.json, driven-orbit.csv, leading-multipliers.csv, driven-orbit.npz and driven-orbit.png.";
     const STOPS: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.told.load()?;
         self.told.si.units(&scene)?;
         self.told.search.setting(&scene)?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(driven_orbit(scene, &self.told.search, self.told.si, progress)?))))
+        Ok(Box::new(move |_, progress| {
+            Ok(Box::new(driven_orbit(scene, &self.told.search, self.told.si, progress)?.report()))
+        }))
     }
 }
 
@@ -207,7 +211,7 @@ pub struct DrivenWay {
 }
 
 /// A branch of a driven scene. All of its numbers are dimensionless; `si` is for its
-/// [`Report`](super::Report).
+/// report.
 #[derive(Clone, Debug)]
 pub struct DrivenBranchStudy {
     /// The scene.
@@ -229,15 +233,15 @@ const STORE: &str = "driven-spectra.store";
 const SWITCHED_STORE: &str = "switched-spectra.store";
 
 impl Study for DrivenContinue {
-    const FILES: &'static str = "Files: driven-branch.json, driven-branch.csv, driven-branch.png and driven-branch.npz, with --switch \
-                                 switched-branch.csv and switched-branch.npz; the npz files are written every 20 points or 10 s as well. \
+    const FILES: &'static str = "Files: driven-branch.json, driven-branch.csv, bifurcations.csv, driven-branch.png and driven-branch.npz, with --switch \
+                                 switched-branch.csv, switched-bifurcations.csv and switched-branch.npz; the npz files are written every 20 points or 10 s as well. \
                                  driven-spectra.store and switched-spectra.store have multipliers and bifurcations, from which the same command goes on. \
                                  Each part of --shard follows the first branch itself and computes its share of these.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 
     fn sometimes() -> Vec<String> {
-        vec![SWITCHED_FILE.to_owned(), SWITCHED_TABLE.to_owned()]
+        SWITCHED.map(|name| format!("{name}.csv")).into_iter().chain([SWITCHED_FILE.to_owned()]).collect()
     }
 
     fn begin(&self) -> Result<Work<'_>> {
@@ -247,7 +251,7 @@ impl Study for DrivenContinue {
             let DrivenScene { search, si, .. } = &self.told;
             self.way.for_scene(&scene, search, *si)?;
             return Ok(Box::new(move |engine, progress| {
-                Ok(Box::new(begun(scene, search, &self.way, *si, engine, progress)?))
+                Ok(Box::new(begun(scene, search, &self.way, *si, engine, progress)?.report()?))
             }));
         };
         let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
@@ -259,7 +263,9 @@ impl Study for DrivenContinue {
             None => self.way,
         };
         let trail = self.way.as_given(si, parameter, trail.onward(way.to, way.step, way.max_points))?;
-        Ok(Box::new(move |engine, progress| Ok(Box::new(followed(scene, trail, si, way.switch, engine, progress)?))))
+        Ok(Box::new(move |engine, progress| {
+            Ok(Box::new(followed(scene, trail, si, way.switch, engine, progress)?.report()?))
+        }))
     }
 
     fn beside(&self) -> Option<PathBuf> {

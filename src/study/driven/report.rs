@@ -1,42 +1,59 @@
-//! Orbits of driven scenes and their branches as text, JSON, CSV and pictures.
+//! What orbits of driven scenes and their branches report.
 
-use super::{BRANCH_FILE, DrivenBranchStudy, DrivenStudy, SWITCHED_FILE, SWITCHED_TABLE, driven_branch_npz, quantity};
-#[cfg(feature = "plot")]
-use crate::study::shown;
+use super::{BRANCH_FILE, DrivenBranchStudy, DrivenStudy, SWITCHED_FILE, driven_branch_npz, quantity};
 use crate::{
     error::Result,
-    orbits::{DriveParameter, DrivenBifurcation, DrivenBranch, DrivenMultiplier, DrivenPoint, DrivenSetting},
-    output::csv,
-    present::table,
-    scene::Quantity,
-    study::{File, Report, named, scene_json, si::Scale, word},
+    orbits::{DriveParameter, DrivenBranch, DrivenMultiplier, DrivenPoint, DrivenSetting},
+    report::{
+        Column,
+        Digits::{Fixed, Hidden, Json, Power, Short},
+        Kind, Line, Panel, Panels, Report, Rows, Table,
+    },
+    scene::{Quantity, Units},
+    study::{
+        branch_end, branch_failure, followed_branches, scene_caption, scene_json, shown, si::Scale, stability_lines,
+        word,
+    },
 };
 use serde_json::{Value, json};
 
 /// Number of leading multipliers, one of each conjugate pair, that text and JSON show.
 const LEADING: usize = 6;
-/// Multipliers are shown with ten decimals; smaller ones, and those below their error, by a bound.
+/// Multipliers are shown with ten decimals; smaller ones, and those below their error, are not.
 const SHOWN: f64 = 5e-11;
 /// Name of the integrator of driven orbits.
 const METHOD: &str = "dop853-regularised";
 
-/// A parameter of a setting as it is told.
-fn parameter(setting: &DrivenSetting, parameter: DriveParameter, scale: Scale<'_>) -> f64 {
-    scale.told(quantity(parameter, setting), setting.get(parameter))
+fn leading(point: &DrivenPoint) -> Vec<&DrivenMultiplier> {
+    point.spectrum.multipliers.iter().filter(|one| one.im >= 0.0).take(LEADING).collect()
 }
 
-fn parameters(point: &DrivenPoint, scale: Scale<'_>) -> Value {
-    let setting = &point.orbit.setting;
-    let mut value = json!({
-        "amplitude": parameter(setting, DriveParameter::Amplitude, scale),
-        "omega": parameter(setting, DriveParameter::Omega, scale),
-        "damping": setting.get(DriveParameter::Damping),
-        "turns": setting.turns(),
-        "least_turns": point.least_turns,
-        "period": scale.told(Quantity::Time, setting.period()),
-    });
-    scale.put_frequency(setting.omega(), &mut value);
-    value
+/// The table of some orbits of a branch in a parameter.
+fn points<'a>(
+    name: &str,
+    points: &'a [DrivenPoint],
+    varied: DriveParameter,
+    si: Option<&Units>,
+) -> Rows<'a, DrivenPoint> {
+    let mut table = Table::of(name, points).si(si);
+    let all = [DriveParameter::Amplitude, DriveParameter::Omega, DriveParameter::Damping];
+    for parameter in std::iter::once(varied).chain(all.into_iter().filter(|one| *one != varied)) {
+        let digits = if parameter == varied { Fixed(8) } else { Json };
+        let kind = points.first().map_or(Quantity::Number, |point| quantity(parameter, &point.orbit.setting));
+        table = table.col(parameter.name(), digits, "", |point| point.orbit.setting.get(parameter)).kind(kind);
+    }
+    table
+        .col("response", Power(6), "largest half range of a free bead", |point| point.amplitude)
+        .kind(Quantity::Length)
+        .col("max_modulus", Fixed(8), "largest modulus of a multiplier", |point| point.spectrum.largest())
+        .col("unstable", Short, "multipliers outside the unit circle", |point| point.spectrum.unstable())
+        .col("turns", Json, "", |point| u64::from(point.orbit.setting.turns()))
+        .col("least_turns", Json, "", |point| u64::from(point.least_turns))
+        .col("period", Json, "", |point| point.orbit.setting.period())
+        .kind(Quantity::Time)
+        .col("residual", Json, "", |point| point.orbit.residual)
+        .col("leading", Json, "", |point| json!(leading(point)))
+        .col("liouville", Json, "", |point| point.spectrum.liouville)
 }
 
 impl DrivenStudy {
@@ -44,227 +61,98 @@ impl DrivenStudy {
         Scale(self.si.as_ref())
     }
 
-    /// Amplitude and frequency of the drive as rows of a table; in SI units the frequency is both
-    /// `omega` and in hertz.
-    fn drive(&self) -> Vec<(String, String)> {
-        let setting = &self.point.orbit.setting;
-        let amplitude = setting.get(DriveParameter::Amplitude);
-        if self.si.is_none() {
-            let name = "drive amplitude, frequency".to_owned();
-            return vec![(name, format!("{amplitude}, {}", setting.omega()))];
-        }
-        let row = |name: &str, quantity: Quantity, value: f64| {
-            (self.scale().label(name, quantity), self.scale().shown(quantity, value, 12))
-        };
-        vec![
-            row("drive amplitude", quantity(DriveParameter::Amplitude, setting), amplitude),
-            row("drive omega", Quantity::Omega, setting.omega()),
-            row("drive frequency", Quantity::Frequency, setting.omega()),
-        ]
-    }
-}
-
-impl Report for DrivenStudy {
-    fn json(&self) -> Value {
+    /// The report.
+    pub fn report(&self) -> Report {
         let Self { scene, point, samples, driven, dissipated, .. } = self;
-        let scale = self.scale();
-        let ranges = point.orbit.ranges(samples);
-        let [beads, strains] = ranges.map(|ranges| scale.all(Quantity::Length, &ranges));
+        let (scale, si, n) = (self.scale(), self.si.as_ref(), scene.chain().sites());
+        let [beads, strains] = point.orbit.ranges(samples).map(|ranges| scale.all(Quantity::Length, &ranges));
         let start = point.orbit.start().ok();
         let numbers = |quantity: Quantity, of: fn(&crate::chain::State<f64>) -> &[f64]| {
             start.as_ref().map(|state| scale.all(quantity, of(state)))
         };
-        let mut value = json!({
-            "scene": scene.name(),
-            "drive": parameters(point, scale),
-            "u": numbers(Quantity::Length, |state| state.u()),
-            "v": numbers(Quantity::Length, |state| state.v().unwrap_or_default()),
-            "u_dot": numbers(Quantity::Velocity, |state| state.u_dot()),
-            "v_dot": numbers(Quantity::Velocity, |state| state.v_dot().unwrap_or_default()),
-            "response": scale.told(Quantity::Length, point.amplitude),
-            "bead_ranges": beads,
-            "strain_ranges": strains,
-            "driven": scale.told(Quantity::Energy, *driven),
-            "dissipated": scale.told(Quantity::Energy, *dissipated),
-            "residual": point.orbit.residual,
-            "newton": point.orbit.newton,
-            "multipliers": point.spectrum.multipliers,
-            "max_modulus": point.spectrum.largest(),
-            "unstable": point.spectrum.unstable(),
-            "liouville": point.spectrum.liouville,
-            "integrator": METHOD,
-            "scene_file": scene_json(scene),
-            "version": env!("CARGO_PKG_VERSION"),
-        });
-        scale.put_units(&mut value);
-        value
+        let drive = points("", std::slice::from_ref(point), DriveParameter::Amplitude, si).done().json();
+        let rows: Vec<(usize, &Vec<f64>)> = samples.iter().enumerate().collect();
+        let (period, count) = (point.orbit.setting.period(), samples.len() - 1);
+        let mut table = Table::of("driven-orbit", &rows)
+            .key("")
+            .si(si)
+            .col("t", Hidden, "", |row| period * row.0 as f64 / count as f64)
+            .kind(Quantity::Time);
+        for i in 0..n {
+            table = table.col(format!("u{i}"), Hidden, "", move |row| row.1[i]).kind(Quantity::Length);
+        }
+        let leading = leading(point);
+        let seen = |value: fn(&DrivenMultiplier) -> f64| {
+            move |one: &&DrivenMultiplier| (one.modulus > one.error.max(SHOWN)).then_some(value(one))
+        };
+        let multipliers = Table::of("leading-multipliers", &leading)
+            .key("")
+            .col(
+                "re",
+                Fixed(10),
+                "real part of leading multipliers, one of each conjugate pair, without those below their error",
+                seen(|one| one.re),
+            )
+            .col("im", Fixed(10), "imaginary part", seen(|one| one.im))
+            .col("modulus", Fixed(10), "", seen(|one| one.modulus))
+            .col("error", Hidden, "of the modulus", |one| one.error);
+        Report::new("driven-orbit")
+            .fact("scene", scene.name())
+            .fact("drive", &drive[0])
+            .fact("u", numbers(Quantity::Length, |state| state.u()))
+            .fact("v", numbers(Quantity::Length, |state| state.v().unwrap_or_default()))
+            .fact("u_dot", numbers(Quantity::Velocity, |state| state.u_dot()))
+            .fact("v_dot", numbers(Quantity::Velocity, |state| state.v_dot().unwrap_or_default()))
+            .fact("response", scale.told(Quantity::Length, point.amplitude))
+            .fact("bead_ranges", beads)
+            .fact("strain_ranges", strains)
+            .fact("driven", scale.told(Quantity::Energy, *driven))
+            .fact("dissipated", scale.told(Quantity::Energy, *dissipated))
+            .fact("residual", point.orbit.residual)
+            .fact("newton", &point.orbit.newton)
+            .fact("multipliers", &point.spectrum.multipliers)
+            .fact("max_modulus", point.spectrum.largest())
+            .fact("unstable", point.spectrum.unstable())
+            .fact("liouville", point.spectrum.liouville)
+            .fact("integrator", METHOD)
+            .fact("scene_file", scene_json(scene))
+            .words(self.words())
+            .table(multipliers)
+            .table(table)
+            .si(si)
+            .picture(orbit_picture(self))
     }
 
-    fn text(&self) -> String {
-        let Self { point, driven, dissipated, .. } = self;
-        let (setting, scale) = (&point.orbit.setting, self.scale());
-        let period = scale.shown(Quantity::Time, setting.period(), 12);
-        let [driven, dissipated] = [driven, dissipated].map(|energy| scale.told(Quantity::Energy, *energy));
-        let response = scale.told(Quantity::Length, point.amplitude);
+    fn words(&self) -> String {
+        let (point, setting, scale) = (&self.point, &self.point.orbit.setting, self.scale());
+        let kind = quantity(DriveParameter::Amplitude, setting);
+        let numbers = [
+            ("drive amplitude", kind, setting.get(DriveParameter::Amplitude)),
+            ("drive omega", Quantity::Omega, setting.omega()),
+            ("period of the orbit", Quantity::Time, setting.period()),
+            ("largest half range of a free bead", Quantity::Length, point.amplitude),
+            ("driven over the orbit", Quantity::Energy, self.driven),
+            ("dissipated", Quantity::Energy, self.dissipated),
+        ];
+        let hertz = self.si.map(|_| ("drive frequency", Quantity::Frequency, setting.omega()));
+        let told = |(name, kind, x)| format!("{} {:.9e}", scale.label(name, kind), scale.told(kind, x));
+        let numbers: Vec<String> = numbers.into_iter().chain(hertz).map(told).collect();
         let least = match point.least_turns {
             least if least == setting.turns() => String::new(),
             least => format!("; its least period: {least}"),
         };
-        let labelled = |name: &str, quantity: Quantity, value: String| (scale.label(name, quantity), value);
-        let measured = [
-            labelled(
-                "period of the orbit",
-                Quantity::Time,
-                format!("{period} ({} of the drive{least})", setting.turns()),
-            ),
-            labelled("largest half range of a free bead", Quantity::Length, format!("{response:.9e}")),
-            labelled("driven, dissipated over the orbit", Quantity::Energy, format!("{driven:.9e}, {dissipated:.9e}")),
-        ];
-        let checked = [
-            ("residual of P(z) = z", format!("{:.1e}", point.orbit.residual)),
-            ("steps of Newton's method", point.orbit.newton.len().to_string()),
-            ("error of ln |det M| by Liouville", format!("{:.1e}", point.spectrum.liouville)),
-            ("multipliers outside the circle", point.spectrum.unstable().to_string()),
-        ];
-        let checked = checked.map(|(name, value)| (name.to_owned(), value));
-        let rows: Vec<_> =
-            self.drive().into_iter().chain(measured).chain(checked).map(|(name, value)| vec![name, value]).collect();
-        let leading = point.spectrum.multipliers.iter().filter(|one| one.im >= 0.0).take(LEADING);
-        let leading: Vec<_> = leading
-            .map(|one| match one.error.max(SHOWN) {
-                least if one.modulus > least => [one.re, one.im, one.modulus].map(|x| format!("{x:.10}")).to_vec(),
-                least => vec![String::new(), String::new(), format!("below 1e{:.0}", least.log10().ceil())],
-            })
-            .collect();
         format!(
-            "{}\n{}\nThe leading multipliers, one of each conjugate pair; the orbit is {}.\n{}",
-            table(&["quantity", "value"], &rows),
-            table(&["Re lambda", "Im lambda", "|lambda|"], &leading),
+            "{}. The period is {} of the drive{least}. Residual of P(z) = z {:.1e}, after {} steps of Newton's method; error of ln |det M| by \
+             Liouville {:.1e}. {} multipliers are outside the circle: the orbit is {}.",
+            numbers.join("; "),
+            setting.turns(),
+            point.orbit.residual,
+            point.orbit.newton.len(),
+            point.spectrum.liouville,
+            point.spectrum.unstable(),
             if point.stable() { "stable" } else { "unstable" },
-            scale.line()
         )
     }
-
-    fn files(&self, json: &str) -> Result<Vec<File>> {
-        let (n, scale) = (self.scene.chain().sites(), self.scale());
-        let period = scale.told(Quantity::Time, self.point.orbit.setting.period());
-        let count = self.samples.len() - 1;
-        let names: Vec<String> = std::iter::once("t".to_owned()).chain((0..n).map(|i| format!("u{i}"))).collect();
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let rows = self.samples.iter().enumerate().map(|(k, state)| {
-            let t = period * k as f64 / count as f64;
-            std::iter::once(t).chain(scale.all(Quantity::Length, &state[..n])).collect()
-        });
-        Ok(named([("driven-orbit.csv", csv(&names, rows)), ("driven-orbit.json", format!("{json}\n").into())]))
-    }
-
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
-        Ok(named([("driven-orbit.png", orbit_picture(self)?)]))
-    }
-}
-
-/// Points and bifurcations of a branch.
-fn branch_json(branch: &DrivenBranch, scale: Scale<'_>) -> Value {
-    let points = branch.points.iter().map(|point| {
-        let leading: Vec<&DrivenMultiplier> =
-            point.spectrum.multipliers.iter().filter(|one| one.im >= 0.0).take(LEADING).collect();
-        let mut value = parameters(point, scale);
-        value["response"] = json!(scale.told(Quantity::Length, point.amplitude));
-        value["residual"] = json!(point.orbit.residual);
-        value["max_modulus"] = json!(point.spectrum.largest());
-        value["unstable"] = json!(point.spectrum.unstable());
-        value["leading"] = json!(leading);
-        value["liouville"] = json!(point.spectrum.liouville);
-        value
-    });
-    let bifurcation = |one: &DrivenBifurcation| {
-        let setting = &one.point.orbit.setting;
-        let mut value = json!({
-            "kind": one.kind,
-            "parameter": scale.told(quantity(branch.continuation.parameter, setting), one.parameter),
-            "multiplier": one.multiplier,
-            "response": scale.told(Quantity::Length, one.point.amplitude),
-        });
-        scale.put_frequency(setting.omega(), &mut value);
-        value
-    };
-    json!({
-        "end": branch.end,
-        "points": points.collect::<Vec<Value>>(),
-        "bifurcations": branch.bifurcations.iter().map(bifurcation).collect::<Vec<Value>>(),
-        "unresolved": branch.unresolved,
-    })
-}
-
-/// The columns that have the parameter of a branch, by name and kind: in SI units a frequency is both
-/// `omega` and in hertz.
-fn parameter_columns(branch: &DrivenBranch, scale: Scale<'_>) -> Vec<(&'static str, Quantity)> {
-    let parameter = branch.continuation.parameter;
-    let kind = branch.points.first().map_or(Quantity::Number, |point| quantity(parameter, &point.orbit.setting));
-    let hertz = (scale.0.is_some() && kind == Quantity::Omega).then_some(("frequency", Quantity::Frequency));
-    std::iter::once((parameter.name(), kind)).chain(hertz).collect()
-}
-
-/// Points and bifurcations of a branch as tables.
-fn branch_text(branch: &DrivenBranch, scale: Scale<'_>) -> String {
-    let parameter = branch.continuation.parameter;
-    let columns = parameter_columns(branch, scale);
-    let headings: Vec<String> = columns.iter().map(|&(name, kind)| scale.label(name, kind)).collect();
-    let cells = |value: f64| columns.iter().map(move |&(_, kind)| scale.shown(kind, value, 8));
-    let rows: Vec<Vec<String>> = branch
-        .points
-        .iter()
-        .map(|point| {
-            let numbers = [
-                format!("{:.6e}", scale.told(Quantity::Length, point.amplitude)),
-                format!("{:.8}", point.spectrum.largest()),
-                point.spectrum.unstable().to_string(),
-            ];
-            cells(point.orbit.setting.get(parameter)).chain(numbers).collect()
-        })
-        .collect();
-    let event = |(k, one): (usize, &DrivenBifurcation)| {
-        let DrivenMultiplier { re, im, .. } = one.multiplier;
-        let multiplier = [re, im].map(|x| format!("{x:.6}"));
-        [(k + 1).to_string(), word(&one.kind)].into_iter().chain(cells(one.parameter)).chain(multiplier).collect()
-    };
-    let events: Vec<Vec<String>> = branch.bifurcations.iter().enumerate().map(event).collect();
-    let events = if events.is_empty() {
-        "no bifurcation\n".to_owned()
-    } else {
-        table(&between(&["number", "bifurcation"], &headings, &["Re lambda", "Im lambda"]), &events)
-    };
-    let unresolved = match branch.unresolved {
-        0 => String::new(),
-        count => format!("changes of stability that were not resolved into single bifurcations: {count}\n"),
-    };
-    let response = scale.label("response", Quantity::Length);
-    table(&between(&[], &headings, &[&response, "largest |lambda|", "outside"]), &rows)
-        + "\n"
-        + &events
-        + &format!("\n{} points; the branch ended: {}\n{unresolved}", branch.points.len(), branch.end.words())
-}
-
-/// Headings of a table: some before those of the parameter, some after them.
-fn between<'a>(before: &[&'a str], parameter: &'a [String], after: &[&'a str]) -> Vec<&'a str> {
-    before.iter().copied().chain(parameter.iter().map(String::as_str)).chain(after.iter().copied()).collect()
-}
-
-/// Columns that are told in SI units only come last.
-fn branch_csv(branch: &DrivenBranch, scale: Scale<'_>) -> Vec<u8> {
-    let columns = parameter_columns(branch, scale);
-    let (first, more) = columns.split_at(1);
-    let rows = branch.points.iter().map(|point| {
-        let value = point.orbit.setting.get(branch.continuation.parameter);
-        let told = |&(_, kind): &(&str, Quantity)| scale.told(kind, value);
-        let response = scale.told(Quantity::Length, point.amplitude);
-        let numbers = [response, point.spectrum.largest(), point.spectrum.unstable() as f64];
-        first.iter().map(told).chain(numbers).chain(more.iter().map(told)).collect()
-    });
-    let name = |&(name, _): &(&'static str, Quantity)| name;
-    let names = ["response", "max_modulus", "unstable"];
-    csv(&first.iter().map(name).chain(names).chain(more.iter().map(name)).collect::<Vec<_>>(), rows)
 }
 
 impl DrivenBranchStudy {
@@ -272,94 +160,86 @@ impl DrivenBranchStudy {
         Scale(self.si.as_ref())
     }
 
-    /// The branch that crosses, if one was followed, and the number of its bifurcation.
-    fn crossing(&self) -> Option<(usize, &DrivenBranch)> {
-        let (number, other) = self.switched.as_ref()?;
-        Some((*number, other.as_ref().ok()?))
+    /// Points and bifurcations of a branch, in tables with these names and fields of the JSON.
+    fn tables(&self, branch: &DrivenBranch, names: [&str; 2], keys: [&str; 2]) -> [Table; 2] {
+        let (varied, si, scale) = (branch.continuation.parameter, self.si.as_ref(), self.scale());
+        let kind = branch.points.first().map_or(Quantity::Number, |point| quantity(varied, &point.orbit.setting));
+        let numbered: Vec<_> = (1_u64..).zip(&branch.bifurcations).collect();
+        let bifurcations = Table::of(names[1], &numbered)
+            .key(keys[1])
+            .si(si)
+            .col("number", Short, "", |row| row.0)
+            .col("kind", Short, "", |row| word(&row.1.kind))
+            .col(varied.name(), Fixed(8), "", |row| row.1.parameter)
+            .kind(kind)
+            .col("response", Power(6), "", |row| row.1.point.amplitude)
+            .kind(Quantity::Length)
+            .col("re", Fixed(6), "real part of the multiplier", |row| row.1.multiplier.re)
+            .col("im", Fixed(6), "imaginary part", |row| row.1.multiplier.im)
+            .col("multiplier", Json, "", |row| json!(row.1.multiplier))
+            .col("parameter", Json, "", |row| scale.told(kind, row.1.parameter))
+            .col("omega", Json, "", |row| row.1.point.orbit.setting.omega())
+            .kind(Quantity::Omega);
+        [points(names[0], &branch.points, varied, si).key(keys[0]).done(), bifurcations.done()]
     }
 
-    /// The branch and, if it was followed, the one that crosses it.
-    fn branches(&self) -> impl Iterator<Item = &DrivenBranch> {
-        std::iter::once(&self.branch).chain(self.crossing().map(|(_, other)| other))
-    }
-}
-
-impl Report for DrivenBranchStudy {
-    fn json(&self) -> Value {
-        let Self { scene, branch, switched, .. } = self;
-        let scale = self.scale();
-        let mut value = branch_json(branch, scale);
-        value["scene"] = json!(scene.name());
-        value["parameter"] = json!(branch.continuation.parameter.name());
-        if let Some((number, other)) = switched {
-            match other {
-                Ok(other) => value["switched"] = branch_json(other, scale),
-                Err(why) => value["switched"]["failure"] = json!(why),
+    /// The report.
+    ///
+    /// # Errors
+    /// Errors of the archive writer.
+    pub fn report(&self) -> Result<Report> {
+        let Self { scene, branch, switched, si, .. } = self;
+        let ended = |branch: &DrivenBranch| {
+            let unresolved = match branch.unresolved {
+                0 => String::new(),
+                count => format!(" Changes of stability that were not resolved into single bifurcations: {count}."),
+            };
+            branch_end(branch.points.len(), branch.bifurcations.len(), branch.end) + &unresolved
+        };
+        let [points, bifurcations] = self.tables(branch, ["driven-branch", "bifurcations"], ["points", "bifurcations"]);
+        let mut report = Report::new("driven-branch")
+            .fact("scene", scene.name())
+            .fact("parameter", branch.continuation.parameter.name())
+            .fact("end", branch.end)
+            .fact("unresolved", branch.unresolved)
+            .fact("integrator", METHOD)
+            .fact("scene_file", scene_json(scene))
+            .table(points)
+            .table(bifurcations)
+            .words(ended(branch))
+            .file(BRANCH_FILE, driven_branch_npz(scene, &branch.trail)?);
+        match switched {
+            Some((number, Ok(other))) => {
+                let [points, bifurcations] = self.tables(other, ["switched-branch", "switched-bifurcations"], ["", ""]);
+                let json: Value = json!({
+                    "at": number,
+                    "end": other.end,
+                    "points": points.json(),
+                    "bifurcations": bifurcations.json(),
+                    "unresolved": other.unresolved,
+                });
+                let turns = other.points.first().map_or(1, |point| point.orbit.setting.turns());
+                let words =
+                    format!("The branch that crosses at bifurcation {number}, of {turns} period(s) of the drive:");
+                report = report
+                    .fact("switched", json)
+                    .words(words)
+                    .table(points)
+                    .table(bifurcations)
+                    .words(ended(other))
+                    .file(SWITCHED_FILE, driven_branch_npz(scene, &other.trail)?);
             }
-            value["switched"]["at"] = json!(number);
+            Some((number, Err(why))) => report = report.fact("switched", json!({ "at": number, "failure": why })),
+            None => {}
         }
-        value["integrator"] = json!(METHOD);
-        value["scene_file"] = scene_json(scene);
-        value["version"] = json!(env!("CARGO_PKG_VERSION"));
-        scale.put_units(&mut value);
-        value
-    }
-
-    fn text(&self) -> String {
-        let other = self.crossing().map_or(String::new(), |(number, other)| {
-            let turns = other.points.first().map_or(1, |point| point.orbit.setting.turns());
-            let periods = if turns == 1 { "the period".to_owned() } else { format!("{turns} periods") };
-            format!(
-                "\nThe branch that crosses at bifurcation {number}, of {periods} of the drive:\n\n{}",
-                branch_text(other, self.scale())
-            )
-        });
-        branch_text(&self.branch, self.scale())
-            + &other
-            + "response: largest half range of a free bead; outside: multipliers outside the unit circle\n"
-            + &self.scale().line()
-    }
-
-    fn files(&self, json: &str) -> Result<Vec<File>> {
-        let Self { scene, branch, .. } = self;
-        let mut files = named([
-            ("driven-branch.csv", branch_csv(branch, self.scale())),
-            ("driven-branch.json", format!("{json}\n").into()),
-            (BRANCH_FILE, driven_branch_npz(scene, &branch.trail)?),
-        ]);
-        if let Some((_, other)) = self.crossing() {
-            files.extend(named([
-                (SWITCHED_TABLE, branch_csv(other, self.scale())),
-                (SWITCHED_FILE, driven_branch_npz(scene, &other.trail)?),
-            ]));
-        }
-        Ok(files)
-    }
-
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
-        Ok(named([("driven-branch.png", branch_picture(self)?)]))
-    }
-
-    fn remark(&self) -> Option<String> {
-        if let Some((_, Err(why))) = &self.switched {
-            return Some(format!("error: {why}"));
-        }
-        let short = self.branches().find(|branch| !branch.end.answers())?;
-        Some(format!("error: the branch ended: {}", short.end.words()))
-    }
-
-    /// A branch succeeds if it reached its end or turned back, or if it came back to the branch of
-    /// half its period.
-    fn succeeded(&self) -> bool {
-        !matches!(self.switched, Some((_, Err(_)))) && self.branches().all(|branch| branch.end.answers())
+        let ends = followed_branches(branch, switched).map(|branch| branch.end);
+        Ok(report.si(si.as_ref()).failure(branch_failure(switched, ends)).picture(branch_picture(self)))
     }
 }
 
 /// The multipliers in the complex plane, with a line each for those inside or on the circle, and
 /// for those outside.
-pub(crate) fn multipliers_panel(point: &DrivenPoint) -> crate::report::Panel {
-    use crate::report::{Kind, Line, Panel};
+pub(crate) fn multipliers_panel(point: &DrivenPoint) -> Panel {
     let outside = point.spectrum.unstable();
     let at = |one: &DrivenMultiplier| (one.re, one.im);
     let (out, inside) = point.spectrum.multipliers.split_at(outside);
@@ -371,7 +251,6 @@ pub(crate) fn multipliers_panel(point: &DrivenPoint) -> crate::report::Panel {
 }
 
 /// Amplitude and frequency of a drive, for a caption.
-#[cfg(feature = "plot")]
 fn drive_words(setting: &DrivenSetting, scale: Scale<'_>) -> String {
     let amplitude = setting.get(DriveParameter::Amplitude);
     if scale.0.is_none() {
@@ -383,9 +262,7 @@ fn drive_words(setting: &DrivenSetting, scale: Scale<'_>) -> String {
     format!("a = {a}, ω/2π = {frequency}")
 }
 
-#[cfg(feature = "plot")]
-fn orbit_picture(study: &DrivenStudy) -> Result<crate::figures::Picture> {
-    use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
+fn orbit_picture(study: &DrivenStudy) -> Panels {
     let DrivenStudy { scene, point, samples, .. } = study;
     let [beads, strains] = point.orbit.ranges(samples);
     let scale = study.scale();
@@ -404,33 +281,33 @@ fn orbit_picture(study: &DrivenStudy) -> Result<crate::figures::Picture> {
         point.spectrum.largest(),
         point.orbit.residual
     );
-    let caption = crate::study::provenance(scene, &how);
+    let caption = scene_caption(scene, &how);
     let columns = vec![Column::new("", profile), Column::new("", [multipliers_panel(point)])];
-    Ok(panels(&Panels { title: format!("Driven orbit of {}", scene.name()), columns, caption })?)
+    Panels { title: format!("Driven orbit of {}", scene.name()), columns, caption }
 }
 
-#[cfg(feature = "plot")]
-fn branch_picture(study: &DrivenBranchStudy) -> Result<crate::figures::Picture> {
-    use crate::figures::{Kind, Line, Panel, Panels, panels};
+fn branch_picture(study: &DrivenBranchStudy) -> Panels {
     let DrivenBranchStudy { scene, branch, .. } = study;
     let (parameter, scale) = (branch.continuation.parameter, study.scale());
-    // The last column is the one in hertz, if there is one.
-    let kind = parameter_columns(branch, scale).last().map_or(Quantity::Number, |column| column.1);
+    let kind = match branch.points.first().map(|point| quantity(parameter, &point.orbit.setting)) {
+        Some(Quantity::Omega) if study.si.is_some() => Quantity::Frequency,
+        kind => kind.unwrap_or(Quantity::Number),
+    };
     let symbol = if kind == Quantity::Frequency { "drive frequency ω/2π" } else { parameter.symbol() };
     let place = |point: &DrivenPoint| scale.told(kind, point.orbit.setting.get(parameter));
     let response = |point: &DrivenPoint| scale.told(Quantity::Length, point.amplitude);
     let responses = |branch: &DrivenBranch| {
-        crate::study::stability_lines(&branch.points, |point| (place(point), response(point)), DrivenPoint::stable)
+        stability_lines(&branch.points, |point| (place(point), response(point)), DrivenPoint::stable)
     };
     let mut lines = responses(branch);
-    let marks = study.branches().flat_map(|branch| &branch.bifurcations);
+    let marks = followed_branches(branch, &study.switched).flat_map(|branch| &branch.bifurcations);
     lines.push(Line::new("bifurcation", marks.map(|one| (scale.told(kind, one.parameter), response(&one.point)))));
     let moduli = |name: &str, branch: &DrivenBranch| {
         Line::new(name, branch.points.iter().map(|point| (place(point), point.spectrum.largest())))
     };
     let mut largest = vec![moduli("largest |λ|", branch)];
     let mut how = format!("{} orbits; {}.", branch.points.len(), branch.end.words());
-    if let Some((number, other)) = study.crossing() {
+    if let Some((number, Ok(other))) = &study.switched {
         let names = ["stable, switched", "unstable, switched"];
         lines
             .extend(responses(other).into_iter().zip(names).map(|(line, name)| Line { name: name.to_owned(), ..line }));
@@ -444,5 +321,5 @@ fn branch_picture(study: &DrivenBranchStudy) -> Result<crate::figures::Picture> 
         Panel::new(Kind::Cloud, [&*along, "largest |λ|"], largest),
     ];
     let title = format!("Driven orbits of {} over the {symbol}", scene.name());
-    Ok(panels(&Panels::column(title, plots, crate::study::provenance(scene, &how)))?)
+    Panels::column(title, plots, scene_caption(scene, &how))
 }

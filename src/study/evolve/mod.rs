@@ -72,7 +72,7 @@ pub struct Evolve {
 }
 
 impl Study for Evolve {
-    const FILES: &'static str = "Files: evolution.json, evolution.csv, evolution-x.csv and evolution-y.csv (largest strains in time), evolution.png.";
+    const FILES: &'static str = "Files: evolution.json, evolution.csv, motion.csv, evolution-x.csv and evolution-y.csv (largest strains in time), evolution.png.";
     const STOPS: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
