@@ -10,8 +10,7 @@ use crate::{
     report,
     scene::Scene,
     study::{
-        ChartOptions, CompareOptions, OrderOptions, Problem, Report, RhoLaw, TheoremOptions, charts, compare, order,
-        theorem,
+        ChartOptions, CompareOptions, OrderOptions, Problem, RhoLaw, TheoremOptions, charts, compare, order, theorem,
     },
     sweep::Engine,
 };
@@ -206,7 +205,7 @@ fn shown(figure: &Figure, data: &Data) -> Result<Block> {
 /// Pictures, text and numbers of a study.
 fn told(report: &report::Report) -> Result<Vec<Block>> {
     #[cfg(feature = "plot")]
-    let pictures = Report::pictures(report)?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
+    let pictures = crate::study::Report::pictures(report)?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
     #[cfg(not(feature = "plot"))]
     let pictures = vec![];
     let all = report.blocks().iter().cloned().map(Block::Told);

@@ -46,11 +46,15 @@ impl ChartStudy {
             ));
         let mut all = Vec::new();
         for &chart in &self.charts {
-            report = report.words(heading(chart));
+            let [title, against] = title(chart);
             if chart == Chart::Resonances {
+                report =
+                    report.words(format!("{title}: width in hω and growth a step of one bead pressed between walls."));
                 report = report.table(resonances(&self.resonances)).table(widths(&self.resonances));
                 continue;
             }
+            let how = "the worst energy error at 64 kicks a period of the fastest motion, or tolerance 1e-9";
+            report = report.words(format!("{}. {title}: {how}, against {against}.", chart.name()));
             let points = points(self, chart);
             all.extend(points.json());
             report = report.table(errors(self, chart)).table(points).table(ladder(self, chart));
@@ -215,7 +219,9 @@ fn errors(study: &ChartStudy, chart: Chart) -> Table {
     for column in columns {
         table = table.col(plain(column), Short, "", |method| {
             let points = of(*method).filter(|point| place(chart, &point.variant)[0] == column);
-            points.max_by(|a, b| badness(a).total_cmp(&badness(b))).map(error_cell)
+            points
+                .max_by(|a, b| badness(a).total_cmp(&badness(b)))
+                .map(|point| cell(point, "refused", |error| format!("{error:.0e}")))
         });
         table = table.head(plain(column));
     }
@@ -224,12 +230,13 @@ fn errors(study: &ChartStudy, chart: Chart) -> Table {
             let measured = of(*method).next()?.measured.as_ref().ok()?;
             Some((measured.stability?, measured.contact / measured.fast))
         };
-        table = table.col("h_omega", Fixed(3), "", |method| limit(method).map(|(limit, _)| limit)).col(
-            "h Omega_c",
-            Power(1),
-            "",
-            |method| limit(method).map(|(limit, ratio)| limit * ratio),
-        );
+        let second = |method: &Method| limit(method).map(|(limit, ratio)| limit * ratio);
+        table = table
+            .col("h_omega", Fixed(3), "step above which the energy has no bound, at the lightest", |method| {
+                limit(method).map(|(limit, _)| limit)
+            })
+            .col("h_contact", Power(1), "", second)
+            .head("h Omega_c");
     }
     table.done()
 }
@@ -371,39 +378,28 @@ fn plain(value: f64) -> String {
     if (1e-2..1e4).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
-fn heading(chart: Chart) -> &'static str {
+/// The title of a chart, and what it is against.
+fn title(chart: Chart) -> [&'static str; 2] {
     match chart {
-        Chart::Light => {
-            "light: energy error at 64 kicks a period of the fastest motion (adaptive: tol 1e-9) against rho; then the step above which the energy has no bound, at the lightest"
-        }
-        Chart::Stiffness => {
-            "stiffness: the worst energy error at 64 kicks a period (adaptive: tol 1e-9) over all kappa, against the amplitude A"
-        }
-        Chart::Alpha => "alpha: energy error at 64 kicks a period (adaptive: tol 1e-9) against the exponent",
-        Chart::Length => "length: energy error at 64 kicks a period (adaptive: tol 1e-9) against the number of sites",
-        Chart::Time => {
-            "time: energy error at 64 kicks a period (adaptive: tol 1e-9) against the length of the run in contact periods"
-        }
+        Chart::Light => ["Light and heavy resonators", "mass ratio ρ"],
+        Chart::Stiffness => ["Stiffness of contacts and springs", "amplitude A, spring constant κ"],
+        Chart::Alpha => ["Exponent of the contact force", "exponent α"],
+        Chart::Length => ["Length of the chain", "number of sites N"],
+        Chart::Time => ["Length of the run", "contact periods"],
         Chart::Resonances => {
-            "resonances of schemes on the exact linear flow, one bead pressed between walls: width in h omega and growth a step"
+            ["Resonances of the exact linear flow near hω = kπ", "multiple k of π and static overlap A"]
         }
     }
 }
 
-/// The error with a `d` if it drifts, or a word if there is none.
-fn error_cell(point: &ChartPoint) -> String {
-    match &point.measured {
-        Err(_) => "refused".to_owned(),
-        Ok(measured) => {
-            let usual = &measured.usual;
-            let letter = match usual.verdict {
-                ChartVerdict::Stable => "",
-                ChartVerdict::Drifting => "d",
-                ChartVerdict::Lost => return "lost".to_owned(),
-                ChartVerdict::Dear => return "dear".to_owned(),
-            };
-            usual.error.map(|error| format!("{error:.0e}{letter}")).unwrap_or_default()
-        }
+/// The error of a point, with a `d` if it drifts, or a word if there is none.
+fn cell(point: &ChartPoint, refused: &str, number: fn(f64) -> String) -> String {
+    let Ok(measured) = &point.measured else { return refused.to_owned() };
+    match (measured.usual.verdict, measured.usual.error) {
+        (ChartVerdict::Dear, _) => "dear".to_owned(),
+        (ChartVerdict::Lost, _) | (_, None) => "lost".to_owned(),
+        (ChartVerdict::Drifting, Some(error)) => number(error) + "d",
+        (ChartVerdict::Stable, Some(error)) => number(error),
     }
 }
 
@@ -451,27 +447,13 @@ fn shade(trial: &Trial) -> f64 {
     }
 }
 
-/// Minus the decimal logarithm of the error, rounded, with a `d` if it drifts.
-fn note(point: &ChartPoint) -> String {
-    match &point.measured {
-        Err(_) => "–".to_owned(),
-        Ok(measured) => match (measured.usual.verdict, measured.usual.error) {
-            (ChartVerdict::Lost, _) | (_, None) => "lost".to_owned(),
-            (ChartVerdict::Dear, _) => "dear".to_owned(),
-            (verdict, Some(error)) => {
-                let letter = if verdict == ChartVerdict::Drifting { "d" } else { "" };
-                format!("{:.0}{letter}", (-error.clamp(1e-16, 1.0).log10()).abs())
-            }
-        },
-    }
-}
-
 fn error_matrix(study: &ChartStudy, chart: Chart) -> Matrix {
     let variants = study.variants(chart);
     let column = |variant: &Variant| {
         let words: Vec<String> = place(chart, variant).into_iter().map(plain).collect();
         words.join(", ")
     };
+    let exponent = |error: f64| format!("{:.0}", (-error.clamp(1e-16, 1.0).log10()).abs());
     let (mut values, mut notes) = (Vec::new(), Vec::new());
     for method in &study.methods {
         for variant in &variants {
@@ -479,17 +461,10 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> Matrix {
             values.push(
                 point.and_then(|point| point.measured.as_ref().ok()).map_or(0.0, |measured| shade(&measured.usual)),
             );
-            notes.push(point.map(note).unwrap_or_default());
+            notes.push(point.map(|point| cell(point, "–", exponent)).unwrap_or_default());
         }
     }
-    let (title, label) = match chart {
-        Chart::Light => ("Light and heavy resonators", "mass ratio ρ"),
-        Chart::Stiffness => ("Stiffness of contacts and springs", "amplitude A, spring constant κ"),
-        Chart::Alpha => ("Exponent of the contact force", "exponent α"),
-        Chart::Length => ("Length of the chain", "number of sites N"),
-        Chart::Time => ("Length of the run", "contact periods"),
-        Chart::Resonances => ("", ""),
-    };
+    let [title, label] = title(chart);
     Matrix {
         title: format!("{title}: energy error at 64 kicks a period of the fastest motion, or tolerance 10⁻⁹"),
         rows: study.methods.iter().map(Method::name).collect(),
@@ -595,10 +570,10 @@ fn resonance_matrix(study: &ChartStudy) -> Matrix {
         found(point).map_or_else(|| "–".to_owned(), |found| format!("{:.1}", found.growth.log10()).replace('-', "−"))
     };
     Matrix {
-        title: "Resonances of the exact linear flow near hω = kπ: growth a step".to_owned(),
+        title: format!("{}: growth a step", title(Chart::Resonances)[0]),
         rows: methods.iter().map(Method::name).collect(),
         columns: first.iter().map(|point| format!("k = {}, A = {}", point.k, plain(point.amplitude))).collect(),
-        labels: ["multiple k of π and static overlap A".to_owned(), "growth a step, ln |λ|".to_owned()],
+        labels: [title(Chart::Resonances)[1], "growth a step, ln |λ|"].map(str::to_owned),
         values: study.resonances.iter().map(|point| found(point).map_or(0.0, |found| found.growth)).collect(),
         notes: study.resonances.iter().map(note).collect(),
         caption: format!(

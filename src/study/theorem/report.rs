@@ -26,7 +26,8 @@ impl TheoremStudy {
         }
         for (k, name) in QUANTITIES.iter().enumerate() {
             let power = if k == 2 { second } else { first };
-            let about = format!("supremum of the error over epsilon^{power}");
+            let about =
+                format!("supremum over 0 <= t <= T epsilon^(1-alpha) of the error of {name}, over epsilon^{power}");
             table = table.col(format!("{name}_scaled"), Power(4), about, |row| {
                 let Errors(scaled) = self.scaled(row.0, row.1);
                 scaled[k]
