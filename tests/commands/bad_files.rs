@@ -11,7 +11,7 @@ use hertzchain::{
     orbits::{Orbit, Pick, Shooting, Trail},
     output::{Archive, Array, npz, to_json},
     scene::{Initial, Scene, SceneFile},
-    study::{DarkStudy, LongRun, Plan, Report, orbit_study},
+    study::{DarkStudy, LongRun, Plan, orbit_study},
 };
 use serde_json::{Value, json};
 use std::{

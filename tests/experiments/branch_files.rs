@@ -8,7 +8,7 @@ use hertzchain::{
     dps::Center,
     orbits::{Continuation, End, Formulation, Orbit, Parameter, Pick, Shooting, Trail},
     output::{Archive, Array, npz, npz_with, to_json},
-    study::{DarkStudy, Report, orbit_study, study},
+    study::{DarkStudy, orbit_study, study},
 };
 use serde_json::{Value, json};
 use std::{
@@ -175,11 +175,13 @@ fn orbits_without_multipliers_are_gaps() {
     let branch = study(broken.clone(), &|_, _| {}).unwrap();
     assert_eq!((branch.points.len(), branch.end, branch.trail.orbits.len()), (count - 1, End::Reached, count));
     assert_eq!(branch.gaps, [gap]);
-    assert!(branch.text().contains(&format!("orbits without multipliers at omega_b = {gap:.8}")) && branch.succeeded());
+    let report = branch.report().unwrap();
+    let text = report.text().replace('\n', " ");
+    assert!(text.contains(&format!("Orbits without multipliers at omega_b = {gap:.8}")) && report.succeeded());
     broken.orbits[count - 1].setting.turns = 7;
     let branch = study(broken.clone(), &|_, _| {}).unwrap();
     assert_eq!((branch.points.len(), branch.end), (count - 2, End::NoMultipliers));
-    assert!(!branch.succeeded());
+    assert!(!branch.report().unwrap().succeeded());
     let why = branch.reached().unwrap_err().to_string();
     assert!(why.contains("ended at omega_b = 2.0") && why.contains("not at 2.04: the multipliers"), "{why}");
     broken.orbits.iter_mut().for_each(|orbit| orbit.setting.turns = 7);

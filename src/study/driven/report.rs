@@ -142,7 +142,7 @@ impl DrivenStudy {
             least => format!("; its least period: {least}"),
         };
         format!(
-            "{}. The period is {} of the drive{least}. Residual of P(z) = z {:.1e}, after {} steps of Newton's method; error of ln |det M| by \
+            "{}. Periods of the drive in one of the orbit: {}{least}. Residual of P(z) = z {:.1e}, after {} steps of Newton's method; error of ln |det M| by \
              Liouville {:.1e}. {} multipliers are outside the circle: the orbit is {}.",
             numbers.join("; "),
             setting.turns(),
