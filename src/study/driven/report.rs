@@ -172,7 +172,7 @@ impl DrivenBranchStudy {
             .col("kind", Short, "", |row| word(&row.1.kind))
             .col(varied.name(), Fixed(8), "", |row| row.1.parameter)
             .kind(kind)
-            .col("response", Power(6), "", |row| row.1.point.amplitude)
+            .col("response", Hidden, "largest half range of a free bead", |row| row.1.point.amplitude)
             .kind(Quantity::Length)
             .col("re", Fixed(6), "real part of the multiplier", |row| row.1.multiplier.re)
             .col("im", Fixed(6), "imaginary part", |row| row.1.multiplier.im)
