@@ -68,7 +68,7 @@ pub(crate) fn dark(py: Python<'_>, breather: Breather) -> PyResult<(String, Boun
         let spectrum = &found.study.spectrum;
         let count = spectrum.multipliers.len();
         let directions: Vec<f64> = (0..count).flat_map(|k| spectrum.direction(k)).collect();
-        Ok((text(&found.json()), directions, count))
+        Ok((text(&found.report().json()), directions, count))
     })?;
     let length = directions.len() / count.max(1);
     Ok((json, PyArray1::from_vec(py, directions).reshape([count, length])?))
@@ -129,7 +129,7 @@ pub(crate) fn continue_branch<'py>(
 pub(crate) fn load_branch(py: Python<'_>, path: PathBuf) -> PyResult<BranchBytes<'_>> {
     let work = |watched: &Watched| {
         let branch = study::study(Trail::load(&path)?, &|share, _| watched.tell(share))?;
-        of_branch(&branch)
+        of_branch(&branch.report()?)
     };
     finished(py, None, work).map(|branch| branch_bytes(py, branch))
 }
@@ -148,7 +148,7 @@ pub(crate) fn driven_orbit<'py>(
     finished(py, progress.as_ref(), |watched| {
         let search = DrivenSearch { turns, settle };
         let orbit = study::driven_orbit(scene.0.clone(), &search, InSi { si }, &|share, _| watched.tell(share))?;
-        Ok(text(&orbit.json()))
+        Ok(text(&orbit.report().json()))
     })
 }
 
@@ -175,7 +175,7 @@ pub(crate) fn driven_branch<'py>(
         let way = DrivenWay { vary, to: Some(to), step, max_points: points, switch };
         let branch =
             study::driven_branch(scene.0.clone(), &search, &way, InSi { si }, &|share, _| watched.tell(share))?;
-        Ok(text(&branch.json()))
+        Ok(text(&branch.report()?.json()))
     })
 }
 

@@ -205,7 +205,7 @@ fn check_switch(number: Option<usize>) -> Result<()> {
 
 /// The branch that crosses another one at its bifurcation `number`. Without such a branch, the
 /// reason in words: the branch that is known is a result all the same.
-fn crossing<B>(number: usize, found: Result<B>) -> Result<Option<(usize, std::result::Result<B, String>)>> {
+fn crossing<B>(number: usize, found: Result<B>) -> Result<Switched<B>> {
     match found {
         Err(stopped @ Error::Stopped { .. }) => Err(stopped),
         found => Ok(Some((number, found.map_err(|error| error.to_string())))),

@@ -151,7 +151,7 @@ fn a_driven_chain_resonates_in_hertz_where_the_dispersion_says() {
     let step = format!("{}", 2.0 * PI * 0.002 * lowest);
     let args = ["orbit", "continue", &path("scene.toml"), "--vary", "omega", "--to", &to, "--step", &step, "--si"];
     let text = stdout(&[&args[..], &["--out", &path("out")]].concat());
-    assert!(text.contains("omega (rad/s)  frequency (Hz)  response (m)"), "{text}");
+    assert!(text.contains("response (m)") && text.contains("frequency (Hz)"), "{text}");
     assert!(text.ends_with("all numbers here are in SI units\n"), "{text}");
     let (names, rows) = table(&folder.path().join("out/driven-branch.csv"));
     assert_eq!(names, "omega,response,max_modulus,unstable,frequency");
@@ -374,14 +374,15 @@ fn tables_and_pictures_of_driven_orbits_have_their_units() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     let scene = ["granular-crystal", "--settle", "20", "--si", "--format", "svg", "--out"];
-    let text = stdout(&[&["orbit", "driven"], &scene[..], &[&path("one")]].concat());
+    let text = stdout(&[&["orbit", "driven"], &scene[..], &[&path("one")]].concat()).replace('\n', " ");
     for label in [
         "drive amplitude (m)",
         "drive omega (rad/s)",
         "drive frequency (Hz)",
         "period of the orbit (s)",
         "largest half range of a free bead (m)",
-        "driven, dissipated over the orbit (J)",
+        "driven over the orbit (J)",
+        "dissipated (J)",
     ] {
         assert!(text.contains(label), "{label}: {text}");
     }

@@ -53,10 +53,6 @@ fn samples<'a>(name: &str, rows: &'a [(&BrightSample, Norms)]) -> Rows<'a, (&'a 
         )
         .col("core_share", Fixed(6), "share of the energy in the core", |row| row.0.share)
         .col("energy", Hidden, "of the chain", |row| row.0.energy)
-        .col("e_u_max", Hidden, "largest since the row before", |row| row.1.u)
-        .col("e_udot_max", Hidden, "", |row| row.1.u_dot)
-        .col("e_v_max", Hidden, "", |row| row.1.v)
-        .col("e_vdot_max", Hidden, "", |row| row.1.v_dot)
 }
 
 impl BrightStudy {
@@ -163,7 +159,14 @@ impl BrightStudy {
             .fact("scene_file", scene_json(scene))
             .words(self.words())
             .table(norms)
-            .table(samples("periods", &periods).few(ROWS))
+            .table(
+                samples("periods", &periods)
+                    .few(ROWS)
+                    .col("e_u_max", Hidden, "largest since the row before", |row| row.1.u)
+                    .col("e_udot_max", Hidden, "", |row| row.1.u_dot)
+                    .col("e_v_max", Hidden, "", |row| row.1.v)
+                    .col("e_vdot_max", Hidden, "", |row| row.1.v_dot),
+            )
             .words(self.marks())
             .words(self.fate())
             .table(states)

@@ -370,7 +370,15 @@ fn followed(
     progress: Progress<'_>,
 ) -> Result<DrivenBranchStudy> {
     let whole = if switch.is_some() { 0.5 } else { 1.0 };
-    let stale = &["driven-branch.json", "driven-branch.csv", "driven-branch.png", SWITCHED_FILE, SWITCHED_TABLE];
+    let stale = &[
+        "driven-branch.json",
+        "driven-branch.csv",
+        "bifurcations.csv",
+        "driven-branch.png",
+        SWITCHED_FILE,
+        SWITCHED_TABLE,
+        SWITCHED_EVENTS,
+    ];
     let (scale, folder) = (Scale(si.as_ref()), stretches::folder(engine));
     let kept = |keeper, store| Kept { scene: &scene, engine, keeper, store };
     let first = kept(Keeper::new(folder, BRANCH_FILE, stale), STORE);

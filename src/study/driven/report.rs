@@ -142,7 +142,7 @@ impl DrivenStudy {
             least => format!("; its least period: {least}"),
         };
         format!(
-            "{}. The period is {} of the drive{least}. Residual of P(z) = z {:.1e}, after {} steps of Newton's method; error of ln |det M| by \
+            "{}. Periods of the drive in one of the orbit: {}{least}. Residual of P(z) = z {:.1e}, after {} steps of Newton's method; error of ln |det M| by \
              Liouville {:.1e}. {} multipliers are outside the circle: the orbit is {}.",
             numbers.join("; "),
             setting.turns(),
@@ -172,7 +172,7 @@ impl DrivenBranchStudy {
             .col("kind", Short, "", |row| word(&row.1.kind))
             .col(varied.name(), Fixed(8), "", |row| row.1.parameter)
             .kind(kind)
-            .col("response", Power(6), "", |row| row.1.point.amplitude)
+            .col("response", Hidden, "largest half range of a free bead", |row| row.1.point.amplitude)
             .kind(Quantity::Length)
             .col("re", Fixed(6), "real part of the multiplier", |row| row.1.multiplier.re)
             .col("im", Fixed(6), "imaginary part", |row| row.1.multiplier.im)

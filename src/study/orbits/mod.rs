@@ -356,7 +356,7 @@ pub(crate) fn folder_of(path: &Path) -> PathBuf {
 
 /// A function that writes the file of a branch from time to time while the branch is followed.
 fn keeper(folder: Option<&Folder>) -> impl FnMut(&Trail) {
-    let mut keeper = Keeper::new(folder, BRANCH_FILE, &["branch.json", "branch.csv", "branch.png"]);
+    let mut keeper = Keeper::new(folder, BRANCH_FILE, &["branch.json", "branch.csv", "bifurcations.csv", "branch.png"]);
     move |trail| keeper.keep(trail.orbits.len(), trail.end.is_some(), || trail.npz(Vec::new()))
 }
 
