@@ -113,7 +113,8 @@ impl Problem {
     }
 
     fn ours(&self) -> Vec<Point> {
-        let names: Vec<String> = Method::telling().iter().map(Method::name).filter(|name| name != "dop853").collect();
+        let names: Vec<String> =
+            Method::default_comparison_set().iter().map(Method::name).filter(|name| name != "dop853").collect();
         names.iter().flat_map(|name| self.method(name)).collect()
     }
 }

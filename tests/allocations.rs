@@ -1,6 +1,6 @@
 //! No step allocates. A binary of its own, for its counting allocator.
 
-use hertzchain::chain::{Bonded, Boundary, Chain, KineticFlow, LinearFlow, Params};
+use hertzchain::chain::{Boundary, Chain, CorrectedSplit, KineticFlow, LinearFlow, Params};
 use hertzchain::integrators::{
     SplitFlow, Splitting, Stepper,
     collocation::Pace,
@@ -94,7 +94,7 @@ fn corrected_steps_allocate_nothing() {
     let scene = Scene::load("tw-q15").unwrap();
     let mut flow = LinearFlow::new(scene.chain().clone());
     flow.load(scene.initial().as_slice());
-    let mut run = Corrected::new(Bonded::new(flow), (0.0, 100.0), 4000, Parts::ALL).unwrap();
+    let mut run = Corrected::new(CorrectedSplit::new(flow), (0.0, 100.0), 4000, Parts::ALL).unwrap();
     assert_eq!(allocations(|| (0..4000).for_each(|_| run.step().unwrap())), 0);
 }
 

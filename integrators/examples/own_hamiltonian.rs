@@ -4,7 +4,7 @@
 //! `cargo run --release -p hertzchain-integrators --example own_hamiltonian`
 
 use hertzchain_integrators::{
-    Error, Scheme, Silent, SplitFlow, Splitting, Twofold, drive,
+    DoubleDouble, Error, Scheme, Silent, SplitFlow, Splitting, drive,
     splitting::{First, tables},
 };
 
@@ -32,11 +32,11 @@ impl SplitFlow<f64> for Pendulum {
         self.0 = other.0;
     }
 
-    fn drift(&mut self, dt: Twofold<f64>) {
+    fn drift(&mut self, dt: DoubleDouble<f64>) {
         self.0[0] += dt.value() * self.0[1];
     }
 
-    fn kick_drift(&mut self, kick: f64, drift: Twofold<f64>) {
+    fn kick_drift(&mut self, kick: f64, drift: DoubleDouble<f64>) {
         self.0[1] -= kick * self.0[0].sin();
         self.drift(drift);
     }

@@ -9,7 +9,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 /// An unevaluated sum `hi + lo` with `|lo|` at most half a unit in the last place of `hi`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Twofold<R> {
+pub struct DoubleDouble<R> {
     /// The number rounded to the working precision.
     pub hi: R,
     /// The remainder of the rounding.
@@ -17,25 +17,25 @@ pub struct Twofold<R> {
 }
 
 #[inline(always)]
-fn two_sum<R: Real>(a: R, b: R) -> Twofold<R> {
+fn two_sum<R: Real>(a: R, b: R) -> DoubleDouble<R> {
     let hi = a + b;
     let part = hi - a;
-    Twofold { hi, lo: (a - (hi - part)) + (b - part) }
+    DoubleDouble { hi, lo: (a - (hi - part)) + (b - part) }
 }
 
 #[inline(always)]
-fn fast_two_sum<R: Real>(a: R, b: R) -> Twofold<R> {
+fn fast_two_sum<R: Real>(a: R, b: R) -> DoubleDouble<R> {
     let hi = a + b;
-    Twofold { hi, lo: b - (hi - a) }
+    DoubleDouble { hi, lo: b - (hi - a) }
 }
 
 #[inline(always)]
-fn two_product<R: Real>(a: R, b: R) -> Twofold<R> {
+fn two_product<R: Real>(a: R, b: R) -> DoubleDouble<R> {
     let hi = a * b;
-    Twofold { hi, lo: a.mul_add(b, -hi) }
+    DoubleDouble { hi, lo: a.mul_add(b, -hi) }
 }
 
-impl<R: Real> Twofold<R> {
+impl<R: Real> DoubleDouble<R> {
     /// The number `value`, with `lo = 0`.
     pub fn new(value: R) -> Self {
         Self { hi: value, lo: R::zero() }
@@ -113,7 +113,7 @@ impl<R: Real> Twofold<R> {
     }
 }
 
-impl<R: Real> Add for Twofold<R> {
+impl<R: Real> Add for DoubleDouble<R> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -124,21 +124,21 @@ impl<R: Real> Add for Twofold<R> {
     }
 }
 
-impl<R: Real> Neg for Twofold<R> {
+impl<R: Real> Neg for DoubleDouble<R> {
     type Output = Self;
     fn neg(self) -> Self {
         Self { hi: -self.hi, lo: -self.lo }
     }
 }
 
-impl<R: Real> Sub for Twofold<R> {
+impl<R: Real> Sub for DoubleDouble<R> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         self + -other
     }
 }
 
-impl<R: Real> Mul for Twofold<R> {
+impl<R: Real> Mul for DoubleDouble<R> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -168,9 +168,9 @@ impl Breaks {
     }
 
     /// The first of them after `t`, or the end of the run if that is earlier.
-    pub(crate) fn or_end<R: Real>(&self, t: R, end: Twofold<R>) -> Twofold<R> {
+    pub(crate) fn or_end<R: Real>(&self, t: R, end: DoubleDouble<R>) -> DoubleDouble<R> {
         let at = self.after(t.f64());
-        if at + NEAR * at.abs() < end.value().f64() { Twofold::new(R::of(at)) } else { end }
+        if at + NEAR * at.abs() < end.value().f64() { DoubleDouble::new(R::of(at)) } else { end }
     }
 }
 
@@ -178,53 +178,53 @@ impl Breaks {
 #[derive(Clone, Copy, Debug)]
 pub struct Rotation<R> {
     /// Sine.
-    pub sin: Twofold<R>,
+    pub sin: DoubleDouble<R>,
     /// Cosine.
-    pub cos: Twofold<R>,
+    pub cos: DoubleDouble<R>,
 }
 
 impl<R: Real> Rotation<R> {
     /// The rotation by the angle zero.
     pub fn none() -> Self {
-        Self { sin: Twofold::zero(), cos: Twofold::new(R::one()) }
+        Self { sin: DoubleDouble::zero(), cos: DoubleDouble::new(R::one()) }
     }
 
-    /// The rotation by `angle`, which must be [`reduced`](Twofold::reduced): Taylor's series of
+    /// The rotation by `angle`, which must be [`reduced`](DoubleDouble::reduced): Taylor's series of
     /// 1/64 of the angle, which is then doubled six times.
-    pub fn by(angle: Twofold<R>) -> Self {
+    pub fn by(angle: DoubleDouble<R>) -> Self {
         const DOUBLINGS: usize = 6;
-        if angle == Twofold::zero() {
+        if angle == DoubleDouble::zero() {
             return Self::none();
         }
-        let part = angle.over(Twofold::new(R::of(f64::from(1 << DOUBLINGS))));
+        let part = angle.over(DoubleDouble::new(R::of(f64::from(1 << DOUBLINGS))));
         let square = part * part;
         // sin x = x - x^3/6 + ..; 1 - cos x = x^2/2 - x^4/24 + ..
-        let (mut sin, mut versine) = (part, Twofold::zero());
+        let (mut sin, mut versine) = (part, DoubleDouble::zero());
         let mut term = part;
         let mut k = 1.0;
         while term.hi.abs() > R::epsilon() * R::epsilon() * R::epsilon() {
-            let even = (term * part).over(Twofold::new(R::of(k + 1.0)));
-            term = -(term * square).over(Twofold::new(R::of((k + 1.0) * (k + 2.0))));
+            let even = (term * part).over(DoubleDouble::new(R::of(k + 1.0)));
+            term = -(term * square).over(DoubleDouble::new(R::of((k + 1.0) * (k + 2.0))));
             (versine, sin, k) = (versine + even, sin + term, k + 2.0);
         }
         // Doubling v = 1 - cos x instead of cos x loses no digits of small angles: v(2x) = 2 sin^2
         // x.
         for _ in 0..DOUBLINGS {
-            let cos = Twofold::new(R::one()) - versine;
+            let cos = DoubleDouble::new(R::one()) - versine;
             let (product, squared) = (sin * cos, sin * sin);
             (sin, versine) = (product + product, squared + squared);
         }
-        Self { sin, cos: Twofold::new(R::one()) - versine }
+        Self { sin, cos: DoubleDouble::new(R::one()) - versine }
     }
 
-    /// A rotation by almost `angle`, which must be [`reduced`](Twofold::reduced): the angle has an
+    /// A rotation by almost `angle`, which must be [`reduced`](DoubleDouble::reduced): the angle has an
     /// error of a rounding, the length of what is turned is kept to twice the working precision.
     /// It costs far less than [`by`](Self::by), and is for a rotation that is not repeated.
-    pub fn near(angle: Twofold<R>) -> Self {
+    pub fn near(angle: DoubleDouble<R>) -> Self {
         let (sin, cos) = angle.sin_cos();
         let [s, c] = [sin, cos].map(|x| two_product(x, x));
         // (1 - sin^2 - cos^2)/2, by which both are too short.
-        let short = (Twofold::new(R::one()) - s - c).value() * R::of(0.5);
+        let short = (DoubleDouble::new(R::one()) - s - c).value() * R::of(0.5);
         Self { sin: fast_two_sum(sin, sin * short), cos: fast_two_sum(cos, cos * short) }
     }
 
@@ -245,7 +245,7 @@ impl<R: Real> Rotation<R> {
 
 /// `a_0 b_0 + a_1 b_1`, with an error of a unit in the last place of the larger product.
 #[inline(always)]
-fn dot<R: Real>(a: [Twofold<R>; 2], b: [Twofold<R>; 2]) -> Twofold<R> {
+fn dot<R: Real>(a: [DoubleDouble<R>; 2], b: [DoubleDouble<R>; 2]) -> DoubleDouble<R> {
     let (p, q) = (two_product(a[0].hi, b[0].hi), two_product(a[1].hi, b[1].hi));
     let sum = two_sum(p.hi, q.hi);
     let mixed = (a[0].hi * b[0].lo + a[0].lo * b[0].hi) + (a[1].hi * b[1].lo + a[1].lo * b[1].hi);
@@ -259,9 +259,9 @@ mod tests {
     #[test]
     fn a_decimal_keeps_thirty_digits() {
         // Compares division with the decimal: two independent computations of 1/7.
-        let one: Twofold<f64> = Twofold::new(1.0);
-        let by_division = one.over(Twofold::new(7.0));
-        let by_decimal = Twofold::decimal("0.142857142857142857142857142857142857");
+        let one: DoubleDouble<f64> = DoubleDouble::new(1.0);
+        let by_division = one.over(DoubleDouble::new(7.0));
+        let by_decimal = DoubleDouble::decimal("0.142857142857142857142857142857142857");
         let gap = by_division - by_decimal;
         assert!(gap.hi.abs() < 1e-32, "{gap:?}");
         assert!(by_division.lo != 0.0);
@@ -270,22 +270,22 @@ mod tests {
     #[test]
     fn a_phase_of_a_million_turns_keeps_its_last_digit() {
         // sin(10^6 * 2 pi + 1) = sin 1.
-        let phase = Twofold::<f64>::two_pi() * Twofold::new(1e6) + Twofold::new(1.0);
-        let (s, c) = phase.reduced(Twofold::two_pi()).sin_cos();
+        let phase = DoubleDouble::<f64>::two_pi() * DoubleDouble::new(1e6) + DoubleDouble::new(1.0);
+        let (s, c) = phase.reduced(DoubleDouble::two_pi()).sin_cos();
         assert!((s - 1f64.sin()).abs() < 2e-16 && (c - 1f64.cos()).abs() < 2e-16);
     }
 
     #[test]
     fn a_rotation_has_thirty_digits() {
         // Truth: sin 1 and cos 1 to 40 digits; angles that add up to whole turns.
-        let one = Rotation::<f64>::by(Twofold::new(1.0));
-        let sin = Twofold::decimal("0.8414709848078965066525023216302989996226");
-        let cos = Twofold::decimal("0.5403023058681397174009366074429766037323");
+        let one = Rotation::<f64>::by(DoubleDouble::new(1.0));
+        let sin = DoubleDouble::decimal("0.8414709848078965066525023216302989996226");
+        let cos = DoubleDouble::decimal("0.5403023058681397174009366074429766037323");
         assert!((one.sin - sin).hi.abs() < 1e-31 && (one.cos - cos).hi.abs() < 1e-31, "{one:?}");
         for turns in [3, 7, 64] {
-            let part = Rotation::by(Twofold::<f64>::two_pi().over(Twofold::new(f64::from(turns))));
+            let part = Rotation::by(DoubleDouble::<f64>::two_pi().over(DoubleDouble::new(f64::from(turns))));
             let whole = (0..turns).fold(Rotation::none(), |whole, _| whole.then(&part));
-            let gap = whole.cos - Twofold::new(1.0);
+            let gap = whole.cos - DoubleDouble::new(1.0);
             assert!(whole.sin.hi.abs() < 5e-31 && gap.hi.abs() < 5e-31, "{turns}: {whole:?}");
         }
     }
@@ -294,9 +294,9 @@ mod tests {
     fn a_rotation_by_almost_an_angle_keeps_lengths() {
         // Truth: Taylor's series, and cos^2 + sin^2 = 1.
         for k in -31..=31 {
-            let angle = Twofold::<f64>::new(f64::from(k)).over(Twofold::new(10.0));
+            let angle = DoubleDouble::<f64>::new(f64::from(k)).over(DoubleDouble::new(10.0));
             let (near, by) = (Rotation::near(angle), Rotation::by(angle));
-            let length = near.sin * near.sin + near.cos * near.cos - Twofold::new(1.0);
+            let length = near.sin * near.sin + near.cos * near.cos - DoubleDouble::new(1.0);
             assert!(length.hi.abs() < 1e-31, "{k}: {length:?}");
             assert!((near.sin - by.sin).hi.abs() < 2.3e-16 && (near.cos - by.cos).hi.abs() < 2.3e-16, "{k}");
         }
@@ -305,13 +305,13 @@ mod tests {
     #[test]
     fn two_pi_is_its_decimal() {
         // A decimal keeps 31 digits.
-        let gap = Twofold::<f64>::two_pi() - Twofold::decimal("6.283185307179586476925286766559005768394");
+        let gap = DoubleDouble::<f64>::two_pi() - DoubleDouble::decimal("6.283185307179586476925286766559005768394");
         assert!(gap.hi.abs() < 1e-30, "{gap:?}");
     }
 
     #[test]
     fn the_square_root_squares_back() {
-        let two = Twofold::<f64>::new(2.0);
+        let two = DoubleDouble::<f64>::new(2.0);
         let gap = two.sqrt() * two.sqrt() - two;
         assert!(gap.hi.abs() < 1e-30);
     }

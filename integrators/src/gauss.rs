@@ -10,7 +10,7 @@
 //! sections II.1.3, IV.2.1 and VIII.6.
 
 use crate::{
-    clock::Twofold, dop853::check_start, drive::Stepper, error::Error, interrupt, real::Real, stats::Stats,
+    clock::DoubleDouble, dop853::check_start, drive::Stepper, error::Error, interrupt, real::Real, stats::Stats,
     system::VectorField,
 };
 
@@ -44,7 +44,7 @@ pub struct Gauss<R, F> {
     fresh: Vec<R>,
     start: R,
     end: R,
-    h: Twofold<R>,
+    h: DoubleDouble<R>,
     steps: u64,
     from: R,
     time: R,
@@ -74,7 +74,7 @@ impl<R: Real, F: VectorField<R>> Gauss<R, F> {
             fresh: zero(),
             start,
             end,
-            h: (Twofold::new(end) - Twofold::new(start)).over(Twofold::new(R::of(steps.max(1) as f64))),
+            h: (DoubleDouble::new(end) - DoubleDouble::new(start)).over(DoubleDouble::new(R::of(steps.max(1) as f64))),
             steps,
             from: start,
             time: start,
@@ -206,9 +206,12 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Gauss<R, F> {
             *carry = increment - (*y - old);
         }
         self.stats.steps += 1;
-        let taken = Twofold::new(R::of(self.stats.steps as f64));
-        self.time =
-            if self.stats.steps == self.steps { self.end } else { (Twofold::new(self.start) + self.h * taken).value() };
+        let taken = DoubleDouble::new(R::of(self.stats.steps as f64));
+        self.time = if self.stats.steps == self.steps {
+            self.end
+        } else {
+            (DoubleDouble::new(self.start) + self.h * taken).value()
+        };
         Ok(())
     }
 

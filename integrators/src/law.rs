@@ -4,7 +4,7 @@
 //! impulses in the tails of waves and breathers become subnormal numbers, which are slow. Its
 //! effect on the state is below 1e-200.
 
-use crate::{Real, Twofold, Vector};
+use crate::{DoubleDouble, Real, Vector};
 
 /// Runs `$body` with `$power` bound to the [`Power`](crate::law::Power) of `$law`.
 #[macro_export]
@@ -291,7 +291,7 @@ impl<R: Real> ContactLaw<R> {
             Exponent::General
         };
         let dead_band = 1e-250_f64.powf(1.0 / alpha).max(f64::MIN_POSITIVE);
-        let [one, alpha] = [1.0, alpha].map(|x| Twofold::new(R::of(x)));
+        let [one, alpha] = [1.0, alpha].map(|x| DoubleDouble::new(R::of(x)));
         let per_alpha_plus_one = one.over(alpha + one).value();
         Self { exponent, alpha: alpha.value(), per_alpha_plus_one, dead_band: R::of(dead_band) }
     }

@@ -37,7 +37,7 @@ pub mod system;
 pub mod tolerance;
 pub mod vector;
 
-pub use clock::{Rotation, Twofold};
+pub use clock::{DoubleDouble, Rotation};
 pub use collocation::Collocation;
 pub use dop853::Dop853;
 pub use drive::{Observer, Silent, Stepper, Stop, drive};

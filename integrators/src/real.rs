@@ -145,7 +145,7 @@ pub(crate) fn run_narrow<K: Kernel>(kernel: K) -> K::Output {
 impl Real for twofloat::TwoFloat {
     fn decimal(text: &str) -> Self {
         // The division of the crate `twofloat` is accurate to one double only (version 0.8).
-        let value = crate::clock::Twofold::<f64>::decimal(text);
+        let value = crate::clock::DoubleDouble::<f64>::decimal(text);
         Self::new_add(value.hi, value.lo)
     }
 

@@ -1,6 +1,6 @@
 //! The interfaces between methods and problems.
 
-use crate::{clock::Twofold, real::Real};
+use crate::{clock::DoubleDouble, real::Real};
 
 /// A first-order system `y' = f(t, y)`.
 pub trait VectorField<R: Real> {
@@ -52,13 +52,13 @@ pub trait SplitFlow<R: Real> {
     /// Copies the state of `other`, without allocating.
     fn copy_from(&mut self, other: &Self);
     /// The exact flow of the drift over `dt`.
-    fn drift(&mut self, dt: Twofold<R>);
+    fn drift(&mut self, dt: DoubleDouble<R>);
     /// The flow of the kick over `kick`, then the drift over `drift`. A flow may do both in one
     /// sweep over the state.
-    fn kick_drift(&mut self, kick: R, drift: Twofold<R>);
+    fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>);
     /// Kicks and drifts one after the other. A flow may do several in one sweep over the state,
     /// with the same bits.
-    fn kick_drifts(&mut self, pairs: &[(R, Twofold<R>)]) {
+    fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
         pairs.iter().for_each(|&(kick, drift)| self.kick_drift(kick, drift));
     }
 }

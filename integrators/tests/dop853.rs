@@ -10,7 +10,7 @@
 #![allow(clippy::excessive_precision)]
 
 use hertzchain_integrators::{
-    Dop853, Error, Observer, Real, Silent, Stats, Stepper, Stop, Twofold, VectorField,
+    Dop853, DoubleDouble, Error, Observer, Real, Silent, Stats, Stepper, Stop, VectorField,
     dop853::{Options, tableau},
     drive,
 };
@@ -252,7 +252,8 @@ fn rational() -> Field<impl FnMut(TwoFloat, &[TwoFloat], &mut [TwoFloat])> {
 }
 
 fn rational_error(t: TwoFloat, y: &[TwoFloat]) -> f64 {
-    let truth = [t + 1.0, t * t + 1.0].map(|below| Twofold::new(TwoFloat::from(1.0)).over(Twofold::new(below)).value());
+    let truth = [t + 1.0, t * t + 1.0]
+        .map(|below| DoubleDouble::new(TwoFloat::from(1.0)).over(DoubleDouble::new(below)).value());
     (0..2).map(|i| f64::from((y[i] - truth[i]).abs())).fold(0.0, f64::max)
 }
 

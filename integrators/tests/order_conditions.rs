@@ -5,7 +5,7 @@
 //! symmetric scheme has an even order, so that the condition of the next order must fail.
 
 use hertzchain_integrators::{
-    Scheme, Twofold,
+    DoubleDouble, Scheme,
     splitting::{First, tables},
 };
 use tables::{
@@ -14,7 +14,7 @@ use tables::{
 };
 
 /// A double-double number, the type in which the stepper holds shares of a step.
-type Q = Twofold<f64>;
+type Q = DoubleDouble<f64>;
 
 /// Bound of the rounding error of a condition that holds; measured: 2e-29.
 const ZERO: f64 = 1e-27;

@@ -9,7 +9,7 @@ use hertzchain::{
     Setting, Trajectory,
     chain::{Boundary, Chain, Contact, Energy, Layout},
     run::Records,
-    study::{Asked, How},
+    study::{MethodRequest, MethodChoice},
 };
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, prelude::*};
 use pyo3::{prelude::*, types::PyDict};
@@ -81,8 +81,8 @@ pub(crate) fn run<'py>(
     told: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyDict>, Option<PyErr>)> {
     let scene = &scene.0;
-    let asked = Asked { integrator, tol, step, steps_per_period, ..Asked::default() };
-    let how = How::new(&asked, scene).or_raise(py)?;
+    let asked = MethodRequest { integrator, tol, step, steps_per_period, ..MethodRequest::default() };
+    let how = MethodChoice::new(&asked, scene).or_raise(py)?;
     let run = scene.run().records(Records::Energy);
     let (run, count) = match &times {
         Some(times) => {
@@ -118,7 +118,7 @@ pub(crate) fn run<'py>(
         (outcome, thrown.into_inner(), rows)
     };
     let short =
-        matches!(how, How::Integrated(_, Setting::Steps(steps), ..) if steps * scene.chain().sites() as u64 <= SHORT);
+        matches!(how, MethodChoice::Integrated(_, Setting::Steps(steps), ..) if steps * scene.chain().sites() as u64 <= SHORT);
     let ((outcome, thrown, rows), raised) =
         if short { (brief(py, work)?, None) } else { watched(py, progress.as_ref(), work)? };
     let outcome = outcome.or_raise(py)?;

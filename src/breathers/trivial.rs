@@ -12,7 +12,7 @@ use crate::{
     chain::{Boundary, Chain, Params, Resonators, Site},
     error::{Error, Result},
 };
-use hertzchain_integrators::{Stats, Stepper, Twofold};
+use hertzchain_integrators::{DoubleDouble, Stats, Stepper};
 
 /// Tolerance of gaps, in roundings of the mean positions: a `b_n` is a sum and has rounding errors.
 const ROUNDINGS: f64 = 4.0;
@@ -189,8 +189,8 @@ impl TrivialBreather {
     /// the working precision.
     pub fn site(&self, n: usize, t: f64) -> Site<f64> {
         let omega = self.params.omega_twofold::<f64>();
-        let turn = Twofold::two_pi();
-        let phase = (omega * Twofold::new(t)).reduced(turn) + Twofold::new(self.phases[n]);
+        let turn = DoubleDouble::two_pi();
+        let phase = (omega * DoubleDouble::new(t)).reduced(turn) + DoubleDouble::new(self.phases[n]);
         let (sin, cos) = phase.reduced(turn).sin_cos();
         let (a, b) = (self.amplitudes[n], self.means[n]);
         let (u, v) = (self.swing(n), a / (1.0 + self.params.rho));

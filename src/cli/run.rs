@@ -7,7 +7,7 @@ use crate::{
     parts::Parts,
     run::{Method, Records, Trajectory, Warning},
     scene::{Scene, SceneFile},
-    study::{self, Asked, How, LongRun, Ran, folder_of},
+    study::{self, LongRun, MethodChoice, MethodRequest, RunView, folder_of},
 };
 use std::path::Path;
 #[cfg(feature = "mpi")]
@@ -32,7 +32,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     if let Some(until) = args.until {
         scene = scene.until(until)?;
     }
-    let how = How::new(&asked(args), &scene)?;
+    let how = MethodChoice::new(&asked(args), &scene)?;
     let (name, wording) = how.words();
     let reason = how.reason().map(str::to_owned);
     let reason = reason.as_deref();
@@ -43,7 +43,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
         }
     };
     if args.plan {
-        // `How::plan` refuses what a run would refuse.
+        // `MethodChoice::plan` refuses what a run would refuse.
         let plan = how.plan(&scene, args.events, &parts)?;
         let text = if args.json {
             to_json(&serde_json::json!({"scene": scene.name(), "integrator": name, "reason": reason, "plan": plan}))
@@ -119,8 +119,8 @@ fn plan_of_ranks(args: &RunArgs, file: &SceneFile, ranks: usize) -> Exit {
 }
 
 /// What the flags ask for.
-fn asked(args: &RunArgs) -> Asked {
-    Asked {
+fn asked(args: &RunArgs) -> MethodRequest {
+    MethodRequest {
         integrator: args.integrator.clone(),
         tol: args.tol,
         step: args.step,
@@ -142,7 +142,7 @@ fn report(
     if let Some(units) = si {
         outcome = study::in_si(outcome, scene.chain().layout(), units);
     }
-    let ran = Ran { scene, integrator: name, setting: wording, reason, outcome: &outcome, amplification, si };
+    let ran = RunView { scene, integrator: name, setting: wording, reason, outcome: &outcome, amplification, si };
     // JSON has the whole state. For a long chain it takes more memory than the run, so it is made
     // only if it is asked for.
     let text = if args.json { to_json(&study::run_json(&ran)) + "\n" } else { study::run_summary(&ran) };

@@ -39,12 +39,12 @@ the others print nothing. Results have the same bytes. Needs a build with the fe
 
 /// `--shard` and `--engine`: where the points of a sweep are computed.
 #[derive(Clone, Debug)]
-pub(super) struct Spread {
+pub(super) struct EngineArgs {
     shard: Option<Shard>,
     mpi: bool,
 }
 
-impl Spread {
+impl EngineArgs {
     /// The engine of this process, `here` unless the command says otherwise, without a folder.
     pub(super) fn engine(&self, here: fn() -> Engine) -> Result<Engine> {
         if self.mpi { over_ranks() } else { Ok(here()) }
@@ -66,7 +66,7 @@ impl Spread {
     }
 }
 
-impl Args for Spread {
+impl Args for EngineArgs {
     fn augment_args(command: Command) -> Command {
         let shard = Arg::new("shard").long("shard").value_name("K/N").value_parser(|text: &str| text.parse::<Shard>());
         let engine = Arg::new("engine")
@@ -84,7 +84,7 @@ impl Args for Spread {
 }
 
 /// Without the flags, as for a command that does not sweep: all points on the threads.
-impl FromArgMatches for Spread {
+impl FromArgMatches for EngineArgs {
     fn from_arg_matches(matches: &ArgMatches) -> std::result::Result<Self, clap::Error> {
         let engine = matches.try_get_one::<String>("engine").ok().flatten();
         Ok(Self {
@@ -111,16 +111,16 @@ fn over_ranks() -> Result<Engine> {
 }
 
 /// A study as a command: its options, and the flags that say where it runs and where results go.
-pub(super) struct Told<S> {
+pub(super) struct StudyCommand<S> {
     study: S,
     out: Option<PathBuf>,
-    spread: Spread,
+    spread: EngineArgs,
     json: bool,
     #[cfg(feature = "plot")]
     formats: Option<super::formats::Formats>,
 }
 
-impl<S: Study> Told<S> {
+impl<S: Study> StudyCommand<S> {
     pub(super) fn run(&self) -> Exit {
         let engine = self.spread.engine(Engine::threads)?;
         if engine.serves() {
@@ -153,7 +153,7 @@ impl<S: Study> Told<S> {
         }
         let report = match report {
             // Parts of this study may have failed since it was asked to end, and it does not know.
-            Ok(_) if asked && !S::STOPS => return Err(nothing()),
+            Ok(_) if asked && !S::INTERRUPTIBLE => return Err(nothing()),
             Err(Error::Parameter { .. } | Error::Integration(_) | Error::Stalled { .. } | Error::Run(_)) if asked => {
                 return Err(nothing());
             }
@@ -173,7 +173,7 @@ impl<S: Study> Told<S> {
     }
 
     fn write(&self, folder: &Folder, report: &dyn Report, json: &str) -> Result<()> {
-        let left = S::sometimes();
+        let left = S::optional_files();
         #[cfg(feature = "plot")]
         let left: Vec<String> = left.iter().flat_map(|name| super::formats::names(name)).collect();
         folder.remove(left.iter().map(String::as_str))?;
@@ -189,10 +189,10 @@ impl<S: Study> Told<S> {
     }
 }
 
-impl<S: Study + Args> Args for Told<S> {
+impl<S: Study + Args> Args for StudyCommand<S> {
     fn augment_args(command: Command) -> Command {
         let command = with_outputs(S::augment_args(command), &files_help::<S>());
-        if S::SWEEPS { Spread::augment_args(command) } else { command }
+        if S::SWEEPS { EngineArgs::augment_args(command) } else { command }
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -200,13 +200,13 @@ impl<S: Study + Args> Args for Told<S> {
     }
 }
 
-impl<S: Study + FromArgMatches> FromArgMatches for Told<S> {
+impl<S: Study + FromArgMatches> FromArgMatches for StudyCommand<S> {
     fn from_arg_matches(matches: &ArgMatches) -> std::result::Result<Self, clap::Error> {
         let out = matches.try_get_one("out").ok().flatten().cloned();
         Ok(Self {
             study: S::from_arg_matches(matches)?,
             out,
-            spread: Spread::from_arg_matches(matches)?,
+            spread: EngineArgs::from_arg_matches(matches)?,
             json: matches.get_flag("json"),
             #[cfg(feature = "plot")]
             formats: writes::<S>().then(|| super::formats::Formats::from_arg_matches(matches)).transpose()?,

@@ -78,7 +78,7 @@ pub(super) struct Solution {
 
 /// A point of a branch, and its tangent.
 #[derive(Clone, Copy)]
-pub(super) struct Spot<'a> {
+pub(super) struct BasePoint<'a> {
     pub(super) z: &'a [f64],
     pub(super) p: f64,
     pub(super) tangent: &'a DVector<f64>,
@@ -109,7 +109,7 @@ pub enum End {
 
 impl End {
     /// Whether the branch was followed as far as it goes.
-    pub fn answers(self) -> bool {
+    pub fn is_complete(self) -> bool {
         matches!(self, Self::Reached | Self::TurnedBack | Self::Rejoined)
     }
 
@@ -139,7 +139,7 @@ pub(super) struct Scales {
 
 /// How far a branch is followed.
 #[derive(Clone, Copy)]
-pub(super) struct Way {
+pub(super) struct ContinuationOptions {
     /// The value of the parameter at which the branch ends.
     pub(super) to: f64,
     /// The largest change of the parameter from point to point, positive.
@@ -227,7 +227,7 @@ pub(super) fn tangent(
 
 /// The solution in the hyperplane that is orthogonal to the tangent at the distance `ds` from
 /// `spot`, by Newton's method from the predictor.
-pub(super) fn correct(family: &impl Family, spot: Spot<'_>, scales: Scales, ds: f64) -> Result<Solution> {
+pub(super) fn correct(family: &impl Family, spot: BasePoint<'_>, scales: Scales, ds: f64) -> Result<Solution> {
     let columns = spot.z.len();
     let t = spot.tangent;
     let mut z = DVector::from_column_slice(spot.z) + t.rows(0, columns) * (ds * scales.state);
@@ -261,7 +261,7 @@ pub(super) fn correct(family: &impl Family, spot: Spot<'_>, scales: Scales, ds: 
 
 /// The solution at the value `to` of the parameter. The initial guess is the point of the tangent
 /// with this value.
-fn naturally(family: &impl Family, spot: Spot<'_>, scales: Scales, to: f64) -> Result<Solution> {
+fn naturally(family: &impl Family, spot: BasePoint<'_>, scales: Scales, to: f64) -> Result<Solution> {
     let by = (to - spot.p) / (spot.tangent[spot.z.len()] * scales.parameter);
     let z: Vec<f64> = spot.z.iter().zip(spot.tangent).map(|(z, t)| z + by * t * scales.state).collect();
     family.solve(&z, to)
@@ -281,9 +281,9 @@ pub(crate) fn strays(chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool 
 /// a point that does not [stray](strays).
 pub(super) fn next(
     family: &impl Family,
-    spot: Spot<'_>,
+    spot: BasePoint<'_>,
     scales: Scales,
-    Way { to, step, natural, direction }: Way,
+    ContinuationOptions { to, step, natural, direction }: ContinuationOptions,
     ds: f64,
 ) -> std::result::Result<(Solution, f64), End> {
     let rate = spot.tangent[spot.tangent.len() - 1] * scales.parameter;
@@ -318,7 +318,7 @@ pub(super) fn next(
 }
 
 /// A branch so far: unknowns and parameter of its last two solutions, and the next step.
-pub(super) struct Course {
+pub(super) struct BranchState {
     /// The value of the parameter at which the branch ends if it has turned back.
     pub(super) back: f64,
     /// The solution before the last. `None` if there is only one: the branch then begins in the
@@ -348,13 +348,13 @@ pub(super) type Keep<'a> = &'a mut dyn FnMut(&Solution, f64, Option<End>) -> Res
 /// included. A branch that was stopped on the way continues with the same bits.
 pub(super) fn follow(
     family: &impl Family,
-    course: Course,
-    way: Way,
+    course: BranchState,
+    way: ContinuationOptions,
     most_points: usize,
     keep: Keep<'_>,
 ) -> Result<End> {
-    let Way { to, direction, .. } = way;
-    let Course { back, mut previous, last: (mut z, mut p), mut ds, points } = course;
+    let ContinuationOptions { to, direction, .. } = way;
+    let BranchState { back, mut previous, last: (mut z, mut p), mut ds, points } = course;
     for points in points.. {
         if points >= most_points {
             break;
@@ -373,7 +373,7 @@ pub(super) fn follow(
             None => along(z.len(), direction),
         };
         let Ok(tangent) = tangent(family, (&z, p), scales, &before) else { return lost() };
-        let spot = Spot { z: &z, p, tangent: &tangent };
+        let spot = BasePoint { z: &z, p, tangent: &tangent };
         let (solution, longer) = match next(family, spot, scales, way, ds) {
             Ok(next) => next,
             Err(End::Lost) => return lost(),

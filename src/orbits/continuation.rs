@@ -9,7 +9,9 @@
 //! Predictor and corrector are those of `arclength`.
 
 use super::{
-    arclength::{self, Course, End, FARTHEST, Family, MOST_CORRECTIONS, Scales, Solution, Spot, Way},
+    arclength::{
+        self, BasePoint, BranchState, ContinuationOptions, End, FARTHEST, Family, MOST_CORRECTIONS, Scales, Solution,
+    },
     setting::{Parameter, Setting},
     shooting::{Equations, NewtonStep, Orbit, Shooting},
 };
@@ -129,7 +131,7 @@ impl Trail {
     /// # Errors
     /// An end that is not beyond the last point, seen from the first; numbers outside their rules.
     pub fn onward(mut self, to: Option<f64>, step: Option<f64>, most_points: usize) -> Result<Self> {
-        let whole = to.is_none() && self.end.is_some_and(End::answers);
+        let whole = to.is_none() && self.end.is_some_and(End::is_complete);
         let Continuation { parameter, to: old, step: by, .. } = self.continuation;
         let (to, step) = (to.unwrap_or(old), step.unwrap_or(by));
         self.continuation = Continuation { to, step, most_points, ..self.continuation };
@@ -161,8 +163,8 @@ impl Trail {
         let back = first.setting.get(parameter);
         continuation.validate(back)?;
         let previous = self.orbits.iter().rev().nth(1).map(place);
-        let course = Course { back, previous, last: place(last), ds: self.ds, points: self.orbits.len() };
-        let way = Way { to, step, natural, direction: (to - back).signum() };
+        let course = BranchState { back, previous, last: place(last), ds: self.ds, points: self.orbits.len() };
+        let way = ContinuationOptions { to, step, natural, direction: (to - back).signum() };
         let family = continuation.varying(first.setting);
         self.end = None;
         let end = arclength::follow(&family, course, way, most_points, &mut |solution, ds, end| {
@@ -197,9 +199,9 @@ impl Continuation {
         Varying { continuation: self, setting }
     }
 
-    fn spot<'a>(&self, place: &'a Place) -> Spot<'a> {
+    fn spot<'a>(&self, place: &'a Place) -> BasePoint<'a> {
         let Place { orbit, tangent } = place;
-        Spot { z: &orbit.z, p: orbit.setting.get(self.parameter), tangent }
+        BasePoint { z: &orbit.z, p: orbit.setting.get(self.parameter), tangent }
     }
 
     pub(super) fn scales(&self, orbit: &Orbit, from: f64) -> Scales {

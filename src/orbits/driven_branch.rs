@@ -13,7 +13,7 @@
 //! multiplier is 1 or -1, and a pair on the circle.
 
 use super::{
-    arclength::{self, End, Scales, Spot},
+    arclength::{self, BasePoint, End, Scales},
     bifurcation::BifurcationKind,
     driven::{DriveParameter, DrivenFamily, DrivenMultiplier, DrivenOrbit, DrivenShooting, DrivenSpectrum, MARGIN},
     driven_trail::DrivenTrail,
@@ -201,7 +201,7 @@ impl<'a> Stretch<'a> {
     fn point(&self, s: f64) -> Option<DrivenPoint> {
         let family = self.continuation.family(self.from);
         let (z, p) = self.continuation.place(self.from);
-        let spot = Spot { z, p, tangent: &self.chord };
+        let spot = BasePoint { z, p, tangent: &self.chord };
         let solution = arclength::correct(&family, spot, self.scales, s * self.length).ok()?;
         DrivenPoint::new(family.orbit(solution), &self.continuation.shooting).ok()
     }

@@ -1,7 +1,7 @@
 //! Branches of driven orbits while they are followed, and the start of a branch that crosses one.
 
 use super::{
-    arclength::{self, Course, End, Scales, Way},
+    arclength::{self, BranchState, ContinuationOptions, End, Scales},
     bifurcation::BifurcationKind,
     driven::{DrivenFamily, DrivenOrbit},
     driven_branch::{DrivenBifurcation, DrivenBranch, DrivenContinuation, DrivenPoint},
@@ -55,7 +55,7 @@ impl DrivenTrail {
     /// # Errors
     /// An end that is not beyond the last point, seen from the first; numbers outside their rules.
     pub fn onward(mut self, to: Option<f64>, step: Option<f64>, most_points: usize) -> Result<Self> {
-        let whole = to.is_none() && self.end.is_some_and(End::answers);
+        let whole = to.is_none() && self.end.is_some_and(End::is_complete);
         let DrivenContinuation { parameter, to: old, step: by, .. } = self.continuation;
         let (to, step) = (to.unwrap_or(old), step.unwrap_or(by));
         self.continuation = DrivenContinuation { to, step, most_points, ..self.continuation };
@@ -85,8 +85,8 @@ impl DrivenTrail {
         let setting = last.setting.clone();
         let place = |orbit: &DrivenOrbit| (orbit.z.clone(), orbit.setting.get(parameter));
         let previous = self.orbits.iter().rev().nth(1).map(place);
-        let course = Course { back, previous, last: place(last), ds: self.ds, points: self.orbits.len() };
-        let way = Way { to, step, natural: false, direction: (to - back).signum() };
+        let course = BranchState { back, previous, last: place(last), ds: self.ds, points: self.orbits.len() };
+        let way = ContinuationOptions { to, step, natural: false, direction: (to - back).signum() };
         let family = DrivenFamily { shooting: &shooting, setting: &setting, parameter };
         let doubled = self.birth == Some(BifurcationKind::PeriodDoubling);
         let mut apart = if doubled { Some(last.halves_apart(&shooting)?) } else { None };

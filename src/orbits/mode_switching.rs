@@ -6,7 +6,7 @@
 //! leading coordinate may have the other sign; the amplitude `a` is then negative.
 
 use super::{
-    arclength::{self, Course, End, Scales, Solution, Way},
+    arclength::{self, BranchState, ContinuationOptions, End, Scales, Solution},
     bifurcation::BifurcationKind,
     mode_trail::ModeTrail,
     normal_modes::{ModeBifurcation, ModeBranch, ModeContinuation, ModeFamily, ModeOrbit, ModePoint, NormalModes, TOL},
@@ -84,9 +84,9 @@ impl ModeBranch {
         };
         let (first, ds) = switching::first(&family, (&z, a), scales, &v)?;
         let direction = a.signum();
-        let way = Way { to: direction * to, step, natural: false, direction };
+        let way = ContinuationOptions { to: direction * to, step, natural: false, direction };
         let last = (first.z.clone(), first.p);
-        let course = Course { back: direction * step, previous: Some((z.clone(), a)), last, ds, points: 2 };
+        let course = BranchState { back: direction * step, previous: Some((z.clone(), a)), last, ds, points: 2 };
         let start = Solution { z, p: a, residual: birth.point.orbit.residual, newton: Vec::new() };
         let mut points = vec![family.point(&start)?, family.point(&first)?];
         points.iter().for_each(&mut seen);

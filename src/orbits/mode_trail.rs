@@ -23,7 +23,7 @@ pub(crate) struct ModeTrail {
 
 /// What was found about a point of a branch.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct Around {
+pub(crate) struct SpecialPoints {
     /// The bifurcations between the point before and this one.
     pub(crate) between: Vec<ModeBifurcation>,
     /// The fold, if the branch turns back at the point before.
@@ -45,9 +45,9 @@ impl ModeTrail {
     }
 
     /// The bifurcations between points `k - 1` and `k`, and the fold at point `k - 1`.
-    pub(crate) fn around(&self, modes: &NormalModes, k: usize) -> Around {
+    pub(crate) fn around(&self, modes: &NormalModes, k: usize) -> SpecialPoints {
         let (family, before) = (ModeFamily::new(modes, &self.continuation), k - self.first.min(k));
-        let mut around = Around::default();
+        let mut around = SpecialPoints::default();
         if before >= 1 {
             let mut found = Vec::new();
             let ends = [&self.points[k - 1], &self.points[k]];

@@ -17,7 +17,7 @@
 //! mode. A ring can move as a whole: there one more equation fixes the centre of mass.
 
 use super::{
-    arclength::{self, Course, End, Family, Scales, Solution, Spot, Way},
+    arclength::{self, BasePoint, BranchState, ContinuationOptions, End, Family, Scales, Solution},
     bifurcation::{self, BifurcationKind},
     floquet::{Frame, Kind, Spectrum},
     mode_trail::ModeTrail,
@@ -391,9 +391,9 @@ impl ModeContinuation {
         let first = family.first(&seed, self.step)?;
         let mut points = vec![family.point(&first)?];
         seen(&points[0]);
-        let way = Way { to: self.to, step: self.step, natural: false, direction: 1.0 };
+        let way = ContinuationOptions { to: self.to, step: self.step, natural: false, direction: 1.0 };
         let ds = first.p / (self.to - first.p);
-        let course = Course { back: first.p, previous: None, last: (first.z, first.p), ds, points: 1 };
+        let course = BranchState { back: first.p, previous: None, last: (first.z, first.p), ds, points: 1 };
         let end = arclength::follow(&family, course, way, self.most_points, &mut |solution, _, _| {
             let Ok(point) = family.point(solution) else { return Ok(Some(End::NoMultipliers)) };
             seen(&point);
@@ -572,7 +572,7 @@ impl bifurcation::Branch for ModeFamily<'_> {
 
     fn step(&self, from: &ModePoint, chord: &DVector<f64>, scales: Scales, ds: f64) -> Result<ModePoint> {
         let z = self.unknowns(&from.orbit);
-        let spot = Spot { z: &z, p: from.orbit.amplitude, tangent: chord };
+        let spot = BasePoint { z: &z, p: from.orbit.amplitude, tangent: chord };
         self.point(&arclength::correct(self, spot, scales, ds)?)
     }
 

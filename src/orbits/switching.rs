@@ -12,7 +12,7 @@
 //! hyperplane is parallel to the known branch, so that it meets the other branch only. Source:
 //! Keller 1977, in *Applications of Bifurcation Theory*, pp. 359-384.
 
-use super::arclength::{self, FARTHEST, Family, Scales, Solution, Spot};
+use super::arclength::{self, BasePoint, FARTHEST, Family, Scales, Solution};
 use crate::error::{Error, Result};
 use nalgebra::DVector;
 
@@ -61,7 +61,7 @@ pub(super) fn first(
     scales: Scales,
     v: &DVector<f64>,
 ) -> Result<(Solution, f64)> {
-    let spot = Spot { z, p, tangent: v };
+    let spot = BasePoint { z, p, tangent: v };
     let near = |delta: f64| {
         let solution = arclength::correct(family, spot, scales, delta).ok()?;
         let chord = scales.chord((z, p), (&solution.z, solution.p)).norm();

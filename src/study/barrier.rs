@@ -128,7 +128,7 @@ pub struct BarrierStudy {
 }
 
 impl Study for Barrier {
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
 
     fn outline() -> Option<Report> {
         Some(Report::new("barrier").table(table(&[])))

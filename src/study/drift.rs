@@ -19,7 +19,7 @@ use crate::{
     scene::Scene,
     sweep::{Engine, Grid},
 };
-use hertzchain_integrators::{Error as Failure, Observer, Stats, Twofold, drive};
+use hertzchain_integrators::{DoubleDouble, Error as Failure, Observer, Stats, drive};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::{ops::ControlFlow, time::Instant};
@@ -88,7 +88,7 @@ pub struct DriftOptions {
 impl Study for Drift {
     const FILES: &'static str =
         "drift.store keeps every integrator as soon as it has come to the end; the same command resumes from it.";
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
     const SWEEPS: bool = true;
 
     fn outline() -> Option<Report> {
@@ -339,8 +339,8 @@ fn slope(t: &[f64], errors: &[f64]) -> Option<f64> {
 
 /// The energy of a state, its sites added up to twice the working precision: a long chain loses no
 /// digit that a short one has.
-pub(super) fn energy(chain: &Chain<f64>, y: &[f64]) -> Twofold<f64> {
-    chain.site_energies(y).into_iter().fold(Twofold::zero(), |sum, site| sum + Twofold::new(site))
+pub(super) fn energy(chain: &Chain<f64>, y: &[f64]) -> DoubleDouble<f64> {
+    chain.site_energies(y).into_iter().fold(DoubleDouble::zero(), |sum, site| sum + DoubleDouble::new(site))
 }
 
 /// Observer that evaluates the energy at regular times and keeps the largest error so far at each
@@ -350,7 +350,7 @@ struct Look<'a> {
     times: &'a [f64],
     /// Number of regular evaluations so far, without those at `times`.
     looks: u64,
-    initial: Twofold<f64>,
+    initial: DoubleDouble<f64>,
     /// Largest error so far.
     largest: f64,
     /// Largest error up to each of `times` that has passed.

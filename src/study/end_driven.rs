@@ -183,7 +183,7 @@ pub struct EndDrivenStudy {
 }
 
 impl Study for EndDriven {
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
 
     fn outline() -> Option<Report> {
         let [branches, points] = tables(&[]);

@@ -14,7 +14,7 @@ const POINTS: usize = 20;
 
 /// Writes the file of a branch: with every twentieth point, whenever 10 s have gone by, at its end,
 /// and when the process is asked to end.
-pub(super) struct Keeper<'a> {
+pub(super) struct Autosave<'a> {
     folder: Option<&'a Folder>,
     file: &'static str,
     /// Files that an earlier run may have left: they belong to another branch.
@@ -23,7 +23,7 @@ pub(super) struct Keeper<'a> {
     begun: bool,
 }
 
-impl<'a> Keeper<'a> {
+impl<'a> Autosave<'a> {
     /// A keeper that writes to `folder`, if there is one.
     pub(super) fn new(folder: Option<&'a Folder>, file: &'static str, stale: &'static [&'static str]) -> Self {
         Self { folder, file, stale, last: Instant::now(), begun: false }

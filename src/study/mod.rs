@@ -41,7 +41,7 @@ pub use charts::{
     BOUNDS, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance, ResonancePoint,
     Trial, Variant, Verdict as ChartVerdict, charts, kick_sum, resonance,
 };
-pub use compare::{Compare, CompareOptions, Comparison, Entrant, LeftOut, Reference, Row, compare};
+pub use compare::{Candidate, Compare, CompareOptions, Comparison, LeftOut, Reference, Row, compare};
 pub use dps::*;
 pub(crate) use dps::{center_word, of_sites};
 pub use drift::*;
@@ -105,14 +105,14 @@ pub trait Study {
     const FILES: &'static str = "";
     /// Whether its report says what is missing after the process was asked to end. That of another
     /// study is dropped then.
-    const STOPS: bool = false;
+    const INTERRUPTIBLE: bool = false;
 
     /// Whether it sweeps a grid, so that it takes a shard.
     const SWEEPS: bool = false;
 
     /// Names of the files that only some runs of it write. Those of an earlier run are removed from
     /// the folder. All other files are written anew by every run.
-    fn sometimes() -> Vec<String> {
+    fn optional_files() -> Vec<String> {
         Vec::new()
     }
 
@@ -227,7 +227,7 @@ fn branch_failure<B>(switched: &Switched<B>, mut ends: impl Iterator<Item = End>
     if let Some((_, Err(why))) = switched {
         return Some(why.clone());
     }
-    ends.find(|end| !end.answers()).map(|end| format!("the branch ended: {}", end.words()))
+    ends.find(|end| !end.is_complete()).map(|end| format!("the branch ended: {}", end.words()))
 }
 
 /// How a branch ended, in words.

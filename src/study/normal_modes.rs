@@ -128,10 +128,10 @@ impl Study for FollowMode {
     const FILES: &'static str = "With --switch also switched-branch.csv and switched-bifurcations.csv. \
                                  mode-bifurcations.store and switched-bifurcations.store have bifurcations, from which the same command goes on. \
                                  Each part of --shard follows the first branch itself and locates its share of these.";
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
     const SWEEPS: bool = true;
 
-    fn sometimes() -> Vec<String> {
+    fn optional_files() -> Vec<String> {
         SWITCHED.map(|name| format!("{name}.csv")).into()
     }
 
@@ -344,7 +344,7 @@ impl ModeStudy {
         if let Some((number, other)) = self.crossing() {
             report = self.tell(report, Some(number), other);
         }
-        let short = self.branches().find(|branch| !branch.end.answers());
+        let short = self.branches().find(|branch| !branch.end.is_complete());
         let short = short.map(|branch| format!("the branch ended: {}", branch.end.words()));
         let report = branches::not_crossed(report.failure(short), self.switched.as_ref());
         report.fact("scene_file", scene_json(scene)).picture(self.panels())

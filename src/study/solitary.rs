@@ -76,7 +76,7 @@ impl Default for Solitary {
 }
 
 impl Study for Solitary {
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
 
     fn outline() -> Option<Report> {
         let [pulse, tails] = tables(&[], &[]);

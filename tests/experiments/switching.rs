@@ -317,7 +317,7 @@ fn modes_of_doubled_period_come_back_after_two_periods_and_not_after_one() {
     for k in 0..2 {
         let doubled = main.switched(&modes, k, |_| {}).unwrap();
         println!("{:?}, {} points", doubled.end, doubled.points.len());
-        assert!(doubled.end.answers() && doubled.points.len() > 3);
+        assert!(doubled.end.is_complete() && doubled.points.len() > 3);
         let crossing = main.bifurcations[k].point.orbit.omega;
         assert!((2.0 * doubled.points[0].orbit.omega / crossing - 1.0).abs() < 1e-15);
         for point in doubled.points[1..].iter().step_by(4) {

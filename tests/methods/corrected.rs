@@ -2,7 +2,7 @@
 //! collocation.
 
 use hertzchain::{
-    chain::{Bonded, Boundary, Chain, Contact, KineticFlow, LinearFlow, Params, Site, SiteFlow, State},
+    chain::{Boundary, Chain, Contact, CorrectedSplit, KineticFlow, LinearFlow, Params, Site, SiteFlow, State},
     error::Error,
     integrators::{
         Stepper,
@@ -36,7 +36,7 @@ fn stepper(chain: &Chain<f64>, y: &[f64], end: f64, steps: u64, parts: Parts, sp
         parts: Parts,
     ) -> Box<dyn Stepper<f64>> {
         flow.load(y);
-        Box::new(Corrected::new(Bonded::new(flow), (0.0, end), steps, parts).unwrap())
+        Box::new(Corrected::new(CorrectedSplit::new(flow), (0.0, end), steps, parts).unwrap())
     }
     match split {
         Split::Kinetic => boxed(KineticFlow::new(chain.clone()), y, end, steps, parts),
@@ -376,7 +376,7 @@ fn a_tolerance_is_kept_over_decades() {
 fn what_the_method_does_not_serve_is_refused() {
     for alpha in [0.5, 0.99, 10.5] {
         let chain = Chain::<f64>::new(Params::new(alpha, 1.0, 1.0).unwrap(), Boundary::Free, 3).unwrap();
-        let flow = Bonded::new(LinearFlow::new(chain));
+        let flow = CorrectedSplit::new(LinearFlow::new(chain));
         let why = Corrected::new(flow, (0.0, 1.0), 10, Parts::ALL).err().unwrap().to_string();
         assert!(why.contains(&format!("alpha = {alpha}")) && why.contains("from 1 to 10"), "{why}");
     }

@@ -2,7 +2,7 @@
 
 use hertzchain::{
     breathers::DarkBreather,
-    chain::{Bonded, Boundary, Chain, LinearFlow, Params, Site, State, TangentFlow},
+    chain::{Boundary, Chain, CorrectedSplit, LinearFlow, Params, Site, State, TangentFlow},
     dps::Center,
     integrators::{
         SplitFlow, Stepper,
@@ -56,7 +56,7 @@ fn tangent(chain: &Chain<f64>, y: &[f64], run: (f64, u64), parts: Parts) -> Vec<
 fn alone(chain: &Chain<f64>, y: &[f64], (end, steps): (f64, u64)) -> Vec<f64> {
     let mut flow = LinearFlow::new(chain.clone());
     flow.load(y);
-    let mut run = Corrected::new(Bonded::new(flow), (0.0, end), steps, Parts::ALL).unwrap();
+    let mut run = Corrected::new(CorrectedSplit::new(flow), (0.0, end), steps, Parts::ALL).unwrap();
     while !run.done() {
         run.step().unwrap();
     }

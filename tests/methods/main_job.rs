@@ -5,7 +5,7 @@ use hertzchain::{
     run::method::{Method, Setting},
     run::{Records, Trajectory},
     scene::{Scene, Theory},
-    study::{CompareOptions, Entrant, compare},
+    study::{Candidate, CompareOptions, compare},
 };
 
 fn scene(name: &str) -> Scene {
@@ -157,8 +157,8 @@ fn compare_marks_what_it_cannot_judge_and_keeps_what_failed() {
     )
     .unwrap();
     let entrants =
-        methods.iter().copied().map(Entrant::Method).chain([Loop::VERLET, Loop::ROTATION].map(Entrant::Plain));
-    let entrants: Vec<Entrant> = entrants.collect();
+        methods.iter().copied().map(Candidate::Method).chain([Loop::VERLET, Loop::ROTATION].map(Candidate::Plain));
+    let entrants: Vec<Candidate> = entrants.collect();
     assert_eq!(comparison.entrants(), entrants);
     assert!(comparison.reference.error_estimate < 1e-9);
     // Yoshida's scheme of order 8 is unstable with one step a period: its row holds the reason and
@@ -240,13 +240,13 @@ fn chains_whose_contacts_dissipate_are_compared_by_the_methods_that_can_run_them
         let words = "collocation at tol 1e-14, checked by dop853-regularised";
         assert!(reference.method.starts_with(words), "{reference:?}");
         assert!(reference.error_estimate < estimate, "{loss} {sites}: {reference:?}");
-        let mut names: Vec<_> = comparison.entrants().iter().map(Entrant::name).collect();
+        let mut names: Vec<_> = comparison.entrants().iter().map(Candidate::name).collect();
         names.sort();
         let mut expected = can.to_vec();
         expected.sort();
         assert_eq!(names, expected);
         assert_eq!(comparison.left_out.len() + can.len(), Method::all().len());
-        let rows = comparison.rows_of(&Entrant::Method(Method::Collocation));
+        let rows = comparison.rows_of(&Candidate::Method(Method::Collocation));
         // The ladders take about a second; of one that --max-time ends there would be less.
         assert!(rows.len() >= 4, "{}", rows.len());
         for (k, row) in rows.into_iter().enumerate().take(rungs) {

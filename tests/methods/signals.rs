@@ -107,7 +107,9 @@ fn equal_steps_see_every_drive_that_they_resolve() {
             let chain = chain(boundaries[(k + m) % 3], means, signal.clone());
             let run = |method, setting| from_rest(&chain, method, setting).records(Records::End).start().unwrap();
             let want = run(Method::Collocation, Setting::Tolerance(1e-12)).state;
-            let fixed = Method::all().into_iter().filter(|method| !method.adaptive() && method.lacks(&chain).is_none());
+            let fixed = Method::all()
+                .into_iter()
+                .filter(|method| !method.adaptive() && method.unsupported_reason(&chain).is_none());
             for method in fixed {
                 let done = run(method, setting);
                 let off = distance(&done.state, &want) / largest(want.iter().copied());
@@ -157,7 +159,7 @@ fn a_pushed_bead_moves_by_the_double_integral_of_its_force() {
         };
         let drives = vec![Drive { site: 0, means: Means::Pushed, signal }];
         let chain = alone.clone().with(&Details { drives, ..Details::default() }).unwrap();
-        for method in Method::all().into_iter().filter(|method| method.lacks(&chain).is_none()) {
+        for method in Method::all().into_iter().filter(|method| method.unsupported_reason(&chain).is_none()) {
             let (setting, bound) = match method.adaptive() {
                 true => (Setting::Tolerance(1e-12), 1e-9),
                 false if k >= LONG => continue,
@@ -179,7 +181,8 @@ fn a_ramp_that_ends_inside_a_step_costs_order_six_and_no_lower_one() {
     let alone = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 1).unwrap();
     let drives = vec![Drive { site: 0, means: Means::Pushed, signal }];
     let chain = alone.with(&Details { drives, ..Details::default() }).unwrap();
-    let fixed = Method::all().into_iter().filter(|method| !method.adaptive() && method.lacks(&chain).is_none());
+    let fixed =
+        Method::all().into_iter().filter(|method| !method.adaptive() && method.unsupported_reason(&chain).is_none());
     for method in fixed.filter(|method| !matches!(method, Method::Landed(_))) {
         let error = |steps: u64| {
             let run = from_rest(&chain, method, Setting::Steps(steps));
@@ -250,7 +253,7 @@ fn a_moved_bead_carries_its_kinetic_energy_and_drives_do_that_work() {
         let details = Details { mass: vec![2.5, 1.0], overlap: vec![-9.0], drives, ..Details::default() };
         let chain = uniform.clone().with(&details).unwrap();
         let kinetic = |t: f64| 0.5 * 2.5 * signal.at(t)[1].powi(2);
-        for method in Method::all().into_iter().filter(|method| method.lacks(&chain).is_none()) {
+        for method in Method::all().into_iter().filter(|method| method.unsupported_reason(&chain).is_none()) {
             let setting = if method.adaptive() { Setting::Tolerance(1e-10) } else { Setting::Steps(900) };
             let end = from_rest(&chain, method, setting).start().unwrap();
             let (energy, ledger) = (end.energy.unwrap(), chain.layout().ledger(&end.state).unwrap());

@@ -3,7 +3,7 @@
 
 use hertzchain::chain::{Boundary, Chain, Field, KineticFlow, LinearFlow, Params, Site, State};
 use hertzchain::integrators::{
-    Dop853, Error, Observer, Scheme, Silent, SplitFlow, Splitting, Stats, Stepper, Stop, Twofold, VectorField,
+    Dop853, DoubleDouble, Error, Observer, Scheme, Silent, SplitFlow, Splitting, Stats, Stepper, Stop, VectorField,
     dop853::Options,
     drive,
     splitting::{First, tables},
@@ -382,7 +382,7 @@ fn events_of_a_smooth_enough_law_leave_order_four() {
 struct Breather {
     chain: Chain<f64>,
     sites: Vec<(f64, f64)>,
-    omega: Twofold<f64>,
+    omega: DoubleDouble<f64>,
 }
 
 impl Breather {
@@ -390,7 +390,7 @@ impl Breather {
         let chain = Chain::new(Params::new(1.5, 1.0, 0.25).unwrap(), Boundary::Free, 5).unwrap();
         let mut next = random(6);
         // omega = sqrt 5.
-        let omega = Twofold::decimal("2.236067977499789696409173668731276235441");
+        let omega = DoubleDouble::decimal("2.236067977499789696409173668731276235441");
         Self { chain, sites: (0..5).map(|_| (0.6 + 0.4 * next(), 3.0 * next())).collect(), omega }
     }
 
@@ -401,7 +401,7 @@ impl Breather {
     /// The state at `t`, with the phase to 30 digits.
     fn at(&self, t: f64) -> Vec<f64> {
         let (rho, omega) = (self.chain.params().rho, self.omega.value());
-        let (s, c) = (self.omega * Twofold::new(t)).reduced(Twofold::two_pi()).sin_cos();
+        let (s, c) = (self.omega * DoubleDouble::new(t)).reduced(DoubleDouble::two_pi()).sin_cos();
         let site = |i: usize| {
             let ((a, phi), b) = (self.sites[i], 3.0 * i as f64);
             let (cos, sin) = (phi.cos() * c - phi.sin() * s, phi.sin() * c + phi.cos() * s);

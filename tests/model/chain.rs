@@ -3,7 +3,7 @@
 
 use hertzchain::chain::{Boundary, Chain, Field, KineticFlow, LinearFlow, Params, Resonators, Site, State};
 use hertzchain::integrators::{
-    Rotation, SplitFlow, Splitting, Stepper, Twofold, VectorField,
+    DoubleDouble, Rotation, SplitFlow, Splitting, Stepper, VectorField,
     splitting::{First, tables},
 };
 use std::{f64::consts::SQRT_2, num::FpCategory};
@@ -285,11 +285,11 @@ fn kinetic_sweeps_equal_a_scalar_loop_bit_for_bit() {
         let mut flow = KineticFlow::new(chain.clone());
         flow.load(&want);
         for step in 0..5 {
-            flow.kick_drift(0.01, Twofold::new(0.02));
+            flow.kick_drift(0.01, DoubleDouble::new(0.02));
             kinetic_reference(&chain, &mut want, 0.01, 0.02);
             assert_eq!(stored(&flow), want, "step {step} of {chain:?}");
         }
-        flow.drift(Twofold::new(0.25));
+        flow.drift(DoubleDouble::new(0.25));
         let (q, q_dot) = want.split_at_mut(chain.layout().dim() / 2);
         q.iter_mut().zip(q_dot).for_each(|(q, q_dot)| *q += 0.25 * *q_dot);
         assert_eq!(stored(&flow), want);
@@ -312,9 +312,9 @@ struct LinearReference {
     sites: Vec<Modes>,
     m: f64,
     mu: f64,
-    omega: Twofold<f64>,
+    omega: DoubleDouble<f64>,
     phase: Rotation<f64>,
-    tau: Twofold<f64>,
+    tau: DoubleDouble<f64>,
     kicks: u32,
 }
 
@@ -334,15 +334,15 @@ impl LinearReference {
             Modes { r0: m * u + mu * v, v: m * u_dot + mu * v_dot, c: mu * (u - v), s }
         };
         let sites = (0..chain.sites()).map(site).collect();
-        Self { chain: chain.clone(), sites, m, mu, omega, phase: Rotation::none(), tau: Twofold::zero(), kicks: 0 }
+        Self { chain: chain.clone(), sites, m, mu, omega, phase: Rotation::none(), tau: DoubleDouble::zero(), kicks: 0 }
     }
 
-    fn kick_drift(&mut self, kick: f64, dt: Twofold<f64>) {
+    fn kick_drift(&mut self, kick: f64, dt: DoubleDouble<f64>) {
         let (sin, cos) = self.phase.sin_cos();
         if self.kicks == 64 {
             let tau = self.tau.value();
             self.sites.iter_mut().for_each(|site| site.r0 += site.v * tau);
-            (self.tau, self.kicks) = (Twofold::zero(), 0);
+            (self.tau, self.kicks) = (DoubleDouble::zero(), 0);
         }
         self.kicks += 1;
         let (tau, m) = (self.tau.value(), self.m);
@@ -383,7 +383,7 @@ fn linear_sweeps_equal_a_scalar_loop_bit_for_bit() {
         let mut want = LinearReference::new(&chain, &y);
         for step in 0..140 {
             // Multiples of this step are exact in any representation of time.
-            let dt = Twofold::new(0.03125);
+            let dt = DoubleDouble::new(0.03125);
             flow.kick_drift(0.02, dt);
             want.kick_drift(0.02, dt);
             if step % 10 == 4 {
@@ -403,9 +403,9 @@ fn a_kick_of_either_flow_adds_the_force_to_the_velocity_and_moves_nothing() {
         let y = state(&chain);
         let mut flow = LinearFlow::new(chain.clone());
         flow.load(&y);
-        flow.drift(Twofold::new(0.4));
+        flow.drift(DoubleDouble::new(0.4));
         let before = stored(&flow);
-        flow.kick_drift(0.1, Twofold::zero());
+        flow.kick_drift(0.1, DoubleDouble::zero());
         let mut want = before.clone();
         let forces = naive_forces(&chain, &before[..n]);
         (0..n).for_each(|i| want[half + i] += 0.1 * forces[i]);
@@ -414,7 +414,7 @@ fn a_kick_of_either_flow_adds_the_force_to_the_velocity_and_moves_nothing() {
 
         let mut flow = KineticFlow::new(chain.clone());
         flow.load(&y);
-        flow.kick_drift(0.1, Twofold::zero());
+        flow.kick_drift(0.1, DoubleDouble::zero());
         let mut want = y.clone();
         accelerations(&chain, &y).iter().zip(&mut want[half..]).for_each(|(a, q_dot)| *q_dot += 0.1 * a);
         let scale = 1.0 + largest(want.iter().copied());
@@ -438,7 +438,7 @@ fn the_linear_flow_is_the_closed_form_at_any_time() {
             let y = state(&chain);
             let mut flow = LinearFlow::new(chain.clone());
             flow.load(&y);
-            flow.drift(Twofold::new(t));
+            flow.drift(DoubleDouble::new(t));
             let ((s, c), low) = ((omega * t).sin_cos(), omega_low * t);
             let (s, c) = (s + c * low - s * low * low / 2.0, c - s * low - c * low * low / 2.0);
             let turn = |d: f64, d_dot: f64| (d * c + d_dot * s / omega, d_dot * c - d * s * omega);
@@ -477,10 +477,10 @@ fn a_state_survives_loading_and_storing() {
         assert_eq!(stored(&kinetic), y);
         assert_eq!(stored(&kinetic.duplicate()), y);
         let mut linear = LinearFlow::new(chain.clone());
-        linear.kick_drift(0.3, Twofold::new(0.7));
+        linear.kick_drift(0.3, DoubleDouble::new(0.7));
         linear.load(&y);
         worst = worst.max(largest_gap(&stored(&linear), &y));
-        linear.kick_drift(0.3, Twofold::new(0.7));
+        linear.kick_drift(0.3, DoubleDouble::new(0.7));
         assert_eq!(stored(&linear.duplicate()), stored(&linear));
     }
     assert_below(worst, 4.0 * EPS, "round trip");

@@ -6,7 +6,7 @@ use super::{
     details::{self, Pushing, Turned},
     sweep::{Sites, sweep},
 };
-use hertzchain_integrators::{Column, Real, Twofold, Vector, VectorField};
+use hertzchain_integrators::{Column, DoubleDouble, Real, Vector, VectorField};
 
 /// The vector field of (eq:Hertz), (eq:HertzS) or (eq:NC).
 pub struct Field<R> {
@@ -70,7 +70,7 @@ impl<R: Real> VectorField<R> for Field<R> {
             (_, Some(v)) => {
                 // This division is accurate to the last digit also in double-double, whose own
                 // division is not.
-                let per_rho = Twofold::new(kappa).over(Twofold::new(R::of(params.rho))).value();
+                let per_rho = DoubleDouble::new(kappa).over(DoubleDouble::new(R::of(params.rho))).value();
                 for i in 0..n {
                     let d = y[i] - v[i];
                     u_ddot[i] -= kappa * d;

@@ -8,7 +8,7 @@ use super::{
     rows::{Clock, Moving, Pairs, Row, RowForces},
     sweep::{MOST_KICKS, Sites, Step, Swept, Visit, follow, long},
 };
-use hertzchain_integrators::{Column, Real, SplitFlow, Twofold, Vector};
+use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector};
 
 /// A chain split into kinetic and potential energy; Strang's scheme on it is velocity Verlet.
 ///
@@ -77,7 +77,7 @@ impl<R: Real> SplitFlow<R> for KineticFlow<R> {
         }
     }
 
-    fn drift(&mut self, dt: Twofold<R>) {
+    fn drift(&mut self, dt: DoubleDouble<R>) {
         for [q, q_dot] in [&mut self.beads, &mut self.resonators] {
             for (q, &q_dot) in q.iter_mut().zip(q_dot.iter()) {
                 *q += dt.value() * q_dot;
@@ -85,12 +85,12 @@ impl<R: Real> SplitFlow<R> for KineticFlow<R> {
         }
     }
 
-    fn kick_drift(&mut self, kick: R, drift: Twofold<R>) {
+    fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
         let now = self.begin(kick, drift);
         self.visit(now, Step);
     }
 
-    fn kick_drifts(&mut self, pairs: &[(R, Twofold<R>)]) {
+    fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
         if self.forces.used() && pairs.len() > 1 {
             return self.row(pairs);
         }
@@ -134,7 +134,7 @@ impl<R: Real> Swept<R> for KineticFlow<R> {
     }
 
     #[inline]
-    fn begin(&mut self, kick: R, drift: Twofold<R>) -> Durations<R> {
+    fn begin(&mut self, kick: R, drift: DoubleDouble<R>) -> Durations<R> {
         durations(self.chain.params(), kick, drift)
     }
 
@@ -155,7 +155,7 @@ impl<R: Real> Swept<R> for KineticFlow<R> {
 
 impl<R: Real> KineticFlow<R> {
     /// Kicks of a short chain in a row, each followed by its drift.
-    fn row(&mut self, pairs: &[(R, Twofold<R>)]) {
+    fn row(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
         let Self { chain, beads: [u, u_dot], resonators: [v, v_dot], forces } = self;
         let (params, kappa) = (chain.params(), R::of(chain.params().kappa));
         let (kicks, clock) = (pairs.len(), Drifts { params, pairs: pairs.iter() });
@@ -176,7 +176,7 @@ impl<R: Real> KineticFlow<R> {
 pub(crate) type Durations<R> = [R; 3];
 
 #[inline(always)]
-fn durations<R: Real>(params: Params, kick: R, drift: Twofold<R>) -> Durations<R> {
+fn durations<R: Real>(params: Params, kick: R, drift: DoubleDouble<R>) -> Durations<R> {
     [kick, drift.value(), kick * R::of(params.kappa) / R::of(params.rho)]
 }
 
@@ -191,7 +191,7 @@ impl<R: Real> Clock for Drifts<'_, R> {
 
     #[inline(always)]
     fn next(&mut self) -> Durations<R> {
-        let (kick, drift) = self.pairs.next().map_or((R::zero(), Twofold::zero()), |&pair| pair);
+        let (kick, drift) = self.pairs.next().map_or((R::zero(), DoubleDouble::zero()), |&pair| pair);
         durations(self.params, kick, drift)
     }
 
@@ -313,7 +313,7 @@ impl<R: Real> Resonant<'_, R> {
 }
 
 /// Sites whose beads are also kicked by springs; their positions are those of the beads.
-macro_rules! sprung {
+macro_rules! with_springs {
     ($sites:ident, $room:expr) => {
         impl<R: Real> Sites<R> for $sites<'_, R> {
             #[inline(always)]
@@ -352,5 +352,5 @@ macro_rules! sprung {
     };
 }
 
-sprung!(Cradle, |sites| sites.beads.room());
-sprung!(Resonant, |sites| sites.beads.room().min(sites.v.len()).min(sites.v_dot.len()));
+with_springs!(Cradle, |sites| sites.beads.room());
+with_springs!(Resonant, |sites| sites.beads.room().min(sites.v.len()).min(sites.v_dot.len()));

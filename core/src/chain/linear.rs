@@ -25,7 +25,7 @@ use super::{
     rows::{Clock, InRow, Moving, Pairs, RowForces},
     sweep::{MOST_KICKS, Sites, Step, Swept, Visit, follow, long},
 };
-use hertzchain_integrators::{Column, Real, SplitFlow, Twofold, Vector, system::ContactFlow};
+use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector, system::ContactFlow};
 
 /// Number of kicks after which `R0` is set to the present position and `tau` to zero, so that `V
 /// tau` stays of the size of `R0`. Chosen, not measured.
@@ -190,19 +190,19 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     }
 
     #[inline]
-    fn drift(&mut self, dt: Twofold<R>) {
+    fn drift(&mut self, dt: DoubleDouble<R>) {
         self.phase.advance(dt);
         self.tau += dt.value();
     }
 
-    fn kick_drift(&mut self, kick: R, drift: Twofold<R>) {
+    fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
         // The drift changes no number of a site, only the phase and `tau`, before the pass.
         self.count_kick();
         let now = self.begin(kick, drift);
         self.visit(now, Step);
     }
 
-    fn kick_drifts(&mut self, pairs: &[(R, Twofold<R>)]) {
+    fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
         let mut rest = pairs;
         let (long, short) = (long(&self.chain), self.forces.used());
         while (long || short) && rest.len() > 1 {
@@ -281,7 +281,7 @@ impl<R: Real> Swept<R> for LinearFlow<R> {
     }
 
     #[inline]
-    fn begin(&mut self, kick: R, drift: Twofold<R>) -> Now<R> {
+    fn begin(&mut self, kick: R, drift: DoubleDouble<R>) -> Now<R> {
         let now = self.now(kick);
         self.drift(drift);
         now
@@ -333,7 +333,7 @@ impl<R: Real> LinearFlow<R> {
     /// Does `work` with the (kick, drift) pairs in a row. Only the first kick may have an anchor
     /// before it.
     #[inline(always)]
-    pub(super) fn in_row<W: InRow<R>>(&mut self, pairs: &[(R, Twofold<R>)], work: W) -> W::Output {
+    pub(super) fn in_row<W: InRow<R>>(&mut self, pairs: &[(R, DoubleDouble<R>)], work: W) -> W::Output {
         let shares = [self.m(), self.mu_over_omega];
         let now = self.now(R::zero());
         let Self { chain, centre: [r0, v], oscillation: [c, s], phase, tau, .. } = self;
@@ -348,7 +348,7 @@ impl<R: Real> LinearFlow<R> {
     }
 
     /// Kicks of a short chain in a row, each followed by its drift.
-    fn row(&mut self, pairs: &[(R, Twofold<R>)]) {
+    fn row(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
         let mut forces = std::mem::replace(&mut self.forces, RowForces::none());
         self.in_row(pairs, &mut forces);
         self.forces = forces;
@@ -368,7 +368,7 @@ impl<R: Real> Clock for Phases<'_, R> {
 
     #[inline(always)]
     fn next(&mut self) -> Now<R> {
-        let (kick, drift) = self.pairs.next().map_or((R::zero(), Twofold::zero()), |&pair| pair);
+        let (kick, drift) = self.pairs.next().map_or((R::zero(), DoubleDouble::zero()), |&pair| pair);
         let now = Now::new(self.phase.sin_cos(), *self.tau, kick, self.shares);
         self.phase.advance_inside(drift);
         *self.tau += drift.value();

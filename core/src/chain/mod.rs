@@ -32,7 +32,7 @@ mod sweep;
 mod topology;
 
 pub use blocks::{Blocks, Whole};
-pub use bonds::{Bonded, SiteFlow, TangentFlow};
+pub use bonds::{CorrectedSplit, SiteFlow, TangentFlow};
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Overlaps, TOUCH};
 pub use details::{

@@ -10,7 +10,7 @@
 //! A plain chain has `R` only, with `m = 1`; the cradle has `P` only, with `mu = 1`.
 
 use super::{Params, Resonators};
-use hertzchain_integrators::{Real, Twofold};
+use hertzchain_integrators::{DoubleDouble, Real};
 
 /// The two motions of a site.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +22,7 @@ pub struct Modes<R> {
     /// Share of an impulse that oscillates; `m + mu = 1`.
     pub mu: R,
     /// Frequency; zero for a plain chain.
-    pub omega: Twofold<R>,
+    pub omega: DoubleDouble<R>,
 }
 
 impl<R: Real> Modes<R> {

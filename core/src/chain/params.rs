@@ -1,7 +1,7 @@
 //! The three parameters of the model.
 
 use crate::error::{Error, Result};
-use hertzchain_integrators::{Real, Twofold};
+use hertzchain_integrators::{DoubleDouble, Real};
 use serde::{Deserialize, Serialize};
 
 /// Exponent, spring constant and mass ratio of (eq:Hertz), all dimensionless.
@@ -86,12 +86,12 @@ impl Params {
     }
 
     /// [`omega`](Self::omega) to twice the working precision: long runs multiply it by long times.
-    pub fn omega_twofold<R: Real>(&self) -> Twofold<R> {
-        let kappa = Twofold::new(R::of(self.kappa));
+    pub fn omega_twofold<R: Real>(&self) -> DoubleDouble<R> {
+        let kappa = DoubleDouble::new(R::of(self.kappa));
         match self.resonators() {
-            Resonators::None => Twofold::zero(),
+            Resonators::None => DoubleDouble::zero(),
             Resonators::Fixed => kappa.sqrt(),
-            Resonators::Moving => (kappa + kappa.over(Twofold::new(R::of(self.rho)))).sqrt(),
+            Resonators::Moving => (kappa + kappa.over(DoubleDouble::new(R::of(self.rho)))).sqrt(),
         }
     }
 }

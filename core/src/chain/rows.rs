@@ -17,7 +17,7 @@ use super::{
     law::{ContactLaw, LANES, Power, with_hertz},
     sweep::{Sites, overlaps, push},
 };
-use hertzchain_integrators::{Column, Real, Twofold, Vector, VectorKernel};
+use hertzchain_integrators::{Column, DoubleDouble, Real, Vector, VectorKernel};
 use std::ops::Range;
 
 /// Largest number of sites of a chain whose kicks are made in rows: its columns take at most 768
@@ -322,7 +322,7 @@ pub(crate) unsafe fn given<R: Real, V: Vector<R>, const STRAIN: bool>(
 }
 
 /// (Kick, drift) pairs in order of time.
-pub(crate) type Pairs<'a, R> = std::slice::Iter<'a, (R, Twofold<R>)>;
+pub(crate) type Pairs<'a, R> = std::slice::Iter<'a, (R, DoubleDouble<R>)>;
 
 #[cfg(test)]
 mod tests {
@@ -331,7 +331,7 @@ mod tests {
     use hertzchain_integrators::{Instructions, SplitFlow};
 
     /// The state after kicks in rows, and after the same kicks one at a time.
-    fn both_ways<F: SplitFlow<f64>>(mut flow: F, y: &[f64], pairs: &[(f64, Twofold<f64>)]) -> [Vec<u64>; 2] {
+    fn both_ways<F: SplitFlow<f64>>(mut flow: F, y: &[f64], pairs: &[(f64, DoubleDouble<f64>)]) -> [Vec<u64>; 2] {
         flow.load(y);
         let mut other = flow.duplicate();
         pairs.chunks(40).for_each(|row| flow.kick_drifts(row));
@@ -349,7 +349,7 @@ mod tests {
         // are between two anchors.
         let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
-        let pairs: Vec<_> = (0..70).map(|k| (0.01 + 1e-4 * f64::from(k % 3), Twofold::new(0.02))).collect();
+        let pairs: Vec<_> = (0..70).map(|k| (0.01 + 1e-4 * f64::from(k % 3), DoubleDouble::new(0.02))).collect();
         for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
             for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
                 for (n, rho) in (1..36).flat_map(|n| [0.0, 1.0 / 3.0, f64::INFINITY].map(|rho| (n, rho))) {

@@ -20,7 +20,7 @@ use super::{
     law::{LANES, Power, with_hertz},
     rows::Moving,
 };
-use hertzchain_integrators::{Real, Twofold, Vector, VectorKernel};
+use hertzchain_integrators::{DoubleDouble, Real, Vector, VectorKernel};
 
 /// The sites that a sweep visits, in columns that are whole registers long.
 pub(crate) trait Sites<R: Real> {
@@ -81,7 +81,7 @@ pub(crate) trait Swept<R: Real> {
     fn swept(&self) -> &Chain<R>;
     /// Returns what the next kick depends on, then makes the part of the drift that does not change
     /// columns.
-    fn begin(&mut self, kick: R, drift: Twofold<R>) -> Self::Moment;
+    fn begin(&mut self, kick: R, drift: DoubleDouble<R>) -> Self::Moment;
     /// Hands over the sites at the time of a kick.
     fn visit(&mut self, moment: Self::Moment, work: impl Visit<R, Self::Moment>);
 }
@@ -93,7 +93,7 @@ pub(crate) fn long<R: Real>(chain: &Chain<R>) -> bool {
 
 /// Kicks and drifts, at most [`MOST_KICKS`], on a [`long`] chain: kick `k` is 8 sites behind kick
 /// `k - 1`.
-pub(crate) fn follow<R: Real, F: Swept<R>>(flow: &mut F, pairs: &[(R, Twofold<R>)]) {
+pub(crate) fn follow<R: Real, F: Swept<R>>(flow: &mut F, pairs: &[(R, DoubleDouble<R>)]) {
     let (n, count, ring) = (flow.swept().sites(), pairs.len(), flow.swept().topology.ring());
     let mut kicks: [Option<(F::Moment, Pass<R>)>; MOST_KICKS] = [None; MOST_KICKS];
     // The first pieces of all kicks, long enough that the sites around the start of the next kick
@@ -375,7 +375,7 @@ mod tests {
     }
 
     /// The state after kicks that follow each other, and after the same kicks one at a time.
-    fn both_ways<F: SplitFlow<f64>>(mut flow: F, y: &[f64], pairs: &[(f64, Twofold<f64>)]) -> [Vec<f64>; 2] {
+    fn both_ways<F: SplitFlow<f64>>(mut flow: F, y: &[f64], pairs: &[(f64, DoubleDouble<f64>)]) -> [Vec<f64>; 2] {
         flow.load(y);
         let mut other = flow.duplicate();
         flow.kick_drifts(pairs);
@@ -393,7 +393,7 @@ mod tests {
         // kicks than follow each other or than there are between two anchors.
         let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
-        let pairs: Vec<_> = (0..150).map(|k| (0.01 + 1e-4 * f64::from(k % 3), Twofold::new(0.02))).collect();
+        let pairs: Vec<_> = (0..150).map(|k| (0.01 + 1e-4 * f64::from(k % 3), DoubleDouble::new(0.02))).collect();
         for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
             for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
                 for (rho, n) in [(0.0, LONG), (1.0 / 3.0, LONG + 13), (f64::INFINITY, LONG + PIECE)] {

@@ -1,7 +1,7 @@
 //! A part of a chain by contact collocation: its own bonds and their sites, and those around them
 //! that its blocks take along.
 
-use super::{Carrier, Division};
+use super::{Communicator, Division};
 use crate::chain::Chain;
 use hertzchain_integrators::collocation::{EDGE, Piece, Section, Share, Verdict, Window, Windows};
 
@@ -70,7 +70,7 @@ impl Bonds {
     }
 
     /// Solves a window, and exchanges the results of the bonds at the edges with the neighbours.
-    pub(super) fn solve(&mut self, window: &Window, carrier: &mut dyn Carrier) -> Verdict {
+    pub(super) fn solve(&mut self, window: &Window, carrier: &mut dyn Communicator) -> Verdict {
         let verdict = self.section.solve(window);
         let (before, after) = (self.division.before(self.number), self.division.after(self.number));
         self.pass(carrier, true, after, before);
@@ -79,7 +79,7 @@ impl Bonds {
     }
 
     /// Sends the last or the first edge to one neighbour, and receives an edge from the other.
-    fn pass(&mut self, carrier: &mut dyn Carrier, last: bool, to: Option<usize>, from: Option<usize>) {
+    fn pass(&mut self, carrier: &mut dyn Communicator, last: bool, to: Option<usize>, from: Option<usize>) {
         let [out, into] = &mut self.edges;
         out.clear();
         if to.is_some() {
@@ -102,7 +102,7 @@ impl Bonds {
     }
 
     /// Sends the [`pieces`](Self::pieces) to part 0.
-    pub(super) fn send_pieces(&self, carrier: &mut dyn Carrier) {
+    pub(super) fn send_pieces(&self, carrier: &mut dyn Communicator) {
         let numbers: Vec<f64> = self.pieces().flat_map(Piece::numbers).collect();
         carrier.send(0, &[numbers.len() as f64]);
         numbers.chunks(MESSAGE * Piece::NUMBERS).for_each(|message| carrier.send(0, message));
@@ -127,7 +127,7 @@ impl Bonds {
 }
 
 /// Receives the pieces of contacts that another part sends, and calls `told` with each.
-pub(super) fn receive_pieces(part: usize, carrier: &mut dyn Carrier, told: &mut dyn FnMut(&Piece)) {
+pub(super) fn receive_pieces(part: usize, carrier: &mut dyn Communicator, told: &mut dyn FnMut(&Piece)) {
     let mut count = [0.0];
     carrier.receive(part, &mut count);
     let (mut left, mut message) = (count[0] as usize, Vec::new());

@@ -13,21 +13,21 @@ const NUMBER: u64 = size_of::<f64>() as u64;
 /// Memory and messages of a run in parts, in bytes.
 ///
 /// ```
-/// use hertzchain_core::{Boundary, Params, chain::Split, parts::{Demand, Motion}};
+/// use hertzchain_core::{Boundary, Params, chain::Split, parts::{Estimate, Motion}};
 /// let params = Params::new(1.5, 1.0, 1.0 / 3.0)?;
 /// let kicks = Motion::Kicks(Split::Linear);
-/// let demand = Demand::new(params, Boundary::Ring, 1_000_000_000, 1024, kicks);
+/// let demand = Estimate::new(params, Boundary::Ring, 1_000_000_000, 1024, kicks);
 /// assert_eq!((demand.sites, demand.ghosts, demand.message), (976_563, 64, 2048));
 /// // The sites and the ghosts, with resonators, twice; two whole states.
 /// assert_eq!(demand.memory, 2 * 4 * 8 * (976_563 + 128));
 /// assert_eq!(demand.whole, 64_000_000_000);
 /// // Whole blocks of 256 bonds; 13 of each neighbour, of which seven numbers say what they left.
-/// let demand = Demand::new(params, Boundary::Ring, 1_000_000_000, 1024, Motion::Windows);
+/// let demand = Estimate::new(params, Boundary::Ring, 1_000_000_000, 1024, Motion::Windows);
 /// assert_eq!((demand.sites, demand.ghosts, demand.message), (3815 * 256, 13, 728));
 /// # Ok::<(), hertzchain_core::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Demand {
+pub struct Estimate {
     /// Number of sites of the longest part.
     pub sites: u64,
     /// Number of sites, or bonds for contact collocation, that come from each neighbour: see
@@ -46,7 +46,7 @@ pub struct Demand {
     pub sample: u64,
 }
 
-impl Demand {
+impl Estimate {
     /// The demand of `sites` sites in `parts` parts, from one to [`Motion::most_parts`].
     pub fn new(params: Params, boundary: Boundary, sites: usize, parts: usize, motion: Motion) -> Self {
         let numbers = if params.resonators() == Resonators::Moving { 4 } else { 2 };

@@ -1,7 +1,7 @@
 //! The flow of a chain in parts, used by part 0.
 
 use super::{
-    Carrier, Division, Motion, Parts,
+    Communicator, Division, Motion, Parts,
     bonds::receive_pieces,
     order::Order,
     part::{Part, blocks, numbers, parted},
@@ -11,7 +11,7 @@ use crate::{
     error::Result,
 };
 use hertzchain_integrators::{
-    SplitFlow, Twofold,
+    DoubleDouble, SplitFlow,
     collocation::{Piece, Verdict, Window, Windows},
 };
 use std::{
@@ -36,7 +36,7 @@ static NEXT: AtomicU64 = AtomicU64::new(0);
 /// [`LinearFlow`]: crate::chain::LinearFlow
 /// [`Section`]: hertzchain_integrators::collocation::Section
 pub struct Parted {
-    carrier: Arc<Mutex<Box<dyn Carrier>>>,
+    carrier: Arc<Mutex<Box<dyn Communicator>>>,
     flow: u64,
     layout: Layout,
     division: Division,
@@ -62,7 +62,7 @@ impl Parted {
     }
 
     /// Sends an order to the other parts. Returns the carrier, for the messages that follow it.
-    fn order(&self, order: &Order) -> MutexGuard<'_, Box<dyn Carrier>> {
+    fn order(&self, order: &Order) -> MutexGuard<'_, Box<dyn Communicator>> {
         tell(&self.carrier, order)
     }
 
@@ -113,12 +113,15 @@ impl Parted {
     }
 }
 
-fn locked(carrier: &Mutex<Box<dyn Carrier>>) -> MutexGuard<'_, Box<dyn Carrier>> {
+fn locked(carrier: &Mutex<Box<dyn Communicator>>) -> MutexGuard<'_, Box<dyn Communicator>> {
     carrier.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Sends an order to the other parts. Returns the carrier, for the messages that follow it.
-pub(super) fn tell<'a>(carrier: &'a Mutex<Box<dyn Carrier>>, order: &Order) -> MutexGuard<'a, Box<dyn Carrier>> {
+pub(super) fn tell<'a>(
+    carrier: &'a Mutex<Box<dyn Communicator>>,
+    order: &Order,
+) -> MutexGuard<'a, Box<dyn Communicator>> {
     let mut carrier = locked(carrier);
     carrier.broadcast(&mut order.words());
     carrier
@@ -149,16 +152,16 @@ impl SplitFlow<f64> for Parted {
         self.follow(other);
     }
 
-    fn drift(&mut self, dt: Twofold<f64>) {
+    fn drift(&mut self, dt: DoubleDouble<f64>) {
         drop(self.order(&Order::Drift(self.flow, dt)));
         self.own.drift(dt);
     }
 
-    fn kick_drift(&mut self, kick: f64, drift: Twofold<f64>) {
+    fn kick_drift(&mut self, kick: f64, drift: DoubleDouble<f64>) {
         self.kick_drifts(&[(kick, drift)]);
     }
 
-    fn kick_drifts(&mut self, pairs: &[(f64, Twofold<f64>)]) {
+    fn kick_drifts(&mut self, pairs: &[(f64, DoubleDouble<f64>)]) {
         let Self { carrier, own, flow, .. } = self;
         let mut carrier = tell(carrier, &Order::Kicks(*flow, pairs.to_vec()));
         own.kick_drifts(pairs, &mut **carrier);

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | *part* | neighbouring sites that one thread or process integrates; together, the chain |
 //! | *ghosts* | sites of both neighbours that a part integrates as well: [`Division::ghosts`] |
-//! | *carrier* | sends numbers from part to part; see [`Carrier`] |
+//! | *carrier* | sends numbers from part to part; see [`Communicator`] |
 //! | *order* | message of part 0 that says what the other parts do next |
 //!
 //! A kick of a site depends on the site and its two neighbours. So a part with `g` ghosts on either
@@ -36,7 +36,7 @@ mod part;
 mod serve;
 mod threads;
 
-pub use demand::Demand;
+pub use demand::Estimate;
 pub use division::{Division, GHOSTS};
 pub use flow::Parted;
 pub use serve::{end, serve};
@@ -87,7 +87,7 @@ impl Motion {
 ///
 /// # Panics
 /// All methods may panic if another part has ended too early.
-pub trait Carrier: Send {
+pub trait Communicator: Send {
     /// Number of this part, from 0.
     fn part(&self) -> usize;
     /// Number of parts.
@@ -111,12 +111,12 @@ pub trait Carrier: Send {
 pub trait Ranks: Debug + Send + Sync {
     /// Number of processes, this one included.
     fn count(&self) -> usize;
-    /// Threads of this process, see [`Carrier::threads`].
+    /// Threads of this process, see [`Communicator::threads`].
     fn threads(&self) -> usize {
         1
     }
     /// The carrier of this process. It is for one run at a time.
-    fn carrier(&self) -> Box<dyn Carrier>;
+    fn carrier(&self) -> Box<dyn Communicator>;
 }
 
 /// The threads or processes that integrate the sites of a run.
@@ -205,7 +205,7 @@ impl Parts {
     }
 
     /// The carrier of part 0.
-    fn carrier(&self) -> Box<dyn Carrier> {
+    fn carrier(&self) -> Box<dyn Communicator> {
         match self {
             Self::Whole => threads::start(1),
             Self::Threads(count) => threads::start(*count),

@@ -4,7 +4,7 @@ use crate::{
     chain::{Boundary, Chain, Params, Split},
     parts::Motion,
 };
-use hertzchain_integrators::{Twofold, collocation::Window};
+use hertzchain_integrators::{DoubleDouble, collocation::Window};
 /// What the other parts are to do next. A part may have several flows, each with a number: the
 /// first field of most orders.
 #[derive(Debug)]
@@ -15,8 +15,8 @@ pub(super) enum Order {
     Load(u64),
     /// Send the state of a flow to part 0.
     Store(u64),
-    Drift(u64, Twofold<f64>),
-    Kicks(u64, Vec<(f64, Twofold<f64>)>),
+    Drift(u64, DoubleDouble<f64>),
+    Kicks(u64, Vec<(f64, DoubleDouble<f64>)>),
     /// Create a flow, given second, as a copy of the first.
     Duplicate(u64, u64),
     /// Copy the state of the first flow to the second.
@@ -103,13 +103,13 @@ fn chain(words: &[u64]) -> Option<(Motion, Box<Chain<f64>>)> {
 }
 
 /// Kicks and drifts as words.
-fn kicks(flow: u64, pairs: &[(f64, Twofold<f64>)]) -> Vec<u64> {
+fn kicks(flow: u64, pairs: &[(f64, DoubleDouble<f64>)]) -> Vec<u64> {
     let head = [4, flow].into_iter();
     head.chain(pairs.iter().flat_map(|(kick, drift)| [*kick, drift.hi, drift.lo].map(f64::to_bits))).collect()
 }
 
-fn twofold(hi: u64, lo: u64) -> Twofold<f64> {
-    Twofold { hi: f64::from_bits(hi), lo: f64::from_bits(lo) }
+fn twofold(hi: u64, lo: u64) -> DoubleDouble<f64> {
+    DoubleDouble { hi: f64::from_bits(hi), lo: f64::from_bits(lo) }
 }
 
 #[cfg(test)]
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn an_order_arrives_as_it_was_given() {
-        let third = Twofold::new(1.0).over(Twofold::new(3.0));
+        let third = DoubleDouble::new(1.0).over(DoubleDouble::new(3.0));
         let chain = Chain::new(Params::new(1.5, 1.0, f64::INFINITY).unwrap(), Boundary::Fixed, 9).unwrap();
         let chain = Box::new(chain.precompressed(0.1).unwrap());
         let orders = [
@@ -127,7 +127,7 @@ mod tests {
             Order::Load(1),
             Order::Store(2),
             Order::Drift(4, third),
-            Order::Kicks(5, vec![(0.1, third), (-0.2, Twofold::zero())]),
+            Order::Kicks(5, vec![(0.1, third), (-0.2, DoubleDouble::zero())]),
             Order::Kicks(5, Vec::new()),
             Order::Duplicate(6, 7),
             Order::Copy(8, 9),

@@ -1,8 +1,8 @@
 //! A part of a chain: its own sites, and ghosts on either side.
 
-use super::{Carrier, Division, Motion, bonds::Bonds};
+use super::{Communicator, Division, Motion, bonds::Bonds};
 use crate::chain::{Chain, Divisible, KineticFlow, LinearFlow, Split};
-use hertzchain_integrators::{SplitFlow, Twofold};
+use hertzchain_integrators::{DoubleDouble, SplitFlow};
 use std::ops::Range;
 
 /// Most sites whose states go into one message.
@@ -59,7 +59,7 @@ impl Part {
     }
 
     /// Receives the states of the sites of [`Division::held`] from part 0.
-    pub(super) fn receive(&mut self, carrier: &mut dyn Carrier) {
+    pub(super) fn receive(&mut self, carrier: &mut dyn Communicator) {
         let held = each!(self, sites => sites.division.held(sites.number));
         let resonators = self.resonators();
         let mut buffer = Vec::new();
@@ -71,7 +71,7 @@ impl Part {
     }
 
     /// Sends the states of its own sites to part 0.
-    pub(super) fn send(&self, carrier: &mut dyn Carrier) {
+    pub(super) fn send(&self, carrier: &mut dyn Communicator) {
         let (own, resonators) = (self.own(), self.resonators());
         let mut buffer = Vec::new();
         for block in blocks(0..own.len()) {
@@ -86,7 +86,7 @@ impl Part {
         each!(self, sites => sites.resonators)
     }
 
-    pub(super) fn drift(&mut self, dt: Twofold<f64>) {
+    pub(super) fn drift(&mut self, dt: DoubleDouble<f64>) {
         match self {
             Self::Kinetic(sites) => sites.flow.drift(dt),
             Self::Linear(sites) => sites.flow.drift(dt),
@@ -95,7 +95,7 @@ impl Part {
     }
 
     /// Kicks and drifts, and exchanges ghosts with the neighbours where these are used up.
-    pub(super) fn kick_drifts(&mut self, pairs: &[(f64, Twofold<f64>)], carrier: &mut dyn Carrier) {
+    pub(super) fn kick_drifts(&mut self, pairs: &[(f64, DoubleDouble<f64>)], carrier: &mut dyn Communicator) {
         match self {
             Self::Kinetic(sites) => sites.kick_drifts(pairs, carrier),
             Self::Linear(sites) => sites.kick_drifts(pairs, carrier),
@@ -196,7 +196,7 @@ impl<F: Divisible<f64>> Sites<F> {
         self.flow.write(self.left + first, arrays);
     }
 
-    fn kick_drifts(&mut self, pairs: &[(f64, Twofold<f64>)], carrier: &mut dyn Carrier) {
+    fn kick_drifts(&mut self, pairs: &[(f64, DoubleDouble<f64>)], carrier: &mut dyn Communicator) {
         if self.division.parts() == 1 {
             self.flow.kick_drifts(pairs);
             return;
@@ -213,7 +213,7 @@ impl<F: Divisible<f64>> Sites<F> {
     }
 
     /// Exchanges ghosts with both neighbours.
-    fn exchange(&mut self, carrier: &mut dyn Carrier) {
+    fn exchange(&mut self, carrier: &mut dyn Communicator) {
         let (division, number, left) = (self.division, self.number, self.left);
         let (ghosts, own) = (division.ghosts(), division.sites(number).len());
         let (before, after) = (division.before(number), division.after(number));
@@ -227,7 +227,7 @@ impl<F: Divisible<f64>> Sites<F> {
     /// `received` on, from the other.
     fn pass(
         &mut self,
-        carrier: &mut dyn Carrier,
+        carrier: &mut dyn Communicator,
         (to, sent): (Option<usize>, usize),
         (from, received): (Option<usize>, usize),
     ) {

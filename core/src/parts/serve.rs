@@ -1,13 +1,13 @@
 //! The loop of all parts but part 0, which follow its orders.
 
-use super::{Carrier, Division, order::Order, part::Part};
+use super::{Communicator, Division, order::Order, part::Part};
 use std::collections::BTreeMap;
 
 /// Integrates this part of chains by the orders of part 0, until part 0 orders the end.
 ///
 /// # Panics
 /// If part 0 ends without that order, or sends words that are no order.
-pub fn serve(carrier: &mut dyn Carrier) {
+pub fn serve(carrier: &mut dyn Communicator) {
     let mut flows: BTreeMap<u64, Part> = BTreeMap::new();
     let mut words = Vec::new();
     loop {
@@ -50,6 +50,6 @@ fn of(flows: &mut BTreeMap<u64, Part>, flow: u64) -> &mut Part {
 }
 
 /// Ends all parts that serve part 0, whose carrier this is.
-pub fn end(carrier: &mut dyn Carrier) {
+pub fn end(carrier: &mut dyn Communicator) {
     carrier.broadcast(&mut Order::End.words());
 }

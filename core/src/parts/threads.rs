@@ -1,6 +1,6 @@
 //! Parts in the threads of one process: messages are arrays that are handed over.
 
-use super::{Carrier, order::Order, serve};
+use super::{Communicator, order::Order, serve};
 use std::{
     collections::BTreeMap,
     sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel},
@@ -28,7 +28,7 @@ enum Orders {
 
 /// Starts the threads of all parts but part 0. Returns the carrier of part 0; the threads end when
 /// it is dropped.
-pub(super) fn start(parts: usize) -> Box<dyn Carrier> {
+pub(super) fn start(parts: usize) -> Box<dyn Communicator> {
     let (mut to, mut from): (Vec<_>, Vec<_>) = (0..parts).map(|_| (BTreeMap::new(), BTreeMap::new())).unzip();
     // Part 0 exchanges messages with all parts, the others with their neighbours. Across the ends
     // of a ring, one of the two is part 0.
@@ -55,7 +55,7 @@ pub(super) fn start(parts: usize) -> Box<dyn Carrier> {
 
 const ENDED: &str = "the other part has not ended";
 
-impl Carrier for Between {
+impl Communicator for Between {
     fn part(&self) -> usize {
         self.part
     }

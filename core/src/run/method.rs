@@ -4,8 +4,8 @@ use super::Run;
 pub use crate::chain::Split;
 use crate::{
     chain::{
-        Bonded, Chain, Details, Differing, Field, KineticFlow, LinearFlow, SiteFlow, SitewiseFlow, Topology, Turns,
-        max_norm,
+        Chain, CorrectedSplit, Details, Differing, Field, KineticFlow, LinearFlow, SiteFlow, SitewiseFlow, Topology,
+        Turns, max_norm,
     },
     error::{Error, Result},
     parts::{Motion, Parted, Parts},
@@ -112,7 +112,7 @@ impl Setting {
             Self::Windows(windows, nodes) => Self::Windows(part(windows), nodes),
             // At least the smallest tolerance of the method, unless the given tolerance is smaller
             // still, and refused.
-            Self::Tolerance(tol) if method.of_the_run() => {
+            Self::Tolerance(tol) if method.tolerance_is_global() => {
                 Self::Tolerance((tol * share).max(tol.min(method.tolerances().least)))
             }
             Self::Tolerance(_) => self,
@@ -120,8 +120,8 @@ impl Setting {
     }
 }
 
-/// The names of [`Method::telling`].
-const TELLING: [&str; 13] = [
+/// The names of [`Method::default_comparison_set`].
+const DEFAULT_COMPARISON_SET: [&str; 13] = [
     "verlet",
     "yoshida4",
     "aba864",
@@ -171,8 +171,8 @@ impl Method {
 
     /// The default methods of a comparison: those that are the fastest at some error on a built-in
     /// scene, one of each group of similar schemes, and two references (`verlet`, `dop853`).
-    pub fn telling() -> Vec<Self> {
-        Self::all().into_iter().filter(|method| TELLING.contains(&method.name().as_str())).collect()
+    pub fn default_comparison_set() -> Vec<Self> {
+        Self::all().into_iter().filter(|method| DEFAULT_COMPARISON_SET.contains(&method.name().as_str())).collect()
     }
 
     /// The method with the given name.
@@ -310,7 +310,7 @@ impl Method {
     }
 
     /// Whether its tolerance holds for the whole run, not for a step.
-    pub fn of_the_run(&self) -> bool {
+    pub fn tolerance_is_global(&self) -> bool {
         self.tolerant() && !matches!(self, Self::Dop853(_))
     }
 
@@ -325,14 +325,14 @@ impl Method {
     /// # Errors
     /// A chain that the method cannot run; the message names a method that can.
     pub fn runs(&self, chain: &Chain<f64>) -> Result<()> {
-        match self.lacks(chain) {
+        match self.unsupported_reason(chain) {
             Some(rule) => Err(Error::parameter("integrator", self.name(), rule)),
             None => Ok(()),
         }
     }
 
     /// Why the method cannot run a chain, and a method that can; `None` if it can.
-    pub fn lacks(&self, chain: &Chain<f64>) -> Option<&'static str> {
+    pub fn unsupported_reason(&self, chain: &Chain<f64>) -> Option<&'static str> {
         chain.details()?;
         match self {
             Self::Dop853(_) | Self::Collocation => None,
@@ -520,8 +520,8 @@ fn corrected<F: SiteFlow>(
     span: (f64, f64),
     steps: u64,
     parts: splitting::Parts,
-) -> Result<Corrected<Bonded<F>>> {
-    Ok(Corrected::new(Bonded::new(loaded(flow, y)), span, steps, parts)?)
+) -> Result<Corrected<CorrectedSplit<F>>> {
+    Ok(Corrected::new(CorrectedSplit::new(loaded(flow, y)), span, steps, parts)?)
 }
 
 /// The stepper of collocation for a leg of a run of a uniform chain.

@@ -68,7 +68,7 @@ fn energy(run: &Run, error: Option<f64>, Stats { steps, .. }: Stats) -> Option<W
     let (bound, why) = match setting {
         Setting::Tolerance(tol) => {
             let rounding = f64::EPSILON * (steps as f64).sqrt();
-            let steps = if method.of_the_run() { MARGIN } else { MARGIN.max(CROSSING * steps as f64) };
+            let steps = if method.tolerance_is_global() { MARGIN } else { MARGIN.max(CROSSING * steps as f64) };
             let bound = (steps * tol).max(MARGIN * rounding).min(MOST);
             (bound, format!("the tolerance {tol:e} explains at most {bound:.1e}"))
         }

@@ -385,10 +385,10 @@ impl Flow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clock::Twofold;
+    use crate::clock::DoubleDouble;
 
     fn flow(m: f64, mu: f64, omega: f64, damping: [f64; 2]) -> Flow {
-        Flow::new(Response { m, mu, omega: Twofold::new(omega) }, damping)
+        Flow::new(Response { m, mu, omega: DoubleDouble::new(omega) }, damping)
     }
 
     /// Position and velocity of the oscillating part, and of all, along `y` at `t`.

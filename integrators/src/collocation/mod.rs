@@ -167,7 +167,7 @@ pub use section::{BLOCK, EDGE, Section};
 pub use system::{ContactChain, Drive, Path, Response};
 pub use tangent::{Tangent, monodromy};
 
-use crate::{clock::Twofold, drive::Stepper, error::Error, interrupt, stats::Stats};
+use crate::{clock::DoubleDouble, drive::Stepper, error::Error, interrupt, stats::Stats};
 use control::Control;
 use system::Links;
 
@@ -225,11 +225,11 @@ pub struct Collocation<W> {
     tol: f64,
     /// Start time of the last window, its length and its number of nodes a panel; the length is
     /// zero before the first window.
-    t: Twofold<f64>,
+    t: DoubleDouble<f64>,
     h: f64,
     nodes: usize,
     /// End of the run, a time.
-    end: Twofold<f64>,
+    end: DoubleDouble<f64>,
     /// Whether windows keep what contacts do.
     log: bool,
     stats: Stats,
@@ -280,7 +280,7 @@ fn control<C: ContactChain<S>, const S: usize>(
     span: (f64, f64),
     pace: Pace,
 ) -> Result<Control, Error> {
-    Control::new((chain, links), start, pace, Twofold::new(span.1) - Twofold::new(span.0))
+    Control::new((chain, links), start, pace, DoubleDouble::new(span.1) - DoubleDouble::new(span.0))
 }
 
 impl<W: Windows> Collocation<W> {
@@ -307,9 +307,9 @@ impl<W: Windows> Collocation<W> {
             windows,
             control,
             tol: if let Pace::Tolerance(tol) = pace { tol } else { 0.0 },
-            t: Twofold::new(span.0),
+            t: DoubleDouble::new(span.0),
             h: 0.0,
-            end: Twofold::new(span.1),
+            end: DoubleDouble::new(span.1),
             log: false,
             stats: Stats::default(),
             inside: None,
@@ -378,7 +378,7 @@ impl<W: Windows> Stepper<f64> for Collocation<W> {
     }
 
     fn time(&self) -> f64 {
-        if self.done() { self.end.value() } else { (self.t + Twofold::new(self.h)).value() }
+        if self.done() { self.end.value() } else { (self.t + DoubleDouble::new(self.h)).value() }
     }
 
     fn done(&self) -> bool {
@@ -388,7 +388,7 @@ impl<W: Windows> Stepper<f64> for Collocation<W> {
     fn step(&mut self) -> Result<(), Error> {
         if self.h > 0.0 {
             self.windows.advance();
-            self.t = self.t + Twofold::new(self.h);
+            self.t = self.t + DoubleDouble::new(self.h);
             self.h = 0.0;
         }
         self.nodes = self.control.nodes();
@@ -396,7 +396,7 @@ impl<W: Windows> Stepper<f64> for Collocation<W> {
             interrupt::check(self.t.value())?;
             let left_to_go = (self.end - self.t).value();
             let h = self.propose(left_to_go);
-            if self.t + Twofold::new(h) == self.t {
+            if self.t + DoubleDouble::new(h) == self.t {
                 return Err(Error::StepUnderflow { t: self.t.value(), h });
             }
             let window = self.window(h, self.log);
@@ -420,7 +420,7 @@ impl<W: Windows> Stepper<f64> for Collocation<W> {
     fn sample(&mut self, t: f64, y: &mut [f64]) {
         let mut inside = self.inside.take().unwrap_or_else(|| self.windows.duplicate());
         inside.copy_from(&self.windows);
-        let by = (Twofold::new(t) - self.t).value();
+        let by = (DoubleDouble::new(t) - self.t).value();
         if self.h > 0.0 && (t >= self.time() || by >= self.h) {
             inside.advance();
         } else if by > 0.0 && self.h > 0.0 {

@@ -11,7 +11,7 @@ use super::{
     system::{ContactChain, Links, Path},
 };
 use crate::{
-    clock::Twofold,
+    clock::DoubleDouble,
     real::{Kernel, Real},
 };
 use std::{ops::Range, sync::Arc};
@@ -74,7 +74,7 @@ pub(super) struct State<const S: usize> {
     sites: Vec<Site>,
     ongoing: Vec<Option<Contact>>,
     pub(super) phases: Phases<S>,
-    t: Twofold<f64>,
+    t: DoubleDouble<f64>,
     /// Energies dissipated and driven so far, see [`ContactChain::ledger`].
     ledger: Site,
     /// What drives do in the current window.
@@ -121,7 +121,7 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
         let share = Share::whole(chain.bonds(), chain.ring());
         let mut section = Self::at_rest(chain, share, threads);
         (0..section.sites()).for_each(|i| section.set(i, section.held.chain.path(y0, i)));
-        section.state.t = Twofold::new(t);
+        section.state.t = DoubleDouble::new(t);
         section.state.ledger.take(&section.held.chain.ledger(y0, t));
         section.begin();
         section
@@ -136,7 +136,7 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
             sites: vec![Site::default(); chain.sites()],
             ongoing: vec![None; bonds],
             phases,
-            t: Twofold::new(0.0),
+            t: DoubleDouble::new(0.0),
             ledger: Site::default(),
             signals: Signals::default(),
         };
@@ -258,7 +258,7 @@ impl<C: ContactChain<S>, const S: usize> Windows for Section<C, S> {
         f64::run(Advance { chain, sites, left, h, phases, open });
         ongoing.iter_mut().zip(left).for_each(|(ongoing, left)| *ongoing = left.ongoing);
         phases.advance(h);
-        *t = *t + Twofold::new(h);
+        *t = *t + DoubleDouble::new(h);
     }
 
     fn duplicate(&self) -> Self {

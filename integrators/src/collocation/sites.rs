@@ -6,7 +6,7 @@ use super::{
     open::{Open, Signals},
     system::{ContactChain, Links, Path, swing},
 };
-use crate::clock::Twofold;
+use crate::clock::DoubleDouble;
 use std::{cell::Cell, collections::HashMap, sync::Arc};
 
 /// `[R0, V, C, S]` of a site, each as the unevaluated sum of `hi` and `lo`: `q = R0 + V t +
@@ -208,8 +208,8 @@ impl<C: ContactChain<S>, const S: usize> Bonds<S> for Sites<'_, C, S> {
 /// The phase `theta = omega t` of sites with one frequency, in twice the working precision.
 #[derive(Clone, Copy, Debug)]
 struct Phase {
-    omega: Twofold<f64>,
-    theta: Twofold<f64>,
+    omega: DoubleDouble<f64>,
+    theta: DoubleDouble<f64>,
     sin_cos: (f64, f64),
 }
 
@@ -219,7 +219,7 @@ pub(crate) struct Phases<const S: usize> {
     list: Vec<Phase>,
     /// Index in `list` for each site; for `S = 1` all sites have the first.
     of: Arc<[u32]>,
-    two_pi: Twofold<f64>,
+    two_pi: DoubleDouble<f64>,
 }
 
 impl<const S: usize> Phases<S> {
@@ -229,19 +229,19 @@ impl<const S: usize> Phases<S> {
         let mut of = |site: usize| {
             // The state of a damped site is its path in the current window, without a phase.
             let turns = S == 1 || chain.damping(site) == [0.0; 2];
-            let omega = if turns { chain.response(site).omega } else { Twofold::zero() };
+            let omega = if turns { chain.response(site).omega } else { DoubleDouble::zero() };
             *known.entry([omega.hi, omega.lo].map(f64::to_bits)).or_insert_with(|| {
-                list.push(Phase { omega, theta: Twofold::zero(), sin_cos: (0.0, 1.0) });
+                list.push(Phase { omega, theta: DoubleDouble::zero(), sin_cos: (0.0, 1.0) });
                 list.len() as u32 - 1
             })
         };
         let of: Vec<u32> = (0..if S == 1 { 1 } else { chain.sites() }).map(&mut of).collect();
-        Self { list, of: of.into(), two_pi: Twofold::two_pi() }
+        Self { list, of: of.into(), two_pi: DoubleDouble::two_pi() }
     }
 
     pub(crate) fn advance(&mut self, h: f64) {
         for phase in &mut self.list {
-            phase.theta = (phase.theta + phase.omega * Twofold::new(h)).reduced(self.two_pi);
+            phase.theta = (phase.theta + phase.omega * DoubleDouble::new(h)).reduced(self.two_pi);
             phase.sin_cos = phase.theta.sin_cos();
         }
     }

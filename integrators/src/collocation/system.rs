@@ -6,7 +6,7 @@
 //! of the site before the bond and that of the site after it.
 
 use super::{flow::Flow, loss::Loss, open::Open};
-use crate::{clock::Twofold, law::ContactLaw, regularised::common_power};
+use crate::{clock::DoubleDouble, law::ContactLaw, regularised::common_power};
 use std::sync::Arc;
 
 /// The response of a site to an impulse `j`: `q'` jumps by `j/mass`. A part `m j` of this velocity
@@ -19,12 +19,12 @@ pub struct Response {
     /// Share of the oscillating part; `m + mu = 1/mass`, and 1 where all sites are alike.
     pub mu: f64,
     /// Angular frequency of the oscillation; positive if `mu` is.
-    pub omega: Twofold<f64>,
+    pub omega: DoubleDouble<f64>,
 }
 
 impl Response {
     /// The response of a wall: zero.
-    const NONE: Self = Self { m: 0.0, mu: 0.0, omega: Twofold { hi: 0.0, lo: 0.0 } };
+    const NONE: Self = Self { m: 0.0, mu: 0.0, omega: DoubleDouble { hi: 0.0, lo: 0.0 } };
 }
 
 /// The motion of a site without forces, `q(t) = r + v t + c cos(omega t) + s sin(omega t)`, as

@@ -16,7 +16,7 @@ mod gradient;
 pub use gradient::DiscreteGradient;
 
 use crate::{
-    clock::Twofold,
+    clock::DoubleDouble,
     collocation::{ContactChain, Path},
     error::Error,
     law::ContactLaw,
@@ -102,9 +102,9 @@ fn path(value: f64) -> Path {
 
 /// Equal steps over a span.
 struct Steps {
-    start: Twofold<f64>,
-    span: Twofold<f64>,
-    h: Twofold<f64>,
+    start: DoubleDouble<f64>,
+    span: DoubleDouble<f64>,
+    h: DoubleDouble<f64>,
     taken: u64,
     total: u64,
 }
@@ -113,18 +113,18 @@ impl Steps {
     fn new((start, end): (f64, f64), steps: u64) -> Result<Self, Error> {
         check((start, end), steps)?;
         let total = if end > start { steps } else { 0 };
-        let span = Twofold::new(end) - Twofold::new(start);
-        let h = span.over(Twofold::new(total.max(1) as f64));
-        Ok(Self { start: Twofold::new(start), span, h, taken: 0, total })
+        let span = DoubleDouble::new(end) - DoubleDouble::new(start);
+        let h = span.over(DoubleDouble::new(total.max(1) as f64));
+        Ok(Self { start: DoubleDouble::new(start), span, h, taken: 0, total })
     }
 
-    fn reached(&self) -> Twofold<f64> {
+    fn reached(&self) -> DoubleDouble<f64> {
         if self.taken == self.total { self.start + self.span } else { after(self.start, self.h, self.taken) }
     }
 
     /// The time from the end of the last step to `t`; zero for times that differ by rounding only.
     fn since(&self, t: f64) -> f64 {
-        let by = (Twofold::new(t) - self.reached()).value();
+        let by = (DoubleDouble::new(t) - self.reached()).value();
         if by.abs() > 4.0 * f64::EPSILON * t.abs() { by } else { 0.0 }
     }
 }

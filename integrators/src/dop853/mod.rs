@@ -12,7 +12,7 @@ pub mod tableau;
 pub use controller::Options;
 
 use crate::{
-    clock::{Breaks, Twofold},
+    clock::{Breaks, DoubleDouble},
     drive::Stepper,
     error::Error,
     interrupt,
@@ -35,8 +35,8 @@ pub struct Dop853<R, F> {
     end: R,
     /// Times at which the field is not smooth, and the end of the stretch up to the next one.
     breaks: Breaks,
-    stop: Twofold<R>,
-    time: Twofold<R>,
+    stop: DoubleDouble<R>,
+    time: DoubleDouble<R>,
     /// The last step, until the next trial.
     last: Option<Leap<R>>,
     round_off: R,
@@ -70,7 +70,7 @@ enum Pace<R> {
     /// Steps by error control; `next` is the step to try next.
     Controlled { options: Options<R>, controller: Controller<R>, next: R },
     /// A given number of equal steps.
-    Equal { h: Twofold<R>, steps: u64 },
+    Equal { h: DoubleDouble<R>, steps: u64 },
 }
 
 impl<R: Real, F: VectorField<R>> Dop853<R, F> {
@@ -96,8 +96,8 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
         if steps == 0 && end > start {
             return Err(Error::Argument { name: "steps", value: 0.0, rule: "at least one step" });
         }
-        let span = Twofold::new(end) - Twofold::new(start);
-        let h = span.over(Twofold::new(R::of(steps.max(1) as f64)));
+        let span = DoubleDouble::new(end) - DoubleDouble::new(start);
+        let h = span.over(DoubleDouble::new(R::of(steps.max(1) as f64)));
         Self::paced(field, y0, (start, end), Pace::Equal { h, steps })
     }
 
@@ -112,8 +112,8 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
             start,
             end,
             breaks: Breaks::new(Vec::new()),
-            stop: Twofold::new(end),
-            time: Twofold::new(start),
+            stop: DoubleDouble::new(end),
+            time: DoubleDouble::new(start),
             last: None,
             round_off: controller::round_off(),
             stretch: R::decimal("1.01"),
@@ -141,7 +141,7 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
             self.field.complete(self.start, t, self.step.state_mut());
             self.start = t;
         }
-        self.stop = self.breaks.or_end(t, Twofold::new(self.end));
+        self.stop = self.breaks.or_end(t, DoubleDouble::new(self.end));
         self.step.begin(&mut self.field, t);
         self.stats.force_evaluations += 1;
         self.step.check(0).map_err(|index| self.not_finite(index))?;
@@ -175,11 +175,11 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
                 }
                 // Avoids a tiny last step: a step that nearly reaches the end is stretched to it.
                 let last = t + self.stretch * *next > end.value();
-                (*next, if last { end } else { from + Twofold::new(*next) })
+                (*next, if last { end } else { from + DoubleDouble::new(*next) })
             }
             Pace::Equal { h, steps } => {
                 let taken = self.stats.steps + 1;
-                let to = Twofold::new(self.start) + *h * Twofold::new(R::of(taken as f64));
+                let to = DoubleDouble::new(self.start) + *h * DoubleDouble::new(R::of(taken as f64));
                 (h.value(), if taken == *steps { end } else { to })
             }
         };
@@ -260,7 +260,7 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Dop853<R, F> {
             }
             Some(leap) if t < leap.to.value() => {
                 self.stats.force_evaluations += self.dense.prepare(&mut self.step, &mut self.field, leap);
-                let share = (Twofold::new(t) - leap.from).over(Twofold::new(leap.h)).value();
+                let share = (DoubleDouble::new(t) - leap.from).over(DoubleDouble::new(leap.h)).value();
                 self.dense.eval(self.step.before(), share, y);
                 t
             }

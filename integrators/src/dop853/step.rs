@@ -2,7 +2,7 @@
 
 use super::tableau::{self, Weights};
 use crate::{
-    clock::Twofold,
+    clock::DoubleDouble,
     real::{Kernel, Real},
     system::VectorField,
 };
@@ -29,8 +29,8 @@ pub(crate) fn stages<R: Real>(table: &[(&str, &Weights)]) -> Vec<(R, Row<R>)> {
 /// A step: its start, its end, and its length to the working precision.
 #[derive(Clone, Copy)]
 pub(crate) struct Leap<R> {
-    pub(crate) from: Twofold<R>,
-    pub(crate) to: Twofold<R>,
+    pub(crate) from: DoubleDouble<R>,
+    pub(crate) to: DoubleDouble<R>,
     pub(crate) h: R,
 }
 

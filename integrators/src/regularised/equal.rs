@@ -2,7 +2,7 @@
 
 use super::{Mapped, TimeMap, check_problem};
 use crate::{
-    clock::Twofold,
+    clock::DoubleDouble,
     dop853::step::{Leap, Step},
     error::Error,
     events::{Event, EventFunctions},
@@ -125,14 +125,14 @@ pub fn equal_steps<R: Real, F: VectorField<R>, E: EventFunctions<R>>(
     division.check()?;
     let q = division.q();
     check_problem(field.dim(), y0, (start, end), 1.0, q)?;
-    let mut origin = Twofold::new(start);
+    let mut origin = DoubleDouble::new(start);
     let (mut step, mut steps, mut onset) = (Step::new(y0), 0, false);
     let mut from = y0.to_vec();
     let (mut dy, mut g) = (y0.to_vec(), vec![R::zero(); functions.count()]);
     let mut rates = g.clone();
     let power = |singular: bool| if singular { q } else { 1 };
     for stop in itinerary.stops.iter().map(Some).chain([None]) {
-        let mut length = (stop.map_or(Twofold::new(end), |stop| Twofold::new(stop.event.t)) - origin).value();
+        let mut length = (stop.map_or(DoubleDouble::new(end), |stop| DoubleDouble::new(stop.event.t)) - origin).value();
         if length <= R::zero() {
             onset |= stop.is_some_and(|stop| stop.onset);
             continue;
@@ -147,7 +147,7 @@ pub fn equal_steps<R: Real, F: VectorField<R>, E: EventFunctions<R>>(
                 steps += taken;
                 break;
             };
-            let (t, y) = ((origin + Twofold::new(length)).value(), step.state());
+            let (t, y) = ((origin + DoubleDouble::new(length)).value(), step.state());
             field.eval(t, y, &mut dy);
             functions.values(t, y, &mut g);
             functions.rates(t, y, &dy, &mut rates);
@@ -164,7 +164,7 @@ pub fn equal_steps<R: Real, F: VectorField<R>, E: EventFunctions<R>>(
             }
             length += miss;
         }
-        origin = origin + Twofold::new(length);
+        origin = origin + DoubleDouble::new(length);
         onset = stop.is_some_and(|stop| stop.onset);
         from.copy_from_slice(step.state());
     }
@@ -183,7 +183,7 @@ fn traverse<R: Real, F: VectorField<R>>(
     step.begin(field, R::zero());
     for k in 0..count {
         let (from, to) = (division.node(k, count, length), division.node(k + 1, count, length));
-        let leap = Leap { from: Twofold::new(from), to: Twofold::new(to), h: to - from };
+        let leap = Leap { from: DoubleDouble::new(from), to: DoubleDouble::new(to), h: to - from };
         let done = step.attempt(field, leap, None).and_then(|_| step.accept(field, to));
         done.map_err(|index| Error::NotFinite { t: origin.f64(), step: k, index })?;
         step.advance();

@@ -1,7 +1,7 @@
 //! A leg, and the step lengths of a run.
 
 use super::TimeMap;
-use crate::{clock::Twofold, dop853::step::Leap, events::sides::Crossing, real::Real, system::VectorField};
+use crate::{clock::DoubleDouble, dop853::step::Leap, events::sides::Crossing, real::Real, system::VectorField};
 
 /// A field in the mapped variable: `dy/dsigma = tau'(sigma) f(t, y)`.
 pub(super) struct Mapped<'a, R, F> {
@@ -27,7 +27,7 @@ impl<R: Real, F: VectorField<R>> VectorField<R> for Mapped<'_, R, F> {
 /// A leg: its origin, its map, the present `sigma`, and the event expected at `sigma = 1`.
 #[derive(Clone, Copy)]
 pub(super) struct Leg<R> {
-    pub(super) origin: Twofold<R>,
+    pub(super) origin: DoubleDouble<R>,
     pub(super) map: TimeMap<R>,
     pub(super) sigma: R,
     pub(super) target: Option<Crossing>,
@@ -48,8 +48,8 @@ impl<R: Real> Leg<R> {
         self.map.at(leap.from.value() + leap.h * R::of(share))
     }
 
-    pub(super) fn time(&self, sigma: R) -> Twofold<R> {
-        self.origin + Twofold::new(self.map.at(sigma))
+    pub(super) fn time(&self, sigma: R) -> DoubleDouble<R> {
+        self.origin + DoubleDouble::new(self.map.at(sigma))
     }
 
     pub(super) fn singular(&self) -> bool {

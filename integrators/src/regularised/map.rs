@@ -6,7 +6,7 @@
 //! | `tau` | time since the start of the leg, from 0 to its length `L` |
 //! | `a, b` | powers at the start and at the end; 1 where the solution is not singular |
 
-use crate::{clock::Twofold, real::Real};
+use crate::{clock::DoubleDouble, real::Real};
 use std::fmt::Debug;
 
 /// `tau = L I(sigma)`, `I' = c sigma^{a-1} (1 - sigma)^{b-1}`, `I(0) = 0`, `I(1) = 1`.
@@ -73,7 +73,7 @@ impl<R: Real> TimeMap<R> {
         if self.a == 1 && self.b == 1 {
             // The division of the crate `twofloat` loses digits in double-double, and times must
             // not lose digits.
-            return Twofold::new(tau).over(Twofold::new(self.length)).value();
+            return DoubleDouble::new(tau).over(DoubleDouble::new(self.length)).value();
         }
         if self.b > 1 && tau >= self.length {
             return one;

@@ -29,7 +29,7 @@ pub use map::{TimeMap, common_power, power};
 use leg::{Leg, Mapped, Pace};
 
 use crate::{
-    clock::{Breaks, Twofold},
+    clock::{Breaks, DoubleDouble},
     dop853::{
         Options,
         controller::{Controller, Guess, Verdict, round_off},
@@ -104,11 +104,11 @@ pub struct Regularised<R, F, E> {
     step: Step<R>,
     dense: Dense<R>,
     leg: Leg<R>,
-    end: Twofold<R>,
+    end: DoubleDouble<R>,
     /// Times at which the field is not smooth; start and end of the stretch between two of them.
     breaks: Breaks,
     start: R,
-    stop: Twofold<R>,
+    stop: DoubleDouble<R>,
     pace: Option<Pace<R>>,
     /// The last step with its leg, until the next one.
     last: Option<(Leg<R>, Leap<R>)>,
@@ -181,19 +181,19 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let count = functions.count();
         let step = Step::new(y0);
         let breaks = Breaks::new(field.breaks());
-        let stop = breaks.or_end(start, Twofold::new(end));
+        let stop = breaks.or_end(start, DoubleDouble::new(end));
         let mut regularised = Self {
             // Steps are in sigma here; `propose` enforces the longest step, which is a time.
             controller: Controller::new(&Options { max_step: None, ..options }, R::infinity()),
             dense: Dense::new(step.padded()),
             step,
             leg: Leg {
-                origin: Twofold::new(start),
-                map: TimeMap::new((stop - Twofold::new(start)).value(), 1, 1),
+                origin: DoubleDouble::new(start),
+                map: TimeMap::new((stop - DoubleDouble::new(start)).value(), 1, 1),
                 sigma: R::zero(),
                 target: None,
             },
-            end: Twofold::new(end),
+            end: DoubleDouble::new(end),
             breaks,
             start,
             stop,
@@ -354,7 +354,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let released = self.crossings.iter().any(|other| !other.rising && shares(other, tau));
         let here = shares(&crossing, leg.tau());
         let event = |c: &Crossing| {
-            let t = leg.origin + Twofold::new(leg.tau_in(leap, c.zero));
+            let t = leg.origin + DoubleDouble::new(leg.tau_in(leap, c.zero));
             Event { index: c.index, rising: c.rising, t: t.value() }
         };
         let pending = self.crossings.iter().filter(|c| here && shares(c, leg.tau())).map(event).collect();
@@ -366,7 +366,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
     /// undone.
     fn attempt(&mut self, to: R) -> Result<Trial<R>, Error> {
         let leg = self.leg;
-        let leap = Leap { from: Twofold::new(leg.sigma), to: Twofold::new(to), h: to - leg.sigma };
+        let leap = Leap { from: DoubleDouble::new(leg.sigma), to: DoubleDouble::new(to), h: to - leg.sigma };
         self.dense.clear();
         let mut field = leg.mapped(&mut self.field);
         let error = self.step.attempt(&mut field, leap, Some(self.options.scale()));
@@ -469,7 +469,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
     }
 
     /// Starts a leg at `origin` with power `a`, up to the end of the stretch.
-    fn set_out(&mut self, origin: Twofold<R>, a: u32) -> Result<(), Error> {
+    fn set_out(&mut self, origin: DoubleDouble<R>, a: u32) -> Result<(), Error> {
         self.leg =
             Leg { origin, map: TimeMap::new((self.stop - origin).value(), a, 1), sigma: R::zero(), target: None };
         self.slope()
@@ -515,7 +515,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             let newton = if rate == R::zero() { R::zero() } else { -(self.g[index] / rate) };
             let turns = !self.sides.late(index) && rate.abs() > at_rest && rising == (rate > R::zero());
             if index == target.index || (turns && newton.abs() <= self.cluster(rate).min(sight)) {
-                let t = (origin + Twofold::new(newton)).value();
+                let t = (origin + DoubleDouble::new(newton)).value();
                 self.pending.push(Event { index, rising, t });
             }
         }
@@ -652,7 +652,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Stepper<R> for Regularise
     fn sample(&mut self, t: R, y: &mut [R]) {
         let t = match self.last {
             Some((leg, leap)) if t < self.time() => {
-                let tau = (Twofold::new(t) - leg.origin).value();
+                let tau = (DoubleDouble::new(t) - leg.origin).value();
                 let share = ((leg.map.inverse(tau) - leap.from.value()) / leap.h).max(R::zero()).min(R::one());
                 self.dense.eval(self.step.before(), share, y);
                 t

@@ -2,7 +2,7 @@
 
 use super::{First, Scheme, scheme::Pair, stepper::check};
 use crate::{
-    clock::{Breaks, Twofold},
+    clock::{Breaks, DoubleDouble},
     drive::Stepper,
     error::Error,
     events::root::bracketed,
@@ -53,10 +53,10 @@ pub struct Landed<R, S> {
     overlaps: Vec<R>,
     rates: Vec<R>,
     band: R,
-    h: Twofold<R>,
-    from: Twofold<R>,
-    time: Twofold<R>,
-    end: Twofold<R>,
+    h: DoubleDouble<R>,
+    from: DoubleDouble<R>,
+    time: DoubleDouble<R>,
+    end: DoubleDouble<R>,
     /// Times at which the flow is not smooth: steps end there, too.
     breaks: Breaks,
     stats: Stats,
@@ -72,7 +72,7 @@ impl<R: Real, S: ContactFlow<R>> Landed<R, S> {
     /// As [`Splitting::new`](super::Splitting::new).
     pub fn new(scheme: &Scheme, first: First, flow: S, (start, end): (R, R), steps: u64) -> Result<Self, Error> {
         check((start, end), steps)?;
-        let (start, end) = (Twofold::new(start), Twofold::new(end));
+        let (start, end) = (DoubleDouble::new(start), DoubleDouble::new(end));
         let (zero, count) = (R::zero(), flow.bonds());
         let bond = Bond { side: zero, start: (zero, zero), end: (zero, zero), settled: false };
         let mut landed = Self {
@@ -85,7 +85,7 @@ impl<R: Real, S: ContactFlow<R>> Landed<R, S> {
             overlaps: vec![zero; count],
             rates: vec![zero; count],
             band: zero,
-            h: (end - start).over(Twofold::new(R::of(steps.max(1) as f64))),
+            h: (end - start).over(DoubleDouble::new(R::of(steps.max(1) as f64))),
             from: start,
             time: start,
             end,
@@ -198,7 +198,7 @@ impl<R: Real, S: ContactFlow<R>> Stepper<R> for Landed<R, S> {
                 bond.side = sign(g);
             }
         }
-        self.time = if target.is_none() { self.from + full } else { self.from + Twofold::new(length) };
+        self.time = if target.is_none() { self.from + full } else { self.from + DoubleDouble::new(length) };
         if target.is_none() && full == left {
             self.time = stop;
         }
@@ -214,7 +214,7 @@ impl<R: Real, S: ContactFlow<R>> Stepper<R> for Landed<R, S> {
             return;
         }
         self.mirror.copy_from(&self.before);
-        let length = (Twofold::new(t) - self.from).value();
+        let length = (DoubleDouble::new(t) - self.from).value();
         step(&mut self.mirror, &self.pairs, length, &mut self.stats);
         self.mirror.store(y);
     }
@@ -226,9 +226,9 @@ impl<R: Real, S: ContactFlow<R>> Stepper<R> for Landed<R, S> {
 
 /// One whole step.
 fn step<R: Real, S: ContactFlow<R>>(flow: &mut S, pairs: &[Pair<R>], length: R, stats: &mut Stats) {
-    let length = Twofold::new(length);
+    let length = DoubleDouble::new(length);
     for &(kick, drift) in pairs {
-        if kick == Twofold::zero() {
+        if kick == DoubleDouble::zero() {
             flow.drift(drift * length);
         } else {
             flow.kick_drift((kick * length).value(), drift * length);

@@ -1,6 +1,6 @@
 //! A splitting scheme as data, and the (kick, drift) pairs of its steps.
 
-use crate::{clock::Twofold, real::Real};
+use crate::{clock::DoubleDouble, real::Real};
 
 /// The flow with which a symmetric composition starts and ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +48,7 @@ pub struct Scheme {
 }
 
 /// One (kick, drift) pair, as shares of the step.
-pub(crate) type Pair<R> = (Twofold<R>, Twofold<R>);
+pub(crate) type Pair<R> = (DoubleDouble<R>, DoubleDouble<R>);
 
 impl Scheme {
     /// Number of kicks, and so of force evaluations, per step, once neighbouring steps are merged.
@@ -64,11 +64,11 @@ impl Scheme {
     /// acts first.
     ///
     /// `first` applies to compositions; other tables determine it themselves.
-    pub fn flows<R: Real>(&self, first: First) -> (First, Vec<Twofold<R>>, Vec<Twofold<R>>) {
+    pub fn flows<R: Real>(&self, first: First) -> (First, Vec<DoubleDouble<R>>, Vec<DoubleDouble<R>>) {
         match self.coefficients {
             Coefficients::Composition(gammas) => {
                 let inner = palindrome(gammas, 2 * gammas.len() + 1);
-                let half = Twofold::decimal("0.5");
+                let half = DoubleDouble::decimal("0.5");
                 let mut outer = vec![inner[0] * half];
                 outer.extend(inner.windows(2).map(|pair| (pair[0] + pair[1]) * half));
                 outer.push(inner[inner.len() - 1] * half);
@@ -92,8 +92,8 @@ impl Scheme {
     pub(crate) fn pairs<R: Real>(&self, first: First) -> Vec<Pair<R>> {
         let (first, mut drifts, mut kicks) = self.flows(first);
         match first {
-            First::Drift => kicks.insert(0, Twofold::zero()),
-            First::Kick => drifts.push(Twofold::zero()),
+            First::Drift => kicks.insert(0, DoubleDouble::zero()),
+            First::Kick => drifts.push(DoubleDouble::zero()),
         }
         kicks.into_iter().zip(drifts).collect()
     }
@@ -107,12 +107,12 @@ const fn sizes(outer: usize, inner: usize) -> (usize, usize) {
 }
 
 /// The palindrome of length `total` and sum one that begins with the given entries.
-fn palindrome<R: Real>(given: &[&str], total: usize) -> Vec<Twofold<R>> {
-    let mut half: Vec<Twofold<R>> = given.iter().map(|text| Twofold::decimal(text)).collect();
-    let one = Twofold::new(R::one());
+fn palindrome<R: Real>(given: &[&str], total: usize) -> Vec<DoubleDouble<R>> {
+    let mut half: Vec<DoubleDouble<R>> = given.iter().map(|text| DoubleDouble::decimal(text)).collect();
+    let one = DoubleDouble::new(R::one());
     let rest = half.iter().fold(one, |rest, &entry| rest - entry - entry);
     let odd = total % 2 == 1;
-    half.push(if odd { rest } else { rest * Twofold::decimal("0.5") });
+    half.push(if odd { rest } else { rest * DoubleDouble::decimal("0.5") });
     debug_assert_eq!(half.len(), total.div_ceil(2));
     let mirrored: Vec<_> = half.iter().rev().skip(usize::from(odd)).copied().collect();
     half.extend(mirrored);

@@ -2,7 +2,7 @@
 
 use super::scheme::{First, Pair, Scheme};
 use crate::{
-    clock::Twofold,
+    clock::DoubleDouble,
     drive::Stepper,
     error::Error,
     interrupt,
@@ -28,12 +28,12 @@ pub struct Splitting<R, S> {
     pairs: Vec<Pair<R>>,
     /// The (kick, drift) pairs of as many steps as are made in a row. Each step begins with the
     /// seam, its first pair merged with the last one of the step before; its inner pairs follow.
-    row: Vec<(R, Twofold<R>)>,
+    row: Vec<(R, DoubleDouble<R>)>,
     /// Number of pairs of `row` that belong to one step.
     inner: usize,
-    start: Twofold<R>,
-    span: Twofold<R>,
-    h: Twofold<R>,
+    start: DoubleDouble<R>,
+    span: DoubleDouble<R>,
+    h: DoubleDouble<R>,
     taken: u64,
     total: u64,
     kicks: u64,
@@ -49,17 +49,17 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
     pub fn new(scheme: &Scheme, first: First, flow: S, (start, end): (R, R), steps: u64) -> Result<Self, Error> {
         check((start, end), steps)?;
         let total = if end > start { steps } else { 0 };
-        let span = Twofold::new(end) - Twofold::new(start);
-        let h = span.over(Twofold::new(R::of(total.max(1) as f64)));
+        let span = DoubleDouble::new(end) - DoubleDouble::new(start);
+        let h = span.over(DoubleDouble::new(R::of(total.max(1) as f64)));
         let pairs: Vec<_> = scheme.pairs(first).into_iter().map(|(k, d)| (k * h, d * h)).collect();
         let (head, tail) = (pairs[0], pairs[pairs.len() - 1]);
-        let zero = Twofold::zero();
+        let zero = DoubleDouble::zero();
         let seam = if head.0 == zero { (tail.0, tail.1 + head.1) } else { (tail.0 + head.0, head.1) };
         let inner = pairs.len() - 1;
         let steps = steps_a_row(flow.moved() * inner);
         let step = [seam].into_iter().chain(pairs[1..inner].iter().copied()).map(|(kick, drift)| (kick.value(), drift));
         let row = step.cycle().take(steps * inner).collect();
-        let start = Twofold::new(start);
+        let start = DoubleDouble::new(start);
         Ok(Self { flow, mirror: None, pairs, row, inner, start, span, h, taken: 0, total, kicks: 0 })
     }
 
@@ -81,7 +81,7 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
         self.taken += steps as u64;
     }
 
-    fn time_after(&self, steps: u64) -> Twofold<R> {
+    fn time_after(&self, steps: u64) -> DoubleDouble<R> {
         if steps == self.total { self.start + self.span } else { after(self.start, self.h, steps) }
     }
 }
@@ -98,24 +98,24 @@ pub(crate) fn steps_before<R: Real>(wanted: Option<R>, now: R, h: R, most: u64) 
 }
 
 /// The time `start + steps h`.
-pub(crate) fn after<R: Real>(start: Twofold<R>, h: Twofold<R>, steps: u64) -> Twofold<R> {
+pub(crate) fn after<R: Real>(start: DoubleDouble<R>, h: DoubleDouble<R>, steps: u64) -> DoubleDouble<R> {
     R::run(After { start, h, steps: R::of(steps as f64) })
 }
 
-/// `start + h steps` as a [`Kernel`]: a product of `Twofold`s needs a fused product, which is a
+/// `start + h steps` as a [`Kernel`]: a product of `DoubleDouble`s needs a fused product, which is a
 /// call to a library in code that is not compiled for the machine's own.
 struct After<R> {
-    start: Twofold<R>,
-    h: Twofold<R>,
+    start: DoubleDouble<R>,
+    h: DoubleDouble<R>,
     steps: R,
 }
 
 impl<R: Real> Kernel for After<R> {
-    type Output = Twofold<R>;
+    type Output = DoubleDouble<R>;
 
     #[inline(always)]
-    fn run(self) -> Twofold<R> {
-        self.start + self.h * Twofold::new(self.steps)
+    fn run(self) -> DoubleDouble<R> {
+        self.start + self.h * DoubleDouble::new(self.steps)
     }
 }
 
@@ -137,7 +137,7 @@ pub(crate) fn check<R: Real>((start, end): (R, R), steps: u64) -> Result<(), Err
 /// Applies one pair and counts its kick. Only the first pair of a drift-first step has no kick.
 #[inline]
 fn apply<R: Real, S: SplitFlow<R>>(flow: &mut S, (kick, drift): Pair<R>, kicks: &mut u64) {
-    if kick == Twofold::zero() {
+    if kick == DoubleDouble::zero() {
         flow.drift(drift);
     } else {
         flow.kick_drift(kick.value(), drift);
@@ -176,7 +176,7 @@ impl<R: Real, S: SplitFlow<R>> Stepper<R> for Splitting<R, S> {
     /// shorter step of the same scheme goes back from its end, which is as accurate as the run.
     fn sample(&mut self, t: R, y: &mut [R]) {
         let reached = self.time_after(self.taken);
-        let share = (Twofold::new(t) - reached).over(self.h);
+        let share = (DoubleDouble::new(t) - reached).over(self.h);
         // Times that differ by rounding are taken as equal.
         let inside = (t - reached.value()).abs() > R::of(4.0) * R::epsilon() * t.abs();
         let mirror = match &mut self.mirror {
@@ -225,10 +225,10 @@ mod tests {
         fn copy_from(&mut self, other: &Self) {
             self.0 = other.0;
         }
-        fn drift(&mut self, dt: Twofold<f64>) {
+        fn drift(&mut self, dt: DoubleDouble<f64>) {
             self.0[0] += dt.value() * self.0[1];
         }
-        fn kick_drift(&mut self, kick: f64, drift: Twofold<f64>) {
+        fn kick_drift(&mut self, kick: f64, drift: DoubleDouble<f64>) {
             self.0[1] -= kick * self.0[0].powi(3);
             self.drift(drift);
         }

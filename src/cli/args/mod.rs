@@ -23,7 +23,7 @@ pub(super) use shell::*;
 pub(super) use study::*;
 
 use crate::{
-    cli::runner::Told,
+    cli::runner::StudyCommand,
     study::{Compare, PlanFile},
 };
 use clap::{Parser, Subcommand};
@@ -87,14 +87,14 @@ pub(super) enum Command {
     /// --max-time is used up. Errors are those of the strains at the end, against a reference that
     /// a second method checks. The table ends with the fastest run at each error.
     #[command(after_long_help = COMPARE_EXAMPLES)]
-    Compare(Told<Compare>),
+    Compare(StudyCommand<Compare>),
     /// Run a scene at every point of a grid that a file describes.
     ///
     /// The file names a scene, axes (any keys of the scene: lists, ranges, seeds) and the
     /// quantities to keep of each run. Prints a table; with --out also writes a picture, and a
     /// store from which an interrupted sweep resumes.
     #[command(after_long_help = SWEEP_EXAMPLES)]
-    Sweep(Told<PlanFile>),
+    Sweep(StudyCommand<PlanFile>),
     /// List the built-in scenes, show one as TOML, or print a template.
     #[command(after_long_help = SCENES_EXAMPLES)]
     Scenes(ScenesArgs),

@@ -1,7 +1,7 @@
 //! Waves and the modulation equations as commands.
 
 use crate::{
-    cli::runner::Told,
+    cli::runner::StudyCommand,
     study::{ContinueWave, DarkProfiles, Exact, Homoclinics, Integrals, ModulationStudy, Solitary, Wave},
 };
 use clap::{Args, Subcommand};
@@ -12,7 +12,7 @@ pub(crate) struct WaveArgs {
     #[command(subcommand)]
     pub(crate) action: Option<WaveAction>,
     #[command(flatten)]
-    pub(crate) told: Told<Wave>,
+    pub(crate) told: StudyCommand<Wave>,
 }
 
 pub(super) const WAVE_EXAMPLES: &str = "\
@@ -32,7 +32,7 @@ pub(crate) enum WaveAction {
 Examples:
   hertzchain wave modulation tw-q15
   hertzchain wave modulation --rho 3 --q-over-pi 0.8 --measure --out out/growth")]
-    Modulation(Told<ModulationStudy>),
+    Modulation(StudyCommand<ModulationStudy>),
     /// Compute an exact periodic travelling wave.
     ///
     /// It has the frequency (or the amplitude) and the mean strain of a wave of the modulation
@@ -42,7 +42,7 @@ Examples:
 Examples:
   hertzchain wave exact tw-q15 --out out/exact
   hertzchain wave exact --q-over-pi 0.8 --amplitude 0.1 --sites 40 --json")]
-    Exact(Told<Exact>),
+    Exact(StudyCommand<Exact>),
     /// Follow a branch of exact travelling waves.
     ///
     /// Varies one parameter of the wave or of the chain, past folds. Waves keep their ratio of mean
@@ -52,7 +52,7 @@ Examples:
 Examples:
   hertzchain wave continue tw-q15 --to 2.004 --out out/branch
   hertzchain wave continue tw-q15 --vary rho --mean 0.05 --to 3")]
-    Continue(Told<ContinueWave>),
+    Continue(StudyCommand<ContinueWave>),
     /// Compute solitary waves, and their tails where resonators move.
     ///
     /// The pulse of the chain without resonators, as an exact wave of a ring and on the infinite
@@ -62,7 +62,7 @@ Examples:
 Examples:
   hertzchain wave solitary --out out/solitary
   hertzchain wave solitary --alpha 2 --rhos 0.01,0.02,0.05 --json")]
-    Solitary(Told<Solitary>),
+    Solitary(StudyCommand<Solitary>),
 }
 
 #[derive(Args)]
@@ -78,16 +78,16 @@ pub(crate) enum DpsAction {
     /// g_alpha(b, r) of (eq:aux1), the mean, and h_alpha(b, r) of (eq:aux2), the first harmonic
     /// divided by r.
     #[command(after_long_help = "Example:\n  hertzchain dps integrals --b 0.5 --r 1 --alpha 2")]
-    Integrals(Told<Integrals>),
+    Integrals(StudyCommand<Integrals>),
     /// Homoclinic solutions: profiles of bright breathers.
     ///
     /// They solve the stationary DpS equation.
     #[command(after_long_help = "Example:\n  hertzchain dps homoclinic --center bond")]
-    Homoclinic(Told<Homoclinics>),
+    Homoclinic(StudyCommand<Homoclinics>),
     /// Standing waves with a kink: profiles of dark breathers.
     ///
     /// They solve the generalised DpS equations. Also gives the strains from which a dark breather
     /// starts on the chain, to first order.
     #[command(after_long_help = "Example:\n  hertzchain dps dark --center bond --rho 3 --omega-b 1.16")]
-    Dark(Told<DarkProfiles>),
+    Dark(StudyCommand<DarkProfiles>),
 }

@@ -1,7 +1,7 @@
 //! Orbits of scenes as commands.
 
 use crate::{
-    cli::runner::Told,
+    cli::runner::StudyCommand,
     study::{Driven, DrivenContinue, FollowMode},
 };
 use clap::{Args, Subcommand};
@@ -25,7 +25,7 @@ Examples:
   hertzchain orbit driven granular-crystal
   hertzchain orbit driven granular-crystal --si
   hertzchain orbit driven granular-crystal --turns 2 --json")]
-    Driven(Told<Driven>),
+    Driven(StudyCommand<Driven>),
     /// Follow the orbit of a driven scene in one parameter.
     ///
     /// In the drive's amplitude or frequency, or in the damping, past folds; with multipliers,
@@ -35,7 +35,7 @@ Examples:
 Examples:
   hertzchain orbit continue granular-crystal --to 1e-5 --out out/branch
   hertzchain orbit continue --resume out/branch --to 2e-5")]
-    Continue(Told<DrivenContinue>),
+    Continue(StudyCommand<DrivenContinue>),
     /// Follow a normal mode of a conservative scene from its linear mode on.
     ///
     /// Computes the linear modes about the equilibrium, and follows the periodic orbits that begin
@@ -46,5 +46,5 @@ Examples:
 Examples:
   hertzchain orbit mode defect --to 1.5
   hertzchain orbit mode precompressed --linear-mode 5 --to 0.2 --out out/mode")]
-    Mode(Told<FollowMode>),
+    Mode(StudyCommand<FollowMode>),
 }

@@ -1,6 +1,6 @@
 //! The commands of `paper` and their flags.
 
-use crate::cli::runner::Spread;
+use crate::cli::runner::EngineArgs;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
@@ -51,7 +51,7 @@ pub(crate) struct VerifyArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) spread: Spread,
+    pub(crate) spread: EngineArgs,
     /// Print JSON instead of text.
     #[arg(long)]
     pub(crate) json: bool,
@@ -76,7 +76,7 @@ pub(crate) struct FiguresArgs {
     )]
     pub(crate) out: PathBuf,
     #[command(flatten)]
-    pub(crate) spread: Spread,
+    pub(crate) spread: EngineArgs,
     #[cfg(feature = "plot")]
     #[command(flatten)]
     pub(crate) formats: super::super::formats::Formats,

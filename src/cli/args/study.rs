@@ -1,7 +1,7 @@
 //! Studies as commands.
 
 use crate::{
-    cli::runner::Told,
+    cli::runner::StudyCommand,
     study::{
         Bound, BoundaryWave, Charts, DimerOptions, DisorderOptions, Drift, EndDriven, ImpurityOptions, LifetimeOptions,
         OrderOptions, ScalingOptions, TaperOptions, TheoremOptions,
@@ -23,13 +23,13 @@ pub(crate) enum StudyAction {
     /// a regularised variable. Measures errors of the state and of its derivative with respect to
     /// the initial state, and prints their slopes beside the orders of theory.
     #[command(after_long_help = "Example:\n  hertzchain study order --alpha 2 --out out/order")]
-    Order(Told<OrderOptions>),
+    Order(StudyCommand<OrderOptions>),
     /// Measure run time per bond and period against the number of sites.
     #[command(after_long_help = "Example:\n  hertzchain study scaling --sites 50,500 --out out/scaling")]
-    Scaling(Told<ScalingOptions>),
+    Scaling(StudyCommand<ScalingOptions>),
     /// Measure how the energy error grows with time.
     #[command(after_long_help = "Example:\n  hertzchain study drift --periods 1e5 --out out/drift")]
-    Drift(Told<Drift>),
+    Drift(StudyCommand<Drift>),
     /// Chart the stability of the integrators over extreme chains.
     ///
     /// Varies the mass ratio, the stiffness and the exponent of contacts, and the length of the
@@ -42,7 +42,7 @@ pub(crate) enum StudyAction {
 Example:
   hertzchain study stability --charts light,resonances --quick \\
       --integrators verlet,strang-linear,collocation --out out/stability")]
-    Stability(Told<Charts>),
+    Stability(StudyCommand<Charts>),
     /// Test Theorem 1 of the paper by numerical experiment.
     ///
     /// Does the DpS equation describe the chain with heavy resonators as well, and for as long, as
@@ -52,7 +52,7 @@ Example:
     /// (v'), and gives the local slopes d ln sup / d ln epsilon. Exit code 1 if the outcome
     /// contradicts the theorem: its law of rho, and the verdict "violated".
     #[command(after_long_help = theorem_help())]
-    Theorem(Told<TheoremOptions>),
+    Theorem(StudyCommand<TheoremOptions>),
     /// Measure how long bright breathers live, over size and mass ratio.
     ///
     /// Runs the chain from the breather u(0) = 2 epsilon a at every size epsilon and every mass
@@ -77,14 +77,14 @@ Example:
     #[command(after_long_help = "\
 Example:
   hertzchain study lifetimes --epsilons 0.01,0.1 --rhos 1e3,1e4 --out out/map")]
-    Lifetimes(Told<LifetimeOptions>),
+    Lifetimes(StudyCommand<LifetimeOptions>),
     /// Measure how a pulse decays in dimers, over the mass ratio.
     ///
     /// A chain of alternating heavy and light beads is struck at one end. The transmission is the
     /// largest contact force far from that end, divided by the one near it. A mass ratio at which
     /// it has a maximum of 1 has a solitary wave.
     #[command(after_long_help = "Example:\n  hertzchain study dimer --from 0.3 --to 0.4 --points 20 --out out/dimer")]
-    Dimer(Told<DimerOptions>),
+    Dimer(StudyCommand<DimerOptions>),
     /// Measure how one bead of another mass scatters a solitary wave.
     ///
     /// For every mass of the bead: the shares of the energy that are behind the bead, before it and
@@ -93,14 +93,14 @@ Example:
     #[command(
         after_long_help = "Example:\n  hertzchain study impurity --from 0.1 --to 10 --points 20 --out out/impurity"
     )]
-    Impurity(Told<ImpurityOptions>),
+    Impurity(StudyCommand<ImpurityOptions>),
     /// Measure how a pulse grows in tapered chains.
     ///
     /// Spheres of one material whose radii are a geometric sequence, shrinking or growing: the
     /// growth of the velocity from sphere to sphere, and the share of its energy that the pulse
     /// keeps.
     #[command(after_long_help = "Example:\n  hertzchain study taper --from 0.95 --to 1 --points 11 --out out/taper")]
-    Taper(Told<TaperOptions>),
+    Taper(StudyCommand<TaperOptions>),
     /// Measure how a pulse decays in chains with masses drawn at random.
     ///
     /// The energy of a solitary wave against distance, over many chains, for several strengths of
@@ -111,7 +111,7 @@ Example:
     #[command(
         after_long_help = "Example:\n  hertzchain study disorder --strengths 0.2,0.4 --chains 50 --out out/disorder"
     )]
-    Disorder(Told<DisorderOptions>),
+    Disorder(StudyCommand<DisorderOptions>),
     /// Search for dark breathers in damped chains driven at both ends.
     ///
     /// Chains with resonators, drag and dashpots, whose end beads move in phase or in antiphase, at
@@ -121,7 +121,7 @@ Example:
     #[command(after_long_help = "\
 Example:
   hertzchain study end-driven --lengths 10 --omegas 2.05 --out out/end-driven")]
-    EndDriven(Told<EndDriven>),
+    EndDriven(StudyCommand<EndDriven>),
     /// Launch travelling waves into a chain from one end.
     ///
     /// The first bead of a chain under static overlap is moved at frequencies above omega. The wave
@@ -130,7 +130,7 @@ Example:
     #[command(after_long_help = "\
 Example:
   hertzchain study boundary-wave --omegas 2.006 --drive 0.02 --out out/boundary-wave")]
-    BoundaryWave(Told<BoundaryWave>),
+    BoundaryWave(StudyCommand<BoundaryWave>),
 }
 
 /// The rule of the verdict, and an example.

@@ -6,7 +6,7 @@ use crate::{
     run::method::{Method, Setting, Split},
     study::drift::energy,
 };
-use hertzchain_integrators::{Stepper, Twofold};
+use hertzchain_integrators::{DoubleDouble, Stepper};
 use serde::{Deserialize, Serialize};
 use std::{f64::consts::TAU, time::Instant};
 
@@ -292,7 +292,7 @@ pub(super) fn trial(prepared: &Prepared, method: Method, knob: Knob, most: f64) 
 struct Look<'a> {
     prepared: &'a Prepared,
     y: Vec<f64>,
-    initial: Twofold<f64>,
+    initial: DoubleDouble<f64>,
     /// The next evaluation is at the first end of a step from this time on.
     next: f64,
     every: f64,

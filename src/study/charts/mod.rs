@@ -220,10 +220,10 @@ impl ChartOptions {
 impl Study for Charts {
     const FILES: &'static str = "A chart has pictures of its own, CHART.png. stability.store keeps every point as soon as it was measured; the same \
                                  command resumes from it.";
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
     const SWEEPS: bool = true;
 
-    fn sometimes() -> Vec<String> {
+    fn optional_files() -> Vec<String> {
         let of_chart =
             |chart: Chart| ["", "-ladder", "-errors", "-widths"].map(|part| format!("{}{part}", chart.name()));
         let of_method = |method: Method| ["light", "stiffness"].map(|chart| format!("{chart}-{}", method.name()));

@@ -9,7 +9,7 @@
 //! had to gain more than its ladder did lately.
 
 use super::{
-    Entrant, Progress, Row,
+    Candidate, Progress, Row,
     reference::{TRUSTED, Truth},
 };
 use crate::{
@@ -61,7 +61,7 @@ impl Rung {
         }
     }
 
-    fn words(self, entrant: &Entrant) -> String {
+    fn words(self, entrant: &Candidate) -> String {
         if entrant.adaptive() {
             format!("tol {:e}", self.tolerance())
         } else {
@@ -131,13 +131,13 @@ const OVER: &str = "--max-time was over, or a signal came, before this run ended
 
 /// The ladder of a method or loop.
 struct Ladder {
-    entrant: Entrant,
+    entrant: Candidate,
     rows: Vec<Row>,
     stopped: Option<String>,
 }
 
 impl Ladder {
-    fn new(entrant: Entrant) -> Self {
+    fn new(entrant: Candidate) -> Self {
         Self { entrant, rows: Vec::new(), stopped: None }
     }
 
@@ -145,9 +145,9 @@ impl Ladder {
     fn expected(&self) -> Option<f64> {
         let last = self.rows.last()?.error?;
         let nominal = match self.entrant {
-            Entrant::Method(method) if method.adaptive() => 0.1,
-            Entrant::Method(method) => 0.5f64.powi(method.order() as i32),
-            Entrant::Plain(_) => 0.25,
+            Candidate::Method(method) if method.adaptive() => 0.1,
+            Candidate::Method(method) => 0.5f64.powi(method.order() as i32),
+            Candidate::Plain(_) => 0.25,
         };
         let gains: Vec<f64> =
             self.rows.windows(2).rev().take(GAINS).filter_map(|pair| Some(pair[1].error? / pair[0].error?)).collect();
@@ -161,7 +161,7 @@ impl Ladder {
 }
 
 /// All ladders, which are climbed together.
-pub(super) struct Climb<'a> {
+pub(super) struct Refinement<'a> {
     scene: &'a Scene,
     ladders: Vec<Ladder>,
     budget: f64,
@@ -169,9 +169,9 @@ pub(super) struct Climb<'a> {
     progress: Progress<'a>,
 }
 
-impl<'a> Climb<'a> {
+impl<'a> Refinement<'a> {
     /// The clock of the budget starts here.
-    pub(super) fn new(scene: &'a Scene, entrants: Vec<Entrant>, budget: f64, progress: Progress<'a>) -> Self {
+    pub(super) fn new(scene: &'a Scene, entrants: Vec<Candidate>, budget: f64, progress: Progress<'a>) -> Self {
         let ladders = entrants.into_iter().map(Ladder::new).collect();
         Self { scene, ladders, budget, clock: Instant::now(), progress }
     }
@@ -186,7 +186,7 @@ impl<'a> Climb<'a> {
             if going.is_empty() || (rung.0 > 0 && interrupt::asked()) {
                 break;
             }
-            let entrants: Vec<Entrant> = going.iter().map(|&index| self.ladders[index].entrant).collect();
+            let entrants: Vec<Candidate> = going.iter().map(|&index| self.ladders[index].entrant).collect();
             // The first rung of a long run may take longer than all of the time.
             let left = self.budget - self.spent();
             let rows =
@@ -199,7 +199,7 @@ impl<'a> Climb<'a> {
         }
     }
 
-    pub(super) fn finish(self) -> (Vec<Row>, Vec<(Entrant, String)>) {
+    pub(super) fn finish(self) -> (Vec<Row>, Vec<(Candidate, String)>) {
         let stopped = |ladder: &Ladder| Some((ladder.entrant, ladder.stopped.clone()?));
         let stopped = self.ladders.iter().filter_map(stopped).collect();
         (self.ladders.into_iter().flat_map(|ladder| ladder.rows).collect(), stopped)
@@ -262,8 +262,8 @@ impl<'a> Climb<'a> {
         }
         let (scene, left) = (self.scene, self.budget - self.spent());
         let timed = match row.entrant {
-            Entrant::Method(method) => time(scene, method, rung.setting(scene, &method), left),
-            Entrant::Plain(of) => median(left, || Ok(plain(scene, of, rung).1)),
+            Candidate::Method(method) => time(scene, method, rung.setting(scene, &method), left),
+            Candidate::Plain(of) => median(left, || Ok(plain(scene, of, rung).1)),
         };
         match timed {
             Ok((wall, repeats, stats)) => Row { wall: Some(wall), repeats, stats, ..row },
@@ -274,13 +274,13 @@ impl<'a> Climb<'a> {
 
 impl Truth {
     /// The row of a method or loop, also of one that cannot even start; not yet timed.
-    fn row(&self, scene: &Scene, entrant: Entrant, rung: Rung, left: f64) -> Row {
+    fn row(&self, scene: &Scene, entrant: Candidate, rung: Rung, left: f64) -> Row {
         match entrant {
-            Entrant::Plain(of) if plain_seconds(scene, of, rung) > left => {
+            Candidate::Plain(of) if plain_seconds(scene, of, rung) > left => {
                 Row::failed(entrant, rung.words(&entrant), OVER.to_owned())
             }
-            Entrant::Method(method) => self.row_of_method(scene, method, rung),
-            Entrant::Plain(of) => {
+            Candidate::Method(method) => self.row_of_method(scene, method, rung),
+            Candidate::Plain(of) => {
                 let (state, stats) = plain(scene, of, rung);
                 let row = Row::failed(entrant, rung.words(&entrant), String::new());
                 let row = Row { step: scene.end() / stats.steps as f64, stats, ..row };
@@ -294,7 +294,7 @@ impl Truth {
     }
 
     fn row_of_method(&self, scene: &Scene, method: Method, rung: Rung) -> Row {
-        let entrant = Entrant::Method(method);
+        let entrant = Candidate::Method(method);
         let run = scene.run().method(method).setting(rung.setting(scene, &method));
         let outcome = match run.start() {
             Ok(outcome) => outcome,
@@ -324,7 +324,7 @@ mod tests {
 
     /// A ladder with rungs of these errors, each of which took as many seconds as its number.
     fn ladder(name: &str, errors: &[f64]) -> Ladder {
-        let entrant = Entrant::Method(Method::named(name).unwrap());
+        let entrant = Candidate::Method(Method::named(name).unwrap());
         let row = |(i, &error): (usize, &f64)| Row {
             error: Some(error),
             wall: Some((i + 1) as f64),
@@ -355,7 +355,7 @@ mod tests {
         let scene = Scene::load("impact").unwrap();
         let truth = Truth::find(&scene, 1.0, &|_| ()).unwrap();
         let reason = |budget: f64, other: &[f64]| {
-            let mut climb = Climb::new(&scene, Vec::new(), budget, &|_, _| ());
+            let mut climb = Refinement::new(&scene, Vec::new(), budget, &|_, _| ());
             climb.ladders = vec![ladder("verlet", &[1.0, 0.25, 0.0625]), ladder("corrected", other)];
             climb.dominated(0, &truth)
         };

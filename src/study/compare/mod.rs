@@ -17,7 +17,7 @@ use crate::{
     scene::Scene,
 };
 use hertzchain_integrators::Stats;
-use ladder::Climb;
+use ladder::Refinement;
 use reference::Truth;
 
 /// Share of the time that references may take.
@@ -43,7 +43,7 @@ pub struct Compare {
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct CompareOptions {
-    /// Names of integrators, or `all`; none: those of [`Method::telling`].
+    /// Names of integrators, or `all`; none: those of [`Method::default_comparison_set`].
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -69,7 +69,7 @@ const INTEGRATORS: &str = "Integrators, separated by commas, or all [default: a 
 /// Names the integrators of a comparison by default.
 #[cfg(feature = "cli")]
 fn integrators_help() -> String {
-    let names: Vec<_> = Method::telling().iter().map(Method::name).collect();
+    let names: Vec<_> = Method::default_comparison_set().iter().map(Method::name).collect();
     format!(
         "{INTEGRATORS}.\n\nBy default integrators that are the fastest at some error on a built-in scene, and those that \
          serve as a standard of comparison: {}.",
@@ -81,18 +81,18 @@ impl CompareOptions {
     /// The methods that can run the scene, and those that cannot, with the reason. All that are
     /// named must be able to run it.
     fn methods(&self, scene: &Scene) -> Result<(Vec<Method>, Vec<LeftOut>)> {
-        let methods = methods(&self.integrators, Method::telling)?;
+        let methods = methods(&self.integrators, Method::default_comparison_set)?;
         if matches!(&self.integrators[..], [name, ..] if name.trim() != "all") {
             methods.iter().try_for_each(|method| method.runs(scene.chain()))?;
         }
         let (can, cannot): (Vec<_>, Vec<_>) =
-            methods.into_iter().partition(|method| method.lacks(scene.chain()).is_none());
-        let why = |method: Method| Some((method, method.lacks(scene.chain())?));
+            methods.into_iter().partition(|method| method.unsupported_reason(scene.chain()).is_none());
+        let why = |method: Method| Some((method, method.unsupported_reason(scene.chain())?));
         Ok((can, cannot.into_iter().filter_map(why).collect()))
     }
 
     /// The methods that can run the scene, then the plain loops that can.
-    fn entrants(methods: Vec<Method>, scene: &Scene) -> Vec<Entrant> {
+    fn entrants(methods: Vec<Method>, scene: &Scene) -> Vec<Candidate> {
         // Plain loops exist for uniform chains only. Without resonators nothing rotates, and both
         // loops are the same.
         let loops = match (scene.chain().details(), scene.chain().params().resonators()) {
@@ -101,12 +101,12 @@ impl CompareOptions {
             (None, _) => 2,
         };
         let loops = [Loop::VERLET, Loop::ROTATION].into_iter().take(loops);
-        methods.into_iter().map(Entrant::Method).chain(loops.map(Entrant::Plain)).collect()
+        methods.into_iter().map(Candidate::Method).chain(loops.map(Candidate::Plain)).collect()
     }
 }
 
 impl Study for Compare {
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
 
     fn outline() -> Option<Report> {
         let reference = Reference { method: String::new(), error_estimate: 0.0 };
@@ -137,14 +137,14 @@ pub struct Reference {
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Entrant {
+pub enum Candidate {
     /// A method of the library.
     Method(Method),
     /// A plain loop.
     Plain(Loop),
 }
 
-impl Entrant {
+impl Candidate {
     /// Its name.
     pub fn name(&self) -> String {
         match self {
@@ -163,7 +163,7 @@ impl Entrant {
 #[derive(Clone, Debug)]
 pub struct Row {
     /// The method or loop.
-    pub entrant: Entrant,
+    pub entrant: Candidate,
     /// The setting, in words.
     pub setting: String,
     /// Step size; the mean one for adaptive methods.
@@ -187,7 +187,7 @@ pub struct Row {
 
 impl Row {
     /// The row of a run that did not begin.
-    fn failed(entrant: Entrant, setting: String, why: String) -> Self {
+    fn failed(entrant: Candidate, setting: String, why: String) -> Self {
         Self {
             entrant,
             setting,
@@ -220,20 +220,20 @@ pub struct Comparison {
     /// Rows, method by method, coarse to fine.
     pub rows: Vec<Row>,
     /// Methods and loops whose ladders ended before the last rung, and why.
-    pub stopped: Vec<(Entrant, String)>,
+    pub stopped: Vec<(Candidate, String)>,
     /// Methods that cannot run the scene. They have no rows.
     pub left_out: Vec<LeftOut>,
 }
 
 impl Comparison {
     /// The rows of one method or loop.
-    pub fn rows_of(&self, entrant: &Entrant) -> Vec<&Row> {
+    pub fn rows_of(&self, entrant: &Candidate) -> Vec<&Row> {
         self.rows.iter().filter(|row| row.entrant == *entrant).collect()
     }
 
     /// The methods and loops, in the order of their first rows.
-    pub fn entrants(&self) -> Vec<Entrant> {
-        let mut entrants: Vec<Entrant> = Vec::new();
+    pub fn entrants(&self) -> Vec<Candidate> {
+        let mut entrants: Vec<Candidate> = Vec::new();
         for row in &self.rows {
             if !entrants.contains(&row.entrant) {
                 entrants.push(row.entrant);
@@ -246,7 +246,7 @@ impl Comparison {
     /// Verlet's row of the same rung, which was timed just after, or else from its last row.
     pub fn step_cost(&self, row: &Row) -> Option<f64> {
         let rung = self.rows_of(&row.entrant).iter().position(|other| std::ptr::eq(*other, row))?;
-        let verlet = self.rows_of(&Entrant::Plain(Loop::VERLET));
+        let verlet = self.rows_of(&Candidate::Plain(Loop::VERLET));
         let verlet = verlet.get(rung).or(verlet.last())?.wall_of_step()?;
         row.wall_of_step().map(|wall| wall / verlet)
     }
@@ -254,7 +254,7 @@ impl Comparison {
     /// The order that a method shows: the slope of log error against log step over its finest rows
     /// between the trusted floor and 1e-2, three to five of them, if they lie on a line (within
     /// a factor of 1.5). Adaptive methods have none.
-    pub fn slope(&self, entrant: &Entrant) -> Option<f64> {
+    pub fn slope(&self, entrant: &Candidate) -> Option<f64> {
         if entrant.adaptive() {
             return None;
         }
@@ -273,15 +273,15 @@ impl Comparison {
     /// The fastest row of a method whose error, together with the error estimate of the reference,
     /// is at most `error`.
     pub fn fastest(&self, error: f64) -> Option<&Row> {
-        self.fastest_of(error, |entrant| matches!(entrant, Entrant::Method(_)))
+        self.fastest_of(error, |entrant| matches!(entrant, Candidate::Method(_)))
     }
 
     /// [`fastest`](Self::fastest) of the plain loops.
     pub fn fastest_plain(&self, error: f64) -> Option<&Row> {
-        self.fastest_of(error, |entrant| matches!(entrant, Entrant::Plain(_)))
+        self.fastest_of(error, |entrant| matches!(entrant, Candidate::Plain(_)))
     }
 
-    fn fastest_of(&self, error: f64, of: impl Fn(&Entrant) -> bool) -> Option<&Row> {
+    fn fastest_of(&self, error: f64, of: impl Fn(&Candidate) -> bool) -> Option<&Row> {
         let reaches = |row: &&Row| row.error.is_some_and(|e| e + self.reference.error_estimate <= error);
         let wall = |row: &Row| row.wall.unwrap_or(f64::MAX);
         self.rows.iter().filter(|row| of(&row.entrant)).filter(reaches).min_by(|a, b| wall(a).total_cmp(&wall(b)))
@@ -304,7 +304,7 @@ pub fn compare(scene: &Scene, options: &CompareOptions, progress: Progress<'_>) 
     if !(budget.is_finite() && budget > 0.0) {
         return Err(Error::parameter("max-time", budget, "a finite number of seconds, above zero"));
     }
-    let mut climb = Climb::new(scene, entrants, budget, progress);
+    let mut climb = Refinement::new(scene, entrants, budget, progress);
     let truth = Truth::find(scene, budget * REFERENCE_SHARE, &|words| progress(0.0, words))?;
     truth.good()?;
     climb.run(&truth);

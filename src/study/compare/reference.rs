@@ -6,7 +6,7 @@
 //! way: contact collocation at [`FINEST`], and a run by a method of another family, whose difference
 //! is the error estimate.
 
-use super::{Entrant, REFERENCE_SHARE};
+use super::{Candidate, REFERENCE_SHARE};
 use crate::{
     chain::{State, max_norm},
     error::{Error, Failed, Result},
@@ -186,7 +186,7 @@ impl Truth {
     }
 
     /// The error of a state at the end.
-    pub(super) fn error(&self, scene: &Scene, entrant: &Entrant, state: &[f64]) -> f64 {
+    pub(super) fn error(&self, scene: &Scene, entrant: &Candidate, state: &[f64]) -> f64 {
         let name = entrant.name();
         let reference = self.ends.iter().find(|end| end.method != name).unwrap_or(&self.ends[0]);
         distance(&scene.strains(state), &reference.strains) / self.amplitude

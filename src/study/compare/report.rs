@@ -1,6 +1,6 @@
 //! The report of a comparison.
 
-use super::{Comparison, Entrant, Row};
+use super::{Candidate, Comparison, Row};
 use crate::{
     present::machine_json,
     report::{
@@ -118,8 +118,8 @@ impl Comparison {
         let (mut methods, mut loops) = (Vec::new(), Vec::new());
         for entrant in self.entrants() {
             match entrant {
-                Entrant::Method(method) => methods.push(method),
-                Entrant::Plain(_) => loops.push(entrant),
+                Candidate::Method(method) => methods.push(method),
+                Candidate::Plain(_) => loops.push(entrant),
             }
         }
         let all = methods.len();
@@ -131,7 +131,7 @@ impl Comparison {
         let grey = families.len();
         families.push("plain loops".to_owned());
         family_of.resize(methods.len() + loops.len(), grey);
-        let curve = |(entrant, family): (Entrant, usize)| {
+        let curve = |(entrant, family): (Candidate, usize)| {
             let points = self.rows_of(&entrant).into_iter().filter_map(|row| {
                 Some(Point { work: row.wall?, error: row.error?, below_reference: row.below_reference })
             });
@@ -147,7 +147,7 @@ impl Comparison {
             title: format!("{}: error against run time", self.scene.name()),
             work_label: "wall time (s), median of runs".to_owned(),
             error_label: "error max |xₙ − xₙ(ref)| / amplitude".to_owned(),
-            curves: methods.into_iter().map(Entrant::Method).chain(loops).zip(family_of).map(curve).collect(),
+            curves: methods.into_iter().map(Candidate::Method).chain(loops).zip(family_of).map(curve).collect(),
             floor: Some(self.reference.error_estimate),
             caption: scene_caption(&self.scene, &how),
             families,

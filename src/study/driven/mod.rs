@@ -6,8 +6,8 @@ mod report;
 mod spectra;
 
 use super::{
-    Changes, InSi, Progress, SWITCHED, SWITCHED_TABLE, Study, Work, check_switch, crossing, keeper::Keeper, si::Scale,
-    stretches,
+    Changes, InSi, Progress, SWITCHED, SWITCHED_TABLE, Study, Work, check_switch, crossing, keeper::Autosave,
+    si::Scale, stretches,
 };
 use crate::{
     chain::Means,
@@ -121,7 +121,7 @@ pub struct DrivenStudy {
 impl Study for Driven {
     const FILES: &'static str =
         "Files: driven-orbit.json, driven-orbit.csv, leading-multipliers.csv, driven-orbit.npz and driven-orbit.png.";
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.told.load()?;
@@ -237,10 +237,10 @@ impl Study for DrivenContinue {
                                  switched-branch.csv, switched-bifurcations.csv and switched-branch.npz; the npz files are written every 20 points or 10 s as well. \
                                  driven-spectra.store and switched-spectra.store have multipliers and bifurcations, from which the same command goes on. \
                                  Each part of --shard follows the first branch itself and computes its share of these.";
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
     const SWEEPS: bool = true;
 
-    fn sometimes() -> Vec<String> {
+    fn optional_files() -> Vec<String> {
         SWITCHED.map(|name| format!("{name}.csv")).into_iter().chain([SWITCHED_FILE.to_owned()]).collect()
     }
 
@@ -377,14 +377,14 @@ fn followed(
         "driven-branch.png",
         SWITCHED_FILE,
         SWITCHED_TABLE,
-        SWITCHED_EVENTS,
+        "switched-bifurcations.csv",
     ];
     let (scale, folder) = (Scale(si.as_ref()), stretches::folder(engine));
     let kept = |keeper, store| Kept { scene: &scene, engine, keeper, store };
-    let first = kept(Keeper::new(folder, BRANCH_FILE, stale), STORE);
+    let first = kept(Autosave::new(folder, BRANCH_FILE, stale), STORE);
     let branch = first.go_on(trail, scale, &|share, what| progress(whole * share, what))?;
     let Some(number) = switch else { return Ok(DrivenBranchStudy { scene, branch, switched: None, si }) };
-    let second = kept(Keeper::new(folder, SWITCHED_FILE, &[]), SWITCHED_STORE);
+    let second = kept(Autosave::new(folder, SWITCHED_FILE, &[]), SWITCHED_STORE);
     let progress = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
     let other = branch.switched(number.wrapping_sub(1)).and_then(|other| second.go_on(other, scale, &progress));
     Ok(DrivenBranchStudy { switched: crossing(number, other)?, scene, branch, si })
@@ -394,7 +394,7 @@ fn followed(
 struct Kept<'a> {
     scene: &'a Scene,
     engine: &'a Engine,
-    keeper: Keeper<'a>,
+    keeper: Autosave<'a>,
     /// Name of the store of its multipliers.
     store: &'static str,
 }

@@ -73,7 +73,7 @@ pub struct Evolve {
 
 impl Study for Evolve {
     const FILES: &'static str = "Files: evolution.json, evolution.csv, motion.csv, evolution-x.csv and evolution-y.csv (largest strains in time), evolution.png.";
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
         let shooting = Shooting { tol: self.tol, ..Shooting::default() };

@@ -3,7 +3,7 @@
 
 mod report;
 
-pub(super) use report::{bounds, nearness};
+pub(super) use report::{bounds, newton_kantorovich_bound};
 
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
@@ -202,7 +202,7 @@ impl Study for Exact {
     const FILES: &'static str =
         "stalled.json, in place of all of them, with the best iterate of a search that did not converge.";
 
-    fn sometimes() -> Vec<String> {
+    fn optional_files() -> Vec<String> {
         vec![STALLED.to_owned()]
     }
 
@@ -332,9 +332,9 @@ pub struct ContinueWave {
 impl Study for ContinueWave {
     const FILES: &'static str = "states.npz has the states of a cell, and is written every 20 waves as well; stalled.json, in place of \
                                  all of them, if there is no first wave.";
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
 
-    fn sometimes() -> Vec<String> {
+    fn optional_files() -> Vec<String> {
         vec![STALLED.to_owned()]
     }
 

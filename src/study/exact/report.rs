@@ -68,7 +68,10 @@ impl ExactStudy {
         let row = told(Table::of("exact", std::slice::from_ref(wave)), |wave| wave).key("").done();
         let title = format!("Exact travelling wave, q = {}", of_pi(wave.setting.q.q()));
         let report = self.tables().into_iter().fold(
-            Report::new("exact").words(self.caption()).table(row.clone()).words(nearness(self.kantorovich)),
+            Report::new("exact")
+                .words(self.caption())
+                .table(row.clone())
+                .words(newton_kantorovich_bound(self.kantorovich)),
             Report::table,
         );
         let numbers = row.json().remove(0);
@@ -313,7 +316,7 @@ impl WaveBranchStudy {
 }
 
 /// What the theorem of Newton and Kantorovich says, in a line.
-pub(crate) fn nearness(found: Option<Kantorovich>) -> String {
+pub(crate) fn newton_kantorovich_bound(found: Option<Kantorovich>) -> String {
     match found {
         Some(Kantorovich { radius: Some(radius), inverse, hoelder, exponent, .. }) => format!(
             "Newton-Kantorovich: a solution within {radius:.1e} of the amplitude (|A| = {inverse:.1e}, kappa = {hoelder:.1e}, p = {exponent})"

@@ -169,7 +169,7 @@ pub struct LifetimeOptions {
 impl Study for LifetimeOptions {
     const FILES: &'static str =
         "lifetimes.store keeps every breather as soon as it was followed; the same command resumes from it.";
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
     const SWEEPS: bool = true;
 
     fn outline() -> Option<Report> {

@@ -134,7 +134,7 @@ impl Study for ModulationStudy {
         Some(report::outline())
     }
 
-    fn sometimes() -> Vec<String> {
+    fn optional_files() -> Vec<String> {
         ["measured.csv", "chart.csv"].map(str::to_owned).into()
     }
 

@@ -175,7 +175,7 @@ impl Study for Moving {
         Some(tables.into_iter().fold(Report::new("moving"), Report::table))
     }
 
-    fn sometimes() -> Vec<String> {
+    fn optional_files() -> Vec<String> {
         vec!["passages.csv".to_owned()]
     }
 

@@ -6,7 +6,7 @@ mod spectra;
 
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
-use super::{Progress, Study, Work, keeper::Keeper, stretches};
+use super::{Progress, Study, Work, keeper::Autosave, stretches};
 
 use crate::orbits::Formulation;
 use crate::sweep::map;
@@ -248,7 +248,7 @@ impl Study for Continue {
                                  With --resume and without --out, the files go to the folder of the file that is gone on with. \
                                  spectra.store has multipliers and bifurcations, from which the same command goes on. \
                                  Each part of --shard follows the branch itself and computes its share of these.";
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
     const SWEEPS: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
@@ -356,7 +356,8 @@ pub(crate) fn folder_of(path: &Path) -> PathBuf {
 
 /// A function that writes the file of a branch from time to time while the branch is followed.
 fn keeper(folder: Option<&Folder>) -> impl FnMut(&Trail) {
-    let mut keeper = Keeper::new(folder, BRANCH_FILE, &["branch.json", "branch.csv", "bifurcations.csv", "branch.png"]);
+    let mut keeper =
+        Autosave::new(folder, BRANCH_FILE, &["branch.json", "branch.csv", "bifurcations.csv", "branch.png"]);
     move |trail| keeper.keep(trail.orbits.len(), trail.end.is_some(), || trail.npz(Vec::new()))
 }
 

@@ -13,7 +13,7 @@ use crate::{
     study::{
         branch_end,
         dps::center_word,
-        exact::{bounds, nearness},
+        exact::{bounds, newton_kantorovich_bound},
         params_words, stability_lines, word,
     },
 };
@@ -110,7 +110,7 @@ impl OrbitStudy {
             newton.join(", "),
             forces.mean(),
             forces.spread(),
-            nearness(*kantorovich),
+            newton_kantorovich_bound(*kantorovich),
             spectrum.largest(),
             quality.symplectic_defect,
             quality.trivial[0],

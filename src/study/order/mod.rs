@@ -17,7 +17,7 @@ mod report;
 
 use super::{Study, Work, fit_line, methods};
 use crate::{
-    chain::{Bonded, Boundary, Chain, Field, KineticFlow, LinearFlow, Overlaps, Params, Site, State, max_norm},
+    chain::{Boundary, Chain, CorrectedSplit, Field, KineticFlow, LinearFlow, Overlaps, Params, Site, State, max_norm},
     error::{Error, Result},
     report::Report,
     run::method::{Contacts, Method, Split, loaded},
@@ -376,7 +376,7 @@ impl Problem {
             }
             // Corrections without processing.
             (Method::Splitting(_, Split::Linear), Mode::Corrected) => {
-                let flow = Bonded::new(loaded(LinearFlow::new(chain), y0));
+                let flow = CorrectedSplit::new(loaded(LinearFlow::new(chain), y0));
                 finish(&mut Corrected::new(flow, span, steps, Parts::CORRECTED)?, &mut y)
             }
             (Method::Splitting(scheme, Split::Linear), _) => {
@@ -386,11 +386,11 @@ impl Problem {
             (Method::Conserving, _) => finish(&mut DiscreteGradient::new(chain, y0, span, steps)?, &mut y),
             (Method::Dop853(_), _) => finish(&mut Dop853::fixed(Field::new(chain), y0, span, steps)?, &mut y),
             (Method::Corrected(parts, Split::Kinetic), _) => {
-                let flow = Bonded::new(loaded(KineticFlow::new(chain), y0));
+                let flow = CorrectedSplit::new(loaded(KineticFlow::new(chain), y0));
                 finish(&mut Corrected::new(flow, span, steps, parts)?, &mut y)
             }
             (Method::Corrected(parts, Split::Linear), _) => {
-                let flow = Bonded::new(loaded(LinearFlow::new(chain), y0));
+                let flow = CorrectedSplit::new(loaded(LinearFlow::new(chain), y0));
                 finish(&mut Corrected::new(flow, span, steps, parts)?, &mut y)
             }
             (Method::Landed(_) | Method::Collocation, _) => {

@@ -14,7 +14,7 @@ mod report;
 
 pub use file::{Axis, Plan, Point, Reported};
 
-use super::{Ran, Study, Work, run_json};
+use super::{RunView, Study, Work, run_json};
 use crate::{
     error::{Error, Result},
     output::Folder,
@@ -54,10 +54,10 @@ impl Study for PlanFile {
     const FILES: &'static str = "Files: sweep.csv, sweep.ndjson (a line a point, also failures), sweep.npz (a column a quantity), sweep.json, sweep.png (one or \
                                  two axes), and sweep.store, where every point is kept once it was run: the same sweep in the same folder \
                                  resumes from it.";
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
     const SWEEPS: bool = true;
 
-    fn sometimes() -> Vec<String> {
+    fn optional_files() -> Vec<String> {
         vec!["sweep.png".to_owned()]
     }
 
@@ -154,7 +154,7 @@ pub fn planned(plan: &Plan, engine: &Engine, progress: &(dyn Fn(u64, u64) + Sync
 fn before_its_first_step(scene: &Scene) -> Value {
     let run = scene.run().records(Records::Energy).contacts();
     let trajectory = Recorder::new(&run, Kept::new(&run), &mut |_, _| ()).trajectory(None);
-    run_json(&Ran {
+    run_json(&RunView {
         scene,
         integrator: "",
         setting: "",
@@ -174,7 +174,7 @@ fn run(plan: &Plan, point: &Point) -> Result<Vec<Value>> {
     if let Some(doubt) = trajectory.warnings.iter().find(|warning| warning.fatal()) {
         return Err(doubt.clone().into());
     }
-    let report = run_json(&Ran {
+    let report = run_json(&RunView {
         scene: &scene,
         integrator: "",
         setting: "",

@@ -83,7 +83,7 @@ pub struct DisorderStudy {
 impl Study for DisorderOptions {
     const FILES: &'static str =
         "disorder.store keeps every chain as soon as it was run; the same command resumes from it.";
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
     const SWEEPS: bool = true;
 
     fn outline() -> Option<Report> {

@@ -24,7 +24,7 @@ const MOST_PLANNED: u64 = 1 << 24;
 /// Integrator and accuracy that the user asks for. What is `None` follows from the others, from the
 /// scene, or from a default.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Asked {
+pub struct MethodRequest {
     /// Name of the integrator.
     pub integrator: Option<String>,
     /// Tolerance, for an integrator that takes one.
@@ -41,7 +41,7 @@ pub struct Asked {
 
 /// How a scene is computed.
 #[derive(Clone, Debug)]
-pub enum How {
+pub enum MethodChoice {
     /// By an integrator: method, setting, the setting in words, and the reason for the choice, if
     /// the user asked for neither integrator nor accuracy.
     Integrated(Method, Setting, String, Option<String>),
@@ -49,13 +49,13 @@ pub enum How {
     ClosedForm(TrivialBreather),
 }
 
-impl How {
+impl MethodChoice {
     /// An integrator where one is named or a flag asks for its accuracy; else the exact solution,
     /// if one is known, else what the regime asks for.
     ///
     /// # Errors
     /// An unknown integrator; a setting that it does not take or that is outside its rule.
-    pub fn new(args: &Asked, scene: &Scene) -> Result<Self> {
+    pub fn new(args: &MethodRequest, scene: &Scene) -> Result<Self> {
         // A tolerance or windows without an integrator stand for [`Method::by_tolerance`].
         let adaptive = args.tol.is_some() || args.windows_per_period.is_some();
         let asked = args.integrator.is_some() || adaptive || args.step.is_some() || args.steps_per_period.is_some();
@@ -202,7 +202,7 @@ impl How {
 }
 
 /// The setting that `args` mean for a method on a scene, and the setting in words.
-fn setting(args: &Asked, method: Method, scene: &Scene) -> Result<(Setting, String)> {
+fn setting(args: &MethodRequest, method: Method, scene: &Scene) -> Result<(Setting, String)> {
     let positive = |name, value: f64| {
         let good = value.is_finite() && value > 0.0;
         if good { Ok(value) } else { Err(Error::parameter(name, value, "finite and positive")) }

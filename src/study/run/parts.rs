@@ -4,7 +4,7 @@ use crate::{
     chain::Topology,
     error::{Error, Result},
     memory::bytes,
-    parts::{Demand, Motion},
+    parts::{Estimate, Motion},
     run::Method,
     scene::{MOST_SITES, SceneFile},
 };
@@ -26,8 +26,8 @@ pub fn parts_plan(file: &SceneFile, method: Method, parts: usize) -> Result<Vec<
     }
     let motion = method.motion()?;
     motion.check("ranks", parts, Topology::new(chain.boundary, chain.sites))?;
-    let demand = Demand::new(chain.params(), chain.boundary, chain.sites, parts, motion);
-    let Demand { sites, ghosts, .. } = demand;
+    let demand = Estimate::new(chain.params(), chain.boundary, chain.sites, parts, motion);
+    let Estimate { sites, ghosts, .. } = demand;
     let [memory, whole, message, sample] = [demand.memory, demand.whole, demand.message, demand.sample].map(bytes);
     let (of_bonds, panels) = match motion {
         Motion::Kicks(_) => ("", ""),

@@ -69,14 +69,14 @@ fn kinds(energy: &Energy<f64>) -> [(&'static str, f64); 4] {
 
 /// A run and its result, as reports need them.
 #[derive(Clone, Copy, Debug)]
-pub struct Ran<'a> {
+pub struct RunView<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// The integrator.
     pub integrator: &'a str,
     /// Its setting in words.
     pub setting: &'a str,
-    /// The reason for the choice of the integrator, see [`How::reason`](super::How::reason).
+    /// The reason for the choice of the integrator, see [`MethodChoice::reason`](super::MethodChoice::reason).
     pub reason: Option<&'a str>,
     /// The result of the run.
     pub outcome: &'a Trajectory,
@@ -88,8 +88,8 @@ pub struct Ran<'a> {
 }
 
 /// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy;
-/// `reason` and `amplification` are present if those of [`Ran`] are, `si` if all numbers are in SI units.
-pub fn run_json(ran: &Ran<'_>) -> Value {
+/// `reason` and `amplification` are present if those of [`RunView`] are, `si` if all numbers are in SI units.
+pub fn run_json(ran: &RunView<'_>) -> Value {
     json!(entries(ran))
 }
 
@@ -112,8 +112,8 @@ enum Entry {
 }
 
 /// The entries of the JSON of a run.
-fn entries(ran: &Ran<'_>) -> Entries {
-    let &Ran { scene, integrator, setting, reason, outcome, amplification, si } = ran;
+fn entries(ran: &RunView<'_>) -> Entries {
+    let &RunView { scene, integrator, setting, reason, outcome, amplification, si } = ran;
     let mut object = Vec::new();
     let mut put = |name, value| object.push((name, Entry::Value(value)));
     put("scene", json!(scene.name()));
@@ -166,13 +166,13 @@ fn entries(ran: &Ran<'_>) -> Entries {
 }
 
 /// The period of the scene, in the units of the run.
-fn period(Ran { scene, si, .. }: &Ran<'_>) -> f64 {
+fn period(RunView { scene, si, .. }: &RunView<'_>) -> f64 {
     scene.period() * si.map_or(1.0, |si| si.time_s)
 }
 
 /// The run in a few readable lines.
-pub fn run_summary(ran: &Ran<'_>) -> String {
-    let (&Ran { scene, integrator, setting, outcome, si, .. }, period) = (ran, period(ran));
+pub fn run_summary(ran: &RunView<'_>) -> String {
+    let (&RunView { scene, integrator, setting, outcome, si, .. }, period) = (ran, period(ran));
     let summary = &scene.file().summary;
     let what = if summary.is_empty() { String::new() } else { format!(" ({summary})") };
     let mut lines = vec![
@@ -264,8 +264,8 @@ pub const RUN_FILES: [&str; 16] = [
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn run_files(folder: &Folder, ran: &Ran<'_>, pictures: &[crate::study::File], in_legs: bool) -> Result<()> {
-    let &Ran { scene, outcome, si, .. } = ran;
+pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::File], in_legs: bool) -> Result<()> {
+    let &RunView { scene, outcome, si, .. } = ran;
     let logged = outcome.contacts.is_some();
     let written = |name: &str| match name {
         CHECKPOINT => in_legs,
@@ -309,7 +309,7 @@ fn buffered(
 }
 
 /// Writes the last state as CSV, a row for each site.
-fn last_state(out: impl Write, &Ran { scene, outcome, si, .. }: &Ran<'_>) -> std::io::Result<()> {
+fn last_state(out: impl Write, &RunView { scene, outcome, si, .. }: &RunView<'_>) -> std::io::Result<()> {
     let arrays = state_arrays(scene, &outcome.state, si);
     let present: Vec<_> = arrays.iter().filter(|(_, values)| !values.is_empty()).collect();
     let names: Vec<&str> = ["n"].into_iter().chain(present.iter().map(|(name, _)| *name)).collect();
@@ -358,9 +358,9 @@ fn strains(file: &mut File, scene: &Scene, profiles: &[Profile]) -> std::io::Res
 /// # Errors
 /// A picture that cannot be drawn.
 #[cfg(feature = "plot")]
-pub fn run_pictures(ran: &Ran<'_>) -> Result<Vec<crate::study::Drawing>> {
+pub fn run_pictures(ran: &RunView<'_>) -> Result<Vec<crate::study::Drawing>> {
     use crate::figures;
-    let &Ran { scene, integrator, setting, outcome, si, .. } = ran;
+    let &RunView { scene, integrator, setting, outcome, si, .. } = ran;
     let how = format!("Integrator {integrator}, {setting}.").replace(".000000 a period", " a period");
     let caption = |what: &str| format!("{what} {}", crate::study::provenance(scene, &how));
     let mut pictures = vec![("profile.png", figures::panels(&profile_figure(ran, &caption))?)];
@@ -459,7 +459,7 @@ fn energy_errors(scene: &Scene, outcome: &Trajectory) -> Vec<(f64, f64)> {
 
 #[cfg(feature = "plot")]
 fn profile_figure(
-    &Ran { scene, outcome, si, .. }: &Ran<'_>,
+    &RunView { scene, outcome, si, .. }: &RunView<'_>,
     caption: &dyn Fn(&str) -> String,
 ) -> crate::figures::Panels {
     use crate::figures::{Line, Panel, Panels};

@@ -234,7 +234,7 @@ impl TheoremOptions {
 impl Study for TheoremOptions {
     const FILES: &'static str = "theorem.txt has what is printed. theorem.store keeps every size once it was run; the same command resumes from \
                                  it.";
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
     const SWEEPS: bool = true;
 
     fn outline() -> Option<Report> {

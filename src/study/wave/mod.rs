@@ -141,10 +141,10 @@ impl Study for Wave {
     const FILES: &'static str = "envelope.csv, ensemble.csv, spread.csv and growth.csv are those of perturbed waves. With --seeds, \
                                  ensemble.store keeps every seed once it was run: the same ensemble in the same folder \
                                  resumes from it.";
-    const STOPS: bool = true;
+    const INTERRUPTIBLE: bool = true;
     const SWEEPS: bool = true;
 
-    fn sometimes() -> Vec<String> {
+    fn optional_files() -> Vec<String> {
         ["envelope.csv", "ensemble.csv", "spread.csv", "growth.csv"].map(str::to_owned).into()
     }
 

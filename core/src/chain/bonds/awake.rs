@@ -23,7 +23,7 @@
 //! that may not sleep are awake. The sites around a bond that changes its side or is corrected are
 //! woken before the next kick.
 
-use super::{Bonded, LANES, PAD, SiteFlow, WORD};
+use super::{CorrectedSplit, LANES, PAD, SiteFlow, WORD};
 use std::ops::Range;
 
 /// Steps between two checks of all bonds for sleep. Chosen: a check of 1000 sites takes about as
@@ -113,7 +113,7 @@ impl Awake {
     }
 }
 
-impl<F: SiteFlow> Bonded<F> {
+impl<F: SiteFlow> CorrectedSplit<F> {
     /// Lets those parts of the chain sleep in which no bond can close or turn near zero in the next
     /// [`AHEAD`] steps `h`.
     pub(super) fn look_ahead(&mut self, h: f64) {
@@ -218,7 +218,7 @@ mod tests {
         *,
     };
     use hertzchain_integrators::{
-        Instructions, SplitFlow, Stepper, Twofold,
+        DoubleDouble, Instructions, SplitFlow, Stepper,
         splitting::corrected::{BondFlow, Corrected, Parts},
     };
 
@@ -282,7 +282,7 @@ mod tests {
                 for (k, (chain, y)) in chains.into_iter().enumerate() {
                     let n = chain.sites();
                     let run = || {
-                        let mut flow = Bonded::new(LinearFlow::new(chain.clone()));
+                        let mut flow = CorrectedSplit::new(LinearFlow::new(chain.clone()));
                         flow.load(&y);
                         flow.prepare(STEP, 3.0);
                         // Until no survey has zeros before it.
@@ -290,7 +290,7 @@ mod tests {
                         flow.changed(&mut Vec::new());
                         flow
                     };
-                    let (mut row, mut one, pairs) = (run(), run(), [(STEP, Twofold::new(STEP)); 64]);
+                    let (mut row, mut one, pairs) = (run(), run(), [(STEP, DoubleDouble::new(STEP)); 64]);
                     let (mut taken, mut least) = (0, n);
                     while taken < 1200 {
                         let made = row.kicks_and_surveys(&pairs, 1e-4, true);
@@ -340,7 +340,7 @@ mod tests {
             let run = |in_rows: bool| {
                 let mut flow = LinearFlow::new(chain.clone());
                 flow.load(&y);
-                let mut run = Corrected::new(Bonded::new(flow), (0.0, 80.0), 1600, Parts::ALL).unwrap();
+                let mut run = Corrected::new(CorrectedSplit::new(flow), (0.0, 80.0), 1600, Parts::ALL).unwrap();
                 let mut states = Vec::new();
                 for wanted in [20.0, 41.3, 80.0] {
                     while run.time() < wanted - 1e-9 {

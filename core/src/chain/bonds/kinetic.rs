@@ -5,7 +5,7 @@ use super::{
     super::{Chain, KineticFlow, kinetic::Drifts, rows::InRow, sweep::Visit},
     Forces, Fused, Kick, Lanes, Modified, SiteFlow, Survey, gathered,
 };
-use hertzchain_integrators::{Twofold, Vector, splitting::corrected::Correction};
+use hertzchain_integrators::{DoubleDouble, Vector, splitting::corrected::Correction};
 
 impl SiteFlow for KineticFlow<f64> {
     fn chain(&self) -> &Chain<f64> {
@@ -60,7 +60,7 @@ impl SiteFlow for KineticFlow<f64> {
         }
     }
 
-    fn push_and_survey(&mut self, pairs: &[(f64, Twofold<f64>)], fused: Fused<'_>) -> usize {
+    fn push_and_survey(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize {
         let (chain, beads) = self.beads(0.0, 0.0);
         let clock = Drifts { params: chain.params(), pairs: pairs.iter() };
         fused.run(chain, beads, clock, pairs.len())

@@ -4,7 +4,7 @@ use super::{
     super::{Chain, LinearFlow, sweep::Swept},
     Forces, Fused, Kick, Lanes, Modified, SiteFlow, Survey, gathered,
 };
-use hertzchain_integrators::{Twofold, Vector, splitting::corrected::Correction};
+use hertzchain_integrators::{DoubleDouble, Vector, splitting::corrected::Correction};
 
 impl SiteFlow for LinearFlow<f64> {
     fn chain(&self) -> &Chain<f64> {
@@ -78,7 +78,7 @@ impl SiteFlow for LinearFlow<f64> {
         self.visit(self.now(kick), Kick(forces));
     }
 
-    fn push_and_survey(&mut self, pairs: &[(f64, Twofold<f64>)], fused: Fused<'_>) -> usize {
+    fn push_and_survey(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize {
         self.count_kick();
         let most = self.kicks_to_anchor().min(pairs.len());
         let made = self.in_row(&pairs[..most], fused);

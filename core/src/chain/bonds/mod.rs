@@ -24,7 +24,7 @@ use fused::Fused;
 
 use super::{Chain, aligned::Aligned, law::LANES, rows::Moving, sweep::Visit};
 use hertzchain_integrators::{
-    Error, SplitFlow, Stepper, Twofold, Vector,
+    DoubleDouble, Error, SplitFlow, Stepper, Vector,
     collocation::Pace,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
 };
@@ -82,7 +82,7 @@ pub trait SiteFlow: SplitFlow<f64> {
     /// [`push`](Self::push), drift and [`survey`](Self::survey) in one pass, where springs are not
     /// part of the kick; at most once for each of `pairs`, the durations of a kick and a drift.
     /// Returns how many passes were made.
-    fn push_and_survey(&mut self, pairs: &[(f64, Twofold<f64>)], fused: Fused<'_>) -> usize;
+    fn push_and_survey(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize;
 }
 
 /// A split of the chain with the kicks of contact-corrected splitting.
@@ -92,7 +92,7 @@ pub trait SiteFlow: SplitFlow<f64> {
 ///
 /// Arrays are longer than the chain, so that loops over whole registers need no remainder; the
 /// numbers beyond the chain are not used.
-pub struct Bonded<F> {
+pub struct CorrectedSplit<F> {
     flow: F,
     sites: usize,
     /// Positions of sites, from `PAD` on, with one position of a neighbour beyond either end.
@@ -133,7 +133,7 @@ pub struct Bonded<F> {
     awake: Awake,
 }
 
-impl<F: SiteFlow> Bonded<F> {
+impl<F: SiteFlow> CorrectedSplit<F> {
     /// Adds the kicks to `flow`, which holds a state.
     pub fn new(flow: F) -> Self {
         let sites = flow.chain().sites();
@@ -421,7 +421,7 @@ fn swung(omega: f64, h: f64) -> f64 {
     if (1e-4..1.0).contains(&turn) { turn.tan() / turn } else { 1.0 }
 }
 
-impl<F: SiteFlow> SplitFlow<f64> for Bonded<F> {
+impl<F: SiteFlow> SplitFlow<f64> for CorrectedSplit<F> {
     fn dim(&self) -> usize {
         self.flow.dim()
     }
@@ -460,18 +460,18 @@ impl<F: SiteFlow> SplitFlow<f64> for Bonded<F> {
         self.told.copy_from_slice(&other.told);
     }
 
-    fn drift(&mut self, dt: Twofold<f64>) {
+    fn drift(&mut self, dt: DoubleDouble<f64>) {
         self.flow.drift(dt);
     }
 
-    fn kick_drift(&mut self, kick: f64, drift: Twofold<f64>) {
+    fn kick_drift(&mut self, kick: f64, drift: DoubleDouble<f64>) {
         self.survey();
         self.kick(kick, 0.0);
         self.flow.drift(drift);
     }
 }
 
-impl<F: SiteFlow> BondFlow for Bonded<F> {
+impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
     fn prepare(&mut self, h: f64, reach: f64) {
         (self.swung, self.reach) = ((h, swung(self.flow.response().2, h)), reach);
     }
@@ -512,7 +512,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     }
 
     #[inline]
-    fn kicks_and_surveys(&mut self, pairs: &[(f64, Twofold<f64>)], c: f64, watched: bool) -> usize {
+    fn kicks_and_surveys(&mut self, pairs: &[(f64, DoubleDouble<f64>)], c: f64, watched: bool) -> usize {
         if !self.spring.is_empty() {
             let (kick, drift) = pairs[0];
             self.kick(kick, c);
@@ -673,7 +673,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     }
 }
 
-impl<F: SiteFlow> Bonded<F> {
+impl<F: SiteFlow> CorrectedSplit<F> {
     /// Moves a state on by contact collocation.
     fn run_on(&self, y: &mut [f64], by: f64, pace: Pace) -> Result<(), Error> {
         let mut run = self.chain().collocation(y, (0.0, by), pace)?;
@@ -697,12 +697,12 @@ mod tests {
     /// Bits of the arrays after each of some steps and of the final state; each step in one fused
     /// pass, or as kick, drift and survey.
     fn steps<F: SiteFlow>(flow: F, y: &[f64], fused: bool) -> Vec<u64> {
-        let (mut flow, mut out) = (Bonded::new(flow), Vec::new());
+        let (mut flow, mut out) = (CorrectedSplit::new(flow), Vec::new());
         flow.load(y);
         flow.prepare(0.02, 3.0);
         flow.survey();
         for k in 0..70 {
-            let (kick, c, drift) = (0.01 + 1e-4 * f64::from(k % 3), 1e-3, Twofold::new(0.02));
+            let (kick, c, drift) = (0.01 + 1e-4 * f64::from(k % 3), 1e-3, DoubleDouble::new(0.02));
             if fused {
                 flow.kicks_and_surveys(&[(kick, drift)], c, false);
             } else {
@@ -760,7 +760,7 @@ mod tests {
                 for (n, alpha) in [(5, 1.5), (16, 2.0), (23, 1.5), (50, 1.2), (64, 1.5), (67, 2.5)] {
                     let (chain, y) = ring(n, alpha, boundary);
                     let run = || {
-                        let mut flow = Bonded::new(LinearFlow::new(chain.clone()));
+                        let mut flow = CorrectedSplit::new(LinearFlow::new(chain.clone()));
                         flow.load(&y);
                         flow.prepare(0.02, 3.0);
                         flow.survey();
@@ -768,8 +768,8 @@ mod tests {
                         flow
                     };
                     let (mut row, mut one) = (run(), run());
-                    let pairs = vec![(0.02, Twofold::new(0.02)); 40];
-                    let tell = |flow: &mut Bonded<LinearFlow<f64>>| {
+                    let pairs = vec![(0.02, DoubleDouble::new(0.02)); 40];
+                    let tell = |flow: &mut CorrectedSplit<LinearFlow<f64>>| {
                         let (mut changed, mut turned) = (Vec::new(), Vec::new());
                         flow.changed(&mut changed);
                         flow.turned(&mut turned);
@@ -780,7 +780,7 @@ mod tests {
                         let made = row.kicks_and_surveys(&pairs, 1e-4, true);
                         for k in 0..made {
                             one.kick(0.02, 1e-4);
-                            one.drift(Twofold::new(0.02));
+                            one.drift(DoubleDouble::new(0.02));
                             one.survey();
                             if k + 1 < made {
                                 let quiet = tell(&mut one);
@@ -817,7 +817,7 @@ mod tests {
             let run = |in_rows: bool| {
                 let mut flow = LinearFlow::new(chain.clone());
                 flow.load(&y);
-                let mut run = Corrected::new(Bonded::new(flow), (0.0, 12.0), 300, parts).unwrap();
+                let mut run = Corrected::new(CorrectedSplit::new(flow), (0.0, 12.0), 300, parts).unwrap();
                 let mut states = Vec::new();
                 for wanted in [Some(0.01), Some(1.0), Some(1.02), None] {
                     let until = wanted.unwrap_or(12.0);

@@ -31,10 +31,10 @@
 
 use super::{
     super::{Chain, LinearFlow, aligned::Aligned, law::LANES, topology::Topology},
-    Bonded, PAD, SiteFlow,
+    CorrectedSplit, PAD, SiteFlow,
 };
 use hertzchain_integrators::{
-    Kernel, Real, SplitFlow, Twofold, Vector,
+    DoubleDouble, Kernel, Real, SplitFlow, Vector,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Dependence, Side},
 };
 
@@ -66,7 +66,7 @@ const NUMBERS: usize = 6;
 /// # Ok::<(), hertzchain_core::Error>(())
 /// ```
 pub struct TangentFlow {
-    state: Bonded<LinearFlow<f64>>,
+    state: CorrectedSplit<LinearFlow<f64>>,
     columns: Columns,
     /// For each correction that [`depends`](BondFlow::depends) was told of: the rows that it adds
     /// to `R0, V, C, S` of a bead. Entries are used again.
@@ -167,7 +167,7 @@ impl TangentFlow {
             modified: rows(n + 1),
             placed: vec![false; n],
         };
-        Self { state: Bonded::new(flow), columns, pending: Vec::new(), told: 0, given: 0 }
+        Self { state: CorrectedSplit::new(flow), columns, pending: Vec::new(), told: 0, given: 0 }
     }
 
     /// The derivatives of the state, column by column.
@@ -206,7 +206,7 @@ impl TangentFlow {
 /// A survey of columns.
 struct Survey<'a> {
     columns: &'a mut Columns,
-    state: &'a Bonded<LinearFlow<f64>>,
+    state: &'a CorrectedSplit<LinearFlow<f64>>,
 }
 
 impl Kernel for Survey<'_> {
@@ -221,7 +221,7 @@ impl Kernel for Survey<'_> {
 /// A kick of columns.
 struct Kick<'a> {
     columns: &'a mut Columns,
-    state: &'a Bonded<LinearFlow<f64>>,
+    state: &'a CorrectedSplit<LinearFlow<f64>>,
     kick: f64,
     c: f64,
 }
@@ -267,12 +267,12 @@ fn combine([here, there]: [f64; 2], own: &[f64], beside: [Option<&[f64]>; 2], to
 
 /// `f''/f' = (alpha - 1)/g` at the overlap `g` of a bond.
 #[inline(always)]
-fn bend(state: &Bonded<LinearFlow<f64>>, b: usize) -> f64 {
+fn bend(state: &CorrectedSplit<LinearFlow<f64>>, b: usize) -> f64 {
     (state.chain().law().alpha() - 1.0) / state.overlap[b].max(f64::MIN_POSITIVE)
 }
 
 /// `f'` at an overlap.
-fn slope(state: &Bonded<LinearFlow<f64>>, g: f64) -> f64 {
+fn slope(state: &CorrectedSplit<LinearFlow<f64>>, g: f64) -> f64 {
     state.chain().law().force_with_slope(g).1
 }
 
@@ -291,13 +291,13 @@ fn velocity(flow: &LinearFlow<f64>) -> [f64; 4] {
 
 /// The factors of `R0, V, C, S` in a position a time `h` ago, if no kick came after it.
 fn position_before(flow: &LinearFlow<f64>, h: f64) -> [f64; 4] {
-    let (sin, cos) = flow.phase.sin_cos_before(Twofold::new(h));
+    let (sin, cos) = flow.phase.sin_cos_before(DoubleDouble::new(h));
     [1.0, flow.tau - h, cos, sin]
 }
 
 impl Columns {
     #[inline(always)]
-    fn survey(&mut self, state: &Bonded<LinearFlow<f64>>) {
+    fn survey(&mut self, state: &CorrectedSplit<LinearFlow<f64>>) {
         self.forces.swap(0, 1);
         self.closed.swap(0, 1);
         self.fresh.clear();
@@ -348,7 +348,7 @@ impl Columns {
 
     /// Computes the row of forces of a bond, whose sites have rows of positions.
     #[inline(always)]
-    fn force(&mut self, state: &Bonded<LinearFlow<f64>>, b: usize) {
+    fn force(&mut self, state: &CorrectedSplit<LinearFlow<f64>>, b: usize) {
         let slope = state.slope[PAD + b];
         let to = self.forces[0].at_mut(b);
         match self.topology.ends(b) {
@@ -368,7 +368,7 @@ impl Columns {
 
     /// Computes the rows of forces of a bond and its neighbours again, after a correction has moved
     /// the sites of the bond.
-    fn refresh(&mut self, state: &Bonded<LinearFlow<f64>>, b: usize) {
+    fn refresh(&mut self, state: &CorrectedSplit<LinearFlow<f64>>, b: usize) {
         let [before, after] = self.topology.beside(b);
         for b in [before, Some(b), after].into_iter().flatten() {
             self.closed[0][b] = state.overlap[b] > 0.0;
@@ -384,7 +384,7 @@ impl Columns {
     }
 
     #[inline(always)]
-    fn kick(&mut self, state: &Bonded<LinearFlow<f64>>, kick: f64, c: f64) {
+    fn kick(&mut self, state: &CorrectedSplit<LinearFlow<f64>>, kick: f64, c: f64) {
         let (topology, flow, f) = (self.topology, &state.flow, &state.force[PAD - 1..]);
         for b in topology.touching() {
             if !self.closed[0][b] {
@@ -434,7 +434,7 @@ impl Columns {
     /// Adds the derivative of what the correction of an event gives for the kick before the event:
     /// an impulse at that kick, whose derivative is
     /// `h (f'(g + e) - f'(g)) (dg + de) - h f''(g) e dg`.
-    fn kick_before(&mut self, state: &Bonded<LinearFlow<f64>>, b: usize, h: f64, to: &mut [Vec<f64>; 4]) {
+    fn kick_before(&mut self, state: &CorrectedSplit<LinearFlow<f64>>, b: usize, h: f64, to: &mut [Vec<f64>; 4]) {
         let (flow, share) = (&state.flow, h * h / 12.0);
         let (g, e) = (state.overlaps_before[0][b], share * state.pull(b, &state.force_before, &[]));
         let (here, there) = (slope(state, g), slope(state, g + e));
@@ -461,7 +461,7 @@ impl Columns {
 
     /// Computes the row `dF` of a bond; `pull` is the acceleration `s` of its overlap.
     #[inline(always)]
-    fn modify(&mut self, state: &Bonded<LinearFlow<f64>>, b: usize, pull: f64, c: f64) {
+    fn modify(&mut self, state: &CorrectedSplit<LinearFlow<f64>>, b: usize, pull: f64, c: f64) {
         let there = c * state.slope[PAD + b];
         let here = 1.0 + c * pull * bend(state, b) - self.topology.recoil(b) * there;
         let forces = &self.forces[0];
@@ -472,7 +472,7 @@ impl Columns {
     /// Computes the row `dF` of a bond whose correction has replaced the force of the kick by that
     /// of the processed path: `f'(g + e) (dg + de)`, and the share of the modified force that comes
     /// from the bond's own force.
-    fn kick_fresh(&mut self, state: &Bonded<LinearFlow<f64>>, b: usize, c: f64) {
+    fn kick_fresh(&mut self, state: &CorrectedSplit<LinearFlow<f64>>, b: usize, c: f64) {
         if self.closed[0][b] {
             self.modify(state, b, -self.topology.recoil(b) * state.force[PAD + b], c);
         }
@@ -493,7 +493,7 @@ impl Columns {
     /// Derivatives of the accelerations of sites by the forces of the kick, and of the rates of
     /// these; forces of bonds for which `without` is true count without their rates.
     #[inline(always)]
-    fn jet(&mut self, state: &Bonded<LinearFlow<f64>>, without: impl Fn(usize) -> bool) -> [Rows; 2] {
+    fn jet(&mut self, state: &CorrectedSplit<LinearFlow<f64>>, without: impl Fn(usize) -> bool) -> [Rows; 2] {
         let (topology, width) = (self.topology, self.positions.width);
         let by = velocity(&state.flow);
         for b in topology.touching().filter(|&b| self.closed[0][b]) {
@@ -524,7 +524,7 @@ impl Columns {
     /// Moves columns by displacements of `share` times accelerations and impulses of `-share` times
     /// their rates.
     #[inline(always)]
-    fn shift(&mut self, state: &Bonded<LinearFlow<f64>>, share: f64, [a, da]: &[Rows; 2]) {
+    fn shift(&mut self, state: &CorrectedSplit<LinearFlow<f64>>, share: f64, [a, da]: &[Rows; 2]) {
         let one = |impulse, displacement| {
             state.flow.shares(&Correction { impulse, displacement, at: 0.0, rate: 0.0, turn: [0.0, 1.0] })
         };
@@ -568,11 +568,11 @@ impl SplitFlow<f64> for TangentFlow {
         }
     }
 
-    fn drift(&mut self, dt: Twofold<f64>) {
+    fn drift(&mut self, dt: DoubleDouble<f64>) {
         self.state.drift(dt);
     }
 
-    fn kick_drift(&mut self, kick: f64, drift: Twofold<f64>) {
+    fn kick_drift(&mut self, kick: f64, drift: DoubleDouble<f64>) {
         self.survey();
         self.kick(kick, 0.0);
         self.drift(drift);
@@ -691,7 +691,7 @@ impl BondFlow for TangentFlow {
 
 /// Derivatives, by the numbers of a bond, of what its correction adds to `R0, V, C, S` of a bead:
 /// central differences.
-fn slopes(state: &Bonded<LinearFlow<f64>>, b: usize, dependence: &Dependence<'_>) -> [[f64; NUMBERS]; 4] {
+fn slopes(state: &CorrectedSplit<LinearFlow<f64>>, b: usize, dependence: &Dependence<'_>) -> [[f64; NUMBERS]; 4] {
     let &Dependence { h, change, of, .. } = dependence;
     let (step, omega) = (state.swung.0, state.flow.omega());
     let topology = state.chain().topology();
@@ -736,7 +736,7 @@ struct Numbers {
 }
 
 impl Numbers {
-    fn of(state: &Bonded<LinearFlow<f64>>, b: usize) -> Self {
+    fn of(state: &CorrectedSplit<LinearFlow<f64>>, b: usize) -> Self {
         Self { b, position: position(&state.flow), velocity: velocity(&state.flow) }
     }
 

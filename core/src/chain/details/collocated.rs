@@ -6,7 +6,7 @@ use super::{
     Kind, Ledger, Means, Parts, SiteParts,
 };
 use hertzchain_integrators::{
-    Error, Twofold,
+    DoubleDouble, Error,
     collocation::{self, ContactChain, Loss, Path, Response},
 };
 
@@ -36,7 +36,7 @@ struct Motion {
 impl Motion {
     fn new(site: &SiteParts<f64>) -> Self {
         let modes = Modes::new(Params { alpha: 1.0, kappa: site.kappa / site.mass, rho: site.rho });
-        let (mut response, mut damping) = (Response { m: 0.0, mu: 0.0, omega: Twofold::zero() }, [0.0; 2]);
+        let (mut response, mut damping) = (Response { m: 0.0, mu: 0.0, omega: DoubleDouble::zero() }, [0.0; 2]);
         if !site.moved {
             let (m, mu) = (modes.m / site.mass, modes.mu / site.mass);
             response = Response { m, mu, omega: modes.omega };

@@ -17,14 +17,14 @@ use super::{
     stretches::{Drift, Stretches},
 };
 use crate::run::method::Split;
-use hertzchain_integrators::{Real, SplitFlow, Twofold, system::ContactFlow};
+use hertzchain_integrators::{DoubleDouble, Real, SplitFlow, system::ContactFlow};
 use std::{collections::HashMap, sync::Arc};
 
 /// Largest number of times of drifts that are kept: enough for those that a scheme repeats.
 const KEPT: usize = 16;
 
 /// The time of a drift, and the motion of each site over it if there was more than one such drift.
-type Kept<R> = (Twofold<R>, Option<Arc<Drift<R>>>);
+type Kept<R> = (DoubleDouble<R>, Option<Arc<Drift<R>>>);
 
 /// A chain with details, split into the motion of its sites and the kicks of contacts and drives.
 ///
@@ -40,8 +40,8 @@ pub struct SitewiseFlow<R> {
     /// The sites, in the variables of their classes.
     z: [Vec<R>; 4],
     ledger: Ledger<R>,
-    start: Twofold<R>,
-    time: Twofold<R>,
+    start: DoubleDouble<R>,
+    time: DoubleDouble<R>,
     /// Whether this is a copy, which moves to samples or to trial times. It keeps the motion over
     /// its first drift only, which for samples is the last drift of a step: so its bits do not depend
     /// on how often it was used before.
@@ -87,8 +87,8 @@ impl<R: Real> SitewiseFlow<R> {
             class: Arc::new(class),
             z: std::array::from_fn(|_| vec![zero; n]),
             ledger: Ledger::of(&[zero; super::LEDGER]),
-            start: Twofold::new(start),
-            time: Twofold::new(start),
+            start: DoubleDouble::new(start),
+            time: DoubleDouble::new(start),
             copy: false,
             kept: Vec::new(),
             u: vec![zero; n],
@@ -135,7 +135,7 @@ impl<R: Real> SitewiseFlow<R> {
 
     /// The motion of all sites over a time that is repeated, as far as it is kept: from the second
     /// drift over this time on, as a motion costs many drifts. A copy keeps that of its first drift.
-    fn repeated(&mut self, dt: Twofold<R>) -> Option<Arc<Drift<R>>> {
+    fn repeated(&mut self, dt: DoubleDouble<R>) -> Option<Arc<Drift<R>>> {
         let Self { kept, stretches, classes, class, .. } = self;
         if let Some((_, motion)) = kept.iter_mut().find(|(time, _)| *time == dt) {
             let motion = motion.get_or_insert_with(|| Arc::new(stretches.over(dt, classes, class)));
@@ -234,9 +234,9 @@ impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
         (self.ledger, self.time) = (other.ledger, other.time);
     }
 
-    fn drift(&mut self, dt: Twofold<R>) {
+    fn drift(&mut self, dt: DoubleDouble<R>) {
         // The last drift of a step may be none.
-        if dt != Twofold::zero() {
+        if dt != DoubleDouble::zero() {
             let drift = self.repeated(dt);
             let Ledger { drag, dashpots, .. } = &mut self.ledger;
             let classes = (&self.classes[..], &self.class[..]);
@@ -246,7 +246,7 @@ impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
         self.follow();
     }
 
-    fn kick_drift(&mut self, kick: R, drift: Twofold<R>) {
+    fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
         let Self { chain, stretches, z, u, push, force, .. } = self;
         stretches.positions(z, u);
         stretches.forces(chain, parts(chain), u, push, force);

@@ -15,7 +15,7 @@ use super::{
     SiteParts,
 };
 use crate::run::method::Split;
-use hertzchain_integrators::{Real, Rotation, Twofold};
+use hertzchain_integrators::{DoubleDouble, Real, Rotation};
 
 /// A 4 x 4 matrix, by rows.
 type Matrix<R> = [[R; 4]; 4];
@@ -121,10 +121,10 @@ impl<R: Real> Class<R> {
 
     /// Moves a site on by the time `dt`, as [`over`](Self::over) and [`apply`](Propagator::apply) do
     /// up to rounding; returns the energies that drag and dashpot have dissipated.
-    pub(super) fn advance(&self, z: &mut [R; 4], dt: Twofold<R>) -> [R; 2] {
+    pub(super) fn advance(&self, z: &mut [R; 4], dt: DoubleDouble<R>) -> [R; 2] {
         match self {
             Self::Modes(modes) => {
-                let angle = (modes.omega * dt).reduced(Twofold::two_pi());
+                let angle = (modes.omega * dt).reduced(DoubleDouble::two_pi());
                 Propagator::Modes(dt.value(), Rotation::near(angle)).apply(z)
             }
             Self::Linear { a, drag, dashpot, .. } if short_times(a, dt.value()) <= MOST_SHORT => {
@@ -135,11 +135,11 @@ impl<R: Real> Class<R> {
     }
 
     /// The motion over the time `dt`.
-    pub(super) fn over(&self, dt: Twofold<R>) -> Propagator<R> {
+    pub(super) fn over(&self, dt: DoubleDouble<R>) -> Propagator<R> {
         match self {
             Self::Moved => Propagator::Moved,
             Self::Modes(modes) => {
-                let angle = (modes.omega * dt).reduced(Twofold::two_pi());
+                let angle = (modes.omega * dt).reduced(DoubleDouble::two_pi());
                 Propagator::Modes(dt.value(), Rotation::by(angle))
             }
             Self::Linear { a, drag, dashpot, damped } => {
@@ -158,7 +158,7 @@ impl<R: Real> Propagator<R> {
             Self::Modes(dt, Rotation { sin, cos }) => {
                 let [r, p, r_dot, s] = *z;
                 // The low parts keep the rotation from growing or shrinking over many steps.
-                let turned = |a: R, b: R, sin: &Twofold<R>| (cos.hi * a + sin.hi * b) + (cos.lo * a + sin.lo * b);
+                let turned = |a: R, b: R, sin: &DoubleDouble<R>| (cos.hi * a + sin.hi * b) + (cos.lo * a + sin.lo * b);
                 *z = [r + *dt * r_dot, turned(p, s, sin), r_dot, turned(s, p, &-*sin)];
                 [R::zero(); 2]
             }
@@ -295,7 +295,7 @@ mod tests {
     fn moved(site: &SiteParts<f64>, z: [f64; 4], dt: f64) -> ([f64; 4], f64) {
         let class = Class::new(site, Split::Linear);
         let mut own = class.split(z);
-        let lost = class.over(Twofold::new(dt)).apply(&mut own);
+        let lost = class.over(DoubleDouble::new(dt)).apply(&mut own);
         (class.join(own, site.resonators), lost[0] + lost[1])
     }
 
@@ -351,7 +351,7 @@ mod tests {
                 // Backwards, strong damping is growth beyond any number.
                 let back = if dashpot > 1.0 { 1e-2 } else { -0.2 };
                 for dt in [1e-3, 0.2, 1.3, back, 20.0] {
-                    let (mut by_series, mut by_matrix, dt) = (class.split(z), class.split(z), Twofold::new(dt));
+                    let (mut by_series, mut by_matrix, dt) = (class.split(z), class.split(z), DoubleDouble::new(dt));
                     let (lost, want) = (class.advance(&mut by_series, dt), class.over(dt).apply(&mut by_matrix));
                     let parts = if let Class::Linear { a, .. } = &class { short_times(a, dt.hi) } else { 1.0 };
                     let size = by_matrix.iter().fold(1.0, |most: f64, z| most.max(z.abs()));

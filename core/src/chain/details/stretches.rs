@@ -12,7 +12,7 @@ use super::{
     Parts,
     propagator::{Class, Propagator},
 };
-use hertzchain_integrators::{Real, Rotation, Twofold, VectorKernel, vector::Vector};
+use hertzchain_integrators::{DoubleDouble, Real, Rotation, VectorKernel, vector::Vector};
 use std::ops::Range;
 
 /// The formula of a site's drift.
@@ -76,8 +76,8 @@ impl<R: Real> Stretches<R> {
             }
         }
         let sites = &parts.sites;
-        let sprung = sites.iter().any(|site| site.resonators != Resonators::None);
-        let springs = sprung.then(|| {
+        let with_springs = sites.iter().any(|site| site.resonators != Resonators::None);
+        let springs = with_springs.then(|| {
             let kappa =
                 sites.iter().map(|site| if site.resonators == Resonators::None { R::zero() } else { site.kappa });
             let moves = |resonators| resonators == Resonators::Moving;
@@ -100,7 +100,7 @@ impl<R: Real> Stretches<R> {
     }
 
     /// The motion of all sites over a time.
-    pub(super) fn over(&self, dt: Twofold<R>, classes: &[Class<R>], class: &[u32]) -> Drift<R> {
+    pub(super) fn over(&self, dt: DoubleDouble<R>, classes: &[Class<R>], class: &[u32]) -> Drift<R> {
         let propagators: Vec<Propagator<R>> = classes.iter().map(|class| class.over(dt)).collect();
         let turning = self.motions.iter().any(|(motion, _)| *motion == Motion::Turning);
         let parts: [fn(&Rotation<R>) -> R; 4] = [|by| by.cos.hi, |by| by.cos.lo, |by| by.sin.hi, |by| by.sin.lo];
@@ -119,7 +119,7 @@ impl<R: Real> Stretches<R> {
     pub(super) fn drift(
         &self,
         z: &mut [Vec<R>; 4],
-        (dt, drift): (Twofold<R>, Option<&Drift<R>>),
+        (dt, drift): (DoubleDouble<R>, Option<&Drift<R>>),
         (classes, class): (&[Class<R>], &[u32]),
         [lost_to_drag, lost_to_dashpots]: [&mut R; 2],
     ) {
@@ -390,7 +390,7 @@ mod tests {
         chain::{Boundary, Chain, Details, Drive, Means, Params, Signal, SitewiseFlow, State},
         run::method::Split,
     };
-    use hertzchain_integrators::{Instructions, SplitFlow, Twofold};
+    use hertzchain_integrators::{DoubleDouble, Instructions, SplitFlow};
 
     /// Beads of all kinds of motion, in stretches of lengths that no register divides.
     fn mixed(boundary: Boundary, alpha: Vec<f64>) -> Chain<f64> {
@@ -421,7 +421,7 @@ mod tests {
         (0..29).for_each(|i| state.u_dot_mut()[i] = ((i * i) as f64 * 0.7).sin());
         let mut flow = SitewiseFlow::new(chain.clone(), split, 0.0);
         flow.load(state.as_slice());
-        (0..200).for_each(|_| flow.kick_drift(0.05, Twofold::new(0.05)));
+        (0..200).for_each(|_| flow.kick_drift(0.05, DoubleDouble::new(0.05)));
         let mut y = vec![0.0; flow.dim()];
         flow.store(&mut y);
         y.into_iter().map(f64::to_bits).collect()

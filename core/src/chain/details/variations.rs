@@ -213,7 +213,7 @@ impl<R: Real> Variations<R> {
             if unreached == 0 {
                 run.field_mut().refuse_kinks(&end, t, true)?;
             }
-            if let Some(bond) = run.field_mut().astray(&end, margin) {
+            if let Some(bond) = run.field_mut().diverged(&end, margin) {
                 let (value, rule) =
                     (format!("of bond {bond} at t = {}", t.f64()), "its onset or release was not found");
                 return Err(Error::parameter("dissipation", value, rule));
@@ -229,7 +229,7 @@ impl<R: Real> Variations<R> {
     /// A contact that pushes although the signs of its overlap and force say otherwise by more than
     /// `margin`, or the reverse. The search for events may give up an event where many contacts are
     /// all but at rest.
-    fn astray(&self, y: &[R], margin: R) -> Option<usize> {
+    fn diverged(&self, y: &[R], margin: R) -> Option<usize> {
         let (pushing, parts, layout) = (self.field.pushing()?, parts(&self.chain), self.chain.layout());
         let (u, u_dot) = (layout.u(y), layout.u_dot(y));
         pushing.lossy().iter().copied().find(|&bond| {

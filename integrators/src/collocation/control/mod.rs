@@ -17,7 +17,7 @@ use super::{
     solver::NODES,
     system::{ContactChain, Links, Path},
 };
-use crate::{clock::Twofold, error::Error, tolerance::Tolerance};
+use crate::{clock::DoubleDouble, error::Error, tolerance::Tolerance};
 use accuracy::Accuracy;
 use lengths::Lengths;
 use nodes::NodeChoice;
@@ -91,7 +91,7 @@ impl Control {
         chain: (&C, &Links<S>),
         start: &dyn Fn(usize) -> Path,
         pace: Pace,
-        span: Twofold<f64>,
+        span: DoubleDouble<f64>,
     ) -> Result<Self, Error> {
         let accuracy = Accuracy::new(chain, start, pace, span.value());
         let plan = match pace {
@@ -102,7 +102,7 @@ impl Control {
                 if !NODES.contains(&nodes) {
                     return Err(rule("nodes", nodes as f64, "4, 6, 8, 10 or 12"));
                 }
-                let length = span.over(Twofold::new(windows as f64)).value().min(span.value());
+                let length = span.over(DoubleDouble::new(windows as f64)).value().min(span.value());
                 Plan::Equal(Equal { windows, nodes, done: 0, length, h: length, rest: length })
             }
             Pace::Tolerance(tol) => {

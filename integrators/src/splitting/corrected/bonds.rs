@@ -1,7 +1,7 @@
 //! The interface between contact-corrected splitting and a problem.
 
 use super::{ends::Side, path::BondPath};
-use crate::{clock::Twofold, system::SplitFlow, vector::Vector};
+use crate::{clock::DoubleDouble, system::SplitFlow, vector::Vector};
 
 /// The motion of a bond between two kicks, without the bond's own force; or of several bonds, one in
 /// each lane of `T`.
@@ -99,7 +99,7 @@ pub trait BondFlow: SplitFlow<f64> {
     /// same bits; at least one pair is made. If surveys are `watched`, the row ends with the first
     /// one at which [`changed`](Self::changed) or [`turned`](Self::turned) would report a bond.
     /// Returns the number of pairs made.
-    fn kicks_and_surveys(&mut self, pairs: &[(f64, Twofold<f64>)], c: f64, _watched: bool) -> usize {
+    fn kicks_and_surveys(&mut self, pairs: &[(f64, DoubleDouble<f64>)], c: f64, _watched: bool) -> usize {
         let (kick, drift) = pairs[0];
         self.kick(kick, c);
         self.drift(drift);

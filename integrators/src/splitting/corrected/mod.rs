@@ -170,7 +170,7 @@ pub use zeta::hurwitz;
 
 use super::stepper::{after, check, steps_a_row, steps_before};
 use crate::{
-    clock::Twofold,
+    clock::DoubleDouble,
     collocation::{ContactStepper, Piece},
     drive::Stepper,
     error::Error,
@@ -233,14 +233,14 @@ pub struct Corrected<S> {
     corrections: Vec<Option<Correction>>,
     sides: Vec<Side>,
     log: Option<Log>,
-    start: Twofold<f64>,
-    span: Twofold<f64>,
-    h: Twofold<f64>,
+    start: DoubleDouble<f64>,
+    span: DoubleDouble<f64>,
+    h: DoubleDouble<f64>,
     /// Duration of the kick that the state still lacks: it is made together with the drift and the
     /// survey that follow it.
     due: Option<f64>,
     /// The (kick, drift) pairs of as many steps as are made in a row.
-    row: Vec<(f64, Twofold<f64>)>,
+    row: Vec<(f64, DoubleDouble<f64>)>,
     taken: u64,
     total: u64,
 }
@@ -259,8 +259,8 @@ impl<S: BondFlow> Corrected<S> {
             return Err(Error::Argument { name: "alpha", value: alpha, rule });
         }
         let total = if end > start { steps } else { 0 };
-        let span = Twofold::new(end) - Twofold::new(start);
-        let h = span.over(Twofold::new(total.max(1) as f64));
+        let span = DoubleDouble::new(end) - DoubleDouble::new(start);
+        let h = span.over(DoubleDouble::new(total.max(1) as f64));
         flow.prepare(h.value(), REACH);
         flow.survey();
         let mut new = Self {
@@ -273,7 +273,7 @@ impl<S: BondFlow> Corrected<S> {
             corrections: Vec::with_capacity(flow.bonds()),
             sides: vec![Side::Open; flow.bonds()],
             log: None,
-            start: Twofold::new(start),
+            start: DoubleDouble::new(start),
             span,
             h,
             due: Some(0.5 * h.value()),
@@ -342,7 +342,7 @@ impl<S: BondFlow> Corrected<S> {
         if self.parts.processed { self.h.value() * self.h.value() / 12.0 } else { 0.0 }
     }
 
-    fn time_after(&self, steps: u64) -> Twofold<f64> {
+    fn time_after(&self, steps: u64) -> DoubleDouble<f64> {
         if steps == self.total { self.start + self.span } else { after(self.start, self.h, steps) }
     }
 
@@ -478,7 +478,7 @@ impl<S: BondFlow> Stepper<f64> for Corrected<S> {
         mirror.store(y);
         // Times that differ by rounding only are the same time.
         if (t - reached.value()).abs() > 4.0 * f64::EPSILON * t.abs() {
-            mirror.back(y, (reached - Twofold::new(t)).value());
+            mirror.back(y, (reached - DoubleDouble::new(t)).value());
         }
     }
 
