@@ -215,8 +215,10 @@ impl Report {
             format!("{}.csv: {}", table.name(), table.columns().map(told).collect::<Vec<_>>().join(", "))
         };
         let tables = self.tables().map(columns).collect::<Vec<_>>().join(".\n\n");
+        let pictures: Vec<&str> = self.pictures.iter().map(|(picture, _)| picture.as_str()).collect();
+        let pictures = if pictures.is_empty() { format!("{name}.png") } else { pictures.join(", ") };
         format!(
-            "Files: {name}.json, {name}.png; {name}.npz with an array TABLE.COLUMN for each column of\n\n{tables}.\n\n"
+            "Files: {name}.json, {pictures}; {name}.npz with an array TABLE.COLUMN for each column of\n\n{tables}.\n\n"
         )
     }
 

@@ -191,7 +191,7 @@ fn scenes_and_integrators_are_listed() {
         assert!(stdout(&hertzchain(&["run", name, "--plan"])).contains("left out"));
     }
     let integrators = json(&["integrators", "--json"]);
-    assert_eq!(integrators["integrators"].as_array().unwrap().len(), 34);
+    assert_eq!(integrators["integrators"].as_array().unwrap().len(), 33);
 }
 
 #[test]

@@ -28,6 +28,7 @@ const MASKED: &[&str] = &[
     "per_bond_period",
     "step_cost",
     "runs",
+    "fastest",
     "system",
     "cores",
     "instructions",
@@ -85,10 +86,11 @@ fn masked(text: &str, folder: &Path) -> String {
     let text = text.replace(&*folder.to_string_lossy(), "OUT").replace(env!("CARGO_MANIFEST_DIR"), "ROOT");
     let mut out = String::new();
     let mut rest = &text[..];
-    // `"key": value`, up to the next comma or the end of the line.
+    // `"key": value`, up to the next comma or the end of the line, lists up to that.
     while let Some(at) = MASKED.iter().filter_map(|key| rest.find(&format!("\"{key}\": "))).min() {
         let value = at + rest[at..].find(": ").unwrap() + 2;
-        let end = value + rest[value..].find([',', '\n', '}']).unwrap_or(rest.len() - value);
+        let ends: &[char] = if rest[value..].starts_with('[') { &['\n'] } else { &[',', '\n', '}'] };
+        let end = value + rest[value..].find(ends).unwrap_or(rest.len() - value);
         out.push_str(&rest[..value]);
         out.push('~');
         rest = &rest[end..];

@@ -79,10 +79,10 @@ impl Evolution {
         let periods = Table::of("evolution", &rows)
             .key("")
             .few(20)
-            .col("period", Fixed(0), "", |m| *m)
             .col("t", Fixed(4), "time", |m| self.times[*m])
             .col("e_b", Power(6), "largest change of a strain over the largest strain (eq:relerr)", |m| self.e_b[*m])
-            .col("position", Fixed(6), "site of the kink", |m| self.position[*m]);
+            .col("position", Fixed(6), "site of the kink", |m| self.position[*m])
+            .col("period", Fixed(0), "number of periods from the start", |m| *m);
         let half = (sites / 2) as i64;
         let strains = |symbol: &str, values: &[f64]| {
             let rows: Vec<_> = values.chunks(sites).enumerate().collect();

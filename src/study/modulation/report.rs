@@ -161,7 +161,8 @@ impl StabilityStudy {
 /// The tables without rows.
 pub(super) fn outline() -> Report {
     let rates = Rates { epsilon: 1.0, slow: 1.0, omega_tw: 1.0, lag: 1.0 };
-    Report::new("stability").table(stability(&[], rates)).table(measured(&[])).table(chart(None))
+    let report = Report::new("stability").table(stability(&[], rates)).table(measured(&[])).table(chart(None));
+    report.picture_named("dps-growth", crate::report::Panels::default())
 }
 
 /// Theory, a row for each wave number.

@@ -19,7 +19,7 @@ use super::{Study, Work, fit_line, methods};
 use crate::{
     chain::{Boundary, Chain, CorrectedSplit, Field, KineticFlow, LinearFlow, Overlaps, Params, Site, State, max_norm},
     error::{Error, Result},
-    report::Report,
+    report::{Report, WorkPrecision},
     run::method::{Contacts, Method, Split, loaded},
     sweep::Tally,
 };
@@ -206,7 +206,9 @@ impl Study for OrderOptions {
     const FILES: &'static str = "The pictures are order-state.png and order-tangent.png.";
 
     fn outline() -> Option<Report> {
-        Some(Report::new("order").table(report::orders(&[])).table(report::runs(&[])))
+        let report = Report::new("order").table(report::orders(&[])).table(report::runs(&[]));
+        let picture = |report: Report, name| report.picture_named(name, WorkPrecision::default());
+        Some(["order-state", "order-tangent"].into_iter().fold(report, picture))
     }
 
     fn begin(&self) -> Result<Work<'_>> {
