@@ -137,7 +137,7 @@ impl Scene {
 
     /// As [`load_with`](Self::load_with), for a plan: an initial state whose kind says of each site
     /// what it does is not computed as a whole, unless somebody asks for it; see
-    /// [`Initial::by_sites`].
+    /// [`Initial::by_sites`](crate::run::Initial::by_sites).
     ///
     /// # Errors
     /// As [`load`](Self::load).

@@ -71,7 +71,7 @@ fn changes(name: &str, now: &Value) -> Vec<String> {
 
 /// Whether a value under this key depends on the machine or the version.
 fn varies(key: &str) -> bool {
-    ["version", "wall", "machine", "sampling_s", "runs", "step_cost"].iter().any(|word| key.contains(word))
+    ["version", "wall", "machine", "sampling_s", "runs", "step_cost", "fastest"].iter().any(|word| key.contains(word))
 }
 
 /// Paths at which `now` differs from what was stored; new keys are no difference.

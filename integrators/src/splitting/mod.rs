@@ -9,8 +9,8 @@
 //! the first pair of the next are merged. A drift-first scheme with s kicks therefore costs s
 //! sweeps a step; a kick-first scheme costs one sweep less than it has kicks.
 //!
-//! [`Splitting`] steps across contacts, [`Landed`] ends steps on them, [`Averaged`] is a flow whose
-//! kicks integrate the force, and [`Corrected`] adds corrections at contacts that begin or end.
+//! [`Splitting`] steps across contacts, [`Landed`] ends steps on them, and
+//! [`Corrected`] adds corrections at contacts that begin or end.
 
 pub mod corrected;
 mod landed;
