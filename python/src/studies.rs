@@ -213,7 +213,7 @@ pub(crate) fn compare_json<'py>(
     let options = CompareOptions { integrators, max_time };
     let work = |watched: &Watched| {
         let comparison = compare(&scene.0, &options, &|share, _| watched.tell(share))?;
-        Ok(text(&comparison.json()))
+        Ok(text(&comparison.report().json()))
     };
     finished(py, progress.as_ref(), work)
 }

@@ -6,6 +6,7 @@ use std::fmt::Display;
 use std::ops::RangeInclusive;
 
 /// A value of an option: a number or a list of numbers, which has a range.
+#[cfg_attr(not(feature = "cli"), allow(dead_code, reason = "flags need all of it, checks only the numbers"))]
 pub(crate) trait Value<T>: Sized {
     /// The numbers.
     fn numbers(&self) -> &[T];
