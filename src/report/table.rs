@@ -521,8 +521,8 @@ mod tests {
         assert_eq!(table.json()[0]["omega"], 8.0);
         assert_eq!(table.json()[0]["frequency"], 8.0 / std::f64::consts::TAU);
         assert_eq!(table.csv().lines().next().unwrap(), "a,omega,frequency");
-        assert!(table.text().starts_with("a (m)   frequency (Hz)\n"), "{}", table.text());
-        assert!(table.text().contains("6.00e0  1.273e0"), "{}", table.text());
+        assert!(table.text().starts_with(" a (m)  frequency (Hz)\n"), "{}", table.text());
+        assert!(table.text().contains("6.00e0         1.273e0"), "{}", table.text());
         assert_eq!(table.line("", ["a", "omega"]).points, [(6.0, 8.0)]);
     }
 

@@ -48,7 +48,9 @@ options! {
         ///
         /// Mass of the light beads over that of the heavy ones.
         to: f64 = 1.0, 0.02 to 1.0, "M", f64;
-        /// Number of mass ratios, evenly spaced in their logarithm.
+        /// Number of points.
+        ///
+        /// Mass ratios, evenly spaced in their logarithm.
         points: usize = 120_usize, 3 to 10_000, "K", usize;
         /// Distance of the two bonds whose forces are compared, in cells.
         ///

@@ -53,7 +53,9 @@ options! {
         ///
         /// Mass of the impurity over that of the other beads.
         to: f64 = 20.0, 1e-3 to 20.0, "M", f64;
-        /// Number of mass ratios, evenly spaced in their logarithm.
+        /// Number of points.
+        ///
+        /// Mass ratios, evenly spaced in their logarithm.
         points: usize = 67_usize, 3 to 10_000, "K", usize;
     }
 }

@@ -41,7 +41,9 @@ options! {
         from: f64 = 0.92, 0.8 to 1.25, "S", f64;
         /// Largest ratio of a radius to the one before it.
         to: f64 = 1.08, 0.8 to 1.25, "S", f64;
-        /// Number of ratios of radii, evenly spaced.
+        /// Number of points.
+        ///
+        /// Ratios of radii, evenly spaced.
         points: usize = 33_usize, 2 to 1000, "K", usize;
         /// Number of tapered spheres whose velocity is measured.
         ///
