@@ -146,7 +146,7 @@ fn another_branch_in_the_same_folder_reads_no_rows_of_the_first() {
         count = now;
     }
     // Fewer points: only the last stretch differs.
-    assert_eq!(output(&DARK.replace("--bound", "--bound --points 14"), shared, &[]).status.code(), Some(1));
+    assert_eq!(output(&DARK.replace("--bound", "--bound --max-points 14"), shared, &[]).status.code(), Some(1));
     assert_eq!(lines(&shared.join(STORE)), count + 1);
     let alone = tempfile::tempdir().unwrap();
     run(DARK, alone.path(), &[]);

@@ -42,7 +42,7 @@ Example:
     /// Computes the Floquet multipliers of each orbit, and the bifurcations between them.
     #[command(after_long_help = "\
 Example, stopped after 20 points and gone on with:
-  hertzchain breather continue --points 20 --out out/branch
+  hertzchain breather continue --max-points 20 --out out/branch
   hertzchain breather continue --resume out/branch/branch.npz")]
     Continue(StudyCommand<Continue>),
     /// Follow the branch of doubled period of dark breathers.

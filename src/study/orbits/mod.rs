@@ -169,8 +169,10 @@ pub struct Continue {
     /// [default: a hundredth of the range]
     #[cfg_attr(feature = "cli", arg(long, value_name = "DP"))]
     pub step: Option<f64>,
-    /// Most points, resumed ones included.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 1000))]
+    /// Points of the branch at most.
+    ///
+    /// With those of a branch that is resumed.
+    #[cfg_attr(feature = "cli", arg(long = "max-points", value_name = "N", default_value_t = 1000))]
     pub points: usize,
     /// Take steps in the parameter, not in the arclength.
     ///
