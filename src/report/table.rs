@@ -89,7 +89,7 @@ struct Column {
 ///     .col("evaluations", Hidden, "evaluations of the force", |row| row.2)
 ///     .done();
 /// assert_eq!(table.csv(), "step,error,evaluations\n5e-1,1e-3,7\n1e0,nan,9\n");
-/// assert_eq!(table.text(), "step  error\n----  ------\n0.50  1.0e-3\n1.00  –\n\nstep: length of a step.\n");
+/// assert_eq!(table.text(), "step   error\n----  ------\n0.50  1.0e-3\n1.00       –\n\nstep: length of a step.\n");
 /// assert_eq!(table.json()[1].to_string(), r#"{"step":1.0,"error":null,"evaluations":9}"#);
 /// ```
 #[derive(Clone, Debug)]

@@ -489,7 +489,8 @@ fn the_command_keeps_its_contract_and_refuses() {
     assert_eq!(serde_json::from_str::<Value>(&std::fs::read_to_string(out.join("dark.json")).unwrap()).unwrap(), json);
 
     let table = String::from_utf8(run(&[]).stdout).unwrap();
-    assert!(table.contains("omega = 2, omega_b = 2.01") && table.lines().count() == 2 + 41 + 5, "{table}");
+    let rows = table.lines().skip(2).take_while(|line| !line.is_empty()).count();
+    assert!(table.contains("omega = 2, omega_b = 2.01") && rows == 41, "{table}");
     for (args, message) in [
         (["--sites", "40"], "error: --sites = 40 is not valid: a ring with one kink has an odd number of sites"),
         (["--omega-b", "2"], "error: --omega-b = 2 is not valid: a dark breather is faster"),
