@@ -175,7 +175,7 @@ pub(super) fn check([from, to]: [f64; 2], step: f64, most_points: usize) -> Resu
         return Err(Error::parameter("step", step, "finite and positive"));
     }
     if most_points < 2 {
-        return Err(Error::parameter("points", most_points, "at least two"));
+        return Err(Error::parameter("max-points", most_points, "at least two"));
     }
     Ok(())
 }

@@ -20,7 +20,9 @@
 //! an odd number of bonds has a kink about the bond in the middle, an even number has none.
 
 use super::{
-    Progress, Study, Work, multipliers_panel, shown, stability_lines,
+    Progress, Study, Work,
+    branches::stability_lines,
+    multipliers_panel, shown,
     stretches::{finished, unless_asked},
     word,
 };

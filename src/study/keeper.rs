@@ -18,14 +18,14 @@ pub(super) struct Autosave<'a> {
     folder: Option<&'a Folder>,
     file: &'static str,
     /// Files that an earlier run may have left: they belong to another branch.
-    stale: &'static [&'static str],
+    stale: Vec<String>,
     last: Instant,
     begun: bool,
 }
 
 impl<'a> Autosave<'a> {
     /// A keeper that writes to `folder`, if there is one.
-    pub(super) fn new(folder: Option<&'a Folder>, file: &'static str, stale: &'static [&'static str]) -> Self {
+    pub(super) fn new(folder: Option<&'a Folder>, file: &'static str, stale: Vec<String>) -> Self {
         Self { folder, file, stale, last: Instant::now(), begun: false }
     }
 
@@ -36,7 +36,7 @@ impl<'a> Autosave<'a> {
         let late = self.last.elapsed() >= LATEST;
         if late || points.is_multiple_of(POINTS) || ended || interrupt::asked() {
             self.last = Instant::now();
-            let cleared = if self.begun { Ok(()) } else { folder.remove(self.stale.iter().copied()) };
+            let cleared = if self.begun { Ok(()) } else { folder.remove(self.stale.iter().map(String::as_str)) };
             self.begun = true;
             let kept = cleared.and_then(|()| folder.write(self.file, &bytes()?));
             // A failed write does not stop the branch: its results are written at the end, or that

@@ -72,9 +72,8 @@ pub use wave::*;
 pub(crate) use crate::number::shown;
 use crate::{
     chain::Params,
-    error::{Error, Result},
+    error::Result,
     number::written,
-    orbits::End,
     report,
     run::Method,
     scene::Scene,
@@ -190,60 +189,6 @@ impl Report for report::Report {
     fn succeeded(&self) -> bool {
         self.succeeded()
     }
-}
-
-/// The tables of a branch that crosses the one that was asked for.
-const SWITCHED_TABLE: &str = "switched-branch.csv";
-/// The tables of such a branch: points and bifurcations.
-const SWITCHED: [&str; 2] = ["switched-branch", "switched-bifurcations"];
-
-/// Refuses the number of a bifurcation that is none.
-fn check_switch(number: Option<usize>) -> Result<()> {
-    let rule = "bifurcations of the branch are numbered from 1";
-    if number == Some(0) { Err(Error::parameter("switch", 0, rule)) } else { Ok(()) }
-}
-
-/// The branch that crosses another one at its bifurcation `number`. Without such a branch, the
-/// reason in words: the branch that is known is a result all the same.
-fn crossing<B>(number: usize, found: Result<B>) -> Result<Switched<B>> {
-    match found {
-        Err(stopped @ Error::Stopped { .. }) => Err(stopped),
-        found => Ok(Some((number, found.map_err(|error| error.to_string())))),
-    }
-}
-
-/// A branch that crosses another one at the bifurcation of a number or, in words, why none was
-/// followed.
-type Switched<B> = Option<(usize, std::result::Result<B, String>)>;
-
-/// A branch and, if it was followed, the one that crosses it.
-fn followed_branches<'a, B>(branch: &'a B, switched: &'a Switched<B>) -> impl Iterator<Item = &'a B> {
-    std::iter::once(branch).chain(switched.iter().filter_map(|(_, other)| other.as_ref().ok()))
-}
-
-/// Why the branches, with these ends, are not what was asked for, if they are not: a branch answers
-/// if it reached its end or turned back, or came back to the branch of half its period.
-fn branch_failure<B>(switched: &Switched<B>, mut ends: impl Iterator<Item = End>) -> Option<String> {
-    if let Some((_, Err(why))) = switched {
-        return Some(why.clone());
-    }
-    ends.find(|end| !end.is_complete()).map(|end| format!("the branch ended: {}", end.words()))
-}
-
-/// How a branch ended, in words.
-fn branch_end(points: usize, bifurcations: usize, end: End) -> String {
-    let none = if bifurcations == 0 { ", no bifurcation" } else { "" };
-    format!("{points} points{none}; the branch ended: {}.", end.words())
-}
-
-/// The points of a branch as two lines of a picture, one for stable and one for unstable ones.
-pub(crate) fn stability_lines<'a, T: 'a>(
-    points: &'a [T],
-    place: impl Fn(&'a T) -> (f64, f64),
-    stable: impl Fn(&'a T) -> bool,
-) -> Vec<report::Line> {
-    let chosen = |wanted: bool| points.iter().filter(|point| stable(point) == wanted).map(&place).collect::<Vec<_>>();
-    [("stable", true), ("unstable", false)].map(|(name, wanted)| report::Line::new(name, chosen(wanted))).to_vec()
 }
 
 /// Names for files and pictures.

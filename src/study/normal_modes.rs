@@ -2,7 +2,9 @@
 //! mode.
 
 use super::{
-    Changes, InSi, Progress, SWITCHED, Study, Work, branches, check_switch, crossing, scene_caption, scene_json, shown,
+    Changes, InSi, Progress, Study, Work,
+    branches::{self, SWITCHED, Switched, check_switch, crossed, crossing},
+    scene_caption, scene_json, shown,
     si::Scale,
     stretches::{self, Known},
     word,
@@ -88,7 +90,7 @@ pub struct ModeStudy {
     pub branch: ModeBranch,
     /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there or, in
     /// words, why none was followed.
-    pub switched: Option<(usize, std::result::Result<ModeBranch, String>)>,
+    pub switched: Switched<ModeBranch>,
     /// The units of the scene, if the report is in SI units.
     pub si: Option<Units>,
 }
@@ -301,24 +303,13 @@ impl ModeStudy {
         both.map(|values| Scale(self.si.as_ref()).all(Quantity::Length, &values))
     }
 
-    /// The branch that crosses, if one was followed, and the number of its bifurcation.
-    fn crossing(&self) -> Option<(usize, &ModeBranch)> {
-        let (number, other) = self.switched.as_ref()?;
-        Some((*number, other.as_ref().ok()?))
-    }
-
-    /// The branch and, if it was followed, the one that crosses it.
-    fn branches(&self) -> impl Iterator<Item = &ModeBranch> {
-        std::iter::once(&self.branch).chain(self.crossing().map(|(_, other)| other))
-    }
-
     /// Adds points, bifurcations and the last orbit of a branch.
     fn tell(&self, report: Report, at: Option<usize>, branch: &ModeBranch) -> Report {
         let (si, last) = (self.si.as_ref(), last(branch));
         let [u, v] = self.displacements(last);
         let start = self.modes.state(&last.orbit);
         let start = [Some(start.u()), start.v()].map(|all| all.map(|all| Scale(si).all(Quantity::Length, all)));
-        let facts = json!({ "end": branch.end, "unresolved": branch.unresolved, "last": {
+        let facts = json!({ "last": {
             "u": u,
             "v": v,
             "start": { "u": start[0], "v": start[1] },
@@ -328,12 +319,12 @@ impl ModeStudy {
         }});
         let names = if at.is_some() { SWITCHED } else { BRANCH };
         let tables = (points(names[0], &branch.points, si), bifurcations(names[1], &branch.bifurcations, si));
-        branches::tell(report, at, tables, facts, branch.end)
+        branches::tell(report, at, tables, facts, (branch.end, branch.unresolved))
     }
 
     /// The report.
     pub fn report(&self) -> Report {
-        let Self { scene, modes, branch, si, .. } = self;
+        let Self { scene, modes, branch, switched, si } = self;
         let chosen = branch.continuation.mode;
         let numbered = (1..).zip(modes.linear()).map(|(k, mode)| (k, mode, modes.place(mode.leading)));
         let numbered: Vec<Numbered<'_>> = numbered.collect();
@@ -341,27 +332,31 @@ impl ModeStudy {
         let report = report.table(linear_modes(&numbered, chosen, si.as_ref()));
         let report = report.words(format!("Mode {} of {} linear modes is followed.", chosen + 1, numbered.len()));
         let mut report = self.tell(report, None, branch);
-        if let Some((number, other)) = self.crossing() {
+        if let Some((number, other)) = crossed(switched) {
             report = self.tell(report, Some(number), other);
         }
-        let short = self.branches().find(|branch| !branch.end.is_complete());
-        let short = short.map(|branch| format!("the branch ended: {}", branch.end.words()));
-        let report = branches::not_crossed(report.failure(short), self.switched.as_ref());
+        let report = branches::checked(report, branch, switched, |branch| branch.end);
         report.fact("scene_file", scene_json(scene)).picture(self.panels())
     }
 
     fn panels(&self) -> Panels {
         let (branch, scale) = (&self.branch, Scale(self.si.as_ref()));
-        let (point, linear, other) = (last(branch), self.modes.linear(), self.crossing());
+        let (point, linear, other) = (last(branch), self.modes.linear(), crossed(&self.switched));
         let (frequency, symbol) = match self.si {
             None => (Quantity::Omega, "frequency ω"),
             Some(_) => (Quantity::Frequency, "frequency ω/2π"),
         };
         let amplitude = |point: &ModePoint| scale.told(Quantity::Length, point.orbit.amplitude.abs());
         let place = |point: &ModePoint| (amplitude(point), scale.told(frequency, point.orbit.omega));
-        let marks = self.branches().flat_map(|branch| &branch.bifurcations).map(|one| place(&one.point));
+        let all = branches::followed(branch, &self.switched).flat_map(|branch| &branch.bifurcations);
         let crossed = other.map(|(_, other)| &*other.points);
-        let mut lines = branches::lines(&branch.points, crossed, place, |point| point.unstable() == 0, marks);
+        let mut lines = branches::lines(
+            &branch.points,
+            crossed,
+            place,
+            |point| point.unstable() == 0,
+            all.map(|one| place(&one.point)),
+        );
         let near = linear.iter().map(|mode| (0.0, scale.told(frequency, mode.omega)));
         lines.insert(2, Line::new("linear modes", near));
         let share = |(name, branch): (&str, &ModeBranch)| {
@@ -399,7 +394,7 @@ impl ModeStudy {
             mode + 1,
             linear.len(),
             point.orbit.residual,
-            branches::from(other.map(|(number, other)| (number, other.points.len(), other.end.words())))
+            branches::from(other.map(|(number, other)| (number, other.points.len(), other.end)))
         );
         Panels {
             title: format!("A nonlinear normal mode of {}", self.scene.name()),

@@ -6,8 +6,11 @@ mod report;
 mod spectra;
 
 use super::{
-    Changes, InSi, Progress, SWITCHED, SWITCHED_TABLE, Study, Work, check_switch, crossing, keeper::Autosave,
-    si::Scale, stretches,
+    Changes, InSi, Progress, Study, Work,
+    branches::{SWITCHED, Switched, check_switch, crossing},
+    keeper::Autosave,
+    si::Scale,
+    stretches,
 };
 use crate::{
     chain::Means,
@@ -220,7 +223,7 @@ pub struct DrivenBranchStudy {
     pub branch: DrivenBranch,
     /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there or, in
     /// words, why none was followed.
-    pub switched: Option<(usize, std::result::Result<DrivenBranch, String>)>,
+    pub switched: Switched<DrivenBranch>,
     /// The units of the scene, if the report is in SI units.
     pub si: Option<Units>,
 }
@@ -370,21 +373,14 @@ fn followed(
     progress: Progress<'_>,
 ) -> Result<DrivenBranchStudy> {
     let whole = if switch.is_some() { 0.5 } else { 1.0 };
-    let stale = &[
-        "driven-branch.json",
-        "driven-branch.csv",
-        "bifurcations.csv",
-        "driven-branch.png",
-        SWITCHED_FILE,
-        SWITCHED_TABLE,
-        "switched-bifurcations.csv",
-    ];
+    let stale = ["driven-branch.json", "driven-branch.csv", "bifurcations.csv", "driven-branch.png"].map(str::to_owned);
+    let stale = stale.into_iter().chain(DrivenContinue::optional_files()).collect();
     let (scale, folder) = (Scale(si.as_ref()), stretches::folder(engine));
     let kept = |keeper, store| Kept { scene: &scene, engine, keeper, store };
     let first = kept(Autosave::new(folder, BRANCH_FILE, stale), STORE);
     let branch = first.go_on(trail, scale, &|share, what| progress(whole * share, what))?;
     let Some(number) = switch else { return Ok(DrivenBranchStudy { scene, branch, switched: None, si }) };
-    let second = kept(Autosave::new(folder, SWITCHED_FILE, &[]), SWITCHED_STORE);
+    let second = kept(Autosave::new(folder, SWITCHED_FILE, Vec::new()), SWITCHED_STORE);
     let progress = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
     let other = branch.switched(number.wrapping_sub(1)).and_then(|other| second.go_on(other, scale, &progress));
     Ok(DrivenBranchStudy { switched: crossing(number, other)?, scene, branch, si })

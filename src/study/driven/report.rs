@@ -11,16 +11,20 @@ use crate::{
     },
     scene::{Quantity, Units},
     study::{
-        branch_end, branch_failure, followed_branches, scene_caption, scene_json, shown, si::Scale, stability_lines,
+        branches::{self, SWITCHED, crossed},
+        scene_caption, scene_json, shown,
+        si::Scale,
         word,
     },
 };
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// Number of leading multipliers, one of each conjugate pair, that text and JSON show.
 const LEADING: usize = 6;
 /// Multipliers are shown with ten decimals; smaller ones, and those below their error, are not.
 const SHOWN: f64 = 5e-11;
+/// The tables of a branch: points and bifurcations.
+const BRANCH: [&str; 2] = ["driven-branch", "bifurcations"];
 /// Name of the integrator of driven orbits.
 const METHOD: &str = "dop853-regularised";
 
@@ -160,27 +164,25 @@ impl DrivenBranchStudy {
         Scale(self.si.as_ref())
     }
 
-    /// Points and bifurcations of a branch, in tables with these names and fields of the JSON.
-    fn tables(&self, branch: &DrivenBranch, names: [&str; 2], keys: [&str; 2]) -> [Table; 2] {
+    /// Adds points and bifurcations of a branch.
+    fn tell(&self, report: Report, at: Option<usize>, branch: &DrivenBranch) -> Report {
         let (varied, si, scale) = (branch.continuation.parameter, self.si.as_ref(), self.scale());
         let kind = branch.points.first().map_or(Quantity::Number, |point| quantity(varied, &point.orbit.setting));
-        let numbered: Vec<_> = (1_u64..).zip(&branch.bifurcations).collect();
-        let bifurcations = Table::of(names[1], &numbered)
-            .key(keys[1])
-            .si(si)
-            .col("number", Short, "", |row| row.0)
-            .col("kind", Short, "", |row| word(&row.1.kind))
-            .col(varied.name(), Fixed(8), "", |row| row.1.parameter)
+        let names = if at.is_some() { SWITCHED } else { BRANCH };
+        let bifurcations = branches::numbered(Table::of(names[1], &branch.bifurcations).si(si))
+            .col("kind", Short, "", |one| word(&one.kind))
+            .col(varied.name(), Fixed(8), "", |one| one.parameter)
             .kind(kind)
-            .col("response", Hidden, "largest half range of a free bead", |row| row.1.point.amplitude)
+            .col("response", Hidden, "largest half range of a free bead", |one| one.point.amplitude)
             .kind(Quantity::Length)
-            .col("re", Fixed(6), "real part of the multiplier", |row| row.1.multiplier.re)
-            .col("im", Fixed(6), "imaginary part", |row| row.1.multiplier.im)
-            .col("multiplier", Json, "", |row| json!(row.1.multiplier))
-            .col("parameter", Json, "", |row| scale.told(kind, row.1.parameter))
-            .col("omega", Json, "", |row| row.1.point.orbit.setting.omega())
+            .col("re", Fixed(6), "real part of the multiplier", |one| one.multiplier.re)
+            .col("im", Fixed(6), "imaginary part", |one| one.multiplier.im)
+            .col("multiplier", Json, "", |one| json!(one.multiplier))
+            .col("parameter", Json, "", |one| scale.told(kind, one.parameter))
+            .col("omega", Json, "", |one| one.point.orbit.setting.omega())
             .kind(Quantity::Omega);
-        [points(names[0], &branch.points, varied, si).key(keys[0]).done(), bifurcations.done()]
+        let tables = (points(names[0], &branch.points, varied, si), bifurcations);
+        branches::tell(report, at, tables, json!({}), (branch.end, branch.unresolved))
     }
 
     /// The report.
@@ -188,52 +190,23 @@ impl DrivenBranchStudy {
     /// # Errors
     /// Errors of the archive writer.
     pub fn report(&self) -> Result<Report> {
-        let Self { scene, branch, switched, si, .. } = self;
-        let ended = |branch: &DrivenBranch| {
-            let unresolved = match branch.unresolved {
-                0 => String::new(),
-                count => format!(" Changes of stability that were not resolved into single bifurcations: {count}."),
-            };
-            branch_end(branch.points.len(), branch.bifurcations.len(), branch.end) + &unresolved
-        };
-        let [points, bifurcations] = self.tables(branch, ["driven-branch", "bifurcations"], ["points", "bifurcations"]);
+        let Self { scene, branch, switched, si } = self;
         let mut report = Report::new("driven-branch")
             .fact("scene", scene.name())
             .fact("parameter", branch.continuation.parameter.name())
-            .fact("end", branch.end)
-            .fact("unresolved", branch.unresolved)
             .fact("integrator", METHOD)
             .fact("scene_file", scene_json(scene))
-            .table(points)
-            .table(bifurcations)
-            .words(ended(branch))
             .file(BRANCH_FILE, driven_branch_npz(scene, &branch.trail)?);
-        match switched {
-            Some((number, Ok(other))) => {
-                let [points, bifurcations] = self.tables(other, ["switched-branch", "switched-bifurcations"], ["", ""]);
-                let json: Value = json!({
-                    "at": number,
-                    "end": other.end,
-                    "points": points.json(),
-                    "bifurcations": bifurcations.json(),
-                    "unresolved": other.unresolved,
-                });
-                let turns = other.points.first().map_or(1, |point| point.orbit.setting.turns());
-                let words =
-                    format!("The branch that crosses at bifurcation {number}, of {turns} period(s) of the drive:");
-                report = report
-                    .fact("switched", json)
-                    .words(words)
-                    .table(points)
-                    .table(bifurcations)
-                    .words(ended(other))
-                    .file(SWITCHED_FILE, driven_branch_npz(scene, &other.trail)?);
-            }
-            Some((number, Err(why))) => report = report.fact("switched", json!({ "at": number, "failure": why })),
-            None => {}
+        report = self.tell(report, None, branch);
+        if let Some((number, other)) = crossed(switched) {
+            let turns = other.points.first().map_or(1, |point| point.orbit.setting.turns());
+            report = self
+                .tell(report, Some(number), other)
+                .words(format!("Periods of the drive in one of its orbits: {turns}."))
+                .file(SWITCHED_FILE, driven_branch_npz(scene, &other.trail)?);
         }
-        let ends = followed_branches(branch, switched).map(|branch| branch.end);
-        Ok(report.si(si.as_ref()).failure(branch_failure(switched, ends)).picture(branch_picture(self)))
+        let report = branches::checked(report, branch, switched, |branch| branch.end);
+        Ok(report.si(si.as_ref()).picture(branch_picture(self)))
     }
 }
 
@@ -296,29 +269,30 @@ fn branch_picture(study: &DrivenBranchStudy) -> Panels {
     let symbol = if kind == Quantity::Frequency { "drive frequency ω/2π" } else { parameter.symbol() };
     let place = |point: &DrivenPoint| scale.told(kind, point.orbit.setting.get(parameter));
     let response = |point: &DrivenPoint| scale.told(Quantity::Length, point.amplitude);
-    let responses = |branch: &DrivenBranch| {
-        stability_lines(&branch.points, |point| (place(point), response(point)), DrivenPoint::stable)
-    };
-    let mut lines = responses(branch);
-    let marks = followed_branches(branch, &study.switched).flat_map(|branch| &branch.bifurcations);
-    lines.push(Line::new("bifurcation", marks.map(|one| (scale.told(kind, one.parameter), response(&one.point)))));
-    let moduli = |name: &str, branch: &DrivenBranch| {
+    let other = crossed(&study.switched);
+    let marks = branches::followed(branch, &study.switched).flat_map(|branch| &branch.bifurcations);
+    let lines = branches::lines(
+        &branch.points,
+        other.map(|(_, other)| &*other.points),
+        |point| (place(point), response(point)),
+        DrivenPoint::stable,
+        marks.map(|one| (scale.told(kind, one.parameter), response(&one.point))),
+    );
+    let both = [("largest |λ|", branch)].into_iter().chain(other.map(|(_, other)| ("switched", other)));
+    let moduli = |(name, branch): (&str, &DrivenBranch)| {
         Line::new(name, branch.points.iter().map(|point| (place(point), point.spectrum.largest())))
     };
-    let mut largest = vec![moduli("largest |λ|", branch)];
-    let mut how = format!("{} orbits; {}.", branch.points.len(), branch.end.words());
-    if let Some((number, Ok(other))) = &study.switched {
-        let names = ["stable, switched", "unstable, switched"];
-        lines
-            .extend(responses(other).into_iter().zip(names).map(|(line, name)| Line { name: name.to_owned(), ..line }));
-        largest.push(moduli("switched", other));
-        how += &format!(" From bifurcation {number}: {} orbits; {}.", other.points.len(), other.end.words());
-    }
+    let how = format!(
+        "{} orbits; {}.{}",
+        branch.points.len(),
+        branch.end.words(),
+        branches::from(other.map(|(number, other)| (number, other.points.len(), other.end)))
+    );
     let along = scale.label(symbol, kind);
     let range = scale.label("largest half range of a bead", Quantity::Length);
     let plots = vec![
         Panel::new(Kind::Cloud, [&*along, &*range], lines),
-        Panel::new(Kind::Cloud, [&*along, "largest |λ|"], largest),
+        Panel::new(Kind::Cloud, [&*along, "largest |λ|"], both.map(moduli).collect()),
     ];
     let title = format!("Driven orbits of {} over the {symbol}", scene.name());
     Panels::column(title, plots, scene_caption(scene, &how))

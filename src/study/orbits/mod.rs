@@ -358,8 +358,8 @@ pub(crate) fn folder_of(path: &Path) -> PathBuf {
 
 /// A function that writes the file of a branch from time to time while the branch is followed.
 fn keeper(folder: Option<&Folder>) -> impl FnMut(&Trail) {
-    let mut keeper =
-        Autosave::new(folder, BRANCH_FILE, &["branch.json", "branch.csv", "bifurcations.csv", "branch.png"]);
+    let stale = ["branch.json", "branch.csv", "bifurcations.csv", "branch.png"].map(str::to_owned);
+    let mut keeper = Autosave::new(folder, BRANCH_FILE, stale.into());
     move |trail| keeper.keep(trail.orbits.len(), trail.end.is_some(), || trail.npz(Vec::new()))
 }
 

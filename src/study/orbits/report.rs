@@ -11,10 +11,10 @@ use crate::{
         Line, Panel, Panels, Report, Table,
     },
     study::{
-        branch_end,
+        branches::{ended, stability_lines},
         dps::center_word,
         exact::{bounds, newton_kantorovich_bound},
-        params_words, stability_lines, word,
+        params_words, word,
     },
 };
 use serde_json::{Value, json};
@@ -217,7 +217,7 @@ impl Branch {
         if self.bounded {
             more += &format!(" {}", bounds(self.points.iter().map(|point| point.kantorovich)));
         }
-        let end = branch_end(self.points.len(), self.bifurcations.len(), self.end);
+        let end = ended(self.points.len(), self.bifurcations.len(), self.end);
         let table = self.table();
         let picture = self.picture(&table);
         Ok(report

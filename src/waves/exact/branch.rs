@@ -270,7 +270,7 @@ impl WaveContinuation {
             return Err(Error::parameter("step", self.step, "positive"));
         }
         if self.most_points < 2 {
-            return Err(Error::parameter("points", self.most_points, "at least two"));
+            return Err(Error::parameter("max-points", self.most_points, "at least two"));
         }
         Ok(())
     }
