@@ -26,8 +26,8 @@ fn settings(bytes: &[u8]) -> (String, &[u8]) {
     (String::from_utf8_lossy(&bytes[..cut]).into_owned(), bytes[cut..].get(1..).unwrap_or_default())
 }
 
-/// The number of unknowns that the scene needs, if known, so that the code after the check of shapes
-/// is reached.
+/// The number of unknowns that the scene needs, if known, so that the code after the check of
+/// shapes is reached.
 fn unknowns(json: &Value, file: SceneFile) -> Option<usize> {
     let turns = json.pointer("/turns")?.as_u64()?;
     let scene = Scene::build(file).ok()?;

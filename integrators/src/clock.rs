@@ -189,8 +189,8 @@ impl<R: Real> Rotation<R> {
         Self { sin: DoubleDouble::zero(), cos: DoubleDouble::new(R::one()) }
     }
 
-    /// The rotation by `angle`, which must be [`reduced`](DoubleDouble::reduced): Taylor's series of
-    /// 1/64 of the angle, which is then doubled six times.
+    /// The rotation by `angle`, which must be [`reduced`](DoubleDouble::reduced): Taylor's series
+    /// of 1/64 of the angle, which is then doubled six times.
     pub fn by(angle: DoubleDouble<R>) -> Self {
         const DOUBLINGS: usize = 6;
         if angle == DoubleDouble::zero() {
@@ -217,9 +217,10 @@ impl<R: Real> Rotation<R> {
         Self { sin, cos: DoubleDouble::new(R::one()) - versine }
     }
 
-    /// A rotation by almost `angle`, which must be [`reduced`](DoubleDouble::reduced): the angle has an
-    /// error of a rounding, the length of what is turned is kept to twice the working precision.
-    /// It costs far less than [`by`](Self::by), and is for a rotation that is not repeated.
+    /// A rotation by almost `angle`, which must be [`reduced`](DoubleDouble::reduced): the angle
+    /// has an error of a rounding, the length of what is turned is kept to twice the working
+    /// precision. It costs far less than [`by`](Self::by), and is for a rotation that is not
+    /// repeated.
     pub fn near(angle: DoubleDouble<R>) -> Self {
         let (sin, cos) = angle.sin_cos();
         let [s, c] = [sin, cos].map(|x| two_product(x, x));

@@ -135,7 +135,8 @@ pub(crate) fn run_narrow<K: Kernel>(kernel: K) -> K::Output {
             kernel.run()
         }
         if Instructions::used() != Instructions::Portable {
-            // SAFETY: `used` returns a set that this machine has, and AVX-512 is used with AVX2 only.
+            // SAFETY: `used` returns a set that this machine has, and AVX-512 is used with AVX2
+            // only.
             return unsafe { avx2(kernel) };
         }
     }

@@ -1,8 +1,8 @@
 //! A picture as a PNG file.
 //!
 //! The buffer is [`FINE`] times finer than the picture and is averaged at the end, which smooths
-//! every edge. Shapes are rasterised by `plotters`. Glyphs are placed here, with their side bearings
-//! and kerning, because the text of `plotters` ignores the bearings.
+//! every edge. Shapes are rasterised by `plotters`. Glyphs are placed here, with their side
+//! bearings and kerning, because the text of `plotters` ignores the bearings.
 
 use ab_glyph::Font;
 use plotters::backend::{BitMapBackend, DrawingBackend};

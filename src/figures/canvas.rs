@@ -1,7 +1,7 @@
 //! The surface of a figure: a list of shapes, drawn in their order.
 //!
-//! All lengths are pixels of the finished picture; `y` increases downwards. Widths of texts are those
-//! of the font that is part of the program.
+//! All lengths are pixels of the finished picture; `y` increases downwards. Widths of texts are
+//! those of the font that is part of the program.
 
 use std::sync::LazyLock;
 
@@ -19,7 +19,8 @@ pub(super) const SMALL: f64 = 15.0;
 /// Size of the caption, in pixels per em.
 pub(super) const CAPTION: f64 = 13.5;
 
-/// Pixels of a bitmap per pixel of the picture, along one side. Widths of texts are rounded to them.
+/// Pixels of a bitmap per pixel of the picture, along one side. Widths of texts are rounded to
+/// them.
 pub(super) const FINE: u32 = 3;
 
 pub(super) static FONT: LazyLock<FontRef<'static>> =
@@ -124,8 +125,8 @@ pub(super) struct Label {
     /// Pixels per em.
     pub(super) size: f64,
     pub(super) colour: Rgb,
-    /// The point of the text that lies there. Along the text 0 is its start and 1 its end; across it
-    /// 0 is the top of the capitals and 1 the baseline.
+    /// The point of the text that lies there. Along the text 0 is its start and 1 its end; across
+    /// it 0 is the top of the capitals and 1 the baseline.
     pub(super) anchor: (f64, f64),
     /// Whether the text runs upwards instead of to the right.
     pub(super) upwards: bool,
@@ -137,8 +138,8 @@ pub(super) const CAPITALS: f64 = 0.73;
 /// One element of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Shape {
-    /// A line through points; `dash` holds the lengths of strokes and gaps in turn, and is empty for
-    /// a solid line.
+    /// A line through points; `dash` holds the lengths of strokes and gaps in turn, and is empty
+    /// for a solid line.
     Line { points: Vec<(f64, f64)>, colour: Rgb, width: f64, dash: Vec<f64> },
     /// A filled polygon.
     Polygon { points: Vec<(f64, f64)>, colour: Rgb },

@@ -1,8 +1,9 @@
 //! Figures as PNG and SVG files; all pictures of this crate are drawn here.
 //!
 //! Every function takes numbers and words and returns a [`Picture`], which becomes a file of either
-//! [`Format`]. This module computes no physics and reads no file: the font is part of the program, so
-//! that a figure needs no display and no installed files, and the same input gives the same bytes.
+//! [`Format`]. This module computes no physics and reads no file: the font is part of the program,
+//! so that a figure needs no display and no installed files, and the same input gives the same
+//! bytes.
 //!
 //! | figure | function |
 //! | --- | --- |
@@ -17,8 +18,8 @@
 //! Texts are set with subscripts, superscripts and powers of ten: `ω_b`, `ε^(1−α)`, `1e-9`.
 //!
 //! The caption is drawn below the axes. The file also holds the whole caption, as the text chunk
-//! `Description` of PNG or the element `desc` of SVG, so that a picture without its page says how it
-//! was made.
+//! `Description` of PNG or the element `desc` of SVG, so that a picture without its page says how
+//! it was made.
 
 mod axes;
 mod bitmap;

@@ -267,18 +267,18 @@ fn naturally(family: &impl Family, spot: BasePoint<'_>, scales: Scales, to: f64)
     family.solve(&z, to)
 }
 
-/// Whether a solution may be one of another branch, or beyond a fold: the chord to it is much longer
-/// than the predictor, or Newton's corrections do not contract from the first one on.
+/// Whether a solution may be one of another branch, or beyond a fold: the chord to it is much
+/// longer than the predictor, or Newton's corrections do not contract from the first one on.
 pub(crate) fn strays(chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
     let slow = |first: f64, second: f64| second > CONTRACTION * first && second > LAST_CORRECTION;
     chord > TURN * predictor + LAST_CORRECTION || matches!(newton, [first, second, ..] if slow(first.step, second.step))
 }
 
-/// The next point after `spot`, and the length `ds` for the point after it; otherwise why the branch
-/// ends.
+/// The next point after `spot`, and the length `ds` for the point after it; otherwise why the
+/// branch ends.
 ///
-/// The predictor has the length `ds` at first; the length is halved until the corrector converges to
-/// a point that does not [stray](strays).
+/// The predictor has the length `ds` at first; the length is halved until the corrector converges
+/// to a point that does not [stray](strays).
 pub(super) fn next(
     family: &impl Family,
     spot: BasePoint<'_>,

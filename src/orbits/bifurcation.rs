@@ -434,7 +434,8 @@ impl Continuation {
         located(self, &known, weak).0.into_iter().map(|one| self.bifurcation(one)).collect()
     }
 
-    /// Those of [`bifurcations`](Self::bifurcations) that are between two neighbours, without folds.
+    /// Those of [`bifurcations`](Self::bifurcations) that are between two neighbours, without
+    /// folds.
     pub(crate) fn bifurcations_between(&self, ends: [(&Orbit, &Spectrum); 2], weak: f64) -> Vec<Bifurcation> {
         let ([a, b], mut found) = (ends.map(Known::of), Vec::new());
         in_stretch(self, [&a, &b], weak, &mut found);

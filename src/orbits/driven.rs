@@ -304,10 +304,9 @@ impl DrivenSetting {
 
     /// Largest residual of an orbit, in units of [`size`](Self::size): [`SOLVED`], or what the
     /// tolerance of the flow allows. With the fastest rate `R`, in units of the frequency of the
-    /// orbit, the period has some `2 pi R` steps. Each errs by `tol s` in displacements, where `s` is
-    /// the largest of the unknowns, static overlaps and moved beads: these sum to at most
-    /// `2 pi R tol s`. Velocities then err by `R omega tol s`, and the unknowns `q'/omega` by
-    /// `R tol s`.
+    /// orbit, the period has some `2 pi R` steps. Each errs by `tol s` in displacements, where `s`
+    /// is the largest of the unknowns, static overlaps and moved beads: these sum to at most `2 pi
+    /// R tol s`. Velocities then err by `R omega tol s`, and the unknowns `q'/omega` by `R tol s`.
     fn solved(&self, z: &[f64], tol: f64) -> f64 {
         let overlap = self.details.overlap.iter().copied().fold(0.0, f64::max);
         let state = max_norm(z.iter().copied()).max(overlap).max(self.moved().unwrap_or(0.0));
@@ -323,8 +322,9 @@ impl DrivenSetting {
         }))
     }
 
-    /// A bound of the rates in a chain whose unknowns are as large as `z`, in units of the frequency
-    /// of the orbit: frequencies of contacts and resonators, rates of damping, harmonics of drives.
+    /// A bound of the rates in a chain whose unknowns are as large as `z`, in units of the
+    /// frequency of the orbit: frequencies of contacts and resonators, rates of damping, harmonics
+    /// of drives.
     pub(crate) fn fastest_rate(&self, z: &[f64]) -> Result<f64> {
         let (chain, reach) = (self.chain()?, 2.0 * max_norm(z.iter().copied()).max(self.moved()?));
         let (params, details) = (chain.params(), chain.details().cloned().unwrap_or_default());
@@ -406,8 +406,8 @@ const LONGEST_STEP: f64 = 0.5;
 const FINER: f64 = 1e-2;
 /// Error of the eigenvalues' algorithm, in roundings of the largest entry. Chosen, not measured.
 const EIGEN: f64 = 4.0;
-/// Largest change of the unknowns over a period of an orbit, in units of the largest displacement or
-/// scaled velocity, for which the orbit counts as one of that period.
+/// Largest change of the unknowns over a period of an orbit, in units of the largest displacement
+/// or scaled velocity, for which the orbit counts as one of that period.
 const RETURNED: f64 = 1e-8;
 /// A run has settled if a period changes the unknowns by at most this, in units of the largest.
 const SETTLED: f64 = 1e-8;
@@ -433,8 +433,9 @@ impl DrivenShooting {
         Ok(Equations { residual, jacobian })
     }
 
-    /// `M`, and bounds for the errors of its entries: the distance from `M` at a finer tolerance, that
-    /// tolerance in units of `|M|`, and a rounding for each radian of the fastest motion; `Gamma`.
+    /// `M`, and bounds for the errors of its entries: the distance from `M` at a finer tolerance,
+    /// that tolerance in units of `|M|`, and a rounding for each radian of the fastest motion;
+    /// `Gamma`.
     fn checked_monodromy(&self, setting: &DrivenSetting, z: &[f64]) -> Result<(DMatrix<f64>, DMatrix<f64>, f64)> {
         let (first, contacts) = self.monodromy(setting, z)?;
         let (radians, size) = (2.0 * PI * setting.fastest_rate(z)?, first.norm());
@@ -448,8 +449,8 @@ impl DrivenShooting {
         Ok((first, errors, contacts))
     }
 
-    /// `M`, the derivative of `P^m` by `z`, and `Gamma`: by [`Variations`] where contacts dissipate,
-    /// else by contact collocation.
+    /// `M`, the derivative of `P^m` by `z`, and `Gamma`: by [`Variations`] where contacts
+    /// dissipate, else by contact collocation.
     fn monodromy(&self, setting: &DrivenSetting, z: &[f64]) -> Result<(DMatrix<f64>, f64)> {
         let chain = setting.chain()?;
         let (half, omega, m) = (chain.layout().half(), setting.omega(), setting.free.len());
@@ -612,8 +613,8 @@ pub(super) const MARGIN: f64 = 1e-7;
 impl DrivenSpectrum {
     /// The multipliers of a matrix with these bounds `E` for the errors of its entries.
     ///
-    /// With right and left eigenvectors `x` and `y` an eigenvalue errs by `|y|^T E |x| / |y^H x|`. Two
-    /// that meet err by at most `(|M| |E|)^{1/2}`.
+    /// With right and left eigenvectors `x` and `y` an eigenvalue errs by `|y|^T E |x| / |y^H x|`.
+    /// Two that meet err by at most `(|M| |E|)^{1/2}`.
     fn new(monodromy: &DMatrix<f64>, errors: &DMatrix<f64>, exponent: f64) -> Option<Self> {
         let (values, vectors): (Vec<_>, Vec<_>) = eigen(monodromy)?.into_iter().unzip();
         let right = DMatrix::from_columns(&vectors);
@@ -799,8 +800,8 @@ mod tests {
         Chain::new(params, Boundary::Fixed, 4).unwrap().precompressed(1.0).unwrap().with(details).unwrap()
     }
 
-    // Truth: the upper edge of the band of a long chain, 4 k = 6 at the overlap 1; the frequency of a
-    // bead against its resonator; the largest mode of four beads that differ.
+    // Truth: the upper edge of the band of a long chain, 4 k = 6 at the overlap 1; the frequency of
+    // a bead against its resonator; the largest mode of four beads that differ.
     #[test]
     fn rates_are_bounded_by_those_of_long_chains() {
         let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-14;

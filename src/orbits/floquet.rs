@@ -223,8 +223,8 @@ impl Spectrum {
     }
 
     /// The real part of the eigenvector `((lambda - 1/lambda)/2 z, C z)` of multiplier `k`, scaled
-    /// to the largest entry 1. Empty for a spectrum without eigenvectors, such as that of a point of
-    /// a branch.
+    /// to the largest entry 1. Empty for a spectrum without eigenvectors, such as that of a point
+    /// of a branch.
     pub fn direction(&self, k: usize) -> Vec<f64> {
         let Multiplier { re, im, .. } = self.multipliers[k];
         let lambda = Complex::new(re, im);

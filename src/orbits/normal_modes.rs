@@ -430,7 +430,8 @@ impl<'a> ModeFamily<'a> {
     /// The orbit near the linear mode, whose unknowns are `seed`, at the amplitude `step` or a
     /// smaller one.
     fn first(&self, seed: &[f64], step: f64) -> Result<Solution> {
-        // Modes of one frequency, as on a ring, may have any shape among theirs: an orthonormal basis.
+        // Modes of one frequency, as on a ring, may have any shape among theirs: an orthonormal
+        // basis.
         let one = |mode: &&LinearMode| (mode.omega / self.linear.omega - 1.0).abs() < DEGENERATE;
         let mut basis: Vec<DVector<f64>> = Vec::new();
         for mode in self.modes.linear.iter().filter(one) {

@@ -56,8 +56,8 @@ impl Folder {
     ///
     /// # Errors
     /// A file that has the name of the folder, or of one above it, or a link that leads nowhere;
-    /// in the folder, anything else than a file, such as a folder or a pipe, with the extension of a
-    /// file of results; errors of the system.
+    /// in the folder, anything else than a file, such as a folder or a pipe, with the extension of
+    /// a file of results; errors of the system.
     pub fn create(path: impl Into<PathBuf>) -> Result<Self> {
         let path = path.into();
         let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();

@@ -23,9 +23,9 @@ const KINDS: [(Kind, &str, [Verdict; 3]); 3] = [
 
 /// The verdicts, with remarks and reasons.
 ///
-/// In the JSON output `value` is null if it is not a number. `instead` is the rule of our value where
-/// it is known to differ from that of the paper, or where the claim cannot be decided; `open` is the
-/// information that the paper does not give.
+/// In the JSON output `value` is null if it is not a number. `instead` is the rule of our value
+/// where it is known to differ from that of the paper, or where the claim cannot be decided; `open`
+/// is the information that the paper does not give.
 pub fn verify_report(verification: &Verification) -> Report {
     let Verification { items, wall } = verification;
     let count = |verdict: Verdict| items.iter().filter(|item| item.verdict() == verdict).count();

@@ -215,8 +215,8 @@ pub struct SpaceTime {
     pub first_site: f64,
     /// Times of the first and of the last row; the others are evenly spaced between them.
     pub times: (f64, f64),
-    /// Upper end of the scale of colours, if it is given; larger values have one colour, that of the
-    /// tip above the colour bar.
+    /// Upper end of the scale of colours, if it is given; larger values have one colour, that of
+    /// the tip above the colour bar.
     pub most: Option<f64>,
     /// Whether the range is symmetric, with colours from blue over white at 0 to red; otherwise
     /// colours run from dark to light.

@@ -129,8 +129,8 @@ impl Table {
 
 impl<T> Rows<'_, T> {
     /// A column with its name in files, its digits in text, what it is, for the legend, and its
-    /// value in a row. A name `a.b` is the field `b` of the field `a` in JSON, and `a_b` in CSV. The
-    /// heading in text is the name with blanks for underscores.
+    /// value in a row. A name `a.b` is the field `b` of the field `a` in JSON, and `a_b` in CSV.
+    /// The heading in text is the name with blanks for underscores.
     #[must_use]
     pub fn col<C: Into<Cell>>(
         mut self,
@@ -432,8 +432,8 @@ fn file_name(name: &str) -> String {
 
 /// Rows whose fields are the columns of a table, each told once: its documentation is its legend.
 ///
-/// `field: type => digits; kind,` has digits and kind as in [`Rows::col`] and [`Rows::kind`]. Without
-/// them the column stands in files only. `Row::table(name, &rows)` is the table.
+/// `field: type => digits; kind,` has digits and kind as in [`Rows::col`] and [`Rows::kind`].
+/// Without them the column stands in files only. `Row::table(name, &rows)` is the table.
 macro_rules! rows {
     ($(#[$attribute:meta])* pub struct $row:ident {
         $($(#[doc = $doc:literal])* $field:ident: $type:ty $(=> $digits:expr)? $(; $kind:ident)?,)*

@@ -24,8 +24,8 @@ const DEFAULT_SEED: u64 = 1;
 const NOTHING_DRAWN: &str = "a seed needs a perturbation: give zeta above 0";
 const REST: Site<f64> = Site { u: 0.0, v: 0.0, u_dot: 0.0, v_dot: 0.0 };
 
-/// The initial state of a scene, and the theory that it follows. Kinds that say of each site what it
-/// does are computed where they are needed.
+/// The initial state of a scene, and the theory that it follows. Kinds that say of each site what
+/// it does are computed where they are needed.
 pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(Start, Option<Theory>)> {
     match *initial {
         Initial::TravellingWave { q_over_pi, a, b, phi, epsilon, detuning, zeta, seed } => {
@@ -61,8 +61,8 @@ pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(St
     }
 }
 
-/// The state of a chain from those of its sites, computed when they are needed. That of a chain with
-/// details is computed at once, since it may be driven.
+/// The state of a chain from those of its sites, computed when they are needed. That of a chain
+/// with details is computed at once, since it may be driven.
 fn by_sites(chain: &Chain<f64>, site: impl Fn(usize) -> Site<f64> + Send + Sync + 'static) -> Result<Start> {
     match chain.details() {
         None => Ok(Start::by_sites(chain, site)),

@@ -302,8 +302,8 @@ impl BoundaryWave {
 }
 
 impl BoundaryWaveStudy {
-    /// The report. Pictures: wave number and mean strain against frequency; amplitude and mean strain
-    /// along the chain.
+    /// The report. Pictures: wave number and mean strain against frequency; amplitude and mean
+    /// strain along the chain.
     pub fn report(&self) -> Report {
         let waves = Table::of("boundary-wave", &self.waves)
             .key("waves")

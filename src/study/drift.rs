@@ -140,8 +140,8 @@ pub struct DriftStudy {
 }
 
 impl DriftRow {
-    /// Every k-th point, with the last one included. Each has the largest error so far, so that points
-    /// left out hide no error.
+    /// Every k-th point, with the last one included. Each has the largest error so far, so that
+    /// points left out hide no error.
     fn points(&self) -> Vec<Point> {
         let stride = self.t.len().div_ceil(MOST_POINTS).max(1);
         let all = self.t.iter().zip(&self.energy_error).rev().step_by(stride);
@@ -233,8 +233,8 @@ struct Kept {
 /// Runs the methods, each a point of a grid. `progress` is told how many of how many are done.
 ///
 /// # Errors
-/// An option outside its rule, a scene without an energy, or a run that cannot start; the process was
-/// asked to end.
+/// An option outside its rule, a scene without an energy, or a run that cannot start; the process
+/// was asked to end.
 pub fn drift(
     scene: &Scene,
     options: &DriftOptions,

@@ -492,8 +492,8 @@ impl EndDrivenStudy {
             .picture(self.picture())
     }
 
-    /// For each length and way to drive it that has kinks: the background against the drive amplitude;
-    /// then the best stable breather, its strains and multipliers.
+    /// For each length and way to drive it that has kinks: the background against the drive
+    /// amplitude; then the best stable breather, its strains and multipliers.
     fn picture(&self) -> Panels {
         let relative = |case: &EndDrivenCase, one: &EndDrivenPoint| (one.amplitude(), one.background / case.free);
         let mut branches = Vec::new();

@@ -70,15 +70,7 @@ pub use theorem::{
 pub use wave::*;
 
 pub(crate) use crate::number::shown;
-use crate::{
-    chain::Params,
-    error::Result,
-    number::written,
-    report,
-    run::Method,
-    scene::Scene,
-    sweep::Engine,
-};
+use crate::{chain::Params, error::Result, number::written, report, run::Method, scene::Scene, sweep::Engine};
 #[cfg(feature = "cli")]
 use hertzchain_integrators::Tolerance;
 use serde_json::{Value, json};

@@ -62,8 +62,8 @@ pub struct ModeWay {
     pub to: f64,
     /// Largest change of the amplitude from point to point.
     ///
-    /// The branch begins at this amplitude, or at a smaller one if the orbit found there is not near
-    /// the linear mode [default: a twentieth of the last one].
+    /// The branch begins at this amplitude, or at a smaller one if the orbit found there is not
+    /// near the linear mode [default: a twentieth of the last one].
     #[cfg_attr(feature = "cli", arg(long, value_name = "DA"))]
     pub step: Option<f64>,
     /// Points of the branch at most.

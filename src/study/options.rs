@@ -85,8 +85,9 @@ pub(crate) fn flag<T: Display, V: Value<T>>(
 
 /// A type of options of a study.
 ///
-/// `field: type = default, least to most, "VALUE", number;` is a field and its flag `--field VALUE`: help, default and
-/// range are told here only. The type has `Default`, and `within_ranges` refuses values outside them.
+/// `field: type = default, least to most, "VALUE", number;` is a field and its flag `--field
+/// VALUE`: help, default and range are told here only. The type has `Default`, and `within_ranges`
+/// refuses values outside them.
 macro_rules! options {
     ($(#[$attribute:meta])* pub struct $name:ident {
         $($(#[doc = $doc:literal])* $field:ident: $type:ty = $default:expr, $least:literal to $most:literal, $value:literal, $number:ty;)*

@@ -17,9 +17,9 @@ pub struct InSi {
     /// Results in SI units, for scenes with a table `[units]`.
     ///
     /// All that is printed and written, in metres, seconds, newtons and joules, except files for
-    /// --resume and messages of failures; and the values of --to and --step. An amplitude of a drive
-    /// is in m if the drive moves a bead, in N if it pushes one. `omega` is in rad/s, as in the
-    /// scene; `frequency`, in Hz, stands beside it. Names of fields and columns do not change.
+    /// --resume and messages of failures; and the values of --to and --step. An amplitude of a
+    /// drive is in m if the drive moves a bead, in N if it pushes one. `omega` is in rad/s, as in
+    /// the scene; `frequency`, in Hz, stands beside it. Names of fields and columns do not change.
     #[cfg_attr(feature = "cli", arg(long, hide_short_help = true))]
     pub si: bool,
 }

@@ -157,8 +157,8 @@ impl Solitary {
     /// Computes the pulses.
     ///
     /// # Errors
-    /// Numbers outside their rules; [`Error::Stalled`] where there is no pulse without resonators; a
-    /// signal before the first tail. A later one leaves the other tails out.
+    /// Numbers outside their rules; [`Error::Stalled`] where there is no pulse without resonators;
+    /// a signal before the first tail. A later one leaves the other tails out.
     pub fn study(&self) -> Result<SolitaryStudy> {
         self.check()?;
         let (line, search) = (LinePulse::new(self.alpha), Search { tol: self.tol, ..Search::default() });

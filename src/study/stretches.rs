@@ -9,8 +9,8 @@
 //! orbit.
 //!
 //! The key of a stretch has a digest of all settings that its row depends on, and of all orbits of
-//! the branch up to its last one. So a store can have rows of several branches, and a branch that is
-//! followed with other settings finds none of another one.
+//! the branch up to its last one. So a store can have rows of several branches, and a branch that
+//! is followed with other settings finds none of another one.
 
 use super::Progress;
 use crate::{

@@ -1,9 +1,9 @@
 //! The golden net: every command, small, against stored answers.
 //!
-//! `tests/golden/commands.txt` has the command lines. An answer is what the command prints, its exit
-//! code, and a line for each file that it writes: for text the hash of its words and two weighted
-//! sums of its numbers, for pictures their size and a coarse image. Run times and the machine are
-//! masked.
+//! `tests/golden/commands.txt` has the command lines. An answer is what the command prints, its
+//! exit code, and a line for each file that it writes: for text the hash of its words and two
+//! weighted sums of its numbers, for pictures their size and a coarse image. Run times and the
+//! machine are masked.
 //!
 //! `HERTZCHAIN_GOLDEN=update` writes the answers anew: the difference of `tests/golden` then shows
 //! what a change has changed. `HERTZCHAIN_GOLDEN=bytes` compares every digit, as one does on one
@@ -35,7 +35,8 @@ const MASKED: &[&str] = &[
     "processor",
 ];
 
-/// Largest relative difference of two numbers, and the size below which numbers are rounding errors.
+/// Largest relative difference of two numbers, and the size below which numbers are rounding
+/// errors.
 const TOLERANCE: f64 = 1e-6;
 const ROUNDING: f64 = 1e-9;
 

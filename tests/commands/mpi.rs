@@ -78,8 +78,8 @@ fn rank(mpirun: u32, number: usize) -> Option<u32> {
     })
 }
 
-/// Kills a rank at random moments, each after something new was kept: the job ends, nothing that was
-/// kept is lost, and at last the files are those of one process.
+/// Kills a rank at random moments, each after something new was kept: the job ends, nothing that
+/// was kept is lost, and at last the files are those of one process.
 fn killed(waves: &str, number: usize, kills: usize) {
     let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let (whole, parts) = (whole.path(), parts.path());

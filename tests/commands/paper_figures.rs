@@ -576,8 +576,8 @@ fn a_browser_finds_no_error_in_a_report() {
     let out = folder.path().to_str().unwrap();
     let output = hertzchain(&["paper", "report", "--only", "order,theorem", "--out", out]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    // Errors of scripts, pictures that are not drawn, links that lead nowhere; then a table is sorted
-    // by its second column, and a picture is shown large.
+    // Errors of scripts, pictures that are not drawn, links that lead nowhere; then a table is
+    // sorted by its second column, and a picture is shown large.
     let early = "<script>window.wrong = []; addEventListener('error', e => wrong.push(e.message));</script>";
     let late = r##"<script>addEventListener('load', () => {
         for (const image of document.images) if (!image.naturalWidth) wrong.push('not drawn: ' + image.alt);

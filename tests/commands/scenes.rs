@@ -310,8 +310,9 @@ fn rules_give_the_numbers_they_say() {
 
 #[test]
 fn spheres_in_si_units_are_the_chain_that_hertz_gives() {
-    // Truth: for equal spheres A = E (2 R)^{1/2}/(3 (1 - nu^2)), for a wall of the same material 2^{1/2}
-    // of it; spheres of radii R and 2 R have R* = 2 R/3 in place of R/2, and masses 1 and 8.
+    // Truth: for equal spheres A = E (2 R)^{1/2}/(3 (1 - nu^2)), for a wall of the same material
+    // 2^{1/2} of it; spheres of radii R and 2 R have R* = 2 R/3 in place of R/2, and masses 1 and
+    // 8.
     let scene = Scene::load("granular-crystal").unwrap();
     let (radius, young, nu, load) = (9.525e-3f64, 193e9, 0.3, 20.0);
     let constant = young * (2.0 * radius).sqrt() / (3.0 * (1.0 - nu * nu));
@@ -333,8 +334,8 @@ fn spheres_in_si_units_are_the_chain_that_hertz_gives() {
 
 #[test]
 fn results_in_si_units_are_those_of_the_laboratory() {
-    // Truth: what the scene says in SI units. The first bead moves by 10 nm sin(3e4 t), every contact
-    // carries 20 N, and holds 2/5 F (F/A)^{2/3} at rest.
+    // Truth: what the scene says in SI units. The first bead moves by 10 nm sin(3e4 t), every
+    // contact carries 20 N, and holds 2/5 F (F/A)^{2/3} at rest.
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
     let flags = ["run", "granular-crystal", "--until", "300", "--events", "--json"];

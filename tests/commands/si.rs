@@ -7,9 +7,9 @@
 //! | `F0` | static load; a contact has the stiffness `k = 3/2 A^{2/3} F0^{1/3}` |
 //! | `f_q` | `(k/m)^{1/2} sin(theta/2)/pi`, the dispersion of linear waves of wave number `theta` |
 //!
-//! `A` and its load: K. L. Johnson, *Contact Mechanics*, Cambridge University Press 1985, section 4.2.
-//! Waves of equal masses and springs: L. Brillouin, *Wave Propagation in Periodic Structures*, 2nd
-//! ed., Dover 1953.
+//! `A` and its load: K. L. Johnson, *Contact Mechanics*, Cambridge University Press 1985, section
+//! 4.2. Waves of equal masses and springs: L. Brillouin, *Wave Propagation in Periodic Structures*,
+//! 2nd ed., Dover 1953.
 #![cfg(feature = "cli")]
 
 use serde_json::Value;
@@ -83,8 +83,8 @@ fn spheres(sites: usize, boundary: &str, more: &str) -> String {
     )
 }
 
-/// Four spheres, the first of which a drive moves; the wall is as stiff as a contact of two spheres,
-/// so that the chain of the other three is that of equal springs between two walls.
+/// Four spheres, the first of which a drive moves; the wall is as stiff as a contact of two
+/// spheres, so that the chain of the other three is that of equal springs between two walls.
 ///
 /// With `c = (1 - nu^2)/E` two spheres have `(R/2)^{1/2}/(2 c)`, a sphere and a wall
 /// `R^{1/2}/(c + c_w)`: so `c_w = (8^{1/2} - 1) c`.
@@ -99,8 +99,8 @@ fn driven_spheres(drag: f64, amplitude: f64, omega: f64) -> String {
 }
 
 /// Real and imaginary parts of the displacements, over that of the first sphere, of the other three
-/// if the first moves by `cos(omega t)`: a sum over the modes `sin(pi q n/4)` of three masses between
-/// walls.
+/// if the first moves by `cos(omega t)`: a sum over the modes `sin(pi q n/4)` of three masses
+/// between walls.
 fn linear_response(loss: f64, omega: f64) -> Vec<[f64; 2]> {
     let of = |n: u32, q: u32| {
         let angle = |k: u32| PI * f64::from(q * k) / 4.0;
@@ -139,8 +139,8 @@ fn a_driven_chain_resonates_in_hertz_where_the_dispersion_says() {
         let [u, u_dot] = ["u", "u_dot"].map(|name| number(&orbit, &format!("/{name}/{n}")) / amplitude);
         assert!((u - re).hypot(u_dot / from + im) < 2e-5 * size, "{n}: {u} {re}, {} {}", u_dot / from, -im);
     }
-    // Work against the drag: half of its constant (loss times the mass) times (a omega |h|)^2, over a
-    // period.
+    // Work against the drag: half of its constant (loss times the mass) times (a omega |h|)^2, over
+    // a period.
     let speeds: f64 = truth.iter().map(|[re, im]| (re.hypot(*im) * amplitude * from).powi(2)).sum();
     let lost = 0.5 * loss * mass() * speeds * 2.0 * PI / from;
     for name in ["/dissipated", "/driven"] {
@@ -344,7 +344,8 @@ fn a_branch_begun_in_si_units_goes_on_without_them_and_the_other_way_round() {
 
 #[test]
 fn a_branch_that_crosses_is_in_si_units_too() {
-    // Truth: the dimensionless branch times the units by Hertz's formula; A R^{3/2} is that of force.
+    // Truth: the dimensionless branch times the units by Hertz's formula; A R^{3/2} is that of
+    // force.
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     let drive = "[beads]\ndrag = 0.01\n[[drive]]\nsite = 0\nkind = \"pushed\"\namplitude = 50.0\nomega = 3e4\n";

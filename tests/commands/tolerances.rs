@@ -1,5 +1,5 @@
-//! Tolerances: every command that takes one says and keeps the same range; what a run says where its
-//! energy or a second method contradicts it.
+//! Tolerances: every command that takes one says and keeps the same range; what a run says where
+//! its energy or a second method contradicts it.
 #![cfg(feature = "cli")]
 
 use super::help::{commands, help};

@@ -2,8 +2,8 @@
 
 use hertzchain::study::{BoundaryWave, LaunchedWave, Study};
 
-/// Excess of the frequency that the first-order wave of this wave number would have, over that of the
-/// drive, in units of the detuning.
+/// Excess of the frequency that the first-order wave of this wave number would have, over that of
+/// the drive, in units of the detuning.
 fn excess(wave: &LaunchedWave) -> f64 {
     let [measured, theory] = [wave.q, wave.q_theory.unwrap()].map(|q| (0.5 * q).sin().powi(2));
     measured / theory - 1.0
@@ -11,8 +11,8 @@ fn excess(wave: &LaunchedWave) -> f64 {
 
 #[test]
 fn weak_waves_have_the_wave_number_of_the_linear_chain() {
-    // Truth: 2 k (1 - cos q) = omega^2 + kappa rho omega^2/(kappa - rho omega^2) of beads on springs
-    // k = alpha g_0^{alpha-1}, with resonators.
+    // Truth: 2 k (1 - cos q) = omega^2 + kappa rho omega^2/(kappa - rho omega^2) of beads on
+    // springs k = alpha g_0^{alpha-1}, with resonators.
     let study = BoundaryWave { drive: 1e-4, ..BoundaryWave::default() };
     let (k, rho): (f64, f64) = (1.5 * 0.05_f64.sqrt(), 1.0 / 3.0);
     for omega in [2.006_f64, 2.02] {

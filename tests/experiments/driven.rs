@@ -45,9 +45,9 @@ fn orbit(chain: &Chain<f64>, turns: u32) -> DrivenOrbit {
 
 #[test]
 fn a_weak_drive_gives_the_linear_response_and_its_multipliers() {
-    // Truth: u = Im [a e^{i omega t}/(3 - omega^2 + i c omega)]; what the cubic term changes is of the
-    // relative order a^2, so the error falls by 16 when a falls by 4. Multipliers: e^{mu T} with
-    // mu^2 + c mu + 3 = 0.
+    // Truth: u = Im [a e^{i omega t}/(3 - omega^2 + i c omega)]; what the cubic term changes is of
+    // the relative order a^2, so the error falls by 16 when a falls by 4. Multipliers: e^{mu T}
+    // with mu^2 + c mu + 3 = 0.
     let (drag, omega) = (0.2, 1.1f64);
     let error = |a: f64| {
         let orbit = orbit(&bead(drag, a, omega), 1);
@@ -70,9 +70,9 @@ fn a_weak_drive_gives_the_linear_response_and_its_multipliers() {
 
 #[test]
 fn multipliers_of_a_linear_bead_are_within_their_error_over_up_to_64_periods() {
-    // Truth: e^{mu T} with mu^2 + c mu + 3 = 0. At the amplitude 1e-7 the stiffness differs from 3 by
-    // a rounding. With fewer nodes for the derivative than for a state of the size of the overlap, 64
-    // periods err by 4e-6.
+    // Truth: e^{mu T} with mu^2 + c mu + 3 = 0. At the amplitude 1e-7 the stiffness differs from 3
+    // by a rounding. With fewer nodes for the derivative than for a state of the size of the
+    // overlap, 64 periods err by 4e-6.
     for drag in [1e-3, 0.01, 0.1, 1.0] {
         for turns in [1, 2, 4, 16, 64] {
             let spectrum = orbit(&bead(drag, 1e-7, 1.0), turns).spectrum(&DrivenShooting::default()).unwrap();
@@ -86,8 +86,8 @@ fn multipliers_of_a_linear_bead_are_within_their_error_over_up_to_64_periods() {
     }
 }
 
-/// Trace and determinant of the derivative of the stroboscopic map of one bead, by [`Variations`] at
-/// its finest tolerance.
+/// Trace and determinant of the derivative of the stroboscopic map of one bead, by [`Variations`]
+/// at its finest tolerance.
 fn trace_and_determinant(orbit: &DrivenOrbit) -> [f64; 2] {
     let (chain, start) = (orbit.setting.chain().unwrap(), orbit.start().unwrap());
     let span = (0.0, orbit.setting.period());
@@ -120,8 +120,8 @@ fn multipliers_of_a_rattling_bead_are_within_their_error() {
 
 #[test]
 fn a_slow_drive_moves_a_bead_through_its_equilibria() {
-    // Truth: 3 u = a sin(omega t) at small u, so u'/omega = a/3 at t = 0, up to omega^2. The residual,
-    // of velocities over omega, is above 1e-11 by roundings.
+    // Truth: 3 u = a sin(omega t) at small u, so u'/omega = a/3 at t = 0, up to omega^2. The
+    // residual, of velocities over omega, is above 1e-11 by roundings.
     let orbit = orbit(&bead(0.01, 0.1, 1e-3), 1);
     assert!((orbit.z[1] - 0.1 / 3.0).abs() < 1e-6, "{:?}", orbit.z);
     assert!(orbit.residual < 1e-9, "{:e}", orbit.residual);
@@ -329,8 +329,8 @@ fn folds(drag: f64, amplitude: f64, from: f64, to: f64) -> Vec<f64> {
     branch.bifurcations.iter().map(|one| one.parameter).collect()
 }
 
-/// The folds of harmonic balance for `u'' + c u' + 3 u - u^3/8 = a sin(omega t)`: amplitude `A` with
-/// `((3 - omega^2 - 3 A^2/32)^2 + c^2 omega^2) A^2 = a^2`, where `d omega/dA = 0`.
+/// The folds of harmonic balance for `u'' + c u' + 3 u - u^3/8 = a sin(omega t)`: amplitude `A`
+/// with `((3 - omega^2 - 3 A^2/32)^2 + c^2 omega^2) A^2 = a^2`, where `d omega/dA = 0`.
 fn balance(drag: f64, amplitude: f64) -> [f64; 2] {
     // On the curve omega^2 = s solves s^2 + (c^2 - 2 k) s + k^2 - a^2/A^2 = 0, k = 3 - 3 A^2/32.
     let omega = |size: f64, sign: f64| {
@@ -339,9 +339,9 @@ fn balance(drag: f64, amplitude: f64) -> [f64; 2] {
         let root = half * half - k * k + (amplitude / size).powi(2);
         (half + sign * root.sqrt()).sqrt()
     };
-    // Both folds are on the left half of the curve: the maximum of omega(A), and the minimum between
-    // it and the top. On a grid of 10^6 sizes each is found to the square of its spacing; sizes
-    // beyond the top give no number.
+    // Both folds are on the left half of the curve: the maximum of omega(A), and the minimum
+    // between it and the top. On a grid of 10^6 sizes each is found to the square of its spacing;
+    // sizes beyond the top give no number.
     let top = amplitude / (drag * 1.5);
     let values: Vec<f64> = (1..1_000_000).map(|k| omega(top * f64::from(k) * 1e-6, -1.0)).collect();
     let largest = values.iter().copied().fold(0.0, f64::max);
@@ -351,8 +351,8 @@ fn balance(drag: f64, amplitude: f64) -> [f64; 2] {
 
 #[test]
 fn the_folds_of_a_softening_resonance_are_those_of_harmonic_balance() {
-    // Truth: harmonic balance of the Duffing equation. With c = e and a of the order e^{3/2} it gives
-    // the detuning, of the order e, up to e^2: the distance falls by 4 when e is halved.
+    // Truth: harmonic balance of the Duffing equation. With c = e and a of the order e^{3/2} it
+    // gives the detuning, of the order e, up to e^2: the distance falls by 4 when e is halved.
     let distance = |e: f64| {
         let (drag, amplitude) = (e, 16.0 * e.powf(1.5));
         let [low, high] = balance(drag, amplitude);
@@ -393,8 +393,8 @@ fn shaken(amplitude: f64) -> Chain<f64> {
 
 #[test]
 fn a_period_doubling_is_where_a_run_begins_to_alternate() {
-    // Truth: runs without any tangent. Before the bifurcation a run comes back after a period, after
-    // it only after two.
+    // Truth: runs without any tangent. Before the bifurcation a run comes back after a period,
+    // after it only after two.
     let setting = DrivenSetting::new(&shaken(0.1), 1).unwrap();
     let shooting = DrivenShooting::default();
     let continuation =
@@ -405,8 +405,8 @@ fn a_period_doubling_is_where_a_run_begins_to_alternate() {
     let found = found.unwrap_or_else(|| panic!("{:?}", branch.bifurcations.len()));
     assert!((found.multiplier.re + 1.0).abs() < 1e-6 && found.multiplier.im < 1e-6);
     println!("period doubling at {}", found.parameter);
-    // Truth: the zero of det (M + I) = 1 + tr M + det M by another method, by the secant method. Where
-    // the modulus is 1 + 1e-7 the amplitude is larger by 4e-8.
+    // Truth: the zero of det (M + I) = 1 + tr M + det M by another method, by the secant method.
+    // Where the modulus is 1 + 1e-7 the amplitude is larger by 4e-8.
     let test = |a: f64| {
         let setting = setting.with(DriveParameter::Amplitude, a);
         let orbit = shooting.solve(&setting, &found.point.orbit.z).unwrap();
@@ -449,8 +449,8 @@ fn ends(sites: usize, kind: Ends, amplitude: f64) -> (Chain<f64>, DrivenOrbit) {
 
 #[test]
 fn an_orbit_returns_by_another_method_and_has_the_symmetry_of_its_drive() {
-    // Truth: a splitting scheme, which shares no code with the flow of the search; the reflection of
-    // the chain, with half a period for ends in phase.
+    // Truth: a splitting scheme, which shares no code with the flow of the search; the reflection
+    // of the chain, with half a period for ends in phase.
     let (chain, orbit) = ends(10, Ends::InPhase, 0.12);
     let (start, period) = (orbit.start().unwrap(), orbit.setting.period());
     let run = Run::new(chain.clone(), start.clone()).until(period).unwrap();

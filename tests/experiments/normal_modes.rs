@@ -84,8 +84,8 @@ fn a_light_bead_rings_above_the_band_and_softens_with_the_square_of_the_amplitud
     assert_eq!((mode, modes.place(linear.leading)), (40, (20, false)));
     // In the infinite chain of springs k: omega^2 = 4 k/(mu (2 - mu)), and 4 k ends the band.
     let omega = (6.0 / (mu * (2.0 - mu))).sqrt();
-    // Measured here: half a rounding, and 0 below. Products of matrices round as the machine has them,
-    // so that bounds of linear algebra in this file leave room for some ten roundings.
+    // Measured here: half a rounding, and 0 below. Products of matrices round as the machine has
+    // them, so that bounds of linear algebra in this file leave room for some ten roundings.
     assert!((linear.omega / omega - 1.0).abs() < 3e-15);
     assert!(modes.linear()[39].omega < 6f64.sqrt());
     // Neighbours fall off by the root of z + 1/z = 2 - omega^2/k.

@@ -225,8 +225,8 @@ fn orbits_of_small_amplitude_have_multipliers() {
     let branch = study(trail, &|_, _| {}).unwrap();
     assert_eq!((branch.points.len(), branch.gaps.len()), (6, 0));
     for BranchPoint { spectrum, .. } in &branch.points {
-        // Measured: 3.1e-12 at one orbit, where a step of inverse iteration starts almost orthogonal
-        // to an eigenvector, 4.4e-14 at the others; and 6.3e-12.
+        // Measured: 3.1e-12 at one orbit, where a step of inverse iteration starts almost
+        // orthogonal to an eigenvector, 4.4e-14 at the others; and 6.3e-12.
         let (residual, pairing) = (spectrum.quality.eigen_residual, spectrum.quality.pairing);
         println!("{residual:e} {pairing:e}");
         assert!(residual < 6.2e-12 && pairing < 1.3e-11, "{residual:e} {pairing:e}");

@@ -429,8 +429,9 @@ fn an_ensemble_goes_on_with_the_seeds_that_are_kept() {
     );
 }
 
-// Truth: contact forces cancel in sums over the ring. The sums of x and of y move as one bead and its
-// resonator, by the closed form. A perturbed wave has no energy to be kept, since its sums differ.
+// Truth: contact forces cancel in sums over the ring. The sums of x and of y move as one bead and
+// its resonator, by the closed form. A perturbed wave has no energy to be kept, since its sums
+// differ.
 #[test]
 fn the_sums_of_a_perturbed_wave_are_those_of_the_closed_form() {
     let scene = Scene::load("tw-q15").unwrap().perturbed(0.01, None).unwrap();

@@ -239,8 +239,8 @@ fn no_window_of_random_chains_gains_energy() {
 #[test]
 fn random_chains_agree_with_the_regularised_run() {
     // No run may fail, and errors stay near the tolerance. Truth: the regularised run. The cases
-    // are the same in every run. Measured over 600: half of the errors below 1e-5 of the tolerance, 90 %
-    // below 0.038, the largest 2.1; of 5000 cases 8.7, with light resonators.
+    // are the same in every run. Measured over 600: half of the errors below 1e-5 of the tolerance,
+    // 90 % below 0.038, the largest 2.1; of 5000 cases 8.7, with light resonators.
     let tol = 1e-7;
     let ratios = RefCell::new(Vec::new());
     let outcome = TestRunner::new(properties(150)).run(&motions(), |Motion { chain, y }| {

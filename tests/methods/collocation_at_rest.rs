@@ -60,8 +60,8 @@ fn run(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Option<Outcome> {
     Some(Outcome { y, evaluations: run.stats().force_evaluations, stiffness })
 }
 
-/// How many times larger the motion makes errors of velocities, made at the start or half way, until
-/// the end; at least 1.
+/// How many times larger the motion makes errors of velocities, made at the start or half way,
+/// until the end; at least 1.
 fn amplification(Struck { chain, y0, end }: &Struck) -> f64 {
     const CHANGE: f64 = 1e-7;
     let fine = |y: &[f64], time: f64| run(chain, y, time, FINE).expect("fine runs end").y;

@@ -57,8 +57,8 @@ fn energies_stay_at_rounding(steps: u64, models: &[(f64, f64)]) {
 
 #[test]
 fn it_has_order_two_through_contacts() {
-    // Truth: collocation at 1e-12. Contacts do not lower an order of two for alpha > 1. On a ring of
-    // strains sites have no momenta of their own; the mean strain keeps some contact closed.
+    // Truth: collocation at 1e-12. Contacts do not lower an order of two for alpha > 1. On a ring
+    // of strains sites have no momenta of their own; the mean strain keeps some contact closed.
     let ring = Chain::new(Params::new(1.5, 1.0, 0.5).unwrap(), Boundary::StrainRing, 5).unwrap();
     let (walls, y0) = chain(1.5, 0.5);
     let pressed = y0.iter().enumerate().map(|(i, y)| if i < 10 { y - 0.3 } else { *y }).collect();

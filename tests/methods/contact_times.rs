@@ -80,9 +80,9 @@ fn beads_that_touch_at_rest_begin_to_press_at_the_same_time_by_every_method() {
 
 #[test]
 fn times_of_largest_overlaps_give_the_speed_of_the_solitary_wave() {
-    // Truth: two independent computations, one of them the fixed point of the equation of the wave's
-    // Fourier transform. Measured: 2e-13 and 8e-12 of it, which is what the digits given and the
-    // distance from the blow leave.
+    // Truth: two independent computations, one of them the fixed point of the equation of the
+    // wave's Fourier transform. Measured: 2e-13 and 8e-12 of it, which is what the digits given and
+    // the distance from the blow leave.
     const SPEED: f64 = 0.905_515_776_419;
     for (name, tol, bonds, bound) in
         [("collocation", 1e-12, [50, 100], 1e-12), ("dop853-regularised", 1e-13, [40, 50], 2e-11)]
@@ -214,10 +214,10 @@ fn beads_that_touch_and_close_have_their_onset_at_the_start_for_a_steep_force() 
 
 #[test]
 fn onsets_of_beads_that_touch_follow_the_rule_for_every_exponent_and_tolerance() {
-    // Truth: the regularised run. Before, the log of collocation had onsets at which the force began
-    // to matter at its tolerance: 8.901 at 1e-6 for bond 9 and alpha = 2.5, where the rule says
-    // 9.270; 14.303 at 1e-10 for bond 13 and alpha = 3, where it says 14.625. Largest overlaps were
-    // off by 9.2e-10 at 1e-13 for alpha = 1.1. Bounds are about twice what was measured.
+    // Truth: the regularised run. Before, the log of collocation had onsets at which the force
+    // began to matter at its tolerance: 8.901 at 1e-6 for bond 9 and alpha = 2.5, where the rule
+    // says 9.270; 14.303 at 1e-10 for bond 13 and alpha = 3, where it says 14.625. Largest overlaps
+    // were off by 9.2e-10 at 1e-13 for alpha = 1.1. Bounds are about twice what was measured.
     for (alpha, _) in DURATIONS {
         let until = 12.0;
         let chain = Chain::new(Params::new(alpha, 0.0, 0.0).unwrap(), Boundary::Free, 16).unwrap();
@@ -245,9 +245,9 @@ fn onsets_of_beads_that_touch_follow_the_rule_for_every_exponent_and_tolerance()
 
 #[test]
 fn a_struck_chain_has_one_contact_in_every_bond_that_the_wave_has_reached() {
-    // Truth: the wave has passed or reached 88 bonds by t = 100, and presses bond 88 by 1.0e-9, also
-    // by methods without a tolerance. Collocation had 97 contacts at 1e-6 and 93 at 1e-10: behind
-    // the wave, beads whose velocities differ by errors only.
+    // Truth: the wave has passed or reached 88 bonds by t = 100, and presses bond 88 by 1.0e-9,
+    // also by methods without a tolerance. Collocation had 97 contacts at 1e-6 and 93 at 1e-10:
+    // behind the wave, beads whose velocities differ by errors only.
     let tolerances = [1e-6, 1e-8, 1e-10, 1e-12, 1e-14].map(|tol| ("collocation", Setting::Tolerance(tol)));
     let others = [
         ("dop853-regularised", Setting::Tolerance(1e-10)),

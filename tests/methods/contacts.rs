@@ -332,8 +332,8 @@ fn moving() -> impl Strategy<Value = (Chain<f64>, State<f64>)> {
 
 #[test]
 fn contacts_of_random_chains_are_where_small_steps_see_them() {
-    // Truth: a run looked at in small steps, for all contacts and gaps deeper than 1e-3. A time in a
-    // log is off by what the overlap needs to change by the error of the run: a bound for every
+    // Truth: a run looked at in small steps, for all contacts and gaps deeper than 1e-3. A time in
+    // a log is off by what the overlap needs to change by the error of the run: a bound for every
     // event, at every tolerance. The chord is off by 1.8e-7. Measured over five seeds, in
     // tolerances: 1153 watched, 102 regularised, 1.4 by collocation.
     let worst = RefCell::new([[0.0_f64; 3]; 3]);

@@ -110,8 +110,8 @@ fn ladder(run: impl Fn(u64) -> f64, steps: &[u64]) -> Vec<(u64, f64)> {
 
 #[test]
 fn order_four_through_contacts_for_every_exponent_and_both_splits() {
-    // Truth: tests/reference/chain.py for 3/2, 2, 5/2, 3; collocation at 1e-14 for 1.1, 1.2. From 1e-4 or so
-    // down to 1e-12.
+    // Truth: tests/reference/chain.py for 3/2, 2, 5/2, 3; collocation at 1e-14 for 1.1, 1.2. From
+    // 1e-4 or so down to 1e-12.
     for alpha in [1.1, 1.2, 1.5, 2.0, 2.5, 3.0] {
         let (chain, y) = six(alpha);
         let truth = if alpha >= 1.5 { stored(alpha) } else { by_collocation(&chain, &y, 12.0, 1e-14) };

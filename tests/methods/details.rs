@@ -403,8 +403,8 @@ fn wrong_details_are_refused_by_name_and_rule() {
 
 #[test]
 fn the_balance_of_a_chain_driven_at_both_ends_follows_its_tolerance() {
-    // Truth: energy + dissipated - driven is constant. The errors of some 1000 steps add up, each of
-    // the size of the tolerance: four orders of it are at least three of the balance.
+    // Truth: energy + dissipated - driven is constant. The errors of some 1000 steps add up, each
+    // of the size of the tolerance: four orders of it are at least three of the balance.
     let scene = hertzchain::scene::Scene::load("end-driven").unwrap();
     let regularised = Method::named("dop853-regularised").unwrap();
     let run = |tol: f64| scene.run().method(regularised).tolerance(tol).unwrap();

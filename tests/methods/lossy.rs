@@ -76,8 +76,8 @@ fn two_hundred_contacts_that_dissipate_are_those_of_another_program() {
 
 #[test]
 fn tolerances_are_kept_where_contacts_dissipate() {
-    // Truth: regularised DOP853 at 3e-15 a step. Viscoelastic contacts, with and without damping and
-    // drives, and dashpots, whose forces jump; over seven decades.
+    // Truth: regularised DOP853 at 3e-15 a step. Viscoelastic contacts, with and without damping
+    // and drives, and dashpots, whose forces jump; over seven decades.
     for (law, driven, decades, bound) in [
         ((Kind::Viscoelastic, 0.3), false, 7, 1.0),
         ((Kind::Viscoelastic, 1.0), true, 7, 1.0),
@@ -255,10 +255,10 @@ fn struck(sites: usize, kind: Kind, gamma: f64) -> (Chain<f64>, State<f64>) {
 #[test]
 fn beads_that_just_touch_begin_to_push_where_they_do() {
     // Truth: regularised DOP853 at 3e-15 a step. The overlaps of touching beads rise so slowly that
-    // a zero of their series may be anywhere. Asked: three tolerances, as of conservative chains; with
-    // dashpots DOP853 errs by 6e-11. In the log, contacts with an overlap of a tenth and
-    // more: the same number, with onsets where both have one, and the overlaps at both onsets agree
-    // to three tolerances and, as the log interpolates, a thousandth of the overlap there.
+    // a zero of their series may be anywhere. Asked: three tolerances, as of conservative chains;
+    // with dashpots DOP853 errs by 6e-11. In the log, contacts with an overlap of a tenth and more:
+    // the same number, with onsets where both have one, and the overlaps at both onsets agree to
+    // three tolerances and, as the log interpolates, a thousandth of the overlap there.
     for (kind, decades) in [(Kind::Viscoelastic, 4..=11), (Kind::Dashpot, 4..=10)] {
         let (mut worst, mut late) = (0.0f64, 0.0f64);
         for gamma in [1e-6, 1e-3, 0.1, 0.3] {
@@ -317,8 +317,8 @@ fn dashpots_of_beads_that_touch_push_from_the_start() {
     println!("{worst:.2} tolerances");
 }
 
-/// Errors of a struck chain at some tolerances, beyond the error of the truth: regularised DOP853 at
-/// 1e-15 a step, with ten times its change from 1e-14 as its error.
+/// Errors of a struck chain at some tolerances, beyond the error of the truth: regularised DOP853
+/// at 1e-15 a step, with ten times its change from 1e-14 as its error.
 fn errors_when_struck(
     (kind, gamma): (Kind, f64),
     (sites, end): (usize, f64),
@@ -334,8 +334,8 @@ fn errors_when_struck(
 
 #[test]
 fn fine_tolerances_of_struck_chains() {
-    // Asked: three tolerances. With cuts at the events of neighbours only, viscoelastic contacts have
-    // 20; with last terms of dashpots as large as those of other forces, these have 12.
+    // Asked: three tolerances. With cuts at the events of neighbours only, viscoelastic contacts
+    // have 20; with last terms of dashpots as large as those of other forces, these have 12.
     for (kind, gamma, end) in [Kind::Viscoelastic, Kind::Dashpot]
         .into_iter()
         .flat_map(|kind| [0.02, 0.1, 0.3, 1.0].map(|gamma| (kind, gamma)))
@@ -370,9 +370,9 @@ fn errors_of_equal_windows_do_not_grow_with_their_number() {
 #[test]
 fn dashpots_let_go_without_a_root_of_time() {
     // Truth: 4000 windows of 12 nodes, with which 200 agree to 1e-13. Beads overlap where a dashpot
-    // ceases to push, so that its force is analytic in time up to there. Asked: 1e-11; with the root
-    // of the time to the release as the variable there, in these windows of 6 nodes, 1.0e-9 and
-    // 5.2e-10.
+    // ceases to push, so that its force is analytic in time up to there. Asked: 1e-11; with the
+    // root of the time to the release as the variable there, in these windows of 6 nodes, 1.0e-9
+    // and 5.2e-10.
     for gamma in [0.3, 1.0] {
         let (chain, state) = struck(12, Kind::Dashpot, gamma);
         let at = |count: u64, nodes: usize| {
@@ -471,10 +471,10 @@ fn beads_that_part_and_meet_again_in_one_window_are_two_contacts() {
 
 #[test]
 fn a_contact_keeps_its_impulse_and_its_onset_is_settled_at_every_tolerance() {
-    // Truth: regularised DOP853, see `not_kept`. In the first scene Newton's method led the release of
-    // a contact to the start of a window, where it has no panels: the contact lost 1.1e-3 of 1.3e-3
-    // of its impulse at these tolerances. In the second the impulse of a rounding of an onset was not
-    // negligible: no window with an onset was settled.
+    // Truth: regularised DOP853, see `not_kept`. In the first scene Newton's method led the release
+    // of a contact to the start of a window, where it has no panels: the contact lost 1.1e-3 of
+    // 1.3e-3 of its impulse at these tolerances. In the second the impulse of a rounding of an
+    // onset was not negligible: no window with an onset was settled.
     for (name, end, tolerances) in [
         ("dashpot-onset", None, [2e-12, 1e-12, 9e-13, 1e-13]),
         ("dashpot-onset", Some(5.3), [1.2e-12, 1.1e-12, 1e-12, 9.5e-13]),

@@ -133,11 +133,11 @@ fn random_chains_that_dissipate_keep_their_tolerance() {
 
 #[test]
 fn scenes_of_the_search_that_lost_an_impulse_keep_it() {
-    // With one sweep over halved panels the onset of the first was late by 6e-8, and its error 1.1e-9
-    // at every tolerance from 1e-9 to 2e-11. In the second the panels of a neighbour were not cut at
-    // a release that was found anew: 7.4e-10 at tolerances from 1e-10 to 2e-11. In the third, with
-    // extra sweeps only, forces with 1.2 for alpha and last terms as large as those of analytic
-    // forces had 5.8e-10.
+    // With one sweep over halved panels the onset of the first was late by 6e-8, and its error
+    // 1.1e-9 at every tolerance from 1e-9 to 2e-11. In the second the panels of a neighbour were
+    // not cut at a release that was found anew: 7.4e-10 at tolerances from 1e-10 to 2e-11. In the
+    // third, with extra sweeps only, forces with 1.2 for alpha and last terms as large as those of
+    // analytic forces had 5.8e-10.
     for (seed, tolerances) in [(116, [1e-10, 2e-11]), (806, [1e-10, 2e-11]), (792, [5e-11, 2e-11])] {
         let mut next = random(seed);
         (0..3).for_each(|_| _ = next());

@@ -67,8 +67,8 @@ fn varied(seed: u64, boundary: Boundary, sites: usize) -> (Chain<f64>, Vec<f64>)
 #[test]
 fn two_hundred_contacts_of_damped_and_driven_beads_are_those_of_another_program() {
     // Truth: `tests/reference/quad.c`, with 33 digits: state, what is dissipated and driven.
-    // Measured at tolerances from 1e-14 to 2e-14: at most 1.2e-12, balance 1.2e-14 to 7.2e-14, which
-    // is rounding; DOP853 7.0e-12.
+    // Measured at tolerances from 1e-14 to 2e-14: at most 1.2e-12, balance 1.2e-14 to 7.2e-14,
+    // which is rounding; DOP853 7.0e-12.
     let (chain, state, end, want) = stored("driven");
     let asked = of(&chain, state.as_slice(), end).method(Method::Collocation).tolerance(1e-14).unwrap().contacts();
     let got = asked.start().unwrap().complete().unwrap();

@@ -67,8 +67,8 @@ fn an_impurity_shares_out_all_of_the_energy_and_a_like_bead_is_none() {
 
 #[test]
 fn a_bead_without_mass_is_two_contacts_in_series() {
-    // Truth: two equal contacts that share an overlap g push with (g/2)^(3/2), so the limit M = 0 is
-    // a chain with one contact of constant 2^(-3/2), run here by another method. The share
+    // Truth: two equal contacts that share an overlap g push with (g/2)^(3/2), so the limit M = 0
+    // is a chain with one contact of constant 2^(-3/2), run here by another method. The share
     // transmitted is linear in small M.
     let line = LinePulse::new(1.5);
     let [a, b] = [0.01, 0.02].map(|ratio| scattered(ratio, &line).unwrap().transmitted);
@@ -93,8 +93,8 @@ fn a_bead_without_mass_is_two_contacts_in_series() {
 
 #[test]
 fn a_light_impurity_rings_with_the_frequency_of_its_contacts() {
-    // Truth: the linear frequency between free neighbours, for slow changes of the overlap. Measured
-    // to deviate by up to 2.8 % from M = 0.01 to 0.3.
+    // Truth: the linear frequency between free neighbours, for slow changes of the overlap.
+    // Measured to deviate by up to 2.8 % from M = 0.01 to 0.3.
     let line = LinePulse::new(1.5);
     for ratio in [0.02, 0.05, 0.1, 0.2] {
         let row = scattered(ratio, &line).unwrap();
@@ -116,8 +116,8 @@ fn a_heavy_impurity_passes_on_what_a_wall_would_take_up() {
 
 #[test]
 fn a_tapered_chain_makes_a_pulse_grow_as_collisions_of_two_spheres_do() {
-    // Truth: both laws have the slope -3/2 at s = 1; for growing spheres the published law, which its
-    // authors hold against computed chains.
+    // Truth: both laws have the slope -3/2 at s = 1; for growing spheres the published law, which
+    // its authors hold against computed chains.
     let line = LinePulse::new(1.5);
     let [down, up] = [0.99, 1.01].map(|ratio| tapered(ratio, 30, &line).unwrap());
     let slope = (up.growth - down.growth) / 0.02;
@@ -134,8 +134,8 @@ fn a_tapered_chain_makes_a_pulse_grow_as_collisions_of_two_spheres_do() {
 #[test]
 fn weak_disorder_costs_a_pulse_as_its_single_beads_do() {
     // Truth: what single beads throw back, by the study of impurities: the same power of the
-    // strength, about 2.3. The wave is wider than a bead, so that it loses less than by collisions of
-    // two beads, whose power is 2.
+    // strength, about 2.3. The wave is wider than a bead, so that it loses less than by collisions
+    // of two beads, whose power is 2.
     let line = LinePulse::new(1.5);
     let lost = |strength: f64| {
         let logs = (1..=4).map(|seed| decay(strength, 40, seed, &line).unwrap()[39].ln());

@@ -201,8 +201,8 @@ fn a_ramp_that_ends_inside_a_step_costs_order_six_and_no_lower_one() {
 
 #[test]
 fn an_event_on_a_break_is_one_event() {
-    // Truth: collocation. A bead of speed 1 crosses a gap of 2 and meets the next one at t = 2, where
-    // the ramp of a third bead ends.
+    // Truth: collocation. A bead of speed 1 crosses a gap of 2 and meets the next one at t = 2,
+    // where the ramp of a third bead ends.
     let uniform = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 3).unwrap();
     let signal = Signal { harmonics: vec![sine(0.1, 1.0, 0.3)], envelope: Envelope::Ramp(2.0) };
     let drives = vec![Drive { site: 2, means: Means::Pushed, signal }];
@@ -281,8 +281,8 @@ fn short_ramp(initial: &str) -> hertzchain::error::Result<Scene> {
 
 #[test]
 fn the_work_of_a_drive_in_a_short_ramp_is_that_of_the_contact() {
-    // Truth: energy + dissipated - driven is constant, and the position is prescribed. Speeds in the
-    // ramp are 10^6; before, DOP853 took their squares into the work of drives.
+    // Truth: energy + dissipated - driven is constant, and the position is prescribed. Speeds in
+    // the ramp are 10^6; before, DOP853 took their squares into the work of drives.
     let scene = short_ramp("{ kind = \"state\", u_dot = [0, 0, -0.3] }").unwrap();
     for name in ["dop853", "dop853-landed", "dop853-regularised", "collocation"] {
         let end = scene.run().method(named(name)).setting(Setting::Tolerance(1e-12)).start().unwrap();

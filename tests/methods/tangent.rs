@@ -245,8 +245,8 @@ fn under_a_tolerance_it_errs_with_the_run_but_more() {
     // Truth: equal windows; twice as many give the same map. All errors are relative. Measured: the
     // map errs by up to 12 times the tolerance. Of that a factor of 13 over the error of the run is
     // the flow's: the map of a true run with another end, from a start that is moved a little,
-    // differs as much. The rest is the map's own, whose forces have a derivative less. The map keeps
-    // the nodes of its first window, so that a run without it has other errors.
+    // differs as much. The rest is the map's own, whose forces have a derivative less. The map
+    // keeps the nodes of its first window, so that a run without it has other errors.
     let case: Case = (1.5, THIRD, Boundary::Free, 21);
     let chain = chain(case.0, case.1, case.2, case.3);
     let y0 = start(&chain);

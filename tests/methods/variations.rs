@@ -336,7 +336,8 @@ fn by_smooth_variables(n: usize, (kind, gamma): (Kind, f64), t: f64) -> (Vec<f64
         let (c, by_overlap) = if kind == Kind::Dashpot { (gamma * g, gamma) } else { (gamma * f, gamma * stiffness) };
         [[f, stiffness], [c, by_overlap]]
     };
-    // Adds the force or C of all contacts, and its change in all columns, from `z` to rows of `out`.
+    // Adds the force or C of all contacts, and its change in all columns, from `z` to rows of
+    // `out`.
     let add = |z: &[f64], which: usize, sign: f64, out: &mut [f64], row: usize| {
         for b in 1..n {
             let [value, slope] = law(z[b - 1] - z[b])[which];

@@ -136,8 +136,8 @@ impl<R: Real> Chain<R> {
         R::from(self.sites()).map_or(totals, |count| totals.map(|total| total / count))
     }
 
-    /// Calls `take` with `u'`, `v'` and the stretch of the spring of each site, numbered from 0; all
-    /// of a site together, since sums over sites wait for their last addition.
+    /// Calls `take` with `u'`, `v'` and the stretch of the spring of each site, numbered from 0;
+    /// all of a site together, since sums over sites wait for their last addition.
     #[inline(always)]
     fn each_site(&self, [u, v, u_dot, v_dot]: [&[R]; 4], mut take: impl FnMut(usize, R)) {
         match self.params.resonators() {

@@ -7,9 +7,9 @@
 //! the same pass.
 //!
 //! On a ring a pass begins a register after the one before it. Its first registers then do not need
-//! the forces that were computed last. Forces are loaded in the registers in which they were stored,
-//! since a load that spans two stores waits until both have left the processor. Each number is
-//! computed as by kicks one at a time, so that the bits are the same.
+//! the forces that were computed last. Forces are loaded in the registers in which they were
+//! stored, since a load that spans two stores waits until both have left the processor. Each number
+//! is computed as by kicks one at a time, so that the bits are the same.
 
 use super::{
     Chain,

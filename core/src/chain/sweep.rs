@@ -2,9 +2,9 @@
 //!
 //! Forces stay in registers. The bond to the left of a site has its lane; neighbours come from the
 //! register before, moved by a lane. A register of sites is updated some registers after the forces
-//! on it are known: so few operations wait for square roots, a pass goes through memory once, and no
-//! load waits for a store of the same pass. [`Real::run_vector`] compiles the pass for the vector
-//! unit at hand.
+//! on it are known: so few operations wait for square roots, a pass goes through memory once, and
+//! no load waits for a store of the same pass. [`Real::run_vector`] compiles the pass for the
+//! vector unit at hand.
 //!
 //! # Several kicks at once
 //!
@@ -67,10 +67,10 @@ const PIECE: usize = if cfg!(test) { 64 } else { 1024 } * LANES;
 /// on 20 000 and 50 000 sites 0.89 to 1.04. Tests use shorter chains.
 const LONG: usize = if cfg!(test) { 1 << 13 } else { 1 << 16 };
 
-/// Sites are updated so many registers after the forces on them were computed. With 0 most operations
-/// of a pass wait for square roots, and the processor has no place for those of further registers:
-/// 3 takes 0.77 of the time of 0 with `strang-linear` on 30 000 sites with resonators, 0.93 to 1.01
-/// with other chains (medians, AVX-512).
+/// Sites are updated so many registers after the forces on them were computed. With 0 most
+/// operations of a pass wait for square roots, and the processor has no place for those of further
+/// registers: 3 takes 0.77 of the time of 0 with `strang-linear` on 30 000 sites with resonators,
+/// 0.93 to 1.01 with other chains (medians, AVX-512).
 const LATE: usize = 3;
 
 /// A flow whose kicks are sweeps.

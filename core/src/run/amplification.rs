@@ -6,7 +6,8 @@ use crate::{
     error::Result,
 };
 
-/// Least change, relative to the size of the state: rounding errors of the two runs must not matter.
+/// Least change, relative to the size of the state: rounding errors of the two runs must not
+/// matter.
 const LEAST: f64 = 1e-12;
 /// The distance of a state from a reference: the larger of the largest error of a position relative
 /// to the largest position, and that of a velocity relative to the largest velocity.
@@ -19,8 +20,8 @@ pub fn deviation(y: &[f64], reference: &[f64]) -> f64 {
     part(&y[..half], &reference[..half]).max(part(&y[half..], &reference[half..]))
 }
 
-/// Adds a change to those entries whose absolute value is at least `least`, with signs that depend on
-/// their index.
+/// Adds a change to those entries whose absolute value is at least `least`, with signs that depend
+/// on their index.
 pub fn perturb(entries: &mut [f64], change: f64, least: f64) {
     for (i, entry) in entries.iter_mut().enumerate().filter(|(_, entry)| entry.abs() >= least) {
         *entry += if (i * i + 3 * i) % 7 < 3 { change } else { -change };

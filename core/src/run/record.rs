@@ -410,8 +410,8 @@ impl<'a> Recorder<'a> {
         if energy.is_some() {
             self.kept.largest = self.kept.largest.max((value - initial).abs());
         }
-        // An open chain is compared with what flows through it. An energy that overflows exceeds the
-        // bound too.
+        // An open chain is compared with what flows through it. An energy that overflows exceeds
+        // the bound too.
         let scale = energy.map_or(initial, |energy| initial.max(energy.dissipated).max(energy.driven.abs()));
         if !value.is_finite() || initial > 0.0 && value > bound * scale {
             return Err(Failure::Unstable { quantity, initial, value, t, step });

@@ -565,8 +565,8 @@ impl<const M: usize, const S: usize> Pass<'_, M, S> {
         let age = me.sweeps.age;
         passed.work += change.work;
         let unsettled = change.impulse > goal.rounded;
-        // The first sweep over halved panels takes overlaps, and the events, from panels that did not
-        // resolve the force. A force that jumps shows the error of its event at first order.
+        // The first sweep over halved panels takes overlaps, and the events, from panels that did
+        // not resolve the force. A force that jumps shows the error of its event at first order.
         let unsure = anew && frame.link.lossy() && me.resolution.halvings > 0;
         me.pending.sweep = unsettled && change.impulse * me.answer(age) > goal.change || change.moved > 0.0 || unsure;
         if !change.impulse.is_finite() {

@@ -10,8 +10,8 @@ use super::{
 };
 use crate::real::Kernel;
 
-/// Most cuts of a contact in one window; further ones are left out. Chosen: bonds that dissipate see
-/// the contacts of six bonds.
+/// Most cuts of a contact in one window; further ones are left out. Chosen: bonds that dissipate
+/// see the contacts of six bonds.
 const CUTS: usize = 16;
 
 /// How contacts are cut into panels, and thresholds below which events and overlaps are negligible.

@@ -343,8 +343,8 @@ impl Piece {
 /// Number of nodes of a quadrature between two ends of panels.
 const NODES: usize = 12;
 /// While a force acts on the site, windows longer than the share `RESOLVED` of the longest one are
-/// cut into `PARTS` parts for the quadrature. Chosen; `methods energy_dissipated_and_driven_balance`
-/// measures what it gives.
+/// cut into `PARTS` parts for the quadrature. Chosen; `methods
+/// energy_dissipated_and_driven_balance` measures what it gives.
 const RESOLVED: f64 = 0.3;
 const PARTS: u32 = 4;
 

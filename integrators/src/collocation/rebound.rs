@@ -198,8 +198,8 @@ fn slope(of: impl Fn(f64) -> f64, t: f64, h: f64) -> f64 {
     (of(b) - of(a)) / (b - a)
 }
 
-/// Overlaps and rates at equally spaced times, and at the vertices of parabolas through three values
-/// of `g` or of `P`, as `of` gives them, that lie on the other side of zero.
+/// Overlaps and rates at equally spaced times, and at the vertices of parabolas through three
+/// values of `g` or of `P`, as `of` gives them, that lie on the other side of zero.
 fn looks(h: f64, look: &impl Fn(f64) -> Look, of: &impl Fn(Look) -> [f64; 2]) -> Vec<(f64, Look)> {
     let step = h / PARTS as f64;
     let mut looks: Vec<(f64, Look)> = (0..=PARTS)

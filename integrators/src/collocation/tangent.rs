@@ -36,8 +36,9 @@
 //!
 //! Beside a dashpot `dg` has a kink where its contact begins, and one bond further a jump of the
 //! second derivative: panels are cut at the events of bonds beyond the neighbours, as those of runs
-//! are. Columns that change the overlap of beads which touch at rest are refused: such overlaps begin with powers of
-//! time that no panel resolves, and the stiffness of one that is a rounding is not small.
+//! are. Columns that change the overlap of beads which touch at rest are refused: such overlaps
+//! begin with powers of time that no panel resolves, and the stiffness of one that is a rounding is
+//! not small.
 //!
 //! Damping is in the paths and influences, see `flow.rs`. Drives do not depend on the state: they
 //! are in `g` and not in `dg_lin`, and a site that is moved has no change of its own.

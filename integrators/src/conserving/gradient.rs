@@ -8,8 +8,8 @@
 //! ```
 //!
 //! so that the work `phi (g_1 - g_0)` of the bond is the change of its potential: the energy is
-//! conserved whatever the step. `g_1` depends on the `phi` of the bond and its neighbours; bonds are
-//! solved one by one, by Newton's method, in sweeps over the chain until nothing changes.
+//! conserved whatever the step. `g_1` depends on the `phi` of the bond and its neighbours; bonds
+//! are solved one by one, by Newton's method, in sweeps over the chain until nothing changes.
 //!
 //! R. I. McLachlan, G. R. W. Quispel and N. Robidoux, *Phil. Trans. R. Soc. A* 357 (1999) 1021;
 //! G. R. W. Quispel and D. I. McLaren, *J. Phys. A* 41 (2008) 045206.

@@ -130,9 +130,9 @@ impl Curve {
         (self.time(x), rule.at(values, x).max(here.1))
     }
 
-    /// Time at which the curve first rises through `level`, not before the time `from`, and its rate
-    /// there. Without such a crossing: the start if it is not before `from` and the first value is
-    /// at least `level`, else `None`.
+    /// Time at which the curve first rises through `level`, not before the time `from`, and its
+    /// rate there. Without such a crossing: the start if it is not before `from` and the first
+    /// value is at least `level`, else `None`.
     pub fn rises_to(&self, level: f64, from: f64) -> Option<(f64, f64)> {
         let values = self.values();
         let rises = |k: &usize| self.time(self.x[k + 1]) > from && values[*k] < level && values[k + 1] >= level;

@@ -61,8 +61,9 @@ const FLOOR: f64 = 0.05;
 /// that times since the origin stay accurate and the mapped variable stays well scaled.
 const FAR: f64 = 64.0;
 
-/// Errors of values of event functions in a step, in units of the absolute tolerance and of the norm
-/// of the error of the step. Chosen: sums of several components, each with the tolerance of its own.
+/// Errors of values of event functions in a step, in units of the absolute tolerance and of the
+/// norm of the error of the step. Chosen: sums of several components, each with the tolerance of
+/// its own.
 const NOISE: f64 = 10.0;
 
 /// Refuses a problem that cannot be integrated.

@@ -102,8 +102,8 @@ pub(crate) fn after<R: Real>(start: DoubleDouble<R>, h: DoubleDouble<R>, steps: 
     R::run(After { start, h, steps: R::of(steps as f64) })
 }
 
-/// `start + h steps` as a [`Kernel`]: a product of `DoubleDouble`s needs a fused product, which is a
-/// call to a library in code that is not compiled for the machine's own.
+/// `start + h steps` as a [`Kernel`]: a product of `DoubleDouble`s needs a fused product, which is
+/// a call to a library in code that is not compiled for the machine's own.
 struct After<R> {
     start: DoubleDouble<R>,
     h: DoubleDouble<R>,

@@ -89,17 +89,18 @@ pub(crate) struct RunArgs {
     pub(crate) si: bool,
     /// Threads that move parts of the chain [default: 1].
     ///
-    /// For splitting schemes and collocation on long chains: each thread moves neighbouring sites, and
-    /// the bits are those of one. Without it collocation takes all threads that there are. With
+    /// For splitting schemes and collocation on long chains: each thread moves neighbouring sites,
+    /// and the bits are those of one. Without it collocation takes all threads that there are. With
     /// --resume any number, whatever it was before. With --engine mpi, for collocation only:
     /// threads of each rank.
     #[arg(long, value_name = "P")]
     pub(crate) threads: Option<usize>,
     /// Where parts of the chain are moved: threads or mpi.
     ///
-    /// threads: in this process, see --threads. mpi: on the ranks of the job of mpirun, one part each,
-    /// for splitting schemes and collocation; rank 0 reads the scene, has the whole state,
-    /// writes and prints, and the bits are those of one process. Needs a build with the feature mpi.
+    /// threads: in this process, see --threads. mpi: on the ranks of the job of mpirun, one part
+    /// each, for splitting schemes and collocation; rank 0 reads the scene, has the whole state,
+    /// writes and prints, and the bits are those of one process. Needs a build with the feature
+    /// mpi.
     #[arg(long, value_name = "E", value_parser = ["threads", "mpi"], default_value = "threads", hide_short_help = true)]
     pub(crate) engine: String,
     /// Say what this scene needs and what is left out, and stop.
@@ -107,14 +108,14 @@ pub(crate) struct RunArgs {
     pub(crate) plan: bool,
     /// With --plan: print what a run on P ranks would need, and stop.
     ///
-    /// Memory and messages, from the numbers of the scene alone: nothing is built, so that it may have
-    /// more sites than can be run.
+    /// Memory and messages, from the numbers of the scene alone: nothing is built, so that it may
+    /// have more sites than can be run.
     #[arg(long, value_name = "P", requires = "plan", hide_short_help = true)]
     pub(crate) ranks: Option<usize>,
     /// Write the results to this folder; without it, no file is written.
     ///
-    /// Files: summary.json, scene.toml, final.csv, energy.csv, profiles.npz, profiles.csv and pictures.
-    /// What an earlier run has left of its files is removed.
+    /// Files: summary.json, scene.toml, final.csv, energy.csv, profiles.npz, profiles.csv and
+    /// pictures. What an earlier run has left of its files is removed.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Save a checkpoint after every D units of time, as checkpoint.npz.

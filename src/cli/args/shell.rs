@@ -26,8 +26,8 @@ pub(crate) enum ShellAction {
     },
     /// Write manual pages: one for the program, one for each command.
     ///
-    /// Files: hertzchain.1, hertzchain-run.1 and so on, for `man -l` or a folder man1 on the path of
-    /// manuals.
+    /// Files: hertzchain.1, hertzchain-run.1 and so on, for `man -l` or a folder man1 on the path
+    /// of manuals.
     #[command(after_long_help = "Example:\n  hertzchain shell man --out ~/.local/share/man/man1")]
     Man(ManArgs),
 }

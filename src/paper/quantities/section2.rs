@@ -26,8 +26,8 @@ fn impact(rho: f64, along: bool) -> Result<Vec<f64>> {
     Ok(state_at(&mut run, END)?[..SITES].to_vec())
 }
 
-/// The distance of the beads from those of the limit `rho = limit`, at the second mass ratio divided
-/// by that at the first.
+/// The distance of the beads from those of the limit `rho = limit`, at the second mass ratio
+/// divided by that at the first.
 fn nearer(limit: f64, rhos: [f64; 2]) -> Result<f64> {
     let along = limit == 0.0;
     let end = impact(limit, along)?;

@@ -56,8 +56,8 @@ fn samples<'a>(name: &str, rows: &'a [(&BrightSample, Norms)]) -> Rows<'a, (&'a 
 }
 
 impl BrightStudy {
-    /// The report. `at_30_periods`, `at_horizon` and `largest_to_horizon` are null for runs that end
-    /// before; `tenth_left` where the core keeps its energy.
+    /// The report. `at_30_periods`, `at_horizon` and `largest_to_horizon` are null for runs that
+    /// end before; `tenth_left` where the core keeps its energy.
     pub fn report(&self) -> Report {
         let Self { scene, breather, kink, profiles, .. } = self;
         let (params, core, end, horizon) = (breather.params(), breather.core(), scene.end(), breather.horizon());

@@ -1,12 +1,12 @@
 //! Ladders of settings, climbed rung by rung by all methods together.
 //!
 //! Rungs go in factors of two for steps and of ten for tolerances. A ladder ends early for one of
-//! three reasons: the reference resolves no smaller error; the time is up; or a run of the next rung
-//! takes more than a 400th of all time and is expected to be dominated: some row of another method
-//! has an error that is not larger in a time that is not longer. The expected error is the last one
-//! times the better of the last two gains of the ladder (the nominal one counts while there are
-//! fewer), and the expected time is that of the last rung. So a rung that is left out would have
-//! had to gain more than its ladder did lately.
+//! three reasons: the reference resolves no smaller error; the time is up; or a run of the next
+//! rung takes more than a 400th of all time and is expected to be dominated: some row of another
+//! method has an error that is not larger in a time that is not longer. The expected error is the
+//! last one times the better of the last two gains of the ladder (the nominal one counts while
+//! there are fewer), and the expected time is that of the last rung. So a rung that is left out
+//! would have had to gain more than its ladder did lately.
 
 use super::{
     Candidate, Progress, Row,

@@ -1,10 +1,10 @@
 //! The reference that errors are measured against: the exact solution, a stored reference, or two
 //! runs.
 //!
-//! Built-in scenes come with a stored reference (`stored/`), which is used while chain, initial state
-//! and span of the scene are those it was made for. Any other scene computes its own in the same
-//! way: contact collocation at [`FINEST`], and a run by a method of another family, whose difference
-//! is the error estimate.
+//! Built-in scenes come with a stored reference (`stored/`), which is used while chain, initial
+//! state and span of the scene are those it was made for. Any other scene computes its own in the
+//! same way: contact collocation at [`FINEST`], and a run by a method of another family, whose
+//! difference is the error estimate.
 
 use super::{Candidate, REFERENCE_SHARE};
 use crate::{

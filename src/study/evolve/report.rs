@@ -96,8 +96,8 @@ impl Evolution {
         [periods.done(), strains("x", &self.swing.x), strains("y", &self.swing.y)]
     }
 
-    /// Largest strains over space and time, beads and resonators; the scale of colours ends at twice
-    /// the largest of the first row, so that the motion before a break-up stays visible.
+    /// Largest strains over space and time, beads and resonators; the scale of colours ends at
+    /// twice the largest of the first row, so that the motion before a break-up stays visible.
     pub(crate) fn maps(&self) -> [SpaceTime; 2] {
         let (sites, span) = (self.orbit.setting.sites, self.swing.span);
         let map = |symbol: &str, values: &[f64]| SpaceTime {

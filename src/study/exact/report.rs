@@ -164,8 +164,8 @@ impl ExactStudy {
         ]
     }
 
-    /// Profiles, and their differences from the ansatz; Fourier coefficients beside the power that a
-    /// jump of the contact force's derivatives makes, and growth.
+    /// Profiles, and their differences from the ansatz; Fourier coefficients beside the power that
+    /// a jump of the contact force's derivatives makes, and growth.
     pub(crate) fn columns(&self) -> Vec<Column> {
         let [profile, fourier, growth, _] = self.tables();
         let over = |label: &str, lines: &[(&str, &str)]| {

@@ -284,8 +284,8 @@ pub struct LifetimeStudy {
 }
 
 /// Follows every breather of the map to its end. In a folder of the engine points are kept as they
-/// are computed, and those that are there are not computed again, whichever the criterion. `progress`
-/// is told how many points are done of how many.
+/// are computed, and those that are there are not computed again, whichever the criterion.
+/// `progress` is told how many points are done of how many.
 ///
 /// A point that fails is a row of its own. Points run on all cores; every number is the same for
 /// any number of them.

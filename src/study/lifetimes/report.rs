@@ -88,8 +88,8 @@ impl LifetimeStudy {
         points(&self.points, self.options.criterion)
     }
 
-    /// The report. Its files have the same bytes whether points were resumed or not, and on any number
-    /// of cores.
+    /// The report. Its files have the same bytes whether points were resumed or not, and on any
+    /// number of cores.
     pub fn report(&self) -> Report {
         let Self { options, fit, computed, resumed, .. } = self;
         let (criterion, meaning) = criterion_words(options.criterion);

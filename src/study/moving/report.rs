@@ -93,8 +93,8 @@ impl MovingStudy {
         )
     }
 
-    /// Local amplitudes of the slowest and of the fastest breather; tails and depths over velocities,
-    /// a line for each frequency, or over frequencies where all have the same turns.
+    /// Local amplitudes of the slowest and of the fastest breather; tails and depths over
+    /// velocities, a line for each frequency, or over frequencies where all have the same turns.
     pub(crate) fn columns(&self) -> Vec<Column> {
         let middle = (self.options.sites / 2) as f64;
         let velocity = |point: &MovingPoint| point.orbit.breather.velocity();
@@ -225,7 +225,8 @@ pub(super) fn envelopes(points: &[MovingPoint]) -> Table {
         .done()
 }
 
-/// A row for each bond that the kicked breather passes, with the depth that belongs to its velocity.
+/// A row for each bond that the kicked breather passes, with the depth that belongs to its
+/// velocity.
 pub(super) fn passages(rows: &[(Passage, Option<f64>)]) -> Table {
     Table::of("passages", rows)
         .key("")

@@ -192,7 +192,8 @@ pub struct Continue {
     /// Go on with what this file, or the file in this folder, has kept.
     ///
     /// A file branch.npz, from its last point: to another --to, by another --step; then multipliers
-    /// and bifurcations are computed anew. The results are written beside it unless --out says where.
+    /// and bifurcations are computed anew. The results are written beside it unless --out says
+    /// where.
     #[cfg_attr(
         feature = "cli",
         arg(

@@ -181,7 +181,8 @@ impl Plan {
             stride /= axis.values.len();
             corners.push(self.point(stride * (axis.values.len() - 1)));
         }
-        // What a run reports is known before its first step; sites may differ from corner to corner.
+        // What a run reports is known before its first step; sites may differ from corner to
+        // corner.
         let mut lost: Vec<Option<String>> = Vec::new();
         for (k, corner) in corners.iter().enumerate() {
             let scene = self.scene(corner)?;

@@ -149,8 +149,8 @@ pub fn planned(plan: &Plan, engine: &Engine, progress: &(dyn Fn(u64, u64) + Sync
     })
 }
 
-/// The report of a run of a scene at time zero, with a log of contacts: it has the names of all that
-/// a run reports.
+/// The report of a run of a scene at time zero, with a log of contacts: it has the names of all
+/// that a run reports.
 fn before_its_first_step(scene: &Scene) -> Value {
     let run = scene.run().records(Records::Energy).contacts();
     let trajectory = Recorder::new(&run, Kept::new(&run), &mut |_, _| ()).trajectory(None);

@@ -8,8 +8,8 @@
 //!
 //! At most mass ratios the light beads ring behind the pulse, which loses energy to them. At a
 //! sequence of ratios they are at rest again when the pulse has passed, and it is a solitary wave:
-//! the maxima at which `T` is 1. K. R. Jayaprakash, Y. Starosvetsky & A. F. Vakakis 2011, Phys. Rev. E 83,
-//! 036606.
+//! the maxima at which `T` is 1. K. R. Jayaprakash, Y. Starosvetsky & A. F. Vakakis 2011, Phys.
+//! Rev. E 83, 036606.
 
 use super::{Crests, METHOD, STEP, ascending, follow, plain};
 use crate::{

@@ -7,10 +7,10 @@
 //! | rate | `-d <ln E_n>/dn`, mean over seeds, by a straight line from bond 10 on |
 //!
 //! Below a level of disorder the amplitude of a pulse decays exponentially with distance, above it
-//! like a power (L. Ponson, N. Boechler, Y. M. Lai, M. A. Porter, P. G. Kevrekidis & C. Daraio 2010,
-//! Phys. Rev. E 82, 021301, for beads of two masses). A sequence of collisions of two beads passes on
-//! `4 m m'/(m + m')^2` of the energy each time, whose mean logarithm is `-eps^2/6` to leading order.
-//! The wave is wider than a bead and loses less.
+//! like a power (L. Ponson, N. Boechler, Y. M. Lai, M. A. Porter, P. G. Kevrekidis & C. Daraio
+//! 2010, Phys. Rev. E 82, 021301, for beads of two masses). A sequence of collisions of two beads
+//! passes on `4 m m'/(m + m')^2` of the energy each time, whose mean logarithm is `-eps^2/6` to
+//! leading order. The wave is wider than a bead and loses less.
 
 use super::{ALPHA, CREST, Crests, LEAD, METHOD, STEP, follow, plain, pulse_energy, solitary_wave};
 use crate::{
@@ -184,8 +184,8 @@ fn mean(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
 }
 
 impl DisorderStudy {
-    /// The exponent `b` of `rate = a eps^b` over the strengths whose rate is positive, by a straight
-    /// line; `None` with fewer than two of them.
+    /// The exponent `b` of `rate = a eps^b` over the strengths whose rate is positive, by a
+    /// straight line; `None` with fewer than two of them.
     pub fn exponent(&self) -> Option<f64> {
         let good = self.rows.iter().filter(|row| row.strength > 0.0 && row.rate > 0.0);
         let points: Vec<(f64, f64)> = good.map(|row| (row.strength.ln(), row.rate.ln())).collect();

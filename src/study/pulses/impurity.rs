@@ -9,11 +9,11 @@
 //! | `Omega` | frequency of `w''` while both contacts are closed |
 //!
 //! A light bead lets the wave through and rings between its neighbours (S. Job, F. Santibanez, F.
-//! Tapia & F. Melo 2009, Phys. Rev. E 80, 025602). As long as `G` hardly changes in a period, and the
-//! contacts on the other sides of the neighbours are soft, `w'' = -2 f'(G/2) (1/M + 1/2) w` for small
-//! `w`, so that `Omega = (f'(G/2) (2/M + 1))^{1/2}`. A heavy bead is a wall that throws the wave back,
-//! takes up twice its momentum `p`, and passes its energy on: `T = 2 p^2/(M E)`. If the wave were a
-//! sequence of collisions of two beads, `T` would be `(4 M/(1 + M)^2)^2`.
+//! Tapia & F. Melo 2009, Phys. Rev. E 80, 025602). As long as `G` hardly changes in a period, and
+//! the contacts on the other sides of the neighbours are soft, `w'' = -2 f'(G/2) (1/M + 1/2) w` for
+//! small `w`, so that `Omega = (f'(G/2) (2/M + 1))^{1/2}`. A heavy bead is a wall that throws the
+//! wave back, takes up twice its momentum `p`, and passes its energy on: `T = 2 p^2/(M E)`. If the
+//! wave were a sequence of collisions of two beads, `T` would be `(4 M/(1 + M)^2)^2`.
 //!
 //! A run ends at `t = 200 + 20 (M - 1)_+`. Beads still touch each other then, gently; each row also
 //! has the largest change of a share in the last quarter of the run.
@@ -66,7 +66,8 @@ rows! {
     pub struct ImpurityRow {
         /// Mass ratio `M`.
         ratio: f64 => Fixed(4),
-        /// Share `T` of the energy behind the impurity at the end of the run, `t = 200 + 20 (M - 1)_+`.
+        /// Share `T` of the energy behind the impurity at the end of the run, `t = 200 + 20 (M -
+        /// 1)_+`.
         transmitted: f64 => Fixed(6),
         /// Share `R` of the energy before the impurity.
         reflected: f64 => Fixed(6),

@@ -37,8 +37,8 @@ const METHOD: &str = "aba864";
 const STEP: f64 = 0.02;
 /// Beads of mass 1 before the first that may differ.
 const LEAD: usize = 16;
-/// The bond where the solitary wave has its crest at the start. Eight bonds away an overlap is below
-/// a rounding of the crest.
+/// The bond where the solitary wave has its crest at the start. Eight bonds away an overlap is
+/// below a rounding of the crest.
 const CREST: usize = 8;
 /// Bonds on either side of the crest of a pulse whose sites count as the pulse.
 const HALF_PULSE: usize = 4;

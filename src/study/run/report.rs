@@ -76,7 +76,8 @@ pub struct RunView<'a> {
     pub integrator: &'a str,
     /// Its setting in words.
     pub setting: &'a str,
-    /// The reason for the choice of the integrator, see [`MethodChoice::reason`](super::MethodChoice::reason).
+    /// The reason for the choice of the integrator, see
+    /// [`MethodChoice::reason`](super::MethodChoice::reason).
     pub reason: Option<&'a str>,
     /// The result of the run.
     pub outcome: &'a Trajectory,
@@ -88,7 +89,8 @@ pub struct RunView<'a> {
 }
 
 /// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy;
-/// `reason` and `amplification` are present if those of [`RunView`] are, `si` if all numbers are in SI units.
+/// `reason` and `amplification` are present if those of [`RunView`] are, `si` if all numbers are in
+/// SI units.
 pub fn run_json(ran: &RunView<'_>) -> Value {
     json!(entries(ran))
 }

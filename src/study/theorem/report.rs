@@ -11,7 +11,8 @@ use serde_json::{Value, json};
 const QUANTITIES: [&str; 3] = ["u", "v", "vdot"];
 
 impl TheoremStudy {
-    /// A row for each size and norm: the suprema over time, and the same over the powers of `epsilon`.
+    /// A row for each size and norm: the suprema over time, and the same over the powers of
+    /// `epsilon`.
     pub(crate) fn table(&self) -> Table {
         let rows: Vec<(&TheoremRun, Norm)> =
             self.runs.iter().flat_map(|run| Norm::ALL.map(|norm| (run, norm))).collect();
@@ -139,8 +140,8 @@ impl TheoremStudy {
         }
     }
 
-    /// Suprema over their powers of `epsilon` against `epsilon`, a panel for each error that there is:
-    /// bounded as the theorem says where they do not grow to the left.
+    /// Suprema over their powers of `epsilon` against `epsilon`, a panel for each error that there
+    /// is: bounded as the theorem says where they do not grow to the left.
     fn picture(&self) -> Panels {
         let options = &self.options;
         let line = |quantity: usize, norm: Norm| {

@@ -221,10 +221,11 @@ rows! {
         growth_x: Option<f64>,
         /// Growth of `tilde E_y`.
         growth_y: Option<f64>,
-        /// Exponential rate of `tilde E_x`, per unit of time; none for runs shorter than eight periods.
+        /// Exponential rate of `tilde E_x`, per unit of time; none for runs shorter than eight
+        /// periods.
         rate: Option<f64>,
-        /// Largest distance of the logarithms from the line of that slope: well below the rise along the
-        /// line where growth is exponential.
+        /// Largest distance of the logarithms from the line of that slope: well below the rise
+        /// along the line where growth is exponential.
         rate_residual: Option<f64>,
     }
 }

@@ -12,8 +12,8 @@ use crate::{
 use serde_json::{Value, json};
 
 impl WaveStudy {
-    /// The report. `e_x_*` and `e_y_*` are those of the unperturbed wave (eq:relerr_tw); `growth` is
-    /// null without perturbation, and in runs shorter than two periods.
+    /// The report. `e_x_*` and `e_y_*` are those of the unperturbed wave (eq:relerr_tw); `growth`
+    /// is null without perturbation, and in runs shorter than two periods.
     pub fn report(&self) -> Report {
         let Self { scene, wave, errors, ensemble, .. } = self;
         let of_all = |quantity: fn(&Member) -> Option<f64>| {

@@ -29,10 +29,10 @@ use std::ops::Range;
 /// Steps between two checks of all bonds for sleep. Chosen: a check of 1000 sites takes about as
 /// long as 30 steps of a pulse on them.
 const AHEAD: usize = 256;
-/// Sites on either side of a bond that must be awake when it is corrected. The registers of the bond
-/// and of its neighbours are then surveyed again. They were awake before, since a bond that changes
-/// its side stirs or was pushed by a bond beside it; and a pass computes the position of the site
-/// before a stretch.
+/// Sites on either side of a bond that must be awake when it is corrected. The registers of the
+/// bond and of its neighbours are then surveyed again. They were awake before, since a bond that
+/// changes its side stirs or was pushed by a bond beside it; and a pass computes the position of
+/// the site before a stretch.
 const MARGIN: usize = 5;
 /// Shorter chains, in sites, are awake as a whole.
 const FEW: usize = 8 * LANES;

@@ -1,10 +1,10 @@
 //! Kicks with modified forces, each with its drift and the survey after it, in one pass.
 //!
 //! A pass kicks sites by their modified forces, drifts them and computes overlaps, forces and
-//! derivatives at the new positions, as in [`rows`](super::super::rows). Modified forces are computed
-//! before it, in a loop of their own, from the survey before: so operations of the pass wait for
-//! fewer others. Forces beyond the ends are loaded bond by bond, so that no register is loaded that
-//! was written in parts.
+//! derivatives at the new positions, as in [`rows`](super::super::rows). Modified forces are
+//! computed before it, in a loop of their own, from the survey before: so operations of the pass
+//! wait for fewer others. Forces beyond the ends are loaded bond by bond, so that no register is
+//! loaded that was written in parts.
 //!
 //! For each register a cheap test finds whether a bond in it may have changed its side or turned
 //! near zero. Only after a pass in which one may have, the exact test follows. One call makes steps
@@ -47,8 +47,8 @@ pub struct Fused<'a> {
     /// Forces and derivatives, from `PAD` on: those of the last survey, and room for the next.
     pub(super) forces: [Column<'a, f64>; 2],
     pub(super) slopes: [Column<'a, f64>; 2],
-    /// Modified forces, from `PAD` on, with those of neighbours beyond either end; zeros where sites
-    /// sleep.
+    /// Modified forces, from `PAD` on, with those of neighbours beyond either end; zeros where
+    /// sites sleep.
     pub(super) modified: Column<'a, f64>,
     /// A bit for each bond: whether it was closed and whether it had turned near zero at the last
     /// survey, and whether it was closed at the last call of `changed`.
@@ -192,8 +192,8 @@ unsafe fn modify<V: Vector<f64>>(
     }
 }
 
-/// The forces of the bonds from `at` on, `right` in lanes after the last site. No register is loaded
-/// that was written in parts.
+/// The forces of the bonds from `at` on, `right` in lanes after the last site. No register is
+/// loaded that was written in parts.
 ///
 /// # Safety
 /// The column has room for registers that begin at a site.

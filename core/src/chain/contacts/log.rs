@@ -162,8 +162,8 @@ impl ContactLog {
         self.open[index] = Some(Pending::new(self.overlaps.bond(index), Some(zero)));
     }
 
-    /// Adds a stretch of overlap, its impulse and the last time at which it pushes to the contact of
-    /// a closed bond.
+    /// Adds a stretch of overlap, its impulse and the last time at which it pushes to the contact
+    /// of a closed bond.
     fn press(&mut self, index: usize, curve: &Curve, push: (f64, Option<f64>)) {
         // A contact without an event at its start was there at the start of the run, or began
         // between two legs.

@@ -38,9 +38,9 @@ const STEEP: f64 = 0.1;
 const ROUNDING: f64 = 1024.0 * f64::EPSILON;
 
 /// Contacts whose overlap is at most this share of the largest one in the log are left out if their
-/// impulse is at most this share of the largest one, too; or, if they have not ended, if their beads
-/// drift together at most at this share of the largest speed. Chosen: at a tolerance of 1e-6 a
-/// method does not know whether such beads part or meet.
+/// impulse is at most this share of the largest one, too; or, if they have not ended, if their
+/// beads drift together at most at this share of the largest speed. Chosen: at a tolerance of 1e-6
+/// a method does not know whether such beads part or meet.
 const FAINT: f64 = 1e-6;
 
 /// The overlaps of all bonds that can close, as event functions.

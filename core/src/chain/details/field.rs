@@ -6,8 +6,8 @@ use super::{
 };
 use hertzchain_integrators::Real;
 
-/// Completes a state at time `t`, integrated by [`rates`] from time `start` on: where beads are that
-/// drives move, and the work that goes into their kinetic energy.
+/// Completes a state at time `t`, integrated by [`rates`] from time `start` on: where beads are
+/// that drives move, and the work that goes into their kinetic energy.
 pub(crate) fn complete<R: Real>(chain: &Chain<R>, start: R, t: R, y: &mut [R]) {
     if chain.movers().next().is_some() {
         chain.follow(t, y);

@@ -43,8 +43,8 @@ pub struct SitewiseFlow<R> {
     start: DoubleDouble<R>,
     time: DoubleDouble<R>,
     /// Whether this is a copy, which moves to samples or to trial times. It keeps the motion over
-    /// its first drift only, which for samples is the last drift of a step: so its bits do not depend
-    /// on how often it was used before.
+    /// its first drift only, which for samples is the last drift of a step: so its bits do not
+    /// depend on how often it was used before.
     copy: bool,
     kept: Vec<Kept<R>>,
     /// Positions of beads, forces in bonds, and forces on beads.
@@ -134,7 +134,8 @@ impl<R: Real> SitewiseFlow<R> {
     }
 
     /// The motion of all sites over a time that is repeated, as far as it is kept: from the second
-    /// drift over this time on, as a motion costs many drifts. A copy keeps that of its first drift.
+    /// drift over this time on, as a motion costs many drifts. A copy keeps that of its first
+    /// drift.
     fn repeated(&mut self, dt: DoubleDouble<R>) -> Option<Arc<Drift<R>>> {
         let Self { kept, stretches, classes, class, .. } = self;
         if let Some((_, motion)) = kept.iter_mut().find(|(time, _)| *time == dt) {

@@ -119,8 +119,8 @@ impl<R: Real> Class<R> {
         }
     }
 
-    /// Moves a site on by the time `dt`, as [`over`](Self::over) and [`apply`](Propagator::apply) do
-    /// up to rounding; returns the energies that drag and dashpot have dissipated.
+    /// Moves a site on by the time `dt`, as [`over`](Self::over) and [`apply`](Propagator::apply)
+    /// do up to rounding; returns the energies that drag and dashpot have dissipated.
     pub(super) fn advance(&self, z: &mut [R; 4], dt: DoubleDouble<R>) -> [R; 2] {
         match self {
             Self::Modes(modes) => {
@@ -216,8 +216,8 @@ fn short_times<R: Real>(a: &Matrix<R>, dt: R) -> f64 {
 }
 
 /// Moves `z` on by short times that add up to `dt`, each by Taylor's series `z(t) = sum_k t^k A^k
-/// z/k!`. Returns the energies that drag and dashpot dissipate: the integrals of the squares of such
-/// series.
+/// z/k!`. Returns the energies that drag and dashpot dissipate: the integrals of the squares of
+/// such series.
 fn along<R: Real>(a: &Matrix<R>, [drag, dashpot]: [R; 2], z: &mut [R; 4], dt: R) -> [R; 2] {
     let parts = short_times(a, dt).ceil().max(1.0);
     let short = dt * R::of(parts).recip();
@@ -342,8 +342,8 @@ mod tests {
 
     #[test]
     fn a_motion_that_is_not_repeated_is_that_of_the_matrices() {
-        // Truth: another method. Of matrices each doubling may double a rounding, of 2^k short times
-        // each adds one.
+        // Truth: another method. Of matrices each doubling may double a rounding, of 2^k short
+        // times each adds one.
         let z = [0.3, -0.4, 0.7, 1.1];
         for (drag, dashpot) in [(0.0, 0.0), (0.9, 0.0), (0.0, 0.6), (0.5, 0.2), (1e-6, 30.0)] {
             for rho in [0.4, 0.01, 1e-3, f64::INFINITY, 0.0] {

@@ -15,8 +15,8 @@ use super::{
 /// `(TAIL e)^POWER`: local errors go with the power `1/POWER` of the last terms. Fitted to runs of
 /// waves, impacts and random chains; `methods
 /// the_error_is_no_more_than_was_asked_for_over_six_decades` and
-/// `random_chains_agree_with_the_regularised_run` measure what it gives. Where contacts are dashpots
-/// the power is 1: struck chains have errors of 5 tolerances with `POWER`.
+/// `random_chains_agree_with_the_regularised_run` measure what it gives. Where contacts are
+/// dashpots the power is 1: struck chains have errors of 5 tolerances with `POWER`.
 const TAIL: f64 = 4e3;
 const POWER: f64 = 0.8;
 /// Largest last terms where the terms fall slowly: `SLOW_TAIL e`. For a contact that nearly opens,

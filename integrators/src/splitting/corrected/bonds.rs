@@ -3,8 +3,8 @@
 use super::{ends::Side, path::BondPath};
 use crate::{clock::DoubleDouble, system::SplitFlow, vector::Vector};
 
-/// The motion of a bond between two kicks, without the bond's own force; or of several bonds, one in
-/// each lane of `T`.
+/// The motion of a bond between two kicks, without the bond's own force; or of several bonds, one
+/// in each lane of `T`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BondView<T = f64> {
     /// The overlap as a function of the time since the second kick.

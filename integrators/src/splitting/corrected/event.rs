@@ -77,8 +77,8 @@ impl<S: BondFlow> VectorKernel<f64> for Changes<'_, S> {
     }
 }
 
-/// A bit for each lane: whether its event is an onset. As in [`Pack::of`], lanes without an event of
-/// their own repeat the first one.
+/// A bit for each lane: whether its event is an onset. As in [`Pack::of`], lanes without an event
+/// of their own repeat the first one.
 #[inline(always)]
 fn sides<T>(lanes: usize, events: &[T], onset: impl Fn(&T) -> bool) -> u64 {
     let mut onsets = if onset(&events[0]) { u64::MAX << events.len() } else { 0 };
@@ -101,8 +101,8 @@ impl Corrector {
         f64::run_vector(Events { corrector: self, events, out });
     }
 
-    /// [`events`](Self::events) of the bonds of a flow that have changed their side in the step that
-    /// ends now.
+    /// [`events`](Self::events) of the bonds of a flow that have changed their side in the step
+    /// that ends now.
     pub(super) fn changes<S: BondFlow>(&self, flow: &S, changed: &[(usize, bool)], out: &mut Vec<Option<Correction>>) {
         f64::run_vector(Changes { corrector: self, flow, changed, out });
     }

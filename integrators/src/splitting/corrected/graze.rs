@@ -377,7 +377,8 @@ mod tests {
                         }
                     }
                 }
-                // Contacts are summed exactly; for gaps the terms of Euler and Maclaurin end at h^4.
+                // Contacts are summed exactly; for gaps the terms of Euler and Maclaurin end at
+                // h^4.
                 let bound = if a < 0.0 { 1e-9 } else { 4e-5 };
                 assert!(worst[0] < bound && worst[1] > 1e-2, "{alpha} {a}: {worst:?}");
             }

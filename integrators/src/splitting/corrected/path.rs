@@ -189,8 +189,8 @@ impl<V: Vector<f64>> Paths<V> {
         found
     }
 
-    /// The last zeros before now and the first ones after, of paths that are positive now; NaN where
-    /// there is none within reach. Newton's method finds them from the zeros of the parabola.
+    /// The last zeros before now and the first ones after, of paths that are positive now; NaN
+    /// where there is none within reach. Newton's method finds them from the zeros of the parabola.
     #[inline(always)]
     pub(super) fn around(&self, reach: f64) -> [Pack<V>; 2] {
         let (g, r, a) = (self.overlap, self.rate, self.acceleration[0] + self.acceleration[1]);
@@ -273,7 +273,8 @@ fn doubled<V: Vector<f64>>(y: Pack<V>) -> (Pack<V>, Pack<V>) {
     (c2, s3)
 }
 
-/// `(-1)^k/(2k+2)!` and `(-1)^k/(2k+3)!`, in pairs: at `x = 1/2` the next terms are 3e-15 and 2e-16.
+/// `(-1)^k/(2k+2)!` and `(-1)^k/(2k+3)!`, in pairs: at `x = 1/2` the next terms are 3e-15 and
+/// 2e-16.
 const C2: [[f64; 2]; 3] =
     [[1.0 / 2.0, -1.0 / 24.0], [1.0 / 720.0, -1.0 / 40_320.0], [1.0 / 3_628_800.0, -1.0 / 479_001_600.0]];
 const S3: [[f64; 2]; 3] =

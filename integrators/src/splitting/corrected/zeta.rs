@@ -95,8 +95,8 @@ impl ZetaTable {
         let (last, others) = quads.split_last().expect("powers");
         let mut zeta = [Pack::all(0.0); Self::COUNT];
         for k in 0..Self::COUNT {
-            // Four sums over every fourth power, of which none waits for another. They are no array,
-            // and there is no closure: so they stay in the registers of the kernel.
+            // Four sums over every fourth power, of which none waits for another. They are no
+            // array, and there is no closure: so they stay in the registers of the kernel.
             let (mut s0, mut s1) = (Pack::all(last[0][k]), Pack::all(last[1][k]));
             let (mut s2, mut s3) = (Pack::all(last[2][k]), Pack::all(last[3][k]));
             for quad in others.iter().rev() {

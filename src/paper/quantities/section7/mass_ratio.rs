@@ -119,8 +119,8 @@ impl Branch {
     }
 }
 
-/// `ln |lambda|` of the site-centred breather with `omega_b = 1.75` at `rho = 1.4`, divided by that at
-/// `rho = 1.1`, on the branch from `rho = 0.65`.
+/// `ln |lambda|` of the site-centred breather with `omega_b = 1.75` at `rho = 1.4`, divided by that
+/// at `rho = 1.1`, on the branch from `rho = 0.65`.
 fn on_the_way() -> Result<f64> {
     let (shooting, parameter) = (Shooting::default(), Parameter::Rho);
     let mut orbit = orbit(0.65, Center::Site, 1.75)?;
