@@ -4,10 +4,7 @@
 use super::{Kind, Line, Panel, Quantity, Units};
 use crate::{output::NpzWriter, present};
 use serde_json::{Map, Value, json};
-use std::{
-    io::{self, Seek, Write},
-    ops::Range,
-};
+use std::io::{self, Seek, Write};
 
 /// Width of a text table from which it is cut into two, in characters.
 const WIDE: usize = 120;
@@ -98,9 +95,7 @@ pub struct Table {
     key: String,
     columns: Vec<Column>,
     rows: usize,
-    in_text: Range<usize>,
-    /// About how many rows the text has.
-    few: usize,
+    in_text: Vec<usize>,
     units: Option<Units>,
 }
 
@@ -114,15 +109,8 @@ impl Table {
     /// The table of some rows; its columns follow. `name` is that of its CSV file.
     pub fn of<T>(name: impl Into<String>, rows: &[T]) -> Rows<'_, T> {
         let (name, key) = (name.into(), "rows".to_owned());
-        let table = Self {
-            name,
-            key,
-            columns: Vec::new(),
-            rows: rows.len(),
-            in_text: 0..rows.len(),
-            few: usize::MAX,
-            units: None,
-        };
+        let table =
+            Self { name, key, columns: Vec::new(), rows: rows.len(), in_text: (0..rows.len()).collect(), units: None };
         Rows { rows, table }
     }
 }
@@ -156,11 +144,18 @@ impl<T> Rows<'_, T> {
         self
     }
 
-    /// The text has these rows only.
+    /// The text has these rows only; without rows it has no table.
     #[must_use]
-    pub fn in_text(mut self, rows: Range<usize>) -> Self {
-        self.table.in_text = rows.start.min(self.rows.len())..rows.end.min(self.rows.len());
+    pub fn in_text(mut self, rows: impl IntoIterator<Item = usize>) -> Self {
+        self.table.in_text = rows.into_iter().filter(|row| *row < self.rows.len()).collect();
         self
+    }
+
+    /// About how many rows the text has: evenly spaced ones, and the last.
+    #[must_use]
+    pub fn few(self, rows: usize) -> Self {
+        let (all, every) = (self.rows.len(), self.rows.len().div_ceil(rows).max(1));
+        self.in_text((0..all).filter(|row| row % every == 0 || row + 1 == all))
     }
 
     /// Another heading for the last column.
@@ -186,22 +181,6 @@ impl<T> Rows<'_, T> {
     #[must_use]
     pub fn key(mut self, key: &str) -> Self {
         self.table.key = key.to_owned();
-        self
-    }
-
-    /// Keeps the table out of the text.
-    #[must_use]
-    pub fn hidden(mut self) -> Self {
-        for column in &mut self.table.columns {
-            column.digits = if column.digits == Digits::Json { Digits::Json } else { Digits::Hidden };
-        }
-        self
-    }
-
-    /// About how many rows the text has: evenly spaced ones, and the last.
-    #[must_use]
-    pub fn few(mut self, rows: usize) -> Self {
-        self.table.few = rows;
         self
     }
 
@@ -353,10 +332,7 @@ impl Table {
             Cell::Word(word) => word.clone().unwrap_or_default(),
             Cell::Nested(value) => value.to_string(),
         };
-        let (all, last) = (self.in_text.clone(), self.in_text.end);
-        let every = all.len().div_ceil(self.few).max(1);
-        let told = all.clone().filter(|row| (row - all.start) % every == 0 || row + 1 == last);
-        let rows = told.map(|row| self.shown().map(|column| cell(column, row)).collect());
+        let rows = self.in_text.iter().map(|&row| self.shown().map(|column| cell(column, row)).collect());
         (self.shown().map(|column| self.head(column)).collect(), rows.collect())
     }
 

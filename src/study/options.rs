@@ -68,13 +68,13 @@ pub(crate) fn flag<T: Display, V: Value<T>>(
     doc: &str,
     value_name: &'static str,
     default: &V,
-    rule: &str,
+    range: &str,
     parser: impl clap::builder::IntoResettable<clap::builder::ValueParser>,
 ) -> clap::Arg {
     let lines: Vec<&str> = doc.lines().map(str::trim).collect();
     let mut paragraphs = lines.split(|line| line.is_empty()).map(|lines| lines.join(" "));
     let short = paragraphs.next().unwrap_or_default();
-    let rule = if V::LIST { format!("Each is {rule}.") } else { rule.replacen('f', "F", 1) + "." };
+    let rule = format!("{} {range}.", if V::LIST { "Each is from" } else { "From" });
     let long: Vec<String> = [short.clone()].into_iter().chain(paragraphs).chain([rule]).collect();
     // Defaults live as long as the command line: for the whole program.
     let defaults = default.numbers().iter().map(|number| &*String::leak(number.to_string()));
@@ -126,7 +126,7 @@ macro_rules! options {
                     concat!($($doc, "\n"),*),
                     $value,
                     &default.$field,
-                    concat!("from ", $least, " to ", $most),
+                    concat!($least, " to ", $most),
                     clap::value_parser!($number),
                 ),)*])
             }

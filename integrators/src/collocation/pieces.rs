@@ -64,6 +64,29 @@ fn sign(value: f64, error: f64) -> Option<bool> {
     (value.abs() > error).then_some(value > 0.0)
 }
 
+/// A bond in a window, as the log looks at it. Overlaps up to `band` are rounding at the ends of the
+/// window, and `bend` is a bound of the second derivative.
+struct Looked<'a, 'f, const M: usize, const S: usize> {
+    of: &'a Bond<M, S>,
+    frame: &'a Frame<'f, M, S>,
+    beside: [Beside<'a, M, S>; 2],
+    band: f64,
+    bend: f64,
+    /// The overlap at the end of the window.
+    end: f64,
+}
+
+/// Zeros of the overlap in a window, in order of time.
+struct Zeros {
+    events: Vec<Instant>,
+    /// Whether beads overlap before the first.
+    positive: bool,
+    /// Whether the contacts may not say it all: overlaps without a force are looked for, too.
+    doubt: bool,
+    /// Overlaps inside the window up to this are errors.
+    noise: f64,
+}
+
 impl<const M: usize, const S: usize> Bond<M, S> {
     /// Appends the pieces of this window in which beads overlap, with the index of the bond.
     pub(super) fn pieces(
@@ -79,140 +102,172 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let most = value + slope.max(0.0) * h + 0.5 * bend * h * h;
         let stays_open = most <= 0.0 && value < -ALIKE * band || [value, slope, most] == [0.0; 3];
         if !stays_open || !self.contacts.found.is_empty() {
-            self.pieces_between((frame, bond), beside, (band, bend), out);
+            let mut looked = Looked { of: self, frame, beside, band, bend, end: 0.0 };
+            looked.end = looked.overlap(h.next_up());
+            looked.pieces(bond, out);
         }
     }
+}
 
-    /// As [`pieces`](Self::pieces); overlaps up to `band` are rounding at the ends of the window,
-    /// and `bend` is a bound of the second derivative. Not inlined, to keep it away from bonds that
-    /// stay open.
-    #[inline(never)]
-    fn pieces_between(
-        &self,
-        (frame, bond): (&Frame<'_, M, S>, usize),
-        beside: [Beside<M, S>; 2],
-        (band, bend): (f64, f64),
-        out: &mut Vec<Piece>,
-    ) {
-        let (h, rule, panels, found) = (frame.h, frame.rule, self.panels.as_slice(), &self.contacts.found);
-        let Initial { path, overlap: [value, slope], ongoing, .. } = self.initial;
-        let (own, known) = (self.initial.own(), known::<S>(&self.known));
-        let overlap = |t: f64| overlap_at((&path, known), (&self.panels, own), frame, beside, t);
-        let (starts, end) = (sign(value, ALIKE * band), overlap(h.next_up()));
-        // The series of a panel has errors, which show at its ends.
-        let jump = |t: f64| (overlap(t.next_up()) - overlap(t.next_down())).abs();
-        let noise = || {
-            let panels =
-                [Some(self), beside[0], beside[1]].into_iter().flatten().flat_map(|bond| bond.panels.as_slice());
-            band.max(SURE * panels.flat_map(|panel| [panel.start, panel.end]).map(jump).fold(0.0, f64::max))
+impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
+    /// The overlap at a time, by all forces.
+    fn overlap(&self, t: f64) -> f64 {
+        let Bond { initial, known: motion, panels, .. } = self.of;
+        overlap_at((&initial.path, known::<S>(motion)), (panels, initial.own()), self.frame, self.beside, t)
+    }
+
+    /// The error of overlaps inside the window: the series of a panel has errors, which show at its
+    /// ends.
+    fn noise(&self) -> f64 {
+        let bonds = [Some(self.of), self.beside[0], self.beside[1]].into_iter().flatten();
+        let ends = bonds.flat_map(|bond| bond.panels.as_slice()).flat_map(|panel| [panel.start, panel.end]);
+        let jump = |t: f64| (self.overlap(t.next_up()) - self.overlap(t.next_down())).abs();
+        self.band.max(SURE * ends.map(jump).fold(0.0, f64::max))
+    }
+
+    /// The zero near an event, and whether there is one; a step to it is shorter than `most`. The
+    /// force is zero at an event, so that near it the overlap follows the path by the panels before,
+    /// whose values have no errors of a series.
+    fn event(&self, (found, rising): (f64, bool), most: f64) -> (Instant, bool) {
+        let (h, panels, own) = (self.frame.h, self.of.panels.as_slice(), self.of.initial.own());
+        let before = panels.partition_point(|panel| if rising { panel.end <= found } else { panel.start < found });
+        let (left, none, mut path) = (self.of.panels.before(before), Panels::new(), self.of.initial.path);
+        for side in 0..S {
+            for i in 0..4 {
+                path[side][i] -= own * left[side][i];
+            }
+        }
+        let course = (&path, known::<S>(&self.of.known));
+        let g = |t: f64| overlap_at(course, (&none, own), self.frame, self.beside, t);
+        // dg/dt; without dissipation that of the parabola through three points nearby.
+        let speed = |t: f64| {
+            if self.frame.link.lossy() {
+                return rate_at(course, (&none, own), self.frame, self.beside, t);
+            }
+            let near = SPEED_STEP * h;
+            let (a, c) = ((t - near).max(0.0), (t + near).min(h));
+            let b = 0.5 * (a + c);
+            let [ga, gb, gc] = [a, b, c].map(g);
+            let (first, second) = ((gb - ga) / (b - a), (gc - gb) / (c - b));
+            0.5 * (first + second) + (second - first) * (t - b) / (b - a)
         };
+        let mut t = found;
+        for _ in 0..2 {
+            let by = -g(t) / speed(t);
+            t = if by.abs() < most { (t + by).clamp(0.0, h) } else { t };
+        }
+        ((t, speed(t)), g(t).abs() <= (ALIKE * self.band).max(CLOSER * g(found).abs()))
+    }
+
+    /// The zeros that the contacts have; where the sign of the overlap contradicts them, those that
+    /// a search finds.
+    fn zeros(&self) -> Zeros {
+        let (h, band, panels, found) = (self.frame.h, self.band, self.of.panels.as_slice(), &self.of.contacts.found);
+        let Initial { overlap: [value, _], ongoing, .. } = self.of.initial;
+        let starts = sign(value, ALIKE * band);
         let edges = found.iter().flat_map(|contact| {
             let [begins, ends] = contact.events(h);
             [begins.then_some((contact.onset, true)), ends.then_some((contact.release, false))]
         });
-        // The zero near an event, and whether there is one. The force is zero at an event, so that
-        // near it the overlap follows the path by the panels before, whose values have no errors of
-        // a series.
-        let event = |(found, rising): (f64, bool), most: f64| {
-            let before = panels.partition_point(|panel| if rising { panel.end <= found } else { panel.start < found });
-            let (left, none, mut path) = (self.panels.before(before), Panels::new(), path);
-            for side in 0..S {
-                for i in 0..4 {
-                    path[side][i] -= own * left[side][i];
-                }
-            }
-            let course = (&path, known);
-            let g = |t: f64| overlap_at(course, (&none, own), frame, beside, t);
-            // dg/dt; without dissipation that of the parabola through three points nearby.
-            let speed = |t: f64| {
-                if frame.link.lossy() {
-                    return rate_at(course, (&none, own), frame, beside, t);
-                }
-                let near = SPEED_STEP * h;
-                let (a, c) = ((t - near).max(0.0), (t + near).min(h));
-                let b = 0.5 * (a + c);
-                let [ga, gb, gc] = [a, b, c].map(g);
-                let (first, second) = ((gb - ga) / (b - a), (gc - gb) / (c - b));
-                0.5 * (first + second) + (second - first) * (t - b) / (b - a)
-            };
-            let mut t = found;
-            for _ in 0..2 {
-                let by = -g(t) / speed(t);
-                t = if by.abs() < most { (t + by).clamp(0.0, h) } else { t };
-            }
-            ((t, speed(t)), g(t).abs() <= (ALIKE * band).max(CLOSER * g(found).abs()))
-        };
-        let mut events: Vec<(Instant, bool)> = edges.flatten().map(|edge| event(edge, f64::INFINITY)).collect();
+        let (mut events, mut all) = (Vec::new(), true);
+        for (zero, found) in edges.flatten().map(|edge| self.event(edge, f64::INFINITY)) {
+            events.push(zero);
+            all &= found;
+        }
         let mut positive = starts.unwrap_or(ongoing.is_some());
         let ends = found.last().is_some_and(|contact| contact.release > h);
         let least = panels.iter().flat_map(|panel| panel.overlap).fold(0.0, f64::min);
         let doubt = positive != ongoing.is_some()
-            || sign(end, band).is_some_and(|positive| positive != ends)
+            || sign(self.end, band).is_some_and(|positive| positive != ends)
             || found.is_empty()
-            || frame.link.lossy() && !events.is_empty()
-            || events.iter().any(|(_, zero)| !zero)
-            || least < -band && least < -noise();
-        let throughout = found.is_empty() && starts == Some(true) && end > band;
-        let noise = if doubt && !throughout { noise() } else { band };
-        if doubt && !throughout {
-            let (mut side, mut last) = (starts, (0.0, value));
-            events.clear();
-            for (t, g) in self.samples(h, end, &overlap) {
-                let now = sign(g, if t == h { band } else { noise });
-                match (side, now) {
-                    (None, Some(now)) => (positive, side) = (now, Some(now)),
-                    (Some(before), Some(now)) if before != now => {
-                        // Far from a zero that was found there is another one, or none.
-                        events.push(event((bracketed(overlap, last, (t, g)), now), REFINED * h));
-                        side = Some(now);
-                    }
-                    _ => {}
+            || self.frame.link.lossy() && !events.is_empty()
+            || !all
+            || least < -band && least < -self.noise();
+        let throughout = found.is_empty() && starts == Some(true) && self.end > band;
+        if !doubt || throughout {
+            return Zeros { events, positive, doubt, noise: band };
+        }
+        let noise = self.noise();
+        let (mut side, mut last) = (starts, (0.0, value));
+        events.clear();
+        for (t, g) in self.samples() {
+            let now = sign(g, if t == h { band } else { noise });
+            match (side, now) {
+                (None, Some(now)) => (positive, side) = (now, Some(now)),
+                (Some(before), Some(now)) if before != now => {
+                    // Far from a zero that was found there is another one, or none.
+                    let zero = bracketed(|t| self.overlap(t), last, (t, g));
+                    events.push(self.event((zero, now), REFINED * h).0);
+                    side = Some(now);
                 }
-                if side == Some(g > 0.0) {
-                    last = (t, g);
-                }
+                _ => {}
+            }
+            if side == Some(g > 0.0) {
+                last = (t, g);
             }
         }
-        let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
+        Zeros { events, positive, doubt, noise }
+    }
+
+    /// Times in the window and overlaps there, in order of time.
+    fn samples(&self) -> Vec<(f64, f64)> {
+        let h = self.frame.h;
+        let nodes = self.of.panels.as_slice().iter().flat_map(|panel| panel.tau.into_iter().zip(panel.overlap));
+        let inner = (1..PARTS).map(|k| h * k as f64 / PARTS as f64).map(|t| (t, self.overlap(t)));
+        let mut samples: Vec<(f64, f64)> = nodes.chain(inner).chain([(h, self.end)]).collect();
+        samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+        samples
+    }
+
+    /// The overlap by all forces as a curve.
+    fn through(&self, (origin, sign, q): (f64, f64, u32), [from, to]: [f64; 2]) -> Curve {
         let at = |t: f64| match t {
-            0.0 => value,
-            _ if t == h => end,
-            _ => overlap(t),
+            0.0 => self.of.initial.overlap[0],
+            _ if t == self.frame.h => self.end,
+            _ => self.overlap(t),
         };
-        let through = |(origin, sign, q): (f64, f64, u32), [from, to]: [f64; 2]| {
-            let time = |x: f64| origin + sign * (from + (to - from) * x).powi(q as i32);
-            let all = if bend > 0.0 { &SHARES[..] } else { &[0.0, 1.0] };
-            let points = all.iter().map(|&x| (x, at(time(x))));
-            Curve::new((origin, sign, q), [from, to], points)
+        let time = |x: f64| origin + sign * (from + (to - from) * x).powi(q as i32);
+        let all = if self.bend > 0.0 { &SHARES[..] } else { &[0.0, 1.0] };
+        Curve::new((origin, sign, q), [from, to], all.iter().map(|&x| (x, at(time(x)))))
+    }
+
+    /// The overlap on a panel. The polynomial through the values at the nodes is worst at the ends
+    /// of a panel. Where it decides on a time, and is worse there than displacements, the overlap by
+    /// all forces takes its place.
+    fn over(&self, panel: &Panel<M, S>) -> Option<Curve> {
+        let curve = panel.curve(self.frame.rule)?;
+        let (values, (low, high)) = (curve.values(), curve.range());
+        let decides = low < FADING * high || values[0] < high && curve.last() < high;
+        let off = |[inside, outside]: [f64; 2], value: f64| {
+            let [inside, outside] = [self.overlap(inside), self.overlap(outside)];
+            (value - outside).abs() > self.band.max(SURE * (inside - outside).abs())
         };
+        let Panel { start, end, .. } = *panel;
+        let exact = !decides
+            || !off([start.next_up(), start.next_down()], values[0])
+                && !off([end.next_down(), end.next_up()], curve.last());
+        Some(if exact { curve } else { self.through(panel.map(), panel.sigmas()) })
+    }
+
+    /// Appends the pieces, with the index of the bond. Not inlined, to keep it away from bonds that
+    /// stay open.
+    #[inline(never)]
+    fn pieces(&self, bond: usize, out: &mut Vec<Piece>) {
+        let (h, rule, panels) = (self.frame.h, self.frame.rule, self.of.panels.as_slice());
+        let Zeros { events, positive, doubt, noise } = self.zeros();
+        let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
         let freely = |a: f64, b: f64| {
             let long = doubt && b - a > SHORT * h;
-            long.then(|| through((a, 1.0, 1), [0.0, b - a])).filter(|curve| curve.range().1 > noise)
-        };
-        // The polynomial through the values at the nodes is worst at the ends of a panel. Where it
-        // decides on a time, and is worse there than displacements, the overlap by all forces
-        // takes its place.
-        let over = |panel: &Panel<M, S>| {
-            let curve = panel.curve(rule)?;
-            let (values, (low, high)) = (curve.values(), curve.range());
-            let decides = low < FADING * high || values[0] < high && curve.last() < high;
-            let off = |[inside, outside]: [f64; 2], value: f64| {
-                let [inside, outside] = [overlap(inside), overlap(outside)];
-                (value - outside).abs() > band.max(SURE * (inside - outside).abs())
-            };
-            let Panel { start, end, .. } = *panel;
-            let exact = !decides
-                || !off([start.next_up(), start.next_down()], values[0])
-                    && !off([end.next_down(), end.next_up()], curve.last());
-            Some(if exact { curve } else { through(panel.map(), panel.sigmas()) })
+            long.then(|| self.through((a, 1.0, 1), [0.0, b - a])).filter(|curve| curve.range().1 > noise)
         };
         // The side on which the last window ended is not known here: near zero it is told again.
-        let again = starts.is_none().then_some((0.0, slope));
+        let [value, slope] = self.of.initial.overlap;
+        let again = sign(value, ALIKE * self.band).is_none().then_some((0.0, slope));
         if !positive && again.is_some() {
             out.push(Piece { release: again, ..piece(0.0, None) });
         }
         let mut from = positive.then_some((0.0, again));
-        for zero in events.into_iter().map(|(zero, _)| Some(zero)).chain([None]) {
+        for zero in events.into_iter().map(Some).chain([None]) {
             let Some((from, onset)) = from.take() else {
                 from = zero.map(|zero| (zero.0, Some(zero)));
                 continue;
@@ -226,7 +281,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 let most = (1..M).fold(0, |most, j| if panel.force[j] > panel.force[most] { j } else { most });
                 let here = !doubt || from < panel.tau[most] && panel.tau[most] <= to;
                 let impulse = if here { panel.impulse(rule) } else { 0.0 };
-                out.push(piece(impulse, if whole { over(panel) } else { freely(a, b) }));
+                out.push(piece(impulse, if whole { self.over(panel) } else { freely(a, b) }));
                 at = at.max(b);
             }
             out.extend(freely(at, to).map(|curve| piece(0.0, Some(curve))));
@@ -236,14 +291,5 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let last = out.len() - 1;
             (out[first].onset, out[last].release) = (onset, zero);
         }
-    }
-
-    /// Times in a window and overlaps there, in order of time.
-    fn samples(&self, h: f64, end: f64, overlap: &impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
-        let nodes = self.panels.as_slice().iter().flat_map(|panel| panel.tau.into_iter().zip(panel.overlap));
-        let inner = (1..PARTS).map(|k| h * k as f64 / PARTS as f64).map(|t| (t, overlap(t)));
-        let mut samples: Vec<(f64, f64)> = nodes.chain(inner).chain([(h, end)]).collect();
-        samples.sort_by(|a, b| a.0.total_cmp(&b.0));
-        samples
     }
 }

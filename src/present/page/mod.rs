@@ -234,10 +234,10 @@ fn class(cell: &str) -> &'static str {
     }
 }
 
-/// A table with its legend; nothing if it has no column for people.
+/// A table with its legend; nothing if it has no column or no row for people.
 fn table_html(table: &report::Table) -> Markup {
     let (head, rows) = table.cells();
-    if head.is_empty() {
+    if head.is_empty() || rows.is_empty() {
         return html! {};
     }
     let mut columns: Vec<usize> = (0..head.len()).collect();

@@ -28,6 +28,7 @@ use crate::{
 #[cfg(feature = "cli")]
 use hertzchain_integrators::Tolerance;
 use hertzchain_integrators::{Stats, collocation::Pace};
+use serde::Serialize;
 use std::time::{Duration, Instant};
 
 /// Default end of a run of a bright breather in units of `T`, as in the paper.
@@ -291,7 +292,7 @@ pub struct BrightSample {
 }
 
 /// A step from one end of the chain to the other in the positions of beads and resonators.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Kink {
     /// `max u_n - min u_n`.
     pub height_u: f64,

@@ -63,34 +63,13 @@ impl BrightStudy {
         let (params, core, end, horizon) = (breather.params(), breather.core(), scene.end(), breather.horizon());
         let layout = scene.chain().layout();
         let all: Vec<_> = self.samples.iter().map(|sample| (sample, sample.norms)).collect();
-        let norms = samples("norms", &all).hidden().done();
+        let norms = samples("norms", &all).in_text([]).done();
         let mut before = 0.0;
         let largest = |sample: &BrightSample| self.largest(std::mem::replace(&mut before, sample.t), sample.t);
         let largest: Vec<_> = self.periods().map(largest).collect();
         let periods: Vec<_> = self.periods().zip(largest).collect();
         let column = |of: fn(&BrightSample) -> f64| self.periods().map(of).collect::<Vec<_>>();
-        let rows: Vec<_> = profiles
-            .iter()
-            .flat_map(|one| {
-                (0..layout.sites())
-                    .map(move |n| (one.t, n, layout.u(&one.state)[n], layout.v(&one.state).map_or(0.0, |v| v[n])))
-            })
-            .collect();
-        let states = Table::of("profiles", &rows)
-            .key("")
-            .col("t", Hidden, "0, 30 T_b and the end", |row| row.0)
-            .col("n", Hidden, "site", |row| row.1)
-            .col("u", Hidden, "position of the bead", |row| row.2)
-            .col("v", Hidden, "and of its resonator", |row| row.3)
-            .col("u_ansatz", Hidden, "by the ansatz", |row| breather.site(row.1, row.0).u)
-            .done();
-        let (first, last) = (&self.first_forces, &self.last_forces);
-        let forces: Vec<_> = first.forces.iter().zip(&last.forces).enumerate().collect();
-        let forces = Table::of("forces", &forces)
-            .key("")
-            .col("bond", Hidden, "", |row| first.first_bond + row.0)
-            .col("first_period", Hidden, "mean contact force over the first period", |row| *row.1.0)
-            .col("after_end", Hidden, "and over a period that begins at the end", |row| *row.1.1);
+        let [states, forces] = self.hidden_tables();
         let shown = profiles
             .iter()
             .map(|one| json!({"t": one.t, "u": layout.u(&one.state), "v": layout.v(&one.state).unwrap_or_default()}));
@@ -140,19 +119,10 @@ impl BrightStudy {
                 }),
             )
             .fact("tenth_left", self.tenth_left)
-            .fact(
-                "kink",
-                json!({
-                    "height_u": kink.height_u,
-                    "height_v": kink.height_v,
-                    "jump_v": kink.jump_v,
-                    "between_ends_u": kink.between_ends_u,
-                    "between_ends_v": kink.between_ends_v,
-                }),
-            )
+            .fact("kink", kink)
             .fact("profiles", shown.collect::<Vec<_>>())
-            .fact("mean_forces_first_period", forces_json(first))
-            .fact("mean_forces_after_end", forces_json(last))
+            .fact("mean_forces_first_period", forces_json(&self.first_forces))
+            .fact("mean_forces_after_end", forces_json(&self.last_forces))
             .fact("energy_error", self.energy_error)
             .fact("force_evaluations", self.stats.force_evaluations)
             .fact("wall_s", self.wall.as_secs_f64())
@@ -172,6 +142,36 @@ impl BrightStudy {
             .table(states)
             .table(forces)
             .picture(picture)
+    }
+
+    /// States, and mean contact forces of bonds.
+    fn hidden_tables(&self) -> [Table; 2] {
+        let (breather, layout) = (&self.breather, self.scene.chain().layout());
+        let rows: Vec<_> = self
+            .profiles
+            .iter()
+            .flat_map(|one| {
+                (0..layout.sites())
+                    .map(move |n| (one.t, n, layout.u(&one.state)[n], layout.v(&one.state).map_or(0.0, |v| v[n])))
+            })
+            .collect();
+        let states = Table::of("profiles", &rows)
+            .key("")
+            .col("t", Hidden, "0, 30 T_b and the end", |row| row.0)
+            .col("n", Hidden, "site", |row| row.1)
+            .col("u", Hidden, "position of the bead", |row| row.2)
+            .col("v", Hidden, "and of its resonator", |row| row.3)
+            .col("u_ansatz", Hidden, "by the ansatz", |row| breather.site(row.1, row.0).u)
+            .done();
+        let (first, last) = (&self.first_forces, &self.last_forces);
+        let forces: Vec<_> = first.forces.iter().zip(&last.forces).enumerate().collect();
+        let forces = Table::of("forces", &forces)
+            .key("")
+            .col("bond", Hidden, "", |row| first.first_bond + row.0)
+            .col("first_period", Hidden, "mean contact force over the first period", |row| *row.1.0)
+            .col("after_end", Hidden, "and over a period that begins at the end", |row| *row.1.1)
+            .done();
+        [states, forces]
     }
 
     fn words(&self) -> String {

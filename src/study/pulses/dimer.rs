@@ -113,7 +113,7 @@ impl DimerStudy {
                 .col("last", Hidden, "the same, the cells farther on", |row| row.last)
                 .col("transmission", Fixed(5), "last over first, 1 for a solitary wave", DimerRow::transmission)
         };
-        let rows = columns("dimer", &self.rows).hidden().done();
+        let rows = columns("dimer", &self.rows).in_text([]).done();
         let source = "Jayaprakash, Starosvetsky & Vakakis 2011";
         let maxima = columns("maxima", &self.maxima).key("maxima").col("published", Fixed(4), source, known).done();
         let least = self.rows.iter().min_by(|a, b| a.transmission().total_cmp(&b.transmission()));
