@@ -19,6 +19,7 @@ use crate::{
         DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
         DrivenTrail,
     },
+    report::Report,
     scene::{Quantity, Scene, Units},
     sweep::Engine,
 };
@@ -236,8 +237,8 @@ const STORE: &str = "driven-spectra.store";
 const SWITCHED_STORE: &str = "switched-spectra.store";
 
 impl Study for DrivenContinue {
-    const FILES: &'static str = "Files: driven-branch.json, driven-branch.csv, bifurcations.csv, driven-branch.png and driven-branch.npz, with --switch \
-                                 switched-branch.csv, switched-bifurcations.csv and switched-branch.npz; the npz files are written every 20 points or 10 s as well. \
+    const FILES: &'static str = "driven-branch.npz has every orbit, and no table. With --switch also switched-branch.csv, switched-bifurcations.csv and \
+                                 switched-branch.npz; the npz files are written every 20 points or 10 s as well. \
                                  driven-spectra.store and switched-spectra.store have multipliers and bifurcations, from which the same command goes on. \
                                  Each part of --shard follows the first branch itself and computes its share of these.";
     const INTERRUPTIBLE: bool = true;
@@ -245,6 +246,10 @@ impl Study for DrivenContinue {
 
     fn optional_files() -> Vec<String> {
         SWITCHED.map(|name| format!("{name}.csv")).into_iter().chain([SWITCHED_FILE.to_owned()]).collect()
+    }
+
+    fn outline() -> Option<Report> {
+        Some(report::outline())
     }
 
     fn begin(&self) -> Result<Work<'_>> {

@@ -3,7 +3,7 @@
 use super::{BRANCH_FILE, DrivenBranchStudy, DrivenStudy, SWITCHED_FILE, driven_branch_npz, quantity};
 use crate::{
     error::Result,
-    orbits::{DriveParameter, DrivenBranch, DrivenMultiplier, DrivenPoint, DrivenSetting},
+    orbits::{DriveParameter, DrivenBifurcation, DrivenBranch, DrivenMultiplier, DrivenPoint, DrivenSetting},
     report::{
         Column,
         Digits::{Fixed, Hidden, Json, Power, Short},
@@ -25,6 +25,8 @@ const LEADING: usize = 6;
 const SHOWN: f64 = 5e-11;
 /// The tables of a branch: points and bifurcations.
 const BRANCH: [&str; 2] = ["driven-branch", "bifurcations"];
+/// What the first column of their numbers is.
+const VARIED: &str = "what varies along the branch";
 /// Name of the integrator of driven orbits.
 const METHOD: &str = "dop853-regularised";
 
@@ -42,9 +44,9 @@ fn points<'a>(
     let mut table = Table::of(name, points).si(si);
     let all = [DriveParameter::Amplitude, DriveParameter::Omega, DriveParameter::Damping];
     for parameter in std::iter::once(varied).chain(all.into_iter().filter(|one| *one != varied)) {
-        let digits = if parameter == varied { Fixed(8) } else { Json };
+        let (digits, about) = if parameter == varied { (Fixed(8), VARIED) } else { (Json, "") };
         let kind = points.first().map_or(Quantity::Number, |point| quantity(parameter, &point.orbit.setting));
-        table = table.col(parameter.name(), digits, "", |point| point.orbit.setting.get(parameter)).kind(kind);
+        table = table.col(parameter.name(), digits, about, |point| point.orbit.setting.get(parameter)).kind(kind);
     }
     table
         .col("response", Power(6), "largest half range of a free bead", |point| point.amplitude)
@@ -58,6 +60,34 @@ fn points<'a>(
         .col("residual", Json, "", |point| point.orbit.residual)
         .col("leading", Json, "", |point| json!(leading(point)))
         .col("liouville", Json, "", |point| point.spectrum.liouville)
+}
+
+/// The bifurcations of a branch in a parameter, whose values are of a kind.
+fn bifurcations<'a>(
+    name: &str,
+    all: &'a [DrivenBifurcation],
+    (varied, kind): (DriveParameter, Quantity),
+    si: Option<&Units>,
+) -> Rows<'a, DrivenBifurcation> {
+    branches::numbered(Table::of(name, all).si(si))
+        .col("kind", Short, "", |one| word(&one.kind))
+        .col(varied.name(), Fixed(8), VARIED, |one| one.parameter)
+        .kind(kind)
+        .col("response", Hidden, "largest half range of a free bead", |one| one.point.amplitude)
+        .kind(Quantity::Length)
+        .col("re", Fixed(6), "real part of the multiplier", |one| one.multiplier.re)
+        .col("im", Fixed(6), "imaginary part", |one| one.multiplier.im)
+        .col("multiplier", Json, "", |one| json!(one.multiplier))
+        .col("parameter", Json, "", |one| Scale(si).told(kind, one.parameter))
+        .col("omega", Json, "", |one| one.point.orbit.setting.omega())
+        .kind(Quantity::Omega)
+}
+
+/// A report of a branch without rows.
+pub(super) fn outline() -> Report {
+    let varied = DriveParameter::Amplitude;
+    let report = Report::new("driven-branch").table(points(BRANCH[0], &[], varied, None));
+    report.table(bifurcations(BRANCH[1], &[], (varied, Quantity::Number), None))
 }
 
 impl DrivenStudy {
@@ -166,21 +196,10 @@ impl DrivenBranchStudy {
 
     /// Adds points and bifurcations of a branch.
     fn tell(&self, report: Report, at: Option<usize>, branch: &DrivenBranch) -> Report {
-        let (varied, si, scale) = (branch.continuation.parameter, self.si.as_ref(), self.scale());
+        let (varied, si) = (branch.continuation.parameter, self.si.as_ref());
         let kind = branch.points.first().map_or(Quantity::Number, |point| quantity(varied, &point.orbit.setting));
         let names = if at.is_some() { SWITCHED } else { BRANCH };
-        let bifurcations = branches::numbered(Table::of(names[1], &branch.bifurcations).si(si))
-            .col("kind", Short, "", |one| word(&one.kind))
-            .col(varied.name(), Fixed(8), "", |one| one.parameter)
-            .kind(kind)
-            .col("response", Hidden, "largest half range of a free bead", |one| one.point.amplitude)
-            .kind(Quantity::Length)
-            .col("re", Fixed(6), "real part of the multiplier", |one| one.multiplier.re)
-            .col("im", Fixed(6), "imaginary part", |one| one.multiplier.im)
-            .col("multiplier", Json, "", |one| json!(one.multiplier))
-            .col("parameter", Json, "", |one| scale.told(kind, one.parameter))
-            .col("omega", Json, "", |one| one.point.orbit.setting.omega())
-            .kind(Quantity::Omega);
+        let bifurcations = bifurcations(names[1], &branch.bifurcations, (varied, kind), si);
         let tables = (points(names[0], &branch.points, varied, si), bifurcations);
         branches::tell(report, at, tables, json!({}), (branch.end, branch.unresolved))
     }
