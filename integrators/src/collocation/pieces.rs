@@ -266,21 +266,23 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
         if !positive && again.is_some() {
             out.push(Piece { release: again, ..piece(0.0, None) });
         }
-        let mut from = positive.then_some((0.0, again));
+        let (mut from, mut given) = (positive.then_some((0.0, again)), 0);
         for zero in events.into_iter().map(Some).chain([None]) {
             let Some((from, onset)) = from.take() else {
                 from = zero.map(|zero| (zero.0, Some(zero)));
                 continue;
             };
             let (to, first, mut at) = (zero.map_or(h, |zero| zero.0), out.len(), from);
-            for panel in panels.iter().filter(|panel| panel.start < to && panel.end > from) {
+            for (k, panel) in panels.iter().enumerate().filter(|(_, panel)| panel.start < to && panel.end > from) {
                 out.extend(freely(at, panel.start).map(|curve| piece(0.0, Some(curve))));
                 let (a, b) = (panel.start.max(at), panel.end.min(to));
                 let whole = !doubt || (panel.end - panel.start) - (b - a) <= SHORT * h;
-                // A panel gives its impulse to the contact in which its force is largest.
+                // A panel gives its impulse, once, to the contact in which its force is largest;
+                // if that is between two contacts, to the second.
                 let most = (1..M).fold(0, |most, j| if panel.force[j] > panel.force[most] { j } else { most });
-                let here = !doubt || from < panel.tau[most] && panel.tau[most] <= to;
+                let here = k >= given && (!doubt || panel.tau[most] <= to);
                 let impulse = if here { panel.impulse(rule) } else { 0.0 };
+                given = if here { k + 1 } else { given };
                 out.push(piece(impulse, if whole { self.over(panel) } else { freely(a, b) }));
                 at = at.max(b);
             }

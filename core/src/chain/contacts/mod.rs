@@ -41,7 +41,7 @@ const ROUNDING: f64 = 1024.0 * f64::EPSILON;
 /// impulse is at most this share of the largest one, too; or, if they have not ended, if their
 /// beads drift together at most at this share of the largest speed. Chosen: at a tolerance of 1e-6
 /// a method does not know whether such beads part or meet.
-const FAINT: f64 = 1e-6;
+const FAINT: f64 = 1e-5;
 
 /// The overlaps of all bonds that can close, as event functions.
 #[derive(Clone, Debug)]

@@ -75,6 +75,8 @@ impl Pending {
     /// ended; the next one then takes its place.
     pub(super) fn press(&mut self, curve: &Curve, push: Push) -> Option<Contact> {
         self.seen = true;
+        // The rate of an overlap that is a rounding error is not known, nor whether it pushes.
+        let push = (push.0, push.1.filter(|_| curve.range().1 > ROUNDING * self.largest.1));
         let Some(lull) = &mut self.lull else {
             self.grow(curve, push);
             self.fall(curve);
@@ -84,9 +86,15 @@ impl Pending {
         lull.end = curve.end();
         if least < lull.least {
             lull.least = least;
-            let (impulse, pushed) = lull.next.push();
+            let before = lull.next.push();
             lull.next.rise_after(curve);
-            self.add((impulse + push.0, push.1.or(pushed)));
+            // The impulse is that of the side on which the overlap is larger.
+            if curve.end()[1] > curve.values()[0] {
+                lull.next.add(push);
+                self.add(before);
+            } else {
+                self.add((before.0 + push.0, push.1.or(before.1)));
+            }
         } else {
             lull.next.grow(curve, push);
         }
@@ -336,6 +344,17 @@ mod tests {
         // A ripple whose overlap stays above `TOUCH` of its own largest value is no contact.
         let ripple = |t: f64| f64::exp(-t.cosh()) + 1e-5 * (1.2 + (9.0 * t).cos());
         assert_eq!(contacts(ripple, (-5.0, 5.0), [Some(0.0), Some(0.0)], 0.02).len(), 1);
+    }
+
+    #[test]
+    fn the_stretch_with_the_least_overlap_gives_its_impulse_to_the_larger_side() {
+        // An error of a stretch of 1e-9, then a real contact that begins with it.
+        let stretch =
+            |from: f64, to: f64, values: [f64; 3]| Curve::over((from, to), [0.0, 0.5, 1.0].into_iter().zip(values));
+        let mut pending = Pending::new(3, Some((0.0, 1.0)));
+        assert!(pending.press(&stretch(0.0, 0.1, [1e-9, 2e-10, 1e-13]), (1e-13, None)).is_none());
+        let over = pending.press(&stretch(0.1, 5.0, [1e-14, 0.1, 1.0]), (0.4, None)).unwrap();
+        assert_eq!([over.impulse, pending.finish(None).impulse], [1e-13, 0.4]);
     }
 
     /// The contact as it is read back: not seen in this leg.
