@@ -44,8 +44,8 @@ impl Maxima {
 
     /// Takes the next stretch of the overlap of a closed bond.
     ///
-    /// Where it begins is the end of the stretch before, but for errors of the method: of both, only
-    /// the end counts.
+    /// Where it begins, the stretch before has ended, but for errors of the method: of the two
+    /// values there, only that of the end counts.
     pub(super) fn press(&mut self, bond: usize, curve: &Curve) {
         let start = Course { rises: false, extreme: (curve.start(), curve.values()[0]) };
         let course = self.closed.entry(bond).or_insert(start);
