@@ -42,9 +42,15 @@ pub(super) fn main(args: &RunArgs) -> Exit {
             say(&format!("method: {name} ({setting}); --integrator chooses another"));
         }
     };
+    if let Some(share) = args.maxima {
+        scene.run().maxima(share)?;
+        if matches!(how, MethodChoice::ClosedForm(_)) {
+            return Err(Error::parameter("maxima", share, "an exact solution has no log: name an --integrator"));
+        }
+    }
     if args.plan {
         // `MethodChoice::plan` refuses what a run would refuse.
-        let plan = how.plan(&scene, args.events, &parts)?;
+        let plan = how.plan(&scene, args.events || args.maxima.is_some(), &parts)?;
         let text = if args.json {
             to_json(&serde_json::json!({"scene": scene.name(), "integrator": name, "reason": reason, "plan": plan}))
                 + "\n"
@@ -69,6 +75,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let run = run.records(if folder.is_some() { Records::Profiles } else { Records::Energy });
     let bar = progress_bar();
     let run = if args.events { run.contacts() } else { run };
+    let run = if let Some(share) = args.maxima { run.maxima(share)? } else { run };
     let outcome = how.start(run, &mut |t, _| bar.set_position((1000.0 * t / scene.end()) as u64));
     bar.finish_and_clear();
     let outcome = outcome?;

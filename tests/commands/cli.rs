@@ -120,6 +120,35 @@ fn a_contact_log_is_written_and_summed_up() {
 }
 
 #[test]
+fn maxima_are_written_on_request_beside_the_same_contacts() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = ["run", "precompressed", "--until", "20", "--tol", "1e-8", "--json", "--out"];
+    let out = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let ran = |more: &[&str]| {
+        let run = hertzchain(&[&run[..], more].concat());
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        serde_json::from_str::<Value>(&stdout(&run)).unwrap()
+    };
+    ran(&[&out("a"), "--events"]);
+    let value = ran(&[&out("b"), "--maxima", "1e-6"]);
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert!(read("a/contacts.csv") == read("b/contacts.csv") && !folder.path().join("a/maxima.csv").exists());
+    assert!(read("a/final.csv") == read("b/final.csv"));
+    let csv = String::from_utf8(read("b/maxima.csv")).unwrap();
+    assert_eq!(csv.lines().next().unwrap(), "bond,t,overlap");
+    assert!(csv.lines().count() as u64 > 1 + value["contacts"]["contacts"].as_u64().unwrap());
+    let file = std::fs::File::open(folder.path().join("b/maxima.npz")).unwrap();
+    assert_eq!(zip::ZipArchive::new(file).unwrap().len(), 3, "a member a column");
+    // What an earlier run has left is removed.
+    ran(&[&out("b")]);
+    assert!(!folder.path().join("b/maxima.csv").exists() && !folder.path().join("b/maxima.npz").exists());
+    assert!(refusal(&["run", "trivial-breather", "--maxima", "1e-6"]).contains("an exact solution has no log"));
+    assert!(refusal(&["run", "cradle", "--plan", "--maxima", "2"]).contains("from 2.3e-13 to 0.5"));
+    let legs = hertzchain(&["run", "cradle", "--maxima", "1e-6", "--checkpoint", "1", "--out", &out("c")]);
+    assert!(!legs.status.success() && String::from_utf8_lossy(&legs.stderr).contains("--checkpoint"));
+}
+
+#[test]
 fn compare_json_keeps_its_contract_and_writes_nothing_unasked() {
     let folder = tempfile::tempdir().unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_hertzchain"))

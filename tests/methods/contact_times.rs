@@ -4,7 +4,8 @@
 use crate::common::largest;
 use hertzchain::{
     Run, Scene,
-    chain::{Boundary, Chain, Contact, Params, State, TOUCH},
+    chain::{Boundary, Chain, Contact, Maximum, Overlaps, Params, State, TOUCH},
+    integrators::EventFunctions,
     run::Records,
     run::method::{Method, Setting},
 };
@@ -340,5 +341,146 @@ fn a_struck_chain_of_steel_has_one_contact_in_every_bond() {
     for tol in [1e-6, 1e-8, 1e-10, 1e-12] {
         let contacts = logged(scene, "collocation", Setting::Tolerance(tol));
         assert!(contacts.iter().map(|contact| contact.bond).eq(1..=59), "{tol:e}: {contacts:?}");
+    }
+}
+
+/// The maxima of a run by a method, with its contacts.
+fn maxima(run: &Run, share: f64, name: &str, setting: Setting) -> (Vec<Maximum>, Vec<Contact>) {
+    let run = run.clone().method(Method::named(name).unwrap()).setting(setting).maxima(share).unwrap();
+    let trajectory = run.start().and_then(|trajectory| trajectory.complete()).unwrap();
+    (trajectory.maxima.unwrap(), trajectory.contacts.unwrap())
+}
+
+#[test]
+fn maxima_of_a_bead_that_swings_between_pressed_walls_are_those_of_the_closed_form() {
+    // Closed form: the overlaps are 1 - u and 1 + u, and u'' = (1 - u)^3 - (1 + u)^3 = -6 u - 2 u^3
+    // has amplitude 1/2 if u = 0 at speed 5/4. Its extremes are at odd multiples of
+    // K(m)/sqrt(6.5), with m = 1/26.
+    let chain =
+        Chain::new(Params::new(3.0, 0.0, 0.0).unwrap(), Boundary::Fixed, 1).unwrap().precompressed(1.0).unwrap();
+    let mut state = State::rest(&chain);
+    state.u_dot_mut()[0] = 1.25;
+    let run = Run::new(chain, state).until(30.0).unwrap().records(Records::End);
+    let (mut a, mut b) = (1.0_f64, (25.0_f64 / 26.0).sqrt());
+    for _ in 0..6 {
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+    }
+    // Bounds: 1000 tol for times, and those of the table in docs/events.md for overlaps.
+    let quarter = std::f64::consts::FRAC_PI_2 / a / 6.5f64.sqrt();
+    let count = ((30.0 / quarter + 1.0) / 2.0).floor() as usize;
+    for (name, setting, bounds) in [
+        ("collocation", Setting::Tolerance(1e-6), [1e-3, 1e-5]),
+        ("collocation", Setting::Tolerance(1e-10), [1e-7, 1e-9]),
+        ("collocation", Setting::Tolerance(1e-12), [1e-9, 1e-11]),
+        ("dop853", Setting::Tolerance(1e-10), [1e-7, 3e-8]),
+        ("dop853-regularised", Setting::Tolerance(1e-10), [1e-7, 3e-8]),
+        ("corrected", Setting::Steps(4000), [1e-4, 1e-5]),
+        ("verlet", Setting::Steps(40_000), [1e-4, 1e-5]),
+    ] {
+        let (maxima, contacts) = maxima(&run, 1e-4, name, setting);
+        assert!(maxima.len() == count && contacts.len() == 2, "{name} {setting:?}: {maxima:?}");
+        let mut off = [0.0_f64; 2];
+        for (k, maximum) in maxima.iter().enumerate() {
+            assert_eq!(maximum.bond, 1 - k % 2, "{name} {setting:?}: {maxima:?}");
+            off[0] = off[0].max((maximum.t - (2 * k + 1) as f64 * quarter).abs());
+            off[1] = off[1].max((maximum.overlap - 1.5).abs());
+        }
+        println!("{name} {setting:?}: {:?}", off.map(|x| format!("{x:.1e}")));
+        assert!(off[0] < bounds[0] && off[1] < bounds[1], "{name} {setting:?}: {off:?}");
+    }
+}
+
+#[test]
+fn maxima_of_a_train_of_pulses_are_those_of_a_run_that_is_sampled_densely() {
+    // Truth: samples of dop853 at 1e-13, 1e-3 apart, in the bonds between two of which the rate of
+    // the overlap changes its sign, and the parabola through three of them. Its error is that of
+    // the third derivative. The chain is pressed and never opens. One bead is struck, and no other
+    // is at rest, where rounding errors have maxima, too.
+    let chain =
+        Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Fixed, 12).unwrap().precompressed(0.5).unwrap();
+    let mut state = State::rest(&chain);
+    for (k, speed) in state.u_dot_mut().iter_mut().enumerate() {
+        *speed = if k == 0 { 0.1 } else { 0.005 * ((k * k) as f64).sin() };
+    }
+    let (until, h) = (20.0, 1e-3);
+    let run = Run::new(chain.clone(), state).until(until).unwrap();
+    let overlaps = Overlaps::new(chain);
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    let dense = run.clone().method(Method::named("dop853").unwrap()).tolerance(1e-13).unwrap().samples(20_000).unwrap();
+    let mut keep = |t: f64, y: &[f64]| {
+        let mut g = vec![0.0; overlaps.count()];
+        overlaps.values(t, y, &mut g);
+        rows.push(g);
+    };
+    dense.start_seen(&mut keep).unwrap().complete().unwrap();
+    let (mut truth, mut bends) = (Vec::new(), Vec::new());
+    for (k, w) in rows.windows(3).enumerate() {
+        for bond in 0..overlaps.count() {
+            let [a, b, c] = [w[0][bond], w[1][bond], w[2][bond]];
+            if a < b && b >= c {
+                let (slope, bend) = (0.5 * (c - a), a - 2.0 * b + c);
+                let t = h * ((k + 1) as f64 - slope / bend);
+                bends.push((bond, t, bend / (h * h)));
+                truth.push(Maximum { bond, t, overlap: b - 0.5 * slope * slope / bend });
+            }
+        }
+    }
+    let run = run.records(Records::End);
+    let mut by_methods = Vec::new();
+    for (name, setting) in [
+        ("collocation", Setting::Tolerance(1e-12)),
+        ("dop853-regularised", Setting::Tolerance(1e-13)),
+        ("corrected", Setting::Steps(20_000)),
+    ] {
+        let (got, contacts) = maxima(&run, 1e-9, name, setting);
+        // One contact a bond, whose largest overlap is that of its maxima.
+        assert!(contacts.len() == 13 && got.len() > 60, "{name}: {} maxima", got.len());
+        for contact in &contacts {
+            let own = got.iter().filter(|one| one.bond == contact.bond);
+            let top = own.max_by(|a, b| a.overlap.total_cmp(&b.overlap)).unwrap();
+            assert_eq!((top.t, top.overlap), (contact.t_largest, contact.largest_overlap), "{name}");
+        }
+        assert_eq!(got.len(), truth.len(), "{name}");
+        for maximum in &truth {
+            let near = |one: &&Maximum| one.bond == maximum.bond && (one.t - maximum.t).abs() < 1e-6;
+            let found = got.iter().find(near).unwrap_or_else(|| panic!("{name}: {maximum:?}"));
+            assert!((found.overlap - maximum.overlap).abs() < 1e-8, "{name}: {found:?} {maximum:?}");
+        }
+        by_methods.push(got);
+    }
+    let off = largest(by_methods[0].iter().zip(&by_methods[1]).map(|(a, b)| {
+        assert_eq!(a.bond, b.bond);
+        let (.., bend) = bends.iter().find(|(bond, t, _)| *bond == a.bond && (t - a.t).abs() < 1e-6).unwrap();
+        (a.t - b.t) * bend
+    }));
+    // 1000 tol in the rate of the overlap, which is the error of the time by the curvature.
+    println!("{} maxima, at which the rates of two methods agree within {off:.1e}", truth.len());
+    assert!(off < 1e-9, "{off:e}");
+}
+
+#[test]
+fn every_contact_of_a_cradle_has_its_largest_overlap_among_its_maxima() {
+    let scene = Scene::load("cradle").unwrap().until(40.0).unwrap();
+    for (name, setting) in [("collocation", Setting::Tolerance(1e-10)), ("verlet", Setting::Steps(8000))] {
+        let run = scene.run().records(Records::End);
+        let (maxima, contacts) = maxima(&run, 1e-6, name, setting);
+        let mut strong = 0;
+        let most = contacts.iter().fold(0.0f64, |most, contact| most.max(contact.largest_overlap));
+        for contact in contacts.iter().filter(|one| one.largest_overlap > 1e-3 * most && one.release.is_some()) {
+            let within = |t: f64| contact.onset.is_none_or(|onset| t >= onset) && t <= contact.release.unwrap();
+            let own = maxima.iter().filter(|one| one.bond == contact.bond && within(one.t));
+            let top = own.max_by(|a, b| a.overlap.total_cmp(&b.overlap)).unwrap();
+            assert!((top.overlap / contact.largest_overlap - 1.0).abs() < 1e-9, "{name}: {top:?} {contact:?}");
+            strong += 1;
+        }
+        assert!(strong > 10, "{name}: {strong}");
+    }
+}
+
+#[test]
+fn shares_that_are_no_shares_are_refused() {
+    for share in [0.0, -1.0, 1e-13, 0.6, f64::NAN, f64::INFINITY] {
+        let refused = struck(3, 1.0, 0.0, 1.0).maxima(share).unwrap_err().to_string();
+        assert!(refused.contains("maxima") && refused.contains("2.3e-13"), "{refused}");
     }
 }

@@ -34,7 +34,7 @@ mod topology;
 pub use blocks::{Blocks, Whole};
 pub use bonds::{CorrectedSplit, SiteFlow, TangentFlow};
 pub use boundary::Boundary;
-pub use contacts::{Contact, ContactLog, Contacts, Overlaps, TOUCH};
+pub use contacts::{Contact, ContactLog, Contacts, Maximum, Overlaps, TOUCH};
 pub use details::{
     Details, Differing, Dissipation, Drive, Envelope, Harmonic, Kind, Ledger, Means, Signal, SitewiseFlow, Turns,
     Variations, Varied,

@@ -31,7 +31,7 @@ pub use states::state_at;
 pub use warning::Warning;
 
 use crate::{
-    chain::{Chain, Contact, State},
+    chain::{Chain, Contact, Contacts, State},
     error::{Error, Result},
     parts::{ONE_PART, Parts},
 };
@@ -73,6 +73,7 @@ pub struct Run {
     records: Records,
     sampling: Sampling,
     contacts: bool,
+    maxima: Option<f64>,
     parts: Parts,
 }
 
@@ -135,6 +136,7 @@ impl Run {
             records: Records::Energy,
             sampling: Sampling::Equal(SAMPLES),
             contacts: false,
+            maxima: None,
             parts: Parts::Whole,
         }
     }
@@ -240,6 +242,22 @@ impl Run {
     pub fn contacts(mut self) -> Self {
         self.contacts = true;
         self
+    }
+
+    /// Asks for a log of all contacts, and for every maximum in time of the overlap of a closed bond
+    /// ([`Trajectory::maxima`]). A maximum counts if the overlap falls after it, and has risen
+    /// before it, by more than `share` of the largest overlap that the bond has had so far, and if
+    /// it is itself more than this share of the largest overlap of all bonds. Errors of a method
+    /// are below a share of about its tolerance.
+    ///
+    /// # Errors
+    /// A share outside 2.3e-13 .. 0.5.
+    pub fn maxima(mut self, share: f64) -> Result<Self> {
+        if !Contacts::SHARES.contains(&share) {
+            return Err(Error::parameter("maxima", share, "a share of the largest overlap from 2.3e-13 to 0.5"));
+        }
+        self.maxima = Some(share);
+        Ok(self.contacts())
     }
 
     /// Integrates the chain in [`parts`](crate::parts), with the same bits. Only splitting schemes

@@ -2,7 +2,7 @@
 
 use super::{Measure, Method, Run, Setting, Warning, method::start_logged};
 use crate::{
-    chain::{Contact, ContactLog, Contacts, Energy, Overlaps, max_norm},
+    chain::{Contact, ContactLog, Contacts, Energy, Maximum, Overlaps, max_norm},
     error::{Failed, Result},
 };
 use hertzchain_integrators::{
@@ -76,6 +76,8 @@ pub struct Trajectory {
     pub profiles: Vec<Profile>,
     /// Contacts in the order of their onsets, if a log was asked for.
     pub contacts: Option<Vec<Contact>>,
+    /// Maxima of overlaps in order of time, then of bonds, if they were asked for.
+    pub maxima: Option<Vec<Maximum>>,
     /// Work of the run; see [`Stats`] for the work of samples.
     pub stats: Stats,
     /// Wall time of the run, samples included.
@@ -248,7 +250,7 @@ impl Kept {
             largest: 0.0,
             samples: Vec::new(),
             profiles: Vec::new(),
-            contacts: run.contacts.then(Contacts::default),
+            contacts: run.contacts.then(|| Contacts::new(run.maxima)),
             stats: Stats::default(),
             wall: Duration::ZERO,
             sampling: Duration::ZERO,
@@ -306,10 +308,7 @@ impl<'a> Recorder<'a> {
             return Ok(self.leg(&mut stepper));
         };
         let chain = &run.chain;
-        let log = ContactLog::new(chain.clone());
-        // Contacts that are closed at the start of the run have no onset. Those that are closed at
-        // the start of a later leg had their onset in an earlier leg.
-        let log = if start > 0.0 { log.go_on(contacts, start) } else { log };
+        let log = ContactLog::new(chain.clone()).go_on(contacts, start);
         let (told, mut nobody) = (self.told.take(), |_: &Contact| ());
         let told = Told::new(log, told.unwrap_or(&mut nobody));
         let (result, told) = if let Some(run) = start_logged(method, run, state, span, setting)? {
@@ -366,6 +365,7 @@ impl<'a> Recorder<'a> {
     pub fn trajectory(self, failure: Option<Failed>) -> Trajectory {
         let energy = self.energy(&self.kept.state);
         let Kept { t, state, largest, samples, profiles, contacts, stats, wall, sampling, .. } = self.kept;
+        let maxima = contacts.as_ref().and_then(Contacts::maxima);
         let contacts = contacts.map(|contacts| contacts.list());
         let (open, initial) = (self.run.chain.open(), self.initial_energy.unwrap_or(1.0));
         let energies = || samples.iter().filter_map(|sample: &Sample| sample.energy).chain(energy);
@@ -384,6 +384,7 @@ impl<'a> Recorder<'a> {
             samples,
             profiles,
             contacts,
+            maxima,
             stats,
             wall,
             sampling,

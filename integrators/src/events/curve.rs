@@ -124,10 +124,28 @@ impl Curve {
         if next >= values.len() || slopes[next] * slopes[k] >= 0.0 {
             return here;
         }
-        let ends = [k, next].map(|i| (self.x[i], slopes[i]));
-        let [a, b] = if next > k { ends } else { [ends[1], ends[0]] };
-        let x = bracketed(|x| rule.at(&slopes[..values.len()], x), a, b);
-        (self.time(x), rule.at(values, x).max(here.1))
+        let (t, value) = self.turn(&rule, &slopes, k.min(next));
+        (t, value.max(here.1))
+    }
+
+    /// Calls `seen` with time and value of each maximum and minimum inside, in order of time. Of
+    /// two or more between the same two nodes, an odd number counts as one, an even one as none.
+    pub fn turns(&self, mut seen: impl FnMut((f64, f64))) {
+        let values = self.values();
+        if self.climbs() {
+            return;
+        }
+        let rule = Barycentric::new(self.x());
+        let slopes = rule.slopes(values);
+        let turning = |k: &usize| (slopes[*k] > 0.0) != (slopes[k + 1] > 0.0);
+        (0..self.count - 1).filter(turning).for_each(|k| seen(self.turn(&rule, &slopes, k)));
+    }
+
+    /// Time and value where the slope is zero between node `k` and the next one.
+    fn turn(&self, rule: &Barycentric<'_>, slopes: &[f64; MOST], k: usize) -> (f64, f64) {
+        let [a, b] = [k, k + 1].map(|i| (self.x[i], slopes[i]));
+        let x = bracketed(|x| rule.at(&slopes[..self.count], x), a, b);
+        (self.time(x), rule.at(self.values(), x))
     }
 
     /// Time at which the curve first rises through `level`, not before the time `from`, and its

@@ -5,9 +5,9 @@ use super::{
     contacts::{contact_lines, contact_totals, contacts_csv, contacts_npz},
 };
 use crate::{
-    chain::{Boundary, Energy, Ledger, Overlaps},
+    chain::{Boundary, Energy, Ledger, Maximum, Overlaps},
     error::Result,
-    output::{Folder, NpzWriter, csv, write_csv, write_json},
+    output::{Array, Folder, NpzWriter, csv, npz, write_csv, write_json},
     run::{Profile, Trajectory},
     scene::{Scene, Theory, Units},
     study::si::ALL_IN_SI,
@@ -239,7 +239,7 @@ pub fn run_summary(ran: &RunView<'_>) -> String {
 const SUMMARY: &str = "summary.json";
 
 /// Every file that a run may write, but for the checkpoint.
-pub const RUN_FILES: [&str; 16] = [
+pub const RUN_FILES: [&str; 18] = [
     SUMMARY,
     "scene.toml",
     "final.csv",
@@ -248,6 +248,8 @@ pub const RUN_FILES: [&str; 16] = [
     "profiles.csv",
     "contacts.csv",
     "contacts.npz",
+    "maxima.csv",
+    "maxima.npz",
     "profile.png",
     "profile.svg",
     "spacetime.png",
@@ -259,7 +261,8 @@ pub const RUN_FILES: [&str; 16] = [
 ];
 
 /// Writes the run: `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, and the
-/// pictures; with a contact log also `contacts.csv` and `contacts.npz`; last `summary.json`, which
+/// pictures; with a contact log also `contacts.csv` and `contacts.npz`, with maxima `maxima.csv` and
+/// `maxima.npz`; last `summary.json`, which
 /// is the JSON with the names of all files. Other files of an earlier run are removed, and its
 /// checkpoint as well unless this run was `in_legs`. If the parts of the chain keep the states,
 /// only `summary.json`, without the state, `scene.toml` and `energy.csv` are written.
@@ -272,6 +275,7 @@ pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::F
     let written = |name: &str| match name {
         CHECKPOINT => in_legs,
         _ if name.ends_with(".png") || name.ends_with(".svg") => pictures.iter().any(|picture| picture.0 == name),
+        _ if name.starts_with("maxima") => outcome.maxima.is_some(),
         _ => logged || !name.starts_with("contacts"),
     };
     let (files, left): (Vec<&str>, Vec<&str>) =
@@ -293,6 +297,17 @@ pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::F
     if let Some(contacts) = &outcome.contacts {
         folder.write("contacts.csv", &contacts_csv(contacts))?;
         folder.write("contacts.npz", &contacts_npz(contacts)?)?;
+    }
+    if let Some(maxima) = &outcome.maxima {
+        let column = |value: fn(&Maximum) -> f64| maxima.iter().map(value).collect();
+        let columns: [(&str, Vec<f64>); 3] = [
+            ("bond", column(|one| one.bond as f64)),
+            ("t", column(|one| one.t)),
+            ("overlap", column(|one| one.overlap)),
+        ];
+        let rows = (0..maxima.len()).map(|k| columns.iter().map(|(_, values)| values[k]).collect());
+        folder.write("maxima.csv", &csv(&columns.each_ref().map(|(name, _)| *name), rows))?;
+        folder.write("maxima.npz", &npz(&columns.map(|(name, values)| Array::vector(name, values)))?)?;
     }
     pictures.iter().try_for_each(|(name, png)| folder.write(name, png).map(drop))?;
     let mut summary = entries(ran);

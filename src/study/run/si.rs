@@ -7,7 +7,7 @@ use crate::{
 };
 
 /// Converts a trajectory of a scene with `[units]` to metres, seconds, joules and the units made of
-/// them: times, states with their ledger, strains, energies and contacts. The energy error and the
+/// them: times, states with their ledger, strains, energies, contacts and maxima. The energy error and the
 /// text of a failure are not converted.
 #[must_use]
 pub fn in_si(mut outcome: Trajectory, layout: Layout, units: &Units) -> Trajectory {
@@ -34,6 +34,10 @@ pub fn in_si(mut outcome: Trajectory, layout: Layout, units: &Units) -> Trajecto
         state(&mut profile.state);
     }
     outcome.contacts.iter_mut().flatten().for_each(|contact| *contact = of_contact(contact, units));
+    for maximum in outcome.maxima.iter_mut().flatten() {
+        maximum.t *= units.time_s;
+        maximum.overlap *= units.length_m;
+    }
     outcome
 }
 

@@ -5,6 +5,7 @@ use super::{
     Contact, FAINT, Overlaps, ROUNDING, STEEP,
     impulse::Quadrature,
     in_order,
+    maxima::{Maxima, Maximum},
     pending::Pending,
 };
 use hertzchain_integrators::{
@@ -21,9 +22,24 @@ pub struct Contacts {
     /// Contacts that have ended, in the order of their ends.
     pub ended: Vec<Contact>,
     open: Vec<Pending>,
+    maxima: Option<Maxima>,
 }
 
 impl Contacts {
+    /// An empty log that collects maxima, too, if there is a share of overlaps by which they must
+    /// stand out; see [`Run::maxima`](crate::Run::maxima).
+    pub fn new(share: Option<f64>) -> Self {
+        Self { maxima: share.map(Maxima::new), ..Self::default() }
+    }
+
+    /// The shares that [`new`](Self::new) takes.
+    pub const SHARES: std::ops::RangeInclusive<f64> = Maxima::SHARES;
+
+    /// All maxima of overlaps in time, if they are collected, in order of time, then of bonds.
+    pub fn maxima(&self) -> Option<Vec<Maximum>> {
+        self.maxima.as_ref().map(Maxima::list)
+    }
+
     /// All contacts in the order of their onsets; those without an onset come first, by bond.
     /// Contacts that are rounding errors in comparison with the largest one are left out, and those
     /// with next to no overlap and impulse.
@@ -60,7 +76,7 @@ impl Contacts {
     /// [`store_open`](Self::store_open); `None` for numbers that are not those of contacts.
     pub fn restore(chain: &Chain<f64>, ended: Vec<Contact>, open: &[f64]) -> Option<Self> {
         let (mut numbers, touching) = (open.iter().copied().peekable(), chain.touching());
-        let mut contacts = Self { ended, open: Vec::new() };
+        let mut contacts = Self { ended, ..Self::default() };
         while numbers.peek().is_some() {
             let contact = Pending::read(&mut numbers, true).filter(|contact| touching.contains(&contact.bond))?;
             contacts.open.push(contact);
@@ -80,6 +96,7 @@ pub struct ContactLog {
     open: Vec<Option<Pending>>,
     ended: Vec<Contact>,
     dissipates: bool,
+    maxima: Option<Maxima>,
     /// Start time of the leg; `None` for the first leg of a run.
     leg: Option<f64>,
 }
@@ -99,13 +116,20 @@ impl ContactLog {
             open: vec![None; count],
             ended: Vec::new(),
             dissipates,
+            maxima: None,
             leg: None,
         }
     }
 
-    /// The log of a leg that starts at time `t`; `contacts` are those of the legs before.
+    /// The log of a leg that starts at time `t`; `contacts` are those of the legs before. Contacts
+    /// that are closed at the start of the first leg have no onset; those that are closed at the
+    /// start of a later leg had theirs in an earlier leg.
     #[must_use]
     pub fn go_on(mut self, contacts: Contacts, t: f64) -> Self {
+        self.maxima = contacts.maxima;
+        if t == 0.0 {
+            return self;
+        }
         let first = self.overlaps.bond(0);
         for mut contact in contacts.open {
             contact.seen = false;
@@ -148,7 +172,7 @@ impl ContactLog {
                 }
             }
         }
-        Contacts { ended: self.ended, open: self.open.into_iter().flatten().collect() }
+        Contacts { ended: self.ended, open: self.open.into_iter().flatten().collect(), maxima: self.maxima }
     }
 
     /// A bond closes at `zero`. If a step before has reported its contact without an event, this is
@@ -170,10 +194,16 @@ impl ContactLog {
         let (bond, leg) = (self.overlaps.bond(index), self.leg);
         let contact = self.open[index].get_or_insert_with(|| Pending::new(bond, leg.map(|t| (t, 0.0))));
         self.ended.extend(contact.press(curve, push));
+        if let Some(maxima) = &mut self.maxima {
+            maxima.press(bond, curve);
+        }
     }
 
     /// A bond opens at `zero`: its contact ends.
     fn part(&mut self, index: usize, zero: (f64, f64)) {
+        if let Some(maxima) = &mut self.maxima {
+            maxima.part(self.overlaps.bond(index), zero.0);
+        }
         if let Some(contact) = self.open[index].take() {
             self.ended.push(contact.finish(Some(zero)));
         }

@@ -15,9 +15,11 @@
 
 mod impulse;
 mod log;
+mod maxima;
 mod pending;
 
 pub use log::{ContactLog, Contacts};
+pub use maxima::Maximum;
 
 use super::Chain;
 use hertzchain_integrators::{EventFunctions, Real};
