@@ -113,6 +113,17 @@ impl End {
         matches!(self, Self::Reached | Self::TurnedBack | Self::Rejoined)
     }
 
+    /// The end of a branch with multipliers, from that of its orbits, `None` while they can go on;
+    /// `whole` if the multipliers of all orbits are known.
+    pub(crate) fn with_multipliers(orbits: Option<Self>, whole: bool) -> Self {
+        match orbits {
+            Some(end) if whole => end,
+            _ if interrupt::asked() => Self::Stopped,
+            None if whole => Self::MostPoints,
+            _ => Self::NoMultipliers,
+        }
+    }
+
     /// The reason in words.
     pub fn words(self) -> &'static str {
         match self {

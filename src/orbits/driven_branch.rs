@@ -69,7 +69,7 @@ pub struct DrivenBifurcation {
 pub struct DrivenBranch {
     /// How it was followed.
     pub continuation: DrivenContinuation,
-    /// Its points, at least one, in their order along it.
+    /// Its points in their order along it: at least one, unless the process was asked to end.
     pub points: Vec<DrivenPoint>,
     /// The bifurcations between them, in the same order.
     pub bifurcations: Vec<DrivenBifurcation>,

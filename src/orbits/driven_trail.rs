@@ -132,15 +132,14 @@ impl DrivenTrail {
         if crossing { (Vec::new(), 0) } else { self.continuation.bifurcations_between(ends, after) }
     }
 
-    /// The branch with its points, at least one, and all that is between them.
+    /// The branch with its points and all that is between them.
     pub(crate) fn with(
         self,
         points: Vec<DrivenPoint>,
         bifurcations: Vec<DrivenBifurcation>,
         unresolved: usize,
     ) -> DrivenBranch {
-        let whole = points.len() == self.orbits.len();
-        let end = if whole { self.end.unwrap_or(End::MostPoints) } else { End::NoMultipliers };
+        let end = End::with_multipliers(self.end, points.len() == self.orbits.len());
         DrivenBranch { continuation: self.continuation, points, bifurcations, unresolved, end, trail: self }
     }
 }

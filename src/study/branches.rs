@@ -44,10 +44,34 @@ pub(super) fn numbered<B>(table: Rows<'_, B>) -> Rows<'_, B> {
     table.counted("number", Short, "")
 }
 
+/// An orbit of a branch, and the point with its multipliers if these are known.
+pub(super) type Told<'a, O, P> = (&'a O, Option<&'a P>);
+
+/// The rows of a branch: its points and, if the process was asked to end before their multipliers
+/// were known, also its other orbits, `later`.
+pub(super) fn told<'a, O, P>(
+    points: &'a [P],
+    orbit: impl Fn(&'a P) -> &'a O,
+    later: &'a [O],
+    end: End,
+) -> Vec<Told<'a, O, P>> {
+    let later = if end == End::Stopped { later } else { &[] };
+    points.iter().map(|point| (orbit(point), Some(point))).chain(later.iter().map(|orbit| (orbit, None))).collect()
+}
+
+/// The orbits of a branch are a result also if the process was asked to end while it was followed.
+pub(super) fn kept<T>(followed: Result<T>) -> Result<()> {
+    match followed {
+        Err(Error::Stopped { .. }) => Ok(()),
+        followed => followed.map(|_| ()),
+    }
+}
+
 /// How a branch ended, in words.
 pub(super) fn ended(points: usize, bifurcations: usize, end: End) -> String {
     let none = match (end, bifurcations) {
-        (End::Stopped, _) => ", bifurcations were not located",
+        (End::Stopped, 0) => ", bifurcations were not located",
+        (End::Stopped, _) => ", further bifurcations were not located",
         (_, 0) => ", no bifurcation",
         _ => "",
     };

@@ -204,8 +204,8 @@ fn followed(
 }
 
 /// Locates the bifurcations of a branch that was followed, as points of a sweep. The multipliers of
-/// its orbits are known: without them the branch would have ended. After a signal the points alone
-/// are the result.
+/// its orbits are known: without them the branch would have ended. After a signal the bifurcations
+/// are those found before.
 fn located(
     scene: &Scene,
     modes: &NormalModes,
@@ -220,18 +220,16 @@ fn located(
     let known = Known::new(&trail.points, &|_| Ok(()));
     let branch = stretches::Branch { store, study: "orbit mode", settings, known: &known, joined: false };
     let determined = |point: &ModePoint| json!([point.orbit.amplitude, point.orbit.omega, point.orbit.shape]);
-    let rows = branch.rows(engine, determined, |k| Ok(trail.around(modes, k)), progress);
-    if matches!(rows, Err(Error::Stopped { .. })) && engine.its_shard().is_none() {
-        return Ok(ModeTrail { end: End::Stopped, ..trail }.with(Vec::new(), 0));
-    }
+    let rows = branch.rows(engine, determined, |k| Ok(trail.around(modes, k)), progress)?;
+    let end = if rows.len() < trail.points.len() { End::Stopped } else { trail.end };
     let (mut bifurcations, mut folds, mut unresolved) = (Vec::new(), Vec::new(), 0);
-    for row in rows? {
+    for row in rows {
         bifurcations.extend(row.between);
         folds.extend(row.fold);
         unresolved += row.unresolved;
     }
     bifurcations.extend(folds);
-    Ok(trail.with(bifurcations, unresolved))
+    Ok(ModeTrail { end, ..trail }.with(bifurcations, unresolved))
 }
 
 /// The tables of the branch: points and bifurcations.

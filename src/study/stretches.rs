@@ -89,10 +89,11 @@ pub(super) struct Branch<'a, O, K> {
 
 impl<O: Sync, K: Send + Sync> Branch<'_, O, K> {
     /// A row for every orbit, from the store or computed: `row` makes that of the orbit with a
-    /// number. `orbit` has all numbers that determine an orbit.
+    /// number. `orbit` has all numbers that determine an orbit. If the process was asked to end,
+    /// the rows are those before the first one that is missing.
     ///
     /// # Errors
-    /// Errors of `row`; [`Error::Stopped`]; as [`Engine::sweep`].
+    /// Errors of `row`; [`Error::Stopped`] in a shard; as [`Engine::sweep`].
     pub(super) fn rows<U: Serialize + DeserializeOwned + Send>(
         &self,
         engine: &Engine,
@@ -113,16 +114,22 @@ impl<O: Sync, K: Send + Sync> Branch<'_, O, K> {
             let rows = map(&(start..end).collect::<Vec<_>>(), |&k| unless_asked(|| row(k)));
             rows.into_iter().collect::<Result<Vec<U>>>()
         };
+        let alone = engine.its_shard().is_none();
+        if !alone && interrupt::asked() {
+            // A shard of a part of the branch is not the shard that was asked for.
+            return Err(Error::Stopped { kept: "what this shard had before".to_owned() });
+        }
         let swept = engine.sweep(&grid, &points, &tell, work)?;
-        if swept.missing > 0 {
-            let kept = engine.folder().map_or(0, |_| swept.rows.iter().filter(|row| row.is_ok()).count());
-            let (count, total) = (known.orbits.len(), points.len());
-            let kept = format!("all {count} points of the branch, multipliers of {kept} of {total} stretches");
-            return Err(Error::Stopped { kept });
+        if swept.missing > 0 && !alone {
+            let (kept, total) = (swept.rows.iter().filter(|row| row.is_ok()).count(), points.len());
+            return Err(Error::Stopped { kept: format!("multipliers of {kept} of {total} stretches of the branch") });
         }
         let mut all = Vec::with_capacity(known.orbits.len());
         for (Stretch { orbits, .. }, row) in points.iter().zip(swept.rows) {
             let point = || format!("points {} to {} of the branch", orbits.start, orbits.end - 1);
+            if row.is_err() && swept.missing > 0 {
+                break;
+            }
             all.extend(row.map_err(|why| Error::Point { point: point(), why })?);
         }
         Ok(all)

@@ -7,7 +7,7 @@ mod spectra;
 
 use super::{
     Changes, InSi, Progress, Study, Work,
-    branches::{SWITCHED, Switched, check_switch, crossing},
+    branches::{self, SWITCHED, Switched, check_switch, crossing},
     keeper::Autosave,
     si::Scale,
     stretches,
@@ -17,7 +17,7 @@ use crate::{
     error::{Error, Result},
     orbits::{
         DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
-        DrivenTrail,
+        DrivenTrail, End,
     },
     report::Report,
     scene::{Quantity, Scene, Units},
@@ -384,7 +384,9 @@ fn followed(
     let kept = |keeper, store| Kept { scene: &scene, engine, keeper, store };
     let first = kept(Autosave::new(folder, BRANCH_FILE, stale), STORE);
     let branch = first.go_on(trail, scale, &|share, what| progress(whole * share, what))?;
-    let Some(number) = switch else { return Ok(DrivenBranchStudy { scene, branch, switched: None, si }) };
+    let Some(number) = switch.filter(|_| branch.end != End::Stopped) else {
+        return Ok(DrivenBranchStudy { scene, branch, switched: None, si });
+    };
     let second = kept(Autosave::new(folder, SWITCHED_FILE, Vec::new()), SWITCHED_STORE);
     let progress = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
     let other = branch.switched(number.wrapping_sub(1)).and_then(|other| second.go_on(other, scale, &progress));
@@ -419,7 +421,7 @@ impl Kept<'_> {
                 progress(SETTLING + (ORBITS - SETTLING) * share, &words);
             });
             keep(&trail);
-            extended?;
+            branches::kept(extended)?;
         }
         let tell = |share: f64, what: &str| progress(ORBITS + (1.0 - ORBITS) * share, what);
         spectra::studied(self.scene, trail, self.store, self.engine, &tell)

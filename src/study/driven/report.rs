@@ -3,7 +3,9 @@
 use super::{BRANCH_FILE, DrivenBranchStudy, DrivenStudy, SWITCHED_FILE, driven_branch_npz, quantity};
 use crate::{
     error::Result,
-    orbits::{DriveParameter, DrivenBifurcation, DrivenBranch, DrivenMultiplier, DrivenPoint, DrivenSetting},
+    orbits::{
+        DriveParameter, DrivenBifurcation, DrivenBranch, DrivenMultiplier, DrivenOrbit, DrivenPoint, DrivenSetting,
+    },
     report::{
         Column,
         Digits::{Fixed, Hidden, Json, Power, Short},
@@ -11,7 +13,7 @@ use crate::{
     },
     scene::{Quantity, Units},
     study::{
-        branches::{self, SWITCHED, crossed},
+        branches::{self, SWITCHED, Told, crossed},
         scene_caption, scene_json, shown,
         si::Scale,
         word,
@@ -37,29 +39,29 @@ fn leading(point: &DrivenPoint) -> Vec<&DrivenMultiplier> {
 /// The table of some orbits of a branch in a parameter.
 fn points<'a>(
     name: &str,
-    points: &'a [DrivenPoint],
+    points: &'a [Told<'a, DrivenOrbit, DrivenPoint>],
     varied: DriveParameter,
     si: Option<&Units>,
-) -> Rows<'a, DrivenPoint> {
+) -> Rows<'a, Told<'a, DrivenOrbit, DrivenPoint>> {
     let mut table = Table::of(name, points).si(si);
     let all = [DriveParameter::Amplitude, DriveParameter::Omega, DriveParameter::Damping];
     for parameter in std::iter::once(varied).chain(all.into_iter().filter(|one| *one != varied)) {
         let (digits, about) = if parameter == varied { (Fixed(8), VARIED) } else { (Json, "") };
-        let kind = points.first().map_or(Quantity::Number, |point| quantity(parameter, &point.orbit.setting));
-        table = table.col(parameter.name(), digits, about, |point| point.orbit.setting.get(parameter)).kind(kind);
+        let kind = points.first().map_or(Quantity::Number, |(orbit, _)| quantity(parameter, &orbit.setting));
+        table = table.col(parameter.name(), digits, about, |(orbit, _)| orbit.setting.get(parameter)).kind(kind);
     }
     table
-        .col("response", Power(6), "largest half range of a free bead", |point| point.amplitude)
+        .col("response", Power(6), "largest half range of a free bead", |&(_, point)| Some(point?.amplitude))
         .kind(Quantity::Length)
-        .col("max_modulus", Fixed(8), "largest modulus of a multiplier", |point| point.spectrum.largest())
-        .col("unstable", Short, "multipliers outside the unit circle", |point| point.spectrum.unstable())
-        .col("turns", Json, "", |point| u64::from(point.orbit.setting.turns()))
-        .col("least_turns", Json, "", |point| u64::from(point.least_turns))
-        .col("period", Json, "", |point| point.orbit.setting.period())
+        .col("max_modulus", Fixed(8), "largest modulus of a multiplier", |&(_, point)| Some(point?.spectrum.largest()))
+        .col("unstable", Short, "multipliers outside the unit circle", |&(_, point)| Some(point?.spectrum.unstable()))
+        .col("turns", Json, "", |(orbit, _)| u64::from(orbit.setting.turns()))
+        .col("least_turns", Json, "", |&(_, point)| json!(point.map(|point| point.least_turns)))
+        .col("period", Json, "", |(orbit, _)| orbit.setting.period())
         .kind(Quantity::Time)
-        .col("residual", Json, "", |point| point.orbit.residual)
-        .col("leading", Json, "", |point| json!(leading(point)))
-        .col("liouville", Json, "", |point| point.spectrum.liouville)
+        .col("residual", Json, "", |(orbit, _)| orbit.residual)
+        .col("leading", Json, "", |&(_, point)| json!(point.map(leading)))
+        .col("liouville", Json, "", |&(_, point)| Some(point?.spectrum.liouville))
 }
 
 /// The bifurcations of a branch in a parameter, whose values are of a kind.
@@ -104,7 +106,7 @@ impl DrivenStudy {
         let numbers = |quantity: Quantity, of: fn(&crate::chain::State<f64>) -> &[f64]| {
             start.as_ref().map(|state| scale.all(quantity, of(state)))
         };
-        let drive = points("", std::slice::from_ref(point), DriveParameter::Amplitude, si).done().json();
+        let drive = points("", &[(&point.orbit, Some(point))], DriveParameter::Amplitude, si).done().json();
         let rows: Vec<(usize, &Vec<f64>)> = samples.iter().enumerate().collect();
         let (period, count) = (point.orbit.setting.period(), samples.len() - 1);
         let mut table = Table::of("driven-orbit", &rows)
@@ -197,10 +199,12 @@ impl DrivenBranchStudy {
     /// Adds points and bifurcations of a branch.
     fn tell(&self, report: Report, at: Option<usize>, branch: &DrivenBranch) -> Report {
         let (varied, si) = (branch.continuation.parameter, self.si.as_ref());
-        let kind = branch.points.first().map_or(Quantity::Number, |point| quantity(varied, &point.orbit.setting));
+        let kind = branch.trail.orbits.first().map_or(Quantity::Number, |orbit| quantity(varied, &orbit.setting));
+        let later = &branch.trail.orbits[branch.points.len()..];
+        let rows = branches::told(&branch.points, |point| &point.orbit, later, branch.end);
         let names = if at.is_some() { SWITCHED } else { BRANCH };
         let bifurcations = bifurcations(names[1], &branch.bifurcations, (varied, kind), si);
-        let tables = (points(names[0], &branch.points, varied, si), bifurcations);
+        let tables = (points(names[0], &rows, varied, si), bifurcations);
         branches::tell(report, at, tables, json!({}), (branch.end, branch.unresolved))
     }
 
@@ -218,14 +222,15 @@ impl DrivenBranchStudy {
             .file(BRANCH_FILE, driven_branch_npz(scene, &branch.trail)?);
         report = self.tell(report, None, branch);
         if let Some((number, other)) = crossed(switched) {
-            let turns = other.points.first().map_or(1, |point| point.orbit.setting.turns());
+            let turns = other.trail.orbits.first().map_or(1, |orbit| orbit.setting.turns());
             report = self
                 .tell(report, Some(number), other)
                 .words(format!("Periods of the drive in one of its orbits: {turns}."))
                 .file(SWITCHED_FILE, driven_branch_npz(scene, &other.trail)?);
         }
         let report = branches::checked(report, branch, switched, |branch| branch.end);
-        Ok(report.si(si.as_ref()).picture(branch_picture(self)))
+        let report = report.si(si.as_ref());
+        Ok(if branch.points.is_empty() { report } else { report.picture(branch_picture(self)) })
     }
 }
 
@@ -281,7 +286,7 @@ fn orbit_picture(study: &DrivenStudy) -> Panels {
 fn branch_picture(study: &DrivenBranchStudy) -> Panels {
     let DrivenBranchStudy { scene, branch, .. } = study;
     let (parameter, scale) = (branch.continuation.parameter, study.scale());
-    let kind = match branch.points.first().map(|point| quantity(parameter, &point.orbit.setting)) {
+    let kind = match branch.trail.orbits.first().map(|orbit| quantity(parameter, &orbit.setting)) {
         Some(Quantity::Omega) if study.si.is_some() => Quantity::Frequency,
         kind => kind.unwrap_or(Quantity::Number),
     };

@@ -6,7 +6,7 @@ mod spectra;
 
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
-use super::{Progress, Study, Work, keeper::Autosave, stretches};
+use super::{Progress, Study, Work, branches::kept, keeper::Autosave, stretches};
 
 use crate::orbits::Formulation;
 use crate::sweep::map;
@@ -15,6 +15,7 @@ use crate::{
     chain::{MeanForces, Params},
     dps::Center,
     error::{Error, Result},
+    interrupt,
     orbits::{
         Bifurcation, BifurcationKind, Continuation, End, Extent, Kantorovich, Orbit, Parameter, Setting, Shooting,
         Spectrum, Trail,
@@ -321,6 +322,7 @@ pub struct DoubledStudy {
 impl Study for Doubled {
     const FILES: &'static str =
         "Files: branch.json, branch.png, branch.csv, bifurcations.csv, multipliers-outside.csv and branch.npz.";
+    const INTERRUPTIBLE: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
         let (breather, shooting) = (self.ring.breather(Center::Bond, None, RANGE[0])?, self.ring.shooting());
@@ -338,9 +340,12 @@ impl Study for Doubled {
                 None => main_branch(&breather, most, self.step, &shooting, &half)?,
             };
             let half = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
-            let doubled = doubled_from(&main, self.omega_b, self.step, &mut keeper(engine.folder()), &half)?;
-            let last = doubled.branch.points.last();
-            let last = last.map(|point| orbit_study(point.orbit.clone(), &shooting)).transpose()?;
+            let doubled = match doubled_from(&main, self.omega_b, self.step, &mut keeper(engine.folder()), &half) {
+                Err(_) if interrupt::asked() => return Ok(Box::new(main.report()?)),
+                doubled => doubled?,
+            };
+            let last = doubled.branch.points.last().map(|point| orbit_study(point.orbit.clone(), &shooting));
+            let last = last.filter(|last| last.is_ok() || !interrupt::asked()).transpose()?;
             Ok(Box::new(DoubledStudy { doubled, last }.report()?))
         }))
     }
@@ -463,7 +468,7 @@ impl Branch {
     /// Where and why the branch ended, if not at the final value of its parameter.
     fn shortfall(&self) -> Option<String> {
         let Continuation { parameter, to, .. } = self.continuation;
-        let last = self.points.last()?.orbit.setting.get(parameter);
+        let last = self.trail.orbits.last()?.setting.get(parameter);
         let words = || format!("ended at {} = {last}, not at {to}: {}", parameter.name(), self.end.words());
         (self.end != End::Reached).then(words)
     }
@@ -533,7 +538,7 @@ fn followed(mut trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result<
             progress(ORBITS * share, &format!("{} = {p:.5}", parameter.name()));
         });
         keep(&trail);
-        extended?;
+        kept(extended)?;
     }
     Ok(trail)
 }

@@ -3,7 +3,7 @@
 use super::{Branch, BranchPoint, DarkStudy, DoubledStudy, OrbitStudy};
 use crate::{
     error::Result,
-    orbits::{Bifurcation, Extent, Kind, Multiplier, ORBIT_FORMAT, Setting},
+    orbits::{Bifurcation, Extent, Kind, Multiplier, ORBIT_FORMAT, Orbit, Setting},
     output::Array,
     report::{
         self, Column,
@@ -11,13 +11,13 @@ use crate::{
         Line, Panel, Panels, Report, Table,
     },
     study::{
-        branches::{ended, stability_lines},
+        branches::{Told, ended, stability_lines, told},
         dps::center_word,
         exact::{bounds, newton_kantorovich_bound},
         params_words, word,
     },
 };
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// Largest number of multipliers outside the circle in the JSON of each point of a branch.
 const LEADING: usize = 8;
@@ -217,10 +217,10 @@ impl Branch {
         if self.bounded {
             more += &format!(" {}", bounds(self.points.iter().map(|point| point.kantorovich)));
         }
-        let end = ended(self.points.len(), self.bifurcations.len(), self.end);
         let table = self.table();
+        let end = ended(table.json().len(), self.bifurcations.len(), self.end);
         let picture = self.picture(&table);
-        Ok(report
+        let report = report
             .fact("parameter", parameter.name())
             .fact("end", self.end)
             .fact("gaps", &self.gaps)
@@ -230,43 +230,46 @@ impl Branch {
             .table(bifurcations("bifurcations", &self.bifurcations))
             .words(end + &more)
             .file("branch.npz", npz)
-            .failure(self.shortfall().map(|why| format!("the branch {why}")))
-            .picture(picture))
+            .failure(self.shortfall().map(|why| format!("the branch {why}")));
+        Ok(if self.points.is_empty() { report } else { report.picture(picture) })
     }
 
     /// The points.
     pub(crate) fn table(&self) -> Table {
         let parameter = self.continuation.parameter;
         let off = |kind: Kind| {
-            move |point: &BranchPoint| {
-                let strongest = point.spectrum.multipliers.iter().find(|one| one.kind == kind && one.modulus > 1.0);
+            move |(_, point): &Told<'_, Orbit, BranchPoint>| {
+                let strongest = (*point)?.spectrum.multipliers.iter().find(|one| one.kind == kind && one.modulus > 1.0);
                 strongest.map(|one| one.modulus)
             }
         };
-        let leading = |point: &BranchPoint| -> Value {
+        let leading = |point: &BranchPoint| -> Vec<Multiplier> {
             let all = point.spectrum.multipliers.iter().filter(|one| one.modulus > 1.0 && one.im >= 0.0);
-            json!(all.take(LEADING).collect::<Vec<_>>())
+            all.take(LEADING).copied().collect()
         };
-        let place = |point: &BranchPoint| point.orbit.setting.get(parameter);
-        Table::of("branch", &self.points)
+        let place = |row: &Told<'_, Orbit, BranchPoint>| row.0.setting.get(parameter);
+        let later = &self.trail.orbits[self.points.len() + self.gaps.len()..];
+        Table::of("branch", &told(&self.points, |point| &point.orbit, later, self.end))
             .key("points")
             .col(parameter.name(), Fixed(8), "", place)
-            .col("k_x", Power(8), "amplitude of the background, of beads", |point| point.extent.k_x)
-            .col("k_y", Power(8), "and of resonators", |point| point.extent.k_y)
-            .col("c_x", Hidden, "centre of the background, of beads", |point| point.extent.c_x)
-            .col("c_y", Hidden, "and of resonators", |point| point.extent.c_y)
-            .col("max_modulus", Hidden, "largest modulus of a multiplier", |point| point.spectrum.largest())
-            .col("radius", Hidden, "bound for the distance to an exact orbit", |point| point.kantorovich?.radius)
+            .col("k_x", Power(8), "amplitude of the background, of beads", |&(_, point)| Some(point?.extent.k_x))
+            .col("k_y", Power(8), "and of resonators", |&(_, point)| Some(point?.extent.k_y))
+            .col("c_x", Hidden, "centre of the background, of beads", |&(_, point)| Some(point?.extent.c_x))
+            .col("c_y", Hidden, "and of resonators", |&(_, point)| Some(point?.extent.c_y))
+            .col("max_modulus", Hidden, "largest modulus of a multiplier", |&(_, point)| {
+                Some(point?.spectrum.largest())
+            })
+            .col("radius", Hidden, "bound for the distance to an exact orbit", |&(_, point)| point?.kantorovich?.radius)
             .col("real", Fixed(8), "largest modulus of the real multipliers above 1", off(Kind::Real))
             .col("negative", Fixed(8), "of those below -1", off(Kind::Negative))
             .col("quartet", Fixed(8), "of quartets", off(Kind::Quartet))
             .col("parameter", Json, "", place)
-            .col("omega_b", Json, "", |point| point.orbit.setting.omega_b)
-            .col("rho", Json, "", |point| point.orbit.setting.params.rho)
-            .col("residual", Json, "", |point| point.orbit.residual)
-            .col("leading", Json, "", leading)
-            .col("symplectic_defect", Json, "", |point| point.spectrum.quality.symplectic_defect)
-            .col("kantorovich", Json, "", |point| json!(point.kantorovich))
+            .col("omega_b", Json, "", |(orbit, _)| orbit.setting.omega_b)
+            .col("rho", Json, "", |(orbit, _)| orbit.setting.params.rho)
+            .col("residual", Json, "", |(orbit, _)| orbit.residual)
+            .col("leading", Json, "", |&(_, point)| json!(point.map(leading)))
+            .col("symplectic_defect", Json, "", |&(_, point)| Some(point?.spectrum.quality.symplectic_defect))
+            .col("kantorovich", Json, "", |&(_, point)| json!(point.and_then(|point| point.kantorovich)))
             .done()
     }
 

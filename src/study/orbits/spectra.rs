@@ -90,6 +90,7 @@ fn assembled(trail: Trail, bounded: bool, rows: Vec<Studied>) -> Result<Branch> 
     let Trail { continuation, ref orbits, .. } = trail;
     let (mut points, mut gaps, mut bifurcations, mut folds) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut failure = None;
+    let stopped = rows.len() < orbits.len();
     for (orbit, row) in orbits.iter().zip(rows) {
         bifurcations.extend(row.bifurcations);
         folds.extend(row.fold);
@@ -104,8 +105,7 @@ fn assembled(trail: Trail, bounded: bool, rows: Vec<Studied>) -> Result<Branch> 
     // Now the failure of the last orbit, if it failed.
     let end = match (points.is_empty(), failure) {
         (true, Some(why)) => return Err(Error::Point { point: "the last orbit of the branch".to_owned(), why }),
-        (_, None) => trail.end.unwrap_or(End::MostPoints),
-        (_, Some(_)) => End::NoMultipliers,
+        (_, failure) => End::with_multipliers(trail.end, !stopped && failure.is_none()),
     };
     bifurcations.extend(folds);
     Ok(Branch { continuation, points, gaps, bifurcations, end, bounded, trail })
