@@ -400,3 +400,60 @@ pub(super) fn follow(
     }
     Ok(End::MostPoints)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `p = z^3/3 - z`, whose fold at `p = 2/3`, `z = -1` has another sheet above, `z > 2`.
+    /// `turning`: whether only what would be a jump with the shortest step strays.
+    struct Sheets {
+        turning: bool,
+    }
+
+    impl Family for Sheets {
+        fn equations(&self, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
+            let jacobian = nalgebra::DMatrix::from_element(1, usize::from(derivative), z[0] * z[0] - 1.0);
+            Ok(Equations { residual: DVector::from_element(1, z[0].powi(3) / 3.0 - z[0] - p), jacobian })
+        }
+
+        fn solve(&self, seed: &[f64], p: f64) -> Result<Solution> {
+            let (mut z, mut newton) = (seed[0], Vec::new());
+            while newton.len() < 30 {
+                let Equations { residual, jacobian } = self.equations(&[z], p, true)?;
+                let (residual, step) = (residual[0], residual[0] / jacobian[0]);
+                newton.push(NewtonStep { residual: residual.abs(), step: step.abs() });
+                z -= step;
+                if step.abs() < 1e-12 {
+                    return Ok(Solution { z: vec![z], p, residual: 0.0, newton });
+                }
+            }
+            Err(Error::Stalled { steps: newton.len(), best: None })
+        }
+
+        fn strays(&self, chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
+            if self.turning { chord > FARTHEST * predictor } else { strays(chord, predictor, newton) }
+        }
+
+        fn solved(&self, _z: &[f64], _p: f64) -> f64 {
+            1e-12
+        }
+    }
+
+    #[test]
+    fn a_branch_ends_at_a_fold_and_does_not_jump_to_another_sheet() {
+        // Truth: the closed form. Steps in the parameter have no solution near by beyond the fold.
+        for turning in [false, true] {
+            let start = (vec![-2.0], -2.0 / 3.0);
+            let state = BranchState { back: start.1, previous: None, last: start.clone(), ds: 0.2, points: 1 };
+            let way = ContinuationOptions { to: 2.0, step: 0.3, natural: true, direction: 1.0 };
+            let mut last = start;
+            let end = follow(&Sheets { turning }, state, way, 2000, &mut |found, _, _| {
+                last = (found.z.clone(), found.p);
+                Ok(None)
+            });
+            assert!(matches!(end, Ok(End::Jumped | End::Lost)), "{end:?}");
+            assert!(last.0[0] < -0.99 && (last.1 - 2.0 / 3.0).abs() < 1e-3, "{turning}: {last:?}");
+        }
+    }
+}

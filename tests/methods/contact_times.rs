@@ -415,8 +415,7 @@ fn maxima_of_a_train_of_pulses_are_those_of_a_run_that_is_sampled_densely() {
     dense.start_seen(&mut keep).unwrap().complete().unwrap();
     let (mut truth, mut bends) = (Vec::new(), Vec::new());
     for (k, w) in rows.windows(3).enumerate() {
-        for bond in 0..overlaps.count() {
-            let [a, b, c] = [w[0][bond], w[1][bond], w[2][bond]];
+        for (bond, ((&a, &b), &c)) in w[0].iter().zip(&w[1]).zip(&w[2]).enumerate() {
             if a < b && b >= c {
                 let (slope, bend) = (0.5 * (c - a), a - 2.0 * b + c);
                 let t = h * ((k + 1) as f64 - slope / bend);
