@@ -135,7 +135,7 @@ fn maxima_are_written_on_request_beside_the_same_contacts() {
     assert!(read("a/contacts.csv") == read("b/contacts.csv") && !folder.path().join("a/maxima.csv").exists());
     assert!(read("a/final.csv") == read("b/final.csv"));
     let csv = String::from_utf8(read("b/maxima.csv")).unwrap();
-    assert_eq!(csv.lines().next().unwrap(), "bond,t,overlap");
+    assert!(csv.starts_with("bond,t,overlap\n") && csv.lines().nth(1).unwrap().split(',').next().unwrap().len() < 3);
     assert!(csv.lines().count() as u64 > 1 + value["contacts"]["contacts"].as_u64().unwrap());
     let file = std::fs::File::open(folder.path().join("b/maxima.npz")).unwrap();
     assert_eq!(zip::ZipArchive::new(file).unwrap().len(), 3, "a member a column");

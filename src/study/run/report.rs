@@ -8,6 +8,7 @@ use crate::{
     chain::{Boundary, Energy, Ledger, Maximum, Overlaps},
     error::Result,
     output::{Array, Folder, NpzWriter, csv, npz, write_csv, write_json},
+    report::{Digits::Short, Table},
     run::{Profile, Trajectory},
     scene::{Scene, Theory, Units},
     study::si::ALL_IN_SI,
@@ -262,8 +263,7 @@ pub const RUN_FILES: [&str; 18] = [
 
 /// Writes the run: `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, and the
 /// pictures; with a contact log also `contacts.csv` and `contacts.npz`, with maxima `maxima.csv` and
-/// `maxima.npz`; last `summary.json`, which
-/// is the JSON with the names of all files. Other files of an earlier run are removed, and its
+/// `maxima.npz`; last `summary.json`, which is the JSON with the names of all files. Other files of an earlier run are removed, and its
 /// checkpoint as well unless this run was `in_legs`. If the parts of the chain keep the states,
 /// only `summary.json`, without the state, `scene.toml` and `energy.csv` are written.
 ///
@@ -299,15 +299,18 @@ pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::F
         folder.write("contacts.npz", &contacts_npz(contacts)?)?;
     }
     if let Some(maxima) = &outcome.maxima {
-        let column = |value: fn(&Maximum) -> f64| maxima.iter().map(value).collect();
-        let columns: [(&str, Vec<f64>); 3] = [
-            ("bond", column(|one| one.bond as f64)),
-            ("t", column(|one| one.t)),
-            ("overlap", column(|one| one.overlap)),
+        let table = Table::of("maxima", maxima)
+            .col("bond", Short, "", |one| one.bond)
+            .col("t", Short, "", |one| one.t)
+            .col("overlap", Short, "", |one| one.overlap);
+        folder.write("maxima.csv", table.done().csv().as_bytes())?;
+        let column = |name, value: fn(&Maximum) -> f64| Array::vector(name, maxima.iter().map(value).collect());
+        let columns = [
+            ("bond", (|one| one.bond as f64) as fn(&Maximum) -> f64),
+            ("t", |one| one.t),
+            ("overlap", |one| one.overlap),
         ];
-        let rows = (0..maxima.len()).map(|k| columns.iter().map(|(_, values)| values[k]).collect());
-        folder.write("maxima.csv", &csv(&columns.each_ref().map(|(name, _)| *name), rows))?;
-        folder.write("maxima.npz", &npz(&columns.map(|(name, values)| Array::vector(name, values)))?)?;
+        folder.write("maxima.npz", &npz(&columns.map(|(name, value)| column(name, value)))?)?;
     }
     pictures.iter().try_for_each(|(name, png)| folder.write(name, png).map(drop))?;
     let mut summary = entries(ran);
