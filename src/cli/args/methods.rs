@@ -84,8 +84,8 @@ pub(crate) struct RunArgs {
     ///
     /// A maximum counts if the overlap falls after it, and has risen before it, by more than SHARE
     /// of the largest overlap that the bond has had so far, and if it is more than this share of
-    /// the largest overlap of all bonds. From 2.3e-13 to 0.5; not below --tol. With --out the
-    /// maxima are in maxima.csv and maxima.npz. Not with --checkpoint.
+    /// the largest overlap of all bonds. From 2.3e-13 to 0.5; below --tol, maxima may be errors.
+    /// With --out they are in maxima.csv and maxima.npz. Not with --checkpoint or --resume.
     #[arg(long, value_name = "SHARE", hide_short_help = true, conflicts_with_all = ["checkpoint", "resume"])]
     pub(crate) maxima: Option<f64>,
     /// Results in SI units, for scenes with a table `[units]`.

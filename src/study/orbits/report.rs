@@ -218,7 +218,7 @@ impl Branch {
             more += &format!(" {}", bounds(self.points.iter().map(|point| point.kantorovich)));
         }
         let table = self.table();
-        let end = ended(table.json().len(), self.bifurcations.len(), self.end);
+        let end = ended(self.rows().len(), self.bifurcations.len(), self.end);
         let picture = self.picture(&table);
         let report = report
             .fact("parameter", parameter.name())
@@ -232,6 +232,11 @@ impl Branch {
             .file("branch.npz", npz)
             .failure(self.shortfall().map(|why| format!("the branch {why}")));
         Ok(if self.points.is_empty() { report } else { report.picture(picture) })
+    }
+
+    fn rows(&self) -> Vec<Told<'_, Orbit, BranchPoint>> {
+        let later = &self.trail.orbits[self.points.len() + self.gaps.len()..];
+        told(&self.points, |point| &point.orbit, later, self.end)
     }
 
     /// The points.
@@ -248,8 +253,7 @@ impl Branch {
             all.take(LEADING).copied().collect()
         };
         let place = |row: &Told<'_, Orbit, BranchPoint>| row.0.setting.get(parameter);
-        let later = &self.trail.orbits[self.points.len() + self.gaps.len()..];
-        Table::of("branch", &told(&self.points, |point| &point.orbit, later, self.end))
+        Table::of("branch", &self.rows())
             .key("points")
             .col(parameter.name(), Fixed(8), "", place)
             .col("k_x", Power(8), "amplitude of the background, of beads", |&(_, point)| Some(point?.extent.k_x))

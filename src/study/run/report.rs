@@ -263,9 +263,10 @@ pub const RUN_FILES: [&str; 18] = [
 
 /// Writes the run: `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, and the
 /// pictures; with a contact log also `contacts.csv` and `contacts.npz`, with maxima `maxima.csv` and
-/// `maxima.npz`; last `summary.json`, which is the JSON with the names of all files. Other files of an earlier run are removed, and its
-/// checkpoint as well unless this run was `in_legs`. If the parts of the chain keep the states,
-/// only `summary.json`, without the state, `scene.toml` and `energy.csv` are written.
+/// `maxima.npz`; last `summary.json`, which is the JSON with the names of all files. Other files of
+/// an earlier run are removed, and its checkpoint as well unless this run was `in_legs`. If the
+/// parts of the chain keep the states, only `summary.json`, without the state, `scene.toml` and
+/// `energy.csv` are written.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -304,13 +305,10 @@ pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::F
             .col("t", Short, "", |one| one.t)
             .col("overlap", Short, "", |one| one.overlap);
         folder.write("maxima.csv", table.done().csv().as_bytes())?;
-        let column = |name, value: fn(&Maximum) -> f64| Array::vector(name, maxima.iter().map(value).collect());
-        let columns = [
-            ("bond", (|one| one.bond as f64) as fn(&Maximum) -> f64),
-            ("t", |one| one.t),
-            ("overlap", |one| one.overlap),
-        ];
-        folder.write("maxima.npz", &npz(&columns.map(|(name, value)| column(name, value)))?)?;
+        let all = |value: fn(&Maximum) -> f64| maxima.iter().map(value).collect();
+        let bond = Array::vector("bond", all(|one| one.bond as f64));
+        let arrays = [bond, Array::vector("t", all(|one| one.t)), Array::vector("overlap", all(|one| one.overlap))];
+        folder.write("maxima.npz", &npz(&arrays)?)?;
     }
     pictures.iter().try_for_each(|(name, png)| folder.write(name, png).map(drop))?;
     let mut summary = entries(ran);

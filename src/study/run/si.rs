@@ -7,8 +7,8 @@ use crate::{
 };
 
 /// Converts a trajectory of a scene with `[units]` to metres, seconds, joules and the units made of
-/// them: times, states with their ledger, strains, energies, contacts and maxima. The energy error and the
-/// text of a failure are not converted.
+/// them: times, states with their ledger, strains, energies, contacts and maxima. The energy error
+/// and the text of a failure are not converted.
 #[must_use]
 pub fn in_si(mut outcome: Trajectory, layout: Layout, units: &Units) -> Trajectory {
     let state = |state: &mut Vec<f64>| {
