@@ -193,7 +193,6 @@ fn the_force_of_a_dashpot_ends_before_the_overlap_by_every_method() {
         let off = [contact.force_end, contact.release].map(Option::unwrap);
         let off = [off[0] - ends[0], off[1] - ends[1]];
         println!("{name}: {off:?}");
-        assert!(off[1] < 9e-12, "{name}: {off:?}");
         assert!(largest(off) < bound, "{name}: {off:?}");
     }
 }
