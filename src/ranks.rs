@@ -3,7 +3,7 @@
 
 use crate::{
     error::{Error, Result},
-    parts::{Carrier, Ranks, serve},
+    parts::{self, Ranks, serve},
 };
 use mpi::{
     Threading,
@@ -77,7 +77,7 @@ impl Ranks for Job {
         self.0.threads
     }
 
-    fn carrier(&self) -> Box<dyn Carrier> {
+    fn carrier(&self) -> Box<dyn parts::Communicator> {
         Box::new(Messages(self.0.clone()))
     }
 }
@@ -99,7 +99,7 @@ impl Drop for Job {
 /// Carries numbers between ranks by messages.
 struct Messages(Arc<World>);
 
-impl Carrier for Messages {
+impl parts::Communicator for Messages {
     fn part(&self) -> usize {
         self.0.world().rank() as usize
     }

@@ -185,6 +185,13 @@ fn a_chain_over_ranks_has_the_files_of_one_process() {
     }
 }
 
+/// A job of so many ranks that goes on with a run.
+fn resumed(count: usize, folder: &Path) -> Command {
+    let mut job = job(count, PROGRAM);
+    job.args(["run", "--engine", "mpi", "--resume"]).arg(folder);
+    job
+}
+
 /// Runs of some seconds in legs: by a splitting scheme, and by contact collocation.
 const LEGS: [&str; 2] = [
     "run impact --set chain.sites=20000 --integrator verlet --step 0.002 --until 40 --samples 20 --checkpoint 0.2",
