@@ -9,9 +9,9 @@
 
 use hertzchain::{
     Error,
-    study::LongRun,
     output::{Archive, Array, npz_with},
     scene::{Initial, SceneFile},
+    study::LongRun,
 };
 use libfuzzer_sys::{Corpus, fuzz_target};
 use serde_json::Value;

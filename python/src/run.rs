@@ -9,7 +9,7 @@ use hertzchain::{
     Setting, Trajectory,
     chain::{Boundary, Chain, Contact, Energy, Layout},
     run::Records,
-    study::{MethodRequest, MethodChoice},
+    study::{MethodChoice, MethodRequest},
 };
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, prelude::*};
 use pyo3::{prelude::*, types::PyDict};
@@ -117,8 +117,7 @@ pub(crate) fn run<'py>(
         let outcome = how.start_told(run, &mut seen, &mut told);
         (outcome, thrown.into_inner(), rows)
     };
-    let short =
-        matches!(how, MethodChoice::Integrated(_, Setting::Steps(steps), ..) if steps * scene.chain().sites() as u64 <= SHORT);
+    let short = matches!(how, MethodChoice::Integrated(_, Setting::Steps(steps), ..) if steps * scene.chain().sites() as u64 <= SHORT);
     let ((outcome, thrown, rows), raised) =
         if short { (brief(py, work)?, None) } else { watched(py, progress.as_ref(), work)? };
     let outcome = outcome.or_raise(py)?;
