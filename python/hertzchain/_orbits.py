@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, overload
 
@@ -252,7 +252,8 @@ class Branch:
 
 def _point(row: dict[str, Any]) -> BranchPoint:
     leading = tuple(complex(one["re"], one["im"]) for one in row["leading"])
-    return BranchPoint(**{**row, "leading": leading})
+    known = {field.name: row.get(field.name) for field in fields(BranchPoint)}
+    return BranchPoint(**{**known, "leading": leading})
 
 
 @overload
