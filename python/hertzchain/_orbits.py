@@ -252,7 +252,7 @@ class Branch:
 
 def _point(row: dict[str, Any]) -> BranchPoint:
     leading = tuple(complex(one["re"], one["im"]) for one in row["leading"])
-    known = {field.name: row.get(field.name) for field in fields(BranchPoint)}
+    known: dict[str, Any] = {field.name: row.get(field.name) for field in fields(BranchPoint)}
     return BranchPoint(**{**known, "leading": leading})
 
 
