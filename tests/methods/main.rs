@@ -12,7 +12,6 @@ mod conserving;
 mod contact_times;
 mod contacts;
 mod corrected;
-mod corrected_tangent;
 mod details;
 mod differing;
 mod lossy;

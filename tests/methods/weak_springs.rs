@@ -3,12 +3,8 @@
 
 use hertzchain::{
     Run,
-    chain::{Boundary, Chain, Details, Drive, Means, Params, Signal, Site, State, TangentFlow},
-    integrators::{
-        Stepper,
-        collocation::Pace,
-        splitting::{Corrected, Parts},
-    },
+    chain::{Boundary, Chain, Details, Drive, Means, Params, Signal, Site, State},
+    integrators::collocation::Pace,
     run::{
         Records,
         method::{Method, Setting},
@@ -226,21 +222,7 @@ fn off(chain: &Chain<f64>, columns: &[f64]) -> f64 {
 
 #[test]
 fn tangent_maps_go_over_into_those_of_the_free_flight() {
-    // Truth: the closed form, and for corrected splitting also its own map without springs.
-    let corrected = |chain: &Chain<f64>| {
-        let y = meeting(chain, [1.0; 2]).as_slice().to_vec();
-        let dim = y.len();
-        let identity: Vec<f64> = (0..dim * dim).map(|k| f64::from(u8::from(k / dim == k % dim))).collect();
-        let flow = TangentFlow::new(chain.clone(), &y, &identity);
-        let mut run = Corrected::new(flow, (0.0, END), 401, Parts::ALL).unwrap();
-        while !run.done() {
-            run.step().unwrap();
-        }
-        run.sample(END, &mut y.clone());
-        off(chain, &run.solution().columns())
-    };
-    let free = corrected(&chain(params(0.0, 0.0)));
-    assert!(free < 1e-8, "{free:e}");
+    // Truth: the closed form.
     for rho in [1e-6, 1.0, 1e6, f64::INFINITY] {
         for kappa in weak() {
             if params(kappa, rho).validate().is_err() {
@@ -251,8 +233,6 @@ fn tangent_maps_go_over_into_those_of_the_free_flight() {
                 chain.monodromy(meeting(&chain, [1.0; 2]).as_slice(), (0.0, END), Pace::Tolerance(1e-12)).unwrap();
             let by_collocation = off(&chain, &columns);
             assert!(by_collocation < 1e-9 + by_springs, "{kappa:e} {rho:e}: {by_collocation:e}");
-            let by_corrected = corrected(&chain);
-            assert!((by_corrected - free).abs() < 1e-8 + by_springs, "{kappa:e} {rho:e}: {by_corrected:e} {free:e}");
         }
     }
 }

@@ -32,7 +32,7 @@ mod sweep;
 mod topology;
 
 pub use blocks::{Blocks, Whole};
-pub use bonds::{CorrectedSplit, SiteFlow, TangentFlow};
+pub use bonds::{CorrectedSplit, SiteFlow};
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Maximum, Overlaps, TOUCH};
 pub use details::{

@@ -65,11 +65,6 @@ impl<R: Real> Phase<R> {
         self.now.sin_cos()
     }
 
-    /// `(sin theta, cos theta)` a time `dt` ago.
-    pub(crate) fn sin_cos_before(&self, dt: DoubleDouble<R>) -> (R, R) {
-        (self.theta() - self.omega * dt).reduced(self.two_pi).sin_cos()
-    }
-
     /// The phase, reduced.
     fn theta(&self) -> DoubleDouble<R> {
         let turned = |theta, turn: &Turn<R>| theta + turn.angle * DoubleDouble::new(R::of(turn.count as f64));

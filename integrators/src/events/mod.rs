@@ -24,14 +24,12 @@
 
 mod bernstein;
 mod curve;
-mod linear_path;
 pub(crate) mod root;
 pub(crate) mod sides;
 mod watch;
 
 pub use bernstein::{NODES, SHARES};
 pub use curve::Curve;
-pub use linear_path::LinearPath;
 pub use watch::{Listener, Part, Watch};
 
 use crate::real::Real;

@@ -14,9 +14,6 @@ mod forces;
 mod fused;
 mod kinetic;
 mod linear;
-mod tangent;
-
-pub use tangent::TangentFlow;
 
 use awake::Awake;
 use forces::{Forces, Modified};

@@ -32,29 +32,9 @@ pub struct Correction {
     pub turn: [f64; 2],
 }
 
-/// A function that appends the correction of each view.
-type Corrections<'a> = dyn Fn(&[BondView], &mut Vec<Option<Correction>>) + 'a;
-
-/// A correction as a function of the view of its bond, for flows that carry derivatives.
-#[derive(Clone, Copy)]
-pub struct Dependence<'a> {
-    /// Time between the two kicks of the view: a step, or 0 where a run begins, ends or is sampled.
-    pub h: f64,
-    /// Relative change of the view for difference quotients; within it the correction is smooth.
-    pub change: f64,
-    /// Whether the correction also gives the kicks at both ends of the view the force of the
-    /// processed path, `f(g + e)` in place of `f(g) + f'(g) e` with `e = (h^2/12) s`.
-    pub kicks: bool,
-    /// Appends the corrections of views near that of the bond; `None` where a view has none.
-    pub of: &'a Corrections<'a>,
-}
-
 /// A split system whose kicks come from bonds `f_n = (g_n)_+^alpha` between sites that the drift
 /// moves exactly.
 pub trait BondFlow: SplitFlow<f64> {
-    /// Whether the flow carries derivatives, and therefore needs calls of
-    /// [`depends`](Self::depends).
-    const CARRIES: bool = false;
     /// The exponent `alpha`.
     fn exponent(&self) -> f64;
     /// Called before the first survey, with the step and the reach of [`turned`](Self::turned).
@@ -86,10 +66,6 @@ pub trait BondFlow: SplitFlow<f64> {
     /// [`view`](Self::view) of several bonds, at most as many as lanes; the other lanes view the
     /// first bond. What [`changed`](Self::changed) tells of the bonds does not matter.
     fn views<V: Vector<f64>>(&self, bonds: &[(usize, bool)], h: f64) -> BondView<V>;
-    /// Receives a correction as a function of the view of its bond. It is called for every
-    /// correction of the next call of [`correct`](Self::correct), in the same order, before that
-    /// call.
-    fn depends(&mut self, _bond: usize, _dependence: Dependence<'_>) {}
     /// Applies corrections to bonds, and computes overlaps and forces anew where these move sites.
     fn correct<'a>(&mut self, given: impl Iterator<Item = (usize, &'a Correction)>);
     /// A kick of duration `kick` with the surveyed forces `F + c F' a`; `a` are the accelerations

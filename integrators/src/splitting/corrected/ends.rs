@@ -13,8 +13,7 @@
 //! for every closed bond.
 
 use super::{
-    CHANGE,
-    bonds::{BondFlow, BondView, Correction, Dependence},
+    bonds::{BondFlow, Correction},
     event::{Corrector, slope},
     pack::Pack,
     path::{BondPath, Paths},
@@ -114,20 +113,6 @@ impl Ends<'_> {
         }
         let corrector = corrector.get_or_init(|| Corrector::new(flow.exponent(), self.h));
         let corrections = given(corrector, &events, sign);
-        if S::CARRIES {
-            for (&bond, event) in bonds.iter().zip(&events) {
-                let of = |views: &[BondView], out: &mut Vec<Option<Correction>>| {
-                    let paths: Vec<BondPath> = views.iter().map(|view| view.path).collect();
-                    let zeros = around(&paths, reach);
-                    let t = |k: usize| zeros[k][usize::from(!event.onset)];
-                    let near: Vec<Event> =
-                        (0..paths.len()).filter_map(|k| Some(Event { path: paths[k], t: t(k)?, ..*event })).collect();
-                    let mut corrections = given(corrector, &near, sign).into_iter();
-                    out.extend((0..paths.len()).map(|k| t(k).and_then(|_| corrections.next())));
-                };
-                flow.depends(bond, Dependence { h: 0.0, change: CHANGE, kicks: false, of: &of });
-            }
-        }
         flow.correct(bonds.into_iter().zip(&corrections));
     }
 }

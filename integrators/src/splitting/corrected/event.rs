@@ -3,20 +3,13 @@
 use super::{
     bonds::{BondFlow, BondView, Correction},
     pack::Pack,
-    path::{BondPath, Paths, Zero},
+    path::{Paths, Zero},
     zeta::ZetaTable,
 };
 use crate::{
     real::{Real, VectorKernel},
     vector::Vector,
 };
-
-/// A bond that has changed its side.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Event {
-    pub(super) view: BondView,
-    pub(super) onset: bool,
-}
 
 /// Corrections at events, for one exponent and one step length.
 #[derive(Clone, Debug)]
@@ -26,35 +19,6 @@ pub(super) struct Corrector {
     h: f64,
     /// `h^{alpha+2}`.
     h2: f64,
-}
-
-/// Corrections of events, a register at a time.
-struct Events<'a> {
-    corrector: &'a Corrector,
-    events: &'a [Event],
-    out: &'a mut Vec<Option<Correction>>,
-}
-
-impl VectorKernel<f64> for Events<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<V: Vector<f64>>(self) {
-        for events in self.events.chunks(V::LANES) {
-            let of = |number: fn(&BondView) -> f64| Pack::<V>::of(events, |event| number(&event.view)).0;
-            let view = BondView {
-                path: BondPath::new(events, |event| &event.view.path),
-                mobility: of(|view| view.mobility),
-                pull: [of(|view| view.pull[0]), of(|view| view.pull[1])],
-            };
-            self.corrector.corrections::<V>(
-                &view,
-                sides(V::LANES, events, |event| event.onset),
-                events.len(),
-                self.out,
-            );
-        }
-    }
 }
 
 /// The corrections of bonds of a flow that have changed their side, a register at a time.
@@ -93,16 +57,10 @@ impl Corrector {
         Self { alpha, table: ZetaTable::new(alpha), h, h2: h.powf(alpha + 2.0) }
     }
 
-    /// Appends the corrections of bonds that have changed their side since the kick before; `None`
-    /// where a path is too flat to have a time of change.
+    /// Appends the corrections of the bonds of a flow that have changed their side in the step that
+    /// ends now; `None` where a path is too flat to have a time of change.
     ///
     /// A correction has the same bits whether its event is alone or among others.
-    pub(super) fn events(&self, events: &[Event], out: &mut Vec<Option<Correction>>) {
-        f64::run_vector(Events { corrector: self, events, out });
-    }
-
-    /// [`events`](Self::events) of the bonds of a flow that have changed their side in the step
-    /// that ends now.
     pub(super) fn changes<S: BondFlow>(&self, flow: &S, changed: &[(usize, bool)], out: &mut Vec<Option<Correction>>) {
         f64::run_vector(Changes { corrector: self, flow, changed, out });
     }
@@ -266,12 +224,45 @@ pub(super) fn slope<V: Vector<f64>>(alpha: f64, x: Pack<V>) -> Pack<V> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
+pub(super) mod tests {
+    use super::{super::path::BondPath, *};
 
-    fn event(corrector: &Corrector, view: &BondView, onset: bool) -> Option<Correction> {
+    struct Event {
+        view: BondView,
+        onset: bool,
+    }
+
+    struct Events<'a> {
+        corrector: &'a Corrector,
+        events: &'a [Event],
+        out: &'a mut Vec<Option<Correction>>,
+    }
+
+    impl VectorKernel<f64> for Events<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<V: Vector<f64>>(self) {
+            for events in self.events.chunks(V::LANES) {
+                let of = |number: fn(&BondView) -> f64| Pack::<V>::of(events, |event| number(&event.view)).0;
+                let view = BondView {
+                    path: BondPath::new(events, |event| &event.view.path),
+                    mobility: of(|view| view.mobility),
+                    pull: [of(|view| view.pull[0]), of(|view| view.pull[1])],
+                };
+                self.corrector.corrections::<V>(
+                    &view,
+                    sides(V::LANES, events, |event| event.onset),
+                    events.len(),
+                    self.out,
+                );
+            }
+        }
+    }
+
+    pub(in super::super) fn event(corrector: &Corrector, view: &BondView, onset: bool) -> Option<Correction> {
         let mut out = Vec::new();
-        corrector.events(&[Event { view: *view, onset }], &mut out);
+        f64::run_vector(Events { corrector, events: &[Event { view: *view, onset }], out: &mut out });
         out[0]
     }
 
@@ -383,7 +374,8 @@ mod tests {
         ];
         let alone = views.map(|view| event(&corrector, &view, true));
         let mut among = Vec::new();
-        corrector.events(&views.map(|view| Event { view, onset: true }), &mut among);
+        let events = &views.map(|view| Event { view, onset: true });
+        f64::run_vector(Events { corrector: &corrector, events, out: &mut among });
         assert_eq!(among, alone);
         assert!(alone[3].is_none() && alone[4].is_some());
     }

@@ -285,7 +285,7 @@ fn integral(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::event::Event, *};
+    use super::{super::event::tests::event, *};
 
     const H: f64 = 0.1;
 
@@ -316,9 +316,7 @@ mod tests {
             give(H * force(t) * if k.abs() == FAR { 0.5 } else { 1.0 }, 0.0, t);
             let [before, now] = [t - H, t].map(|t| overlap(t) > 0.0);
             if k > -FAR && before != now {
-                let mut out = Vec::new();
-                corrector.events(&[Event { view: view(t0, b, a, k), onset: now }], &mut out);
-                let given = out[0].unwrap();
+                let given = event(&corrector, &view(t0, b, a, k), now).unwrap();
                 give(given.impulse, given.displacement, f64::from(k) * H + given.at - t0);
             }
         }

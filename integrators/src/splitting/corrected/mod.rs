@@ -131,17 +131,6 @@
 //! event is found. These impulses are of order `h^{alpha+3}`, and are left out; with the one at the
 //! second kick the energies of long runs were no better (measured).
 //!
-//! # Tangent map
-//!
-//! A flow that carries columns of derivatives ([`BondFlow::CARRIES`]) is told how each correction
-//! depends on its bond ([`Dependence`]) and differentiates it. The tangent has the order `min(4,
-//! alpha + 2)`: the errors that contacts leave lose one order, since the time of an event is
-//! differentiated too.
-//!
-//! Where an event meets a kick to within `h^{alpha+1}` steps, the displacement moves the overlap of
-//! that kick, and the tangent has an error of `h^{1 + (alpha-1)(alpha+2)}`. Symmetric orbits with
-//! an even number of steps in half a period have such events; an odd number avoids them.
-//!
 //! # Literature
 //!
 //! We know of no publication of this method. Near it come: Navot 1961, *J. Math. and Phys.* 40, 271
@@ -163,7 +152,7 @@ mod pack;
 mod path;
 mod zeta;
 
-pub use bonds::{BondFlow, BondView, Correction, Dependence};
+pub use bonds::{BondFlow, BondView, Correction};
 pub use ends::Side;
 pub use path::BondPath;
 pub use zeta::hurwitz;
@@ -178,21 +167,13 @@ use crate::{
     stats::Stats,
 };
 use ends::Ends;
-use event::{Corrector, Event};
+use event::Corrector;
 use graze::{REACH, Turn, Turns};
 use log::Log;
 use std::cell::OnceCell;
 
 /// Range of the exponents `alpha` that the method accepts.
 const EXPONENTS: std::ops::RangeInclusive<f64> = 1.0..=10.0;
-
-/// Relative change of a [`BondView`] in difference quotients of its correction: central differences
-/// are then exact to 1e-10.
-const CHANGE: f64 = 1e-5;
-/// Near a kick the correction of an event is not smooth. The relative change there is this share of
-/// the distance from event to kick, in steps, and at least `LEAST`.
-const SHARE: f64 = 1e-3;
-const LEAST: f64 = 3e-12;
 
 /// The parts of the method that a run uses in addition to plain kicks. Either part alone has the
 /// order of Strang's splitting.
@@ -375,13 +356,6 @@ impl<S: BondFlow> Corrected<S> {
         for &(bond, closed) in &self.turned {
             let turn = Turn { view: self.flow.view(bond, h), closed };
             if let Some(graze) = turns.correction(&turn, corrector) {
-                if S::CARRIES {
-                    let of = |views: &[BondView], out: &mut Vec<Option<Correction>>| {
-                        let near = views.iter().map(|&view| Turn { view, closed });
-                        out.extend(near.map(|turn| Some(turns.correction(&turn, corrector)?.correction)));
-                    };
-                    self.flow.depends(bond, Dependence { h, change: CHANGE, kicks: false, of: &of });
-                }
                 self.flow.correct([(bond, &graze.correction)].into_iter());
                 if let Some(log) = &mut self.log {
                     log.graze(bond, &graze);
@@ -397,21 +371,6 @@ impl<S: BondFlow> Corrected<S> {
         let corrector = corrector.get_or_init(|| Corrector::new(alpha, h));
         corrections.clear();
         corrector.changes(flow, changed, corrections);
-        if S::CARRIES {
-            for (&(bond, onset), correction) in changed.iter().zip(&*corrections) {
-                let Some(correction) = correction else { continue };
-                let of = |views: &[BondView], out: &mut Vec<Option<Correction>>| {
-                    // Without pulls the correction has no part for the kicks around the event: with
-                    // `kicks`, the flow differentiates that part itself.
-                    let view = |view: &BondView| BondView { pull: [0.0; 2], ..*view };
-                    let near: Vec<Event> = views.iter().map(|near| Event { view: view(near), onset }).collect();
-                    corrector.events(&near, out);
-                };
-                let room = correction.at.abs().min((correction.at + h).abs()) / h;
-                let change = (SHARE * room).clamp(LEAST, CHANGE);
-                flow.depends(bond, Dependence { h, change, kicks: true, of: &of });
-            }
-        }
         let told = changed.iter().zip(&*corrections);
         flow.correct(told.clone().filter_map(|(&(bond, _), correction)| Some((bond, correction.as_ref()?))));
         if let Some(log) = &mut self.log {
