@@ -11,7 +11,6 @@
 //! | [`splitting`] | splitting schemes as const data, and the loop that runs them |
 //! | [`dop853`] | the 8(5,3) pair of Dormand and Prince with 7th-order dense output |
 //! | [`conserving`] | two schemes that conserve an energy exactly, as rivals |
-//! | [`gauss`] | Gauss collocation of order 2 and 4, exact for quadratic invariants |
 //! | [`events`] | changes of sign of functions of the state |
 //! | [`regularised`] | DOP853 through events, in a variable in which the solution is smooth |
 //! | [`drive`](mod@drive) | the loop over time: advance, record, stop |
@@ -25,7 +24,6 @@ pub mod dop853;
 pub mod drive;
 pub mod error;
 pub mod events;
-pub mod gauss;
 pub mod instructions;
 pub mod interrupt;
 pub mod law;
@@ -43,7 +41,6 @@ pub use dop853::Dop853;
 pub use drive::{Observer, Silent, Stepper, Stop, drive};
 pub use error::Error;
 pub use events::{Event, EventFunctions, Watch};
-pub use gauss::Gauss;
 pub use instructions::Instructions;
 pub use real::{Kernel, Real, VectorKernel};
 pub use regularised::Regularised;

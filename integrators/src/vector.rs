@@ -225,18 +225,6 @@ impl<'a, R> Column<'a, R> {
     }
 }
 
-impl<R: Copy> Column<'_, R> {
-    /// Adds a register to the numbers from `at` on.
-    ///
-    /// # Safety
-    /// The column has at least `at + LANES` numbers.
-    #[inline(always)]
-    pub unsafe fn add<V: Vector<R>>(&mut self, at: usize, values: V) {
-        // SAFETY: the caller's promise.
-        unsafe { self.store(at, self.load::<V>(at) + values) }
-    }
-}
-
 /// The operators lane by lane, and the number one in all lanes.
 macro_rules! operations {
     ($vector:ident: $($trait:ident $method:ident $body:expr),*) => {

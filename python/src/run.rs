@@ -114,7 +114,7 @@ pub(crate) fn run<'py>(
         let mut told = |contact: &Contact| {
             call(&told, (contact.release.unwrap_or(f64::NAN), &contact.numbers()));
         };
-        let outcome = how.start_told(run, &mut seen, &mut told);
+        let outcome = how.observe(run, &mut seen, &mut told);
         (outcome, thrown.into_inner(), rows)
     };
     let short = matches!(how, MethodChoice::Integrated(_, Setting::Steps(steps), ..) if steps * scene.chain().sites() as u64 <= SHORT);

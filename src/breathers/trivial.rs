@@ -199,7 +199,7 @@ impl TrivialBreather {
     }
 }
 
-/// A trivial breather as a stepper, for [`Run::start_by`](crate::run::Run::start_by).
+/// A trivial breather as a stepper, for [`Run::observe_by`](crate::run::Run::observe_by).
 ///
 /// One step goes to the end; samples are exact at any time.
 pub struct ClosedForm<'a> {

@@ -76,7 +76,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let bar = progress_bar();
     let run = if args.events { run.contacts() } else { run };
     let run = if let Some(share) = args.maxima { run.maxima(share)? } else { run };
-    let outcome = how.start(run, &mut |t, _| bar.set_position((1000.0 * t / scene.end()) as u64));
+    let outcome = how.observe(run, &mut |t, _| bar.set_position((1000.0 * t / scene.end()) as u64), &mut |_| ());
     bar.finish_and_clear();
     let outcome = outcome?;
     let again = again.filter(|_| outcome.failure.is_none());

@@ -379,7 +379,7 @@ fn a_scene_in_closed_form_needs_no_steps() {
     let scene = Scene::load("trivial-breather").unwrap().until(1e9).unwrap();
     let outcome = {
         let mut exact = ClosedForm::new(scene.exact().unwrap(), scene.end());
-        scene.run().records(Records::Profiles).start_by(&mut exact, &mut |_, _| ()).unwrap()
+        scene.run().records(Records::Profiles).observe_by(&mut exact, &mut |_, _| ()).unwrap()
     };
     assert_eq!((outcome.t, outcome.failure.clone()), (1e9, None));
     assert_eq!((outcome.stats.steps, outcome.stats.force_evaluations), (0, 0));

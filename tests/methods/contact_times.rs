@@ -417,7 +417,7 @@ fn maxima_of_a_train_of_pulses_are_those_of_a_run_that_is_sampled_densely() {
         overlaps.values(t, y, &mut g);
         rows.push(g);
     };
-    dense.start_seen(&mut keep).unwrap().complete().unwrap();
+    dense.observe(&mut keep, &mut |_| ()).unwrap().complete().unwrap();
     let (mut truth, mut bends) = (Vec::new(), Vec::new());
     for (k, w) in rows.windows(3).enumerate() {
         for (bond, ((&a, &b), &c)) in w[0].iter().zip(&w[1]).zip(&w[2]).enumerate() {

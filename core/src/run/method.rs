@@ -12,7 +12,7 @@ use crate::{
 };
 use hertzchain_integrators::{
     Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper, Tolerance,
-    collocation::{ContactStepper, Pace, Section, Windows},
+    collocation::{ContactStepper, Pace, Windows},
     conserving::DiscreteGradient,
     dop853::Options,
     splitting::{self, Corrected, First, Landed, tables},
@@ -522,19 +522,6 @@ fn corrected<F: SiteFlow>(
     parts: splitting::Parts,
 ) -> Result<Corrected<CorrectedSplit<F>>> {
     Ok(Corrected::new(CorrectedSplit::new(loaded(flow, y)), span, steps, parts)?)
-}
-
-/// The stepper of collocation for a leg of a run of a uniform chain.
-///
-/// # Errors
-/// A setting in steps, or one outside the range that collocation accepts; a chain with details.
-pub fn collocation(
-    chain: &Chain<f64>,
-    y: &[f64],
-    span: (f64, f64),
-    setting: Setting,
-) -> Result<Collocation<Section<Chain<f64>>>> {
-    Ok(chain.collocation(y, span, pace(setting)?)?)
 }
 
 /// How finely collocation works under a setting.

@@ -385,41 +385,12 @@ impl Run {
     /// A run that cannot start. A run that fails later returns a [`Trajectory`] with its `failure`
     /// and with all that was recorded before.
     pub fn start(&self) -> Result<Trajectory> {
-        self.start_with(&mut |_| ())
-    }
-
-    /// As [`start`](Self::start), and calls `progress` with the time of every sample.
-    ///
-    /// # Errors
-    /// As [`start`](Self::start).
-    pub fn start_with(&self, progress: &mut dyn FnMut(f64)) -> Result<Trajectory> {
-        self.start_seen(&mut |t, _| progress(t))
+        self.observe(&mut |_, _| (), &mut |_| ())
     }
 
     /// As [`start`](Self::start), and calls `seen` with the time of every sample and the state
-    /// there, in the layout of the chain.
-    ///
-    /// ```
-    /// # use hertzchain_core::{Boundary, Chain, Params, Run, State};
-    /// # let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Ring, 5)?;
-    /// # let mut state = State::rest(&chain);
-    /// state.u_dot_mut().copy_from_slice(&[1.0, 0.0, 0.0, 0.0, 0.0]);
-    /// let run = Run::new(chain, state).until(2.0)?.samples_at(&[0.5, 0.7, 2.0])?;
-    /// let mut momenta = Vec::new();
-    /// run.start_seen(&mut |_, y| momenta.push(y[5..].iter().sum::<f64>()))?;
-    /// assert_eq!(momenta.len(), 3);
-    /// assert!(momenta.iter().all(|momentum| (momentum - 1.0).abs() < 1e-12));
-    /// # Ok::<(), hertzchain_core::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// As [`start`](Self::start).
-    pub fn start_seen(&self, seen: &mut dyn FnMut(f64, &[f64])) -> Result<Trajectory> {
-        self.start_told(seen, &mut |_| ())
-    }
-
-    /// As [`start_seen`](Self::start_seen), and calls `told` with each contact of the log once it
-    /// has ended. It needs a log ([`contacts`](Self::contacts)). `told` is not called with contacts
+    /// there, in the layout of the chain, and `told` with each contact of the log once it has ended.
+    /// The log must be asked for ([`contacts`](Self::contacts)). `told` is not called with contacts
     /// that are open at the end of the run. It is also called with those that the final list leaves
     /// out as rounding errors in comparison with the largest one.
     ///
@@ -428,13 +399,15 @@ impl Run {
     /// # let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, 5)?;
     /// # let mut state = State::rest(&chain);
     /// state.u_dot_mut()[0] = 1.0;
-    /// let run = Run::new(chain, state).until(20.0)?.contacts();
-    /// let mut bonds = Vec::new();
-    /// run.start_told(&mut |_, _| (), &mut |contact| {
+    /// let run = Run::new(chain, state).until(20.0)?.samples_at(&[0.5, 2.0, 20.0])?.contacts();
+    /// let (mut momenta, mut bonds) = (Vec::new(), Vec::new());
+    /// run.observe(&mut |_, y| momenta.push(y[5..].iter().sum::<f64>()), &mut |contact| {
     ///     if contact.largest_overlap > 1e-3 {
     ///         bonds.push(contact.bond);
     ///     }
     /// })?;
+    /// assert_eq!(momenta.len(), 3);
+    /// assert!(momenta.iter().all(|momentum| (momentum - 1.0).abs() < 1e-12));
     /// // The pulse opens one bond after the other; what beads press ahead of it is tiny.
     /// assert_eq!(bonds, [1, 2, 3, 4]);
     /// # Ok::<(), hertzchain_core::Error>(())
@@ -442,19 +415,19 @@ impl Run {
     ///
     /// # Errors
     /// As [`start`](Self::start).
-    pub fn start_told(&self, seen: &mut dyn FnMut(f64, &[f64]), told: &mut dyn FnMut(&Contact)) -> Result<Trajectory> {
+    pub fn observe(&self, seen: &mut dyn FnMut(f64, &[f64]), told: &mut dyn FnMut(&Contact)) -> Result<Trajectory> {
         let ((_, end), (method, setting)) = (self.span()?, self.choice()?);
         let mut recorder = Recorder::new(self, Kept::new(self), seen).telling(told);
         let failure = recorder.go_on(method, setting, end)?.err();
         Ok(recorder.trajectory(failure))
     }
 
-    /// As [`start_seen`](Self::start_seen), by a given stepper in place of a method. Contacts are
-    /// not logged.
+    /// As [`observe`](Self::observe), by a given stepper in place of a method. Contacts are not
+    /// logged.
     ///
     /// # Errors
     /// No end, or a state of another chain.
-    pub fn start_by(&self, stepper: &mut impl Stepper<f64>, seen: &mut dyn FnMut(f64, &[f64])) -> Result<Trajectory> {
+    pub fn observe_by(&self, stepper: &mut impl Stepper<f64>, seen: &mut dyn FnMut(f64, &[f64])) -> Result<Trajectory> {
         self.span()?;
         let mut recorder = Recorder::new(self, Kept::new(self), seen);
         let failure = recorder.leg(stepper).err();

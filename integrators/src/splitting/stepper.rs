@@ -63,11 +63,6 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
         Ok(Self { flow, mirror: None, pairs, row, inner, start, span, h, taken: 0, total, kicks: 0 })
     }
 
-    /// The step size.
-    pub fn step_size(&self) -> R {
-        self.h.value()
-    }
-
     /// Makes `steps` steps. The first step of the run begins with its own first pair, not with a
     /// seam.
     fn run(&mut self, steps: usize) {

@@ -160,11 +160,6 @@ impl LongRun {
         &self.wording
     }
 
-    /// The interval `D`.
-    pub fn interval(&self) -> f64 {
-        self.interval
-    }
-
     /// End of the last leg that is done; zero if there is none.
     pub fn time(&self) -> f64 {
         self.start_of(self.done)

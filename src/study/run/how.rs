@@ -160,29 +160,19 @@ impl MethodChoice {
         }
     }
 
-    /// Computes `run`, a run of the scene, which says what is recorded. `seen` is called with the
-    /// time of every sample and the state there.
+    /// Computes `run`, a run of the scene, which says what is recorded, as [`Run::observe`] does.
     ///
     /// # Errors
     /// A run that cannot start. A run that fails later returns what it has recorded.
-    pub fn start(&self, run: Run, seen: &mut dyn FnMut(f64, &[f64])) -> Result<Trajectory> {
-        self.start_told(run, seen, &mut |_| ())
-    }
-
-    /// As [`start`](Self::start), and calls `told` with each contact of the log once it has ended
-    /// ([`Run::start_told`]).
-    ///
-    /// # Errors
-    /// As [`start`](Self::start).
-    pub fn start_told(
+    pub fn observe(
         &self,
         run: Run,
         seen: &mut dyn FnMut(f64, &[f64]),
         told: &mut dyn FnMut(&Contact),
     ) -> Result<Trajectory> {
         match self {
-            Self::Integrated(method, setting, ..) => run.method(*method).setting(*setting).start_told(seen, told),
-            Self::ClosedForm(exact) => run.start_by(&mut breathers::ClosedForm::new(exact, run.end()?), seen),
+            Self::Integrated(method, setting, ..) => run.method(*method).setting(*setting).observe(seen, told),
+            Self::ClosedForm(exact) => run.observe_by(&mut breathers::ClosedForm::new(exact, run.end()?), seen),
         }
     }
 

@@ -45,11 +45,6 @@ pub trait SiteFlow: SplitFlow<f64> {
     fn survey(&mut self, forces: Forces<'_>);
     /// Position and velocity of a bead.
     fn bead(&self, site: usize) -> (f64, f64);
-    /// `[velocity, p, p']` of a bead; `p` is the part of its position that oscillates with `omega`
-    /// in the drift.
-    fn motion(&self, site: usize) -> [f64; 3] {
-        self.motions_at(&[site; LANES])
-    }
     /// [`motion`](Self::motion) of several beads, one in each lane.
     fn motions_at<V: Vector<f64>>(&self, sites: &Lanes) -> [V; 3];
     /// Whether sites that no force pushes need no work.

@@ -282,11 +282,6 @@ impl<S: BondFlow> Corrected<S> {
         self
     }
 
-    /// The step size.
-    pub fn step_size(&self) -> f64 {
-        self.h.value()
-    }
-
     /// Makes the kick that is due. Runs with a log need it at once, as the log reads the state
     /// after it.
     fn kick_now(&mut self) {
