@@ -4,7 +4,7 @@ use super::{DONE, Exit, args::RunArgs, print, progress_bar, runner::MPI, say};
 use crate::{
     error::{Error, Result},
     output::{Folder, to_json},
-    parts::Parts,
+    parts::Decomposition,
     run::{Method, Records, Trajectory, Warning},
     scene::{Scene, SceneFile},
     study::{self, LongRun, MethodChoice, MethodRequest, RunView, folder_of},
@@ -87,9 +87,9 @@ pub(super) fn main(args: &RunArgs) -> Exit {
 }
 
 /// Where the sites are integrated. `None` for an MPI rank that has served rank 0 and is done.
-fn parts(args: &RunArgs) -> Result<Option<Parts>> {
+fn parts(args: &RunArgs) -> Result<Option<Decomposition>> {
     if args.engine != MPI {
-        return Ok(Some(args.threads.map_or(Parts::Whole, Parts::Threads)));
+        return Ok(Some(args.threads.map_or(Decomposition::Whole, Decomposition::Threads)));
     }
     over_ranks(args.threads.unwrap_or(1))
 }
@@ -97,17 +97,17 @@ fn parts(args: &RunArgs) -> Result<Option<Parts>> {
 /// The ranks of an MPI job, with `threads` threads each. `None` on ranks other than 0, after they
 /// have served rank 0.
 #[cfg(feature = "mpi")]
-fn over_ranks(threads: usize) -> Result<Option<Parts>> {
+fn over_ranks(threads: usize) -> Result<Option<Decomposition>> {
     let job = crate::ranks::Job::new(threads)?;
     if job.serves() {
         job.serve();
         return Ok(None);
     }
-    Ok(Some(Parts::Ranks(Arc::new(job))))
+    Ok(Some(Decomposition::Ranks(Arc::new(job))))
 }
 
 #[cfg(not(feature = "mpi"))]
-fn over_ranks(_: usize) -> Result<Option<Parts>> {
+fn over_ranks(_: usize) -> Result<Option<Decomposition>> {
     let rule = "this build has no MPI: build with `cargo build --release --features mpi`, or take --threads P";
     Err(Error::parameter("engine", MPI, rule))
 }
@@ -176,7 +176,7 @@ fn report(
 }
 
 /// Goes on from a checkpoint.
-fn resume(args: &RunArgs, path: &Path, parts: Parts) -> Exit {
+fn resume(args: &RunArgs, path: &Path, parts: Decomposition) -> Exit {
     let folder = Folder::own(folder_of(path), None)?;
     let long = LongRun::load_in(path, parts)?;
     long.scene().units_if(args.si)?;

@@ -5,7 +5,7 @@ use hertzchain::{
     Error,
     chain::Contact,
     output::{Archive, Folder, npz_with},
-    parts::Parts,
+    parts::Decomposition,
     run::method::{Method, Setting},
     run::{Records, Trajectory},
     scene::Scene,
@@ -31,7 +31,8 @@ fn cradle() -> Scene {
 }
 
 fn long(method: &str, setting: Setting, interval: f64) -> LongRun {
-    LongRun::new(cradle(), Method::named(method).unwrap(), setting, "words".to_owned(), interval, Parts::Whole).unwrap()
+    LongRun::new(cradle(), Method::named(method).unwrap(), setting, "words".to_owned(), interval, Decomposition::Whole)
+        .unwrap()
 }
 
 fn same(a: &Trajectory, b: &Trajectory) -> bool {
@@ -194,8 +195,14 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         assert!(refusal(LongRun::load(&path).map(|_| ()).unwrap_err()).contains("archive: not an NPZ file"));
     }
     for interval in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
-        let new =
-            LongRun::new(cradle(), Method::named("dop853").unwrap(), setting, String::new(), interval, Parts::Whole);
+        let new = LongRun::new(
+            cradle(),
+            Method::named("dop853").unwrap(),
+            setting,
+            String::new(),
+            interval,
+            Decomposition::Whole,
+        );
         assert!(new.unwrap_err().to_string().starts_with("checkpoint = "));
     }
 }

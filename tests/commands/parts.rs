@@ -4,7 +4,7 @@
 
 use hertzchain::{
     output::Folder,
-    parts::Parts,
+    parts::Decomposition,
     run::method::{Method, Setting},
     scene::Scene,
     study::LongRun,
@@ -68,11 +68,11 @@ fn goes_on(begin: impl Fn() -> LongRun) {
     let want = begin().run(&whole, &mut |_| ()).unwrap();
     for (threads, limit) in [(3, 2.5), (1, 4.0), (5, 7.0)] {
         let begun = LongRun::load(broken.path()).unwrap_or_else(|_| begin());
-        let begun = begun.in_parts(Parts::Threads(threads)).unwrap();
+        let begun = begun.in_parts(Decomposition::Threads(threads)).unwrap();
         let breaks = catch_unwind(AssertUnwindSafe(|| begun.run(&broken, &mut |t| assert!(t < limit, "enough"))));
         assert!(breaks.is_err() && LongRun::load(broken.path()).unwrap().time() > 0.0);
     }
-    let last = LongRun::load(broken.path()).unwrap().in_parts(Parts::Threads(2)).unwrap();
+    let last = LongRun::load(broken.path()).unwrap().in_parts(Decomposition::Threads(2)).unwrap();
     let got = last.run(&broken, &mut |_| ()).unwrap();
     assert!((got.t, got.state, got.samples, got.stats) == (want.t, want.state, want.samples, want.stats));
     assert!(got.contacts == want.contacts);
@@ -83,7 +83,7 @@ fn a_run_goes_on_in_another_number_of_parts() {
     // Truth: the same legs in one process, not interrupted.
     let long = |scene: Scene, name, setting| {
         let (scene, method) = (scene.until(8.0).unwrap(), Method::named(name).unwrap());
-        LongRun::new(scene, method, setting, "words".to_owned(), 1.5, Parts::Whole).unwrap()
+        LongRun::new(scene, method, setting, "words".to_owned(), 1.5, Decomposition::Whole).unwrap()
     };
     goes_on(|| long(Scene::load("tw-q15").unwrap(), "strang-linear", Setting::Steps(1000)));
     let impact = || Scene::load_with("impact", &["chain.sites=1300".to_owned()]).unwrap();

@@ -3,7 +3,7 @@
 use super::{
     Chain, Resonators,
     blocks::{Blocks, Whole},
-    details::Parts,
+    details::CheckedDetails,
 };
 use hertzchain_integrators::Real;
 
@@ -173,7 +173,7 @@ impl<R: Real> Chain<R> {
     }
 
     /// The energy of a chain with details.
-    fn detailed_energy(&self, parts: &Parts<R>, y: &[R]) -> Energy<R> {
+    fn detailed_energy(&self, parts: &CheckedDetails<R>, y: &[R]) -> Energy<R> {
         let zero = R::zero();
         let mut energy =
             Energy { beads: zero, resonators: zero, springs: zero, contacts: zero, dissipated: zero, driven: zero };
@@ -192,7 +192,7 @@ impl<R: Real> Chain<R> {
     }
 
     /// Energies of bead, resonator and spring of a site of a chain with details.
-    fn own_energies(&self, parts: &Parts<R>, y: &[R], i: usize) -> [R; 3] {
+    fn own_energies(&self, parts: &CheckedDetails<R>, y: &[R], i: usize) -> [R; 3] {
         let (layout, site, half) = (self.layout, &parts.sites[i], R::of(0.5));
         let of = |array: Option<&[R]>| array.map_or(R::zero(), |array| array[i]);
         let (u, u_dot) = (layout.u(y)[i], layout.u_dot(y)[i]);

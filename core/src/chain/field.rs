@@ -3,7 +3,7 @@
 use super::{
     Chain,
     aligned::Aligned,
-    details::{self, Pushing, Turned},
+    details::{self, Pushing, Switched},
     sweep::{Sites, sweep},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, Vector, VectorField};
@@ -23,7 +23,7 @@ impl<R: Real> Field<R> {
         Self { contacts: Aligned::together(chain.sites()), chain, pushing: None }
     }
 
-    /// The field for a method that stops at the events of [`Turns`](super::Turns) and tells the
+    /// The field for a method that stops at the events of [`ContactEvents`](super::ContactEvents) and tells the
     /// field: the forces of contacts that dissipate are smooth from event to event.
     pub(super) fn from_event_to_event(chain: Chain<R>) -> Self {
         Self { pushing: Some(Pushing::new(&chain)), ..Self::new(chain) }
@@ -34,8 +34,8 @@ impl<R: Real> Field<R> {
         self.pushing.as_ref()
     }
 
-    /// Takes the sign of a function of [`Turns`](super::Turns).
-    pub(super) fn told(&mut self, index: usize, positive: bool) -> Option<Turned> {
+    /// Takes the sign of a function of [`ContactEvents`](super::ContactEvents).
+    pub(super) fn told(&mut self, index: usize, positive: bool) -> Option<Switched> {
         self.pushing.as_mut()?.turn(index, positive)
     }
 }

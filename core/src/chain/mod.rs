@@ -36,8 +36,8 @@ pub use bonds::{CorrectedSplit, SiteFlow};
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Maximum, Overlaps, TOUCH};
 pub use details::{
-    Details, Differing, Dissipation, Drive, Envelope, Harmonic, Kind, Ledger, Means, Signal, SitewiseFlow, Turns,
-    Variations, Varied,
+    ContactEvents, Details, Differing, Dissipation, Drive, Envelope, Harmonic, Kind, Ledger, Means, Signal,
+    SitewiseFlow, Variations, Varied,
 };
 pub use divisible::{Divisible, Split};
 pub use energy::Energy;
@@ -53,7 +53,7 @@ pub use state::{Layout, Site, State};
 pub use topology::{Pushed, Topology};
 
 use crate::error::{Error, Result};
-use details::Parts;
+use details::CheckedDetails;
 use hertzchain_integrators::Real;
 use std::sync::Arc;
 
@@ -66,7 +66,7 @@ pub struct Chain<R> {
     layout: Layout,
     precompression: R,
     law: ContactLaw<R>,
-    details: Option<Arc<Parts<R>>>,
+    details: Option<Arc<CheckedDetails<R>>>,
 }
 
 impl<R: Real> Chain<R> {
@@ -230,7 +230,7 @@ impl<R: Real> Chain<R> {
     /// overlap as large as `u`. The tail of a breather, whose overlaps go down to 1e-300, therefore
     /// has no events.
     pub fn dead_band(&self, positions: impl Iterator<Item = R>) -> R {
-        let rest = self.parts().map_or(self.precompression.f64(), Parts::largest_rest);
+        let rest = self.parts().map_or(self.precompression.f64(), CheckedDetails::largest_rest);
         let largest = max_norm(positions.map(|u| u.f64())).max(rest);
         R::of(64.0 * f64::EPSILON * largest)
     }
@@ -276,7 +276,7 @@ impl<R: Real> Chain<R> {
         let layout = self.layout;
         if let Some(parts) = self.parts() {
             let (u_dot, v_dot) = (layout.u_dot(y), layout.v_dot(y).unwrap_or_default());
-            let momentum = |i: usize, site: &details::SiteParts<R>| {
+            let momentum = |i: usize, site: &details::SiteData<R>| {
                 site.mass * u_dot[i] + v_dot.get(i).map_or(R::zero(), |&v_dot| site.resonator() * v_dot)
             };
             return parts.sites.iter().enumerate().fold(R::zero(), |sum, (i, site)| sum + momentum(i, site));

@@ -22,7 +22,7 @@
 //! Derivatives are the same with `alpha - 1`: `dI_n/db = -alpha I_n`,
 //! `dI_n/dS = alpha (I_{n-1} + I_{n+1}) / 2`.
 
-use super::hypergeometric::{Hypergeometric, Parameters, Place, per_gamma};
+use super::hypergeometric::{BasePoint, Hypergeometric, Parameters, per_gamma};
 use crate::error::{Error, Result};
 use std::f64::consts::PI;
 
@@ -124,8 +124,8 @@ struct Bond {
 /// The contact stays open, opens in each period, or stays closed.
 enum Contact {
     Never,
-    Opens { root_w: f64, place: Place },
-    Always { q: f64, place: Place },
+    Opens { root_w: f64, place: BasePoint },
+    Always { q: f64, place: BasePoint },
 }
 
 impl Averages {
@@ -337,10 +337,10 @@ impl Averages {
             Contact::Never
         } else if e > 0.0 {
             let (w, v) = (0.5 * d / swing, 0.5 * e / swing);
-            Contact::Opens { root_w: w.sqrt(), place: Place::new(w, v, self.epsilon) }
+            Contact::Opens { root_w: w.sqrt(), place: BasePoint::new(w, v, self.epsilon) }
         } else {
             let q = -swing / b;
-            Contact::Always { q, place: Place::new(q * q, (e / b) * (-d / b), self.epsilon) }
+            Contact::Always { q, place: BasePoint::new(q * q, (e / b) * (-d / b), self.epsilon) }
         }
     }
 

@@ -3,7 +3,7 @@
 
 use super::{Communicator, Division};
 use crate::chain::Chain;
-use hertzchain_integrators::collocation::{EDGE, Piece, Section, Share, Verdict, Window, Windows};
+use hertzchain_integrators::collocation::{EDGE, Piece, Section, Share, Window, WindowOutcome, Windows};
 
 /// Most pieces of contacts in one message.
 const MESSAGE: usize = 1 << 10;
@@ -70,7 +70,7 @@ impl Bonds {
     }
 
     /// Solves a window, and exchanges the results of the bonds at the edges with the neighbours.
-    pub(super) fn solve(&mut self, window: &Window, carrier: &mut dyn Communicator) -> Verdict {
+    pub(super) fn solve(&mut self, window: &Window, carrier: &mut dyn Communicator) -> WindowOutcome {
         let verdict = self.section.solve(window);
         let (before, after) = (self.division.before(self.number), self.division.after(self.number));
         self.pass(carrier, true, after, before);

@@ -2,7 +2,7 @@
 
 use super::{Division, Motion};
 use crate::chain::{Boundary, Chain, Params, Resonators, Topology};
-use hertzchain_integrators::collocation::{Section, Verdict, Window};
+use hertzchain_integrators::collocation::{Section, Window, WindowOutcome};
 
 /// Number of whole states that part 0 has besides its sites: the initial state, which a scene and
 /// its run share, and the state of the record.
@@ -58,7 +58,7 @@ impl Estimate {
             Motion::Windows => {
                 let longest = (0..parts).map(|part| division.sites(part).len()).max();
                 let edge = if parts > 1 { Section::<Chain<f64>>::EDGE_NUMBERS } else { 0 };
-                let window = [2 + Window::NUMBERS, Verdict::NUMBERS].map(|count| NUMBER * count as u64);
+                let window = [2 + Window::NUMBERS, WindowOutcome::NUMBERS].map(|count| NUMBER * count as u64);
                 (longest.unwrap_or(0), Section::<Chain<f64>>::BYTES as u64, NUMBER * edge as u64, window)
             }
         };

@@ -1,7 +1,7 @@
 //! The flow of a chain in parts, used by part 0.
 
 use super::{
-    Communicator, Division, Motion, Parts,
+    Communicator, Decomposition, Division, Motion,
     bonds::receive_pieces,
     order::Order,
     part::{Part, blocks, numbers, parted},
@@ -12,7 +12,7 @@ use crate::{
 };
 use hertzchain_integrators::{
     DoubleDouble, SplitFlow,
-    collocation::{Piece, Verdict, Window, Windows},
+    collocation::{Piece, Window, WindowOutcome, Windows},
 };
 use std::{
     ops::Range,
@@ -48,7 +48,7 @@ impl Parted {
     ///
     /// # Errors
     /// More parts than the chain has.
-    pub fn new(chain: &Chain<f64>, motion: Motion, parts: &Parts, y: &[f64]) -> Result<Self> {
+    pub fn new(chain: &Chain<f64>, motion: Motion, parts: &Decomposition, y: &[f64]) -> Result<Self> {
         parts.check_for(motion, chain.topology())?;
         let division = Division::new(chain.topology(), parts.count(), motion);
         let flow = NEXT.fetch_add(1, Ordering::Relaxed);
@@ -173,14 +173,14 @@ impl Windows for Parted {
         self.layout.dim()
     }
 
-    fn solve(&mut self, window: &Window) -> Verdict {
+    fn solve(&mut self, window: &Window) -> WindowOutcome {
         let Self { carrier, own, flow, division, .. } = self;
         let mut carrier = tell(carrier, &Order::Solve(*flow, *window));
         let own = own.windows_mut().solve(window, &mut **carrier);
-        let mut numbers = [0.0; Verdict::NUMBERS];
+        let mut numbers = [0.0; WindowOutcome::NUMBERS];
         (1..division.parts()).fold(own, |all, part| {
             carrier.receive(part, &mut numbers);
-            all.and(Verdict::of_numbers(&numbers))
+            all.and(WindowOutcome::of_numbers(&numbers))
         })
     }
 
@@ -263,7 +263,7 @@ pub(super) mod tests {
     fn holds(run: &Run, counts: &[usize]) {
         let whole = outcome(run);
         for &count in counts {
-            let parts = outcome(&run.clone().in_parts(Parts::Threads(count)).unwrap());
+            let parts = outcome(&run.clone().in_parts(Decomposition::Threads(count)).unwrap());
             let chain = run.chain();
             assert!(parts == whole, "{:?} {:?} {} {count}", chain.boundary(), chain.params(), chain.sites());
         }
@@ -297,7 +297,7 @@ pub(super) mod tests {
             let words = if method == Method::Collocation { "3 > 1" } else { "only splitting schemes" };
             let run = if method.tolerant() { run.tolerance(1e-6).unwrap() } else { run };
             for run in [run.clone(), run.contacts()] {
-                let refused = run.in_parts(Parts::Threads(3)).unwrap().start().unwrap_err().to_string();
+                let refused = run.in_parts(Decomposition::Threads(3)).unwrap().start().unwrap_err().to_string();
                 assert!(refused.contains(words), "{name}: {refused}");
             }
         }
@@ -327,7 +327,11 @@ pub(super) mod tests {
         let log = |run: &Run| run.start().unwrap().contacts.unwrap();
         let (whole, several) = (log(run), counts.last().unwrap());
         assert!(whole.len() > 5, "{}", whole.len());
-        assert!(log(&run.clone().in_parts(Parts::Threads(*several)).unwrap()) == whole, "{:?}", run.chain().boundary());
+        assert!(
+            log(&run.clone().in_parts(Decomposition::Threads(*several)).unwrap()) == whole,
+            "{:?}",
+            run.chain().boundary()
+        );
         holds(run, counts);
     }
 
@@ -365,18 +369,18 @@ pub(super) mod tests {
         let contacts = |run: &Run| run.start().unwrap().contacts.unwrap();
         let whole = contacts(&run);
         assert!(whole.len() > 20);
-        assert_eq!(contacts(&run.in_parts(Parts::Threads(3)).unwrap()), whole);
+        assert_eq!(contacts(&run.in_parts(Decomposition::Threads(3)).unwrap()), whole);
     }
 
     #[test]
     fn a_number_of_parts_outside_its_rule_is_refused() {
         let run = run(Boundary::Free, (1.5, 0.0), 5, "verlet");
-        let refused = |count| run.clone().in_parts(Parts::Threads(count)).unwrap_err().to_string();
+        let refused = |count| run.clone().in_parts(Decomposition::Threads(count)).unwrap_err().to_string();
         assert_eq!(refused(0), "threads = 0 is not valid: from 1 to 1024 threads");
         assert_eq!(refused(6), "threads = 6 is not valid: a chain has at most as many parts as sites: ask for fewer");
         assert!(refused(1025).contains("1024"));
         let run = collocation(Boundary::Free, (1.5, 0.0), 525, None);
-        let refused = run.in_parts(Parts::Threads(3)).unwrap().start().unwrap_err().to_string();
+        let refused = run.in_parts(Decomposition::Threads(3)).unwrap().start().unwrap_err().to_string();
         // 524 bonds: the third block has 12, one too few.
         assert_eq!(
             refused,

@@ -122,17 +122,17 @@ pub trait Ranks: Debug + Send + Sync {
 /// The threads or processes that integrate the sites of a run.
 ///
 /// ```
-/// use hertzchain_core::{Boundary, Chain, Method, Params, Run, State, parts::Parts};
+/// use hertzchain_core::{Boundary, Chain, Method, Params, Run, State, parts::Decomposition};
 /// let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Ring, 100)?;
 /// let mut state = State::rest(&chain);
 /// state.u_dot_mut()[0] = 1.0;
 /// let run = Run::new(chain, state).until(30.0)?.method(Method::named("verlet")?).step(0.1)?;
-/// let [one, three] = [run.clone(), run.in_parts(Parts::Threads(3))?].map(|run| run.start());
+/// let [one, three] = [run.clone(), run.in_parts(Decomposition::Threads(3))?].map(|run| run.start());
 /// assert_eq!(one?.state, three?.state);
 /// # Ok::<(), hertzchain_core::Error>(())
 /// ```
 #[derive(Clone, Debug, Default)]
-pub enum Parts {
+pub enum Decomposition {
     /// One part, in this process.
     #[default]
     Whole,
@@ -142,7 +142,7 @@ pub enum Parts {
     Ranks(Arc<dyn Ranks>),
 }
 
-impl Parts {
+impl Decomposition {
     /// Number of parts.
     pub fn count(&self) -> usize {
         match self {

@@ -23,7 +23,7 @@ pub(super) enum Order {
     Copy(u64, u64),
     /// Drop a flow.
     Forget(u64),
-    /// Solve a window, and send its `Verdict` to part 0.
+    /// Solve a window, and send its `WindowOutcome` to part 0.
     Solve(u64, Window),
     /// Advance a flow over the window that was solved last.
     Advance(u64),

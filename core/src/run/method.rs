@@ -4,11 +4,11 @@ use super::Run;
 pub use crate::chain::Split;
 use crate::{
     chain::{
-        Chain, CorrectedSplit, Details, Differing, Field, KineticFlow, LinearFlow, SiteFlow, SitewiseFlow, Topology,
-        Turns, max_norm,
+        Chain, ContactEvents, CorrectedSplit, Details, Differing, Field, KineticFlow, LinearFlow, SiteFlow,
+        SitewiseFlow, Topology, max_norm,
     },
     error::{Error, Result},
-    parts::{Motion, Parted, Parts},
+    parts::{Decomposition, Motion, Parted},
 };
 use hertzchain_integrators::{
     Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper, Tolerance,
@@ -305,7 +305,7 @@ impl Method {
     /// # Errors
     /// More than one part, or ranks, for a method without a [`motion`](Self::motion); more parts
     /// than the chain has for it.
-    pub fn takes(&self, parts: &Parts, topology: Topology) -> Result<()> {
+    pub fn takes(&self, parts: &Decomposition, topology: Topology) -> Result<()> {
         if parts.whole() { Ok(()) } else { parts.check_for(self.motion()?, topology) }
     }
 
@@ -474,7 +474,7 @@ fn collocated(
         Box::new(if log { run.logged() } else { run })
     }
     let (chain, parts, pace) = (run.chain(), run.parts(), pace(setting)?);
-    let threads = matches!(parts, Parts::Threads(_)).then_some(1);
+    let threads = matches!(parts, Decomposition::Threads(_)).then_some(1);
     Ok(if !parts.whole() {
         let windows = Parted::new(chain, Motion::Windows, parts, y)?;
         boxed(Collocation::by(windows, chain, y, span, pace)?, log)
@@ -510,7 +510,7 @@ fn dop853(
         Contacts::Regularised => power,
     };
     let field = Field::new(chain.clone());
-    Ok(Box::new(Regularised::new(field, Turns::new(chain), (alpha, q), y, span, options)?))
+    Ok(Box::new(Regularised::new(field, ContactEvents::new(chain), (alpha, q), y, span, options)?))
 }
 
 /// Contact-corrected splitting on the given split of the chain.

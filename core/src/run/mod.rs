@@ -22,8 +22,8 @@ mod warning;
 pub use amplification::{deviation, perturb};
 pub use initial::{Initial, Measure};
 pub use method::{Method, Setting};
-pub use record::{Kept, Recorder};
 pub use record::{Profile, Records, Sample, Trajectory};
+pub use record::{Recorder, Snapshot};
 pub use regime::{Regime, regime};
 pub use regime::{contact_frequency, overlap_scale};
 pub use states::States;
@@ -33,7 +33,7 @@ pub use warning::Warning;
 use crate::{
     chain::{Chain, Contact, Contacts, State},
     error::{Error, Result},
-    parts::{ONE_PART, Parts},
+    parts::{Decomposition, ONE_PART},
 };
 use hertzchain_integrators::Stepper;
 use std::f64::consts::PI;
@@ -74,7 +74,7 @@ pub struct Run {
     sampling: Sampling,
     contacts: bool,
     maxima: Option<f64>,
-    parts: Parts,
+    parts: Decomposition,
 }
 
 /// The times of samples.
@@ -137,7 +137,7 @@ impl Run {
             sampling: Sampling::Equal(SAMPLES),
             contacts: false,
             maxima: None,
-            parts: Parts::Whole,
+            parts: Decomposition::Whole,
         }
     }
 
@@ -267,7 +267,7 @@ impl Run {
     /// # Errors
     /// No part, or more parts than sites; several parts of a chain with
     /// [`Details`](crate::chain::Details).
-    pub fn in_parts(mut self, parts: Parts) -> Result<Self> {
+    pub fn in_parts(mut self, parts: Decomposition) -> Result<Self> {
         parts.check(self.chain.sites())?;
         if !parts.whole() && self.chain.details().is_some() {
             return Err(Error::parameter("parts", parts.count(), ONE_PART));
@@ -277,7 +277,7 @@ impl Run {
     }
 
     /// The parts in which the chain is moved.
-    pub fn parts(&self) -> &Parts {
+    pub fn parts(&self) -> &Decomposition {
         &self.parts
     }
 
@@ -417,7 +417,7 @@ impl Run {
     /// As [`start`](Self::start).
     pub fn observe(&self, seen: &mut dyn FnMut(f64, &[f64]), told: &mut dyn FnMut(&Contact)) -> Result<Trajectory> {
         let ((_, end), (method, setting)) = (self.span()?, self.choice()?);
-        let mut recorder = Recorder::new(self, Kept::new(self), seen).telling(told);
+        let mut recorder = Recorder::new(self, Snapshot::new(self), seen).telling(told);
         let failure = recorder.go_on(method, setting, end)?.err();
         Ok(recorder.trajectory(failure))
     }
@@ -429,7 +429,7 @@ impl Run {
     /// No end, or a state of another chain.
     pub fn observe_by(&self, stepper: &mut impl Stepper<f64>, seen: &mut dyn FnMut(f64, &[f64])) -> Result<Trajectory> {
         self.span()?;
-        let mut recorder = Recorder::new(self, Kept::new(self), seen);
+        let mut recorder = Recorder::new(self, Snapshot::new(self), seen);
         let failure = recorder.leg(stepper).err();
         Ok(recorder.trajectory(failure))
     }

@@ -216,7 +216,7 @@ fn nonzero(energy: f64) -> f64 {
 
 /// Everything that a run has recorded up to a time. A run can be continued from it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Kept {
+pub struct Snapshot {
     /// Time reached.
     pub t: f64,
     /// State at this time.
@@ -240,7 +240,7 @@ pub struct Kept {
     pub sampling: Duration,
 }
 
-impl Kept {
+impl Snapshot {
     /// The record of a run at its start.
     pub fn new(run: &Run) -> Self {
         Self {
@@ -269,13 +269,13 @@ pub struct Recorder<'a> {
     initial_energy: Option<f64>,
     initial_size: f64,
     /// Record of the run so far.
-    pub kept: Kept,
+    pub kept: Snapshot,
 }
 
 impl<'a> Recorder<'a> {
     /// Continues a run from `kept`; `seen` is called with the time of every sample and the state
     /// there.
-    pub fn new(run: &'a Run, kept: Kept, seen: &'a mut dyn FnMut(f64, &[f64])) -> Self {
+    pub fn new(run: &'a Run, kept: Snapshot, seen: &'a mut dyn FnMut(f64, &[f64])) -> Self {
         let Measure { sizes, energy } = run.initial.measure(&run.chain);
         Self {
             run,
@@ -364,7 +364,7 @@ impl<'a> Recorder<'a> {
     /// The result of the run.
     pub fn trajectory(self, failure: Option<Failed>) -> Trajectory {
         let energy = self.energy(&self.kept.state);
-        let Kept { t, state, largest, samples, profiles, contacts, stats, wall, sampling, .. } = self.kept;
+        let Snapshot { t, state, largest, samples, profiles, contacts, stats, wall, sampling, .. } = self.kept;
         let maxima = contacts.as_ref().and_then(Contacts::maxima);
         let contacts = contacts.map(|contacts| contacts.list());
         let (open, initial) = (self.run.chain.open(), self.initial_energy.unwrap_or(1.0));

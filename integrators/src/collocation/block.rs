@@ -9,10 +9,10 @@
 
 use super::{
     bond::{BOND, Beside, Bond, Change, Contact, LAYOUT},
-    foresee::{Turned, turn},
     goal::Goal,
     panel::Frames,
     panels::Panels,
+    predict::{Rotation, turn},
     sites::Bonds,
     system::{Links, Path, beside},
 };
@@ -152,7 +152,7 @@ pub struct Piece {
 
 /// The outcome of solving a window: its cost, its resolution, and whether it failed.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Verdict {
+pub struct WindowOutcome {
     /// Number of sweeps; the largest number of a block.
     pub(crate) sweeps: u64,
     /// Cost, in the units of [`BOND`].
@@ -169,7 +169,7 @@ pub struct Verdict {
     pub(crate) failure: Option<(usize, f64)>,
 }
 
-impl Verdict {
+impl WindowOutcome {
     /// The verdict of two groups of bonds, `other` after `self`. Only sums of integers and maxima
     /// are taken, so that the result does not depend on how bonds are grouped.
     #[must_use]
@@ -216,7 +216,7 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         own: Range<usize>,
         left: &mut [Left<S>],
         log: bool,
-    ) -> Verdict {
+    ) -> WindowOutcome {
         let (links, all, share) = (start.links, start.links.bonds, start.share);
         let whole = own.len() == share.reach.len();
         // Local index i stands for bond (first + i) mod all.
@@ -224,7 +224,7 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         let asleep = |b: usize| start.ongoing[b].is_none() && start.bonds.at_rest(b);
         if !whole && !links.precompressed && (first..first + len).all(|b| asleep(b % all)) {
             left.fill(Left::NONE);
-            return Verdict::default();
+            return WindowOutcome::default();
         }
         let offset = (own.start + all - first) % all;
         while self.bonds.len() < len {
@@ -242,15 +242,15 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         // A window that is far too long for a contact in it is given up before anything is solved.
         let approach = |bond: &Bond<M, S>| bond.approach(&frames.of(bond.initial.bond), goal.stiffest);
         if let Some((b, stiffness)) = too_stiff(bonds.iter().map(approach), goal) {
-            return Verdict {
+            return WindowOutcome {
                 failure: Some((share.number(first + b), stiffness)),
                 work: BOND * len as u64,
-                ..Verdict::default()
+                ..WindowOutcome::default()
             };
         }
         let ring = whole && share.ring && all > 1;
         let mut verdict =
-            Work { stretch: Stretch { bonds: &mut *bonds, ring }, old: &mut self.old, frames, goal }.run();
+            Work { stretch: Interval { bonds: &mut *bonds, ring }, old: &mut self.old, frames, goal }.run();
         verdict.failure = verdict.failure.map(|(b, residual)| (share.number(first + b), residual));
         let mine = offset..offset + own.len();
         verdict.work += BOND * len as u64;
@@ -340,14 +340,14 @@ pub(super) fn look_beyond<const M: usize, const S: usize>(bonds: &mut [Bond<M, S
 }
 
 /// Consecutive bonds; on a whole ring the first and the last are neighbours too.
-struct Stretch<'a, const M: usize, const S: usize> {
+struct Interval<'a, const M: usize, const S: usize> {
     bonds: &'a mut [Bond<M, S>],
     ring: bool,
 }
 
-impl<const M: usize, const S: usize> Stretch<'_, M, S> {
-    fn again(&mut self) -> Stretch<'_, M, S> {
-        Stretch { bonds: &mut *self.bonds, ring: self.ring }
+impl<const M: usize, const S: usize> Interval<'_, M, S> {
+    fn again(&mut self) -> Interval<'_, M, S> {
+        Interval { bonds: &mut *self.bonds, ring: self.ring }
     }
 
     /// A bond and its neighbours.
@@ -364,7 +364,7 @@ impl<const M: usize, const S: usize> Stretch<'_, M, S> {
 /// Finds the contacts of all bonds from the forces at the start of the window; `false` if a search
 /// needs too many subdivisions of the window.
 struct Predict<'a, const M: usize, const S: usize> {
-    stretch: Stretch<'a, M, S>,
+    stretch: Interval<'a, M, S>,
     frames: &'a Frames<'a, M, S>,
 }
 
@@ -374,7 +374,7 @@ impl<const M: usize, const S: usize> Kernel for Predict<'_, M, S> {
     #[inline(always)]
     fn run(self) -> bool {
         let Self { mut stretch, frames } = self;
-        let (mut sure, mut end) = (true, [Turned::NONE; S]);
+        let (mut sure, mut end) = (true, [Rotation::NONE; S]);
         for b in 0..stretch.bonds.len() {
             let (me, beside) = stretch.at(b);
             let frame = &frames.of(me.initial.bond);
@@ -421,16 +421,16 @@ fn too_stiff(stiffness: impl Iterator<Item = f64>, goal: &Goal) -> Option<(usize
 
 /// The bonds of a block over a window, from the prediction to a verdict.
 struct Work<'a, const M: usize, const S: usize> {
-    stretch: Stretch<'a, M, S>,
+    stretch: Interval<'a, M, S>,
     old: &'a mut Panels<M, S>,
     frames: &'a Frames<'a, M, S>,
     goal: &'a Goal,
 }
 
 impl<const M: usize, const S: usize> Work<'_, M, S> {
-    fn run(self) -> Verdict {
+    fn run(self) -> WindowOutcome {
         let Self { mut stretch, old, frames, goal } = self;
-        let mut verdict = Verdict::default();
+        let mut verdict = WindowOutcome::default();
         if !run::<S, _>(Predict { stretch: stretch.again(), frames }) {
             verdict.failure = Some((0, f64::INFINITY));
             return verdict;
@@ -477,7 +477,7 @@ fn busiest<const M: usize, const S: usize>(bonds: &[Bond<M, S>]) -> Option<(usiz
 /// further on. On a ring the first bond then comes after its neighbour at the end, and a sweep sees
 /// the same forces as if the levels were done one after the other.
 struct Pass<'a, const M: usize, const S: usize> {
-    stretch: Stretch<'a, M, S>,
+    stretch: Interval<'a, M, S>,
     /// Room for panels that are replaced.
     old: &'a mut Panels<M, S>,
     frames: &'a Frames<'a, M, S>,
@@ -580,7 +580,7 @@ impl<const M: usize, const S: usize> Pass<'_, M, S> {
     #[inline(always)]
     fn tell(&mut self, b: usize, change: &Change, (age, unsettled): (u32, bool)) {
         let far = change.moved > self.frames.cuts.least_move_beside;
-        let Stretch { bonds, ring } = &mut self.stretch;
+        let Interval { bonds, ring } = &mut self.stretch;
         for beside in beside(b, bonds.len(), *ring).into_iter().flatten() {
             let other = &mut bonds[beside];
             other.sweeps.age = other.sweeps.age.min(age);
@@ -597,10 +597,10 @@ impl<const M: usize, const S: usize> Pass<'_, M, S> {
 /// prediction again, and halves panels that do not resolve their force. Returns the last bond that
 /// must be swept again for one of these reasons, if there is one.
 fn unsettled<const M: usize, const S: usize>(
-    stretch: &mut Stretch<'_, M, S>,
+    stretch: &mut Interval<'_, M, S>,
     frames: &Frames<'_, M, S>,
     goal: &Goal,
-    verdict: &mut Verdict,
+    verdict: &mut WindowOutcome,
 ) -> Option<usize> {
     let mut anew = None;
     verdict.tail = 0.0;

@@ -3,11 +3,11 @@
 use super::{
     block::apart,
     detect::Crossing,
-    foresee::Turned,
-    known::Known,
     loss::Resist,
     panel::{Frame, Panel, dot},
     panels::Panels,
+    predict::Rotation,
+    prescribed::Prescribed,
     sites::Free,
     system::Path,
 };
@@ -57,7 +57,7 @@ impl Contact {
 pub(crate) struct Bond<const M: usize, const S: usize> {
     pub(crate) initial: Initial<S>,
     /// The part of the overlap that drives prescribe, in addition to its path.
-    pub(crate) known: Option<Known>,
+    pub(crate) known: Option<Prescribed>,
     pub(crate) forecast: Forecast,
     pub(crate) contacts: Contacts,
     pub(crate) panels: Panels<M, S>,
@@ -202,7 +202,7 @@ pub(crate) struct Pending {
 /// The part of an overlap that drives prescribe. For `S = 1` it is `None` at compile time, since
 /// chains with drives have `S = 2`.
 #[inline(always)]
-pub(super) fn known<const S: usize>(known: &Option<Known>) -> Option<&Known> {
+pub(super) fn known<const S: usize>(known: &Option<Prescribed>) -> Option<&Prescribed> {
     if S == 1 { None } else { known.as_ref() }
 }
 
@@ -236,7 +236,7 @@ pub(super) fn ramps<const M: usize, const S: usize>(
     frame: &Frame<'_, M, S>,
     side: usize,
     t: f64,
-    Turned { sin, cos, .. }: Turned,
+    Rotation { sin, cos, .. }: Rotation,
 ) -> (f64, f64) {
     let (kernel, weight) = (&frame.link.sides[side], frame.link.weight(side));
     let (free2, free3) = (0.5 * t * t, t * t * t * (1.0 / 6.0));

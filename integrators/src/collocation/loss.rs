@@ -24,10 +24,10 @@
 
 use super::{
     bond::{Beside, Bond},
-    foresee::Turned,
-    known::Known,
     panel::{Frame, Panel, View, dot, product, sin_cos, times, value},
     panels::{Panels, Shared},
+    predict::Rotation,
+    prescribed::Prescribed,
     rule::Rule,
     system::{Link, Path, Side},
 };
@@ -173,7 +173,7 @@ impl<const S: usize> Link<S> {
     }
 
     /// `K(t)` on a side: the velocity by a unit force that acts from time 0.
-    pub(crate) fn ramp(&self, side: usize, t: f64, turned: Turned) -> f64 {
+    pub(crate) fn ramp(&self, side: usize, t: f64, turned: Rotation) -> f64 {
         if self.flow(side).is_some() {
             return turned.ramps[0];
         }
@@ -236,7 +236,7 @@ impl<const M: usize, const S: usize> Rates<M, S> {
 pub(super) struct PlaceRates<'a, const M: usize, const S: usize> {
     pub(super) panel: &'a mut Panel<M, S>,
     pub(super) frame: &'a Frame<'a, M, S>,
-    pub(super) known: Option<&'a Known>,
+    pub(super) known: Option<&'a Prescribed>,
 }
 
 impl<const M: usize, const S: usize> Kernel for PlaceRates<'_, M, S> {

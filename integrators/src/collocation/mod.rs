@@ -110,7 +110,7 @@
 //! A damped site has other functions of time in the place of `t`, `cos` and `sin`, as series, see
 //! `flow.rs`; between windows its path is moved on by the same series. The position of a site that
 //! a drive moves is a known part of the overlaps of its bonds, and so is the displacement of a site
-//! that a drive pushes (`known.rs`). The energy that is dissipated and the work of drives are
+//! that a drive pushes (`prescribed.rs`). The energy that is dissipated and the work of drives are
 //! integrated over each window (`open.rs`). Windows end where a signal is not smooth, and are short
 //! enough for all series to be resolved.
 //!
@@ -140,9 +140,7 @@ mod bond;
 mod control;
 mod detect;
 mod flow;
-mod foresee;
 mod goal;
-mod known;
 mod layout;
 mod loss;
 mod numbers;
@@ -150,6 +148,8 @@ mod open;
 mod panel;
 mod panels;
 mod pieces;
+mod predict;
+mod prescribed;
 mod rebound;
 mod rule;
 pub(crate) use rule::Rule;
@@ -159,7 +159,7 @@ mod solver;
 mod system;
 mod tangent;
 
-pub use block::{Piece, Share, Verdict};
+pub use block::{Piece, Share, WindowOutcome};
 pub use control::Pace;
 pub use goal::Window;
 pub use loss::Loss;
@@ -202,7 +202,7 @@ pub trait Windows: Send + Sized {
         f64::INFINITY
     }
     /// Solves the window that begins at the current state; the state stays there.
-    fn solve(&mut self, window: &Window) -> Verdict;
+    fn solve(&mut self, window: &Window) -> WindowOutcome;
     /// Moves the state to the end of the window that was solved last.
     fn advance(&mut self);
     /// A copy in the same state.

@@ -2,7 +2,7 @@
 //! of `f64`.
 
 use super::{
-    block::{Left, Piece, Verdict},
+    block::{Left, Piece, WindowOutcome},
     bond::Contact,
     goal::{Goal, Window},
     layout::Cuts,
@@ -38,7 +38,7 @@ impl Window {
     }
 }
 
-impl Verdict {
+impl WindowOutcome {
     /// Length of the array.
     pub const NUMBERS: usize = 8;
 
@@ -139,9 +139,9 @@ mod tests {
         let window = Window { h: 5.0, nodes: 6, log: true, goal };
         same(window, Window::of_numbers(&window.numbers()));
         let (sweeps, work) = (7, 1 << 52);
-        let verdict = Verdict { sweeps, work, stiffness: 0.1, tail: 0.2, touching: 8, halved: 9, failure: None };
-        let failed = Verdict { failure: Some((0, f64::INFINITY)), ..verdict };
-        [verdict, failed].into_iter().for_each(|verdict| same(verdict, Verdict::of_numbers(&verdict.numbers())));
+        let verdict = WindowOutcome { sweeps, work, stiffness: 0.1, tail: 0.2, touching: 8, halved: 9, failure: None };
+        let failed = WindowOutcome { failure: Some((0, f64::INFINITY)), ..verdict };
+        [verdict, failed].into_iter().for_each(|verdict| same(verdict, WindowOutcome::of_numbers(&verdict.numbers())));
         let lasting = Contact::new(f64::NEG_INFINITY, f64::INFINITY, [0.1, -0.2]);
         for ongoing in [None, Some(lasting)] {
             let (left, mut numbers) =

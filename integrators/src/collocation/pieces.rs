@@ -9,9 +9,9 @@
 use super::{
     block::Piece,
     bond::{Beside, Bond, Initial, known},
-    foresee::{ROUNDING, overlap_at},
     panel::{Frame, Panel},
     panels::Panels,
+    predict::{ROUNDING, overlap_at},
     rebound::rate_at,
 };
 use crate::events::{Curve, root::bracketed};

@@ -9,10 +9,10 @@
 
 use super::{
     bond::{Beside, Bond, Contact, known, ramps},
-    foresee::{AHEAD, Course, Drive, ROUNDING, exact_turn, overlap_at, predicted, turn},
-    known::Known,
     panel::Frame,
     panels::Panels,
+    predict::{AHEAD, Course, Drive, ROUNDING, exact_turn, overlap_at, predicted, turn},
+    prescribed::Prescribed,
     system::{Link, Path},
 };
 use crate::events::root::bracketed;
@@ -253,7 +253,7 @@ pub(super) fn rate_at<const M: usize, const S: usize>(
     t: f64,
 ) -> f64 {
     let [_, cos, sin] = exact_turn(frame, t);
-    let mut rate = known.map_or(0.0, |known: &Known| known.rates_at(&[t])[0]);
+    let mut rate = known.map_or(0.0, |known: &Prescribed| known.rates_at(&[t])[0]);
     for side in 0..S {
         let velocity = &frame.link.velocity(side, &[t], &cos[side], &sin[side]);
         for k in 0..3 {

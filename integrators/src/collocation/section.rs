@@ -2,7 +2,7 @@
 
 use super::{
     Windows,
-    block::{ALONG, Left, OWN, Piece, Share, Start, Verdict},
+    block::{ALONG, Left, OWN, Piece, Share, Start, WindowOutcome},
     bond::Contact,
     goal::Window,
     open::{Open, Signals},
@@ -232,7 +232,7 @@ impl<C: ContactChain<S>, const S: usize> Windows for Section<C, S> {
         open.map_or(f64::INFINITY, |open| open.window(&held.chain, (t.value(), h, tol), signals))
     }
 
-    fn solve(&mut self, window: &Window) -> Verdict {
+    fn solve(&mut self, window: &Window) -> WindowOutcome {
         let Self { held, state: State { sites, ongoing, phases, signals, .. }, solver, left, h } = self;
         let Held { chain, links, recoil, share, .. } = &**held;
         if solver.as_ref().is_none_or(|solver| solver.nodes() != window.nodes) {

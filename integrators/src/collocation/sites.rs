@@ -2,8 +2,8 @@
 
 use super::{
     flow::Flow,
-    known::Known,
     open::{Open, Signals},
+    prescribed::Prescribed,
     system::{ContactChain, Links, Path, swing},
 };
 use crate::clock::DoubleDouble;
@@ -143,7 +143,7 @@ pub(crate) trait Bonds<const S: usize>: Sync {
     /// The overlap of a bond in a window of length `h` without contact forces and drives.
     fn free(&self, bond: usize, h: f64) -> Free<S>;
     /// The part of the overlap of a bond that drives prescribe.
-    fn known(&self, bond: usize) -> Option<Known>;
+    fn known(&self, bond: usize) -> Option<Prescribed>;
     /// The path of a site in the window.
     fn site(&self, site: usize) -> Path;
     /// The signal of a site's drive, see [`ContactChain::signal`], at a time since the start of the
@@ -185,11 +185,11 @@ impl<C: ContactChain<S>, const S: usize> Bonds<S> for Sites<'_, C, S> {
         Free { path, band: self.chain.dead_band(largest) }
     }
 
-    fn known(&self, bond: usize) -> Option<Known> {
+    fn known(&self, bond: usize) -> Option<Prescribed> {
         let (open, window) = self.open?;
         let of = |site: Option<usize>| Some(window.driven[open.drive(site?)?].known);
         let ends = self.chain.ends(bond);
-        let (before, behind) = (of(ends[0]), of(ends[S - 1]).map(Known::minus));
+        let (before, behind) = (of(ends[0]), of(ends[S - 1]).map(Prescribed::minus));
         match (before, behind) {
             (Some(before), Some(behind)) => Some(before.plus(behind)),
             (before, behind) => before.or(behind),

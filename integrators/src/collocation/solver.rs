@@ -1,7 +1,7 @@
 //! Solves all blocks of a section over one window, behind a trait that hides the number of nodes.
 
 use super::{
-    block::{Left, OWN, Piece, Start, Verdict, Workspace, run},
+    block::{Left, OWN, Piece, Start, WindowOutcome, Workspace, run},
     goal::Window,
     layout::Cuts,
     panel::Frames,
@@ -14,7 +14,7 @@ use std::any::Any;
 /// A solver of windows, with a number of nodes a panel and its memory.
 pub(crate) trait Solver<const S: usize>: Send {
     /// Solves one window from `start` and writes the results for the own bonds into `left`.
-    fn window(&mut self, start: &Start<S>, window: &Window, left: &mut [Left<S>]) -> Verdict;
+    fn window(&mut self, start: &Start<S>, window: &Window, left: &mut [Left<S>]) -> WindowOutcome;
     /// Nodes a panel.
     fn nodes(&self) -> usize;
     /// What contacts did in the last window that was logged.
@@ -83,7 +83,7 @@ impl<const M: usize, const S: usize> Nodes<M, S> {
 }
 
 impl<const M: usize, const S: usize> Solver<S> for Nodes<M, S> {
-    fn window(&mut self, start: &Start<S>, window: &Window, left: &mut [Left<S>]) -> Verdict {
+    fn window(&mut self, start: &Start<S>, window: &Window, left: &mut [Left<S>]) -> WindowOutcome {
         let Window { h, log, ref goal, .. } = *window;
         let (links, share) = (start.links, start.share);
         let frames = Frames { rule: self.rule, links, cuts: &goal.cuts, h };
@@ -93,7 +93,7 @@ impl<const M: usize, const S: usize> Solver<S> for Nodes<M, S> {
         let work = |(k, (workspace, left)): (usize, (&mut Workspace<M, S>, &mut [Left<S>]))| {
             workspace.pieces.clear();
             let mut rest = left;
-            let mut verdict = Verdict::default();
+            let mut verdict = WindowOutcome::default();
             for block in k * each..((k + 1) * each).min(count) {
                 let own = share.own(block);
                 let (mine, others) = rest.split_at_mut(own.len());
@@ -110,10 +110,10 @@ impl<const M: usize, const S: usize> Solver<S> for Nodes<M, S> {
         {
             use rayon::prelude::*;
             let parts: Vec<_> = parts.collect();
-            parts.into_par_iter().map(work).reduce(Verdict::default, Verdict::and)
+            parts.into_par_iter().map(work).reduce(WindowOutcome::default, WindowOutcome::and)
         }
         #[cfg(not(feature = "parallel"))]
-        parts.map(work).fold(Verdict::default(), Verdict::and)
+        parts.map(work).fold(WindowOutcome::default(), WindowOutcome::and)
     }
 
     fn nodes(&self) -> usize {

@@ -71,7 +71,7 @@ pub(crate) fn round_off<R: Real>() -> R {
 }
 
 /// The verdict on a trial step, with the step to try next.
-pub(crate) enum Verdict<R> {
+pub(crate) enum StepOutcome<R> {
     Accept(R),
     Reject(R),
 }
@@ -106,19 +106,19 @@ impl<R: Real> Controller<R> {
     }
 
     /// Judges a trial of length `h` by the norm of its error, which must be at most 1.
-    pub(crate) fn judge(&mut self, h: R, error: R) -> Verdict<R> {
+    pub(crate) fn judge(&mut self, h: R, error: R) -> StepOutcome<R> {
         let (growing, shrinking) = self.bounds;
         let plain = error.powf(self.exponent);
         if error > R::one() {
             self.rejected = true;
-            return Verdict::Reject(h / shrinking.min(plain / self.safety));
+            return StepOutcome::Reject(h / shrinking.min(plain / self.safety));
         }
         let stable = plain / self.memory.powf(self.stabilisation);
         let next = (h / growing.max(shrinking.min(stable / self.safety))).min(self.max_step);
         self.memory = error.max(self.floor);
         // After a rejection the next step may not be longer.
         let next = if std::mem::take(&mut self.rejected) { next.min(h) } else { next };
-        Verdict::Accept(next)
+        StepOutcome::Accept(next)
     }
 
     /// Longest step.

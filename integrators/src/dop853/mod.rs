@@ -20,7 +20,7 @@ use crate::{
     stats::Stats,
     system::VectorField,
 };
-use controller::{Controller, Guess, Verdict};
+use controller::{Controller, Guess, StepOutcome};
 use dense::Dense;
 use step::{Leap, Step};
 
@@ -229,8 +229,8 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Dop853<R, F> {
             let error = trial.map_err(|index| self.not_finite(index))?;
             if let Pace::Controlled { controller, next, .. } = &mut self.pace {
                 match controller.judge(leap.h, error) {
-                    Verdict::Accept(h) => *next = h,
-                    Verdict::Reject(h) => {
+                    StepOutcome::Accept(h) => *next = h,
+                    StepOutcome::Reject(h) => {
                         *next = h;
                         // Rejections before the first accepted step are not counted, as in the
                         // authors' code.

@@ -32,7 +32,7 @@ use crate::{
     clock::{Breaks, DoubleDouble},
     dop853::{
         Options,
-        controller::{Controller, Guess, Verdict, round_off},
+        controller::{Controller, Guess, StepOutcome, round_off},
         dense::Dense,
         step::{Leap, Step},
     },
@@ -395,10 +395,10 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let own = |crossing: &Crossing| arrives && leg.target.is_some_and(|target| target.index == crossing.index);
         let trial = match (event, verdict) {
             // The error is so large that the events of the trial mean nothing.
-            (_, Verdict::Reject(h)) if error * self.options.rtol > R::of(1e-3) => Trial::Smaller(h),
+            (_, StepOutcome::Reject(h)) if error * self.options.rtol > R::of(1e-3) => Trial::Smaller(h),
             (Some(landing), _) if !own(&landing.crossing) => Trial::Land(landing),
-            (_, Verdict::Reject(h)) => Trial::Smaller(h),
-            (event, Verdict::Accept(h)) => match leg.target.filter(|_| arrives) {
+            (_, StepOutcome::Reject(h)) => Trial::Smaller(h),
+            (event, StepOutcome::Accept(h)) => match leg.target.filter(|_| arrives) {
                 Some(target) => match self.arrival(&leg, target, event.map(|landing| landing.tau)) {
                     Arrival::There => Trial::Good(h),
                     Arrival::Off(miss) => Trial::Miss(target, miss),

@@ -18,7 +18,7 @@ use super::{RunView, Study, Work, run_json};
 use crate::{
     error::{Error, Result},
     output::Folder,
-    run::{Kept, Recorder, Records},
+    run::{Recorder, Records, Snapshot},
     scene::Scene,
     sweep::{Engine, Grid, Row, Rows, STOPPED},
 };
@@ -153,7 +153,7 @@ pub fn planned(plan: &Plan, engine: &Engine, progress: &(dyn Fn(u64, u64) + Sync
 /// that a run reports.
 fn before_its_first_step(scene: &Scene) -> Value {
     let run = scene.run().records(Records::Energy).contacts();
-    let trajectory = Recorder::new(&run, Kept::new(&run), &mut |_, _| ()).trajectory(None);
+    let trajectory = Recorder::new(&run, Snapshot::new(&run), &mut |_, _| ()).trajectory(None);
     run_json(&RunView {
         scene,
         integrator: "",

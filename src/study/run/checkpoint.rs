@@ -19,9 +19,9 @@ use crate::{
     chain::{Chain, Contact, Contacts, Energy},
     error::{Error, Result},
     output::{Archive, Folder, NpzWriter, to_json},
-    parts::Parts,
+    parts::Decomposition,
     run::method::{Method, Setting},
-    run::{Kept, Profile, Recorder, Records, Run, Sample, Trajectory},
+    run::{Profile, Recorder, Records, Run, Sample, Snapshot, Trajectory},
     scene::{Scene, SceneFile},
 };
 use hertzchain_integrators::Stats;
@@ -51,7 +51,7 @@ pub struct LongRun {
     wording: String,
     interval: f64,
     done: u64,
-    kept: Kept,
+    kept: Snapshot,
 }
 
 /// The keys of `settings.json` that are checked before the others are read.
@@ -105,7 +105,7 @@ impl LongRun {
         setting: Setting,
         wording: String,
         interval: f64,
-        parts: Parts,
+        parts: Decomposition,
     ) -> Result<Self> {
         if !(interval.is_finite() && interval > 0.0) {
             return Err(Error::parameter("checkpoint", interval, "an interval of time, finite and positive"));
@@ -115,7 +115,7 @@ impl LongRun {
         }
         let run = scene.run().method(method).setting(setting).records(Records::Profiles).in_parts(parts)?;
         run.stepper()?;
-        let kept = Kept::new(&run);
+        let kept = Snapshot::new(&run);
         Ok(Self { scene, run, method, setting, wording, interval, done: 0, kept })
     }
 
@@ -124,7 +124,7 @@ impl LongRun {
     pub fn with_contacts(mut self) -> Self {
         if self.done == 0 {
             self.run = self.run.contacts();
-            self.kept = Kept::new(&self.run);
+            self.kept = Snapshot::new(&self.run);
         }
         self
     }
@@ -134,7 +134,7 @@ impl LongRun {
     ///
     /// # Errors
     /// A method that does not run in parts; more parts than sites.
-    pub fn in_parts(mut self, parts: Parts) -> Result<Self> {
+    pub fn in_parts(mut self, parts: Decomposition) -> Result<Self> {
         self.method.takes(&parts, self.run.chain().topology())?;
         self.run = self.run.in_parts(parts)?;
         Ok(self)
@@ -209,7 +209,7 @@ impl LongRun {
 
     /// Writes the checkpoint of the run, with no second copy of the state in memory.
     fn write(&self, to: impl io::Write + io::Seek) -> io::Result<()> {
-        let Kept { t, ref state, taken, largest, ref samples, ref profiles, ref contacts, stats, wall, sampling } =
+        let Snapshot { t, ref state, taken, largest, ref samples, ref profiles, ref contacts, stats, wall, sampling } =
             self.kept;
         let Stats { steps, rejected, force_evaluations } = stats;
         let open = contacts.as_ref().map(Contacts::store_open).unwrap_or_default();
@@ -261,7 +261,7 @@ impl LongRun {
     /// # Errors
     /// A file that cannot be read; what [`from_archive`](Self::from_archive) refuses.
     pub fn load(path: &Path) -> Result<Self> {
-        Self::load_in(path, Parts::Whole)
+        Self::load_in(path, Decomposition::Whole)
     }
 
     /// As [`load`](Self::load), to go on in `parts`, without starting a method for the chain in one
@@ -269,7 +269,7 @@ impl LongRun {
     ///
     /// # Errors
     /// As [`load`](Self::load), and as [`in_parts`](Self::in_parts).
-    pub fn load_in(path: &Path, parts: Parts) -> Result<Self> {
+    pub fn load_in(path: &Path, parts: Decomposition) -> Result<Self> {
         let path: PathBuf = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
         Self::of(&Archive::read(&path)?, parts)
     }
@@ -280,10 +280,10 @@ impl LongRun {
     /// [`Error::Content`], with key and rule, for an archive that is not as it was written, is of
     /// another version of the program, or has numbers outside their rules.
     pub fn from_archive(file: &Archive) -> Result<Self> {
-        Self::of(file, Parts::Whole)
+        Self::of(file, Decomposition::Whole)
     }
 
-    fn of(file: &Archive, parts: Parts) -> Result<Self> {
+    fn of(file: &Archive, parts: Decomposition) -> Result<Self> {
         let refused =
             |key: &str, why: &dyn std::fmt::Display| file.refused(&format!("{SETTINGS}, {key}"), why.to_string());
         let text = file.text(SETTINGS)?;
@@ -363,7 +363,7 @@ fn contacts(file: &Archive, settings: &Settings, chain: &Chain<f64>, count: u64)
 }
 
 /// The record in a checkpoint, checked as far as is possible without running it again.
-fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
+fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Snapshot> {
     let &Settings { t, taken, samples, profiles, steps, rejected, force_evaluations, .. } = settings;
     let chain = scene.chain();
     let dim = chain.layout().dim();
@@ -398,7 +398,7 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
     let profile_t = finite("profile_t", &[profiles])?;
     let states = finite("profiles", &[profiles, dim as u64])?;
     let profile = |(&t, state): (&f64, &[f64])| Profile { t, x: chain.strains(state), state: state.to_vec() };
-    Ok(Kept {
+    Ok(Snapshot {
         t,
         state,
         taken,

@@ -7,7 +7,7 @@ use crate::{
     chain::Contact,
     error::{Error, Result},
     memory,
-    parts::Parts,
+    parts::Decomposition,
     run::{Method, Regime, Run, Setting, Trajectory, method::NO_TOLERANCE, regime},
     scene::Scene,
 };
@@ -101,7 +101,7 @@ impl MethodChoice {
     ///
     /// # Errors
     /// A closed form, which needs no legs; what [`LongRun::new`] refuses.
-    pub fn in_legs(self, scene: Scene, events: bool, interval: f64, parts: Parts) -> Result<LongRun> {
+    pub fn in_legs(self, scene: Scene, events: bool, interval: f64, parts: Decomposition) -> Result<LongRun> {
         match self {
             Self::Integrated(method, setting, wording, _) => {
                 let wording = format!("{wording}, in legs of {interval}");
@@ -121,7 +121,7 @@ impl MethodChoice {
     ///
     /// # Errors
     /// What the run would refuse.
-    pub fn plan(&self, scene: &Scene, events: bool, parts: &Parts) -> Result<Vec<String>> {
+    pub fn plan(&self, scene: &Scene, events: bool, parts: &Decomposition) -> Result<Vec<String>> {
         match self {
             Self::Integrated(method, setting, ..) => {
                 self.takes(scene, parts)?;
@@ -149,7 +149,7 @@ impl MethodChoice {
     ///
     /// # Errors
     /// An exact solution, or a method that does not run the scene in this number of parts.
-    pub fn takes(&self, scene: &Scene, parts: &Parts) -> Result<()> {
+    pub fn takes(&self, scene: &Scene, parts: &Decomposition) -> Result<()> {
         match self {
             Self::Integrated(method, ..) => method.takes(parts, scene.chain().topology()),
             Self::ClosedForm(_) if parts.whole() => Ok(()),

@@ -48,12 +48,12 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// register. If `to` is smaller than `from`, the range goes up to the end of the chain and on from
 /// site 0 up to `to`. If both are the same, it has all sites.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Stretch {
+pub(super) struct ActiveRange {
     pub(super) from: usize,
     pub(super) to: usize,
 }
 
-impl Stretch {
+impl ActiveRange {
     /// Its bonds as ranges, in a chain whose last bond is `n`.
     #[inline(always)]
     pub(super) fn bonds(self, n: usize) -> [Range<usize>; 2] {
@@ -76,7 +76,7 @@ pub(super) struct Awake {
     /// Whether all sites are awake.
     whole: bool,
     /// The ranges of sites that are awake.
-    pub(super) stretches: Vec<Stretch>,
+    pub(super) stretches: Vec<ActiveRange>,
     /// Steps until all bonds are checked again.
     pub(super) left: usize,
     /// Room for the next value of `registers`.
@@ -88,7 +88,7 @@ impl Awake {
     pub(super) fn all(sites: usize) -> Self {
         let registers = vec![true; sites.div_ceil(LANES)];
         let mut stretches = Vec::with_capacity(registers.len().div_ceil(2));
-        stretches.push(Stretch { from: 0, to: 0 });
+        stretches.push(ActiveRange { from: 0, to: 0 });
         Self { next: registers.clone(), registers, whole: true, stretches, left: 0 }
     }
 
@@ -99,7 +99,7 @@ impl Awake {
         stretches.clear();
         *whole = !registers.contains(&false);
         if *whole {
-            stretches.push(Stretch { from: 0, to: 0 });
+            stretches.push(ActiveRange { from: 0, to: 0 });
             return;
         }
         for first in 0..count {
@@ -107,7 +107,7 @@ impl Awake {
             if registers[first] && !before {
                 let most = if ring { first + count } else { count };
                 let end = (first..most).find(|k| !registers[k % count]).unwrap_or(most);
-                stretches.push(Stretch { from: first * LANES, to: end % count * LANES });
+                stretches.push(ActiveRange { from: first * LANES, to: end % count * LANES });
             }
         }
     }

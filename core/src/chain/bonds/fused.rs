@@ -19,7 +19,7 @@ use super::{
         sweep::{overlaps, push},
     },
     PAD, WORD,
-    awake::Stretch,
+    awake::ActiveRange,
     forces::{lanes, mark},
 };
 use hertzchain_integrators::{Column, Real, Vector, VectorKernel};
@@ -38,7 +38,7 @@ pub struct Fused<'a> {
     /// zero.
     pub(super) watched: bool,
     /// The sites that are worked on.
-    pub(super) awake: &'a [Stretch],
+    pub(super) awake: &'a [ActiveRange],
     /// Positions, from `PAD` on.
     pub(super) q: Column<'a, f64>,
     /// Overlaps at the last survey and at the two before, latest first. Each survey exchanges the
@@ -157,7 +157,7 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
 unsafe fn modify<V: Vector<f64>>(
     topology: Topology,
     c: f64,
-    stretch: Stretch,
+    stretch: ActiveRange,
     [force, slope]: [&Column<'_, f64>; 2],
     to: &mut Column<'_, f64>,
 ) {
@@ -223,7 +223,7 @@ unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
     topology: Topology,
     sites: &mut S,
     next: &S::Moment,
-    Stretch { from, to }: Stretch,
+    ActiveRange { from, to }: ActiveRange,
     forces: &Column<'_, f64>,
     mut survey: Survey<'_, '_, P>,
 ) -> u64 {
@@ -316,7 +316,7 @@ impl Fused<'_> {
 unsafe fn sides<V: Vector<f64>>(
     overlaps: &Column<'_, f64>,
     topology: Topology,
-    awake: &[Stretch],
+    awake: &[ActiveRange],
     told: &[u64],
 ) -> bool {
     let mut differences = 0;

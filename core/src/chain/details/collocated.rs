@@ -3,7 +3,7 @@
 
 use super::{
     super::{Chain, ContactLaw, Layout, Modes, Params, Resonators},
-    Kind, Ledger, Means, Parts, SiteParts,
+    CheckedDetails, Kind, Ledger, Means, SiteData,
 };
 use hertzchain_integrators::{
     DoubleDouble, Error,
@@ -34,7 +34,7 @@ struct Motion {
 }
 
 impl Motion {
-    fn new(site: &SiteParts<f64>) -> Self {
+    fn new(site: &SiteData<f64>) -> Self {
         let modes = Modes::new(Params { alpha: 1.0, kappa: site.kappa / site.mass, rho: site.rho });
         let (mut response, mut damping) = (Response { m: 0.0, mu: 0.0, omega: DoubleDouble::zero() }, [0.0; 2]);
         if !site.moved {
@@ -63,7 +63,7 @@ impl Differing {
         Ok(Self { chain, sites })
     }
 
-    fn parts(&self) -> &Parts<f64> {
+    fn parts(&self) -> &CheckedDetails<f64> {
         self.chain.parts().expect("a chain with details")
     }
 

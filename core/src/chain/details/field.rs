@@ -2,7 +2,7 @@
 
 use super::{
     super::{Chain, Resonators},
-    Ledger, Means, Parts, Pushing,
+    CheckedDetails, Ledger, Means, Pushing,
 };
 use hertzchain_integrators::Real;
 
@@ -18,7 +18,7 @@ pub(crate) fn complete<R: Real>(chain: &Chain<R>, start: R, t: R, y: &mut [R]) {
 /// Writes the derivative of a state, entry by entry. Without `pushing` contacts that dissipate push
 /// where the signs of their overlap and of their force say so.
 pub(crate) fn rates<R: Real>(
-    (chain, parts): (&Chain<R>, &Parts<R>),
+    (chain, parts): (&Chain<R>, &CheckedDetails<R>),
     pushing: Option<&Pushing>,
     t: R,
     y: &[R],
@@ -68,7 +68,7 @@ pub(crate) fn rates<R: Real>(
 
 /// Writes the contact forces on sites into `force`; returns the power that contacts dissipate.
 fn contacts<R: Real>(
-    (chain, parts): (&Chain<R>, &Parts<R>),
+    (chain, parts): (&Chain<R>, &CheckedDetails<R>),
     pushing: Option<&Pushing>,
     u: &[R],
     u_dot: &[R],

@@ -12,7 +12,7 @@
 
 use super::{
     super::{Chain, Resonators},
-    Ledger, Means, Parts, SiteParts,
+    CheckedDetails, Ledger, Means, SiteData,
     propagator::Class,
     stretches::{Drift, Stretches},
 };
@@ -21,10 +21,10 @@ use hertzchain_integrators::{DoubleDouble, Real, SplitFlow, system::ContactFlow}
 use std::{collections::HashMap, sync::Arc};
 
 /// Largest number of times of drifts that are kept: enough for those that a scheme repeats.
-const KEPT: usize = 16;
+const MEMOS: usize = 16;
 
 /// The time of a drift, and the motion of each site over it if there was more than one such drift.
-type Kept<R> = (DoubleDouble<R>, Option<Arc<Drift<R>>>);
+type Memo<R> = (DoubleDouble<R>, Option<Arc<Drift<R>>>);
 
 /// A chain with details, split into the motion of its sites and the kicks of contacts and drives.
 ///
@@ -46,7 +46,7 @@ pub struct SitewiseFlow<R> {
     /// its first drift only, which for samples is the last drift of a step: so its bits do not
     /// depend on how often it was used before.
     copy: bool,
-    kept: Vec<Kept<R>>,
+    kept: Vec<Memo<R>>,
     /// Positions of beads, forces in bonds, and forces on beads.
     u: Vec<R>,
     push: Vec<R>,
@@ -67,7 +67,7 @@ impl<R: Real> SitewiseFlow<R> {
         };
         let (mut classes, mut class) = (Vec::new(), Vec::new());
         // Classes of sites by their rounded parameters, for a fast search: all sites may differ.
-        let mut known: HashMap<[u64; 5], Vec<(SiteParts<R>, u32)>> = HashMap::new();
+        let mut known: HashMap<[u64; 5], Vec<(SiteData<R>, u32)>> = HashMap::new();
         for site in &parts(&chain).sites {
             let rounded = [site.mass, site.kappa, site.rho, site.drag, site.dashpot].map(|x| x.f64().to_bits());
             let alike = known.entry(rounded).or_default();
@@ -147,7 +147,7 @@ impl<R: Real> SitewiseFlow<R> {
             kept.push((dt, Some(Arc::clone(&motion))));
             return Some(motion);
         }
-        if !self.copy && kept.len() < KEPT {
+        if !self.copy && kept.len() < MEMOS {
             kept.push((dt, None));
         }
         None
@@ -169,7 +169,7 @@ impl<R: Real> SitewiseFlow<R> {
     }
 }
 
-fn parts<R: Real>(chain: &Chain<R>) -> &Parts<R> {
+fn parts<R: Real>(chain: &Chain<R>) -> &CheckedDetails<R> {
     chain.parts().expect("a flow site by site has details")
 }
 

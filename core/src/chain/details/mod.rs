@@ -21,26 +21,26 @@
 mod collocated;
 mod contact;
 mod drive;
+mod events;
 mod field;
 mod flow;
 mod ledger;
 mod propagator;
 mod pushing;
 mod stretches;
-mod turns;
 mod variations;
 
 pub use collocated::Differing;
 pub use contact::{Dissipation, Kind};
 pub use drive::{Drive, Envelope, Harmonic, Means, Signal};
+pub use events::ContactEvents;
 pub use flow::SitewiseFlow;
 pub use ledger::Ledger;
-pub use turns::Turns;
 pub use variations::{Variations, Varied};
 
 pub(super) use field::{complete, rates};
 pub(super) use ledger::LEDGER;
-pub(super) use pushing::{Pushing, Turned};
+pub(super) use pushing::{Pushing, Switched};
 
 use super::{Boundary, Chain, Layout, Params, Resonators};
 use crate::error::{Error, Result};
@@ -94,7 +94,7 @@ pub struct Details {
 
 /// The parameters of a site, in the form that loops over sites need.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct SiteParts<R> {
+pub(crate) struct SiteData<R> {
     pub(crate) mass: R,
     pub(crate) kappa: R,
     pub(crate) rho: R,
@@ -105,7 +105,7 @@ pub(crate) struct SiteParts<R> {
     pub(crate) moved: bool,
 }
 
-impl<R: Real> SiteParts<R> {
+impl<R: Real> SiteData<R> {
     /// The mass of the resonator; zero if there is none or it is fixed.
     pub(crate) fn resonator(&self) -> R {
         if self.resonators == Resonators::Moving { self.rho * self.mass } else { R::zero() }
@@ -114,16 +114,16 @@ impl<R: Real> SiteParts<R> {
 
 /// The details of a chain, checked and completed.
 #[derive(Debug)]
-pub(crate) struct Parts<R> {
+pub(crate) struct CheckedDetails<R> {
     given: Details,
-    pub(crate) sites: Vec<SiteParts<R>>,
+    pub(crate) sites: Vec<SiteData<R>>,
     /// Contacts from bond 0 on; bonds that cannot touch have the constant zero.
     pub(crate) bonds: Vec<Contact<R>>,
     pub(crate) damped: bool,
     pub(crate) dissipative: bool,
 }
 
-impl<R: Real> Parts<R> {
+impl<R: Real> CheckedDetails<R> {
     pub(crate) fn drives(&self) -> &[Drive] {
         &self.given.drives
     }
@@ -164,7 +164,7 @@ impl<R: Real> Parts<R> {
     }
 }
 
-impl Parts<f64> {
+impl CheckedDetails<f64> {
     /// The largest frequency of resonators, harmonics of drives and contacts. Beyond its static
     /// overlap, a contact overlaps by the largest of: `strain`; the greatest overlap of its two
     /// beads if they meet with this `speed` each, or that of a moved bead; the greatest overlap of
@@ -173,7 +173,7 @@ impl Parts<f64> {
         let drives = |means| self.drives().iter().filter(move |drive| drive.means == means).map(|drive| &drive.signal);
         let speed = drives(Means::Moved).map(Signal::speed).fold(speed, f64::max);
         let push = drives(Means::Pushed).map(Signal::size).fold(0.0, f64::max);
-        let of_site = |site: &SiteParts<f64>| {
+        let of_site = |site: &SiteData<f64>| {
             let inverse = if site.resonators == Resonators::None { 0.0 } else { 1.0 + 1.0 / site.rho };
             (inverse * site.kappa / site.mass).sqrt()
         };
@@ -275,7 +275,7 @@ impl Details {
     }
 
     /// The parts of site `i` of a chain.
-    fn site<R: Real>(&self, params: Params, i: usize) -> Result<SiteParts<R>> {
+    fn site<R: Real>(&self, params: Params, i: usize) -> Result<SiteData<R>> {
         let (mass, kappa) = (entry(&self.mass, i, 1.0), entry(&self.kappa, i, params.kappa));
         let rho = entry(&self.rho, i, params.rho);
         let own = Params::new(params.alpha, kappa / mass, rho)?;
@@ -290,7 +290,7 @@ impl Details {
             return Err(Error::parameter("drive", format!("moves site {i}"), rule));
         }
         let [mass, kappa, rho, drag, dashpot] = [mass, kappa, rho, drag, dashpot].map(R::of);
-        Ok(SiteParts { mass, kappa, rho, drag, dashpot, resonators: own.resonators(), moved })
+        Ok(SiteData { mass, kappa, rho, drag, dashpot, resonators: own.resonators(), moved })
     }
 
     fn check_drives(&self, sites: usize) -> Result<()> {
@@ -345,12 +345,12 @@ impl<R: Real> Chain<R> {
             ),
             None => Contact::new(0.0, self.params.alpha, 0.0, None),
         };
-        let sites = (0..n).map(|i| details.site(self.params, i)).collect::<Result<Vec<SiteParts<R>>>>()?;
+        let sites = (0..n).map(|i| details.site(self.params, i)).collect::<Result<Vec<SiteData<R>>>>()?;
         let bonds: Vec<Contact<R>> = (0..=n).map(bond).collect();
         let damped = sites.iter().any(|site| site.drag + site.dashpot > R::zero());
         let dissipative = bonds.iter().any(Contact::dissipates);
         let moving = sites.iter().any(|site| site.resonators == Resonators::Moving);
-        let parts = Parts { given: details.clone(), sites, bonds, damped, dissipative };
+        let parts = CheckedDetails { given: details.clone(), sites, bonds, damped, dissipative };
         self.layout = Layout::new(n, moving).with_ledger(parts.open());
         self.precompression = R::zero();
         self.details = Some(Arc::new(parts));
@@ -364,7 +364,7 @@ impl<R: Real> Chain<R> {
 
     /// Whether energy is dissipated or driven, so that the state has a [`Ledger`].
     pub fn open(&self) -> bool {
-        self.details.as_deref().is_some_and(Parts::open)
+        self.details.as_deref().is_some_and(CheckedDetails::open)
     }
 
     /// Bonds whose contacts dissipate.
@@ -396,18 +396,18 @@ impl<R: Real> Chain<R> {
     }
 
     /// The details, checked and completed, for loops of this crate.
-    pub(crate) fn parts(&self) -> Option<&Parts<R>> {
+    pub(crate) fn parts(&self) -> Option<&CheckedDetails<R>> {
         self.details.as_deref()
     }
 
     /// Times at which drives are not smooth: ends of ramps, starts and ends of bursts.
     pub(crate) fn breaks(&self) -> Vec<f64> {
-        self.parts().into_iter().flat_map(Parts::drives).flat_map(|drive| drive.signal.breaks()).collect()
+        self.parts().into_iter().flat_map(CheckedDetails::drives).flat_map(|drive| drive.signal.breaks()).collect()
     }
 
     /// The drives that move their beads.
     pub(crate) fn movers(&self) -> impl Iterator<Item = &Drive> {
-        self.parts().into_iter().flat_map(Parts::drives).filter(|drive| drive.means == Means::Moved)
+        self.parts().into_iter().flat_map(CheckedDetails::drives).filter(|drive| drive.means == Means::Moved)
     }
 
     /// Sets the beads that drives move to their positions and velocities at time `t`.

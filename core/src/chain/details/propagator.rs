@@ -12,7 +12,7 @@
 
 use super::{
     super::{Modes, Params, Resonators, gauss::gauss},
-    SiteParts,
+    SiteData,
 };
 use crate::run::method::Split;
 use hertzchain_integrators::{DoubleDouble, Real, Rotation};
@@ -52,7 +52,7 @@ pub(super) enum Propagator<R> {
 
 impl<R: Real> Class<R> {
     /// The class of a site, with its spring in the drift or in the kick.
-    pub(super) fn new(site: &SiteParts<R>, split: Split) -> Self {
+    pub(super) fn new(site: &SiteData<R>, split: Split) -> Self {
         let (zero, one) = (R::zero(), R::one());
         if site.moved {
             return Self::Moved;
@@ -283,16 +283,16 @@ fn over_short<R: Real>(a: &Matrix<R>, [i, j]: [usize; 2], rate: R, short: R) -> 
 mod tests {
     use super::*;
 
-    fn site(drag: f64, dashpot: f64, rho: f64) -> SiteParts<f64> {
+    fn site(drag: f64, dashpot: f64, rho: f64) -> SiteData<f64> {
         let resonators = Params { alpha: 1.5, kappa: 1.0, rho }.resonators();
-        SiteParts { mass: 1.7, kappa: 2.3, rho, drag, dashpot, resonators, moved: false }
+        SiteData { mass: 1.7, kappa: 2.3, rho, drag, dashpot, resonators, moved: false }
     }
 
-    fn energy(site: &SiteParts<f64>, [u, v, u_dot, v_dot]: [f64; 4]) -> f64 {
+    fn energy(site: &SiteData<f64>, [u, v, u_dot, v_dot]: [f64; 4]) -> f64 {
         0.5 * (site.mass * u_dot * u_dot + site.resonator() * v_dot * v_dot + site.kappa * (u - v) * (u - v))
     }
 
-    fn moved(site: &SiteParts<f64>, z: [f64; 4], dt: f64) -> ([f64; 4], f64) {
+    fn moved(site: &SiteData<f64>, z: [f64; 4], dt: f64) -> ([f64; 4], f64) {
         let class = Class::new(site, Split::Linear);
         let mut own = class.split(z);
         let lost = class.over(DoubleDouble::new(dt)).apply(&mut own);
@@ -377,7 +377,7 @@ mod tests {
             let own = site(0.0, 0.0, rho);
             let z = if rho.is_finite() { [0.3, -0.4, 0.7, 1.1] } else { [0.3, 0.0, 0.7, 0.0] };
             let (by_modes, _) = moved(&own, z, 1.9);
-            let almost = SiteParts { drag: 1e-300, ..own };
+            let almost = SiteData { drag: 1e-300, ..own };
             let (by_matrix, _) = moved(&almost, z, 1.9);
             let back = moved(&own, by_modes, -1.9).0;
             for k in 0..4 {

@@ -3,7 +3,7 @@
 use super::super::Chain;
 use hertzchain_integrators::Real;
 
-/// The contacts that push, told by the signs of the functions of [`Turns`](super::Turns).
+/// The contacts that push, told by the signs of the functions of [`ContactEvents`](super::ContactEvents).
 ///
 /// A contact pushes where its overlap is positive and, if it dissipates, the function that is
 /// positive where it pushes is positive, too. Signs that are told, and not computed, keep force and
@@ -24,7 +24,7 @@ pub(crate) struct Pushing {
 
 /// A contact that begins or ceases to push.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Turned {
+pub(crate) struct Switched {
     pub(crate) bond: usize,
     /// Whether it pushes from here on.
     pub(crate) pushes: bool,
@@ -57,7 +57,7 @@ impl Pushing {
     }
 
     /// Takes the sign of function `index`. `None` if no contact begins or ceases to push by it.
-    pub(crate) fn turn(&mut self, index: usize, positive: bool) -> Option<Turned> {
+    pub(crate) fn turn(&mut self, index: usize, positive: bool) -> Option<Switched> {
         let (bond, which) = match index.checked_sub(self.count) {
             None => (self.first + index, 0),
             Some(k) => (self.lossy[k], 1),
@@ -65,6 +65,6 @@ impl Pushing {
         let before = self.pushes(bond);
         self.signs[bond][which] = positive;
         let pushes = self.pushes(bond);
-        (pushes != before).then_some(Turned { bond, pushes, meeting: which == 0 })
+        (pushes != before).then_some(Switched { bond, pushes, meeting: which == 0 })
     }
 }

@@ -9,7 +9,7 @@ use super::{
         Chain, ContactLaw, Resonators,
         law::{Power, with_hertz},
     },
-    Parts,
+    CheckedDetails,
     propagator::{Class, Propagator},
 };
 use hertzchain_integrators::{DoubleDouble, Real, Rotation, VectorKernel, vector::Vector};
@@ -58,7 +58,7 @@ pub(super) struct Drift<R> {
 
 impl<R: Real> Stretches<R> {
     /// The constants of a chain; `class` has for each site the index of its class in `classes`.
-    pub(super) fn new(chain: &Chain<R>, parts: &Parts<R>, classes: &[Class<R>], class: &[u32]) -> Self {
+    pub(super) fn new(chain: &Chain<R>, parts: &CheckedDetails<R>, classes: &[Class<R>], class: &[u32]) -> Self {
         let of = |i: usize| &classes[class[i] as usize];
         let mut motions: Vec<(Motion, Range<usize>)> = Vec::new();
         for i in 0..class.len() {
@@ -157,7 +157,7 @@ impl<R: Real> Stretches<R> {
     }
 
     /// Contact forces on beads at these positions; `push` has room for one bond more than sites.
-    pub(super) fn forces(&self, chain: &Chain<R>, parts: &Parts<R>, u: &[R], push: &mut [R], force: &mut [R]) {
+    pub(super) fn forces(&self, chain: &Chain<R>, parts: &CheckedDetails<R>, u: &[R], push: &mut [R], force: &mut [R]) {
         let (n, touching) = (u.len(), chain.touching());
         let push = &mut push[..=n];
         let own = |bond: usize| {

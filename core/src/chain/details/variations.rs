@@ -81,7 +81,7 @@
 
 use super::{
     super::{Chain, Field, Resonators},
-    Parts, Pushing, Turned, Turns,
+    CheckedDetails, ContactEvents, Pushing, Switched,
 };
 use crate::error::{Error, Result};
 use hertzchain_integrators::{EventFunctions, Kernel, Real, Regularised, Stepper, VectorField, dop853::Options};
@@ -89,7 +89,7 @@ use hertzchain_integrators::{EventFunctions, Kernel, Real, Regularised, Stepper,
 /// A state and the columns `W` that the linearised flow carries along, in one vector: the state,
 /// then `W` row by row. If contacts dissipate, the last entry is
 /// [`contraction`](Varied::contraction), and rows of velocities of beads are `dp`. The field must
-/// then be told the signs of the functions of [`Turns`], as [`Regularised`] does; until then no
+/// then be told the signs of the functions of [`ContactEvents`], as [`Regularised`] does; until then no
 /// contact pushes, and `dp` is `du'`.
 pub struct Variations<R> {
     chain: Chain<R>,
@@ -195,7 +195,7 @@ impl<R: Real> Variations<R> {
             true => parts(&chain).map(ORDER),
             false => parts(&chain).map_of_columns(ORDER),
         };
-        let events = OfState { turns: Turns::new(chain), dim };
+        let events = OfState { turns: ContactEvents::new(chain), dim };
         let mut run = Regularised::new(field, events, map, &y, span, options)?;
         let mut end = y;
         let (margin, lossy) = (tol.sqrt() * size, run.field_mut().chain.dissipative_contacts());
@@ -266,7 +266,7 @@ impl<R: Real> Variations<R> {
         Ok(())
     }
 
-    /// Turns `dp` at the end of a run into `du'`.
+    /// ContactEvents `dp` at the end of a run into `du'`.
     fn release(&mut self, y: &mut [R]) {
         if self.columns == 0 {
             return;
@@ -304,7 +304,7 @@ fn overlap_change<R: Real>(chain: &Chain<R>, bond: usize, positions: &[R], chang
 #[inline(always)]
 fn resist<R: Real>(
     chain: &Chain<R>,
-    parts: &Parts<R>,
+    parts: &CheckedDetails<R>,
     bond: usize,
     resistance: R,
     change: &mut [R],
@@ -329,13 +329,13 @@ const CHANGED: f64 = 1e-12;
 /// Order of DOP853.
 const ORDER: u32 = 8;
 
-fn parts<R: Real>(chain: &Chain<R>) -> &Parts<R> {
+fn parts<R: Real>(chain: &Chain<R>) -> &CheckedDetails<R> {
     chain.parts().expect("a chain with details")
 }
 
 /// The events of a chain, as functions of a vector that begins with the state.
 struct OfState<R> {
-    turns: Turns<R>,
+    turns: ContactEvents<R>,
     dim: usize,
 }
 
@@ -390,7 +390,7 @@ impl<R: Real> VectorField<R> for Variations<R> {
     }
 
     fn turn(&mut self, index: usize, positive: bool, y: &mut [R]) -> bool {
-        let Some(Turned { bond, pushes, meeting }) = self.field.told(index, positive) else { return false };
+        let Some(Switched { bond, pushes, meeting }) = self.field.told(index, positive) else { return false };
         if !meeting && self.columns > 0 {
             self.shift(bond, if pushes { -R::one() } else { R::one() }, y);
         }

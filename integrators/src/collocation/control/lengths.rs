@@ -1,7 +1,7 @@
 //! The length of the next window.
 
 use super::super::{
-    block::Verdict,
+    block::WindowOutcome,
     system::{ContactChain, Links, Path, swing},
 };
 use super::nodes::MOST_HALVED;
@@ -84,7 +84,7 @@ impl Lengths {
     }
 
     /// Counts the work of a window that was solved.
-    pub(super) fn count(&mut self, verdict: &Verdict, h: f64) {
+    pub(super) fn count(&mut self, verdict: &WindowOutcome, h: f64) {
         // A window that is given up for one bond says little about the windows after it.
         self.h = self.h.max(0.9 * self.given_up);
         self.given_up = 0.0;
@@ -93,7 +93,7 @@ impl Lengths {
 
     /// Chooses the next length after a window of length `h`, with the mean share of contacts whose
     /// panels were halved.
-    pub(super) fn adapt(&mut self, verdict: &Verdict, h: f64, halved: f64) {
+    pub(super) fn adapt(&mut self, verdict: &WindowOutcome, h: f64, halved: f64) {
         self.h *= if verdict.touching == 0 {
             2.0
         } else if verdict.sweeps > GOOD_SWEEPS || halved > MOST_HALVED {
@@ -115,7 +115,7 @@ impl Stiffness {
         Self { value: STIFFNESS, trial: TRIAL, windows: 0, time: 0.0, work: 0.0, cost: f64::INFINITY }
     }
 
-    fn count(&mut self, verdict: &Verdict, h: f64) {
+    fn count(&mut self, verdict: &WindowOutcome, h: f64) {
         self.windows += 1;
         self.time += h;
         self.work += verdict.work as f64;

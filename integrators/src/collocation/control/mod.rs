@@ -12,7 +12,7 @@ mod lengths;
 mod nodes;
 
 use super::{
-    block::Verdict,
+    block::WindowOutcome,
     goal::Goal,
     solver::NODES,
     system::{ContactChain, Links, Path},
@@ -147,7 +147,7 @@ impl Control {
     }
 
     /// Takes note of a window that was solved; `last` if it reached the end of the span.
-    pub(crate) fn accept(&mut self, verdict: &Verdict, h: f64, last: bool) {
+    pub(crate) fn accept(&mut self, verdict: &WindowOutcome, h: f64, last: bool) {
         match &mut self.plan {
             Plan::Equal(equal) => self.finished = equal.accept(h),
             Plan::Adapted(adapted) => {
@@ -184,7 +184,7 @@ impl Equal {
 }
 
 impl Adapted {
-    fn accept(&mut self, verdict: &Verdict, h: f64) {
+    fn accept(&mut self, verdict: &WindowOutcome, h: f64) {
         let halved = verdict.halved as f64 / verdict.touching.max(1) as f64;
         self.halved += RECENT * (halved - self.halved);
         self.lengths.count(verdict, h);

@@ -58,7 +58,7 @@ const MOST: f64 = 0.62;
 /// An overlap that has turned near zero: the view of its bond from the kick after, and whether the
 /// bond was closed at the kick nearest to the turning point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Turn {
+pub(super) struct Extremum {
     pub(super) view: BondView,
     pub(super) closed: bool,
 }
@@ -73,7 +73,7 @@ pub(super) struct Graze {
 
 /// Corrections at turning points, for one exponent.
 #[derive(Clone, Debug)]
-pub(super) struct Turns {
+pub(super) struct Extrema {
     alpha: f64,
     /// `B(1/2, alpha + 1)`.
     bump: f64,
@@ -84,7 +84,7 @@ pub(super) struct Turns {
 
 /// A parabola and the kicks on it.
 struct Parabola<'a> {
-    turns: &'a Turns,
+    turns: &'a Extrema,
     h: f64,
     t0: f64,
     b: f64,
@@ -93,7 +93,7 @@ struct Parabola<'a> {
     shift: f64,
 }
 
-impl Turns {
+impl Extrema {
     pub(super) fn new(alpha: f64) -> Self {
         let of = |sign: f64| chebyshev(|x| gap_integral(alpha, sign * (0.5 * MOST * (x + 1.0)).powi(2)));
         // y = 1 - w^4, in which the force is smooth.
@@ -103,7 +103,7 @@ impl Turns {
 
     /// The correction at a turning point, in addition to those at its events; `None` where the
     /// overlap does not turn near zero, or springs are too fast for a parabola.
-    pub(super) fn correction(&self, turn: &Turn, corrector: &Corrector) -> Option<Graze> {
+    pub(super) fn correction(&self, turn: &Extremum, corrector: &Corrector) -> Option<Graze> {
         let (h, path) = (corrector.step(), &turn.view.path);
         if path.omega * h > TURN {
             return None;
@@ -351,8 +351,8 @@ mod tests {
         }
         let without = sums;
         let closed = overlap(-t0) > 0.0;
-        let graze = Turn { view: view(t0, b, a, 1), closed };
-        let graze = Turns::new(alpha).correction(&graze, &corrector);
+        let graze = Extremum { view: view(t0, b, a, 1), closed };
+        let graze = Extrema::new(alpha).correction(&graze, &corrector);
         // Seen from kick 1.
         let given = graze.unwrap().correction;
         [[sums[0] + given.impulse, sums[1] - given.displacement], without]

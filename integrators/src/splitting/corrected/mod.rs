@@ -168,7 +168,7 @@ use crate::{
 };
 use ends::Ends;
 use event::Corrector;
-use graze::{REACH, Turn, Turns};
+use graze::{Extrema, Extremum, REACH};
 use log::Log;
 use std::cell::OnceCell;
 
@@ -205,7 +205,7 @@ pub struct Corrected<S> {
     /// The corrections at events and at turning points, with their tables; each made at its first
     /// use.
     corrector: OnceCell<Corrector>,
-    turns: OnceCell<Turns>,
+    turns: OnceCell<Extrema>,
     /// Bonds that changed their side in the step, and whether they are closed now.
     changed: Vec<(usize, bool)>,
     /// Bonds whose overlap turned near zero at the kick before, and whether they were closed there.
@@ -347,9 +347,9 @@ impl<S: BondFlow> Corrected<S> {
     fn correct_turns(&mut self) {
         let (h, alpha) = (self.h.value(), self.flow.exponent());
         let corrector = self.corrector.get_or_init(|| Corrector::new(alpha, h));
-        let turns = self.turns.get_or_init(|| Turns::new(alpha));
+        let turns = self.turns.get_or_init(|| Extrema::new(alpha));
         for &(bond, closed) in &self.turned {
-            let turn = Turn { view: self.flow.view(bond, h), closed };
+            let turn = Extremum { view: self.flow.view(bond, h), closed };
             if let Some(graze) = turns.correction(&turn, corrector) {
                 self.flow.correct([(bond, &graze.correction)].into_iter());
                 if let Some(log) = &mut self.log {

@@ -7,21 +7,21 @@ use hertzchain_integrators::{EventFunctions, Real};
 /// The overlaps of all bonds that can touch, then, for each bond that dissipates, a function that
 /// is positive where the contact pushes.
 #[derive(Clone, Debug)]
-pub struct Turns<R> {
+pub struct ContactEvents<R> {
     chain: Chain<R>,
     overlaps: Overlaps<R>,
     /// Bonds that dissipate.
     lossy: Vec<usize>,
 }
 
-impl<R: Real> Turns<R> {
+impl<R: Real> ContactEvents<R> {
     /// The events of a chain.
     pub fn new(chain: Chain<R>) -> Self {
         Self { overlaps: Overlaps::new(chain.clone()), lossy: chain.lossy(), chain }
     }
 }
 
-impl<R: Real> EventFunctions<R> for Turns<R> {
+impl<R: Real> EventFunctions<R> for ContactEvents<R> {
     fn count(&self) -> usize {
         self.overlaps.count() + self.lossy.len()
     }

@@ -27,7 +27,7 @@ const SHARE: f64 = 1e-3;
 
 /// The part of a position, or of an overlap, that drives prescribe, over one window.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Known {
+pub(crate) struct Prescribed {
     /// Coefficients of its Chebyshev series over the window.
     series: [f64; TERMS],
     /// Length of the window.
@@ -54,7 +54,7 @@ fn size(series: &[f64; TERMS]) -> f64 {
     series.iter().fold(0.0, |sum, c| sum + c.abs())
 }
 
-impl Known {
+impl Prescribed {
     fn new(values: &[f64; TERMS], h: f64, ends: [[f64; 2]; 2]) -> Self {
         let series = super::panel::product(&Rule::<TERMS>::shared().series, values);
         let second = derivative(&derivative(&series, h), h);
@@ -117,7 +117,7 @@ impl Known {
 /// The drive of one site in a window.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Driven {
-    pub(crate) known: Known,
+    pub(crate) known: Prescribed,
     /// The path by a pushing force after the window; zero for a site that is moved.
     pub(crate) left: Path,
 }
@@ -152,7 +152,7 @@ impl Kernel for Foresight<'_> {
             let ([from, to], quarter) = (drive.varies, 0.25 * (drive.varies[1] - drive.varies[0]));
             let longest = if from <= t && t < to && h > quarter { longest.min(quarter) } else { longest };
             let [start, end] = [0.0, h].map(|t| [signal(t)[0], signal(t)[1]]);
-            return (Driven { known: Known::new(&values, h, [start, end]), left: [0.0; 4] }, longest);
+            return (Driven { known: Prescribed::new(&values, h, [start, end]), left: [0.0; 4] }, longest);
         };
         let impulses = values.map(|value| 0.5 * h * value);
         let ([lag, cos, sin], answer) = flow.position_and_answer(&times);
@@ -165,6 +165,6 @@ impl Kernel for Foresight<'_> {
         let y: Path = std::array::from_fn(|k| left[k] + end[k]);
         let rates = flow.rates(&y);
         let ends = [[0.0; 2], [y[0] + y[2], rates[0] + rates[2]]];
-        (Driven { known: Known::new(&position, h, ends), left }, longest)
+        (Driven { known: Prescribed::new(&position, h, ends), left }, longest)
     }
 }

@@ -6,9 +6,9 @@ use super::{
     bond::{Beside, Bond, Contact, Contacts, Initial, known, ramps},
     detect::{Search, Start},
     flow::Ahead,
-    known::Known,
     panel::{Frame, Times, sin_cos},
     panels::{Panels, Shared},
+    prescribed::Prescribed,
     rebound::rate_at,
     system::Path,
 };
@@ -30,7 +30,7 @@ pub(super) type Drive<const S: usize> = [[f64; 2]; S];
 /// `sin`, `cos` and `lag` of one side at a time: `sin(omega t)`, `cos(omega t)` and 0, or the
 /// functions of [`Flow`](super::flow::Flow) where the site is damped.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Turned {
+pub(super) struct Rotation {
     pub(super) sin: f64,
     pub(super) cos: f64,
     pub(super) lag: f64,
@@ -38,22 +38,22 @@ pub(super) struct Turned {
     pub(super) ramps: [f64; 3],
 }
 
-impl Turned {
+impl Rotation {
     /// The values at `t = 0`.
     pub(super) const NONE: Self = Self { sin: 0.0, cos: 1.0, lag: 0.0, ramps: [0.0; 3] };
 }
 
-/// [`Turned`] for each side of a bond.
-pub(super) type Turn<const S: usize> = [Turned; S];
+/// [`Rotation`] for each side of a bond.
+pub(super) type Rotations<const S: usize> = [Rotation; S];
 
 /// An overlap without contact forces: the sum of its linear path and of the part that drives
 /// prescribe.
-pub(super) type Course<'a, const S: usize> = (&'a [Path; S], Option<&'a Known>);
+pub(super) type Course<'a, const S: usize> = (&'a [Path; S], Option<&'a Prescribed>);
 
-/// The functions of [`Turned`] at a time, for each side of a bond.
+/// The functions of [`Rotation`] at a time, for each side of a bond.
 #[inline(always)]
-pub(super) fn turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f64) -> Turn<S> {
-    let mut turn = [Turned::NONE; S];
+pub(super) fn turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f64) -> Rotations<S> {
+    let mut turn = [Rotation::NONE; S];
     for side in 0..S {
         let omega = frame.link.sides[side].omega;
         if omega != 0.0 {
@@ -70,7 +70,7 @@ pub(super) fn turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f
 struct TurnDamped<'a, const M: usize, const S: usize> {
     frame: &'a Frame<'a, M, S>,
     t: f64,
-    turn: &'a mut Turn<S>,
+    turn: &'a mut Rotations<S>,
 }
 
 impl<const M: usize, const S: usize> Kernel for TurnDamped<'_, M, S> {
@@ -81,15 +81,15 @@ impl<const M: usize, const S: usize> Kernel for TurnDamped<'_, M, S> {
         for side in 0..S {
             if let Some(flow) = self.frame.link.flow(side) {
                 let Ahead { position: [lag, cos, sin], ramps } = flow.ahead(self.t);
-                self.turn[side] = Turned { sin, cos, lag, ramps };
+                self.turn[side] = Rotation { sin, cos, lag, ramps };
             }
         }
     }
 }
 
-/// An overlap without contact forces at the time `t`, with the functions of [`Turned`] at `t`.
+/// An overlap without contact forces at the time `t`, with the functions of [`Rotation`] at `t`.
 #[inline(always)]
-fn along<const S: usize>((path, known): Course<S>, t: f64, turn: &Turn<S>) -> f64 {
+fn along<const S: usize>((path, known): Course<S>, t: f64, turn: &Rotations<S>) -> f64 {
     let (mut lag, mut sin, mut cos) = ([[0.0]; S], [[0.0]; S], [[0.0]; S]);
     for side in 0..S {
         (lag[side], sin[side], cos[side]) = ([turn[side].lag], [turn[side].sin], [turn[side].cos]);
@@ -108,14 +108,14 @@ pub(super) fn predicted<const M: usize, const S: usize>(
     predicted_at(frame, course, drive, t, &turn(frame, t))
 }
 
-/// As [`predicted`], with the functions of [`Turned`] at `t` given.
+/// As [`predicted`], with the functions of [`Rotation`] at `t` given.
 #[inline(always)]
 fn predicted_at<const M: usize, const S: usize>(
     frame: &Frame<'_, M, S>,
     course: Course<S>,
     drive: &Drive<S>,
     t: f64,
-    turn: &Turn<S>,
+    turn: &Rotations<S>,
 ) -> f64 {
     let mut overlap = along(course, t, turn);
     if frame.link.damped() {
@@ -134,7 +134,7 @@ fn ramped_damped<const M: usize, const S: usize>(
     frame: &Frame<'_, M, S>,
     drive: &Drive<S>,
     t: f64,
-    turn: &Turn<S>,
+    turn: &Rotations<S>,
 ) -> f64 {
     let mut sum = 0.0;
     for side in 0..S {
@@ -167,7 +167,7 @@ pub(super) fn overlap_at<const M: usize, const S: usize>(
     out[0] + by_own[0]
 }
 
-/// `lag`, `cos` and `sin` of each side at a time, see [`Turned`], with the sine and cosine of the
+/// `lag`, `cos` and `sin` of each side at a time, see [`Rotation`], with the sine and cosine of the
 /// standard library.
 pub(super) fn exact_turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f64) -> [[[f64; 1]; S]; 3] {
     let mut turn = [[[0.0]; S], [[1.0]; S], [[0.0]; S]];
@@ -255,7 +255,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// Finds the contacts of the window from the forces at its start; `false` if the search needs
     /// too many subdivisions.
     #[inline(always)]
-    pub(crate) fn predict(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2], turn: &Turn<S>) -> bool {
+    pub(crate) fn predict(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2], turn: &Rotations<S>) -> bool {
         if frame.link.lossy() {
             self.foresee(frame, beside);
             return true;
@@ -378,7 +378,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
 
     /// The rate of the predicted overlap at the end of the window.
     #[inline(always)]
-    fn predicted_rate(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>, turn: &Turn<S>) -> f64 {
+    fn predicted_rate(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>, turn: &Rotations<S>) -> f64 {
         let h = frame.h;
         let mut rate = 0.0;
         for path in &self.initial.path {
@@ -388,7 +388,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             return rate + self.rate_damped(frame, drive, turn);
         }
         for side in 0..S {
-            let (path, kernel, Turned { sin, cos, .. }) =
+            let (path, kernel, Rotation { sin, cos, .. }) =
                 (&self.initial.path[side], &frame.link.sides[side], turn[side]);
             let k1 = if kernel.omega == 0.0 {
                 frame.link.weight(side) * h
@@ -404,11 +404,11 @@ impl<const M: usize, const S: usize> Bond<M, S> {
 
     /// The predicted rate without the free velocities, where a site is damped.
     #[inline(never)]
-    fn rate_damped(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>, turn: &Turn<S>) -> f64 {
+    fn rate_damped(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>, turn: &Rotations<S>) -> f64 {
         let (h, mut rate) = (frame.h, known::<S>(&self.known).map_or(0.0, |known| known.ends[1][1]));
         for side in 0..S {
             let (path, kernel, [d0, d1]) = (&self.initial.path[side], &frame.link.sides[side], drive[side]);
-            let Turned { sin, cos, lag, ramps: [k1, k2, _] } = turn[side];
+            let Rotation { sin, cos, lag, ramps: [k1, k2, _] } = turn[side];
             if let Some(flow) = frame.link.flow(side) {
                 let [_, v, c, s] = flow.rates(path);
                 rate += v * (h + lag) + (c * cos + s * sin) + d0 * k1 + d1 * k2;
