@@ -14,7 +14,7 @@
 //! for both kinks. So in the limit of a long ring the energies at the same action and length differ
 //! by the difference of `E - omega_b J + F X` at the same frequency.
 
-use super::{Progress, Study, Work, orbits::Ring, params_words, stretches::unless_asked};
+use super::{Progress, Study, Work, options::options, orbits::Ring, params_words, stretches::unless_asked};
 use crate::{
     chain::{Energy, Params},
     dps::Center,
@@ -44,26 +44,24 @@ const PARTS: usize = 256;
 /// Sites of a ring of pure background.
 const BACKGROUND: usize = 4;
 
-/// The energy barrier between site- and bond-centred dark breathers.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Barrier {
-    /// Smallest frequency of the breathers [default: 1.005 omega].
-    ///
-    /// In radians per unit of time, above omega = sqrt(kappa (1 + 1/rho)).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
-    pub from: Option<f64>,
-    /// Largest frequency of the breathers [default: 1.05 omega].
-    ///
-    /// In radians per unit of time.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
-    pub to: Option<f64>,
-    /// Number of frequencies, equally spaced.
-    #[cfg_attr(feature = "cli", arg(long = "frequencies", value_name = "N", default_value_t = 19))]
-    pub points: usize,
-    /// The ring.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub ring: Ring,
+options! {
+    /// The energy barrier between site- and bond-centred dark breathers.
+    pub struct Barrier {
+        /// Smallest frequency of the breathers [default: 1.005 omega].
+        ///
+        /// In radians per unit of time, above omega = sqrt(kappa (1 + 1/rho)).
+        from: Option<f64> = None::<f64>, "P";
+        /// Largest frequency of the breathers [default: 1.05 omega].
+        ///
+        /// In radians per unit of time.
+        to: Option<f64> = None::<f64>, "P";
+        /// Number of frequencies, equally spaced.
+        #[cfg_attr(feature = "cli", arg(long = "frequencies"))]
+        points: usize = 19_usize, "N";
+        /// The ring.
+        #[cfg_attr(feature = "cli", command(flatten))]
+        ring: Ring = Ring::default();
+    }
 }
 
 /// A kink about a site or about a bond.

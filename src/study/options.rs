@@ -1,101 +1,135 @@
 //! Options of studies, each told once: field, default, range and meaning.
 
 use crate::error::{Error, Result};
-#[cfg(feature = "cli")]
-use std::fmt::Display;
-use std::ops::RangeInclusive;
+use std::{fmt::Debug, ops::RangeInclusive};
 
-/// A value of an option: a number or a list of numbers, which has a range.
-#[cfg_attr(not(feature = "cli"), allow(dead_code, reason = "flags need all of it, checks only the numbers"))]
-pub(crate) trait Value<T>: Sized {
-    /// The numbers.
-    fn numbers(&self) -> &[T];
-    /// The value with these numbers.
-    fn of(numbers: Vec<T>) -> Self;
+/// A value of an option: a number, one that may be left out, or a list of numbers or names.
+pub(crate) trait Value {
+    /// The type of a number.
+    type Number: PartialOrd + Debug;
     /// Whether it is a list, separated by commas.
     const LIST: bool;
+
+    /// The numbers.
+    fn numbers(&self) -> &[Self::Number];
 }
 
-impl<T: Copy> Value<T> for Vec<T> {
+impl<T: PartialOrd + Debug> Value for Vec<T> {
+    type Number = T;
+
+    const LIST: bool = true;
+
     fn numbers(&self) -> &[T] {
         self
     }
+}
 
-    fn of(numbers: Vec<T>) -> Self {
-        numbers
+impl<T: PartialOrd + Debug> Value for Option<T> {
+    type Number = T;
+
+    const LIST: bool = false;
+
+    fn numbers(&self) -> &[T] {
+        self.as_slice()
     }
-
-    const LIST: bool = true;
 }
 
 macro_rules! single {
     ($($number:ty),*) => {$(
-        impl Value<$number> for $number {
+        impl Value for $number {
+            type Number = $number;
+
+            const LIST: bool = false;
+
             fn numbers(&self) -> &[$number] {
                 std::slice::from_ref(self)
             }
-
-            fn of(numbers: Vec<$number>) -> Self {
-                numbers[0]
-            }
-
-            const LIST: bool = false;
         }
     )*};
 }
 single!(f64, usize, u64, u32);
 
+fn text(number: impl Debug) -> String {
+    format!("{number:?}").trim_end_matches(".0").trim_matches('"').to_owned()
+}
+
 /// Refuses a value outside its range, which is `rule` in words, and an empty list.
-pub(crate) fn within<T: PartialOrd + ToString, V: Value<T>>(
+pub(crate) fn within<V: Value>(
     name: &'static str,
     value: &V,
-    range: &RangeInclusive<T>,
-    rule: &'static str,
+    (range, rule): (RangeInclusive<V::Number>, &'static str),
 ) -> Result<()> {
-    if value.numbers().is_empty() {
-        return Err(Error::parameter(name, "", "at least one"));
+    // The name of the flag.
+    let named = || &*name.replace('_', "-").leak();
+    if V::LIST && value.numbers().is_empty() {
+        return Err(Error::parameter(named(), "\"\"", "name at least one value"));
     }
     match value.numbers().iter().find(|number| !range.contains(number)) {
-        Some(number) => Err(Error::parameter(name, number.to_string(), rule)),
+        Some(number) => Err(Error::parameter(named(), text(number), rule)),
         None => Ok(()),
     }
 }
 
-/// The flag of an option. The first paragraph of `doc` is its short help.
+/// A default as it is written on the command line, if there is one.
 #[cfg(feature = "cli")]
-pub(crate) fn flag<T: Display, V: Value<T>>(
-    name: &'static str,
-    doc: &str,
-    value_name: &'static str,
-    default: &V,
-    range: &str,
-    parser: impl clap::builder::IntoResettable<clap::builder::ValueParser>,
-) -> clap::Arg {
-    let lines: Vec<&str> = doc.lines().map(str::trim).collect();
-    let mut paragraphs = lines.split(|line| line.is_empty()).map(|lines| lines.join(" "));
-    let short = paragraphs.next().unwrap_or_default();
-    let rule = format!("{} {range}.", if V::LIST { "Each is from" } else { "From" });
-    let long: Vec<String> = [short.clone()].into_iter().chain(paragraphs).chain([rule]).collect();
+pub(crate) fn default_text<V: Value>(default: &V) -> clap::builder::Resettable<clap::builder::OsStr> {
+    let numbers: Vec<String> = default.numbers().iter().map(text).collect();
     // Defaults live as long as the command line: for the whole program.
-    let defaults = default.numbers().iter().map(|number| &*String::leak(number.to_string()));
-    let arg = clap::Arg::new(name).long(name).value_name(value_name).value_parser(parser);
-    let arg = arg.help(short.trim_end_matches('.').to_owned()).long_help(long.join("\n\n")).default_values(defaults);
-    if V::LIST { arg.value_delimiter(',') } else { arg }
+    (!numbers.is_empty()).then(|| (&*numbers.join(",").leak()).into()).into()
 }
+
+/// The flag of an option whose help ends with its range.
+#[cfg(feature = "cli")]
+pub(crate) fn ranged<V: Value>(arg: clap::Arg, _: &V, rule: &str) -> clap::Arg {
+    let short = arg.get_help().map(|help| format!("{help}."));
+    let long = arg.get_long_help().map(ToString::to_string).or(short).unwrap_or_default();
+    let rule = if V::LIST { format!("Each {rule}") } else { format!("{}{}", rule[..1].to_uppercase(), &rule[1..]) };
+    arg.long_help(format!("{long}\n\n{rule}."))
+}
+
+/// A range and its words.
+macro_rules! range {
+    (($least:literal to $most:literal)) => {
+        ($least..=$most, concat!("from ", $least, " to ", $most))
+    };
+    ((from $least:literal)) => {
+        (f64::from($least)..=f64::MAX, concat!("finite and at least ", $least))
+    };
+    ((above $least:literal)) => {
+        (f64::from($least).next_up()..=f64::MAX, concat!("finite and above ", $least))
+    };
+    ((above $least:literal to $most:literal)) => {
+        (f64::from($least).next_up()..=f64::from($most), concat!("above ", $least, " and at most ", $most))
+    };
+    ((above $least:literal below $most:literal)) => {
+        (f64::from($least).next_up()..=f64::from($most).next_down(), concat!("above ", $least, " and below ", $most))
+    };
+}
+pub(crate) use range;
 
 /// A type of options of a study.
 ///
-/// `field: type = default, least to most, "VALUE", number;` is a field and its flag `--field
-/// VALUE`: help, default and range are told here only. The type has `Default`, and `within_ranges`
-/// refuses values outside them.
+/// `field: type = default, "VALUE", (least to most);` is a field and its flag `--field VALUE`:
+/// help, default and range are told here only. Without a range other code checks the number;
+/// without `"VALUE"` attributes of `clap` tell the flag. The type has `Default`, and
+/// `within_ranges` refuses numbers outside their ranges.
 macro_rules! options {
     ($(#[$attribute:meta])* pub struct $name:ident {
-        $($(#[doc = $doc:literal])* $field:ident: $type:ty = $default:expr, $least:literal to $most:literal, $value:literal, $number:ty;)*
+        $($(#[$about:meta])* $field:ident: $type:ty = $default:expr $(, $value:literal $(, $range:tt)?)?;)*
     }) => {
         $(#[$attribute])*
         #[derive(Clone, Debug)]
+        #[cfg_attr(feature = "cli", derive(clap::Args))]
+        $($($(#[cfg_attr(feature = "cli", command(mut_arg(stringify!($field), |arg| {
+            $crate::study::options::ranged(arg, &Self::default().$field, $crate::study::options::range!($range).1)
+        })))])?)?)*
         pub struct $name {
-            $($(#[doc = $doc])* pub $field: $type,)*
+            $($(#[cfg_attr(feature = "cli", arg(
+                long,
+                value_name = $value,
+                value_delimiter = <$type as $crate::study::options::Value>::LIST.then_some(','),
+                default_value = $crate::study::options::default_text(&Self::default().$field),
+            ))])? $(#[$about])* pub $field: $type,)*
         }
 
         impl Default for $name {
@@ -105,46 +139,15 @@ macro_rules! options {
         }
 
         impl $name {
-            /// Refuses the first value outside its range.
+            /// Refuses the first number outside its range.
+            #[allow(dead_code, reason = "a type may have no ranges")]
             fn within_ranges(&self) -> $crate::error::Result<()> {
-                $($crate::study::options::within::<$number, $type>(
+                $($($($crate::study::options::within(
                     stringify!($field),
                     &self.$field,
-                    &($least..=$most),
-                    concat!("from ", $least, " to ", $most),
-                )?;)*
+                    $crate::study::options::range!($range),
+                )?;)?)?)*
                 Ok(())
-            }
-        }
-
-        #[cfg(feature = "cli")]
-        impl clap::Args for $name {
-            fn augment_args(command: clap::Command) -> clap::Command {
-                let default = Self::default();
-                command.args([$($crate::study::options::flag::<$number, $type>(
-                    stringify!($field),
-                    concat!($($doc, "\n"),*),
-                    $value,
-                    &default.$field,
-                    concat!($least, " to ", $most),
-                    clap::value_parser!($number),
-                ),)*])
-            }
-
-            fn augment_args_for_update(command: clap::Command) -> clap::Command {
-                Self::augment_args(command)
-            }
-        }
-
-        #[cfg(feature = "cli")]
-        impl clap::FromArgMatches for $name {
-            fn from_arg_matches(matches: &clap::ArgMatches) -> std::result::Result<Self, clap::Error> {
-                $(let $field = matches.get_many::<$number>(stringify!($field)).into_iter().flatten().copied();)*
-                Ok(Self { $($field: <$type as $crate::study::options::Value<$number>>::of($field.collect()),)* })
-            }
-
-            fn update_from_arg_matches(&mut self, matches: &clap::ArgMatches) -> std::result::Result<(), clap::Error> {
-                Self::from_arg_matches(matches).map(|told| *self = told)
             }
         }
     };

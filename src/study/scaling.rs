@@ -5,7 +5,7 @@
 //! the same per bond on every ring; a method that takes one step for the whole chain pays for each
 //! event with a step of the whole chain.
 
-use super::{Study, Work, compare::time, families};
+use super::{Study, Work, compare::time, families, options::options};
 use crate::{
     error::{Error, Result},
     present::machine_json,
@@ -34,36 +34,25 @@ const PERTURBATION: f64 = 0.1;
 /// Sites of a trial run, from which the run time on a first ring with more sites is predicted.
 const TRIAL_SITES: usize = 50;
 
-/// The scaling study.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct ScalingOptions {
-    /// Numbers of sites, separated by commas.
-    ///
-    /// Each a multiple of 10, up to 10^6.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long, value_name = "A,B,..", value_delimiter = ',', default_values = ["50", "100", "200", "500", "1000", "5000", "50000"]
-        )
-    )]
-    pub sites: Vec<usize>,
-    /// Tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "T", default_value = "1e-9", help = Tolerance::CROSSED.help(), long_help = Tolerance::CROSSED.long_help("The same tolerance for every method."))
-    )]
-    pub tol: f64,
-    /// Seed of the random numbers.
-    ///
-    /// They perturb the wave.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value_t = 1))]
-    pub seed: u64,
-    /// Wall time for all runs, in seconds; what would not fit is left out.
-    ///
-    /// Only runs of dop853 are left out.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value = "60"))]
-    pub max_time: f64,
+options! {
+    /// The scaling study.
+    pub struct ScalingOptions {
+        /// Numbers of sites, separated by commas.
+        ///
+        /// Each a multiple of 10, up to 10^6.
+        sites: Vec<usize> = [50_usize, 100, 200, 500, 1000, 5000, 50_000], "A,B,..";
+        /// Tolerance.
+        #[cfg_attr(feature = "cli", arg(help = Tolerance::CROSSED.help(), long_help = Tolerance::CROSSED.long_help("The same tolerance for every method.")))]
+        tol: f64 = 1e-9, "T";
+        /// Seed of the random numbers.
+        ///
+        /// They perturb the wave.
+        seed: u64 = 1_u64, "S";
+        /// Wall time for all runs, in seconds; what would not fit is left out.
+        ///
+        /// Only runs of dop853 are left out.
+        max_time: f64 = 60.0, "S", (above 0);
+    }
 }
 
 impl Study for ScalingOptions {
@@ -216,10 +205,8 @@ fn checked(options: &ScalingOptions) -> Result<Vec<usize>> {
         let rule = "a multiple of 10 from 10 to 10^6, so that whole waves fit the ring";
         return Err(Error::parameter("sites", sites, rule));
     }
+    options.within_ranges()?;
     Tolerance::CROSSED.check(options.tol)?;
-    if !(options.max_time.is_finite() && options.max_time > 0.0) {
-        return Err(Error::parameter("max-time", options.max_time, "a finite number of seconds, above zero"));
-    }
     Ok(sizes)
 }
 

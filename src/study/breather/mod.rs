@@ -13,7 +13,7 @@ mod report;
 
 #[cfg(feature = "cli")]
 use super::tolerance_help;
-use super::{Changes, Study, Work};
+use super::{Changes, Study, Work, options::options};
 
 use crate::{
     breathers::{BrightBreather, Norms, TrivialBreather},
@@ -46,76 +46,66 @@ const PARTS: u32 = 32;
 /// Samples of a trivial breather in a scene that asks for none.
 const DEFAULT_SAMPLES: usize = 100;
 
-/// How a breather is run.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct BreatherOptions {
-    /// Integrator; `hertzchain integrators` lists all.
-    ///
-    /// Only integrators that take a tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long = "integrator", value_parser = Method::named, value_name = "NAME",
-            default_value = "collocation"
-        )
-    )]
-    pub method: Method,
-    /// Tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long = "tol", value_name = "T", default_value = "1e-10", help = Tolerance::RUN.help(), long_help = tolerance_help(""))
-    )]
-    pub tolerance: f64,
+options! {
+    /// How a breather is run.
+    pub struct BreatherOptions {
+        /// Integrator; `hertzchain integrators` lists all.
+        ///
+        /// Only integrators that take a tolerance.
+        #[cfg_attr(
+            feature = "cli",
+            arg(
+                long = "integrator", value_parser = Method::named, value_name = "NAME",
+                default_value = "collocation"
+            )
+        )]
+        method: Method = Method::Collocation;
+        /// Tolerance.
+        #[cfg_attr(feature = "cli", arg(long = "tol", help = Tolerance::RUN.help(), long_help = tolerance_help("")))]
+        tolerance: f64 = 1e-10, "T";
+    }
 }
 
-/// The long-lived bright breather on the chain.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Bright {
-    /// What the profile is symmetric about.
-    ///
-    /// A site (solution a^1), or a bond (solution a^2), as in the paper's run.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Bond))]
-    pub center: Center,
-    /// Size of the breather: beads start at 2 epsilon a_n.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "E", default_value = "0.01"))]
-    pub epsilon: f64,
-    /// Mass ratio resonator to bead, positive.
-    ///
-    /// inf for resonators that stay at rest.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value = "1000"))]
-    pub rho: f64,
-    /// Exponent of the contact force; 1.5 for spheres.
-    ///
-    /// From 1.01 to 10.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
-    pub alpha: f64,
-    /// Spring constant of the resonators, positive.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value = "1"))]
-    pub kappa: f64,
-    /// Number of sites.
-    ///
-    /// The middle of the chain is a bond if the number is even, a site if it is odd.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 40))]
-    pub sites: usize,
-    /// Boundary condition at the ends of the chain.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "B", value_enum, default_value_t = Boundary::Free))]
-    pub boundary: Boundary,
-    /// End time, in units of time [default: 80 T].
-    ///
-    /// T = 2 pi/omega_0 in units of 1/sqrt(kappa) is the period of the envelope in slow time.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "T"))]
-    pub until: Option<f64>,
-    /// Samples per period, from which largest values are taken.
-    ///
-    /// Per period T_b of the breather, from 1 to 1000. The time at which energy has left the core
-    /// is also found from them.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value_t = 20))]
-    pub samples_per_period: u32,
-    /// How it is run.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub options: BreatherOptions,
+options! {
+    /// The long-lived bright breather on the chain.
+    pub struct Bright {
+        /// What the profile is symmetric about.
+        ///
+        /// A site (solution a^1), or a bond (solution a^2), as in the paper's run.
+        #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Self::default().center))]
+        center: Center = Center::Bond;
+        /// Size of the breather: beads start at 2 epsilon a_n.
+        epsilon: f64 = 0.01, "E";
+        /// Mass ratio resonator to bead, positive.
+        ///
+        /// inf for resonators that stay at rest.
+        rho: f64 = 1000.0, "R";
+        /// Exponent of the contact force; 1.5 for spheres.
+        ///
+        /// From 1.01 to 10.
+        alpha: f64 = 1.5, "A";
+        /// Spring constant of the resonators, positive.
+        kappa: f64 = 1.0, "K";
+        /// Number of sites.
+        ///
+        /// The middle of the chain is a bond if the number is even, a site if it is odd.
+        sites: usize = 40_usize, "N";
+        /// Boundary condition at the ends of the chain.
+        #[cfg_attr(feature = "cli", arg(long, value_name = "B", value_enum, default_value_t = Self::default().boundary))]
+        boundary: Boundary = Boundary::Free;
+        /// End time, in units of time [default: 80 T].
+        ///
+        /// T = 2 pi/omega_0 in units of 1/sqrt(kappa) is the period of the envelope in slow time.
+        until: Option<f64> = None::<f64>, "T";
+        /// Samples per period, from which largest values are taken.
+        ///
+        /// Per period T_b of the breather, from 1 to 1000. The time at which energy has left the core
+        /// is also found from them.
+        samples_per_period: u32 = 20_u32, "M";
+        /// How it is run.
+        #[cfg_attr(feature = "cli", command(flatten))]
+        options: BreatherOptions = BreatherOptions::default();
+    }
 }
 
 impl Bright {

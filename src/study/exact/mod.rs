@@ -9,6 +9,7 @@ pub(super) use report::{bounds, newton_kantorovich_bound};
 use super::OF_WAVE;
 use super::{
     Changes, Progress, Study, Work,
+    options::options,
     stretches::{finished, unless_asked},
 };
 use crate::{
@@ -53,53 +54,45 @@ const RESULTS: [&str; 13] = [
     report::STATES,
 ];
 
-/// The wave that is looked for.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Wanted {
-    /// Name of a built-in scene, or a TOML file.
-    ///
-    /// The scene must have an initial state of kind travelling-wave. Numbers of the wave that no
-    /// flag gives are taken from it [default: tw-q15].
-    pub scene: Option<String>,
-    /// Changes to it.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub set: Changes,
-    /// Wave number over pi, with a whole number of waves on the ring.
-    ///
-    /// Above 0 and at most 1.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "Q"))]
-    pub q_over_pi: Option<f64>,
-    /// Frequency of the wave, in radians per unit of time.
-    ///
-    /// Above omega = sqrt(kappa (1 + 1/rho)).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "W", conflicts_with = "amplitude"))]
-    pub omega_tw: Option<f64>,
-    /// Height of the crest above the mean strain, in place of the frequency.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A"))]
-    pub amplitude: Option<f64>,
-    /// Mean strain [default: in proportion to the amplitude, as in the scene].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "M"))]
-    pub mean: Option<f64>,
-    /// Mass ratio resonator to bead, positive.
-    ///
-    /// In place of the scene's. Here also 0 (no resonators) and inf (fixed resonators, Newton's
-    /// cradle). Unless a frequency is given, the wave has the amplitude of the scene's wave. With
-    /// fixed resonators its mean strain is 0.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "R"))]
-    pub rho: Option<f64>,
-    /// Number of sites.
-    ///
-    /// The multipliers are computed for a ring of this length, from 3 to 256 [default: the
-    /// scene's].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
-    pub sites: Option<usize>,
-    /// Tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "T", default_value = "1e-14", help = Tolerance::WAVE.help(), long_help = Tolerance::WAVE.long_help(OF_WAVE))
-    )]
-    pub tol: f64,
+options! {
+    /// The wave that is looked for.
+    pub struct Wanted {
+        /// Name of a built-in scene, or a TOML file.
+        ///
+        /// The scene must have an initial state of kind travelling-wave. Numbers of the wave that no
+        /// flag gives are taken from it [default: tw-q15].
+        scene: Option<String> = None::<String>;
+        /// Changes to it.
+        #[cfg_attr(feature = "cli", command(flatten))]
+        set: Changes = Changes::default();
+        /// Wave number over pi, with a whole number of waves on the ring.
+        ///
+        /// Above 0 and at most 1.
+        q_over_pi: Option<f64> = None::<f64>, "Q";
+        /// Frequency of the wave, in radians per unit of time.
+        ///
+        /// Above omega = sqrt(kappa (1 + 1/rho)).
+        #[cfg_attr(feature = "cli", arg(conflicts_with = "amplitude"))]
+        omega_tw: Option<f64> = None::<f64>, "W";
+        /// Height of the crest above the mean strain, in place of the frequency.
+        amplitude: Option<f64> = None::<f64>, "A";
+        /// Mean strain [default: in proportion to the amplitude, as in the scene].
+        mean: Option<f64> = None::<f64>, "M";
+        /// Mass ratio resonator to bead, positive.
+        ///
+        /// In place of the scene's. Here also 0 (no resonators) and inf (fixed resonators, Newton's
+        /// cradle). Unless a frequency is given, the wave has the amplitude of the scene's wave. With
+        /// fixed resonators its mean strain is 0.
+        rho: Option<f64> = None::<f64>, "R";
+        /// Number of sites.
+        ///
+        /// The multipliers are computed for a ring of this length, from 3 to 256 [default: the
+        /// scene's].
+        sites: Option<usize> = None::<usize>, "N";
+        /// Tolerance.
+        #[cfg_attr(feature = "cli", arg(help = Tolerance::WAVE.help(), long_help = Tolerance::WAVE.long_help(OF_WAVE)))]
+        tol: f64 = Search::default().tol, "T";
+    }
 }
 
 /// The numbers of a wave, checked.
@@ -115,17 +108,7 @@ struct Numbers {
 impl Wanted {
     /// The wave of a scene.
     pub fn of(scene: &str) -> Self {
-        Self {
-            scene: Some(scene.to_owned()),
-            set: Changes::default(),
-            q_over_pi: None,
-            omega_tw: None,
-            amplitude: None,
-            mean: None,
-            rho: None,
-            sites: None,
-            tol: Search::default().tol,
-        }
+        Self { scene: Some(scene.to_owned()), ..Self::default() }
     }
 
     /// The exact wave, and all numbers of the study of it.
@@ -302,31 +285,29 @@ pub fn exact_study(
     Ok(ExactStudy { scene, wave, ansatz, profile, fourier, odd, errors, spectrum, kantorovich, growth })
 }
 
-/// A branch of exact travelling waves.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct ContinueWave {
-    /// The wave.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub wanted: Wanted,
-    /// What varies along the branch.
-    ///
-    /// A parameter of the wave or of the chain.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P", value_enum, default_value = "omega_tw"))]
-    pub vary: WaveParameter,
-    /// Value of the varied parameter at which the branch ends.
-    ///
-    /// The first value is that of the scene or of the other flags.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P", required = true))]
-    pub to: Option<f64>,
-    /// Largest change of the varied parameter from wave to wave.
-    ///
-    /// By default a step changes the state of the wave by a tenth.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DP"))]
-    pub step: Option<f64>,
-    /// Largest number of waves on the branch.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 200))]
-    pub waves: usize,
+options! {
+    /// A branch of exact travelling waves.
+    pub struct ContinueWave {
+        /// The wave.
+        #[cfg_attr(feature = "cli", command(flatten))]
+        wanted: Wanted = Wanted::default();
+        /// What varies along the branch.
+        ///
+        /// A parameter of the wave or of the chain.
+        #[cfg_attr(feature = "cli", arg(long, value_name = "P", value_enum, default_value = "omega_tw"))]
+        vary: WaveParameter = WaveParameter::OmegaTw;
+        /// Value of the varied parameter at which the branch ends.
+        ///
+        /// The first value is that of the scene or of the other flags.
+        #[cfg_attr(feature = "cli", arg(required = true))]
+        to: Option<f64> = None::<f64>, "P";
+        /// Largest change of the varied parameter from wave to wave.
+        ///
+        /// By default a step changes the state of the wave by a tenth.
+        step: Option<f64> = None::<f64>, "DP";
+        /// Largest number of waves on the branch.
+        waves: usize = 200_usize, "N";
+    }
 }
 
 impl Study for ContinueWave {

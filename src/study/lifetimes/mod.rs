@@ -29,7 +29,7 @@
 
 mod report;
 
-use super::{Study, Work};
+use super::{Study, Work, options::options};
 
 use crate::{
     breathers::BrightBreather,
@@ -74,8 +74,6 @@ const CAP: f64 = 25.0;
 const REACHED: f64 = 1e-9;
 /// Sites of a chain at first, and at most after it was doubled, unless they are given.
 const SITES: RangeInclusive<usize> = 100..=25_600;
-/// Sites that may be given.
-const GIVEN_SITES: RangeInclusive<usize> = 20..=100_000;
 /// Most periods of a run.
 const MOST_PERIODS: f64 = 1e6;
 /// `x` from which lifetimes are fitted.
@@ -109,61 +107,44 @@ pub enum Fate {
     Persists,
 }
 
-/// The map of lifetimes.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct LifetimeOptions {
-    /// Sizes epsilon of the oscillation, separated by commas.
-    ///
-    /// Displacements start at 2 epsilon a_n. Positive, each named once.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long, value_name = "E,F,..", value_delimiter = ',',
-            default_values = ["1e-3", "3e-3", "0.01", "0.03", "0.1"]
-        )
-    )]
-    pub epsilons: Vec<f64>,
-    /// Mass ratios resonator to bead, separated by commas.
-    ///
-    /// Positive, each named once.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long, value_name = "R,S,..", value_delimiter = ',',
-            default_values = ["10", "100", "1e3", "1e4", "1e5"]
-        )
-    )]
-    pub rhos: Vec<f64>,
-    /// Criterion that ends the life of a breather.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Criterion::Energy))]
-    pub criterion: Criterion,
-    /// Exponent of the contact force; 1.5 for spheres.
-    ///
-    /// From 1.01 to 10.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
-    pub alpha: f64,
-    /// What the profile is symmetric about.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Bond))]
-    pub center: Center,
-    /// Number of sites.
-    ///
-    /// Length of every chain, from 20 to 10^5. By default it is doubled from 100 on, up to 25600,
-    /// until no wave comes back from the ends.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
-    pub sites: Option<usize>,
-    /// End time, in units of time.
-    ///
-    /// No breather is followed longer [default: for each breather 25 times the theorem's time
-    /// scale, T epsilon^(1-alpha)].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "T"))]
-    pub until: Option<f64>,
-    /// An adaptive method.
-    #[cfg_attr(feature = "cli", arg(skip = Method::Collocation))]
-    pub method: Method,
-    /// Its tolerance, of a whole run.
-    #[cfg_attr(feature = "cli", arg(skip = 1e-9))]
-    pub tolerance: f64,
+options! {
+    /// The map of lifetimes.
+    pub struct LifetimeOptions {
+        /// Sizes epsilon of the oscillation, separated by commas.
+        ///
+        /// Displacements start at 2 epsilon a_n. Each is named once.
+        epsilons: Vec<f64> = [1e-3, 3e-3, 0.01, 0.03, 0.1], "E,F,..", (above 0 below 1);
+        /// Mass ratios resonator to bead, separated by commas.
+        ///
+        /// Each is named once.
+        rhos: Vec<f64> = [10.0, 100.0, 1e3, 1e4, 1e5], "R,S,..", (above 0);
+        /// Criterion that ends the life of a breather.
+        #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Self::default().criterion))]
+        criterion: Criterion = Criterion::Energy;
+        /// Exponent of the contact force; 1.5 for spheres.
+        ///
+        /// From 1.01 to 10.
+        alpha: f64 = 1.5, "A";
+        /// What the profile is symmetric about.
+        #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Self::default().center))]
+        center: Center = Center::Bond;
+        /// Number of sites.
+        ///
+        /// Length of every chain. By default it is doubled from 100 on, up to 25600, until no wave
+        /// comes back from the ends.
+        sites: Option<usize> = None::<usize>, "N", (20 to 100_000);
+        /// End time, in units of time.
+        ///
+        /// No breather is followed longer [default: for each breather 25 times the theorem's time
+        /// scale, T epsilon^(1-alpha)].
+        until: Option<f64> = None::<f64>, "T", (above 0);
+        /// An adaptive method.
+        #[cfg_attr(feature = "cli", arg(skip = Self::default().method))]
+        method: Method = Method::Collocation;
+        /// Its tolerance, of a whole run.
+        #[cfg_attr(feature = "cli", arg(skip = Self::default().tolerance))]
+        tolerance: f64 = 1e-9;
+    }
 }
 
 impl Study for LifetimeOptions {
@@ -325,24 +306,8 @@ fn settings(options: &LifetimeOptions) -> serde_json::Value {
 
 /// The places of the map, if all options keep their rules.
 fn checked(options: &LifetimeOptions) -> Result<Vec<Place>> {
-    let LifetimeOptions { epsilons, rhos, sites, until, method, .. } = options;
-    for (name, values) in [("epsilons", epsilons), ("rhos", rhos)] {
-        if values.is_empty() {
-            return Err(Error::parameter(name, "\"\"", "name at least one value"));
-        }
-        if let Some(value) = values.iter().find(|value| !(value.is_finite() && **value > 0.0)) {
-            return Err(Error::parameter(name, value, "finite and positive"));
-        }
-    }
-    if let Some(large) = epsilons.iter().find(|epsilon| **epsilon >= 1.0) {
-        return Err(Error::parameter("epsilons", large, "sizes between 0 and 1, both excluded"));
-    }
-    if let Some(sites) = sites.filter(|sites| !GIVEN_SITES.contains(sites)) {
-        return Err(Error::parameter("sites", sites, "from 20 to 10^5"));
-    }
-    if let Some(until) = until.filter(|until| !(until.is_finite() && *until > 0.0)) {
-        return Err(Error::parameter("until", until, "finite and positive"));
-    }
+    let LifetimeOptions { epsilons, rhos, method, .. } = options;
+    options.within_ranges()?;
     if !method.adaptive() {
         let rule = "lifetimes are measured by an adaptive method: collocation or a dop853";
         return Err(Error::parameter("integrator", method.name(), rule));

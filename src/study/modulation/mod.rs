@@ -2,7 +2,7 @@
 
 mod report;
 
-use super::{Changes, Study, Work, fit_line};
+use super::{Changes, Study, Work, fit_line, options::options};
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, State},
     error::{Error, Result},
@@ -38,70 +38,62 @@ const MEANS: (f64, f64) = (-3.0, 1.0);
 /// Mass ratios for which the chart gives the factor of its growth rates.
 const RHOS: [f64; 4] = [1.0 / 3.0, 1.0, 3.0, 10.0];
 
-/// Modulations of a wave, from a scene or from numbers.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct ModulationStudy {
-    /// Name of a built-in scene, or a TOML file.
-    ///
-    /// The scene must have an initial state of kind travelling-wave. All numbers of the wave are
-    /// taken from it, in place of the flags.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            conflicts_with_all = ["alpha", "kappa", "rho", "a", "b", "q_over_pi", "epsilon", "sites"]
-        )
-    )]
-    pub scene: Option<String>,
-    /// Changes to it.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub set: Changes,
-    /// Exponent of the contact force; 1.5 for spheres.
-    ///
-    /// Above 0 and at most 10.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
-    pub alpha: f64,
-    /// Spring constant of the resonators, positive.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value = "1"))]
-    pub kappa: f64,
-    /// Mass ratio resonator to bead, positive.
-    ///
-    /// inf for Newton's cradle (its DpS equation), with --b 0.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
-    pub rho: f64,
-    /// Amplitude of the wave, positive.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1"))]
-    pub a: f64,
-    /// Mean strain.
-    ///
-    /// Mean strain b of the wave, in the units of the modulation equations; below 2 kappa a.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "B", default_value = "1"))]
-    pub b: f64,
-    /// Wave number over pi, with a whole number of waves on the ring.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "Q", default_value = "0.2"))]
-    pub q_over_pi: f64,
-    /// Sizes of the wave, separated by commas.
-    ///
-    /// Rates per unit of time are computed for the first size. With --measure, growth is measured
-    /// at each of them.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "E,F,..", value_delimiter = ',', default_values = ["0.01"]))]
-    pub epsilon: Vec<f64>,
-    /// Number of sites.
-    ///
-    /// Length of the ring, from 2 to 10^4; with --measure at most 1000.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 50))]
-    pub sites: usize,
-    /// Measure the growth on the full chain as well.
-    #[cfg_attr(feature = "cli", arg(long))]
-    pub measure: bool,
-    /// Number of wave numbers at which growth is measured.
-    ///
-    /// They are spread over the wave numbers of the ring; that of the fastest growth is added.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value_t = 12, requires = "measure"))]
-    pub modes: usize,
-    /// Chart the fastest growth over wave number and mean strain as well.
-    #[cfg_attr(feature = "cli", arg(long))]
-    pub chart: bool,
+options! {
+    /// Modulations of a wave, from a scene or from numbers.
+    pub struct ModulationStudy {
+        /// Name of a built-in scene, or a TOML file.
+        ///
+        /// The scene must have an initial state of kind travelling-wave. All numbers of the wave are
+        /// taken from it, in place of the flags.
+        #[cfg_attr(
+            feature = "cli",
+            arg(
+                conflicts_with_all = ["alpha", "kappa", "rho", "a", "b", "q_over_pi", "epsilon", "sites"]
+            )
+        )]
+        scene: Option<String> = None::<String>;
+        /// Changes to it.
+        #[cfg_attr(feature = "cli", command(flatten))]
+        set: Changes = Changes::default();
+        /// Exponent of the contact force; 1.5 for spheres.
+        ///
+        /// Above 0 and at most 10.
+        alpha: f64 = 1.5, "A";
+        /// Spring constant of the resonators, positive.
+        kappa: f64 = 1.0, "K";
+        /// Mass ratio resonator to bead, positive.
+        ///
+        /// inf for Newton's cradle (its DpS equation), with --b 0.
+        rho: f64 = 1.0 / 3.0, "R";
+        /// Amplitude of the wave, positive.
+        a: f64 = 1.0, "A";
+        /// Mean strain.
+        ///
+        /// Mean strain b of the wave, in the units of the modulation equations; below 2 kappa a.
+        b: f64 = 1.0, "B";
+        /// Wave number over pi, with a whole number of waves on the ring.
+        q_over_pi: f64 = 0.2, "Q";
+        /// Sizes of the wave, separated by commas.
+        ///
+        /// Rates per unit of time are computed for the first size. With --measure, growth is measured
+        /// at each of them.
+        epsilon: Vec<f64> = [0.01], "E,F,..";
+        /// Number of sites.
+        ///
+        /// Length of the ring, from 2 to 10^4; with --measure at most 1000.
+        sites: usize = 50_usize, "N";
+        /// Measure the growth on the full chain as well.
+        #[cfg_attr(feature = "cli", arg(long))]
+        measure: bool = false;
+        /// Number of wave numbers at which growth is measured.
+        ///
+        /// They are spread over the wave numbers of the ring; that of the fastest growth is added.
+        #[cfg_attr(feature = "cli", arg(requires = "measure"))]
+        modes: usize = 12_usize, "M";
+        /// Chart the fastest growth over wave number and mean strain as well.
+        #[cfg_attr(feature = "cli", arg(long))]
+        chart: bool = false;
+    }
 }
 
 impl ModulationStudy {

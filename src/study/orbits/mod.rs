@@ -6,7 +6,7 @@ mod spectra;
 
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
-use super::{Progress, Study, Work, branches::kept, keeper::Autosave, stretches};
+use super::{Progress, Study, Work, branches::kept, keeper::Autosave, options::options, stretches};
 
 use crate::orbits::Formulation;
 use crate::sweep::map;
@@ -33,47 +33,32 @@ use std::path::{Path, PathBuf};
 const ONE: f64 = 1.025;
 const RANGE: [f64; 2] = [1.005, 1.05];
 
-/// The ring and the breather on it.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Ring {
-    /// Number of sites.
-    ///
-    /// The ring has an odd number of sites, n = -N .. N, from 3 to 255. Weak quartets of
-    /// multipliers, and their number, depend on it.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 41))]
-    pub sites: usize,
-    /// Exponent of the contact force; 1.5 for spheres.
-    ///
-    /// From 1.01 to 10.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
-    pub alpha: f64,
-    /// Spring constant of the resonators, positive.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value = "1"))]
-    pub kappa: f64,
-    /// Mass ratio resonator to bead, positive.
-    ///
-    /// Finite.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
-    pub rho: f64,
-    /// Vertical centre C_x of the background, a strain (eq:center).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", default_value = "0"))]
-    pub c_x: f64,
-    /// Equations of Newton's method.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "F", value_enum, default_value_t = Formulation::HalfPeriod))]
-    pub formulation: Formulation,
-    /// Tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "T", default_value = "1e-13", help = Tolerance::RUN.help(), long_help = Tolerance::RUN.long_help(OF_WINDOWS))
-    )]
-    pub tol: f64,
-}
-
-impl Default for Ring {
-    fn default() -> Self {
-        let Shooting { formulation, tol, .. } = Shooting::default();
-        Self { sites: 41, alpha: 1.5, kappa: 1.0, rho: 1.0 / 3.0, c_x: 0.0, formulation, tol }
+options! {
+    /// The ring and the breather on it.
+    pub struct Ring {
+        /// Number of sites.
+        ///
+        /// The ring has an odd number of sites, n = -N .. N, from 3 to 255. Weak quartets of
+        /// multipliers, and their number, depend on it.
+        sites: usize = 41_usize, "N";
+        /// Exponent of the contact force; 1.5 for spheres.
+        ///
+        /// From 1.01 to 10.
+        alpha: f64 = 1.5, "A";
+        /// Spring constant of the resonators, positive.
+        kappa: f64 = 1.0, "K";
+        /// Mass ratio resonator to bead, positive.
+        ///
+        /// Finite.
+        rho: f64 = 1.0 / 3.0, "R";
+        /// Vertical centre C_x of the background, a strain (eq:center).
+        c_x: f64 = 0.0, "C";
+        /// Equations of Newton's method.
+        #[cfg_attr(feature = "cli", arg(long, value_name = "F", value_enum, default_value_t = Self::default().formulation))]
+        formulation: Formulation = Shooting::default().formulation;
+        /// Tolerance.
+        #[cfg_attr(feature = "cli", arg(help = Tolerance::RUN.help(), long_help = Tolerance::RUN.long_help(OF_WINDOWS)))]
+        tol: f64 = Shooting::default().tol, "T";
     }
 }
 
@@ -90,23 +75,22 @@ impl Ring {
     }
 }
 
-/// A dark breather as an exact periodic orbit.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Dark {
-    /// What the profile is symmetric about.
-    ///
-    /// The kink is on the site 0, or on the bond between the sites 0 and 1.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Site))]
-    pub center: Center,
-    /// Frequency of the breather, in radians per unit of time.
-    ///
-    /// Above omega = sqrt(kappa (1 + 1/rho)) [default: 1.025 omega].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "W"))]
-    pub omega_b: Option<f64>,
-    /// The ring.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub ring: Ring,
+options! {
+    /// A dark breather as an exact periodic orbit.
+    pub struct Dark {
+        /// What the profile is symmetric about.
+        ///
+        /// The kink is on the site 0, or on the bond between the sites 0 and 1.
+        #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Self::default().center))]
+        center: Center = Center::Site;
+        /// Frequency of the breather, in radians per unit of time.
+        ///
+        /// Above omega = sqrt(kappa (1 + 1/rho)) [default: 1.025 omega].
+        omega_b: Option<f64> = None::<f64>, "W";
+        /// The ring.
+        #[cfg_attr(feature = "cli", command(flatten))]
+        ring: Ring = Ring::default();
+    }
 }
 
 /// A dark breather with its multipliers and measurements.
@@ -147,73 +131,68 @@ impl Dark {
     }
 }
 
-/// A branch of dark breathers in one parameter.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Continue {
-    /// What the profile is symmetric about.
-    ///
-    /// The kink is on the site 0, or on the bond between the sites 0 and 1.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Site))]
-    pub center: Center,
-    /// Varied parameter: omega_b, rho, kappa, alpha or c_x.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value = "omega_b"))]
-    pub parameter: String,
-    /// First value of the parameter [default for omega_b: 1.005 omega].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
-    pub from: Option<f64>,
-    /// Last value of the parameter [default for omega_b: 1.05 omega].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
-    pub to: Option<f64>,
-    /// Largest change of the parameter from point to point.
-    ///
-    /// [default: a hundredth of the range]
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DP"))]
-    pub step: Option<f64>,
-    /// Points of the branch at most.
-    ///
-    /// With those of a branch that is resumed.
-    #[cfg_attr(feature = "cli", arg(long = "max-points", value_name = "N", default_value_t = 1000))]
-    pub points: usize,
-    /// Take steps in the parameter, not in the arclength.
-    ///
-    /// Such a branch ends at a fold.
-    #[cfg_attr(feature = "cli", arg(long))]
-    pub natural: bool,
-    /// Do not locate collisions of multipliers that stay below 1 + WEAK.
-    ///
-    /// The moduli of the multipliers are compared with 1 + WEAK.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "WEAK", default_value = "0.01"))]
-    pub weak: f64,
-    /// Frequency of the breather, in radians per unit of time.
-    ///
-    /// For branches in another parameter [default: 1.025 omega].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "W"))]
-    pub omega_b: Option<f64>,
-    /// Go on with what this file, or the file in this folder, has kept.
-    ///
-    /// A file branch.npz, from its last point: to another --to, by another --step; then multipliers
-    /// and bifurcations are computed anew. The results are written beside it unless --out says
-    /// where.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long, value_name = "PATH",
-            conflicts_with_all = [
-                "center", "parameter", "from", "natural", "weak", "omega_b",
-                "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol",
-            ]
-        )
-    )]
-    pub resume: Option<PathBuf>,
-    /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
-    ///
-    /// For each point of the branch.
-    #[cfg_attr(feature = "cli", arg(long))]
-    pub bound: bool,
-    /// The ring.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub ring: Ring,
+options! {
+    /// A branch of dark breathers in one parameter.
+    pub struct Continue {
+        /// What the profile is symmetric about.
+        ///
+        /// The kink is on the site 0, or on the bond between the sites 0 and 1.
+        #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Self::default().center))]
+        center: Center = Center::Site;
+        /// Varied parameter: omega_b, rho, kappa, alpha or c_x.
+        #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value = "omega_b"))]
+        parameter: String = "omega_b";
+        /// First value of the parameter [default for omega_b: 1.005 omega].
+        from: Option<f64> = None::<f64>, "P";
+        /// Last value of the parameter [default for omega_b: 1.05 omega].
+        to: Option<f64> = None::<f64>, "P";
+        /// Largest change of the parameter from point to point.
+        ///
+        /// [default: a hundredth of the range]
+        step: Option<f64> = None::<f64>, "DP";
+        /// Points of the branch at most.
+        ///
+        /// With those of a branch that is resumed.
+        #[cfg_attr(feature = "cli", arg(long = "max-points"))]
+        points: usize = 1000_usize, "N";
+        /// Take steps in the parameter, not in the arclength.
+        ///
+        /// Such a branch ends at a fold.
+        #[cfg_attr(feature = "cli", arg(long))]
+        natural: bool = false;
+        /// Do not locate collisions of multipliers that stay below 1 + WEAK.
+        ///
+        /// The moduli of the multipliers are compared with 1 + WEAK.
+        weak: f64 = 0.01, "WEAK";
+        /// Frequency of the breather, in radians per unit of time.
+        ///
+        /// For branches in another parameter [default: 1.025 omega].
+        omega_b: Option<f64> = None::<f64>, "W";
+        /// Go on with what this file, or the file in this folder, has kept.
+        ///
+        /// A file branch.npz, from its last point: to another --to, by another --step; then multipliers
+        /// and bifurcations are computed anew. The results are written beside it unless --out says
+        /// where.
+        #[cfg_attr(
+            feature = "cli",
+            arg(
+                long, value_name = "PATH",
+                conflicts_with_all = [
+                    "center", "parameter", "from", "natural", "weak", "omega_b",
+                    "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol",
+                ]
+            )
+        )]
+        resume: Option<PathBuf> = None::<PathBuf>;
+        /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
+        ///
+        /// For each point of the branch.
+        #[cfg_attr(feature = "cli", arg(long))]
+        bound: bool = false;
+        /// The ring.
+        #[cfg_attr(feature = "cli", command(flatten))]
+        ring: Ring = Ring::default();
+    }
 }
 
 impl Continue {
@@ -274,40 +253,37 @@ impl Study for Continue {
     }
 }
 
-/// The branch of doubled period.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Doubled {
-    /// Frequency of the breather, in radians per unit of time.
-    ///
-    /// The frequency at which the branch of doubled period ends: that of the whole period, about
-    /// half of the frequency of the main branch.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "W", default_value = "1.056"))]
-    pub omega_b: f64,
-    /// Frequency up to which a period doubling is searched for.
-    ///
-    /// The main branch is followed no further without one [default: 1.05 omega].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "W"))]
-    pub most: Option<f64>,
-    /// Largest change of the frequency from point to point.
-    ///
-    /// On the main branch; on the doubled one half of it.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DW", default_value = "0.002"))]
-    pub step: f64,
-    /// File branch.npz of the main branch [default: it is computed here].
-    ///
-    /// A file that `breather continue --center bond` has written.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long, value_name = "FILE",
-            conflicts_with_all = ["most", "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol"]
-        )
-    )]
-    pub branch: Option<PathBuf>,
-    /// The ring.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub ring: Ring,
+options! {
+    /// The branch of doubled period.
+    pub struct Doubled {
+        /// Frequency of the breather, in radians per unit of time.
+        ///
+        /// The frequency at which the branch of doubled period ends: that of the whole period, about
+        /// half of the frequency of the main branch.
+        omega_b: f64 = 1.056, "W";
+        /// Frequency up to which a period doubling is searched for.
+        ///
+        /// The main branch is followed no further without one [default: 1.05 omega].
+        most: Option<f64> = None::<f64>, "W";
+        /// Largest change of the frequency from point to point.
+        ///
+        /// On the main branch; on the doubled one half of it.
+        step: f64 = 0.002, "DW";
+        /// File branch.npz of the main branch [default: it is computed here].
+        ///
+        /// A file that `breather continue --center bond` has written.
+        #[cfg_attr(
+            feature = "cli",
+            arg(
+                long, value_name = "FILE",
+                conflicts_with_all = ["most", "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol"]
+            )
+        )]
+        branch: Option<PathBuf> = None::<PathBuf>;
+        /// The ring.
+        #[cfg_attr(feature = "cli", command(flatten))]
+        ring: Ring = Ring::default();
+    }
 }
 
 /// The branch of doubled period, with the measurements of its last orbit.

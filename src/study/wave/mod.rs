@@ -11,7 +11,7 @@ mod report;
 
 #[cfg(feature = "cli")]
 use super::tolerance_help;
-use super::{Changes, Study, Work, fit_line, scene_json};
+use super::{Changes, Study, Work, fit_line, options::options, scene_json};
 use crate::{
     chain::{Site, max_norm},
     dps::{Envelope, project},
@@ -36,10 +36,6 @@ use std::{
 /// Name of the store of an ensemble in the folder of results.
 const STORE: &str = "ensemble.store";
 const PERTURBED: &str = "a perturbed wave";
-/// Samples a period that may be asked for.
-const SAMPLES_PER_PERIOD: std::ops::RangeInclusive<u32> = 2..=1000;
-/// Numbers of members that an ensemble may have.
-const SEEDS: std::ops::RangeInclusive<u32> = 1..=10_000;
 /// Most numbers that a run or an ensemble may hold: a gigabyte.
 const MOST_NUMBERS: f64 = (1_u64 << 27) as f64;
 /// Least and largest tolerance of the modulation equations. That of the run is clamped to this
@@ -77,40 +73,35 @@ pub struct Wave {
     pub until: Option<f64>,
 }
 
-/// How a wave is run and looked at.
-///
-/// Largest values are those of samples: with 50 a period, in the runs of the paper, they are at
-/// most 0.1 % below those with 400.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct WaveOptions {
-    /// Number of perturbed waves, from that seed on [default: 1].
+options! {
+    /// How a wave is run and looked at.
     ///
-    /// From 1 to 10^4. They run on all cores and give the spread of the growth.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K"))]
-    pub seeds: Option<u32>,
-    /// Integrator; `hertzchain integrators` lists all.
-    ///
-    /// Only integrators that take a tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long = "integrator", value_parser = Method::named, value_name = "NAME",
-            default_value = "collocation"
-        )
-    )]
-    pub method: Method,
-    /// Tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long = "tol", value_name = "T", default_value = "1e-10", help = Tolerance::RUN.help(), long_help = tolerance_help(""))
-    )]
-    pub tolerance: f64,
-    /// Samples per period, from which largest values are taken.
-    ///
-    /// Per period of the wave, from 2 to 1000; the end of the run is one of them.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value_t = 50))]
-    pub samples_per_period: u32,
+    /// Largest values are those of samples: with 50 a period, in the runs of the paper, they are at
+    /// most 0.1 % below those with 400.
+    pub struct WaveOptions {
+        /// Number of perturbed waves, from that seed on [default: 1].
+        ///
+        /// They run on all cores and give the spread of the growth.
+        seeds: Option<u32> = None::<u32>, "K", (1 to 10_000);
+        /// Integrator; `hertzchain integrators` lists all.
+        ///
+        /// Only integrators that take a tolerance.
+        #[cfg_attr(
+            feature = "cli",
+            arg(
+                long = "integrator", value_parser = Method::named, value_name = "NAME",
+                default_value = "collocation"
+            )
+        )]
+        method: Method = Method::Collocation;
+        /// Tolerance.
+        #[cfg_attr(feature = "cli", arg(long = "tol", help = Tolerance::RUN.help(), long_help = tolerance_help("")))]
+        tolerance: f64 = 1e-10, "T";
+        /// Samples per period, from which largest values are taken.
+        ///
+        /// Per period of the wave; the end of the run is one of them.
+        samples_per_period: u32 = 50_u32, "M", (2 to 1000);
+    }
 }
 
 impl Wave {
@@ -418,9 +409,7 @@ fn times(scene: &Scene, options: &WaveOptions) -> Result<Vec<f64>> {
         let rule = "waves are run by an adaptive method: collocation or a dop853";
         return Err(Error::parameter("integrator", options.method.name(), rule));
     }
-    if !SAMPLES_PER_PERIOD.contains(&options.samples_per_period) {
-        return Err(Error::parameter("samples-per-period", options.samples_per_period, "from 2 to 1000"));
-    }
+    options.within_ranges()?;
     // If the number is whole up to rounding, no sample is added.
     let wanted = scene.end() / scene.period() * f64::from(options.samples_per_period);
     let count = (wanted * (1.0 - 1e-12)).ceil().max(1.0);
@@ -434,9 +423,6 @@ fn times(scene: &Scene, options: &WaveOptions) -> Result<Vec<f64>> {
 /// The seeds of the ensemble; none for a wave that is not perturbed.
 fn seeds(scene: &Scene, options: &WaveOptions, samples: usize) -> Result<Vec<u64>> {
     let count = options.seeds.unwrap_or(1);
-    if !SEEDS.contains(&count) {
-        return Err(Error::parameter("seeds", count, "from 1 to 10^4"));
-    }
     if f64::from(count) * 2.0 * samples as f64 > MOST_NUMBERS {
         let rule = "at most 2^27 differences are kept: fewer seeds, a shorter run, or fewer samples a period";
         return Err(Error::parameter("seeds", count, rule));
