@@ -59,18 +59,18 @@ options! {
         /// Number of sites.
         ///
         /// The first bead is moved; the last 40 absorb the wave.
-        sites: usize = 90_usize, "N", (80 to 1000);
+        sites: usize = 90, "N", (80 to 1000);
         /// Drive frequencies.
         ///
         /// Separated by commas, in radians per unit of time; above omega = sqrt(1 + 1/rho), and below
         /// the end of the band of weak waves.
-        omegas: Vec<f64> = [2.002, 2.004, 2.006, 2.008, 2.01, 2.015, 2.02], "W,..";
+        omegas: Vec<f64> = vec![2.002, 2.004, 2.006, 2.008, 2.01, 2.015, 2.02], "W,..";
         /// Displacement amplitude of the first bead.
-        drive: f64 = 0.05, "A", (above 0);
+        drive: f64 = 0.05, "A", (positive);
         /// Static overlap of all contacts.
-        overlap: f64 = 0.05, "G", (above 0);
+        overlap: f64 = 0.05, "G", (positive);
         /// Mass ratio resonator to bead.
-        rho: f64 = 1.0 / 3.0, "R", (above 0);
+        rho: f64 = 1.0 / 3.0, "R", (positive);
     }
 }
 

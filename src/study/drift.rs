@@ -42,19 +42,16 @@ const MOST_POINTS: usize = 40;
 /// A run is unstable when its energy exceeds the initial one by this factor.
 const ENERGY_BOUND: f64 = 10.0;
 
-/// The drift study of a scene.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Drift {
-    /// Name of a built-in scene, or a TOML file.
-    #[cfg_attr(feature = "cli", arg(default_value = "bright-breather-16"))]
-    pub scene: String,
-    /// Changes to it.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub set: Changes,
-    /// What is measured.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub options: DriftOptions,
+options! {
+    /// The drift study of a scene.
+    pub struct Drift {
+        /// Name of a built-in scene, or a TOML file.
+        scene: String = "bright-breather-16".to_owned();
+        /// Changes to it.
+        set: Changes = Changes::default(), [command(flatten)];
+        /// What is measured.
+        options: DriftOptions = DriftOptions::default(), [command(flatten)];
+    }
 }
 
 options! {
@@ -63,13 +60,14 @@ options! {
         /// Length of the longest run, in periods.
         ///
         /// All runs have this length, in periods of the scene.
-        periods: f64 = 1e4, "P", (1.0 to 1e9);
+        periods: f64 = 1e4, "P", (1 to 1e9);
         /// Integrators, separated by commas, or all.
-        integrators: Vec<String> = ["collocation", "corrected", "strang-linear", "yoshida4-linear"].map(String::from), "A,B,..";
+        integrators: Vec<String> =
+            ["collocation", "corrected", "strang-linear", "yoshida4-linear"].map(String::from).into(), "A,B,..";
         /// Number of sample times.
         ///
         /// Spaced evenly in the logarithm of time.
-        samples: usize = 200_usize, "K", (2 to 100_000);
+        samples: usize = 200, "K", (2 to 100_000);
     }
 }
 

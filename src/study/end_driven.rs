@@ -72,11 +72,11 @@ options! {
         /// Separated by commas. A chain with an even number has a kink about a bond
         /// if its ends move in phase; one with an odd number has a kink about a bead if they move in
         /// antiphase.
-        lengths: Vec<usize> = [10_usize, 11], "N,..", (10 to 60);
+        lengths: Vec<usize> = vec![10, 11], "N,..", (10 to 60);
         /// Drive frequencies.
         ///
         /// Separated by commas, in radians per unit of time; above omega = sqrt(1 + 1/rho).
-        omegas: Vec<f64> = [2.03, 2.05], "W,..";
+        omegas: Vec<f64> = vec![2.03, 2.05], "W,..";
         /// Mass ratio resonator to bead, positive.
         rho: f64 = 1.0 / 3.0, "R";
         /// Drag on beads: force per velocity of a bead.
@@ -86,11 +86,11 @@ options! {
         /// Largest drive amplitude.
         ///
         /// The displacement amplitude of the end beads at which a branch ends.
-        to: f64 = 0.2, "A", (above 0);
+        to: f64 = 0.2, "A", (positive);
         /// Largest change of the drive amplitude from point to point.
-        step: f64 = 0.01, "DA", (above 0);
+        step: f64 = 0.01, "DA", (positive);
         /// Points of the branch at most.
-        max_points: usize = 30_usize, "N", (2 to 10_000);
+        max_points: usize = 30, "N", (2 to 10_000);
     }
 }
 

@@ -1,14 +1,19 @@
-//! Options of studies, each told once: field, default, range and meaning.
+//! Options of studies, each told once: field, flag, default and range in [`options!`].
 
-use crate::error::{Error, Result};
+#[cfg(feature = "cli")]
+use super::tolerance_help;
+use crate::{
+    chain::Params,
+    error::{Error, Result},
+    run::{Method, Run},
+    scene::Scene,
+};
 use std::{fmt::Debug, ops::RangeInclusive};
 
-/// A value of an option: a number, one that may be left out, or a list of numbers or names.
+/// A value of an option that has a range: a number, one that may be left out, or a list.
 pub(crate) trait Value {
     /// The type of a number.
     type Number: PartialOrd + Debug;
-    /// Whether it is a list, separated by commas.
-    const LIST: bool;
 
     /// The numbers.
     fn numbers(&self) -> &[Self::Number];
@@ -17,8 +22,6 @@ pub(crate) trait Value {
 impl<T: PartialOrd + Debug> Value for Vec<T> {
     type Number = T;
 
-    const LIST: bool = true;
-
     fn numbers(&self) -> &[T] {
         self
     }
@@ -26,8 +29,6 @@ impl<T: PartialOrd + Debug> Value for Vec<T> {
 
 impl<T: PartialOrd + Debug> Value for Option<T> {
     type Number = T;
-
-    const LIST: bool = false;
 
     fn numbers(&self) -> &[T] {
         self.as_slice()
@@ -39,8 +40,6 @@ macro_rules! single {
         impl Value for $number {
             type Number = $number;
 
-            const LIST: bool = false;
-
             fn numbers(&self) -> &[$number] {
                 std::slice::from_ref(self)
             }
@@ -49,107 +48,200 @@ macro_rules! single {
 }
 single!(f64, usize, u64, u32);
 
-fn text(number: impl Debug) -> String {
-    format!("{number:?}").trim_end_matches(".0").trim_matches('"').to_owned()
+/// Values as they are written on the command line: as for `Debug`, or with an exponent if that is
+/// shorter. None for an empty list, `None`, NaN and groups of options.
+fn texts(value: &impl Debug) -> Vec<String> {
+    let text = format!("{value:?}").to_lowercase();
+    let items = text.trim_start_matches("some(").trim_matches(['[', ']', ')']).split(", ");
+    let items = items.map(|item| item.trim_matches('"')).filter(|item| !["", "none", "nan"].contains(item));
+    let items = items.filter(|item| !item.contains('{'));
+    items
+        .map(|item| match item.strip_suffix(".0") {
+            Some(whole) => {
+                let short = item.parse().map_or(String::new(), |number: f64| format!("{number:e}"));
+                if short.len() + 1 < whole.len() { short } else { whole.to_owned() }
+            }
+            None => item.to_owned(),
+        })
+        .collect()
 }
 
-/// Refuses a value outside its range, which is `rule` in words, and an empty list.
-pub(crate) fn within<V: Value>(
-    name: &'static str,
-    value: &V,
-    (range, rule): (RangeInclusive<V::Number>, &'static str),
-) -> Result<()> {
+/// A range of numbers, and its rule in words.
+type Range<V> = (RangeInclusive<<V as Value>::Number>, &'static str);
+
+/// The rule of a range.
+#[cfg(feature = "cli")]
+pub(crate) fn rule<V: Value>(_: &V, range: Range<V>) -> &'static str {
+    range.1
+}
+
+/// Refuses a value outside its range, and an empty list unless the default is one.
+pub(crate) fn within<V: Value>(field: &str, value: &V, default: &V, (range, rule): Range<V>) -> Result<()> {
     // The name of the flag.
-    let named = || &*name.replace('_', "-").leak();
-    if V::LIST && value.numbers().is_empty() {
-        return Err(Error::parameter(named(), "\"\"", "name at least one value"));
+    let name = || &*field.replace('_', "-").leak();
+    if value.numbers().is_empty() && !default.numbers().is_empty() {
+        return Err(Error::parameter(name(), "\"\"", "name at least one value"));
     }
     match value.numbers().iter().find(|number| !range.contains(number)) {
-        Some(number) => Err(Error::parameter(named(), text(number), rule)),
+        Some(number) => Err(Error::parameter(name(), texts(number).concat(), rule)),
         None => Ok(()),
     }
 }
 
-/// A default as it is written on the command line, if there is one.
+/// The flag of an option: lists are separated by commas, and the help ends with the range.
 #[cfg(feature = "cli")]
-pub(crate) fn default_text<V: Value>(default: &V) -> clap::builder::Resettable<clap::builder::OsStr> {
-    let numbers: Vec<String> = default.numbers().iter().map(text).collect();
+pub(crate) fn flag(arg: clap::Arg, default: &impl Debug, rules: &[&str]) -> clap::Arg {
+    let is_list = matches!(arg.get_action(), clap::ArgAction::Append);
+    let arg = if is_list { arg.value_delimiter(',') } else { arg };
     // Defaults live as long as the command line: for the whole program.
-    (!numbers.is_empty()).then(|| (&*numbers.join(",").leak()).into()).into()
-}
-
-/// The flag of an option whose help ends with its range.
-#[cfg(feature = "cli")]
-pub(crate) fn ranged<V: Value>(arg: clap::Arg, _: &V, rule: &str) -> clap::Arg {
+    let defaults: Vec<&str> = texts(default).into_iter().map(|text| &*text.leak()).collect();
+    let told = defaults.is_empty() || !arg.get_default_values().is_empty() || !arg.get_action().takes_values();
+    let arg = if told { arg } else { arg.default_values(defaults).required(false) };
+    let Some(rule) = rules.first() else { return arg };
     let short = arg.get_help().map(|help| format!("{help}."));
     let long = arg.get_long_help().map(ToString::to_string).or(short).unwrap_or_default();
-    let rule = if V::LIST { format!("Each {rule}") } else { format!("{}{}", rule[..1].to_uppercase(), &rule[1..]) };
+    let rule = if is_list { format!("Each is {rule}") } else { format!("{}{}", rule[..1].to_uppercase(), &rule[1..]) };
     arg.long_help(format!("{long}\n\n{rule}."))
 }
 
 /// A range and its words.
 macro_rules! range {
-    (($least:literal to $most:literal)) => {
-        ($least..=$most, concat!("from ", $least, " to ", $most))
+    (positive) => {
+        (0.0_f64.next_up()..=f64::MAX, "finite and positive")
     };
-    ((from $least:literal)) => {
-        (f64::from($least)..=f64::MAX, concat!("finite and at least ", $least))
+    (finite) => {
+        (f64::MIN..=f64::MAX, "a finite number")
     };
-    ((above $least:literal)) => {
-        (f64::from($least).next_up()..=f64::MAX, concat!("finite and above ", $least))
+    ($tolerance:ident) => {{
+        let kind = hertzchain_integrators::Tolerance::$tolerance;
+        (kind.least..=kind.most, kind.rule)
+    }};
+    ($least:literal or more) => {
+        ($least..=usize::MAX, concat!("at least ", $least))
     };
-    ((above $least:literal to $most:literal)) => {
-        (f64::from($least).next_up()..=f64::from($most), concat!("above ", $least, " and at most ", $most))
+    ($least:literal to $most:literal) => {
+        ($least as _..=$most as _, concat!("from ", $least, " to ", $most))
     };
-    ((above $least:literal below $most:literal)) => {
-        (f64::from($least).next_up()..=f64::from($most).next_down(), concat!("above ", $least, " and below ", $most))
+    (from $least:literal) => {
+        ($least.into()..=f64::MAX, concat!("finite and at least ", $least))
+    };
+    (above $least:literal to $most:literal) => {
+        (f64::from($least).next_up()..=$most.into(), concat!("above ", $least, " and at most ", $most))
+    };
+    (above 0 below $most:literal) => {
+        // Subnormal numbers have fewer digits.
+        (f64::MIN_POSITIVE..=f64::from($most).next_down(), concat!("above 0 and below ", $most))
     };
 }
 pub(crate) use range;
 
-/// A type of options of a study.
+/// A type of options of a study, with `Default`.
 ///
-/// `field: type = default, "VALUE", (least to most);` is a field and its flag `--field VALUE`:
-/// help, default and range are told here only. Without a range other code checks the number;
-/// without `"VALUE"` attributes of `clap` tell the flag. The type has `Default`, and
+/// `field: type = default, "VALUE", (least to most), [attribute of clap];` is a field and its flag
+/// `--field VALUE`: help, default and range are told here only. All but the first may be left out:
+/// without `"VALUE"` the attributes tell the flag, and without a range other code checks the value.
 /// `within_ranges` refuses numbers outside their ranges.
 macro_rules! options {
     ($(#[$attribute:meta])* pub struct $name:ident {
-        $($(#[$about:meta])* $field:ident: $type:ty = $default:expr $(, $value:literal $(, $range:tt)?)?;)*
+        $($(#[$about:meta])* $field:ident: $type:ty = $default:expr
+            $(, $value:literal)? $(, ($($range:tt)*))? $(, [$flag:meta])?;)*
     }) => {
         $(#[$attribute])*
         #[derive(Clone, Debug)]
         #[cfg_attr(feature = "cli", derive(clap::Args))]
-        $($($(#[cfg_attr(feature = "cli", command(mut_arg(stringify!($field), |arg| {
-            $crate::study::options::ranged(arg, &Self::default().$field, $crate::study::options::range!($range).1)
-        })))])?)?)*
+        #[cfg_attr(feature = "cli", command(mut_args(|arg| {
+            let default = Self::default();
+            match arg.get_id().as_str() {
+                $(stringify!($field) => {
+                    use $crate::study::options::*;
+                    flag(arg, &default.$field, &[$(rule(&default.$field, range!($($range)*)))?])
+                })*
+                _ => arg,
+            }
+        })))]
         pub struct $name {
-            $($(#[cfg_attr(feature = "cli", arg(
-                long,
-                value_name = $value,
-                value_delimiter = <$type as $crate::study::options::Value>::LIST.then_some(','),
-                default_value = $crate::study::options::default_text(&Self::default().$field),
-            ))])? $(#[$about])* pub $field: $type,)*
+            $($(#[cfg_attr(feature = "cli", arg(long, value_name = $value))])?
+            $(#[cfg_attr(feature = "cli", $flag)])? $(#[$about])* pub $field: $type,)*
         }
 
         impl Default for $name {
             fn default() -> Self {
-                Self { $($field: $default.into(),)* }
+                Self { $($field: $default,)* }
             }
         }
 
         impl $name {
             /// Refuses the first number outside its range.
-            #[allow(dead_code, reason = "a type may have no ranges")]
-            fn within_ranges(&self) -> $crate::error::Result<()> {
-                $($($($crate::study::options::within(
-                    stringify!($field),
-                    &self.$field,
-                    $crate::study::options::range!($range),
-                )?;)?)?)*
+            #[allow(dead_code, unused, reason = "a type may have no ranges")]
+            pub(crate) fn within_ranges(&self) -> $crate::error::Result<()> {
+                use $crate::study::options::*;
+                let default = Self::default();
+                $($(within(stringify!($field), &self.$field, &default.$field, range!($($range)*))?;)?)*
                 Ok(())
             }
         }
     };
 }
 pub(crate) use options;
+
+options! {
+    /// How a scene is run: by an adaptive method.
+    #[derive(Copy, PartialEq)]
+    pub struct Adaptive {
+        /// Integrator; `hertzchain integrators` lists all.
+        ///
+        /// Only integrators that take a tolerance.
+        method: Method = Method::Collocation, "NAME", [arg(long = "integrator", value_parser = Method::named)];
+        /// Tolerance.
+        tol: f64 = 1e-10, "T", (RUN), [arg(long_help = tolerance_help(""))];
+    }
+}
+
+impl Adaptive {
+    /// Refuses a method that takes no tolerance.
+    pub(super) fn check(&self) -> Result<()> {
+        let rule = "an adaptive method: collocation or a dop853";
+        if self.method.adaptive() { Ok(()) } else { Err(Error::parameter("integrator", self.method.name(), rule)) }
+    }
+
+    /// The run of a scene.
+    pub(super) fn run(&self, scene: &Scene) -> Result<Run> {
+        self.check()?;
+        Ok(scene.run().method(self.method).tolerance(self.tol)?)
+    }
+
+    /// Method and tolerance, in words.
+    pub(super) fn words(&self) -> String {
+        format!("{}, tol {:e}", self.method.name(), self.tol)
+    }
+}
+
+options! {
+    /// The parameters of a chain whose beads are alike and whose resonators move.
+    #[derive(Copy, PartialEq)]
+    pub struct ChainParams {
+        /// Exponent of the contact force; 1.5 for spheres.
+        ///
+        /// From 1.01 to 10.
+        alpha: f64 = 1.5, "A";
+        /// Spring constant of the resonators, positive.
+        kappa: f64 = 1.0, "K";
+        /// Mass ratio resonator to bead, positive.
+        ///
+        /// Finite.
+        rho: f64 = 1.0 / 3.0, "R";
+    }
+}
+
+impl From<ChainParams> for Params {
+    fn from(ChainParams { alpha, kappa, rho }: ChainParams) -> Self {
+        Self { alpha, kappa, rho }
+    }
+}
+
+impl ChainParams {
+    /// The parameters, if they keep the rules of every chain.
+    pub(super) fn checked(&self) -> Result<Params> {
+        Params::new(self.alpha, self.kappa, self.rho)
+    }
+}

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     chain::Params,
-    error::{Error, Result},
+    error::Result,
     number::shown,
     report::{
         Column,
@@ -19,7 +19,6 @@ use crate::{
     sweep::map,
     waves::{LinePulse, Search, SolitaryWave, best_ring, wake_of_line},
 };
-use hertzchain_integrators::Tolerance;
 use std::f64::consts::PI;
 
 /// Phases `k/(2 pi)` of resonators from site to site of the default mass ratios. At whole ones
@@ -38,25 +37,24 @@ options! {
     /// Solitary waves and their tails.
     pub struct Solitary {
         /// Exponent of the contact force; 1.5 for spheres.
-        alpha: f64 = 1.5, "A", (1.2 to 5.0);
+        alpha: f64 = 1.5, "A", (1.2 to 5);
         /// Spring constant of the resonators.
-        kappa: f64 = 1.0, "K", (above 0);
+        kappa: f64 = 1.0, "K", (positive);
         /// Speed of the pulses, in sites per unit of time.
         ///
         /// [default: that of the pulse of overlap 1 without resonators]
-        speed: Option<f64> = None::<f64>, "C", (above 0);
+        speed: Option<f64> = None, "C", (positive);
         /// Mass ratios resonator to bead, separated by commas.
         ///
-        /// Positive [default: ratios with omega/speed from 1.5 pi to 3.6 pi].
-        rhos: Vec<f64> = Vec::<f64>::new(), "A,B,..";
+        /// [default: ratios with omega/speed from 1.5 pi to 3.6 pi]
+        rhos: Vec<f64> = vec![], "A,B,..", (positive);
         /// Number of sites.
         ///
         /// Length of the ring. A pulse with tails is computed on a ring that is up to
         /// three sites longer, the one that is farthest from resonance with the tails.
-        sites: usize = 20_usize, "N", (8 to 60);
+        sites: usize = 20, "N", (8 to 60);
         /// Tolerance.
-        #[cfg_attr(feature = "cli", arg(help = Tolerance::WAVE.help(), long_help = Tolerance::WAVE.long_help(OF_WAVE)))]
-        tol: f64 = 1e-14, "T";
+        tol: f64 = 1e-14, "T", (WAVE), [arg(long_help = OF_WAVE)];
     }
 }
 
@@ -120,11 +118,7 @@ pub struct SolitaryStudy {
 impl Solitary {
     fn check(&self) -> Result<()> {
         self.within_ranges()?;
-        if let Some(&rho) = self.rhos.iter().find(|rho| !(rho.is_finite() && **rho > 0.0)) {
-            return Err(Error::parameter("rhos", rho, "finite and positive"));
-        }
         Params::new(self.alpha, self.kappa, 1.0)?;
-        Tolerance::WAVE.check(self.tol)?;
         Ok(())
     }
 

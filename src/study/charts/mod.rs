@@ -143,21 +143,19 @@ impl Chart {
     }
 }
 
-/// Charts of the built-in chain, or of a scene.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Charts {
-    /// Name of a built-in scene, or a TOML file.
-    ///
-    /// The chain and the state that are varied [default: four spheres between walls, kappa = 1, rho
-    /// = 1/3, amplitude 1].
-    pub scene: Option<String>,
-    /// Changes to it.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub set: Changes,
-    /// What is charted.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub options: ChartOptions,
+options! {
+    /// Charts of the built-in chain, or of a scene.
+    pub struct Charts {
+        /// Name of a built-in scene, or a TOML file.
+        ///
+        /// The chain and the state that are varied [default: four spheres between walls, kappa = 1,
+        /// rho = 1/3, amplitude 1].
+        scene: Option<String> = None;
+        /// Changes to it.
+        set: Changes = Changes::default(), [command(flatten)];
+        /// What is charted.
+        options: ChartOptions = ChartOptions::default(), [command(flatten)];
+    }
 }
 
 options! {
@@ -168,14 +166,13 @@ options! {
         /// The charts are light (mass ratios), stiffness (amplitudes and spring constants), alpha
         /// (exponents), length (numbers of beads), time (lengths of runs) and resonances (of the
         /// exact linear flow).
-        #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ',', value_parser = listed))]
-        charts: Vec<Chart> = Vec::<Chart>::new();
+        charts: Vec<Chart> = vec![], "A,B,..", [arg(value_parser = listed)];
         /// Integrators, separated by commas, or all [default: all].
-        integrators: Vec<String> = Vec::<String>::new(), "A,B,..";
+        integrators: Vec<String> = vec![], "A,B,..";
         /// Length of the longest run, in periods.
         ///
         /// For the chart `time`, in contact periods 2 pi/sqrt(2 alpha A^(alpha-1)).
-        periods: f64 = 1e4, "P", (1.0 to 1e6);
+        periods: f64 = 1e4, "P", (1 to 1e6);
         /// Largest work of a run while a step is searched for.
         ///
         /// In force evaluations times sites.
@@ -183,12 +180,11 @@ options! {
         /// Number of sites.
         ///
         /// Length of the longest chain in the chart `length`.
-        sites: usize = 100_000_usize, "N", (1 to 1_000_000);
+        sites: usize = 100_000, "N", (1 to 1_000_000);
         /// Compute fewer points.
         ///
         /// At most a third of the points of light, stiffness and alpha.
-        #[cfg_attr(feature = "cli", arg(long))]
-        quick: bool = false;
+        quick: bool = false, [arg(long)];
     }
 }
 

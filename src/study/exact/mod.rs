@@ -24,7 +24,6 @@ use crate::{
         WaveNumber, WaveParameter, WaveSetting, WaveSpectrum, ansatz,
     },
 };
-use hertzchain_integrators::Tolerance;
 use serde_json::json;
 use std::f64::consts::PI;
 
@@ -61,37 +60,34 @@ options! {
         ///
         /// The scene must have an initial state of kind travelling-wave. Numbers of the wave that no
         /// flag gives are taken from it [default: tw-q15].
-        scene: Option<String> = None::<String>;
+        scene: Option<String> = None;
         /// Changes to it.
-        #[cfg_attr(feature = "cli", command(flatten))]
-        set: Changes = Changes::default();
+        set: Changes = Changes::default(), [command(flatten)];
         /// Wave number over pi, with a whole number of waves on the ring.
         ///
         /// Above 0 and at most 1.
-        q_over_pi: Option<f64> = None::<f64>, "Q";
+        q_over_pi: Option<f64> = None, "Q";
         /// Frequency of the wave, in radians per unit of time.
         ///
         /// Above omega = sqrt(kappa (1 + 1/rho)).
-        #[cfg_attr(feature = "cli", arg(conflicts_with = "amplitude"))]
-        omega_tw: Option<f64> = None::<f64>, "W";
+        omega_tw: Option<f64> = None, "W", [arg(conflicts_with = "amplitude")];
         /// Height of the crest above the mean strain, in place of the frequency.
-        amplitude: Option<f64> = None::<f64>, "A";
+        amplitude: Option<f64> = None, "A";
         /// Mean strain [default: in proportion to the amplitude, as in the scene].
-        mean: Option<f64> = None::<f64>, "M";
+        mean: Option<f64> = None, "M", (finite);
         /// Mass ratio resonator to bead, positive.
         ///
         /// In place of the scene's. Here also 0 (no resonators) and inf (fixed resonators, Newton's
         /// cradle). Unless a frequency is given, the wave has the amplitude of the scene's wave. With
         /// fixed resonators its mean strain is 0.
-        rho: Option<f64> = None::<f64>, "R";
+        rho: Option<f64> = None, "R";
         /// Number of sites.
         ///
         /// The multipliers are computed for a ring of this length, from 3 to 256 [default: the
         /// scene's].
-        sites: Option<usize> = None::<usize>, "N";
+        sites: Option<usize> = None, "N";
         /// Tolerance.
-        #[cfg_attr(feature = "cli", arg(help = Tolerance::WAVE.help(), long_help = Tolerance::WAVE.long_help(OF_WAVE)))]
-        tol: f64 = Search::default().tol, "T";
+        tol: f64 = Search::default().tol, "T", (WAVE), [arg(long_help = OF_WAVE)];
     }
 }
 
@@ -126,16 +122,13 @@ impl Wanted {
         let shape = wave.shape();
         let params = Params { rho: self.rho.unwrap_or(wave.params().rho), ..wave.params() };
         params.validate()?;
-        Tolerance::WAVE.check(self.tol)?;
+        self.within_ranges()?;
         let sites = self.sites.unwrap_or(scene.chain().sites());
         let q = WaveNumber::on_ring(self.q_over_pi.unwrap_or(shape.q.abs() / PI), sites)?;
         let share = match params.resonators() {
             Resonators::Fixed => MeanStrain::Value(0.0),
             _ => MeanStrain::OfAmplitude(0.5 * shape.b / (params.kappa * shape.a)),
         };
-        if let Some(mean) = self.mean.filter(|mean| !mean.is_finite()) {
-            return Err(Error::parameter("mean", mean, "a finite number"));
-        }
         let mean = self.mean.map_or(share, MeanStrain::Value);
         let given = match (self.amplitude, self.omega_tw, self.rho) {
             (Some(amplitude), ..) => Given::Amplitude(amplitude),
@@ -172,16 +165,7 @@ fn companion(setting: WaveSetting, given: Given) -> Result<WaveSetting> {
     Ok(WaveSetting { mean, ..setting })
 }
 
-/// An exact travelling wave.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Exact {
-    /// The wave.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub wanted: Wanted,
-}
-
-impl Study for Exact {
+impl Study for Wanted {
     const FILES: &'static str =
         "stalled.json, in place of all of them, with the best iterate of a search that did not converge.";
 
@@ -190,7 +174,7 @@ impl Study for Exact {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        let numbers = self.wanted.numbers()?;
+        let numbers = self.numbers()?;
         Ok(Box::new(move |engine, _| {
             let keep = |why: &Error| keep_iterate(engine.folder(), numbers.moving(), why);
             Ok(Box::new(numbers.study().inspect_err(keep)?.report()))
@@ -289,24 +273,21 @@ options! {
     /// A branch of exact travelling waves.
     pub struct ContinueWave {
         /// The wave.
-        #[cfg_attr(feature = "cli", command(flatten))]
-        wanted: Wanted = Wanted::default();
+        wanted: Wanted = Wanted::default(), [command(flatten)];
         /// What varies along the branch.
         ///
         /// A parameter of the wave or of the chain.
-        #[cfg_attr(feature = "cli", arg(long, value_name = "P", value_enum, default_value = "omega_tw"))]
-        vary: WaveParameter = WaveParameter::OmegaTw;
+        vary: WaveParameter = WaveParameter::OmegaTw, "P", [arg(default_value = "omega_tw")];
         /// Value of the varied parameter at which the branch ends.
         ///
         /// The first value is that of the scene or of the other flags.
-        #[cfg_attr(feature = "cli", arg(required = true))]
-        to: Option<f64> = None::<f64>, "P";
+        to: Option<f64> = None, "P", [arg(required = true)];
         /// Largest change of the varied parameter from wave to wave.
         ///
         /// By default a step changes the state of the wave by a tenth.
-        step: Option<f64> = None::<f64>, "DP";
+        step: Option<f64> = None, "DP";
         /// Largest number of waves on the branch.
-        waves: usize = 200_usize, "N";
+        waves: usize = 200, "N";
     }
 }
 

@@ -29,7 +29,7 @@
 
 mod report;
 
-use super::{Study, Work, options::options};
+use super::{Adaptive, Study, Work, options::options};
 
 use crate::{
     breathers::BrightBreather,
@@ -38,7 +38,6 @@ use crate::{
     error::{Error, Result},
     interrupt,
     report::Report,
-    run::method::Method,
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span},
     sweep::{Engine, Grid, Row},
 };
@@ -113,37 +112,31 @@ options! {
         /// Sizes epsilon of the oscillation, separated by commas.
         ///
         /// Displacements start at 2 epsilon a_n. Each is named once.
-        epsilons: Vec<f64> = [1e-3, 3e-3, 0.01, 0.03, 0.1], "E,F,..", (above 0 below 1);
+        epsilons: Vec<f64> = vec![1e-3, 3e-3, 0.01, 0.03, 0.1], "E,F,..", (above 0 below 1);
         /// Mass ratios resonator to bead, separated by commas.
         ///
         /// Each is named once.
-        rhos: Vec<f64> = [10.0, 100.0, 1e3, 1e4, 1e5], "R,S,..", (above 0);
+        rhos: Vec<f64> = vec![10.0, 100.0, 1e3, 1e4, 1e5], "R,S,..", (positive);
         /// Criterion that ends the life of a breather.
-        #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Self::default().criterion))]
-        criterion: Criterion = Criterion::Energy;
+        criterion: Criterion = Criterion::Energy, "C";
         /// Exponent of the contact force; 1.5 for spheres.
         ///
         /// From 1.01 to 10.
         alpha: f64 = 1.5, "A";
         /// What the profile is symmetric about.
-        #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Self::default().center))]
-        center: Center = Center::Bond;
+        center: Center = Center::Bond, "C";
         /// Number of sites.
         ///
         /// Length of every chain. By default it is doubled from 100 on, up to 25600, until no wave
         /// comes back from the ends.
-        sites: Option<usize> = None::<usize>, "N", (20 to 100_000);
+        sites: Option<usize> = None, "N", (20 to 100_000);
         /// End time, in units of time.
         ///
         /// No breather is followed longer [default: for each breather 25 times the theorem's time
         /// scale, T epsilon^(1-alpha)].
-        until: Option<f64> = None::<f64>, "T", (above 0);
-        /// An adaptive method.
-        #[cfg_attr(feature = "cli", arg(skip = Self::default().method))]
-        method: Method = Method::Collocation;
-        /// Its tolerance, of a whole run.
-        #[cfg_attr(feature = "cli", arg(skip = Self::default().tolerance))]
-        tolerance: f64 = 1e-9;
+        until: Option<f64> = None, "T", (positive);
+        /// How the chains are run.
+        solver: Adaptive = Adaptive { tol: 1e-9, ..Adaptive::default() }, [arg(skip = Self::default().solver)];
     }
 }
 
@@ -291,14 +284,14 @@ pub fn lifetimes(
 
 /// The settings of the store: all that a life depends on besides size and mass ratio.
 fn settings(options: &LifetimeOptions) -> serde_json::Value {
-    let LifetimeOptions { alpha, center, sites, until, method, tolerance, .. } = options;
+    let LifetimeOptions { alpha, center, sites, until, solver, .. } = options;
     json!({
         "alpha": alpha,
         "center": center,
         "sites": sites,
         "until": until,
-        "integrator": method.name(),
-        "tolerance": tolerance,
+        "integrator": solver.method.name(),
+        "tolerance": solver.tol,
         "levels": [CORE_SHARE, DISTANCE, CONTACT],
         "looks": [SAMPLES, CAP, REACHED],
     })
@@ -306,12 +299,9 @@ fn settings(options: &LifetimeOptions) -> serde_json::Value {
 
 /// The places of the map, if all options keep their rules.
 fn checked(options: &LifetimeOptions) -> Result<Vec<Place>> {
-    let LifetimeOptions { epsilons, rhos, method, .. } = options;
+    let LifetimeOptions { epsilons, rhos, solver, .. } = options;
     options.within_ranges()?;
-    if !method.adaptive() {
-        let rule = "lifetimes are measured by an adaptive method: collocation or a dop853";
-        return Err(Error::parameter("integrator", method.name(), rule));
-    }
+    solver.check()?;
     let at = |epsilon: &f64| rhos.iter().map(|&rho| Place { epsilon: *epsilon, rho }).collect::<Vec<_>>();
     let places: Vec<Place> = epsilons.iter().flat_map(at).collect();
     for place in &places {
@@ -376,7 +366,7 @@ impl Place {
     fn follow(&self, options: &LifetimeOptions, sites: usize, may_grow: bool) -> Result<Option<Life>> {
         let breather = self.breather(options, sites)?;
         let scene = self.scene(options, sites, options.until.unwrap_or(CAP * breather.horizon()))?;
-        let mut run = scene.run().method(options.method).tolerance(options.tolerance)?.stepper()?;
+        let mut run = options.solver.run(&scene)?.stepper()?;
         let mut watch = Watch::new(&breather, scene.chain());
         while !run.done() && !watch.finished() {
             if may_grow && watch.ends_felt() {

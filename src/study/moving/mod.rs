@@ -17,17 +17,15 @@ pub use kicked::{KickedRun, Passage};
 
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
-use super::{Progress, Study, Work, options::options};
+use super::{ChainParams, Progress, Study, Work, options::options};
 use crate::{
     breathers::{Band, Envelope, KinkEnergy, LinearWave, LinearWaves, MovingBreather, MovingOrbit, Tail},
-    chain::Params,
     error::{Error, Result},
     interrupt,
     orbits::{Kantorovich, Kind, Orbit, Shooting, Spectrum},
     report::Report,
     sweep::map,
 };
-use hertzchain_integrators::Tolerance;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Default frequency, in units of `omega`.
@@ -41,26 +39,18 @@ options! {
         /// Frequencies of the background, in radians per unit of time.
         ///
         /// Separated by commas, each above omega = sqrt(kappa (1 + 1/rho)) [default: 1.025 omega].
-        omega_b: Vec<f64> = Vec::<f64>::new(), "W,..";
+        omega_b: Vec<f64> = vec![], "W,..";
         /// Whole periods of the background for each site that the kink moves on.
         ///
-        /// Separated by commas, each from 1 to 100. With K the kink needs K + 1/2 periods for a site,
-        /// so that its velocity is omega_b/(2 pi (K + 1/2)).
-        turns: Vec<u32> = [18_u32, 22_u32, 26_u32], "K,..";
+        /// Separated by commas. With K the kink needs K + 1/2 periods for a site, so that its
+        /// velocity is omega_b/(2 pi (K + 1/2)).
+        turns: Vec<u32> = vec![18, 22, 26], "K,..", (1 to 100);
         /// Number of sites.
         ///
         /// The ring has an odd number of sites, from 9 to 255. The tails of the breather depend on it.
-        sites: usize = 41_usize, "N";
-        /// Exponent of the contact force; 1.5 for spheres.
-        ///
-        /// From 1.01 to 10.
-        alpha: f64 = 1.5, "A";
-        /// Spring constant of the resonators, positive.
-        kappa: f64 = 1.0, "K";
-        /// Mass ratio resonator to bead, positive.
-        ///
-        /// Finite.
-        rho: f64 = 1.0 / 3.0, "R";
+        sites: usize = 41, "N";
+        /// The chain.
+        params: ChainParams = ChainParams::default(), [command(flatten)];
         /// End time, in units of time.
         ///
         /// End of the run of the kicked breather; 0 for no such run. It starts from the bond-centred
@@ -74,11 +64,9 @@ options! {
         /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
         ///
         /// For rings of at most 61 sites.
-        #[cfg_attr(feature = "cli", arg(long))]
-        bound: bool = false;
+        bound: bool = false, [arg(long)];
         /// Tolerance.
-        #[cfg_attr(feature = "cli", arg(help = Tolerance::RUN.help(), long_help = Tolerance::RUN.long_help(OF_WINDOWS)))]
-        tol: f64 = 1e-14, "T";
+        tol: f64 = 1e-14, "T", (RUN), [arg(long_help = OF_WINDOWS)];
     }
 }
 
@@ -163,12 +151,9 @@ impl Moving {
     /// # Errors
     /// Numbers outside their rules.
     pub fn breathers(&self) -> Result<Vec<MovingBreather>> {
-        let params = Params::new(self.alpha, self.kappa, self.rho)?;
+        self.within_ranges()?;
+        let params = self.params.checked()?;
         let frequencies = if self.omega_b.is_empty() { vec![RATIO * params.omega()] } else { self.omega_b.clone() };
-        if self.turns.is_empty() {
-            return Err(Error::parameter("turns", "none", "at least one number of turns"));
-        }
-        Tolerance::RUN.check(self.tol)?;
         let sites = self.sites;
         let of = |omega_b: f64| self.turns.iter().map(move |&turns| MovingBreather { params, sites, omega_b, turns });
         let breathers: Vec<MovingBreather> = frequencies.into_iter().flat_map(of).collect();

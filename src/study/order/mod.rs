@@ -168,13 +168,13 @@ options! {
     /// The order study.
     pub struct OrderOptions {
         /// Exponent of the contact force; 1.5 for spheres.
-        alpha: f64 = 1.5, "A", (0.5 to 10.0);
+        alpha: f64 = 1.5, "A", (0.5 to 10);
         /// Number of beads of the chain.
-        beads: usize = 6_usize, "N", (2 to 1000);
+        beads: usize = 6, "N", (2 to 1000);
         /// Integrators, separated by commas, or all [default: all].
         ///
         /// Each is run in all modes that it has.
-        integrators: Vec<String> = Vec::<String>::new(), "A,B,..";
+        integrators: Vec<String> = vec![], "A,B,..";
     }
 }
 

@@ -56,7 +56,7 @@ options! {
         /// Number of points.
         ///
         /// Mass ratios, evenly spaced in their logarithm.
-        points: usize = 67_usize, "K", (3 to 10_000);
+        points: usize = 67, "K", (3 to 10_000);
     }
 }
 

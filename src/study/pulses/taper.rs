@@ -44,11 +44,11 @@ options! {
         /// Number of points.
         ///
         /// Ratios of radii, evenly spaced.
-        points: usize = 33_usize, "K", (2 to 1000);
+        points: usize = 33, "K", (2 to 1000);
         /// Number of tapered spheres whose velocity is measured.
         ///
         /// So few that all radii stay between 0.001 and 1000 times the first one.
-        spheres: usize = 40_usize, "N", (10 to 200);
+        spheres: usize = 40, "N", (10 to 200);
     }
 }
 
