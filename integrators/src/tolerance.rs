@@ -47,14 +47,4 @@ impl Tolerance {
         let good = (self.least..=self.most).contains(&tol);
         if good { Ok(tol) } else { Err(Error::Argument { name: "tol", value: tol, rule: self.rule }) }
     }
-
-    /// The help of an option in short.
-    pub fn help(&self) -> String {
-        format!("Tolerance, {}", self.rule)
-    }
-
-    /// The help of an option, with what the tolerance bounds.
-    pub fn long_help(&self, bounds: &str) -> String {
-        format!("{}.\n\n{bounds}", self.help())
-    }
 }

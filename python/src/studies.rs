@@ -11,7 +11,7 @@ use hertzchain::{
     orbits::{DriveParameter, Formulation, Trail},
     output::Folder,
     study::{
-        self, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi, ModeWay, Plan, Report, Ring, Study,
+        self, BranchOptions, ChainParams, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi, ModeWay, Plan, Report, Ring, Study,
         compare, planned,
     },
     sweep::{Engine, Shard},
@@ -37,7 +37,8 @@ pub(crate) struct Breather {
 impl Breather {
     fn ring(&self) -> Ring {
         let &Self { sites, alpha, kappa, rho, c_x, tol, .. } = self;
-        Ring { sites, alpha, kappa, rho, c_x, formulation: Formulation::HalfPeriod, tol }
+        let params = ChainParams { alpha, kappa, rho };
+        Ring { sites, params, c_x, formulation: Formulation::HalfPeriod, tol }
     }
 }
 
@@ -172,7 +173,7 @@ pub(crate) fn driven_branch<'py>(
     finished(py, progress.as_ref(), |watched| {
         let search = DrivenSearch { turns, settle };
         let vary = DriveParameter::named(parameter)?;
-        let way = DrivenWay { vary, to: Some(to), step, max_points: points, switch };
+        let way = DrivenWay { vary, to: Some(to), step, branch: BranchOptions { max_points: points, switch } };
         let branch =
             study::driven_branch(scene.0.clone(), &search, &way, InSi { si }, &|share, _| watched.tell(share))?;
         Ok(text(&branch.report()?.json()))
@@ -195,7 +196,7 @@ pub(crate) fn normal_mode<'py>(
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<String> {
     finished(py, progress.as_ref(), |watched| {
-        let way = ModeWay { mode, to, step, max_points: points, switch };
+        let way = ModeWay { linear_mode: mode, to, step, branch: BranchOptions { max_points: points, switch } };
         let branch = study::follow_mode(scene.0.clone(), &way, InSi { si }, &|share, _| watched.tell(share))?;
         Ok(text(&branch.report().json()))
     })

@@ -14,9 +14,11 @@
 //! for both kinks. So in the limit of a long ring the energies at the same action and length differ
 //! by the difference of `E - omega_b J + F X` at the same frequency.
 
-use super::{Progress, Study, Work, orbits::Ring, params_words, stretches::unless_asked};
+use super::{
+    ChainParams, Progress, Study, Work, options::options, orbits::Ring, params_words, stretches::unless_asked,
+};
 use crate::{
-    chain::{Energy, Params},
+    chain::Energy,
     dps::Center,
     error::{Error, Result},
     number::{shown, written},
@@ -44,26 +46,22 @@ const PARTS: usize = 256;
 /// Sites of a ring of pure background.
 const BACKGROUND: usize = 4;
 
-/// The energy barrier between site- and bond-centred dark breathers.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Barrier {
-    /// Smallest frequency of the breathers [default: 1.005 omega].
-    ///
-    /// In radians per unit of time, above omega = sqrt(kappa (1 + 1/rho)).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
-    pub from: Option<f64>,
-    /// Largest frequency of the breathers [default: 1.05 omega].
-    ///
-    /// In radians per unit of time.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
-    pub to: Option<f64>,
-    /// Number of frequencies, equally spaced.
-    #[cfg_attr(feature = "cli", arg(long = "frequencies", value_name = "N", default_value_t = 19))]
-    pub points: usize,
-    /// The ring.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub ring: Ring,
+options! {
+    /// The energy barrier between site- and bond-centred dark breathers.
+    pub struct Barrier {
+        /// Smallest frequency of the breathers [default: 1.005 omega].
+        ///
+        /// In radians per unit of time, above omega = sqrt(kappa (1 + 1/rho)).
+        from: Option<f64> = None, "P";
+        /// Largest frequency of the breathers [default: 1.05 omega].
+        ///
+        /// In radians per unit of time.
+        to: Option<f64> = None, "P";
+        /// Number of frequencies, equally spaced.
+        frequencies: usize = 19, "N", (2 or more);
+        /// The ring.
+        ring: Ring = Ring::default(), [command(flatten)];
+    }
 }
 
 /// A kink about a site or about a bond.
@@ -142,16 +140,15 @@ impl Study for Barrier {
 
 impl Barrier {
     /// The barrier with the defaults of the command, at another mass ratio.
-    pub fn of(rho: f64, [from, to]: [f64; 2], points: usize) -> Self {
-        Self { from: Some(from), to: Some(to), points, ring: Ring { rho, ..Ring::default() } }
+    pub fn of(rho: f64, [from, to]: [f64; 2], frequencies: usize) -> Self {
+        let params = ChainParams { rho, ..ChainParams::default() };
+        Self { from: Some(from), to: Some(to), frequencies, ring: Ring { params, ..Ring::default() } }
     }
 
     fn frequencies(&self) -> Result<Vec<f64>> {
         let omega = self.ring.breather(Center::Site, None, RANGE[0])?.params.omega();
         let [from, to] = [self.from.unwrap_or(RANGE[0] * omega), self.to.unwrap_or(RANGE[1] * omega)];
-        if self.points < 2 {
-            return Err(Error::parameter("frequencies", self.points, "at least two"));
-        }
+        self.within_ranges()?;
         for (name, value) in [("from", from), ("to", to)] {
             if !(value.is_finite() && value > omega) {
                 let value = format!("{value}, where omega = {omega}");
@@ -163,8 +160,8 @@ impl Barrier {
         }
         // The seed of the first breather checks the parameters of the ring.
         self.ring.breather(Center::Site, Some(from), RANGE[0])?.seed()?;
-        let step = (to - from) / (self.points - 1) as f64;
-        Ok((0..self.points).map(|k| from + step * k as f64).collect())
+        let step = (to - from) / (self.frequencies - 1) as f64;
+        Ok((0..self.frequencies).map(|k| from + step * k as f64).collect())
     }
 
     /// The barrier.
@@ -307,7 +304,7 @@ impl BarrierStudy {
 
     /// The report.
     pub fn report(&self) -> Report {
-        let ring = &self.options.ring;
+        let (ring, params) = (&self.options.ring, self.options.ring.params);
         let lost: Vec<String> = self.missing.iter().map(|omega_b| shown(*omega_b)).collect();
         let zeros = json!({
             "at_frequency": self.zeros(BarrierPoint::at_frequency),
@@ -316,9 +313,9 @@ impl BarrierStudy {
         let title = "Peierls–Nabarro barrier of dark breathers";
         let picture = Panels { title: title.to_owned(), columns: vec![self.column()], caption: self.caption() };
         Report::new("barrier")
-            .fact("alpha", ring.alpha)
-            .fact("kappa", ring.kappa)
-            .fact("rho", ring.rho)
+            .fact("alpha", params.alpha)
+            .fact("kappa", params.kappa)
+            .fact("rho", params.rho)
             .fact("sites", ring.sites)
             .fact("c_x", ring.c_x)
             .table(table(&self.points))
@@ -342,7 +339,7 @@ impl BarrierStudy {
         format!(
             "{}, N = {}: energy of the bond-centred breather less that of the site-centred one, at the same action and \
              length {} and {}. {}",
-            params_words(Params { alpha: ring.alpha, kappa: ring.kappa, rho: ring.rho }),
+            params_words(ring.params.into()),
             ring.sites,
             ends[0],
             ends[1],
@@ -375,7 +372,7 @@ impl BarrierStudy {
         ];
         let (linear, logarithmic) = (report::Kind::Parameter, report::Kind::LogParameter);
         Column::new(
-            format!("ρ = {}", written(self.options.ring.rho)),
+            format!("ρ = {}", written(self.options.ring.params.rho)),
             [
                 Panel::new(linear, ["ω_b", "energy of a kink / e"], energies),
                 Panel::new(logarithmic, ["ω_b", "bond − site, share of kink"], differences),

@@ -15,7 +15,7 @@
 //! `sin^2(q_tw/2) = (omega_d - omega) omega^3/(2 h(X, r/(2 kappa)))`. For a weak wave `h` is
 //! `kappa alpha g_0^{alpha-1}`, `g_0` the static overlap.
 
-use super::{Progress, Study, Work};
+use super::{Progress, Study, Work, options::options};
 use crate::{
     chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State},
     dps::Averages,
@@ -29,14 +29,10 @@ use crate::{
     sweep::Tally,
 };
 use nalgebra::Complex;
-use std::{
-    f64::consts::TAU,
-    ops::{Range, RangeInclusive},
-};
+use std::{f64::consts::TAU, ops::Range};
 
 const ALPHA: f64 = 1.5;
 const KAPPA: f64 = 1.0;
-const SITES: RangeInclusive<usize> = 80..=1000;
 /// Number of sites at the far end whose dashpots absorb the wave. They grow like the cube of the
 /// distance, up to `DASHPOT` at the last site.
 const ABSORBING: usize = 40;
@@ -57,44 +53,24 @@ const MOST_PERIODS: f64 = 1e5;
 /// Largest frequency of contacts, in units of that of the drive.
 const FASTEST: f64 = 100.0;
 
-/// Travelling waves launched into a chain from one end.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct BoundaryWave {
-    /// Number of sites.
-    ///
-    /// From 80 to 1000. The first bead is moved; the last 40 absorb the wave.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 90))]
-    pub sites: usize,
-    /// Drive frequencies.
-    ///
-    /// Separated by commas, in radians per unit of time; above omega = sqrt(1 + 1/rho), and below
-    /// the end of the band of weak waves.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long,
-            value_name = "W,..",
-            value_delimiter = ',',
-            default_value = "2.002,2.004,2.006,2.008,2.01,2.015,2.02"
-        )
-    )]
-    pub omegas: Vec<f64>,
-    /// Displacement amplitude of the first bead.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "0.05"))]
-    pub drive: f64,
-    /// Static overlap of all contacts.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "G", default_value = "0.05"))]
-    pub overlap: f64,
-    /// Mass ratio resonator to bead, positive.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
-    pub rho: f64,
-}
-
-impl Default for BoundaryWave {
-    fn default() -> Self {
-        let omegas = vec![2.002, 2.004, 2.006, 2.008, 2.01, 2.015, 2.02];
-        Self { sites: 90, omegas, drive: 0.05, overlap: 0.05, rho: 1.0 / 3.0 }
+options! {
+    /// Travelling waves launched into a chain from one end.
+    pub struct BoundaryWave {
+        /// Number of sites.
+        ///
+        /// The first bead is moved; the last 40 absorb the wave.
+        sites: usize = 90, "N", (80 to 1000);
+        /// Drive frequencies.
+        ///
+        /// Separated by commas, in radians per unit of time; above omega = sqrt(1 + 1/rho), and below
+        /// the end of the band of weak waves.
+        omegas: Vec<f64> = vec![2.002, 2.004, 2.006, 2.008, 2.01, 2.015, 2.02], "W,..";
+        /// Displacement amplitude of the first bead.
+        drive: f64 = 0.05, "A", (positive);
+        /// Static overlap of all contacts.
+        overlap: f64 = 0.05, "G", (positive);
+        /// Mass ratio resonator to bead.
+        rho: f64 = 1.0 / 3.0, "R", (positive);
     }
 }
 
@@ -166,14 +142,7 @@ impl BoundaryWave {
     }
 
     fn check(&self) -> Result<()> {
-        if !SITES.contains(&self.sites) {
-            return Err(Error::parameter("sites", self.sites, "from 80 to 1000"));
-        }
-        for (name, value) in [("drive", self.drive), ("overlap", self.overlap), ("rho", self.rho)] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(Error::parameter(name, value, "finite and positive"));
-            }
-        }
+        self.within_ranges()?;
         self.omegas.iter().try_for_each(|&omega_d| {
             self.weak_wave_number(omega_d)?;
             self.check_contacts(omega_d)?;

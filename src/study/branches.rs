@@ -1,5 +1,6 @@
 //! Branches of orbits in reports: points, bifurcations, the end, and the branch that crosses.
 
+use super::options::options;
 use crate::{
     error::{Error, Result},
     orbits::End,
@@ -14,10 +15,19 @@ pub(super) const SWITCHED: [&str; 2] = ["switched-branch", "switched-bifurcation
 /// followed.
 pub(super) type Switched<B> = Option<(usize, std::result::Result<B, String>)>;
 
-/// Refuses the number of a bifurcation that is none.
-pub(super) fn check_switch(number: Option<usize>) -> Result<()> {
-    let rule = "bifurcations of the branch are numbered from 1";
-    if number == Some(0) { Err(Error::parameter("switch", 0, rule)) } else { Ok(()) }
+options! {
+    /// How long a branch is, and the one that crosses it.
+    #[derive(Copy, PartialEq, Eq)]
+    pub struct BranchOptions {
+        /// Points of the branch at most.
+        max_points: usize = 200, "N";
+        /// Follow the branch that crosses at bifurcation K, too.
+        ///
+        /// A period doubling, for orbits of the doubled period, or a branch point; bifurcations are
+        /// numbered from 1 as they are printed. It ends as the first branch does, or where orbits
+        /// of doubled period come back to those of half the period.
+        switch: Option<usize> = None, "K", (1 or more);
+    }
 }
 
 /// The branch that crosses another one at its bifurcation `number`. Without such a branch, the

@@ -1,9 +1,8 @@
 //! The modulation equations: averages of the contact force, homoclinic solutions, standing waves
 //! with a kink.
 
-use super::{Study, Work, params_words};
+use super::{ChainParams, Study, Work, options::options, params_words};
 use crate::{
-    chain::Params,
     dps::{Averages, Center, DarkProfile, Homoclinic, Values},
     error::{Error, Result},
     report::{
@@ -17,26 +16,22 @@ use serde_json::json;
 /// Default frequency of a dark breather, in units of `omega`.
 const FREQUENCY: f64 = 1.005;
 
-/// The averaged contact force, its harmonic, and their derivatives.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Integrals {
-    /// Exponent of the contact force; 1.5 for spheres.
-    ///
-    /// Above 0 and at most 10.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
-    pub alpha: f64,
-    /// Spring constant of the resonators, positive.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value = "1"))]
-    pub kappa: f64,
-    /// Mean strain.
-    ///
-    /// The overlap of the bond is -b + 2 kappa r cos t; all values are zero for b >= 2 kappa r.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "B"))]
-    pub b: f64,
-    /// Amplitude r of the oscillation, at least zero.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "R"))]
-    pub r: f64,
+options! {
+    /// The averaged contact force, its harmonic, and their derivatives.
+    pub struct Integrals {
+        /// Exponent of the contact force; 1.5 for spheres.
+        ///
+        /// Above 0 and at most 10.
+        alpha: f64 = 1.5, "A";
+        /// Spring constant of the resonators, positive.
+        kappa: f64 = 1.0, "K";
+        /// Mean strain.
+        ///
+        /// The overlap of the bond is -b + 2 kappa r cos t; all values are zero for b >= 2 kappa r.
+        b: f64 = f64::NAN, "B";
+        /// Amplitude r of the oscillation, at least zero.
+        r: f64 = f64::NAN, "R";
+    }
 }
 
 impl Study for Integrals {
@@ -83,18 +78,16 @@ fn rows(values: &Values) -> [(&'static str, &'static str, f64); 8] {
     ]
 }
 
-/// Homoclinic solutions: profiles of bright breathers.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Homoclinics {
-    /// Exponent of the contact force; 1.5 for spheres.
-    ///
-    /// From 1.01 to 10.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
-    pub alpha: f64,
-    /// What the profile is symmetric about.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Site))]
-    pub center: Center,
+options! {
+    /// Homoclinic solutions: profiles of bright breathers.
+    pub struct Homoclinics {
+        /// Exponent of the contact force; 1.5 for spheres.
+        ///
+        /// From 1.01 to 10.
+        alpha: f64 = 1.5, "A";
+        /// What the profile is symmetric about.
+        center: Center = Center::Site, "C";
+    }
 }
 
 impl Study for Homoclinics {
@@ -138,41 +131,26 @@ pub(crate) fn of_sites(profile: &DarkProfile, value: impl Fn(i64) -> f64) -> Vec
     profile.sites().map(value).collect()
 }
 
-/// Standing waves with a kink: profiles of dark breathers.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct DarkProfiles {
-    /// What the profile is symmetric about.
-    ///
-    /// The kink is on the site 0, or on the bond between the sites 0 and 1.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Site))]
-    pub center: Center,
-    /// Number of sites.
-    ///
-    /// Length of the ring, an odd number from 3 to 100001.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 41))]
-    pub sites: usize,
-    /// Exponent of the contact force; 1.5 for spheres.
-    ///
-    /// From 1.01 to 10.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
-    pub alpha: f64,
-    /// Spring constant of the resonators, positive.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value = "1"))]
-    pub kappa: f64,
-    /// Mass ratio resonator to bead, positive.
-    ///
-    /// Finite.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
-    pub rho: f64,
-    /// Mean strain of the background at mu = 1.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", default_value = "0"))]
-    pub c: f64,
-    /// Frequency of the breather, in radians per unit of time.
-    ///
-    /// Above omega = sqrt(kappa (1 + 1/rho)) [default: 1.005 omega].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "W"))]
-    pub omega_b: Option<f64>,
+options! {
+    /// Standing waves with a kink: profiles of dark breathers.
+    pub struct DarkProfiles {
+        /// What the profile is symmetric about.
+        ///
+        /// The kink is on the site 0, or on the bond between the sites 0 and 1.
+        center: Center = Center::Site, "C";
+        /// Number of sites.
+        ///
+        /// Length of the ring, an odd number from 3 to 100001.
+        sites: usize = 41, "N";
+        /// The chain.
+        params: ChainParams = ChainParams::default(), [command(flatten)];
+        /// Mean strain of the background at mu = 1.
+        c: f64 = 0.0, "C";
+        /// Frequency of the breather, in radians per unit of time.
+        ///
+        /// Above omega = sqrt(kappa (1 + 1/rho)) [default: 1.005 omega].
+        omega_b: Option<f64> = None, "W";
+    }
 }
 
 /// The row of a site: its number, `a` and `b` at `mu = 1`, strains of the breather at rest.
@@ -195,8 +173,7 @@ impl Study for DarkProfiles {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        let &Self { sites, alpha, kappa, rho, c, .. } = self;
-        let profile = DarkProfile::new(Params { alpha, kappa, rho }, self.center, sites, c)?;
+        let profile = DarkProfile::new(self.params.checked()?, self.center, self.sites, self.c)?;
         let omega_b = self.omega_b.unwrap_or(FREQUENCY * profile.params().omega());
         let (mu, (x, y)) = (profile.mu(omega_b)?, profile.seed(omega_b)?);
         Ok(Box::new(move |_, _| Ok(Box::new(dark_report(&profile, omega_b, mu, [x, y])))))

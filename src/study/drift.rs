@@ -5,7 +5,8 @@
 //! smooth problem it does not grow at all.
 
 use super::{
-    Changes, Study, Work, compare::steps_for_kicks, families, fit_line, methods, scene, scene_caption, scene_json,
+    Changes, Study, Work, compare::steps_for_kicks, families, fit_line, methods, options::options, scene,
+    scene_caption, scene_json,
 };
 use crate::{
     chain::Chain,
@@ -27,10 +28,6 @@ use std::{ops::ControlFlow, time::Instant};
 /// Name of the store in the folder of results.
 const STORE: &str = "drift.store";
 
-/// Lengths of runs that may be asked for, in periods.
-const PERIODS: std::ops::RangeInclusive<f64> = 1.0..=1e9;
-/// Numbers of times that may be kept.
-const SAMPLES: std::ops::RangeInclusive<usize> = 2..=100_000;
 /// Contact kicks of splitting schemes in a period of the fastest motion.
 const KICKS: f64 = 64.0;
 /// Tolerance of adaptive methods.
@@ -45,44 +42,33 @@ const MOST_POINTS: usize = 40;
 /// A run is unstable when its energy exceeds the initial one by this factor.
 const ENERGY_BOUND: f64 = 10.0;
 
-/// The drift study of a scene.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Drift {
-    /// Name of a built-in scene, or a TOML file.
-    #[cfg_attr(feature = "cli", arg(default_value = "bright-breather-16"))]
-    pub scene: String,
-    /// Changes to it.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub set: Changes,
-    /// What is measured.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub options: DriftOptions,
+options! {
+    /// The drift study of a scene.
+    pub struct Drift {
+        /// Name of a built-in scene, or a TOML file.
+        scene: String = "bright-breather-16".to_owned();
+        /// Changes to it.
+        set: Changes = Changes::default(), [command(flatten)];
+        /// What is measured.
+        options: DriftOptions = DriftOptions::default(), [command(flatten)];
+    }
 }
 
-/// What to measure.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct DriftOptions {
-    /// Length of the longest run, in periods.
-    ///
-    /// All runs have this length, in periods of the scene; from 1 to 10^9.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value = "1e4"))]
-    pub periods: f64,
-    /// Integrators, separated by commas, or all.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long, value_name = "A,B,..", value_delimiter = ',',
-            default_values = ["collocation", "corrected", "strang-linear", "yoshida4-linear"]
-        )
-    )]
-    pub integrators: Vec<String>,
-    /// Number of sample times.
-    ///
-    /// Spaced evenly in the logarithm of time, from 2 to 10^5.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value_t = 200))]
-    pub samples: usize,
+options! {
+    /// What to measure.
+    pub struct DriftOptions {
+        /// Length of the longest run, in periods.
+        ///
+        /// All runs have this length, in periods of the scene.
+        periods: f64 = 1e4, "P", (1 to 1e9);
+        /// Integrators, separated by commas, or all.
+        integrators: Vec<String> =
+            ["collocation", "corrected", "strang-linear", "yoshida4-linear"].map(String::from).into(), "A,B,..";
+        /// Number of sample times.
+        ///
+        /// Spaced evenly in the logarithm of time.
+        samples: usize = 200, "K", (2 to 100_000);
+    }
 }
 
 impl Study for Drift {
@@ -243,12 +229,7 @@ pub fn drift(
 ) -> Result<DriftStudy> {
     let DriftOptions { periods, samples, .. } = options;
     let methods = methods(&options.integrators, Method::all)?;
-    if !PERIODS.contains(periods) {
-        return Err(Error::parameter("periods", periods, "from 1 to 10^9"));
-    }
-    if !SAMPLES.contains(samples) {
-        return Err(Error::parameter("samples", samples, "from 2 to 10^5"));
-    }
+    options.within_ranges()?;
     if !scene.chain().has_energy(scene.initial().as_slice()) {
         let rule = "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
         return Err(Error::parameter("scene", scene.name(), rule));

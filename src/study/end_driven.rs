@@ -22,7 +22,9 @@
 use super::{
     Progress, Study, Work,
     branches::stability_lines,
-    multipliers_panel, shown,
+    multipliers_panel,
+    options::options,
+    shown,
     stretches::{finished, unless_asked},
     word,
 };
@@ -61,58 +63,34 @@ const AFTER_RAMP: u32 = 4000;
 const MOST_TRIED: usize = 4;
 /// Distance from an orbit, in units of its largest unknown, at which a run has reached it.
 const REACHED: f64 = 1e-3;
-const SITES: std::ops::RangeInclusive<usize> = 10..=60;
 
-/// Damped resonant chains driven at both ends.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct EndDriven {
-    /// Numbers of sites, ends included.
-    ///
-    /// Separated by commas, each from 10 to 60. A chain with an even number has a kink about a bond
-    /// if its ends move in phase; one with an odd number has a kink about a bead if they move in
-    /// antiphase.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N,..", value_delimiter = ',', default_value = "10,11"))]
-    pub lengths: Vec<usize>,
-    /// Drive frequencies.
-    ///
-    /// Separated by commas, in radians per unit of time; above omega = sqrt(1 + 1/rho).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "W,..", value_delimiter = ',', default_value = "2.03,2.05"))]
-    pub omegas: Vec<f64>,
-    /// Mass ratio resonator to bead, positive.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
-    pub rho: f64,
-    /// Drag on beads: force per velocity of a bead.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", default_value = "0.01"))]
-    pub drag: f64,
-    /// Dashpots beside the springs of resonators: force per relative velocity.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "D", default_value = "0.001"))]
-    pub dashpot: f64,
-    /// Largest drive amplitude.
-    ///
-    /// The displacement amplitude of the end beads at which a branch ends.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "0.2"))]
-    pub to: f64,
-    /// Largest change of the drive amplitude from point to point.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DA", default_value = "0.01"))]
-    pub step: f64,
-    /// Points of the branch at most.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 30))]
-    pub max_points: usize,
-}
-
-impl Default for EndDriven {
-    fn default() -> Self {
-        Self {
-            lengths: vec![10, 11],
-            omegas: vec![2.03, 2.05],
-            rho: 1.0 / 3.0,
-            drag: 0.01,
-            dashpot: 0.001,
-            to: 0.2,
-            step: 0.01,
-            max_points: 30,
-        }
+options! {
+    /// Damped resonant chains driven at both ends.
+    pub struct EndDriven {
+        /// Numbers of sites, ends included.
+        ///
+        /// Separated by commas. A chain with an even number has a kink about a bond
+        /// if its ends move in phase; one with an odd number has a kink about a bead if they move in
+        /// antiphase.
+        lengths: Vec<usize> = vec![10, 11], "N,..", (10 to 60);
+        /// Drive frequencies.
+        ///
+        /// Separated by commas, in radians per unit of time; above omega = sqrt(1 + 1/rho).
+        omegas: Vec<f64> = vec![2.03, 2.05], "W,..";
+        /// Mass ratio resonator to bead, positive.
+        rho: f64 = 1.0 / 3.0, "R";
+        /// Drag on beads: force per velocity of a bead.
+        drag: f64 = 0.01, "C", (from 0);
+        /// Dashpots beside the springs of resonators: force per relative velocity.
+        dashpot: f64 = 0.001, "D", (from 0);
+        /// Largest drive amplitude.
+        ///
+        /// The displacement amplitude of the end beads at which a branch ends.
+        to: f64 = 0.2, "A", (positive);
+        /// Largest change of the drive amplitude from point to point.
+        step: f64 = 0.01, "DA", (positive);
+        /// Points of the branch at most.
+        max_points: usize = 30, "N", (2 to 10_000);
     }
 }
 
@@ -267,30 +245,15 @@ fn first_harmonic(samples: impl ExactSizeIterator<Item = f64>) -> Complex<f64> {
 impl EndDriven {
     fn check(&self) -> Result<()> {
         let params = Params::new(1.5, 1.0, self.rho)?;
-        if let Some(sites) = self.lengths.iter().find(|sites| !SITES.contains(sites)) {
-            return Err(Error::parameter("lengths", sites, "from 10 to 60 sites"));
-        }
+        self.within_ranges()?;
         if let Some(omega) = self.omegas.iter().find(|omega| !(omega.is_finite() && **omega > params.omega())) {
             return Err(Error::parameter("omegas", omega, "finite, and above sqrt(1 + 1/rho)"));
-        }
-        for (name, value) in [("drag", self.drag), ("dashpot", self.dashpot)] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(Error::parameter(name, value, "finite and at least zero"));
-            }
         }
         if self.drag + self.dashpot == 0.0 {
             return Err(Error::parameter("drag", 0, "a chain without drag has a dashpot"));
         }
-        for (name, value) in [("to", self.to), ("step", self.step)] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(Error::parameter(name, value, "finite and positive"));
-            }
-        }
         if self.step >= self.to {
             return Err(Error::parameter("step", self.step, "below the largest amplitude"));
-        }
-        if !(2..=10_000).contains(&self.max_points) {
-            return Err(Error::parameter("max-points", self.max_points, "from 2 to 10000"));
         }
         Ok(())
     }

@@ -36,6 +36,7 @@ mod wave;
 
 pub use barrier::*;
 pub use boundary_wave::*;
+pub use branches::BranchOptions;
 pub use breather::*;
 pub use charts::{
     BOUNDS, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance, ResonancePoint,
@@ -54,6 +55,7 @@ pub use lifetimes::*;
 pub use modulation::*;
 pub use moving::*;
 pub use normal_modes::*;
+pub use options::{Adaptive, ChainParams};
 pub(crate) use orbits::folder_of;
 pub use orbits::*;
 pub use order::*;
@@ -71,8 +73,6 @@ pub use wave::*;
 
 pub(crate) use crate::number::shown;
 use crate::{chain::Params, error::Result, number::written, report, run::Method, scene::Scene, sweep::Engine};
-#[cfg(feature = "cli")]
-use hertzchain_integrators::Tolerance;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -202,16 +202,19 @@ fn scene(name: &str, changes: &Changes) -> Result<Scene> {
 
 /// What the tolerance of collocation bounds, for the help of options.
 #[cfg(feature = "cli")]
-const OF_WINDOWS: &str = "It bounds the sum of the errors of all windows, relative to the size of the state. Where small \
-                          changes grow, the error at the end is larger by the same factor.";
+const OF_WINDOWS: &str = "\
+Tolerance.
+
+It bounds the sum of the errors of all windows, relative to the size of the state. Where small changes \
+grow, the error at the end is larger by the same factor.";
 /// The same of the flow of an exact wave.
 #[cfg(feature = "cli")]
-const OF_WAVE: &str = "It bounds the sum of the errors of the flow over a relative period.";
+const OF_WAVE: &str = "Tolerance.\n\nIt bounds the sum of the errors of the flow over a relative period.";
 
 /// The help of the tolerance of a run, with what else it may mean.
 #[cfg(feature = "cli")]
 pub(crate) fn tolerance_help(more: &str) -> String {
-    Tolerance::RUN.long_help(&format!("For collocation: {OF_WINDOWS} {more}For dop853: error of a step"))
+    format!("{OF_WINDOWS} {more}This is for collocation; for dop853 it bounds the error of a step.")
 }
 
 /// The integrators that are named; all for `all`; those of `unnamed` if none is.

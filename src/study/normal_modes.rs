@@ -3,14 +3,15 @@
 
 use super::{
     Changes, InSi, Progress, Study, Work,
-    branches::{self, SWITCHED, Switched, check_switch, crossed, crossing},
+    branches::{self, BranchOptions, SWITCHED, Switched, crossed, crossing},
+    options::options,
     scene_caption, scene_json, shown,
     si::Scale,
     stretches::{self, Known},
     word,
 };
 use crate::{
-    error::{Error, Result},
+    error::Result,
     orbits::{
         End, LinearMode, ModeBifurcation, ModeBranch, ModeContinuation, ModePoint, ModeTrail, Multiplier, NormalModes,
     },
@@ -24,58 +25,44 @@ use crate::{
 };
 use serde_json::json;
 
-/// A conservative scene, and a mode of it that is followed.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct FollowMode {
-    /// Name of a built-in scene, or a TOML file.
-    ///
-    /// All contacts of the scene must be closed at rest: a static overlap, between walls or on a
-    /// ring. Beads may differ. The initial state of the scene does not matter.
-    #[cfg_attr(feature = "cli", arg(default_value = "defect"))]
-    pub scene: String,
-    /// Changes to the scene.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub changes: Changes,
-    /// The branch.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub way: ModeWay,
-    /// The units of options and results.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub si: InSi,
+options! {
+    /// A conservative scene, and a mode of it that is followed.
+    pub struct FollowMode {
+        /// Name of a built-in scene, or a TOML file.
+        ///
+        /// All contacts of the scene must be closed at rest: a static overlap, between walls or on
+        /// a ring. Beads may differ. The initial state of the scene does not matter.
+        scene: String = "defect".to_owned();
+        /// Changes to the scene.
+        changes: Changes = Changes::default(), [command(flatten)];
+        /// The branch.
+        way: ModeWay = ModeWay::default(), [command(flatten)];
+        /// The units of options and results.
+        si: InSi = InSi::default(), [command(flatten)];
+    }
 }
 
-/// The branch of a mode.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct ModeWay {
-    /// Number of the linear mode, from 1 on, the lowest frequency first.
-    ///
-    /// [default: the most localised one]
-    #[cfg_attr(feature = "cli", arg(long = "linear-mode", value_name = "K"))]
-    pub mode: Option<usize>,
-    /// Amplitude at which the branch ends.
-    ///
-    /// The amplitude is the displacement, at the start of the period, of the bead or resonator that
-    /// moves most in the linear mode.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A"))]
-    pub to: f64,
-    /// Largest change of the amplitude from point to point.
-    ///
-    /// The branch begins at this amplitude, or at a smaller one if the orbit found there is not
-    /// near the linear mode [default: a twentieth of the last one].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DA"))]
-    pub step: Option<f64>,
-    /// Points of the branch at most.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 200))]
-    pub max_points: usize,
-    /// Follow the branch that crosses at bifurcation K, too.
-    ///
-    /// A period doubling, for orbits of the doubled period, or a branch point; bifurcations are
-    /// numbered from 1 as they are printed. It ends as the first branch does, or where orbits of
-    /// doubled period come back to those of half the period.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K"))]
-    pub switch: Option<usize>,
+options! {
+    /// The branch of a mode.
+    #[derive(Copy, PartialEq)]
+    pub struct ModeWay {
+        /// Number of the linear mode, from 1 on, the lowest frequency first.
+        ///
+        /// [default: the most localised one]
+        linear_mode: Option<usize> = None, "K", (1 or more);
+        /// Amplitude at which the branch ends.
+        ///
+        /// The amplitude is the displacement, at the start of the period, of the bead or resonator
+        /// that moves most in the linear mode.
+        to: f64 = f64::NAN, "A";
+        /// Largest change of the amplitude from point to point.
+        ///
+        /// The branch begins at this amplitude, or at a smaller one if the orbit found there is not
+        /// near the linear mode [default: a twentieth of the last one].
+        step: Option<f64> = None, "DA";
+        /// What every branch asks for.
+        branch: BranchOptions = BranchOptions::default(), [command(flatten)];
+    }
 }
 
 /// The branch of a mode of a scene. All of its numbers are dimensionless; `si` is for its
@@ -112,16 +99,12 @@ impl ModeWay {
     }
 
     fn continuation(&self, modes: &NormalModes) -> Result<ModeContinuation> {
-        let &Self { mode, to, step, max_points: most_points, switch } = self;
-        check_switch(switch)?;
-        let mode = match mode {
-            None => modes.most_localised(),
-            Some(0) => {
-                return Err(Error::parameter("linear_mode", 0, "linear modes are numbered from 1, by frequency"));
-            }
-            Some(number) => number - 1,
-        };
-        let continuation = ModeContinuation { mode, to, step: step.unwrap_or(0.05 * to), most_points };
+        self.within_ranges()?;
+        self.branch.within_ranges()?;
+        let &Self { to, step, branch, .. } = self;
+        let mode = self.linear_mode.map_or(modes.most_localised(), |number| number - 1);
+        let (step, most_points) = (step.unwrap_or(0.05 * to), branch.max_points);
+        let continuation = ModeContinuation { mode, to, step, most_points };
         continuation.check(modes).map(|()| continuation)
     }
 }
@@ -146,7 +129,7 @@ impl Study for FollowMode {
         let scene = Scene::load_with(&self.scene, &self.changes.set)?;
         let (modes, continuation, si) = self.way.for_scene(&scene, self.si)?;
         Ok(Box::new(move |engine, progress| {
-            Ok(Box::new(followed(scene, modes, si, &continuation, self.way.switch, engine, progress)?.report()))
+            Ok(Box::new(followed(scene, modes, si, &continuation, self.way.branch.switch, engine, progress)?.report()))
         }))
     }
 }
@@ -159,7 +142,7 @@ impl Study for FollowMode {
 /// units that are asked for; a number outside its rule; a first orbit that is not found; a signal.
 pub fn follow_mode(scene: Scene, way: &ModeWay, si: InSi, progress: Progress<'_>) -> Result<ModeStudy> {
     let (modes, continuation, si) = way.for_scene(&scene, si)?;
-    followed(scene, modes, si, &continuation, way.switch, &Engine::threads(), progress)
+    followed(scene, modes, si, &continuation, way.branch.switch, &Engine::threads(), progress)
 }
 
 /// Names of the stores of bifurcations.

@@ -1,152 +1,247 @@
-//! Options of studies, each told once: field, default, range and meaning.
+//! Options of studies, each told once: field, flag, default and range in [`options!`].
 
-use crate::error::{Error, Result};
 #[cfg(feature = "cli")]
-use std::fmt::Display;
-use std::ops::RangeInclusive;
+use super::tolerance_help;
+use crate::{
+    chain::Params,
+    error::{Error, Result},
+    run::{Method, Run},
+    scene::Scene,
+};
+use std::{fmt::Debug, ops::RangeInclusive};
 
-/// A value of an option: a number or a list of numbers, which has a range.
-#[cfg_attr(not(feature = "cli"), allow(dead_code, reason = "flags need all of it, checks only the numbers"))]
-pub(crate) trait Value<T>: Sized {
+/// A value of an option that has a range: a number, one that may be left out, or a list.
+pub(crate) trait Value {
+    /// The type of a number.
+    type Number: PartialOrd + Debug;
+
     /// The numbers.
-    fn numbers(&self) -> &[T];
-    /// The value with these numbers.
-    fn of(numbers: Vec<T>) -> Self;
-    /// Whether it is a list, separated by commas.
-    const LIST: bool;
+    fn numbers(&self) -> &[Self::Number];
 }
 
-impl<T: Copy> Value<T> for Vec<T> {
+impl<T: PartialOrd + Debug> Value for Vec<T> {
+    type Number = T;
+
     fn numbers(&self) -> &[T] {
         self
     }
+}
 
-    fn of(numbers: Vec<T>) -> Self {
-        numbers
+impl<T: PartialOrd + Debug> Value for Option<T> {
+    type Number = T;
+
+    fn numbers(&self) -> &[T] {
+        self.as_slice()
     }
-
-    const LIST: bool = true;
 }
 
 macro_rules! single {
     ($($number:ty),*) => {$(
-        impl Value<$number> for $number {
+        impl Value for $number {
+            type Number = $number;
+
             fn numbers(&self) -> &[$number] {
                 std::slice::from_ref(self)
             }
-
-            fn of(numbers: Vec<$number>) -> Self {
-                numbers[0]
-            }
-
-            const LIST: bool = false;
         }
     )*};
 }
 single!(f64, usize, u64, u32);
 
-/// Refuses a value outside its range, which is `rule` in words, and an empty list.
-pub(crate) fn within<T: PartialOrd + ToString, V: Value<T>>(
-    name: &'static str,
-    value: &V,
-    range: &RangeInclusive<T>,
-    rule: &'static str,
-) -> Result<()> {
-    if value.numbers().is_empty() {
-        return Err(Error::parameter(name, "", "at least one"));
+/// Values as they are written on the command line: as for `Debug`, or with an exponent if that is
+/// shorter. None for an empty list, `None`, NaN and groups of options.
+fn texts(value: &impl Debug) -> Vec<String> {
+    let text = format!("{value:?}").to_lowercase();
+    let items = text.trim_start_matches("some(").trim_matches(['[', ']', ')']).split(", ");
+    let items = items.map(|item| item.trim_matches('"')).filter(|item| !["", "none", "nan"].contains(item));
+    let items = items.filter(|item| !item.contains('{'));
+    items
+        .map(|item| match item.strip_suffix(".0") {
+            Some(whole) => {
+                let short = item.parse().map_or(String::new(), |number: f64| format!("{number:e}"));
+                if short.len() + 1 < whole.len() { short } else { whole.to_owned() }
+            }
+            None => item.to_owned(),
+        })
+        .collect()
+}
+
+/// A range of numbers, and its rule in words.
+type Range<V> = (RangeInclusive<<V as Value>::Number>, &'static str);
+
+/// The rule of a range.
+#[cfg(feature = "cli")]
+pub(crate) fn rule<V: Value>(_: &V, range: Range<V>) -> &'static str {
+    range.1
+}
+
+/// Refuses a value outside its range, and an empty list unless the default is one.
+pub(crate) fn within<V: Value>(field: &str, value: &V, default: &V, (range, rule): Range<V>) -> Result<()> {
+    // The name of the flag.
+    let name = || &*field.replace('_', "-").leak();
+    if value.numbers().is_empty() && !default.numbers().is_empty() {
+        return Err(Error::parameter(name(), "\"\"", "name at least one value"));
     }
     match value.numbers().iter().find(|number| !range.contains(number)) {
-        Some(number) => Err(Error::parameter(name, number.to_string(), rule)),
+        Some(number) => Err(Error::parameter(name(), texts(number).concat(), rule)),
         None => Ok(()),
     }
 }
 
-/// The flag of an option. The first paragraph of `doc` is its short help.
+/// The flag of an option: lists are separated by commas, and the help ends with the range.
 #[cfg(feature = "cli")]
-pub(crate) fn flag<T: Display, V: Value<T>>(
-    name: &'static str,
-    doc: &str,
-    value_name: &'static str,
-    default: &V,
-    range: &str,
-    parser: impl clap::builder::IntoResettable<clap::builder::ValueParser>,
-) -> clap::Arg {
-    let lines: Vec<&str> = doc.lines().map(str::trim).collect();
-    let mut paragraphs = lines.split(|line| line.is_empty()).map(|lines| lines.join(" "));
-    let short = paragraphs.next().unwrap_or_default();
-    let rule = format!("{} {range}.", if V::LIST { "Each is from" } else { "From" });
-    let long: Vec<String> = [short.clone()].into_iter().chain(paragraphs).chain([rule]).collect();
+pub(crate) fn flag(arg: clap::Arg, default: &impl Debug, rules: &[&str]) -> clap::Arg {
+    let is_list = matches!(arg.get_action(), clap::ArgAction::Append);
+    let arg = if is_list { arg.value_delimiter(',') } else { arg };
     // Defaults live as long as the command line: for the whole program.
-    let defaults = default.numbers().iter().map(|number| &*String::leak(number.to_string()));
-    let arg = clap::Arg::new(name).long(name).value_name(value_name).value_parser(parser);
-    let arg = arg.help(short.trim_end_matches('.').to_owned()).long_help(long.join("\n\n")).default_values(defaults);
-    if V::LIST { arg.value_delimiter(',') } else { arg }
+    let defaults: Vec<&str> = texts(default).into_iter().map(|text| &*text.leak()).collect();
+    let told = defaults.is_empty() || !arg.get_default_values().is_empty() || !arg.get_action().takes_values();
+    let arg = if told { arg } else { arg.default_values(defaults).required(false) };
+    let Some(rule) = rules.first() else { return arg };
+    let short = arg.get_help().map(|help| format!("{help}."));
+    let long = arg.get_long_help().map(ToString::to_string).or(short).unwrap_or_default();
+    let rule = if is_list { format!("Each is {rule}") } else { format!("{}{}", rule[..1].to_uppercase(), &rule[1..]) };
+    arg.long_help(format!("{long}\n\n{rule}."))
 }
 
-/// A type of options of a study.
+/// A range and its words.
+macro_rules! range {
+    (positive) => {
+        (0.0_f64.next_up()..=f64::MAX, "finite and positive")
+    };
+    (finite) => {
+        (f64::MIN..=f64::MAX, "a finite number")
+    };
+    ($tolerance:ident) => {{
+        let kind = hertzchain_integrators::Tolerance::$tolerance;
+        (kind.least..=kind.most, kind.rule)
+    }};
+    ($least:literal or more) => {
+        ($least..=usize::MAX, concat!("at least ", $least))
+    };
+    ($least:literal to $most:literal) => {
+        ($least as _..=$most as _, concat!("from ", $least, " to ", $most))
+    };
+    (from $least:literal) => {
+        ($least.into()..=f64::MAX, concat!("finite and at least ", $least))
+    };
+    (above $least:literal to $most:literal) => {
+        (f64::from($least).next_up()..=$most.into(), concat!("above ", $least, " and at most ", $most))
+    };
+    (above 0 below $most:literal) => {
+        // Subnormal numbers have fewer digits.
+        (f64::MIN_POSITIVE..=f64::from($most).next_down(), concat!("above 0 and below ", $most))
+    };
+}
+pub(crate) use range;
+
+/// A type of options of a study, with `Default`.
 ///
-/// `field: type = default, least to most, "VALUE", number;` is a field and its flag `--field
-/// VALUE`: help, default and range are told here only. The type has `Default`, and `within_ranges`
-/// refuses values outside them.
+/// `field: type = default, "VALUE", (least to most), [attribute of clap];` is a field and its flag
+/// `--field VALUE`: help, default and range are told here only. All but the first may be left out:
+/// without `"VALUE"` the attributes tell the flag, and without a range other code checks the value.
+/// `within_ranges` refuses numbers outside their ranges.
 macro_rules! options {
     ($(#[$attribute:meta])* pub struct $name:ident {
-        $($(#[doc = $doc:literal])* $field:ident: $type:ty = $default:expr, $least:literal to $most:literal, $value:literal, $number:ty;)*
+        $($(#[$about:meta])* $field:ident: $type:ty = $default:expr
+            $(, $value:literal)? $(, ($($range:tt)*))? $(, [$flag:meta])?;)*
     }) => {
         $(#[$attribute])*
         #[derive(Clone, Debug)]
+        #[cfg_attr(feature = "cli", derive(clap::Args))]
+        #[cfg_attr(feature = "cli", command(mut_args(|arg| {
+            let default = Self::default();
+            match arg.get_id().as_str() {
+                $(stringify!($field) => {
+                    use $crate::study::options::*;
+                    flag(arg, &default.$field, &[$(rule(&default.$field, range!($($range)*)))?])
+                })*
+                _ => arg,
+            }
+        })))]
         pub struct $name {
-            $($(#[doc = $doc])* pub $field: $type,)*
+            $($(#[cfg_attr(feature = "cli", arg(long, value_name = $value))])?
+            $(#[cfg_attr(feature = "cli", $flag)])? $(#[$about])* pub $field: $type,)*
         }
 
         impl Default for $name {
             fn default() -> Self {
-                Self { $($field: $default.into(),)* }
+                Self { $($field: $default,)* }
             }
         }
 
         impl $name {
-            /// Refuses the first value outside its range.
-            fn within_ranges(&self) -> $crate::error::Result<()> {
-                $($crate::study::options::within::<$number, $type>(
-                    stringify!($field),
-                    &self.$field,
-                    &($least..=$most),
-                    concat!("from ", $least, " to ", $most),
-                )?;)*
-                Ok(())
-            }
-        }
-
-        #[cfg(feature = "cli")]
-        impl clap::Args for $name {
-            fn augment_args(command: clap::Command) -> clap::Command {
+            /// Refuses the first number outside its range.
+            #[allow(dead_code, unused, reason = "a type may have no ranges")]
+            pub(crate) fn within_ranges(&self) -> $crate::error::Result<()> {
+                use $crate::study::options::*;
                 let default = Self::default();
-                command.args([$($crate::study::options::flag::<$number, $type>(
-                    stringify!($field),
-                    concat!($($doc, "\n"),*),
-                    $value,
-                    &default.$field,
-                    concat!($least, " to ", $most),
-                    clap::value_parser!($number),
-                ),)*])
-            }
-
-            fn augment_args_for_update(command: clap::Command) -> clap::Command {
-                Self::augment_args(command)
-            }
-        }
-
-        #[cfg(feature = "cli")]
-        impl clap::FromArgMatches for $name {
-            fn from_arg_matches(matches: &clap::ArgMatches) -> std::result::Result<Self, clap::Error> {
-                $(let $field = matches.get_many::<$number>(stringify!($field)).into_iter().flatten().copied();)*
-                Ok(Self { $($field: <$type as $crate::study::options::Value<$number>>::of($field.collect()),)* })
-            }
-
-            fn update_from_arg_matches(&mut self, matches: &clap::ArgMatches) -> std::result::Result<(), clap::Error> {
-                Self::from_arg_matches(matches).map(|told| *self = told)
+                $($(within(stringify!($field), &self.$field, &default.$field, range!($($range)*))?;)?)*
+                Ok(())
             }
         }
     };
 }
 pub(crate) use options;
+
+options! {
+    /// How a scene is run: by an adaptive method.
+    #[derive(Copy, PartialEq)]
+    pub struct Adaptive {
+        /// Integrator; `hertzchain integrators` lists all.
+        ///
+        /// Only integrators that take a tolerance.
+        method: Method = Method::Collocation, "NAME", [arg(long = "integrator", value_parser = Method::named)];
+        /// Tolerance.
+        tol: f64 = 1e-10, "T", (RUN), [arg(long_help = tolerance_help(""))];
+    }
+}
+
+impl Adaptive {
+    /// Refuses a method that takes no tolerance.
+    pub(super) fn check(&self) -> Result<()> {
+        let rule = "an adaptive method: collocation or a dop853";
+        if self.method.adaptive() { Ok(()) } else { Err(Error::parameter("integrator", self.method.name(), rule)) }
+    }
+
+    /// The run of a scene.
+    pub(super) fn run(&self, scene: &Scene) -> Result<Run> {
+        self.check()?;
+        Ok(scene.run().method(self.method).tolerance(self.tol)?)
+    }
+
+    /// Method and tolerance, in words.
+    pub(super) fn words(&self) -> String {
+        format!("{}, tol {:e}", self.method.name(), self.tol)
+    }
+}
+
+options! {
+    /// The parameters of a chain whose beads are alike and whose resonators move.
+    #[derive(Copy, PartialEq)]
+    pub struct ChainParams {
+        /// Exponent of the contact force; 1.5 for spheres.
+        ///
+        /// From 1.01 to 10.
+        alpha: f64 = 1.5, "A";
+        /// Spring constant of the resonators, positive.
+        kappa: f64 = 1.0, "K";
+        /// Mass ratio resonator to bead, positive.
+        ///
+        /// Finite.
+        rho: f64 = 1.0 / 3.0, "R";
+    }
+}
+
+impl From<ChainParams> for Params {
+    fn from(ChainParams { alpha, kappa, rho }: ChainParams) -> Self {
+        Self { alpha, kappa, rho }
+    }
+}
+
+impl ChainParams {
+    /// The parameters, if they keep the rules of every chain.
+    pub(super) fn checked(&self) -> Result<Params> {
+        Params::new(self.alpha, self.kappa, self.rho)
+    }
+}

@@ -5,7 +5,7 @@
 //! the same per bond on every ring; a method that takes one step for the whole chain pays for each
 //! event with a step of the whole chain.
 
-use super::{Study, Work, compare::time, families};
+use super::{Study, Work, compare::time, families, options::options};
 use crate::{
     error::{Error, Result},
     present::machine_json,
@@ -19,14 +19,12 @@ use crate::{
     scene::{Initial, Scene, SceneFile},
     sweep::on_one_thread,
 };
-use hertzchain_integrators::{Stats, Tolerance};
+use hertzchain_integrators::Stats;
 use std::time::Instant;
 
 /// The scene whose wave runs on rings of all lengths, and the sites that one wave takes there.
 const SCENE: &str = "tw-q15";
 const WAVE: usize = 10;
-/// Sites of the longest ring.
-const MOST_SITES: usize = 1_000_000;
 /// Length of the runs in periods of the wave.
 const PERIODS: f64 = 3.0;
 /// Size of the perturbation, relative to the largest entry of its kind.
@@ -34,36 +32,26 @@ const PERTURBATION: f64 = 0.1;
 /// Sites of a trial run, from which the run time on a first ring with more sites is predicted.
 const TRIAL_SITES: usize = 50;
 
-/// The scaling study.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct ScalingOptions {
-    /// Numbers of sites, separated by commas.
-    ///
-    /// Each a multiple of 10, up to 10^6.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long, value_name = "A,B,..", value_delimiter = ',', default_values = ["50", "100", "200", "500", "1000", "5000", "50000"]
-        )
-    )]
-    pub sites: Vec<usize>,
-    /// Tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "T", default_value = "1e-9", help = Tolerance::CROSSED.help(), long_help = Tolerance::CROSSED.long_help("The same tolerance for every method."))
-    )]
-    pub tol: f64,
-    /// Seed of the random numbers.
-    ///
-    /// They perturb the wave.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value_t = 1))]
-    pub seed: u64,
-    /// Wall time for all runs, in seconds; what would not fit is left out.
-    ///
-    /// Only runs of dop853 are left out.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value = "60"))]
-    pub max_time: f64,
+options! {
+    /// The scaling study.
+    pub struct ScalingOptions {
+        /// Numbers of sites, separated by commas.
+        ///
+        /// Each a multiple of 10.
+        sites: Vec<usize> = vec![50, 100, 200, 500, 1000, 5000, 50_000], "A,B,..", (10 to 1_000_000);
+        /// Tolerance.
+        ///
+        /// The same tolerance for every method.
+        tol: f64 = 1e-9, "T", (CROSSED);
+        /// Seed of the random numbers.
+        ///
+        /// They perturb the wave.
+        seed: u64 = 1, "S";
+        /// Wall time for all runs, in seconds; what would not fit is left out.
+        ///
+        /// Only runs of dop853 are left out.
+        max_time: f64 = 60.0, "S", (positive);
+    }
 }
 
 impl Study for ScalingOptions {
@@ -205,22 +193,14 @@ pub fn scaling(options: &ScalingOptions, progress: &(dyn Fn(f64, &str) + Sync)) 
 
 /// The numbers of sites in ascending order, if all options keep their rules.
 fn checked(options: &ScalingOptions) -> Result<Vec<usize>> {
+    options.within_ranges()?;
     let mut sizes = options.sites.clone();
     sizes.sort_unstable();
     sizes.dedup();
-    if sizes.is_empty() {
-        return Err(Error::parameter("sites", "\"\"", "name at least one number of sites"));
+    match sizes.iter().find(|sites| !sites.is_multiple_of(WAVE)) {
+        Some(sites) => Err(Error::parameter("sites", sites, "a multiple of 10, so that whole waves fit the ring")),
+        None => Ok(sizes),
     }
-    let good = |sites: &usize| (WAVE..=MOST_SITES).contains(sites) && sites.is_multiple_of(WAVE);
-    if let Some(&sites) = sizes.iter().find(|sites| !good(sites)) {
-        let rule = "a multiple of 10 from 10 to 10^6, so that whole waves fit the ring";
-        return Err(Error::parameter("sites", sites, rule));
-    }
-    Tolerance::CROSSED.check(options.tol)?;
-    if !(options.max_time.is_finite() && options.max_time > 0.0) {
-        return Err(Error::parameter("max-time", options.max_time, "a finite number of seconds, above zero"));
-    }
-    Ok(sizes)
 }
 
 /// All rows: collocation on every ring first, then the others ring by ring, as long as they fit the

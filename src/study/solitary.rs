@@ -4,11 +4,12 @@
 use super::OF_WAVE;
 use super::{
     Study, Work, fit_line,
+    options::options,
     stretches::{finished, unless_asked},
 };
 use crate::{
     chain::Params,
-    error::{Error, Result},
+    error::Result,
     number::shown,
     report::{
         Column,
@@ -18,7 +19,6 @@ use crate::{
     sweep::map,
     waves::{LinePulse, Search, SolitaryWave, best_ring, wake_of_line},
 };
-use hertzchain_integrators::Tolerance;
 use std::f64::consts::PI;
 
 /// Phases `k/(2 pi)` of resonators from site to site of the default mass ratios. At whole ones
@@ -33,45 +33,28 @@ const FITTED: std::ops::RangeInclusive<f64> = 1e-12..=1e-3;
 /// Least `|sin(k/2)|` of the fit.
 const OFF_RESONANCE: f64 = 0.1;
 
-/// Solitary waves and their tails.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Solitary {
-    /// Exponent of the contact force; 1.5 for spheres.
-    ///
-    /// From 1.2 to 5.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
-    pub alpha: f64,
-    /// Spring constant of the resonators, positive.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value = "1"))]
-    pub kappa: f64,
-    /// Speed of the pulses, in sites per unit of time.
-    ///
-    /// [default: that of the pulse of overlap 1 without resonators]
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C"))]
-    pub speed: Option<f64>,
-    /// Mass ratios resonator to bead, separated by commas.
-    ///
-    /// Positive [default: ratios with omega/speed from 1.5 pi to 3.6 pi].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ','))]
-    pub rhos: Vec<f64>,
-    /// Number of sites.
-    ///
-    /// Length of the ring, from 8 to 60. A pulse with tails is computed on a ring that is up to
-    /// three sites longer, the one that is farthest from resonance with the tails.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 20))]
-    pub sites: usize,
-    /// Tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "T", default_value = "1e-14", help = Tolerance::WAVE.help(), long_help = Tolerance::WAVE.long_help(OF_WAVE))
-    )]
-    pub tol: f64,
-}
-
-impl Default for Solitary {
-    fn default() -> Self {
-        Self { alpha: 1.5, kappa: 1.0, speed: None, rhos: Vec::new(), sites: 20, tol: Search::default().tol }
+options! {
+    /// Solitary waves and their tails.
+    pub struct Solitary {
+        /// Exponent of the contact force; 1.5 for spheres.
+        alpha: f64 = 1.5, "A", (1.2 to 5);
+        /// Spring constant of the resonators.
+        kappa: f64 = 1.0, "K", (positive);
+        /// Speed of the pulses, in sites per unit of time.
+        ///
+        /// [default: that of the pulse of overlap 1 without resonators]
+        speed: Option<f64> = None, "C", (positive);
+        /// Mass ratios resonator to bead, separated by commas.
+        ///
+        /// [default: ratios with omega/speed from 1.5 pi to 3.6 pi]
+        rhos: Vec<f64> = vec![], "A,B,..", (positive);
+        /// Number of sites.
+        ///
+        /// Length of the ring. A pulse with tails is computed on a ring that is up to
+        /// three sites longer, the one that is farthest from resonance with the tails.
+        sites: usize = 20, "N", (8 to 60);
+        /// Tolerance.
+        tol: f64 = 1e-14, "T", (WAVE), [arg(long_help = OF_WAVE)];
     }
 }
 
@@ -134,24 +117,9 @@ pub struct SolitaryStudy {
 
 impl Solitary {
     fn check(&self) -> Result<()> {
+        self.within_ranges()?;
         Params::new(self.alpha, self.kappa, 1.0)?;
-        if let Some(&rho) = self.rhos.iter().find(|rho| !(rho.is_finite() && **rho > 0.0)) {
-            return Err(Error::parameter("rhos", rho, "finite and positive"));
-        }
-        if self.kappa == 0.0 {
-            return Err(Error::parameter("kappa", self.kappa, "positive: without springs there are no resonators"));
-        }
-        Tolerance::WAVE.check(self.tol)?;
-        if !(8..=60).contains(&self.sites) {
-            return Err(Error::parameter("sites", self.sites, "from 8 to 60 for a solitary wave"));
-        }
-        if !(1.2..=5.0).contains(&self.alpha) {
-            return Err(Error::parameter("alpha", self.alpha, "from 1.2 to 5 for a solitary wave"));
-        }
-        match self.speed.filter(|speed| !(speed.is_finite() && *speed > 0.0)) {
-            Some(speed) => Err(Error::parameter("speed", speed, "finite and positive")),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     /// Computes the pulses.

@@ -146,9 +146,9 @@ fn drift_writes_table_csv_json_and_png() {
 #[test]
 fn bad_numbers_and_names_are_refused() {
     for (flag, value, rule) in [
-        ("--sites", "0", "sites = 0 is not valid: a multiple of 10"),
-        ("--sites", "50,55", "sites = 55 is not valid"),
-        ("--sites", "1000000000000", "10^6"),
+        ("--sites", "0", "sites = 0 is not valid: from 10 to 1000000"),
+        ("--sites", "50,55", "sites = 55 is not valid: a multiple of 10"),
+        ("--sites", "1000000000000", "from 10 to 1000000"),
         ("--sites", "-50", "--sites"),
         ("--sites", "", "--sites"),
         ("--tol", "0", "tol = 0 is not valid: from 2.3e-15 to 0.1"),
@@ -169,15 +169,15 @@ fn bad_numbers_and_names_are_refused() {
         assert!(message.contains(rule), "{flag} {value}: {message}");
     }
     for (flag, value, rule) in [
-        ("--periods", "0", "periods = 0 is not valid: from 1 to 10^9"),
+        ("--periods", "0", "periods = 0 is not valid: from 1 to 1e9"),
         ("--periods", "-3", "periods = -3"),
         ("--periods", "nan", "periods = NaN"),
         ("--periods", "1e300", "periods = 1e300"),
         ("--periods", "inf", "periods = inf"),
-        ("--periods", "0.5", "periods = 0.5 is not valid: from 1 to 10^9"),
-        ("--samples", "1", "samples = 1 is not valid: from 2 to 10^5"),
+        ("--periods", "0.5", "periods = 0.5 is not valid: from 1 to 1e9"),
+        ("--samples", "1", "samples = 1 is not valid: from 2 to 100000"),
         ("--samples", "nan", "invalid value 'nan' for '--samples"),
-        ("--samples", "0", "samples = 0 is not valid: from 2 to 10^5"),
+        ("--samples", "0", "samples = 0 is not valid: from 2 to 100000"),
         ("--samples", "1000000000", "samples = 1000000000"),
         ("--samples", "-1", "--samples"),
         ("--integrators", "colocation", "did you mean \"collocation\"?"),
@@ -328,7 +328,7 @@ fn breathers_outside_their_rules_are_refused() {
         ("--until", "1e300", "the end of a run is from 1e-100 to 1e100"),
         ("--samples-per-period", "0", "samples-per-period = 0 is not valid: from 1 to 1000"),
         ("--tol", "0", "tol = 0"),
-        ("--integrator", "verlet", "integrator = verlet is not valid: breathers are run by an adaptive method"),
+        ("--integrator", "verlet", "integrator = verlet is not valid: an adaptive method: collocation or a dop853"),
         ("--integrator", "colocation", "did you mean \"collocation\"?"),
         ("--center", "bead", "invalid value 'bead'"),
         ("--boundary", "strain-ring", "invalid value 'strain-ring'"),

@@ -93,7 +93,7 @@ fn refusals_of_the_barrier_name_value_and_rule() {
     for (ends, points, message) in [
         ([1.9, 2.1], 3, "from = 1.9, where omega = 2 is not valid"),
         ([2.05, 2.01], 3, "to = 2.01 is not valid: above --from"),
-        ([2.01, 2.1], 1, "frequencies = 1 is not valid: at least two"),
+        ([2.01, 2.1], 1, "frequencies = 1 is not valid: at least 2"),
         ([2.01, f64::NAN], 3, "is not valid"),
     ] {
         let text = Barrier::of(1.0 / 3.0, ends, points).study(&|_, _| {}).unwrap_err().to_string();

@@ -9,7 +9,7 @@ use hertzchain::{
     run::Records,
     run::method::{Method, Setting},
     scene::{Initial, Scene, Theory},
-    study::{BreatherOptions, BrightStudy, bright_breather},
+    study::{Adaptive, BrightStudy, bright_breather},
 };
 use proptest::prelude::*;
 use std::f64::consts::PI;
@@ -29,7 +29,7 @@ fn paper() -> BrightBreather {
 }
 
 fn study(scene: &Scene, method: &str, tolerance: f64) -> BrightStudy {
-    let options = BreatherOptions { method: Method::named(method).unwrap(), tolerance };
+    let options = Adaptive { method: Method::named(method).unwrap(), tol: tolerance };
     bright_breather(scene, &options, 1, &mut |_| ()).unwrap()
 }
 

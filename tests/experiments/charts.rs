@@ -252,7 +252,7 @@ mod command {
             (vec!["study", "stability", "--charts", "lihgt"], "did you mean \"light\"?"),
             (vec!["study", "stability", "--charts", "xyz"], "one of light, stiffness, alpha, length, time, resonances"),
             (vec!["study", "stability", "--sites", "0"], "sites = 0 is not valid"),
-            (vec!["study", "stability", "--periods", "1e7"], "from 1 to 10^6 contact periods"),
+            (vec!["study", "stability", "--periods", "1e7"], "periods = 1e7 is not valid: from 1 to 1e6"),
             (vec!["study", "stability", "--work", "1"], "work = 1 is not valid"),
         ] {
             let output = hertzchain(&args);

@@ -9,7 +9,7 @@ use hertzchain::{
     dps::Center,
     integrators::{Silent, collocation::Pace, drive},
     run::method::Method,
-    study::{Criterion, Fate, Life, LifetimeOptions, LifetimeStudy, lifetimes},
+    study::{Adaptive, Criterion, Fate, Life, LifetimeOptions, LifetimeStudy, lifetimes},
     sweep::Engine,
 };
 use num_complex::Complex64;
@@ -33,8 +33,7 @@ fn options(epsilons: &[f64], rhos: &[f64]) -> LifetimeOptions {
         rhos: rhos.to_vec(),
         sites: None,
         until: None,
-        method: Method::Collocation,
-        tolerance: 1e-9,
+        solver: Adaptive { tol: 1e-9, ..Adaptive::default() },
     }
 }
 
@@ -60,8 +59,8 @@ fn two_integrators_agree_on_lifetimes_and_so_do_two_tolerances() {
     for (center, epsilon, rho, sites) in [(Center::Bond, 0.1, 100.0, 40), (Center::Site, 0.05, 300.0, 41)] {
         let ours = LifetimeOptions { center, sites: Some(sites), ..options(&[epsilon], &[rho]) };
         let regularised = Method::named("dop853-regularised").unwrap();
-        let other = LifetimeOptions { method: regularised, tolerance: 1e-11, ..ours.clone() };
-        let fine = LifetimeOptions { tolerance: 1e-12, ..ours.clone() };
+        let other = LifetimeOptions { solver: Adaptive { method: regularised, tol: 1e-11 }, ..ours.clone() };
+        let fine = LifetimeOptions { solver: Adaptive { tol: 1e-12, ..ours.solver }, ..ours.clone() };
         let [ours, other, fine] = [ours, other, fine].map(|options| life(&options));
         for criterion in CRITERIA {
             let (by_method, by_tolerance) =
@@ -275,12 +274,12 @@ fn the_table_says_what_happened_and_bad_input_is_refused_with_the_value_and_the_
         assert!(text.contains(part), "{part}: {text}");
     }
     for (args, expected) in [
-        (["--epsilons", "0.1,-1"], "epsilons = -1 is not valid: finite and positive"),
+        (["--epsilons", "0.1,-1"], "epsilons = -1 is not valid: above 0 and below 1"),
         (["--epsilons", "0.1,0.1"], "--epsilons: 0.1 is there twice"),
         (["--rhos", "inf"], "rhos = inf is not valid: finite and positive"),
         (["--rhos", "0"], "rhos = 0 is not valid"),
         (["--alpha", "1"], "alpha = 1 is not valid: homoclinics are computed for alpha from 1.01 to 10"),
-        (["--sites", "19"], "sites = 19 is not valid: from 20 to 10^5"),
+        (["--sites", "19"], "sites = 19 is not valid: from 20 to 100000"),
         (["--until", "nan"], "until = NaN is not valid: finite and positive"),
         (["--until", "1e9"], "at most 10^6 periods"),
     ] {

@@ -8,7 +8,7 @@ use hertzchain::{
     },
     run::{Method, Run, Setting},
     scene::Scene,
-    study::{DrivenSearch, DrivenWay, InSi, ModeWay, driven_branch, follow_mode},
+    study::{BranchOptions, DrivenSearch, DrivenWay, InSi, ModeWay, driven_branch, follow_mode},
 };
 use std::f64::consts::PI;
 
@@ -216,7 +216,12 @@ fn bifurcations_of_driven_branches_in_stretches_are_those_of_the_whole_branch() 
     let parameter = DriveParameter::Amplitude;
     let scene = Scene::parse(include_str!("../reference/pushed-bead.toml"), "pushed-bead.toml").unwrap();
     let (search, shooting) = (DrivenSearch::default(), DrivenShooting::default());
-    let way = DrivenWay { vary: parameter, to: Some(2.0), step: Some(0.1), max_points: 200, switch: Some(1) };
+    let way = DrivenWay {
+        vary: parameter,
+        to: Some(2.0),
+        step: Some(0.1),
+        branch: BranchOptions { max_points: 200, switch: Some(1) },
+    };
     let found = driven_branch(scene, &search, &way, InSi::default(), &|_, _| {}).unwrap();
     let switched = found.switched.unwrap().1.unwrap();
     for (divided, count) in [(found.branch, 1), (switched, 3)] {
@@ -248,7 +253,12 @@ fn bifurcations_of_modes_in_stretches_are_those_of_the_whole_branch() {
         let modes = NormalModes::new(scene.chain()).unwrap();
         let whole = ModeContinuation { mode: mode - 1, to, step, most_points: 200 }.follow(&modes, |_| {}).unwrap();
         let crossed = switch.map(|number| whole.switched(&modes, number - 1, |_| {}).unwrap());
-        let way = ModeWay { mode: Some(mode), to, step: Some(step), max_points: 200, switch };
+        let way = ModeWay {
+            linear_mode: Some(mode),
+            to,
+            step: Some(step),
+            branch: BranchOptions { max_points: 200, switch },
+        };
         let found = follow_mode(scene, &way, InSi::default(), &|_, _| {}).unwrap();
         assert!(!whole.bifurcations.is_empty());
         let switched = found.switched.map(|(_, branch)| branch.unwrap());

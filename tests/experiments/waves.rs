@@ -13,7 +13,7 @@ use hertzchain::{
     run::Records,
     run::method::{Method, Setting},
     scene::Scene,
-    study::{WaveOptions, WaveStudy, wave, wave_in},
+    study::{Adaptive, WaveOptions, WaveStudy, wave, wave_in},
     sweep::Engine,
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
@@ -335,7 +335,10 @@ fn the_frequency_has_omega_cubed_and_no_kappa() {
 }
 
 fn options(method: &str, tolerance: f64) -> WaveOptions {
-    WaveOptions { method: Method::named(method).unwrap(), tolerance, samples_per_period: 50, seeds: None }
+    WaveOptions {
+        solver: Adaptive { method: Method::named(method).unwrap(), tol: tolerance },
+        ..WaveOptions::default()
+    }
 }
 
 fn study(scene: &Scene, options: &WaveOptions) -> WaveStudy {
@@ -421,7 +424,8 @@ fn an_ensemble_goes_on_with_the_seeds_that_are_kept() {
         (&whole.members, &whole.difference_x, &whole.difference_y)
     );
     assert_eq!(first.members[..], whole.members[..4]);
-    let other = WaveOptions { tolerance: 1e-7, ..options(7) };
+    let solver = Adaptive { tol: 1e-7, ..Adaptive::default() };
+    let other = WaveOptions { solver, ..options(7) };
     let refused = wave_in(&scene, &other, &engine, &|_, _| {}).unwrap_err().to_string();
     assert!(
         refused.contains("ensemble.store") && refused.contains("tolerance is 1e-6 there and 1e-7 here"),
@@ -667,7 +671,7 @@ mod command {
             (&["tw-q15", "--zeta", "-0.1"], "zeta = -0.1 is not valid"),
             (&["tw-q15", "--zeta", "1"], "zeta = 1 is not valid"),
             (&["tw-q15", "--zeta", "nan"], "zeta = NaN is not valid"),
-            (&["tw-q15", "--zeta", "0.1", "--seeds", "0"], "seeds = 0 is not valid: from 1 to 10^4"),
+            (&["tw-q15", "--zeta", "0.1", "--seeds", "0"], "seeds = 0 is not valid: from 1 to 10000"),
             (&["tw-q15", "--seeds", "3"], "seeds = 3 is not valid: an ensemble needs a perturbation"),
             (&["tw-q15", "--zeta", "0", "--seeds", "3"], "an ensemble needs a perturbation"),
             (&["tw-q15", "--seed", "3"], "seed = 3 is not valid: a seed needs a perturbation"),
@@ -678,7 +682,7 @@ mod command {
             (&["tw-q15", "--until", "1e9"], "at most 2^27 strains are kept"),
             (
                 &["tw-q15", "--integrator", "verlet"],
-                "integrator = verlet is not valid: waves are run by an adaptive method",
+                "integrator = verlet is not valid: an adaptive method: collocation or a dop853",
             ),
         ] {
             let output = hertzchain(&[&["wave"], args].concat(), "1");

@@ -13,13 +13,14 @@ Examples:
 
 /// The help of --tol of a run, in full.
 fn tolerance() -> String {
-    let corrected = Tolerance::CORRECTED.rule;
-    let more = format!(
-        "--amplification measures this factor. {corrected}: error of the state at the end; runs over the whole span \
-         determine the step. "
-    );
-    tolerance_help(&more)
-        + ", relative, and absolute in units of the largest entry of the initial state [default: 1e-10]"
+    let [run, corrected] = [Tolerance::RUN, Tolerance::CORRECTED].map(|kind| kind.rule);
+    let more = "--amplification measures this factor. ";
+    format!(
+        "{} It is relative, and absolute in units of the largest entry of the initial state. For contact-corrected \
+         splitting it bounds the error of the state at the end, and runs over the whole span determine the step \
+         [default: 1e-10].\n\nA number {run}; {corrected}.",
+        tolerance_help(more)
+    )
 }
 
 #[derive(Args)]
@@ -38,7 +39,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "NAME")]
     pub(crate) integrator: Option<String>,
     /// Tolerance.
-    #[arg(long, value_name = "T", help = Tolerance::RUN.help(), long_help = tolerance())]
+    #[arg(long, value_name = "T", long_help = tolerance())]
     pub(crate) tol: Option<f64>,
     /// Measure by what factor a small change of the initial state has grown at the end.
     ///

@@ -2,7 +2,7 @@
 
 use crate::{
     cli::runner::StudyCommand,
-    study::{ContinueWave, DarkProfiles, Exact, Homoclinics, Integrals, ModulationStudy, Solitary, Wave},
+    study::{ContinueWave, DarkProfiles, Homoclinics, Integrals, ModulationStudy, Solitary, Wanted, Wave},
 };
 use clap::{Args, Subcommand};
 
@@ -42,7 +42,7 @@ Examples:
 Examples:
   hertzchain wave exact tw-q15 --out out/exact
   hertzchain wave exact --q-over-pi 0.8 --amplitude 0.1 --sites 40 --json")]
-    Exact(StudyCommand<Exact>),
+    Exact(StudyCommand<Wanted>),
     /// Follow a branch of exact travelling waves.
     ///
     /// Varies one parameter of the wave or of the chain, past folds. Waves keep their ratio of mean

@@ -221,7 +221,7 @@ pub(super) fn exact_files(data: &ExactData) -> Vec<(String, Vec<File>)> {
         }
         ExactData::Solitary(study) => vec![(String::new(), study.report().csv().collect())],
         ExactData::Barrier(studies) => {
-            let tag = |study: &BarrierStudy| format!("rho{:.2}", study.options.ring.rho);
+            let tag = |study: &BarrierStudy| format!("rho{:.2}", study.options.ring.params.rho);
             studies.iter().map(|study| (tag(study), study.report().csv().collect())).collect()
         }
         ExactData::Moving(studies) => {

@@ -8,8 +8,8 @@ use crate::{
     run::method::Method,
     scene::Scene,
     study::{
-        BreatherOptions, BrightHistory, BrightSample, BrightStudy, Criterion, LifetimeOptions, LifetimeStudy, Norm,
-        RhoLaw, TheoremOptions, TheoremStudy, bright_breather, bright_history, center_word, lifetimes, shown, theorem,
+        Adaptive, BrightHistory, BrightSample, BrightStudy, Criterion, LifetimeOptions, LifetimeStudy, Norm, RhoLaw,
+        TheoremOptions, TheoremStudy, bright_breather, bright_history, center_word, lifetimes, shown, theorem,
     },
     sweep::Engine,
 };
@@ -58,8 +58,8 @@ pub(super) fn history(progress: &(dyn Fn(f64) + Sync)) -> Result<BrightHistory> 
 }
 
 /// The scene of the breather of Sec. 5, and the options of its run.
-fn bright_run() -> Result<(Scene, BreatherOptions)> {
-    let options = BreatherOptions { method: Method::named(INTEGRATOR)?, tolerance: TOLERANCE };
+fn bright_run() -> Result<(Scene, Adaptive)> {
+    let options = Adaptive { method: Method::named(INTEGRATOR)?, tol: TOLERANCE };
     Ok((Scene::load("bright-breather")?, options))
 }
 
@@ -78,8 +78,7 @@ pub(super) fn lifetime_map(
         rhos: rhos.to_vec(),
         sites: None,
         until: Some(until),
-        method: Method::named(INTEGRATOR)?,
-        tolerance: LIFETIME_TOLERANCE,
+        solver: Adaptive { method: Method::named(INTEGRATOR)?, tol: LIFETIME_TOLERANCE },
     };
     lifetimes(&options, &Engine::threads(), &|done, total| progress(done as f64 / total as f64))
 }
@@ -233,8 +232,8 @@ pub(super) fn lifetimes_caption(study: &LifetimeStudy) -> String {
          Lines: x = ρ ε^(2(α−1)), which the theorem wants bounded from below. Chains so long that nothing comes back from their ends. Integrator {}, tol {:e}. {}.",
         options.alpha,
         options.until.unwrap_or(f64::INFINITY),
-        options.method.name(),
-        options.tolerance,
+        options.solver.method.name(),
+        options.solver.tol,
         version()
     )
 }

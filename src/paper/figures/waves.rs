@@ -7,7 +7,7 @@ use crate::{
     number::{of_pi, written},
     run::method::Method,
     scene::Scene,
-    study::{StabilityOptions, StabilityStudy, WaveOptions, WaveStudy, shown, stability, wave},
+    study::{Adaptive, StabilityOptions, StabilityStudy, WaveOptions, WaveStudy, shown, stability, wave},
     waves::Shape,
 };
 use std::f64::consts::PI;
@@ -67,8 +67,7 @@ impl WaveRun {
     fn study(&self, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<WaveStudy> {
         let scene = Scene::load(self.scene)?.perturbed(self.zeta, None)?;
         let options = WaveOptions {
-            method: Method::named(INTEGRATOR)?,
-            tolerance: TOLERANCE,
+            solver: Adaptive { method: Method::named(INTEGRATOR)?, tol: TOLERANCE },
             samples_per_period: SAMPLES_PER_PERIOD,
             seeds: (self.zeta > 0.0).then_some(SEEDS),
         };

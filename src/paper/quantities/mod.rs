@@ -19,9 +19,8 @@ mod section8;
 use crate::{
     error::{Error, Result},
     interrupt,
-    run::method::Method,
     scene::{Initial, Scene},
-    study::{WaveOptions, WaveStudy, wave},
+    study::{Adaptive, WaveOptions, WaveStudy, wave},
     sweep::{Engine, Grid, map},
 };
 use serde::{Deserialize, Serialize};
@@ -55,8 +54,15 @@ impl Run {
         }
         let scene = Scene::build(file)?.perturbed(self.zeta, None)?;
         let seeds = (self.zeta > 0.0).then_some(SEEDS);
-        let method = Method::Collocation;
-        wave(&scene, &WaveOptions { method, tolerance: TOLERANCE, samples_per_period: 50, seeds }, &|_, _| {})
+        wave(
+            &scene,
+            &WaveOptions {
+                solver: Adaptive { tol: TOLERANCE, ..Adaptive::default() },
+                seeds,
+                ..WaveOptions::default()
+            },
+            &|_, _| {},
+        )
     }
 }
 

@@ -14,9 +14,9 @@ use crate::{
     error::Result,
     orbits::Shooting,
     random::uniform,
-    run::{method::Method, state_at},
+    run::state_at,
     scene::Scene,
-    study::{self, BreatherOptions, Initial, Norm, TheoremOptions, bright_breather, fit_line, trivial_breather},
+    study::{self, Adaptive, Initial, Norm, TheoremOptions, bright_breather, fit_line, trivial_breather},
     sweep::Engine,
 };
 use hertzchain_integrators::collocation::Pace;
@@ -166,7 +166,7 @@ fn no_others(_: &Runs) -> Result<Vec<Quantity>> {
     let orbit = DarkBreather { params, center: Center::Site, sites: 41, omega_b: 2.05, c_x: 0.0 }.orbit(&shooting)?;
     let pace = Pace::Tolerance(shooting.tol);
     let dark = orbit.setting.chain()?.mean_contact_forces(&orbit.start(), orbit.setting.period(), pace)?;
-    let options = BreatherOptions { method: Method::Collocation, tolerance: TOLERANCE };
+    let options = Adaptive { tol: TOLERANCE, ..Adaptive::default() };
     let exact = trivial_breather(&Scene::load("trivial-breather")?, &options, &mut |_| {})?;
     let scene = Scene::load("bright-breather")?;
     let bright = BrightBreather::new(scene.chain().params(), Center::Bond, 0.01, 40)?;
@@ -347,7 +347,7 @@ fn numbers(_: &Runs) -> Result<Vec<Quantity>> {
 
 /// The run of the figure.
 fn long_run(_: &Runs) -> Result<Vec<Quantity>> {
-    let options = BreatherOptions { method: Method::Collocation, tolerance: 1e-10 };
+    let options = Adaptive::default();
     let scene = Scene::load("bright-breather")?;
     let study = bright_breather(&scene, &options, 20, &mut |_| {})?;
     let (horizon, end) = (study.breather.horizon(), scene.end());

@@ -11,9 +11,7 @@
 
 mod report;
 
-#[cfg(feature = "cli")]
-use super::tolerance_help;
-use super::{Changes, Study, Work};
+use super::{Adaptive, Changes, Study, Work, options::options};
 
 use crate::{
     breathers::{BrightBreather, Norms, TrivialBreather},
@@ -21,20 +19,15 @@ use crate::{
     dps::Center,
     error::{Error, Result},
     report::Report,
-    run::method::Method,
     run::state_at,
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span, Theory},
 };
-#[cfg(feature = "cli")]
-use hertzchain_integrators::Tolerance;
 use hertzchain_integrators::{Stats, collocation::Pace};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
 /// Default end of a run of a bright breather in units of `T`, as in the paper.
 const SLOW_PERIODS: f64 = 80.0;
-/// Samples a period that may be asked for.
-const SAMPLES_PER_PERIOD: std::ops::RangeInclusive<u32> = 1..=1000;
 /// Largest number of samples of a run, and of periods of a history.
 const MOST_SAMPLES: f64 = 1e7;
 /// The paper shows a profile after this many periods.
@@ -46,76 +39,43 @@ const PARTS: u32 = 32;
 /// Samples of a trivial breather in a scene that asks for none.
 const DEFAULT_SAMPLES: usize = 100;
 
-/// How a breather is run.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct BreatherOptions {
-    /// Integrator; `hertzchain integrators` lists all.
-    ///
-    /// Only integrators that take a tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long = "integrator", value_parser = Method::named, value_name = "NAME",
-            default_value = "collocation"
-        )
-    )]
-    pub method: Method,
-    /// Tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long = "tol", value_name = "T", default_value = "1e-10", help = Tolerance::RUN.help(), long_help = tolerance_help(""))
-    )]
-    pub tolerance: f64,
-}
-
-/// The long-lived bright breather on the chain.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Bright {
-    /// What the profile is symmetric about.
-    ///
-    /// A site (solution a^1), or a bond (solution a^2), as in the paper's run.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Bond))]
-    pub center: Center,
-    /// Size of the breather: beads start at 2 epsilon a_n.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "E", default_value = "0.01"))]
-    pub epsilon: f64,
-    /// Mass ratio resonator to bead, positive.
-    ///
-    /// inf for resonators that stay at rest.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value = "1000"))]
-    pub rho: f64,
-    /// Exponent of the contact force; 1.5 for spheres.
-    ///
-    /// From 1.01 to 10.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
-    pub alpha: f64,
-    /// Spring constant of the resonators, positive.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value = "1"))]
-    pub kappa: f64,
-    /// Number of sites.
-    ///
-    /// The middle of the chain is a bond if the number is even, a site if it is odd.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 40))]
-    pub sites: usize,
-    /// Boundary condition at the ends of the chain.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "B", value_enum, default_value_t = Boundary::Free))]
-    pub boundary: Boundary,
-    /// End time, in units of time [default: 80 T].
-    ///
-    /// T = 2 pi/omega_0 in units of 1/sqrt(kappa) is the period of the envelope in slow time.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "T"))]
-    pub until: Option<f64>,
-    /// Samples per period, from which largest values are taken.
-    ///
-    /// Per period T_b of the breather, from 1 to 1000. The time at which energy has left the core
-    /// is also found from them.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value_t = 20))]
-    pub samples_per_period: u32,
-    /// How it is run.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub options: BreatherOptions,
+options! {
+    /// The long-lived bright breather on the chain.
+    pub struct Bright {
+        /// What the profile is symmetric about.
+        ///
+        /// A site (solution a^1), or a bond (solution a^2), as in the paper's run.
+        center: Center = Center::Bond, "C";
+        /// Size of the breather: beads start at 2 epsilon a_n.
+        epsilon: f64 = 0.01, "E";
+        /// Mass ratio resonator to bead, positive.
+        ///
+        /// inf for resonators that stay at rest.
+        rho: f64 = 1000.0, "R";
+        /// Exponent of the contact force; 1.5 for spheres.
+        ///
+        /// From 1.01 to 10.
+        alpha: f64 = 1.5, "A";
+        /// Spring constant of the resonators, positive.
+        kappa: f64 = 1.0, "K";
+        /// Number of sites.
+        ///
+        /// The middle of the chain is a bond if the number is even, a site if it is odd.
+        sites: usize = 40, "N";
+        /// Boundary condition at the ends of the chain.
+        boundary: Boundary = Boundary::Free, "B";
+        /// End time, in units of time [default: 80 T].
+        ///
+        /// T = 2 pi/omega_0 in units of 1/sqrt(kappa) is the period of the envelope in slow time.
+        until: Option<f64> = None, "T";
+        /// Samples per period, from which largest values are taken.
+        ///
+        /// Per period T_b of the breather. The time at which energy has left the core is also found
+        /// from them.
+        samples_per_period: u32 = 20, "M", (1 to 1000);
+        /// How it is run.
+        solver: Adaptive = Adaptive::default(), [command(flatten)];
+    }
 }
 
 impl Bright {
@@ -154,75 +114,54 @@ impl Study for Bright {
         let scene = self.scene()?;
         Ok(Box::new(move |_, progress| {
             let mut tell = |share| progress(share, "");
-            Ok(Box::new(bright_breather(&scene, &self.options, self.samples_per_period, &mut tell)?.report()))
+            Ok(Box::new(bright_breather(&scene, &self.solver, self.samples_per_period, &mut tell)?.report()))
         }))
     }
 }
 
-/// A trivial breather, from a scene, with other numbers where they are given.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args), command(mut_arg("method", |arg| arg.long_help(TRIVIAL_INTEGRATOR))))]
-pub struct Trivial {
-    /// Name of a built-in scene, or a TOML file.
+options! {
+    /// A trivial breather, from a scene, with other numbers where they are given.
     ///
-    /// The scene must have an initial state of kind trivial-breather, or one of another kind that
-    /// is such a breather.
-    #[cfg_attr(feature = "cli", arg(default_value = "trivial-breather"))]
-    pub scene: String,
-    /// Changes to it.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub set: Changes,
-    /// Amplitudes a_n, separated by commas [default: the scene's].
-    ///
-    /// At least zero. The chain has as many sites as there are amplitudes.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ','))]
-    pub amplitudes: Vec<f64>,
-    /// Phases phi_n, separated by commas [default: the scene's].
-    ///
-    /// In radians.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "A,B,..", value_delimiter = ',', conflicts_with = "phase_step_over_pi")
-    )]
-    pub phases: Vec<f64>,
-    /// Phase difference of neighbours over pi, for all sites [default: the scene's].
-    ///
-    /// (phi_n - phi_{n-1})/pi, the same for all n; 1 for neighbours in antiphase.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "S"))]
-    pub phase_step_over_pi: Option<f64>,
-    /// Offsets d_n, separated by commas [default: the scene's].
-    ///
-    /// How much the mean positions rise along the chain beyond what keeps contacts open; they must
-    /// not decrease.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long, value_name = "A,B,..", value_delimiter = ',', conflicts_with_all = ["means", "gap"]
-        )
-    )]
-    pub offsets: Vec<f64>,
-    /// Mean positions b_n, separated by commas [default: the scene's].
-    ///
-    /// Refused if beads would press on each other.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ',', conflicts_with = "gap"))]
-    pub means: Vec<f64>,
-    /// Gap of all bonds, the same for each [default: the scene's].
-    ///
-    /// In addition to what keeps contacts open, at least zero.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "G"))]
-    pub gap: Option<f64>,
-    /// End time, in units of time [default: the scene's].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "T"))]
-    pub until: Option<f64>,
-    /// How it is run.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub options: BreatherOptions,
+    /// The run is compared with the closed form.
+    pub struct Trivial {
+        /// Name of a built-in scene, or a TOML file.
+        ///
+        /// The scene must have an initial state of kind trivial-breather, or one of another kind
+        /// that is such a breather.
+        scene: String = "trivial-breather".to_owned();
+        /// Changes to it.
+        set: Changes = Changes::default(), [command(flatten)];
+        /// Amplitudes a_n, separated by commas [default: the scene's].
+        ///
+        /// At least zero. The chain has as many sites as there are amplitudes.
+        amplitudes: Vec<f64> = vec![], "A,B,..";
+        /// Phases phi_n, separated by commas [default: the scene's].
+        ///
+        /// In radians.
+        phases: Vec<f64> = vec![], "A,B,..", [arg(conflicts_with = "phase_step_over_pi")];
+        /// Phase difference of neighbours over pi, for all sites [default: the scene's].
+        ///
+        /// (phi_n - phi_{n-1})/pi, the same for all n; 1 for neighbours in antiphase.
+        phase_step_over_pi: Option<f64> = None, "S";
+        /// Offsets d_n, separated by commas [default: the scene's].
+        ///
+        /// How much the mean positions rise along the chain beyond what keeps contacts open; they
+        /// must not decrease.
+        offsets: Vec<f64> = vec![], "A,B,..", [arg(conflicts_with_all = ["means", "gap"])];
+        /// Mean positions b_n, separated by commas [default: the scene's].
+        ///
+        /// Refused if beads would press on each other.
+        means: Vec<f64> = vec![], "A,B,..", [arg(conflicts_with = "gap")];
+        /// Gap of all bonds, the same for each [default: the scene's].
+        ///
+        /// In addition to what keeps contacts open, at least zero.
+        gap: Option<f64> = None, "G";
+        /// End time, in units of time [default: the scene's].
+        until: Option<f64> = None, "T";
+        /// How it is run.
+        solver: Adaptive = Adaptive::default(), [command(flatten)];
+    }
 }
-
-/// Help of `--integrator` for trivial breathers.
-#[cfg(feature = "cli")]
-const TRIVIAL_INTEGRATOR: &str = "Integrator; `hertzchain integrators` lists all.\n\n\
-                                  Only integrators that take a tolerance; the closed form is compared with the run.";
 
 impl Trivial {
     /// The scene with the numbers that are given. A number also replaces other keys by which the
@@ -271,7 +210,7 @@ impl Study for Trivial {
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.scene()?;
         Ok(Box::new(move |_, progress| {
-            Ok(Box::new(trivial_breather(&scene, &self.options, &mut |share| progress(share, ""))?.report()))
+            Ok(Box::new(trivial_breather(&scene, &self.solver, &mut |share| progress(share, ""))?.report()))
         }))
     }
 }
@@ -383,17 +322,17 @@ impl BrightStudy {
 /// that fails.
 pub fn bright_breather(
     scene: &Scene,
-    options: &BreatherOptions,
+    options: &Adaptive,
     samples_per_period: u32,
     progress: &mut dyn FnMut(f64),
 ) -> Result<BrightStudy> {
     let clock = Instant::now();
     let breather = bright_of(scene)?;
-    check(options)?;
+    options.check()?;
     let times = bright_times(breather, scene.end(), samples_per_period)?;
     let shown_times = [0.0, SHOWN_PERIOD * breather.period(), scene.end()];
     let chain = scene.chain();
-    let mut states = scene.run().method(options.method).tolerance(options.tolerance)?.at(&times)?;
+    let mut states = options.run(scene)?.at(&times)?;
     let (mut samples, mut profiles) = (Vec::with_capacity(times.len()), Vec::new());
     for (t, state) in times.into_iter().zip(states.by_ref()) {
         let y = state?.as_slice().to_vec();
@@ -406,12 +345,12 @@ pub fn bright_breather(
     let stats = states.stats();
     let last = &profiles[profiles.len() - 1].state;
     let initial = samples[0].energy;
-    let pace = Pace::Tolerance(options.tolerance);
+    let pace = Pace::Tolerance(options.tol);
     let forces = |y: &[f64]| chain.mean_contact_forces(y, breather.period(), pace);
     Ok(BrightStudy {
         scene: scene.clone(),
         breather: breather.clone(),
-        setting: words(options),
+        setting: options.words(),
         kink: kink(breather, chain.layout(), last),
         tenth_left: falls_to(&samples, 1.0 - GONE),
         energy_error: max_norm(samples.iter().map(|sample| sample.energy / initial - 1.0)),
@@ -448,19 +387,15 @@ pub struct BrightHistory {
 /// # Errors
 /// A scene of another kind or shorter than a period, a method that takes no tolerance, a run that
 /// fails.
-pub fn bright_history(
-    scene: &Scene,
-    options: &BreatherOptions,
-    progress: &mut dyn FnMut(f64),
-) -> Result<BrightHistory> {
+pub fn bright_history(scene: &Scene, options: &Adaptive, progress: &mut dyn FnMut(f64)) -> Result<BrightHistory> {
     let breather = bright_of(scene)?;
-    check(options)?;
+    options.check()?;
     let (period, layout, sites) = (breather.period(), scene.chain().layout(), scene.chain().sites());
     let periods = (scene.end() / period).floor();
     if !(1.0..=MOST_SAMPLES).contains(&periods) {
         return Err(Error::parameter("until", scene.end(), "from one to 10^7 periods of the breather"));
     }
-    let mut run = scene.run().method(options.method).tolerance(options.tolerance)?.stepper()?;
+    let mut run = options.run(scene)?.stepper()?;
     let (mut t, mut swing, mut mean) = (Vec::new(), Vec::new(), Vec::new());
     for k in 0..periods as u64 {
         let (mut low, mut high) = (vec![f64::INFINITY; sites], vec![f64::NEG_INFINITY; sites]);
@@ -478,7 +413,7 @@ pub fn bright_history(
         mean.extend(sum.iter().map(|sum| sum / f64::from(PARTS)));
         progress((k + 1) as f64 / periods);
     }
-    Ok(BrightHistory { scene: scene.clone(), breather: breather.clone(), setting: words(options), t, swing, v: mean })
+    Ok(BrightHistory { scene: scene.clone(), breather: breather.clone(), setting: options.words(), t, swing, v: mean })
 }
 
 fn bright_of(scene: &Scene) -> Result<&BrightBreather> {
@@ -489,23 +424,9 @@ fn bright_of(scene: &Scene) -> Result<&BrightBreather> {
     }
 }
 
-fn check(options: &BreatherOptions) -> Result<()> {
-    if options.method.adaptive() {
-        return Ok(());
-    }
-    let rule = "breathers are run by an adaptive method: collocation or a dop853";
-    Err(Error::parameter("integrator", options.method.name(), rule))
-}
-
-fn words(options: &BreatherOptions) -> String {
-    format!("{}, tol {:e}", options.method.name(), options.tolerance)
-}
-
 /// Sample times: equal parts of periods, the horizon if the run goes there, and the end.
 fn bright_times(breather: &BrightBreather, end: f64, per_period: u32) -> Result<Vec<f64>> {
-    if !SAMPLES_PER_PERIOD.contains(&per_period) {
-        return Err(Error::parameter("samples-per-period", per_period, "from 1 to 1000"));
-    }
+    Bright { samples_per_period: per_period, ..Bright::default() }.within_ranges()?;
     let (period, parts) = (breather.period(), f64::from(per_period));
     let count = (end / period * parts).floor();
     if count > MOST_SAMPLES {
@@ -587,17 +508,13 @@ pub struct TrivialStudy {
 ///
 /// # Errors
 /// A scene without exact solution, a method that takes no tolerance, a run that fails.
-pub fn trivial_breather(
-    scene: &Scene,
-    options: &BreatherOptions,
-    progress: &mut dyn FnMut(f64),
-) -> Result<TrivialStudy> {
+pub fn trivial_breather(scene: &Scene, options: &Adaptive, progress: &mut dyn FnMut(f64)) -> Result<TrivialStudy> {
     let clock = Instant::now();
     let Some(breather) = scene.exact() else {
         let rule = "a scene of kind trivial-breather, or a state that is one";
         return Err(Error::parameter("scene", scene.name(), rule));
     };
-    check(options)?;
+    options.check()?;
     let samples = match scene.samples() {
         0 => DEFAULT_SAMPLES,
         samples => samples,
@@ -612,7 +529,7 @@ pub fn trivial_breather(
     let swing = max_norm((0..chain.sites()).map(|n| breather.swing(n)));
     let scale = if swing > 0.0 { swing } else { 1.0 };
     let positions = 2 * chain.sites();
-    let mut states = scene.run().method(options.method).tolerance(options.tolerance)?.at(&t)?;
+    let mut states = options.run(scene)?.at(&t)?;
     let (mut deviation, mut energies) = (Vec::with_capacity(t.len()), Vec::with_capacity(t.len()));
     for (&t, state) in t.iter().zip(states.by_ref()) {
         let (state, exact) = (state?, exact(t));
@@ -626,14 +543,10 @@ pub fn trivial_breather(
     Ok(TrivialStudy {
         scene: scene.clone(),
         breather: breather.clone(),
-        setting: words(options),
+        setting: options.words(),
         energy_error: max_norm(energies.iter().map(|energy| (energy - energies[0]) / first)),
         least_slack: slack.min_by(|a, b| a.1.total_cmp(&b.1)),
-        forces: chain.mean_contact_forces(
-            scene.initial().as_slice(),
-            scene.period(),
-            Pace::Tolerance(options.tolerance),
-        )?,
+        forces: chain.mean_contact_forces(scene.initial().as_slice(), scene.period(), Pace::Tolerance(options.tol))?,
         stats: states.stats(),
         t,
         deviation,

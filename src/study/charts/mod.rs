@@ -32,7 +32,7 @@ pub use measure::{BOUNDS, Limit, Measured, Trial, Verdict};
 pub use problem::{Problem, Variant};
 pub use resonances::{Resonance, kick_sum, resonance};
 
-use super::{Changes, Study, Work, methods, scene};
+use super::{Changes, Study, Work, methods, options::options, scene};
 use crate::{
     error::{Error, Result},
     report::Report,
@@ -48,10 +48,6 @@ use std::time::{Duration, Instant};
 const PERIODS: f64 = 10.0;
 /// Name of the store in the folder of results.
 const STORE: &str = "stability.store";
-/// Lengths of runs that may be asked for, in contact periods.
-const LENGTHS: std::ops::RangeInclusive<f64> = 1.0..=1e6;
-/// Sites of the longest chain that may be asked for.
-const MOST_SITES: usize = 1_000_000;
 /// Most sites on which methods that stop the whole chain at every event are tried.
 const STOPPING_SITES: usize = 1000;
 /// Sites times contact periods of the runs on long chains.
@@ -147,57 +143,49 @@ impl Chart {
     }
 }
 
-/// Charts of the built-in chain, or of a scene.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Charts {
-    /// Name of a built-in scene, or a TOML file.
-    ///
-    /// The chain and the state that are varied [default: four spheres between walls, kappa = 1, rho
-    /// = 1/3, amplitude 1].
-    pub scene: Option<String>,
-    /// Changes to it.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub set: Changes,
-    /// What is charted.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub options: ChartOptions,
+options! {
+    /// Charts of the built-in chain, or of a scene.
+    pub struct Charts {
+        /// Name of a built-in scene, or a TOML file.
+        ///
+        /// The chain and the state that are varied [default: four spheres between walls, kappa = 1,
+        /// rho = 1/3, amplitude 1].
+        scene: Option<String> = None;
+        /// Changes to it.
+        set: Changes = Changes::default(), [command(flatten)];
+        /// What is charted.
+        options: ChartOptions = ChartOptions::default(), [command(flatten)];
+    }
 }
 
-/// What to chart.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct ChartOptions {
-    /// Charts, separated by commas [default: all].
-    ///
-    /// The charts are light (mass ratios), stiffness (amplitudes and spring constants), alpha
-    /// (exponents), length (numbers of beads), time (lengths of runs) and resonances (of the
-    /// exact linear flow).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ',', value_parser = listed))]
-    pub charts: Vec<Chart>,
-    /// Integrators, separated by commas, or all [default: all].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ','))]
-    pub integrators: Vec<String>,
-    /// Length of the longest run, in periods.
-    ///
-    /// For the chart `time`, in contact periods 2 pi/sqrt(2 alpha A^(alpha-1)); from 1 to 10^6.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value = "1e4"))]
-    pub periods: f64,
-    /// Largest work of a run while a step is searched for.
-    ///
-    /// In force evaluations times sites, from 10^4 to 10^12.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "W", default_value = "4e6"))]
-    pub work: f64,
-    /// Number of sites.
-    ///
-    /// Length of the longest chain in the chart `length`, from 1 to 10^6.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value = "100000"))]
-    pub sites: usize,
-    /// Compute fewer points.
-    ///
-    /// At most a third of the points of light, stiffness and alpha.
-    #[cfg_attr(feature = "cli", arg(long))]
-    pub quick: bool,
+options! {
+    /// What to chart.
+    pub struct ChartOptions {
+        /// Charts, separated by commas [default: all].
+        ///
+        /// The charts are light (mass ratios), stiffness (amplitudes and spring constants), alpha
+        /// (exponents), length (numbers of beads), time (lengths of runs) and resonances (of the
+        /// exact linear flow).
+        charts: Vec<Chart> = vec![], "A,B,..", [arg(value_parser = listed)];
+        /// Integrators, separated by commas, or all [default: all].
+        integrators: Vec<String> = vec![], "A,B,..";
+        /// Length of the longest run, in periods.
+        ///
+        /// For the chart `time`, in contact periods 2 pi/sqrt(2 alpha A^(alpha-1)).
+        periods: f64 = 1e4, "P", (1 to 1e6);
+        /// Largest work of a run while a step is searched for.
+        ///
+        /// In force evaluations times sites.
+        work: f64 = 4e6, "W", (1e4 to 1e12);
+        /// Number of sites.
+        ///
+        /// Length of the longest chain in the chart `length`.
+        sites: usize = 100_000, "N", (1 to 1_000_000);
+        /// Compute fewer points.
+        ///
+        /// At most a third of the points of light, stiffness and alpha.
+        quick: bool = false, [arg(long)];
+    }
 }
 
 /// Parses one name of the list `--charts`.
@@ -404,7 +392,7 @@ pub fn charts(
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<ChartStudy> {
     let clock = Instant::now();
-    check(options)?;
+    options.within_ranges()?;
     let methods = options.methods()?;
     let names: Vec<String> = methods.iter().map(Method::name).collect();
     let places = places(options, &methods, &names);
@@ -462,20 +450,6 @@ fn value(problem: &Problem, options: &ChartOptions, place: &Place) -> Result<Val
             resonances::resonance(problem, method, k, amplitude).map(Value::Resonance)
         }
     }
-}
-
-fn check(options: &ChartOptions) -> Result<()> {
-    let ChartOptions { sites, periods, work, .. } = options;
-    if !(1..=MOST_SITES).contains(sites) {
-        return Err(Error::parameter("sites", sites, "from 1 to 10^6"));
-    }
-    if !LENGTHS.contains(periods) {
-        return Err(Error::parameter("periods", periods, "from 1 to 10^6 contact periods"));
-    }
-    if !(1e4..=1e12).contains(work) {
-        return Err(Error::parameter("work", work, "from 10^4 to 10^12 evaluations times sites"));
-    }
-    Ok(())
 }
 
 fn measured(

@@ -7,15 +7,8 @@ mod report;
 
 pub(super) use ladder::{steps_for_kicks, time};
 
-use super::{Changes, Progress, Study, Work, fit_line, methods};
-use crate::{
-    chain::Resonators,
-    error::{Error, Result},
-    plain::Loop,
-    report::Report,
-    run::method::Method,
-    scene::Scene,
-};
+use super::{Changes, Progress, Study, Work, fit_line, methods, options::options};
+use crate::{chain::Resonators, error::Result, plain::Loop, report::Report, run::method::Method, scene::Scene};
 use hertzchain_integrators::Stats;
 use ladder::Refinement;
 use reference::Truth;
@@ -25,54 +18,40 @@ const REFERENCE_SHARE: f64 = 0.3;
 /// Rows that an order is fitted to, at most: a factor of 16 in the step.
 const FITTED: usize = 5;
 
-/// The comparison of integrators on a scene.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Compare {
-    /// Name of a built-in scene, or a TOML file.
-    pub scene: String,
-    /// Changes to it.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub set: Changes,
-    /// What is compared.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub options: CompareOptions,
+options! {
+    /// The comparison of integrators on a scene.
+    pub struct Compare {
+        /// Name of a built-in scene, or a TOML file.
+        scene: Option<String> = None, [arg(required = true)];
+        /// Changes to it.
+        set: Changes = Changes::default(), [command(flatten)];
+        /// What is compared.
+        options: CompareOptions = CompareOptions::default(), [command(flatten)];
+    }
 }
 
-/// What to compare.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct CompareOptions {
-    /// Names of integrators, or `all`; none: those of [`Method::default_comparison_set`].
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long,
-            value_name = "A,B,..",
-            value_delimiter = ',',
-            help = INTEGRATORS,
-            long_help = integrators_help()
-        )
-    )]
-    pub integrators: Vec<String>,
-    /// Wall time for all runs, in seconds; what would not fit is left out.
-    ///
-    /// Runs are also left out if they take more than a 400th of this time and are expected to be
-    /// beaten in error and in time.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value = "10"))]
-    pub max_time: f64,
+options! {
+    /// What to compare.
+    pub struct CompareOptions {
+        /// Integrators, separated by commas, or all [default: a selection].
+        ///
+        /// None: those of [`Method::default_comparison_set`].
+        integrators: Vec<String> = vec![], "A,B,..", [arg(long_help = integrators_help())];
+        /// Wall time for all runs, in seconds; what would not fit is left out.
+        ///
+        /// Runs are also left out if they take more than a 400th of this time and are expected to
+        /// be beaten in error and in time.
+        max_time: f64 = 10.0, "S", (positive);
+    }
 }
-
-#[cfg(feature = "cli")]
-const INTEGRATORS: &str = "Integrators, separated by commas, or all [default: a selection]";
 
 /// Names the integrators of a comparison by default.
 #[cfg(feature = "cli")]
 fn integrators_help() -> String {
     let names: Vec<_> = Method::default_comparison_set().iter().map(Method::name).collect();
     format!(
-        "{INTEGRATORS}.\n\nBy default integrators that are the fastest at some error on a built-in scene, and those that \
-         serve as a standard of comparison: {}.",
+        "Integrators, separated by commas, or all.\n\nBy default integrators that are the fastest at some error on a \
+         built-in scene, and those that serve as a standard of comparison: {}.",
         names.join(", ")
     )
 }
@@ -116,7 +95,7 @@ impl Study for Compare {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        let scene = Scene::load_with(&self.scene, &self.set.set)?;
+        let scene = Scene::load_with(self.scene.as_deref().unwrap_or_default(), &self.set.set)?;
         self.options.methods(&scene)?;
         Ok(Box::new(move |_, progress| Ok(Box::new(compare(&scene, &self.options, progress)?.report()))))
     }
@@ -301,9 +280,7 @@ pub fn compare(scene: &Scene, options: &CompareOptions, progress: Progress<'_>) 
     let (methods, left_out) = options.methods(scene)?;
     let entrants = CompareOptions::entrants(methods, scene);
     let budget = options.max_time;
-    if !(budget.is_finite() && budget > 0.0) {
-        return Err(Error::parameter("max-time", budget, "a finite number of seconds, above zero"));
-    }
+    options.within_ranges()?;
     let mut climb = Refinement::new(scene, entrants, budget, progress);
     let truth = Truth::find(scene, budget * REFERENCE_SHARE, &|words| progress(0.0, words))?;
     truth.good()?;

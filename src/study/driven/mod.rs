@@ -7,8 +7,9 @@ mod spectra;
 
 use super::{
     Changes, InSi, Progress, Study, Work,
-    branches::{self, SWITCHED, Switched, check_switch, crossing},
+    branches::{self, BranchOptions, SWITCHED, Switched, crossing},
     keeper::Autosave,
+    options::options,
     si::Scale,
     stretches,
 };
@@ -27,63 +28,48 @@ pub use file::{driven_branch_from_archive, driven_branch_npz, load_driven_branch
 pub(crate) use report::multipliers_panel;
 use std::path::PathBuf;
 
-/// A driven scene, by name, and the search for its orbit.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct DrivenScene {
-    /// Name of a built-in scene, or a TOML file.
-    ///
-    /// The scene must have a `[[drive]]`: harmonics of one frequency, with or without a ramp. The
-    /// orbit is that of the drive at its full height.
-    #[cfg_attr(feature = "cli", arg(default_value = "granular-crystal"))]
-    pub scene: String,
-    /// Changes to the scene.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub changes: Changes,
-    /// The search.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub search: DrivenSearch,
-    /// The units of options and results.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub si: InSi,
+options! {
+    /// The orbit of a driven scene.
+    pub struct Driven {
+        /// Name of a built-in scene, or a TOML file.
+        ///
+        /// The scene must have a `[[drive]]`: harmonics of one frequency, with or without a ramp.
+        /// The orbit is that of the drive at its full height.
+        scene: String = "granular-crystal".to_owned();
+        /// Changes to the scene.
+        changes: Changes = Changes::default(), [command(flatten)];
+        /// The search.
+        search: DrivenSearch = DrivenSearch::default(), [command(flatten)];
+        /// The units of options and results.
+        si: InSi = InSi::default(), [command(flatten)];
+    }
 }
 
-impl DrivenScene {
+impl Driven {
     fn load(&self) -> Result<Scene> {
         Scene::load_with(&self.scene, &self.changes.set)
     }
 }
 
-/// The search for the orbit to which a driven scene leads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct DrivenSearch {
-    /// Periods of the drive in a period of the orbit.
-    ///
-    /// From 1 to 64; 2 for orbits of doubled period.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value_t = 1))]
-    pub turns: u32,
-    /// Periods of the orbit for which the scene runs before the search.
-    ///
-    /// After its ramp, from 0 to 10^6. The search starts from the state that the scene has then; it
-    /// starts earlier if the scene has become periodic.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value_t = 300))]
-    pub settle: u32,
-}
-
-impl Default for DrivenSearch {
-    fn default() -> Self {
-        Self { turns: 1, settle: 300 }
+options! {
+    /// The search for the orbit to which a driven scene leads.
+    #[derive(Copy, PartialEq, Eq)]
+    pub struct DrivenSearch {
+        /// Periods of the drive in a period of the orbit.
+        ///
+        /// 2 for orbits of doubled period.
+        turns: u32 = 1, "M", (1 to 64);
+        /// Periods of the orbit for which the scene runs before the search.
+        ///
+        /// After its ramp. The search starts from the state that the scene has then; it starts
+        /// earlier if the scene has become periodic.
+        settle: u32 = 300, "K", (0 to 1_000_000);
     }
 }
 
-const MOST_PERIODS: u32 = 1_000_000;
-
 impl DrivenSearch {
     fn setting(&self, scene: &Scene) -> Result<DrivenSetting> {
-        if self.settle > MOST_PERIODS {
-            return Err(Error::parameter("settle", self.settle, "at most 10^6 periods"));
-        }
+        self.within_ranges()?;
         DrivenSetting::new(scene.chain(), self.turns)
     }
 
@@ -93,15 +79,6 @@ impl DrivenSearch {
         let seed = shooting.settle(setting, scene.chain(), scene.initial(), self.settle, seen)?;
         shooting.solve(setting, &seed)
     }
-}
-
-/// The orbit of a driven scene.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Driven {
-    /// The scene.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub told: DrivenScene,
 }
 
 /// An orbit of a driven scene with its multipliers, samples and energy balance. All of its numbers
@@ -128,12 +105,10 @@ impl Study for Driven {
     const INTERRUPTIBLE: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
-        let scene = self.told.load()?;
-        self.told.si.units(&scene)?;
-        self.told.search.setting(&scene)?;
-        Ok(Box::new(move |_, progress| {
-            Ok(Box::new(driven_orbit(scene, &self.told.search, self.told.si, progress)?.report()))
-        }))
+        let scene = self.load()?;
+        self.si.units(&scene)?;
+        self.search.setting(&scene)?;
+        Ok(Box::new(move |_, progress| Ok(Box::new(driven_orbit(scene, &self.search, self.si, progress)?.report()))))
     }
 }
 
@@ -162,56 +137,41 @@ impl DrivenStudy {
     }
 }
 
-/// A branch of orbits of a driven scene.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct DrivenContinue {
-    /// The scene.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub told: DrivenScene,
-    /// The way.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub way: DrivenWay,
-    /// Go on with what this file, or the file in this folder, has kept.
-    ///
-    /// A file driven-branch.npz or switched-branch.npz, from its last point: to another --to, by
-    /// another --step; then multipliers and bifurcations are computed anew. Results of a file
-    /// driven-branch.npz are written beside it unless --out says where. The file is the same with
-    /// and without --si, and goes on with either.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "PATH", conflicts_with_all = ["scene", "set", "turns", "settle", "vary"])
-    )]
-    pub resume: Option<PathBuf>,
+options! {
+    /// A branch of orbits of a driven scene.
+    pub struct DrivenContinue {
+        /// The scene.
+        told: Driven = Driven::default(), [command(flatten)];
+        /// The way.
+        way: DrivenWay = DrivenWay::default(), [command(flatten)];
+        /// Go on with what this file, or the file in this folder, has kept.
+        ///
+        /// A file driven-branch.npz or switched-branch.npz, from its last point: to another --to,
+        /// by another --step; then multipliers and bifurcations are computed anew. Results of a
+        /// file driven-branch.npz are written beside it unless --out says where. The file is the
+        /// same with and without --si, and goes on with either.
+        resume: Option<PathBuf> = None, "PATH",
+            [arg(conflicts_with_all = ["scene", "set", "turns", "settle", "vary"])];
+    }
 }
 
-/// The way of a branch of driven orbits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct DrivenWay {
-    /// What varies along the branch.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P", value_enum, default_value_t = DriveParameter::Amplitude))]
-    pub vary: DriveParameter,
-    /// Value of the parameter at which the branch ends.
-    ///
-    /// It begins with the scene's own value (with 1 for `damping`).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P", required_unless_present = "resume"))]
-    pub to: Option<f64>,
-    /// Largest change of the parameter from point to point.
-    ///
-    /// [default: a twentieth of the range]
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DP"))]
-    pub step: Option<f64>,
-    /// Points of the branch at most.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 200))]
-    pub max_points: usize,
-    /// Follow the branch that crosses at bifurcation K, too.
-    ///
-    /// A period doubling, for orbits of the doubled period, or a branch point; bifurcations are
-    /// numbered from 1 as they are printed. It ends as the first branch does, or where orbits of
-    /// doubled period come back to those of half the period.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K"))]
-    pub switch: Option<usize>,
+options! {
+    /// The way of a branch of driven orbits.
+    #[derive(Copy, PartialEq)]
+    pub struct DrivenWay {
+        /// What varies along the branch.
+        vary: DriveParameter = DriveParameter::Amplitude, "P";
+        /// Value of the parameter at which the branch ends.
+        ///
+        /// It begins with the scene's own value (with 1 for `damping`).
+        to: Option<f64> = None, "P", [arg(required_unless_present = "resume")];
+        /// Largest change of the parameter from point to point.
+        ///
+        /// [default: a twentieth of the range]
+        step: Option<f64> = None, "DP";
+        /// What every branch asks for.
+        branch: BranchOptions = BranchOptions::default(), [command(flatten)];
+    }
 }
 
 /// A branch of a driven scene. All of its numbers are dimensionless; `si` is for its
@@ -253,10 +213,10 @@ impl Study for DrivenContinue {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        check_switch(self.way.switch)?;
+        self.way.branch.within_ranges()?;
         let Some(path) = &self.resume else {
             let scene = self.told.load()?;
-            let DrivenScene { search, si, .. } = &self.told;
+            let Driven { search, si, .. } = &self.told;
             self.way.for_scene(&scene, search, *si)?;
             return Ok(Box::new(move |engine, progress| {
                 Ok(Box::new(begun(scene, search, &self.way, *si, engine, progress)?.report()?))
@@ -270,9 +230,9 @@ impl Study for DrivenContinue {
             Some(orbit) => self.way.read(Scale(si.as_ref()), parameter, &orbit.setting),
             None => self.way,
         };
-        let trail = self.way.as_given(si, parameter, trail.onward(way.to, way.step, way.max_points))?;
+        let trail = self.way.as_given(si, parameter, trail.onward(way.to, way.step, way.branch.max_points))?;
         Ok(Box::new(move |engine, progress| {
-            Ok(Box::new(followed(scene, trail, si, way.switch, engine, progress)?.report()?))
+            Ok(Box::new(followed(scene, trail, si, way.branch.switch, engine, progress)?.report()?))
         }))
     }
 
@@ -312,7 +272,7 @@ impl DrivenWay {
         search: &DrivenSearch,
         si: InSi,
     ) -> Result<(DrivenSetting, DrivenContinuation, Option<Units>)> {
-        check_switch(self.switch)?;
+        self.branch.within_ranges()?;
         let si = si.units(scene)?;
         let setting = search.setting(scene)?;
         let read = self.read(Scale(si.as_ref()), self.vary, &setting);
@@ -322,11 +282,12 @@ impl DrivenWay {
 
     /// The continuation from the scene's own value.
     fn continuation(&self, setting: &DrivenSetting) -> Result<DrivenContinuation> {
-        let &Self { vary: parameter, to, step, max_points: most_points, .. } = self;
+        let &Self { vary: parameter, to, step, branch, .. } = self;
         let to = to.ok_or_else(|| Error::parameter("to", "nothing", "a branch needs a value at which it ends"))?;
         let from = setting.get(parameter);
         let step = step.unwrap_or(0.05 * (to - from).abs());
-        let continuation = DrivenContinuation { parameter, to, step, most_points, shooting: DrivenShooting::default() };
+        let (most_points, shooting) = (branch.max_points, DrivenShooting::default());
+        let continuation = DrivenContinuation { parameter, to, step, most_points, shooting };
         continuation.check(from)?;
         setting.with(parameter, to).chain()?;
         Ok(continuation)
@@ -365,7 +326,7 @@ fn begun(
 ) -> Result<DrivenBranchStudy> {
     let (setting, continuation, si) = way.for_scene(&scene, search, si)?;
     let orbit = search.orbit(&scene, &setting, &|share, what| progress(SETTLING * share, what))?;
-    followed(scene, DrivenTrail::new(continuation, orbit)?, si, way.switch, engine, progress)
+    followed(scene, DrivenTrail::new(continuation, orbit)?, si, way.branch.switch, engine, progress)
 }
 
 /// Continues and studies a branch, and the one that crosses it at bifurcation `switch`, if given.

@@ -12,14 +12,12 @@ mod report;
 
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
-use super::{Progress, Study, Work, fit_line};
+use super::{Progress, Study, Work, fit_line, options::options};
 use crate::{
     chain::max_norm,
     error::{Error, Result},
     orbits::{Orbit, Pick, Shooting, Spectrum},
 };
-#[cfg(feature = "cli")]
-use hertzchain_integrators::Tolerance;
 use hertzchain_integrators::{Stepper, collocation::Pace};
 use nalgebra::Complex;
 use std::{f64::consts::PI, path::PathBuf};
@@ -33,42 +31,33 @@ pub struct Kick {
     pub mode: usize,
 }
 
-/// An orbit that is let go, from a file.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Evolve {
-    /// File dark-breather.json or branch.npz, with the orbit to start from.
-    ///
-    /// dark-breather.json is written by `breather dark`; branch.npz by `breather continue` and
-    /// `breather doubled`, and needs --point or --at.
-    pub orbit: PathBuf,
-    /// Number of the point of the branch, from 0; -1 is the last one.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", conflicts_with = "at"))]
-    pub point: Option<i64>,
-    /// Take the point of the branch whose parameter is nearest to this value.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
-    pub at: Option<f64>,
-    /// End time, in units of time.
-    ///
-    /// Rounded down to whole periods of the orbit.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1200"))]
-    pub until: f64,
-    /// Size of a kick along one mode, in units of the orbit's amplitude [default: none].
-    ///
-    /// The largest change of an entry of the initial state; of either sign, at most 1 in modulus.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "SIZE"))]
-    pub kick: Option<f64>,
-    /// Number of the multiplier along whose eigenvector the chain is kicked.
-    ///
-    /// Counted from 0 in the order of `breather dark --json`: the largest modulus first.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value_t = 0, requires = "kick"))]
-    pub mode: usize,
-    /// Tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "T", default_value = "1e-13", help = Tolerance::RUN.help(), long_help = Tolerance::RUN.long_help(OF_WINDOWS))
-    )]
-    pub tol: f64,
+options! {
+    /// An orbit that is let go, from a file.
+    pub struct Evolve {
+        /// File dark-breather.json or branch.npz, with the orbit to start from.
+        ///
+        /// dark-breather.json is written by `breather dark`; branch.npz by `breather continue` and
+        /// `breather doubled`, and needs --point or --at.
+        orbit: PathBuf = PathBuf::new();
+        /// Number of the point of the branch, from 0; -1 is the last one.
+        point: Option<i64> = None, "K", [arg(conflicts_with = "at")];
+        /// Take the point of the branch whose parameter is nearest to this value.
+        at: Option<f64> = None, "P";
+        /// End time, in units of time.
+        ///
+        /// Rounded down to whole periods of the orbit.
+        until: f64 = 1200.0, "T";
+        /// Size of a kick along one mode, in units of the orbit's amplitude [default: none].
+        ///
+        /// The largest change of an entry of the initial state; of either sign, at most 1 in modulus.
+        kick: Option<f64> = None, "SIZE";
+        /// Number of the multiplier along whose eigenvector the chain is kicked.
+        ///
+        /// Counted from 0 in the order of `breather dark --json`: the largest modulus first.
+        mode: usize = 0, "K", [arg(requires = "kick")];
+        /// Tolerance.
+        tol: f64 = 1e-13, "T", (RUN), [arg(long_help = OF_WINDOWS)];
+    }
 }
 
 impl Study for Evolve {

@@ -9,6 +9,7 @@ pub(super) use report::{bounds, newton_kantorovich_bound};
 use super::OF_WAVE;
 use super::{
     Changes, Progress, Study, Work,
+    options::options,
     stretches::{finished, unless_asked},
 };
 use crate::{
@@ -23,7 +24,6 @@ use crate::{
         WaveNumber, WaveParameter, WaveSetting, WaveSpectrum, ansatz,
     },
 };
-use hertzchain_integrators::Tolerance;
 use serde_json::json;
 use std::f64::consts::PI;
 
@@ -53,53 +53,42 @@ const RESULTS: [&str; 13] = [
     report::STATES,
 ];
 
-/// The wave that is looked for.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Wanted {
-    /// Name of a built-in scene, or a TOML file.
-    ///
-    /// The scene must have an initial state of kind travelling-wave. Numbers of the wave that no
-    /// flag gives are taken from it [default: tw-q15].
-    pub scene: Option<String>,
-    /// Changes to it.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub set: Changes,
-    /// Wave number over pi, with a whole number of waves on the ring.
-    ///
-    /// Above 0 and at most 1.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "Q"))]
-    pub q_over_pi: Option<f64>,
-    /// Frequency of the wave, in radians per unit of time.
-    ///
-    /// Above omega = sqrt(kappa (1 + 1/rho)).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "W", conflicts_with = "amplitude"))]
-    pub omega_tw: Option<f64>,
-    /// Height of the crest above the mean strain, in place of the frequency.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A"))]
-    pub amplitude: Option<f64>,
-    /// Mean strain [default: in proportion to the amplitude, as in the scene].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "M"))]
-    pub mean: Option<f64>,
-    /// Mass ratio resonator to bead, positive.
-    ///
-    /// In place of the scene's. Here also 0 (no resonators) and inf (fixed resonators, Newton's
-    /// cradle). Unless a frequency is given, the wave has the amplitude of the scene's wave. With
-    /// fixed resonators its mean strain is 0.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "R"))]
-    pub rho: Option<f64>,
-    /// Number of sites.
-    ///
-    /// The multipliers are computed for a ring of this length, from 3 to 256 [default: the
-    /// scene's].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
-    pub sites: Option<usize>,
-    /// Tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "T", default_value = "1e-14", help = Tolerance::WAVE.help(), long_help = Tolerance::WAVE.long_help(OF_WAVE))
-    )]
-    pub tol: f64,
+options! {
+    /// The wave that is looked for.
+    pub struct Wanted {
+        /// Name of a built-in scene, or a TOML file.
+        ///
+        /// The scene must have an initial state of kind travelling-wave. Numbers of the wave that no
+        /// flag gives are taken from it [default: tw-q15].
+        scene: Option<String> = None;
+        /// Changes to it.
+        set: Changes = Changes::default(), [command(flatten)];
+        /// Wave number over pi, with a whole number of waves on the ring.
+        ///
+        /// Above 0 and at most 1.
+        q_over_pi: Option<f64> = None, "Q";
+        /// Frequency of the wave, in radians per unit of time.
+        ///
+        /// Above omega = sqrt(kappa (1 + 1/rho)).
+        omega_tw: Option<f64> = None, "W", [arg(conflicts_with = "amplitude")];
+        /// Height of the crest above the mean strain, in place of the frequency.
+        amplitude: Option<f64> = None, "A";
+        /// Mean strain [default: in proportion to the amplitude, as in the scene].
+        mean: Option<f64> = None, "M", (finite);
+        /// Mass ratio resonator to bead, positive.
+        ///
+        /// In place of the scene's. Here also 0 (no resonators) and inf (fixed resonators, Newton's
+        /// cradle). Unless a frequency is given, the wave has the amplitude of the scene's wave. With
+        /// fixed resonators its mean strain is 0.
+        rho: Option<f64> = None, "R";
+        /// Number of sites.
+        ///
+        /// The multipliers are computed for a ring of this length, from 3 to 256 [default: the
+        /// scene's].
+        sites: Option<usize> = None, "N";
+        /// Tolerance.
+        tol: f64 = Search::default().tol, "T", (WAVE), [arg(long_help = OF_WAVE)];
+    }
 }
 
 /// The numbers of a wave, checked.
@@ -115,17 +104,7 @@ struct Numbers {
 impl Wanted {
     /// The wave of a scene.
     pub fn of(scene: &str) -> Self {
-        Self {
-            scene: Some(scene.to_owned()),
-            set: Changes::default(),
-            q_over_pi: None,
-            omega_tw: None,
-            amplitude: None,
-            mean: None,
-            rho: None,
-            sites: None,
-            tol: Search::default().tol,
-        }
+        Self { scene: Some(scene.to_owned()), ..Self::default() }
     }
 
     /// The exact wave, and all numbers of the study of it.
@@ -143,16 +122,13 @@ impl Wanted {
         let shape = wave.shape();
         let params = Params { rho: self.rho.unwrap_or(wave.params().rho), ..wave.params() };
         params.validate()?;
-        Tolerance::WAVE.check(self.tol)?;
+        self.within_ranges()?;
         let sites = self.sites.unwrap_or(scene.chain().sites());
         let q = WaveNumber::on_ring(self.q_over_pi.unwrap_or(shape.q.abs() / PI), sites)?;
         let share = match params.resonators() {
             Resonators::Fixed => MeanStrain::Value(0.0),
             _ => MeanStrain::OfAmplitude(0.5 * shape.b / (params.kappa * shape.a)),
         };
-        if let Some(mean) = self.mean.filter(|mean| !mean.is_finite()) {
-            return Err(Error::parameter("mean", mean, "a finite number"));
-        }
         let mean = self.mean.map_or(share, MeanStrain::Value);
         let given = match (self.amplitude, self.omega_tw, self.rho) {
             (Some(amplitude), ..) => Given::Amplitude(amplitude),
@@ -189,16 +165,7 @@ fn companion(setting: WaveSetting, given: Given) -> Result<WaveSetting> {
     Ok(WaveSetting { mean, ..setting })
 }
 
-/// An exact travelling wave.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Exact {
-    /// The wave.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub wanted: Wanted,
-}
-
-impl Study for Exact {
+impl Study for Wanted {
     const FILES: &'static str =
         "stalled.json, in place of all of them, with the best iterate of a search that did not converge.";
 
@@ -207,7 +174,7 @@ impl Study for Exact {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        let numbers = self.wanted.numbers()?;
+        let numbers = self.numbers()?;
         Ok(Box::new(move |engine, _| {
             let keep = |why: &Error| keep_iterate(engine.folder(), numbers.moving(), why);
             Ok(Box::new(numbers.study().inspect_err(keep)?.report()))
@@ -302,31 +269,26 @@ pub fn exact_study(
     Ok(ExactStudy { scene, wave, ansatz, profile, fourier, odd, errors, spectrum, kantorovich, growth })
 }
 
-/// A branch of exact travelling waves.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct ContinueWave {
-    /// The wave.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub wanted: Wanted,
-    /// What varies along the branch.
-    ///
-    /// A parameter of the wave or of the chain.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P", value_enum, default_value = "omega_tw"))]
-    pub vary: WaveParameter,
-    /// Value of the varied parameter at which the branch ends.
-    ///
-    /// The first value is that of the scene or of the other flags.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P", required = true))]
-    pub to: Option<f64>,
-    /// Largest change of the varied parameter from wave to wave.
-    ///
-    /// By default a step changes the state of the wave by a tenth.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DP"))]
-    pub step: Option<f64>,
-    /// Largest number of waves on the branch.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 200))]
-    pub waves: usize,
+options! {
+    /// A branch of exact travelling waves.
+    pub struct ContinueWave {
+        /// The wave.
+        wanted: Wanted = Wanted::default(), [command(flatten)];
+        /// What varies along the branch.
+        ///
+        /// A parameter of the wave or of the chain.
+        vary: WaveParameter = WaveParameter::OmegaTw, "P", [arg(default_value = "omega_tw")];
+        /// Value of the varied parameter at which the branch ends.
+        ///
+        /// The first value is that of the scene or of the other flags.
+        to: Option<f64> = None, "P", [arg(required = true)];
+        /// Largest change of the varied parameter from wave to wave.
+        ///
+        /// By default a step changes the state of the wave by a tenth.
+        step: Option<f64> = None, "DP";
+        /// Largest number of waves on the branch.
+        waves: usize = 200, "N";
+    }
 }
 
 impl Study for ContinueWave {

@@ -29,7 +29,7 @@
 
 mod report;
 
-use super::{Study, Work};
+use super::{Adaptive, Study, Work, options::options};
 
 use crate::{
     breathers::BrightBreather,
@@ -38,7 +38,6 @@ use crate::{
     error::{Error, Result},
     interrupt,
     report::Report,
-    run::method::Method,
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span},
     sweep::{Engine, Grid, Row},
 };
@@ -74,8 +73,6 @@ const CAP: f64 = 25.0;
 const REACHED: f64 = 1e-9;
 /// Sites of a chain at first, and at most after it was doubled, unless they are given.
 const SITES: RangeInclusive<usize> = 100..=25_600;
-/// Sites that may be given.
-const GIVEN_SITES: RangeInclusive<usize> = 20..=100_000;
 /// Most periods of a run.
 const MOST_PERIODS: f64 = 1e6;
 /// `x` from which lifetimes are fitted.
@@ -109,61 +106,38 @@ pub enum Fate {
     Persists,
 }
 
-/// The map of lifetimes.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct LifetimeOptions {
-    /// Sizes epsilon of the oscillation, separated by commas.
-    ///
-    /// Displacements start at 2 epsilon a_n. Positive, each named once.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long, value_name = "E,F,..", value_delimiter = ',',
-            default_values = ["1e-3", "3e-3", "0.01", "0.03", "0.1"]
-        )
-    )]
-    pub epsilons: Vec<f64>,
-    /// Mass ratios resonator to bead, separated by commas.
-    ///
-    /// Positive, each named once.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long, value_name = "R,S,..", value_delimiter = ',',
-            default_values = ["10", "100", "1e3", "1e4", "1e5"]
-        )
-    )]
-    pub rhos: Vec<f64>,
-    /// Criterion that ends the life of a breather.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Criterion::Energy))]
-    pub criterion: Criterion,
-    /// Exponent of the contact force; 1.5 for spheres.
-    ///
-    /// From 1.01 to 10.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
-    pub alpha: f64,
-    /// What the profile is symmetric about.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Bond))]
-    pub center: Center,
-    /// Number of sites.
-    ///
-    /// Length of every chain, from 20 to 10^5. By default it is doubled from 100 on, up to 25600,
-    /// until no wave comes back from the ends.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
-    pub sites: Option<usize>,
-    /// End time, in units of time.
-    ///
-    /// No breather is followed longer [default: for each breather 25 times the theorem's time
-    /// scale, T epsilon^(1-alpha)].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "T"))]
-    pub until: Option<f64>,
-    /// An adaptive method.
-    #[cfg_attr(feature = "cli", arg(skip = Method::Collocation))]
-    pub method: Method,
-    /// Its tolerance, of a whole run.
-    #[cfg_attr(feature = "cli", arg(skip = 1e-9))]
-    pub tolerance: f64,
+options! {
+    /// The map of lifetimes.
+    pub struct LifetimeOptions {
+        /// Sizes epsilon of the oscillation, separated by commas.
+        ///
+        /// Displacements start at 2 epsilon a_n. Each is named once.
+        epsilons: Vec<f64> = vec![1e-3, 3e-3, 0.01, 0.03, 0.1], "E,F,..", (above 0 below 1);
+        /// Mass ratios resonator to bead, separated by commas.
+        ///
+        /// Each is named once.
+        rhos: Vec<f64> = vec![10.0, 100.0, 1e3, 1e4, 1e5], "R,S,..", (positive);
+        /// Criterion that ends the life of a breather.
+        criterion: Criterion = Criterion::Energy, "C";
+        /// Exponent of the contact force; 1.5 for spheres.
+        ///
+        /// From 1.01 to 10.
+        alpha: f64 = 1.5, "A";
+        /// What the profile is symmetric about.
+        center: Center = Center::Bond, "C";
+        /// Number of sites.
+        ///
+        /// Length of every chain. By default it is doubled from 100 on, up to 25600, until no wave
+        /// comes back from the ends.
+        sites: Option<usize> = None, "N", (20 to 100_000);
+        /// End time, in units of time.
+        ///
+        /// No breather is followed longer [default: for each breather 25 times the theorem's time
+        /// scale, T epsilon^(1-alpha)].
+        until: Option<f64> = None, "T", (positive);
+        /// How the chains are run.
+        solver: Adaptive = Adaptive { tol: 1e-9, ..Adaptive::default() }, [arg(skip = Self::default().solver)];
+    }
 }
 
 impl Study for LifetimeOptions {
@@ -310,14 +284,14 @@ pub fn lifetimes(
 
 /// The settings of the store: all that a life depends on besides size and mass ratio.
 fn settings(options: &LifetimeOptions) -> serde_json::Value {
-    let LifetimeOptions { alpha, center, sites, until, method, tolerance, .. } = options;
+    let LifetimeOptions { alpha, center, sites, until, solver, .. } = options;
     json!({
         "alpha": alpha,
         "center": center,
         "sites": sites,
         "until": until,
-        "integrator": method.name(),
-        "tolerance": tolerance,
+        "integrator": solver.method.name(),
+        "tolerance": solver.tol,
         "levels": [CORE_SHARE, DISTANCE, CONTACT],
         "looks": [SAMPLES, CAP, REACHED],
     })
@@ -325,28 +299,9 @@ fn settings(options: &LifetimeOptions) -> serde_json::Value {
 
 /// The places of the map, if all options keep their rules.
 fn checked(options: &LifetimeOptions) -> Result<Vec<Place>> {
-    let LifetimeOptions { epsilons, rhos, sites, until, method, .. } = options;
-    for (name, values) in [("epsilons", epsilons), ("rhos", rhos)] {
-        if values.is_empty() {
-            return Err(Error::parameter(name, "\"\"", "name at least one value"));
-        }
-        if let Some(value) = values.iter().find(|value| !(value.is_finite() && **value > 0.0)) {
-            return Err(Error::parameter(name, value, "finite and positive"));
-        }
-    }
-    if let Some(large) = epsilons.iter().find(|epsilon| **epsilon >= 1.0) {
-        return Err(Error::parameter("epsilons", large, "sizes between 0 and 1, both excluded"));
-    }
-    if let Some(sites) = sites.filter(|sites| !GIVEN_SITES.contains(sites)) {
-        return Err(Error::parameter("sites", sites, "from 20 to 10^5"));
-    }
-    if let Some(until) = until.filter(|until| !(until.is_finite() && *until > 0.0)) {
-        return Err(Error::parameter("until", until, "finite and positive"));
-    }
-    if !method.adaptive() {
-        let rule = "lifetimes are measured by an adaptive method: collocation or a dop853";
-        return Err(Error::parameter("integrator", method.name(), rule));
-    }
+    let LifetimeOptions { epsilons, rhos, solver, .. } = options;
+    options.within_ranges()?;
+    solver.check()?;
     let at = |epsilon: &f64| rhos.iter().map(|&rho| Place { epsilon: *epsilon, rho }).collect::<Vec<_>>();
     let places: Vec<Place> = epsilons.iter().flat_map(at).collect();
     for place in &places {
@@ -411,7 +366,7 @@ impl Place {
     fn follow(&self, options: &LifetimeOptions, sites: usize, may_grow: bool) -> Result<Option<Life>> {
         let breather = self.breather(options, sites)?;
         let scene = self.scene(options, sites, options.until.unwrap_or(CAP * breather.horizon()))?;
-        let mut run = scene.run().method(options.method).tolerance(options.tolerance)?.stepper()?;
+        let mut run = options.solver.run(&scene)?.stepper()?;
         let mut watch = Watch::new(&breather, scene.chain());
         while !run.done() && !watch.finished() {
             if may_grow && watch.ends_felt() {

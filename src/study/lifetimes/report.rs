@@ -119,8 +119,8 @@ impl LifetimeStudy {
             .words(fit_words(*fit))
             .fact("sites", options.sites)
             .fact("until", options.until)
-            .fact("integrator", options.method.name())
-            .fact("tolerance", options.tolerance)
+            .fact("integrator", options.solver.method.name())
+            .fact("tolerance", options.solver.tol)
             .picture(self.picture());
         let json = to_json(&report.json()) + "\n";
         let wall = self.wall.as_secs_f64();

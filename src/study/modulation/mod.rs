@@ -2,7 +2,7 @@
 
 mod report;
 
-use super::{Changes, Study, Work, fit_line};
+use super::{Changes, Study, Work, fit_line, options::options};
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, State},
     error::{Error, Result},
@@ -13,13 +13,9 @@ use crate::{
 };
 use hertzchain_integrators::{Error as Failure, Observer, Stats, collocation::Pace, drive};
 use num_complex::Complex64;
-use std::{
-    f64::consts::PI,
-    ops::{ControlFlow, RangeInclusive},
-};
+use std::{f64::consts::PI, ops::ControlFlow};
 
 /// Sites of rings that may be asked for, and most sites of rings that are integrated.
-const SITES: RangeInclusive<usize> = 2..=10_000;
 const MOST_MEASURED_SITES: usize = 1000;
 /// Size of the mode at the start, relative to the wave.
 const SEED: f64 = 1e-6;
@@ -38,70 +34,53 @@ const MEANS: (f64, f64) = (-3.0, 1.0);
 /// Mass ratios for which the chart gives the factor of its growth rates.
 const RHOS: [f64; 4] = [1.0 / 3.0, 1.0, 3.0, 10.0];
 
-/// Modulations of a wave, from a scene or from numbers.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct ModulationStudy {
-    /// Name of a built-in scene, or a TOML file.
-    ///
-    /// The scene must have an initial state of kind travelling-wave. All numbers of the wave are
-    /// taken from it, in place of the flags.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            conflicts_with_all = ["alpha", "kappa", "rho", "a", "b", "q_over_pi", "epsilon", "sites"]
-        )
-    )]
-    pub scene: Option<String>,
-    /// Changes to it.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub set: Changes,
-    /// Exponent of the contact force; 1.5 for spheres.
-    ///
-    /// Above 0 and at most 10.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
-    pub alpha: f64,
-    /// Spring constant of the resonators, positive.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value = "1"))]
-    pub kappa: f64,
-    /// Mass ratio resonator to bead, positive.
-    ///
-    /// inf for Newton's cradle (its DpS equation), with --b 0.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
-    pub rho: f64,
-    /// Amplitude of the wave, positive.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1"))]
-    pub a: f64,
-    /// Mean strain.
-    ///
-    /// Mean strain b of the wave, in the units of the modulation equations; below 2 kappa a.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "B", default_value = "1"))]
-    pub b: f64,
-    /// Wave number over pi, with a whole number of waves on the ring.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "Q", default_value = "0.2"))]
-    pub q_over_pi: f64,
-    /// Sizes of the wave, separated by commas.
-    ///
-    /// Rates per unit of time are computed for the first size. With --measure, growth is measured
-    /// at each of them.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "E,F,..", value_delimiter = ',', default_values = ["0.01"]))]
-    pub epsilon: Vec<f64>,
-    /// Number of sites.
-    ///
-    /// Length of the ring, from 2 to 10^4; with --measure at most 1000.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 50))]
-    pub sites: usize,
-    /// Measure the growth on the full chain as well.
-    #[cfg_attr(feature = "cli", arg(long))]
-    pub measure: bool,
-    /// Number of wave numbers at which growth is measured.
-    ///
-    /// They are spread over the wave numbers of the ring; that of the fastest growth is added.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value_t = 12, requires = "measure"))]
-    pub modes: usize,
-    /// Chart the fastest growth over wave number and mean strain as well.
-    #[cfg_attr(feature = "cli", arg(long))]
-    pub chart: bool,
+options! {
+    /// Modulations of a wave, from a scene or from numbers.
+    pub struct ModulationStudy {
+        /// Name of a built-in scene, or a TOML file.
+        ///
+        /// The scene must have an initial state of kind travelling-wave. All numbers of the wave are
+        /// taken from it, in place of the flags.
+        scene: Option<String> = None,
+            [arg(conflicts_with_all = ["alpha", "kappa", "rho", "a", "b", "q_over_pi", "epsilon", "sites"])];
+        /// Changes to it.
+        set: Changes = Changes::default(), [command(flatten)];
+        /// Exponent of the contact force; 1.5 for spheres.
+        ///
+        /// Above 0 and at most 10.
+        alpha: f64 = 1.5, "A";
+        /// Spring constant of the resonators, positive.
+        kappa: f64 = 1.0, "K";
+        /// Mass ratio resonator to bead, positive.
+        ///
+        /// inf for Newton's cradle (its DpS equation), with --b 0.
+        rho: f64 = 1.0 / 3.0, "R";
+        /// Amplitude of the wave, positive.
+        a: f64 = 1.0, "A";
+        /// Mean strain.
+        ///
+        /// Mean strain b of the wave, in the units of the modulation equations; below 2 kappa a.
+        b: f64 = 1.0, "B";
+        /// Wave number over pi, with a whole number of waves on the ring.
+        q_over_pi: f64 = 0.2, "Q";
+        /// Sizes of the wave, separated by commas.
+        ///
+        /// Rates per unit of time are computed for the first size. With --measure, growth is measured
+        /// at each of them.
+        epsilon: Vec<f64> = vec![0.01], "E,F,..", (above 0 below 1);
+        /// Number of sites.
+        ///
+        /// Length of the ring; with --measure at most 1000.
+        sites: usize = 50, "N", (2 to 10_000);
+        /// Measure the growth on the full chain as well.
+        measure: bool = false, [arg(long)];
+        /// Number of wave numbers at which growth is measured.
+        ///
+        /// They are spread over the wave numbers of the ring; that of the fastest growth is added.
+        modes: usize = 12, "M", (1 or more), [arg(requires = "measure")];
+        /// Chart the fastest growth over wave number and mean strain as well.
+        chart: bool = false, [arg(long)];
+    }
 }
 
 impl ModulationStudy {
@@ -291,28 +270,18 @@ pub fn stability(options: &StabilityOptions, progress: &(dyn Fn(f64, &str) + Syn
 
 fn check(options: &StabilityOptions) -> Result<()> {
     let StabilityOptions { params, shape, epsilons, sites, modes, chart } = options;
-    if !SITES.contains(sites) {
-        return Err(Error::parameter("sites", sites, "a ring has from 2 to 10^4 sites"));
-    }
+    let defaults = ModulationStudy::default();
+    let (epsilon, modes_or) = (epsilons.clone(), modes.unwrap_or(defaults.modes));
+    ModulationStudy { epsilon, sites: *sites, modes: modes_or, ..defaults }.within_ranges()?;
     let waves = shape.q * *sites as f64 / (2.0 * PI);
     if (waves - waves.round()).abs() > 1e-9 * waves.abs().max(1.0) {
         let rule = "a whole number of waves fits the ring: q sites / (2 pi) is an integer";
         return Err(Error::parameter("q", shape.q, rule));
     }
-    if epsilons.is_empty() {
-        return Err(Error::parameter("epsilon", "\"\"", "name at least one size of the wave"));
-    }
-    if let Some(epsilon) = epsilons.iter().find(|epsilon| !(epsilon.is_normal() && **epsilon > 0.0 && **epsilon < 1.0))
-    {
-        return Err(Error::parameter("epsilon", epsilon, "sizes between 0 and 1, both excluded"));
-    }
     let fixed = params.resonators() == Resonators::Fixed;
     if fixed && (modes.is_some() || *chart) {
         let rule = "growth is measured and charted for moving resonators: rho < inf";
         return Err(Error::parameter("rho", params.rho, rule));
-    }
-    if *modes == Some(0) {
-        return Err(Error::parameter("modes", 0, "at least one wave number is measured"));
     }
     if modes.is_some() && *sites > MOST_MEASURED_SITES {
         return Err(Error::parameter("sites", sites, "growth is measured on rings of at most 1000 sites"));

@@ -17,17 +17,15 @@ pub use kicked::{KickedRun, Passage};
 
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
-use super::{Progress, Study, Work};
+use super::{ChainParams, Progress, Study, Work, options::options};
 use crate::{
     breathers::{Band, Envelope, KinkEnergy, LinearWave, LinearWaves, MovingBreather, MovingOrbit, Tail},
-    chain::Params,
     error::{Error, Result},
     interrupt,
     orbits::{Kantorovich, Kind, Orbit, Shooting, Spectrum},
     report::Report,
     sweep::map,
 };
-use hertzchain_integrators::Tolerance;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Default frequency, in units of `omega`.
@@ -35,78 +33,40 @@ const RATIO: f64 = 1.025;
 /// Share of the progress that the kicked run counts for.
 const KICKED: f64 = 0.1;
 
-/// Moving dark breathers as relative periodic orbits, and a kicked one.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Moving {
-    /// Frequencies of the background, in radians per unit of time.
-    ///
-    /// Separated by commas, each above omega = sqrt(kappa (1 + 1/rho)) [default: 1.025 omega].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "W,..", value_delimiter = ','))]
-    pub omega_b: Vec<f64>,
-    /// Whole periods of the background for each site that the kink moves on.
-    ///
-    /// Separated by commas, each from 1 to 100. With K the kink needs K + 1/2 periods for a site,
-    /// so that its velocity is omega_b/(2 pi (K + 1/2)).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K,..", value_delimiter = ',', default_value = "18,22,26"))]
-    pub turns: Vec<u32>,
-    /// Number of sites.
-    ///
-    /// The ring has an odd number of sites, from 9 to 255. The tails of the breather depend on it.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 41))]
-    pub sites: usize,
-    /// Exponent of the contact force; 1.5 for spheres.
-    ///
-    /// From 1.01 to 10.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
-    pub alpha: f64,
-    /// Spring constant of the resonators, positive.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value = "1"))]
-    pub kappa: f64,
-    /// Mass ratio resonator to bead, positive.
-    ///
-    /// Finite.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
-    pub rho: f64,
-    /// End time, in units of time.
-    ///
-    /// End of the run of the kicked breather; 0 for no such run. It starts from the bond-centred
-    /// breather at rest with the first frequency.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1200"))]
-    pub until: f64,
-    /// Size of a kick along one mode, in units of the orbit's amplitude.
-    ///
-    /// The largest change of an entry of the initial state, along the mode that grows most; of
-    /// either sign, at most 1 in modulus.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "SIZE", default_value = "1e-2"))]
-    pub kick: f64,
-    /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
-    ///
-    /// For rings of at most 61 sites.
-    #[cfg_attr(feature = "cli", arg(long))]
-    pub bound: bool,
-    /// Tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "T", default_value = "1e-14", help = Tolerance::RUN.help(), long_help = Tolerance::RUN.long_help(OF_WINDOWS))
-    )]
-    pub tol: f64,
-}
-
-impl Default for Moving {
-    fn default() -> Self {
-        Self {
-            omega_b: Vec::new(),
-            turns: vec![18, 22, 26],
-            sites: 41,
-            alpha: 1.5,
-            kappa: 1.0,
-            rho: 1.0 / 3.0,
-            until: 1200.0,
-            kick: 1e-2,
-            bound: false,
-            tol: 1e-14,
-        }
+options! {
+    /// Moving dark breathers as relative periodic orbits, and a kicked one.
+    pub struct Moving {
+        /// Frequencies of the background, in radians per unit of time.
+        ///
+        /// Separated by commas, each above omega = sqrt(kappa (1 + 1/rho)) [default: 1.025 omega].
+        omega_b: Vec<f64> = vec![], "W,..";
+        /// Whole periods of the background for each site that the kink moves on.
+        ///
+        /// Separated by commas. With K the kink needs K + 1/2 periods for a site, so that its
+        /// velocity is omega_b/(2 pi (K + 1/2)).
+        turns: Vec<u32> = vec![18, 22, 26], "K,..", (1 to 100);
+        /// Number of sites.
+        ///
+        /// The ring has an odd number of sites, from 9 to 255. The tails of the breather depend on it.
+        sites: usize = 41, "N";
+        /// The chain.
+        params: ChainParams = ChainParams::default(), [command(flatten)];
+        /// End time, in units of time.
+        ///
+        /// End of the run of the kicked breather; 0 for no such run. It starts from the bond-centred
+        /// breather at rest with the first frequency.
+        until: f64 = 1200.0, "T";
+        /// Size of a kick along one mode, in units of the orbit's amplitude.
+        ///
+        /// The largest change of an entry of the initial state, along the mode that grows most; of
+        /// either sign, at most 1 in modulus.
+        kick: f64 = 1e-2, "SIZE";
+        /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
+        ///
+        /// For rings of at most 61 sites.
+        bound: bool = false, [arg(long)];
+        /// Tolerance.
+        tol: f64 = 1e-14, "T", (RUN), [arg(long_help = OF_WINDOWS)];
     }
 }
 
@@ -191,12 +151,9 @@ impl Moving {
     /// # Errors
     /// Numbers outside their rules.
     pub fn breathers(&self) -> Result<Vec<MovingBreather>> {
-        let params = Params::new(self.alpha, self.kappa, self.rho)?;
+        self.within_ranges()?;
+        let params = self.params.checked()?;
         let frequencies = if self.omega_b.is_empty() { vec![RATIO * params.omega()] } else { self.omega_b.clone() };
-        if self.turns.is_empty() {
-            return Err(Error::parameter("turns", "none", "at least one number of turns"));
-        }
-        Tolerance::RUN.check(self.tol)?;
         let sites = self.sites;
         let of = |omega_b: f64| self.turns.iter().map(move |&turns| MovingBreather { params, sites, omega_b, turns });
         let breathers: Vec<MovingBreather> = frequencies.into_iter().flat_map(of).collect();

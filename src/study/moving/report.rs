@@ -2,7 +2,6 @@
 
 use super::{MovingPoint, MovingStudy, Passage};
 use crate::{
-    chain::Params,
     number::shown,
     report::{
         Column,
@@ -63,9 +62,9 @@ impl MovingStudy {
             self.missing.iter().map(|(omega_b, turns, _)| format!("{} with {turns} turns", shown(*omega_b))).collect();
         let title = "Moving dark breathers".to_owned();
         let report = Report::new("moving")
-            .fact("alpha", options.alpha)
-            .fact("kappa", options.kappa)
-            .fact("rho", options.rho)
+            .fact("alpha", options.params.alpha)
+            .fact("kappa", options.params.kappa)
+            .fact("rho", options.params.rho)
             .fact("sites", options.sites)
             .words(self.caption())
             .table(points(&self.points, options.bound))
@@ -82,11 +81,10 @@ impl MovingStudy {
 
     /// What the picture shows, with all numbers.
     pub(crate) fn caption(&self) -> String {
-        let super::Moving { alpha, kappa, rho, .. } = self.options;
         let residual = self.points.iter().map(|point| point.orbit.residual).fold(0.0, f64::max);
         format!(
             "{}, N = {}: {} moving breathers, largest residual {residual:.0e}. {}",
-            params_words(Params { alpha, kappa, rho }),
+            params_words(self.options.params.into()),
             self.options.sites,
             self.points.len(),
             self.words()

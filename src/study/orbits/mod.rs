@@ -6,13 +6,13 @@ mod spectra;
 
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
-use super::{Progress, Study, Work, branches::kept, keeper::Autosave, stretches};
+use super::{ChainParams, Progress, Study, Work, branches::kept, keeper::Autosave, options::options, stretches};
 
 use crate::orbits::Formulation;
 use crate::sweep::map;
 use crate::{
     breathers::DarkBreather,
-    chain::{MeanForces, Params},
+    chain::MeanForces,
     dps::Center,
     error::{Error, Result},
     interrupt,
@@ -23,8 +23,6 @@ use crate::{
     output::Folder,
     sweep::Engine,
 };
-#[cfg(feature = "cli")]
-use hertzchain_integrators::Tolerance;
 use hertzchain_integrators::collocation::Pace;
 use std::path::{Path, PathBuf};
 
@@ -33,47 +31,22 @@ use std::path::{Path, PathBuf};
 const ONE: f64 = 1.025;
 const RANGE: [f64; 2] = [1.005, 1.05];
 
-/// The ring and the breather on it.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Ring {
-    /// Number of sites.
-    ///
-    /// The ring has an odd number of sites, n = -N .. N, from 3 to 255. Weak quartets of
-    /// multipliers, and their number, depend on it.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 41))]
-    pub sites: usize,
-    /// Exponent of the contact force; 1.5 for spheres.
-    ///
-    /// From 1.01 to 10.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
-    pub alpha: f64,
-    /// Spring constant of the resonators, positive.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value = "1"))]
-    pub kappa: f64,
-    /// Mass ratio resonator to bead, positive.
-    ///
-    /// Finite.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
-    pub rho: f64,
-    /// Vertical centre C_x of the background, a strain (eq:center).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", default_value = "0"))]
-    pub c_x: f64,
-    /// Equations of Newton's method.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "F", value_enum, default_value_t = Formulation::HalfPeriod))]
-    pub formulation: Formulation,
-    /// Tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "T", default_value = "1e-13", help = Tolerance::RUN.help(), long_help = Tolerance::RUN.long_help(OF_WINDOWS))
-    )]
-    pub tol: f64,
-}
-
-impl Default for Ring {
-    fn default() -> Self {
-        let Shooting { formulation, tol, .. } = Shooting::default();
-        Self { sites: 41, alpha: 1.5, kappa: 1.0, rho: 1.0 / 3.0, c_x: 0.0, formulation, tol }
+options! {
+    /// The ring and the breather on it.
+    pub struct Ring {
+        /// Number of sites.
+        ///
+        /// The ring has an odd number of sites, n = -N .. N, from 3 to 255. Weak quartets of
+        /// multipliers, and their number, depend on it.
+        sites: usize = 41, "N";
+        /// The chain.
+        params: ChainParams = ChainParams::default(), [command(flatten)];
+        /// Vertical centre C_x of the background, a strain (eq:center).
+        c_x: f64 = 0.0, "C";
+        /// Equations of Newton's method.
+        formulation: Formulation = Formulation::HalfPeriod, "F", [arg(default_value = "half-period")];
+        /// Tolerance.
+        tol: f64 = Shooting::default().tol, "T", (RUN), [arg(long_help = OF_WINDOWS)];
     }
 }
 
@@ -84,29 +57,26 @@ impl Ring {
 
     /// A breather of this frequency, by default `omega` times `ratio`.
     pub(super) fn breather(&self, center: Center, omega_b: Option<f64>, ratio: f64) -> Result<DarkBreather> {
-        let params = Params::new(self.alpha, self.kappa, self.rho)?;
+        let params = self.params.checked()?;
         let omega_b = omega_b.unwrap_or(ratio * params.omega());
         Ok(DarkBreather { params, center, sites: self.sites, omega_b, c_x: self.c_x })
     }
 }
 
-/// A dark breather as an exact periodic orbit.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Dark {
-    /// What the profile is symmetric about.
-    ///
-    /// The kink is on the site 0, or on the bond between the sites 0 and 1.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Site))]
-    pub center: Center,
-    /// Frequency of the breather, in radians per unit of time.
-    ///
-    /// Above omega = sqrt(kappa (1 + 1/rho)) [default: 1.025 omega].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "W"))]
-    pub omega_b: Option<f64>,
-    /// The ring.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub ring: Ring,
+options! {
+    /// A dark breather as an exact periodic orbit.
+    pub struct Dark {
+        /// What the profile is symmetric about.
+        ///
+        /// The kink is on the site 0, or on the bond between the sites 0 and 1.
+        center: Center = Center::Site, "C";
+        /// Frequency of the breather, in radians per unit of time.
+        ///
+        /// Above omega = sqrt(kappa (1 + 1/rho)) [default: 1.025 omega].
+        omega_b: Option<f64> = None, "W";
+        /// The ring.
+        ring: Ring = Ring::default(), [command(flatten)];
+    }
 }
 
 /// A dark breather with its multipliers and measurements.
@@ -147,73 +117,55 @@ impl Dark {
     }
 }
 
-/// A branch of dark breathers in one parameter.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Continue {
-    /// What the profile is symmetric about.
-    ///
-    /// The kink is on the site 0, or on the bond between the sites 0 and 1.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Site))]
-    pub center: Center,
-    /// Varied parameter: omega_b, rho, kappa, alpha or c_x.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value = "omega_b"))]
-    pub parameter: String,
-    /// First value of the parameter [default for omega_b: 1.005 omega].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
-    pub from: Option<f64>,
-    /// Last value of the parameter [default for omega_b: 1.05 omega].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
-    pub to: Option<f64>,
-    /// Largest change of the parameter from point to point.
-    ///
-    /// [default: a hundredth of the range]
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DP"))]
-    pub step: Option<f64>,
-    /// Points of the branch at most.
-    ///
-    /// With those of a branch that is resumed.
-    #[cfg_attr(feature = "cli", arg(long = "max-points", value_name = "N", default_value_t = 1000))]
-    pub points: usize,
-    /// Take steps in the parameter, not in the arclength.
-    ///
-    /// Such a branch ends at a fold.
-    #[cfg_attr(feature = "cli", arg(long))]
-    pub natural: bool,
-    /// Do not locate collisions of multipliers that stay below 1 + WEAK.
-    ///
-    /// The moduli of the multipliers are compared with 1 + WEAK.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "WEAK", default_value = "0.01"))]
-    pub weak: f64,
-    /// Frequency of the breather, in radians per unit of time.
-    ///
-    /// For branches in another parameter [default: 1.025 omega].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "W"))]
-    pub omega_b: Option<f64>,
-    /// Go on with what this file, or the file in this folder, has kept.
-    ///
-    /// A file branch.npz, from its last point: to another --to, by another --step; then multipliers
-    /// and bifurcations are computed anew. The results are written beside it unless --out says
-    /// where.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long, value_name = "PATH",
-            conflicts_with_all = [
-                "center", "parameter", "from", "natural", "weak", "omega_b",
-                "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol",
-            ]
-        )
-    )]
-    pub resume: Option<PathBuf>,
-    /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
-    ///
-    /// For each point of the branch.
-    #[cfg_attr(feature = "cli", arg(long))]
-    pub bound: bool,
-    /// The ring.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub ring: Ring,
+options! {
+    /// A branch of dark breathers in one parameter.
+    pub struct Continue {
+        /// What the profile is symmetric about.
+        ///
+        /// The kink is on the site 0, or on the bond between the sites 0 and 1.
+        center: Center = Center::Site, "C";
+        /// Varied parameter: omega_b, rho, kappa, alpha or c_x.
+        parameter: String = "omega_b".to_owned(), "P";
+        /// First value of the parameter [default for omega_b: 1.005 omega].
+        from: Option<f64> = None, "P";
+        /// Last value of the parameter [default for omega_b: 1.05 omega].
+        to: Option<f64> = None, "P";
+        /// Largest change of the parameter from point to point.
+        ///
+        /// [default: a hundredth of the range]
+        step: Option<f64> = None, "DP";
+        /// Points of the branch at most.
+        ///
+        /// With those of a branch that is resumed.
+        points: usize = 1000, "N", [arg(long = "max-points")];
+        /// Take steps in the parameter, not in the arclength.
+        ///
+        /// Such a branch ends at a fold.
+        natural: bool = false, [arg(long)];
+        /// Do not locate collisions of multipliers that stay below 1 + WEAK.
+        ///
+        /// The moduli of the multipliers are compared with 1 + WEAK.
+        weak: f64 = 0.01, "WEAK";
+        /// Frequency of the breather, in radians per unit of time.
+        ///
+        /// For branches in another parameter [default: 1.025 omega].
+        omega_b: Option<f64> = None, "W";
+        /// Go on with what this file, or the file in this folder, has kept.
+        ///
+        /// A file branch.npz, from its last point: to another --to, by another --step; then multipliers
+        /// and bifurcations are computed anew. The results are written beside it unless --out says
+        /// where.
+        resume: Option<PathBuf> = None, "PATH", [arg(conflicts_with_all = [
+            "center", "parameter", "from", "natural", "weak", "omega_b",
+            "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol",
+        ])];
+        /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
+        ///
+        /// For each point of the branch.
+        bound: bool = false, [arg(long)];
+        /// The ring.
+        ring: Ring = Ring::default(), [command(flatten)];
+    }
 }
 
 impl Continue {
@@ -274,40 +226,30 @@ impl Study for Continue {
     }
 }
 
-/// The branch of doubled period.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Doubled {
-    /// Frequency of the breather, in radians per unit of time.
-    ///
-    /// The frequency at which the branch of doubled period ends: that of the whole period, about
-    /// half of the frequency of the main branch.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "W", default_value = "1.056"))]
-    pub omega_b: f64,
-    /// Frequency up to which a period doubling is searched for.
-    ///
-    /// The main branch is followed no further without one [default: 1.05 omega].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "W"))]
-    pub most: Option<f64>,
-    /// Largest change of the frequency from point to point.
-    ///
-    /// On the main branch; on the doubled one half of it.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DW", default_value = "0.002"))]
-    pub step: f64,
-    /// File branch.npz of the main branch [default: it is computed here].
-    ///
-    /// A file that `breather continue --center bond` has written.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long, value_name = "FILE",
-            conflicts_with_all = ["most", "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol"]
-        )
-    )]
-    pub branch: Option<PathBuf>,
-    /// The ring.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub ring: Ring,
+options! {
+    /// The branch of doubled period.
+    pub struct Doubled {
+        /// Frequency of the breather, in radians per unit of time.
+        ///
+        /// The frequency at which the branch of doubled period ends: that of the whole period, about
+        /// half of the frequency of the main branch.
+        omega_b: f64 = 1.056, "W", (positive);
+        /// Frequency up to which a period doubling is searched for.
+        ///
+        /// The main branch is followed no further without one [default: 1.05 omega].
+        most: Option<f64> = None, "W", (positive);
+        /// Largest change of the frequency from point to point.
+        ///
+        /// On the main branch; on the doubled one half of it.
+        step: f64 = 0.002, "DW";
+        /// File branch.npz of the main branch [default: it is computed here].
+        ///
+        /// A file that `breather continue --center bond` has written.
+        branch: Option<PathBuf> = None, "FILE",
+            [arg(conflicts_with_all = ["most", "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol"])];
+        /// The ring.
+        ring: Ring = Ring::default(), [command(flatten)];
+    }
 }
 
 /// The branch of doubled period, with the measurements of its last orbit.
@@ -327,12 +269,8 @@ impl Study for Doubled {
     fn begin(&self) -> Result<Work<'_>> {
         let (breather, shooting) = (self.ring.breather(Center::Bond, None, RANGE[0])?, self.ring.shooting());
         let most = self.most.unwrap_or(RANGE[1] * breather.params.omega());
-        // These are checked before the main branch is followed, which takes long.
-        for (name, value) in self.most.map(|most| ("most", most)).into_iter().chain([("omega-b", self.omega_b)]) {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(Error::parameter(name, value, "a frequency is finite and positive"));
-            }
-        }
+        // Before the main branch is followed, which takes long.
+        self.within_ranges()?;
         Ok(Box::new(move |engine, progress| {
             let half = |share: f64, what: &str| progress(0.5 * share, what);
             let main = match &self.branch {

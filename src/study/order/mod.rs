@@ -15,7 +15,7 @@
 
 mod report;
 
-use super::{Study, Work, fit_line, methods};
+use super::{Study, Work, fit_line, methods, options::options};
 use crate::{
     chain::{Boundary, Chain, CorrectedSplit, Field, KineticFlow, LinearFlow, Overlaps, Params, Site, State, max_norm},
     error::{Error, Result},
@@ -32,10 +32,6 @@ use hertzchain_integrators::{
     splitting::{Corrected, First, Landed, Parts, tables},
 };
 
-/// Exponents that the ladders are made for.
-const EXPONENTS: std::ops::RangeInclusive<f64> = 0.5..=10.0;
-/// Beads of the longest chain.
-const MOST_BEADS: usize = 1000;
 /// End of the runs.
 const END: f64 = 12.0;
 /// Spring constant and mass ratio.
@@ -168,28 +164,24 @@ pub fn theory(method: Method, alpha: f64, mode: Mode, quantity: Quantity) -> f64
     }
 }
 
-/// The order study.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct OrderOptions {
-    /// Exponent of the contact force; 1.5 for spheres.
-    ///
-    /// From 0.5 to 10.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
-    pub alpha: f64,
-    /// Number of beads of the chain, from 2 to 1000.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 6))]
-    pub beads: usize,
-    /// Integrators, separated by commas, or all [default: all].
-    ///
-    /// Each is run in all modes that it has.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ','))]
-    pub integrators: Vec<String>,
+options! {
+    /// The order study.
+    pub struct OrderOptions {
+        /// Exponent of the contact force; 1.5 for spheres.
+        alpha: f64 = 1.5, "A", (0.5 to 10);
+        /// Number of beads of the chain.
+        beads: usize = 6, "N", (2 to 1000);
+        /// Integrators, separated by commas, or all [default: all].
+        ///
+        /// Each is run in all modes that it has.
+        integrators: Vec<String> = vec![], "A,B,..";
+    }
 }
 
 impl OrderOptions {
     /// Methods and modes of the study, for the integrators that are asked for.
     fn cases(&self) -> Result<Vec<(Method, Mode)>> {
+        self.within_ranges()?;
         let (mut cases, wanted) = (cases(self.alpha), methods(&self.integrators, Method::all)?);
         let all = wanted.len() > self.integrators.len();
         let missing = wanted.iter().find(|method| !cases.iter().any(|(one, _)| one == *method));
@@ -224,8 +216,8 @@ impl Study for OrderOptions {
 /// An option outside its rule, or a reference that cannot be computed.
 pub fn order(options: &OrderOptions, progress: &(dyn Fn(f64) + Sync)) -> Result<OrderStudy> {
     let &OrderOptions { alpha, beads, .. } = options;
-    let problem = Problem::new(alpha, beads)?;
     let cases = options.cases()?;
+    let problem = Problem::new(alpha, beads)?;
     let truth = problem.truth()?;
     let tell = |done, total| progress(done as f64 / total as f64);
     let ladders = Tally::new(cases.len(), &tell).map(&cases, |&(method, mode)| problem.ladder(method, mode, &truth));
@@ -295,14 +287,7 @@ pub fn generic_state(chain: &Chain<f64>) -> Result<State<f64>> {
 
 impl Problem {
     fn new(alpha: f64, beads: usize) -> Result<Self> {
-        if !(2..=MOST_BEADS).contains(&beads) {
-            let rule = "at least two beads, or nothing can touch, and at most 1000: the study stops at every event";
-            return Err(Error::parameter("beads", beads, rule));
-        }
         let chain = Chain::new(Params::new(alpha, KAPPA, RHO)?, Boundary::Free, beads)?;
-        if !EXPONENTS.contains(&alpha) {
-            return Err(Error::parameter("alpha", alpha, "the order study takes exponents from 0.5 to 10"));
-        }
         let start = generic_state(&chain)?.as_slice().to_vec();
         let shifted = |size: f64| -> Vec<f64> {
             let direction = |i: usize| (2.399_963 * i as f64 + 1.0).sin();

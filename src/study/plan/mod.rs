@@ -14,7 +14,7 @@ mod report;
 
 pub use file::{Axis, Plan, Point, Reported};
 
-use super::{RunView, Study, Work, run_json};
+use super::{RunView, Study, Work, options::options, run_json};
 use crate::{
     error::{Error, Result},
     output::Folder,
@@ -38,16 +38,14 @@ const NDJSON: &str = "sweep.ndjson";
 /// Largest number of points without a result whose reasons are shown.
 const SHOWN: usize = 10;
 
-/// A sweep of your own.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct PlanFile {
-    /// TOML file with the plan; `hertzchain sweep --template` prints one.
-    #[cfg_attr(feature = "cli", arg(value_name = "PLAN", required_unless_present = "template"))]
-    pub plan: Option<PathBuf>,
-    /// Print a plan with every key, each explained: a start for your own.
-    #[cfg_attr(feature = "cli", arg(long))]
-    pub template: bool,
+options! {
+    /// A sweep of your own.
+    pub struct PlanFile {
+        /// TOML file with the plan; `hertzchain sweep --template` prints one.
+        plan: Option<PathBuf> = None, [arg(required_unless_present = "template")];
+        /// Print a plan with every key, each explained: a start for your own.
+        template: bool = false, [arg(long)];
+    }
 }
 
 impl Study for PlanFile {

@@ -43,19 +43,19 @@ options! {
         /// Smallest mass ratio.
         ///
         /// Mass of the light beads over that of the heavy ones.
-        from: f64 = 0.07, 0.02 to 1.0, "M", f64;
+        from: f64 = 0.07, "M", (0.02 to 1);
         /// Largest mass ratio.
         ///
         /// Mass of the light beads over that of the heavy ones.
-        to: f64 = 1.0, 0.02 to 1.0, "M", f64;
+        to: f64 = 1.0, "M", (0.02 to 1);
         /// Number of points.
         ///
         /// Mass ratios, evenly spaced in their logarithm.
-        points: usize = 120_usize, 3 to 10_000, "K", usize;
+        points: usize = 120, "K", (3 to 10_000);
         /// Distance of the two bonds whose forces are compared, in cells.
         ///
         /// A cell is a heavy and a light bead.
-        cells: usize = 24_usize, 4 to 1000, "N", usize;
+        cells: usize = 24, "N", (4 to 1000);
     }
 }
 

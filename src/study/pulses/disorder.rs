@@ -42,13 +42,13 @@ options! {
         /// Strengths of the disorder, separated by commas.
         ///
         /// With the strength E, masses are drawn evenly from 1 - E to 1 + E.
-        strengths: Vec<f64> = [0.1, 0.2, 0.4, 0.8], 0.0 to 0.9, "E,..", f64;
+        strengths: Vec<f64> = vec![0.1, 0.2, 0.4, 0.8], "E,..", (0 to 0.9);
         /// Number of chains for each strength.
         ///
         /// Their seeds are 1, 2, 3, and so on.
-        chains: u64 = 100_u64, 2 to 100_000, "K", u64;
+        chains: u64 = 100, "K", (2 to 100_000);
         /// Number of beads whose masses are drawn.
-        drawn: usize = 100_usize, 20 to 2000, "N", usize;
+        drawn: usize = 100, "N", (20 to 2000);
     }
 }
 

@@ -48,15 +48,15 @@ options! {
         /// Smallest mass ratio.
         ///
         /// Mass of the impurity over that of the other beads.
-        from: f64 = 0.01, 1e-3 to 20.0, "M", f64;
+        from: f64 = 0.01, "M", (1e-3 to 20.0);
         /// Largest mass ratio.
         ///
         /// Mass of the impurity over that of the other beads.
-        to: f64 = 20.0, 1e-3 to 20.0, "M", f64;
+        to: f64 = 20.0, "M", (1e-3 to 20.0);
         /// Number of points.
         ///
         /// Mass ratios, evenly spaced in their logarithm.
-        points: usize = 67_usize, 3 to 10_000, "K", usize;
+        points: usize = 67, "K", (3 to 10_000);
     }
 }
 

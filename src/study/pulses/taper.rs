@@ -38,17 +38,17 @@ options! {
         /// Smallest ratio of a radius to the one before it.
         ///
         /// Below 1 spheres shrink.
-        from: f64 = 0.92, 0.8 to 1.25, "S", f64;
+        from: f64 = 0.92, "S", (0.8 to 1.25);
         /// Largest ratio of a radius to the one before it.
-        to: f64 = 1.08, 0.8 to 1.25, "S", f64;
+        to: f64 = 1.08, "S", (0.8 to 1.25);
         /// Number of points.
         ///
         /// Ratios of radii, evenly spaced.
-        points: usize = 33_usize, 2 to 1000, "K", usize;
+        points: usize = 33, "K", (2 to 1000);
         /// Number of tapered spheres whose velocity is measured.
         ///
         /// So few that all radii stay between 0.001 and 1000 times the first one.
-        spheres: usize = 40_usize, 10 to 200, "N", usize;
+        spheres: usize = 40, "N", (10 to 200);
     }
 }
 

@@ -22,7 +22,7 @@ mod suprema;
 pub use slopes::{Bound, TheoremSlope};
 pub use suprema::{Errors, Norm, Sampling};
 
-use super::{Study, Work};
+use super::{Study, Work, options::options};
 use crate::{
     error::{Error, Result},
     interrupt,
@@ -41,11 +41,8 @@ const SEED: u64 = 1;
 /// Tolerance of the runs over `epsilon^{alpha-1}`.
 const ACCURACY: f64 = 1e-6;
 
-/// Exponents: the theorem asks for more than one, the averages are tabulated up to ten.
-const ALPHAS: (f64, f64) = (1.0, 10.0);
-/// Longest run, `T epsilon^{1-alpha}`, and longest horizon.
+/// Longest run, `T epsilon^{1-alpha}`.
 const LONGEST: f64 = 1e8;
-const MOST_SLOW_TIME: f64 = 1e3;
 
 /// How the mass ratio follows the size.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,90 +129,51 @@ impl Initial {
     }
 }
 
-/// Theorem 1 as a study.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct TheoremOptions {
-    /// Exponent of the contact force; 1.5 for spheres.
-    ///
-    /// Above 1 and at most 10 (breathers: from 1.01).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
-    pub alpha: f64,
-    /// T: runs end at t = T epsilon^(1-alpha), at most 1e8.
-    ///
-    /// The horizon of the theorem in units of the slow time, up to 1000.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1"))]
-    pub horizon: f64,
-    /// Law of the mass ratio, or a number for all epsilon.
-    ///
-    /// eps^-2(alpha-1), the smallest ratio that the theorem allows; eps^-(alpha-1), which is
-    /// smaller; or one number for all epsilon, inf for Newton's cradle.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long, value_name = "LAW", default_value = "eps^-2(alpha-1)", allow_hyphen_values = true,
-            value_parser = RhoLaw::named
-        )
-    )]
-    pub rho_law: RhoLaw,
-    /// Initial amplitudes A(0) of the DpS equation.
-    ///
-    /// A breather about a bond or a site, or (xi_n + i eta_n) e^(-n^2/4) with random xi_n, eta_n in
-    /// (-1, 1).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "I", value_enum, default_value_t = Initial::Bond))]
-    pub initial: Initial,
-    /// C_i: departure of the initial state from the ansatz.
-    ///
-    /// The departure has a random direction and lies on the boundary of the set (condciu),
-    /// (condciv) in l_1, and so inside it in all norms. 0: the run starts exactly on the ansatz.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "C", default_value = "0"))]
-    pub c_i: f64,
-    /// Seed of the random numbers [default: 1].
-    ///
-    /// They give a generic A(0) and the direction of the departure from the ansatz.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "S"))]
-    pub seed: Option<u64>,
-    /// Sizes epsilon of the oscillation, separated by commas [default: decades from 0.1 to 1e-6].
-    ///
-    /// Between 0 and 1, in any order.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long, value_name = "E,F,..", value_delimiter = ',',
-            default_values = ["0.1", "0.01", "1e-3", "1e-4", "1e-5", "1e-6"], hide_default_value = true
-        )
-    )]
-    pub epsilons: Vec<f64>,
-    /// Number of sites.
-    ///
-    /// Up to 1000 [default: the sites where A(0) is above 1e-16 of its largest value; for generic:
-    /// 21].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
-    pub sites: Option<usize>,
-    /// The times at which errors are sampled for the suprema.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub sampling: Sampling,
-    /// Tolerance of the runs, as a share of `epsilon^{alpha-1}`, the relative size of what is
-    /// measured.
-    #[cfg_attr(feature = "cli", arg(skip = ACCURACY))]
-    pub accuracy: f64,
-}
-
-impl Default for TheoremOptions {
-    /// The breather about a bond with `alpha = 3/2`, `T = 1`, decades from 0.1 to 1e-6.
-    fn default() -> Self {
-        Self {
-            alpha: 1.5,
-            horizon: 1.0,
-            rho_law: RhoLaw::Heavy,
-            initial: Initial::Bond,
-            c_i: 0.0,
-            seed: None,
-            epsilons: vec![1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6],
-            sites: None,
-            sampling: Sampling::default(),
-            accuracy: ACCURACY,
-        }
+options! {
+    /// Theorem 1 as a study.
+    #[derive(PartialEq)]
+    pub struct TheoremOptions {
+        /// Exponent of the contact force; 1.5 for spheres.
+        ///
+        /// For breathers from 1.01.
+        alpha: f64 = 1.5, "A", (above 1 to 10);
+        /// T: runs end at t = T epsilon^(1-alpha), at most 1e8.
+        ///
+        /// The horizon of the theorem in units of the slow time.
+        horizon: f64 = 1.0, "T", (above 0 to 1000);
+        /// Law of the mass ratio, or a number for all epsilon.
+        ///
+        /// eps^-2(alpha-1), the smallest ratio that the theorem allows; eps^-(alpha-1), which is
+        /// smaller; or one number for all epsilon, inf for Newton's cradle.
+        rho_law: RhoLaw = RhoLaw::Heavy, [arg(long, value_name = "LAW", default_value = "eps^-2(alpha-1)", allow_hyphen_values = true, value_parser = RhoLaw::named)];
+        /// Initial amplitudes A(0) of the DpS equation.
+        ///
+        /// A breather about a bond or a site, or (xi_n + i eta_n) e^(-n^2/4) with random xi_n, eta_n in
+        /// (-1, 1).
+        initial: Initial = Initial::Bond, "I";
+        /// C_i: departure of the initial state from the ansatz.
+        ///
+        /// The departure has a random direction and lies on the boundary of the set (condciu),
+        /// (condciv) in l_1, and so inside it in all norms. 0: the run starts exactly on the ansatz.
+        c_i: f64 = 0.0, "C", (from 0);
+        /// Seed of the random numbers [default: 1].
+        ///
+        /// They give a generic A(0) and the direction of the departure from the ansatz.
+        seed: Option<u64> = None, "S";
+        /// Sizes epsilon of the oscillation, separated by commas [default: decades from 0.1 to 1e-6].
+        ///
+        /// In any order.
+        epsilons: Vec<f64> = vec![1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6], "E,F,..", (above 0 below 1), [arg(hide_default_value = true)];
+        /// Number of sites.
+        ///
+        /// Up to 1000 [default: the sites where A(0) is above 1e-16 of its largest value; for generic:
+        /// 21].
+        sites: Option<usize> = None, "N";
+        /// The times at which errors are sampled for the suprema.
+        sampling: Sampling = Sampling::default(), [arg(skip)];
+        /// Tolerance of the runs, as a share of `epsilon^{alpha-1}`, the relative size of what is
+        /// measured.
+        accuracy: f64 = ACCURACY, [arg(skip = Self::default().accuracy)];
     }
 }
 
@@ -408,16 +366,8 @@ fn settings(options: &TheoremOptions) -> serde_json::Value {
 
 /// The options with their sizes in order.
 fn checked(options: &TheoremOptions) -> Result<TheoremOptions> {
-    let &TheoremOptions { alpha, horizon, c_i, .. } = options;
-    if !(alpha > ALPHAS.0 && alpha <= ALPHAS.1) {
-        return Err(Error::parameter("alpha", alpha, "Theorem 1 is for alpha above 1; here at most 10"));
-    }
-    if !(horizon > 0.0 && horizon <= MOST_SLOW_TIME) {
-        return Err(Error::parameter("horizon", horizon, "a slow time above 0 and at most 1000"));
-    }
-    if !(c_i.is_finite() && c_i >= 0.0) {
-        return Err(Error::parameter("c-i", c_i, "a finite size, at least zero"));
-    }
+    let &TheoremOptions { alpha, horizon, .. } = options;
+    options.within_ranges()?;
     if let (Some(seed), false) = (options.seed, options.random()) {
         let rule = "a seed needs something random: --initial generic, or --c-i above 0";
         return Err(Error::parameter("seed", seed, rule));
@@ -428,12 +378,6 @@ fn checked(options: &TheoremOptions) -> Result<TheoremOptions> {
         return Err(Error::parameter("rho-law", rho, "a mass ratio is positive, or inf"));
     }
     let mut epsilons = options.epsilons.clone();
-    if epsilons.is_empty() {
-        return Err(Error::parameter("epsilons", "none", "at least one size"));
-    }
-    if let Some(wrong) = epsilons.iter().find(|epsilon| !(**epsilon > 0.0 && **epsilon < 1.0)) {
-        return Err(Error::parameter("epsilons", wrong, "sizes between 0 and 1, both excluded"));
-    }
     epsilons.sort_by(|a, b| b.total_cmp(a));
     let longest = epsilons.iter().map(|epsilon| horizon * epsilon.powf(1.0 - alpha)).fold(0.0, f64::max);
     if longest > LONGEST {

@@ -9,22 +9,17 @@
 
 mod report;
 
-#[cfg(feature = "cli")]
-use super::tolerance_help;
-use super::{Changes, Study, Work, fit_line, scene_json};
+use super::{Adaptive, Changes, Study, Work, fit_line, options::options, scene_json};
 use crate::{
     chain::{Site, max_norm},
     dps::{Envelope, project},
     error::{Error, Result},
     report::{Report, rows},
-    run::method::Method,
     run::state_at,
     scene::{Scene, Theory},
     sweep::{Engine, Grid, map},
     waves::{PerturbedWave, TravellingWave},
 };
-#[cfg(feature = "cli")]
-use hertzchain_integrators::Tolerance;
 use hertzchain_integrators::{Dop853, Stats, dop853::Options};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -36,81 +31,54 @@ use std::{
 /// Name of the store of an ensemble in the folder of results.
 const STORE: &str = "ensemble.store";
 const PERTURBED: &str = "a perturbed wave";
-/// Samples a period that may be asked for.
-const SAMPLES_PER_PERIOD: std::ops::RangeInclusive<u32> = 2..=1000;
-/// Numbers of members that an ensemble may have.
-const SEEDS: std::ops::RangeInclusive<u32> = 1..=10_000;
 /// Most numbers that a run or an ensemble may hold: a gigabyte.
 const MOST_NUMBERS: f64 = (1_u64 << 27) as f64;
 /// Least and largest tolerance of the modulation equations. That of the run is clamped to this
 /// range, so that their error is not the one that is seen.
 const FLOW_TOLERANCES: (f64, f64) = (1e-13, 1e-8);
 
-/// A travelling wave, from a scene, perturbed or not.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Wave {
-    /// Name of a built-in scene, or a TOML file.
-    ///
-    /// The scene must have an initial state of kind travelling-wave.
-    #[cfg_attr(feature = "cli", arg(required = true))]
-    pub scene: Option<String>,
-    /// Changes to it.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub set: Changes,
-    /// Perturb each amplitude by up to this share [default: the scene's].
-    ///
-    /// The share bounds the changes of the real and of the imaginary part of each amplitude. From 0
-    /// (no perturbation) to below 1.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "Z"))]
-    pub zeta: Option<f64>,
-    /// Seed of the random numbers [default: the scene's, else 1].
-    ///
-    /// They perturb the wave.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "S"))]
-    pub seed: Option<u64>,
-    /// How it is run and looked at.
-    #[cfg_attr(feature = "cli", command(flatten))]
-    pub options: WaveOptions,
-    /// End time, in units of time [default: the scene's].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "T"))]
-    pub until: Option<f64>,
+options! {
+    /// A travelling wave, from a scene, perturbed or not.
+    pub struct Wave {
+        /// Name of a built-in scene, or a TOML file.
+        ///
+        /// The scene must have an initial state of kind travelling-wave.
+        scene: Option<String> = None, [arg(required = true)];
+        /// Changes to it.
+        set: Changes = Changes::default(), [command(flatten)];
+        /// Perturb each amplitude by up to this share [default: the scene's].
+        ///
+        /// The share bounds the changes of the real and of the imaginary part of each amplitude.
+        /// From 0 (no perturbation) to below 1.
+        zeta: Option<f64> = None, "Z";
+        /// Seed of the random numbers [default: the scene's, else 1].
+        ///
+        /// They perturb the wave.
+        seed: Option<u64> = None, "S";
+        /// How it is run and looked at.
+        options: WaveOptions = WaveOptions::default(), [command(flatten)];
+        /// End time, in units of time [default: the scene's].
+        until: Option<f64> = None, "T";
+    }
 }
 
-/// How a wave is run and looked at.
-///
-/// Largest values are those of samples: with 50 a period, in the runs of the paper, they are at
-/// most 0.1 % below those with 400.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct WaveOptions {
-    /// Number of perturbed waves, from that seed on [default: 1].
+options! {
+    /// How a wave is run and looked at.
     ///
-    /// From 1 to 10^4. They run on all cores and give the spread of the growth.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K"))]
-    pub seeds: Option<u32>,
-    /// Integrator; `hertzchain integrators` lists all.
-    ///
-    /// Only integrators that take a tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long = "integrator", value_parser = Method::named, value_name = "NAME",
-            default_value = "collocation"
-        )
-    )]
-    pub method: Method,
-    /// Tolerance.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long = "tol", value_name = "T", default_value = "1e-10", help = Tolerance::RUN.help(), long_help = tolerance_help(""))
-    )]
-    pub tolerance: f64,
-    /// Samples per period, from which largest values are taken.
-    ///
-    /// Per period of the wave, from 2 to 1000; the end of the run is one of them.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value_t = 50))]
-    pub samples_per_period: u32,
+    /// Largest values are those of samples: with 50 a period, in the runs of the paper, they are at
+    /// most 0.1 % below those with 400.
+    pub struct WaveOptions {
+        /// Number of perturbed waves, from that seed on [default: 1].
+        ///
+        /// They run on all cores and give the spread of the growth.
+        seeds: Option<u32> = None, "K", (1 to 10_000);
+        /// How it is run.
+        solver: Adaptive = Adaptive::default(), [command(flatten)];
+        /// Samples per period, from which largest values are taken.
+        ///
+        /// Per period of the wave; the end of the run is one of them.
+        samples_per_period: u32 = 50, "M", (2 to 1000);
+    }
 }
 
 impl Wave {
@@ -342,7 +310,7 @@ pub fn wave_in(
     Ok(WaveStudy {
         scene: scene.clone(),
         wave,
-        setting: format!("{}, tol {:e}", options.method.name(), options.tolerance),
+        setting: options.solver.words(),
         errors,
         strains: unperturbed.last(),
         ansatz: strains_of((0..scene.chain().sites()).map(|n| wave.site(n, scene.end()))),
@@ -360,8 +328,8 @@ fn settings(scene: &Scene, options: &WaveOptions) -> Value {
     file["initial"]["seed"] = Value::Null;
     json!({
         "scene": file,
-        "integrator": options.method.name(),
-        "tolerance": options.tolerance,
+        "integrator": options.solver.method.name(),
+        "tolerance": options.solver.tol,
         "samples_per_period": options.samples_per_period,
     })
 }
@@ -414,13 +382,8 @@ impl Others<'_> {
 
 /// The sample times.
 fn times(scene: &Scene, options: &WaveOptions) -> Result<Vec<f64>> {
-    if !options.method.adaptive() {
-        let rule = "waves are run by an adaptive method: collocation or a dop853";
-        return Err(Error::parameter("integrator", options.method.name(), rule));
-    }
-    if !SAMPLES_PER_PERIOD.contains(&options.samples_per_period) {
-        return Err(Error::parameter("samples-per-period", options.samples_per_period, "from 2 to 1000"));
-    }
+    options.solver.check()?;
+    options.within_ranges()?;
     // If the number is whole up to rounding, no sample is added.
     let wanted = scene.end() / scene.period() * f64::from(options.samples_per_period);
     let count = (wanted * (1.0 - 1e-12)).ceil().max(1.0);
@@ -434,9 +397,6 @@ fn times(scene: &Scene, options: &WaveOptions) -> Result<Vec<f64>> {
 /// The seeds of the ensemble; none for a wave that is not perturbed.
 fn seeds(scene: &Scene, options: &WaveOptions, samples: usize) -> Result<Vec<u64>> {
     let count = options.seeds.unwrap_or(1);
-    if !SEEDS.contains(&count) {
-        return Err(Error::parameter("seeds", count, "from 1 to 10^4"));
-    }
     if f64::from(count) * 2.0 * samples as f64 > MOST_NUMBERS {
         let rule = "at most 2^27 differences are kept: fewer seeds, a shorter run, or fewer samples a period";
         return Err(Error::parameter("seeds", count, rule));
@@ -469,7 +429,7 @@ impl Track {
 }
 
 fn track(scene: &Scene, options: &WaveOptions, times: &[f64]) -> Result<Track> {
-    let mut states = scene.run().method(options.method).tolerance(options.tolerance)?.at(times)?;
+    let mut states = options.solver.run(scene)?.at(times)?;
     let strains = states.by_ref().map(|state| Ok(strains(state?.as_slice()))).collect::<Result<_>>()?;
     Ok(Track { strains, stats: states.stats() })
 }
@@ -512,7 +472,7 @@ fn perturbed_run(
     };
     let (wave, constraint) = (perturbed.wave(), perturbed.constraint());
     let (mut ansatz, params) = (perturbed.ansatz(constraint)?, wave.params());
-    let tolerance = options.tolerance.clamp(FLOW_TOLERANCES.0, FLOW_TOLERANCES.1);
+    let tolerance = options.solver.tol.clamp(FLOW_TOLERANCES.0, FLOW_TOLERANCES.1);
     let flow_options = Options { atol: tolerance * wave.shape().a, ..Options::new(tolerance) };
     let flow = || -> Result<_> {
         let span = (0.0, wave.slow_time(scene.end()));
@@ -535,7 +495,7 @@ fn perturbed_run(
     let envelopes = if t < period {
         None
     } else {
-        let mut again = scene.run().method(options.method).tolerance(options.tolerance)?.stepper()?;
+        let mut again = options.solver.run(scene)?.stepper()?;
         let chain = project(params, wave.epsilon(), t, |t| Ok(state_at(&mut again, t)?))?;
         let amplitudes = state_at(&mut flow()?, wave.slow_time(t))?;
         let means = dps.mean_strains(&amplitudes).to_vec();
