@@ -26,9 +26,11 @@ use crate::{
         Kind, Panel, Panels, Report, Table,
     },
     run::{Method, Run},
-    sweep::Tally,
+    sweep::{Engine, Grid},
 };
 use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 use std::{
     f64::consts::TAU,
     ops::{Range, RangeInclusive},
@@ -99,7 +101,7 @@ impl Default for BoundaryWave {
 }
 
 /// The strain of a bond.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BondStrain {
     /// Number of the bond, between the sites `bond - 1` and `bond`.
     pub bond: usize,
@@ -112,7 +114,7 @@ pub struct BondStrain {
 }
 
 /// The wave that a drive of one frequency launches.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LaunchedWave {
     /// Frequency of the drive, `omega_d`.
     pub omega: f64,
@@ -144,13 +146,15 @@ pub struct BoundaryWaveStudy {
 }
 
 impl Study for BoundaryWave {
+    const STORE: &'static str = "boundary-wave.store";
+
     fn outline() -> Option<Report> {
         Some(BoundaryWaveStudy { options: Self::default(), waves: Vec::new() }.report())
     }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(self.study(progress)?.report()))))
+        Ok(Box::new(|engine, progress| Ok(self.study(engine, progress)?.report())))
     }
 }
 
@@ -294,10 +298,13 @@ impl BoundaryWave {
         Ok(LaunchedWave { omega, end, mean_strain, amplitude, spread, opens: least < 0.0, q, q_theory, bonds })
     }
 
-    fn study(&self, progress: Progress<'_>) -> Result<BoundaryWaveStudy> {
-        let tell = |done, total| progress(done as f64 / total as f64, "");
-        let waves = Tally::new(self.omegas.len(), &tell).map(&self.omegas, |&omega_d| self.wave(omega_d));
-        Ok(BoundaryWaveStudy { options: self.clone(), waves: waves.into_iter().collect::<Result<_>>()? })
+    fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<BoundaryWaveStudy> {
+        let Self { sites, drive, overlap, rho, .. } = self;
+        let settings = json!({"sites": sites, "drive": drive, "overlap": overlap, "rho": rho, "tolerance": TOLERANCE});
+        let grid = Grid { store: Self::STORE, study: "boundary-wave", settings };
+        let swept = engine.sweep(&grid, &self.omegas, progress, |&omega_d| self.wave(omega_d))?;
+        let waves = swept.all(&self.omegas, |omega_d| format!("omega = {omega_d}"))?;
+        Ok(BoundaryWaveStudy { options: self.clone(), waves })
     }
 }
 

@@ -5,7 +5,8 @@
 //! smooth problem it does not grow at all.
 
 use super::{
-    Changes, Study, Work, compare::steps_for_kicks, families, fit_line, methods, scene, scene_caption, scene_json,
+    Changes, Progress, Study, Work, compare::steps_for_kicks, families, fit_line, methods, scene, scene_caption,
+    scene_json,
 };
 use crate::{
     chain::Chain,
@@ -23,9 +24,6 @@ use hertzchain_integrators::{DoubleDouble, Error as Failure, Observer, Stats, dr
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::{ops::ControlFlow, time::Instant};
-
-/// Name of the store in the folder of results.
-const STORE: &str = "drift.store";
 
 /// Lengths of runs that may be asked for, in periods.
 const PERIODS: std::ops::RangeInclusive<f64> = 1.0..=1e9;
@@ -86,10 +84,7 @@ pub struct DriftOptions {
 }
 
 impl Study for Drift {
-    const FILES: &'static str =
-        "drift.store keeps every integrator as soon as it has come to the end; the same command resumes from it.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
+    const STORE: &'static str = "drift.store";
 
     fn outline() -> Option<Report> {
         Some(tables(Report::new("drift"), &[], 0.0))
@@ -98,10 +93,7 @@ impl Study for Drift {
     fn begin(&self) -> Result<Work<'_>> {
         let scene = scene(&self.scene, &self.set)?;
         methods(&self.options.integrators, Method::all)?;
-        Ok(Box::new(move |engine, progress| {
-            let tell = |done: u64, total: u64| progress(done as f64 / total as f64, "integrators");
-            Ok(Box::new(drift(&scene, &self.options, engine, &tell)?.report()))
-        }))
+        Ok(Box::new(move |engine, progress| Ok(drift(&scene, &self.options, engine, progress)?.report())))
     }
 }
 
@@ -230,17 +222,12 @@ struct Kept {
     failure: Option<String>,
 }
 
-/// Runs the methods, each a point of a grid. `progress` is told how many of how many are done.
+/// Runs the methods, each a point of a grid. `progress` is told the share done.
 ///
 /// # Errors
 /// An option outside its rule, a scene without an energy, or a run that cannot start; the process
 /// was asked to end.
-pub fn drift(
-    scene: &Scene,
-    options: &DriftOptions,
-    engine: &Engine,
-    progress: &(dyn Fn(u64, u64) + Sync),
-) -> Result<DriftStudy> {
+pub fn drift(scene: &Scene, options: &DriftOptions, engine: &Engine, progress: Progress<'_>) -> Result<DriftStudy> {
     let DriftOptions { periods, samples, .. } = options;
     let methods = methods(&options.integrators, Method::all)?;
     if !PERIODS.contains(periods) {
@@ -255,23 +242,17 @@ pub fn drift(
     }
     let scene = scene.clone().until(periods * scene.period())?;
     let times = spaced(scene.period(), scene.end(), *samples);
-    let mut names: Vec<String> = Vec::new();
-    for name in methods.iter().map(Method::name) {
-        if !names.contains(&name) {
-            names.push(name);
+    let mut distinct: Vec<Method> = Vec::new();
+    for method in methods {
+        if !distinct.contains(&method) {
+            distinct.push(method);
         }
     }
     let settings = json!({"scene": scene_json(&scene), "times": samples, "kicks": KICKS, "tolerance": TOLERANCE});
-    let grid = Grid { store: STORE, study: "drift", settings };
-    let swept = engine.sweep(&grid, &names, progress, |name| kept(&scene, Method::named(name)?, &times))?;
-    if swept.missing > 0 {
-        let kept = format!("{} of {} integrators have run; those in --out are kept", swept.computed(), names.len());
-        return Err(Error::Stopped { kept });
-    }
-    let rows = names.into_iter().zip(swept.rows).map(|(name, row)| match row {
-        Ok(kept) => row_of(&scene, Method::named(&name)?, &times, kept),
-        Err(why) => Err(Error::Point { point: name, why }),
-    });
+    let grid = Grid { store: Drift::STORE, study: "drift", settings };
+    let swept = engine.sweep(&grid, &distinct, progress, |&method| kept(&scene, method, &times))?;
+    let all = swept.all(&distinct, Method::name)?;
+    let rows = distinct.iter().zip(all).map(|(&method, kept)| row_of(&scene, method, &times, kept));
     Ok(DriftStudy { rows: rows.collect::<Result<_>>()?, scene, periods: *periods })
 }
 

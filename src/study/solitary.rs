@@ -2,10 +2,7 @@
 
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
-use super::{
-    Study, Work, fit_line,
-    stretches::{finished, unless_asked},
-};
+use super::{Progress, Study, Work, fit_line};
 use crate::{
     chain::Params,
     error::{Error, Result},
@@ -15,10 +12,12 @@ use crate::{
         Digits::{Fixed, Hidden, Power, Short},
         Kind, Line, Panel, Panels, Report, Table,
     },
-    sweep::map,
+    sweep::{Engine, Grid},
     waves::{LinePulse, Search, SolitaryWave, best_ring, wake_of_line},
 };
 use hertzchain_integrators::Tolerance;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 use std::f64::consts::PI;
 
 /// Phases `k/(2 pi)` of resonators from site to site of the default mass ratios. At whole ones
@@ -76,7 +75,7 @@ impl Default for Solitary {
 }
 
 impl Study for Solitary {
-    const INTERRUPTIBLE: bool = true;
+    const STORE: &'static str = "solitary.store";
 
     fn outline() -> Option<Report> {
         let [pulse, tails] = tables(&[], &[]);
@@ -85,25 +84,47 @@ impl Study for Solitary {
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(move |_, _| Ok(Box::new(self.study()?.report()))))
+        Ok(Box::new(|engine, progress| Ok(self.study(engine, progress)?.report())))
     }
 }
 
 /// A pulse where resonators move.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tail {
     /// Mass ratio.
     pub rho: f64,
     /// `k = omega/c`.
     pub k: f64,
     /// The exact wave of the ring, if Newton's method has found it.
-    pub wave: Option<SolitaryWave>,
+    pub wave: Option<RingPulse>,
     /// `W` of the pulse whose resonators follow their beads.
     pub line: f64,
 }
 
+/// Numbers of a [`SolitaryWave`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RingPulse {
+    /// Sites of the ring.
+    pub sites: usize,
+    /// Largest overlap.
+    pub crest: f64,
+    /// Residual of the search.
+    pub residual: f64,
+    /// Amplitude of the tail.
+    pub tail: f64,
+    /// `W`.
+    pub wake: f64,
+}
+
+impl RingPulse {
+    fn of(wave: &SolitaryWave) -> Self {
+        let (sites, residual) = (wave.wave.setting.q.cell(), wave.wave.residual);
+        Self { sites, crest: wave.crest(), residual, tail: wave.tail(), wake: wave.wake() }
+    }
+}
+
 /// A fit `ln(W k/(4 sin^2(k/2) g)) = constant - width k`.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TailFit {
     /// Pulses of the fit.
     pub points: usize,
@@ -158,8 +179,9 @@ impl Solitary {
     ///
     /// # Errors
     /// Numbers outside their rules; [`Error::Stalled`] where there is no pulse without resonators;
-    /// a signal before the first tail. A later one leaves the other tails out.
-    pub fn study(&self) -> Result<SolitaryStudy> {
+    /// a signal before the first tail, where a later one leaves the other tails out; errors of the
+    /// store.
+    pub fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<SolitaryStudy> {
         self.check()?;
         let (line, search) = (LinePulse::new(self.alpha), Search { tol: self.tol, ..Search::default() });
         let speed = self.speed.unwrap_or(line.coefficient());
@@ -168,17 +190,19 @@ impl Solitary {
         let rhos = if self.rhos.is_empty() { self.default_rhos(speed) } else { self.rhos.clone() };
         let tail = |&rho: &f64| {
             let params = Params { alpha: self.alpha, kappa: self.kappa, rho };
-            let sites = best_ring(params, speed, self.sites);
-            unless_asked(|| {
-                Ok(Tail {
-                    rho,
-                    k: params.omega() / speed,
-                    wave: SolitaryWave::new(params, speed, sites, &line, &search).ok(),
-                    line: wake_of_line(params, speed, &line),
-                })
+            let wave = SolitaryWave::new(params, speed, best_ring(params, speed, self.sites), &line, &search);
+            Ok(Tail {
+                rho,
+                k: params.omega() / speed,
+                wave: wave.ok().as_ref().map(RingPulse::of),
+                line: wake_of_line(params, speed, &line),
             })
         };
-        let tails = finished(map(&rhos, tail))?;
+        let settings =
+            json!({"alpha": self.alpha, "kappa": self.kappa, "speed": speed, "sites": self.sites, "tol": self.tol});
+        let grid = Grid { store: Self::STORE, study: "solitary", settings };
+        let swept = engine.sweep(&grid, &rhos, progress, tail)?.values(&rhos, |rho| format!("rho = {rho}"))?;
+        let tails: Vec<Tail> = swept.into_iter().map(|(_, tail)| tail).collect();
         let sites = line.at_sites();
         let decay = sites.iter().map(|g| g / sites[0]).collect();
         Ok(SolitaryStudy { options: self.clone(), line, decay, hertz, fit: fit(&tails), tails })
@@ -193,8 +217,8 @@ impl Solitary {
 
 fn fit(tails: &[Tail]) -> Option<TailFit> {
     let point = |tail: &Tail| {
-        let (wave, sin) = (tail.wave.as_ref()?, (0.5 * tail.k).sin());
-        let share = wave.wake() / wave.crest();
+        let (wave, sin) = (tail.wave?, (0.5 * tail.k).sin());
+        let share = wave.wake / wave.crest;
         let used = FITTED.contains(&share) && sin.abs() >= OFF_RESONANCE;
         used.then(|| (tail.k, (share * tail.k / (4.0 * sin * sin)).ln()))
     };
@@ -315,7 +339,7 @@ impl SolitaryStudy {
 fn tables(decay: &[f64], tails: &[Tail]) -> [Table; 2] {
     let decay: Vec<(usize, f64)> = decay.iter().copied().enumerate().collect();
     let double_log = |g: f64| Some(g.ln().abs().ln()).filter(|log| log.is_finite());
-    let of = |of: fn(&SolitaryWave) -> f64| move |tail: &Tail| tail.wave.as_ref().map(of);
+    let of = |of: fn(RingPulse) -> f64| move |tail: &Tail| tail.wave.map(of);
     [
         Table::of("pulse", &decay)
             .key("")
@@ -329,17 +353,17 @@ fn tables(decay: &[f64], tails: &[Tail]) -> [Table; 2] {
             .col("k_over_2pi", Fixed(4), "phase of a resonator from site to site, k = omega/c", |tail| {
                 tail.k / (2.0 * PI)
             })
-            .col("sites", Short, "length of the ring", |tail| tail.wave.as_ref().map(|wave| wave.wave.setting.q.cell()))
-            .col("crest", Fixed(8), "largest overlap g", of(SolitaryWave::crest))
-            .col("residual", Power(1), "", of(|wave| wave.wave.residual))
-            .col("tail", Power(4), "amplitude of the tail", of(SolitaryWave::tail))
-            .col("wake", Power(4), "amplitude W that a passage leaves behind", of(SolitaryWave::wake))
+            .col("sites", Short, "length of the ring", |tail| tail.wave.map(|wave| wave.sites))
+            .col("crest", Fixed(8), "largest overlap g", of(|wave| wave.crest))
+            .col("residual", Power(1), "", of(|wave| wave.residual))
+            .col("tail", Power(4), "amplitude of the tail", of(|wave| wave.tail))
+            .col("wake", Power(4), "amplitude W that a passage leaves behind", of(|wave| wave.wake))
             .col("wake_of_line", Power(4), "the same of the pulse whose resonators follow their beads", |tail| {
                 tail.line
             })
-            .col("wake_share", Hidden, "wake over crest", of(|wave| wave.wake() / wave.crest()))
+            .col("wake_share", Hidden, "wake over crest", of(|wave| wave.wake / wave.crest))
             .col("wake_share_of_line", Hidden, "wake of the line over crest", |tail| {
-                tail.wave.as_ref().map(|wave| tail.line / wave.crest())
+                tail.wave.map(|wave| tail.line / wave.crest)
             })
             .done(),
     ]

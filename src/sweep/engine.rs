@@ -1,6 +1,6 @@
 //! The engine, with which all studies compute their grids.
 
-use super::{Backend, Points, Rows, Shard, Store, Swept, Threads, collected, compute};
+use super::{Backend, Points, Progress, Rows, Shard, Store, Swept, Threads, collected, compute, counted};
 use crate::{
     error::{Error, Result},
     output::Folder,
@@ -119,7 +119,8 @@ impl Engine {
         self.part.borrow().clone()
     }
 
-    /// [`sweep`](super::sweep) of the points of a grid.
+    /// [`sweep`](super::sweep) of the points of a grid. `progress` is told the share that is done
+    /// and how many points that is.
     ///
     /// # Errors
     /// As [`sweep`](super::sweep). An engine with a shard always returns an error, since it does
@@ -129,7 +130,7 @@ impl Engine {
         &self,
         grid: &Grid,
         points: &[T],
-        progress: &(dyn Fn(u64, u64) + Sync),
+        progress: Progress<'_>,
         work: impl Fn(&T) -> Result<U> + Sync,
     ) -> Result<Swept<U>>
     where
@@ -138,7 +139,7 @@ impl Engine {
     {
         let points = Points { count: points.len(), point: &|k| &points[k] };
         let mut store = self.open(grid, points.count)?;
-        let (rows, resumed) = self.rows(grid, &points, store.as_mut(), progress, &|point| work(point))?;
+        let (rows, resumed) = self.rows(grid, &points, store.as_mut(), &counted(progress), &|point| work(point))?;
         collected(rows, resumed)
     }
 

@@ -61,6 +61,14 @@ const PIECES: usize = 1 << 6;
 /// Bytes of rows at which those that were read so far are handed out.
 const TEXT: usize = 1 << 22;
 
+/// Callback that receives the share that is done, from 0 to 1, and words on what is being done.
+pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
+
+/// A callback for numbers of points, done and all, that tells a [`Progress`].
+pub(crate) fn counted(progress: Progress<'_>) -> impl Fn(u64, u64) + Sync {
+    move |done, total| progress(done as f64 / total as f64, &format!("{done} of {total} points"))
+}
+
 /// The result of a point: a value, or the reason why there is none.
 pub type Row<U> = std::result::Result<U, String>;
 
@@ -139,6 +147,44 @@ impl<U> Swept<U> {
     /// Number of rows that were computed in this call.
     pub fn computed(&self) -> usize {
         self.rows.len() - self.resumed - self.missing
+    }
+
+    /// The values, each with its point, of a grid whose points do not fail; those that were
+    /// computed before the process was asked to end.
+    ///
+    /// # Errors
+    /// The first failed point, called as `name` says; the process was asked to end before any point
+    /// was computed.
+    pub fn values<T>(self, points: &[T], name: impl Fn(&T) -> String) -> Result<Vec<(&T, U)>> {
+        let mut values = Vec::with_capacity(points.len());
+        for (point, row) in points.iter().zip(self.rows) {
+            match row {
+                Ok(value) => values.push((point, value)),
+                Err(_) if self.missing > 0 => {}
+                Err(why) => return Err(Error::Point { point: name(point), why }),
+            }
+        }
+        if values.is_empty() && self.missing > 0 {
+            return Err(Error::Stopped { kept: "no point was computed".to_owned() });
+        }
+        Ok(values)
+    }
+
+    /// As [`values`](Self::values), without points.
+    ///
+    /// # Errors
+    /// As [`values`](Self::values); the process was asked to end before all points were computed.
+    pub fn all<T>(self, points: &[T], name: impl Fn(&T) -> String) -> Result<Vec<U>> {
+        if self.missing > 0 {
+            return Err(self.stopped());
+        }
+        Ok(self.values(points, name)?.into_iter().map(|(_, value)| value).collect())
+    }
+
+    /// The error of a study that needs the missing rows.
+    pub fn stopped(&self) -> Error {
+        let (all, done) = (self.rows.len(), self.rows.len() - self.missing);
+        Error::Stopped { kept: format!("{done} of {all} points are computed; those in --out are kept") }
     }
 }
 

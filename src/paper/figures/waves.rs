@@ -7,7 +7,7 @@ use crate::{
     number::{of_pi, written},
     run::method::Method,
     scene::Scene,
-    study::{StabilityOptions, StabilityStudy, WaveOptions, WaveStudy, shown, stability, wave},
+    study::{Progress, StabilityOptions, StabilityStudy, WaveOptions, WaveStudy, shown, stability, wave},
     waves::Shape,
 };
 use std::f64::consts::PI;
@@ -64,7 +64,7 @@ pub enum WavePanel {
 }
 
 impl WaveRun {
-    fn study(&self, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<WaveStudy> {
+    fn study(&self, progress: Progress<'_>) -> Result<WaveStudy> {
         let scene = Scene::load(self.scene)?.perturbed(self.zeta, None)?;
         let options = WaveOptions {
             method: Method::named(INTEGRATOR)?,
@@ -81,7 +81,7 @@ pub(super) fn studies(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Vec<(&'static WaveRun, WaveStudy)>> {
     let study = |(k, run): (usize, &'static WaveRun)| {
-        let tell = |done, total| progress((k as f64 + done as f64 / total as f64) / runs.len() as f64);
+        let tell = |share: f64, _: &str| progress((k as f64 + share) / runs.len() as f64);
         Ok((run, run.study(&tell)?))
     };
     runs.iter().enumerate().map(study).collect()

@@ -154,7 +154,7 @@ impl Study for Bright {
         let scene = self.scene()?;
         Ok(Box::new(move |_, progress| {
             let mut tell = |share| progress(share, "");
-            Ok(Box::new(bright_breather(&scene, &self.options, self.samples_per_period, &mut tell)?.report()))
+            Ok(bright_breather(&scene, &self.options, self.samples_per_period, &mut tell)?.report())
         }))
     }
 }
@@ -271,7 +271,7 @@ impl Study for Trivial {
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.scene()?;
         Ok(Box::new(move |_, progress| {
-            Ok(Box::new(trivial_breather(&scene, &self.options, &mut |share| progress(share, ""))?.report()))
+            Ok(trivial_breather(&scene, &self.options, &mut |share| progress(share, ""))?.report())
         }))
     }
 }

@@ -131,9 +131,7 @@ impl Study for Driven {
         let scene = self.told.load()?;
         self.told.si.units(&scene)?;
         self.told.search.setting(&scene)?;
-        Ok(Box::new(move |_, progress| {
-            Ok(Box::new(driven_orbit(scene, &self.told.search, self.told.si, progress)?.report()))
-        }))
+        Ok(Box::new(move |_, progress| Ok(driven_orbit(scene, &self.told.search, self.told.si, progress)?.report())))
     }
 }
 
@@ -259,7 +257,7 @@ impl Study for DrivenContinue {
             let DrivenScene { search, si, .. } = &self.told;
             self.way.for_scene(&scene, search, *si)?;
             return Ok(Box::new(move |engine, progress| {
-                Ok(Box::new(begun(scene, search, &self.way, *si, engine, progress)?.report()?))
+                begun(scene, search, &self.way, *si, engine, progress)?.report()
             }));
         };
         let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
@@ -271,9 +269,7 @@ impl Study for DrivenContinue {
             None => self.way,
         };
         let trail = self.way.as_given(si, parameter, trail.onward(way.to, way.step, way.max_points))?;
-        Ok(Box::new(move |engine, progress| {
-            Ok(Box::new(followed(scene, trail, si, way.switch, engine, progress)?.report()?))
-        }))
+        Ok(Box::new(move |engine, progress| followed(scene, trail, si, way.switch, engine, progress)?.report()))
     }
 
     fn beside(&self) -> Option<PathBuf> {

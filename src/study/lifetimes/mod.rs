@@ -29,7 +29,7 @@
 
 mod report;
 
-use super::{Study, Work};
+use super::{Progress, Study, Work};
 
 use crate::{
     breathers::BrightBreather,
@@ -52,8 +52,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Name of the store in the folder of results.
-const STORE: &str = "lifetimes.store";
 /// Share of the energy in the core, below which the breather has radiated.
 const CORE_SHARE: f64 = 0.9;
 /// Relative distance, above which the ansatz no longer describes the breather.
@@ -167,20 +165,14 @@ pub struct LifetimeOptions {
 }
 
 impl Study for LifetimeOptions {
-    const FILES: &'static str =
-        "lifetimes.store keeps every breather as soon as it was followed; the same command resumes from it.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
+    const STORE: &'static str = "lifetimes.store";
 
     fn outline() -> Option<Report> {
         Some(Report::new("lifetimes").table(report::points(&[], Criterion::Energy)))
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        Ok(Box::new(|engine, progress| {
-            let tell = |done, total| progress(done as f64 / total as f64, "");
-            Ok(Box::new(lifetimes(self, engine, &tell)?.report()))
-        }))
+        Ok(Box::new(|engine, progress| Ok(lifetimes(self, engine, progress)?.report())))
     }
 }
 
@@ -285,21 +277,17 @@ pub struct LifetimeStudy {
 
 /// Follows every breather of the map to its end. In a folder of the engine points are kept as they
 /// are computed, and those that are there are not computed again, whichever the criterion.
-/// `progress` is told how many points are done of how many.
+/// `progress` is told the share done.
 ///
 /// A point that fails is a row of its own. Points run on all cores; every number is the same for
 /// any number of them.
 ///
 /// # Errors
 /// An option outside its rule; a store of another study, or one that was altered.
-pub fn lifetimes(
-    options: &LifetimeOptions,
-    engine: &Engine,
-    progress: &(dyn Fn(u64, u64) + Sync),
-) -> Result<LifetimeStudy> {
+pub fn lifetimes(options: &LifetimeOptions, engine: &Engine, progress: Progress<'_>) -> Result<LifetimeStudy> {
     let clock = Instant::now();
     let places = checked(options)?;
-    let grid = Grid { store: STORE, study: "lifetimes", settings: settings(options) };
+    let grid = Grid { store: LifetimeOptions::STORE, study: "lifetimes", settings: settings(options) };
     let swept = engine.sweep(&grid, &places, progress, |place| place.life(options))?;
     let (resumed, computed) = (swept.resumed, swept.computed());
     let points = places.iter().zip(swept.rows).map(|(place, life)| place.point(options, life));

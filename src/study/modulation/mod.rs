@@ -140,7 +140,7 @@ impl Study for ModulationStudy {
 
     fn begin(&self) -> Result<Work<'_>> {
         let options = self.options()?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(stability(&options, progress)?.report()))))
+        Ok(Box::new(move |_, progress| Ok(stability(&options, progress)?.report())))
     }
 }
 

@@ -11,7 +11,7 @@
 //! the maxima at which `T` is 1. K. R. Jayaprakash, Y. Starosvetsky & A. F. Vakakis 2011, Phys.
 //! Rev. E 83, 036606.
 
-use super::{Crests, METHOD, STEP, ascending, follow, plain};
+use super::{Crests, METHOD, STEP, ascending, follow, geometric, plain};
 use crate::{
     chain::State,
     error::Result,
@@ -20,7 +20,10 @@ use crate::{
         Kind, Line, Panel, Panels, Report, Table,
     },
     study::{Progress, Study, Work, options::options},
+    sweep::{Engine, Grid},
 };
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// Mass ratios at which solitary waves were found, in the article cited above.
 pub const PUBLISHED: [f64; 4] = [1.0, 0.3428, 0.1548, 0.0901];
@@ -60,18 +63,20 @@ options! {
 }
 
 impl Study for DimerOptions {
+    const STORE: &'static str = "dimer.store";
+
     fn outline() -> Option<Report> {
         Some(DimerStudy { cells: 0, rows: Vec::new(), maxima: Vec::new() }.report())
     }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(dimer(self, progress)?.report()))))
+        Ok(Box::new(|engine, progress| Ok(dimer(self, engine, progress)?.report())))
     }
 }
 
 /// A pulse in a dimer.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DimerRow {
     /// Mass ratio.
     pub ratio: f64,
@@ -165,16 +170,13 @@ impl DimerOptions {
 ///
 /// # Errors
 /// An option outside its rule; a run that fails; a signal.
-pub fn dimer(options: &DimerOptions, progress: Progress<'_>) -> Result<DimerStudy> {
+pub fn dimer(options: &DimerOptions, engine: &Engine, progress: Progress<'_>) -> Result<DimerStudy> {
     options.check()?;
     let &DimerOptions { from, to, points, cells } = options;
-    let ratio = |k: usize| from * (to / from).powf(k as f64 / (points - 1) as f64);
-    let mut rows = Vec::with_capacity(points);
-    for k in 0..points {
-        let ratio = if k + 1 == points { to } else { ratio(k) };
-        progress(k as f64 / points as f64, &format!("m = {ratio:.4}"));
-        rows.push(pulse(ratio, cells)?);
-    }
+    let ratios = geometric(from, to, points);
+    let grid = Grid { store: DimerOptions::STORE, study: "dimer", settings: json!({"cells": cells, "step": STEP}) };
+    let swept = engine.sweep(&grid, &ratios, progress, |&ratio| pulse(ratio, cells))?;
+    let rows = swept.all(&ratios, |ratio| format!("mass ratio {ratio}"))?;
     let peaks = rows.windows(3).filter(|row| {
         let [a, b, c] = [0, 1, 2].map(|k| row[k].transmission());
         a < b && b >= c

@@ -26,9 +26,11 @@ use crate::{
         Kind, Line, Panels, Report, rows,
     },
     study::{Progress, Study, Work, options::options},
-    sweep::map,
+    sweep::{Engine, Grid},
     waves::LinePulse,
 };
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// Number of beads behind the impurity: a fixed one, and more for each unit of its mass, as a heavy
 /// bead drives a train of pulses.
@@ -62,7 +64,7 @@ options! {
 
 rows! {
     /// A solitary wave that has met an impurity.
-    #[derive(Clone, Copy, Debug, PartialEq)]
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
     pub struct ImpurityRow {
         /// Mass ratio `M`.
         ratio: f64 => Fixed(4),
@@ -103,13 +105,15 @@ impl ImpurityOptions {
 }
 
 impl Study for ImpurityOptions {
+    const STORE: &'static str = "impurity.store";
+
     fn outline() -> Option<Report> {
         Some(ImpurityStudy { rows: Vec::new() }.report())
     }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(impurity(self, progress)?.report()))))
+        Ok(Box::new(|engine, progress| Ok(impurity(self, engine, progress)?.report())))
     }
 }
 
@@ -117,16 +121,13 @@ impl Study for ImpurityOptions {
 ///
 /// # Errors
 /// An option outside its rule; a run that fails; a signal.
-pub fn impurity(options: &ImpurityOptions, progress: Progress<'_>) -> Result<ImpurityStudy> {
+pub fn impurity(options: &ImpurityOptions, engine: &Engine, progress: Progress<'_>) -> Result<ImpurityStudy> {
     options.check()?;
     let line = LinePulse::new(ALPHA);
     let ratios = geometric(options.from, options.to, options.points);
-    let rows = map(&ratios, |&ratio| {
-        let share = ratios.partition_point(|&below| below < ratio) as f64 / ratios.len() as f64;
-        progress(share, &format!("M = {ratio:.4}"));
-        scattered(ratio, &line)
-    });
-    Ok(ImpurityStudy { rows: rows.into_iter().collect::<Result<_>>()? })
+    let grid = Grid { store: ImpurityOptions::STORE, study: "impurity", settings: json!({"step": STEP}) };
+    let swept = engine.sweep(&grid, &ratios, progress, |&ratio| scattered(ratio, &line))?;
+    Ok(ImpurityStudy { rows: swept.all(&ratios, |ratio| format!("mass ratio {ratio}"))? })
 }
 
 /// The solitary wave of speed 1 at a bead of this mass amid beads of mass 1.

@@ -20,9 +20,11 @@ use crate::{
         Kind, Panels, Report, Table, rows,
     },
     study::{Progress, Study, Work, fit_line, options::options},
-    sweep::map,
+    sweep::{Engine, Grid},
     waves::LinePulse,
 };
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// Least and largest radius that a chain may have.
 const LIMITS: (f64, f64) = (1e-3, 1e3);
@@ -54,7 +56,7 @@ options! {
 
 rows! {
     /// A pulse in a tapered chain.
-    #[derive(Clone, Debug, PartialEq)]
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
     pub struct TaperRow {
         /// Radius over that of the sphere before it, `s`.
         ratio: f64 => Fixed(4),
@@ -92,13 +94,15 @@ impl TaperOptions {
 }
 
 impl Study for TaperOptions {
+    const STORE: &'static str = "taper.store";
+
     fn outline() -> Option<Report> {
         Some(TaperStudy { rows: Vec::new() }.report())
     }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(taper(self, progress)?.report()))))
+        Ok(Box::new(|engine, progress| Ok(taper(self, engine, progress)?.report())))
     }
 }
 
@@ -106,16 +110,15 @@ impl Study for TaperOptions {
 ///
 /// # Errors
 /// An option outside its rule; a run that fails; a signal.
-pub fn taper(options: &TaperOptions, progress: Progress<'_>) -> Result<TaperStudy> {
+pub fn taper(options: &TaperOptions, engine: &Engine, progress: Progress<'_>) -> Result<TaperStudy> {
     options.check()?;
     let &TaperOptions { from, to, points, spheres } = options;
     let line = LinePulse::new(ALPHA);
     let ratios: Vec<f64> = (0..points).map(|k| from + (to - from) * k as f64 / (points - 1) as f64).collect();
-    let rows = map(&ratios, |&ratio| {
-        progress((ratio - from) / (to - from), &format!("s = {ratio:.4}"));
-        tapered(ratio, spheres, &line)
-    });
-    Ok(TaperStudy { rows: rows.into_iter().collect::<Result<_>>()? })
+    let settings = json!({"spheres": spheres, "step": STEP});
+    let grid = Grid { store: TaperOptions::STORE, study: "taper", settings };
+    let swept = engine.sweep(&grid, &ratios, progress, |&ratio| tapered(ratio, spheres, &line))?;
+    Ok(TaperStudy { rows: swept.all(&ratios, |ratio| format!("ratio of radii {ratio}"))? })
 }
 
 /// The solitary wave of speed 1 that runs into `spheres` spheres, each with the radius of the one
