@@ -10,7 +10,7 @@ use crate::{
     report::{
         Column,
         Digits::{Fixed, Hidden, Power, Short},
-        Kind, Line, Panel, Panels, Report, Table,
+        Kind, Line, Panel, Panels, Report, Table, rows,
     },
     sweep::{Engine, Grid},
     waves::{LinePulse, Search, SolitaryWave, best_ring, wake_of_line},
@@ -88,38 +88,36 @@ impl Study for Solitary {
     }
 }
 
-/// A pulse where resonators move.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Tail {
-    /// Mass ratio.
-    pub rho: f64,
-    /// `k = omega/c`.
-    pub k: f64,
-    /// The exact wave of the ring, if Newton's method has found it.
-    pub wave: Option<RingPulse>,
-    /// `W` of the pulse whose resonators follow their beads.
-    pub line: f64,
+rows! {
+    /// A pulse where resonators move; of the exact wave of the ring there is nothing if Newton's
+    /// method has not found it.
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct Tail {
+        /// Mass ratio.
+        rho: f64 => Power(6),
+        /// Phase of a resonator from site to site, k = omega/c.
+        k_over_2pi: f64 => Fixed(4),
+        /// `k = omega/c`.
+        k: f64,
+        /// Length of the ring.
+        sites: Option<usize> => Short,
+        /// Largest overlap g.
+        crest: Option<f64> => Fixed(8),
+        /// Of the search.
+        residual: Option<f64> => Power(1),
+        /// Amplitude of the tail.
+        tail: Option<f64> => Power(4),
+        /// Amplitude W that a passage leaves behind.
+        wake: Option<f64> => Power(4),
+        /// The same of the pulse whose resonators follow their beads.
+        wake_of_line: f64 => Power(4),
+    }
 }
 
-/// Numbers of a [`SolitaryWave`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RingPulse {
-    /// Sites of the ring.
-    pub sites: usize,
-    /// Largest overlap.
-    pub crest: f64,
-    /// Residual of the search.
-    pub residual: f64,
-    /// Amplitude of the tail.
-    pub tail: f64,
-    /// `W`.
-    pub wake: f64,
-}
-
-impl RingPulse {
-    fn of(wave: &SolitaryWave) -> Self {
-        let (sites, residual) = (wave.wave.setting.q.cell(), wave.wave.residual);
-        Self { sites, crest: wave.crest(), residual, tail: wave.tail(), wake: wave.wake() }
+impl Tail {
+    /// `W/g`.
+    pub fn share(&self) -> Option<f64> {
+        Some(self.wake? / self.crest?)
     }
 }
 
@@ -190,12 +188,18 @@ impl Solitary {
         let rhos = if self.rhos.is_empty() { self.default_rhos(speed) } else { self.rhos.clone() };
         let tail = |&rho: &f64| {
             let params = Params { alpha: self.alpha, kappa: self.kappa, rho };
-            let wave = SolitaryWave::new(params, speed, best_ring(params, speed, self.sites), &line, &search);
+            let wave = SolitaryWave::new(params, speed, best_ring(params, speed, self.sites), &line, &search).ok();
+            let (k, of) = (params.omega() / speed, |of: fn(&SolitaryWave) -> f64| wave.as_ref().map(of));
             Ok(Tail {
                 rho,
-                k: params.omega() / speed,
-                wave: wave.ok().as_ref().map(RingPulse::of),
-                line: wake_of_line(params, speed, &line),
+                k_over_2pi: k / (2.0 * PI),
+                k,
+                sites: wave.as_ref().map(|wave| wave.wave.setting.q.cell()),
+                crest: of(SolitaryWave::crest),
+                residual: of(|wave| wave.wave.residual),
+                tail: of(SolitaryWave::tail),
+                wake: of(SolitaryWave::wake),
+                wake_of_line: wake_of_line(params, speed, &line),
             })
         };
         let settings =
@@ -217,8 +221,7 @@ impl Solitary {
 
 fn fit(tails: &[Tail]) -> Option<TailFit> {
     let point = |tail: &Tail| {
-        let (wave, sin) = (tail.wave?, (0.5 * tail.k).sin());
-        let share = wave.wake / wave.crest;
+        let (share, sin) = (tail.share()?, (0.5 * tail.k).sin());
         let used = FITTED.contains(&share) && sin.abs() >= OFF_RESONANCE;
         used.then(|| (tail.k, (share * tail.k / (4.0 * sin * sin)).ln()))
     };
@@ -252,7 +255,7 @@ impl SolitaryStudy {
     pub fn report(&self) -> Report {
         let [pulse, tails] = tables(&self.decay, &self.tails);
         let hertz = &self.hertz;
-        let lost: Vec<String> = self.tails.iter().filter(|tail| tail.wave.is_none()).map(|t| shown(t.rho)).collect();
+        let lost: Vec<String> = self.tails.iter().filter(|tail| tail.wake.is_none()).map(|t| shown(t.rho)).collect();
         let start = hertz.wave.on_ring(self.options.sites);
         Report::new("solitary")
             .fact("alpha", self.options.alpha)
@@ -326,7 +329,7 @@ impl SolitaryStudy {
             tails.panel(Kind::LogParameter, labels, place, &[("exact", "wake_share"), ("line", "wake_share_of_line")]);
         if let Some(fit) = self.fit {
             let of = |k: f64| 4.0 * (0.5 * k).sin().powi(2) / k * (fit.constant - fit.width * k).exp();
-            wakes.lines.push(Line::new("fit", self.tails.iter().map(|tail| (tail.k / (2.0 * PI), of(tail.k)))));
+            wakes.lines.push(Line::new("fit", self.tails.iter().map(|tail| (tail.k_over_2pi, of(tail.k)))));
         }
         let crests = tails.panel(Kind::Parameter, ["mass ratio ρ", "largest overlap g"], "rho", &[("g", "crest")]);
         let pulse = Panel::new(Kind::Cloud, ["sites from the crest", "overlap g/g₀"], pulse);
@@ -339,7 +342,6 @@ impl SolitaryStudy {
 fn tables(decay: &[f64], tails: &[Tail]) -> [Table; 2] {
     let decay: Vec<(usize, f64)> = decay.iter().copied().enumerate().collect();
     let double_log = |g: f64| Some(g.ln().abs().ln()).filter(|log| log.is_finite());
-    let of = |of: fn(RingPulse) -> f64| move |tail: &Tail| tail.wave.map(of);
     [
         Table::of("pulse", &decay)
             .key("")
@@ -347,23 +349,11 @@ fn tables(decay: &[f64], tails: &[Tail]) -> [Table; 2] {
             .col("g", Power(12), "overlap over that of the crest", |row| row.1)
             .col("double_log", Fixed(6), "ln|ln g|", move |row| double_log(row.1))
             .done(),
-        Table::of("tails", tails)
+        Tail::table("tails", tails)
             .key("tails")
-            .col("rho", Power(6), "mass ratio", |tail| tail.rho)
-            .col("k_over_2pi", Fixed(4), "phase of a resonator from site to site, k = omega/c", |tail| {
-                tail.k / (2.0 * PI)
-            })
-            .col("sites", Short, "length of the ring", |tail| tail.wave.map(|wave| wave.sites))
-            .col("crest", Fixed(8), "largest overlap g", of(|wave| wave.crest))
-            .col("residual", Power(1), "", of(|wave| wave.residual))
-            .col("tail", Power(4), "amplitude of the tail", of(|wave| wave.tail))
-            .col("wake", Power(4), "amplitude W that a passage leaves behind", of(|wave| wave.wake))
-            .col("wake_of_line", Power(4), "the same of the pulse whose resonators follow their beads", |tail| {
-                tail.line
-            })
-            .col("wake_share", Hidden, "wake over crest", of(|wave| wave.wake / wave.crest))
+            .col("wake_share", Hidden, "wake over crest", Tail::share)
             .col("wake_share_of_line", Hidden, "wake of the line over crest", |tail| {
-                tail.wave.map(|wave| tail.line / wave.crest)
+                tail.crest.map(|crest| tail.wake_of_line / crest)
             })
             .done(),
     ]

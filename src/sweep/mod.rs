@@ -9,11 +9,11 @@
 //! | *shard* | a part of a grid, for a process of its own; see [`Shard`] |
 //! | *engine* | a backend, the folder of the store and the shard; see [`Engine`] |
 //!
-//! [`map`] is for points in memory whose computations end together. [`sweep`] is for points that
-//! may fail one by one or take long, in runs that may be interrupted and resumed. Results are in
-//! the order of the grid, for any order of the work, and the same for any number of threads, shards
-//! and processes. A study gives points, a function from a point to its value, and what its values
-//! depend on besides; [`Engine::sweep`] does the rest.
+//! [`map`] is for points in memory whose computations end together. [`Engine::sweep`] is for points
+//! that may fail one by one or take long, in runs that may be interrupted and resumed. Results are
+//! in the order of the grid, for any order of the work, and the same for any number of threads,
+//! shards and processes. A study gives points, a function from a point to its value, and what its
+//! values depend on besides; the engine does the rest.
 
 mod engine;
 #[cfg(feature = "mpi")]
@@ -194,43 +194,6 @@ impl<U> Swept<U> {
 enum Kept<U> {
     Value(U),
     Failure(String),
-}
-
-/// Computes the points of a grid that are not in the store, keeps each row as soon as it is there,
-/// and returns the rows in the order of the grid.
-///
-/// A point whose work fails or panics gives a failed row with the reason. A failed row is kept like
-/// any other, unless the process was asked to end. A point whose line is removed from the store is
-/// computed again. Values pass through JSON, with or without a store, so that resumed and new rows
-/// are the same; they hold finite numbers only.
-///
-/// ```
-/// use hertzchain::sweep::{Threads, sweep};
-/// let halves = sweep(&[1.0, 4.0, 9.0], None, &Threads, &|_, _| (), |x: &f64| Ok(x.sqrt()))?;
-/// assert_eq!(halves.rows, [Ok(1.0), Ok(2.0), Ok(3.0)]);
-/// # Ok::<(), hertzchain::Error>(())
-/// ```
-///
-/// # Errors
-/// A point that is in the grid twice; a store that cannot be written, or whose lines do not hold
-/// such values; a row that the backend changed or left out.
-pub fn sweep<T, U>(
-    points: &[T],
-    store: Option<&mut Store>,
-    backend: &dyn Backend,
-    progress: &(dyn Fn(u64, u64) + Sync),
-    work: impl Fn(&T) -> Result<U> + Sync,
-) -> Result<Swept<U>>
-where
-    T: Serialize + Sync,
-    U: Serialize + DeserializeOwned + Send,
-{
-    let grid = Points { count: points.len(), point: &|k| &points[k] };
-    let rows = Rows::find::<_, U>(&grid, store)?;
-    let todo = rows.missing(|_| true);
-    let resumed = points.len() - todo.len();
-    let rows = compute(&grid, rows, &todo, resumed, backend, progress, &|point| work(point))?;
-    collected(rows, resumed)
 }
 
 /// Reads all rows into memory, in the order of the grid.

@@ -101,7 +101,7 @@ fn wakes_are_those_of_the_line_for_light_resonators_and_vanish_at_the_antiresona
     let study = Solitary { rhos: vec![0.05, 0.02, 0.01, 0.007], ..Solitary::default() }
         .study(&Engine::threads(), &|_, _| ())
         .unwrap();
-    let apart: Vec<f64> = study.tails.iter().map(|tail| (tail.wave.unwrap().wake / tail.line - 1.0).abs()).collect();
+    let apart: Vec<f64> = study.tails.iter().map(|tail| (tail.wake.unwrap() / tail.wake_of_line - 1.0).abs()).collect();
     println!("{apart:?}");
     assert!(apart.windows(2).all(|pair| pair[1] < pair[0]) && apart[3] < 0.04, "{apart:?}");
     let line = LinePulse::new(1.5);
@@ -123,8 +123,7 @@ fn tails_fall_exponentially_to_the_residual_that_the_fit_says() {
     let fit = study.fit.unwrap();
     println!("{fit:?}");
     for tail in &study.tails {
-        let (wave, sin) = (tail.wave.unwrap(), (0.5 * tail.k).sin());
-        let share = wave.wake / wave.crest;
+        let (share, sin) = (tail.share().unwrap(), (0.5 * tail.k).sin());
         if (1e-12..=1e-3).contains(&share) && sin.abs() >= 0.1 {
             let law = fit.constant - fit.width * tail.k;
             assert!(((share * tail.k / (4.0 * sin * sin)).ln() - law).abs() <= fit.residual * (1.0 + 1e-12));

@@ -13,7 +13,7 @@ use hertzchain::{
     run::Records,
     run::method::{Method, Setting},
     scene::Scene,
-    study::{WaveOptions, WaveStudy, wave, wave_in},
+    study::{WaveOptions, WaveStudy, wave},
     sweep::Engine,
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
@@ -339,7 +339,7 @@ fn options(method: &str, tolerance: f64) -> WaveOptions {
 }
 
 fn study(scene: &Scene, options: &WaveOptions) -> WaveStudy {
-    wave(scene, options, &|_, _| {}).unwrap()
+    wave(scene, options, &Engine::threads(), &|_, _| {}).unwrap()
 }
 
 #[test]
@@ -406,7 +406,7 @@ fn an_ensemble_goes_on_with_the_seeds_that_are_kept() {
     // The first seed is that of the scene, whose whole run is looked at: it is run anew every time.
     let at_first = |seeds| {
         let told = Mutex::new(Vec::new());
-        let study = wave_in(&scene, &options(seeds), &engine, &|share, _| told.lock().unwrap().push(share));
+        let study = wave(&scene, &options(seeds), &engine, &|share, _| told.lock().unwrap().push(share));
         (study.unwrap().ensemble.unwrap(), told.into_inner().unwrap())
     };
     let (first, _) = at_first(4);
@@ -422,7 +422,7 @@ fn an_ensemble_goes_on_with_the_seeds_that_are_kept() {
     );
     assert_eq!(first.members[..], whole.members[..4]);
     let other = WaveOptions { tolerance: 1e-7, ..options(7) };
-    let refused = wave_in(&scene, &other, &engine, &|_, _| {}).unwrap_err().to_string();
+    let refused = wave(&scene, &other, &engine, &|_, _| {}).unwrap_err().to_string();
     assert!(
         refused.contains("ensemble.store") && refused.contains("tolerance is 1e-6 there and 1e-7 here"),
         "{refused}"

@@ -8,6 +8,7 @@ use crate::{
     run::method::Method,
     scene::Scene,
     study::{Progress, StabilityOptions, StabilityStudy, WaveOptions, WaveStudy, shown, stability, wave},
+    sweep::Engine,
     waves::Shape,
 };
 use std::f64::consts::PI;
@@ -72,7 +73,7 @@ impl WaveRun {
             samples_per_period: SAMPLES_PER_PERIOD,
             seeds: (self.zeta > 0.0).then_some(SEEDS),
         };
-        wave(&scene, &options, progress)
+        wave(&scene, &options, &Engine::threads(), progress)
     }
 }
 
@@ -97,7 +98,7 @@ pub(super) fn growth(rho: f64, epsilons: &[f64], progress: &(dyn Fn(f64) + Sync)
         modes: Some(12),
         chart: true,
     };
-    stability(&options, &|share, _| progress(share))
+    stability(&options, &Engine::threads(), &|share, _| progress(share))
 }
 
 /// A number to six decimals, without zeros at the end.

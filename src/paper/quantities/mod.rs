@@ -56,7 +56,8 @@ impl Run {
         let scene = Scene::build(file)?.perturbed(self.zeta, None)?;
         let seeds = (self.zeta > 0.0).then_some(SEEDS);
         let method = Method::Collocation;
-        wave(&scene, &WaveOptions { method, tolerance: TOLERANCE, samples_per_period: 50, seeds }, &|_, _| {})
+        let options = WaveOptions { method, tolerance: TOLERANCE, samples_per_period: 50, seeds };
+        wave(&scene, &options, &Engine::threads(), &|_, _| {})
     }
 }
 

@@ -33,13 +33,12 @@ use super::{Progress, Study, Work};
 
 use crate::{
     breathers::BrightBreather,
-    chain::{Boundary, Chain, Params},
+    chain::{Boundary, Chain, Params, State},
     dps::Center,
     error::{Error, Result},
     interrupt,
     report::Report,
-    run::method::Method,
-    scene::{ChainSection, Initial, Record, Scene, SceneFile, Span},
+    run::{Run, method::Method},
     sweep::{Engine, Grid, Row},
 };
 use hertzchain_integrators::{Error as Failure, Stepper};
@@ -398,9 +397,11 @@ impl Place {
     /// allowed.
     fn follow(&self, options: &LifetimeOptions, sites: usize, may_grow: bool) -> Result<Option<Life>> {
         let breather = self.breather(options, sites)?;
-        let scene = self.scene(options, sites, options.until.unwrap_or(CAP * breather.horizon()))?;
-        let mut run = scene.run().method(options.method).tolerance(options.tolerance)?.stepper()?;
-        let mut watch = Watch::new(&breather, scene.chain());
+        let chain = Chain::new(breather.params(), Boundary::Free, sites)?;
+        let start = State::from_fn(&chain, |i| breather.site(i, 0.0))?;
+        let run = Run::new(chain.clone(), start).until(options.until.unwrap_or(CAP * breather.horizon()))?;
+        let mut run = run.method(options.method).tolerance(options.tolerance)?.stepper()?;
+        let mut watch = Watch::new(&breather, &chain);
         while !run.done() && !watch.finished() {
             if may_grow && watch.ends_felt() {
                 return Ok(None);
@@ -418,29 +419,6 @@ impl Place {
             }
         }
         Ok(Some(watch.life()))
-    }
-
-    fn scene(&self, options: &LifetimeOptions, sites: usize, until: f64) -> Result<Scene> {
-        Scene::build(SceneFile {
-            name: "lifetimes".to_owned(),
-            summary: "a bright breather followed to its end".to_owned(),
-            chain: ChainSection {
-                sites,
-                alpha: options.alpha,
-                kappa: 1.0,
-                rho: self.rho,
-                boundary: Boundary::Free,
-                precompression: 0.0,
-            },
-            beads: None,
-            bonds: None,
-            drives: Vec::new(),
-            units: None,
-            initial: Initial::BrightBreather { center: options.center, epsilon: self.epsilon },
-            span: Span { periods: None, until: Some(until), period: None },
-            method: None,
-            record: Record::of(0),
-        })
     }
 }
 

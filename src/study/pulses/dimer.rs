@@ -15,10 +15,7 @@ use super::{Crests, METHOD, STEP, ascending, follow, geometric, plain};
 use crate::{
     chain::State,
     error::Result,
-    report::{
-        Digits::{Fixed, Hidden},
-        Kind, Line, Panel, Panels, Report, Table,
-    },
+    report::{Digits::Fixed, Kind, Line, Panel, Panels, Report, rows},
     study::{Progress, Study, Work, options::options},
     sweep::{Engine, Grid},
 };
@@ -75,21 +72,18 @@ impl Study for DimerOptions {
     }
 }
 
-/// A pulse in a dimer.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct DimerRow {
-    /// Mass ratio.
-    pub ratio: f64,
-    /// Largest contact force near the struck end.
-    pub first: f64,
-    /// Largest contact force `cells` cells further on.
-    pub last: f64,
-}
-
-impl DimerRow {
-    /// `T = F_2/F_1`.
-    pub fn transmission(&self) -> f64 {
-        self.last / self.first
+rows! {
+    /// A pulse in a dimer.
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct DimerRow {
+        /// Mass of the light beads over that of the heavy ones.
+        ratio: f64 => Fixed(4),
+        /// Largest contact force near the struck end.
+        first: f64,
+        /// The same, the cells farther on.
+        last: f64,
+        /// Last over first, 1 for a solitary wave.
+        transmission: f64 => Fixed(5),
     }
 }
 
@@ -109,21 +103,13 @@ impl DimerStudy {
     /// The report.
     pub fn report(&self) -> Report {
         let known = |row: &DimerRow| PUBLISHED.into_iter().find(|known| (row.ratio / known - 1.0).abs() < 0.1);
-        let columns = |name, rows| {
-            Table::of(name, rows)
-                .col("ratio", Fixed(4), "mass of the light beads over that of the heavy ones", |row: &DimerRow| {
-                    row.ratio
-                })
-                .col("first", Hidden, "largest contact force near the struck end", |row| row.first)
-                .col("last", Hidden, "the same, the cells farther on", |row| row.last)
-                .col("transmission", Fixed(5), "last over first, 1 for a solitary wave", DimerRow::transmission)
-        };
-        let rows = columns("dimer", &self.rows).in_text([]).done();
+        let rows = DimerRow::table("dimer", &self.rows).in_text([]).done();
         let source = "Jayaprakash, Starosvetsky & Vakakis 2011";
-        let maxima = columns("maxima", &self.maxima).key("maxima").col("published", Fixed(4), source, known).done();
-        let least = self.rows.iter().min_by(|a, b| a.transmission().total_cmp(&b.transmission()));
+        let maxima =
+            DimerRow::table("maxima", &self.maxima).key("maxima").col("published", Fixed(4), source, known).done();
+        let least = self.rows.iter().min_by(|a, b| a.transmission.total_cmp(&b.transmission));
         let least = least.map_or_else(String::new, |row| {
-            format!("; the least of {} mass ratios is {:.5}, at {:.4}", self.rows.len(), row.transmission(), row.ratio)
+            format!("; the least of {} mass ratios is {:.5}, at {:.4}", self.rows.len(), row.transmission, row.ratio)
         });
         let range = self.rows.first().zip(self.rows.last());
         let inside = |ratio: &f64| range.is_some_and(|(low, high)| (low.ratio..=high.ratio).contains(ratio));
@@ -163,8 +149,8 @@ impl DimerOptions {
 /// ```
 /// use hertzchain::study::pulse;
 /// // Equal beads let a solitary wave through; at m = 0.59 the pulse decays.
-/// assert!(pulse(1.0, 12)?.transmission() > 0.999);
-/// assert!(pulse(0.59, 12)?.transmission() < 0.8);
+/// assert!(pulse(1.0, 12)?.transmission > 0.999);
+/// assert!(pulse(0.59, 12)?.transmission < 0.8);
 /// # Ok::<(), hertzchain::Error>(())
 /// ```
 ///
@@ -178,7 +164,7 @@ pub fn dimer(options: &DimerOptions, engine: &Engine, progress: Progress<'_>) ->
     let swept = engine.sweep(&grid, &ratios, progress, |&ratio| pulse(ratio, cells))?;
     let rows = swept.all(&ratios, |ratio| format!("mass ratio {ratio}"))?;
     let peaks = rows.windows(3).filter(|row| {
-        let [a, b, c] = [0, 1, 2].map(|k| row[k].transmission());
+        let [a, b, c] = [0, 1, 2].map(|k| row[k].transmission);
         a < b && b >= c
     });
     let maxima = peaks.map(|row| highest(row[0].ratio, row[2].ratio, cells)).collect::<Result<_>>()?;
@@ -191,7 +177,7 @@ fn highest(mut low: f64, mut high: f64, cells: usize) -> Result<DimerRow> {
     let (left, right) = inner(low, high);
     let (mut left, mut right) = (pulse(left, cells)?, pulse(right, cells)?);
     while high - low > NEAR {
-        if left.transmission() > right.transmission() {
+        if left.transmission > right.transmission {
             (high, right) = (right.ratio, left);
             left = pulse(inner(low, high).0, cells)?;
         } else {
@@ -199,7 +185,7 @@ fn highest(mut low: f64, mut high: f64, cells: usize) -> Result<DimerRow> {
             right = pulse(inner(low, high).1, cells)?;
         }
     }
-    Ok(if left.transmission() > right.transmission() { left } else { right })
+    Ok(if left.transmission > right.transmission { left } else { right })
 }
 
 /// A pulse of a heavy bead with speed 1 that strikes a dimer at rest.
@@ -228,5 +214,5 @@ pub fn pulse_by(ratio: f64, cells: usize, step: f64) -> Result<DimerRow> {
         crests.all_passed()
     })?;
     let [first, last] = [0, 1].map(|k| chain.law().force(crests.crest[k]));
-    Ok(DimerRow { ratio, first, last })
+    Ok(DimerRow { ratio, first, last, transmission: last / first })
 }

@@ -245,13 +245,16 @@ impl Study for TheoremOptions {
 }
 
 /// The run of one size.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TheoremRun {
     /// Size.
+    #[serde(skip)]
     pub epsilon: f64,
     /// Mass ratio.
+    #[serde(skip)]
     pub rho: f64,
     /// End time, `T epsilon^{1-alpha}`.
+    #[serde(skip)]
     pub end: f64,
     /// Number of samples.
     pub samples: usize,
@@ -275,15 +278,6 @@ impl TheoremRun {
 #[derive(Clone, Copy, Debug, Serialize)]
 struct Point {
     epsilon: f64,
-}
-
-/// What is measured at a size.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Measured {
-    samples: usize,
-    windows: u64,
-    suprema: [Errors; 3],
-    sampling_errors: [Errors; 3],
 }
 
 /// The outcome.
@@ -366,10 +360,10 @@ pub fn theorem(options: &TheoremOptions, engine: &Engine, progress: Progress<'_>
     let swept = engine.sweep(&grid, &ascending, &|_, _| (), |point| start.run(&options, point.epsilon, &tell))?;
     let (resumed, missing) = (swept.resumed, swept.missing);
     let measured = swept.values(&ascending, |point| format!("epsilon = {}", point.epsilon))?;
-    let run = |(&Point { epsilon }, measured): (&Point, Measured)| {
-        let Measured { samples, windows, suprema, sampling_errors } = measured;
+    // The store has no number that follows from the size.
+    let run = |(&Point { epsilon }, run): (&Point, TheoremRun)| {
         let rho = options.rho_law.rho(options.alpha, epsilon);
-        TheoremRun { epsilon, rho, end: end(epsilon), samples, windows, suprema, sampling_errors }
+        TheoremRun { epsilon, rho, end: end(epsilon), ..run }
     };
     let runs: Vec<TheoremRun> = measured.into_iter().rev().map(run).collect();
     options.epsilons = runs.iter().map(|run| run.epsilon).collect();

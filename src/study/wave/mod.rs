@@ -150,7 +150,7 @@ impl Study for Wave {
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.scene()?;
-        Ok(Box::new(move |engine, progress| Ok(wave_in(&scene, &self.options, engine, progress)?.report())))
+        Ok(Box::new(move |engine, progress| Ok(wave(&scene, &self.options, engine, progress)?.report())))
     }
 }
 
@@ -287,23 +287,16 @@ pub struct WaveStudy {
 }
 
 /// Runs the wave of a scene, its perturbed one if it has one, and an ensemble of those. `progress`
-/// is told the share done.
+/// is told the share done. In a folder of the engine members of the ensemble are kept as they are
+/// run, and those that are there are not run again.
 ///
 /// Members of the ensemble run on all cores; every number is the same for any number of them.
 ///
 /// # Errors
 /// A scene that is no travelling wave, a method that takes no tolerance, an option outside its
-/// rule, an ensemble without perturbation, a run that fails.
-pub fn wave(scene: &Scene, options: &WaveOptions, progress: Progress<'_>) -> Result<WaveStudy> {
-    wave_in(scene, options, &Engine::threads(), progress)
-}
-
-/// As [`wave`]; in a folder of the engine members of the ensemble are kept as they are run, and
-/// those that are there are not run again.
-///
-/// # Errors
-/// As [`wave`]; a store of another ensemble, or one that was altered.
-pub fn wave_in(scene: &Scene, options: &WaveOptions, engine: &Engine, progress: Progress<'_>) -> Result<WaveStudy> {
+/// rule, an ensemble without perturbation, a run that fails; a store of another ensemble, or one
+/// that was altered.
+pub fn wave(scene: &Scene, options: &WaveOptions, engine: &Engine, progress: Progress<'_>) -> Result<WaveStudy> {
     let clock = Instant::now();
     let wave = *scene.wave()?;
     let times = times(scene, options)?;
