@@ -10,8 +10,9 @@ use hertzchain::{
     figures::Format,
     orbits::{DriveParameter, Formulation, Trail},
     output::Folder,
+    report::Report,
     study::{
-        self, BranchOptions, ChainParams, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi, ModeWay, Plan, Report, Ring, Study,
+        self, BranchOptions, ChainParams, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi, ModeWay, Plan, Ring, Study,
         compare, planned,
     },
     sweep::{Engine, Shard},
@@ -51,7 +52,7 @@ pub(crate) fn center(name: &str) -> Result<Center> {
     }
 }
 
-fn done(study: &impl Study, watched: &Watched) -> Result<Box<dyn Report>> {
+fn done(study: &impl Study, watched: &Watched) -> Result<Report> {
     study.begin()?(&Engine::threads(), &|share, _| watched.tell(share))
 }
 
@@ -82,9 +83,9 @@ fn branch_bytes<'py>(py: Python<'py>, (json, npz): (String, Vec<u8>)) -> BranchB
     (json, PyBytes::new(py, &npz))
 }
 
-fn of_branch(report: &dyn Report) -> Result<(String, Vec<u8>)> {
+fn of_branch(report: &Report) -> Result<(String, Vec<u8>)> {
     let json = text(&report.json());
-    let npz = report.files(&json)?.into_iter().find(|(name, _)| name == "branch.npz");
+    let npz = report.files()?.into_iter().find(|(name, _)| name == "branch.npz");
     Ok((json, npz.map(|(_, bytes)| bytes).unwrap_or_default()))
 }
 
@@ -120,7 +121,7 @@ pub(crate) fn continue_branch<'py>(
             resume: None,
             ring: breather.ring(),
         };
-        of_branch(&*done(&study, watched)?)
+        of_branch(&done(&study, watched)?)
     };
     finished(py, progress.as_ref(), work).map(|branch| branch_bytes(py, branch))
 }
@@ -256,17 +257,18 @@ pub(crate) fn sweep_plan<'py>(
         let folder = out.map(|out| Folder::own(out, part.as_deref())).transpose()?;
         let engine = folder.iter().fold(Engine::threads(), Engine::keeping);
         let engine = shard.into_iter().fold(engine, Engine::shard);
-        let swept = planned(&plan, &engine, &|done, total| watched.tell(done as f64 / total as f64));
+        let swept = planned(&plan, &engine, &|share, _| watched.tell(share));
         if let Some(part) = engine.part().filter(|part| part.kept == part.points) {
             return Ok((part.words(), Vec::new(), Vec::new()));
         }
         let study = swept?;
-        let json = text(&study.json());
+        let report = study.report()?;
+        let json = text(&report.json());
         if let Some(folder) = &folder {
-            for (name, bytes) in study.files(&json)? {
+            for (name, bytes) in report.files()? {
                 folder.write(&name, &bytes)?;
             }
-            let pictures = if formats.is_empty() { Vec::new() } else { study.pictures()? };
+            let pictures = if formats.is_empty() { Vec::new() } else { report.drawn()? };
             for (name, picture) in pictures {
                 for format in &formats {
                     folder.write(&format.name(&name), &picture.file(*format)?)?;

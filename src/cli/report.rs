@@ -149,14 +149,19 @@ fn comparison(tell: Tell<'_>) -> Result<Vec<Block>> {
 }
 
 fn orders(tell: Tell<'_>) -> Result<Vec<Block>> {
-    told(&order(&OrderOptions { alpha: 1.5, beads: 6, integrators: vec![] }, tell)?.report())
+    told(
+        &order(&OrderOptions { alpha: 1.5, beads: 6, integrators: vec![] }, &Engine::threads(), &|share, _| {
+            tell(share)
+        })?
+        .report(),
+    )
 }
 
 fn theorems(tell: Tell<'_>) -> Result<Vec<Block>> {
     let laws = [RhoLaw::Heavy, RhoLaw::Light];
     let blocks = |(k, rho_law): (usize, RhoLaw)| {
         let options = TheoremOptions { rho_law, epsilons: EPSILONS.to_vec(), ..TheoremOptions::default() };
-        let study = theorem(&options, &Engine::threads(), &|share| tell((k as f64 + share) / laws.len() as f64))?;
+        let study = theorem(&options, &Engine::threads(), &|share, _| tell((k as f64 + share) / laws.len() as f64))?;
         told(&study.report())
     };
     let laws: Vec<Vec<Block>> = laws.into_iter().enumerate().map(blocks).collect::<Result<_>>()?;
@@ -172,13 +177,11 @@ fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
         work: WORK,
         quick: true,
     };
-    let study =
-        charts(&Problem::built_in(), &options, &Engine::threads(), &|done, total| tell(done as f64 / total as f64))?;
-    told(&study.report())
+    told(&charts(&Problem::built_in(), &options, &Engine::threads(), &|share, _| tell(share))?.report())
 }
 
 fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {
-    let verification = verify(None, &Engine::threads(), &|done, total| tell(done as f64 / total as f64))?;
+    let verification = verify(None, &Engine::threads(), &|share, _| tell(share))?;
     let unexpected: Vec<&str> = verification.unexpected().map(|item| item.claim.id.as_str()).collect();
     let mut blocks = told(&verify_report(&verification))?;
     if !unexpected.is_empty() {
@@ -205,7 +208,7 @@ fn shown(figure: &Figure, data: &Data) -> Result<Block> {
 /// Pictures, text and numbers of a study.
 fn told(report: &report::Report) -> Result<Vec<Block>> {
     #[cfg(feature = "plot")]
-    let pictures = crate::study::Report::pictures(report)?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
+    let pictures = report.drawn()?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
     #[cfg(not(feature = "plot"))]
     let pictures = vec![];
     let all = report.blocks().iter().cloned().map(Block::Told);

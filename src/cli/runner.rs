@@ -6,7 +6,8 @@ use crate::{
     error::{Error, Result},
     interrupt,
     output::{Folder, to_json},
-    study::{Report, Study, Work},
+    report::Report,
+    study::{Study, Work},
     sweep::{Engine, Part, Shard},
 };
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, value_parser};
@@ -159,30 +160,30 @@ impl<S: Study> StudyCommand<S> {
             }
             report => report?,
         };
-        if let Some(remark) = report.remark() {
-            say(&remark);
+        if let Some(remark) = report.remarks() {
+            say(remark);
         }
         let text = to_json(&report.json());
         // Results are printed before files are written, and files are written even if printing
         // fails: a failure of one does not lose the other.
         let printed = print(&if self.json { format!("{text}\n") } else { report.text() });
         if let Some(folder) = engine.folder() {
-            self.write(folder, &*report, &text)?;
+            self.write(folder, &report)?;
         }
         printed.map(|()| if report.succeeded() { DONE } else { FAILED })
     }
 
-    fn write(&self, folder: &Folder, report: &dyn Report, json: &str) -> Result<()> {
+    fn write(&self, folder: &Folder, report: &Report) -> Result<()> {
         let left = S::optional_files();
         #[cfg(feature = "plot")]
         let left: Vec<String> = left.iter().flat_map(|name| super::formats::names(name)).collect();
         folder.remove(left.iter().map(String::as_str))?;
-        for (name, bytes) in report.files(json)? {
+        for (name, bytes) in report.files()? {
             folder.write(&name, &bytes)?;
         }
         #[cfg(feature = "plot")]
         if let Some(formats) = &self.formats {
-            formats.write(folder, &report.pictures()?)?;
+            formats.write(folder, &report.drawn()?)?;
         }
         say(&format!("written to {}", folder.path().display()));
         Ok(())
@@ -238,12 +239,18 @@ fn writes<S: Study>() -> bool {
 
 /// The files of a study and the columns of its tables, for the help.
 fn files_help<S: Study>() -> String {
-    let Some(outline) = S::outline() else { return S::FILES.to_owned() };
-    format!("{}{}", outline.files_in_words(), S::FILES)
+    let tables = S::outline().map(|outline| outline.files_in_words()).unwrap_or_default();
+    let store = match S::STORE {
+        "" => String::new(),
+        store => {
+            format!("{store} keeps every point as soon as it was computed; the same command resumes from it.\n\n")
+        }
+    };
+    format!("{tables}{store}{}", S::FILES)
 }
 
 /// Refuses the report of a study that had no grid to take a shard of.
-fn whole(report: Box<dyn Report>, engine: &Engine) -> Result<Box<dyn Report>> {
+fn whole(report: Report, engine: &Engine) -> Result<Report> {
     let rule = "with these options there is no grid to divide: leave --shard out";
     engine.its_shard().map_or(Ok(report), |shard| Err(Error::parameter("shard", shard, rule)))
 }

@@ -17,7 +17,7 @@ pub(super) fn main(args: &VerifyArgs) -> Exit {
     let folder = args.out.as_ref().map(|out| args.spread.own(out)).transpose()?;
     let engine = args.spread.keeping(engine, folder.as_ref())?;
     let bar = progress_bar();
-    let verification = verify(args.section, &engine, &|done, total| bar.set_position(1000 * done / total));
+    let verification = verify(args.section, &engine, &|share, _| bar.set_position((1000.0 * share) as u64));
     bar.finish_and_clear();
     if let Some(part) = engine.part().filter(|part| part.kept == part.points) {
         return print(&part_text(&part, args.json)).map(|()| DONE);

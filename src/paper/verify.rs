@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    sweep::Engine,
+    sweep::{Engine, Progress},
 };
 use std::time::{Duration, Instant};
 
@@ -118,13 +118,12 @@ impl Verification {
 /// Computes the quantities of a section, or of all sections, and compares them with the claims.
 ///
 /// The numbers of a group that shares its runs are a point: in a folder of the engine they are kept
-/// as soon as they are computed. `progress` is called with the number of finished points and their
-/// total number.
+/// as soon as they are computed. `progress` is told the share done.
 ///
 /// # Errors
 /// A section without claims; a run that fails, after all other points were computed; a store of
 /// another version, or one that was altered.
-pub fn verify(section: Option<u32>, engine: &Engine, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<Verification> {
+pub fn verify(section: Option<u32>, engine: &Engine, progress: Progress<'_>) -> Result<Verification> {
     let clock = Instant::now();
     let claims = || claims().iter().filter(|claim| section.is_none_or(|section| section == claim.section));
     if let (Some(section), None) = (section, claims().next()) {

@@ -93,6 +93,13 @@ impl Report {
         self
     }
 
+    /// Lines of the text, as they are.
+    #[must_use]
+    pub fn lines(mut self, lines: String) -> Self {
+        self.blocks.push(Block::Words(lines));
+        self
+    }
+
     /// A picture, `NAME.png`. The program is named at the end of its caption.
     #[must_use]
     pub fn picture(self, figure: impl Into<Figure>) -> Self {
@@ -225,6 +232,15 @@ impl Report {
     /// The pictures, by the name of their PNG file.
     pub fn pictures(&self) -> &[(String, Figure)] {
         &self.pictures
+    }
+
+    /// The pictures as they are drawn, by the name of their PNG file.
+    ///
+    /// # Errors
+    /// A picture that cannot be drawn.
+    #[cfg(feature = "plot")]
+    pub fn drawn(&self) -> Result<Vec<(String, crate::figures::Picture)>> {
+        self.pictures.iter().map(|(name, figure)| Ok((name.clone(), figure.draw()?))).collect()
     }
 
     /// What is missing or remarkable, if anything.

@@ -14,9 +14,7 @@
 //! for both kinks. So in the limit of a long ring the energies at the same action and length differ
 //! by the difference of `E - omega_b J + F X` at the same frequency.
 
-use super::{
-    ChainParams, Progress, Study, Work, options::options, orbits::Ring, params_words, stretches::unless_asked,
-};
+use super::{ChainParams, Progress, Study, Work, options::options, orbits::Ring, params_words};
 use crate::{
     chain::Energy,
     dps::Center,
@@ -28,14 +26,12 @@ use crate::{
         Digits::{Fixed, Hidden, Json, Power},
         Line, Panel, Panels, Report, Table,
     },
-    sweep::map,
+    sweep::{Engine, Grid},
 };
 use hertzchain_integrators::collocation::Pace;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::{
-    f64::consts::PI,
-    sync::atomic::{AtomicUsize, Ordering},
-};
+use std::f64::consts::PI;
 
 /// Default range of frequencies, in units of `omega`.
 const RANGE: [f64; 2] = [1.005, 1.05];
@@ -65,7 +61,7 @@ options! {
 }
 
 /// A kink about a site or about a bond.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CenteredKink {
     /// The orbit.
     pub orbit: Orbit,
@@ -88,7 +84,7 @@ pub struct CenteredKink {
 }
 
 /// The kinks of both kinds at one frequency.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BarrierPoint {
     /// Frequency.
     pub omega_b: f64,
@@ -126,7 +122,7 @@ pub struct BarrierStudy {
 }
 
 impl Study for Barrier {
-    const INTERRUPTIBLE: bool = true;
+    const STORE: &'static str = "barrier.store";
 
     fn outline() -> Option<Report> {
         Some(Report::new("barrier").table(table(&[])))
@@ -134,7 +130,7 @@ impl Study for Barrier {
 
     fn begin(&self) -> Result<Work<'_>> {
         self.frequencies()?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(self.study(progress)?.report()))))
+        Ok(Box::new(|engine, progress| Ok(self.study(engine, progress)?.report())))
     }
 }
 
@@ -164,39 +160,29 @@ impl Barrier {
         Ok((0..self.frequencies).map(|k| from + step * k as f64).collect())
     }
 
-    /// The barrier.
+    /// The barrier; after a signal, at the frequencies that were computed.
     ///
     /// # Errors
-    /// Numbers outside their rules; an integration that fails; not one frequency at which both
-    /// orbits are found.
-    pub fn study(&self, progress: Progress<'_>) -> Result<BarrierStudy> {
+    /// Numbers outside their rules; an integration that fails; errors of the store.
+    pub fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<BarrierStudy> {
         let (frequencies, shooting) = (self.frequencies()?, self.ring.shooting());
-        let done = AtomicUsize::new(0);
-        let point = |&omega_b: &f64| {
-            let found = unless_asked(|| self.point(omega_b, &shooting));
-            let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-            progress(count as f64 / frequencies.len() as f64, "");
-            found
+        let Ring { sites, c_x, params: ChainParams { alpha, kappa, rho }, .. } = self.ring;
+        let settings =
+            json!({"sites": sites, "alpha": alpha, "kappa": kappa, "rho": rho, "c_x": c_x, "search": shooting});
+        let grid = Grid { store: Self::STORE, study: "barrier", settings };
+        let point = |&omega_b: &f64| match self.point(omega_b, &shooting) {
+            Err(Error::Stalled { .. }) => Ok(None),
+            found => found.map(Some),
         };
-        let found = map(&frequencies, point);
+        let swept = engine.sweep(&grid, &frequencies, progress, point)?;
         let (mut points, mut missing) = (Vec::new(), Vec::new());
-        let mut why = None;
-        for (omega_b, found) in frequencies.iter().zip(found) {
+        for (omega_b, found) in swept.values(&frequencies, |omega_b| format!("omega_b = {omega_b}"))? {
             match found {
-                Ok(point) => points.push(point),
-                Err(error @ Error::Stalled { .. }) => {
-                    missing.push(*omega_b);
-                    why = Some(error);
-                }
-                // The points before it are kept.
-                Err(error @ Error::Stopped { .. }) => why = Some(error),
-                Err(error) => return Err(error),
+                Some(point) => points.push(point),
+                None => missing.push(*omega_b),
             }
         }
-        match why {
-            Some(error) if points.is_empty() => Err(error),
-            _ => Ok(BarrierStudy { options: self.clone(), points, missing }),
-        }
+        Ok(BarrierStudy { options: self.clone(), points, missing })
     }
 
     fn point(&self, omega_b: f64, shooting: &Shooting) -> Result<BarrierPoint> {
@@ -225,7 +211,7 @@ impl Barrier {
 }
 
 /// Energy, action, length and mean contact force of an orbit.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Invariants {
     /// Energy `E`.
     pub energy: f64,

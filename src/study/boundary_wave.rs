@@ -22,13 +22,15 @@ use crate::{
     error::{Error, Result},
     report::{
         Column,
-        Digits::{Fixed, Hidden, Power, Short},
-        Kind, Panel, Panels, Report, Table,
+        Digits::{Fixed, Power, Short},
+        Kind, Panel, Panels, Report, rows,
     },
     run::{Method, Run},
-    sweep::Tally,
+    sweep::{Engine, Grid},
 };
 use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 use std::{f64::consts::TAU, ops::Range};
 
 const ALPHA: f64 = 1.5;
@@ -74,40 +76,44 @@ options! {
     }
 }
 
-/// The strain of a bond.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BondStrain {
-    /// Number of the bond, between the sites `bond - 1` and `bond`.
-    pub bond: usize,
-    /// Mean of the strain over the periods of the measurement.
-    pub mean: f64,
-    /// Amplitude `abs(c_b)` of the first harmonic.
-    pub amplitude: f64,
-    /// Angle from `c_b` to `c_{b+1}`, in radians.
-    pub angle: f64,
+rows! {
+    /// The strain of a bond, from the periods of the measurement.
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct BondStrain {
+        /// Frequency of the drive.
+        omega: f64,
+        /// Between the sites bond - 1 and bond.
+        bond: usize,
+        /// Mean of the strain.
+        mean: f64,
+        /// Amplitude of its first harmonic.
+        amplitude: f64,
+        /// Angle from this harmonic to that of the next bond, in radians.
+        angle: f64,
+    }
 }
 
-/// The wave that a drive of one frequency launches.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LaunchedWave {
-    /// Frequency of the drive, `omega_d`.
-    pub omega: f64,
-    /// Time at which the run ends.
-    pub end: f64,
-    /// Mean strain `X`.
-    pub mean_strain: f64,
-    /// Amplitude `r` of the strain.
-    pub amplitude: f64,
-    /// Standard deviation of the amplitude over the measured bonds, weighted, in units of `r`.
-    pub spread: f64,
-    /// Whether a measured contact opens during the measurement.
-    pub opens: bool,
-    /// Wave number `q`, in radians per site.
-    pub q: f64,
-    /// Wave number `q_tw` of theory; `None` if the frequency is outside the band of such waves.
-    pub q_theory: Option<f64>,
-    /// All bonds between beads but the last.
-    pub bonds: Vec<BondStrain>,
+rows! {
+    /// The wave that a drive of one frequency launches.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct LaunchedWave {
+        /// Frequency of the drive.
+        omega: f64 => Short,
+        /// Wave number, measured, in radians per site.
+        q: f64 => Fixed(4),
+        /// That of the first-order wave, if the frequency is in its band.
+        q_theory: Option<f64> => Fixed(4),
+        /// Amplitude of the strain.
+        amplitude: f64 => Power(3),
+        /// Mean strain.
+        mean_strain: f64 => Power(3),
+        /// Standard deviation of the amplitude over the measured bonds, weighted, in its units.
+        spread: f64 => Fixed(3),
+        /// Whether a measured contact opens during the measurement.
+        opens: bool => Short,
+        /// Time at which the run ends.
+        end: f64,
+    }
 }
 
 /// The outcome of the study.
@@ -117,16 +123,20 @@ pub struct BoundaryWaveStudy {
     pub options: BoundaryWave,
     /// The waves, in the order of the frequencies.
     pub waves: Vec<LaunchedWave>,
+    /// The strains of all bonds between beads but the last, wave by wave.
+    pub strains: Vec<BondStrain>,
 }
 
 impl Study for BoundaryWave {
+    const STORE: &'static str = "boundary-wave.store";
+
     fn outline() -> Option<Report> {
-        Some(BoundaryWaveStudy { options: Self::default(), waves: Vec::new() }.report())
+        Some(BoundaryWaveStudy { options: Self::default(), waves: Vec::new(), strains: Vec::new() }.report())
     }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(self.study(progress)?.report()))))
+        Ok(Box::new(|engine, progress| Ok(self.study(engine, progress)?.report())))
     }
 }
 
@@ -211,19 +221,19 @@ impl BoundaryWave {
         Ok(end)
     }
 
-    /// The wave of a frequency.
+    /// The wave of a frequency, with the strains of its bonds.
     ///
     /// ```
     /// use hertzchain::study::BoundaryWave;
     /// let study = BoundaryWave { drive: 0.01, ..BoundaryWave::default() };
-    /// let wave = study.wave(2.01)?;
+    /// let (wave, _) = study.wave(2.01)?;
     /// assert!((wave.q / wave.q_theory.unwrap() - 1.0).abs() < 0.02 && !wave.opens);
     /// # Ok::<(), hertzchain::Error>(())
     /// ```
     ///
     /// # Errors
     /// Numbers outside their rules; a run that fails; a signal.
-    pub fn wave(&self, omega_d: f64) -> Result<LaunchedWave> {
+    pub fn wave(&self, omega_d: f64) -> Result<(LaunchedWave, Vec<BondStrain>)> {
         self.check()?;
         let (chain, end) = (self.chain(omega_d)?, self.end(omega_d)?);
         let start = State::rest(&chain).driven(&chain);
@@ -241,13 +251,14 @@ impl BoundaryWave {
         }
         let strain = |b: usize| {
             let (mean, c) = sums[b];
-            BondStrain { bond: b, mean, amplitude: c.norm(), angle: (sums[b + 1].1 * c.conj()).arg() }
+            BondStrain { omega: omega_d, bond: b, mean, amplitude: c.norm(), angle: (sums[b + 1].1 * c.conj()).arg() }
         };
-        self.launched(omega_d, end, least, (1..self.sites - 1).map(strain).collect())
+        let bonds: Vec<BondStrain> = (1..self.sites - 1).map(strain).collect();
+        Ok((self.launched(omega_d, end, least, &bonds)?, bonds))
     }
 
     /// Mean strain, amplitude and wave number of the wave, from the strains of its bonds.
-    fn launched(&self, omega: f64, end: f64, least: f64, bonds: Vec<BondStrain>) -> Result<LaunchedWave> {
+    fn launched(&self, omega: f64, end: f64, least: f64, bonds: &[BondStrain]) -> Result<LaunchedWave> {
         let measured: Vec<&BondStrain> = bonds.iter().filter(|one| self.measured().contains(&one.bond)).collect();
         // Weights of the differences of phases in the slope of a straight line through all phases,
         // by least squares. Bonds at the ends count little, so that waves which the dashpots
@@ -260,13 +271,17 @@ impl BoundaryWave {
         let spread = mean(&|one| (one.amplitude / amplitude - 1.0).powi(2)).sqrt();
         let h = Averages::new(ALPHA, KAPPA)?.h(mean_strain, 0.5 * amplitude / KAPPA);
         let q_theory = wave_number(self.params()?.omega(), omega, h);
-        Ok(LaunchedWave { omega, end, mean_strain, amplitude, spread, opens: least < 0.0, q, q_theory, bonds })
+        Ok(LaunchedWave { omega, end, mean_strain, amplitude, spread, opens: least < 0.0, q, q_theory })
     }
 
-    fn study(&self, progress: Progress<'_>) -> Result<BoundaryWaveStudy> {
-        let tell = |done, total| progress(done as f64 / total as f64, "");
-        let waves = Tally::new(self.omegas.len(), &tell).map(&self.omegas, |&omega_d| self.wave(omega_d));
-        Ok(BoundaryWaveStudy { options: self.clone(), waves: waves.into_iter().collect::<Result<_>>()? })
+    fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<BoundaryWaveStudy> {
+        let Self { sites, drive, overlap, rho, .. } = self;
+        let settings = json!({"sites": sites, "drive": drive, "overlap": overlap, "rho": rho, "tolerance": TOLERANCE});
+        let grid = Grid { store: Self::STORE, study: "boundary-wave", settings };
+        let swept = engine.sweep(&grid, &self.omegas, progress, |&omega_d| self.wave(omega_d))?;
+        let all = swept.all(&self.omegas, |omega_d| format!("omega = {omega_d}"))?;
+        let (waves, strains): (_, Vec<_>) = all.into_iter().unzip();
+        Ok(BoundaryWaveStudy { options: self.clone(), waves, strains: strains.concat() })
     }
 }
 
@@ -274,39 +289,12 @@ impl BoundaryWaveStudy {
     /// The report. Pictures: wave number and mean strain against frequency; amplitude and mean
     /// strain along the chain.
     pub fn report(&self) -> Report {
-        let waves = Table::of("boundary-wave", &self.waves)
-            .key("waves")
-            .col("omega", Short, "frequency of the drive", |wave| wave.omega)
-            .col("q", Fixed(4), "wave number, measured", |wave| wave.q)
-            .col("q_theory", Fixed(4), "that of the first-order wave, if the frequency is in its band", |wave| {
-                wave.q_theory
-            })
-            .col("amplitude", Power(3), "amplitude of the strain", |wave| wave.amplitude)
-            .col("mean_strain", Power(3), "", |wave| wave.mean_strain)
-            .col(
-                "spread",
-                Fixed(3),
-                "standard deviation of the amplitude over the measured bonds, in its units",
-                |wave| wave.spread,
-            )
-            .col("opens", Short, "whether a measured contact opens", |wave| wave.opens)
-            .col("end", Hidden, "time at which the run ends", |wave| wave.end)
-            .done();
-        let bonds = |wave: &LaunchedWave| wave.bonds.iter().map(|&bond| (wave.omega, bond)).collect::<Vec<_>>();
-        let strains = |rows: &[(f64, BondStrain)]| {
-            Table::of("strains", rows)
-                .key("")
-                .col("omega", Hidden, "frequency of the drive", |row| row.0)
-                .col("bond", Hidden, "between the sites bond - 1 and bond", |row| row.1.bond)
-                .col("mean", Hidden, "mean of the strain", |row| row.1.mean)
-                .col("amplitude", Hidden, "amplitude of its first harmonic", |row| row.1.amplitude)
-                .col("angle", Hidden, "angle from this harmonic to that of the next bond", |row| row.1.angle)
-                .done()
-        };
+        let waves = LaunchedWave::table("boundary-wave", &self.waves).key("waves").done();
+        let strains = |rows: &[BondStrain]| BondStrain::table("strains", rows).key("").done();
         let along = |label: &str, column: &str| {
-            let line =
-                |wave: &LaunchedWave| strains(&bonds(wave)).line(&format!("ω = {}", wave.omega), ["bond", column]);
-            Panel::new(Kind::Parameter, ["bond n", label], self.waves.iter().map(line).collect())
+            let of_waves = self.strains.chunk_by(|a, b| a.omega == b.omega);
+            let line = |rows: &[BondStrain]| strains(rows).line(&format!("ω = {}", rows[0].omega), ["bond", column]);
+            Panel::new(Kind::Parameter, ["bond n", label], of_waves.map(line).collect())
         };
         let over = |label: &str, lines: &[(&str, &str)]| {
             waves.panel(Kind::Parameter, ["drive frequency ω", label], "omega", lines)
@@ -336,7 +324,7 @@ impl BoundaryWaveStudy {
             .fact("integrator", "collocation")
             .fact("tol", TOLERANCE)
             .table(waves)
-            .table(strains(&self.waves.iter().flat_map(bonds).collect::<Vec<_>>()))
+            .table(strains(&self.strains))
             .picture(Panels { title, columns, caption })
     }
 }

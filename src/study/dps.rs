@@ -61,7 +61,7 @@ impl Study for Integrals {
             .table(table);
         // Infinite slopes, which JSON has no number for, are `"inf"` and `"-inf"`.
         let report = rows.iter().fold(report, |report, row| report.fact(row.0, number(row.2)));
-        Ok(Box::new(move |_, _| Ok(Box::new(report))))
+        Ok(Box::new(move |_, _| Ok(report)))
     }
 }
 
@@ -114,7 +114,7 @@ impl Study for Homoclinics {
                 one.omega_0(),
                 one.residual()
             ));
-        Ok(Box::new(move |_, _| Ok(Box::new(report))))
+        Ok(Box::new(move |_, _| Ok(report)))
     }
 }
 
@@ -176,7 +176,7 @@ impl Study for DarkProfiles {
         let profile = DarkProfile::new(self.params.checked()?, self.center, self.sites, self.c)?;
         let omega_b = self.omega_b.unwrap_or(FREQUENCY * profile.params().omega());
         let (mu, (x, y)) = (profile.mu(omega_b)?, profile.seed(omega_b)?);
-        Ok(Box::new(move |_, _| Ok(Box::new(dark_report(&profile, omega_b, mu, [x, y])))))
+        Ok(Box::new(move |_, _| Ok(dark_report(&profile, omega_b, mu, [x, y]))))
     }
 }
 

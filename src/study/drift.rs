@@ -5,7 +5,7 @@
 //! smooth problem it does not grow at all.
 
 use super::{
-    Changes, Study, Work, compare::steps_for_kicks, families, fit_line, methods, options::options, scene,
+    Changes, Progress, Study, Work, compare::steps_for_kicks, families, fit_line, methods, options::options, scene,
     scene_caption, scene_json,
 };
 use crate::{
@@ -24,9 +24,6 @@ use hertzchain_integrators::{DoubleDouble, Error as Failure, Observer, Stats, dr
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::{ops::ControlFlow, time::Instant};
-
-/// Name of the store in the folder of results.
-const STORE: &str = "drift.store";
 
 /// Contact kicks of splitting schemes in a period of the fastest motion.
 const KICKS: f64 = 64.0;
@@ -72,10 +69,7 @@ options! {
 }
 
 impl Study for Drift {
-    const FILES: &'static str =
-        "drift.store keeps every integrator as soon as it has come to the end; the same command resumes from it.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
+    const STORE: &'static str = "drift.store";
 
     fn outline() -> Option<Report> {
         Some(tables(Report::new("drift"), &[], 0.0))
@@ -84,10 +78,7 @@ impl Study for Drift {
     fn begin(&self) -> Result<Work<'_>> {
         let scene = scene(&self.scene, &self.set)?;
         methods(&self.options.integrators, Method::all)?;
-        Ok(Box::new(move |engine, progress| {
-            let tell = |done: u64, total: u64| progress(done as f64 / total as f64, "integrators");
-            Ok(Box::new(drift(&scene, &self.options, engine, &tell)?.report()))
-        }))
+        Ok(Box::new(move |engine, progress| Ok(drift(&scene, &self.options, engine, progress)?.report())))
     }
 }
 
@@ -100,16 +91,23 @@ pub struct DriftRow {
     pub setting: String,
     /// Times, up to the end or to where the run failed.
     pub t: Vec<f64>,
-    /// Largest `|E - E(0)| / |E(0)|` up to each time (absolute where `E(0) = 0`); the energy is
-    /// evaluated more than once a period.
-    pub energy_error: Vec<f64>,
+    /// Its run.
+    pub run: DriftRun,
     /// Slope of `log energy_error` against `log t` over the last two decades, if the run covers
     /// them and did not fail.
     pub slope: Option<f64>,
-    /// Wall time of the run in seconds, evaluations of the energy included.
+}
+
+/// The run of a method, as the store keeps it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct DriftRun {
+    /// Largest `|E - E(0)| / |E(0)|` up to each time (absolute where `E(0) = 0`); the energy is
+    /// evaluated more than once a period.
+    pub energy_error: Vec<f64>,
+    /// Wall time in seconds, evaluations of the energy included.
     pub wall: f64,
-    /// Work of the run, evaluations of the energy included.
-    pub stats: Stats,
+    /// Steps, rejected steps, and force evaluations, those of the energy included.
+    pub work: [u64; 3],
     /// Why it stopped before the end, if it did.
     pub failure: Option<String>,
 }
@@ -130,7 +128,7 @@ impl DriftRow {
     /// points left out hide no error.
     fn points(&self) -> Vec<Point> {
         let stride = self.t.len().div_ceil(MOST_POINTS).max(1);
-        let all = self.t.iter().zip(&self.energy_error).rev().step_by(stride);
+        let all = self.t.iter().zip(&self.run.energy_error).rev().step_by(stride);
         let mut points: Vec<_> = all.map(|(&work, &error)| Point { work, error, below_reference: false }).collect();
         points.reverse();
         points
@@ -143,7 +141,7 @@ impl DriftStudy {
         let Self { scene, periods, rows } = self;
         let (families, family_of) = families(&rows.iter().map(|row| row.method).collect::<Vec<_>>());
         let curve = |(row, family): (&DriftRow, usize)| {
-            let failed = if row.failure.is_some() { ": failed" } else { "" };
+            let failed = if row.run.failure.is_some() { ": failed" } else { "" };
             let name = format!("{}, {}{failed}", row.method.name(), row.setting);
             Curve { name, family, points: row.points(), slope: None }
         };
@@ -178,7 +176,7 @@ fn tables(report: Report, rows: &[DriftRow], end: f64) -> Report {
     let early = 0.01 * end * (1.0 + 1e-9);
     let points = |row: &DriftRow| {
         let (method, setting) = (row.method.name(), row.setting.clone());
-        let all = row.t.iter().zip(&row.energy_error);
+        let all = row.t.iter().zip(&row.run.energy_error);
         all.map(|(&t, &error)| (method.clone(), setting.clone(), t, error)).collect::<Vec<_>>()
     };
     let points: Vec<_> = rows.iter().flat_map(points).collect();
@@ -186,17 +184,17 @@ fn tables(report: Report, rows: &[DriftRow], end: f64) -> Report {
         .col("integrator", Short, "", |row| row.method.name())
         .col("setting", Short, "", |row| row.setting.clone())
         .col("t", Json, "", |row| row.t.clone())
-        .col("energy_error", Json, "", |row| row.energy_error.clone())
+        .col("energy_error", Json, "", |row| row.run.energy_error.clone())
         .col("early_error", Power(1), "largest |E(t) - E(0)| / |E(0)| up to 1 % of the time", |row| {
-            row.t.iter().rposition(|&t| t <= early).map(|k| row.energy_error[k])
+            row.t.iter().rposition(|&t| t <= early).map(|k| row.run.energy_error[k])
         })
-        .col("last_error", Power(1), "the same up to the end", |row| row.energy_error.last().copied())
+        .col("last_error", Power(1), "the same up to the end", |row| row.run.energy_error.last().copied())
         .col("slope", Fixed(2), "of its logarithm against that of t, in between", |row| row.slope)
-        .col("wall", Power(2), "wall time, in seconds", |row| row.wall)
-        .col("steps", Short, "", |row| row.stats.steps)
-        .col("rejected", Hidden, "rejected steps", |row| row.stats.rejected)
-        .col("force_evaluations", Short, "", |row| row.stats.force_evaluations)
-        .col("failure", Short, "", |row| row.failure.clone());
+        .col("wall", Power(2), "wall time, in seconds", |row| row.run.wall)
+        .col("steps", Short, "", |row| row.run.work[0])
+        .col("rejected", Hidden, "rejected steps", |row| row.run.work[1])
+        .col("force_evaluations", Short, "", |row| row.run.work[2])
+        .col("failure", Short, "", |row| row.run.failure.clone());
     let all = Table::of("drift", &points)
         .key("")
         .col("integrator", Hidden, "", |row| row.0.clone())
@@ -206,27 +204,12 @@ fn tables(report: Report, rows: &[DriftRow], end: f64) -> Report {
     report.table(methods).table(all)
 }
 
-/// What the store keeps of the run of a method.
-#[derive(Serialize, Deserialize)]
-struct Kept {
-    energy_error: Vec<f64>,
-    wall: f64,
-    /// Steps, rejected steps, and force evaluations.
-    work: [u64; 3],
-    failure: Option<String>,
-}
-
-/// Runs the methods, each a point of a grid. `progress` is told how many of how many are done.
+/// Runs the methods, each a point of a grid. `progress` is told the share done.
 ///
 /// # Errors
 /// An option outside its rule, a scene without an energy, or a run that cannot start; the process
 /// was asked to end.
-pub fn drift(
-    scene: &Scene,
-    options: &DriftOptions,
-    engine: &Engine,
-    progress: &(dyn Fn(u64, u64) + Sync),
-) -> Result<DriftStudy> {
+pub fn drift(scene: &Scene, options: &DriftOptions, engine: &Engine, progress: Progress<'_>) -> Result<DriftStudy> {
     let DriftOptions { periods, samples, .. } = options;
     let methods = methods(&options.integrators, Method::all)?;
     options.within_ranges()?;
@@ -236,23 +219,17 @@ pub fn drift(
     }
     let scene = scene.clone().until(periods * scene.period())?;
     let times = spaced(scene.period(), scene.end(), *samples);
-    let mut names: Vec<String> = Vec::new();
-    for name in methods.iter().map(Method::name) {
-        if !names.contains(&name) {
-            names.push(name);
+    let mut distinct: Vec<Method> = Vec::new();
+    for method in methods {
+        if !distinct.contains(&method) {
+            distinct.push(method);
         }
     }
     let settings = json!({"scene": scene_json(&scene), "times": samples, "kicks": KICKS, "tolerance": TOLERANCE});
-    let grid = Grid { store: STORE, study: "drift", settings };
-    let swept = engine.sweep(&grid, &names, progress, |name| kept(&scene, Method::named(name)?, &times))?;
-    if swept.missing > 0 {
-        let kept = format!("{} of {} integrators have run; those in --out are kept", swept.computed(), names.len());
-        return Err(Error::Stopped { kept });
-    }
-    let rows = names.into_iter().zip(swept.rows).map(|(name, row)| match row {
-        Ok(kept) => row_of(&scene, Method::named(&name)?, &times, kept),
-        Err(why) => Err(Error::Point { point: name, why }),
-    });
+    let grid = Grid { store: Drift::STORE, study: "drift", settings };
+    let swept = engine.sweep(&grid, &distinct, progress, |&method| run(&scene, method, &times))?;
+    let all = swept.all(&distinct, Method::name)?;
+    let rows = distinct.iter().zip(all).map(|(&method, run)| row_of(&scene, method, &times, run));
     Ok(DriftStudy { rows: rows.collect::<Result<_>>()?, scene, periods: *periods })
 }
 
@@ -271,8 +248,8 @@ fn setting(scene: &Scene, method: &Method) -> (Setting, String) {
     }
 }
 
-/// Runs a method, and returns what the store keeps of it.
-fn kept(scene: &Scene, method: Method, times: &[f64]) -> Result<Kept> {
+/// Runs a method.
+fn run(scene: &Scene, method: Method, times: &[f64]) -> Result<DriftRun> {
     let mut stepper = scene.run().method(method).setting(setting(scene, &method).0).stepper()?;
     let mut state = scene.initial().as_slice().to_vec();
     let mut look = Look::new(scene, times);
@@ -282,7 +259,7 @@ fn kept(scene: &Scene, method: Method, times: &[f64]) -> Result<Kept> {
         return Err(stopped.into());
     }
     let Stats { steps, rejected, force_evaluations } = stepper.stats();
-    Ok(Kept {
+    Ok(DriftRun {
         energy_error: look.errors,
         wall: clock.elapsed().as_secs_f64(),
         work: [steps, rejected, force_evaluations],
@@ -290,21 +267,12 @@ fn kept(scene: &Scene, method: Method, times: &[f64]) -> Result<Kept> {
     })
 }
 
-/// A row from what was kept.
-fn row_of(scene: &Scene, method: Method, times: &[f64], kept: Kept) -> Result<DriftRow> {
-    let Kept { energy_error, wall, work: [steps, rejected, force_evaluations], failure } = kept;
-    let t = times.get(..energy_error.len()).map(<[f64]>::to_vec);
+/// The row of a run.
+fn row_of(scene: &Scene, method: Method, times: &[f64], run: DriftRun) -> Result<DriftRow> {
+    let t = times.get(..run.energy_error.len()).map(<[f64]>::to_vec);
     let t = t.ok_or_else(|| Error::Point { point: method.name(), why: "more errors than times".to_owned() })?;
-    Ok(DriftRow {
-        method,
-        setting: setting(scene, &method).1,
-        slope: slope(&t, &energy_error).filter(|_| failure.is_none()),
-        t,
-        energy_error,
-        wall,
-        stats: Stats { steps, rejected, force_evaluations },
-        failure,
-    })
+    let slope = slope(&t, &run.energy_error).filter(|_| run.failure.is_none());
+    Ok(DriftRow { method, setting: setting(scene, &method).1, t, run, slope })
 }
 
 /// The slope over the last two decades of `t`.

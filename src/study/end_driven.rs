@@ -19,33 +19,25 @@
 //! have one about the bead in the middle. With ends in phase it is one together with half a period:
 //! an odd number of bonds has a kink about the bond in the middle, an even number has none.
 
-use super::{
-    Progress, Study, Work,
-    branches::stability_lines,
-    multipliers_panel,
-    options::options,
-    shown,
-    stretches::{finished, unless_asked},
-    word,
-};
+use super::{Progress, Study, Work, branches::stability_lines, multipliers_panel, options::options, shown, word};
 use crate::{
     breathers::DarkBreather,
     chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State, max_norm},
     dps::Center,
     error::{Error, Result},
     orbits::{
-        DriveParameter, DrivenBifurcation, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
-        End, Shooting,
+        BifurcationKind, DriveParameter, DrivenContinuation, DrivenMultiplier, DrivenOrbit, DrivenPoint, DrivenSetting,
+        DrivenShooting, DrivenSpectrum, End, Shooting,
     },
     report::{
         Column,
         Digits::{Fixed, Hidden, Json, Short},
         Kind, Line, Panel, Panels, Report, Table,
     },
-    sweep::map,
+    sweep::{Engine, Grid},
 };
 use nalgebra::Complex;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -95,7 +87,7 @@ options! {
 }
 
 /// How the ends move.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ends {
     /// Both `a cos(omega_d t)`.
@@ -105,24 +97,39 @@ pub enum Ends {
 }
 
 /// A point of a branch, with the background and the kink of its strains.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EndDrivenPoint {
-    /// The orbit with its multipliers.
-    pub point: DrivenPoint,
+    /// Drive amplitude.
+    pub amplitude: f64,
+    /// Multipliers of the orbit.
+    pub spectrum: DrivenSpectrum,
+    /// Residual of the orbit.
+    pub residual: f64,
+    /// Displacements of the beads at the start of a period.
+    pub u: Vec<f64>,
     /// Background amplitude `B`.
     pub background: f64,
     /// Cosine of the angle between `L` and `R`.
     pub cosine: f64,
     /// Amplitude `C` in the middle.
     pub centre: f64,
-    /// `c_b`, bond by bond, from the left, turned by the phase of `L`: a bond is in phase with the
-    /// left half if `(-1)^b c_b` is real and positive.
-    pub harmonics: Vec<Complex<f64>>,
+    /// Real and imaginary part of `c_b`, bond by bond, from the left, turned by the phase of `L`: a
+    /// bond is in phase with the left half if `(-1)^b c_b` is real and positive.
+    pub harmonics: Vec<[f64; 2]>,
+}
+
+/// A bifurcation of a branch: its kind, the drive amplitude, and the multiplier that crosses the
+/// unit circle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EndDrivenBifurcation {
+    kind: BifurcationKind,
+    parameter: f64,
+    multiplier: DrivenMultiplier,
 }
 
 /// A branch of orbits in the drive amplitude, for one length, one motion of the ends and one
 /// frequency.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EndDrivenCase {
     /// Number of sites.
     pub sites: usize,
@@ -135,7 +142,7 @@ pub struct EndDrivenCase {
     /// The points, in their order along the branch.
     pub points: Vec<EndDrivenPoint>,
     /// Bifurcations between them.
-    pub bifurcations: Vec<DrivenBifurcation>,
+    pub bifurcations: Vec<EndDrivenBifurcation>,
     /// Why the branch ended; `None` if the chain did not settle to a first orbit.
     pub end: Option<End>,
     /// Index of the stable dark breather with the strongest background.
@@ -145,7 +152,7 @@ pub struct EndDrivenCase {
 }
 
 /// Whether a chain at rest comes to an orbit when its drive is switched on.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FromRest {
     /// Drive amplitude.
     pub amplitude: f64,
@@ -163,7 +170,7 @@ pub struct EndDrivenStudy {
 }
 
 impl Study for EndDriven {
-    const INTERRUPTIBLE: bool = true;
+    const STORE: &'static str = "end-driven.store";
 
     fn outline() -> Option<Report> {
         let [branches, points] = tables(&[]);
@@ -172,7 +179,7 @@ impl Study for EndDriven {
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(self.study(progress)?.report()))))
+        Ok(Box::new(|engine, progress| Ok(self.study(engine, progress)?.report())))
     }
 }
 
@@ -204,9 +211,9 @@ impl EndDrivenPoint {
     ///
     /// # Errors
     /// An integration that fails.
-    pub fn measured(point: DrivenPoint) -> Result<Self> {
-        let samples = point.orbit.samples(&DrivenShooting::default())?;
-        let n = samples.first().map_or(0, |_| point.orbit.setting.sites());
+    pub fn measured(DrivenPoint { orbit, spectrum, .. }: &DrivenPoint) -> Result<Self> {
+        let samples = orbit.samples(&DrivenShooting::default())?;
+        let n = samples.first().map_or(0, |_| orbit.setting.sites());
         let staggered: Vec<Complex<f64>> = (1..n)
             .map(|b| {
                 let sign = if b % 2 == 0 { 1.0 } else { -1.0 };
@@ -225,13 +232,22 @@ impl EndDrivenPoint {
         let cosine = (left * right.conj()).re / (left.norm() * right.norm()).max(f64::MIN_POSITIVE);
         let turn = (left / left.norm().max(f64::MIN_POSITIVE)).conj();
         let sign = |b: usize| if b.is_multiple_of(2) { -1.0 } else { 1.0 };
-        let harmonics = staggered.iter().enumerate().map(|(b, c)| c * turn * sign(b)).collect();
-        Ok(Self { background: left.norm().min(right.norm()), cosine, centre: mean(low..high).norm(), harmonics, point })
+        let turned = staggered.iter().enumerate().map(|(b, c)| c * turn * sign(b));
+        Ok(Self {
+            amplitude: orbit.setting.get(DriveParameter::Amplitude),
+            spectrum: spectrum.clone(),
+            residual: orbit.residual,
+            u: orbit.start()?.u().to_vec(),
+            background: left.norm().min(right.norm()),
+            cosine,
+            centre: mean(low..high).norm(),
+            harmonics: turned.map(|c| [c.re, c.im]).collect(),
+        })
     }
 
-    /// The drive amplitude.
-    pub fn amplitude(&self) -> f64 {
-        self.point.orbit.setting.get(DriveParameter::Amplitude)
+    /// Whether no multiplier is outside the unit circle.
+    pub fn stable(&self) -> bool {
+        self.spectrum.unstable() == 0
     }
 }
 
@@ -280,23 +296,21 @@ impl EndDriven {
         Chain::new(Params::new(1.5, 1.0, self.rho)?, Boundary::Free, sites)?.with(&details)
     }
 
-    fn study(&self, progress: Progress<'_>) -> Result<EndDrivenStudy> {
-        self.check()?;
+    fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<EndDrivenStudy> {
         let mut cases = Vec::new();
         for &sites in &self.lengths {
             for ends in [Ends::InPhase, Ends::Antiphase] {
                 cases.extend(self.omegas.iter().map(|&omega| (sites, ends, omega)));
             }
         }
-        let done = std::sync::atomic::AtomicUsize::new(0);
-        let one = |&(sites, ends, omega): &(usize, Ends, f64)| {
-            let case = unless_asked(|| self.case(sites, ends, omega));
-            let count = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
-            progress(count as f64 / cases.len() as f64, &format!("N = {sites}, omega = {omega}"));
-            case
-        };
-        let found = finished(map(&cases, one))?;
-        Ok(EndDrivenStudy { options: self.clone(), cases: found })
+        let Self { rho, drag, dashpot, to, step, max_points, .. } = self;
+        let settings =
+            json!({"rho": rho, "drag": drag, "dashpot": dashpot, "to": to, "step": step, "max_points": max_points});
+        let grid = Grid { store: Self::STORE, study: "end-driven", settings };
+        let swept = engine.sweep(&grid, &cases, progress, |&(sites, ends, omega)| self.case(sites, ends, omega))?;
+        let found =
+            swept.values(&cases, |(sites, ends, omega)| format!("N = {sites}, {}, omega = {omega}", ends.words()))?;
+        Ok(EndDrivenStudy { options: self.clone(), cases: found.into_iter().map(|(_, case)| case).collect() })
     }
 
     /// `K_x` of the conservative breather of this frequency.
@@ -341,15 +355,20 @@ impl EndDriven {
             shooting,
         };
         let branch = continuation.follow(start, |_| {})?;
-        case.points = branch.points.into_iter().map(EndDrivenPoint::measured).collect::<Result<_>>()?;
-        (case.bifurcations, case.end) = (branch.bifurcations, Some(branch.end));
-        let stable = |k: &usize| case.points[*k].dark(free) && case.points[*k].point.stable();
+        case.points = branch.points.iter().map(EndDrivenPoint::measured).collect::<Result<_>>()?;
+        let told = branch.bifurcations.iter().map(|one| EndDrivenBifurcation {
+            kind: one.kind,
+            parameter: one.parameter,
+            multiplier: one.multiplier,
+        });
+        (case.bifurcations, case.end) = (told.collect(), Some(branch.end));
+        let stable = |k: &usize| case.points[*k].dark(free) && case.points[*k].stable();
         let mut candidates: Vec<usize> = (0..case.points.len()).filter(stable).collect();
         candidates.sort_by(|&a, &b| case.points[b].background.total_cmp(&case.points[a].background));
         case.best = candidates.first().copied();
         let tried = candidates.iter().take(MOST_TRIED);
         case.from_rest =
-            tried.map(|&k| self.reached_from_rest(&case, &case.points[k].point.orbit)).collect::<Result<_>>()?;
+            tried.map(|&k| self.reached_from_rest(&case, &branch.points[k].orbit)).collect::<Result<_>>()?;
         Ok(case)
     }
 
@@ -377,7 +396,7 @@ impl EndDrivenCase {
     /// The points at which orbits begin to be dark breathers: the first, and the first stable one.
     pub fn first(&self) -> [Option<&EndDrivenPoint>; 2] {
         let dark = |one: &&EndDrivenPoint| one.dark(self.free);
-        [self.points.iter().find(dark), self.points.iter().find(|one| dark(one) && one.point.stable())]
+        [self.points.iter().find(dark), self.points.iter().find(|one| dark(one) && one.stable())]
     }
 
     /// Of its stable dark breathers, the one with the strongest background.
@@ -408,7 +427,7 @@ impl EndDrivenStudy {
         let stable: Vec<&EndDrivenCase> = self.cases.iter().filter(|case| case.best.is_some()).collect();
         let least = stable.iter().filter_map(|case| {
             let one = case.first()[1]?;
-            Some((one.amplitude(), *case))
+            Some((one.amplitude, *case))
         });
         let all = self.cases.len();
         match least.min_by(|a, b| a.0.total_cmp(&b.0)) {
@@ -458,7 +477,7 @@ impl EndDrivenStudy {
     /// For each length and way to drive it that has kinks: the background against the drive
     /// amplitude; then the best stable breather, its strains and multipliers.
     fn picture(&self) -> Panels {
-        let relative = |case: &EndDrivenCase, one: &EndDrivenPoint| (one.amplitude(), one.background / case.free);
+        let relative = |case: &EndDrivenCase, one: &EndDrivenPoint| (one.amplitude, one.background / case.free);
         let mut branches = Vec::new();
         for &sites in &self.options.lengths {
             let kinked: Vec<(&EndDrivenCase, &EndDrivenPoint)> = self
@@ -470,7 +489,7 @@ impl EndDrivenStudy {
             if kinked.is_empty() {
                 continue;
             }
-            let mut lines = stability_lines(&kinked, |(case, one)| relative(case, one), |(_, one)| one.point.stable());
+            let mut lines = stability_lines(&kinked, |(case, one)| relative(case, one), |(_, one)| one.stable());
             for line in &mut lines {
                 line.name = format!("N = {sites}, {}", line.name);
             }
@@ -481,17 +500,17 @@ impl EndDrivenStudy {
         let mut columns = vec![Column::new("", branches)];
         let mut best = String::new();
         if let Some((case, one)) = strongest {
-            let strains = one.harmonics.iter().enumerate().map(|(b, c)| ((b + 1) as f64, c.re));
+            let strains = one.harmonics.iter().enumerate().map(|(b, c)| ((b + 1) as f64, c[0]));
             let lines = vec![Line::new("part in phase with the left half", strains)];
             let profile = Panel::new(Kind::Sites, ["bond n", "first harmonic of the strain"], lines);
-            columns.push(Column::new("", [profile, multipliers_panel(&one.point)]));
+            columns.push(Column::new("", [profile, multipliers_panel(&one.spectrum)]));
             best = format!(
                 " Right: the stable one with the largest B/Kₓ = {:.3}: N = {}, ends {}, ω_d = {}, a = {:.4}.",
                 one.background / case.free,
                 case.sites,
                 case.ends.words(),
                 case.omega,
-                one.amplitude()
+                one.amplitude
             );
         }
         let caption = format!(
@@ -505,14 +524,10 @@ impl EndDrivenStudy {
 
 /// The branches, and their points.
 fn tables(cases: &[EndDrivenCase]) -> [Table; 2] {
-    let first = |k: usize| move |case: &EndDrivenCase| case.first()[k].map(EndDrivenPoint::amplitude);
+    let first = |k: usize| move |case: &EndDrivenCase| case.first()[k].map(|one| one.amplitude);
     let rest = |case: &EndDrivenCase| {
         let reached = case.from_rest.iter().filter(|run| run.ramp.is_some()).count();
         (!case.from_rest.is_empty()).then(|| format!("{reached} of {}", case.from_rest.len()))
-    };
-    let bifurcations = |case: &EndDrivenCase| -> Value {
-        let told = |one: &DrivenBifurcation| json!({ "kind": one.kind, "parameter": one.parameter, "multiplier": one.multiplier });
-        case.bifurcations.iter().map(told).collect()
     };
     let branches = Table::of("end-driven-branches", cases)
         .key("cases")
@@ -524,7 +539,7 @@ fn tables(cases: &[EndDrivenCase]) -> [Table; 2] {
         .col("first_dark", Fixed(4), "least drive amplitude of a dark breather", first(0))
         .col("first_stable_dark", Fixed(4), "of a stable one", first(1))
         .col("best_amplitude", Fixed(4), "of the stable one with the largest background B", |case| {
-            case.best().map(EndDrivenPoint::amplitude)
+            case.best().map(|one| one.amplitude)
         })
         .col(
             "best_share",
@@ -545,7 +560,7 @@ fn tables(cases: &[EndDrivenCase]) -> [Table; 2] {
         .col("best", Json, "", best)
         .col("from_rest", Json, "", |case| json!(case.from_rest))
         .col("points", Json, "", |case| Value::from(points(&of(case)).json()))
-        .col("bifurcations", Json, "", bifurcations);
+        .col("bifurcations", Json, "", |case| json!(case.bifurcations));
     [branches.done(), points(&cases.iter().flat_map(of).collect::<Vec<_>>())]
 }
 
@@ -561,15 +576,15 @@ fn points(rows: &[(&EndDrivenCase, &EndDrivenPoint)]) -> Table {
         .col("sites", Hidden, "", |(case, _)| case.sites)
         .col("ends", Hidden, "1 in phase, -1 in antiphase", |(case, _)| case.ends.sign())
         .col("omega", Hidden, "frequency of the drive", |(case, _)| case.omega)
-        .col("amplitude", Hidden, "of the ends", |(_, one)| one.amplitude())
+        .col("amplitude", Hidden, "of the ends", |(_, one)| one.amplitude)
         .col("background", Hidden, "B", |(_, one)| one.background)
         .col("k_x", Hidden, "B of the conservative breather", |(case, _)| case.free)
         .col("cosine", Hidden, "of the angle between the backgrounds of the two halves", |(_, one)| one.cosine)
         .col("centre", Hidden, "amplitude in the middle", |(_, one)| one.centre)
         .col("dark", Hidden, "whether it is a dark breather", |(case, one)| one.dark(case.free))
-        .col("max_modulus", Hidden, "largest modulus of a multiplier", |(_, one)| one.point.spectrum.largest())
-        .col("unstable", Hidden, "multipliers outside the unit circle", |(_, one)| one.point.spectrum.unstable())
-        .col("residual", Hidden, "of the orbit", |(_, one)| one.point.orbit.residual)
+        .col("max_modulus", Hidden, "largest modulus of a multiplier", |(_, one)| one.spectrum.largest())
+        .col("unstable", Hidden, "multipliers outside the unit circle", |(_, one)| one.spectrum.unstable())
+        .col("residual", Hidden, "of the orbit", |(_, one)| one.residual)
         .done()
 }
 
@@ -577,8 +592,8 @@ fn points(rows: &[(&EndDrivenCase, &EndDrivenPoint)]) -> Table {
 fn best(case: &EndDrivenCase) -> Value {
     let Some(one) = case.best() else { return Value::Null };
     let mut value = points(&[(case, one)]).json().remove(0);
-    value["u"] = json!(one.point.orbit.start().ok().map(|state| state.u().to_vec()));
-    value["harmonics"] = one.harmonics.iter().map(|c| json!({ "re": c.re, "im": c.im })).collect();
-    value["multipliers"] = json!(one.point.spectrum.multipliers);
+    value["u"] = json!(one.u);
+    value["harmonics"] = one.harmonics.iter().map(|[re, im]| json!({ "re": re, "im": im })).collect();
+    value["multipliers"] = json!(one.spectrum.multipliers);
     value
 }

@@ -72,7 +72,8 @@ pub use theorem::{
 pub use wave::*;
 
 pub(crate) use crate::number::shown;
-use crate::{chain::Params, error::Result, number::written, report, run::Method, scene::Scene, sweep::Engine};
+pub use crate::sweep::Progress;
+use crate::{chain::Params, error::Result, number::written, report::Report, run::Method, scene::Scene, sweep::Engine};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -83,23 +84,22 @@ pub type File = (String, Vec<u8>);
 #[cfg(feature = "plot")]
 pub type Drawing = (String, crate::figures::Picture);
 
-/// Callback that receives the share that is done, from 0 to 1, and words on what is being done.
-pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
-
 /// The computation of a study whose options were checked. It gets the engine for its grid, which
 /// knows the folder for the results, if there is one.
-pub type Work<'a> = Box<dyn FnOnce(&Engine, Progress<'_>) -> Result<Box<dyn Report>> + 'a>;
+pub type Work<'a> = Box<dyn FnOnce(&Engine, Progress<'_>) -> Result<Report> + 'a>;
 
 /// A study by its options.
 pub trait Study {
-    /// The files it writes besides those of its [`outline`](Self::outline), in words for the help.
+    /// The files it writes besides its store and those of its [`outline`](Self::outline), in words
+    /// for the help.
     const FILES: &'static str = "";
+    /// The name of the store of its grid, which keeps every point; empty without one.
+    const STORE: &'static str = "";
     /// Whether its report says what is missing after the process was asked to end. That of another
     /// study is dropped then.
-    const INTERRUPTIBLE: bool = false;
-
+    const INTERRUPTIBLE: bool = !Self::STORE.is_empty();
     /// Whether it sweeps a grid, so that it takes a shard.
-    const SWEEPS: bool = false;
+    const SWEEPS: bool = !Self::STORE.is_empty();
 
     /// Names of the files that only some runs of it write. Those of an earlier run are removed from
     /// the folder. All other files are written anew by every run.
@@ -108,7 +108,7 @@ pub trait Study {
     }
 
     /// Its report without rows, which tells the help the names of files and columns.
-    fn outline() -> Option<report::Report> {
+    fn outline() -> Option<Report> {
         None
     }
 
@@ -122,70 +122,6 @@ pub trait Study {
     fn beside(&self) -> Option<PathBuf> {
         None
     }
-}
-
-/// The result of a study, as text, JSON, files and pictures.
-pub trait Report {
-    /// What is printed as JSON.
-    fn json(&self) -> Value;
-
-    /// What is printed as text.
-    fn text(&self) -> String;
-
-    /// The files, without pictures; `json` is the text of [`Self::json`].
-    ///
-    /// # Errors
-    /// Numbers that cannot be computed, or errors of the archive writer.
-    fn files(&self, json: &str) -> Result<Vec<File>>;
-
-    /// The pictures.
-    ///
-    /// # Errors
-    /// A picture that cannot be drawn.
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<Drawing>>;
-
-    /// A remark beside the results, such as what is missing.
-    fn remark(&self) -> Option<String> {
-        None
-    }
-
-    /// Whether the study succeeded; if not, the command fails.
-    fn succeeded(&self) -> bool {
-        true
-    }
-}
-
-impl Report for report::Report {
-    fn json(&self) -> Value {
-        self.json()
-    }
-
-    fn text(&self) -> String {
-        self.text()
-    }
-
-    fn files(&self, _: &str) -> Result<Vec<File>> {
-        self.files()
-    }
-
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<Drawing>> {
-        self.pictures().iter().map(|(name, figure)| Ok((name.clone(), figure.draw()?))).collect()
-    }
-
-    fn remark(&self) -> Option<String> {
-        self.remarks().map(str::to_owned)
-    }
-
-    fn succeeded(&self) -> bool {
-        self.succeeded()
-    }
-}
-
-/// Names for files and pictures.
-fn named<T, const N: usize>(files: [(&str, T); N]) -> Vec<(String, T)> {
-    files.map(|(name, file)| (name.to_owned(), file)).into()
 }
 
 /// The name of a unit variant in files.

@@ -129,7 +129,7 @@ impl Study for FollowMode {
         let scene = Scene::load_with(&self.scene, &self.changes.set)?;
         let (modes, continuation, si) = self.way.for_scene(&scene, self.si)?;
         Ok(Box::new(move |engine, progress| {
-            Ok(Box::new(followed(scene, modes, si, &continuation, self.way.branch.switch, engine, progress)?.report()))
+            Ok(followed(scene, modes, si, &continuation, self.way.branch.switch, engine, progress)?.report())
         }))
     }
 }

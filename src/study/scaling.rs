@@ -60,7 +60,7 @@ impl Study for ScalingOptions {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        Ok(Box::new(|_, progress| Ok(Box::new(scaling(self, progress)?.report()))))
+        Ok(Box::new(|_, progress| Ok(scaling(self, progress)?.report())))
     }
 }
 

@@ -2,11 +2,7 @@
 
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
-use super::{
-    Study, Work, fit_line,
-    options::options,
-    stretches::{finished, unless_asked},
-};
+use super::{Progress, Study, Work, fit_line, options::options};
 use crate::{
     chain::Params,
     error::Result,
@@ -14,11 +10,13 @@ use crate::{
     report::{
         Column,
         Digits::{Fixed, Hidden, Power, Short},
-        Kind, Line, Panel, Panels, Report, Table,
+        Kind, Line, Panel, Panels, Report, Table, rows,
     },
-    sweep::map,
+    sweep::{Engine, Grid},
     waves::{LinePulse, Search, SolitaryWave, best_ring, wake_of_line},
 };
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 use std::f64::consts::PI;
 
 /// Phases `k/(2 pi)` of resonators from site to site of the default mass ratios. At whole ones
@@ -59,7 +57,7 @@ options! {
 }
 
 impl Study for Solitary {
-    const INTERRUPTIBLE: bool = true;
+    const STORE: &'static str = "solitary.store";
 
     fn outline() -> Option<Report> {
         let [pulse, tails] = tables(&[], &[]);
@@ -68,25 +66,45 @@ impl Study for Solitary {
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(move |_, _| Ok(Box::new(self.study()?.report()))))
+        Ok(Box::new(|engine, progress| Ok(self.study(engine, progress)?.report())))
     }
 }
 
-/// A pulse where resonators move.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tail {
-    /// Mass ratio.
-    pub rho: f64,
-    /// `k = omega/c`.
-    pub k: f64,
-    /// The exact wave of the ring, if Newton's method has found it.
-    pub wave: Option<SolitaryWave>,
-    /// `W` of the pulse whose resonators follow their beads.
-    pub line: f64,
+rows! {
+    /// A pulse where resonators move; of the exact wave of the ring there is nothing if Newton's
+    /// method has not found it.
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct Tail {
+        /// Mass ratio.
+        rho: f64 => Power(6),
+        /// Phase of a resonator from site to site, k = omega/c.
+        k_over_2pi: f64 => Fixed(4),
+        /// `k = omega/c`.
+        k: f64,
+        /// Length of the ring.
+        sites: Option<usize> => Short,
+        /// Largest overlap g.
+        crest: Option<f64> => Fixed(8),
+        /// Of the search.
+        residual: Option<f64> => Power(1),
+        /// Amplitude of the tail.
+        tail: Option<f64> => Power(4),
+        /// Amplitude W that a passage leaves behind.
+        wake: Option<f64> => Power(4),
+        /// The same of the pulse whose resonators follow their beads.
+        wake_of_line: f64 => Power(4),
+    }
+}
+
+impl Tail {
+    /// `W/g`.
+    pub fn share(&self) -> Option<f64> {
+        Some(self.wake? / self.crest?)
+    }
 }
 
 /// A fit `ln(W k/(4 sin^2(k/2) g)) = constant - width k`.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TailFit {
     /// Pulses of the fit.
     pub points: usize,
@@ -126,8 +144,9 @@ impl Solitary {
     ///
     /// # Errors
     /// Numbers outside their rules; [`Error::Stalled`] where there is no pulse without resonators;
-    /// a signal before the first tail. A later one leaves the other tails out.
-    pub fn study(&self) -> Result<SolitaryStudy> {
+    /// a signal before the first tail, where a later one leaves the other tails out; errors of the
+    /// store.
+    pub fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<SolitaryStudy> {
         self.check()?;
         let (line, search) = (LinePulse::new(self.alpha), Search { tol: self.tol, ..Search::default() });
         let speed = self.speed.unwrap_or(line.coefficient());
@@ -136,17 +155,25 @@ impl Solitary {
         let rhos = if self.rhos.is_empty() { self.default_rhos(speed) } else { self.rhos.clone() };
         let tail = |&rho: &f64| {
             let params = Params { alpha: self.alpha, kappa: self.kappa, rho };
-            let sites = best_ring(params, speed, self.sites);
-            unless_asked(|| {
-                Ok(Tail {
-                    rho,
-                    k: params.omega() / speed,
-                    wave: SolitaryWave::new(params, speed, sites, &line, &search).ok(),
-                    line: wake_of_line(params, speed, &line),
-                })
+            let wave = SolitaryWave::new(params, speed, best_ring(params, speed, self.sites), &line, &search).ok();
+            let (k, of) = (params.omega() / speed, |of: fn(&SolitaryWave) -> f64| wave.as_ref().map(of));
+            Ok(Tail {
+                rho,
+                k_over_2pi: k / (2.0 * PI),
+                k,
+                sites: wave.as_ref().map(|wave| wave.wave.setting.q.cell()),
+                crest: of(SolitaryWave::crest),
+                residual: of(|wave| wave.wave.residual),
+                tail: of(SolitaryWave::tail),
+                wake: of(SolitaryWave::wake),
+                wake_of_line: wake_of_line(params, speed, &line),
             })
         };
-        let tails = finished(map(&rhos, tail))?;
+        let settings =
+            json!({"alpha": self.alpha, "kappa": self.kappa, "speed": speed, "sites": self.sites, "tol": self.tol});
+        let grid = Grid { store: Self::STORE, study: "solitary", settings };
+        let swept = engine.sweep(&grid, &rhos, progress, tail)?.values(&rhos, |rho| format!("rho = {rho}"))?;
+        let tails: Vec<Tail> = swept.into_iter().map(|(_, tail)| tail).collect();
         let sites = line.at_sites();
         let decay = sites.iter().map(|g| g / sites[0]).collect();
         Ok(SolitaryStudy { options: self.clone(), line, decay, hertz, fit: fit(&tails), tails })
@@ -161,8 +188,7 @@ impl Solitary {
 
 fn fit(tails: &[Tail]) -> Option<TailFit> {
     let point = |tail: &Tail| {
-        let (wave, sin) = (tail.wave.as_ref()?, (0.5 * tail.k).sin());
-        let share = wave.wake() / wave.crest();
+        let (share, sin) = (tail.share()?, (0.5 * tail.k).sin());
         let used = FITTED.contains(&share) && sin.abs() >= OFF_RESONANCE;
         used.then(|| (tail.k, (share * tail.k / (4.0 * sin * sin)).ln()))
     };
@@ -196,7 +222,7 @@ impl SolitaryStudy {
     pub fn report(&self) -> Report {
         let [pulse, tails] = tables(&self.decay, &self.tails);
         let hertz = &self.hertz;
-        let lost: Vec<String> = self.tails.iter().filter(|tail| tail.wave.is_none()).map(|t| shown(t.rho)).collect();
+        let lost: Vec<String> = self.tails.iter().filter(|tail| tail.wake.is_none()).map(|t| shown(t.rho)).collect();
         let start = hertz.wave.on_ring(self.options.sites);
         Report::new("solitary")
             .fact("alpha", self.options.alpha)
@@ -270,7 +296,7 @@ impl SolitaryStudy {
             tails.panel(Kind::LogParameter, labels, place, &[("exact", "wake_share"), ("line", "wake_share_of_line")]);
         if let Some(fit) = self.fit {
             let of = |k: f64| 4.0 * (0.5 * k).sin().powi(2) / k * (fit.constant - fit.width * k).exp();
-            wakes.lines.push(Line::new("fit", self.tails.iter().map(|tail| (tail.k / (2.0 * PI), of(tail.k)))));
+            wakes.lines.push(Line::new("fit", self.tails.iter().map(|tail| (tail.k_over_2pi, of(tail.k)))));
         }
         let crests = tails.panel(Kind::Parameter, ["mass ratio ρ", "largest overlap g"], "rho", &[("g", "crest")]);
         let pulse = Panel::new(Kind::Cloud, ["sites from the crest", "overlap g/g₀"], pulse);
@@ -283,7 +309,6 @@ impl SolitaryStudy {
 fn tables(decay: &[f64], tails: &[Tail]) -> [Table; 2] {
     let decay: Vec<(usize, f64)> = decay.iter().copied().enumerate().collect();
     let double_log = |g: f64| Some(g.ln().abs().ln()).filter(|log| log.is_finite());
-    let of = |of: fn(&SolitaryWave) -> f64| move |tail: &Tail| tail.wave.as_ref().map(of);
     [
         Table::of("pulse", &decay)
             .key("")
@@ -291,23 +316,11 @@ fn tables(decay: &[f64], tails: &[Tail]) -> [Table; 2] {
             .col("g", Power(12), "overlap over that of the crest", |row| row.1)
             .col("double_log", Fixed(6), "ln|ln g|", move |row| double_log(row.1))
             .done(),
-        Table::of("tails", tails)
+        Tail::table("tails", tails)
             .key("tails")
-            .col("rho", Power(6), "mass ratio", |tail| tail.rho)
-            .col("k_over_2pi", Fixed(4), "phase of a resonator from site to site, k = omega/c", |tail| {
-                tail.k / (2.0 * PI)
-            })
-            .col("sites", Short, "length of the ring", |tail| tail.wave.as_ref().map(|wave| wave.wave.setting.q.cell()))
-            .col("crest", Fixed(8), "largest overlap g", of(SolitaryWave::crest))
-            .col("residual", Power(1), "", of(|wave| wave.wave.residual))
-            .col("tail", Power(4), "amplitude of the tail", of(SolitaryWave::tail))
-            .col("wake", Power(4), "amplitude W that a passage leaves behind", of(SolitaryWave::wake))
-            .col("wake_of_line", Power(4), "the same of the pulse whose resonators follow their beads", |tail| {
-                tail.line
-            })
-            .col("wake_share", Hidden, "wake over crest", of(|wave| wave.wake() / wave.crest()))
+            .col("wake_share", Hidden, "wake over crest", Tail::share)
             .col("wake_share_of_line", Hidden, "wake of the line over crest", |tail| {
-                tail.wave.as_ref().map(|wave| tail.line / wave.crest())
+                tail.crest.map(|crest| tail.wake_of_line / crest)
             })
             .done(),
     ]

@@ -104,7 +104,7 @@ impl<O: Sync, K: Send + Sync> Branch<'_, O, K> {
         let Self { store, study, ref settings, known, joined } = *self;
         let points = stretches(known.orbits, if joined { ORBITS } else { 1 }, settings, orbit);
         let grid = Grid { store, study, settings: json!({}) };
-        let tell = |done, total| progress(done as f64 / total as f64, "multipliers and bifurcations");
+        let tell = |share: f64, _: &str| progress(share, "multipliers and bifurcations");
         let work = |stretch: &Stretch| {
             let Range { start, end } = stretch.orbits;
             // Several threads may want the orbit before: all multipliers come first.

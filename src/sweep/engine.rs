@@ -1,6 +1,6 @@
 //! The engine, with which all studies compute their grids.
 
-use super::{Backend, Points, Rows, Shard, Store, Swept, Threads, collected, compute};
+use super::{Backend, Points, Progress, Rows, Shard, Store, Swept, Threads, collected, compute, counted};
 use crate::{
     error::{Error, Result},
     output::Folder,
@@ -119,17 +119,25 @@ impl Engine {
         self.part.borrow().clone()
     }
 
-    /// [`sweep`](super::sweep) of the points of a grid.
+    /// Computes the points of a grid that are not in the store, keeps each row as soon as it is
+    /// there, and returns the rows in the order of the grid. `progress` is told the share that is
+    /// done and how many points that is.
+    ///
+    /// A point whose work fails or panics gives a failed row with the reason. A failed row is kept
+    /// like any other, unless the process was asked to end. A point whose line is removed from the
+    /// store is computed again. Values pass through JSON, with or without a store, so that resumed
+    /// and new rows are the same; they hold finite numbers only.
     ///
     /// # Errors
-    /// As [`sweep`](super::sweep). An engine with a shard always returns an error, since it does
-    /// not have all rows: its result is in the error and in [`part`](Self::part). A process that
-    /// computes for another one returns an error too.
+    /// A point that is in the grid twice; a store that cannot be written, or whose lines do not
+    /// hold such values; a row that the backend changed or left out. An engine with a shard always
+    /// returns an error, since it does not have all rows: its result is in the error and in
+    /// [`part`](Self::part). A process that computes for another one returns an error too.
     pub fn sweep<T, U>(
         &self,
         grid: &Grid,
         points: &[T],
-        progress: &(dyn Fn(u64, u64) + Sync),
+        progress: Progress<'_>,
         work: impl Fn(&T) -> Result<U> + Sync,
     ) -> Result<Swept<U>>
     where
@@ -138,7 +146,7 @@ impl Engine {
     {
         let points = Points { count: points.len(), point: &|k| &points[k] };
         let mut store = self.open(grid, points.count)?;
-        let (rows, resumed) = self.rows(grid, &points, store.as_mut(), progress, &|point| work(point))?;
+        let (rows, resumed) = self.rows(grid, &points, store.as_mut(), &counted(progress), &|point| work(point))?;
         collected(rows, resumed)
     }
 

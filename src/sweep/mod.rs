@@ -9,11 +9,11 @@
 //! | *shard* | a part of a grid, for a process of its own; see [`Shard`] |
 //! | *engine* | a backend, the folder of the store and the shard; see [`Engine`] |
 //!
-//! [`map`] is for points in memory whose computations end together. [`sweep`] is for points that
-//! may fail one by one or take long, in runs that may be interrupted and resumed. Results are in
-//! the order of the grid, for any order of the work, and the same for any number of threads, shards
-//! and processes. A study gives points, a function from a point to its value, and what its values
-//! depend on besides; [`Engine::sweep`] does the rest.
+//! [`map`] is for points in memory whose computations end together. [`Engine::sweep`] is for points
+//! that may fail one by one or take long, in runs that may be interrupted and resumed. Results are
+//! in the order of the grid, for any order of the work, and the same for any number of threads,
+//! shards and processes. A study gives points, a function from a point to its value, and what its
+//! values depend on besides; the engine does the rest.
 
 mod engine;
 #[cfg(feature = "mpi")]
@@ -60,6 +60,14 @@ const PIECE: usize = 1 << 9;
 const PIECES: usize = 1 << 6;
 /// Bytes of rows at which those that were read so far are handed out.
 const TEXT: usize = 1 << 22;
+
+/// Callback that receives the share that is done, from 0 to 1, and words on what is being done.
+pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
+
+/// A callback for numbers of points, done and all, that tells a [`Progress`].
+pub(crate) fn counted(progress: Progress<'_>) -> impl Fn(u64, u64) + Sync {
+    move |done, total| progress(done as f64 / total as f64, &format!("{done} of {total} points"))
+}
 
 /// The result of a point: a value, or the reason why there is none.
 pub type Row<U> = std::result::Result<U, String>;
@@ -140,6 +148,44 @@ impl<U> Swept<U> {
     pub fn computed(&self) -> usize {
         self.rows.len() - self.resumed - self.missing
     }
+
+    /// The values, each with its point, of a grid whose points do not fail; those that were
+    /// computed before the process was asked to end.
+    ///
+    /// # Errors
+    /// The first failed point, called as `name` says; the process was asked to end before any point
+    /// was computed.
+    pub fn values<T>(self, points: &[T], name: impl Fn(&T) -> String) -> Result<Vec<(&T, U)>> {
+        let mut values = Vec::with_capacity(points.len());
+        for (point, row) in points.iter().zip(self.rows) {
+            match row {
+                Ok(value) => values.push((point, value)),
+                Err(_) if self.missing > 0 => {}
+                Err(why) => return Err(Error::Point { point: name(point), why }),
+            }
+        }
+        if values.is_empty() && self.missing > 0 {
+            return Err(Error::Stopped { kept: "no point was computed".to_owned() });
+        }
+        Ok(values)
+    }
+
+    /// As [`values`](Self::values), without points.
+    ///
+    /// # Errors
+    /// As [`values`](Self::values); the process was asked to end before all points were computed.
+    pub fn all<T>(self, points: &[T], name: impl Fn(&T) -> String) -> Result<Vec<U>> {
+        if self.missing > 0 {
+            return Err(self.stopped());
+        }
+        Ok(self.values(points, name)?.into_iter().map(|(_, value)| value).collect())
+    }
+
+    /// The error of a study that needs the missing rows.
+    pub fn stopped(&self) -> Error {
+        let (all, done) = (self.rows.len(), self.rows.len() - self.missing);
+        Error::Stopped { kept: format!("{done} of {all} points are computed; those in --out are kept") }
+    }
 }
 
 /// A row as it is stored and sent.
@@ -148,43 +194,6 @@ impl<U> Swept<U> {
 enum Kept<U> {
     Value(U),
     Failure(String),
-}
-
-/// Computes the points of a grid that are not in the store, keeps each row as soon as it is there,
-/// and returns the rows in the order of the grid.
-///
-/// A point whose work fails or panics gives a failed row with the reason. A failed row is kept like
-/// any other, unless the process was asked to end. A point whose line is removed from the store is
-/// computed again. Values pass through JSON, with or without a store, so that resumed and new rows
-/// are the same; they hold finite numbers only.
-///
-/// ```
-/// use hertzchain::sweep::{Threads, sweep};
-/// let halves = sweep(&[1.0, 4.0, 9.0], None, &Threads, &|_, _| (), |x: &f64| Ok(x.sqrt()))?;
-/// assert_eq!(halves.rows, [Ok(1.0), Ok(2.0), Ok(3.0)]);
-/// # Ok::<(), hertzchain::Error>(())
-/// ```
-///
-/// # Errors
-/// A point that is in the grid twice; a store that cannot be written, or whose lines do not hold
-/// such values; a row that the backend changed or left out.
-pub fn sweep<T, U>(
-    points: &[T],
-    store: Option<&mut Store>,
-    backend: &dyn Backend,
-    progress: &(dyn Fn(u64, u64) + Sync),
-    work: impl Fn(&T) -> Result<U> + Sync,
-) -> Result<Swept<U>>
-where
-    T: Serialize + Sync,
-    U: Serialize + DeserializeOwned + Send,
-{
-    let grid = Points { count: points.len(), point: &|k| &points[k] };
-    let rows = Rows::find::<_, U>(&grid, store)?;
-    let todo = rows.missing(|_| true);
-    let resumed = points.len() - todo.len();
-    let rows = compute(&grid, rows, &todo, resumed, backend, progress, &|point| work(point))?;
-    collected(rows, resumed)
 }
 
 /// Reads all rows into memory, in the order of the grid.

@@ -43,7 +43,7 @@ pub struct TravellingWave {
 }
 
 /// The numbers of a wave except for its size.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Shape {
     /// Wave number, radians per site.
     pub q: f64,

@@ -6,6 +6,7 @@ use hertzchain::{
     dps::Center,
     orbits::{Orbit, Shooting},
     study::{Barrier, BarrierPoint, Invariants},
+    sweep::Engine,
     waves::{Given, MeanStrain, Search, WaveNumber, WaveSetting},
 };
 
@@ -33,7 +34,7 @@ fn energy_action_and_length_of_a_family_belong_together() {
 fn barrier(sites: usize, ends: [f64; 2]) -> Vec<BarrierPoint> {
     let mut options = Barrier::of(1.0 / 3.0, ends, 2);
     options.ring.sites = sites;
-    options.study(&|_, _| {}).unwrap().points
+    options.study(&Engine::threads(), &|_, _| {}).unwrap().points
 }
 
 // Truth: another ring.
@@ -96,7 +97,7 @@ fn refusals_of_the_barrier_name_value_and_rule() {
         ([2.01, 2.1], 1, "frequencies = 1 is not valid: at least 2"),
         ([2.01, f64::NAN], 3, "is not valid"),
     ] {
-        let text = Barrier::of(1.0 / 3.0, ends, points).study(&|_, _| {}).unwrap_err().to_string();
+        let text = Barrier::of(1.0 / 3.0, ends, points).study(&Engine::threads(), &|_, _| {}).unwrap_err().to_string();
         assert!(text.contains(message), "{message}: {text}");
     }
 }

@@ -18,7 +18,7 @@ fn weak_waves_have_the_wave_number_of_the_linear_chain() {
     for omega in [2.006_f64, 2.02] {
         let square = omega * omega;
         let want = (1.0 - (square + rho * square / (1.0 - rho * square)) / (2.0 * k)).acos();
-        let wave = study.wave(omega).unwrap();
+        let (wave, _) = study.wave(omega).unwrap();
         println!("{omega}: {} {want}, {:e}, spread {:e}", wave.q, wave.q / want - 1.0, wave.spread);
         assert!((wave.q / want - 1.0).abs() < 1e-3, "{} {want}", wave.q);
         assert!(!wave.opens && (wave.mean_strain + 0.05).abs() < 1e-5);
@@ -31,7 +31,7 @@ fn the_first_order_wave_errs_by_the_square_root_of_its_size() {
     // Overlaps and amplitudes to a quarter, detunings to half: theory errs by epsilon^(alpha - 1).
     let excess = |size: f64| {
         let options = BoundaryWave { drive: 0.05 * size, overlap: 0.05 * size, ..BoundaryWave::default() };
-        let wave = options.wave(2.0 + 0.008 * size.sqrt()).unwrap();
+        let (wave, _) = options.wave(2.0 + 0.008 * size.sqrt()).unwrap();
         println!("{size}: q = {}, {:e}, spread {}", wave.q, excess(&wave), wave.spread);
         excess(&wave)
     };

@@ -513,7 +513,7 @@ fn ends_in_phase_make_a_dark_breather_of_an_even_chain() {
     // in antiphase it has none.
     for (kind, kinked) in [(Ends::InPhase, true), (Ends::Antiphase, false)] {
         let (_, orbit) = ends(10, kind, 0.12);
-        let point = EndDrivenPoint::measured(DrivenPoint::new(orbit, &DrivenShooting::default()).unwrap()).unwrap();
+        let point = EndDrivenPoint::measured(&DrivenPoint::new(orbit, &DrivenShooting::default()).unwrap()).unwrap();
         assert_eq!(point.kinked(), kinked, "{kind:?}: {} {}", point.cosine, point.centre);
         assert!((point.cosine.abs() - 1.0).abs() < 1e-6, "{kind:?}: {}", point.cosine);
     }

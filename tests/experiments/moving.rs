@@ -10,6 +10,7 @@ use hertzchain::{
     },
     orbits::Kind,
     study::{Barrier, Moving},
+    sweep::Engine,
 };
 use nalgebra::DMatrix;
 use std::sync::OnceLock;
@@ -148,7 +149,7 @@ fn the_tail_is_the_modulation_of_the_background_that_has_the_velocity_of_the_kin
 fn energies_of_a_kink_at_rest_are_those_of_the_barrier() {
     let mut barrier = Barrier::of(1.0 / 3.0, [2.05, 2.06], 2);
     barrier.ring.sites = 15;
-    let study = barrier.study(&|_, _| {}).unwrap();
+    let study = barrier.study(&Engine::threads(), &|_, _| {}).unwrap();
     // About a site: the kinetic energy is then even about a quarter of a period as well.
     let kink = &study.points[0].kinks[0];
     let z = kink.orbit.start();

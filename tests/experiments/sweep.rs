@@ -4,7 +4,7 @@
 use hertzchain::{
     Error, Result,
     output::Folder,
-    sweep::{Backend, Engine, Grid, Store, Swept, Threads, map, sweep},
+    sweep::{Backend, Engine, Grid, Progress, Store, Swept, Threads, map},
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -63,15 +63,17 @@ fn open(folder: &Path) -> Result<Store> {
 }
 
 /// The rows of the grid through a store in the folder, and the number of points computed.
-fn stored(folder: &Path, points: &[Point], backend: &dyn Backend) -> Result<(Swept<Root>, usize)> {
+fn stored(folder: &Path, points: &[Point], backend: impl Backend + 'static) -> Result<(Swept<Root>, usize)> {
     let computed = AtomicUsize::new(0);
-    let mut store = open(folder)?;
-    let swept = sweep(points, Some(&mut store), backend, &|_, _| (), |point| {
+    let engine = Engine::new(Box::new(backend)).keeping(&Folder::create(folder).unwrap());
+    let swept = engine.sweep(&roots(), points, SILENT, |point| {
         computed.fetch_add(1, Ordering::Relaxed);
         root(point)
     })?;
     Ok((swept, computed.into_inner()))
 }
+
+const SILENT: Progress<'_> = &|_, _| ();
 
 fn bytes(folder: &Path) -> Vec<u8> {
     fs::read(folder.join("roots.store")).unwrap()
@@ -85,13 +87,14 @@ fn refusal(folder: &Path) -> String {
 fn rows_are_in_the_order_of_the_grid_whoever_works_in_whatever_order() {
     let points = grid(40);
     let expected: Vec<_> = points.iter().map(|point| Ok(root(point).unwrap())).collect();
-    for backend in [&Threads as &dyn Backend, &Backwards(ALL)] {
-        let swept = sweep(&points, None, backend, &|_, _| (), root).unwrap();
+    for backend in [Box::new(Threads) as Box<dyn Backend>, Box::new(Backwards(ALL))] {
+        let swept = Engine::new(backend).sweep(&roots(), &points, SILENT, root).unwrap();
         assert_eq!(swept.rows, expected);
         assert_eq!((swept.resumed, swept.computed()), (0, 40));
     }
     assert_eq!(map(&points, |point| Ok(root(point).unwrap())), expected);
-    let incomplete = sweep(&points, None, &Backwards(7), &|_, _| (), root).unwrap_err().to_string();
+    let incomplete = Engine::new(Box::new(Backwards(7))).sweep(&roots(), &points, SILENT, root);
+    let incomplete = incomplete.unwrap_err().to_string();
     assert!(incomplete.contains("a backend computes every point"), "{incomplete}");
 }
 
@@ -107,8 +110,7 @@ fn a_point_that_fails_or_panics_is_a_failed_row_and_the_others_go_on() {
     };
     let folder = tempfile::tempdir().unwrap();
     for resumed in [0, 5] {
-        let mut store = open(folder.path()).unwrap();
-        let swept = sweep(&points, Some(&mut store), &Threads, &|_, _| (), work).unwrap();
+        let swept = engine(folder.path()).sweep(&roots(), &points, SILENT, work).unwrap();
         assert_eq!(swept.resumed, resumed);
         let why = |k: usize| swept.rows[k].as_ref().unwrap_err().as_str();
         assert!(why(1).starts_with("x = 0.1 is not valid"), "{}", why(1));
@@ -121,25 +123,26 @@ fn a_point_that_fails_or_panics_is_a_failed_row_and_the_others_go_on() {
 #[test]
 fn progress_begins_with_what_is_there_and_ends_with_all() {
     let folder = tempfile::tempdir().unwrap();
-    stored(folder.path(), &grid(4), &Threads).unwrap();
+    stored(folder.path(), &grid(4), Threads).unwrap();
     let told = std::sync::Mutex::new(Vec::new());
-    let mut store = open(folder.path()).unwrap();
-    let tell = |done, total| told.lock().unwrap().push((done, total));
-    sweep(&grid(6), Some(&mut store), &Backwards(ALL), &tell, root).unwrap();
-    assert_eq!(told.into_inner().unwrap(), [(4, 6), (5, 6), (6, 6)]);
+    let tell = |share: f64, words: &str| told.lock().unwrap().push((share, words.to_owned()));
+    let backwards = Engine::new(Box::new(Backwards(ALL))).keeping(&Folder::create(folder.path()).unwrap());
+    backwards.sweep(&roots(), &grid(6), &tell, root).unwrap();
+    let expected = [4, 5, 6].map(|done| (f64::from(done) / 6.0, format!("{done} of 6 points")));
+    assert_eq!(told.into_inner().unwrap(), expected);
 }
 
 #[test]
 fn a_store_cut_off_anywhere_loses_the_torn_line_only_and_ends_with_the_same_bytes() {
     let (folder, points) = (tempfile::tempdir().unwrap(), grid(2));
-    let (whole, computed) = stored(folder.path(), &points, &Threads).unwrap();
+    let (whole, computed) = stored(folder.path(), &points, Threads).unwrap();
     let written = bytes(folder.path());
     assert_eq!(computed, 2);
     // A kill at any moment, also while the header is written.
     for length in 0..=written.len() {
         fs::write(folder.path().join("roots.store"), &written[..length]).unwrap();
         let lines = written[..length].iter().filter(|&&byte| byte == b'\n').count();
-        let (swept, computed) = stored(folder.path(), &points, &Backwards(ALL)).unwrap();
+        let (swept, computed) = stored(folder.path(), &points, Backwards(ALL)).unwrap();
         assert_eq!(swept.rows, whole.rows, "cut at {length}");
         assert_eq!((computed, swept.computed()), (2 - lines.saturating_sub(1), computed), "cut at {length}");
         assert!(bytes(folder.path()) == written, "cut at {length}");
@@ -150,15 +153,15 @@ fn a_store_cut_off_anywhere_loses_the_torn_line_only_and_ends_with_the_same_byte
 fn a_run_that_is_left_repeats_nothing_and_a_larger_grid_adds_its_own_points() {
     let (folder, other) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     for taken in [2, 3] {
-        assert!(stored(folder.path(), &grid(9), &Backwards(taken)).is_err(), "the backend left");
+        assert!(stored(folder.path(), &grid(9), Backwards(taken)).is_err(), "the backend left");
     }
-    let (swept, computed) = stored(folder.path(), &grid(9), &Threads).unwrap();
+    let (swept, computed) = stored(folder.path(), &grid(9), Threads).unwrap();
     assert_eq!((swept.resumed, computed), (5, 4));
-    assert_eq!(stored(other.path(), &grid(9), &Threads).unwrap().0.rows, swept.rows);
+    assert_eq!(stored(other.path(), &grid(9), Threads).unwrap().0.rows, swept.rows);
     assert_eq!(bytes(folder.path()), bytes(other.path()));
-    let (larger, computed) = stored(folder.path(), &grid(12), &Threads).unwrap();
+    let (larger, computed) = stored(folder.path(), &grid(12), Threads).unwrap();
     assert_eq!((larger.resumed, computed), (9, 3));
-    let (smaller, computed) = stored(folder.path(), &grid(2), &Threads).unwrap();
+    let (smaller, computed) = stored(folder.path(), &grid(2), Threads).unwrap();
     assert_eq!((smaller.resumed, computed, open(folder.path()).unwrap().len()), (2, 0, 12));
 }
 
@@ -166,7 +169,7 @@ fn a_run_that_is_left_repeats_nothing_and_a_larger_grid_adds_its_own_points() {
 fn any_byte_of_a_store_that_is_not_as_it_was_written_is_refused_with_its_line_and_left_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("roots.store");
-    stored(folder.path(), &grid(3), &Threads).unwrap();
+    stored(folder.path(), &grid(3), Threads).unwrap();
     let written = bytes(folder.path());
     // The last byte ends the last line; without it the line is incomplete.
     for (k, flip) in (0..written.len() - 1).flat_map(|k| [1, 0x20, 0x80].map(|flip| (k, flip))) {
@@ -184,13 +187,11 @@ fn any_byte_of_a_store_that_is_not_as_it_was_written_is_refused_with_its_line_an
 fn a_second_sweep_with_the_same_store_goes_into_the_same_file() {
     // The first sweep is computed backwards, so that the file is written anew at its end.
     let folder = tempfile::tempdir().unwrap();
-    let mut store = open(folder.path()).unwrap();
     for points in [3, 6] {
-        sweep(&grid(points), Some(&mut store), &Backwards(ALL), &|_, _| (), root).unwrap();
+        stored(folder.path(), &grid(points), Backwards(ALL)).unwrap();
     }
-    drop(store);
     let whole = tempfile::tempdir().unwrap();
-    stored(whole.path(), &grid(6), &Threads).unwrap();
+    stored(whole.path(), &grid(6), Threads).unwrap();
     assert_eq!(bytes(folder.path()), bytes(whole.path()));
 }
 
@@ -198,7 +199,7 @@ fn a_second_sweep_with_the_same_store_goes_into_the_same_file() {
 fn stores_of_others_are_refused_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("roots.store");
-    stored(folder.path(), &grid(3), &Threads).unwrap();
+    stored(folder.path(), &grid(3), Threads).unwrap();
     let written = bytes(folder.path());
     let home = Folder::create(folder.path()).unwrap();
     let with =
@@ -211,9 +212,7 @@ fn stores_of_others_are_refused_with_the_reason() {
 
     // A line of another study among ours, and a line of ours twice.
     let (other, lines) = (tempfile::tempdir().unwrap(), |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap());
-    let mut foreign =
-        Store::open(&Folder::create(other.path()).unwrap(), "roots.store", "powers", &settings()).unwrap();
-    sweep(&grid(4), Some(&mut foreign), &Threads, &|_, _| (), root).unwrap();
+    engine(other.path()).sweep(&Grid { study: "powers", ..roots() }, &grid(4), SILENT, root).unwrap();
     let stranger = lines(&bytes(other.path())).lines().last().unwrap().to_owned() + "\n";
     fs::write(&path, lines(&written) + &stranger).unwrap();
     assert!(refusal(folder.path()).contains("line 5: not as it was written"));
@@ -238,16 +237,14 @@ fn stores_of_others_are_refused_with_the_reason() {
 #[test]
 fn rows_of_another_shape_are_refused_with_their_line() {
     let folder = tempfile::tempdir().unwrap();
-    let mut store = open(folder.path()).unwrap();
-    sweep(&grid(3), Some(&mut store), &Threads, &|_, _| (), |point| Ok(point.k)).unwrap();
-    let error = sweep(&grid(3), Some(&mut store), &Threads, &|_, _| (), root).unwrap_err().to_string();
+    engine(folder.path()).sweep(&roots(), &grid(3), SILENT, |point| Ok(point.k)).unwrap();
+    let error = stored(folder.path(), &grid(3), Threads).unwrap_err().to_string();
     assert!(error.contains("roots.store, line 2: no value of this study"), "{error}");
     // The first row is a value of this study, the second one is not.
     let folder = tempfile::tempdir().unwrap();
-    let mut store = open(folder.path()).unwrap();
     let mixed = |point: &Point| Ok(if point.k == 1 { json!(1.0) } else { json!(root(point)?) });
-    sweep(&grid(3), Some(&mut store), &Threads, &|_, _| (), mixed).unwrap();
-    let error = sweep(&grid(3), Some(&mut store), &Threads, &|_, _| (), root).unwrap_err().to_string();
+    engine(folder.path()).sweep(&roots(), &grid(3), SILENT, mixed).unwrap();
+    let error = stored(folder.path(), &grid(3), Threads).unwrap_err().to_string();
     assert!(error.contains("roots.store, line 3: no value of this study"), "{error}");
 }
 
@@ -256,13 +253,13 @@ fn rows_of_another_shape_are_refused_with_their_line() {
 #[test]
 fn a_store_of_several_blocks_is_resumed_repaired_and_refused_by_line() {
     let (folder, points) = (tempfile::tempdir().unwrap(), grid(150_000));
-    let (whole, _) = stored(folder.path(), &points, &Backwards(ALL)).unwrap();
+    let (whole, _) = stored(folder.path(), &points, Backwards(ALL)).unwrap();
     let (path, written) = (folder.path().join("roots.store"), bytes(folder.path()));
     assert!(written.len() > (1 << 23) + (1 << 20), "{}", written.len());
-    let (swept, computed) = stored(folder.path(), &points, &Threads).unwrap();
+    let (swept, computed) = stored(folder.path(), &points, Threads).unwrap();
     assert!(swept.rows == whole.rows && computed == 0 && bytes(folder.path()) == written);
     fs::write(&path, &written[..written.len() - 7]).unwrap();
-    let (swept, computed) = stored(folder.path(), &points, &Threads).unwrap();
+    let (swept, computed) = stored(folder.path(), &points, Threads).unwrap();
     assert!(swept.rows == whole.rows && computed == 1 && bytes(folder.path()) == written);
     for k in [written.len() / 3, (1 << 23) + 1, written.len() - 9] {
         let mut altered = written.clone();
@@ -281,7 +278,7 @@ fn a_store_belongs_to_one_run_at_a_time_and_a_grid_has_every_point_once() {
     drop(first);
     assert!(open(folder.path()).is_ok());
     let twice = [grid(2), grid(1)].concat();
-    let error = stored(folder.path(), &twice, &Threads).unwrap_err().to_string();
+    let error = stored(folder.path(), &twice, Threads).unwrap_err().to_string();
     assert!(error.contains("has every point once") && error.contains("\"k\":0"), "{error}");
 }
 
@@ -296,12 +293,12 @@ fn engine(folder: &Path) -> Engine {
 /// Sweeps a shard of 40 points: how many of its points are kept and how many were computed.
 fn shard(folder: &Path, shard: &str) -> Result<(usize, usize)> {
     let engine = engine(folder).shard(shard.parse()?);
-    let ended = engine.sweep(&roots(), &grid(40), &|_, _| (), root).unwrap_err();
+    let ended = engine.sweep(&roots(), &grid(40), SILENT, root).unwrap_err();
     engine.part().map(|part| (part.kept, part.computed)).ok_or(ended)
 }
 
 fn merged(folder: &Path) -> Result<Swept<Root>> {
-    engine(folder).sweep(&roots(), &grid(40), &|_, _| (), root)
+    engine(folder).sweep(&roots(), &grid(40), SILENT, root)
 }
 
 // Truth: the store and the rows of one process.
@@ -385,7 +382,7 @@ fn shards_that_cannot_be_say_what_to_do() {
     let why = shard(folder.path(), "3/41").unwrap_err().to_string();
     assert!(why.contains("3/41 of a grid of 40 points") && why.contains("at most as many shards"), "{why}");
     let homeless = Engine::threads().shard("1/2".parse().unwrap());
-    let why = homeless.sweep(&roots(), &grid(4), &|_, _| (), root).unwrap_err().to_string();
+    let why = homeless.sweep(&roots(), &grid(4), SILENT, root).unwrap_err().to_string();
     assert!(why.contains("keeps its points in a folder"), "{why}");
 }
 
@@ -432,10 +429,9 @@ fn resumed(points: u32) {
     let (before, size) = (memory(), || fs::metadata(folder.path().join("roots.store")).unwrap().len());
     for round in ["computed", "resumed"] {
         let clock = Instant::now();
-        let mut store = open(folder.path()).unwrap();
-        let opened = clock.elapsed();
+        let opened = open(folder.path()).map(|_| clock.elapsed()).unwrap();
         println!("opened in {opened:?}, memory {:?} MB after {before:?} MB", memory());
-        let swept = sweep(&grid, Some(&mut store), &Threads, &|_, _| (), value).unwrap();
+        let swept = engine(folder.path()).sweep(&roots(), &grid, SILENT, value).unwrap();
         println!("{round} in {:?}, {} bytes, {:?} MB", clock.elapsed(), size(), memory());
         assert!(opened < Duration::from_secs(60));
         assert_eq!(swept.resumed, if round == "resumed" { grid.len() } else { 0 });

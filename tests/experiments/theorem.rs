@@ -14,7 +14,7 @@ fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 fn study(options: &TheoremOptions) -> TheoremStudy {
-    theorem(options, &Engine::threads(), &|_| {}).unwrap()
+    theorem(options, &Engine::threads(), &|_, _| {}).unwrap()
 }
 
 fn options(alpha: f64, initial: Initial, rho_law: RhoLaw, epsilons: &[f64]) -> TheoremOptions {
@@ -181,7 +181,7 @@ fn bounds_hold_for_departures_and_are_no_less_than_these() {
     assert_ne!(one.runs[0].suprema, other.runs[0].suprema);
     // One is the seed of those that name none; without a departure there is nothing to draw.
     assert_eq!(one.runs, study(&given(2.0, None)).runs);
-    let refused = theorem(&given(0.0, Some(2)), &Engine::threads(), &|_| ()).unwrap_err().to_string();
+    let refused = theorem(&given(0.0, Some(2)), &Engine::threads(), &|_, _| ()).unwrap_err().to_string();
     assert!(refused.starts_with("seed = 2 is not valid"), "{refused}");
 }
 
@@ -283,7 +283,7 @@ fn bad_input_is_refused_with_its_value_and_its_rule() {
         (TheoremOptions { sites: Some(1001), ..good() }, "sites = 1001"),
         (TheoremOptions { sampling, ..good() }, "points = 3"),
     ] {
-        let message = theorem(&wrong, &Engine::threads(), &|_| {}).unwrap_err().to_string();
+        let message = theorem(&wrong, &Engine::threads(), &|_, _| {}).unwrap_err().to_string();
         assert!(message.contains(named), "{message}");
     }
     // Sizes may be given in any order.

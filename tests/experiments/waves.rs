@@ -13,7 +13,7 @@ use hertzchain::{
     run::Records,
     run::method::{Method, Setting},
     scene::Scene,
-    study::{Adaptive, WaveOptions, WaveStudy, wave, wave_in},
+    study::{Adaptive, WaveOptions, WaveStudy, wave},
     sweep::Engine,
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
@@ -342,7 +342,7 @@ fn options(method: &str, tolerance: f64) -> WaveOptions {
 }
 
 fn study(scene: &Scene, options: &WaveOptions) -> WaveStudy {
-    wave(scene, options, &|_, _| {}).unwrap()
+    wave(scene, options, &Engine::threads(), &|_, _| {}).unwrap()
 }
 
 #[test]
@@ -409,15 +409,15 @@ fn an_ensemble_goes_on_with_the_seeds_that_are_kept() {
     // The first seed is that of the scene, whose whole run is looked at: it is run anew every time.
     let at_first = |seeds| {
         let told = Mutex::new(Vec::new());
-        let study = wave_in(&scene, &options(seeds), &engine, &|done, total| told.lock().unwrap().push((done, total)));
+        let study = wave(&scene, &options(seeds), &engine, &|share, _| told.lock().unwrap().push(share));
         (study.unwrap().ensemble.unwrap(), told.into_inner().unwrap())
     };
     let (first, _) = at_first(4);
     assert_eq!((first.members.len(), kept()), (4, 4));
     let (all, told) = at_first(7);
     assert_eq!((all.members.len(), all.missing, kept()), (7, 0, 7));
-    assert_eq!(told[..2], [(2, 8), (5, 8)], "three seeds were kept");
-    assert_eq!(told.last(), Some(&(8, 8)));
+    assert_eq!(told[..2], [0.25, 0.625], "2 and 5 of 8: three seeds were kept");
+    assert_eq!(told.last(), Some(&1.0));
     let whole = study(&scene, &options(7)).ensemble.unwrap();
     assert_eq!(
         (&all.members, &all.difference_x, &all.difference_y),
@@ -426,7 +426,7 @@ fn an_ensemble_goes_on_with_the_seeds_that_are_kept() {
     assert_eq!(first.members[..], whole.members[..4]);
     let solver = Adaptive { tol: 1e-7, ..Adaptive::default() };
     let other = WaveOptions { solver, ..options(7) };
-    let refused = wave_in(&scene, &other, &engine, &|_, _| {}).unwrap_err().to_string();
+    let refused = wave(&scene, &other, &engine, &|_, _| {}).unwrap_err().to_string();
     assert!(
         refused.contains("ensemble.store") && refused.contains("tolerance is 1e-6 there and 1e-7 here"),
         "{refused}"

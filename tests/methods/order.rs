@@ -4,6 +4,7 @@
 use hertzchain::{
     run::Method,
     study::{Mode, OrderOptions, OrderStudy, Quantity, order, theory},
+    sweep::Engine,
 };
 use std::sync::LazyLock;
 
@@ -12,7 +13,7 @@ fn options(alpha: f64, beads: usize, integrators: &[&str]) -> OrderOptions {
 }
 
 fn study(alpha: f64, integrators: &[&str]) -> OrderStudy {
-    order(&options(alpha, 6, integrators), &|_| ()).unwrap()
+    order(&options(alpha, 6, integrators), &Engine::threads(), &|_, _| ()).unwrap()
 }
 
 /// Spheres: the study of the README, without the compositions that say nothing new.
@@ -185,7 +186,7 @@ fn a_study_without_contacts_or_with_a_bad_option_is_refused() {
         (options(0.7, 6, &["corrected"]), "integrators = corrected is not valid"),
         (options(1.5, 6, &["verlte"]), "unknown integrator \"verlte\""),
     ] {
-        let message = order(&options, &|_| ()).unwrap_err().to_string();
+        let message = order(&options, &Engine::threads(), &|_, _| ()).unwrap_err().to_string();
         assert!(message.starts_with(rule), "{message}");
     }
     assert_eq!(study(1.5, &["verlet"]).rows.len(), 2);

@@ -5,6 +5,7 @@ use hertzchain::{
     chain::{Params, Site},
     dps::{Constraint, Dps, Ends, Form, Layout},
     study::{StabilityOptions, StabilityStudy, stability},
+    sweep::Engine,
     waves::{Mode, Modulation, Shape, Size, TravellingWave, Verdict},
 };
 use hertzchain_integrators::{Dop853, Silent, VectorField, dop853::Options, drive};
@@ -269,7 +270,7 @@ fn measured(rho: f64, q_over_pi: f64, epsilons: &[f64], sites: usize, modes: usi
     let shape = shape(q_over_pi * PI, 1.0, 1.0);
     let options =
         StabilityOptions { params, shape, epsilons: epsilons.to_vec(), sites, modes: Some(modes), chart: false };
-    stability(&options, &|_, _| ()).unwrap()
+    stability(&options, &Engine::threads(), &|_, _| ()).unwrap()
 }
 
 /// Largest difference between measured and theoretical growth at one size, over the fastest growth.

@@ -17,7 +17,7 @@ use hertzchain_integrators::{
     dop853::Options,
     splitting::{self, Corrected, First, Landed, tables},
 };
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 mod tolerance;
 
@@ -143,6 +143,13 @@ pub const NO_TOLERANCE: &str = "a method with equal steps takes --step or --step
 /// Rule in the error for parts asked of a method that cannot run in parts.
 const NOT_DIVISIBLE: &str = "only splitting schemes and collocation run in parts, as --integrator strang-linear: \
                                  leave --threads and ranks out, or take one";
+
+/// As its name.
+impl Serialize for Method {
+    fn serialize<S: Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
+        to.serialize_str(&self.name())
+    }
+}
 
 impl Method {
     /// Contact-corrected splitting on the exact linear flow.

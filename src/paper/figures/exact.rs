@@ -9,6 +9,7 @@ use crate::{
         Barrier, BarrierStudy, BranchWave, ContinueWave, ExactStudy, File, Moving, MovingStudy, Progress, Solitary,
         SolitaryStudy, Wanted, WaveBranchStudy, exact_study, fit_line,
     },
+    sweep::Engine,
     waves::{Given, MeanStrain, Search, Shape, Size, TravellingWave, WaveNumber, WaveParameter, WaveSetting},
 };
 /// Sites of the ring for waves of decreasing size, `q = pi/5`.
@@ -116,11 +117,13 @@ impl ExactRecipe {
                 let both = rhos.iter().flat_map(|&rho| epsilons.iter().map(move |&epsilon| (rho, epsilon)));
                 both.map(|(rho, epsilon)| limit_wave(rho, epsilon)).collect::<Result<_>>().map(ExactData::Limits)
             }
-            Self::Solitary => Ok(ExactData::Solitary(Box::new(Solitary::default().study()?))),
-            Self::Barrier { runs } => {
-                each(runs, progress, |&(rho, ends, points), tell| Barrier::of(rho, ends, points).study(tell))
-                    .map(ExactData::Barrier)
+            Self::Solitary => {
+                Ok(ExactData::Solitary(Box::new(Solitary::default().study(&Engine::threads(), &|_, _| ())?)))
             }
+            Self::Barrier { runs } => each(runs, progress, |&(rho, ends, points), tell| {
+                Barrier::of(rho, ends, points).study(&Engine::threads(), tell)
+            })
+            .map(ExactData::Barrier),
             Self::Moving { runs } => {
                 let of = |&(omega_b, turns, until): &(&[f64], &[u32], f64), tell: Progress<'_>| {
                     let (omega_b, turns) = (omega_b.to_vec(), turns.to_vec());

@@ -27,7 +27,7 @@ const LIGHT: &str = "ρ = ε^(−(α−1))";
 /// Suprema of Theorem 1: for each exponent, a study for each law of the mass ratio.
 pub(super) fn bounds(cases: &[(f64, &[f64])], progress: &(dyn Fn(f64) + Sync)) -> Result<Vec<[TheoremStudy; 2]>> {
     let study = |k: usize, alpha: f64, epsilons: &[f64], rho_law: RhoLaw| {
-        let tell = |share: f64| progress((k as f64 + share) / (LAWS.len() * cases.len()) as f64);
+        let tell = |share: f64, _: &str| progress((k as f64 + share) / (LAWS.len() * cases.len()) as f64);
         theorem(
             &TheoremOptions { alpha, rho_law, epsilons: epsilons.to_vec(), ..Default::default() },
             &Engine::threads(),
@@ -80,7 +80,7 @@ pub(super) fn lifetime_map(
         until: Some(until),
         solver: Adaptive { method: Method::named(INTEGRATOR)?, tol: LIFETIME_TOLERANCE },
     };
-    lifetimes(&options, &Engine::threads(), &|done, total| progress(done as f64 / total as f64))
+    lifetimes(&options, &Engine::threads(), &|share, _| progress(share))
 }
 
 pub(super) fn version() -> &'static str {

@@ -7,7 +7,8 @@ use crate::{
     number::{of_pi, written},
     run::method::Method,
     scene::Scene,
-    study::{Adaptive, StabilityOptions, StabilityStudy, WaveOptions, WaveStudy, shown, stability, wave},
+    study::{Adaptive, Progress, StabilityOptions, StabilityStudy, WaveOptions, WaveStudy, shown, stability, wave},
+    sweep::Engine,
     waves::Shape,
 };
 use std::f64::consts::PI;
@@ -64,14 +65,14 @@ pub enum WavePanel {
 }
 
 impl WaveRun {
-    fn study(&self, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<WaveStudy> {
+    fn study(&self, progress: Progress<'_>) -> Result<WaveStudy> {
         let scene = Scene::load(self.scene)?.perturbed(self.zeta, None)?;
         let options = WaveOptions {
             solver: Adaptive { method: Method::named(INTEGRATOR)?, tol: TOLERANCE },
             samples_per_period: SAMPLES_PER_PERIOD,
             seeds: (self.zeta > 0.0).then_some(SEEDS),
         };
-        wave(&scene, &options, progress)
+        wave(&scene, &options, &Engine::threads(), progress)
     }
 }
 
@@ -80,7 +81,7 @@ pub(super) fn studies(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Vec<(&'static WaveRun, WaveStudy)>> {
     let study = |(k, run): (usize, &'static WaveRun)| {
-        let tell = |done, total| progress((k as f64 + done as f64 / total as f64) / runs.len() as f64);
+        let tell = |share: f64, _: &str| progress((k as f64 + share) / runs.len() as f64);
         Ok((run, run.study(&tell)?))
     };
     runs.iter().enumerate().map(study).collect()
@@ -96,7 +97,7 @@ pub(super) fn growth(rho: f64, epsilons: &[f64], progress: &(dyn Fn(f64) + Sync)
         modes: Some(12),
         chart: true,
     };
-    stability(&options, &|share, _| progress(share))
+    stability(&options, &Engine::threads(), &|share, _| progress(share))
 }
 
 /// A number to six decimals, without zeros at the end.

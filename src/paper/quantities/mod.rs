@@ -21,7 +21,7 @@ use crate::{
     interrupt,
     scene::{Initial, Scene},
     study::{Adaptive, WaveOptions, WaveStudy, wave},
-    sweep::{Engine, Grid, map},
+    sweep::{Engine, Grid, Progress, map},
 };
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -54,15 +54,9 @@ impl Run {
         }
         let scene = Scene::build(file)?.perturbed(self.zeta, None)?;
         let seeds = (self.zeta > 0.0).then_some(SEEDS);
-        wave(
-            &scene,
-            &WaveOptions {
-                solver: Adaptive { tol: TOLERANCE, ..Adaptive::default() },
-                seeds,
-                ..WaveOptions::default()
-            },
-            &|_, _| {},
-        )
+        let solver = Adaptive { tol: TOLERANCE, ..Adaptive::default() };
+        let options = WaveOptions { solver, seeds, ..WaveOptions::default() };
+        wave(&scene, &options, &Engine::threads(), &|_, _| {})
     }
 }
 
@@ -163,30 +157,19 @@ impl Point {
 
 /// The quantities of a section, or of all sections, in the order of the claims.
 ///
-/// `progress` is called with the finished and the total number of points.
+/// `progress` is told the share done.
 ///
 /// # Errors
 /// A run that fails, after all other points were computed; errors of the store.
-pub(super) fn quantities(
-    section: Option<u32>,
-    engine: &Engine,
-    progress: &(dyn Fn(u64, u64) + Sync),
-) -> Result<Vec<(String, f64)>> {
+pub(super) fn quantities(section: Option<u32>, engine: &Engine, progress: Progress<'_>) -> Result<Vec<(String, f64)>> {
     let chosen = SECTIONS.iter().filter(|(number, _)| section.is_none_or(|section| section == *number));
     let points: Vec<Point> = chosen.flat_map(Point::of).collect();
     let grid = Grid { store: STORE, study: "verify", settings: json!({}) };
     let swept = engine.sweep(&grid, &points, progress, Point::quantities)?;
-    if swept.missing > 0 {
-        let (made, all) = (points.len() - swept.missing, points.len());
-        let kept = format!("{made} of {all} groups of numbers are kept; the same command goes on");
-        return Err(Error::Stopped {
-            kept: engine.folder().map_or_else(|| "no numbers are kept".to_owned(), |_| kept),
-        });
-    }
+    let rows = swept.all(&points, |Point { section, groups }| format!("section {section}, groups {groups:?}"))?;
     let mut made: Vec<((u32, usize), Vec<Kept>)> = Vec::new();
-    for (Point { section, groups }, row) in points.iter().zip(swept.rows) {
-        let failed = |why| Error::Point { point: format!("section {section}, groups {groups:?}"), why };
-        made.extend(groups.iter().map(|&number| (*section, number)).zip(row.map_err(failed)?));
+    for (Point { section, groups }, row) in points.iter().zip(rows) {
+        made.extend(groups.iter().map(|&number| (*section, number)).zip(row));
     }
     made.sort_unstable_by_key(|(place, _)| *place);
     let quantity = |Kept { id, bits }: Kept| (id, f64::from_bits(bits));

@@ -213,7 +213,7 @@ fn heavy_limit(params: Params) -> Result<f64> {
 fn decade(rho_law: RhoLaw) -> Result<[f64; 3]> {
     let (initial, epsilons) = (Initial::Generic, vec![1e-4, 1e-5]);
     let options = TheoremOptions { horizon: 2.0, rho_law, initial, epsilons, ..TheoremOptions::default() };
-    let study = study::theorem(&options, &Engine::threads(), &|_| {})?;
+    let study = study::theorem(&options, &Engine::threads(), &|_, _| {})?;
     let [coarse, fine] = [0, 1].map(|k| study.scaled(&study.runs[k], Norm::Infinity).0);
     Ok([0, 1, 2].map(|k| fine[k] / coarse[k]))
 }

@@ -280,7 +280,7 @@ fn theorem(_: &Runs) -> Result<Vec<Quantity>> {
     let decade = |initial: Initial| -> Result<[f64; 3]> {
         let epsilons = vec![1e-4, 1e-5];
         let options = TheoremOptions { horizon: 2.0, initial, epsilons, ..TheoremOptions::default() };
-        let study = study::theorem(&options, &Engine::threads(), &|_| {})?;
+        let study = study::theorem(&options, &Engine::threads(), &|_, _| {})?;
         let [coarse, fine] = [0, 1].map(|k| study.scaled(&study.runs[k], Norm::One).0);
         Ok([0, 1, 2].map(|k| fine[k] / coarse[k]))
     };

@@ -9,6 +9,7 @@ use crate::{
     orbits::{Kantorovich, Shooting},
     paper::figures::limit_wave,
     study::{Barrier, BarrierPoint, Wanted},
+    sweep::Engine,
 };
 
 pub(super) const GROUPS: &[Group] =
@@ -51,7 +52,7 @@ fn existence(_: &Runs) -> Result<Vec<Quantity>> {
 
 /// The barrier between dark breathers at `rho = 1/3`.
 fn barrier(_: &Runs) -> Result<Vec<Quantity>> {
-    let study = Barrier::of(1.0 / 3.0, [2.01, 2.1], 10).study(&|_, _| {})?;
+    let study = Barrier::of(1.0 / 3.0, [2.01, 2.1], 10).study(&Engine::threads(), &|_, _| {})?;
     let share = |point: &BarrierPoint| point.barrier() / point.kinks[0].kink_energy.abs();
     let least = study.points.iter().map(share).fold(f64::INFINITY, f64::min);
     let site = study.points.iter().map(|point| point.kinks[0].real).fold(0.0, f64::max);

@@ -114,7 +114,7 @@ impl Study for Bright {
         let scene = self.scene()?;
         Ok(Box::new(move |_, progress| {
             let mut tell = |share| progress(share, "");
-            Ok(Box::new(bright_breather(&scene, &self.solver, self.samples_per_period, &mut tell)?.report()))
+            Ok(bright_breather(&scene, &self.solver, self.samples_per_period, &mut tell)?.report())
         }))
     }
 }
@@ -210,7 +210,7 @@ impl Study for Trivial {
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.scene()?;
         Ok(Box::new(move |_, progress| {
-            Ok(Box::new(trivial_breather(&scene, &self.solver, &mut |share| progress(share, ""))?.report()))
+            Ok(trivial_breather(&scene, &self.solver, &mut |share| progress(share, ""))?.report())
         }))
     }
 }

@@ -32,7 +32,7 @@ pub use measure::{BOUNDS, Limit, Measured, Trial, Verdict};
 pub use problem::{Problem, Variant};
 pub use resonances::{Resonance, kick_sum, resonance};
 
-use super::{Changes, Study, Work, methods, options::options, scene};
+use super::{Changes, Progress, Study, Work, methods, options::options, scene};
 use crate::{
     error::{Error, Result},
     report::Report,
@@ -46,8 +46,6 @@ use std::time::{Duration, Instant};
 
 /// Length of runs in contact periods.
 const PERIODS: f64 = 10.0;
-/// Name of the store in the folder of results.
-const STORE: &str = "stability.store";
 /// Most sites on which methods that stop the whole chain at every event are tried.
 const STOPPING_SITES: usize = 1000;
 /// Sites times contact periods of the runs on long chains.
@@ -206,10 +204,8 @@ impl ChartOptions {
 }
 
 impl Study for Charts {
-    const FILES: &'static str = "A chart has pictures of its own, CHART.png. stability.store keeps every point as soon as it was measured; the same \
-                                 command resumes from it.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
+    const FILES: &'static str = "A chart has pictures of its own, CHART.png.";
+    const STORE: &'static str = "stability.store";
 
     fn optional_files() -> Vec<String> {
         let of_chart =
@@ -245,10 +241,7 @@ impl Study for Charts {
         };
         let options = &self.options;
         options.methods()?;
-        Ok(Box::new(move |engine, progress| {
-            let tell = |done, total| progress(done as f64 / total as f64, "");
-            Ok(Box::new(charts(&problem, options, engine, &tell)?.report()))
-        }))
+        Ok(Box::new(move |engine, progress| Ok(charts(&problem, options, engine, progress)?.report())))
     }
 }
 
@@ -331,20 +324,18 @@ impl ChartStudy {
 /// A point that is to be measured.
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Place<'a> {
+enum Place {
     Chart {
         chart: Chart,
         variant: Variant,
-        integrator: &'a str,
-        #[serde(skip)]
+        #[serde(rename = "integrator")]
         method: Method,
     },
     Resonance {
-        integrator: &'a str,
+        #[serde(rename = "integrator")]
+        method: Method,
         k: u32,
         amplitude: f64,
-        #[serde(skip)]
-        method: Method,
     },
 }
 
@@ -357,21 +348,19 @@ enum Value {
 }
 
 /// The points of all charts.
-fn places<'a>(options: &ChartOptions, methods: &[Method], names: &'a [String]) -> Vec<Place<'a>> {
-    let methods_named = || methods.iter().copied().zip(names);
+fn places(options: &ChartOptions, methods: &[Method]) -> Vec<Place> {
     let charted = options.charts();
     let variants = charted.iter().flat_map(|&chart| chart.variants(options).into_iter().map(move |one| (chart, one)));
     let mut places: Vec<Place> = variants
-        .flat_map(|(chart, variant)| {
-            methods_named().map(move |(method, integrator)| Place::Chart { chart, variant, integrator, method })
-        })
+        .flat_map(|(chart, variant)| methods.iter().map(move |&method| Place::Chart { chart, variant, method }))
         .collect();
     if charted.contains(&Chart::Resonances) {
-        let linear =
-            |method| matches!(method, Method::Splitting(_, Split::Linear) | Method::Corrected(_, Split::Linear));
-        for (method, integrator) in methods_named().filter(|(method, _)| linear(*method)) {
+        let linear = |method: &&Method| {
+            matches!(method, Method::Splitting(_, Split::Linear) | Method::Corrected(_, Split::Linear))
+        };
+        for &method in methods.iter().filter(linear) {
             for k in MULTIPLES {
-                places.extend(PRESSED.map(|amplitude| Place::Resonance { integrator, k, amplitude, method }));
+                places.extend(PRESSED.map(|amplitude| Place::Resonance { method, k, amplitude }));
             }
         }
     }
@@ -379,8 +368,8 @@ fn places<'a>(options: &ChartOptions, methods: &[Method], names: &'a [String]) -
 }
 
 /// Measures all points of the charts, on all cores. In a folder of the engine they are kept as they
-/// are computed, and those that are there are not computed again. `progress` is told how many
-/// points are done of how many.
+/// are computed, and those that are there are not computed again. `progress` is told the share
+/// done.
 ///
 /// # Errors
 /// An option outside its rule; a store of another study, or one that was altered; a signal, on
@@ -389,20 +378,17 @@ pub fn charts(
     problem: &Problem,
     options: &ChartOptions,
     engine: &Engine,
-    progress: &(dyn Fn(u64, u64) + Sync),
+    progress: Progress<'_>,
 ) -> Result<ChartStudy> {
     let clock = Instant::now();
     options.within_ranges()?;
     let methods = options.methods()?;
-    let names: Vec<String> = methods.iter().map(Method::name).collect();
-    let places = places(options, &methods, &names);
+    let places = places(options, &methods);
     let settings = json!({"problem": problem.source(), "work": options.work, "bounds": BOUNDS});
-    let grid = Grid { store: STORE, study: "charts", settings };
+    let grid = Grid { store: Charts::STORE, study: "charts", settings };
     let swept = engine.sweep(&grid, &places, progress, |place| value(problem, options, place))?;
     if swept.missing > 0 {
-        let done = places.len() - swept.missing;
-        let kept = format!("{done} of {} points were measured; those in --out are kept", places.len());
-        return Err(Error::Stopped { kept });
+        return Err(swept.stopped());
     }
     let mut study = ChartStudy {
         work: options.work,

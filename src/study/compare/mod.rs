@@ -97,7 +97,7 @@ impl Study for Compare {
     fn begin(&self) -> Result<Work<'_>> {
         let scene = Scene::load_with(self.scene.as_deref().unwrap_or_default(), &self.set.set)?;
         self.options.methods(&scene)?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(compare(&scene, &self.options, progress)?.report()))))
+        Ok(Box::new(move |_, progress| Ok(compare(&scene, &self.options, progress)?.report())))
     }
 }
 

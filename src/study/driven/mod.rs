@@ -108,7 +108,7 @@ impl Study for Driven {
         let scene = self.load()?;
         self.si.units(&scene)?;
         self.search.setting(&scene)?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(driven_orbit(scene, &self.search, self.si, progress)?.report()))))
+        Ok(Box::new(move |_, progress| Ok(driven_orbit(scene, &self.search, self.si, progress)?.report())))
     }
 }
 
@@ -219,7 +219,7 @@ impl Study for DrivenContinue {
             let Driven { search, si, .. } = &self.told;
             self.way.for_scene(&scene, search, *si)?;
             return Ok(Box::new(move |engine, progress| {
-                Ok(Box::new(begun(scene, search, &self.way, *si, engine, progress)?.report()?))
+                begun(scene, search, &self.way, *si, engine, progress)?.report()
             }));
         };
         let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
@@ -231,9 +231,7 @@ impl Study for DrivenContinue {
             None => self.way,
         };
         let trail = self.way.as_given(si, parameter, trail.onward(way.to, way.step, way.branch.max_points))?;
-        Ok(Box::new(move |engine, progress| {
-            Ok(Box::new(followed(scene, trail, si, way.branch.switch, engine, progress)?.report()?))
-        }))
+        Ok(Box::new(move |engine, progress| followed(scene, trail, si, way.branch.switch, engine, progress)?.report()))
     }
 
     fn beside(&self) -> Option<PathBuf> {

@@ -5,6 +5,7 @@ use crate::{
     error::Result,
     orbits::{
         DriveParameter, DrivenBifurcation, DrivenBranch, DrivenMultiplier, DrivenOrbit, DrivenPoint, DrivenSetting,
+        DrivenSpectrum,
     },
     report::{
         Column,
@@ -236,10 +237,10 @@ impl DrivenBranchStudy {
 
 /// The multipliers in the complex plane, with a line each for those inside or on the circle, and
 /// for those outside.
-pub(crate) fn multipliers_panel(point: &DrivenPoint) -> Panel {
-    let outside = point.spectrum.unstable();
+pub(crate) fn multipliers_panel(spectrum: &DrivenSpectrum) -> Panel {
+    let outside = spectrum.unstable();
     let at = |one: &DrivenMultiplier| (one.re, one.im);
-    let (out, inside) = point.spectrum.multipliers.split_at(outside);
+    let (out, inside) = spectrum.multipliers.split_at(outside);
     let mut lines = vec![Line::new("inside or on the circle", inside.iter().map(at))];
     if outside > 0 {
         lines.push(Line::new("outside", out.iter().map(at)));
@@ -279,7 +280,7 @@ fn orbit_picture(study: &DrivenStudy) -> Panels {
         point.orbit.residual
     );
     let caption = scene_caption(scene, &how);
-    let columns = vec![Column::new("", profile), Column::new("", [multipliers_panel(point)])];
+    let columns = vec![Column::new("", profile), Column::new("", [multipliers_panel(&point.spectrum)])];
     Panels { title: format!("Driven orbit of {}", scene.name()), columns, caption }
 }
 

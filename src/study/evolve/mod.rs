@@ -69,7 +69,7 @@ impl Study for Evolve {
         let pick = self.point.map(Pick::Point).or(self.at.map(Pick::At));
         let orbit = Orbit::load(&self.orbit, pick, &shooting)?;
         let kick = self.kick.map(|size| Kick { size, mode: self.mode });
-        Ok(Box::new(move |_, progress| Ok(Box::new(evolve(&orbit, self.until, kick, &shooting, progress)?.report()))))
+        Ok(Box::new(move |_, progress| Ok(evolve(&orbit, self.until, kick, &shooting, progress)?.report())))
     }
 }
 

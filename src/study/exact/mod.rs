@@ -177,7 +177,7 @@ impl Study for Wanted {
         let numbers = self.numbers()?;
         Ok(Box::new(move |engine, _| {
             let keep = |why: &Error| keep_iterate(engine.folder(), numbers.moving(), why);
-            Ok(Box::new(numbers.study().inspect_err(keep)?.report()))
+            Ok(numbers.study().inspect_err(keep)?.report())
         }))
     }
 
@@ -305,7 +305,7 @@ impl Study for ContinueWave {
         Ok(Box::new(move |engine, progress| {
             let study = branch_from(&numbers, &continuation, engine.folder(), progress)?;
             let states: Vec<&ExactWave> = study.waves.iter().map(|one| &one.wave).collect();
-            Ok(Box::new(study.report().file(report::STATES, report::states_npz(&states)?)))
+            Ok(study.report().file(report::STATES, report::states_npz(&states)?))
         }))
     }
 

@@ -29,16 +29,16 @@
 
 mod report;
 
-use super::{Adaptive, Study, Work, options::options};
+use super::{Adaptive, Progress, Study, Work, options::options};
 
 use crate::{
     breathers::BrightBreather,
-    chain::{Boundary, Chain, Params},
+    chain::{Boundary, Chain, Params, State},
     dps::Center,
     error::{Error, Result},
     interrupt,
     report::Report,
-    scene::{ChainSection, Initial, Record, Scene, SceneFile, Span},
+    run::Run,
     sweep::{Engine, Grid, Row},
 };
 use hertzchain_integrators::{Error as Failure, Stepper};
@@ -51,8 +51,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Name of the store in the folder of results.
-const STORE: &str = "lifetimes.store";
 /// Share of the energy in the core, below which the breather has radiated.
 const CORE_SHARE: f64 = 0.9;
 /// Relative distance, above which the ansatz no longer describes the breather.
@@ -141,20 +139,14 @@ options! {
 }
 
 impl Study for LifetimeOptions {
-    const FILES: &'static str =
-        "lifetimes.store keeps every breather as soon as it was followed; the same command resumes from it.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
+    const STORE: &'static str = "lifetimes.store";
 
     fn outline() -> Option<Report> {
         Some(Report::new("lifetimes").table(report::points(&[], Criterion::Energy)))
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        Ok(Box::new(|engine, progress| {
-            let tell = |done, total| progress(done as f64 / total as f64, "");
-            Ok(Box::new(lifetimes(self, engine, &tell)?.report()))
-        }))
+        Ok(Box::new(|engine, progress| Ok(lifetimes(self, engine, progress)?.report())))
     }
 }
 
@@ -259,21 +251,17 @@ pub struct LifetimeStudy {
 
 /// Follows every breather of the map to its end. In a folder of the engine points are kept as they
 /// are computed, and those that are there are not computed again, whichever the criterion.
-/// `progress` is told how many points are done of how many.
+/// `progress` is told the share done.
 ///
 /// A point that fails is a row of its own. Points run on all cores; every number is the same for
 /// any number of them.
 ///
 /// # Errors
 /// An option outside its rule; a store of another study, or one that was altered.
-pub fn lifetimes(
-    options: &LifetimeOptions,
-    engine: &Engine,
-    progress: &(dyn Fn(u64, u64) + Sync),
-) -> Result<LifetimeStudy> {
+pub fn lifetimes(options: &LifetimeOptions, engine: &Engine, progress: Progress<'_>) -> Result<LifetimeStudy> {
     let clock = Instant::now();
     let places = checked(options)?;
-    let grid = Grid { store: STORE, study: "lifetimes", settings: settings(options) };
+    let grid = Grid { store: LifetimeOptions::STORE, study: "lifetimes", settings: settings(options) };
     let swept = engine.sweep(&grid, &places, progress, |place| place.life(options))?;
     let (resumed, computed) = (swept.resumed, swept.computed());
     let points = places.iter().zip(swept.rows).map(|(place, life)| place.point(options, life));
@@ -365,9 +353,11 @@ impl Place {
     /// allowed.
     fn follow(&self, options: &LifetimeOptions, sites: usize, may_grow: bool) -> Result<Option<Life>> {
         let breather = self.breather(options, sites)?;
-        let scene = self.scene(options, sites, options.until.unwrap_or(CAP * breather.horizon()))?;
-        let mut run = options.solver.run(&scene)?.stepper()?;
-        let mut watch = Watch::new(&breather, scene.chain());
+        let chain = Chain::new(breather.params(), Boundary::Free, sites)?;
+        let start = State::from_fn(&chain, |i| breather.site(i, 0.0))?;
+        let run = Run::new(chain.clone(), start).until(options.until.unwrap_or(CAP * breather.horizon()))?;
+        let mut run = run.method(options.solver.method).tolerance(options.solver.tol)?.stepper()?;
+        let mut watch = Watch::new(&breather, &chain);
         while !run.done() && !watch.finished() {
             if may_grow && watch.ends_felt() {
                 return Ok(None);
@@ -385,29 +375,6 @@ impl Place {
             }
         }
         Ok(Some(watch.life()))
-    }
-
-    fn scene(&self, options: &LifetimeOptions, sites: usize, until: f64) -> Result<Scene> {
-        Scene::build(SceneFile {
-            name: "lifetimes".to_owned(),
-            summary: "a bright breather followed to its end".to_owned(),
-            chain: ChainSection {
-                sites,
-                alpha: options.alpha,
-                kappa: 1.0,
-                rho: self.rho,
-                boundary: Boundary::Free,
-                precompression: 0.0,
-            },
-            beads: None,
-            bonds: None,
-            drives: Vec::new(),
-            units: None,
-            initial: Initial::BrightBreather { center: options.center, epsilon: self.epsilon },
-            span: Span { periods: None, until: Some(until), period: None },
-            method: None,
-            record: Record::of(0),
-        })
     }
 }
 

@@ -2,17 +2,19 @@
 
 mod report;
 
-use super::{Changes, Study, Work, fit_line, options::options};
+use super::{Changes, Progress, Study, Work, fit_line, options::options};
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, State},
     error::{Error, Result},
     report::Report,
     scene::Theory,
-    sweep::Tally,
+    sweep::{Engine, Grid, map},
     waves::{Mode, Modulation, Shape, Size, TravellingWave, strains},
 };
 use hertzchain_integrators::{Error as Failure, Observer, Stats, collocation::Pace, drive};
 use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 use std::{f64::consts::PI, ops::ControlFlow};
 
 /// Sites of rings that may be asked for, and most sites of rings that are integrated.
@@ -107,7 +109,8 @@ impl ModulationStudy {
 
 impl Study for ModulationStudy {
     const FILES: &'static str =
-        "The picture is dps-growth.png. measured.csv comes with --measure, chart.csv with --chart.";
+        "The picture is dps-growth.png. measured.csv and the store come with --measure, chart.csv with --chart.";
+    const STORE: &'static str = "growth.store";
 
     fn outline() -> Option<Report> {
         Some(report::outline())
@@ -119,7 +122,7 @@ impl Study for ModulationStudy {
 
     fn begin(&self) -> Result<Work<'_>> {
         let options = self.options()?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(stability(&options, progress)?.report()))))
+        Ok(Box::new(move |engine, progress| Ok(stability(&options, engine, progress)?.report())))
     }
 }
 
@@ -179,7 +182,7 @@ impl Rates {
 }
 
 /// Theory at one wave number of the ring.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StabilityRow {
     /// Wave number of the perturbation.
     pub p: f64,
@@ -190,7 +193,7 @@ pub struct StabilityRow {
 }
 
 /// A growth that was measured on the full chain.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredGrowth {
     /// Size of the wave.
     pub epsilon: f64,
@@ -247,11 +250,12 @@ impl StabilityStudy {
 }
 
 /// Computes the growth rates of theory, and the chart and the measurements that the options ask
-/// for. `progress` is told the share done and what runs.
+/// for. Each size at which growth is measured is a point of a grid. `progress` is told the share
+/// done.
 ///
 /// # Errors
 /// An option outside its rule, or a run that fails.
-pub fn stability(options: &StabilityOptions, progress: &(dyn Fn(f64, &str) + Sync)) -> Result<StabilityStudy> {
+pub fn stability(options: &StabilityOptions, engine: &Engine, progress: Progress<'_>) -> Result<StabilityStudy> {
     let &StabilityOptions { params, shape, sites, .. } = options;
     let modulation = Modulation::new(params, shape)?;
     check(options)?;
@@ -263,7 +267,7 @@ pub fn stability(options: &StabilityOptions, progress: &(dyn Fn(f64, &str) + Syn
         study.chart = Some(chart(params, shape)?);
     }
     if let Some(modes) = options.modes {
-        study.measured = measure(&study, modes, progress)?;
+        study.measured = measure(&study, modes, engine, progress)?;
     }
     Ok(study)
 }
@@ -412,14 +416,23 @@ impl<F: FnMut(usize, f64, &[f64])> Observer<f64> for Sampler<'_, F> {
 
 /// The growth of some modes of the ring at every size of the wave: two runs each, one of them the
 /// wave alone.
-fn measure(study: &StabilityStudy, count: usize, progress: &(dyn Fn(f64, &str) + Sync)) -> Result<Vec<MeasuredGrowth>> {
+fn measure(
+    study: &StabilityStudy,
+    count: usize,
+    engine: &Engine,
+    progress: Progress<'_>,
+) -> Result<Vec<MeasuredGrowth>> {
     let modes: Vec<(StabilityRow, Mode)> =
         chosen(study, count).into_iter().filter_map(|row| Some((row, Mode::new(&study.modulation, row.p)?))).collect();
-    let tell = |done, runs| progress(done as f64 / runs as f64, "growth on the full chain");
-    let tally = Tally::new(study.rates.len() * (modes.len() + 1), &tell);
-    let benches = tally.map(&study.rates, |&rates| Bench::new(study, rates)).into_iter().collect::<Result<Vec<_>>>()?;
-    let jobs: Vec<_> = benches.iter().flat_map(|bench| modes.iter().map(move |mode| (bench, mode))).collect();
-    tally.map(&jobs, |(bench, (row, mode))| bench.growth(mode, *row)).into_iter().collect()
+    let StabilityOptions { params, shape, sites, epsilons, .. } = &study.options;
+    let settings = json!({"params": params, "shape": shape, "sites": sites, "modes": count});
+    let grid = Grid { store: ModulationStudy::STORE, study: "modulation", settings };
+    let work = |&epsilon: &f64| {
+        let bench = Bench::new(study, Rates::new(*params, &study.modulation, epsilon))?;
+        map(&modes, |(row, mode)| bench.growth(mode, *row)).into_iter().collect::<Result<Vec<_>>>()
+    };
+    let swept = engine.sweep(&grid, epsilons, progress, work)?;
+    Ok(swept.all(epsilons, |epsilon| format!("epsilon = {epsilon}"))?.concat())
 }
 
 /// `count` rows spread over the ring's wave numbers without zero, the last one included; and the

@@ -141,7 +141,7 @@ impl Study for Moving {
 
     fn begin(&self) -> Result<Work<'_>> {
         self.breathers()?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(self.study(progress)?.report()))))
+        Ok(Box::new(move |_, progress| Ok(self.study(progress)?.report())))
     }
 }
 

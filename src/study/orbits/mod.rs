@@ -93,7 +93,7 @@ impl Study for Dark {
 
     fn begin(&self) -> Result<Work<'_>> {
         let breather = self.breather()?;
-        Ok(Box::new(move |_, _| Ok(Box::new(self.study(&breather)?.report()))))
+        Ok(Box::new(move |_, _| Ok(self.study(&breather)?.report())))
     }
 }
 
@@ -217,7 +217,7 @@ impl Study for Continue {
         };
         Ok(Box::new(move |engine, progress| {
             let trail = followed(trail, &mut keeper(stretches::folder(engine)), progress)?;
-            Ok(Box::new(spectra::studied(trail, self.bound, engine, progress)?.report()?))
+            spectra::studied(trail, self.bound, engine, progress)?.report()
         }))
     }
 
@@ -279,12 +279,12 @@ impl Study for Doubled {
             };
             let half = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
             let doubled = match doubled_from(&main, self.omega_b, self.step, &mut keeper(engine.folder()), &half) {
-                Err(_) if interrupt::asked() => return Ok(Box::new(main.report()?)),
+                Err(_) if interrupt::asked() => return main.report(),
                 doubled => doubled?,
             };
             let last = doubled.branch.points.last().map(|point| orbit_study(point.orbit.clone(), &shooting));
             let last = last.filter(|last| last.is_ok() || !interrupt::asked()).transpose()?;
-            Ok(Box::new(DoubledStudy { doubled, last }.report()?))
+            DoubledStudy { doubled, last }.report()
         }))
     }
 }

@@ -15,13 +15,13 @@
 
 mod report;
 
-use super::{Study, Work, fit_line, methods, options::options};
+use super::{Progress, Study, Work, fit_line, methods, options::options};
 use crate::{
     chain::{Boundary, Chain, CorrectedSplit, Field, KineticFlow, LinearFlow, Overlaps, Params, Site, State, max_norm},
     error::{Error, Result},
     report::{Report, WorkPrecision},
     run::method::{Contacts, Method, Split, loaded},
-    sweep::Tally,
+    sweep::{Engine, Grid},
 };
 use hertzchain_integrators::{
     Dop853, Error as Failure, Event, Regularised, Silent, Splitting, Stepper,
@@ -31,6 +31,8 @@ use hertzchain_integrators::{
     regularised::{Division, Itinerary, equal_steps, power},
     splitting::{Corrected, First, Landed, Parts, tables},
 };
+use serde::Serialize;
+use serde_json::json;
 
 /// End of the runs.
 const END: f64 = 12.0;
@@ -58,7 +60,8 @@ const RUNGS_FITTED: usize = 6;
 const TANGENT_STEP: f64 = 1e-5;
 
 /// How a method meets contacts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Mode {
     /// Steps across events.
     Plain,
@@ -196,6 +199,7 @@ impl OrderOptions {
 
 impl Study for OrderOptions {
     const FILES: &'static str = "The pictures are order-state.png and order-tangent.png.";
+    const STORE: &'static str = "order.store";
 
     fn outline() -> Option<Report> {
         let report = Report::new("order").table(report::orders(&[])).table(report::runs(&[]));
@@ -205,7 +209,7 @@ impl Study for OrderOptions {
 
     fn begin(&self) -> Result<Work<'_>> {
         self.cases()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(order(self, &|share| progress(share, ""))?.report()))))
+        Ok(Box::new(|engine, progress| Ok(order(self, engine, progress)?.report())))
     }
 }
 
@@ -214,13 +218,15 @@ impl Study for OrderOptions {
 ///
 /// # Errors
 /// An option outside its rule, or a reference that cannot be computed.
-pub fn order(options: &OrderOptions, progress: &(dyn Fn(f64) + Sync)) -> Result<OrderStudy> {
+pub fn order(options: &OrderOptions, engine: &Engine, progress: Progress<'_>) -> Result<OrderStudy> {
     let &OrderOptions { alpha, beads, .. } = options;
     let cases = options.cases()?;
     let problem = Problem::new(alpha, beads)?;
     let truth = problem.truth()?;
-    let tell = |done, total| progress(done as f64 / total as f64);
-    let ladders = Tally::new(cases.len(), &tell).map(&cases, |&(method, mode)| problem.ladder(method, mode, &truth));
+    let grid = Grid { store: OrderOptions::STORE, study: "order", settings: json!({"alpha": alpha, "beads": beads}) };
+    let swept = engine.sweep(&grid, &cases, progress, |&case| Ok(problem.ladder(case, &truth)))?;
+    let ladders = swept.all(&cases, |case| case.0.name())?;
+    let rows = cases.iter().zip(ladders).flat_map(|(&case, ladder)| problem.rows(case, &ladder, &truth)).collect();
     Ok(OrderStudy {
         alpha,
         beads,
@@ -228,7 +234,7 @@ pub fn order(options: &OrderOptions, progress: &(dyn Fn(f64) + Sync)) -> Result<
         end: END,
         q: power(alpha, 8),
         floor: truth.floor,
-        rows: ladders.into_iter().flatten().collect(),
+        rows,
         events: truth.events,
     })
 }
@@ -251,6 +257,9 @@ fn cases(alpha: f64) -> Vec<(Method, Mode)> {
     let corrected = corrected.into_iter().filter(|_| alpha >= 1.0);
     plain.chain(landed).chain(corrected).chain([(dop853, Mode::Regularised)]).collect()
 }
+
+/// Errors of the state and of the tangent, none where a run failed, and steps.
+type Errors = ([Option<f64>; 2], u64);
 
 /// A chain with generic contacts, its initial state, and a direction in the space of those.
 struct Problem {
@@ -399,30 +408,30 @@ impl Problem {
         }
     }
 
-    /// The rows of a method in a mode: of the state and of the tangent.
-    fn ladder(&self, method: Method, mode: Mode, truth: &Truth) -> [OrderRow; 2] {
-        let mut rows = [Quantity::State, Quantity::Tangent].map(|quantity| OrderRow {
-            method,
-            mode,
-            quantity,
-            slope: None,
-            theory: theory(method, self.alpha, mode, quantity),
-            errors: Vec::new(),
-            steps: Vec::new(),
-        });
-        for rung in self.rungs(method, mode) {
+    /// Errors and steps of a method in a mode, coarse to fine.
+    fn ladder(&self, (method, mode): (Method, Mode), truth: &Truth) -> Vec<Errors> {
+        let rung = |rung: Vec<Rung>| {
             let runs: Vec<_> = rung.iter().map(|&work| self.errors((method, mode), work, truth)).collect();
-            for (k, row) in rows.iter_mut().enumerate() {
+            let error = |k: usize| {
                 let errors: Vec<f64> = runs.iter().map(|(errors, _)| errors[k]).collect();
-                row.errors.push(if mode == Mode::Corrected { median(errors) } else { root_mean_square(&errors) });
-                row.steps.push(runs[0].1);
-            }
-        }
-        let floors = [truth.floor.0, truth.floor.1];
-        for (row, floor) in rows.iter_mut().zip(floors) {
-            row.slope = slope(row, floor);
-        }
-        rows
+                let error = if mode == Mode::Corrected { median(errors) } else { root_mean_square(&errors) };
+                error.is_finite().then_some(error)
+            };
+            ([error(0), error(1)], runs[0].1)
+        };
+        self.rungs(method, mode).into_iter().map(rung).collect()
+    }
+
+    /// The rows of a method in a mode: of the state and of the tangent.
+    fn rows(&self, (method, mode): (Method, Mode), ladder: &[Errors], truth: &Truth) -> [OrderRow; 2] {
+        [(Quantity::State, truth.floor.0), (Quantity::Tangent, truth.floor.1)].map(|(quantity, floor)| {
+            let error = |(errors, _): &Errors| errors[quantity as usize].unwrap_or(f64::INFINITY);
+            let errors = ladder.iter().map(error).collect();
+            let steps = ladder.iter().map(|(_, steps)| *steps).collect();
+            let theory = theory(method, self.alpha, mode, quantity);
+            let row = OrderRow { method, mode, quantity, slope: None, theory, errors, steps };
+            OrderRow { slope: slope(&row, floor), ..row }
+        })
     }
 
     /// The ladder of a method in a mode; the runs of a rung are averaged.

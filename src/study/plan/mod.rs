@@ -14,13 +14,14 @@ mod report;
 
 pub use file::{Axis, Plan, Point, Reported};
 
-use super::{RunView, Study, Work, options::options, run_json};
+use super::{Progress, RunView, Study, Work, options::options, run_json};
 use crate::{
     error::{Error, Result},
     output::Folder,
+    report::Report,
     run::{Recorder, Records, Snapshot},
     scene::Scene,
-    sweep::{Engine, Grid, Row, Rows, STOPPED},
+    sweep::{Engine, Grid, Row, Rows, STOPPED, counted},
 };
 use file::in_json;
 use serde_json::Value;
@@ -30,8 +31,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Name of the store in the folder of results.
-const STORE: &str = "sweep.store";
 /// The tables with a line a point.
 const CSV: &str = "sweep.csv";
 const NDJSON: &str = "sweep.ndjson";
@@ -52,8 +51,7 @@ impl Study for PlanFile {
     const FILES: &'static str = "Files: sweep.csv, sweep.ndjson (a line a point, also failures), sweep.npz (a column a quantity), sweep.json, sweep.png (one or \
                                  two axes), and sweep.store, where every point is kept once it was run: the same sweep in the same folder \
                                  resumes from it.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
+    const STORE: &'static str = "sweep.store";
 
     fn optional_files() -> Vec<String> {
         vec!["sweep.png".to_owned()]
@@ -61,13 +59,11 @@ impl Study for PlanFile {
 
     fn begin(&self) -> Result<Work<'_>> {
         if self.template {
-            return Ok(Box::new(|_, _| Ok(Box::new(report::Template))));
+            let template = Report::new("plan").fact("template", Plan::TEMPLATE).lines(Plan::TEMPLATE.to_owned());
+            return Ok(Box::new(|_, _| Ok(template.file("plan.toml", Plan::TEMPLATE.into()))));
         }
         let plan = Plan::load(self.plan.as_deref().unwrap_or("".as_ref()))?;
-        Ok(Box::new(move |engine, progress| {
-            let tell = |done, total| progress(done as f64 / total as f64, "");
-            Ok(Box::new(planned(&plan, engine, &tell)?))
-        }))
+        Ok(Box::new(move |engine, progress| planned(&plan, engine, progress)?.report()))
     }
 }
 
@@ -102,7 +98,7 @@ pub struct PlanStudy {
 }
 
 /// Runs a plan. In a folder of the engine points are kept as they are run, and tables are written.
-/// `progress` is told how many points are done of how many.
+/// `progress` is told the share done.
 ///
 /// A point that fails is a row of its own.
 ///
@@ -120,9 +116,9 @@ pub struct PlanStudy {
 ///
 /// # Errors
 /// A store of another plan, or one that was altered; errors of the system.
-pub fn planned(plan: &Plan, engine: &Engine, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<PlanStudy> {
+pub fn planned(plan: &Plan, engine: &Engine, progress: Progress<'_>) -> Result<PlanStudy> {
     let clock = Instant::now();
-    let grid = Grid { store: STORE, study: "plan", settings: plan.settings() };
+    let grid = Grid { store: PlanFile::STORE, study: "plan", settings: plan.settings() };
     let work = |point: Point| run(plan, &point);
     let swept = |rows: &mut Rows<'_>| {
         let mut table = Table::new(plan);
@@ -135,7 +131,8 @@ pub fn planned(plan: &Plan, engine: &Engine, progress: &(dyn Fn(u64, u64) + Sync
         };
         Ok((table, missing))
     };
-    let ((table, missing), resumed) = engine.each(&grid, plan.points(), &|k| plan.point(k), progress, &work, swept)?;
+    let ((table, missing), resumed) =
+        engine.each(&grid, plan.points(), &|k| plan.point(k), &counted(progress), &work, swept)?;
     Ok(PlanStudy {
         plan: plan.clone(),
         columns: table.columns,

@@ -1,11 +1,12 @@
-//! The outcome of a plan as text, JSON, an archive and a picture.
+//! The report of a plan: text, JSON, an archive and a picture.
 
 use super::{NumberColumn, Plan, PlanStudy, file::in_json};
 use crate::{
     error::Result,
-    output::{Array, npz},
+    output::{Array, npz, to_json},
     present::table,
-    study::{File, Report, named, shown},
+    report::{CellMap, Figure, Kind, Line, Maps, Matrix, Panel, Panels, Report, SpaceTime},
+    study::shown,
 };
 use serde_json::{Value, json};
 
@@ -13,41 +14,68 @@ use serde_json::{Value, json};
 const LINES: usize = 40;
 /// Most numbers of the printed JSON; those of a larger grid are in the files.
 const MOST_PRINTED: usize = 1_000_000;
+/// Most rows and columns of a map whose cells have their numbers in them.
+const NOTED: usize = 12;
+/// Most rows and columns of a map that have names.
+const NAMED: usize = 40;
 
-/// The template, which is printed as it is.
-pub(super) struct Template;
-
-impl Report for Template {
-    fn json(&self) -> Value {
-        json!({"template": Plan::TEMPLATE})
+impl PlanStudy {
+    /// The report: the numbers column by column, the numbers of computed and resumed points, and
+    /// the wall time. Files have the same bytes whether points were resumed or not, and for any
+    /// number of cores and shards.
+    ///
+    /// # Errors
+    /// Errors of the archive writer.
+    pub fn report(&self) -> Result<Report> {
+        let points = self.plan.points();
+        let computed = points - self.resumed - self.missing;
+        let shape = |column: &NumberColumn| match column.width {
+            1 => vec![points as u64],
+            width => vec![points as u64, width as u64],
+        };
+        let arrays =
+            self.columns.iter().map(|one| Array { name: &one.name, shape: shape(one), values: one.numbers.clone() });
+        let report = self.facts();
+        let json = to_json(&report.json());
+        let report = report
+            .file("sweep.json", json.into_bytes())
+            .file("sweep.npz", npz(&arrays.collect::<Vec<_>>())?)
+            .fact("computed", computed)
+            .fact("resumed", self.resumed)
+            .fact("wall_s", self.wall.as_secs_f64())
+            .lines(self.text(computed))
+            .remark(
+                (self.missing > 0)
+                    .then(|| format!("stopped by a signal: {} points of {points} were not run", self.missing)),
+            );
+        Ok(match self.picture() {
+            Some(picture) => report.picture(picture),
+            None => report,
+        })
     }
 
-    fn text(&self) -> String {
-        Plan::TEMPLATE.to_owned()
+    fn facts(&self) -> Report {
+        let numbers: usize = self.columns.iter().map(|column| column.numbers.len()).sum();
+        let column = |column: &NumberColumn| match column.width {
+            1 => json!(column.numbers),
+            width => column.numbers.chunks(width).map(|row| json!(row)).collect(),
+        };
+        let columns = self.columns.iter().map(|one| (one.name.clone(), column(one))).collect();
+        let axis = |axis: &super::Axis| json!({"keys": axis.keys, "places": axis.values.len()});
+        let failed = |(k, why): &(usize, String)| json!({"point": self.plan.point(*k), "failure": why});
+        Report::new("sweep")
+            .fact("name", &self.plan.name)
+            .fact("points", self.plan.points())
+            .fact("axes", self.plan.axes.iter().map(axis).collect::<Vec<_>>())
+            .fact("keep", self.plan.keep.iter().map(|kept| &kept.name).collect::<Vec<_>>())
+            .fact("columns", if numbers > MOST_PRINTED { Value::Null } else { Value::Object(columns) })
+            .fact("failures", self.failures)
+            .fact("failed", self.failed.iter().map(failed).collect::<Vec<_>>())
+            .fact("missing", self.missing)
+            .fact("settings", self.plan.settings())
     }
 
-    fn files(&self, _: &str) -> Result<Vec<File>> {
-        Ok(named([("plan.toml", Plan::TEMPLATE.into())]))
-    }
-
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
-        Ok(Vec::new())
-    }
-}
-
-impl Report for PlanStudy {
-    /// The results with the numbers column by column, the numbers of computed and resumed points,
-    /// and the wall time.
-    fn json(&self) -> Value {
-        let mut value = self.value();
-        value["computed"] = json!(self.plan.points() - self.resumed - self.missing);
-        value["resumed"] = json!(self.resumed);
-        value["wall_s"] = json!(self.wall.as_secs_f64());
-        value
-    }
-
-    fn text(&self) -> String {
+    fn text(&self, computed: usize) -> String {
         let points = self.plan.points();
         let head: Vec<&str> = self.columns.iter().map(|column| column.name.as_str()).collect();
         let rows: Vec<Vec<String>> = (0..points.min(LINES)).map(|k| self.line(k)).collect();
@@ -59,61 +87,11 @@ impl Report for PlanStudy {
             text += &format!("{}: {why}\n", words(&self.plan, *k));
         }
         text + &format!(
-            "\n{points} points: {} computed, {} resumed, {} failed, {:.1} s\n",
-            points - self.resumed - self.missing,
+            "\n{points} points: {computed} computed, {} resumed, {} failed, {:.1} s\n",
             self.resumed,
             self.failures,
             self.wall.as_secs_f64()
         )
-    }
-
-    /// The same bytes whether points were resumed or not, and for any number of cores and shards.
-    fn files(&self, _: &str) -> Result<Vec<File>> {
-        let points = self.plan.points() as u64;
-        let shape = |column: &NumberColumn| match column.width {
-            1 => vec![points],
-            width => vec![points, width as u64],
-        };
-        let json = crate::output::to_json(&self.value());
-        let arrays =
-            self.columns.iter().map(|one| Array { name: &one.name, shape: shape(one), values: one.numbers.clone() });
-        Ok(named([("sweep.json", json.into()), ("sweep.npz", npz(&arrays.collect::<Vec<_>>())?)]))
-    }
-
-    #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
-        let picture = picture::of(self)?;
-        Ok(picture.map(|picture| ("sweep.png".to_owned(), picture)).into_iter().collect())
-    }
-
-    fn remark(&self) -> Option<String> {
-        (self.missing > 0)
-            .then(|| format!("stopped by a signal: {} points of {} were not run", self.missing, self.plan.points()))
-    }
-}
-
-impl PlanStudy {
-    fn value(&self) -> Value {
-        let numbers: usize = self.columns.iter().map(|column| column.numbers.len()).sum();
-        let column = |column: &NumberColumn| match column.width {
-            1 => json!(column.numbers),
-            width => column.numbers.chunks(width).map(|row| json!(row)).collect(),
-        };
-        let columns = self.columns.iter().map(|one| (one.name.clone(), column(one))).collect();
-        let axis = |axis: &super::Axis| json!({"keys": axis.keys, "places": axis.values.len()});
-        let failed = |(k, why): &(usize, String)| json!({"point": self.plan.point(*k), "failure": why});
-        json!({
-            "name": self.plan.name,
-            "points": self.plan.points(),
-            "axes": self.plan.axes.iter().map(axis).collect::<Vec<_>>(),
-            "keep": self.plan.keep.iter().map(|kept| &kept.name).collect::<Vec<_>>(),
-            "columns": if numbers > MOST_PRINTED { Value::Null } else { Value::Object(columns) },
-            "failures": self.failures,
-            "failed": self.failed.iter().map(failed).collect::<Vec<_>>(),
-            "missing": self.missing,
-            "settings": self.plan.settings(),
-            "version": env!("CARGO_PKG_VERSION"),
-        })
     }
 
     /// The cells of a point.
@@ -145,98 +123,84 @@ fn words(plan: &Plan, k: usize) -> String {
     parts.collect::<Vec<_>>().join(", ")
 }
 
-#[cfg(feature = "plot")]
-mod picture {
-    //! One axis: a line. Two axes: a map; where its numbers are not positive, or an axis has words,
-    //! cells with names.
-
-    use super::{PlanStudy, Value, in_json, plain, shown};
-    use crate::{
-        error::Result,
-        figures::{CellMap, Kind, Line, Maps, Matrix, Panel, Panels, SpaceTime, maps, matrix, panels, space_time},
-    };
-
-    /// Most rows and columns whose cells have their numbers in them.
-    const NOTED: usize = 12;
-    /// Most rows and columns with names.
-    const NAMED: usize = 40;
-
-    /// The picture, if the plan has one or two axes and shows a number.
-    pub(super) fn of(study: &PlanStudy) -> Result<Option<crate::figures::Picture>> {
-        let column = &study.columns[study.plan.keys().count() + study.plan.picture];
+impl PlanStudy {
+    /// The picture, if the plan has one or two axes and shows a number: of one axis a line, of two
+    /// a map; where its numbers are not positive, or an axis has words, cells with names.
+    fn picture(&self) -> Option<Figure> {
+        let column = &self.columns[self.plan.keys().count() + self.plan.picture];
         let finite = column.numbers.iter().any(|number| number.is_finite());
-        if column.width != 1 || !finite {
-            return Ok(None);
-        }
-        match study.plan.axes.len() {
-            1 => line(study, &column.name, &column.numbers).map(Some),
-            2 => map(study, &column.name, &column.numbers).map(Some),
-            _ => Ok(None),
+        match self.plan.axes.len() {
+            _ if column.width != 1 || !finite => None,
+            1 => Some(self.curve(column)),
+            2 => Some(self.map(column)),
+            _ => None,
         }
     }
 
     /// The numbers on an axis, if they are numbers.
-    fn numbers(study: &PlanStudy, axis: usize) -> Option<Vec<f64>> {
-        study.plan.axes[axis].values.iter().map(|row| in_json(&row[0]).as_f64()).collect()
+    fn numbers(&self, axis: usize) -> Option<Vec<f64>> {
+        self.plan.axes[axis].values.iter().map(|row| in_json(&row[0]).as_f64()).collect()
     }
 
-    fn names(study: &PlanStudy, axis: usize) -> Vec<String> {
-        study.plan.axes[axis].values.iter().map(|row| plain(&in_json(&row[0]))).collect()
+    fn names(&self, axis: usize) -> Vec<String> {
+        self.plan.axes[axis].values.iter().map(|row| plain(&in_json(&row[0]))).collect()
     }
 
-    fn label(study: &PlanStudy, axis: usize) -> String {
-        study.plan.axes[axis].keys.join(", ")
+    fn label(&self, axis: usize) -> String {
+        self.plan.axes[axis].keys.join(", ")
     }
 
-    fn caption(study: &PlanStudy) -> String {
-        let of = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-        let settings = study.plan.settings();
-        let scene = settings["scene"]["name"].as_str().unwrap_or("of the plan").to_owned();
-        format!("Scene {scene}, changed by {}. hertzchain {}.", of(&settings["set"]), env!("CARGO_PKG_VERSION"))
+    fn caption(&self) -> String {
+        let settings = self.plan.settings();
+        let scene = settings["scene"]["name"].as_str().unwrap_or("of the plan");
+        format!("Scene {scene}, changed by {}.", plain(&settings["set"]))
     }
 
-    fn line(study: &PlanStudy, name: &str, values: &[f64]) -> Result<crate::figures::Picture> {
-        let x = numbers(study, 0).unwrap_or_else(|| (0..values.len()).map(|k| k as f64).collect());
+    fn curve(&self, column: &NumberColumn) -> Figure {
+        let values = &column.numbers;
+        let x = self.numbers(0).unwrap_or_else(|| (0..values.len()).map(|k| k as f64).collect());
         let positive = x.iter().chain(values).all(|number| *number > 0.0);
         let kind = if positive { Kind::LogLog } else { Kind::Parameter };
-        let (key, lines) = (label(study, 0), vec![Line::new(name, x.into_iter().zip(values.iter().copied()))]);
-        let panel = Panel::new(kind, [&key, name], lines);
-        Ok(panels(&Panels::column(study.plan.name.clone(), vec![panel], caption(study)))?)
+        let lines = vec![Line::new(&column.name, x.into_iter().zip(values.iter().copied()))];
+        let panel = Panel::new(kind, [&self.label(0), &column.name], lines);
+        Panels::column(&self.plan.name, vec![panel], self.caption()).into()
     }
 
-    fn map(study: &PlanStudy, name: &str, values: &[f64]) -> Result<crate::figures::Picture> {
-        let (rows, columns) = (study.plan.axes[0].values.len(), study.plan.axes[1].values.len());
+    fn map(&self, column: &NumberColumn) -> Figure {
+        let (rows, columns) = (self.plan.axes[0].values.len(), self.plan.axes[1].values.len());
         let few = |most: usize| rows <= most && columns <= most;
         let note = |value: &f64| if few(NOTED) && value.is_finite() { shown(*value) } else { String::new() };
         let ascending = |axis: &Vec<f64>| axis[0] > 0.0 && axis.windows(2).all(|two| two[0] < two[1]);
-        let [y, x] = [0, 1].map(|axis| numbers(study, axis).filter(ascending));
+        let [y, x] = [0, 1].map(|axis| self.numbers(axis).filter(ascending));
+        let (title, caption) = (self.plan.name.clone(), self.caption());
+        let (name, values) = (column.name.clone(), column.numbers.clone());
+        let notes = || values.iter().map(note).collect();
         let all_positive = values.iter().all(|value| value.is_nan() || *value > 0.0);
-        let (title, caption) = (study.plan.name.clone(), caption(study));
         if let (Some(x), Some(y), true) = (x, y, all_positive) {
-            let labels = [label(study, 1), label(study, 0), name.to_owned()];
-            let (values, notes) = (values.to_vec(), values.iter().map(note).collect());
-            let map = CellMap { labels, x, y, values, notes, ..CellMap::default() };
-            return Ok(maps(&Maps { title, maps: vec![map], caption })?);
+            let labels = [self.label(1), self.label(0), name];
+            let map = CellMap { labels, x, y, notes: notes(), values, ..CellMap::default() };
+            return Maps { title, maps: vec![map], caption }.into();
         }
         if few(NAMED) && all_positive {
-            let (rows, columns) = (names(study, 0), names(study, 1));
-            let (values, notes) = (values.to_vec(), values.iter().map(note).collect());
-            let labels = [format!("{} (rows: {})", label(study, 1), label(study, 0)), name.to_owned()];
-            return Ok(matrix(&Matrix { title, rows, columns, labels, values, notes, caption })?);
+            let (rows, columns) = (self.names(0), self.names(1));
+            let labels = [format!("{} (rows: {})", self.label(1), self.label(0)), name];
+            return Matrix { title, rows, columns, labels, notes: notes(), values, caption }.into();
         }
-        let nth = |axis: usize| format!("{}, index of the value", label(study, axis));
-        Ok(space_time(&SpaceTime {
+        let nth = |axis: usize| format!("{}, index of the value", self.label(axis));
+        let signed = values.iter().any(|value| *value < 0.0);
+        SpaceTime {
             title,
             site_label: nth(1),
             time_label: nth(0),
-            value_label: name.to_owned(),
-            values: values.to_vec(),
+            value_label: name,
+            values,
             sites: columns,
             first_site: 1.0,
             times: (1.0, rows as f64),
             most: None,
-            signed: values.iter().any(|value| *value < 0.0),
+            signed,
             caption,
-        })?)
+        }
+        .into()
     }
 }

@@ -11,16 +11,16 @@
 //! the maxima at which `T` is 1. K. R. Jayaprakash, Y. Starosvetsky & A. F. Vakakis 2011, Phys.
 //! Rev. E 83, 036606.
 
-use super::{Crests, METHOD, STEP, ascending, follow, plain};
+use super::{Crests, METHOD, STEP, ascending, follow, geometric, plain};
 use crate::{
     chain::State,
     error::Result,
-    report::{
-        Digits::{Fixed, Hidden},
-        Kind, Line, Panel, Panels, Report, Table,
-    },
+    report::{Digits::Fixed, Kind, Line, Panel, Panels, Report, rows},
     study::{Progress, Study, Work, options::options},
+    sweep::{Engine, Grid},
 };
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// Mass ratios at which solitary waves were found, in the article cited above.
 pub const PUBLISHED: [f64; 4] = [1.0, 0.3428, 0.1548, 0.0901];
@@ -60,31 +60,30 @@ options! {
 }
 
 impl Study for DimerOptions {
+    const STORE: &'static str = "dimer.store";
+
     fn outline() -> Option<Report> {
         Some(DimerStudy { cells: 0, rows: Vec::new(), maxima: Vec::new() }.report())
     }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(dimer(self, progress)?.report()))))
+        Ok(Box::new(|engine, progress| Ok(dimer(self, engine, progress)?.report())))
     }
 }
 
-/// A pulse in a dimer.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DimerRow {
-    /// Mass ratio.
-    pub ratio: f64,
-    /// Largest contact force near the struck end.
-    pub first: f64,
-    /// Largest contact force `cells` cells further on.
-    pub last: f64,
-}
-
-impl DimerRow {
-    /// `T = F_2/F_1`.
-    pub fn transmission(&self) -> f64 {
-        self.last / self.first
+rows! {
+    /// A pulse in a dimer.
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct DimerRow {
+        /// Mass of the light beads over that of the heavy ones.
+        ratio: f64 => Fixed(4),
+        /// Largest contact force near the struck end.
+        first: f64,
+        /// The same, the cells farther on.
+        last: f64,
+        /// Last over first, 1 for a solitary wave.
+        transmission: f64 => Fixed(5),
     }
 }
 
@@ -104,21 +103,13 @@ impl DimerStudy {
     /// The report.
     pub fn report(&self) -> Report {
         let known = |row: &DimerRow| PUBLISHED.into_iter().find(|known| (row.ratio / known - 1.0).abs() < 0.1);
-        let columns = |name, rows| {
-            Table::of(name, rows)
-                .col("ratio", Fixed(4), "mass of the light beads over that of the heavy ones", |row: &DimerRow| {
-                    row.ratio
-                })
-                .col("first", Hidden, "largest contact force near the struck end", |row| row.first)
-                .col("last", Hidden, "the same, the cells farther on", |row| row.last)
-                .col("transmission", Fixed(5), "last over first, 1 for a solitary wave", DimerRow::transmission)
-        };
-        let rows = columns("dimer", &self.rows).in_text([]).done();
+        let rows = DimerRow::table("dimer", &self.rows).in_text([]).done();
         let source = "Jayaprakash, Starosvetsky & Vakakis 2011";
-        let maxima = columns("maxima", &self.maxima).key("maxima").col("published", Fixed(4), source, known).done();
-        let least = self.rows.iter().min_by(|a, b| a.transmission().total_cmp(&b.transmission()));
+        let maxima =
+            DimerRow::table("maxima", &self.maxima).key("maxima").col("published", Fixed(4), source, known).done();
+        let least = self.rows.iter().min_by(|a, b| a.transmission.total_cmp(&b.transmission));
         let least = least.map_or_else(String::new, |row| {
-            format!("; the least of {} mass ratios is {:.5}, at {:.4}", self.rows.len(), row.transmission(), row.ratio)
+            format!("; the least of {} mass ratios is {:.5}, at {:.4}", self.rows.len(), row.transmission, row.ratio)
         });
         let range = self.rows.first().zip(self.rows.last());
         let inside = |ratio: &f64| range.is_some_and(|(low, high)| (low.ratio..=high.ratio).contains(ratio));
@@ -158,25 +149,22 @@ impl DimerOptions {
 /// ```
 /// use hertzchain::study::pulse;
 /// // Equal beads let a solitary wave through; at m = 0.59 the pulse decays.
-/// assert!(pulse(1.0, 12)?.transmission() > 0.999);
-/// assert!(pulse(0.59, 12)?.transmission() < 0.8);
+/// assert!(pulse(1.0, 12)?.transmission > 0.999);
+/// assert!(pulse(0.59, 12)?.transmission < 0.8);
 /// # Ok::<(), hertzchain::Error>(())
 /// ```
 ///
 /// # Errors
 /// An option outside its rule; a run that fails; a signal.
-pub fn dimer(options: &DimerOptions, progress: Progress<'_>) -> Result<DimerStudy> {
+pub fn dimer(options: &DimerOptions, engine: &Engine, progress: Progress<'_>) -> Result<DimerStudy> {
     options.check()?;
     let &DimerOptions { from, to, points, cells } = options;
-    let ratio = |k: usize| from * (to / from).powf(k as f64 / (points - 1) as f64);
-    let mut rows = Vec::with_capacity(points);
-    for k in 0..points {
-        let ratio = if k + 1 == points { to } else { ratio(k) };
-        progress(k as f64 / points as f64, &format!("m = {ratio:.4}"));
-        rows.push(pulse(ratio, cells)?);
-    }
+    let ratios = geometric(from, to, points);
+    let grid = Grid { store: DimerOptions::STORE, study: "dimer", settings: json!({"cells": cells, "step": STEP}) };
+    let swept = engine.sweep(&grid, &ratios, progress, |&ratio| pulse(ratio, cells))?;
+    let rows = swept.all(&ratios, |ratio| format!("mass ratio {ratio}"))?;
     let peaks = rows.windows(3).filter(|row| {
-        let [a, b, c] = [0, 1, 2].map(|k| row[k].transmission());
+        let [a, b, c] = [0, 1, 2].map(|k| row[k].transmission);
         a < b && b >= c
     });
     let maxima = peaks.map(|row| highest(row[0].ratio, row[2].ratio, cells)).collect::<Result<_>>()?;
@@ -189,7 +177,7 @@ fn highest(mut low: f64, mut high: f64, cells: usize) -> Result<DimerRow> {
     let (left, right) = inner(low, high);
     let (mut left, mut right) = (pulse(left, cells)?, pulse(right, cells)?);
     while high - low > NEAR {
-        if left.transmission() > right.transmission() {
+        if left.transmission > right.transmission {
             (high, right) = (right.ratio, left);
             left = pulse(inner(low, high).0, cells)?;
         } else {
@@ -197,7 +185,7 @@ fn highest(mut low: f64, mut high: f64, cells: usize) -> Result<DimerRow> {
             right = pulse(inner(low, high).1, cells)?;
         }
     }
-    Ok(if left.transmission() > right.transmission() { left } else { right })
+    Ok(if left.transmission > right.transmission { left } else { right })
 }
 
 /// A pulse of a heavy bead with speed 1 that strikes a dimer at rest.
@@ -226,5 +214,5 @@ pub fn pulse_by(ratio: f64, cells: usize, step: f64) -> Result<DimerRow> {
         crests.all_passed()
     })?;
     let [first, last] = [0, 1].map(|k| chain.law().force(crests.crest[k]));
-    Ok(DimerRow { ratio, first, last })
+    Ok(DimerRow { ratio, first, last, transmission: last / first })
 }

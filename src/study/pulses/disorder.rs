@@ -14,7 +14,7 @@
 
 use super::{ALPHA, CREST, Crests, LEAD, METHOD, STEP, follow, plain, pulse_energy, solitary_wave};
 use crate::{
-    error::{Error, Result},
+    error::Result,
     random::uniform,
     report::{
         Band,
@@ -27,8 +27,6 @@ use crate::{
 };
 use serde_json::json;
 
-/// Name of the store in the folder of results.
-const STORE: &str = "disorder.store";
 /// Number of first bonds that the line fit of the rate leaves out.
 const FIRST: usize = 10;
 /// Beads after the last that is measured, so that the free end is not felt.
@@ -81,10 +79,7 @@ pub struct DisorderStudy {
 }
 
 impl Study for DisorderOptions {
-    const FILES: &'static str =
-        "disorder.store keeps every chain as soon as it was run; the same command resumes from it.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
+    const STORE: &'static str = "disorder.store";
 
     fn outline() -> Option<Report> {
         Some(DisorderStudy { seeds: 0, rows: Vec::new() }.report())
@@ -92,7 +87,7 @@ impl Study for DisorderOptions {
 
     fn begin(&self) -> Result<Work<'_>> {
         self.within_ranges()?;
-        Ok(Box::new(|engine, progress| Ok(Box::new(disorder(self, engine, progress)?.report()))))
+        Ok(Box::new(|engine, progress| Ok(disorder(self, engine, progress)?.report())))
     }
 }
 
@@ -106,18 +101,10 @@ pub fn disorder(options: &DisorderOptions, engine: &Engine, progress: Progress<'
     let line = LinePulse::new(ALPHA);
     let chains: Vec<(f64, u64)> =
         strengths.iter().flat_map(|&strength| (1..=*seeds).map(move |seed| (strength, seed))).collect();
-    let grid = Grid { store: STORE, study: "disorder", settings: json!({"beads": beads, "step": STEP}) };
-    let tell = |done: u64, total: u64| progress(done as f64 / total as f64, "chains");
-    let work = |&(strength, seed): &(f64, u64)| decay(strength, *beads, seed, &line);
-    let swept = engine.sweep(&grid, &chains, &tell, work)?;
-    if swept.missing > 0 {
-        let kept = format!("{} of {} chains have run; those in --out are kept", swept.computed(), chains.len());
-        return Err(Error::Stopped { kept });
-    }
-    let point = |(&(strength, seed), row): (&(f64, u64), std::result::Result<Vec<f64>, String>)| {
-        row.map_err(|why| Error::Point { point: format!("strength {strength}, seed {seed}"), why })
-    };
-    let energies: Vec<Vec<f64>> = chains.iter().zip(swept.rows).map(point).collect::<Result<_>>()?;
+    let grid =
+        Grid { store: DisorderOptions::STORE, study: "disorder", settings: json!({"beads": beads, "step": STEP}) };
+    let swept = engine.sweep(&grid, &chains, progress, |&(strength, seed)| decay(strength, *beads, seed, &line))?;
+    let energies = swept.all(&chains, |(strength, seed)| format!("strength {strength}, seed {seed}"))?;
     let rows = strengths.iter().zip(energies.chunks(*seeds as usize));
     Ok(DisorderStudy { seeds: *seeds, rows: rows.map(|(&strength, energies)| row_of(strength, energies)).collect() })
 }

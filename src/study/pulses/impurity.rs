@@ -26,9 +26,11 @@ use crate::{
         Kind, Line, Panels, Report, rows,
     },
     study::{Progress, Study, Work, options::options},
-    sweep::map,
+    sweep::{Engine, Grid},
     waves::LinePulse,
 };
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// Number of beads behind the impurity: a fixed one, and more for each unit of its mass, as a heavy
 /// bead drives a train of pulses.
@@ -62,7 +64,7 @@ options! {
 
 rows! {
     /// A solitary wave that has met an impurity.
-    #[derive(Clone, Copy, Debug, PartialEq)]
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
     pub struct ImpurityRow {
         /// Mass ratio `M`.
         ratio: f64 => Fixed(4),
@@ -88,13 +90,6 @@ rows! {
     }
 }
 
-/// The outcome of the study.
-#[derive(Clone, Debug)]
-pub struct ImpurityStudy {
-    /// A row a mass ratio, ascending.
-    pub rows: Vec<ImpurityRow>,
-}
-
 impl ImpurityOptions {
     fn check(&self) -> Result<()> {
         self.within_ranges()?;
@@ -103,13 +98,15 @@ impl ImpurityOptions {
 }
 
 impl Study for ImpurityOptions {
+    const STORE: &'static str = "impurity.store";
+
     fn outline() -> Option<Report> {
-        Some(ImpurityStudy { rows: Vec::new() }.report())
+        Some(report(&[]))
     }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(impurity(self, progress)?.report()))))
+        Ok(Box::new(|engine, progress| Ok(report(&impurity(self, engine, progress)?))))
     }
 }
 
@@ -117,16 +114,13 @@ impl Study for ImpurityOptions {
 ///
 /// # Errors
 /// An option outside its rule; a run that fails; a signal.
-pub fn impurity(options: &ImpurityOptions, progress: Progress<'_>) -> Result<ImpurityStudy> {
+pub fn impurity(options: &ImpurityOptions, engine: &Engine, progress: Progress<'_>) -> Result<Vec<ImpurityRow>> {
     options.check()?;
     let line = LinePulse::new(ALPHA);
     let ratios = geometric(options.from, options.to, options.points);
-    let rows = map(&ratios, |&ratio| {
-        let share = ratios.partition_point(|&below| below < ratio) as f64 / ratios.len() as f64;
-        progress(share, &format!("M = {ratio:.4}"));
-        scattered(ratio, &line)
-    });
-    Ok(ImpurityStudy { rows: rows.into_iter().collect::<Result<_>>()? })
+    let grid = Grid { store: ImpurityOptions::STORE, study: "impurity", settings: json!({"step": STEP}) };
+    let swept = engine.sweep(&grid, &ratios, progress, |&ratio| scattered(ratio, &line))?;
+    swept.all(&ratios, |ratio| format!("mass ratio {ratio}"))
 }
 
 /// The solitary wave of speed 1 at a bead of this mass amid beads of mass 1.
@@ -235,36 +229,34 @@ impl Ringing {
     }
 }
 
-impl ImpurityStudy {
-    /// The report.
-    pub fn report(&self) -> Report {
-        let table = ImpurityRow::table("impurity", &self.rows).done();
-        let label = "mass ratio M";
-        let lines = [
-            ("transmitted", "transmitted"),
-            ("reflected", "reflected"),
-            ("localised", "localised"),
-            ("two collisions", "binary"),
-        ];
-        let mut shares = table.panel(Kind::LogCloud, [label, "share of the energy"], "ratio", &lines);
-        let heavy = self.rows.iter().filter(|row| row.heavy < 1.0).map(|row| (row.ratio, row.heavy));
-        shares.lines.push(Line::new("2p²/(ME)", heavy));
-        let lines = [("computed", "frequency"), ("(f′(G/2)(2/M + 1))^(1/2)", "frequency_law")];
-        let frequencies = table.panel(Kind::LogLog, [label, "frequency Ω"], "ratio", &lines);
-        let measured = frequencies.lines.iter().all(|line| !line.points.is_empty());
-        let late = self.rows.iter().map(|row| row.late_change).fold(0.0, f64::max);
-        let caption = format!(
-            "A solitary wave of speed 1 of the plain chain, α = 3/2, without precompression, meets one bead of mass M amid \
+/// The report.
+fn report(rows: &[ImpurityRow]) -> Report {
+    let table = ImpurityRow::table("impurity", rows).done();
+    let label = "mass ratio M";
+    let lines = [
+        ("transmitted", "transmitted"),
+        ("reflected", "reflected"),
+        ("localised", "localised"),
+        ("two collisions", "binary"),
+    ];
+    let mut shares = table.panel(Kind::LogCloud, [label, "share of the energy"], "ratio", &lines);
+    let heavy = rows.iter().filter(|row| row.heavy < 1.0).map(|row| (row.ratio, row.heavy));
+    shares.lines.push(Line::new("2p²/(ME)", heavy));
+    let lines = [("computed", "frequency"), ("(f′(G/2)(2/M + 1))^(1/2)", "frequency_law")];
+    let frequencies = table.panel(Kind::LogLog, [label, "frequency Ω"], "ratio", &lines);
+    let measured = frequencies.lines.iter().all(|line| !line.points.is_empty());
+    let late = rows.iter().map(|row| row.late_change).fold(0.0, f64::max);
+    let caption = format!(
+        "A solitary wave of speed 1 of the plain chain, α = 3/2, without precompression, meets one bead of mass M amid \
              beads of mass 1. Above: energy behind the bead, before it and its own at t = 200 + 20 (M − 1)₊, \
              where none of them changed by more than {late:.0e} in the last quarter of the run; what two collisions of hard beads would pass on; what a heavy bead passes on that was thrown forward with \
              twice the momentum p of the wave of energy E. Below: frequency of the bead between its neighbours until a \
              contact opens, where it has at least {CHANGES} changes of sign of the acceleration, and that of small swings. Integrator {METHOD}, steps of {STEP}, shorter for light beads."
-        );
-        let plots = [shares].into_iter().chain(measured.then_some(frequencies)).collect();
-        Report::new("impurity").fact("integrator", METHOD).fact("step", STEP).table(table).picture(Panels::column(
-            "A solitary wave at an impurity",
-            plots,
-            caption,
-        ))
-    }
+    );
+    let plots = [shares].into_iter().chain(measured.then_some(frequencies)).collect();
+    Report::new("impurity").fact("integrator", METHOD).fact("step", STEP).table(table).picture(Panels::column(
+        "A solitary wave at an impurity",
+        plots,
+        caption,
+    ))
 }

@@ -20,9 +20,11 @@ use crate::{
         Kind, Panels, Report, Table, rows,
     },
     study::{Progress, Study, Work, fit_line, options::options},
-    sweep::map,
+    sweep::{Engine, Grid},
     waves::LinePulse,
 };
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// Least and largest radius that a chain may have.
 const LIMITS: (f64, f64) = (1e-3, 1e3);
@@ -54,7 +56,7 @@ options! {
 
 rows! {
     /// A pulse in a tapered chain.
-    #[derive(Clone, Debug, PartialEq)]
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
     pub struct TaperRow {
         /// Radius over that of the sphere before it, `s`.
         ratio: f64 => Fixed(4),
@@ -71,13 +73,6 @@ rows! {
     }
 }
 
-/// The outcome of the study.
-#[derive(Clone, Debug)]
-pub struct TaperStudy {
-    /// A row a ratio, ascending.
-    pub rows: Vec<TaperRow>,
-}
-
 impl TaperOptions {
     fn check(&self) -> Result<()> {
         self.within_ranges()?;
@@ -92,13 +87,15 @@ impl TaperOptions {
 }
 
 impl Study for TaperOptions {
+    const STORE: &'static str = "taper.store";
+
     fn outline() -> Option<Report> {
-        Some(TaperStudy { rows: Vec::new() }.report())
+        Some(report(&[]))
     }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|_, progress| Ok(Box::new(taper(self, progress)?.report()))))
+        Ok(Box::new(|engine, progress| Ok(report(&taper(self, engine, progress)?))))
     }
 }
 
@@ -106,16 +103,15 @@ impl Study for TaperOptions {
 ///
 /// # Errors
 /// An option outside its rule; a run that fails; a signal.
-pub fn taper(options: &TaperOptions, progress: Progress<'_>) -> Result<TaperStudy> {
+pub fn taper(options: &TaperOptions, engine: &Engine, progress: Progress<'_>) -> Result<Vec<TaperRow>> {
     options.check()?;
     let &TaperOptions { from, to, points, spheres } = options;
     let line = LinePulse::new(ALPHA);
     let ratios: Vec<f64> = (0..points).map(|k| from + (to - from) * k as f64 / (points - 1) as f64).collect();
-    let rows = map(&ratios, |&ratio| {
-        progress((ratio - from) / (to - from), &format!("s = {ratio:.4}"));
-        tapered(ratio, spheres, &line)
-    });
-    Ok(TaperStudy { rows: rows.into_iter().collect::<Result<_>>()? })
+    let settings = json!({"spheres": spheres, "step": STEP});
+    let grid = Grid { store: TaperOptions::STORE, study: "taper", settings };
+    let swept = engine.sweep(&grid, &ratios, progress, |&ratio| tapered(ratio, spheres, &line))?;
+    swept.all(&ratios, |ratio| format!("ratio of radii {ratio}"))
 }
 
 /// The solitary wave of speed 1 that runs into `spheres` spheres, each with the radius of the one
@@ -161,45 +157,43 @@ pub fn tapered(ratio: f64, spheres: usize, line: &LinePulse) -> Result<TaperRow>
     Ok(TaperRow { ratio, growth, binary, adiabatic, energy, velocity })
 }
 
-impl TaperStudy {
-    /// The report.
-    pub fn report(&self) -> Report {
-        let table = TaperRow::table("taper", &self.rows).done();
-        let all = |row: &TaperRow| {
-            let ratio = row.ratio;
-            row.velocity.iter().enumerate().map(move |(n, velocity)| (ratio, n + 1, *velocity)).collect::<Vec<_>>()
-        };
-        let velocities = Table::of("velocities", &self.rows.iter().flat_map(all).collect::<Vec<_>>())
-            .key("")
-            .col("ratio", Hidden, "ratio of radii", |row| row.0)
-            .col("sphere", Hidden, "number of the tapered sphere, from 1", |row| row.1)
-            .col("velocity", Hidden, "largest velocity over that in the uniform chain", |row| row.2)
-            .done();
-        let label = "radius over that of the sphere before it";
-        let growth = [("computed", "growth"), ("collisions of two spheres", "binary"), ("same energy", "adiabatic")];
-        let plots = vec![
-            table.panel(Kind::Parameter, [label, "growth of ln Vₙ a sphere"], "ratio", &growth),
-            table.panel(
-                Kind::Parameter,
-                [label, "energy of the pulse"],
-                "ratio",
-                &[("share at the last sphere", "energy")],
-            ),
-        ];
-        let caption = format!(
-            "A solitary wave of the uniform chain, α = 3/2, without precompression, runs into spheres of one material whose \
+/// The report.
+fn report(rows: &[TaperRow]) -> Report {
+    let table = TaperRow::table("taper", rows).done();
+    let all = |row: &TaperRow| {
+        let ratio = row.ratio;
+        row.velocity.iter().enumerate().map(move |(n, velocity)| (ratio, n + 1, *velocity)).collect::<Vec<_>>()
+    };
+    let velocities = Table::of("velocities", &rows.iter().flat_map(all).collect::<Vec<_>>())
+        .key("")
+        .col("ratio", Hidden, "ratio of radii", |row| row.0)
+        .col("sphere", Hidden, "number of the tapered sphere, from 1", |row| row.1)
+        .col("velocity", Hidden, "largest velocity over that in the uniform chain", |row| row.2)
+        .done();
+    let label = "radius over that of the sphere before it";
+    let growth = [("computed", "growth"), ("collisions of two spheres", "binary"), ("same energy", "adiabatic")];
+    let plots = vec![
+        table.panel(Kind::Parameter, [label, "growth of ln Vₙ a sphere"], "ratio", &growth),
+        table.panel(
+            Kind::Parameter,
+            [label, "energy of the pulse"],
+            "ratio",
+            &[("share at the last sphere", "energy")],
+        ),
+    ];
+    let caption = format!(
+        "A solitary wave of the uniform chain, α = 3/2, without precompression, runs into spheres of one material whose \
              radii are a geometric sequence. Above: growth of the largest velocity Vₙ from sphere to sphere over the second \
              half of them; 2/(1 + s³) a sphere if two spheres collide at a time; s^(−3/2) if the pulse keeps its energy. \
              Below: energy in {} sites about the crest when it is at the last of {} spheres. Integrator {METHOD}, steps of \
              {STEP}, shorter for small spheres.",
-            2 * super::HALF_PULSE,
-            self.rows.first().map_or(0, |row| row.velocity.len()),
-        );
-        Report::new("taper")
-            .fact("integrator", METHOD)
-            .fact("step", STEP)
-            .table(table)
-            .table(velocities)
-            .picture(Panels::column("A pulse in a tapered chain", plots, caption))
-    }
+        2 * super::HALF_PULSE,
+        rows.first().map_or(0, |row| row.velocity.len()),
+    );
+    Report::new("taper")
+        .fact("integrator", METHOD)
+        .fact("step", STEP)
+        .table(table)
+        .table(velocities)
+        .picture(Panels::column("A pulse in a tapered chain", plots, caption))
 }

@@ -22,10 +22,9 @@ mod suprema;
 pub use slopes::{Bound, TheoremSlope};
 pub use suprema::{Errors, Norm, Sampling};
 
-use super::{Study, Work, options::options};
+use super::{Progress, Study, Work, options::options};
 use crate::{
     error::{Error, Result},
-    interrupt,
     report::Report,
     sweep::{Engine, Grid},
 };
@@ -34,8 +33,6 @@ use serde_json::json;
 use start::Start;
 use std::time::{Duration, Instant};
 
-/// Name of the store in the folder of results.
-const STORE: &str = "theorem.store";
 /// Default seed of random numbers.
 const SEED: u64 = 1;
 /// Tolerance of the runs over `epsilon^{alpha-1}`.
@@ -190,10 +187,8 @@ impl TheoremOptions {
 }
 
 impl Study for TheoremOptions {
-    const FILES: &'static str = "theorem.txt has what is printed. theorem.store keeps every size once it was run; the same command resumes from \
-                                 it.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
+    const FILES: &'static str = "theorem.txt has what is printed.";
+    const STORE: &'static str = "theorem.store";
 
     fn outline() -> Option<Report> {
         let (runs, slopes, options) = (Vec::new(), Vec::new(), TheoremOptions::default());
@@ -203,18 +198,21 @@ impl Study for TheoremOptions {
 
     fn begin(&self) -> Result<Work<'_>> {
         checked(self)?;
-        Ok(Box::new(|engine, progress| Ok(Box::new(theorem(self, engine, &|share| progress(share, ""))?.report()))))
+        Ok(Box::new(|engine, progress| Ok(theorem(self, engine, progress)?.report())))
     }
 }
 
 /// The run of one size.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TheoremRun {
     /// Size.
+    #[serde(skip)]
     pub epsilon: f64,
     /// Mass ratio.
+    #[serde(skip)]
     pub rho: f64,
     /// End time, `T epsilon^{1-alpha}`.
+    #[serde(skip)]
     pub end: f64,
     /// Number of samples.
     pub samples: usize,
@@ -238,15 +236,6 @@ impl TheoremRun {
 #[derive(Clone, Copy, Debug, Serialize)]
 struct Point {
     epsilon: f64,
-}
-
-/// What is measured at a size.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Measured {
-    samples: usize,
-    windows: u64,
-    suprema: [Errors; 3],
-    sampling_errors: [Errors; 3],
 }
 
 /// The outcome.
@@ -310,7 +299,7 @@ fn powers(alpha: f64) -> [f64; 3] {
 ///
 /// # Errors
 /// An option outside its rule, a run that fails; a store of another study, or one that was altered.
-pub fn theorem(options: &TheoremOptions, engine: &Engine, progress: &(dyn Fn(f64) + Sync)) -> Result<TheoremStudy> {
+pub fn theorem(options: &TheoremOptions, engine: &Engine, progress: Progress<'_>) -> Result<TheoremStudy> {
     let clock = Instant::now();
     let mut options = checked(options)?;
     let start = Start::new(&options)?;
@@ -320,29 +309,21 @@ pub fn theorem(options: &TheoremOptions, engine: &Engine, progress: &(dyn Fn(f64
     let tell = |dt: f64| {
         if let Ok(mut done) = shares.lock() {
             *done += dt / total;
-            progress(*done);
+            progress(*done, "");
         }
     };
     // The longest run first, so that no core waits for it at the end.
     let ascending: Vec<Point> = options.epsilons.iter().rev().map(|&epsilon| Point { epsilon }).collect();
-    let grid = Grid { store: STORE, study: "theorem", settings: settings(&options) };
+    let grid = Grid { store: TheoremOptions::STORE, study: "theorem", settings: settings(&options) };
     let swept = engine.sweep(&grid, &ascending, &|_, _| (), |point| start.run(&options, point.epsilon, &tell))?;
     let (resumed, missing) = (swept.resumed, swept.missing);
-    let mut runs = Vec::new();
-    for (&Point { epsilon }, measured) in ascending.iter().zip(swept.rows).rev() {
-        match measured {
-            Ok(Measured { samples, windows, suprema, sampling_errors }) => {
-                let rho = options.rho_law.rho(options.alpha, epsilon);
-                runs.push(TheoremRun { epsilon, rho, end: end(epsilon), samples, windows, suprema, sampling_errors });
-            }
-            // After a signal, sizes that were not begun are missing, which is no error.
-            Err(_) if interrupt::asked() => {}
-            Err(why) => return Err(Error::Point { point: format!("epsilon = {epsilon}"), why }),
-        }
-    }
-    if runs.is_empty() {
-        return Err(Error::Stopped { kept: "no size was run to its end".to_owned() });
-    }
+    let measured = swept.values(&ascending, |point| format!("epsilon = {}", point.epsilon))?;
+    // The store has no number that follows from the size.
+    let run = |(&Point { epsilon }, run): (&Point, TheoremRun)| {
+        let rho = options.rho_law.rho(options.alpha, epsilon);
+        TheoremRun { epsilon, rho, end: end(epsilon), ..run }
+    };
+    let runs: Vec<TheoremRun> = measured.into_iter().rev().map(run).collect();
     options.epsilons = runs.iter().map(|run| run.epsilon).collect();
     let slopes = slopes::of_all(&options, &runs);
     Ok(TheoremStudy { sites: start.sites(), runs, slopes, resumed, missing, wall: clock.elapsed(), options })

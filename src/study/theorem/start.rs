@@ -1,7 +1,7 @@
 //! The solution of the DpS equation, initial states near it, and runs of the chain from there.
 
 use super::{
-    Initial, Measured, TheoremOptions,
+    Initial, TheoremOptions, TheoremRun,
     suprema::{Suprema, errors},
 };
 use crate::{
@@ -65,7 +65,7 @@ impl Start {
     }
 
     /// The chain at one size, from its start to `T epsilon^{1-alpha}`.
-    pub(super) fn run(&self, options: &TheoremOptions, epsilon: f64, tell: &dyn Fn(f64)) -> Result<Measured> {
+    pub(super) fn run(&self, options: &TheoremOptions, epsilon: f64, tell: &dyn Fn(f64)) -> Result<TheoremRun> {
         let &TheoremOptions { alpha, horizon, rho_law, accuracy, .. } = options;
         let (rho, slowness) = (rho_law.rho(alpha, epsilon), epsilon.powf(alpha - 1.0));
         let end = horizon / slowness;
@@ -86,7 +86,7 @@ impl Start {
             found.close(k + 1 == periods.len());
         }
         let [suprema, sampling_errors] = found.finish();
-        Ok(Measured { samples, windows: run.stats().steps, suprema, sampling_errors })
+        Ok(TheoremRun { samples, windows: run.stats().steps, suprema, sampling_errors, ..TheoremRun::default() })
     }
 
     /// `u = 2 epsilon Re A(0)`, `u' = -2 epsilon Im A(0)`, `v = v' = 0`, and the departure.

@@ -9,7 +9,7 @@
 
 mod report;
 
-use super::{Adaptive, Changes, Study, Work, fit_line, options::options, scene_json};
+use super::{Adaptive, Changes, Progress, Study, Work, fit_line, options::options, scene_json};
 use crate::{
     chain::{Site, max_norm},
     dps::{Envelope, project},
@@ -28,8 +28,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Name of the store of an ensemble in the folder of results.
-const STORE: &str = "ensemble.store";
 const PERTURBED: &str = "a perturbed wave";
 /// Most numbers that a run or an ensemble may hold: a gigabyte.
 const MOST_NUMBERS: f64 = (1_u64 << 27) as f64;
@@ -106,11 +104,9 @@ impl Wave {
 }
 
 impl Study for Wave {
-    const FILES: &'static str = "envelope.csv, ensemble.csv, spread.csv and growth.csv are those of perturbed waves. With --seeds, \
-                                 ensemble.store keeps every seed once it was run: the same ensemble in the same folder \
-                                 resumes from it.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
+    const FILES: &'static str = "envelope.csv, ensemble.csv, spread.csv and growth.csv are those of perturbed waves. The points of \
+                                 the store are the seeds of --seeds.";
+    const STORE: &'static str = "ensemble.store";
 
     fn optional_files() -> Vec<String> {
         ["envelope.csv", "ensemble.csv", "spread.csv", "growth.csv"].map(str::to_owned).into()
@@ -122,10 +118,7 @@ impl Study for Wave {
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.scene()?;
-        Ok(Box::new(move |engine, progress| {
-            let tell = |done, total| progress(done as f64 / total as f64, "");
-            Ok(Box::new(wave_in(&scene, &self.options, engine, &tell)?.report()))
-        }))
+        Ok(Box::new(move |engine, progress| Ok(wave(&scene, &self.options, engine, progress)?.report())))
     }
 }
 
@@ -262,28 +255,16 @@ pub struct WaveStudy {
 }
 
 /// Runs the wave of a scene, its perturbed one if it has one, and an ensemble of those. `progress`
-/// is told how many runs are done of how many.
+/// is told the share done. In a folder of the engine members of the ensemble are kept as they are
+/// run, and those that are there are not run again.
 ///
 /// Members of the ensemble run on all cores; every number is the same for any number of them.
 ///
 /// # Errors
 /// A scene that is no travelling wave, a method that takes no tolerance, an option outside its
-/// rule, an ensemble without perturbation, a run that fails.
-pub fn wave(scene: &Scene, options: &WaveOptions, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<WaveStudy> {
-    wave_in(scene, options, &Engine::threads(), progress)
-}
-
-/// As [`wave`]; in a folder of the engine members of the ensemble are kept as they are run, and
-/// those that are there are not run again.
-///
-/// # Errors
-/// As [`wave`]; a store of another ensemble, or one that was altered.
-pub fn wave_in(
-    scene: &Scene,
-    options: &WaveOptions,
-    engine: &Engine,
-    progress: &(dyn Fn(u64, u64) + Sync),
-) -> Result<WaveStudy> {
+/// rule, an ensemble without perturbation, a run that fails; a store of another ensemble, or one
+/// that was altered.
+pub fn wave(scene: &Scene, options: &WaveOptions, engine: &Engine, progress: Progress<'_>) -> Result<WaveStudy> {
     let clock = Instant::now();
     let wave = *scene.wave()?;
     let times = times(scene, options)?;
@@ -292,8 +273,11 @@ pub fn wave_in(
     let alone = [scene.perturbed(0.0, None)?, scene.clone()];
     let alone = if seeds.is_empty() { &alone[..1] } else { &alone };
     let tracks: Vec<Track> = map(alone, |scene| track(scene, options, &times)).into_iter().collect::<Result<_>>()?;
-    let tell = |done, _| progress(tracks.len() as u64 + done, 1 + seeds.len() as u64);
-    tell(0, 0);
+    let tell = |share: f64, words: &str| {
+        let others = share * seeds.len().saturating_sub(1) as f64;
+        progress((tracks.len() as f64 + others) / (1 + seeds.len()) as f64, words);
+    };
+    tell(0.0, "");
     let unperturbed = &tracks[0];
     let errors = errors_of(times.iter().zip(&unperturbed.strains).map(|(&t, now)| wave.errors(t, &now.x, &now.y)));
 
@@ -344,14 +328,8 @@ struct Others<'a> {
 
 impl Others<'_> {
     /// The ensemble of all seeds, the first of which is that of the scene.
-    fn ensemble(
-        &self,
-        seeds: &[u64],
-        first: Errors,
-        engine: &Engine,
-        progress: &(dyn Fn(u64, u64) + Sync),
-    ) -> Result<Ensemble> {
-        let grid = Grid { store: STORE, study: "wave", settings: settings(self.scene, self.options) };
+    fn ensemble(&self, seeds: &[u64], first: Errors, engine: &Engine, progress: Progress<'_>) -> Result<Ensemble> {
+        let grid = Grid { store: Wave::STORE, study: "wave", settings: settings(self.scene, self.options) };
         let swept = engine.sweep(&grid, &seeds[1..], progress, |&seed| self.difference(seed))?;
         let mut all = vec![(seeds[0], first)];
         for (&seed, row) in seeds[1..].iter().zip(swept.rows) {
