@@ -104,7 +104,7 @@ impl Report {
     #[must_use]
     pub fn picture_named(mut self, name: &str, figure: impl Into<Figure>) -> Self {
         let mut figure = figure.into();
-        *figure.caption() += PROGRAM;
+        *figure.words()[1] += PROGRAM;
         self.pictures.push((format!("{name}.png"), figure));
         self
     }
@@ -225,6 +225,18 @@ impl Report {
     /// The pictures, by the name of their PNG file.
     pub fn pictures(&self) -> &[(String, Figure)] {
         &self.pictures
+    }
+
+    /// Its tables and pictures, for another report, which names the program itself.
+    pub(crate) fn parts(self) -> (Vec<Table>, Vec<Figure>) {
+        let tables =
+            self.blocks.into_iter().filter_map(|block| if let Block::Table(it) = block { Some(it) } else { None });
+        let unnamed = |(_, mut figure): (String, Figure)| {
+            let [_, caption] = figure.words();
+            caption.truncate(caption.trim_end_matches(PROGRAM).len());
+            figure
+        };
+        (tables.collect(), self.pictures.into_iter().map(unnamed).collect())
     }
 
     /// What is missing or remarkable, if anything.
