@@ -8,8 +8,8 @@ use super::{DONE, Exit, FAILED, args::FiguresArgs, print, progress_bar, runner::
 use crate::{
     error::{Error, Result},
     interrupt,
-    output::Folder,
-    paper::{Drawn, FIGURES, Figure, figures_json, figures_table},
+    output::{Folder, to_json},
+    paper::{Drawn, FIGURES, Figure, figures_report},
     sweep::{Engine, Grid, InTurn, Row, STOPPED},
 };
 use base64::{Engine as _, engine::general_purpose::STANDARD};
@@ -138,18 +138,18 @@ fn formats(_: &FiguresArgs) -> Vec<&'static str> {
 #[cfg_attr(not(feature = "plot"), allow(unused_variables, reason = "formats are those of pictures"))]
 fn made(figure: &Figure, args: &FiguresArgs, tell: &(dyn Fn(f64) + Sync)) -> Result<Made> {
     let clock = Instant::now();
-    let data = figure.data(tell)?;
+    let report = figure.report(tell)?;
     if interrupt::asked() {
         // Computations that were asked to end may have returned a part of their results.
         return Err(Error::Stopped { kept: "nothing of this figure".to_owned() });
     }
-    let caption = figure.caption(&data);
+    let caption = report.json()["caption"].as_str().unwrap_or_default().to_owned();
     #[cfg(feature = "plot")]
-    let mut files = args.formats.files(&[(format!("{}.png", figure.name), figure.picture(&data)?)])?;
+    let mut files = args.formats.files(&report.drawn()?)?;
     #[cfg(not(feature = "plot"))]
     let mut files = Vec::new();
-    files.extend(figure.tables(&data));
-    files.push((format!("{}.json", figure.name), figure.origin(&caption).into_bytes()));
+    files.extend(report.csv());
+    files.push((format!("{}.json", figure.name), to_json(&report.json()).into_bytes()));
     Ok(Made { caption, files: files.into_iter().map(Kept::of).collect(), wall_s: clock.elapsed().as_secs_f64() })
 }
 
@@ -201,7 +201,8 @@ fn written(figure: &Figure, made: &Made, folder: &Folder) -> Result<()> {
 
 /// Prints what was drawn, and says what failed or is missing.
 fn told(drawn: &[Drawn], resumed: usize, args: &FiguresArgs, folder: &Folder) -> Exit {
-    let printed = print(&if args.json { figures_json(drawn) + "\n" } else { figures_table(drawn) });
+    let report = figures_report(drawn);
+    let printed = print(&if args.json { to_json(&report.json()) + "\n" } else { report.text() });
     let (mut code, mut missing) = (DONE, 0);
     for Drawn { figure, outcome, .. } in drawn {
         match outcome {
@@ -268,7 +269,8 @@ mod tests {
             assert_eq!(done.wall, Some(Duration::from_millis(1500)));
             assert_eq!(std::fs::read(folder.path().join("exact-wave.csv")).unwrap(), [0xff, 0x00, 0xfe]);
             assert_eq!(told(&drawn, before, &args, &folder).unwrap(), FAILED);
-            let (json, table) = (figures_json(&drawn), figures_table(&drawn));
+            let report = figures_report(&drawn);
+            let (json, table) = (to_json(&report.json()), report.text());
             assert!(json.contains("panicked: on purpose") && json.contains("\"wall_s\": null"), "{json}");
             assert_eq!(table.matches("FAILED").count(), 2, "{table}");
         }

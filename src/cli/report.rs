@@ -5,7 +5,7 @@ use crate::{
     error::{Error, Result},
     interrupt,
     output::Folder,
-    paper::{Data, FIGURES, Figure, verify, verify_report},
+    paper::{FIGURES, Figure, verify, verify_report},
     present::{Block, Page, Section},
     report,
     scene::Scene,
@@ -192,17 +192,11 @@ fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {
 
 fn figures(tell: Tell<'_>) -> Result<Vec<Block>> {
     let blocks = |(k, figure): (usize, &'static Figure)| {
-        let data = figure.data(&|share| tell((k as f64 + share) / FIGURES.len() as f64));
-        let made = data.and_then(|data| Ok(vec![shown(figure, &data)?, Block::Data(figure.tables(&data))]));
+        let made = figure.report(&|share| tell((k as f64 + share) / FIGURES.len() as f64));
+        let made = made.and_then(|report| told(&report));
         made.unwrap_or_else(|error| vec![Block::Failure(format!("{}: {error}", figure.name))])
     };
     Ok(FIGURES.iter().enumerate().flat_map(blocks).collect())
-}
-
-#[cfg(feature = "plot")]
-fn shown(figure: &Figure, data: &Data) -> Result<Block> {
-    let (title, caption) = (figure.title.to_owned(), figure.caption(data));
-    Ok(Block::Picture { title, caption, svg: figure.picture(data)?.file(Format::Svg)? })
 }
 
 /// Pictures, text and numbers of a study.
@@ -220,10 +214,4 @@ fn told(report: &report::Report) -> Result<Vec<Block>> {
 fn drawn((_, picture): &Drawing) -> Result<Block> {
     let (title, caption) = (picture.title().to_owned(), picture.caption().to_owned());
     Ok(Block::Picture { title, caption, svg: picture.file(Format::Svg)? })
-}
-
-/// Title and caption as text, in builds without pictures.
-#[cfg(not(feature = "plot"))]
-fn shown(figure: &Figure, data: &Data) -> Result<Block> {
-    Ok(Block::Told(report::Block::Words(format!("{}. {}\n", figure.title, figure.caption(data)))))
 }

@@ -6,7 +6,7 @@
 //! | `quantities/` | for each claim, by its id, the value that decides it |
 //! | [`verify`] | claims and values side by side, with a verdict each |
 //! | `verdicts.rs` | the verdicts as text, CSV and JSON |
-//! | `figures/` | [`FIGURES`], one row each, with data, captions, tables and pictures |
+//! | `figures/` | [`FIGURES`], one row each: studies, and what of their pictures is drawn |
 
 mod claims;
 mod figures;
@@ -16,11 +16,7 @@ mod verdicts;
 mod verify;
 
 pub use claims::{Claim, Kind, claims};
-pub use figures::{
-    Data, DoublingData, Drawn, EvolutionRun, ExactData, ExactRecipe, FIGURES, Figure, FloquetData, LimitWave,
-    MassRatioData, OrbitData, OrbitRecipe, ProfileData, Recipe, WaveColumn, WavePanel, WaveRun, figures_json,
-    figures_table,
-};
+pub use figures::{Drawn, FIGURES, Figure, figures_report, orbits};
 pub use rule::Rule;
 pub use verdicts::verify_report;
 pub use verify::{Item, Verdict, Verification, verify};

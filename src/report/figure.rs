@@ -369,10 +369,10 @@ pub enum Figure {
 macro_rules! figures {
     ($($kind:ident),*) => {
         impl Figure {
-            /// The caption, enough to make the figure again.
-            pub fn caption(&mut self) -> &mut String {
+            /// Its title, and its caption, enough to make the figure again.
+            pub fn words(&mut self) -> [&mut String; 2] {
                 match self {
-                    $(Self::$kind(figure) => &mut figure.caption,)*
+                    $(Self::$kind(figure) => [&mut figure.title, &mut figure.caption],)*
                 }
             }
         }

@@ -111,7 +111,7 @@ impl Report {
     #[must_use]
     pub fn picture_named(mut self, name: &str, figure: impl Into<Figure>) -> Self {
         let mut figure = figure.into();
-        *figure.caption() += PROGRAM;
+        *figure.words()[1] += PROGRAM;
         self.pictures.push((format!("{name}.png"), figure));
         self
     }
@@ -241,6 +241,18 @@ impl Report {
     #[cfg(feature = "plot")]
     pub fn drawn(&self) -> Result<Vec<(String, crate::figures::Picture)>> {
         self.pictures.iter().map(|(name, figure)| Ok((name.clone(), figure.draw()?))).collect()
+    }
+
+    /// Its tables and pictures, for another report, which names the program itself.
+    pub(crate) fn parts(self) -> (Vec<Table>, Vec<Figure>) {
+        let tables =
+            self.blocks.into_iter().filter_map(|block| if let Block::Table(it) = block { Some(it) } else { None });
+        let unnamed = |(_, mut figure): (String, Figure)| {
+            let [_, caption] = figure.words();
+            caption.truncate(caption.trim_end_matches(PROGRAM).len());
+            figure
+        };
+        (tables.collect(), self.pictures.into_iter().map(unnamed).collect())
     }
 
     /// What is missing or remarkable, if anything.

@@ -222,6 +222,22 @@ impl Table {
         &self.name
     }
 
+    /// The table under another name, in files only.
+    pub(crate) fn filed(self, name: String) -> Self {
+        Self { name, key: String::new(), in_text: Vec::new(), ..self }
+    }
+
+    /// Values in time, a column for each site from `first` on, such as `x_-20`; in files only.
+    pub(crate) fn matrix(name: impl Into<String>, (symbol, first): (&str, i64), t: &[f64], values: &[f64]) -> Self {
+        let sites = values.len() / t.len().max(1);
+        let rows: Vec<_> = t.iter().zip(values.chunks(sites.max(1))).collect();
+        let mut table = Self::of(name, &rows).key("").col("t", Digits::Hidden, "", |row| *row.0);
+        for (i, n) in (0..sites).zip(first..) {
+            table = table.col(format!("{symbol}_{n}"), Digits::Hidden, "", |row| row.1[i]);
+        }
+        table.done()
+    }
+
     /// The field of the JSON output that has the rows; empty for none.
     pub(super) fn key_in_json(&self) -> &str {
         &self.key

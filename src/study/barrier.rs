@@ -315,7 +315,7 @@ impl BarrierStudy {
     }
 
     /// What the picture shows, with all numbers.
-    pub(crate) fn caption(&self) -> String {
+    fn caption(&self) -> String {
         let ring = &self.options.ring;
         let ends = [self.points.first(), self.points.last()].map(|point| {
             point.map_or(String::new(), |point| {
@@ -335,7 +335,7 @@ impl BarrierStudy {
 
     /// Panels against frequency: energies of the kinks over the background's energy per site, their
     /// differences over the energy of the kink about a site, and largest multipliers.
-    pub(crate) fn column(&self) -> Column {
+    fn column(&self) -> Column {
         let table = table(&self.points);
         let share = |name: &str, of: fn(&BarrierPoint) -> f64, over: fn(&BarrierPoint) -> f64| {
             Line::new(name, self.points.iter().map(|point| (point.omega_b, of(point) / over(point))))

@@ -1,14 +1,14 @@
 //! The modulation equations: averages of the contact force, homoclinic solutions, standing waves
 //! with a kink.
 
-use super::{ChainParams, Study, Work, options::options, params_words};
+use super::{ChainParams, Study, Work, options::options, params_words, shown};
 use crate::{
     dps::{Averages, Center, DarkProfile, Homoclinic, Values},
     error::{Error, Result},
     report::{
         Column,
         Digits::{Fixed, Power, Short},
-        Kind, Panels, Report, Table, number,
+        Kind, Line, Panels, Report, Table, number,
     },
 };
 use serde_json::json;
@@ -91,17 +91,58 @@ options! {
 }
 
 impl Study for Homoclinics {
-    const FILES: &'static str = "";
+    fn outline() -> Option<Report> {
+        Some(Report::new("homoclinic").table(profile(&[])))
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
+        let report = self.report()?;
+        Ok(Box::new(move |_, _| Ok(report)))
+    }
+}
+
+/// The profile of a homoclinic solution, by sites.
+fn profile(sites: &[(i64, f64)]) -> Table {
+    Table::of("homoclinic", sites)
+        .key("")
+        .col("n", Fixed(0), "", |site| site.0 as f64)
+        .col("a", Power(16), "", |site| site.1)
+        .col("ln_ln", Fixed(6), "ln|ln|a||: a line of slope ln alpha in the tails", |site| site.1.abs().ln().abs().ln())
+        .done()
+}
+
+impl Homoclinics {
+    /// The report of the solution.
+    ///
+    /// # Errors
+    /// As of [`Homoclinic::new`].
+    pub fn report(&self) -> Result<Report> {
         let one = Homoclinic::new(self.alpha, self.center)?;
         let sites: Vec<i64> = one.sites().collect();
-        let table =
-            Table::of("homoclinic", &sites)
-                .key("")
-                .col("n", Fixed(0), "", |n| *n as f64)
-                .col("a", Short, "", |n| format!("{:e}", one.a(*n)));
-        let report = Report::new("homoclinic")
+        let table = profile(&sites.iter().map(|&n| (n, one.a(n))).collect::<Vec<_>>());
+        let panel = |label: &str, column| table.panel(Kind::Sites, ["site n", label], "n", &[(label, column)]);
+        let (mut decay, mut law) = (panel("ln|ln|aₙ||", "ln_ln"), Vec::new());
+        decay.lines[0].points.retain(|point| point.0 > 0.0);
+        if let Some((last, end)) = decay.lines[0].points.last() {
+            // Half a unit below the tail, along its outer half.
+            law.extend([0.5, 1.0].map(|share| (share * last, end - 0.5 - (1.0 - share) * last * self.alpha.ln())));
+        }
+        decay.lines.push(Line::new("slope ln α", law));
+        let ends = [2, 1].map(|from_end| sites.len().checked_sub(from_end).map_or(f64::NAN, |k| one.a(sites[k])));
+        let [before, last] = ends.map(|a| a.abs().ln().abs().ln());
+        let caption = format!(
+            "Solution of aₙ = −δ⁺(δ⁻aₙ |δ⁻aₙ|^(α−1)) about a {}, α = {}: a₁ = {}, {} sites, slope of the last two {:.6}, \
+             ln α = {:.6}, residual {:.0e}.",
+            center_word(self.center),
+            one.alpha(),
+            shown(one.a(1)).replace('-', "−"),
+            sites.len(),
+            last - before,
+            one.alpha().ln(),
+            one.residual()
+        );
+        let columns = vec![Column::new("", [panel("aₙ", "a")]), Column::new("", [decay])];
+        Ok(Report::new("homoclinic")
             .fact("alpha", one.alpha())
             .fact("omega_0", one.omega_0())
             .fact("n", &sites)
@@ -113,8 +154,8 @@ impl Study for Homoclinics {
                 one.alpha(),
                 one.omega_0(),
                 one.residual()
-            ));
-        Ok(Box::new(move |_, _| Ok(report)))
+            ))
+            .picture(Panels { title: "Homoclinic solution: profile of a bright breather".into(), columns, caption }))
     }
 }
 
@@ -127,7 +168,7 @@ pub(crate) fn center_word(center: Center) -> &'static str {
 }
 
 /// `a_n` or `b_n` of all sites.
-pub(crate) fn of_sites(profile: &DarkProfile, value: impl Fn(i64) -> f64) -> Vec<f64> {
+fn of_sites(profile: &DarkProfile, value: impl Fn(i64) -> f64) -> Vec<f64> {
     profile.sites().map(value).collect()
 }
 
@@ -173,10 +214,21 @@ impl Study for DarkProfiles {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
+        let report = self.report()?;
+        Ok(Box::new(move |_, _| Ok(report)))
+    }
+}
+
+impl DarkProfiles {
+    /// The report of the profile.
+    ///
+    /// # Errors
+    /// As of [`DarkProfile::new`] and [`DarkProfile::mu`].
+    pub fn report(&self) -> Result<Report> {
         let profile = DarkProfile::new(self.params.checked()?, self.center, self.sites, self.c)?;
         let omega_b = self.omega_b.unwrap_or(FREQUENCY * profile.params().omega());
         let (mu, (x, y)) = (profile.mu(omega_b)?, profile.seed(omega_b)?);
-        Ok(Box::new(move |_, _| Ok(dark_report(&profile, omega_b, mu, [x, y]))))
+        Ok(dark_report(&profile, omega_b, mu, [x, y]))
     }
 }
 
@@ -195,9 +247,15 @@ fn dark_report(profile: &DarkProfile, omega_b: f64, mu: f64, [x, y]: [Vec<f64>; 
     let center = center_word(profile.center());
     let caption = format!(
         "Standing wave with a kink (eq:DpSsw2) about a {center}, and the strains that start the breather (eq:xy_sw). \
-         N = {}, {}, ω_b = {omega_b}, μ = {mu:.6e}.",
+         N = {}, {}, ω_b = {omega_b}, μ = {mu:.6e}; at μ = 1 the background is ±{} and {}, a₁ = {}, {} steps of \
+         Newton's method, residual {:.0e}.",
         x.len(),
         params_words(params),
+        shown(background.0),
+        shown(background.1),
+        shown(profile.a(1)),
+        profile.newton().len() - 1,
+        profile.residual(),
     );
     let newton: Vec<String> = profile.newton().iter().map(|residual| format!("{residual:.1e}")).collect();
     let words = format!(

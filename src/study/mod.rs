@@ -43,8 +43,8 @@ pub use charts::{
     Trial, Variant, Verdict as ChartVerdict, charts, kick_sum, resonance,
 };
 pub use compare::{Candidate, Compare, CompareOptions, Comparison, LeftOut, Reference, Row, compare};
+pub(crate) use dps::center_word;
 pub use dps::*;
-pub(crate) use dps::{center_word, of_sites};
 pub use drift::*;
 pub(crate) use driven::multipliers_panel;
 pub use driven::*;
@@ -125,7 +125,7 @@ pub trait Study {
 }
 
 /// The name of a unit variant in files.
-fn word(value: &impl serde::Serialize) -> String {
+pub(crate) fn word(value: &impl serde::Serialize) -> String {
     serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 

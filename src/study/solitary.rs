@@ -248,7 +248,7 @@ impl SolitaryStudy {
     }
 
     /// What the picture shows, with all numbers.
-    pub(crate) fn caption(&self) -> String {
+    fn caption(&self) -> String {
         let fit = self.fit.map_or("No fit: fewer than three wakes".to_owned(), |fit| {
             format!(
                 "Fit: ln(W k/(4 sin²(k/2) g)) = {:.4} − {:.4} k to {:.2}, over {} pulses",
@@ -276,7 +276,7 @@ impl SolitaryStudy {
     }
 
     /// The pulse and its decay; the wakes against the phase of a resonator and their fit.
-    pub(crate) fn columns(&self) -> Vec<Column> {
+    fn columns(&self) -> Vec<Column> {
         let [decays, tails] = tables(&self.decay, &self.tails);
         let crest = self.line.at(0.0)[0];
         let shape =

@@ -19,8 +19,8 @@ mod section8;
 use crate::{
     error::{Error, Result},
     interrupt,
-    scene::{Initial, Scene},
-    study::{Adaptive, WaveOptions, WaveStudy, wave},
+    paper::figures::wave_study,
+    study::WaveStudy,
     sweep::{Engine, Grid, Progress, map},
 };
 use serde::{Deserialize, Serialize};
@@ -31,8 +31,6 @@ pub(super) type Quantity = (&'static str, f64);
 
 /// Number of perturbed waves of a run; the growth of a perturbation is the median over them.
 const SEEDS: u32 = 8;
-/// Tolerance of the runs; it gives numbers with errors of about 1e-8.
-const TOLERANCE: f64 = 1e-10;
 
 /// A run of the paper: a scene, a mean strain if it is not that of the scene, and a perturbation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,15 +46,7 @@ impl Run {
     }
 
     fn study(&self) -> Result<WaveStudy> {
-        let mut file = Scene::load(self.scene)?.file().clone();
-        if let (Initial::TravellingWave { b, .. }, Some(mean_strain)) = (&mut file.initial, self.mean_strain) {
-            *b = mean_strain;
-        }
-        let scene = Scene::build(file)?.perturbed(self.zeta, None)?;
-        let seeds = (self.zeta > 0.0).then_some(SEEDS);
-        let solver = Adaptive { tol: TOLERANCE, ..Adaptive::default() };
-        let options = WaveOptions { solver, seeds, ..WaveOptions::default() };
-        wave(&scene, &options, &Engine::threads(), &|_, _| {})
+        wave_study(self.scene, self.mean_strain, (self.zeta > 0.0).then_some((self.zeta, SEEDS)), &|_, _| {})
     }
 }
 

@@ -1,15 +1,15 @@
 //! What breathers report.
 
-use super::{BrightSample, BrightStudy, Kink, TrivialStudy};
+use super::{BrightHistory, BrightSample, BrightStudy, Kink, Shown, TrivialStudy};
 use crate::{
     breathers::Norms,
-    chain::MeanForces,
+    chain::{MeanForces, max_norm},
     report::{
         Column,
         Digits::{Fixed, Hidden},
-        Kind, Line, Panel, Panels, Report, Rows, Table, number,
+        Kind, Line, Panel, Panels, Report, Rows, SpaceTime, Table, number,
     },
-    study::{scene_caption, scene_json},
+    study::{scene_caption, scene_json, shown},
 };
 use serde_json::{Value, json};
 
@@ -70,16 +70,35 @@ impl BrightStudy {
         let periods: Vec<_> = self.periods().zip(largest).collect();
         let column = |of: fn(&BrightSample) -> f64| self.periods().map(of).collect::<Vec<_>>();
         let [states, forces] = self.hidden_tables();
-        let shown = profiles
+        let profiles = profiles
             .iter()
             .map(|one| json!({"t": one.t, "u": layout.u(&one.state), "v": layout.v(&one.state).unwrap_or_default()}));
+        let left =
+            self.tenth_left.map_or(String::new(), |t| format!(" A tenth of the energy has left it at t = {t:.1}."));
+        let four = |norms: Norms| norms.all().map(shown).join(", ");
+        let at = |sample: Option<&BrightSample>| sample.map_or("–".to_owned(), |sample| four(sample.norms));
         let how = format!(
-            "Beads and resonators at t = {end:.6}; l₁ distances from the ansatz; share of the energy in the core. {}.",
+            "ε = {}, T = 2π/ω₀ = {:.4}, T ε^(1−α) = {horizon:.3}, T_b = {:.4}. Norms E_u, E_u′, E_v, E_v′ of (diff_u_l1norm), \
+             (diff_v_l1norm) at multiples of T_b; at 30 T_b: {}; at the end: {}; at most {} up to T ε^(1−α). Share of the \
+             energy in the core.{left} {}.",
+            breather.epsilon(),
+            breather.slow_period(),
+            breather.period(),
+            at(self.at(self.shown_time())),
+            at(self.samples.last()),
+            four(self.largest(0.0, horizon)),
             self.setting
         );
+        let periods = samples("periods", &periods)
+            .few(ROWS)
+            .col("e_u_max", Hidden, "largest since the row before", |row| row.1.u)
+            .col("e_udot_max", Hidden, "", |row| row.1.u_dot)
+            .col("e_v_max", Hidden, "", |row| row.1.v)
+            .col("e_vdot_max", Hidden, "", |row| row.1.v_dot)
+            .done();
         let picture = Panels {
             title: format!("Bright breather, ε = {}", breather.epsilon()),
-            columns: self.columns(&norms),
+            columns: self.columns(&periods),
             caption: scene_caption(scene, &how),
         };
         Report::new("breather")
@@ -120,7 +139,7 @@ impl BrightStudy {
             )
             .fact("tenth_left", self.tenth_left)
             .fact("kink", kink)
-            .fact("profiles", shown.collect::<Vec<_>>())
+            .fact("profiles", profiles.collect::<Vec<_>>())
             .fact("mean_forces_first_period", forces_json(&self.first_forces))
             .fact("mean_forces_after_end", forces_json(&self.last_forces))
             .fact("energy_error", self.energy_error)
@@ -129,14 +148,7 @@ impl BrightStudy {
             .fact("scene_file", scene_json(scene))
             .words(self.words())
             .table(norms)
-            .table(
-                samples("periods", &periods)
-                    .few(ROWS)
-                    .col("e_u_max", Hidden, "largest since the row before", |row| row.1.u)
-                    .col("e_udot_max", Hidden, "", |row| row.1.u_dot)
-                    .col("e_v_max", Hidden, "", |row| row.1.v)
-                    .col("e_vdot_max", Hidden, "", |row| row.1.v_dot),
-            )
+            .table(periods)
             .words(self.marks())
             .words(self.fate())
             .table(states)
@@ -241,22 +253,72 @@ impl BrightStudy {
         )
     }
 
-    /// Beads and resonators at the end beside the ansatz; norms and the share of the core in time.
-    fn columns(&self, norms: &Table) -> Vec<Column> {
-        let (layout, last) = (self.scene.chain().layout(), &self.profiles[self.profiles.len() - 1]);
-        let sites = |name: &str, values: Vec<f64>| Line::new(name, (0..).map(f64::from).zip(values));
-        let ansatz = (0..layout.sites()).map(|n| self.breather.site(n, last.t).u).collect();
-        let beads = vec![sites("chain", layout.u(&last.state).to_vec()), sites("ansatz", ansatz)];
-        let resonators = layout.v(&last.state).map(|v| vec![sites("resonators", v.to_vec())]);
+    /// Beads and resonators at the times shown, beside the ansatz at the end; norms over the whole run
+    /// and up to the horizon, and the share of the core.
+    fn columns(&self, periods: &Table) -> Vec<Column> {
+        let layout = self.scene.chain().layout();
+        let sites = |name: String, values: &[f64]| Line::new(&name, (0..).map(f64::from).zip(values.iter().copied()));
+        let at = |t: f64| format!("t = {t:.2}");
+        let mut beads: Vec<Line> = self.profiles.iter().map(|one| sites(at(one.t), layout.u(&one.state))).collect();
+        if let Some(last) = self.profiles.last() {
+            let ansatz: Vec<f64> = (0..layout.sites()).map(|n| self.breather.site(n, last.t).u).collect();
+            beads.push(sites("ansatz there".to_owned(), &ansatz));
+        }
+        let moving = |one: &Shown| layout.v(&one.state).map(|v| sites(at(one.t), v));
+        let resonators: Vec<Line> = self.profiles.iter().filter_map(moving).collect();
         let mut left = vec![Panel::new(Kind::Sites, ["site n", "position uₙ"], beads)];
-        left.extend(resonators.map(|lines| Panel::new(Kind::Sites, ["site n", "position vₙ"], lines)));
-        let distances = [("E_u", "e_u"), ("E_v", "e_v")];
-        let share = [("share of the core", "core_share")];
-        let right = [
-            norms.panel(Kind::Time, ["time t", "distance from the ansatz"], "t", &distances),
-            norms.panel(Kind::Time, ["time t", "share of the energy"], "t", &share),
+        left.extend(
+            Some(resonators)
+                .filter(|lines| !lines.is_empty())
+                .map(|lines| Panel::new(Kind::Sites, ["site n", "position vₙ"], lines)),
+        );
+        let norms = [("E_u", "e_u"), ("E_u′", "e_udot"), ("E_v", "e_v"), ("E_v′", "e_vdot")];
+        let norms = |label| periods.panel(Kind::Time, [label, "rescaled l₁ norm"], "t", &norms);
+        let mut early = norms("time t up to T ε^(1−α)");
+        let within = |point: &(f64, f64)| point.0 <= self.breather.horizon();
+        early.lines.iter_mut().for_each(|line| line.points.retain(within));
+        let share =
+            periods.panel(Kind::Time, ["time t", "share of the energy"], "t", &[("share of the core", "core_share")]);
+        vec![Column::new("", left), Column::new("", [norms("time t"), early, share])]
+    }
+}
+
+impl BrightHistory {
+    /// The report: half of the swing of beads and the mean of resonators, a row for each period.
+    pub fn report(&self) -> Report {
+        let Self { scene, breather, t, swing, v, .. } = self;
+        let sites = breather.sites();
+        let map = |heading: &str, value_label: &str, values: &[f64], signed| {
+            let map = SpaceTime {
+                site_label: "site n".into(),
+                time_label: "time t".into(),
+                value_label: value_label.into(),
+                values: values.to_vec(),
+                sites,
+                times: (t[0], t[t.len() - 1]),
+                signed,
+                ..SpaceTime::default()
+            };
+            Column::new(heading, [map])
+        };
+        let columns = vec![
+            map("beads: amplitude of uₙ", "amplitude of uₙ in a period", swing, false),
+            map("resonators: mean of vₙ", "mean of vₙ in a period", v, true),
         ];
-        vec![Column::new("", left), Column::new("", right)]
+        let how = format!(
+            "ε = {}. A row a period T_b = {:.4}: left half of max uₙ − min uₙ of 32 times in it, right the mean of vₙ, at most \
+             {} in the last period. Theorem: t ≤ T ε^(1−α) = {:.3}. {}.",
+            breather.epsilon(),
+            breather.period(),
+            shown(max_norm(v[v.len() - sites..].iter().copied())),
+            breather.horizon(),
+            self.setting
+        );
+        let title = "Bright breather over space and time".to_owned();
+        Report::new("history")
+            .table(Table::matrix("swing", ("swing", 0), t, swing))
+            .table(Table::matrix("v", ("v", 0), t, v))
+            .picture(Panels { title, columns, caption: scene_caption(scene, &how) })
     }
 }
 

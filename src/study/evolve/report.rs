@@ -5,10 +5,10 @@ use crate::{
     chain::max_norm,
     report::{
         Column,
-        Digits::{Fixed, Hidden, Power},
+        Digits::{Fixed, Power},
         Kind, Panels, Report, SpaceTime, Table,
     },
-    study::params_words,
+    study::{params_words, shown},
 };
 use serde_json::json;
 
@@ -35,13 +35,18 @@ impl Evolution {
         let kick = self.kick.map_or(String::new(), |(kick, lambda)| {
             format!(", kicked by {} of its amplitude along the mode of λ = {lambda:.6}", kick.size)
         });
+        let end = self.times.last().zip(self.e_b.last());
+        let end = end.map_or(String::new(), |(t, e_b)| format!("E_b({t:.0}) = {e_b:.1e}; "));
+        let velocity = |one: &Motion| format!("{} to t = {:.0}", shown(one.velocity), one.window.1);
         let caption = format!(
             "Orbit of ω_b = {}, {}, {} sites{kick}. Colours: largest strain of each period, up to twice that of the orbit; \
-             magenta: above. While rounding errors are small, they grow by a factor of {:.1e} in this run.",
+             magenta: above. {end}while rounding errors are small, they grow by a factor of {:.1e} in this run. Velocity of \
+             the kink in the last three quarters: {}.",
             setting.omega_b,
             params_words(setting.params),
             setting.sites,
             self.amplification,
+            self.motion.iter().map(velocity).collect::<Vec<_>>().join(", "),
         );
         let columns = vec![Column::new("", self.maps()), Column::new("", lines)];
         Report::new("evolution")
@@ -73,7 +78,7 @@ impl Evolution {
 
     /// Return error and position with a row a period; largest strains of beads and of resonators
     /// in time, with a column a site.
-    pub(crate) fn tables(&self) -> [Table; 3] {
+    fn tables(&self) -> [Table; 3] {
         let (sites, span) = (self.orbit.setting.sites, self.swing.span);
         let rows: Vec<usize> = (0..self.times.len()).collect();
         let periods = Table::of("evolution", &rows)
@@ -83,22 +88,16 @@ impl Evolution {
             .col("e_b", Power(6), "largest change of a strain over the largest strain (eq:relerr)", |m| self.e_b[*m])
             .col("position", Fixed(6), "site of the kink", |m| self.position[*m])
             .col("period", Fixed(0), "number of periods from the start", |m| *m);
-        let half = (sites / 2) as i64;
+        let t: Vec<f64> = (0..self.swing.x.len() / sites).map(|row| (row as f64 + 0.5) * span).collect();
         let strains = |symbol: &str, values: &[f64]| {
-            let rows: Vec<_> = values.chunks(sites).enumerate().collect();
-            let middle = |row: &(usize, &[f64])| (row.0 as f64 + 0.5) * span;
-            let mut table = Table::of(format!("evolution-{symbol}"), &rows).key("").col("t", Hidden, "", middle);
-            for (i, n) in (-half..=half).enumerate() {
-                table = table.col(format!("{symbol}_{n}"), Hidden, "", move |row| row.1[i]);
-            }
-            table.done()
+            Table::matrix(format!("evolution-{symbol}"), (symbol, -((sites / 2) as i64)), &t, values)
         };
         [periods.done(), strains("x", &self.swing.x), strains("y", &self.swing.y)]
     }
 
     /// Largest strains over space and time, beads and resonators; the scale of colours ends at
     /// twice the largest of the first row, so that the motion before a break-up stays visible.
-    pub(crate) fn maps(&self) -> [SpaceTime; 2] {
+    fn maps(&self) -> [SpaceTime; 2] {
         let (sites, span) = (self.orbit.setting.sites, self.swing.span);
         let map = |symbol: &str, values: &[f64]| SpaceTime {
             site_label: "site n".into(),

@@ -1,6 +1,6 @@
 //! The reports of exact waves and of their branches.
 
-use super::{BlochGrowth, ExactStudy, WaveBranchStudy};
+use super::{BlochGrowth, BranchWave, ExactStudy, WaveBranchStudy};
 use crate::{
     error::Result,
     number::{of_pi, shown},
@@ -102,7 +102,7 @@ impl ExactStudy {
     }
 
     /// What a picture of the wave shows, with all numbers.
-    pub(crate) fn caption(&self) -> String {
+    fn caption(&self) -> String {
         let wave = &self.wave;
         let fastest = self.spectrum.fastest().map_or("no multiplier grows".to_owned(), |fastest| {
             format!(
@@ -166,7 +166,7 @@ impl ExactStudy {
 
     /// Profiles, and their differences from the ansatz; Fourier coefficients beside the power that
     /// a jump of the contact force's derivatives makes, and growth.
-    pub(crate) fn columns(&self) -> Vec<Column> {
+    fn columns(&self) -> Vec<Column> {
         let [profile, fourier, growth, _] = self.tables();
         let over = |label: &str, lines: &[(&str, &str)]| {
             filled(profile.panel(Kind::Time, ["phase φ/π", label], "phi_over_pi", lines))
@@ -254,8 +254,15 @@ impl WaveBranchStudy {
     /// The report.
     pub fn report(&self) -> Report {
         let params = self.waves.first().map_or(String::new(), |one| params_words(one.wave.setting.params));
+        let fast = |one: &&BranchWave| {
+            one.spectrum.fastest().is_some_and(|fastest| fastest.growth > 2.0 * one.modulation.unwrap_or(0.0))
+        };
+        let grows = self.waves.iter().find(fast).map_or("Growth is near that of DpS".to_owned(), |one| {
+            let (omega_tw, amplitude) = (one.wave.setting.omega_tw, shown(one.wave.amplitude()));
+            format!("Growth is more than twice that of DpS from ω_tw = {omega_tw:.5}, amplitude {amplitude}, on")
+        });
         let about = format!(
-            "{params} at the first wave, N = {}. {} waves; the branch ends because {}.",
+            "{params} at the first wave, N = {}. {} waves; the branch ends because {}. {grows}.",
             self.sites,
             self.waves.len(),
             self.end.words()
@@ -302,7 +309,7 @@ impl WaveBranchStudy {
     }
 
     /// Amplitude, and largest growth beside that of the modulation equations.
-    pub(crate) fn panels(&self) -> Vec<Panel> {
+    fn panels(&self) -> Vec<Panel> {
         let (symbol, table) = (self.continuation.parameter.symbol(), self.table());
         let panel = |kind, label, lines: &[(&str, &str)]| table.panel(kind, [symbol, label], "parameter", lines);
         let mut growth = panel(Kind::LogParameter, "largest growth", &[("exact", "growth"), ("DpS", "modulation")]);

@@ -1,17 +1,20 @@
 //! The report of the map of lifetimes.
 
-use super::{Criterion, Life, LifetimePoint, LifetimeStudy, PowerLaw};
+use super::{Criterion, Fate, Life, LifetimePoint, LifetimeStudy, PowerLaw};
 use crate::{
     output::to_json,
     report::{
         CellMap,
         Digits::{Fixed, Hidden, Power, Short},
-        Maps, Report, Table,
+        Line, Maps, Report, Table,
     },
-    study::{dps::center_word, word},
+    study::{RhoLaw, dps::center_word, word},
     sweep::STOPPED,
 };
 use serde_json::{Value, json};
+
+/// Values of `x = rho epsilon^(2(alpha-1))` with a line on the maps.
+const CONTOURS: [f64; 4] = [0.1, 1.0, 10.0, 100.0];
 
 /// The table of the points, with their lifetimes by a criterion and by all three.
 pub(super) fn points(points: &[LifetimePoint], criterion: Criterion) -> Table {
@@ -83,11 +86,6 @@ fn fit_words(fit: Option<PowerLaw>) -> String {
 }
 
 impl LifetimeStudy {
-    /// The table of the points.
-    pub(crate) fn table(&self) -> Table {
-        points(&self.points, self.options.criterion)
-    }
-
     /// The report. Its files have the same bytes whether points were resumed or not, and on any
     /// number of cores.
     pub fn report(&self) -> Report {
@@ -110,7 +108,7 @@ impl LifetimeStudy {
             .fact("criterion", options.criterion)
             .fact("epsilons", &options.epsilons)
             .fact("rhos", &options.rhos)
-            .table(self.table())
+            .table(points(&self.points, options.criterion))
             .words(
                 "radiates: the core fell below 0.9 of the energy while contact was at least 1/3. decouples: contact fell \
                  below 1/3 before that; gaps open, each site oscillates on its own, and the energy stays.",
@@ -132,7 +130,8 @@ impl LifetimeStudy {
             .words(format!("{computed} points computed, {resumed} resumed, {wall:.1} s"))
     }
 
-    /// Lifetimes over mass ratio and size, each with its number and the first letter of its fate.
+    /// Lifetimes over size and mass ratio, and the same over the time scale of the theorem; in each
+    /// cell its number, and `>` where the run ended before.
     fn picture(&self) -> Maps {
         let options = &self.options;
         let ascending = |values: &[f64]| {
@@ -140,28 +139,59 @@ impl LifetimeStudy {
             values.sort_by(f64::total_cmp);
             values
         };
-        let (x, y) = (ascending(&options.rhos), ascending(&options.epsilons));
-        let (mut values, mut notes) = (Vec::new(), Vec::new());
-        for epsilon in &y {
-            for rho in &x {
-                let point = self.points.iter().find(|point| (point.epsilon, point.rho) == (*epsilon, *rho));
-                let known = point.and_then(|point| lifetime(point, options.criterion));
-                let seen = known.or(point.and_then(|point| not_before(point, options.criterion)));
-                values.push(seen.unwrap_or(0.0));
-                let letter = point.and_then(|point| fate(point).chars().next()).unwrap_or_default();
-                let relation = if known.is_some() { "" } else { "> " };
-                notes.push(seen.map_or_else(String::new, |seen| format!("{relation}{seen:.1} {letter}")));
+        let (x, y) = (ascending(&options.epsilons), ascending(&options.rhos));
+        let point =
+            |rho: f64, epsilon: f64| self.points.iter().find(move |point| (point.epsilon, point.rho) == (epsilon, rho));
+        let cells: Vec<_> = y.iter().flat_map(|&rho| x.iter().map(move |&epsilon| (rho, epsilon))).collect();
+        let cells: Vec<Option<&LifetimePoint>> = cells.into_iter().map(|(rho, epsilon)| point(rho, epsilon)).collect();
+        let known = |point: &LifetimePoint| lifetime(point, options.criterion);
+        let seen = |point: &LifetimePoint| known(point).or(not_before(point, options.criterion));
+        let note = |point: &LifetimePoint, time: f64| {
+            let digits = if time < 10.0 { 2 } else { usize::from(time < 100.0) };
+            format!("{}{time:.digits$}", if known(point).is_none() { "> " } else { "" })
+        };
+        let decoupled = |point: &LifetimePoint| point.life.as_ref().is_ok_and(|life| life.fate == Fate::Decouples);
+        let longer = |point: &LifetimePoint| !decoupled(point) && not_before(point, options.criterion).is_some();
+        let which = |name: &str, wanted: &dyn Fn(&LifetimePoint) -> bool| {
+            let those = (0..cells.len()).filter(|&k| cells[k].is_some_and(wanted));
+            (name.to_owned(), those.collect())
+        };
+        let apart = vec![which("longer than the run", &longer), which("gaps open: no breather", &decoupled)];
+        let (first, last) = (x[0] / 3_f64.sqrt(), x[x.len() - 1] * 3_f64.sqrt());
+        let contour = |value: f64| {
+            let sizes = (0..=400).map(|k| first * (last / first).powf(f64::from(k) / 400.0));
+            let heavy = |epsilon: f64| (epsilon, value * RhoLaw::Heavy.rho(options.alpha, epsilon));
+            Line::new(&format!("x = {value}"), sizes.map(heavy))
+        };
+        let map = |label: &str, scale: fn(&LifetimePoint) -> f64| {
+            let scaled = |point: &LifetimePoint| seen(point).map(|time| time / scale(point));
+            CellMap {
+                labels: ["size ε", "mass ratio ρ", label].map(str::to_owned),
+                values: cells.iter().map(|point| point.and_then(scaled).unwrap_or(f64::NAN)).collect(),
+                notes: cells
+                    .iter()
+                    .map(|point| {
+                        point.and_then(|point| Some(note(point, scaled(point)?))).unwrap_or("failed".to_owned())
+                    })
+                    .collect(),
+                lines: CONTOURS.map(contour).into(),
+                apart: apart.clone(),
+                x: x.clone(),
+                y: y.clone(),
             }
-        }
-        let labels = ["mass ratio ρ", "size ε", "lifetime, or how long it was followed"].map(str::to_owned);
+        };
+        let maps = vec![map("lifetime", |_| 1.0), map("lifetime / (T ε^(1−α))", |point| point.horizon)];
+        let (criterion, meaning) = criterion_words(options.criterion);
         let caption = format!(
-            "Bright breathers u(0) = 2εa about a {}, α = {}; lifetime by {}. In cells: the lifetime, > where the run ended \
-             before; r: radiates, d: decouples, p: persists.",
+            "Bright breathers u(0) = 2εa about a {}, at rest, α = {}, κ = 1; lifetime by {criterion}: {meaning}. Followed to \
+             t = {}; >: it is more. No breather: gaps have opened between the central sites, and what lives on is beads that \
+             oscillate alone. Lines: x = ρ ε^(2(α−1)), which the theorem wants bounded from below. {}, tol {:e}.",
             center_word(options.center),
             options.alpha,
-            criterion_words(options.criterion).0,
+            options.until.map_or("25 T ε^(1−α)".to_owned(), |until| until.to_string()),
+            options.solver.method.name(),
+            options.solver.tol,
         );
-        let map = CellMap { labels, x, y, values, notes, ..CellMap::default() };
-        Maps { title: "Lifetimes of bright breathers".to_owned(), maps: vec![map], caption }
+        Maps { title: "Lifetimes of bright breathers".to_owned(), maps, caption }
     }
 }

@@ -110,7 +110,7 @@ impl StabilityStudy {
     }
 
     /// The picture, with a caption.
-    pub(crate) fn figure(&self, caption: String) -> Growth {
+    fn figure(&self, caption: String) -> Growth {
         let (options, modulation) = (&self.options, &self.modulation);
         let points = (0..=POINTS).map(|k| k as f64 / POINTS as f64).map(|p| (p, modulation.growth(PI * p)));
         let measured = |rates: &Rates| {
@@ -138,7 +138,7 @@ impl StabilityStudy {
     }
 
     /// The caption of the picture.
-    pub(crate) fn caption(&self) -> String {
+    fn caption(&self) -> String {
         let (options, modulation) = (&self.options, &self.modulation);
         let (params, Shape { q, a, b, .. }) = (options.params, options.shape);
         format!(

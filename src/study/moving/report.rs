@@ -80,7 +80,7 @@ impl MovingStudy {
     }
 
     /// What the picture shows, with all numbers.
-    pub(crate) fn caption(&self) -> String {
+    fn caption(&self) -> String {
         let residual = self.points.iter().map(|point| point.orbit.residual).fold(0.0, f64::max);
         format!(
             "{}, N = {}: {} moving breathers, largest residual {residual:.0e}. {}",
@@ -93,7 +93,7 @@ impl MovingStudy {
 
     /// Local amplitudes of the slowest and of the fastest breather; tails and depths over
     /// velocities, a line for each frequency, or over frequencies where all have the same turns.
-    pub(crate) fn columns(&self) -> Vec<Column> {
+    fn columns(&self) -> Vec<Column> {
         let middle = (self.options.sites / 2) as f64;
         let velocity = |point: &MovingPoint| point.orbit.breather.velocity();
         let by_velocity = |a: &&MovingPoint, b: &&MovingPoint| velocity(a).total_cmp(&velocity(b));

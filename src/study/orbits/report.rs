@@ -128,14 +128,15 @@ impl OrbitStudy {
             let points = (-half..=half).map(|n| n as f64).zip(values.iter().copied());
             Panel::new(report::Kind::Sites, ["site n", label], vec![Line::new(label, points)])
         };
-        let marks = |name: &str, kinds: &[Kind]| {
-            let all = self.spectrum.multipliers.iter().filter(|one| kinds.contains(&one.kind));
+        let marks = |name: &str, kind: Kind| {
+            let all = self.spectrum.multipliers.iter().filter(|one| one.kind == kind);
             Line::new(name, all.map(|one| (one.re, one.im)))
         };
         let kinds = vec![
-            marks("on the circle", &[Kind::Circle]),
-            marks("real", &[Kind::Real, Kind::Negative]),
-            marks("quartet", &[Kind::Quartet]),
+            marks("on the circle", Kind::Circle),
+            marks("real", Kind::Real),
+            marks("negative", Kind::Negative),
+            marks("quartet", Kind::Quartet),
         ];
         let plane = Panel::new(report::Kind::Plane, ["Re λ", "Im λ"], kinds);
         let caption = format!(

@@ -13,7 +13,7 @@ const QUANTITIES: [&str; 3] = ["u", "v", "vdot"];
 impl TheoremStudy {
     /// A row for each size and norm: the suprema over time, and the same over the powers of
     /// `epsilon`.
-    pub(crate) fn table(&self) -> Table {
+    fn table(&self) -> Table {
         let rows: Vec<(&TheoremRun, Norm)> =
             self.runs.iter().flat_map(|run| Norm::ALL.map(|norm| (run, norm))).collect();
         let [first, _, second] = self.powers();
@@ -140,6 +140,14 @@ impl TheoremStudy {
         }
     }
 
+    /// The slopes of the norm that is drawn first, and the verdict.
+    pub(crate) fn slopes_in_words(&self) -> String {
+        let slopes = self.slopes.iter().filter(|slope| slope.norm == Norm::One);
+        let slopes = slopes.filter_map(|slope| slope.local.last()).map(|slope| format!("{slope:.3}"));
+        let slopes = slopes.collect::<Vec<_>>().join(", ").replace('-', "−");
+        format!("Slopes in l₁ of the errors over the two smallest sizes: {slopes}, {}.", self.verdict().word())
+    }
+
     /// Suprema over their powers of `epsilon` against `epsilon`, a panel for each error that there
     /// is: bounded as the theorem says where they do not grow to the left.
     fn picture(&self) -> Panels {
@@ -157,14 +165,16 @@ impl TheoremStudy {
         let seen = |panel: &Panel| panel.lines.iter().flat_map(|line| &line.points).any(|point| point.1 > 0.0);
         let caption = format!(
             "Suprema over 0 ≤ t ≤ Tε^(1−α) of the errors (estimu), (estimv), over the powers of ε that bound them. α = {}, \
-             T = {}, ρ: {}, A(0): {}, C_i = {}, {} sites. {}.",
+             κ = 1, T = {}, ρ: {}, A(0): {}, C_i = {}, {} sites; tolerance {:e} ε^(α−1), {} samples a period. {}",
             options.alpha,
             options.horizon,
             options.rho_law.name(),
             options.initial.name(),
             options.c_i,
             self.sites,
-            self.verdict().word(),
+            options.accuracy,
+            options.sampling.points,
+            self.slopes_in_words(),
         );
         Panels::column("Theorem 1: errors of the DpS equation", (0..3).map(panel).filter(seen).collect(), caption)
     }

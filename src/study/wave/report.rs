@@ -2,10 +2,11 @@
 
 use super::{Ensemble, Envelopes, Errors, Member, Spread, Strains, WaveStudy};
 use crate::{
+    number::{of_pi, shown},
     report::{
-        Column,
+        Band, Column,
         Digits::{Fixed, Hidden, Power, Short},
-        Kind, Panels, Report, Table,
+        Inset, Kind, Panel, Panels, Report, Table,
     },
     study::{scene_caption, scene_json},
 };
@@ -110,7 +111,7 @@ impl WaveStudy {
 
     /// Errors in time and strains at the end by site; with a perturbation also envelopes, a row for
     /// each seed, and the spread over them in time.
-    pub(crate) fn tables(&self) -> Vec<Table> {
+    fn tables(&self) -> Vec<Table> {
         let run = self.perturbed.as_ref();
         let errors = errors(&self.t, &self.errors, run.map(|run| [&run.errors, &run.difference]));
         let profile = profile(&self.strains, &self.ansatz, run.map(|run| [&run.strains, &run.ansatz]));
@@ -123,28 +124,95 @@ impl WaveStudy {
         [errors, profile].into_iter().chain(envelope).chain(ensemble).collect()
     }
 
-    /// Strains at the end beside the ansatz, and errors in time.
+    /// Strains at the end beside the ansatz, and errors in time: of the wave; of the perturbed one;
+    /// and of several seeds.
     fn picture(&self) -> Panels {
         let tables = self.tables();
-        let strains = |label, x, ansatz| {
-            tables[1].panel(Kind::Sites, ["site n", label], "n", &[("chain", x), ("ansatz", ansatz)])
+        let profiles = |[x, x_ansatz, y, y_ansatz]: [&str; 4]| {
+            [("strain xₙ", x, x_ansatz), ("strain yₙ", y, y_ansatz)].map(|(label, strain, ansatz)| {
+                tables[1].panel(Kind::Sites, ["site n", label], "n", &[("chain", strain), ("ansatz", ansatz)])
+            })
         };
         let in_time = |kind, label, lines: &[(&str, &str)]| tables[0].panel(kind, ["time t", label], "t", lines);
-        let profiles = [strains("strain xₙ", "x", "x_ansatz"), strains("strain yₙ", "y", "y_ansatz")];
-        let mut errors = vec![in_time(Kind::Time, "error over amplitude", &[("E_x", "e_x"), ("E_y", "e_y")])];
-        errors.extend(self.perturbed.as_ref().map(|_| {
-            let lines = [("Ẽ_x", "tilde_e_x"), ("Ẽ_y", "tilde_e_y")];
-            in_time(Kind::LogTime, "perturbed − unperturbed", &lines)
-        }));
-        let how = format!(
-            "Unperturbed wave at t = {:.6} beside its first-order ansatz (eq:xytw_app), and largest distances from it in \
-             time (eq:relerr_tw). {}.",
-            self.scene.end(),
-            self.setting
-        );
-        let columns = vec![Column::new("", profiles), Column::new("", errors)];
+        let own = profiles(["x", "x_ansatz", "y", "y_ansatz"]);
+        let mut errors = in_time(Kind::Time, "error over amplitude", &[("E_x", "e_x"), ("E_y", "e_y")]);
+        let small = 5.0 * largest(&self.errors.x) < largest(&self.errors.y);
+        errors.inset = small.then(|| Inset { label: "E_x".to_owned(), line: 0 });
+        let columns = match &self.perturbed {
+            None => vec![Column::new("", own), Column::new("", [errors])],
+            Some(run) => {
+                let lines = [("Ẽ_x", "tilde_e_x"), ("Ẽ_y", "tilde_e_y")];
+                let difference = in_time(Kind::LogTime, "perturbed − unperturbed", &lines);
+                let perturbed = profiles(["x_perturbed", "x_perturbed_ansatz", "y_perturbed", "y_perturbed_ansatz"]);
+                let name = format!("perturbed, ζ = {}, seed {}", run.wave.zeta(), run.wave.seed());
+                let several = self.ensemble.iter().map(|all| all.members.len()).filter(|seeds| *seeds > 1);
+                let several = several.map(|seeds| {
+                    let names = [format!("seed {}", run.wave.seed()), format!("range of {seeds} seeds")];
+                    Column::new("", ["x", "y"].map(|symbol| self.over_seeds(&tables, symbol, &names)))
+                });
+                let own = Column::new("unperturbed", own.into_iter().chain([errors]));
+                let perturbed = Column::new(name, perturbed.into_iter().chain([difference]));
+                [own, perturbed].into_iter().chain(several).collect()
+            }
+        };
         let title = format!("{}: chain and ansatz", self.scene.name());
-        Panels { title, columns, caption: scene_caption(&self.scene, &how) }
+        Panels { title, columns, caption: scene_caption(&self.scene, &self.caption()) }
+    }
+
+    /// `tilde E` of the wave that is shown, with median and range over the seeds, at multiples of the
+    /// period: in between they oscillate.
+    fn over_seeds(&self, tables: &[Table], symbol: &str, [own, range]: &[String; 2]) -> Panel {
+        let period = self.scene.period();
+        let line = |table: &Table, name: &str, column: &str| {
+            let mut line = table.line(name, ["t", column]);
+            line.points.retain(|(t, _)| (t / period - (t / period).round()).abs() < 1e-6);
+            line
+        };
+        let spread = |name: &str| line(&tables[tables.len() - 1], name, &format!("{symbol}_{name}"));
+        let points = spread("low").points.into_iter().zip(spread("high").points);
+        let points = points.map(|((t, low), (_, high))| (t, low, high)).collect();
+        let lines = vec![line(&tables[0], own, &format!("tilde_e_{symbol}")), spread("median")];
+        let labels = ["time t", &format!("Ẽ_{symbol} at multiples of T_tw")];
+        Panel { bands: vec![Band { name: range.clone(), points }], ..Panel::new(Kind::Time, labels, lines) }
+    }
+
+    /// What the picture shows, with all numbers.
+    fn caption(&self) -> String {
+        let (wave, shape) = (&self.wave, self.wave.shape());
+        let ends = |errors: &Errors| {
+            let [x, y, most_x, most_y] =
+                [last(&errors.x), last(&errors.y), largest(&errors.x), largest(&errors.y)].map(shown);
+            format!("{x} and {y} at the end, at most {most_x} and {most_y}")
+        };
+        let perturbed = self.perturbed.as_ref().map_or(String::new(), |run| {
+            format!(
+                " Perturbed (eq:dA0_ptb) against its own ansatz (eq:xy_app): {}; against the unperturbed wave, Ẽ_x and Ẽ_y \
+                 (eq:relerr_twPtd): {}.",
+                ends(&run.errors),
+                ends(&run.difference)
+            )
+        });
+        let growth = self.ensemble.as_ref().and_then(|all| all.spread(|member| member.growth_x));
+        let growth = growth.map_or(String::new(), |growth| {
+            let [median, low, high] = [growth.median, growth.low, growth.high].map(shown);
+            format!(
+                " Growth of Ẽ_x, largest of the last period over that of the first: median {median}, {low} to {high}."
+            )
+        });
+        format!(
+            "q = {}, a = {}, b = {}, ε = {}, ω_tw = {}, ω = {}, t = {} = {} T_tw. Chain against ansatz (eq:xytw_app), E_x and \
+             E_y over the amplitude (eq:relerr_tw): {}.{perturbed}{growth} {}.",
+            of_pi(shape.q),
+            shape.a,
+            shape.b,
+            shown(wave.epsilon()),
+            format_args!("{:.6}", wave.omega_tw()),
+            format_args!("{:.6}", wave.params().omega()),
+            shown(self.scene.end()),
+            shown(self.scene.end() / self.scene.period()),
+            ends(&self.errors),
+            self.setting
+        )
     }
 }
 
