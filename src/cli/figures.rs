@@ -9,15 +9,20 @@ use crate::{
     error::{Error, Result},
     interrupt,
     output::{Folder, to_json},
-    paper::{Drawn, FIGURES, Figure, figures_report},
+    paper::{FIGURES, Figure},
+    report::{
+        Digits::{Fixed, Json, Short},
+        Report, Table,
+    },
     sweep::{Engine, Grid, InTurn, Row, STOPPED},
 };
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use indicatif::ProgressBar;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 use std::{
     sync::atomic::{AtomicU64, Ordering},
-    time::{Duration, Instant},
+    time::Instant,
 };
 
 const STORE: &str = "figures.store";
@@ -30,8 +35,11 @@ struct Point {
     formats: Vec<&'static str>,
 }
 
+/// A figure, and what was made of it or why nothing was.
+type Drawn = (&'static Figure, Row<Made>);
+
 /// A finished figure.
-#[derive(Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Made {
     caption: String,
     files: Vec<Kept>,
@@ -42,7 +50,7 @@ struct Made {
 type Make<'a> = dyn Fn(&Figure, &FiguresArgs, &(dyn Fn(f64) + Sync)) -> Result<Made> + Sync + 'a;
 
 /// A file of a figure: its name and what is in it.
-#[derive(Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Kept {
     name: String,
     #[serde(flatten)]
@@ -50,7 +58,7 @@ struct Kept {
 }
 
 /// Bytes as they stand in JSON.
-#[derive(Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Content {
     Text(String),
@@ -170,14 +178,39 @@ impl Kept {
     }
 }
 
-/// A figure whose files are in the folder.
+/// A figure whose files are in the folder; what is in them is dropped.
 fn brought(figure: &'static Figure, row: Row<Made>, folder: Option<&Folder>) -> Drawn {
-    let wall = row.as_ref().ok().map(|made| Duration::from_secs_f64(made.wall_s));
-    let outcome = row.and_then(|made| {
+    let row = row.and_then(|mut made| {
         folder.map_or(Ok(()), |folder| written(figure, &made, folder)).map_err(|error| error.to_string())?;
-        Ok((made.caption, made.files.into_iter().map(|file| file.name).collect()))
+        made.files.iter_mut().for_each(|file| file.content = Content::Text(String::new()));
+        Ok(made)
     });
-    Drawn { figure, outcome, wall }
+    (figure, row)
+}
+
+/// What was drawn, a row for each figure. The wall time is that of the run that made the figure.
+fn figures_report(drawn: &[Drawn]) -> Report {
+    let files = |one: &Drawn| -> Vec<String> {
+        one.1.iter().flat_map(|made| &made.files).map(|file| file.name.clone()).collect()
+    };
+    let outcome = |(_, row): &Drawn| match row {
+        Ok(_) => "ok",
+        Err(why) if why == STOPPED => "missing",
+        Err(_) => "FAILED",
+    };
+    let table = Table::of("figures", drawn)
+        .key("figures")
+        .col("name", Short, "", |one| one.0.name)
+        .head("figure")
+        .col("outcome", Short, "", outcome)
+        .col("wall_s", Fixed(2), "", |one| one.1.as_ref().ok().map(|made| made.wall_s))
+        .head("wall (s)")
+        .col("source", Short, "", |one| one.0.source)
+        .col("title", Short, "", |one| one.0.title)
+        .col("files", Json, "", |one| json!(files(one)))
+        .col("caption", Json, "", |one| one.1.as_ref().ok().map(|made| made.caption.clone()))
+        .col("failure", Json, "", |one| one.1.as_ref().err().cloned());
+    Report::new("figures").table(table)
 }
 
 /// Writes the files of a figure, unless they are there with the same bytes, and removes its picture
@@ -204,8 +237,8 @@ fn told(drawn: &[Drawn], resumed: usize, args: &FiguresArgs, folder: &Folder) ->
     let report = figures_report(drawn);
     let printed = print(&if args.json { to_json(&report.json()) + "\n" } else { report.text() });
     let (mut code, mut missing) = (DONE, 0);
-    for Drawn { figure, outcome, .. } in drawn {
-        match outcome {
+    for (figure, row) in drawn {
+        match row {
             Err(why) if why == STOPPED => missing += 1,
             Err(why) => {
                 say(&format!("error: figure {}: {why}", figure.name));
@@ -263,10 +296,10 @@ mod tests {
             let (drawn, before) = sweep(&chosen, &args, &engine, &ProgressBar::hidden(), &make).unwrap();
             assert_eq!(before, resumed);
             let [panicked, failed, done] = &drawn[..] else { panic!("{drawn:?}") };
-            assert_eq!(panicked.outcome, Err("panicked: on purpose".to_owned()));
-            assert!(failed.outcome.as_ref().is_err_and(|why| why.contains("size = 7")) && failed.wall.is_none());
-            assert_eq!(done.outcome, Ok(("exact-wave".to_owned(), vec!["exact-wave.csv".to_owned()])));
-            assert_eq!(done.wall, Some(Duration::from_millis(1500)));
+            assert_eq!(panicked.1.as_ref().unwrap_err(), "panicked: on purpose");
+            assert!(failed.1.as_ref().is_err_and(|why| why.contains("size = 7")));
+            let Made { caption, files, wall_s } = done.1.as_ref().unwrap();
+            assert_eq!((caption.as_str(), &*files[0].name, *wall_s), ("exact-wave", "exact-wave.csv", 1.5));
             assert_eq!(std::fs::read(folder.path().join("exact-wave.csv")).unwrap(), [0xff, 0x00, 0xfe]);
             assert_eq!(told(&drawn, before, &args, &folder).unwrap(), FAILED);
             let report = figures_report(&drawn);
@@ -289,8 +322,8 @@ mod tests {
         std::fs::create_dir_all(folder.path().join("homoclinics.csv/in the way")).unwrap();
         let make = |figure: &Figure, _: &FiguresArgs, _: &(dyn Fn(f64) + Sync)| Ok(small(figure.name));
         let (drawn, _) = sweep(&chosen, &args, &engine, &ProgressBar::hidden(), &make).unwrap();
-        assert!(drawn[0].outcome.as_ref().is_err_and(|why| why.contains("homoclinics.csv")), "{drawn:?}");
-        assert!(drawn[1].outcome.is_ok() && folder.path().join("exact-wave.csv").is_file(), "{drawn:?}");
+        assert!(drawn[0].1.as_ref().is_err_and(|why| why.contains("homoclinics.csv")), "{drawn:?}");
+        assert!(drawn[1].1.is_ok() && folder.path().join("exact-wave.csv").is_file(), "{drawn:?}");
         assert_eq!(told(&drawn, 0, &args, &folder).unwrap(), FAILED);
     }
 }

@@ -13,7 +13,6 @@ mod scenes;
 mod shell;
 mod signals;
 mod terminal;
-mod verify;
 
 use crate::{
     error::{Error, Result},
@@ -202,7 +201,7 @@ fn run_command(command: &Command) -> Exit {
         },
         Command::Paper(args) => match &args.action {
             PaperAction::Figures(args) => figures::main(args),
-            PaperAction::Verify(args) => verify::main(args),
+            PaperAction::Verify(study) => study.run(),
             PaperAction::Report(args) => report::main(args),
         },
         Command::Shell(args) => shell::main(args),

@@ -4,18 +4,16 @@ use super::{DONE, Exit, FAILED, args::ReportArgs, print, progress_bar, say};
 use crate::{
     error::{Error, Result},
     interrupt,
-    output::Folder,
+    output::{Folder, to_json},
     paper::{FIGURES, Figure, verify, verify_report},
-    present::{Block, Page, Section},
-    report,
+    present::{Page, Section, Shown},
+    report::Report,
     scene::Scene,
     study::{
         ChartOptions, CompareOptions, OrderOptions, Problem, RhoLaw, TheoremOptions, charts, compare, order, theorem,
     },
     sweep::Engine,
 };
-#[cfg(feature = "plot")]
-use crate::{figures::Format, study::Drawing};
 use std::time::Instant;
 
 /// Callback that receives the share of a part that is done, from 0 to 1.
@@ -28,7 +26,7 @@ struct Part {
     shows: &'static str,
     /// Approximate run time relative to the other parts, for the progress bar.
     share: f64,
-    blocks: fn(Tell<'_>) -> Result<Vec<Block>>,
+    make: fn(Tell<'_>) -> Result<Vec<Report>>,
 }
 
 const PARTS: &[Part] = &[
@@ -37,42 +35,42 @@ const PARTS: &[Part] = &[
         title: "Error against run time",
         shows: "Which integrator buys which error for which run time, on the first run of the paper (scene tw-q15).",
         share: 0.15,
-        blocks: comparison,
+        make: comparison,
     },
     Part {
         name: "order",
         title: "Order through contacts",
         shows: "What contacts do to the order of every method, and which methods keep theirs.",
         share: 0.1,
-        blocks: orders,
+        make: orders,
     },
     Part {
         name: "theorem",
         title: "Theorem 1",
         shows: "The errors of the DpS equation over their powers of ε stay bounded where resonators are as heavy as the theorem asks, and not where they are lighter.",
         share: 0.05,
-        blocks: theorems,
+        make: theorems,
     },
     Part {
         name: "stability",
         title: "Stiff and extreme cases",
         shows: "Where every integrator is stable, drifts or is lost, and which step it needs: light resonators, stiff contacts and springs, other exponents, long chains and runs.",
         share: 0.15,
-        blocks: stability,
+        make: stability,
     },
     Part {
         name: "verify",
         title: "The numbers of the paper",
         shows: "Every number and statement of the paper's text against ours, each with its verdict.",
         share: 0.1,
-        blocks: verdicts,
+        make: verdicts,
     },
     Part {
         name: "figures",
         title: "The figures of the paper",
         shows: "All figures of the paper, and some that it has not, made anew.",
         share: 0.6,
-        blocks: figures,
+        make: figures,
     },
 ];
 
@@ -108,9 +106,10 @@ pub(super) fn main(args: &ReportArgs) -> Exit {
         folder.write("report.html", page.html().as_bytes())?;
     }
     bar.finish_and_clear();
-    let json = page.json() + "\n";
+    let report = page.report();
+    let json = to_json(&report.json()) + "\n";
     folder.write("report.json", json.as_bytes())?;
-    let printed = print(&if args.json { json } else { page.table() });
+    let printed = print(&if args.json { json } else { report.text() });
     say(&format!("written to {}", folder.path().join("report.html").display()));
     let mut code = DONE;
     for section in &page.sections {
@@ -132,43 +131,42 @@ fn chosen(only: &[String]) -> Result<Vec<&'static Part>> {
 }
 
 impl Part {
-    /// The section of this part on the page. A failure becomes a block of the section and does not
+    /// The section of this part on the page. A failure becomes a result of the section and does not
     /// stop other parts.
     fn section(&self, tell: Tell<'_>) -> Section {
         let clock = Instant::now();
-        let blocks = (self.blocks)(tell).unwrap_or_else(|error| vec![Block::Failure(error.to_string())]);
+        let results = match (self.make)(tell) {
+            Ok(reports) => {
+                reports.into_iter().map(|report| Shown::new(report).map_err(|error| error.to_string())).collect()
+            }
+            Err(error) => vec![Err(error.to_string())],
+        };
         let (name, title, shows) = (self.name, self.title, self.shows.to_owned());
-        Section { name, title, shows, blocks, wall: clock.elapsed() }
+        Section { name, title, shows, results, wall: clock.elapsed() }
     }
 }
 
-fn comparison(tell: Tell<'_>) -> Result<Vec<Block>> {
+fn comparison(tell: Tell<'_>) -> Result<Vec<Report>> {
     let scene = Scene::load("tw-q15")?;
     let options = CompareOptions { integrators: vec!["all".to_owned()], max_time: SHORT };
-    told(&compare(&scene, &options, &|share, _| tell(share))?.report())
+    Ok(vec![compare(&scene, &options, &|share, _| tell(share))?.report()])
 }
 
-fn orders(tell: Tell<'_>) -> Result<Vec<Block>> {
-    told(
-        &order(&OrderOptions { alpha: 1.5, beads: 6, integrators: vec![] }, &Engine::threads(), &|share, _| {
-            tell(share)
-        })?
-        .report(),
-    )
+fn orders(tell: Tell<'_>) -> Result<Vec<Report>> {
+    let options = OrderOptions { alpha: 1.5, beads: 6, integrators: vec![] };
+    Ok(vec![order(&options, &Engine::threads(), &|share, _| tell(share))?.report()])
 }
 
-fn theorems(tell: Tell<'_>) -> Result<Vec<Block>> {
+fn theorems(tell: Tell<'_>) -> Result<Vec<Report>> {
     let laws = [RhoLaw::Heavy, RhoLaw::Light];
-    let blocks = |(k, rho_law): (usize, RhoLaw)| {
+    let report = |(k, rho_law): (usize, RhoLaw)| {
         let options = TheoremOptions { rho_law, epsilons: EPSILONS.to_vec(), ..TheoremOptions::default() };
-        let study = theorem(&options, &Engine::threads(), &|share, _| tell((k as f64 + share) / laws.len() as f64))?;
-        told(&study.report())
+        Ok(theorem(&options, &Engine::threads(), &|share, _| tell((k as f64 + share) / laws.len() as f64))?.report())
     };
-    let laws: Vec<Vec<Block>> = laws.into_iter().enumerate().map(blocks).collect::<Result<_>>()?;
-    Ok(laws.concat())
+    laws.into_iter().enumerate().map(report).collect()
 }
 
-fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
+fn stability(tell: Tell<'_>) -> Result<Vec<Report>> {
     let options = ChartOptions {
         charts: Vec::new(),
         integrators: Vec::new(),
@@ -177,41 +175,18 @@ fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
         work: WORK,
         quick: true,
     };
-    told(&charts(&Problem::built_in(), &options, &Engine::threads(), &|share, _| tell(share))?.report())
+    let study = charts(&Problem::built_in(), &options, &Engine::threads(), &|share, _| tell(share))?;
+    Ok(vec![study.report()])
 }
 
-fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {
-    let verification = verify(None, &Engine::threads(), &|share, _| tell(share))?;
-    let unexpected: Vec<&str> = verification.unexpected().map(|item| item.claim.id.as_str()).collect();
-    let mut blocks = told(&verify_report(&verification))?;
-    if !unexpected.is_empty() {
-        blocks.push(Block::Failure(format!("not as known: {}", unexpected.join(", "))));
-    }
-    Ok(blocks)
+fn verdicts(tell: Tell<'_>) -> Result<Vec<Report>> {
+    Ok(vec![verify_report(&verify(None, &Engine::threads(), &|share, _| tell(share))?)])
 }
 
-fn figures(tell: Tell<'_>) -> Result<Vec<Block>> {
-    let blocks = |(k, figure): (usize, &'static Figure)| {
+fn figures(tell: Tell<'_>) -> Result<Vec<Report>> {
+    let report = |(k, figure): (usize, &'static Figure)| {
         let made = figure.report(&|share| tell((k as f64 + share) / FIGURES.len() as f64));
-        let made = made.and_then(|report| told(&report));
-        made.unwrap_or_else(|error| vec![Block::Failure(format!("{}: {error}", figure.name))])
+        made.unwrap_or_else(|why| Report::new(figure.name).failure(Some(format!("{}: {why}", figure.name))))
     };
-    Ok(FIGURES.iter().enumerate().flat_map(blocks).collect())
-}
-
-/// Pictures, text and numbers of a study.
-fn told(report: &report::Report) -> Result<Vec<Block>> {
-    #[cfg(feature = "plot")]
-    let pictures = report.drawn()?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
-    #[cfg(not(feature = "plot"))]
-    let pictures = vec![];
-    let all = report.blocks().iter().cloned().map(Block::Told);
-    Ok(pictures.into_iter().chain(all).chain([Block::Data(report.csv().collect())]).collect())
-}
-
-/// A picture with its own title and caption.
-#[cfg(feature = "plot")]
-fn drawn((_, picture): &Drawing) -> Result<Block> {
-    let (title, caption) = (picture.title().to_owned(), picture.caption().to_owned());
-    Ok(Block::Picture { title, caption, svg: picture.file(Format::Svg)? })
+    Ok(FIGURES.iter().enumerate().map(report).collect())
 }

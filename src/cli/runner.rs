@@ -210,7 +210,9 @@ impl<S: Study + FromArgMatches> FromArgMatches for StudyCommand<S> {
             spread: EngineArgs::from_arg_matches(matches)?,
             json: matches.get_flag("json"),
             #[cfg(feature = "plot")]
-            formats: writes::<S>().then(|| super::formats::Formats::from_arg_matches(matches)).transpose()?,
+            formats: draws(&files_help::<S>())
+                .then(|| super::formats::Formats::from_arg_matches(matches))
+                .transpose()?,
         })
     }
 
@@ -227,14 +229,14 @@ fn with_outputs(command: Command, files: &str) -> Command {
         return command.arg(json);
     }
     #[cfg(feature = "plot")]
-    let command = super::formats::Formats::augment_args(command);
+    let command = if draws(files) { super::formats::Formats::augment_args(command) } else { command };
     command.arg(out.long_help(format!("{OUT}.\n\n{files}"))).arg(json)
 }
 
-/// Whether a study writes files; pictures are among them.
+/// Whether there are pictures among the files of a study.
 #[cfg(feature = "plot")]
-fn writes<S: Study>() -> bool {
-    !S::FILES.is_empty() || S::outline().is_some()
+fn draws(files: &str) -> bool {
+    files.contains(".png")
 }
 
 /// The files of a study and the columns of its tables, for the help.

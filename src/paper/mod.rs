@@ -16,7 +16,7 @@ mod verdicts;
 mod verify;
 
 pub use claims::{Claim, Kind, claims};
-pub use figures::{Drawn, FIGURES, Figure, figures_report, orbits};
+pub use figures::{FIGURES, Figure, orbits};
 pub use rule::Rule;
 pub use verdicts::verify_report;
-pub use verify::{Item, Verdict, Verification, verify};
+pub use verify::{Item, Verdict, Verification, Verify, verify};

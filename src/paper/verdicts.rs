@@ -40,8 +40,12 @@ pub fn verify_report(verification: &Verification) -> Report {
             verdicts.map(|verdict| format!("{} {}", verification.count(kind, verdict), verdict_plural(verdict)));
         format!("{name}: {good}, {bad}, {open}")
     });
-    let (unexpected, misprints) = (verification.unexpected().count(), verification.misprints());
-    let known = if unexpected == 0 { "all as known".to_owned() } else { format!("{unexpected} not as known") };
+    let misprints = verification.misprints();
+    let unexpected: Vec<&str> = verification.unexpected().map(|item| item.claim.id.as_str()).collect();
+    let known = match unexpected.len() {
+        0 => "all as known".to_owned(),
+        count => format!("{count} not as known"),
+    };
     let table = Table::of("verify", items)
         .key("items")
         .col("id", Short, "", |item| item.claim.id.clone())
@@ -69,7 +73,7 @@ pub fn verify_report(verification: &Verification) -> Report {
         .col("verdict", Short, "", |item| item.verdict().word());
     let remarks = items.iter().filter_map(|item| Some(format!("{}: {}", item.claim.id, remark(item.claim)?)));
     let report = Report::new("verify")
-        .fact("as_expected", unexpected == 0)
+        .fact("as_expected", unexpected.is_empty())
         .fact("counts", counts)
         .fact("kinds", kinds.into_iter().collect::<Map<String, Value>>())
         .fact("misprints", misprints)
@@ -81,7 +85,8 @@ pub fn verify_report(verification: &Verification) -> Report {
         kinds_words.join("; "),
     ));
     let text = report.text();
-    report.file("verify.txt", text.into_bytes())
+    let why = (!unexpected.is_empty()).then(|| format!("not as known: {}", unexpected.join(", ")));
+    report.file("verify.txt", text.into_bytes()).failure(why)
 }
 
 /// A rule without symbols.

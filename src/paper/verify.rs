@@ -3,12 +3,33 @@
 use super::{
     claims::{Claim, Kind, claims},
     quantities::quantities,
+    verdicts::verify_report,
 };
 use crate::{
     error::{Error, Result},
-    sweep::{Engine, Progress},
+    study::{Progress, Study, Work},
+    sweep::Engine,
 };
 use std::time::{Duration, Instant};
+
+/// The numbers of the paper against ours.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Verify {
+    /// One section of the paper: 2, 3, 4, 5, 6, 7 or 8 [default: all].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "S"))]
+    pub section: Option<u32>,
+}
+
+impl Study for Verify {
+    const FILES: &'static str = "Files: verify.txt, verify.csv, verify.npz and verify.json; verify.store, which keeps what was computed for the next run.";
+    const SWEEPS: bool = true;
+
+    fn begin(&self) -> Result<Work<'_>> {
+        of_section(self.section)?;
+        Ok(Box::new(|engine, progress| Ok(verify_report(&verify(self.section, engine, progress)?))))
+    }
+}
 
 /// The result of comparing a claim with our value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,16 +146,22 @@ impl Verification {
 /// another version, or one that was altered.
 pub fn verify(section: Option<u32>, engine: &Engine, progress: Progress<'_>) -> Result<Verification> {
     let clock = Instant::now();
-    let claims = || claims().iter().filter(|claim| section.is_none_or(|section| section == claim.section));
-    if let (Some(section), None) = (section, claims().next()) {
-        return Err(Error::parameter(
-            "section",
-            section,
-            "a section of the paper that has items: 2, 3, 4, 5, 6, 7 or 8",
-        ));
-    }
-    let items = pair(claims(), &quantities(section, engine, progress)?);
+    let claims = of_section(section)?;
+    let items = pair(claims.into_iter(), &quantities(section, engine, progress)?);
     Ok(Verification { items, wall: clock.elapsed() })
+}
+
+/// The claims of a section, or all.
+fn of_section(section: Option<u32>) -> Result<Vec<&'static Claim>> {
+    let of = |claim: &&Claim| section.is_none_or(|section| section == claim.section);
+    let found: Vec<&Claim> = claims().iter().filter(of).collect();
+    match section.filter(|_| found.is_empty()) {
+        Some(section) => {
+            let rule = "a section of the paper that has items: 2, 3, 4, 5, 6, 7 or 8";
+            Err(Error::parameter("section", section, rule))
+        }
+        None => Ok(found),
+    }
 }
 
 /// Each claim with its value.

@@ -11,6 +11,6 @@ mod table;
 pub(crate) use machine::machine;
 pub(crate) use machine::machine_json;
 #[cfg(feature = "cli")]
-pub use page::{Block, Page, Section};
+pub use page::{Page, Section, Shown};
 pub(crate) use rows::cell;
 pub use table::table;

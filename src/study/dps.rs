@@ -253,7 +253,7 @@ fn dark_report(profile: &DarkProfile, omega_b: f64, mu: f64, [x, y]: [Vec<f64>; 
         params_words(params),
         shown(background.0),
         shown(background.1),
-        shown(profile.a(1)),
+        shown(profile.a(1)).replace('-', "−"),
         profile.newton().len() - 1,
         profile.residual(),
     );

@@ -1,6 +1,9 @@
 //! The commands of `paper` and their flags.
 
-use crate::cli::runner::EngineArgs;
+use crate::{
+    cli::runner::{EngineArgs, StudyCommand},
+    paper::Verify,
+};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
@@ -27,7 +30,7 @@ Examples:
     /// differ our numbers have not changed. Exit code 1: a verdict or such a number is another one,
     /// or a run failed.
     #[command(after_long_help = "Example:\n  hertzchain paper verify --section 3 --out out/verify")]
-    Verify(VerifyArgs),
+    Verify(StudyCommand<Verify>),
     /// Run everything in its short form and write one HTML page.
     ///
     /// The page stands alone: tables, pictures, captions, the machine and the version. Files are
@@ -37,24 +40,6 @@ Examples:
   hertzchain paper report --out out/report
   hertzchain paper report --only compare,order")]
     Report(ReportArgs),
-}
-
-#[derive(Args)]
-pub(crate) struct VerifyArgs {
-    /// One section of the paper: 2, 3, 4, 5, 6, 7 or 8 [default: all].
-    #[arg(long, value_name = "S")]
-    pub(crate) section: Option<u32>,
-    /// Write the results to this folder; without it, no file is written.
-    ///
-    /// Files: verify.txt, verify.csv and verify.json; verify.store, which keeps what was computed
-    /// for the next run.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) spread: EngineArgs,
-    /// Print JSON instead of text.
-    #[arg(long)]
-    pub(crate) json: bool,
 }
 
 #[derive(Args)]

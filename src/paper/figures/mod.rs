@@ -13,19 +13,11 @@ pub(super) use studies::{limit_wave, wave_study};
 
 use crate::{
     error::{Error, Result},
-    report::{
-        self, Column,
-        Digits::{Fixed, Json, Short},
-        Panels, Report, Table,
-    },
+    report::{self, Column, Panels, Report, Table},
     study::Progress,
-    sweep::{Row, STOPPED, map},
+    sweep::map,
 };
-use serde_json::json;
-use std::{
-    sync::{Mutex, PoisonError},
-    time::Duration,
-};
+use std::sync::{Mutex, PoisonError};
 
 /// Runs a study and makes its report.
 type Make = fn(Progress<'_>) -> Result<Report>;
@@ -118,38 +110,4 @@ impl Figure {
         };
         Panels { columns, ..Panels::default() }.into()
     }
-}
-
-/// The result of drawing a figure.
-#[derive(Debug)]
-pub struct Drawn {
-    /// The figure.
-    pub figure: &'static Figure,
-    /// Caption and files of the figure, or why there are none.
-    pub outcome: Row<(String, Vec<String>)>,
-    /// Wall time of computing and drawing, in the run that did it; `None` if that failed.
-    pub wall: Option<Duration>,
-}
-
-/// What was drawn, a row for each figure. The wall time is that of the run that made the figure.
-pub fn figures_report(drawn: &[Drawn]) -> Report {
-    let done = |one: &Drawn| one.outcome.clone().ok();
-    let outcome = |one: &Drawn| match &one.outcome {
-        Ok(_) => "ok",
-        Err(why) if why == STOPPED => "missing",
-        Err(_) => "FAILED",
-    };
-    let table = Table::of("figures", drawn)
-        .key("figures")
-        .col("name", Short, "", |one| one.figure.name)
-        .head("figure")
-        .col("outcome", Short, "", outcome)
-        .col("wall_s", Fixed(2), "", |one| one.wall.map(|wall| wall.as_secs_f64()))
-        .head("wall (s)")
-        .col("source", Short, "", |one| one.figure.source)
-        .col("title", Short, "", |one| one.figure.title)
-        .col("files", Json, "", move |one| json!(done(one).map_or(Vec::new(), |(_, files)| files)))
-        .col("caption", Json, "", move |one| done(one).map(|(caption, _)| caption))
-        .col("failure", Json, "", |one| one.outcome.clone().err());
-    Report::new("figures").table(table)
 }

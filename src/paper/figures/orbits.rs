@@ -147,19 +147,21 @@ fn of_branch(branch: &Branch, title: &str) -> Result<Report> {
     });
     let table = multipliers("multipliers", parameter.name(), &off.collect::<Vec<_>>());
     let (Some(first), Some(last)) = (branch.points.first(), branch.points.last()) else { return branch.report() };
-    let events = |one: &Bifurcation| format!("{:.7} ({})", one.parameter, word(&one.kind).replace('_', " "));
+    let events = |one: &Bifurcation| format!("{:.7} ({})", one.parameter, word(&one.kind).replace('-', " "));
     let events: Vec<String> = branch.bifurcations.iter().map(events).collect();
     let events = if events.is_empty() { String::new() } else { format!(" Bifurcations at {}.", events.join(", ")) };
+    let gaps = match branch.gaps.len() {
+        0 => String::new(),
+        gaps => format!(" {gaps} orbits without multipliers are left out."),
+    };
     let caption = format!(
-        "From {} = {} to {}, K_x from {} to {}; at the end the largest |λ| are {}; {} orbits have no multipliers.{events} \
-         Number and size of the weak quartets depend on the length of the ring.",
+        "From {} = {} to {}, K_x from {} to {}, there {}.{gaps}{events}",
         parameter.symbol(),
         shown(first.orbit.setting.get(parameter)),
         shown(last.orbit.setting.get(parameter)),
         shown(first.extent.k_x),
         shown(last.extent.k_x),
         strongest(&last.spectrum),
-        branch.gaps.len(),
     );
     Ok(with(branch.report()?, table, vec![moduli(branch, title)], caption))
 }
@@ -256,9 +258,7 @@ pub fn return_errors(omega_b: [f64; 2], points: u32, until: f64, tell: Progress<
 /// A run of a breather on the chain, kicked along the mode of its largest multiplier if a size is
 /// given. After the plots of the run strains at the start and at the end.
 pub(super) fn evolution(
-    rho: f64,
-    center: Center,
-    omega_b: f64,
+    (rho, center, omega_b): (f64, Center, f64),
     until: f64,
     kick: Option<f64>,
     tell: Progress<'_>,

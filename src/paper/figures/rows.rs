@@ -16,6 +16,9 @@ use crate::{
 };
 
 const THIRD: f64 = 1.0 / 3.0;
+/// Plots of a wave: strains beside the ansatz, and its error; the same of the perturbed wave.
+const OWN: &[(usize, usize)] = &[(0, 0), (0, 1), (0, 2)];
+const PERTURBED: &[(usize, usize)] = &[(0, 3), (0, 4), (0, 5)];
 
 fn dark(center: Center) -> DarkProfiles {
     let params = ChainParams { rho: THIRD, ..ChainParams::default() };
@@ -63,7 +66,7 @@ pub const FIGURES: &[Figure] = &[
         title: "A short wave of small amplitude: q = 4π/5, ω_tw = ω + 0.001",
         claim: "The ansatz holds for two hundred periods, and a perturbation keeps its size.",
         studies: &[("", |tell| waves("tw-q45", 0.1, tell))],
-        columns: &[("unperturbed", &[(0, 0), (0, 1), (0, 2)]), ("perturbed, ζ = 0.1", &[(0, 3), (0, 4), (0, 5)])],
+        columns: &[("unperturbed", OWN), ("perturbed, ζ = 0.1", PERTURBED)],
     },
     Figure {
         name: "tw-breakdown",
@@ -76,7 +79,7 @@ pub const FIGURES: &[Figure] = &[
             ("q45", |tell| waves("tw-breakdown-q45", 0.0, tell)),
         ],
         columns: &[
-            ("q = π/5, ω_tw = ω + 0.003, t = 10 T_tw", &[(0, 0), (0, 1), (0, 2)]),
+            ("q = π/5, ω_tw = ω + 0.003, t = 10 T_tw", OWN),
             ("q = 4π/5, ω_tw = ω + 0.009, t = 314", &[(1, 0), (1, 1), (1, 2)]),
         ],
     },
@@ -86,7 +89,7 @@ pub const FIGURES: &[Figure] = &[
         title: "A heavier resonator: ρ = 3, q = π/5, ε = 0.01",
         claim: "The ansatz holds for a hundred periods; a perturbation grows.",
         studies: &[("", |tell| waves("tw-rho3", 0.01, tell))],
-        columns: &[("unperturbed", &[(0, 0), (0, 1), (0, 2)]), ("perturbed, ζ = 0.01", &[(0, 3), (0, 4), (0, 5)])],
+        columns: &[("unperturbed", OWN), ("perturbed, ζ = 0.01", PERTURBED)],
     },
     Figure {
         name: "tw-rho10-1000",
@@ -94,7 +97,7 @@ pub const FIGURES: &[Figure] = &[
         title: "At and above the critical mass ratio ρ_c = 10: q = π/5, ε = 0.01",
         claim: "The beads follow the ansatz for a hundred periods; the resonators do not.",
         studies: &[("rho10", |tell| waves("tw-rho10", 0.0, tell)), ("rho1000", |tell| waves("tw-rho1000", 0.0, tell))],
-        columns: &[("ρ = 10", &[(0, 0), (0, 1), (0, 2)]), ("ρ = 1000", &[(1, 0), (1, 1), (1, 2)])],
+        columns: &[("ρ = 10", OWN), ("ρ = 1000", &[(1, 0), (1, 1), (1, 2)])],
     },
     Figure {
         name: "dps-growth",
@@ -188,8 +191,8 @@ pub const FIGURES: &[Figure] = &[
         title: "Site-centred dark breathers over space and time: ρ = 1/3",
         claim: "Below the onset of the strong quartet nothing happens; above it the breather breaks up, and the whole chain with it.",
         studies: &[
-            ("site-2.05", |tell| orbits::evolution(THIRD, Site, 2.05, 1200.0, None, tell)),
-            ("site-2.09", |tell| orbits::evolution(THIRD, Site, 2.09, 1200.0, None, tell)),
+            ("site-2.05", |tell| orbits::evolution((THIRD, Site, 2.05), 1200.0, None, tell)),
+            ("site-2.09", |tell| orbits::evolution((THIRD, Site, 2.09), 1200.0, None, tell)),
         ],
         columns: &[("site-centred, ω_b = 2.05", &[(0, 0), (0, 1)]), ("site-centred, ω_b = 2.09", &[(1, 0), (1, 1)])],
     },
@@ -199,8 +202,8 @@ pub const FIGURES: &[Figure] = &[
         title: "The bond-centred dark breather over space and time: ω_b = 2.05, ρ = 1/3",
         claim: "Its real instability sets it in motion: after a long while if only roundings push it, at once if it is kicked along the unstable mode.",
         studies: &[
-            ("bond-2.05", |tell| orbits::evolution(THIRD, Bond, 2.05, 2500.0, None, tell)),
-            ("bond-2.05-kicked", |tell| orbits::evolution(THIRD, Bond, 2.05, 2500.0, Some(0.01), tell)),
+            ("bond-2.05", |tell| orbits::evolution((THIRD, Bond, 2.05), 2500.0, None, tell)),
+            ("bond-2.05-kicked", |tell| orbits::evolution((THIRD, Bond, 2.05), 2500.0, Some(0.01), tell)),
         ],
         columns: &[
             ("bond-centred, ω_b = 2.05", &[(0, 0), (0, 1)]),
@@ -213,8 +216,8 @@ pub const FIGURES: &[Figure] = &[
         title: "Bond-centred dark breathers of higher frequency break up: ρ = 1/3",
         claim: "The kink moves for a moment, then the chain is in disorder.",
         studies: &[
-            ("bond-2.08", |tell| orbits::evolution(THIRD, Bond, 2.08, 1200.0, None, tell)),
-            ("bond-2.1", |tell| orbits::evolution(THIRD, Bond, 2.1, 1200.0, None, tell)),
+            ("bond-2.08", |tell| orbits::evolution((THIRD, Bond, 2.08), 1200.0, None, tell)),
+            ("bond-2.1", |tell| orbits::evolution((THIRD, Bond, 2.1), 1200.0, None, tell)),
         ],
         columns: &[("bond-centred, ω_b = 2.08", &[(0, 0), (0, 1)]), ("bond-centred, ω_b = 2.1", &[(1, 0), (1, 1)])],
     },
@@ -240,8 +243,8 @@ pub const FIGURES: &[Figure] = &[
         title: "Dark breathers with heavier resonators: ρ = 3, ω_b = 1.2547",
         claim: "At the end the site-centred breather has kept its shape and place; the bond-centred one has begun to move.",
         studies: &[
-            ("site-1.2547", |tell| orbits::evolution(3.0, Site, 1.2547, 1500.0, None, tell)),
-            ("bond-1.2547", |tell| orbits::evolution(3.0, Bond, 1.2547, 1500.0, None, tell)),
+            ("site-1.2547", |tell| orbits::evolution((3.0, Site, 1.2547), 1500.0, None, tell)),
+            ("bond-1.2547", |tell| orbits::evolution((3.0, Bond, 1.2547), 1500.0, None, tell)),
         ],
         columns: &[
             ("site-centred, ω_b = 1.2547", &[(0, 4), (0, 5), (0, 0), (0, 1)]),

@@ -1,8 +1,12 @@
-//! One self-contained HTML page: tables, pictures and their data are inside, and nothing is fetched
-//! from elsewhere.
+//! One self-contained HTML page of reports: tables, pictures and their data are inside, and nothing
+//! is fetched from elsewhere.
 
 use super::{machine, machine_json};
-use crate::{output::to_json, report};
+use crate::report::{
+    self, Block,
+    Digits::{Fixed, Json, Short},
+    Report, Table,
+};
 use base64::{Engine, engine::general_purpose::STANDARD};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde_json::json;
@@ -24,40 +28,97 @@ pub struct Section {
     pub title: &'static str,
     /// What it shows, in one sentence.
     pub shows: String,
-    /// Contents, from the top.
-    pub blocks: Vec<Block>,
+    /// Its contents, from the top, or why there are none.
+    pub results: Vec<Result<Shown, String>>,
     /// Wall time that the part took.
     pub wall: Duration,
 }
 
-/// One element of a part.
+/// A report with its pictures.
 #[derive(Clone, Debug)]
-pub enum Block {
-    /// Words or a table.
-    Told(report::Block),
-    /// Files with the numbers.
-    Data(Vec<(String, Vec<u8>)>),
-    /// A picture.
-    Picture {
-        /// Title, also the text for readers who do not see the picture.
-        title: String,
-        /// What can be seen.
-        caption: String,
-        /// The file.
-        svg: Vec<u8>,
-    },
-    /// What could not be made, and why.
-    Failure(String),
+pub struct Shown {
+    report: Report,
+    pictures: Vec<Picture>,
+}
+
+/// Title, caption and SVG file of a picture; without a file in builds without pictures.
+type Picture = (String, String, Vec<u8>);
+
+impl Shown {
+    /// Draws the pictures of a report.
+    ///
+    /// # Errors
+    /// A picture that cannot be drawn.
+    pub fn new(report: Report) -> crate::error::Result<Self> {
+        let drawn = |(_, figure): &(String, report::Figure)| {
+            let [title, caption] = figure.clone().words().map(|words| words.clone());
+            #[cfg(feature = "plot")]
+            let svg = figure.draw()?.file(crate::figures::Format::Svg)?;
+            #[cfg(not(feature = "plot"))]
+            let svg = Vec::new();
+            Ok((title, caption, svg))
+        };
+        let pictures = report.pictures().iter().map(drawn).collect::<crate::error::Result<_>>()?;
+        Ok(Self { report, pictures })
+    }
+
+    fn tables(&self) -> impl Iterator<Item = &Table> {
+        self.report.tables()
+    }
+
+    fn html(&self) -> Markup {
+        let block = |block: &Block| match block {
+            Block::Words(words) => html! { p.words { (words.trim()) } },
+            Block::Table(table) => table_html(table),
+        };
+        html! {
+            @for (title, caption, svg) in &self.pictures {
+                figure {
+                    @if !svg.is_empty() {
+                        button.zoom type="button" title="Show large" { img alt=(title) src=(uri("image/svg+xml", svg)); }
+                    }
+                    figcaption { strong { (title) ". " } (caption) }
+                }
+            }
+            @for one in self.report.blocks() { (block(one)) }
+            p.data { "Data: "
+                @for (k, (name, bytes)) in self.report.csv().enumerate() {
+                    @if k > 0 { ", " }
+                    a download=(name) href=(uri("text/plain", &bytes)) { (name) }
+                }
+            }
+        }
+    }
 }
 
 impl Section {
-    /// Messages of its [`Block::Failure`]s.
+    /// Why results are missing, and what their reports say that failed.
     pub fn failures(&self) -> impl Iterator<Item = &str> {
-        self.blocks.iter().filter_map(|block| if let Block::Failure(why) = block { Some(why.as_str()) } else { None })
+        self.results.iter().filter_map(|result| match result {
+            Ok(shown) if shown.report.succeeded() => None,
+            Ok(shown) => shown.report.remarks().map(|why| why.trim_start_matches("error: ")),
+            Err(why) => Some(why),
+        })
+    }
+
+    fn shown(&self) -> impl Iterator<Item = &Shown> {
+        self.results.iter().filter_map(|result| result.as_ref().ok())
     }
 
     fn pictures(&self) -> usize {
-        self.blocks.iter().filter(|block| matches!(block, Block::Picture { .. })).count()
+        self.shown().flat_map(|shown| &shown.pictures).filter(|picture| !picture.2.is_empty()).count()
+    }
+
+    fn html(&self) -> Markup {
+        html! {
+            section id=(self.name) {
+                h2 { (self.title) }
+                p.shows { (self.shows) }
+                @for shown in self.shown() { (shown.html()) }
+                @for why in self.failures() { p.failure { "Failed: " (why) } }
+                p { small { "Made in " (format!("{:.1}", self.wall.as_secs_f64())) " s." } }
+            }
+        }
     }
 }
 
@@ -106,7 +167,7 @@ impl Page {
         let pictures: usize = sections.iter().map(Section::pictures).sum();
         let failures: usize = sections.iter().map(|section| section.failures().count()).sum();
         let wall: f64 = sections.iter().map(|section| section.wall.as_secs_f64()).sum();
-        let tables = sections.iter().flat_map(|section| &section.blocks).map(Block::verdicts);
+        let tables = sections.iter().flat_map(Section::shown).flat_map(Shown::tables).map(verdicts);
         let [good, bad, open] = tables.fold([0; 3], |sums, counts| std::array::from_fn(|k| sums[k] + counts[k]));
         let ended = if failures == 0 { "good" } else { "bad" };
         html! {
@@ -127,93 +188,38 @@ impl Page {
         }
     }
 
-    /// What was made, as JSON: `sections: [{name, title, shows, pictures, wall_s, failures}]`,
-    /// `machine`, `version`.
-    pub fn json(&self) -> String {
-        let section = |one: &Section| {
-            json!({
-                "name": one.name,
-                "title": one.title,
-                "shows": one.shows,
-                "pictures": one.pictures(),
-                "wall_s": one.wall.as_secs_f64(),
-                "failures": one.failures().collect::<Vec<_>>(),
-            })
+    /// What was made.
+    pub fn report(&self) -> Report {
+        let failures = |one: &Section| one.failures().map(str::to_owned).collect::<Vec<_>>();
+        let outcome = move |one: &Section| match failures(one).len() {
+            0 => "ok".to_owned(),
+            failures => format!("{failures} FAILED"),
         };
-        to_json(&json!({
-            "sections": self.sections.iter().map(section).collect::<Vec<_>>(),
-            "machine": machine_json(),
-            "version": env!("CARGO_PKG_VERSION"),
-        }))
-    }
-
-    /// What was made, as a table.
-    pub fn table(&self) -> String {
-        let row = |one: &Section| {
-            let failures = one.failures().count();
-            let outcome = if failures == 0 { "ok".to_owned() } else { format!("{failures} FAILED") };
-            vec![
-                one.name.to_owned(),
-                outcome,
-                one.pictures().to_string(),
-                format!("{:.1}", one.wall.as_secs_f64()),
-                one.shows.clone(),
-            ]
-        };
-        crate::present::table(
-            &["section", "outcome", "pictures", "wall (s)", "what it shows"],
-            &self.sections.iter().map(row).collect::<Vec<_>>(),
-        )
+        let table = Table::of("sections", &self.sections)
+            .key("sections")
+            .col("name", Short, "", |one| one.name)
+            .head("section")
+            .col("outcome", Short, "", outcome)
+            .col("pictures", Short, "", Section::pictures)
+            .col("wall_s", Fixed(1), "", |one| one.wall.as_secs_f64())
+            .head("wall (s)")
+            .col("shows", Short, "", |one| one.shows.clone())
+            .head("what it shows")
+            .col("title", Json, "", |one| one.title)
+            .col("failures", Json, "", move |one| json!(failures(one)));
+        Report::new("report").table(table).fact("machine", machine_json())
     }
 }
 
-impl Section {
-    fn html(&self) -> Markup {
-        html! {
-            section id=(self.name) {
-                h2 { (self.title) }
-                p.shows { (self.shows) }
-                @for block in &self.blocks { (block.html()) }
-                p { small { "Made in " (format!("{:.1}", self.wall.as_secs_f64())) " s." } }
-            }
-        }
+/// Numbers of good, bad and open verdicts in a table. Only tables whose last column has the verdict
+/// are counted: others repeat verdicts.
+fn verdicts(table: &Table) -> [usize; 3] {
+    let (head, rows) = table.cells();
+    if head.last().is_none_or(|name| name != VERDICT) {
+        return [0; 3];
     }
-}
-
-impl Block {
-    /// Numbers of good, bad and open verdicts in the tables of the block.
-    fn verdicts(&self) -> [usize; 3] {
-        let Self::Told(report::Block::Table(table)) = self else { return [0; 3] };
-        let (head, rows) = table.cells();
-        // Only tables whose last column has the verdict are counted: others repeat verdicts.
-        if head.last().is_none_or(|name| name != VERDICT) {
-            return [0; 3];
-        }
-        let classes: Vec<&str> = rows.iter().filter_map(|row| row.last()).map(|cell| class(cell)).collect();
-        ["good", "bad", "open"].map(|class| classes.iter().filter(|one| **one == class).count())
-    }
-
-    fn html(&self) -> Markup {
-        match self {
-            Self::Told(report::Block::Words(words)) => html! { p.words { (words.trim()) } },
-            Self::Told(report::Block::Table(table)) => table_html(table),
-            Self::Failure(why) => html! { p.failure { "Failed: " (why) } },
-            Self::Picture { title, caption, svg } => html! {
-                figure {
-                    button.zoom type="button" title="Show large" { img alt=(title) src=(uri("image/svg+xml", svg)); }
-                    figcaption { strong { (title) ". " } (caption) }
-                }
-            },
-            Self::Data(files) => html! {
-                p.data { "Data: "
-                    @for (k, (name, bytes)) in files.iter().enumerate() {
-                        @if k > 0 { ", " }
-                        a download=(name) href=(uri("text/plain", bytes)) { (name) }
-                    }
-                }
-            },
-        }
-    }
+    let classes: Vec<&str> = rows.iter().filter_map(|row| row.last()).map(|cell| class(cell)).collect();
+    ["good", "bad", "open"].map(|class| classes.iter().filter(|one| **one == class).count())
 }
 
 /// A link that contains the whole file.
@@ -235,7 +241,7 @@ fn class(cell: &str) -> &'static str {
 }
 
 /// A table with its legend; nothing if it has no column or no row for people.
-fn table_html(table: &report::Table) -> Markup {
+fn table_html(table: &Table) -> Markup {
     let (head, rows) = table.cells();
     if head.is_empty() || rows.is_empty() {
         return html! {};
@@ -287,28 +293,29 @@ mod tests {
 
     #[test]
     fn a_page_fetches_nothing_and_escapes_what_it_is_given() {
-        let blocks = vec![
-            Block::Told(report::Block::Words("1 < 2 & <script>".into())),
-            Block::Picture { title: "a \"b\"".into(), caption: "α < 2".into(), svg: vec![1, 2, 3] },
-            Block::Failure("no <reason>".into()),
-        ];
-        let section = Section { name: "one", title: "One", shows: "nothing".into(), blocks, wall: Duration::ZERO };
+        let line = report::Line::new("one", [(1.0, 2.0)]);
+        let panel = report::Panel::new(report::Kind::Sites, ["n", "x"], vec![line]);
+        let picture = report::Panels::column("a \"b\"", vec![panel], "α < 2");
+        let shown = Shown::new(Report::new("one").words("1 < 2 & <script>").picture(picture)).unwrap();
+        let results = vec![Ok(shown), Err("no <reason>".into())];
+        let section = Section { name: "one", title: "One", shows: "nothing".into(), results, wall: Duration::ZERO };
         let page = Page { sections: vec![section] };
         let html = page.html();
         for wanted in [
             "1 &lt; 2 &amp; &lt;script&gt;",
             "a &quot;b&quot;",
             "α &lt; 2",
-            "data:image/svg+xml;base64,AQID",
+            "data:image/svg+xml;base64,",
             "no &lt;reason&gt;",
             "href=\"#one\"",
         ] {
-            assert!(html.contains(wanted), "{wanted}");
+            assert!(html.contains(wanted) || (cfg!(not(feature = "plot")) && wanted.contains("svg")), "{wanted}");
         }
         for foreign in ["<script src", "1 < 2", "http:", "https:", "@import", "url("] {
             assert!(!html.contains(foreign), "{foreign}");
         }
         assert_eq!(page.sections[0].failures().collect::<Vec<_>>(), ["no <reason>"]);
+        assert!(page.report().text().contains("1 FAILED"));
     }
 
     #[test]
@@ -335,9 +342,9 @@ mod tests {
             "",
             |row| row[1],
         );
-        let block = Block::Told(report::Block::Table(table.done()));
-        assert_eq!(block.verdicts(), [2, 1, 1]);
-        let html = block.html().into_string();
+        let table = table.done();
+        assert_eq!(verdicts(&table), [2, 1, 1]);
+        let html = table_html(&table).into_string();
         assert!(html.contains("<td class=\"bad\">differs</td><td class=\"\">b</td>"), "{html}");
         assert!(html.contains("item: what it is."), "{html}");
     }

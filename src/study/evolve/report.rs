@@ -37,7 +37,7 @@ impl Evolution {
         });
         let end = self.times.last().zip(self.e_b.last());
         let end = end.map_or(String::new(), |(t, e_b)| format!("E_b({t:.0}) = {e_b:.1e}; "));
-        let velocity = |one: &Motion| format!("{} to t = {:.0}", shown(one.velocity), one.window.1);
+        let velocity = |one: &Motion| format!("{} to t = {:.0}", shown(one.velocity).replace('-', "−"), one.window.1);
         let caption = format!(
             "Orbit of ω_b = {}, {}, {} sites{kick}. Colours: largest strain of each period, up to twice that of the orbit; \
              magenta: above. {end}while rounding errors are small, they grow by a factor of {:.1e} in this run. Velocity of \

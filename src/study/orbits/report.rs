@@ -138,7 +138,8 @@ impl OrbitStudy {
             marks("negative", Kind::Negative),
             marks("quartet", Kind::Quartet),
         ];
-        let plane = Panel::new(report::Kind::Plane, ["Re λ", "Im λ"], kinds);
+        let above = format!("{title}, ω_b = {omega_b}");
+        let plane = Panel { title: above, ..Panel::new(report::Kind::Plane, ["Re λ", "Im λ"], kinds) };
         let caption = format!(
             "Strains at rest, and Floquet multipliers; the largest modulus is {:.9}. N = {sites}, {}, ω_b = {omega_b}, residual {:.1e}.",
             self.spectrum.largest(),
