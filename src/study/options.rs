@@ -8,7 +8,7 @@ use crate::{
     run::{Method, Run},
     scene::Scene,
 };
-use std::{fmt::Debug, ops::RangeInclusive};
+use std::{fmt::Debug, ops::RangeInclusive, slice::from_ref};
 
 /// A value of an option that has a range: a number, one that may be left out, or a list.
 pub(crate) trait Value {
@@ -19,61 +19,38 @@ pub(crate) trait Value {
     fn numbers(&self) -> &[Self::Number];
 }
 
-impl<T: PartialOrd + Debug> Value for Vec<T> {
-    type Number = T;
-
-    fn numbers(&self) -> &[T] {
-        self
-    }
-}
-
-impl<T: PartialOrd + Debug> Value for Option<T> {
-    type Number = T;
-
-    fn numbers(&self) -> &[T] {
-        self.as_slice()
-    }
-}
-
-macro_rules! single {
-    ($($number:ty),*) => {$(
-        impl Value for $number {
+macro_rules! value {
+    ($($type:ty $(, $any:ident)?: $number:ty => $numbers:expr;)*) => {$(
+        impl$(<$any: PartialOrd + Debug>)? Value for $type {
             type Number = $number;
 
             fn numbers(&self) -> &[$number] {
-                std::slice::from_ref(self)
+                $numbers(self)
             }
         }
     )*};
 }
-single!(f64, usize, u64, u32);
+value! {
+    Vec<T>, T: T => Vec::as_slice;
+    Option<T>, T: T => Option::as_slice;
+    f64: f64 => from_ref;
+    usize: usize => from_ref;
+    u64: u64 => from_ref;
+    u32: u32 => from_ref;
+}
 
-/// Values as they are written on the command line: as for `Debug`, or with an exponent if that is
-/// shorter. None for an empty list, `None`, NaN and groups of options.
-fn texts(value: &impl Debug) -> Vec<String> {
-    let text = format!("{value:?}").to_lowercase();
-    let items = text.trim_start_matches("some(").trim_matches(['[', ']', ')']).split(", ");
-    let items = items.map(|item| item.trim_matches('"')).filter(|item| !["", "none", "nan"].contains(item));
-    let items = items.filter(|item| !item.contains('{'));
-    items
-        .map(|item| match item.strip_suffix(".0") {
-            Some(whole) => {
-                let short = item.parse().map_or(String::new(), |number: f64| format!("{number:e}"));
-                if short.len() + 1 < whole.len() { short } else { whole.to_owned() }
-            }
-            None => item.to_owned(),
-        })
-        .collect()
+/// A number or name as it is written on the command line, from its `Debug`: with an exponent if
+/// that is shorter.
+fn written(item: &str) -> String {
+    let whole = item.strip_suffix(".0").unwrap_or(item.trim_matches('"'));
+    match item.parse::<f64>().map(|number| format!("{number:e}")) {
+        Ok(short) if short.len() + 1 < whole.len() && whole.len() < item.len() => short,
+        _ => whole.to_owned(),
+    }
 }
 
 /// A range of numbers, and its rule in words.
 type Range<V> = (RangeInclusive<<V as Value>::Number>, &'static str);
-
-/// The rule of a range.
-#[cfg(feature = "cli")]
-pub(crate) fn rule<V: Value>(_: &V, range: Range<V>) -> &'static str {
-    range.1
-}
 
 /// Refuses a value outside its range, and an empty list unless the default is one.
 pub(crate) fn within<V: Value>(field: &str, value: &V, default: &V, (range, rule): Range<V>) -> Result<()> {
@@ -83,25 +60,39 @@ pub(crate) fn within<V: Value>(field: &str, value: &V, default: &V, (range, rule
         return Err(Error::parameter(name(), "\"\"", "name at least one value"));
     }
     match value.numbers().iter().find(|number| !range.contains(number)) {
-        Some(number) => Err(Error::parameter(name(), texts(number).concat(), rule)),
+        Some(number) => Err(Error::parameter(name(), written(&format!("{number:?}")), rule)),
         None => Ok(()),
     }
 }
 
-/// The flag of an option: lists are separated by commas, and the help ends with the range.
 #[cfg(feature = "cli")]
-pub(crate) fn flag(arg: clap::Arg, default: &impl Debug, rules: &[&str]) -> clap::Arg {
-    let is_list = matches!(arg.get_action(), clap::ArgAction::Append);
-    let arg = if is_list { arg.value_delimiter(',') } else { arg };
+fn is_list(arg: &clap::Arg) -> bool {
+    matches!(arg.get_action(), clap::ArgAction::Append)
+}
+
+/// The flag of an option with its default: none for `None`, NaN, an empty list, and groups of
+/// options. Values of lists are separated by commas.
+#[cfg(feature = "cli")]
+pub(crate) fn flag(arg: clap::Arg, default: &impl Debug) -> clap::Arg {
+    let arg = if is_list(&arg) { arg.value_delimiter(',') } else { arg };
+    if !arg.get_default_values().is_empty() || !arg.get_action().takes_values() {
+        return arg;
+    }
+    let text = format!("{default:?}").to_lowercase();
+    let items = text.trim_start_matches("some(").trim_matches(['[', ']', ')']).split(", ").map(written);
     // Defaults live as long as the command line: for the whole program.
-    let defaults: Vec<&str> = texts(default).into_iter().map(|text| &*text.leak()).collect();
-    let told = defaults.is_empty() || !arg.get_default_values().is_empty() || !arg.get_action().takes_values();
-    let arg = if told { arg } else { arg.default_values(defaults).required(false) };
-    let Some(rule) = rules.first() else { return arg };
+    let told = items.filter(|item| !["", "none", "nan"].contains(&&**item) && !item.contains('{')).map(String::leak);
+    let told: Vec<&str> = told.map(|item| &*item).collect();
+    if told.is_empty() { arg } else { arg.default_values(told).required(false) }
+}
+
+/// The flag of an option whose help ends with its range.
+#[cfg(feature = "cli")]
+pub(crate) fn ranged<V: Value>(arg: clap::Arg, _: &V, (_, rule): Range<V>) -> clap::Arg {
     let short = arg.get_help().map(|help| format!("{help}."));
     let long = arg.get_long_help().map(ToString::to_string).or(short).unwrap_or_default();
-    let rule = if is_list { format!("Each is {rule}") } else { format!("{}{}", rule[..1].to_uppercase(), &rule[1..]) };
-    arg.long_help(format!("{long}\n\n{rule}."))
+    let first = if is_list(&arg) { format!("Each is {}", &rule[..1]) } else { rule[..1].to_uppercase() };
+    arg.long_help(format!("{long}\n\n{first}{}.", &rule[1..]))
 }
 
 /// A range and its words.
@@ -154,7 +145,9 @@ macro_rules! options {
             match arg.get_id().as_str() {
                 $(stringify!($field) => {
                     use $crate::study::options::*;
-                    flag(arg, &default.$field, &[$(rule(&default.$field, range!($($range)*)))?])
+                    let arg = flag(arg, &default.$field);
+                    $(let arg = ranged(arg, &default.$field, range!($($range)*));)?
+                    arg
                 })*
                 _ => arg,
             }

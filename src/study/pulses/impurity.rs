@@ -50,11 +50,11 @@ options! {
         /// Smallest mass ratio.
         ///
         /// Mass of the impurity over that of the other beads.
-        from: f64 = 0.01, "M", (1e-3 to 20.0);
+        from: f64 = 0.01, "M", (1e-3 to 20);
         /// Largest mass ratio.
         ///
         /// Mass of the impurity over that of the other beads.
-        to: f64 = 20.0, "M", (1e-3 to 20.0);
+        to: f64 = 20.0, "M", (1e-3 to 20);
         /// Number of points.
         ///
         /// Mass ratios, evenly spaced in their logarithm.
