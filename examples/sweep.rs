@@ -5,7 +5,7 @@
 use hertzchain::{
     Boundary, Chain, Params, Result, Run, State,
     output::Folder,
-    sweep::{Store, Threads, sweep},
+    sweep::{Engine, Grid},
 };
 
 /// Velocity that a struck bead has at `t = 5`, as a share of its initial velocity, for mass ratio
@@ -23,10 +23,9 @@ pub(crate) fn main() -> Result<()> {
     let grid: Vec<f64> = (0..8).map(|k| 0.1 * f64::from(1 << k)).collect();
     // Parameters of all rows. A store with other settings belongs to another study.
     let settings = serde_json::json!({"until": 5.0, "tol": 1e-9});
-    let run = || -> Result<_> {
-        let mut store = Store::open(&folder, "kept.jsonl", "momentum kept by a struck bead", &settings)?;
-        sweep(&grid, Some(&mut store), &Threads, &|_, _| (), kept)
-    };
+    let study = Grid { store: "kept.store", study: "momentum kept by a struck bead", settings };
+    let engine = Engine::threads().keeping(&folder);
+    let run = || engine.sweep(&study, &grid, &|_, _| (), kept);
     let (first, second) = (run()?, run()?);
     for (rho, row) in grid.iter().zip(&first.rows) {
         println!("rho = {rho:5.1}: u_1' = {row:?}");
