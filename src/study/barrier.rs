@@ -28,7 +28,7 @@ use crate::{
     },
     sweep::{Engine, Grid},
 };
-use hertzchain_integrators::collocation::Pace;
+use hertzchain_integrators::{Tolerance, collocation::Pace};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::f64::consts::PI;
@@ -154,6 +154,7 @@ impl Barrier {
         if from >= to {
             return Err(Error::parameter("to", to, "above --from"));
         }
+        Tolerance::RUN.check(self.ring.tol)?;
         // The seed of the first breather checks the parameters of the ring.
         self.ring.breather(Center::Site, Some(from), RANGE[0])?.seed()?;
         let step = (to - from) / (self.frequencies - 1) as f64;

@@ -318,6 +318,11 @@ fn chart(params: Params, shape: Shape) -> Result<StabilityChart> {
     Ok(StabilityChart { q, b, growth, edge, rho })
 }
 
+/// The largest growth rate per slow time; the frequency of slow motion where nothing grows.
+fn fastest(study: &StabilityStudy) -> f64 {
+    study.fastest().map_or(study.modulation.slow_frequency(), |row| row.growth)
+}
+
 /// What all runs of one size share.
 struct Bench {
     rates: Rates,
@@ -333,12 +338,7 @@ impl Bench {
         let &StabilityOptions { params, shape, sites, .. } = &study.options;
         let wave = TravellingWave::new(params, shape, Size::Epsilon(rates.epsilon))?;
         let chain = Chain::new(params, Boundary::StrainRing, sites)?;
-        let rate = rates.per_time(study.fastest().map_or(study.modulation.slow_frequency(), |row| row.growth));
-        let periods = WINDOW.1 / rate * rates.omega_tw / (2.0 * PI);
-        if periods.is_nan() || periods > MOST_PERIODS {
-            let rule = "growth that takes more than 10^5 periods of the wave is not measured";
-            return Err(Error::parameter("epsilon", rates.epsilon, rule));
-        }
+        let rate = rates.per_time(fastest(study));
         let share = |k: usize| k as f64 / (SAMPLES - 1) as f64;
         let times = (0..SAMPLES).map(|k| (WINDOW.0 + (WINDOW.1 - WINDOW.0) * share(k)) / rate).collect();
         let mut bench = Self { rates, wave, chain, times, amplitudes: Vec::new() };
@@ -425,6 +425,11 @@ fn measure(
     let modes: Vec<(StabilityRow, Mode)> =
         chosen(study, count).into_iter().filter_map(|row| Some((row, Mode::new(&study.modulation, row.p)?))).collect();
     let StabilityOptions { params, shape, sites, epsilons, .. } = &study.options;
+    let periods = |rates: &Rates| WINDOW.1 / rates.per_time(fastest(study)) * rates.omega_tw / (2.0 * PI);
+    if let Some(slow) = study.rates.iter().find(|rates| !(periods(rates) <= MOST_PERIODS)) {
+        let rule = "growth that takes more than 10^5 periods of the wave is not measured";
+        return Err(Error::parameter("epsilon", slow.epsilon, rule));
+    }
     let settings = json!({"params": params, "shape": shape, "sites": sites, "modes": count});
     let grid = Grid { store: ModulationStudy::STORE, study: "modulation", settings };
     let work = |&epsilon: &f64| {
