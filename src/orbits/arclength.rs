@@ -38,7 +38,7 @@ pub(super) const FARTHEST: f64 = 4.0;
 const CONTRACTION: f64 = 0.5;
 /// Largest number of steps of the corrector. The next `ds` is longer if it took fewer than
 /// `GOOD_CORRECTIONS`, and shorter if it took more than `MANY_CORRECTIONS`.
-pub(super) const MOST_CORRECTIONS: usize = 10;
+pub(crate) const MOST_CORRECTIONS: usize = 10;
 const GOOD_CORRECTIONS: usize = 4;
 const MANY_CORRECTIONS: usize = GOOD_CORRECTIONS + 1;
 /// A correction below this, in units of `X`, is the last one.
@@ -47,7 +47,7 @@ const LAST_CORRECTION: f64 = 1e-9;
 const DIFFERENCE: f64 = 1e-6;
 
 /// Equations `F(z, p) = 0` with a parameter.
-pub(super) trait Family {
+pub(crate) trait Family {
     /// `F`, and its derivative by `z` if `derivative`; otherwise the Jacobian has no columns.
     fn equations(&self, z: &[f64], p: f64, derivative: bool) -> Result<Equations>;
     /// A solution at this value of the parameter, by at most [`MOST_CORRECTIONS`] steps of Newton's
@@ -67,13 +67,17 @@ pub(super) trait Family {
     fn solved(&self, z: &[f64], p: f64) -> f64;
 }
 
-/// A solution, with its residual in units of [`Family::size`].
-#[derive(Clone, Debug)]
-pub(super) struct Solution {
-    pub(super) z: Vec<f64>,
-    pub(super) p: f64,
-    pub(super) residual: f64,
-    pub(super) newton: Vec<NewtonStep>,
+/// A solution, with its residual in its unit.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Solution {
+    /// The unknowns.
+    pub z: Vec<f64>,
+    /// The parameter.
+    pub p: f64,
+    /// The residual.
+    pub residual: f64,
+    /// Steps of Newton's method.
+    pub newton: Vec<NewtonStep>,
 }
 
 /// A point of a branch, and its tangent.
@@ -101,6 +105,9 @@ pub enum End {
     Jumped,
     /// The branch of doubled period came back to the branch of half its period.
     Rejoined,
+    /// No contact of a wave closes any more: every wave of frequency `omega` without contacts
+    /// follows.
+    NoContact,
     /// The multipliers of the last orbit are not known.
     NoMultipliers,
     /// The process was asked to end.
@@ -110,7 +117,7 @@ pub enum End {
 impl End {
     /// Whether the branch was followed as far as it goes.
     pub fn is_complete(self) -> bool {
-        matches!(self, Self::Reached | Self::TurnedBack | Self::Rejoined)
+        matches!(self, Self::Reached | Self::TurnedBack | Self::Rejoined | Self::NoContact)
     }
 
     /// The end of a branch with multipliers, from that of its orbits, `None` while they can go on;
@@ -133,6 +140,7 @@ impl End {
             Self::Lost => "no orbit was found with the shortest step",
             Self::Jumped => "Newton's method leads to another branch, also with the shortest step",
             Self::Rejoined => "it came back to the branch of half its period",
+            Self::NoContact => "no contact closes any more, and the frequency is omega",
             Self::NoMultipliers => "the multipliers of its last orbit are not known",
             Self::Stopped => "the process was asked to end",
         }
@@ -150,15 +158,15 @@ pub(super) struct Scales {
 
 /// How far a branch is followed.
 #[derive(Clone, Copy)]
-pub(super) struct ContinuationOptions {
+pub(crate) struct ContinuationOptions {
     /// The value of the parameter at which the branch ends.
-    pub(super) to: f64,
+    pub(crate) to: f64,
     /// The largest change of the parameter from point to point, positive.
-    pub(super) step: f64,
+    pub(crate) step: f64,
     /// Whether steps are taken in the parameter, not in the arclength.
-    pub(super) natural: bool,
+    pub(crate) natural: bool,
     /// Sign of the parameter's change from the first point to the end.
-    pub(super) direction: f64,
+    pub(crate) direction: f64,
 }
 
 impl Scales {
@@ -280,7 +288,7 @@ fn naturally(family: &impl Family, spot: BasePoint<'_>, scales: Scales, to: f64)
 
 /// Whether a solution may be one of another branch, or beyond a fold: the chord to it is much
 /// longer than the predictor, or Newton's corrections do not contract from the first one on.
-pub(crate) fn strays(chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
+pub(super) fn strays(chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
     let slow = |first: f64, second: f64| second > CONTRACTION * first && second > LAST_CORRECTION;
     chord > TURN * predictor + LAST_CORRECTION || matches!(newton, [first, second, ..] if slow(first.step, second.step))
 }
@@ -329,21 +337,21 @@ pub(super) fn next(
 }
 
 /// A branch so far: unknowns and parameter of its last two solutions, and the next step.
-pub(super) struct BranchState {
+pub(crate) struct BranchState {
     /// The value of the parameter at which the branch ends if it has turned back.
-    pub(super) back: f64,
+    pub(crate) back: f64,
     /// The solution before the last. `None` if there is only one: the branch then begins in the
     /// direction of the final value.
-    pub(super) previous: Option<(Vec<f64>, f64)>,
-    pub(super) last: (Vec<f64>, f64),
+    pub(crate) previous: Option<(Vec<f64>, f64)>,
+    pub(crate) last: (Vec<f64>, f64),
     /// Length of the next predictor.
-    pub(super) ds: f64,
+    pub(crate) ds: f64,
     /// Number of solutions so far.
-    pub(super) points: usize,
+    pub(crate) points: usize,
 }
 
 /// The end of a branch that is kept although the process was asked to end while it was followed.
-pub(super) fn kept(end: Result<End>) -> Result<End> {
+pub(crate) fn kept(end: Result<End>) -> Result<End> {
     match end {
         Err(Error::Stopped { .. }) | Ok(End::NoMultipliers) if interrupt::asked() => Ok(End::Stopped),
         end => end,
@@ -352,12 +360,12 @@ pub(super) fn kept(end: Result<End>) -> Result<End> {
 
 /// Called with every new solution, the length of the next predictor, and the reason why the branch
 /// ends with this solution, if it does. A reason that is returned ends the branch.
-pub(super) type Keep<'a> = &'a mut dyn FnMut(&Solution, f64, Option<End>) -> Result<Option<End>>;
+pub(crate) type Keep<'a> = &'a mut dyn FnMut(&Solution, f64, Option<End>) -> Result<Option<End>>;
 
 /// Continues a branch past folds until the parameter reaches its final value or, if the branch has
 /// turned back, passes `back`. The branch gets at most `most_points` points, those in `course`
 /// included. A branch that was stopped on the way continues with the same bits.
-pub(super) fn follow(
+pub(crate) fn follow(
     family: &impl Family,
     course: BranchState,
     way: ContinuationOptions,

@@ -30,7 +30,7 @@ mod shooting;
 mod switching;
 
 pub use arclength::End;
-pub(crate) use arclength::strays;
+pub(crate) use arclength::{BranchState, ContinuationOptions, Family, MOST_CORRECTIONS, Solution, follow, kept};
 pub use bifurcation::{Bifurcation, BifurcationKind};
 pub use continuation::{Continuation, Trail};
 pub use driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum};
@@ -48,5 +48,5 @@ pub(crate) use mode_trail::ModeTrail;
 pub use normal_modes::{LinearMode, ModeBifurcation, ModeBranch, ModeContinuation, ModeOrbit, ModePoint, NormalModes};
 pub use orbit::Extent;
 pub use setting::{Parameter, Setting};
-pub(crate) use shooting::least_squares;
+pub(crate) use shooting::{Equations, least_squares};
 pub use shooting::{Formulation, NewtonStep, Orbit, Shooting};

@@ -5,9 +5,10 @@ use hertzchain::{
     Run, State,
     chain::{Chain, Params, Site},
     integrators::collocation::{Pace, monodromy},
+    orbits::End,
     run::Method,
     study::{BranchWave, ContinueWave, ExactStudy, Wanted, WaveBranchStudy},
-    waves::{ExactWave, Given, MeanStrain, Search, WaveEnd, WaveKind, WaveNumber, WaveParameter, WaveSetting},
+    waves::{ExactWave, Given, MeanStrain, Search, WaveKind, WaveNumber, WaveParameter, WaveSetting},
 };
 use nalgebra::{Complex, DMatrix};
 use std::{
@@ -204,7 +205,7 @@ fn small_waves_under_precompression_are_those_of_the_linear_chain() {
     let start = Wanted { mean: Some(mean), amplitude: Some(0.55), ..Wanted::of("tw-q15") };
     let study = branch(start, WaveParameter::Amplitude, 1e-3);
     let last = study.waves.last().unwrap();
-    assert_eq!((study.end, last.closed), (WaveEnd::Reached, 1.0));
+    assert_eq!((study.end, last.closed), (End::Reached, 1.0));
     assert!((last.wave.setting.omega_tw / omega - 1.0).abs() < 1e-6, "{} {omega}", last.wave.setting.omega_tw);
     assert!((last.wave.amplitude() - 1e-3).abs() < 1e-15);
     // On the way the contacts open, and the frequency has its least value above omega: a fold.
@@ -273,7 +274,7 @@ fn branches_in_rho_kappa_and_alpha_end_at_the_wave_that_a_search_finds() {
     for (vary, to) in [(WaveParameter::Rho, 0.334), (WaveParameter::Kappa, 0.999), (WaveParameter::Alpha, 1.6)] {
         let wanted = Wanted { omega_tw: Some(2.001), mean: Some(0.02), ..Wanted::of("tw-q15") };
         let study = branch(wanted, vary, to);
-        assert_eq!(study.end, WaveEnd::Reached, "{vary:?}");
+        assert_eq!(study.end, End::Reached, "{vary:?}");
         let last = &study.waves.last().unwrap().wave;
         assert_eq!(vary.of(last), to);
         assert!(study.waves.iter().all(|one| one.wave.residual <= 1e-12 && one.wave.setting.omega_tw == 2.001));
@@ -281,6 +282,21 @@ fn branches_in_rho_kappa_and_alpha_end_at_the_wave_that_a_search_finds() {
         let apart = largest(last.z.iter().zip(&direct.z).map(|(a, b)| a - b)) / last.amplitude();
         println!("{vary:?}: {} waves, amplitude {}, apart {apart:e}", study.waves.len(), last.amplitude());
         assert!(apart < 1e-10, "{vary:?}: {apart:e}");
+    }
+}
+
+// Truth: Newton's method for a wave of this amplitude, with the frequency as an unknown.
+#[test]
+fn branches_in_the_amplitude_end_at_the_wave_of_this_amplitude() {
+    for to in [0.3, 1e-3] {
+        let study = branch(Wanted { sites: Some(10), ..Wanted::of("tw-q15") }, WaveParameter::Amplitude, to);
+        assert_eq!(study.end, End::Reached, "{to}");
+        let last = &study.waves.last().unwrap().wave;
+        let (direct, _) = Search::default().wave(&last.setting, Given::Amplitude(to)).unwrap();
+        let apart = largest(last.z.iter().zip(&direct.z).map(|(a, b)| a - b)) / to;
+        let slower = last.setting.omega_tw - direct.setting.omega_tw;
+        println!("{to}: {} waves, apart {apart:e}, {slower:e}", study.waves.len());
+        assert!((last.amplitude() / to - 1.0).abs() < 1e-12 && apart < 1e-10 && slower.abs() < 1e-12);
     }
 }
 
@@ -303,7 +319,7 @@ fn the_end_of_a_branch_is_in_the_range_of_its_parameter() {
 fn waves_under_a_gap_end_where_no_contact_closes() {
     let start = Wanted { mean: Some(0.05), ..Wanted::of("tw-q15") };
     let study = branch(start, WaveParameter::OmegaTw, 1.9);
-    assert_eq!(study.end, WaveEnd::NoContact);
+    assert_eq!(study.end, End::NoContact);
     let [.., before, last] = &study.waves[..] else { panic!("{} waves", study.waves.len()) };
     assert!(before.closed > 0.0 && last.closed == 0.0 && last.wave.setting.omega_tw - 2.0 < 1e-10);
     // From wave to wave the state changes by at most a quarter of its size.

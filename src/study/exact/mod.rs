@@ -14,13 +14,13 @@ use super::{
 use crate::{
     chain::{Params, Resonators},
     error::{Error, Iterate, Result},
-    orbits::Kantorovich,
+    orbits::{End, Kantorovich},
     output::{Folder, to_json},
     report::Report,
     scene::Scene,
     waves::{
-        ExactWave, Given, MeanStrain, Modulation, Profile, Search, Start, TravellingWave, WaveContinuation, WaveEnd,
-        WaveNumber, WaveParameter, WaveSetting, WaveSpectrum, ansatz,
+        ExactWave, Given, MeanStrain, Modulation, Profile, Search, Start, TravellingWave, WaveContinuation, WaveNumber,
+        WaveParameter, WaveSetting, WaveSpectrum, ansatz,
     },
 };
 use hertzchain_integrators::Tolerance;
@@ -321,7 +321,7 @@ pub struct ContinueWave {
     pub to: Option<f64>,
     /// Largest change of the varied parameter from wave to wave.
     ///
-    /// By default a step changes the state of the wave by a tenth.
+    /// [default: a twentieth of the range]
     #[cfg_attr(feature = "cli", arg(long, value_name = "DP"))]
     pub step: Option<f64>,
     /// Largest number of waves on the branch.
@@ -351,7 +351,7 @@ impl Study for ContinueWave {
         let (parameter, to) = (WaveParameter::OmegaTw, f64::NAN);
         let search = Search::default();
         let continuation = WaveContinuation { parameter, to, step: f64::INFINITY, most_points: 0, search };
-        let (scene, waves, end) = (String::new(), Vec::new(), WaveEnd::Reached);
+        let (scene, waves, end) = (String::new(), Vec::new(), End::Reached);
         Some(WaveBranchStudy { scene, continuation, sites: 0, waves, end }.report())
     }
 }
@@ -431,7 +431,7 @@ pub struct WaveBranchStudy {
     /// The waves.
     pub waves: Vec<BranchWave>,
     /// Why it ended.
-    pub end: WaveEnd,
+    pub end: End,
 }
 
 /// Follows a branch, and computes the multipliers of each wave.

@@ -4,7 +4,7 @@ use super::{BlochGrowth, ExactStudy, WaveBranchStudy};
 use crate::{
     error::Result,
     number::{of_pi, shown},
-    orbits::Kantorovich,
+    orbits::{End, Kantorovich},
     output::{Array, npz_with, to_json},
     report::{
         Column,
@@ -12,7 +12,7 @@ use crate::{
         Kind, Panel, Panels, Report, Rows, Table,
     },
     study::{params_words, word},
-    waves::{ExactWave, Profile, TravellingWave, WaveEnd, WaveMultiplier, WaveParameter},
+    waves::{ExactWave, Profile, TravellingWave, WaveMultiplier, WaveParameter},
 };
 use serde_json::json;
 use std::f64::consts::PI;
@@ -261,7 +261,7 @@ impl WaveBranchStudy {
             self.end.words()
         );
         let title = format!("Branch of exact travelling waves in {}", self.continuation.parameter.symbol());
-        let lost = matches!(self.end, WaveEnd::Lost | WaveEnd::Jumped).then(|| self.end.words().to_owned());
+        let lost = matches!(self.end, End::Lost | End::Jumped).then(|| self.end.words().to_owned());
         Report::new("waves")
             .fact("scene", &self.scene)
             .fact("parameter", self.continuation.parameter)
