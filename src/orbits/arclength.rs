@@ -47,7 +47,7 @@ const LAST_CORRECTION: f64 = 1e-9;
 const DIFFERENCE: f64 = 1e-6;
 
 /// Equations `F(z, p) = 0` with a parameter.
-pub(crate) trait Family {
+pub(super) trait Family {
     /// `F`, and its derivative by `z` if `derivative`; otherwise the Jacobian has no columns.
     fn equations(&self, z: &[f64], p: f64, derivative: bool) -> Result<Equations>;
     /// A solution at this value of the parameter, by at most [`MOST_CORRECTIONS`] steps of Newton's
@@ -158,15 +158,15 @@ pub(super) struct Scales {
 
 /// How far a branch is followed.
 #[derive(Clone, Copy)]
-pub(crate) struct ContinuationOptions {
+pub(super) struct ContinuationOptions {
     /// The value of the parameter at which the branch ends.
-    pub(crate) to: f64,
+    pub(super) to: f64,
     /// The largest change of the parameter from point to point, positive.
-    pub(crate) step: f64,
+    pub(super) step: f64,
     /// Whether steps are taken in the parameter, not in the arclength.
-    pub(crate) natural: bool,
+    pub(super) natural: bool,
     /// Sign of the parameter's change from the first point to the end.
-    pub(crate) direction: f64,
+    pub(super) direction: f64,
 }
 
 impl Scales {
@@ -186,7 +186,7 @@ impl Scales {
 
 /// Refuses numbers outside their rules, for a continuation from one value of the parameter to
 /// another.
-pub(super) fn check([from, to]: [f64; 2], step: f64, most_points: usize) -> Result<()> {
+pub(crate) fn check([from, to]: [f64; 2], step: f64, most_points: usize) -> Result<()> {
     if !to.is_finite() || to == from {
         return Err(Error::parameter("to", to, "a finite number, not where the branch begins"));
     }
@@ -245,12 +245,12 @@ pub(super) fn tangent(
 }
 
 /// The solution in the hyperplane that is orthogonal to the tangent at the distance `ds` from
-/// `spot`, by Newton's method from the predictor.
-pub(super) fn correct(family: &impl Family, spot: BasePoint<'_>, scales: Scales, ds: f64) -> Result<Solution> {
-    let columns = spot.z.len();
-    let t = spot.tangent;
-    let mut z = DVector::from_column_slice(spot.z) + t.rows(0, columns) * (ds * scales.state);
-    let mut p = spot.p + ds * t[columns] * scales.parameter;
+/// `base`, by Newton's method from the predictor.
+pub(super) fn correct(family: &impl Family, base: BasePoint<'_>, scales: Scales, ds: f64) -> Result<Solution> {
+    let columns = base.z.len();
+    let t = base.tangent;
+    let mut z = DVector::from_column_slice(base.z) + t.rows(0, columns) * (ds * scales.state);
+    let mut p = base.p + ds * t[columns] * scales.parameter;
     let (mut newton, mut before) = (Vec::new(), f64::INFINITY);
     loop {
         let Equations { residual, jacobian } = extended(family, z.as_slice(), p, scales)?;
@@ -280,9 +280,9 @@ pub(super) fn correct(family: &impl Family, spot: BasePoint<'_>, scales: Scales,
 
 /// The solution at the value `to` of the parameter. The initial guess is the point of the tangent
 /// with this value.
-fn naturally(family: &impl Family, spot: BasePoint<'_>, scales: Scales, to: f64) -> Result<Solution> {
-    let by = (to - spot.p) / (spot.tangent[spot.z.len()] * scales.parameter);
-    let z: Vec<f64> = spot.z.iter().zip(spot.tangent).map(|(z, t)| z + by * t * scales.state).collect();
+fn naturally(family: &impl Family, base: BasePoint<'_>, scales: Scales, to: f64) -> Result<Solution> {
+    let by = (to - base.p) / (base.tangent[base.z.len()] * scales.parameter);
+    let z: Vec<f64> = base.z.iter().zip(base.tangent).map(|(z, t)| z + by * t * scales.state).collect();
     family.solve(&z, to)
 }
 
@@ -293,32 +293,32 @@ pub(super) fn strays(chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool 
     chord > TURN * predictor + LAST_CORRECTION || matches!(newton, [first, second, ..] if slow(first.step, second.step))
 }
 
-/// The next point after `spot`, and the length `ds` for the point after it; otherwise why the
+/// The next point after `base`, and the length `ds` for the point after it; otherwise why the
 /// branch ends.
 ///
 /// The predictor has the length `ds` at first; the length is halved until the corrector converges
 /// to a point that does not [stray](strays).
 pub(super) fn next(
     family: &impl Family,
-    spot: BasePoint<'_>,
+    base: BasePoint<'_>,
     scales: Scales,
     ContinuationOptions { to, step, natural, direction }: ContinuationOptions,
     ds: f64,
 ) -> std::result::Result<(Solution, f64), End> {
-    let rate = spot.tangent[spot.tangent.len() - 1] * scales.parameter;
+    let rate = base.tangent[base.tangent.len() - 1] * scales.parameter;
     let shortest = SHORTEST * step / scales.parameter;
     let mut ds = ds.min(LONGEST).min(step / rate.abs());
     loop {
         // The last step ends at the final value.
-        let lands = rate * direction > 0.0 && (to - spot.p).abs() <= 1.001 * (rate * ds).abs();
+        let lands = rate * direction > 0.0 && (to - base.p).abs() <= 1.001 * (rate * ds).abs();
         let next = if lands || natural {
-            let to = if lands { to } else { spot.p + rate.abs() * ds * direction };
-            naturally(family, spot, scales, to)
+            let to = if lands { to } else { base.p + rate.abs() * ds * direction };
+            naturally(family, base, scales, to)
         } else {
-            correct(family, spot, scales, ds)
+            correct(family, base, scales, ds)
         };
-        let length = if lands { ((to - spot.p) / rate).abs() } else { ds };
-        let chord = |to: &Solution| scales.chord((spot.z, spot.p), (&to.z, to.p)).norm();
+        let length = if lands { ((to - base.p) / rate).abs() } else { ds };
+        let chord = |to: &Solution| scales.chord((base.z, base.p), (&to.z, to.p)).norm();
         match next {
             Ok(solution) if ds > shortest && family.strays(chord(&solution), length, &solution.newton) => ds *= 0.5,
             Ok(solution) if chord(&solution) > FARTHEST * length + LAST_CORRECTION => return Err(End::Jumped),
@@ -337,43 +337,35 @@ pub(super) fn next(
 }
 
 /// A branch so far: unknowns and parameter of its last two solutions, and the next step.
-pub(crate) struct BranchState {
+pub(super) struct BranchState {
     /// The value of the parameter at which the branch ends if it has turned back.
-    pub(crate) back: f64,
+    pub(super) back: f64,
     /// The solution before the last. `None` if there is only one: the branch then begins in the
     /// direction of the final value.
-    pub(crate) previous: Option<(Vec<f64>, f64)>,
-    pub(crate) last: (Vec<f64>, f64),
+    pub(super) previous: Option<(Vec<f64>, f64)>,
+    pub(super) last: (Vec<f64>, f64),
     /// Length of the next predictor.
-    pub(crate) ds: f64,
+    pub(super) ds: f64,
     /// Number of solutions so far.
-    pub(crate) points: usize,
-}
-
-/// The end of a branch that is kept although the process was asked to end while it was followed.
-pub(crate) fn kept(end: Result<End>) -> Result<End> {
-    match end {
-        Err(Error::Stopped { .. }) | Ok(End::NoMultipliers) if interrupt::asked() => Ok(End::Stopped),
-        end => end,
-    }
+    pub(super) points: usize,
 }
 
 /// Called with every new solution, the length of the next predictor, and the reason why the branch
 /// ends with this solution, if it does. A reason that is returned ends the branch.
-pub(crate) type Keep<'a> = &'a mut dyn FnMut(&Solution, f64, Option<End>) -> Result<Option<End>>;
+pub(super) type Keep<'a> = &'a mut dyn FnMut(&Solution, f64, Option<End>) -> Result<Option<End>>;
 
 /// Continues a branch past folds until the parameter reaches its final value or, if the branch has
-/// turned back, passes `back`. The branch gets at most `most_points` points, those in `course`
+/// turned back, passes `back`. The branch gets at most `most_points` points, those in `state`
 /// included. A branch that was stopped on the way continues with the same bits.
-pub(crate) fn follow(
+pub(super) fn follow(
     family: &impl Family,
-    course: BranchState,
-    way: ContinuationOptions,
+    state: BranchState,
+    options: ContinuationOptions,
     most_points: usize,
     keep: Keep<'_>,
 ) -> Result<End> {
-    let ContinuationOptions { to, direction, .. } = way;
-    let BranchState { back, mut previous, last: (mut z, mut p), mut ds, points } = course;
+    let ContinuationOptions { to, direction, .. } = options;
+    let BranchState { back, mut previous, last: (mut z, mut p), mut ds, points } = state;
     for points in points.. {
         if points >= most_points {
             break;
@@ -392,8 +384,8 @@ pub(crate) fn follow(
             None => along(z.len(), direction),
         };
         let Ok(tangent) = tangent(family, (&z, p), scales, &before) else { return lost() };
-        let spot = BasePoint { z: &z, p, tangent: &tangent };
-        let (solution, longer) = match next(family, spot, scales, way, ds) {
+        let base = BasePoint { z: &z, p, tangent: &tangent };
+        let (solution, longer) = match next(family, base, scales, options, ds) {
             Ok(next) => next,
             Err(End::Lost) => return lost(),
             Err(end) => return Ok(end),

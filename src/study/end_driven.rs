@@ -32,8 +32,8 @@ use crate::{
     dps::Center,
     error::{Error, Result},
     orbits::{
-        DriveParameter, DrivenBifurcation, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
-        End, Shooting,
+        Bifurcation, DriveParameter, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting, End,
+        Shooting,
     },
     report::{
         Column,
@@ -157,7 +157,7 @@ pub struct EndDrivenCase {
     /// The points, in their order along the branch.
     pub points: Vec<EndDrivenPoint>,
     /// Bifurcations between them.
-    pub bifurcations: Vec<DrivenBifurcation>,
+    pub bifurcations: Vec<Bifurcation<DrivenContinuation>>,
     /// Why the branch ended; `None` if the chain did not settle to a first orbit.
     pub end: Option<End>,
     /// Index of the stable dark breather with the strongest background.
@@ -378,8 +378,9 @@ impl EndDriven {
             shooting,
         };
         let branch = continuation.follow(start, |_| {})?;
+        case.end = Some(branch.ended());
         case.points = branch.points.into_iter().map(EndDrivenPoint::measured).collect::<Result<_>>()?;
-        (case.bifurcations, case.end) = (branch.bifurcations, Some(branch.end));
+        case.bifurcations = branch.bifurcations;
         let stable = |k: &usize| case.points[*k].dark(free) && case.points[*k].point.stable();
         let mut candidates: Vec<usize> = (0..case.points.len()).filter(stable).collect();
         candidates.sort_by(|&a, &b| case.points[b].background.total_cmp(&case.points[a].background));
@@ -548,7 +549,7 @@ fn tables(cases: &[EndDrivenCase]) -> [Table; 2] {
         (!case.from_rest.is_empty()).then(|| format!("{reached} of {}", case.from_rest.len()))
     };
     let bifurcations = |case: &EndDrivenCase| -> Value {
-        let told = |one: &DrivenBifurcation| json!({ "kind": one.kind, "parameter": one.parameter, "multiplier": one.multiplier });
+        let told = |one: &Bifurcation<DrivenContinuation>| json!({ "kind": one.kind, "parameter": one.parameter, "multiplier": one.critical.multiplier });
         case.bifurcations.iter().map(told).collect()
     };
     let branches = Table::of("end-driven-branches", cases)

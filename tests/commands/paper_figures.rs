@@ -6,9 +6,9 @@ use hertzchain::{
     breathers::DarkBreather,
     chain::Params,
     dps::Center,
-    orbits::Shooting,
+    orbits::{Branch, Shooting},
     paper::{Data, FIGURES, Figure, OrbitData, OrbitRecipe, Recipe},
-    study::{Branch, evolve},
+    study::evolve,
 };
 use serde_json::Value;
 use std::{
@@ -401,7 +401,7 @@ fn the_mode_at_minus_one_is_odd_about_the_kink_and_leads_to_another_orbit() {
     let sites = one.orbit.setting.sites;
     let reflected = |z: &[f64], k: usize| z[k / sites * sites + (2 * sites - k % sites) % sites];
     let largest = |z: &dyn Fn(usize) -> f64| (0..2 * sites).map(|k| z(k).abs()).fold(0.0, f64::max);
-    let mode = &one.birth.mode;
+    let mode = &one.birth.critical.mode;
     assert!(largest(&|k| mode[k] + reflected(mode, k)) < 1e-12);
     assert!(largest(&|k| if (k % sites).abs_diff(20) > 8 { mode[k] } else { 0.0 }) < 2e-6);
     // An orbit of the main branch is even: this one is not.
@@ -424,7 +424,7 @@ fn figures_of_orbits_have_the_numbers_of_their_commands() {
     // The largest strain of the background in every period is K_x, but for the time between
     // samples.
     let sites = last.setting.sites;
-    let k_x = branch.points.last().unwrap().extent.k_x;
+    let k_x = branch.points.last().unwrap().measures.extent.k_x;
     assert_eq!(run.swing.x.len(), sites * (run.times.len() - 1));
     for row in run.swing.x.chunks(sites) {
         assert!((0.98..1.0 + 1e-9).contains(&(row[0] / k_x)), "{} {k_x}", row[0]);

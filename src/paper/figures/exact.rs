@@ -6,10 +6,12 @@ use crate::{
     number::{shown, written},
     output::csv,
     study::{
-        Barrier, BarrierStudy, BranchWave, ContinueWave, ExactStudy, File, Moving, MovingStudy, Progress, Solitary,
-        SolitaryStudy, Wanted, WaveBranchStudy, exact_study, fit_line,
+        Barrier, BarrierStudy, ContinueWave, ExactStudy, File, Moving, MovingStudy, Progress, Solitary, SolitaryStudy,
+        Wanted, WaveBranchStudy, exact_study, fit_line,
     },
-    waves::{Given, MeanStrain, Search, Shape, Size, TravellingWave, WaveNumber, WaveParameter, WaveSetting},
+    waves::{
+        Given, MeanStrain, Search, Shape, Size, TravellingWave, WaveNumber, WaveParameter, WavePoint, WaveSetting,
+    },
 };
 /// Sites of the ring for waves of decreasing size, `q = pi/5`.
 const SITES: usize = 10;
@@ -166,18 +168,20 @@ pub(super) fn exact_words(data: &ExactData) -> String {
         ExactData::Wave(study) => study.caption(),
         ExactData::Branches(branches) => {
             let words = |(heading, study): &(&str, WaveBranchStudy)| {
-                let fast = |one: &&BranchWave| {
-                    one.spectrum.fastest().is_some_and(|fastest| fastest.growth > 2.0 * one.modulation.unwrap_or(0.0))
+                let fast = |one: &&WavePoint| {
+                    one.spectrum
+                        .fastest()
+                        .is_some_and(|fastest| fastest.growth > 2.0 * one.measures.modulation.unwrap_or(0.0))
                 };
-                let grows = study.waves.iter().find(fast).map_or("growth near that of DpS".to_owned(), |one| {
-                    let (omega_tw, amplitude) = (one.wave.setting.omega_tw, shown(one.wave.amplitude()));
+                let grows = study.branch.points.iter().find(fast).map_or("growth near that of DpS".to_owned(), |one| {
+                    let (omega_tw, amplitude) = (one.orbit.setting.omega_tw, shown(one.orbit.amplitude()));
                     format!("growth more than twice that of DpS from ω_tw = {omega_tw:.5}, amplitude {amplitude}, on")
                 });
-                format!("{heading}: {} waves, {grows}. ", study.waves.len())
+                format!("{heading}: {} waves, {grows}. ", study.branch.points.len())
             };
-            let params = branches.first().and_then(|(_, study)| study.waves.first());
-            let params = params.map_or(String::new(), |one| crate::study::params_words(one.wave.setting.params));
-            let sites = branches.first().map_or(0, |(_, study)| study.sites);
+            let params = branches.first().and_then(|(_, study)| study.branch.points.first());
+            let params = params.map_or(String::new(), |one| crate::study::params_words(one.orbit.setting.params));
+            let sites = branches.first().map_or(0, |(_, study)| study.branch.setting.sites);
             format!(
                 "{params}, N = {sites}, mean strain half the amplitude. {}",
                 branches.iter().map(words).collect::<String>().trim_end()

@@ -12,17 +12,21 @@
 //! `p`.
 
 use super::{
-    ExactWave, Given, MeanStrain, Search, WaveSetting,
+    ExactWave, Given, MeanStrain, Search, WaveSetting, WaveSpectrum, ansatz,
     newton::{DIFFERENCE, SOLVED, amplitude_row},
     swing,
 };
 use crate::{
     chain::{Params, Resonators},
     error::{Error, Result},
-    orbits::{BranchState, ContinuationOptions, End, Equations, Family, MOST_CORRECTIONS, Solution, follow, kept},
+    orbits::{Branch, End, Equations, Kantorovich, MOST_CORRECTIONS, Point, Problem, Range, Solution, check},
+    waves::Modulation,
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
+/// Samples of a profile for largest values.
+const SAMPLES: usize = 256;
 /// Steps in the range of the parameter, if no largest step is given.
 const STEPS: f64 = 20.0;
 /// Relative distance of `omega_tw` from `omega` below which a wave with a crest no higher than its
@@ -59,6 +63,18 @@ impl WaveParameter {
             Self::Rho => "ρ",
             Self::Kappa => "κ",
             Self::Alpha => "α",
+        }
+    }
+
+    /// The name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::OmegaTw => "omega_tw",
+            Self::Amplitude => "amplitude",
+            Self::Mean => "mean",
+            Self::Rho => "rho",
+            Self::Kappa => "kappa",
+            Self::Alpha => "alpha",
         }
     }
 
@@ -122,15 +138,6 @@ pub struct WaveContinuation {
     pub search: Search,
 }
 
-/// A branch of waves.
-#[derive(Clone, Debug, PartialEq)]
-pub struct WaveBranch {
-    /// The waves, at least one, in their order along the branch.
-    pub waves: Vec<ExactWave>,
-    /// Why it ended.
-    pub end: End,
-}
-
 impl ExactWave {
     /// Whether no contact closes.
     fn free_of_contacts(&self) -> bool {
@@ -139,44 +146,36 @@ impl ExactWave {
     }
 }
 
-/// The waves of settings that differ in one parameter.
-struct Waves<'a> {
-    continuation: &'a WaveContinuation,
+/// What does not vary along a branch of waves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WaveBase {
     /// The setting of the first wave.
-    setting: WaveSetting,
+    pub setting: WaveSetting,
     /// `s`.
-    size: f64,
+    pub size: f64,
+    /// Sites of the ring of the multipliers, a multiple of the cell.
+    pub sites: usize,
 }
 
-impl Waves<'_> {
-    /// The setting and the state for these unknowns.
-    fn at(&self, z: &[f64], p: f64) -> (WaveSetting, Vec<f64>) {
-        let first = &self.setting;
-        let setting = match self.continuation.parameter {
-            WaveParameter::Amplitude => {
-                WaveSetting { omega_tw: first.omega_tw * (z[z.len() - 1] / self.size).exp(), ..*first }
-            }
-            parameter => parameter.with(first, p),
-        };
-        let (numbers, omega) = (setting.numbers(), setting.omega_tw);
-        let (strains, rates) = z[..numbers].split_at(numbers / 2);
-        let strains = strains.iter().map(|z| z + offset(&setting));
-        (setting, strains.chain(rates.iter().map(|z| z * omega)).collect())
-    }
-
-    fn unknowns(&self, ExactWave { setting, z, .. }: &ExactWave) -> Vec<f64> {
-        let (strains, rates) = z.split_at(z.len() / 2);
-        let strains = strains.iter().map(|z| z - offset(setting));
-        let w = (setting.omega_tw / self.setting.omega_tw).ln() * self.size;
-        let w = (self.continuation.parameter == WaveParameter::Amplitude).then_some(w);
-        strains.chain(rates.iter().map(|z| z / setting.omega_tw)).chain(w).collect()
-    }
-
-    fn wave(&self, Solution { z, p, residual, newton }: &Solution) -> ExactWave {
-        let (setting, z) = self.at(z, *p);
-        ExactWave { setting, z, residual: *residual, newton: newton.clone() }
-    }
+/// Measurements of a wave of a branch.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WaveMeasures {
+    /// `E_x` and `E_y` of the ansatz with the same frequency and mean strain, if there is one.
+    pub errors: Option<[f64; 2]>,
+    /// Largest growth of the ansatz by the linearised modulation equations, at the wave numbers of
+    /// the ring.
+    pub modulation: Option<f64>,
+    /// Share of the period in which a contact is closed.
+    pub closed: f64,
+    /// Bound of the distance to a solution; `None` if the equations are not independent.
+    pub kantorovich: Option<Kantorovich>,
 }
+
+/// An exact wave with its multipliers.
+pub type WavePoint = Point<WaveContinuation>;
+
+/// A branch of exact waves.
+pub type WaveBranch = Branch<WaveContinuation>;
 
 /// `m`.
 fn offset(setting: &WaveSetting) -> f64 {
@@ -186,21 +185,55 @@ fn offset(setting: &WaveSetting) -> f64 {
     }
 }
 
-impl Family for Waves<'_> {
-    fn equations(&self, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
-        let (setting, state) = self.at(z, p);
-        let Equations { mut residual, mut jacobian } =
-            self.continuation.search.equations(&setting, &state, derivative)?;
+impl WaveContinuation {
+    /// The setting and the state for these unknowns.
+    fn at(&self, WaveBase { setting: first, size, .. }: &WaveBase, z: &[f64], p: f64) -> (WaveSetting, Vec<f64>) {
+        let setting = match self.parameter {
+            WaveParameter::Amplitude => {
+                WaveSetting { omega_tw: first.omega_tw * (z[z.len() - 1] / size).exp(), ..*first }
+            }
+            parameter => parameter.with(first, p),
+        };
+        let (numbers, omega) = (setting.numbers(), setting.omega_tw);
+        let (strains, rates) = z[..numbers].split_at(numbers / 2);
+        let strains = strains.iter().map(|z| z + offset(&setting));
+        (setting, strains.chain(rates.iter().map(|z| z * omega)).collect())
+    }
+}
+
+impl Problem for WaveContinuation {
+    type Setting = WaveBase;
+    type Orbit = ExactWave;
+    type Spectrum = WaveSpectrum;
+    type Measures = WaveMeasures;
+    type Critical = ();
+
+    fn name(&self) -> &'static str {
+        self.parameter.name()
+    }
+
+    fn range(&self) -> Range {
+        let &Self { to, step, most_points, .. } = self;
+        Range { to, step, most_points, natural: false }
+    }
+
+    fn with_range(self, Range { to, step, most_points, .. }: Range) -> Self {
+        Self { to, step, most_points, ..self }
+    }
+
+    fn equations(&self, base: &WaveBase, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
+        let (setting, state) = self.at(base, z, p);
+        let Equations { mut residual, mut jacobian } = self.search.equations(&setting, &state, derivative)?;
         let (n, rows) = (state.len(), residual.len());
         if derivative {
             jacobian.columns_mut(n / 2, n / 2).scale_mut(setting.omega_tw);
         }
-        if self.continuation.parameter == WaveParameter::Amplitude {
+        if self.parameter == WaveParameter::Amplitude {
             let row = amplitude_row(&setting);
             residual = residual.push(row.iter().zip(&state).map(|(row, z)| row * z).sum::<f64>() - p);
             if derivative {
-                let by = DIFFERENCE * self.size;
-                let at = |w: f64| self.equations(&[&z[..n], &[z[n] + w]].concat(), p, false);
+                let by = DIFFERENCE * base.size;
+                let at = |w: f64| self.equations(base, &[&z[..n], &[z[n] + w]].concat(), p, false);
                 let slope = (at(by)?.residual - at(-by)?.residual) / (2.0 * by);
                 jacobian = jacobian.insert_row(rows, 0.0).insert_column(n, 0.0);
                 jacobian.view_mut((rows, 0), (1, n)).copy_from_slice(&row);
@@ -210,68 +243,91 @@ impl Family for Waves<'_> {
         Ok(Equations { residual, jacobian })
     }
 
-    fn solve(&self, seed: &[f64], p: f64) -> Result<Solution> {
-        let (setting, seed) = self.at(seed, p);
-        let given = match self.continuation.parameter {
+    fn solve(&self, base: &WaveBase, seed: &[f64], p: f64) -> Result<Solution> {
+        let (setting, seed) = self.at(base, seed, p);
+        let given = match self.parameter {
             WaveParameter::Amplitude => Given::Amplitude(p),
             _ => Given::Frequency,
         };
-        let search = Search { most_steps: MOST_CORRECTIONS, ..self.continuation.search };
-        let wave = search.solve(&setting, given, &seed)?;
-        Ok(Solution { z: self.unknowns(&wave), p, residual: wave.residual, newton: wave.newton })
+        let search = Search { most_steps: MOST_CORRECTIONS, ..self.search };
+        let solution = self.solution(base, &search.solve(&setting, given, &seed)?);
+        Ok(Solution { p, ..solution })
     }
 
-    fn size(&self, z: &[f64], p: f64) -> f64 {
-        let (setting, state) = self.at(z, p);
+    fn size(&self, base: &WaveBase, z: &[f64], p: f64) -> f64 {
+        let (setting, state) = self.at(base, z, p);
         swing(&state, &setting)
     }
 
-    fn solved(&self, _z: &[f64], _p: f64) -> f64 {
+    fn solved(&self, _base: &WaveBase, _z: &[f64], _p: f64) -> f64 {
         SOLVED
+    }
+
+    fn orbit(&self, base: &WaveBase, Solution { z, p, residual, newton }: &Solution) -> ExactWave {
+        let (setting, z) = self.at(base, z, *p);
+        ExactWave { setting, z, residual: *residual, newton: newton.clone() }
+    }
+
+    fn solution(&self, base: &WaveBase, wave: &ExactWave) -> Solution {
+        let ExactWave { setting, z, residual, newton } = wave;
+        let (strains, rates) = z.split_at(z.len() / 2);
+        let strains = strains.iter().map(|z| z - offset(setting));
+        let w = (setting.omega_tw / base.setting.omega_tw).ln() * base.size;
+        let w = (self.parameter == WaveParameter::Amplitude).then_some(w);
+        let z = strains.chain(rates.iter().map(|z| z / setting.omega_tw)).chain(w).collect();
+        Solution { z, p: self.parameter.of(wave), residual: *residual, newton: newton.clone() }
+    }
+
+    fn ends(&self, wave: &ExactWave) -> Option<End> {
+        wave.free_of_contacts().then_some(End::NoContact)
+    }
+
+    fn spectrum(&self, base: &WaveBase, wave: &ExactWave) -> Result<WaveSpectrum> {
+        wave.spectrum(base.sites, &self.search)
+    }
+
+    fn measures(&self, base: &WaveBase, wave: &ExactWave, _bounded: bool) -> Result<WaveMeasures> {
+        let profile = wave.profile(SAMPLES, &self.search)?;
+        let setting = WaveSetting { mean: MeanStrain::Value(wave.mean()), ..wave.setting };
+        let ansatz = ansatz(&setting, Given::Frequency).ok();
+        let modulation = ansatz.and_then(|ansatz| {
+            let modulation = Modulation::new(ansatz.params(), ansatz.shape()).ok()?;
+            let at = |j: usize| modulation.growth(2.0 * PI * j as f64 / base.sites as f64);
+            Some(ansatz.slow_time(1.0) * (0..=base.sites / 2).map(at).fold(0.0, f64::max))
+        });
+        Ok(WaveMeasures {
+            errors: ansatz.map(|ansatz| profile.errors(&ansatz)),
+            modulation,
+            closed: profile.closed(),
+            kantorovich: self.search.kantorovich(wave)?,
+        })
     }
 }
 
 impl WaveContinuation {
-    /// Follows the branch from `start`; `seen` is called with every wave. The rule for the mean
-    /// strain is that of `start`.
+    /// The branch that has only its first wave, with multipliers on a ring of `sites` sites. The
+    /// rule for the mean strain is that of `start`.
     ///
     /// # Errors
     /// An end at the start or outside the range of the parameter, a step that is not positive,
-    /// fewer than two waves. A branch that ends early is no error.
-    pub fn follow(&self, start: ExactWave, mut seen: impl FnMut(&ExactWave)) -> Result<WaveBranch> {
-        let &Self { parameter, to, step, most_points, .. } = self;
-        let from = parameter.of(&start);
-        self.check(from, &start.setting)?;
-        if let (WaveParameter::Mean, MeanStrain::OfAmplitude(share)) = (parameter, start.setting.mean) {
+    /// fewer than two waves.
+    pub fn begin(&self, start: ExactWave, sites: usize) -> Result<WaveBranch> {
+        let (parameter, from, setting) = (self.parameter, self.parameter.of(&start), start.setting);
+        self.check(from, &setting)?;
+        if let (WaveParameter::Mean, MeanStrain::OfAmplitude(share)) = (parameter, setting.mean) {
             return Err(Error::parameter("mean", share, "a share of the amplitude does not vary: give a value"));
         }
-        seen(&start);
-        let no_contact = |wave: &ExactWave| wave.free_of_contacts().then_some(End::NoContact);
-        if let Some(end) = no_contact(&start) {
-            return Ok(WaveBranch { waves: vec![start], end });
-        }
-        let range = (to - from).abs();
-        let step = if step.is_finite() { step } else { range / STEPS };
-        let family = Waves { continuation: self, setting: start.setting, size: swing(&start.z, &start.setting) };
-        let last = (family.unknowns(&start), from);
-        let state = BranchState { back: from, previous: None, last, ds: step / range, points: 1 };
-        let options = ContinuationOptions { to, step, natural: false, direction: (to - from).signum() };
-        let mut waves = vec![start];
-        let end = follow(&family, state, options, most_points, &mut |solution, _, end| {
-            let wave = family.wave(solution);
-            seen(&wave);
-            let end = end.or(no_contact(&wave));
-            waves.push(wave);
-            Ok(end)
-        });
-        Ok(WaveBranch { waves, end: kept(end)? })
+        let step = if self.step.is_finite() { self.step } else { (self.to - from).abs() / STEPS };
+        let base = WaveBase { setting, size: swing(&start.z, &setting), sites };
+        let end = self.ends(&start);
+        Ok(WaveBranch { end, ..WaveBranch::new(Self { step, ..*self }, base, start)? })
     }
 
     /// Refuses numbers outside their rules, for a branch from a wave of this setting, with the
     /// parameter at `from`.
     ///
     /// # Errors
-    /// As [`follow`](Self::follow).
+    /// As [`begin`](Self::begin).
     pub fn check(&self, from: f64, setting: &WaveSetting) -> Result<()> {
         let resonators = setting.params.resonators();
         match self.parameter {
@@ -289,19 +345,11 @@ impl WaveContinuation {
             }
             _ => {}
         }
-        if !self.to.is_finite() || self.to == from {
-            return Err(Error::parameter("to", self.to, "a finite number, not where the branch begins"));
-        }
         let (least, rule) = self.parameter.rule();
         if self.to <= least {
             return Err(Error::parameter("to", self.to, rule));
         }
-        if self.step.is_nan() || self.step <= 0.0 {
-            return Err(Error::parameter("step", self.step, "positive"));
-        }
-        if self.most_points < 2 {
-            return Err(Error::parameter("max-points", self.most_points, "at least two"));
-        }
-        Ok(())
+        // An infinite step is a default.
+        check([from, self.to], if self.step == f64::INFINITY { 1.0 } else { self.step }, self.most_points)
     }
 }

@@ -12,8 +12,8 @@ use crate::{
     chain::Params,
     dps::Center,
     error::{Error, Result},
-    orbits::{Bifurcation, BifurcationKind, Continuation, Orbit, Parameter, Setting, Shooting, Trail},
-    study::{Branch, DoubledBranch, Evolution, Kick, OrbitStudy, doubled_from, evolve, go_on, orbit_study},
+    orbits::{Bifurcation, BifurcationKind, Branch, Continuation, Orbit, Parameter, Setting, Shooting},
+    study::{DoubledBranch, Evolution, Kick, OrbitStudy, doubled_from, evolve, go_on, orbit_study},
     sweep::Tally,
 };
 
@@ -201,7 +201,7 @@ fn each<T: Sync, U: Send>(
 
 /// The branch from an orbit on to its end; bifurcations are located if `weak` is given.
 fn follow(start: Orbit, continuation: &Continuation, weak: Option<f64>) -> Result<Branch> {
-    go_on(Trail { weak, ..Trail::new(*continuation, start)? }, &mut |_| {}, &|_, _| {})?.reached()
+    go_on(Branch { weak, ..Branch::new(*continuation, start.setting, start)? }, &mut |_| {}, &|_, _| {})?.reached()
 }
 
 /// The branch of a family between two frequencies; bifurcations are located if `bifurcations`.
@@ -306,7 +306,7 @@ fn doubling(main: &Branch, omega_b: f64, shooting: &Shooting) -> Result<Doubling
     let birth = main.bifurcations.iter().find(|one| one.kind == BifurcationKind::PeriodDoubling).cloned();
     let birth = birth.ok_or_else(|| Error::parameter("omega_b", 2.064, "a period doubling below"))?;
     let by = SEED * birth.orbit.amplitude();
-    let seed: Vec<f64> = birth.orbit.z.iter().zip(&birth.mode).map(|(z, mode)| z + by * mode).collect();
+    let seed: Vec<f64> = birth.orbit.z.iter().zip(&birth.critical.mode).map(|(z, mode)| z + by * mode).collect();
     let orbit = shooting.solve(&Setting { omega_b, turns: 2, ..birth.orbit.setting }, &seed)?;
     Ok(DoublingData { birth, seed, orbit })
 }

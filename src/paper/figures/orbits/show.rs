@@ -5,10 +5,10 @@ use crate::{
     chain::max_norm,
     dps::Center,
     number::written,
-    orbits::{Bifurcation, BifurcationKind, Kind, Multiplier, Orbit, Parameter, Spectrum},
+    orbits::{Bifurcation, BifurcationKind, Branch, Kind, Multiplier, Orbit, Parameter, Spectrum},
     output::csv,
     paper::figures::{Tables, heavy::version},
-    study::{Branch, Evolution, OrbitStudy, center_word, shown},
+    study::{Evolution, OrbitStudy, center_word, shown},
 };
 
 /// Tables of a figure: `(part of the file name, tables)`.
@@ -86,7 +86,7 @@ fn profile_csv(one: &ProfileData) -> Tables {
 }
 
 fn doubling_csv(one: &DoublingData) -> Tables {
-    let all: [&[f64]; 3] = [&one.orbit.z, &one.seed, &one.birth.mode];
+    let all: [&[f64]; 3] = [&one.orbit.z, &one.seed, &one.birth.critical.mode];
     vec![("profile.csv", strains_csv(&one.orbit, &["", "_seed", "_mode"], &all))]
 }
 
@@ -251,8 +251,8 @@ fn floquet_words(all: &[FloquetData], zoom: Option<f64>) -> String {
             "{}: {}, K_x from {} to {}; at the one frequency largest |λ| {}, symplectic defect {}{}",
             family(one.center),
             orbits_word(&one.branch),
-            shown(points[0].extent.k_x),
-            shown(points[points.len() - 1].extent.k_x),
+            shown(points[0].measures.extent.k_x),
+            shown(points[points.len() - 1].measures.extent.k_x),
             strongest_words(&one.one.spectrum),
             power(one.one.spectrum.quality.symplectic_defect),
             events(one)
@@ -394,7 +394,10 @@ mod pictures {
                 all.iter().map(column).collect()
             }
             OrbitData::Doubling(one) => {
-                let mode = Column::new("mode at the multiplier −1", profiles(&one.orbit, &[("mode", &one.birth.mode)]));
+                let mode = Column::new(
+                    "mode at the multiplier −1",
+                    profiles(&one.orbit, &[("mode", &one.birth.critical.mode)]),
+                );
                 let lines = [("exact orbit", &one.orbit.z), ("seed", &one.seed)];
                 vec![mode, Column::new(format!("ω_b = {}", one.orbit.setting.omega_b), profiles(&one.orbit, &lines))]
             }
