@@ -27,7 +27,7 @@ pub(crate) fn main() -> Result<()> {
         let omega_b = point.orbit.setting.omega_b;
         println!("{omega_b:.5}  {:9.6}  {:.9}", point.orbit.amplitude(), point.spectrum.largest());
     }
-    println!("{} bifurcations; the branch ended: {:?}", branch.bifurcations.len(), branch.end);
+    println!("{} bifurcations; the branch ended: {:?}", branch.bifurcations.len(), branch.ended());
     // The amplitude of breathers grows with their frequency.
     let amplitudes: Vec<f64> = branch.points.iter().map(|point| point.orbit.amplitude()).collect();
     assert!(amplitudes.len() > 5 && amplitudes.windows(2).all(|pair| pair[0] < pair[1]));

@@ -9,7 +9,7 @@
 
 use hertzchain::{
     Error,
-    orbits::Trail,
+    orbits::Branch,
     output::{Archive, Array, npz_with},
 };
 use libfuzzer_sys::fuzz_target;
@@ -49,17 +49,16 @@ fuzz_target!(|bytes: &[u8]| {
         }
     };
     let path = Path::new("fuzz.npz");
-    match Archive::from_bytes(path, bytes).and_then(|archive| Trail::from_archive(&archive)) {
+    match Archive::from_bytes(path, bytes).and_then(|archive| Branch::from_archive(&archive)) {
         Ok(trail) => {
             assert!(!trail.orbits.is_empty() && trail.ds.is_finite() && trail.ds > 0.0);
             for orbit in &trail.orbits {
                 orbit.setting.chain().expect("a setting within its rules");
                 assert!(orbit.z.len() == 2 * orbit.setting.sites && orbit.z.iter().all(|z| z.is_finite()));
             }
-            // The branch, written and read again, is the same, except for residuals that are not
-            // numbers.
+            // The branch, written and read again, is the same.
             let again = trail.npz(Vec::new()).expect("what was read can be written");
-            let again = Trail::from_archive(&Archive::from_bytes(path, &again).expect("an archive")).expect("a branch");
+            let again = Branch::from_archive(&Archive::from_bytes(path, &again).expect("an archive")).expect("a branch");
             assert_eq!(format!("{trail:?}"), format!("{again:?}"));
         }
         Err(error) => {

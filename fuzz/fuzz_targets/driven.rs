@@ -29,7 +29,7 @@ fn settings(bytes: &[u8]) -> (String, &[u8]) {
 /// The number of unknowns that the scene needs, if known, so that the code after the check of
 /// shapes is reached.
 fn unknowns(json: &Value, file: SceneFile) -> Option<usize> {
-    let turns = json.pointer("/turns")?.as_u64()?;
+    let turns = json.pointer("/setting/turns")?.as_u64()?;
     let scene = Scene::build(file).ok()?;
     Some(DrivenSetting::new(scene.chain(), u32::try_from(turns).ok()?).ok()?.unknowns())
 }
@@ -53,7 +53,7 @@ fuzz_target!(|bytes: &[u8]| -> Corpus {
         Some((_, rest)) => {
             let (settings, doubles) = settings(rest);
             let json: Value = serde_json::from_str(&settings).unwrap_or_default();
-            let scene = json.pointer("/scene").and_then(Value::as_str);
+            let scene = json.pointer("/setting/scene").and_then(Value::as_str);
             let scene = scene.and_then(|text| SceneFile::parse(text, "fuzz").ok());
             // Absurd sizes are refused before memory is allocated; large but allowed sizes are left
             // out here. Profiles of breathers are computed with many digits, which takes long.

@@ -8,7 +8,7 @@ use hertzchain::{
     Result,
     dps::Center,
     figures::Format,
-    orbits::{DriveParameter, Formulation, Trail},
+    orbits::{Branch, DriveParameter, Formulation},
     output::Folder,
     report::Report,
     study::{
@@ -130,7 +130,7 @@ pub(crate) fn continue_branch<'py>(
 #[pyfunction]
 pub(crate) fn load_branch(py: Python<'_>, path: PathBuf) -> PyResult<BranchBytes<'_>> {
     let work = |watched: &Watched| {
-        let branch = study::study(Trail::load(&path)?, &|share, _| watched.tell(share))?;
+        let branch = study::study(Branch::load(&path)?, &|share, _| watched.tell(share))?;
         of_branch(&branch.report()?)
     };
     finished(py, None, work).map(|branch| branch_bytes(py, branch))

@@ -38,7 +38,7 @@ pub(super) const FARTHEST: f64 = 4.0;
 const CONTRACTION: f64 = 0.5;
 /// Largest number of steps of the corrector. The next `ds` is longer if it took fewer than
 /// `GOOD_CORRECTIONS`, and shorter if it took more than `MANY_CORRECTIONS`.
-pub(super) const MOST_CORRECTIONS: usize = 10;
+pub(crate) const MOST_CORRECTIONS: usize = 10;
 const GOOD_CORRECTIONS: usize = 4;
 const MANY_CORRECTIONS: usize = GOOD_CORRECTIONS + 1;
 /// A correction below this, in units of `X`, is the last one.
@@ -67,13 +67,17 @@ pub(super) trait Family {
     fn solved(&self, z: &[f64], p: f64) -> f64;
 }
 
-/// A solution, with its residual in units of [`Family::size`].
-#[derive(Clone, Debug)]
-pub(super) struct Solution {
-    pub(super) z: Vec<f64>,
-    pub(super) p: f64,
-    pub(super) residual: f64,
-    pub(super) newton: Vec<NewtonStep>,
+/// A solution, with its residual in its unit.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Solution {
+    /// The unknowns.
+    pub z: Vec<f64>,
+    /// The parameter.
+    pub p: f64,
+    /// The residual.
+    pub residual: f64,
+    /// Steps of Newton's method.
+    pub newton: Vec<NewtonStep>,
 }
 
 /// A point of a branch, and its tangent.
@@ -101,6 +105,9 @@ pub enum End {
     Jumped,
     /// The branch of doubled period came back to the branch of half its period.
     Rejoined,
+    /// No contact of a wave closes any more: every wave of frequency `omega` without contacts
+    /// follows.
+    NoContact,
     /// The multipliers of the last orbit are not known.
     NoMultipliers,
     /// The process was asked to end.
@@ -110,7 +117,7 @@ pub enum End {
 impl End {
     /// Whether the branch was followed as far as it goes.
     pub fn is_complete(self) -> bool {
-        matches!(self, Self::Reached | Self::TurnedBack | Self::Rejoined)
+        matches!(self, Self::Reached | Self::TurnedBack | Self::Rejoined | Self::NoContact)
     }
 
     /// The end of a branch with multipliers, from that of its orbits, `None` while they can go on;
@@ -133,6 +140,7 @@ impl End {
             Self::Lost => "no orbit was found with the shortest step",
             Self::Jumped => "Newton's method leads to another branch, also with the shortest step",
             Self::Rejoined => "it came back to the branch of half its period",
+            Self::NoContact => "no contact closes any more, and the frequency is omega",
             Self::NoMultipliers => "the multipliers of its last orbit are not known",
             Self::Stopped => "the process was asked to end",
         }
@@ -178,7 +186,7 @@ impl Scales {
 
 /// Refuses numbers outside their rules, for a continuation from one value of the parameter to
 /// another.
-pub(super) fn check([from, to]: [f64; 2], step: f64, most_points: usize) -> Result<()> {
+pub(crate) fn check([from, to]: [f64; 2], step: f64, most_points: usize) -> Result<()> {
     if !to.is_finite() || to == from {
         return Err(Error::parameter("to", to, "a finite number, not where the branch begins"));
     }
@@ -237,12 +245,12 @@ pub(super) fn tangent(
 }
 
 /// The solution in the hyperplane that is orthogonal to the tangent at the distance `ds` from
-/// `spot`, by Newton's method from the predictor.
-pub(super) fn correct(family: &impl Family, spot: BasePoint<'_>, scales: Scales, ds: f64) -> Result<Solution> {
-    let columns = spot.z.len();
-    let t = spot.tangent;
-    let mut z = DVector::from_column_slice(spot.z) + t.rows(0, columns) * (ds * scales.state);
-    let mut p = spot.p + ds * t[columns] * scales.parameter;
+/// `base`, by Newton's method from the predictor.
+pub(super) fn correct(family: &impl Family, base: BasePoint<'_>, scales: Scales, ds: f64) -> Result<Solution> {
+    let columns = base.z.len();
+    let t = base.tangent;
+    let mut z = DVector::from_column_slice(base.z) + t.rows(0, columns) * (ds * scales.state);
+    let mut p = base.p + ds * t[columns] * scales.parameter;
     let (mut newton, mut before) = (Vec::new(), f64::INFINITY);
     loop {
         let Equations { residual, jacobian } = extended(family, z.as_slice(), p, scales)?;
@@ -272,45 +280,45 @@ pub(super) fn correct(family: &impl Family, spot: BasePoint<'_>, scales: Scales,
 
 /// The solution at the value `to` of the parameter. The initial guess is the point of the tangent
 /// with this value.
-fn naturally(family: &impl Family, spot: BasePoint<'_>, scales: Scales, to: f64) -> Result<Solution> {
-    let by = (to - spot.p) / (spot.tangent[spot.z.len()] * scales.parameter);
-    let z: Vec<f64> = spot.z.iter().zip(spot.tangent).map(|(z, t)| z + by * t * scales.state).collect();
+fn naturally(family: &impl Family, base: BasePoint<'_>, scales: Scales, to: f64) -> Result<Solution> {
+    let by = (to - base.p) / (base.tangent[base.z.len()] * scales.parameter);
+    let z: Vec<f64> = base.z.iter().zip(base.tangent).map(|(z, t)| z + by * t * scales.state).collect();
     family.solve(&z, to)
 }
 
 /// Whether a solution may be one of another branch, or beyond a fold: the chord to it is much
 /// longer than the predictor, or Newton's corrections do not contract from the first one on.
-pub(crate) fn strays(chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
+pub(super) fn strays(chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
     let slow = |first: f64, second: f64| second > CONTRACTION * first && second > LAST_CORRECTION;
     chord > TURN * predictor + LAST_CORRECTION || matches!(newton, [first, second, ..] if slow(first.step, second.step))
 }
 
-/// The next point after `spot`, and the length `ds` for the point after it; otherwise why the
+/// The next point after `base`, and the length `ds` for the point after it; otherwise why the
 /// branch ends.
 ///
 /// The predictor has the length `ds` at first; the length is halved until the corrector converges
 /// to a point that does not [stray](strays).
 pub(super) fn next(
     family: &impl Family,
-    spot: BasePoint<'_>,
+    base: BasePoint<'_>,
     scales: Scales,
     ContinuationOptions { to, step, natural, direction }: ContinuationOptions,
     ds: f64,
 ) -> std::result::Result<(Solution, f64), End> {
-    let rate = spot.tangent[spot.tangent.len() - 1] * scales.parameter;
+    let rate = base.tangent[base.tangent.len() - 1] * scales.parameter;
     let shortest = SHORTEST * step / scales.parameter;
     let mut ds = ds.min(LONGEST).min(step / rate.abs());
     loop {
         // The last step ends at the final value.
-        let lands = rate * direction > 0.0 && (to - spot.p).abs() <= 1.001 * (rate * ds).abs();
+        let lands = rate * direction > 0.0 && (to - base.p).abs() <= 1.001 * (rate * ds).abs();
         let next = if lands || natural {
-            let to = if lands { to } else { spot.p + rate.abs() * ds * direction };
-            naturally(family, spot, scales, to)
+            let to = if lands { to } else { base.p + rate.abs() * ds * direction };
+            naturally(family, base, scales, to)
         } else {
-            correct(family, spot, scales, ds)
+            correct(family, base, scales, ds)
         };
-        let length = if lands { ((to - spot.p) / rate).abs() } else { ds };
-        let chord = |to: &Solution| scales.chord((spot.z, spot.p), (&to.z, to.p)).norm();
+        let length = if lands { ((to - base.p) / rate).abs() } else { ds };
+        let chord = |to: &Solution| scales.chord((base.z, base.p), (&to.z, to.p)).norm();
         match next {
             Ok(solution) if ds > shortest && family.strays(chord(&solution), length, &solution.newton) => ds *= 0.5,
             Ok(solution) if chord(&solution) > FARTHEST * length + LAST_CORRECTION => return Err(End::Jumped),
@@ -342,30 +350,22 @@ pub(super) struct BranchState {
     pub(super) points: usize,
 }
 
-/// The end of a branch that is kept although the process was asked to end while it was followed.
-pub(super) fn kept(end: Result<End>) -> Result<End> {
-    match end {
-        Err(Error::Stopped { .. }) | Ok(End::NoMultipliers) if interrupt::asked() => Ok(End::Stopped),
-        end => end,
-    }
-}
-
 /// Called with every new solution, the length of the next predictor, and the reason why the branch
 /// ends with this solution, if it does. A reason that is returned ends the branch.
 pub(super) type Keep<'a> = &'a mut dyn FnMut(&Solution, f64, Option<End>) -> Result<Option<End>>;
 
 /// Continues a branch past folds until the parameter reaches its final value or, if the branch has
-/// turned back, passes `back`. The branch gets at most `most_points` points, those in `course`
+/// turned back, passes `back`. The branch gets at most `most_points` points, those in `state`
 /// included. A branch that was stopped on the way continues with the same bits.
 pub(super) fn follow(
     family: &impl Family,
-    course: BranchState,
-    way: ContinuationOptions,
+    state: BranchState,
+    options: ContinuationOptions,
     most_points: usize,
     keep: Keep<'_>,
 ) -> Result<End> {
-    let ContinuationOptions { to, direction, .. } = way;
-    let BranchState { back, mut previous, last: (mut z, mut p), mut ds, points } = course;
+    let ContinuationOptions { to, direction, .. } = options;
+    let BranchState { back, mut previous, last: (mut z, mut p), mut ds, points } = state;
     for points in points.. {
         if points >= most_points {
             break;
@@ -384,8 +384,8 @@ pub(super) fn follow(
             None => along(z.len(), direction),
         };
         let Ok(tangent) = tangent(family, (&z, p), scales, &before) else { return lost() };
-        let spot = BasePoint { z: &z, p, tangent: &tangent };
-        let (solution, longer) = match next(family, spot, scales, way, ds) {
+        let base = BasePoint { z: &z, p, tangent: &tangent };
+        let (solution, longer) = match next(family, base, scales, options, ds) {
             Ok(next) => next,
             Err(End::Lost) => return lost(),
             Err(end) => return Ok(end),

@@ -13,10 +13,11 @@
 //! - A fold: `psi` is the component of the tangent along the parameter.
 
 use super::{
-    arclength::Scales,
-    continuation::{Continuation, Place},
+    arclength::{self, BasePoint, Scales},
+    branch::{At, Bifurcation, Branch, Chord, Located, Problem},
+    continuation::Continuation,
     floquet::Spectrum,
-    setting::Setting,
+    setting::{Parameter, Setting},
     shooting::{Orbit, Shooting},
 };
 use crate::error::{Error, Result};
@@ -56,17 +57,11 @@ impl BifurcationKind {
     }
 }
 
-/// A bifurcation point of a branch.
+/// The multipliers that meet at a bifurcation of reversible orbits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Bifurcation {
-    /// The kind of bifurcation.
-    pub kind: BifurcationKind,
-    /// Value of the parameter.
-    pub parameter: f64,
-    /// `tau` at the bifurcation; 1 at a fold.
+pub struct CriticalPair {
+    /// `tau = (lambda + 1/lambda)/2`; 1 at a fold.
     pub tau: f64,
-    /// The orbit.
-    pub orbit: Orbit,
     /// Strains `z` of the eigenvector of `tau`, scaled to the largest entry 1; empty at a fold or
     /// collision.
     pub mode: Vec<f64>,
@@ -75,8 +70,6 @@ pub struct Bifurcation {
 /// Largest number of times that a stretch between two points is halved, until each part has one
 /// bifurcation.
 const MOST_CUTS: u32 = 5;
-/// Largest number of evaluations of a test function.
-const MOST_TRIALS: u32 = 60;
 /// Error of a located bifurcation, as a share of the stretch.
 const LOCATED: f64 = 1e-10;
 /// A quartet at one end of a stretch is taken to exist at the other end as well if there is one
@@ -103,145 +96,39 @@ enum Test {
     Fold,
 }
 
-/// A branch of reversible orbits with their multipliers, between whose points bifurcations are
-/// sought.
-pub(super) trait Branch {
-    /// An orbit with its multipliers.
-    type Point;
-    /// If the corrector fails during the search for the zero of `psi`, the last point counts as the
-    /// bifurcation if its `|psi|` is at most this: the corrector is singular where another branch
-    /// crosses.
-    const NEAR: f64;
-    /// The multipliers of a point.
-    fn spectrum<'a>(&self, point: &'a Self::Point) -> &'a Spectrum;
-    /// Unknowns and parameter of a point.
-    fn place(&self, point: &Self::Point) -> (Vec<f64>, f64);
-    /// Units of the unknowns and of the parameter for a stretch that begins at `from`, and over
-    /// which the parameter changes by `change`.
-    fn scales(&self, from: (&[f64], f64), change: f64) -> Scales;
-    /// The point that the corrector finds at a distance along the unit chord from a point.
-    fn step(&self, from: &Self::Point, chord: &DVector<f64>, scales: Scales, ds: f64) -> Result<Self::Point>;
-    /// The unit tangent at a point, with a positive product with `before`.
-    fn tangent(&self, at: &Self::Point, scales: Scales, before: &DVector<f64>) -> Result<DVector<f64>>;
-}
+/// Problems with reversible orbits.
+pub(super) trait Reversible: Problem<Spectrum = Spectrum, Critical = CriticalPair> {}
 
-/// A bifurcation of a branch, with the point there.
-pub(super) struct Located<P> {
-    pub(super) kind: BifurcationKind,
-    pub(super) tau: f64,
-    pub(super) point: P,
-    /// Number of the point of the branch before it.
-    pub(super) after: usize,
-}
+impl<P: Problem<Spectrum = Spectrum, Critical = CriticalPair>> Reversible for P {}
 
-/// An orbit with its multipliers.
-pub(super) struct Known {
-    orbit: Orbit,
-    spectrum: Spectrum,
-}
-
-impl Known {
-    fn of((orbit, spectrum): (&Orbit, &Spectrum)) -> Self {
-        Self { orbit: orbit.clone(), spectrum: spectrum.clone() }
-    }
-}
-
-impl Branch for Continuation {
-    type Point = Known;
-    const NEAR: f64 = 0.0;
-
-    fn spectrum<'a>(&self, point: &'a Known) -> &'a Spectrum {
-        &point.spectrum
-    }
-
-    fn place(&self, Known { orbit, .. }: &Known) -> (Vec<f64>, f64) {
-        (orbit.z.clone(), orbit.setting.get(self.parameter))
-    }
-
-    fn scales(&self, (z, p): (&[f64], f64), change: f64) -> Scales {
-        let range = (self.to - p).abs();
-        Scales::new(z, change.abs().max(1e-3 * range))
-    }
-
-    fn step(&self, from: &Known, chord: &DVector<f64>, scales: Scales, ds: f64) -> Result<Known> {
-        let place = Place { orbit: from.orbit.clone(), tangent: chord.clone() };
-        let orbit = Continuation::step(self, &place, scales, ds)?;
-        let spectrum = orbit.spectrum(&self.shooting)?;
-        Ok(Known { orbit, spectrum })
-    }
-
-    fn tangent(&self, at: &Known, scales: Scales, before: &DVector<f64>) -> Result<DVector<f64>> {
-        Continuation::tangent(self, &at.orbit, scales, before)
-    }
-}
-
-/// The part of a branch between two points, parametrised by their chord.
-struct Stretch<'a, B: Branch> {
-    branch: &'a B,
-    from: &'a B::Point,
-    chord: DVector<f64>,
-    scales: Scales,
-    length: f64,
-}
-
-impl<'a, B: Branch> Stretch<'a, B> {
-    fn new(branch: &'a B, a: &'a B::Point, b: &B::Point) -> Self {
-        let ((z, p), (w, q)) = (branch.place(a), branch.place(b));
-        let scales = branch.scales((&z, p), q - p);
-        let chord = scales.chord((&z, p), (&w, q));
-        let length = chord.norm();
-        Self { branch, from: a, chord: chord / length, scales, length }
-    }
-
-    fn point(&self, s: f64) -> Result<B::Point> {
-        self.branch.step(self.from, &self.chord, self.scales, s * self.length)
-    }
-
-    /// The value of `psi` at a point, and the `tau` that it belongs to.
-    fn test(&self, test: Test, at: &B::Point) -> Option<(f64, f64)> {
-        let spectrum = self.branch.spectrum(at);
+impl<P: Reversible> Chord<'_, P> {
+    /// The value of `psi` at an orbit, and the `tau` that it belongs to.
+    fn test(&self, test: Test, (orbit, spectrum): At<'_, P>) -> Option<(f64, f64)> {
         match test {
             Test::MinusOne(k) => reals(spectrum).get(k).map(|&tau| (tau + 1.0, tau)),
             Test::PlusOne(k) => reals(spectrum).iter().rev().nth(k).map(|&tau| (1.0 - tau, tau)),
             Test::Collision(near) => pair_near(spectrum, near).map(|(mean, discriminant)| (discriminant, mean)),
-            Test::Fold => {
-                let tangent = self.branch.tangent(at, self.scales, &self.chord).ok()?;
-                Some((tangent[tangent.len() - 1], 1.0))
-            }
+            Test::Fold => Some((self.slope(orbit).ok()?, 1.0)),
         }
     }
 
-    /// The zero of `psi` by the rule of false position (Illinois variant), with the values at both
-    /// ends known.
-    fn locate(&self, mut test: Test, a: &B::Point, b: &B::Point) -> Option<Located<B::Point>> {
-        let (mut left, mut right) = ((0.0, self.test(test, a)?.0), (1.0, self.test(test, b)?.0));
-        if left.1 * right.1 > 0.0 {
+    /// The bifurcation at the zero of `psi`, with its values at both ends known.
+    fn locate(&self, mut test: Test, a: At<'_, P>, b: At<'_, P>) -> Option<Located<P>> {
+        let ends = [self.test(test, a)?.0, self.test(test, b)?.0];
+        if ends[0] * ends[1] > 0.0 {
             return None;
         }
-        let mut last: Option<(B::Point, f64)> = None;
-        for _ in 0..MOST_TRIALS {
-            let s = (left.0 * right.1 - right.0 * left.1) / (right.1 - left.1);
-            let Ok(point) = self.point(s) else {
-                last = last.filter(|_| right.1.abs() <= B::NEAR);
-                break;
-            };
-            let (psi, tau) = self.test(test, &point)?;
+        let mut last = f64::NAN;
+        let psi = |at: At<'_, P>| {
+            let (psi, tau) = self.test(test, at)?;
             if let Test::Collision(near) = &mut test {
                 *near = tau;
             }
-            last = Some((point, tau));
-            if psi * right.1 < 0.0 {
-                left = right;
-            } else {
-                left.1 *= 0.5;
-            }
-            let by = (s - right.0).abs();
-            right = (s, psi);
-            if psi == 0.0 || by <= LOCATED || (left.0 - right.0).abs() <= LOCATED {
-                break;
-            }
-        }
-        let (point, tau) = last?;
+            last = tau;
+            Some(psi)
+        };
+        let ((orbit, spectrum), _) = self.zero(ends, (0.0, LOCATED), psi)?;
+        let tau = last;
         let kind = match test {
             Test::MinusOne(_) => BifurcationKind::PeriodDoubling,
             Test::PlusOne(_) => BifurcationKind::PlusOne,
@@ -249,7 +136,9 @@ impl<'a, B: Branch> Stretch<'a, B> {
             Test::Collision(_) => BifurcationKind::RealCollision,
             Test::Fold => BifurcationKind::Fold,
         };
-        Some(Located { kind, tau, point, after: 0 })
+        let single = matches!(kind, BifurcationKind::PeriodDoubling | BifurcationKind::PlusOne);
+        let mode = if single { spectrum.strains_of(tau) } else { Vec::new() };
+        Some(self.located(kind, CriticalPair { tau, mode }, &orbit))
     }
 }
 
@@ -354,112 +243,45 @@ fn tests(a: &Spectrum, b: &Spectrum, wanted: &Quartets) -> (Vec<Test>, bool) {
     (found, whole)
 }
 
-/// The bifurcations between the points of a branch, in the order of the points, with the folds
-/// last.
-///
-/// Quartets with a modulus up to `1 + weak` are left out. A stretch with several bifurcations is
-/// halved up to 5 times. Also returned is the number of stretches whose bifurcations are not
-/// separated then; these are left out.
-pub(super) fn located<B: Branch>(branch: &B, points: &[B::Point], weak: f64) -> (Vec<Located<B::Point>>, usize) {
-    let (mut out, mut left_out) = (Vec::new(), 0);
-    for (after, pair) in points.windows(2).enumerate() {
-        let before = out.len();
-        left_out += in_stretch(branch, [&pair[0], &pair[1]], weak, &mut out);
-        out[before..].iter_mut().for_each(|one: &mut Located<B::Point>| one.after = after);
-    }
-    for (after, three) in points.windows(3).enumerate() {
-        out.extend(fold(branch, [&three[0], &three[1], &three[2]]).map(|fold| Located { after, ..fold }));
-    }
-    (out, left_out)
-}
-
-/// Appends the bifurcations between two neighbours to `out`. Returns the number of parts whose
-/// bifurcations are not separated.
-pub(super) fn in_stretch<B: Branch>(
-    branch: &B,
-    ends: [&B::Point; 2],
-    weak: f64,
-    out: &mut Vec<Located<B::Point>>,
-) -> usize {
-    between(branch, ends, &Quartets { weak, near: None }, MOST_CUTS, out)
+/// The bifurcations between two neighbours, and the number of parts whose bifurcations are not
+/// separated. Quartets with a modulus up to `1 + weak` are left out.
+pub(super) fn between<P: Reversible>(branch: &Branch<P>, ends: [At<'_, P>; 2]) -> (Vec<Located<P>>, usize) {
+    let (mut found, wanted) = (Vec::new(), Quartets { weak: branch.weak.unwrap_or(0.0), near: None });
+    let unresolved = search(branch, ends, &wanted, MOST_CUTS, &mut found);
+    (found, unresolved)
 }
 
 /// The fold between the first and the last of three neighbours, if the branch turns there.
-pub(super) fn fold<B: Branch>(branch: &B, three: [&B::Point; 3]) -> Option<Located<B::Point>> {
-    if !turns(three.map(|point| branch.place(point).1)) {
-        return None;
-    }
+pub(super) fn fold<P: Reversible>(branch: &Branch<P>, three: [At<'_, P>; 3]) -> Option<Located<P>> {
+    let [a, b, c] = three.map(|(orbit, _)| branch.parameter(orbit));
     let [first, _, last] = three;
-    Stretch::new(branch, first, last).locate(Test::Fold, first, last)
-}
-
-/// Whether the middle one of three values of the parameter is the largest or the smallest.
-fn turns(p: [f64; 3]) -> bool {
-    (p[1] - p[0]) * (p[2] - p[1]) < 0.0
+    let turns = (b - a) * (c - b) < 0.0;
+    turns.then(|| Chord::new(branch, first.0, last.0).locate(Test::Fold, first, last))?
 }
 
 /// Appends the bifurcations between two points to `out`, after up to `cuts` halvings. Returns the
 /// number of parts whose bifurcations are not separated.
-fn between<B: Branch>(
-    branch: &B,
-    [a, b]: [&B::Point; 2],
+fn search<P: Reversible>(
+    branch: &Branch<P>,
+    [a, b]: [At<'_, P>; 2],
     wanted: &Quartets,
     cuts: u32,
-    out: &mut Vec<Located<B::Point>>,
+    out: &mut Vec<Located<P>>,
 ) -> usize {
-    let (found, whole) = tests(branch.spectrum(a), branch.spectrum(b), wanted);
+    let (found, whole) = tests(a.1, b.1, wanted);
     if found.is_empty() && whole {
         return 0;
     }
-    let stretch = Stretch::new(branch, a, b);
+    let chord = Chord::new(branch, a.0, b.0);
     if let ([test], true) = (&found[..], whole)
-        && let Some(bifurcation) = stretch.locate(*test, a, b)
+        && let Some(bifurcation) = chord.locate(*test, a, b)
     {
         out.push(bifurcation);
         return 0;
     }
-    let (1.., Ok(middle)) = (cuts, stretch.point(0.5)) else { return 1 };
-    let wanted = wanted.among(&found);
-    between(branch, [a, &middle], &wanted, cuts - 1, out) + between(branch, [&middle, b], &wanted, cuts - 1, out)
-}
-
-impl Continuation {
-    /// The bifurcations between the points of a branch, in the order of the points, with the folds
-    /// last.
-    ///
-    /// Quartets with a modulus up to `1 + weak` are left out. A stretch with several bifurcations
-    /// is halved up to 5 times; those that are not separated then are left out.
-    pub fn bifurcations(&self, orbits: &[Orbit], spectra: &[Spectrum], weak: f64) -> Vec<Bifurcation> {
-        let known: Vec<Known> = orbits.iter().zip(spectra).map(Known::of).collect();
-        located(self, &known, weak).0.into_iter().map(|one| self.bifurcation(one)).collect()
-    }
-
-    /// Those of [`bifurcations`](Self::bifurcations) that are between two neighbours, without
-    /// folds.
-    pub(crate) fn bifurcations_between(&self, ends: [(&Orbit, &Spectrum); 2], weak: f64) -> Vec<Bifurcation> {
-        let ([a, b], mut found) = (ends.map(Known::of), Vec::new());
-        in_stretch(self, [&a, &b], weak, &mut found);
-        found.into_iter().map(|one| self.bifurcation(one)).collect()
-    }
-
-    /// The one of [`bifurcations`](Self::bifurcations) that is a fold of the branch at the middle
-    /// one of three neighbours.
-    pub(crate) fn fold_at(&self, three: [(&Orbit, &Spectrum); 3]) -> Option<Bifurcation> {
-        let [a, b, c] = three.map(Known::of);
-        fold(self, [&a, &b, &c]).map(|fold| self.bifurcation(fold))
-    }
-
-    /// Whether a branch through these orbits turns back somewhere.
-    pub(crate) fn turns(&self, orbits: &[Orbit]) -> bool {
-        let p = |k: usize| orbits[k].setting.get(self.parameter);
-        (2..orbits.len()).any(|k| turns([p(k - 2), p(k - 1), p(k)]))
-    }
-
-    fn bifurcation(&self, Located { kind, tau, point: Known { orbit, spectrum }, .. }: Located<Known>) -> Bifurcation {
-        let single = matches!(kind, BifurcationKind::PeriodDoubling | BifurcationKind::PlusOne);
-        let mode = if single { spectrum.strains_of(tau) } else { Vec::new() };
-        Bifurcation { kind, parameter: orbit.setting.get(self.parameter), tau, orbit, mode }
-    }
+    let (1.., Ok((orbit, spectrum))) = (cuts, chord.point(0.5)) else { return 1 };
+    let (wanted, middle) = (wanted.among(&found), (&orbit, &spectrum));
+    search(branch, [a, middle], &wanted, cuts - 1, out) + search(branch, [middle, b], &wanted, cuts - 1, out)
 }
 
 impl Bifurcation {
@@ -484,17 +306,16 @@ impl Bifurcation {
         let orbit = Orbit { setting: Setting { omega_b, turns: 2, ..self.orbit.setting }, ..self.orbit.clone() };
         // Near a pitchfork the frequency changes with the square of the amplitude, so the scale of
         // the parameter does not matter.
-        let continuation = Continuation {
-            parameter: super::Parameter::OmegaB,
-            to: 1.01 * omega_b,
-            step: 0.01,
-            most_points: 2,
-            natural: false,
-            shooting: *shooting,
-        };
-        let scales = continuation.scales(&orbit, omega_b);
-        let mode = DVector::from_iterator(self.mode.len() + 1, self.mode.iter().copied().chain([0.0]));
+        let (parameter, to) = (Parameter::OmegaB, 1.01 * omega_b);
+        let continuation =
+            Continuation { parameter, to, step: 0.01, most_points: 2, natural: false, shooting: *shooting };
+        let mode = &self.critical.mode;
+        let mode = DVector::from_iterator(mode.len() + 1, mode.iter().copied().chain([0.0]));
+        let scales = Scales::new(&orbit.z, (to - omega_b).abs());
         let ds = size * orbit.amplitude() * mode.norm() / scales.state;
-        continuation.step(&Place { orbit, tangent: mode.normalize() }, scales, ds)
+        let branch = Branch::new(continuation, orbit.setting, orbit)?;
+        let base = BasePoint { z: &branch.orbits[0].z, p: omega_b, tangent: &mode.normalize() };
+        let solution = arclength::correct(&branch.family(), base, scales, ds)?;
+        Ok(continuation.orbit(&branch.setting, &solution))
     }
 }

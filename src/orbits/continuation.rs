@@ -9,17 +9,17 @@
 //! Predictor and corrector are those of `arclength`.
 
 use super::{
-    arclength::{
-        self, BasePoint, BranchState, ContinuationOptions, End, FARTHEST, Family, MOST_CORRECTIONS, Scales, Solution,
-    },
+    arclength::{End, FARTHEST, MOST_CORRECTIONS, Solution},
+    bifurcation::{self, CriticalPair},
+    branch::{At, Branch, Located, Problem, Range},
+    file::checked,
+    floquet::Spectrum,
+    kantorovich::Kantorovich,
+    orbit::Extent,
     setting::{Parameter, Setting},
     shooting::{Equations, NewtonStep, Orbit, Shooting},
 };
-use crate::{
-    dps::Center,
-    error::{Error, Result},
-};
-use nalgebra::DVector;
+use crate::error::Result;
 use serde::{Deserialize, Serialize};
 
 /// Settings of a continuation.
@@ -43,37 +43,47 @@ pub struct Continuation {
 /// Largest residual of an orbit, in units of the largest strain.
 const SOLVED: f64 = 1e-12;
 
-/// A point of a branch, and its tangent.
-#[derive(Clone, Debug)]
-pub(super) struct Place {
-    pub(super) orbit: Orbit,
-    pub(super) tangent: DVector<f64>,
+/// Measurements of a point of a branch.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OrbitMeasures {
+    /// Centres and amplitudes of the first bond.
+    pub extent: Extent,
+    /// Bound for the distance to an exact orbit; `None` if it was not asked for, and where the
+    /// equations are not independent.
+    pub kantorovich: Option<Kantorovich>,
 }
 
-/// The orbits of settings that differ in one parameter.
-struct Varying<'a> {
-    continuation: &'a Continuation,
-    setting: Setting,
-}
+impl Problem for Continuation {
+    type Setting = Setting;
+    type Orbit = Orbit;
+    type Spectrum = Spectrum;
+    type Measures = OrbitMeasures;
+    type Critical = CriticalPair;
 
-impl Varying<'_> {
-    fn at(&self, p: f64) -> Setting {
-        self.setting.with(self.continuation.parameter, p)
+    fn name(&self) -> &'static str {
+        self.parameter.name()
     }
 
-    fn orbit(&self, Solution { z, p, residual, newton }: Solution) -> Orbit {
-        Orbit { setting: self.at(p), z, residual, newton }
-    }
-}
-
-impl Family for Varying<'_> {
-    fn equations(&self, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
-        self.continuation.shooting.equations(&self.at(p), z, derivative)
+    fn range(&self) -> Range {
+        let &Self { to, step, most_points, natural, .. } = self;
+        Range { to, step, most_points, natural }
     }
 
-    fn solve(&self, seed: &[f64], p: f64) -> Result<Solution> {
-        let shooting = Shooting { most_steps: MOST_CORRECTIONS, ..self.continuation.shooting };
-        let Orbit { z, residual, newton, .. } = shooting.solve(&self.at(p), seed)?;
+    fn with_range(self, Range { to, step, most_points, natural }: Range) -> Self {
+        Self { to, step, most_points, natural, ..self }
+    }
+
+    fn check_value(&self, setting: &Setting, p: f64) -> Result<()> {
+        checked(&setting.with(self.parameter, p))
+    }
+
+    fn equations(&self, setting: &Setting, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
+        self.shooting.equations(&setting.with(self.parameter, p), z, derivative)
+    }
+
+    fn solve(&self, setting: &Setting, seed: &[f64], p: f64) -> Result<Solution> {
+        let shooting = Shooting { most_steps: MOST_CORRECTIONS, ..self.shooting };
+        let Orbit { z, residual, newton, .. } = shooting.solve(&setting.with(self.parameter, p), seed)?;
         Ok(Solution { z, p, residual, newton })
     }
 
@@ -83,140 +93,55 @@ impl Family for Varying<'_> {
         chord > FARTHEST * predictor
     }
 
-    fn solved(&self, _z: &[f64], _p: f64) -> f64 {
+    fn solved(&self, _setting: &Setting, _z: &[f64], _p: f64) -> f64 {
         SOLVED
     }
-}
 
-/// A branch up to its last orbit, with everything needed to continue it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Trail {
-    /// How the branch is followed.
-    pub continuation: Continuation,
-    /// The orbits, at least one, in their order along the branch.
-    pub orbits: Vec<Orbit>,
-    /// Length of the next predictor.
-    pub ds: f64,
-    /// Why the branch ended; `None` while it can continue.
-    pub end: Option<End>,
-    /// Symmetry of the breathers, if the orbits are breathers.
-    pub center: Option<Center>,
-    /// Bound for collisions of multipliers: those that lead to no modulus above `1 + weak` are not
-    /// located. `None`: no bifurcations are located.
-    pub weak: Option<f64>,
-}
-
-impl Trail {
-    /// A branch that has only its first orbit, `start`.
-    ///
-    /// # Errors
-    /// Numbers of the continuation outside their rules.
-    pub fn new(continuation: Continuation, start: Orbit) -> Result<Self> {
-        let from = start.setting.get(continuation.parameter);
-        continuation.validate(from)?;
-        let ds = continuation.step / (continuation.to - from).abs();
-        Ok(Self { continuation, orbits: vec![start], ds, end: None, center: None, weak: None })
+    fn orbit(&self, setting: &Setting, Solution { z, p, residual, newton }: &Solution) -> Orbit {
+        let setting = setting.with(self.parameter, *p);
+        Orbit { setting, z: z.clone(), residual: *residual, newton: newton.clone() }
     }
 
-    /// The first and the last orbit.
-    fn ends(&self) -> Option<[&Orbit; 2]> {
-        Some([self.orbits.first()?, self.orbits.last()?])
+    fn solution(&self, _setting: &Setting, Orbit { setting, z, residual, newton }: &Orbit) -> Solution {
+        let p = setting.get(self.parameter);
+        Solution { z: z.clone(), p, residual: *residual, newton: newton.clone() }
     }
 
-    /// Changes the settings so that the branch can continue: the end, the step and the largest
-    /// number of points.
-    ///
-    /// A branch that reached its end or turned back stays as it is unless another end is given.
-    ///
-    /// # Errors
-    /// An end that is not beyond the last point, seen from the first; numbers outside their rules.
-    pub fn onward(mut self, to: Option<f64>, step: Option<f64>, most_points: usize) -> Result<Self> {
-        let whole = to.is_none() && self.end.is_some_and(End::is_complete);
-        let Continuation { parameter, to: old, step: by, .. } = self.continuation;
-        let (to, step) = (to.unwrap_or(old), step.unwrap_or(by));
-        self.continuation = Continuation { to, step, most_points, ..self.continuation };
-        let Some([from, last]) = self.ends().map(|ends| ends.map(|orbit| orbit.setting.get(parameter))) else {
-            return Err(Error::parameter("orbits", 0, "at least one"));
-        };
-        self.continuation.validate(from)?;
-        if !whole {
-            arclength::check_onward([from, last], to)?;
-            self.end = None;
-        }
-        Ok(self)
+    fn spectrum(&self, _setting: &Setting, orbit: &Orbit) -> Result<Spectrum> {
+        orbit.spectrum(&self.shooting)
     }
 
-    /// Follows the branch from its last orbit to the final value of the parameter.
-    ///
-    /// `seen` is called after every new orbit. A branch that was stopped on the way continues with
-    /// the same bits.
-    ///
-    /// # Errors
-    /// Numbers outside their rules; [`Error::Stopped`] if the process was asked to end, after which
-    /// the branch can continue. A branch that ends early is not an error: the [`End`] says why.
-    pub fn extend(&mut self, mut seen: impl FnMut(&Self)) -> Result<End> {
-        let (continuation, Some([first, last])) = (self.continuation, self.ends()) else {
-            return Err(Error::parameter("orbits", 0, "at least one"));
-        };
-        let Continuation { parameter, to, step, most_points, natural, .. } = continuation;
-        let place = |orbit: &Orbit| (orbit.z.clone(), orbit.setting.get(parameter));
-        let back = first.setting.get(parameter);
-        continuation.validate(back)?;
-        let previous = self.orbits.iter().rev().nth(1).map(place);
-        let course = BranchState { back, previous, last: place(last), ds: self.ds, points: self.orbits.len() };
-        let way = ContinuationOptions { to, step, natural, direction: (to - back).signum() };
-        let family = continuation.varying(first.setting);
-        self.end = None;
-        let end = arclength::follow(&family, course, way, most_points, &mut |solution, ds, end| {
-            self.orbits.push(family.orbit(solution.clone()));
-            // `end` is set before the call, so that a branch saved by `seen` has it.
-            (self.ds, self.end) = (ds, end);
-            seen(self);
-            Ok(None)
-        })?;
-        self.end = Some(end);
-        Ok(end)
+    fn kept(spectrum: Spectrum) -> Spectrum {
+        spectrum.without_vectors()
+    }
+
+    fn measures(&self, _setting: &Setting, orbit: &Orbit, bounded: bool) -> Result<OrbitMeasures> {
+        let kantorovich = if bounded { orbit.kantorovich(&self.shooting)? } else { None };
+        Ok(OrbitMeasures { extent: orbit.extent(self.shooting.tol)?, kantorovich })
+    }
+
+    fn least_change(&self, p: f64) -> f64 {
+        1e-3 * (self.to - p).abs()
+    }
+
+    fn between(branch: &Branch, ends: [At<'_, Self>; 2]) -> (Vec<Located<Self>>, usize) {
+        bifurcation::between(branch, ends)
+    }
+
+    fn fold(branch: &Branch, three: [At<'_, Self>; 3]) -> Option<Located<Self>> {
+        bifurcation::fold(branch, three)
     }
 }
 
 impl Continuation {
-    pub(super) fn validate(&self, from: f64) -> Result<()> {
-        arclength::check([from, self.to], self.step, self.most_points)
-    }
-
     /// Follows the branch from `start` to the final value of the parameter; `seen` is called with
     /// every new orbit.
     ///
     /// # Errors
-    /// As [`Trail::extend`].
+    /// As [`Branch::extend`].
     pub fn follow(&self, start: Orbit, mut seen: impl FnMut(&Orbit)) -> Result<(Vec<Orbit>, End)> {
-        let mut trail = Trail::new(*self, start)?;
-        let end = trail.extend(|trail| trail.orbits.last().into_iter().for_each(&mut seen))?;
-        Ok((trail.orbits, end))
-    }
-
-    fn varying(&self, setting: Setting) -> Varying<'_> {
-        Varying { continuation: self, setting }
-    }
-
-    fn spot<'a>(&self, place: &'a Place) -> BasePoint<'a> {
-        let Place { orbit, tangent } = place;
-        BasePoint { z: &orbit.z, p: orbit.setting.get(self.parameter), tangent }
-    }
-
-    pub(super) fn scales(&self, orbit: &Orbit, from: f64) -> Scales {
-        Scales::new(&orbit.z, (self.to - from).abs())
-    }
-
-    /// The unit tangent with a positive product with `before`.
-    pub(super) fn tangent(&self, orbit: &Orbit, scales: Scales, before: &DVector<f64>) -> Result<DVector<f64>> {
-        let family = self.varying(orbit.setting);
-        arclength::tangent(&family, (&orbit.z, orbit.setting.get(self.parameter)), scales, before)
-    }
-
-    /// The orbit that the corrector finds at the distance `ds` along the tangent of `place`.
-    pub(super) fn step(&self, place: &Place, scales: Scales, ds: f64) -> Result<Orbit> {
-        let family = self.varying(place.orbit.setting);
-        Ok(family.orbit(arclength::correct(&family, self.spot(place), scales, ds)?))
+        let mut branch = Branch::new(*self, start.setting, start)?;
+        let end = branch.extend(|branch| branch.orbits.last().into_iter().for_each(&mut seen))?;
+        Ok((branch.orbits, end))
     }
 }

@@ -16,7 +16,6 @@
 //! [`Variations`] where contacts dissipate.
 
 use super::{
-    arclength::{Family, MOST_CORRECTIONS, Solution},
     eigen::eigen,
     floquet::or_infinite,
     shooting::{Equations, NewtonStep, least_squares},
@@ -297,7 +296,7 @@ impl DrivenSetting {
 
     /// Unit of residuals: the largest unknown or, if it is larger, [`ROUNDED`] times the largest
     /// static overlap, since rounding errors of overlaps limit the accuracy of positions.
-    fn size(&self, z: &[f64]) -> f64 {
+    pub(super) fn size(&self, z: &[f64]) -> f64 {
         let overlap = self.details.overlap.iter().copied().fold(0.0, f64::max);
         max_norm(z.iter().copied()).max(ROUNDED * overlap)
     }
@@ -307,7 +306,7 @@ impl DrivenSetting {
     /// orbit, the period has some `2 pi R` steps. Each errs by `tol s` in displacements, where `s`
     /// is the largest of the unknowns, static overlaps and moved beads: these sum to at most `2 pi
     /// R tol s`. Velocities then err by `R omega tol s`, and the unknowns `q'/omega` by `R tol s`.
-    fn solved(&self, z: &[f64], tol: f64) -> f64 {
+    pub(super) fn solved(&self, z: &[f64], tol: f64) -> f64 {
         let overlap = self.details.overlap.iter().copied().fold(0.0, f64::max);
         let state = max_norm(z.iter().copied()).max(overlap).max(self.moved().unwrap_or(0.0));
         let radians = 2.0 * PI * self.fastest_rate(z).unwrap_or(0.0);
@@ -409,6 +408,9 @@ const EIGEN: f64 = 4.0;
 /// Largest change of the unknowns over a period of an orbit, in units of the largest displacement
 /// or scaled velocity, for which the orbit counts as one of that period.
 const RETURNED: f64 = 1e-8;
+/// Largest rate of contacts, resonators, damping and drives of an orbit in a file, in units of its
+/// frequency.
+const FASTEST: f64 = 1e5;
 /// A run has settled if a period changes the unknowns by at most this, in units of the largest.
 const SETTLED: f64 = 1e-8;
 /// Tolerance of a step of the run that settles.
@@ -704,10 +706,17 @@ impl DrivenOrbit {
         Ok((1..setting.turns).filter(divides).find(returns).unwrap_or(setting.turns))
     }
 
-    /// The residual, computed anew.
-    pub(crate) fn measured(&self, shooting: &DrivenShooting) -> Result<f64> {
+    /// Refuses numbers that are not those of an orbit. Rates are checked first, so that the residual
+    /// is measured within seconds on a short chain.
+    pub(super) fn verify(&self, shooting: &DrivenShooting) -> Result<()> {
+        let rate = self.setting.fastest_rate(&self.z)?;
+        if rate > FASTEST {
+            let rule = "contacts, resonators, damping and drives of an orbit are at most 10^5 times as fast as it is";
+            return Err(Error::parameter("rates", format!("up to {rate:.1e}"), rule));
+        }
         let Equations { residual, .. } = shooting.equations(&self.setting, &self.z, false)?;
-        Ok(residual.amax() / self.setting.size(&self.z).max(self.setting.moved()?))
+        let off = residual.amax() / self.setting.size(&self.z).max(self.setting.moved()?);
+        if off <= RETURNED { Ok(()) } else { Err(Error::parameter("residual", off, "an orbit returns to 1e-8")) }
     }
 
     /// Unknowns after half of the orbit's periods of the drive (an even number) less those at
@@ -741,39 +750,6 @@ impl DrivenOrbit {
     pub fn amplitude(&self, samples: &[Vec<f64>]) -> f64 {
         let [beads, _] = self.ranges(samples);
         max_norm(self.setting.free_beads().map(|i| beads[i]))
-    }
-}
-
-/// The driven orbits of settings that differ in one parameter.
-pub(super) struct DrivenFamily<'a> {
-    pub(super) shooting: &'a DrivenShooting,
-    pub(super) setting: &'a DrivenSetting,
-    pub(super) parameter: DriveParameter,
-}
-
-impl DrivenFamily<'_> {
-    pub(super) fn orbit(&self, Solution { z, p, residual, newton }: Solution) -> DrivenOrbit {
-        DrivenOrbit { setting: self.setting.with(self.parameter, p), z, residual, newton }
-    }
-}
-
-impl Family for DrivenFamily<'_> {
-    fn equations(&self, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
-        self.shooting.equations(&self.setting.with(self.parameter, p), z, derivative)
-    }
-
-    fn solve(&self, seed: &[f64], p: f64) -> Result<Solution> {
-        let shooting = DrivenShooting { most_steps: MOST_CORRECTIONS, ..*self.shooting };
-        let DrivenOrbit { z, residual, newton, .. } = shooting.solve(&self.setting.with(self.parameter, p), seed)?;
-        Ok(Solution { z, p, residual, newton })
-    }
-
-    fn size(&self, z: &[f64], _p: f64) -> f64 {
-        self.setting.size(z)
-    }
-
-    fn solved(&self, z: &[f64], p: f64) -> f64 {
-        self.setting.with(self.parameter, p).solved(z, self.shooting.tol)
     }
 }
 

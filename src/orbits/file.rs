@@ -1,14 +1,18 @@
 //! Files of orbits and branches, read back to the bit.
 //!
 //! A branch is an NPZ file: `settings.json` with the numbers that hold for the whole branch, and
-//! arrays with a row for each orbit. The arrays `parameter`, `x`, `y` and `residual` are read back;
-//! other arrays are for readers of the file. A single orbit is the JSON that `breather dark`
-//! writes.
+//! arrays with a row for each orbit. The arrays `parameter`, `residual` and those of the unknowns
+//! are read back; other arrays are for readers of the file. A single orbit is the JSON that
+//! `breather dark` writes.
 
 use super::{
-    arclength::End,
-    continuation::{Continuation, Trail},
-    setting::Setting,
+    arclength::{End, Solution},
+    bifurcation::BifurcationKind,
+    branch::{Branch, Problem},
+    continuation::Continuation,
+    driven::{DrivenOrbit, DrivenSetting},
+    driven_branch::DrivenContinuation,
+    setting::{Parameter, Setting},
     shooting::{Formulation, Orbit, Shooting},
 };
 use crate::{
@@ -18,13 +22,10 @@ use crate::{
     output::{Archive, Array, SETTINGS, npz_with, read, to_json},
 };
 use hertzchain_integrators::Tolerance;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::error::Category;
 use std::{fs::File, io::Read, path::Path};
 
-/// Format and version of a branch file.
-const FORMAT: &str = "hertzchain branch";
-const VERSION: u64 = 1;
 /// Longest file of one orbit, in bytes.
 const MOST_BYTES: u64 = 1 << 26;
 /// First bytes of a zip archive that has a member.
@@ -41,21 +42,67 @@ struct Stamp {
 /// The settings of a branch.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "the settings of a branch")]
-struct Settings {
+struct Settings<P, S> {
     format: String,
     version: u64,
     program: String,
     #[serde(deserialize_with = "Option::deserialize")]
     center: Option<Center>,
-    /// Setting of the first orbit.
-    setting: Setting,
-    continuation: Continuation,
+    /// What determines the setting of the first orbit.
+    setting: S,
+    continuation: P,
     #[serde(deserialize_with = "Option::deserialize")]
     weak: Option<f64>,
+    /// Given if it is not the parameter of the first orbit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    back: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    birth: Option<BifurcationKind>,
     points: u64,
     ds: f64,
     #[serde(deserialize_with = "Option::deserialize")]
     end: Option<End>,
+}
+
+/// A problem whose branches are kept in files.
+pub trait Stored: Problem + Serialize + DeserializeOwned {
+    /// Format and version of the file.
+    const FORMAT: (&'static str, u64);
+    /// Names of the arrays into which the unknowns are divided, in equal parts.
+    const ARRAYS: &'static [&'static str];
+    /// Number of unknowns.
+    fn unknowns(setting: &Self::Setting) -> usize;
+    /// Refuses numbers that are not those of an orbit, by an integration.
+    ///
+    /// # Errors
+    /// The rule that they break.
+    fn verify(&self, orbit: &Self::Orbit) -> Result<()>;
+}
+
+impl Stored for Continuation {
+    const FORMAT: (&'static str, u64) = ("hertzchain branch", 1);
+    const ARRAYS: &'static [&'static str] = &["x", "y"];
+
+    fn unknowns(setting: &Setting) -> usize {
+        2 * setting.sites
+    }
+
+    fn verify(&self, orbit: &Orbit) -> Result<()> {
+        orbit.clone().measured(&self.shooting).map(|_| ())
+    }
+}
+
+impl Stored for DrivenContinuation {
+    const FORMAT: (&'static str, u64) = ("hertzchain driven branch", 2);
+    const ARRAYS: &'static [&'static str] = &["z"];
+
+    fn unknowns(setting: &DrivenSetting) -> usize {
+        setting.unknowns()
+    }
+
+    fn verify(&self, orbit: &DrivenOrbit) -> Result<()> {
+        orbit.verify(&self.shooting)
+    }
 }
 
 /// Format and version in the JSON of an orbit.
@@ -109,80 +156,60 @@ const ORBIT: f64 = 1e-8;
 /// Largest frequency of contacts and resonators in units of that of the orbit.
 const FASTEST: f64 = 1e3;
 
-impl Trail {
-    /// The settings in the file.
-    pub(crate) fn settings(&self) -> Result<impl Serialize> {
-        let first = self.orbits.first().ok_or_else(|| Error::parameter("orbits", 0, "at least one"))?;
-        Ok(Settings {
-            format: FORMAT.to_owned(),
-            version: VERSION,
+impl<P: Stored> Branch<P> {
+    /// The settings in the file, of a branch whose setting has this `source`.
+    fn settings_of<S: Serialize>(&self, source: S) -> impl Serialize {
+        let (format, version) = P::FORMAT;
+        Settings {
+            format: format.to_owned(),
+            version,
             program: concat!("hertzchain ", env!("CARGO_PKG_VERSION")).to_owned(),
             center: self.center,
-            setting: first.setting,
+            setting: source,
             continuation: self.continuation,
             weak: self.weak,
+            back: self.birth.map(|_| self.back),
+            birth: self.birth,
             points: self.orbits.len() as u64,
             ds: self.ds,
             end: self.end,
-        })
-    }
-
-    /// The bytes of the branch's file, with the arrays `more` added.
-    ///
-    /// # Errors
-    /// A branch without orbits, and errors of the archive writer.
-    pub fn npz(&self, more: Vec<Array<'_>>) -> Result<Vec<u8>> {
-        let of = |value: &dyn Fn(&Orbit) -> f64| self.orbits.iter().map(value).collect::<Vec<f64>>();
-        let mut arrays = vec![
-            Array::vector("parameter", of(&|orbit| orbit.setting.get(self.continuation.parameter))),
-            Array::vector("omega_b", of(&|orbit| orbit.setting.omega_b)),
-            Array::vector("rho", of(&|orbit| orbit.setting.params.rho)),
-            Array::vector("residual", of(&|orbit| orbit.residual)),
-            Array::matrix("x", self.orbits.iter().map(Orbit::x)),
-            Array::matrix("y", self.orbits.iter().map(Orbit::y)),
-        ];
-        arrays.extend(more);
-        npz_with(SETTINGS, &to_json(&self.settings()?), &arrays)
-    }
-
-    /// Reads a branch: the orbits have the bits they had when written; their Newton steps are not
-    /// in the file.
-    ///
-    /// # Errors
-    /// A file that cannot be read; [`Error::Content`], with the key and the rule, for a file with
-    /// another structure or version, or with numbers outside their rules.
-    pub fn load(path: &Path) -> Result<Self> {
-        let file = Archive::read(path)?;
-        let trail = Self::from_archive(&file)?;
-        for (k, orbit) in trail.orbits.iter().enumerate() {
-            let measured = orbit.clone().measured(&trail.continuation.shooting);
-            measured.map_err(|why| file.refused("x", format!("point {k}: {why}")))?;
         }
-        Ok(trail)
     }
 
-    /// Reads a branch from an archive, with all checks that need no integration.
-    ///
-    /// [`load`](Self::load) checks in addition that the strains are those of orbits.
-    ///
-    /// # Errors
-    /// As [`load`](Self::load).
-    pub fn from_archive(file: &Archive) -> Result<Self> {
+    /// The bytes of the file of a branch whose setting has this `source`, with the arrays `more`
+    /// added.
+    pub(crate) fn npz_of(&self, source: impl Serialize, more: Vec<Array<'_>>) -> Result<Vec<u8>> {
+        let all: Vec<Solution> = self.orbits.iter().map(|orbit| self.solution(orbit)).collect();
+        let mut arrays = vec![
+            Array::vector("parameter", all.iter().map(|one| one.p).collect()),
+            Array::vector("residual", all.iter().map(|one| one.residual).collect()),
+        ];
+        let width = P::unknowns(&self.setting) / P::ARRAYS.len();
+        for (k, name) in P::ARRAYS.iter().enumerate() {
+            arrays.push(Array::matrix(name, all.iter().map(|one| &one.z[k * width..(k + 1) * width])));
+        }
+        arrays.extend(more);
+        npz_with(SETTINGS, &to_json(&self.settings_of(source)), &arrays)
+    }
+
+    /// Reads a branch from an archive, with all checks that need no integration; `setting` makes
+    /// the setting from its source.
+    pub(crate) fn read<S: DeserializeOwned>(
+        file: &Archive,
+        setting: impl Fn(&S) -> Result<P::Setting>,
+    ) -> Result<(S, Self)> {
         let refused = |why: &dyn std::fmt::Display| file.refused(SETTINGS, why.to_string());
         let text = file.text(SETTINGS)?;
-        let stamp: Stamp = serde_json::from_str(text).map_err(|why| refused(&why))?;
-        if (stamp.format.as_str(), stamp.version) != (FORMAT, VERSION) {
-            let Stamp { format, version } = stamp;
-            return Err(refused(&format!("{format}, version {version}; read is {FORMAT}, version {VERSION}")));
+        let Stamp { format, version } = serde_json::from_str(text).map_err(|why| refused(&why))?;
+        if (format.as_str(), version) != P::FORMAT {
+            let (known, number) = P::FORMAT;
+            return Err(refused(&format!("{format}, version {version}; read is {known}, version {number}")));
         }
-        let settings: Settings = serde_json::from_str(text).map_err(|why| refused(&why))?;
-        let Settings { center, setting, continuation, weak, points, ds, end, .. } = settings;
-        if points == 0 {
-            return Err(refused(&Error::parameter("points", points, "at least one")));
-        }
-        let length = |value: f64| value.is_finite() && value > 0.0;
+        let settings: Settings<P, S> = serde_json::from_str(text).map_err(|why| refused(&why))?;
+        let Settings { center, setting: source, continuation, weak, back, birth, points, ds, end, .. } = settings;
         for (name, value, good, rule) in [
-            ("ds", ds, length(ds), "finite and positive"),
+            ("points", points as f64, points > 0, "at least one"),
+            ("ds", ds, ds.is_finite() && ds > 0.0, "finite and positive"),
             (
                 "weak",
                 weak.unwrap_or(0.0),
@@ -194,32 +221,94 @@ impl Trail {
                 return Err(refused(&Error::parameter(name, value, rule)));
             }
         }
-        checked(&setting).map_err(|why| refused(&why))?;
-        continuation.validate(setting.get(continuation.parameter)).map_err(|why| refused(&why))?;
-        let (shape, sites) = ([points, setting.sites as u64], setting.sites);
-        let [parameter, residual] = [file.array("parameter", &shape[..1])?, file.array("residual", &shape[..1])?];
-        let [x, y] = [file.array("x", &shape)?, file.array("y", &shape)?];
-        for (name, strains) in [("x", &x), ("y", &y)] {
-            if let Some(k) = strains.iter().position(|z| !z.is_finite()) {
-                let rule = format!("{} at point {}, entry {}: strains are finite", strains[k], k / sites, k % sites);
-                return Err(file.refused(name, rule));
+        let setting = setting(&source).map_err(|why| refused(&why))?;
+        let width = P::unknowns(&setting) / P::ARRAYS.len();
+        let numbers = |name: &str, shape: &[u64]| {
+            let (values, width) = (file.array(name, shape)?, shape.get(1).map_or(1, |width| *width as usize));
+            match values.iter().position(|value| !value.is_finite()) {
+                None => Ok(values),
+                Some(k) => {
+                    let place = format!("{} at point {}, entry {}", values[k], k / width, k % width);
+                    Err(file.refused(name, format!("{place}: numbers of an orbit are finite")))
+                }
             }
-        }
+        };
+        let (parameter, residual) = (file.array("parameter", &[points])?, numbers("residual", &[points])?);
+        let z = P::ARRAYS.iter().map(|name| numbers(name, &[points, width as u64])).collect::<Result<Vec<_>>>()?;
         let mut orbits = Vec::new();
-        for (k, (x, y)) in x.chunks_exact(sites).zip(y.chunks_exact(sites)).enumerate() {
-            let setting = setting.with(continuation.parameter, parameter[k]);
-            checked(&setting).map_err(|why| file.refused("parameter", format!("point {k}: {why}")))?;
-            orbits.push(Orbit { setting, z: [x, y].concat(), residual: residual[k], newton: Vec::new() });
+        for (k, (&p, &residual)) in parameter.iter().zip(&residual).enumerate() {
+            let value = continuation.check_value(&setting, p);
+            value.map_err(|why| file.refused("parameter", format!("point {k}: {why}")))?;
+            let z = z.iter().flat_map(|all| &all[k * width..(k + 1) * width]).copied().collect();
+            orbits.push(continuation.orbit(&setting, &Solution { z, p, residual, newton: Vec::new() }));
         }
-        Ok(Self { continuation, orbits, ds, end, center, weak })
+        let branch = Self::new(continuation, setting, orbits[0].clone()).map_err(|why| refused(&why))?;
+        let back = back.unwrap_or(branch.back);
+        let branch = Self { back, birth, center, weak, orbits, ds, end, ..branch };
+        branch.check().map_err(|why| refused(&why))?;
+        Ok((source, branch))
     }
 
+    /// Refuses a branch from a file if its numbers are not those of orbits.
+    pub(crate) fn verified(self, file: &Archive) -> Result<Self> {
+        for (k, orbit) in self.orbits.iter().enumerate() {
+            let verified = self.continuation.verify(orbit);
+            verified.map_err(|why| file.refused(P::ARRAYS[0], format!("point {k}: {why}")))?;
+        }
+        Ok(self)
+    }
+}
+
+impl Branch {
+    /// The settings in the file.
+    pub(crate) fn settings(&self) -> impl Serialize {
+        self.settings_of(self.source())
+    }
+
+    /// The setting of the first orbit.
+    fn source(&self) -> Setting {
+        self.orbits.first().map_or(self.setting, |orbit| orbit.setting)
+    }
+
+    /// The bytes of the branch's file, with the arrays `more` added.
+    ///
+    /// # Errors
+    /// Errors of the archive writer.
+    pub fn npz(&self, more: Vec<Array<'_>>) -> Result<Vec<u8>> {
+        let of = |parameter: Parameter| self.orbits.iter().map(|orbit| orbit.setting.get(parameter)).collect();
+        let values = [Parameter::OmegaB, Parameter::Rho].map(|one| Array::vector(one.name(), of(one)));
+        self.npz_of(self.source(), values.into_iter().chain(more).collect())
+    }
+
+    /// Reads a branch: the orbits have the bits they had when written; their Newton steps are not
+    /// in the file.
+    ///
+    /// # Errors
+    /// A file that cannot be read; [`Error::Content`], with the key and the rule, for a file with
+    /// another structure or version, or with numbers outside their rules.
+    pub fn load(path: &Path) -> Result<Self> {
+        let file = Archive::read(path)?;
+        Self::from_archive(&file)?.verified(&file)
+    }
+
+    /// Reads a branch from an archive, with all checks that need no integration.
+    ///
+    /// [`load`](Self::load) checks in addition that the strains are those of orbits.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn from_archive(file: &Archive) -> Result<Self> {
+        Self::read(file, |setting| checked(setting).map(|()| *setting)).map(|(_, branch)| branch)
+    }
+}
+
+impl<P: Problem> Branch<P> {
     /// The chosen orbit.
     ///
     /// # Errors
     /// A number or a value that is not on the branch.
-    pub fn pick(&self, pick: Pick) -> Result<&Orbit> {
-        let p = |orbit: &Orbit| orbit.setting.get(self.continuation.parameter);
+    pub fn pick(&self, pick: Pick) -> Result<&P::Orbit> {
+        let p = |orbit: &P::Orbit| self.parameter(orbit);
         match pick {
             Pick::Point(k) => {
                 let count = self.orbits.len() as i64;
@@ -263,7 +352,7 @@ impl Orbit {
         let mut start = Vec::new();
         File::open(path).map_err(fail)?.take(ZIP.len() as u64).read_to_end(&mut start).map_err(fail)?;
         let rule = match (start == ZIP, pick) {
-            (true, Some(pick)) => return Trail::load(path)?.pick(pick).cloned(),
+            (true, Some(pick)) => return Branch::load(path)?.pick(pick).cloned(),
             (true, None) => "it is a branch: say which of its orbits, by --point or --at".to_owned(),
             (false, Some(_)) => "it is no branch.npz: only a branch has points".to_owned(),
             (false, None) => match Self::from_json(&read(path, MOST_BYTES)?).map(|orbit| orbit.measured(shooting)) {
@@ -336,8 +425,8 @@ impl OrbitFile {
     }
 }
 
-/// Checks a setting; a ring for orbits has an odd number of sites.
-fn checked(setting: &Setting) -> Result<()> {
+/// Refuses a setting outside its rules; a ring for orbits has an odd number of sites.
+pub(super) fn checked(setting: &Setting) -> Result<()> {
     setting.chain()?;
     if setting.sites.is_multiple_of(2) {
         return Err(Error::parameter("sites", setting.sites, "an odd number: n = -N .. N"));

@@ -12,30 +12,29 @@
 
 mod arclength;
 mod bifurcation;
+mod branch;
 mod continuation;
 mod driven;
 mod driven_branch;
-mod driven_trail;
 mod eigen;
 mod file;
 mod floquet;
 mod flow;
 mod kantorovich;
-mod mode_switching;
-mod mode_trail;
 mod normal_modes;
 mod orbit;
 mod setting;
 mod shooting;
 mod switching;
 
-pub use arclength::End;
-pub(crate) use arclength::strays;
-pub use bifurcation::{Bifurcation, BifurcationKind};
-pub use continuation::{Continuation, Trail};
+pub use arclength::{End, Solution};
+pub(crate) use arclength::{MOST_CORRECTIONS, check};
+pub use bifurcation::{BifurcationKind, CriticalPair};
+pub(crate) use branch::Spectra;
+pub use branch::{At, Bifurcation, Branch, Located, Place, Point, Problem, Range};
+pub use continuation::{Continuation, OrbitMeasures};
 pub use driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum};
-pub use driven_branch::{DrivenBifurcation, DrivenBranch, DrivenContinuation, DrivenPoint};
-pub use driven_trail::DrivenTrail;
+pub use driven_branch::{DrivenContinuation, DrivenCritical, DrivenMeasures, DrivenPoint};
 pub(crate) use eigen::{Eigenpair, eigen, hessenberg};
 pub(crate) use file::ORBIT_FORMAT;
 pub use file::Pick;
@@ -44,9 +43,15 @@ pub use floquet::{Kind, Multiplier, Quality, Spectrum};
 pub(crate) use flow::{Moment, flow};
 pub use kantorovich::Kantorovich;
 pub(crate) use kantorovich::Shot;
-pub(crate) use mode_trail::ModeTrail;
-pub use normal_modes::{LinearMode, ModeBifurcation, ModeBranch, ModeContinuation, ModeOrbit, ModePoint, NormalModes};
+pub use normal_modes::{LinearMode, ModeContinuation, ModeMeasures, ModeOrbit, ModePoint, NormalModes};
 pub use orbit::Extent;
 pub use setting::{Parameter, Setting};
 pub(crate) use shooting::least_squares;
-pub use shooting::{Formulation, NewtonStep, Orbit, Shooting};
+pub use shooting::{Equations, Formulation, NewtonStep, Orbit, Shooting};
+
+/// An orbit of a conservative ring with its multipliers.
+pub type OrbitPoint = Point<Continuation>;
+/// A branch of driven orbits.
+pub type DrivenBranch = Branch<DrivenContinuation>;
+/// A branch of normal modes.
+pub type ModeBranch = Branch<ModeContinuation>;

@@ -17,10 +17,10 @@
 //! mode. A ring can move as a whole: there one more equation fixes the centre of mass.
 
 use super::{
-    arclength::{self, BasePoint, BranchState, ContinuationOptions, End, Family, Scales, Solution},
-    bifurcation::{self, BifurcationKind},
+    arclength::{self, Solution},
+    bifurcation::{self, BifurcationKind, CriticalPair},
+    branch::{At, Branch, Located, Place, Point, Problem, Range},
     floquet::{Frame, Kind, Spectrum},
-    mode_trail::ModeTrail,
     shooting::{Equations, NewtonStep, least_squares},
 };
 use crate::{
@@ -30,6 +30,7 @@ use crate::{
 use hertzchain_integrators::VectorField;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
 /// A linear mode about the equilibrium.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,12 +48,12 @@ pub struct LinearMode {
 /// A conservative chain at its equilibrium, and its linear modes.
 #[derive(Clone, Debug)]
 pub struct NormalModes {
-    pub(super) chain: Chain<f64>,
+    chain: Chain<f64>,
     /// Entries of a state that are coordinates `q`.
-    pub(super) free: Vec<usize>,
+    free: Vec<usize>,
     masses: Vec<f64>,
     /// The state at rest in the equilibrium.
-    pub(super) rest: Vec<f64>,
+    rest: Vec<f64>,
     /// Largest overlap in the equilibrium.
     overlap: f64,
     /// Whether equal displacements of all coordinates change no force, as on a ring.
@@ -69,7 +70,7 @@ const AT_REST: f64 = 1e-13;
 /// Squares of frequencies below this share of the largest are zero.
 const ZERO: f64 = 1e-12;
 /// Tolerances of a step of the flow and of the tangent map.
-pub(super) const TOL: f64 = 1e-14;
+const TOL: f64 = 1e-14;
 const TANGENT_TOL: f64 = 1e-12;
 /// Largest residual of an orbit.
 const SOLVED: f64 = 1e-11;
@@ -85,9 +86,6 @@ const LAST_STEP: f64 = 1e-9;
 /// Least unit of the amplitude for the stretch between two points, as a share of the amplitude:
 /// beside a fold both points have nearly the same amplitude.
 const LEAST_CHANGE: f64 = 1e-3;
-/// Collisions that lead to no modulus above `1 + WEAK` are not located. Chosen: long chains have
-/// many weaker ones.
-pub(super) const WEAK: f64 = 1e-3;
 
 impl NormalModes {
     /// The linear modes of a chain about its equilibrium, the lowest frequency first.
@@ -224,7 +222,7 @@ impl NormalModes {
     }
 
     /// The state at rest with the displacements `a shape`.
-    pub(super) fn start(&self, a: f64, shape: &[f64]) -> Vec<f64> {
+    fn start(&self, a: f64, shape: &[f64]) -> Vec<f64> {
         let mut state = self.rest.clone();
         for (&i, shape) in self.free.iter().zip(shape) {
             state[i] += a * shape;
@@ -264,12 +262,14 @@ fn participation(shape: &[f64], masses: &[f64]) -> f64 {
 }
 
 /// An orbit of a nonlinear normal mode.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ModeOrbit {
     /// Amplitude `a`; negative on some branches of doubled period.
     pub amplitude: f64,
     /// Frequency `omega`.
     pub omega: f64,
+    /// `w`, its logarithm less that of the frequency of the linear mode.
+    pub w: f64,
     /// Shape `xi`, of beads and of resonators that move.
     pub shape: Vec<f64>,
     /// Largest residual of the equations, in units of the largest of: 1, the unknowns, and a
@@ -280,20 +280,19 @@ pub struct ModeOrbit {
     pub newton: Vec<NewtonStep>,
 }
 
-/// An orbit of a branch with its energy, participation number, least overlap and multipliers.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct ModePoint {
-    /// The orbit.
-    pub orbit: ModeOrbit,
+/// Energy, participation number and least overlap of an orbit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModeMeasures {
     /// Energy above that of the equilibrium.
     pub energy: f64,
     /// `(sum m xi^2)^2 / sum (m xi^2)^2`.
     pub participation: f64,
     /// The least overlap of all contacts at the two times of rest; negative if beads are apart.
     pub least_overlap: f64,
-    /// The multipliers.
-    pub spectrum: Spectrum,
 }
+
+/// An orbit of a branch with its multipliers.
+pub type ModePoint = Point<ModeContinuation>;
 
 impl ModePoint {
     /// Number of multipliers that lie outside the unit circle by more than their error.
@@ -315,34 +314,6 @@ pub struct ModeContinuation {
     pub step: f64,
     /// Largest number of points.
     pub most_points: usize,
-}
-
-/// A bifurcation of a branch of orbits.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct ModeBifurcation {
-    /// The kind of bifurcation.
-    pub kind: BifurcationKind,
-    /// `tau = (lambda + 1/lambda)/2` of the multipliers that meet; 1 at a fold.
-    pub tau: f64,
-    /// The orbit there.
-    pub point: ModePoint,
-    /// Number of the point of the branch before it, from 0 on.
-    pub after: usize,
-}
-
-/// A branch of orbits in the amplitude.
-#[derive(Clone, Debug)]
-pub struct ModeBranch {
-    /// How it was followed.
-    pub continuation: ModeContinuation,
-    /// Its points, at least one.
-    pub points: Vec<ModePoint>,
-    /// The bifurcations between them, in their order, with the folds last.
-    pub bifurcations: Vec<ModeBifurcation>,
-    /// Number of stretches with several bifurcations that were not separated.
-    pub unresolved: usize,
-    /// Why it ended.
-    pub end: End,
 }
 
 impl ModeContinuation {
@@ -367,41 +338,62 @@ impl ModeContinuation {
     }
 
     /// Follows the branch, past folds, and locates the bifurcations between its points; `seen` is
-    /// called with every point. Collisions of multipliers that lead to no modulus above 1.001 are
-    /// left out.
+    /// called with the branch after every orbit. Collisions of multipliers that lead to no modulus
+    /// above 1.001 are left out.
     ///
     /// The first orbit is sought from the linear mode, at the amplitude `step`. While Newton's
     /// corrections do not contract, or shape and frequency turn by more than 25 degrees from those
     /// of the linear mode, in the space of the unknowns, the amplitude is halved.
     ///
     /// # Errors
-    /// Numbers outside their rules; a first orbit that is not found; multipliers that cannot be
-    /// computed; a signal before the second point. A later one ends the branch.
-    pub fn follow(&self, modes: &NormalModes, seen: impl FnMut(&ModePoint)) -> Result<ModeBranch> {
-        self.trail(modes, seen).map(|trail| trail.located(modes))
+    /// Numbers outside their rules; a first orbit that is not found; no multipliers of any orbit; a
+    /// signal.
+    pub fn follow(&self, modes: &NormalModes, seen: impl FnMut(&Branch<Self>)) -> Result<Branch<Self>> {
+        let mut branch = self.begin(modes)?;
+        branch.extend(seen)?;
+        branch.analysed()
     }
 
-    /// The branch of [`follow`](Self::follow) without its bifurcations.
-    pub(crate) fn trail(&self, modes: &NormalModes, mut seen: impl FnMut(&ModePoint)) -> Result<ModeTrail> {
+    /// The branch of [`follow`](Self::follow) with its first orbit only.
+    ///
+    /// # Errors
+    /// As [`follow`](Self::follow).
+    pub fn begin(&self, modes: &NormalModes) -> Result<Branch<Self>> {
         self.check(modes)?;
-        let family = ModeFamily::new(modes, self);
-        let mut seed = family.linear.shape.clone();
-        seed.remove(family.linear.leading);
-        seed.push(0.0);
-        let first = family.first(&seed, self.step)?;
-        let mut points = vec![family.point(&first)?];
-        seen(&points[0]);
-        let way = ContinuationOptions { to: self.to, step: self.step, natural: false, direction: 1.0 };
+        let first = self.first(modes)?;
         let ds = first.p / (self.to - first.p);
-        let course = BranchState { back: first.p, previous: None, last: (first.z, first.p), ds, points: 1 };
-        let end = arclength::follow(&family, course, way, self.most_points, &mut |solution, _, _| {
-            let Ok(point) = family.point(solution) else { return Ok(Some(End::NoMultipliers)) };
-            seen(&point);
-            points.push(point);
-            Ok(None)
-        });
-        let end = arclength::kept(end)?;
-        Ok(ModeTrail { continuation: *self, points, end, first: 0 })
+        let branch = Branch::new(*self, modes.clone(), self.orbit(modes, &first))?;
+        Ok(Branch { ds, ..branch })
+    }
+
+    /// The orbit near the linear mode, at the amplitude `step` or a smaller one.
+    fn first(&self, modes: &NormalModes) -> Result<Solution> {
+        let linear = &modes.linear[self.mode];
+        let mut seed = linear.shape.clone();
+        seed.remove(linear.leading);
+        seed.push(0.0);
+        // Modes of one frequency, as on a ring, may have any shape among theirs: an orthonormal
+        // basis.
+        let one = |mode: &&LinearMode| (mode.omega / linear.omega - 1.0).abs() < DEGENERATE;
+        let mut basis: Vec<DVector<f64>> = Vec::new();
+        for mode in modes.linear.iter().filter(one) {
+            let shape = DVector::from_column_slice(&mode.shape);
+            basis.push(outside(&basis, shape).normalize());
+        }
+        let near = |found: &Solution| {
+            let (shape, omega) = linear.parts(&found.z);
+            let shape = DVector::from_vec(shape);
+            let apart = outside(&basis, shape.clone()).norm().hypot((omega / linear.omega).ln());
+            let size = (shape.norm_squared() - apart * apart).max(0.0).sqrt();
+            // Newton's method is slow along modes of one frequency.
+            let newton = if basis.len() > 1 { &[] } else { &found.newton[..] };
+            !arclength::strays(size.hypot(apart), size, newton)
+        };
+        let at = |k: u32| self.solve(modes, &seed, self.step * 0.5f64.powf(f64::from(k))).ok().filter(near);
+        (0..=MOST_HALVINGS).find_map(at).ok_or_else(|| {
+            let rule = "there is no orbit near the linear mode, down to a thousandth of the step";
+            Error::parameter("step", self.step, rule)
+        })
     }
 }
 
@@ -410,106 +402,70 @@ fn outside(basis: &[DVector<f64>], x: DVector<f64>) -> DVector<f64> {
     basis.iter().fold(x, |x, b| &x - b * b.dot(&x))
 }
 
-/// The orbits of a mode, with the amplitude as parameter.
-pub(super) struct ModeFamily<'a> {
-    pub(super) modes: &'a NormalModes,
-    pub(super) linear: &'a LinearMode,
-    /// [`ROUNDED`] times the largest static overlap; over the amplitude it is the least unit of
-    /// residuals.
-    floor: f64,
-    /// Largest amplitude in that unit.
-    step: f64,
-}
-
-impl<'a> ModeFamily<'a> {
-    pub(super) fn new(modes: &'a NormalModes, continuation: &ModeContinuation) -> Self {
-        let linear = &modes.linear[continuation.mode];
-        Self { modes, linear, floor: ROUNDED * modes.overlap, step: continuation.step }
-    }
-
-    /// The orbit near the linear mode, whose unknowns are `seed`, at the amplitude `step` or a
-    /// smaller one.
-    fn first(&self, seed: &[f64], step: f64) -> Result<Solution> {
-        // Modes of one frequency, as on a ring, may have any shape among theirs: an orthonormal
-        // basis.
-        let one = |mode: &&LinearMode| (mode.omega / self.linear.omega - 1.0).abs() < DEGENERATE;
-        let mut basis: Vec<DVector<f64>> = Vec::new();
-        for mode in self.modes.linear.iter().filter(one) {
-            let shape = DVector::from_column_slice(&mode.shape);
-            basis.push(outside(&basis, shape).normalize());
-        }
-        let near = |found: &Solution| {
-            let (shape, omega) = self.parts(&found.z);
-            let shape = DVector::from_vec(shape);
-            let apart = outside(&basis, shape.clone()).norm().hypot((omega / self.linear.omega).ln());
-            let size = (shape.norm_squared() - apart * apart).max(0.0).sqrt();
-            // Newton's method is slow along modes of one frequency.
-            let newton = if basis.len() > 1 { &[] } else { &found.newton[..] };
-            !arclength::strays(size.hypot(apart), size, newton)
-        };
-        let at = |k: u32| self.solve(seed, step * 0.5f64.powf(f64::from(k))).ok().filter(near);
-        (0..=MOST_HALVINGS).find_map(at).ok_or_else(|| {
-            Error::parameter("step", step, "there is no orbit near the linear mode, down to a thousandth of the step")
-        })
-    }
-
+impl LinearMode {
     /// Shape `xi` and frequency `omega` for the unknowns `z`.
     fn parts(&self, z: &[f64]) -> (Vec<f64>, f64) {
         let mut shape = z[..z.len() - 1].to_vec();
-        shape.insert(self.linear.leading, 1.0);
-        (shape, self.linear.omega * z[z.len() - 1].exp())
+        shape.insert(self.leading, 1.0);
+        (shape, self.omega * z[z.len() - 1].exp())
     }
 
-    /// The unknowns of an orbit.
-    pub(super) fn unknowns(&self, orbit: &ModeOrbit) -> Vec<f64> {
-        let mut z = orbit.shape.clone();
-        z.remove(self.linear.leading);
-        z.push((orbit.omega / self.linear.omega).ln());
+    /// The unknowns for a shape and `w`.
+    fn unknowns(&self, shape: &[f64], w: f64) -> Vec<f64> {
+        let mut z = shape.to_vec();
+        z.remove(self.leading);
+        z.push(w);
         z
-    }
-
-    pub(super) fn point(&self, solution: &Solution) -> Result<ModePoint> {
-        let (modes, m) = (self.modes, self.modes.free.len());
-        let (shape, omega) = self.parts(&solution.z);
-        let (start, half) = (modes.start(solution.p, &shape), std::f64::consts::PI / omega);
-        let end = Variations::flow(&modes.chain, &start, (0.0, half), &[], TOL)?.state;
-        let energy = |state: &[f64]| modes.chain.energy(state).total();
-        let overlaps = [&start, &end].map(|state| modes.chain.overlaps(modes.chain.layout().u(state)));
-        let bonds = modes.chain.touching();
-        let least =
-            overlaps.iter().flat_map(|overlaps| &overlaps[bonds.clone()]).copied().fold(f64::INFINITY, f64::min);
-        let trivial = [(1.0, Kind::Trivial); 2];
-        let exact = &trivial[..1 + usize::from(modes.translates)];
-        let tangent = modes.tangent(&start, half, &(0..2 * m).collect::<Vec<_>>())?;
-        let spectrum = Spectrum::new(&Frame::of_masses(&modes.masses), &tangent, exact);
-        let none = || Error::parameter("amplitude", solution.p, "no multipliers: the eigenvalues did not converge");
-        Ok(ModePoint {
-            energy: energy(&start) - energy(&modes.rest),
-            participation: participation(&shape, &modes.masses),
-            least_overlap: least,
-            spectrum: spectrum.ok_or_else(none)?,
-            orbit: ModeOrbit {
-                amplitude: solution.p,
-                omega,
-                shape,
-                residual: solution.residual,
-                newton: solution.newton.clone(),
-            },
-        })
     }
 }
 
-impl Family for ModeFamily<'_> {
-    fn equations(&self, z: &[f64], a: f64, derivative: bool) -> Result<Equations> {
-        let (modes, m) = (self.modes, self.modes.free.len());
-        let (shape, omega) = self.parts(z);
-        let (start, half) = (modes.start(a, &shape), std::f64::consts::PI / omega);
+impl NormalModes {
+    /// The state of an orbit half a period after its start, at its second time of rest.
+    fn turning_point(&self, orbit: &ModeOrbit) -> Result<Vec<f64>> {
+        let start = self.start(orbit.amplitude, &orbit.shape);
+        Ok(Variations::flow(&self.chain, &start, (0.0, PI / orbit.omega), &[], TOL)?.state)
+    }
+
+    /// The displacements from the equilibrium at that time.
+    fn turned(&self, orbit: &ModeOrbit) -> Result<DVector<f64>> {
+        let end = self.turning_point(orbit)?;
+        Ok(DVector::from_iterator(self.free.len(), self.free.iter().map(|&i| end[i] - self.rest[i])))
+    }
+}
+
+impl Problem for ModeContinuation {
+    type Setting = NormalModes;
+    type Orbit = ModeOrbit;
+    type Spectrum = Spectrum;
+    type Measures = ModeMeasures;
+    type Critical = CriticalPair;
+    const NEAR: f64 = 5e-8;
+    /// Chosen: long chains have many weaker collisions.
+    const WEAK: Option<f64> = Some(1e-3);
+
+    fn name(&self) -> &'static str {
+        "amplitude"
+    }
+
+    fn range(&self) -> Range {
+        let &Self { to, step, most_points, .. } = self;
+        Range { to, step, most_points, natural: false }
+    }
+
+    fn with_range(self, Range { to, step, most_points, .. }: Range) -> Self {
+        Self { to, step, most_points, ..self }
+    }
+
+    fn equations(&self, modes: &NormalModes, z: &[f64], a: f64, derivative: bool) -> Result<Equations> {
+        let (linear, m) = (&modes.linear[self.mode], modes.free.len());
+        let (shape, omega) = linear.parts(z);
+        let (start, half) = (modes.start(a, &shape), PI / omega);
         let end = Variations::flow(&modes.chain, &start, (0.0, half), &[], TOL)?.state;
         let velocities = modes.free.iter().map(|&i| end[modes.chain.layout().half() + i]);
         let mut residual = DVector::from_iterator(m, velocities) / (a * omega);
         let mut jacobian = DMatrix::zeros(m, 0);
         if derivative {
-            let others: Vec<usize> = (0..m).filter(|&k| k != self.linear.leading).collect();
+            let others: Vec<usize> = (0..m).filter(|&k| k != linear.leading).collect();
             let (acceleration, _) = modes.linearised(&end)?;
             jacobian = modes.tangent(&start, half, &others)?.rows(m, m) / omega;
             jacobian = jacobian.insert_column(m - 1, 0.0);
@@ -521,22 +477,23 @@ impl Family for ModeFamily<'_> {
             residual = residual.push((0..m).map(|k| weight(k) * shape[k]).sum());
             let columns = jacobian.ncols();
             jacobian = jacobian.insert_row(m, 0.0);
-            for (column, k) in (0..m).filter(|&k| k != self.linear.leading).enumerate().take(columns) {
+            for (column, k) in (0..m).filter(|&k| k != linear.leading).enumerate().take(columns) {
                 jacobian[(m, column)] = weight(k);
             }
         }
         Ok(Equations { residual, jacobian })
     }
 
-    fn solve(&self, seed: &[f64], a: f64) -> Result<Solution> {
+    fn solve(&self, modes: &NormalModes, seed: &[f64], a: f64) -> Result<Solution> {
         let (mut z, mut newton) = (DVector::from_column_slice(seed), Vec::new());
         while newton.len() < arclength::MOST_CORRECTIONS {
-            let Equations { residual, jacobian } = self.equations(z.as_slice(), a, true)?;
+            let Equations { residual, jacobian } = self.equations(modes, z.as_slice(), a, true)?;
             let Some(by) = least_squares(jacobian, &residual) else { break };
-            newton.push(NewtonStep { residual: residual.amax() / self.size(z.as_slice(), a), step: by.amax() });
+            newton.push(NewtonStep { residual: residual.amax() / self.size(modes, z.as_slice(), a), step: by.amax() });
             z -= &by;
             if by.amax() <= LAST_STEP {
-                let residual = self.equations(z.as_slice(), a, false)?.residual.amax() / self.size(z.as_slice(), a);
+                let residual =
+                    self.equations(modes, z.as_slice(), a, false)?.residual.amax() / self.size(modes, z.as_slice(), a);
                 if residual <= SOLVED {
                     return Ok(Solution { z: z.as_slice().to_vec(), p: a, residual, newton });
                 }
@@ -546,39 +503,90 @@ impl Family for ModeFamily<'_> {
         Err(Error::Stalled { steps: newton.len(), best: None })
     }
 
-    fn size(&self, z: &[f64], a: f64) -> f64 {
-        max_norm(z.iter().copied()).max(1.0).max(self.floor / a.abs().min(self.step))
+    fn size(&self, modes: &NormalModes, z: &[f64], a: f64) -> f64 {
+        max_norm(z.iter().copied()).max(1.0).max(ROUNDED * modes.overlap / a.abs().min(self.step))
     }
 
-    fn solved(&self, _z: &[f64], _a: f64) -> f64 {
+    fn solved(&self, _modes: &NormalModes, _z: &[f64], _a: f64) -> f64 {
         SOLVED
     }
-}
 
-impl bifurcation::Branch for ModeFamily<'_> {
-    type Point = ModePoint;
-    const NEAR: f64 = 5e-8;
-
-    fn spectrum<'a>(&self, point: &'a ModePoint) -> &'a Spectrum {
-        &point.spectrum
+    fn orbit(&self, modes: &NormalModes, Solution { z, p, residual, newton }: &Solution) -> ModeOrbit {
+        let (shape, omega) = modes.linear[self.mode].parts(z);
+        ModeOrbit { amplitude: *p, omega, w: z[z.len() - 1], shape, residual: *residual, newton: newton.clone() }
     }
 
-    fn place(&self, ModePoint { orbit, .. }: &ModePoint) -> (Vec<f64>, f64) {
-        (self.unknowns(orbit), orbit.amplitude)
+    fn solution(&self, modes: &NormalModes, orbit: &ModeOrbit) -> Solution {
+        let &ModeOrbit { amplitude: p, w, ref shape, residual, ref newton, .. } = orbit;
+        let z = modes.linear[self.mode].unknowns(shape, w);
+        Solution { z, p, residual, newton: newton.clone() }
     }
 
-    fn scales(&self, (z, a): (&[f64], f64), change: f64) -> Scales {
-        Scales::new(z, change.abs().max(LEAST_CHANGE * a.abs()))
+    fn spectrum(&self, modes: &NormalModes, orbit: &ModeOrbit) -> Result<Spectrum> {
+        let trivial = [(1.0, Kind::Trivial); 2];
+        let exact = &trivial[..1 + usize::from(modes.translates)];
+        let start = modes.start(orbit.amplitude, &orbit.shape);
+        let tangent = modes.tangent(&start, PI / orbit.omega, &(0..2 * modes.free.len()).collect::<Vec<_>>())?;
+        Spectrum::new(&Frame::of_masses(&modes.masses), &tangent, exact).ok_or_else(|| {
+            let rule = "no multipliers: the eigenvalues did not converge";
+            Error::parameter("amplitude", orbit.amplitude, rule)
+        })
     }
 
-    fn step(&self, from: &ModePoint, chord: &DVector<f64>, scales: Scales, ds: f64) -> Result<ModePoint> {
-        let z = self.unknowns(&from.orbit);
-        let spot = BasePoint { z: &z, p: from.orbit.amplitude, tangent: chord };
-        self.point(&arclength::correct(self, spot, scales, ds)?)
+    fn measures(&self, modes: &NormalModes, orbit: &ModeOrbit, _bounded: bool) -> Result<ModeMeasures> {
+        let (start, end) = (modes.start(orbit.amplitude, &orbit.shape), modes.turning_point(orbit)?);
+        let energy = |state: &[f64]| modes.chain.energy(state).total();
+        let bonds = modes.chain.touching();
+        let overlaps = [&start, &end].map(|state| modes.chain.overlaps(modes.chain.layout().u(state)));
+        let overlaps = overlaps.iter().flat_map(|overlaps| &overlaps[bonds.clone()]);
+        Ok(ModeMeasures {
+            energy: energy(&start) - energy(&modes.rest),
+            participation: participation(&orbit.shape, &modes.masses),
+            least_overlap: overlaps.copied().fold(f64::INFINITY, f64::min),
+        })
     }
 
-    fn tangent(&self, at: &ModePoint, scales: Scales, before: &DVector<f64>) -> Result<DVector<f64>> {
-        let z = self.unknowns(&at.orbit);
-        arclength::tangent(self, (&z, at.orbit.amplitude), scales, before)
+    fn least_change(&self, a: f64) -> f64 {
+        LEAST_CHANGE * a.abs()
+    }
+
+    fn between(branch: &Branch<Self>, ends: [At<'_, Self>; 2]) -> (Vec<Located<Self>>, usize) {
+        bifurcation::between(branch, ends)
+    }
+
+    fn fold(branch: &Branch<Self>, three: [At<'_, Self>; 3]) -> Option<Located<Self>> {
+        bifurcation::fold(branch, three)
+    }
+
+    /// An orbit is at rest twice in a period, at `t = 0` and `t = T/2`. The orbits of doubled
+    /// period that begin at a period doubling are at rest near one of these two times, and again a
+    /// period `T` later. So both times are tried as the start of the new orbits.
+    fn crossing(
+        &self,
+        modes: &NormalModes,
+        kind: BifurcationKind,
+    ) -> Result<std::result::Result<(NormalModes, usize), &'static str>> {
+        Ok(match kind {
+            BifurcationKind::PeriodDoubling => Ok((modes.clone(), 2)),
+            BifurcationKind::PlusOne => Ok((modes.clone(), 1)),
+            _ => Err("a period doubling or a branch point where one other branch crosses"),
+        })
+    }
+
+    /// At `T/2` the leading coordinate may have the other sign; the amplitude is then negative.
+    fn crossed(&self, modes: &NormalModes, orbit: &ModeOrbit, kind: BifurcationKind, way: usize) -> Result<Place> {
+        let (linear, doubled) = (&modes.linear[self.mode], kind == BifurcationKind::PeriodDoubling);
+        let w = if doubled { (0.5 * orbit.omega / linear.omega).ln() } else { orbit.w };
+        if way == 0 {
+            return Ok((linear.unknowns(&orbit.shape, w), orbit.amplitude));
+        }
+        let q = modes.turned(orbit)?;
+        let amplitude = q[linear.leading];
+        Ok((linear.unknowns((q / amplitude).as_slice(), w), amplitude))
+    }
+
+    /// Displacements, divided by the amplitude.
+    fn halves_apart(&self, modes: &NormalModes, orbit: &ModeOrbit) -> Result<DVector<f64>> {
+        Ok(modes.turned(orbit)? / orbit.amplitude - DVector::from_column_slice(&orbit.shape))
     }
 }

@@ -84,10 +84,12 @@ const SOLVED: f64 = 1e-12;
 /// Longest step, in units of `max |Z|`; seeds are closer than that.
 const LONGEST_STEP: f64 = 1.0;
 
-/// `F` and its derivative by `Z`.
-pub(super) struct Equations {
-    pub(super) residual: DVector<f64>,
-    pub(super) jacobian: DMatrix<f64>,
+/// `F` and its derivative by the unknowns.
+pub struct Equations {
+    /// `F`.
+    pub residual: DVector<f64>,
+    /// The derivative; without columns if it was not asked for.
+    pub jacobian: DMatrix<f64>,
 }
 
 impl Shooting {

@@ -61,9 +61,9 @@ pub(super) fn first(
     scales: Scales,
     v: &DVector<f64>,
 ) -> Result<(Solution, f64)> {
-    let spot = BasePoint { z, p, tangent: v };
+    let base = BasePoint { z, p, tangent: v };
     let near = |delta: f64| {
-        let solution = arclength::correct(family, spot, scales, delta).ok()?;
+        let solution = arclength::correct(family, base, scales, delta).ok()?;
         let chord = scales.chord((z, p), (&solution.z, solution.p)).norm();
         // A solution farther away may be one of the known branch.
         (chord <= FARTHEST * delta).then_some((solution, delta))

@@ -1,15 +1,21 @@
 //! Branches of orbits in reports: points, bifurcations, the end, and the branch that crosses.
 
-use super::options::options;
+use super::{Progress, options::options};
 use crate::{
     error::{Error, Result},
-    orbits::End,
+    orbits::{Bifurcation, Branch, End, Point, Problem},
     report::{Digits::Short, Line, Report, Rows},
 };
 use serde_json::{Value, json};
 
+/// Share of the progress of a branch for its orbits; the rest is for multipliers and bifurcations.
+const ORBITS: f64 = 0.4;
+
 /// The tables of a branch that crosses the one that was asked for: points and bifurcations.
 pub(super) const SWITCHED: [&str; 2] = ["switched-branch", "switched-bifurcations"];
+
+/// Called with the branch so far after every new point, to write it to a file.
+pub(super) type Keep<'a, P> = &'a mut dyn FnMut(&Branch<P>);
 
 /// A branch that crosses another one at the bifurcation of a number or, in words, why none was
 /// followed.
@@ -30,12 +36,54 @@ options! {
     }
 }
 
-/// The branch that crosses another one at its bifurcation `number`. Without such a branch, the
+/// Continues a branch, unless it has ended. The orbits are a result also if the process was asked to
+/// end meanwhile. `shown` is the parameter of an orbit as it is told.
+pub(super) fn followed<P: Problem>(
+    mut branch: Branch<P>,
+    keep: Keep<'_, P>,
+    shown: impl Fn(&P::Orbit, f64) -> String,
+    progress: Progress<'_>,
+) -> Result<Branch<P>> {
+    if branch.end.is_some() {
+        return Ok(branch);
+    }
+    let (back, to) = (branch.back, branch.continuation.range().to);
+    let extended = branch.extend(|branch| {
+        keep(branch);
+        let Some(last) = branch.orbits.last() else { return };
+        let p = branch.parameter(last);
+        let share = ((p - back) / (to - back)).clamp(0.0, 1.0);
+        let (count, name) = (branch.orbits.len(), branch.continuation.name());
+        progress(ORBITS * share, &format!("point {count}, {name} = {}", shown(last, p)));
+    });
+    keep(&branch);
+    match extended {
+        Err(Error::Stopped { .. }) => Ok(branch),
+        extended => extended.map(|_| branch),
+    }
+}
+
+/// The progress of the work that comes after [`followed`].
+pub(super) fn rest<'a>(progress: Progress<'a>) -> impl Fn(f64, &str) + Sync + 'a {
+    move |share, what| progress(ORBITS + (1.0 - ORBITS) * share, what)
+}
+
+/// A branch and the one that crosses it at bifurcation number `switch`, if one is asked for, each
+/// made by `work`, which is told whether it is the second one. Without such a branch there is the
 /// reason in words: the branch that is known is a result all the same.
-pub(super) fn crossing<B>(number: usize, found: Result<B>) -> Result<Switched<B>> {
-    match found {
+pub(super) fn with_switched<P: Problem>(
+    branch: Branch<P>,
+    switch: Option<usize>,
+    work: impl Fn(Branch<P>, bool, Progress<'_>) -> Result<Branch<P>>,
+    progress: Progress<'_>,
+) -> Result<(Branch<P>, Switched<Branch<P>>)> {
+    let whole = if switch.is_some() { 0.5 } else { 1.0 };
+    let branch = work(branch, false, &|share, what| progress(whole * share, what))?;
+    let Some(number) = switch.filter(|_| branch.ended() != End::Stopped) else { return Ok((branch, None)) };
+    let second = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
+    match branch.switched(number.wrapping_sub(1)).and_then(|other| work(other, true, &second)) {
         Err(stopped @ Error::Stopped { .. }) => Err(stopped),
-        found => Ok(Some((number, found.map_err(|error| error.to_string())))),
+        found => Ok((branch, Some((number, found.map_err(|error| error.to_string()))))),
     }
 }
 
@@ -45,36 +93,25 @@ pub(super) fn crossed<B>(switched: &Switched<B>) -> Option<(usize, &B)> {
 }
 
 /// A branch and, if it was followed, the one that crosses it.
-pub(super) fn followed<'a, B>(branch: &'a B, switched: &'a Switched<B>) -> impl Iterator<Item = &'a B> {
+pub(super) fn both<'a, B>(branch: &'a B, switched: &'a Switched<B>) -> impl Iterator<Item = &'a B> {
     std::iter::once(branch).chain(crossed(switched).map(|(_, other)| other))
 }
 
 /// The numbers of bifurcations, by which a branch that crosses is asked for.
-pub(super) fn numbered<B>(table: Rows<'_, B>) -> Rows<'_, B> {
+pub(super) fn numbered<P: Problem>(table: Rows<'_, Bifurcation<P>>) -> Rows<'_, Bifurcation<P>> {
     table.counted("number", Short, "")
 }
 
 /// An orbit of a branch, and the point with its multipliers if these are known.
-pub(super) type Told<'a, O, P> = (&'a O, Option<&'a P>);
+pub(super) type Told<'a, P> = (&'a <P as Problem>::Orbit, Option<&'a Point<P>>);
 
 /// The rows of a branch: its points and, if the process was asked to end before their multipliers
-/// were known, also its other orbits, `later`.
-pub(super) fn told<'a, O, P>(
-    points: &'a [P],
-    orbit: impl Fn(&'a P) -> &'a O,
-    later: &'a [O],
-    end: End,
-) -> Vec<Told<'a, O, P>> {
-    let later = if end == End::Stopped { later } else { &[] };
-    points.iter().map(|point| (orbit(point), Some(point))).chain(later.iter().map(|orbit| (orbit, None))).collect()
-}
-
-/// The orbits of a branch are a result also if the process was asked to end while it was followed.
-pub(super) fn kept<T>(followed: Result<T>) -> Result<()> {
-    match followed {
-        Err(Error::Stopped { .. }) => Ok(()),
-        followed => followed.map(|_| ()),
-    }
+/// were known, also its other orbits.
+pub(super) fn told<P: Problem>(branch: &Branch<P>) -> Vec<Told<'_, P>> {
+    let later = &branch.orbits[branch.points.len() + branch.gaps.len()..];
+    let later = if branch.ended() == End::Stopped { later } else { &[] };
+    let points = branch.points.iter().map(|point| (&point.orbit, Some(point)));
+    points.chain(later.iter().map(|orbit| (orbit, None))).collect()
 }
 
 /// How a branch ended, in words.
@@ -90,19 +127,21 @@ pub(super) fn ended(points: usize, bifurcations: usize, end: End) -> String {
 
 /// Adds a branch, whose fields are those of the report. One that crosses another at its bifurcation
 /// `at` has the field `switched` for them.
-pub(super) fn tell<P, B>(
+pub(super) fn tell<P: Problem>(
     report: Report,
     at: Option<usize>,
-    (points, bifurcations): (Rows<'_, P>, Rows<'_, B>),
+    branch: &Branch<P>,
+    (points, bifurcations): (Rows<'_, Told<'_, P>>, Rows<'_, Bifurcation<P>>),
     mut facts: Value,
-    (end, unresolved): (End, usize),
 ) -> Report {
+    let (end, unresolved) = (branch.ended(), branch.unresolved);
     let [points, bifurcations] = [points.key("").done(), bifurcations.key("").done()];
     let [all, found] = [&points, &bifurcations].map(|table| table.json());
     let mut words = ended(all.len(), found.len(), end);
     if unresolved > 0 {
         words += &format!(" Places with bifurcations that were not located one by one: {unresolved}.");
     }
+    words += &gaps(branch);
     for (name, fact) in
         [("end", json!(end)), ("unresolved", json!(unresolved)), ("points", all.into()), ("bifurcations", found.into())]
     {
@@ -119,10 +158,19 @@ pub(super) fn tell<P, B>(
     report.words(heading).table(points).table(bifurcations).words(words)
 }
 
-/// Says what is missing: a branch answers if it reached its end or turned back, or came back to the
-/// branch of half its period.
-pub(super) fn checked<B>(report: Report, branch: &B, switched: &Switched<B>, end: impl Fn(&B) -> End) -> Report {
-    let short = followed(branch, switched).map(end).find(|end| !end.is_complete());
+/// Orbits without multipliers, in words.
+pub(super) fn gaps<P: Problem>(branch: &Branch<P>) -> String {
+    let places: Vec<String> = branch.gaps.iter().map(|p| format!("{p:.8}")).collect();
+    match places.len() {
+        0 => String::new(),
+        _ => format!(" Orbits without multipliers at {} = {}.", branch.continuation.name(), places.join(", ")),
+    }
+}
+
+/// Says what is missing: a branch is complete if it reached its end or turned back, or came back to
+/// the branch of half its period.
+pub(super) fn checked<P: Problem>(report: Report, branch: &Branch<P>, switched: &Switched<Branch<P>>) -> Report {
+    let short = both(branch, switched).map(Branch::ended).find(|end| !end.is_complete());
     let report = report.failure(short.map(|end| format!("the branch ended: {}", end.words())));
     match switched {
         Some((at, Err(why))) => report.fact("switched", json!({ "failure": why, "at": at })).failure(Some(why.clone())),
@@ -130,18 +178,19 @@ pub(super) fn checked<B>(report: Report, branch: &B, switched: &Switched<B>, end
     }
 }
 
-/// The points of a branch, its bifurcations, and the points of the branch that crosses it.
-pub(super) fn lines<'a, P: 'a>(
-    branch: &'a [P],
-    other: Option<&'a [P]>,
-    place: impl Fn(&'a P) -> (f64, f64),
-    stable: impl Fn(&'a P) -> bool,
-    marks: impl IntoIterator<Item = (f64, f64)>,
+/// The points of a branch and of the one that crosses it, and the bifurcations of both.
+pub(super) fn lines<'a, P: Problem>(
+    branch: &'a Branch<P>,
+    switched: &'a Switched<Branch<P>>,
+    place: impl Fn(&'a Point<P>) -> (f64, f64),
+    stable: impl Fn(&'a Point<P>) -> bool,
+    mark: impl Fn(&'a Bifurcation<P>) -> (f64, f64),
 ) -> Vec<Line> {
-    let mut lines = stability_lines(branch, &place, &stable);
-    lines.push(Line::new("bifurcation", marks));
-    let other = other.map(|points| stability_lines(points, &place, &stable)).unwrap_or_default();
-    lines.extend(other.into_iter().map(|line| Line { name: line.name + ", switched", ..line }));
+    let mut lines = stability_lines(&branch.points, &place, &stable);
+    let marks = both(branch, switched).flat_map(|branch| &branch.bifurcations);
+    lines.push(Line::new("bifurcation", marks.map(mark)));
+    let other = crossed(switched).map(|(_, other)| stability_lines(&other.points, &place, &stable));
+    lines.extend(other.into_iter().flatten().map(|line| Line { name: line.name + ", switched", ..line }));
     lines
 }
 
@@ -156,8 +205,8 @@ pub(super) fn stability_lines<'a, P: 'a>(
 }
 
 /// The branch that crosses, with its bifurcation, number of orbits and end, for a caption.
-pub(super) fn from(other: Option<(usize, usize, End)>) -> String {
-    let words =
-        |(at, orbits, end): (usize, usize, End)| format!(" From bifurcation {at}: {orbits} orbits; {}.", end.words());
-    other.map_or(String::new(), words)
+pub(super) fn from<P: Problem>(switched: &Switched<Branch<P>>) -> String {
+    crossed(switched).map_or(String::new(), |(at, branch)| {
+        format!(" From bifurcation {at}: {} orbits; {}.", branch.points.len(), branch.ended().words())
+    })
 }

@@ -355,13 +355,14 @@ impl EndDriven {
             shooting,
         };
         let branch = continuation.follow(start, |_| {})?;
+        case.end = Some(branch.ended());
         case.points = branch.points.iter().map(EndDrivenPoint::measured).collect::<Result<_>>()?;
         let told = branch.bifurcations.iter().map(|one| EndDrivenBifurcation {
             kind: one.kind,
             parameter: one.parameter,
-            multiplier: one.multiplier,
+            multiplier: one.critical.multiplier,
         });
-        (case.bifurcations, case.end) = (told.collect(), Some(branch.end));
+        case.bifurcations = told.collect();
         let stable = |k: &usize| case.points[*k].dark(free) && case.points[*k].stable();
         let mut candidates: Vec<usize> = (0..case.points.len()).filter(stable).collect();
         candidates.sort_by(|&a, &b| case.points[b].background.total_cmp(&case.points[a].background));

@@ -3,18 +3,15 @@
 
 use super::{
     Changes, InSi, Progress, Study, Work,
-    branches::{self, BranchOptions, SWITCHED, Switched, crossed, crossing},
+    branches::{self, BranchOptions, SWITCHED, Switched, Told, crossed},
     options::options,
     scene_caption, scene_json, shown,
     si::Scale,
-    stretches::{self, Known},
-    word,
+    stretches, word,
 };
 use crate::{
     error::Result,
-    orbits::{
-        End, LinearMode, ModeBifurcation, ModeBranch, ModeContinuation, ModePoint, ModeTrail, Multiplier, NormalModes,
-    },
+    orbits::{Bifurcation, LinearMode, ModeBranch, ModeContinuation, ModeOrbit, ModePoint, Multiplier, NormalModes},
     report::{
         Column,
         Digits::{Fixed, Json, Power, Short},
@@ -149,10 +146,6 @@ pub fn follow_mode(scene: Scene, way: &ModeWay, si: InSi, progress: Progress<'_>
 const STORE: &str = "mode-bifurcations.store";
 const SWITCHED_STORE: &str = "switched-bifurcations.store";
 
-/// Share of the progress of a branch for its orbits and multipliers; the rest is for bifurcations,
-/// which take most of the time where there are any.
-const ORBITS: f64 = 0.3;
-
 fn followed(
     scene: Scene,
     modes: NormalModes,
@@ -162,57 +155,17 @@ fn followed(
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<ModeStudy> {
-    let tell = |first: f64, share: f64| {
-        let mut count = 0;
-        move |point: &ModePoint| {
-            count += 1;
-            let a = point.orbit.amplitude;
-            let done = first + ORBITS * share * (a.abs() / continuation.to).clamp(0.0, 1.0);
-            let a = Scale(si.as_ref()).shown(Quantity::Length, a, 6);
-            progress(done, &format!("point {count}, a = {a}"));
-        }
+    let (scale, toml) = (Scale(si.as_ref()), scene.file().to_toml());
+    let work = |branch: ModeBranch, second: bool, progress: Progress<'_>| {
+        let shown = |_: &ModeOrbit, a: f64| scale.shown(Quantity::Length, a, 6);
+        let branch = branches::followed(branch, &mut |_| {}, shown, progress)?;
+        let ModeContinuation { mode, to, step, .. } = branch.continuation;
+        let settings = json!([toml, mode, to, step, branch.birth]);
+        let names = [if second { SWITCHED_STORE } else { STORE }, "orbit mode"];
+        stretches::analysed(branch, names, &settings, engine, &branches::rest(progress))
     };
-    let rest = |first: f64, share: f64| {
-        move |part: f64, what: &str| progress(first + share * (ORBITS + (1.0 - ORBITS) * part), what)
-    };
-    let whole = if switch.is_some() { 0.5 } else { 1.0 };
-    let trail = continuation.trail(&modes, tell(0.0, whole))?;
-    let branch = located(&scene, &modes, trail, STORE, engine, &rest(0.0, whole))?;
-    let Some(number) = switch.filter(|_| branch.end != End::Stopped) else {
-        return Ok(ModeStudy { scene, modes, branch, switched: None, si });
-    };
-    let other = branch.switched_trail(&modes, number.wrapping_sub(1), tell(0.5, 0.5));
-    let other = other.and_then(|trail| located(&scene, &modes, trail, SWITCHED_STORE, engine, &rest(0.5, 0.5)));
-    Ok(ModeStudy { switched: crossing(number, other)?, scene, modes, branch, si })
-}
-
-/// Locates the bifurcations of a branch that was followed, as points of a sweep. The multipliers of
-/// its orbits are known: without them the branch would have ended. After a signal the bifurcations
-/// are those found before.
-fn located(
-    scene: &Scene,
-    modes: &NormalModes,
-    trail: ModeTrail,
-    store: &'static str,
-    engine: &Engine,
-    progress: Progress<'_>,
-) -> Result<ModeBranch> {
-    let ModeContinuation { mode, to, step, .. } = trail.continuation;
-    let settings =
-        json!({ "scene": scene.file().to_toml(), "mode": mode, "to": to, "step": step, "first": trail.first });
-    let known = Known::new(&trail.points, &|_| Ok(()));
-    let branch = stretches::Branch { store, study: "orbit mode", settings, known: &known, joined: false };
-    let determined = |point: &ModePoint| json!([point.orbit.amplitude, point.orbit.omega, point.orbit.shape]);
-    let rows = branch.rows(engine, determined, |k| Ok(trail.around(modes, k)), progress)?;
-    let end = if rows.len() < trail.points.len() { End::Stopped } else { trail.end };
-    let (mut bifurcations, mut folds, mut unresolved) = (Vec::new(), Vec::new(), 0);
-    for row in rows {
-        bifurcations.extend(row.between);
-        folds.extend(row.fold);
-        unresolved += row.unresolved;
-    }
-    bifurcations.extend(folds);
-    Ok(ModeTrail { end, ..trail }.with(bifurcations, unresolved))
+    let (branch, switched) = branches::with_switched(continuation.begin(&modes)?, switch, work, progress)?;
+    Ok(ModeStudy { scene, modes, branch, switched, si })
 }
 
 /// The tables of the branch: points and bifurcations.
@@ -239,36 +192,45 @@ fn linear_modes<'a>(modes: &'a [Numbered<'a>], chosen: usize, si: Option<&Units>
         .col("resonator", Short, "whether that is a resonator", |row| row.2.1)
 }
 
-fn points<'a>(name: &str, points: &'a [ModePoint], si: Option<&Units>) -> Rows<'a, ModePoint> {
+fn points<'a>(
+    name: &str,
+    points: &'a [Told<'a, ModeContinuation>],
+    si: Option<&Units>,
+) -> Rows<'a, Told<'a, ModeContinuation>> {
     Table::of(name, points)
         .si(si)
-        .col("amplitude", Fixed(6), "", |point| point.orbit.amplitude)
+        .col("amplitude", Fixed(6), "", |(orbit, _)| orbit.amplitude)
         .kind(Quantity::Length)
-        .col("omega", Fixed(10), "frequency", |point| point.orbit.omega)
+        .col("omega", Fixed(10), "frequency", |(orbit, _)| orbit.omega)
         .kind(Quantity::Omega)
-        .col("energy", Power(6), "above that of the equilibrium", |point| point.energy)
+        .col("energy", Power(6), "above that of the equilibrium", |&(_, point)| Some(point?.measures.energy))
         .kind(Quantity::Energy)
-        .col("participation", Fixed(4), "number of sites that take part", |point| point.participation)
-        .col("least_overlap", Fixed(4), "of all contacts at the two times of rest", |point| point.least_overlap)
+        .col("participation", Fixed(4), "number of sites that take part", |&(_, point)| {
+            Some(point?.measures.participation)
+        })
+        .col("least_overlap", Fixed(4), "of all contacts at the two times of rest", |&(_, point)| {
+            Some(point?.measures.least_overlap)
+        })
         .kind(Quantity::Length)
-        .col("max_modulus", Fixed(8), "largest |lambda|", |point| point.spectrum.largest())
-        .col("unstable", Short, "multipliers outside the unit circle by more than their error", ModePoint::unstable)
-        .col("residual", Json, "", |point| point.orbit.residual)
+        .col("max_modulus", Fixed(8), "largest |lambda|", |&(_, point)| Some(point?.spectrum.largest()))
+        .col("unstable", Short, "multipliers outside the unit circle by more than their error", |&(_, point)| {
+            Some(point?.unstable())
+        })
+        .col("residual", Json, "", |(orbit, _)| orbit.residual)
 }
 
-fn bifurcations<'a>(name: &str, all: &'a [ModeBifurcation], si: Option<&Units>) -> Rows<'a, ModeBifurcation> {
+fn bifurcations<'a>(
+    name: &str,
+    all: &'a [Bifurcation<ModeContinuation>],
+    si: Option<&Units>,
+) -> Rows<'a, Bifurcation<ModeContinuation>> {
     branches::numbered(Table::of(name, all).si(si))
         .col("kind", Short, "", |one| word(&one.kind))
-        .col("amplitude", Fixed(8), "", |one| one.point.orbit.amplitude)
+        .col("amplitude", Fixed(8), "", |one| one.orbit.amplitude)
         .kind(Quantity::Length)
-        .col("omega", Fixed(8), "frequency", |one| one.point.orbit.omega)
+        .col("omega", Fixed(8), "frequency", |one| one.orbit.omega)
         .kind(Quantity::Omega)
-        .col("tau", Fixed(8), "(lambda + 1/lambda)/2 of the multipliers that meet", |one| one.tau)
-}
-
-/// The last point of a branch.
-fn last(branch: &ModeBranch) -> &ModePoint {
-    &branch.points[branch.points.len() - 1]
+        .col("tau", Fixed(8), "(lambda + 1/lambda)/2 of the multipliers that meet", |one| one.critical.tau)
 }
 
 impl ModeStudy {
@@ -286,21 +248,23 @@ impl ModeStudy {
 
     /// Adds points, bifurcations and the last orbit of a branch.
     fn tell(&self, report: Report, at: Option<usize>, branch: &ModeBranch) -> Report {
-        let (si, last) = (self.si.as_ref(), last(branch));
-        let [u, v] = self.displacements(last);
-        let start = self.modes.state(&last.orbit);
-        let start = [Some(start.u()), start.v()].map(|all| all.map(|all| Scale(si).all(Quantity::Length, all)));
-        let facts = json!({ "last": {
-            "u": u,
-            "v": v,
-            "start": { "u": start[0], "v": start[1] },
-            "newton": last.orbit.newton,
-            "multipliers": last.spectrum.multipliers,
-            "quality": last.spectrum.quality,
-        }});
+        let (si, last, rows) = (self.si.as_ref(), branch.points.last(), branches::told(branch));
+        let last = last.map(|last| {
+            let [u, v] = self.displacements(last);
+            let start = self.modes.state(&last.orbit);
+            let start = [Some(start.u()), start.v()].map(|all| all.map(|all| Scale(si).all(Quantity::Length, all)));
+            json!({
+                "u": u,
+                "v": v,
+                "start": { "u": start[0], "v": start[1] },
+                "newton": last.orbit.newton,
+                "multipliers": last.spectrum.multipliers,
+                "quality": last.spectrum.quality,
+            })
+        });
         let names = if at.is_some() { SWITCHED } else { BRANCH };
-        let tables = (points(names[0], &branch.points, si), bifurcations(names[1], &branch.bifurcations, si));
-        branches::tell(report, at, tables, facts, (branch.end, branch.unresolved))
+        let tables = (points(names[0], &rows, si), bifurcations(names[1], &branch.bifurcations, si));
+        branches::tell(report, at, branch, tables, json!({ "last": last }))
     }
 
     /// The report.
@@ -316,32 +280,33 @@ impl ModeStudy {
         if let Some((number, other)) = crossed(switched) {
             report = self.tell(report, Some(number), other);
         }
-        let report = branches::checked(report, branch, switched, |branch| branch.end);
-        report.fact("scene_file", scene_json(scene)).picture(self.panels())
+        let report = branches::checked(report, branch, switched).fact("scene_file", scene_json(scene));
+        match branch.points.last() {
+            Some(last) => report.picture(self.panels(last)),
+            None => report,
+        }
     }
 
-    fn panels(&self) -> Panels {
+    fn panels(&self, point: &ModePoint) -> Panels {
         let (branch, scale) = (&self.branch, Scale(self.si.as_ref()));
-        let (point, linear, other) = (last(branch), self.modes.linear(), crossed(&self.switched));
+        let (linear, other) = (self.modes.linear(), crossed(&self.switched));
         let (frequency, symbol) = match self.si {
             None => (Quantity::Omega, "frequency ω"),
             Some(_) => (Quantity::Frequency, "frequency ω/2π"),
         };
-        let amplitude = |point: &ModePoint| scale.told(Quantity::Length, point.orbit.amplitude.abs());
-        let place = |point: &ModePoint| (amplitude(point), scale.told(frequency, point.orbit.omega));
-        let all = branches::followed(branch, &self.switched).flat_map(|branch| &branch.bifurcations);
-        let crossed = other.map(|(_, other)| &*other.points);
+        let amplitude = |orbit: &ModeOrbit| scale.told(Quantity::Length, orbit.amplitude.abs());
+        let place = |orbit: &ModeOrbit| (amplitude(orbit), scale.told(frequency, orbit.omega));
         let mut lines = branches::lines(
-            &branch.points,
-            crossed,
-            place,
+            branch,
+            &self.switched,
+            |point| place(&point.orbit),
             |point| point.unstable() == 0,
-            all.map(|one| place(&one.point)),
+            |one| place(&one.orbit),
         );
         let near = linear.iter().map(|mode| (0.0, scale.told(frequency, mode.omega)));
         lines.insert(2, Line::new("linear modes", near));
         let share = |(name, branch): (&str, &ModeBranch)| {
-            Line::new(name, branch.points.iter().map(|point| (amplitude(point), point.participation)))
+            Line::new(name, branch.points.iter().map(|point| (amplitude(&point.orbit), point.measures.participation)))
         };
         let both = [("orbits", branch)].into_iter().chain(other.map(|(_, other)| ("switched", other)));
         let [u, v] = self.displacements(point).map(|all| (0..).map(f64::from).zip(all).collect::<Vec<_>>());
@@ -375,7 +340,7 @@ impl ModeStudy {
             mode + 1,
             linear.len(),
             point.orbit.residual,
-            branches::from(other.map(|(number, other)| (number, other.points.len(), other.end)))
+            branches::from(&self.switched)
         );
         Panels {
             title: format!("A nonlinear normal mode of {}", self.scene.name()),

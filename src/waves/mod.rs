@@ -14,8 +14,8 @@ mod stability;
 
 pub(crate) use exact::Start;
 pub use exact::{
-    ExactWave, Given, MeanStrain, Profile, Search, WaveBranch, WaveContinuation, WaveEnd, WaveKind, WaveMultiplier,
-    WaveNumber, WaveParameter, WaveQuality, WaveSetting, WaveSpectrum, ansatz,
+    ExactWave, Given, MeanStrain, Profile, Search, WaveBase, WaveBranch, WaveContinuation, WaveKind, WaveMeasures,
+    WaveMultiplier, WaveNumber, WaveParameter, WavePoint, WaveQuality, WaveSetting, WaveSpectrum, ansatz,
 };
 pub use modes::Mode;
 pub(crate) use modes::strains;

@@ -8,7 +8,7 @@ use hertzchain::{
     breathers::DarkBreather,
     chain::Params,
     dps::Center,
-    orbits::{Orbit, Pick, Shooting, Trail},
+    orbits::{Branch, Orbit, Pick, Shooting},
     output::{Archive, Array, npz, to_json},
     scene::{Initial, Scene, SceneFile},
     study::{DarkStudy, LongRun, Plan, orbit_study},
@@ -307,7 +307,7 @@ fn a_device_is_refused_before_it_fills_the_memory() {
     let refusals = [
         at_once("a device", || Scene::load("/dev/zero")).map(|_| ()),
         at_once("a device", || Orbit::load(path, None, &Shooting::default())).map(|_| ()),
-        at_once("a device", || Trail::load(path)).map(|_| ()),
+        at_once("a device", || Branch::load(path)).map(|_| ()),
         at_once("a device", || LongRun::load(path)).map(|_| ()),
     ];
     for (refusal, rule) in refusals.into_iter().zip(["256 MiB", "64 MiB", "not an NPZ file", "not an NPZ file"]) {

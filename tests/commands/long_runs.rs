@@ -378,7 +378,7 @@ mod processes {
     fn points(out: &Path) -> Option<f64> {
         let path = out.join("branch.npz");
         path.exists().then(|| {
-            hertzchain::orbits::Trail::load(&path).expect("a branch is whole at any moment").orbits.len() as f64
+            hertzchain::orbits::Branch::load(&path).expect("a branch is whole at any moment").orbits.len() as f64
         })
     }
 

@@ -6,7 +6,7 @@ use hertzchain::{
     breathers::DarkBreather,
     chain::Params,
     dps::Center,
-    orbits::{Orbit, Pick, Shooting},
+    orbits::{Branch, Shooting},
     paper::{Figure, orbits},
     report::Report,
     study::evolve,

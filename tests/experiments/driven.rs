@@ -137,7 +137,7 @@ fn a_slow_drive_moves_a_bead_through_its_equilibria() {
 
 #[test]
 fn an_orbit_of_four_periods_tells_its_least_period() {
-    let least = |orbit: DrivenOrbit| DrivenPoint::new(orbit, &DrivenShooting::default()).unwrap().least_turns;
+    let least = |orbit: DrivenOrbit| DrivenPoint::new(orbit, &DrivenShooting::default()).unwrap().measures.least_turns;
     assert_eq!([1, 2, 4].map(|turns| least(orbit(&bead(0.2, 0.1, 1.1), turns))), [1; 3]);
 }
 
@@ -170,7 +170,7 @@ fn closed_contacts_that_dissipate_are_a_drag_on_weakly_driven_beads() {
         let continuation =
             DrivenContinuation { parameter: DriveParameter::Damping, to: 3.0, step: 0.2, most_points: 100, shooting };
         let branch = continuation.follow(orbit, |_| {}).unwrap();
-        assert_eq!((branch.end, branch.bifurcations.len()), (End::Reached, 0));
+        assert_eq!((branch.ended(), branch.bifurcations.len()), (End::Reached, 0));
         for point in &branch.points {
             let factor = point.orbit.setting.get(DriveParameter::Damping);
             let off = from_linear_response(&point.orbit, factor * c, 1e-3, omega);
@@ -294,7 +294,7 @@ fn weak_branch(a: f64) -> f64 {
         shooting: DrivenShooting::default(),
     };
     let branch = continuation.follow(orbit(&chain, 1), |_| {}).unwrap();
-    assert_eq!((branch.end, branch.bifurcations.len()), (End::Reached, 0));
+    assert_eq!((branch.ended(), branch.bifurcations.len()), (End::Reached, 0));
     let errors = branch.points.iter().map(|point| {
         let omega = point.orbit.setting.omega();
         let matrix = nalgebra::DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
@@ -320,7 +320,7 @@ fn folds(drag: f64, amplitude: f64, from: f64, to: f64) -> Vec<f64> {
         shooting: DrivenShooting::default(),
     };
     let branch = continuation.follow(orbit(&bead(drag, amplitude, from), 1), |_| {}).unwrap();
-    assert_eq!((branch.end, branch.unresolved), (End::Reached, 0));
+    assert_eq!((branch.ended(), branch.unresolved), (End::Reached, 0));
     let kinds: Vec<BifurcationKind> = branch.bifurcations.iter().map(|one| one.kind).collect();
     assert_eq!(kinds, [BifurcationKind::Fold; 2]);
     // Unstable between the folds, stable before and after.
@@ -403,13 +403,13 @@ fn a_period_doubling_is_where_a_run_begins_to_alternate() {
     let branch = continuation.follow(start, |_| {}).unwrap();
     let found = branch.bifurcations.iter().find(|one| one.kind == BifurcationKind::PeriodDoubling);
     let found = found.unwrap_or_else(|| panic!("{:?}", branch.bifurcations.len()));
-    assert!((found.multiplier.re + 1.0).abs() < 1e-6 && found.multiplier.im < 1e-6);
+    assert!((found.critical.multiplier.re + 1.0).abs() < 1e-6 && found.critical.multiplier.im < 1e-6);
     println!("period doubling at {}", found.parameter);
     // Truth: the zero of det (M + I) = 1 + tr M + det M by another method, by the secant method.
     // Where the modulus is 1 + 1e-7 the amplitude is larger by 4e-8.
     let test = |a: f64| {
         let setting = setting.with(DriveParameter::Amplitude, a);
-        let orbit = shooting.solve(&setting, &found.point.orbit.z).unwrap();
+        let orbit = shooting.solve(&setting, &found.orbit.z).unwrap();
         1.0 + trace_and_determinant(&orbit).iter().sum::<f64>()
     };
     let (mut old, mut new) = (found.parameter - 1e-4, found.parameter + 1e-4);
@@ -421,7 +421,7 @@ fn a_period_doubling_is_where_a_run_begins_to_alternate() {
     for (factor, alternates) in [(0.98, false), (1.02, true)] {
         let setting = setting.with(DriveParameter::Amplitude, factor * found.parameter);
         let chain = setting.chain().unwrap();
-        let mut y = found.point.orbit.start().unwrap().as_slice().to_vec();
+        let mut y = found.orbit.start().unwrap().as_slice().to_vec();
         y[0] += 1e-3;
         let mut last: Vec<Vec<f64>> = Vec::new();
         for _ in 0..600 {

@@ -5,9 +5,10 @@ use hertzchain::{
     Run, State,
     chain::{Chain, Params, Site},
     integrators::collocation::{Pace, monodromy},
+    orbits::End,
     run::Method,
-    study::{BranchWave, ContinueWave, ExactStudy, Wanted, WaveBranchStudy},
-    waves::{ExactWave, Given, MeanStrain, Search, WaveEnd, WaveKind, WaveNumber, WaveParameter, WaveSetting},
+    study::{ContinueWave, ExactStudy, Wanted, WaveBranchStudy},
+    waves::{ExactWave, Given, MeanStrain, Search, WaveKind, WaveNumber, WaveParameter, WavePoint, WaveSetting},
 };
 use nalgebra::{Complex, DMatrix};
 use std::{
@@ -203,18 +204,19 @@ fn small_waves_under_precompression_are_those_of_the_linear_chain() {
     let omega = ((half + (half * half - rho * stiffness).sqrt()) / rho).sqrt();
     let start = Wanted { mean: Some(mean), amplitude: Some(0.55), ..Wanted::of("tw-q15") };
     let study = branch(start, WaveParameter::Amplitude, 1e-3);
-    let last = study.waves.last().unwrap();
-    assert_eq!((study.end, last.closed), (WaveEnd::Reached, 1.0));
-    assert!((last.wave.setting.omega_tw / omega - 1.0).abs() < 1e-6, "{} {omega}", last.wave.setting.omega_tw);
-    assert!((last.wave.amplitude() - 1e-3).abs() < 1e-15);
+    let last = study.branch.points.last().unwrap();
+    assert_eq!((study.branch.ended(), last.measures.closed), (End::Reached, 1.0));
+    assert!((last.orbit.setting.omega_tw / omega - 1.0).abs() < 1e-6, "{} {omega}", last.orbit.setting.omega_tw);
+    assert!((last.orbit.amplitude() - 1e-3).abs() < 1e-15);
     // On the way the contacts open, and the frequency has its least value above omega: a fold.
-    let lowest = study.waves.iter().map(|one| one.wave.setting.omega_tw).fold(f64::INFINITY, f64::min);
+    let lowest = study.branch.points.iter().map(|one| one.orbit.setting.omega_tw).fold(f64::INFINITY, f64::min);
     assert!((2.0071..2.0073).contains(&lowest) && lowest < omega, "{lowest}");
-    assert!(study.waves.iter().all(|one| one.wave.residual < 1e-13), "all of the branch is solved");
+    assert!(study.branch.points.iter().all(|one| one.orbit.residual < 1e-13), "all of the branch is solved");
     // Near the linear chain the frequency hardly depends on the amplitude, and |A| is its inverse.
-    let bounded = |one: &&BranchWave| one.kantorovich.is_some_and(|found| found.radius.is_some_and(|r| r < 1e-7));
-    let bounded = study.waves.iter().filter(bounded).count();
-    assert!(2 * bounded > study.waves.len(), "{bounded} of {}", study.waves.len());
+    let bounded =
+        |one: &&WavePoint| one.measures.kantorovich.is_some_and(|found| found.radius.is_some_and(|r| r < 1e-7));
+    let bounded = study.branch.points.iter().filter(bounded).count();
+    assert!(2 * bounded > study.branch.points.len(), "{bounded} of {}", study.branch.points.len());
 }
 
 // Truth: multipliers of the whole period are eigenvalues of the monodromy matrix of the ring, so
@@ -273,14 +275,31 @@ fn branches_in_rho_kappa_and_alpha_end_at_the_wave_that_a_search_finds() {
     for (vary, to) in [(WaveParameter::Rho, 0.334), (WaveParameter::Kappa, 0.999), (WaveParameter::Alpha, 1.6)] {
         let wanted = Wanted { omega_tw: Some(2.001), mean: Some(0.02), ..Wanted::of("tw-q15") };
         let study = branch(wanted, vary, to);
-        assert_eq!(study.end, WaveEnd::Reached, "{vary:?}");
-        let last = &study.waves.last().unwrap().wave;
+        assert_eq!(study.branch.ended(), End::Reached, "{vary:?}");
+        let last = &study.branch.points.last().unwrap().orbit;
         assert_eq!(vary.of(last), to);
-        assert!(study.waves.iter().all(|one| one.wave.residual <= 1e-12 && one.wave.setting.omega_tw == 2.001));
+        assert!(
+            study.branch.points.iter().all(|one| one.orbit.residual <= 1e-12 && one.orbit.setting.omega_tw == 2.001)
+        );
         let (direct, _) = Search::default().wave(&last.setting, Given::Frequency).unwrap();
         let apart = largest(last.z.iter().zip(&direct.z).map(|(a, b)| a - b)) / last.amplitude();
-        println!("{vary:?}: {} waves, amplitude {}, apart {apart:e}", study.waves.len(), last.amplitude());
+        println!("{vary:?}: {} waves, amplitude {}, apart {apart:e}", study.branch.points.len(), last.amplitude());
         assert!(apart < 1e-10, "{vary:?}: {apart:e}");
+    }
+}
+
+// Truth: Newton's method for a wave of this amplitude, with the frequency as an unknown.
+#[test]
+fn branches_in_the_amplitude_end_at_the_wave_of_this_amplitude() {
+    for to in [0.3, 1e-3] {
+        let study = branch(Wanted { sites: Some(10), ..Wanted::of("tw-q15") }, WaveParameter::Amplitude, to);
+        assert_eq!(study.branch.ended(), End::Reached, "{to}");
+        let last = &study.branch.points.last().unwrap().orbit;
+        let (direct, _) = Search::default().wave(&last.setting, Given::Amplitude(to)).unwrap();
+        let apart = largest(last.z.iter().zip(&direct.z).map(|(a, b)| a - b)) / to;
+        let slower = last.setting.omega_tw - direct.setting.omega_tw;
+        println!("{to}: {} waves, apart {apart:e}, {slower:e}", study.branch.points.len());
+        assert!((last.amplitude() / to - 1.0).abs() < 1e-12 && apart < 1e-10 && slower.abs() < 1e-12);
     }
 }
 
@@ -303,11 +322,11 @@ fn the_end_of_a_branch_is_in_the_range_of_its_parameter() {
 fn waves_under_a_gap_end_where_no_contact_closes() {
     let start = Wanted { mean: Some(0.05), ..Wanted::of("tw-q15") };
     let study = branch(start, WaveParameter::OmegaTw, 1.9);
-    assert_eq!(study.end, WaveEnd::NoContact);
-    let [.., before, last] = &study.waves[..] else { panic!("{} waves", study.waves.len()) };
-    assert!(before.closed > 0.0 && last.closed == 0.0 && last.wave.setting.omega_tw - 2.0 < 1e-10);
+    assert_eq!(study.branch.ended(), End::NoContact);
+    let [.., before, last] = &study.branch.points[..] else { panic!("{} waves", study.branch.points.len()) };
+    assert!(before.measures.closed > 0.0 && last.measures.closed == 0.0 && last.orbit.setting.omega_tw - 2.0 < 1e-10);
     // From wave to wave the state changes by at most a quarter of its size.
-    assert!((1.0..1.25).contains(&(before.wave.amplitude() / 0.05)), "{}", before.wave.amplitude());
+    assert!((1.0..1.25).contains(&(before.orbit.amplitude() / 0.05)), "{}", before.orbit.amplitude());
 }
 
 // Truth: scaling. Lengths by l and times by l^{-(alpha-1)/2} are the same chain with another kappa.

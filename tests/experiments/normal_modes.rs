@@ -40,7 +40,7 @@ fn a_mode_that_begins_with_a_long_step_is_that_of_short_steps() {
     let modes = NormalModes::new(Scene::load_with("dimer", &four).unwrap().chain()).unwrap();
     let [short, long] = [0.05, 1.2].map(|step| branch(&modes, 1, step, 1.3));
     let [want, got] = [&short, &long].map(|branch| &branch.points.last().unwrap().orbit);
-    assert_eq!([short.end, long.end], [End::Reached; 2]);
+    assert_eq!([short.ended(), long.ended()], [End::Reached; 2]);
     assert!(long.points[0].orbit.amplitude < 1.2);
     assert!((want.omega / got.omega - 1.0).abs() < 1e-9, "{} {}", want.omega, got.omega);
 }
@@ -51,7 +51,7 @@ fn one_bead_between_walls_has_the_period_of_its_potential() {
     assert!((modes.linear()[0].omega - 3f64.sqrt()).abs() < 1e-15);
     // Contacts are apart for a part of the time where a > 1.
     let branch = branch(&modes, 0, 0.5, 4.0);
-    assert_eq!(branch.end, End::Reached);
+    assert_eq!(branch.ended(), End::Reached);
     for point in &branch.points {
         let a = point.orbit.amplitude;
         let energy = |x: f64| 0.4 * ((1.0 + x).max(0.0).powf(2.5) + (1.0 - x).max(0.0).powf(2.5));
@@ -67,8 +67,8 @@ fn one_bead_between_walls_has_the_period_of_its_potential() {
         let omega = 0.5 * PI / quarter;
         // Measured: 4.3e-12, 2.6e-16, 4.2e-14.
         assert!((point.orbit.omega / omega - 1.0).abs() < 9e-12, "a = {a}: {} {omega}", point.orbit.omega);
-        assert!((point.energy - (energy(a) - energy(0.0))).abs() < 6e-16 * energy(a));
-        assert!((point.least_overlap - (1.0 - a)).abs() < 1e-13);
+        assert!((point.measures.energy - (energy(a) - energy(0.0))).abs() < 6e-16 * energy(a));
+        assert!((point.measures.least_overlap - (1.0 - a)).abs() < 1e-13);
     }
     assert!(branch.points.iter().filter(|point| point.orbit.amplitude > 1.0).count() > 3);
 }
@@ -105,8 +105,8 @@ fn orbits_of_the_defect_come_back_also_where_contacts_open() {
     let scene = Scene::load_with("defect", &[]).unwrap();
     let modes = NormalModes::new(scene.chain()).unwrap();
     let branch = branch(&modes, modes.most_localised(), 0.1, 1.2);
-    assert_eq!(branch.end, End::Reached);
-    assert!(branch.points.last().unwrap().least_overlap < -0.5);
+    assert_eq!(branch.ended(), End::Reached);
+    assert!(branch.points.last().unwrap().measures.least_overlap < -0.5);
     for point in &branch.points {
         let (period, start) = (2.0 * PI / point.orbit.omega, modes.state(&point.orbit));
         let mut run =
@@ -197,12 +197,12 @@ fn period_doublings_of_two_beads_are_where_hills_equation_has_them() {
     let details = Details { contact: vec![1.0, c, 1.0], overlap: vec![1.0, c.powf(-0.5), 1.0], ..Details::default() };
     let modes = NormalModes::new(&plain.with(&details).unwrap()).unwrap();
     let branch = branch(&modes, 1, 0.04, 0.32);
-    assert_eq!((branch.end, branch.unresolved), (End::Reached, 0));
+    assert_eq!((branch.ended(), branch.unresolved), (End::Reached, 0));
     assert_eq!(branch.bifurcations.len(), 2, "{:?}", branch.bifurcations);
     // Measured: 4e-12.
     for (one, want) in branch.bifurcations.iter().zip(want) {
-        let orbit = &one.point.orbit;
-        println!("{:e} {:e} {:e}", orbit.amplitude, orbit.amplitude - want, one.tau + 1.0);
+        let orbit = &one.orbit;
+        println!("{:e} {:e} {:e}", orbit.amplitude, orbit.amplitude - want, one.critical.tau + 1.0);
         assert_eq!(one.kind, BifurcationKind::PeriodDoubling);
         assert!((orbit.amplitude - want).abs() < 1e-11 && orbit.residual < 1e-11);
     }
@@ -228,10 +228,10 @@ fn a_mode_of_a_ring_loses_its_stability_where_collocation_has_two_more_multiplie
     let branch = branch(&modes, 11, 0.05, 0.5);
     assert_eq!((branch.bifurcations.len(), branch.unresolved), (1, 0));
     let one = &branch.bifurcations[0];
-    println!("{} {:e}", one.point.orbit.amplitude, one.tau - 1.0);
-    assert_eq!((one.kind, at_one(&scene, &modes, &one.point.orbit)), (BifurcationKind::PlusOne, 4));
+    println!("{} {:e}", one.orbit.amplitude, one.critical.tau - 1.0);
+    assert_eq!((one.kind, at_one(&scene, &modes, &one.orbit)), (BifurcationKind::PlusOne, 4));
     for point in &branch.points {
-        assert_eq!(point.unstable() > 0, point.orbit.amplitude > one.point.orbit.amplitude);
+        assert_eq!(point.unstable() > 0, point.orbit.amplitude > one.orbit.amplitude);
         assert_eq!(at_one(&scene, &modes, &point.orbit), 2, "{}", point.orbit.amplitude);
     }
 }

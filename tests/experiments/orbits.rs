@@ -6,8 +6,11 @@ use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params},
     dps::Center,
     integrators::{Real, Regularised, Stepper, collocation::Pace, dop853::Options, regularised::power},
-    orbits::{Bifurcation, BifurcationKind, Continuation, End, Formulation, Kind, Orbit, Parameter, Shooting, Trail},
-    study::{BranchPoint, Kick, evolve, study},
+    orbits::{
+        Bifurcation, BifurcationKind, Branch, Continuation, End, Formulation, Kind, Orbit, OrbitPoint, Parameter,
+        Shooting,
+    },
+    study::{Kick, evolve, study},
 };
 use nalgebra::{Complex, DMatrix, DVector};
 use twofloat::TwoFloat;
@@ -220,11 +223,11 @@ fn orbits_of_small_amplitude_have_multipliers() {
     let start = of_mass(10.0, Center::Bond, from).orbit(&shooting).unwrap();
     let (parameter, step) = (Parameter::OmegaB, (to - from) / 100.0);
     let continuation = Continuation { parameter, to, step, most_points: 6, natural: false, shooting };
-    let mut trail = Trail::new(continuation, start).unwrap();
+    let mut trail = Branch::new(continuation, start.setting, start).unwrap();
     trail.extend(|_| {}).unwrap();
     let branch = study(trail, &|_, _| {}).unwrap();
     assert_eq!((branch.points.len(), branch.gaps.len()), (6, 0));
-    for BranchPoint { spectrum, .. } in &branch.points {
+    for OrbitPoint { spectrum, .. } in &branch.points {
         // Measured: 3.1e-12 at one orbit, where a step of inverse iteration starts almost
         // orthogonal to an eigenvector, 4.4e-14 at the others; and 6.3e-12.
         let (residual, pairing) = (spectrum.quality.eigen_residual, spectrum.quality.pairing);
@@ -363,10 +366,10 @@ fn bifurcations(center: Center, sites: usize, (from, to): (f64, f64)) -> Vec<Bif
     let shooting = Shooting::default();
     let continuation =
         Continuation { parameter: Parameter::OmegaB, to, step: 2e-3, most_points: 100, natural: false, shooting };
-    let (orbits, end) = continuation.follow(breather.orbit(&shooting).unwrap(), |_| {}).unwrap();
-    assert_eq!(end, End::Reached);
-    let spectra: Vec<_> = orbits.iter().map(|orbit| orbit.spectrum(&shooting).unwrap()).collect();
-    continuation.bifurcations(&orbits, &spectra, 0.01)
+    let branch = Branch::new(continuation, breather.setting(), breather.orbit(&shooting).unwrap()).unwrap();
+    let mut branch = Branch { weak: Some(0.01), ..branch };
+    assert_eq!(branch.extend(|_| {}).unwrap(), End::Reached);
+    branch.analysed().unwrap().bifurcations
 }
 
 /// The bifurcation near a value, found in another way: from all eigenvalues of the tangent map over
@@ -375,9 +378,9 @@ fn bifurcations(center: Center, sites: usize, (from, to): (f64, f64)) -> Vec<Bif
 /// does; both are smooth there.
 fn by_whole_period(center: Center, near: &Bifurcation) -> f64 {
     const SITES: usize = 31;
-    let root = Complex::new(near.tau * near.tau - 1.0, 0.0).sqrt();
+    let root = Complex::new(near.critical.tau * near.critical.tau - 1.0, 0.0).sqrt();
     let doubles = near.kind == BifurcationKind::PeriodDoubling;
-    let meeting = if doubles { Complex::new(-1.0, 0.0) } else { near.tau - root };
+    let meeting = if doubles { Complex::new(-1.0, 0.0) } else { near.critical.tau - root };
     let signed = |omega_b: f64| {
         let shooting = Shooting { tol: 1e-11, ..Shooting::default() };
         let orbit = DarkBreather { sites: SITES, ..breather(center, omega_b) }.orbit(&shooting).unwrap();
@@ -406,9 +409,11 @@ fn the_period_doubles_where_the_tangent_map_has_the_eigenvalue_minus_one() {
     let again = by_whole_period(Center::Bond, &found[0]) - found[0].parameter;
     println!("by all eigenvalues: {again:e}");
     assert!(again.abs() < 1e-11);
-    let [Bifurcation { kind: BifurcationKind::PeriodDoubling, parameter, ref orbit, ref mode, .. }] = found[..] else {
+    let [Bifurcation { kind: BifurcationKind::PeriodDoubling, parameter, ref orbit, ref critical, .. }] = found[..]
+    else {
         panic!("{found:?}")
     };
+    let mode = &critical.mode;
     // The value does not depend on the length of the ring. Measured: 3e-15 between 31 and 41 sites.
     let smaller = bifurcations(Center::Bond, 31, (2.062, 2.066));
     println!("{parameter:.13} {:e}", parameter - smaller[0].parameter);
@@ -441,7 +446,7 @@ fn two_real_pairs_collide_where_the_paper_has_them_return() {
                 assert!(again.abs() < 1e-11);
             }
         }
-        let found: Vec<_> = found.iter().map(|one| (one.kind, one.parameter, one.tau)).collect();
+        let found: Vec<_> = found.iter().map(|one| (one.kind, one.parameter, one.critical.tau)).collect();
         println!("{found:?}");
         let [(PeriodDoubling, second, _), (RealCollision, collision, tau)] = found[..] else { panic!() };
         assert!((second - 2.095_169_779_159_2).abs() < 1e-12 && (collision - 2.095_541_921_391_5).abs() < 1e-12);
@@ -457,9 +462,10 @@ fn the_strong_instability_of_the_site_centred_breather_begins_in_a_collision() {
     println!("by all eigenvalues: {again:e}");
     // Measured: 7e-11, the same with points of interpolation 2.5 times as far apart.
     assert!(again.abs() < 1.4e-10);
-    let [Bifurcation { kind: BifurcationKind::KreinCollision, parameter, tau, .. }] = found[..] else {
+    let [Bifurcation { kind: BifurcationKind::KreinCollision, parameter, ref critical, .. }] = found[..] else {
         panic!("{found:?}")
     };
+    let tau = critical.tau;
     println!("{parameter:.12} {tau}");
     assert!(2.077 < parameter && parameter < 2.078 && (-1.0..-0.95).contains(&tau));
     let growth = |by: f64| {

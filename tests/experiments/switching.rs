@@ -3,8 +3,8 @@
 use hertzchain::{
     chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State, Variations},
     orbits::{
-        BifurcationKind, DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting,
-        DrivenShooting, DrivenTrail, End, ModeBranch, ModeContinuation, ModePoint, NormalModes,
+        BifurcationKind, Branch, DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenSetting,
+        DrivenShooting, End, ModeBranch, ModeContinuation, ModePoint, NormalModes, Problem,
     },
     run::{Method, Run, Setting},
     scene::Scene,
@@ -52,11 +52,9 @@ fn number(branch: &DrivenBranch, kind: BifurcationKind) -> usize {
     branch.bifurcations.iter().position(|one| one.kind == kind).unwrap()
 }
 
-fn followed(mut trail: DrivenTrail) -> DrivenBranch {
-    trail.extend(|_| {}).unwrap();
-    let shooting = trail.continuation.shooting;
-    let points = trail.orbits.iter().map(|orbit| DrivenPoint::new(orbit.clone(), &shooting).unwrap()).collect();
-    trail.branch(points)
+fn followed<P: Problem>(mut branch: Branch<P>) -> Branch<P> {
+    branch.extend(|_| {}).unwrap();
+    branch.analysed().unwrap()
 }
 
 fn amplitude(orbit: &DrivenOrbit) -> f64 {
@@ -103,8 +101,8 @@ fn a_doubled_branch_begins_as_the_normal_form_of_a_period_doubling_does() {
     let distances = [1e-3, 2.5e-4];
     let errors = distances.map(|distance| {
         let orbit = at(&doubled, distance);
-        let setting = main.bifurcations[birth].point.orbit.setting.with(DriveParameter::Amplitude, crossing + distance);
-        let once = shooting.solve(&setting, &main.bifurcations[birth].point.orbit.z).unwrap();
+        let setting = main.bifurcations[birth].orbit.setting.with(DriveParameter::Amplitude, crossing + distance);
+        let once = shooting.solve(&setting, &main.bifurcations[birth].orbit.z).unwrap();
         let mu = -1.0 - once.spectrum(&shooting).unwrap().multipliers[0].re;
         let largest = orbit.spectrum(&shooting).unwrap().multipliers[0].re;
         ((1.0 - largest) / (4.0 * mu) - 1.0, apart(&orbit.z, &once.z) / distance.sqrt())
@@ -121,11 +119,11 @@ fn a_doubled_branch_begins_as_the_normal_form_of_a_period_doubling_does() {
 fn orbits_of_doubled_period_return_after_two_periods_by_another_method_and_not_after_one() {
     let main = branch(&shaken(), 2.0, 0.1);
     let doubled = followed(main.switched(number(&main, BifurcationKind::PeriodDoubling)).unwrap());
-    assert_eq!((doubled.end, doubled.unresolved), (End::Reached, 0));
+    assert_eq!((doubled.ended(), doubled.unresolved), (End::Reached, 0));
     let kinds: Vec<BifurcationKind> = doubled.bifurcations.iter().map(|one| one.kind).collect();
     assert_eq!(kinds, [BifurcationKind::Fold, BifurcationKind::Fold, BifurcationKind::PeriodDoubling]);
     for point in doubled.points[1..].iter().step_by(6) {
-        assert_eq!((point.orbit.setting.turns(), point.least_turns), (2, 2));
+        assert_eq!((point.orbit.setting.turns(), point.measures.least_turns), (2, 2));
         let [start, end] = after(&point.orbit, 2.0);
         let [_, middle] = after(&point.orbit, 1.0);
         println!("{} {:e} {:e}", amplitude(&point.orbit), apart(&start, &end), apart(&start, &middle));
@@ -143,7 +141,7 @@ fn a_run_settles_onto_the_orbit_of_doubled_period_where_that_is_stable() {
     assert!(point.stable());
     let orbit = &point.orbit;
     let chain = orbit.setting.chain().unwrap();
-    let mut state = main.bifurcations[birth].point.orbit.start().unwrap().as_slice().to_vec();
+    let mut state = main.bifurcations[birth].orbit.start().unwrap().as_slice().to_vec();
     state[0] += 1e-3;
     let flow = |y: &[f64], period: f64| Variations::flow(&chain, y, (0.0, period), &[], 1e-14).unwrap().state;
     for _ in 0..200 {
@@ -168,7 +166,7 @@ fn at_a_branch_point_the_symmetry_is_broken_as_by_a_pitchfork() {
     let ratio = |distance: f64| {
         let one = at(&broken, distance);
         let setting = one.setting.clone();
-        let symmetric = shooting.solve(&setting, &main.bifurcations[birth].point.orbit.z).unwrap();
+        let symmetric = shooting.solve(&setting, &main.bifurcations[birth].orbit.z).unwrap();
         let mu = symmetric.spectrum(&shooting).unwrap().multipliers[0].re - 1.0;
         (1.0 - one.spectrum(&shooting).unwrap().multipliers[0].re) / (2.0 * mu) - 1.0
     };
@@ -215,7 +213,7 @@ fn where_no_periodic_branch_crosses_there_is_nothing_to_switch_to() {
 fn bifurcations_of_driven_branches_in_stretches_are_those_of_the_whole_branch() {
     let parameter = DriveParameter::Amplitude;
     let scene = Scene::parse(include_str!("../reference/pushed-bead.toml"), "pushed-bead.toml").unwrap();
-    let (search, shooting) = (DrivenSearch::default(), DrivenShooting::default());
+    let search = DrivenSearch::default();
     let way = DrivenWay {
         vary: parameter,
         to: Some(2.0),
@@ -225,20 +223,19 @@ fn bifurcations_of_driven_branches_in_stretches_are_those_of_the_whole_branch() 
     let found = driven_branch(scene, &search, &way, InSi::default(), &|_, _| {}).unwrap();
     let switched = found.switched.unwrap().1.unwrap();
     for (divided, count) in [(found.branch, 1), (switched, 3)] {
-        let points = divided.trail.orbits.iter().map(|orbit| DrivenPoint::new(orbit.clone(), &shooting).unwrap());
-        let whole = divided.trail.clone().branch(points.collect());
+        let whole = divided.clone().analysed().unwrap();
         assert_eq!((whole.bifurcations.len(), divided.bifurcations.len()), (count, count));
         assert_eq!((whole.points.len(), whole.unresolved), (divided.points.len(), divided.unresolved));
         for (one, other) in whole.points.iter().zip(&divided.points) {
-            assert!(one.spectrum == other.spectrum && one.amplitude == other.amplitude && one.orbit.z == other.orbit.z);
+            assert!(one.spectrum == other.spectrum && one.measures == other.measures && one.orbit.z == other.orbit.z);
         }
         for (one, other) in whole.bifurcations.iter().zip(&divided.bifurcations) {
             assert_eq!((one.kind, one.parameter, one.after), (other.kind, other.parameter, other.after));
-            let (a, b) = (&one.point, &other.point);
-            assert!(one.multiplier == other.multiplier && a.spectrum == b.spectrum && a.amplitude == b.amplitude);
-            assert!(a.orbit.z == b.orbit.z && a.orbit.residual == b.orbit.residual && a.orbit.newton == b.orbit.newton);
-            assert_eq!(amplitude(&a.orbit), amplitude(&b.orbit));
-            assert_eq!((a.orbit.setting.turns(), a.orbit.setting.omega()), (b.orbit.setting.turns(), 1.8));
+            let (a, b) = (&one.orbit, &other.orbit);
+            assert_eq!(one.critical, other.critical);
+            assert!(a.z == b.z && a.residual == b.residual && a.newton == b.newton);
+            assert_eq!(amplitude(a), amplitude(b));
+            assert_eq!((a.setting.turns(), a.setting.omega()), (b.setting.turns(), 1.8));
         }
     }
 }
@@ -252,7 +249,7 @@ fn bifurcations_of_modes_in_stretches_are_those_of_the_whole_branch() {
     ] {
         let modes = NormalModes::new(scene.chain()).unwrap();
         let whole = ModeContinuation { mode: mode - 1, to, step, most_points: 200 }.follow(&modes, |_| {}).unwrap();
-        let crossed = switch.map(|number| whole.switched(&modes, number - 1, |_| {}).unwrap());
+        let crossed = switch.map(|number| followed(whole.switched(number - 1).unwrap()));
         let way = ModeWay {
             linear_mode: Some(mode),
             to,
@@ -268,10 +265,11 @@ fn bifurcations_of_modes_in_stretches_are_those_of_the_whole_branch() {
             println!("{count} bifurcations, {} unresolved", whole.unresolved);
             assert_eq!((count, whole.unresolved), (divided.bifurcations.len(), divided.unresolved));
             for (one, other) in whole.bifurcations.iter().zip(&divided.bifurcations) {
-                assert_eq!((one.kind, one.tau, one.after), (other.kind, other.tau, other.after));
-                let (a, b) = (&one.point, &other.point);
-                assert!(a.orbit.shape == b.orbit.shape && a.orbit.omega == b.orbit.omega && a.energy == b.energy);
-                assert!(a.orbit.amplitude == b.orbit.amplitude && a.spectrum.multipliers == b.spectrum.multipliers);
+                assert_eq!(one, other);
+            }
+            for (one, other) in whole.points.iter().zip(&divided.points) {
+                assert!(one.orbit == other.orbit && one.measures == other.measures);
+                assert_eq!(one.spectrum.multipliers, other.spectrum.multipliers);
             }
         }
     }
@@ -304,17 +302,17 @@ fn modes_of_doubled_period_begin_as_a_hamiltonian_pitchfork_does() {
     // loses its stability to two with tau - 1 = -2 mu, as the minima of -mu x^2/2 + x^4/4 have it.
     let (_, modes, main) = antiphase();
     let birth = &main.bifurcations[0];
-    let a = birth.point.orbit.amplitude;
+    let (a, energy) = (birth.orbit.amplitude, main.point(&birth.orbit).unwrap().measures.energy);
     // Two orbits of the mode beside the crossing. Over two periods tau becomes 2 tau^2 - 1, which
     // changes by -4 times as much where tau is -1.
     let way = ModeContinuation { mode: 1, step: a - 1e-4, to: a + 1e-4, most_points: 2 };
     let beside = way.follow(&modes, |_| {}).unwrap().points;
     let free = |point: &ModePoint| point.spectrum.tau.iter().map(|tau| tau.re).fold(f64::INFINITY, f64::min);
-    let slope = -4.0 * (free(&beside[1]) - free(&beside[0])) / (beside[1].energy - beside[0].energy);
-    let doubled = main.switched(&modes, 0, |_| {}).unwrap();
+    let slope = -4.0 * (free(&beside[1]) - free(&beside[0])) / (beside[1].measures.energy - beside[0].measures.energy);
+    let doubled = followed(main.switched(0).unwrap());
     let errors = [1, 2].map(|k| {
         let point = &doubled.points[k];
-        (1.0 - free(point)) / (2.0 * slope * (point.energy - birth.point.energy)) - 1.0
+        (1.0 - free(point)) / (2.0 * slope * (point.measures.energy - energy)) - 1.0
     });
     println!("{errors:?}");
     // The slope is that of a chord 1e-3 as long as the amplitude.
@@ -325,10 +323,10 @@ fn modes_of_doubled_period_begin_as_a_hamiltonian_pitchfork_does() {
 fn modes_of_doubled_period_come_back_after_two_periods_and_not_after_one() {
     let (chain, modes, main) = antiphase();
     for k in 0..2 {
-        let doubled = main.switched(&modes, k, |_| {}).unwrap();
-        println!("{:?}, {} points", doubled.end, doubled.points.len());
-        assert!(doubled.end.is_complete() && doubled.points.len() > 3);
-        let crossing = main.bifurcations[k].point.orbit.omega;
+        let doubled = followed(main.switched(k).unwrap());
+        println!("{:?}, {} points", doubled.ended(), doubled.points.len());
+        assert!(doubled.ended().is_complete() && doubled.points.len() > 3);
+        let crossing = main.bifurcations[k].orbit.omega;
         assert!((2.0 * doubled.points[0].orbit.omega / crossing - 1.0).abs() < 1e-15);
         for point in doubled.points[1..].iter().step_by(4) {
             let start = modes.state(&point.orbit);

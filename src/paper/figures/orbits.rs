@@ -7,15 +7,15 @@ use crate::{
     dps::Center,
     error::{Error, Result},
     orbits::{
-        Bifurcation, BifurcationKind, Continuation, Kind, Multiplier, Orbit, Parameter, Setting, Shooting, Spectrum,
-        Trail,
+        Bifurcation, BifurcationKind, Branch, Continuation, Kind, Multiplier, Orbit, OrbitPoint, Parameter, Setting,
+        Shooting, Spectrum,
     },
     report::{
         self,
         Digits::{Hidden, Short},
         Line, Panel, Panels, Report, Table,
     },
-    study::{Branch, DarkStudy, Kick, Progress, center_word, doubled_from, evolve, go_on, orbit_study, shown, word},
+    study::{DarkStudy, Kick, Progress, center_word, doubled_from, evolve, go_on, orbit_study, shown, word},
     sweep::map,
 };
 
@@ -53,7 +53,7 @@ fn follow(
 ) -> Result<Branch> {
     let shooting = Shooting::default();
     let continuation = Continuation { parameter, to, step, most_points: 2000, natural: false, shooting };
-    go_on(Trail { weak, ..Trail::new(continuation, start)? }, &mut |_| {}, tell)?.reached()
+    go_on(Branch { weak, ..Branch::new(continuation, start.setting, start)? }, &mut |_| {}, tell)?.reached()
 }
 
 /// The branch of a family between two frequencies, with about so many points.
@@ -112,7 +112,7 @@ fn multipliers(name: &str, parameter: &str, all: &[(f64, Multiplier)]) -> Table 
 fn moduli(branch: &Branch, title: &str) -> Panel {
     let parameter = branch.continuation.parameter;
     let line = |(kind, name): (Kind, &str)| {
-        let at = |point: &crate::study::BranchPoint| {
+        let at = |point: &OrbitPoint| {
             let is = |one: &&Multiplier| if kind == Kind::Circle { one.modulus == 1.0 } else { one.kind == kind };
             let p = point.orbit.setting.get(parameter);
             point.spectrum.multipliers.iter().filter(is).map(|one| (p, one.modulus)).collect::<Vec<_>>()
@@ -159,8 +159,8 @@ fn of_branch(branch: &Branch, title: &str) -> Result<Report> {
         parameter.symbol(),
         shown(first.orbit.setting.get(parameter)),
         shown(last.orbit.setting.get(parameter)),
-        shown(first.extent.k_x),
-        shown(last.extent.k_x),
+        shown(first.measures.extent.k_x),
+        shown(last.measures.extent.k_x),
         strongest(&last.spectrum),
     );
     Ok(with(branch.report()?, table, vec![moduli(branch, title)], caption))
@@ -230,7 +230,7 @@ pub(super) fn one(rho: f64, center: Center, omega_b: f64) -> Result<Report> {
 /// As of [`family`].
 pub fn return_errors(omega_b: [f64; 2], points: u32, until: f64, tell: Progress<'_>) -> Result<Report> {
     let branch = between(THIRD, Center::Site, omega_b, points, Some(WEAK), tell)?;
-    let row = |point: &crate::study::BranchPoint| {
+    let row = |point: &OrbitPoint| {
         let periods = (until / point.orbit.setting.period()).floor();
         let e_b = point.orbit.e_b(Shooting::default().tol, periods as u32)?;
         Ok([point.orbit.setting.omega_b, e_b, point.spectrum.largest().powf(periods)])
@@ -274,7 +274,7 @@ pub(super) fn evolution(
 /// along it leads. Plots: two of the mode, two of the orbit and its seed.
 pub(super) fn doubling(omega_b: f64) -> Result<Report> {
     let (birth, seed, orbit) = doubled_orbit(&about_doubling()?, omega_b)?;
-    let table = strains(&orbit, &[("", &orbit.z), ("_seed", &seed), ("_mode", &birth.mode)]);
+    let table = strains(&orbit, &[("", &orbit.z), ("_seed", &seed), ("_mode", &birth.critical.mode)]);
     let mode = profiles(&table, &[("mode", "_mode")]);
     let both = profiles(&table, &[("exact orbit", ""), ("seed", "_seed")]);
     let caption = format!(
@@ -333,11 +333,11 @@ pub fn mass_ratios(center: Center, omega_b: f64, to: f64, points: [u32; 2], tell
     };
     let mut first = leg(orbit(from, center, omega_b)?, from, near, points[0])?;
     // The last point of the first part is the first point of the second part.
-    let (Some(_), Some(last)) = (first.points.pop(), first.trail.orbits.pop()) else { return first.report() };
+    let (Some(_), Some(last)) = (first.points.pop(), first.orbits.pop()) else { return first.report() };
     let mut branch = leg(last, near, to, points[1])?;
     branch.points.splice(..0, first.points);
     branch.gaps.splice(..0, first.gaps);
-    branch.trail.orbits.splice(..0, first.trail.orbits);
+    branch.orbits.splice(..0, first.orbits);
     of_branch(&branch, &format!("{}-centred", center_word(center)))
 }
 
@@ -363,7 +363,7 @@ fn doubled_orbit(main: &Branch, omega_b: f64) -> Result<(Bifurcation, Vec<f64>, 
     let birth = main.bifurcations.iter().find(|one| one.kind == BifurcationKind::PeriodDoubling).cloned();
     let birth = birth.ok_or_else(|| Error::parameter("omega_b", 2.064, "a period doubling below"))?;
     let by = SEED * birth.orbit.amplitude();
-    let seed: Vec<f64> = birth.orbit.z.iter().zip(&birth.mode).map(|(z, mode)| z + by * mode).collect();
+    let seed: Vec<f64> = birth.orbit.z.iter().zip(&birth.critical.mode).map(|(z, mode)| z + by * mode).collect();
     let orbit = Shooting::default().solve(&Setting { omega_b, turns: 2, ..birth.orbit.setting }, &seed)?;
     Ok((birth, seed, orbit))
 }

@@ -201,6 +201,6 @@ fn oscillatory_onset(_: &Runs) -> Result<Vec<Quantity>> {
     let found = bifurcations(Center::Site, [2.077, 2.079], BifurcationKind::KreinCollision)?;
     Ok(vec![
         ("s7-onset", first(&found)),
-        ("s7-onset-place", found.first().map_or(f64::NAN, |one| (2.0 * (1.0 + one.tau)).sqrt())),
+        ("s7-onset-place", found.first().map_or(f64::NAN, |one| (2.0 * (1.0 + one.critical.tau)).sqrt())),
     ])
 }

@@ -3,11 +3,10 @@
 
 mod file;
 mod report;
-mod spectra;
 
 use super::{
     Changes, InSi, Progress, Study, Work,
-    branches::{self, BranchOptions, SWITCHED, Switched, crossing},
+    branches::{self, BranchOptions, SWITCHED, Switched},
     keeper::Autosave,
     options::options,
     si::Scale,
@@ -18,7 +17,6 @@ use crate::{
     error::{Error, Result},
     orbits::{
         DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
-        DrivenTrail, End,
     },
     report::Report,
     scene::{Quantity, Scene, Units},
@@ -26,6 +24,7 @@ use crate::{
 };
 pub use file::{driven_branch_from_archive, driven_branch_npz, load_driven_branch};
 pub(crate) use report::multipliers_panel;
+use serde_json::json;
 use std::path::PathBuf;
 
 options! {
@@ -223,15 +222,12 @@ impl Study for DrivenContinue {
             }));
         };
         let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
-        let (scene, trail) = load_driven_branch(&file)?;
+        let (scene, branch) = load_driven_branch(&file)?;
         let si = self.told.si.units(&scene)?;
-        let parameter = trail.continuation.parameter;
-        let way = match trail.orbits.first() {
-            Some(orbit) => self.way.read(Scale(si.as_ref()), parameter, &orbit.setting),
-            None => self.way,
-        };
-        let trail = self.way.as_given(si, parameter, trail.onward(way.to, way.step, way.branch.max_points))?;
-        Ok(Box::new(move |engine, progress| followed(scene, trail, si, way.branch.switch, engine, progress)?.report()))
+        let parameter = branch.continuation.parameter;
+        let way = self.way.read(Scale(si.as_ref()), parameter, &branch.setting);
+        let branch = self.way.as_given(si, parameter, branch.onward(way.to, way.step, way.branch.max_points))?;
+        Ok(Box::new(move |engine, progress| followed(scene, branch, si, way.branch.switch, engine, progress)?.report()))
     }
 
     fn beside(&self) -> Option<PathBuf> {
@@ -286,16 +282,13 @@ impl DrivenWay {
         let step = step.unwrap_or(0.05 * (to - from).abs());
         let (most_points, shooting) = (branch.max_points, DrivenShooting::default());
         let continuation = DrivenContinuation { parameter, to, step, most_points, shooting };
-        continuation.check(from)?;
-        setting.with(parameter, to).chain()?;
+        continuation.check(setting)?;
         Ok(continuation)
     }
 }
 
-/// Shares of the progress at which the scene has settled, and at which all orbits of a branch are
-/// known.
+/// Share of the progress at which the scene has settled.
 const SETTLING: f64 = 0.2;
-const ORBITS: f64 = 0.6;
 
 /// The branch, in one parameter, that begins with the orbit to which a driven scene leads. In SI
 /// units, `to` and `step` of the way are read, and the report is told, in these. `progress` is told
@@ -324,65 +317,40 @@ fn begun(
 ) -> Result<DrivenBranchStudy> {
     let (setting, continuation, si) = way.for_scene(&scene, search, si)?;
     let orbit = search.orbit(&scene, &setting, &|share, what| progress(SETTLING * share, what))?;
-    followed(scene, DrivenTrail::new(continuation, orbit)?, si, way.branch.switch, engine, progress)
+    let branch = DrivenBranch::new(continuation, setting, orbit)?;
+    let rest = |share: f64, what: &str| progress(SETTLING + (1.0 - SETTLING) * share, what);
+    followed(scene, branch, si, way.branch.switch, engine, &rest)
 }
 
 /// Continues and studies a branch, and the one that crosses it at bifurcation `switch`, if given.
 fn followed(
     scene: Scene,
-    trail: DrivenTrail,
+    branch: DrivenBranch,
     si: Option<Units>,
     switch: Option<usize>,
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<DrivenBranchStudy> {
-    let whole = if switch.is_some() { 0.5 } else { 1.0 };
     let stale = ["driven-branch.json", "driven-branch.csv", "bifurcations.csv", "driven-branch.png"].map(str::to_owned);
-    let stale = stale.into_iter().chain(DrivenContinue::optional_files()).collect();
-    let (scale, folder) = (Scale(si.as_ref()), stretches::folder(engine));
-    let kept = |keeper, store| Kept { scene: &scene, engine, keeper, store };
-    let first = kept(Autosave::new(folder, BRANCH_FILE, stale), STORE);
-    let branch = first.go_on(trail, scale, &|share, what| progress(whole * share, what))?;
-    let Some(number) = switch.filter(|_| branch.end != End::Stopped) else {
-        return Ok(DrivenBranchStudy { scene, branch, switched: None, si });
-    };
-    let second = kept(Autosave::new(folder, SWITCHED_FILE, Vec::new()), SWITCHED_STORE);
-    let progress = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
-    let other = branch.switched(number.wrapping_sub(1)).and_then(|other| second.go_on(other, scale, &progress));
-    Ok(DrivenBranchStudy { switched: crossing(number, other)?, scene, branch, si })
-}
-
-/// A branch of a scene, and where it is kept.
-struct Kept<'a> {
-    scene: &'a Scene,
-    engine: &'a Engine,
-    keeper: Autosave<'a>,
-    /// Name of the store of its multipliers.
-    store: &'static str,
-}
-
-impl Kept<'_> {
-    /// Continues a branch, unless it has ended, and computes its multipliers and bifurcations.
-    fn go_on(mut self, mut trail: DrivenTrail, scale: Scale<'_>, progress: Progress<'_>) -> Result<DrivenBranch> {
-        let DrivenContinuation { parameter, to, .. } = trail.continuation;
-        let mut keep = |trail: &DrivenTrail| {
-            self.keeper.keep(trail.orbits.len(), trail.end.is_some(), || driven_branch_npz(self.scene, trail))
+    let stale: Vec<String> = stale.into_iter().chain(DrivenContinue::optional_files()).collect();
+    let (scale, toml) = (Scale(si.as_ref()), scene.file().to_toml());
+    let work = |branch: DrivenBranch, second: bool, progress: Progress<'_>| {
+        let (file, store, stale) = match second {
+            false => (BRANCH_FILE, STORE, stale.clone()),
+            true => (SWITCHED_FILE, SWITCHED_STORE, Vec::new()),
         };
-        if trail.end.is_none() {
-            let back = trail.back;
-            let extended = trail.extend(|trail| {
-                keep(trail);
-                let Some(DrivenOrbit { setting, .. }) = trail.orbits.last() else { return };
-                let p = setting.get(parameter);
-                let share = ((p - back) / (to - back)).clamp(0.0, 1.0);
-                let shown = scale.shown(quantity(parameter, setting), p, 6);
-                let words = format!("point {}, {} = {shown}", trail.orbits.len(), parameter.name());
-                progress(SETTLING + (ORBITS - SETTLING) * share, &words);
-            });
-            keep(&trail);
-            branches::kept(extended)?;
-        }
-        let tell = |share: f64, what: &str| progress(ORBITS + (1.0 - ORBITS) * share, what);
-        spectra::studied(self.scene, trail, self.store, self.engine, &tell)
-    }
+        let mut keeper = Autosave::new(stretches::folder(engine), file, stale);
+        let mut keep = |branch: &DrivenBranch| {
+            keeper.keep(branch.orbits.len(), branch.end.is_some(), || driven_branch_npz(&scene, branch));
+        };
+        let parameter = branch.continuation.parameter;
+        let shown = |orbit: &DrivenOrbit, p: f64| scale.shown(quantity(parameter, &orbit.setting), p, 6);
+        let branch = branches::followed(branch, &mut keep, shown, progress)?;
+        // The largest number of points has no influence on those that there are.
+        let continuation = DrivenContinuation { most_points: 0, ..branch.continuation };
+        let settings = json!([toml, branch.setting.turns(), continuation, branch.birth]);
+        stretches::analysed(branch, [store, "orbit continue"], &settings, engine, &branches::rest(progress))
+    };
+    let (branch, switched) = branches::with_switched(branch, switch, work, progress)?;
+    Ok(DrivenBranchStudy { scene, branch, switched, si })
 }

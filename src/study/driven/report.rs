@@ -4,7 +4,7 @@ use super::{BRANCH_FILE, DrivenBranchStudy, DrivenStudy, SWITCHED_FILE, driven_b
 use crate::{
     error::Result,
     orbits::{
-        DriveParameter, DrivenBifurcation, DrivenBranch, DrivenMultiplier, DrivenOrbit, DrivenPoint, DrivenSetting,
+        Bifurcation, DriveParameter, DrivenBranch, DrivenContinuation, DrivenMultiplier, DrivenPoint, DrivenSetting,
         DrivenSpectrum,
     },
     report::{
@@ -40,10 +40,10 @@ fn leading(point: &DrivenPoint) -> Vec<&DrivenMultiplier> {
 /// The table of some orbits of a branch in a parameter.
 fn points<'a>(
     name: &str,
-    points: &'a [Told<'a, DrivenOrbit, DrivenPoint>],
+    points: &'a [Told<'a, DrivenContinuation>],
     varied: DriveParameter,
     si: Option<&Units>,
-) -> Rows<'a, Told<'a, DrivenOrbit, DrivenPoint>> {
+) -> Rows<'a, Told<'a, DrivenContinuation>> {
     let mut table = Table::of(name, points).si(si);
     let all = [DriveParameter::Amplitude, DriveParameter::Omega, DriveParameter::Damping];
     for parameter in std::iter::once(varied).chain(all.into_iter().filter(|one| *one != varied)) {
@@ -52,12 +52,12 @@ fn points<'a>(
         table = table.col(parameter.name(), digits, about, |(orbit, _)| orbit.setting.get(parameter)).kind(kind);
     }
     table
-        .col("response", Power(6), "largest half range of a free bead", |&(_, point)| Some(point?.amplitude))
+        .col("response", Power(6), "largest half range of a free bead", |&(_, point)| Some(point?.measures.amplitude))
         .kind(Quantity::Length)
         .col("max_modulus", Fixed(8), "largest modulus of a multiplier", |&(_, point)| Some(point?.spectrum.largest()))
         .col("unstable", Short, "multipliers outside the unit circle", |&(_, point)| Some(point?.spectrum.unstable()))
         .col("turns", Json, "", |(orbit, _)| u64::from(orbit.setting.turns()))
-        .col("least_turns", Json, "", |&(_, point)| json!(point.map(|point| point.least_turns)))
+        .col("least_turns", Json, "", |&(_, point)| json!(point.map(|point| point.measures.least_turns)))
         .col("period", Json, "", |(orbit, _)| orbit.setting.period())
         .kind(Quantity::Time)
         .col("residual", Json, "", |(orbit, _)| orbit.residual)
@@ -68,21 +68,21 @@ fn points<'a>(
 /// The bifurcations of a branch in a parameter, whose values are of a kind.
 fn bifurcations<'a>(
     name: &str,
-    all: &'a [DrivenBifurcation],
+    all: &'a [Bifurcation<DrivenContinuation>],
     (varied, kind): (DriveParameter, Quantity),
     si: Option<&Units>,
-) -> Rows<'a, DrivenBifurcation> {
+) -> Rows<'a, Bifurcation<DrivenContinuation>> {
     branches::numbered(Table::of(name, all).si(si))
         .col("kind", Short, "", |one| word(&one.kind))
         .col(varied.name(), Fixed(8), VARIED, |one| one.parameter)
         .kind(kind)
-        .col("response", Hidden, "largest half range of a free bead", |one| one.point.amplitude)
+        .col("response", Hidden, "largest half range of a free bead", |one| one.critical.amplitude)
         .kind(Quantity::Length)
-        .col("re", Fixed(6), "real part of the multiplier", |one| one.multiplier.re)
-        .col("im", Fixed(6), "imaginary part", |one| one.multiplier.im)
-        .col("multiplier", Json, "", |one| json!(one.multiplier))
+        .col("re", Fixed(6), "real part of the multiplier", |one| one.critical.multiplier.re)
+        .col("im", Fixed(6), "imaginary part", |one| one.critical.multiplier.im)
+        .col("multiplier", Json, "", |one| json!(one.critical.multiplier))
         .col("parameter", Json, "", |one| Scale(si).told(kind, one.parameter))
-        .col("omega", Json, "", |one| one.point.orbit.setting.omega())
+        .col("omega", Json, "", |one| one.orbit.setting.omega())
         .kind(Quantity::Omega)
 }
 
@@ -140,7 +140,7 @@ impl DrivenStudy {
             .fact("v", numbers(Quantity::Length, |state| state.v().unwrap_or_default()))
             .fact("u_dot", numbers(Quantity::Velocity, |state| state.u_dot()))
             .fact("v_dot", numbers(Quantity::Velocity, |state| state.v_dot().unwrap_or_default()))
-            .fact("response", scale.told(Quantity::Length, point.amplitude))
+            .fact("response", scale.told(Quantity::Length, point.measures.amplitude))
             .fact("bead_ranges", beads)
             .fact("strain_ranges", strains)
             .fact("driven", scale.told(Quantity::Energy, *driven))
@@ -167,14 +167,14 @@ impl DrivenStudy {
             ("drive amplitude", kind, setting.get(DriveParameter::Amplitude)),
             ("drive omega", Quantity::Omega, setting.omega()),
             ("period of the orbit", Quantity::Time, setting.period()),
-            ("largest half range of a free bead", Quantity::Length, point.amplitude),
+            ("largest half range of a free bead", Quantity::Length, point.measures.amplitude),
             ("driven over the orbit", Quantity::Energy, self.driven),
             ("dissipated", Quantity::Energy, self.dissipated),
         ];
         let hertz = self.si.map(|_| ("drive frequency", Quantity::Frequency, setting.omega()));
         let told = |(name, kind, x)| format!("{} {:.9e}", scale.label(name, kind), scale.told(kind, x));
         let numbers: Vec<String> = numbers.into_iter().chain(hertz).map(told).collect();
-        let least = match point.least_turns {
+        let least = match point.measures.least_turns {
             least if least == setting.turns() => String::new(),
             least => format!("; its least period: {least}"),
         };
@@ -197,16 +197,18 @@ impl DrivenBranchStudy {
         Scale(self.si.as_ref())
     }
 
+    /// The kind of number that the parameter is.
+    fn kind(&self) -> Quantity {
+        quantity(self.branch.continuation.parameter, &self.branch.setting)
+    }
+
     /// Adds points and bifurcations of a branch.
     fn tell(&self, report: Report, at: Option<usize>, branch: &DrivenBranch) -> Report {
         let (varied, si) = (branch.continuation.parameter, self.si.as_ref());
-        let kind = branch.trail.orbits.first().map_or(Quantity::Number, |orbit| quantity(varied, &orbit.setting));
-        let later = &branch.trail.orbits[branch.points.len()..];
-        let rows = branches::told(&branch.points, |point| &point.orbit, later, branch.end);
-        let names = if at.is_some() { SWITCHED } else { BRANCH };
-        let bifurcations = bifurcations(names[1], &branch.bifurcations, (varied, kind), si);
-        let tables = (points(names[0], &rows, varied, si), bifurcations);
-        branches::tell(report, at, tables, json!({}), (branch.end, branch.unresolved))
+        let (rows, names) = (branches::told(branch), if at.is_some() { SWITCHED } else { BRANCH });
+        let bifurcations = bifurcations(names[1], &branch.bifurcations, (varied, self.kind()), si);
+        let points = points(names[0], &rows, varied, si);
+        branches::tell(report, at, branch, (points, bifurcations), json!({}))
     }
 
     /// The report.
@@ -220,16 +222,15 @@ impl DrivenBranchStudy {
             .fact("parameter", branch.continuation.parameter.name())
             .fact("integrator", METHOD)
             .fact("scene_file", scene_json(scene))
-            .file(BRANCH_FILE, driven_branch_npz(scene, &branch.trail)?);
+            .file(BRANCH_FILE, driven_branch_npz(scene, branch)?);
         report = self.tell(report, None, branch);
         if let Some((number, other)) = crossed(switched) {
-            let turns = other.trail.orbits.first().map_or(1, |orbit| orbit.setting.turns());
             report = self
                 .tell(report, Some(number), other)
-                .words(format!("Periods of the drive in one of its orbits: {turns}."))
-                .file(SWITCHED_FILE, driven_branch_npz(scene, &other.trail)?);
+                .words(format!("Periods of the drive in one of its orbits: {}.", other.setting.turns()))
+                .file(SWITCHED_FILE, driven_branch_npz(scene, other)?);
         }
-        let report = branches::checked(report, branch, switched, |branch| branch.end);
+        let report = branches::checked(report, branch, switched);
         let report = report.si(si.as_ref());
         Ok(if branch.points.is_empty() { report } else { report.picture(branch_picture(self)) })
     }
@@ -287,37 +288,32 @@ fn orbit_picture(study: &DrivenStudy) -> Panels {
 fn branch_picture(study: &DrivenBranchStudy) -> Panels {
     let DrivenBranchStudy { scene, branch, .. } = study;
     let (parameter, scale) = (branch.continuation.parameter, study.scale());
-    let kind = match branch.trail.orbits.first().map(|orbit| quantity(parameter, &orbit.setting)) {
-        Some(Quantity::Omega) if study.si.is_some() => Quantity::Frequency,
-        kind => kind.unwrap_or(Quantity::Number),
+    let kind = match study.kind() {
+        Quantity::Omega if study.si.is_some() => Quantity::Frequency,
+        kind => kind,
     };
     let symbol = if kind == Quantity::Frequency { "drive frequency ω/2π" } else { parameter.symbol() };
     let place = |point: &DrivenPoint| scale.told(kind, point.orbit.setting.get(parameter));
-    let response = |point: &DrivenPoint| scale.told(Quantity::Length, point.amplitude);
-    let other = crossed(&study.switched);
-    let marks = branches::followed(branch, &study.switched).flat_map(|branch| &branch.bifurcations);
+    let response = |amplitude: f64| scale.told(Quantity::Length, amplitude);
     let lines = branches::lines(
-        &branch.points,
-        other.map(|(_, other)| &*other.points),
-        |point| (place(point), response(point)),
+        branch,
+        &study.switched,
+        |point| (place(point), response(point.measures.amplitude)),
         DrivenPoint::stable,
-        marks.map(|one| (scale.told(kind, one.parameter), response(&one.point))),
+        |one| (scale.told(kind, one.parameter), response(one.critical.amplitude)),
     );
-    let both = [("largest |λ|", branch)].into_iter().chain(other.map(|(_, other)| ("switched", other)));
+    let other = crossed(&study.switched).map(|(_, other)| ("switched", other));
     let moduli = |(name, branch): (&str, &DrivenBranch)| {
         Line::new(name, branch.points.iter().map(|point| (place(point), point.spectrum.largest())))
     };
-    let how = format!(
-        "{} orbits; {}.{}",
-        branch.points.len(),
-        branch.end.words(),
-        branches::from(other.map(|(number, other)| (number, other.points.len(), other.end)))
-    );
+    let moduli = [("largest |λ|", branch)].into_iter().chain(other).map(moduli).collect();
+    let (count, end, from) = (branch.points.len(), branch.ended().words(), branches::from(&study.switched));
+    let how = format!("{count} orbits; {end}.{from}");
     let along = scale.label(symbol, kind);
     let range = scale.label("largest half range of a bead", Quantity::Length);
     let plots = vec![
         Panel::new(Kind::Cloud, [&*along, &*range], lines),
-        Panel::new(Kind::Cloud, [&*along, "largest |λ|"], both.map(moduli).collect()),
+        Panel::new(Kind::Cloud, [&*along, "largest |λ|"], moduli),
     ];
     let title = format!("Driven orbits of {} over the {symbol}", scene.name());
     Panels::column(title, plots, scene_caption(scene, &how))

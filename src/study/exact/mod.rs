@@ -7,21 +7,19 @@ pub(super) use report::{bounds, newton_kantorovich_bound};
 
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
-use super::{
-    Changes, Progress, Study, Work,
-    options::options,
-    stretches::{finished, unless_asked},
-};
+use super::{Changes, Progress, Study, Work, branches, keeper::Autosave, options::options, stretches};
 use crate::{
     chain::{Params, Resonators},
     error::{Error, Iterate, Result},
+    number::shown,
     orbits::Kantorovich,
     output::{Folder, to_json},
     report::Report,
     scene::Scene,
+    sweep::Engine,
     waves::{
-        ExactWave, Given, MeanStrain, Modulation, Profile, Search, Start, TravellingWave, WaveContinuation, WaveEnd,
-        WaveNumber, WaveParameter, WaveSetting, WaveSpectrum, ansatz,
+        ExactWave, Given, MeanStrain, Modulation, Profile, Search, Start, TravellingWave, WaveBranch, WaveContinuation,
+        WaveNumber, WaveParameter, WaveSetting, WaveSpectrum,
     },
 };
 use serde_json::json;
@@ -30,10 +28,10 @@ use std::f64::consts::PI;
 /// Samples of a profile. Coefficients of `X` fall like `k^{-(alpha+3)}`, so at `alpha = 3/2` those
 /// beyond the samples change a coefficient by 1e-15 of the first.
 const SAMPLES: usize = 2048;
-/// Samples of a profile for largest values.
-const FEW_SAMPLES: usize = 256;
 /// The default scene.
 const SCENE: &str = "tw-q15";
+/// Name of the store of the multipliers of a branch.
+const STORE: &str = "wave-spectra.store";
 /// File with the best iterate of a search that did not converge.
 const STALLED: &str = "stalled.json";
 /// The files of a search that converged.
@@ -284,7 +282,7 @@ options! {
         to: Option<f64> = None, "P", [arg(required = true)];
         /// Largest change of the varied parameter from wave to wave.
         ///
-        /// By default a step changes the state of the wave by a tenth.
+        /// [default: a twentieth of the range]
         step: Option<f64> = None, "DP";
         /// Largest number of waves on the branch.
         waves: usize = 200, "N";
@@ -292,9 +290,11 @@ options! {
 }
 
 impl Study for ContinueWave {
-    const FILES: &'static str = "states.npz has the states of a cell, and is written every 20 waves as well; stalled.json, in place of \
-                                 all of them, if there is no first wave.";
+    const FILES: &'static str = "states.npz has the states of a cell, and is written every 20 waves or 10 s as well; stalled.json, in place of \
+                                 all of them, if there is no first wave. wave-spectra.store has multipliers, from which the same command goes on. \
+                                 Each part of --shard follows the branch itself and computes its share of these.";
     const INTERRUPTIBLE: bool = true;
+    const SWEEPS: bool = true;
 
     fn optional_files() -> Vec<String> {
         vec![STALLED.to_owned()]
@@ -303,18 +303,14 @@ impl Study for ContinueWave {
     fn begin(&self) -> Result<Work<'_>> {
         let (numbers, continuation) = self.checked()?;
         Ok(Box::new(move |engine, progress| {
-            let study = branch_from(&numbers, &continuation, engine.folder(), progress)?;
-            let states: Vec<&ExactWave> = study.waves.iter().map(|one| &one.wave).collect();
-            Ok(study.report().file(report::STATES, report::states_npz(&states)?))
+            let study = branch_from(&numbers, &continuation, engine, progress)?;
+            let states = report::states_npz(&study.branch.orbits)?;
+            Ok(study.report().file(report::STATES, states))
         }))
     }
 
     fn outline() -> Option<Report> {
-        let (parameter, to) = (WaveParameter::OmegaTw, f64::NAN);
-        let search = Search::default();
-        let continuation = WaveContinuation { parameter, to, step: f64::INFINITY, most_points: 0, search };
-        let (scene, waves, end) = (String::new(), Vec::new(), WaveEnd::Reached);
-        Some(WaveBranchStudy { scene, continuation, sites: 0, waves, end }.report())
+        Some(report::branch_outline())
     }
 }
 
@@ -325,7 +321,7 @@ impl ContinueWave {
     /// As [`wave_branch`]; [`Error::Stalled`] where there is no first wave.
     pub fn branch(&self, progress: Progress<'_>) -> Result<WaveBranchStudy> {
         let (numbers, continuation) = self.checked()?;
-        branch_from(&numbers, &continuation, None, progress)
+        branch_from(&numbers, &continuation, &Engine::threads(), progress)
     }
 
     /// The first wave and the continuation, checked as far as possible before the wave is known.
@@ -355,90 +351,41 @@ impl ContinueWave {
 fn branch_from(
     numbers: &Numbers,
     continuation: &WaveContinuation,
-    folder: Option<&Folder>,
+    engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<WaveBranchStudy> {
     let found = numbers.search.wave(&numbers.setting, numbers.given);
-    let (wave, _) = found.inspect_err(|why| keep_iterate(folder, numbers.moving(), why))?;
-    wave_branch(&numbers.scene, wave, continuation, numbers.sites, folder, progress)
+    let (wave, _) = found.inspect_err(|why| keep_iterate(engine.folder(), numbers.moving(), why))?;
+    wave_branch(&numbers.scene, continuation.begin(wave, numbers.sites)?, engine, progress)
 }
 
-/// A wave of a branch.
-#[derive(Clone, Debug)]
-pub struct BranchWave {
-    /// The wave.
-    pub wave: ExactWave,
-    /// Multipliers.
-    pub spectrum: WaveSpectrum,
-    /// `E_x` and `E_y` of the ansatz with the same frequency and mean strain, if there is one.
-    pub errors: Option<[f64; 2]>,
-    /// Largest growth of the ansatz by the linearised modulation equations, at the wave numbers of
-    /// the ring.
-    pub modulation: Option<f64>,
-    /// Share of the period in which a contact is closed.
-    pub closed: f64,
-    /// Bound of the distance to a solution, as in [`ExactStudy`].
-    pub kantorovich: Option<Kantorovich>,
-}
-
-/// A branch of exact waves.
+/// A branch of exact waves of a scene.
 #[derive(Clone, Debug)]
 pub struct WaveBranchStudy {
     /// Name of the scene.
     pub scene: String,
-    /// The continuation that followed it.
-    pub continuation: WaveContinuation,
-    /// Sites of the ring of the multipliers.
-    pub sites: usize,
-    /// The waves.
-    pub waves: Vec<BranchWave>,
-    /// Why it ended.
-    pub end: WaveEnd,
+    /// The branch.
+    pub branch: WaveBranch,
 }
 
 /// Follows a branch, and computes the multipliers of each wave.
 ///
 /// # Errors
-/// A continuation outside its rules; an integration that fails.
+/// An integration that fails.
 pub fn wave_branch(
     scene: &str,
-    start: ExactWave,
-    continuation: &WaveContinuation,
-    sites: usize,
-    folder: Option<&Folder>,
+    branch: WaveBranch,
+    engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<WaveBranchStudy> {
-    let (parameter, from) = (continuation.parameter, continuation.parameter.of(&start));
-    let mut waves: Vec<Result<BranchWave>> = Vec::new();
-    let branch = continuation.follow(start, |wave| {
-        let share = (parameter.of(wave) - from) / (continuation.to - from);
-        progress(share.clamp(0.0, 1.0), &format!("{} waves", waves.len()));
-        waves.push(unless_asked(|| branch_wave(wave, sites, &continuation.search)));
-        if let (Some(folder), true) = (folder, waves.len().is_multiple_of(20)) {
-            let states: Vec<&ExactWave> = waves.iter().flatten().map(|one| &one.wave).collect();
-            // An error is ignored here: the states are written again at the end.
-            let _ = report::states_npz(&states).and_then(|bytes| folder.write(report::STATES, &bytes));
-        }
-    })?;
-    let waves = finished(waves)?;
-    Ok(WaveBranchStudy { scene: scene.to_owned(), continuation: *continuation, sites, waves, end: branch.end })
-}
-
-fn branch_wave(wave: &ExactWave, sites: usize, search: &Search) -> Result<BranchWave> {
-    let profile = wave.profile(FEW_SAMPLES, search)?;
-    let setting = WaveSetting { mean: MeanStrain::Value(wave.mean()), ..wave.setting };
-    let ansatz = ansatz(&setting, Given::Frequency).ok();
-    let modulation = ansatz.and_then(|ansatz| {
-        let modulation = Modulation::new(ansatz.params(), ansatz.shape()).ok()?;
-        let at = |j: usize| modulation.growth(2.0 * PI * j as f64 / sites as f64);
-        Some(ansatz.slow_time(1.0) * (0..=sites / 2).map(at).fold(0.0, f64::max))
-    });
-    Ok(BranchWave {
-        spectrum: wave.spectrum(sites, search)?,
-        errors: ansatz.map(|ansatz| profile.errors(&ansatz)),
-        modulation,
-        closed: profile.closed(),
-        kantorovich: search.kantorovich(wave)?,
-        wave: wave.clone(),
-    })
+    let mut keeper = Autosave::new(stretches::folder(engine), report::STATES, Vec::new());
+    let mut keep = |branch: &WaveBranch| {
+        keeper.keep(branch.orbits.len(), branch.end.is_some(), || report::states_npz(&branch.orbits));
+    };
+    let branch = branches::followed(branch, &mut keep, |_, p| shown(p), progress)?;
+    let (first, WaveContinuation { parameter, search, .. }) = (&branch.setting, branch.continuation);
+    let settings = json!([format!("{:?}", first.setting), first.sites, parameter, format!("{search:?}")]);
+    let names = [STORE, "wave continue"];
+    let branch = stretches::analysed(branch, names, &settings, engine, &branches::rest(progress))?;
+    Ok(WaveBranchStudy { scene: scene.to_owned(), branch })
 }

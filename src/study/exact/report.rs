@@ -1,6 +1,6 @@
 //! The reports of exact waves and of their branches.
 
-use super::{BlochGrowth, BranchWave, ExactStudy, WaveBranchStudy};
+use super::{BlochGrowth, ExactStudy, WaveBranchStudy};
 use crate::{
     error::Result,
     number::{of_pi, shown},
@@ -11,8 +11,11 @@ use crate::{
         Digits::{Fixed, Hidden, Json, Power},
         Kind, Panel, Panels, Report, Rows, Table,
     },
-    study::{params_words, word},
-    waves::{ExactWave, Profile, TravellingWave, WaveEnd, WaveMultiplier, WaveParameter},
+    study::{
+        branches::{self, Told},
+        params_words, word,
+    },
+    waves::{ExactWave, Profile, TravellingWave, WaveContinuation, WaveMultiplier, WaveParameter, WavePoint},
 };
 use serde_json::json;
 use std::f64::consts::PI;
@@ -21,7 +24,7 @@ use std::f64::consts::PI;
 pub(super) const STATES: &str = "states.npz";
 
 /// What determines a wave, and how well it is solved.
-fn told<'a, T>(rows: Rows<'a, T>, of: fn(&T) -> &ExactWave) -> Rows<'a, T> {
+fn told<'a, T>(rows: Rows<'a, T>, of: impl Fn(&T) -> &ExactWave + Copy + 'a) -> Rows<'a, T> {
     rows.col("q_over_pi", Hidden, "wave number over pi", move |one| of(one).setting.q.q() / PI)
         .col("alpha", Hidden, "", move |one| of(one).setting.params.alpha)
         .col("kappa", Hidden, "", move |one| of(one).setting.params.kappa)
@@ -253,64 +256,46 @@ fn multipliers(rows: &[WaveMultiplier]) -> Table {
 impl WaveBranchStudy {
     /// The report.
     pub fn report(&self) -> Report {
-        let params = self.waves.first().map_or(String::new(), |one| params_words(one.wave.setting.params));
-        let fast = |one: &&BranchWave| {
-            one.spectrum.fastest().is_some_and(|fastest| fastest.growth > 2.0 * one.modulation.unwrap_or(0.0))
+        let Self { scene, branch } = self;
+        let (continuation, base, end) = (branch.continuation, branch.setting, branch.ended());
+        let fast = |point: &&WavePoint| {
+            let modulation = point.measures.modulation.unwrap_or(0.0);
+            point.spectrum.fastest().is_some_and(|fastest| fastest.growth > 2.0 * modulation)
         };
-        let grows = self.waves.iter().find(fast).map_or("Growth is near that of DpS".to_owned(), |one| {
-            let (omega_tw, amplitude) = (one.wave.setting.omega_tw, shown(one.wave.amplitude()));
+        let grows = branch.points.iter().find(fast).map_or("Growth is near that of DpS".to_owned(), |point| {
+            let (omega_tw, amplitude) = (point.orbit.setting.omega_tw, shown(point.orbit.amplitude()));
             format!("Growth is more than twice that of DpS from ω_tw = {omega_tw:.5}, amplitude {amplitude}, on")
         });
         let about = format!(
-            "{params} at the first wave, N = {}. {} waves; the branch ends because {}. {grows}.",
-            self.sites,
-            self.waves.len(),
-            self.end.words()
+            "{} at the first wave, N = {}. {} waves; the branch ends because {}.{} {grows}.",
+            params_words(base.setting.params),
+            base.sites,
+            branch.points.len(),
+            end.words(),
+            branches::gaps(branch),
         );
-        let title = format!("Branch of exact travelling waves in {}", self.continuation.parameter.symbol());
-        let lost = matches!(self.end, WaveEnd::Lost | WaveEnd::Jumped).then(|| self.end.words().to_owned());
-        Report::new("waves")
-            .fact("scene", &self.scene)
-            .fact("parameter", self.continuation.parameter)
-            .fact("to", self.continuation.to)
-            .fact("sites", self.sites)
+        let title = format!("Branch of exact travelling waves in {}", continuation.parameter.symbol());
+        let report = Report::new("waves")
+            .fact("scene", scene)
+            .fact("parameter", continuation.parameter)
+            .fact("to", continuation.to)
+            .fact("sites", base.sites)
             .table(self.table())
             .words(&about)
-            .words(bounds(self.waves.iter().map(|one| one.kantorovich)))
-            .fact("end", self.end)
-            .picture(Panels::column(title, self.panels(), about))
-            .failure(lost)
+            .words(bounds(branch.points.iter().map(|point| point.measures.kantorovich)))
+            .fact("end", end)
+            .picture(Panels::column(title, self.panels(), about));
+        branches::checked(report, branch, &None)
     }
 
     /// A row for each wave.
     pub(super) fn table(&self) -> Table {
-        let parameter = self.continuation.parameter;
-        let beside = matches!(parameter, WaveParameter::Rho | WaveParameter::Kappa | WaveParameter::Alpha);
-        let rows = Table::of("waves", &self.waves)
-            .key("waves")
-            .col("parameter", if beside { Fixed(9) } else { Hidden }, "what varies", move |one| parameter.of(&one.wave))
-            .head(word(&parameter));
-        told(rows, |one| &one.wave)
-            .col("growth", Power(4), "largest growth, per unit of time", |one| {
-                one.spectrum.fastest().map_or(0.0, |one| one.growth)
-            })
-            .col("bloch", Hidden, "its Bloch wave number", |one| one.spectrum.fastest().map(|one| one.bloch))
-            .col("growing", Hidden, "multipliers that grow", |one| one.spectrum.growing())
-            .col("modulation", Power(3), "largest growth by the linearised modulation equations", |one| one.modulation)
-            .col("e_x_ansatz", Power(3), "error of the ansatz, beads", |one| one.errors.map(|errors| errors[0]))
-            .col("e_y_ansatz", Hidden, "error of the ansatz, resonators", |one| one.errors.map(|errors| errors[1]))
-            .col("closed", Fixed(4), "share of the period in which a contact is closed", |one| one.closed)
-            .col("radius", Hidden, "bound of the distance to a solution", |one| {
-                one.kantorovich.and_then(|found| found.radius)
-            })
-            .col("quality", Json, "", |one| json!(one.spectrum.quality))
-            .col("kantorovich", Json, "", |one| json!(one.kantorovich))
-            .done()
+        waves(&branches::told(&self.branch), self.branch.continuation.parameter)
     }
 
     /// Amplitude, and largest growth beside that of the modulation equations.
-    fn panels(&self) -> Vec<Panel> {
-        let (symbol, table) = (self.continuation.parameter.symbol(), self.table());
+    pub(crate) fn panels(&self) -> Vec<Panel> {
+        let (symbol, table) = (self.branch.continuation.parameter.symbol(), self.table());
         let panel = |kind, label, lines: &[(&str, &str)]| table.panel(kind, [symbol, label], "parameter", lines);
         let mut growth = panel(Kind::LogParameter, "largest growth", &[("exact", "growth"), ("DpS", "modulation")]);
         growth.lines.iter_mut().for_each(|line| line.points.retain(|point| point.1 > 0.0));
@@ -320,6 +305,39 @@ impl WaveBranchStudy {
             panel(Kind::LogParameter, "error of the ansatz", &[("E_x", "e_x_ansatz"), ("E_y", "e_y_ansatz")]),
         ]
     }
+}
+
+/// The waves of a branch in a parameter.
+fn waves(rows: &[Told<'_, WaveContinuation>], parameter: WaveParameter) -> Table {
+    let beside = matches!(parameter, WaveParameter::Rho | WaveParameter::Kappa | WaveParameter::Alpha);
+    let rows = Table::of("waves", rows)
+        .key("waves")
+        .col("parameter", if beside { Fixed(9) } else { Hidden }, "what varies", move |row| parameter.of(row.0))
+        .head(parameter.name());
+    let fastest = |point: Option<&WavePoint>| point?.spectrum.fastest().copied();
+    told(rows, |row| row.0)
+        .col("growth", Power(4), "largest growth, per unit of time", move |&(_, point)| {
+            point.map(|_| fastest(point).map_or(0.0, |one| one.growth))
+        })
+        .col("bloch", Hidden, "its Bloch wave number", move |&(_, point)| Some(fastest(point)?.bloch))
+        .col("growing", Hidden, "multipliers that grow", |&(_, point)| Some(point?.spectrum.growing()))
+        .col("modulation", Power(3), "largest growth by the linearised modulation equations", |&(_, point)| {
+            point?.measures.modulation
+        })
+        .col("e_x_ansatz", Power(3), "error of the ansatz, beads", |&(_, point)| Some(point?.measures.errors?[0]))
+        .col("e_y_ansatz", Hidden, "error of the ansatz, resonators", |&(_, point)| Some(point?.measures.errors?[1]))
+        .col("closed", Fixed(4), "share of the period in which a contact is closed", |&(_, point)| {
+            Some(point?.measures.closed)
+        })
+        .col("radius", Hidden, "bound of the distance to a solution", |&(_, point)| point?.measures.kantorovich?.radius)
+        .col("quality", Json, "", |&(_, point)| json!(point.map(|point| point.spectrum.quality)))
+        .col("kantorovich", Json, "", |&(_, point)| json!(point.and_then(|point| point.measures.kantorovich)))
+        .done()
+}
+
+/// The table of a branch without rows.
+pub(super) fn branch_outline() -> Report {
+    Report::new("waves").table(waves(&[], WaveParameter::OmegaTw))
 }
 
 /// What the theorem of Newton and Kantorovich says, in a line.
@@ -345,8 +363,8 @@ pub(crate) fn bounds(found: impl Iterator<Item = Option<Kantorovich>>) -> String
 }
 
 /// `states.npz`: settings and states of a cell, a row for each wave.
-pub(super) fn states_npz(waves: &[&ExactWave]) -> Result<Vec<u8>> {
-    let of = |value: fn(&ExactWave) -> f64| waves.iter().map(|wave| value(wave)).collect::<Vec<f64>>();
+pub(super) fn states_npz(waves: &[ExactWave]) -> Result<Vec<u8>> {
+    let of = |value: fn(&ExactWave) -> f64| waves.iter().map(value).collect::<Vec<f64>>();
     let arrays = [
         Array::vector("omega_tw", of(|wave| wave.setting.omega_tw)),
         Array::vector("alpha", of(|wave| wave.setting.params.alpha)),

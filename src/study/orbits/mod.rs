@@ -2,14 +2,16 @@
 //! bifurcations, and the branch of doubled period (Sec. 7).
 
 mod report;
-mod spectra;
 
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
-use super::{ChainParams, Progress, Study, Work, branches::kept, keeper::Autosave, options::options, stretches};
-
-use crate::orbits::Formulation;
-use crate::sweep::map;
+use super::{
+    ChainParams, Progress, Study, Work,
+    branches::{self, Keep},
+    keeper::Autosave,
+    options::options,
+    stretches,
+};
 use crate::{
     breathers::DarkBreather,
     chain::MeanForces,
@@ -17,13 +19,14 @@ use crate::{
     error::{Error, Result},
     interrupt,
     orbits::{
-        Bifurcation, BifurcationKind, Continuation, End, Extent, Kantorovich, Orbit, Parameter, Setting, Shooting,
-        Spectrum, Trail,
+        Bifurcation, BifurcationKind, Branch, Continuation, End, Extent, Formulation, Kantorovich, Orbit, Parameter,
+        Setting, Shooting, Spectrum,
     },
     output::Folder,
     sweep::Engine,
 };
 use hertzchain_integrators::collocation::Pace;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Default frequencies in units of `omega`: of a single breather, as in the paper, and at the ends
@@ -170,7 +173,7 @@ options! {
 
 impl Continue {
     /// The branch with its first orbit only.
-    fn first(&self) -> Result<Trail> {
+    fn first(&self) -> Result<Branch> {
         let Some(&(_, parameter)) = Parameter::ALL.iter().find(|(name, _)| *name == self.parameter) else {
             return Err(Error::unknown("parameter", &self.parameter, Parameter::ALL.map(|(name, _)| name)));
         };
@@ -208,16 +211,17 @@ impl Study for Continue {
     const SWEEPS: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
-        let trail = match &self.resume {
+        let branch = match &self.resume {
             Some(path) => {
                 let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
-                Trail::load(&file)?.onward(self.to, self.step, self.points)?
+                Branch::load(&file)?.onward(self.to, self.step, self.points)?
             }
             None => self.first()?,
         };
+        let branch = Branch { bounded: self.bound, ..branch };
         Ok(Box::new(move |engine, progress| {
-            let trail = followed(trail, &mut keeper(stretches::folder(engine)), progress)?;
-            spectra::studied(trail, self.bound, engine, progress)?.report()
+            let branch = followed(branch, &mut keeper(stretches::folder(engine)), progress)?;
+            analysed(branch, engine, progress)?.report()
         }))
     }
 
@@ -274,7 +278,7 @@ impl Study for Doubled {
         Ok(Box::new(move |engine, progress| {
             let half = |share: f64, what: &str| progress(0.5 * share, what);
             let main = match &self.branch {
-                Some(file) => study(Trail::load(file)?, &half)?,
+                Some(file) => study(Branch::load(file)?, &half)?,
                 None => main_branch(&breather, most, self.step, &shooting, &half)?,
             };
             let half = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
@@ -301,10 +305,10 @@ pub(crate) fn folder_of(path: &Path) -> PathBuf {
 }
 
 /// A function that writes the file of a branch from time to time while the branch is followed.
-fn keeper(folder: Option<&Folder>) -> impl FnMut(&Trail) {
+fn keeper(folder: Option<&Folder>) -> impl FnMut(&Branch) {
     let stale = ["branch.json", "branch.csv", "bifurcations.csv", "branch.png"].map(str::to_owned);
     let mut keeper = Autosave::new(folder, BRANCH_FILE, stale.into());
-    move |trail| keeper.keep(trail.orbits.len(), trail.end.is_some(), || trail.npz(Vec::new()))
+    move |branch| keeper.keep(branch.orbits.len(), branch.end.is_some(), || branch.npz(Vec::new()))
 }
 
 /// An orbit with its multipliers and measurements.
@@ -343,55 +347,7 @@ pub fn orbit_study(orbit: Orbit, shooting: &Shooting) -> Result<OrbitStudy> {
     })
 }
 
-/// A point of a branch.
-#[derive(Clone, Debug)]
-pub struct BranchPoint {
-    /// The orbit.
-    pub orbit: Orbit,
-    /// Its multipliers.
-    pub spectrum: Spectrum,
-    /// Centres and amplitudes of the first bond.
-    pub extent: Extent,
-    /// Bound for the distance to an exact orbit; `None` before [`Branch::bound`], and where the
-    /// equations are not independent.
-    pub kantorovich: Option<Kantorovich>,
-}
-
-/// A branch of orbits.
-#[derive(Clone, Debug)]
-pub struct Branch {
-    /// How it was followed.
-    pub continuation: Continuation,
-    /// Its points, in their order along it.
-    pub points: Vec<BranchPoint>,
-    /// Values of the parameter of orbits whose multipliers are not known; these are no points.
-    pub gaps: Vec<f64>,
-    /// The bifurcations between its points.
-    pub bifurcations: Vec<Bifurcation>,
-    /// Why it ended.
-    pub end: End,
-    /// Whether [`Branch::bound`] has computed bounds for the distances to exact orbits.
-    pub bounded: bool,
-    /// All of its orbits, with everything needed to continue it. It has more orbits than `points`
-    /// if the multipliers of an orbit are not known.
-    pub trail: Trail,
-}
-
 impl Branch {
-    /// The branch with the distance of each point to an exact orbit, after Newton and Kantorovich.
-    ///
-    /// # Errors
-    /// An integration that fails.
-    pub fn bound(mut self) -> Result<Self> {
-        let shooting = self.continuation.shooting;
-        let found = map(&self.points, |point| point.orbit.kantorovich(&shooting));
-        for (point, found) in self.points.iter_mut().zip(found) {
-            point.kantorovich = found?;
-        }
-        self.bounded = true;
-        Ok(self)
-    }
-
     /// The branch, if it reached its end.
     ///
     /// # Errors
@@ -406,17 +362,11 @@ impl Branch {
     /// Where and why the branch ended, if not at the final value of its parameter.
     fn shortfall(&self) -> Option<String> {
         let Continuation { parameter, to, .. } = self.continuation;
-        let last = self.trail.orbits.last()?.setting.get(parameter);
-        let words = || format!("ended at {} = {last}, not at {to}: {}", parameter.name(), self.end.words());
-        (self.end != End::Reached).then(words)
+        let (last, end) = (self.parameter(self.orbits.last()?), self.ended());
+        let words = || format!("ended at {} = {last}, not at {to}: {}", parameter.name(), end.words());
+        (end != End::Reached).then(words)
     }
 }
-
-/// Called with the branch so far after every new point, to write it to a file.
-pub type Keep<'a> = &'a mut dyn FnMut(&Trail);
-
-/// Share of the progress for the orbits of a branch; the rest is for multipliers and bifurcations.
-const ORBITS: f64 = 0.4;
 
 /// The branch of dark breathers that begins with `breather`, followed as `continuation` says.
 /// Collisions of multipliers that lead to no modulus above `1 + weak` are not located.
@@ -436,13 +386,13 @@ pub fn branch(
 ///
 /// # Errors
 /// As [`branch`].
-pub fn begin(breather: &DarkBreather, continuation: &Continuation, weak: f64) -> Result<Trail> {
+pub fn begin(breather: &DarkBreather, continuation: &Continuation, weak: f64) -> Result<Branch> {
     if !(weak.is_finite() && weak >= 0.0) {
         return Err(Error::parameter("weak", weak, "finite and at least zero"));
     }
     stays_dark(&breather.setting(), continuation)?;
-    let trail = Trail::new(*continuation, breather.orbit(&continuation.shooting)?)?;
-    Ok(Trail { center: Some(breather.center), weak: Some(weak), ..trail })
+    let branch = Branch::new(*continuation, breather.setting(), breather.orbit(&continuation.shooting)?)?;
+    Ok(Branch { center: Some(breather.center), weak: Some(weak), ..branch })
 }
 
 /// Refuses a final value at which there are no dark breathers: their frequency is above `omega`.
@@ -459,34 +409,32 @@ fn stays_dark(setting: &Setting, continuation: &Continuation) -> Result<()> {
 ///
 /// # Errors
 /// Numbers outside their rules; no point with multipliers, after `keep` was called with the orbits.
-pub fn go_on(trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result<Branch> {
-    study(followed(trail, keep, progress)?, progress)
+pub fn go_on(branch: Branch, keep: Keep<'_, Continuation>, progress: Progress<'_>) -> Result<Branch> {
+    study(followed(branch, keep, progress)?, progress)
 }
 
 /// Continues a branch, unless it has ended.
-fn followed(mut trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result<Trail> {
-    if let (Some(first), None) = (trail.orbits.first(), trail.end) {
-        let Continuation { parameter, to, .. } = trail.continuation;
-        let from = first.setting.get(parameter);
-        stays_dark(&first.setting, &trail.continuation)?;
-        let extended = trail.extend(|trail| {
-            keep(trail);
-            let p = trail.orbits.last().map_or(from, |orbit| orbit.setting.get(parameter));
-            let share = ((p - from) / (to - from)).clamp(0.0, 1.0);
-            progress(ORBITS * share, &format!("{} = {p:.5}", parameter.name()));
-        });
-        keep(&trail);
-        kept(extended)?;
+fn followed(branch: Branch, keep: Keep<'_, Continuation>, progress: Progress<'_>) -> Result<Branch> {
+    if branch.end.is_none() {
+        stays_dark(&branch.setting, &branch.continuation)?;
     }
-    Ok(trail)
+    branches::followed(branch, keep, |_, p| format!("{p:.5}"), progress)
 }
 
 /// Computes multipliers, extents and bifurcations of a branch that was followed.
 ///
 /// # Errors
 /// No point with multipliers.
-pub fn study(trail: Trail, progress: Progress<'_>) -> Result<Branch> {
-    spectra::studied(trail, false, &Engine::threads(), progress)
+pub fn study(branch: Branch, progress: Progress<'_>) -> Result<Branch> {
+    analysed(branch, &Engine::threads(), progress)
+}
+
+fn analysed(branch: Branch, engine: &Engine, progress: Progress<'_>) -> Result<Branch> {
+    // The largest number of points has no influence on those that there are.
+    let continuation = Continuation { most_points: 0, ..branch.continuation };
+    let settings = json!([branch.setting, continuation, branch.weak, branch.bounded]);
+    let names = ["spectra.store", "breather continue"];
+    stretches::analysed(branch, names, &settings, engine, &branches::rest(progress))
 }
 
 /// The branch of doubled period, and the period doubling at which it begins.
@@ -542,10 +490,10 @@ pub fn doubled_from(
     main: &Branch,
     omega_b: f64,
     step: f64,
-    keep: Keep<'_>,
+    keep: Keep<'_, Continuation>,
     progress: Progress<'_>,
 ) -> Result<DoubledBranch> {
-    bond_centred(main.trail.center)?;
+    bond_centred(main.center)?;
     if main.points.iter().any(|point| point.orbit.setting.turns > 1) {
         return Err(Error::parameter("turns", 2, "the main branch has one turn a period: this one is doubled"));
     }
@@ -561,6 +509,7 @@ pub fn doubled_from(
     }
     let continuation =
         Continuation { parameter: Parameter::OmegaB, to: omega_b, step: 0.5 * step, ..main.continuation };
-    let trail = Trail { center: main.trail.center, ..Trail::new(continuation, birth.doubled(shooting, FIRST_SIZE)?)? };
-    Ok(DoubledBranch { birth, branch: go_on(trail, keep, progress)? })
+    let start = birth.doubled(shooting, FIRST_SIZE)?;
+    let branch = Branch { center: main.center, ..Branch::new(continuation, start.setting, start)? };
+    Ok(DoubledBranch { birth, branch: go_on(branch, keep, progress)? })
 }

@@ -1,9 +1,9 @@
 //! What exact orbits and their branches report.
 
-use super::{Branch, BranchPoint, DarkStudy, DoubledStudy, OrbitStudy};
+use super::{DarkStudy, DoubledStudy, OrbitStudy};
 use crate::{
     error::Result,
-    orbits::{Bifurcation, Extent, Kind, Multiplier, ORBIT_FORMAT, Orbit, Setting},
+    orbits::{Bifurcation, Branch, Continuation, Extent, Kind, Multiplier, ORBIT_FORMAT, OrbitPoint, Setting},
     output::Array,
     report::{
         self, Column,
@@ -11,7 +11,7 @@ use crate::{
         Line, Panel, Panels, Report, Table,
     },
     study::{
-        branches::{Told, ended, stability_lines, told},
+        branches::{Told, ended, gaps, lines, told},
         dps::center_word,
         exact::{bounds, newton_kantorovich_bound},
         params_words, word,
@@ -183,9 +183,9 @@ fn bifurcations(name: &str, all: &[Bifurcation]) -> Table {
         .col("kind", Short, "", |one| word(&one.kind))
         .col("parameter", Fixed(10), "", |one| one.parameter)
         .col("period", Fixed(10), "", |one| one.orbit.setting.period())
-        .col("tau", Fixed(8), "half trace of the two multipliers that meet", |one| one.tau)
+        .col("tau", Fixed(8), "half trace of the two multipliers that meet", |one| one.critical.tau)
         .col("omega_b", Hidden, "", |one| one.orbit.setting.omega_b)
-        .col("mode", Json, "", |one| json!(one.mode))
+        .col("mode", Json, "", |one| json!(one.critical.mode))
         .done()
 }
 
@@ -199,73 +199,68 @@ impl Branch {
     }
 
     /// Adds the branch to a report. `branch.npz` is what
-    /// [`Trail::load`](crate::orbits::Trail::load) reads back, and all multipliers of every point.
+    /// [`Branch::load`] reads back, and all multipliers of every point.
     fn told(&self, report: Report) -> Result<Report> {
         let parts = |part: &dyn Fn(&Multiplier) -> f64| -> Vec<Vec<f64>> {
             self.points.iter().map(|point| point.spectrum.multipliers.iter().map(part).collect()).collect()
         };
         let (re, im, error) = (parts(&|one| one.re), parts(&|one| one.im), parts(&|one| one.error));
-        let npz = self.trail.npz(vec![
+        let npz = self.npz(vec![
             Array::matrix("multipliers_re", re.iter().map(Vec::as_slice)),
             Array::matrix("multipliers_im", im.iter().map(Vec::as_slice)),
             Array::matrix("modulus_error", error.iter().map(Vec::as_slice)),
         ])?;
         let parameter = self.continuation.parameter;
-        let mut more = String::new();
-        if !self.gaps.is_empty() {
-            let places: Vec<String> = self.gaps.iter().map(|p| format!("{p:.8}")).collect();
-            more += &format!(" Orbits without multipliers at {} = {}.", parameter.name(), places.join(", "));
-        }
-        if self.bounded {
-            more += &format!(" {}", bounds(self.points.iter().map(|point| point.kantorovich)));
-        }
+        let bounds = match self.bounded {
+            true => format!(" {}", bounds(self.points.iter().map(|point| point.measures.kantorovich))),
+            false => String::new(),
+        };
         let table = self.table();
-        let end = ended(self.rows().len(), self.bifurcations.len(), self.end);
+        let end = ended(told(self).len(), self.bifurcations.len(), self.ended());
         let picture = self.picture(&table);
         let report = report
             .fact("parameter", parameter.name())
-            .fact("end", self.end)
+            .fact("end", self.ended())
             .fact("gaps", &self.gaps)
-            .fact("settings", self.trail.settings().ok())
+            .fact("settings", json!(self.settings()))
             .fact("integrator", "collocation")
             .table(table)
             .table(bifurcations("bifurcations", &self.bifurcations))
-            .words(end + &more)
+            .words(end + &gaps(self) + &bounds)
             .file("branch.npz", npz)
             .failure(self.shortfall().map(|why| format!("the branch {why}")));
         Ok(if self.points.is_empty() { report } else { report.picture(picture) })
-    }
-
-    fn rows(&self) -> Vec<Told<'_, Orbit, BranchPoint>> {
-        let later = &self.trail.orbits[self.points.len() + self.gaps.len()..];
-        told(&self.points, |point| &point.orbit, later, self.end)
     }
 
     /// The points.
     pub(crate) fn table(&self) -> Table {
         let parameter = self.continuation.parameter;
         let off = |kind: Kind| {
-            move |(_, point): &Told<'_, Orbit, BranchPoint>| {
+            move |(_, point): &Told<'_, Continuation>| {
                 let strongest = (*point)?.spectrum.multipliers.iter().find(|one| one.kind == kind && one.modulus > 1.0);
                 strongest.map(|one| one.modulus)
             }
         };
-        let leading = |point: &BranchPoint| -> Vec<Multiplier> {
+        let leading = |point: &OrbitPoint| -> Vec<Multiplier> {
             let all = point.spectrum.multipliers.iter().filter(|one| one.modulus > 1.0 && one.im >= 0.0);
             all.take(LEADING).copied().collect()
         };
-        let place = |row: &Told<'_, Orbit, BranchPoint>| row.0.setting.get(parameter);
-        Table::of("branch", &self.rows())
+        let place = |row: &Told<'_, Continuation>| row.0.setting.get(parameter);
+        Table::of("branch", &told(self))
             .key("points")
             .col(parameter.name(), Fixed(8), "", place)
-            .col("k_x", Power(8), "amplitude of the background, of beads", |&(_, point)| Some(point?.extent.k_x))
-            .col("k_y", Power(8), "and of resonators", |&(_, point)| Some(point?.extent.k_y))
-            .col("c_x", Hidden, "centre of the background, of beads", |&(_, point)| Some(point?.extent.c_x))
-            .col("c_y", Hidden, "and of resonators", |&(_, point)| Some(point?.extent.c_y))
+            .col("k_x", Power(8), "amplitude of the background, of beads", |&(_, point)| {
+                Some(point?.measures.extent.k_x)
+            })
+            .col("k_y", Power(8), "and of resonators", |&(_, point)| Some(point?.measures.extent.k_y))
+            .col("c_x", Hidden, "centre of the background, of beads", |&(_, point)| Some(point?.measures.extent.c_x))
+            .col("c_y", Hidden, "and of resonators", |&(_, point)| Some(point?.measures.extent.c_y))
             .col("max_modulus", Hidden, "largest modulus of a multiplier", |&(_, point)| {
                 Some(point?.spectrum.largest())
             })
-            .col("radius", Hidden, "bound for the distance to an exact orbit", |&(_, point)| point?.kantorovich?.radius)
+            .col("radius", Hidden, "bound for the distance to an exact orbit", |&(_, point)| {
+                point?.measures.kantorovich?.radius
+            })
             .col("real", Fixed(8), "largest modulus of the real multipliers above 1", off(Kind::Real))
             .col("negative", Fixed(8), "of those below -1", off(Kind::Negative))
             .col("quartet", Fixed(8), "of quartets", off(Kind::Quartet))
@@ -275,7 +270,7 @@ impl Branch {
             .col("residual", Json, "", |(orbit, _)| orbit.residual)
             .col("leading", Json, "", |&(_, point)| json!(point.map(leading)))
             .col("symplectic_defect", Json, "", |&(_, point)| Some(point?.spectrum.quality.symplectic_defect))
-            .col("kantorovich", Json, "", |&(_, point)| json!(point.and_then(|point| point.kantorovich)))
+            .col("kantorovich", Json, "", |&(_, point)| json!(point.and_then(|point| point.measures.kantorovich)))
             .done()
     }
 
@@ -283,16 +278,15 @@ impl Branch {
     /// modulus.
     fn picture(&self, table: &Table) -> Panels {
         let parameter = self.continuation.parameter;
-        let place = |point: &BranchPoint| point.orbit.setting.get(parameter);
-        let at = |one: &Bifurcation| {
-            let near = |a: &&BranchPoint, b: &&BranchPoint| {
-                (place(a) - one.parameter).abs().total_cmp(&(place(b) - one.parameter).abs())
-            };
-            self.points.iter().min_by(near).map(|point| (one.parameter, point.extent.k_x))
+        let place = |point: &OrbitPoint| point.orbit.setting.get(parameter);
+        // A bifurcation is drawn at the height of the nearest point.
+        let mark = |one: &Bifurcation| {
+            let apart = |point: &OrbitPoint| (place(point) - one.parameter).abs();
+            let nearest = self.points.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+            (one.parameter, nearest.map_or(f64::NAN, |point| point.measures.extent.k_x))
         };
-        let stable = |point: &BranchPoint| point.spectrum.largest() <= UNSTABLE;
-        let mut lines = stability_lines(&self.points, |point| (place(point), point.extent.k_x), stable);
-        lines.push(Line::new("bifurcation", self.bifurcations.iter().filter_map(at)));
+        let stable = |point: &OrbitPoint| point.spectrum.largest() <= UNSTABLE;
+        let lines = lines(self, &None, |point| (place(point), point.measures.extent.k_x), stable, mark);
         let symbol = parameter.symbol();
         let moduli = [("largest |λ|", "max_modulus")];
         let plots = vec![

@@ -29,7 +29,7 @@ mod profile;
 mod seed;
 mod spectrum;
 
-pub use branch::{WaveBranch, WaveContinuation, WaveEnd, WaveParameter};
+pub use branch::{WaveBase, WaveBranch, WaveContinuation, WaveMeasures, WaveParameter, WavePoint};
 pub use newton::{Given, Search};
 pub use profile::Profile;
 pub(crate) use seed::Start;

@@ -4,7 +4,7 @@ use super::{ExactWave, MeanStrain, WaveSetting, mean, repeated, swing};
 use crate::{
     chain::{Resonators, max_norm},
     error::{Error, Iterate, Result},
-    orbits::{Kantorovich, Moment, NewtonStep, Shot, flow, least_squares},
+    orbits::{Equations, Kantorovich, Moment, NewtonStep, Shot, flow, least_squares},
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 /// the next one would be below rounding.
 const LAST_STEP: f64 = 1e-9;
 /// Largest residual of a wave; the message of [`Error::Stalled`] names it.
-const SOLVED: f64 = 1e-12;
+pub(super) const SOLVED: f64 = 1e-12;
 /// Longest step, in units of the amplitude.
 const LONGEST_STEP: f64 = 0.5;
 /// Largest amplitude of an iterate, in units of that of the seed.
@@ -20,7 +20,7 @@ const FARTHEST: f64 = 100.0;
 /// Largest period of an iterate, in units of that of the seed.
 const SLOWEST: f64 = 10.0;
 /// Relative change of a parameter for difference quotients.
-const DIFFERENCE: f64 = 1e-6;
+pub(super) const DIFFERENCE: f64 = 1e-6;
 
 /// The number that is prescribed for a wave, besides its mean strain.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,12 +44,6 @@ impl Default for Search {
     fn default() -> Self {
         Self { tol: 1e-14, most_steps: 20 }
     }
-}
-
-/// Equations and their derivative by the entries of `z`.
-pub(super) struct Equations {
-    pub(super) residual: DVector<f64>,
-    pub(super) jacobian: DMatrix<f64>,
 }
 
 impl Search {
@@ -122,7 +116,7 @@ impl Search {
     }
 
     /// The derivative of the equations by a number of the setting, by a difference quotient.
-    pub(super) fn slope(
+    fn slope(
         &self,
         setting: &WaveSetting,
         z: &[f64],
@@ -229,7 +223,7 @@ fn background_row(setting: &WaveSetting) -> Vec<f64> {
 }
 
 /// The row of the amplitude: the crest minus the mean strain.
-fn amplitude_row(setting: &WaveSetting) -> Vec<f64> {
+pub(super) fn amplitude_row(setting: &WaveSetting) -> Vec<f64> {
     let mut row: Vec<f64> = mean_row(setting).iter().map(|mean| -mean).collect();
     row[0] += 1.0;
     row
@@ -280,7 +274,7 @@ pub(super) fn moved(i: usize, m: usize, cells: usize, shift: usize) -> usize {
     array * m * cells + (site + shift) % (m * cells)
 }
 
-pub(super) fn stalled(steps: usize, best: Option<ExactWave>) -> Error {
+fn stalled(steps: usize, best: Option<ExactWave>) -> Error {
     let iterate = |ExactWave { setting, z, residual, .. }: ExactWave| {
         let WaveSetting { omega_tw, q, .. } = setting;
         let q_over_pi = 2.0 * q.turns() as f64 / q.cell() as f64;

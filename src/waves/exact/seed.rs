@@ -446,7 +446,8 @@ impl Search {
             search: *self,
         };
         let start = ExactWave { setting: WaveSetting { mean: setting.mean, ..wave.setting }, ..wave };
-        let branch = continuation.follow(start, |_| {}).ok()?;
-        branch.waves.into_iter().next_back().filter(|wave| wave.setting.omega_tw == setting.omega_tw)
+        let mut branch = continuation.begin(start, setting.q.cell()).ok()?;
+        branch.extend(|_| {}).ok()?;
+        branch.orbits.pop().filter(|wave| wave.setting.omega_tw == setting.omega_tw)
     }
 }

@@ -40,7 +40,7 @@ type Matrix = DMatrix<Complex<f64>>;
 const MARGIN: f64 = 10.0;
 
 /// The kind of a multiplier.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WaveKind {
     /// One of the four that equal 1: shift of the phase, change of frequency, change of the mean
@@ -56,7 +56,7 @@ pub enum WaveKind {
 }
 
 /// A relative multiplier.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct WaveMultiplier {
     /// Bloch wave number `p`, above `-pi` and at most `pi`.
     pub bloch: f64,
@@ -79,7 +79,7 @@ pub struct WaveMultiplier {
 }
 
 /// Measured errors of a spectrum.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct WaveQuality {
     /// `max |B^* J B - J| / max |J|` over all `theta`, on perturbations of sum zero.
     pub symplectic_defect: f64,
@@ -98,7 +98,7 @@ pub struct WaveQuality {
 }
 
 /// The multipliers of a wave on a ring.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct WaveSpectrum {
     /// Sites of the ring.
     pub sites: usize,

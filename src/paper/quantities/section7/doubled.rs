@@ -23,7 +23,8 @@ pub(in super::super) fn period_doubling(_: &Runs) -> Result<Vec<Quantity>> {
     let birth = bifurcations(Center::Bond, [2.062, 2.064], BifurcationKind::PeriodDoubling)?;
     let meeting = bifurcations(Center::Bond, [2.0953, 2.0957], BifurcationKind::RealCollision)?;
     // The real multiplier of a tau < -1 that is outside the circle.
-    let outside = meeting.first().map_or(f64::NAN, |one| (one.tau * one.tau - 1.0).sqrt() - one.tau);
+    let outside =
+        meeting.first().map_or(f64::NAN, |one| (one.critical.tau * one.critical.tau - 1.0).sqrt() - one.critical.tau);
     let arc = vec![
         ("s7-period-doubling", first(&birth)),
         ("s7-toward", outside / largest(&spectrum(THIRD, Center::Bond, 2.09)?, |m| real(m) && m.re < 0.0)),
@@ -70,7 +71,7 @@ fn branch_of(birth: &Bifurcation, meeting: f64) -> Result<Vec<Quantity>> {
         None => [f64::NAN; 2],
     };
     Ok(vec![
-        ("s7-doubled-mode", most((0..2 * n).filter(far).map(|i| birth.mode[i].abs()))),
+        ("s7-doubled-mode", most((0..2 * n).filter(far).map(|i| birth.critical.mode[i].abs()))),
         ("s7-doubled-from", 0.5 * birth.parameter),
         ("s7-doubled-Eb", sample.e_b(1e-13, 1)?),
         ("s7-doubled-other", other),
