@@ -67,7 +67,7 @@ impl Study for Solitary {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        self.check()?;
+        self.within_ranges()?;
         Ok(Box::new(move |_, _| Ok(Box::new(self.study()?.report()))))
     }
 }
@@ -116,19 +116,13 @@ pub struct SolitaryStudy {
 }
 
 impl Solitary {
-    fn check(&self) -> Result<()> {
-        self.within_ranges()?;
-        Params::new(self.alpha, self.kappa, 1.0)?;
-        Ok(())
-    }
-
     /// Computes the pulses.
     ///
     /// # Errors
     /// Numbers outside their rules; [`Error::Stalled`] where there is no pulse without resonators;
     /// a signal before the first tail. A later one leaves the other tails out.
     pub fn study(&self) -> Result<SolitaryStudy> {
-        self.check()?;
+        self.within_ranges()?;
         let (line, search) = (LinePulse::new(self.alpha), Search { tol: self.tol, ..Search::default() });
         let speed = self.speed.unwrap_or(line.coefficient());
         let plain = Params { alpha: self.alpha, kappa: 0.0, rho: 0.0 };
