@@ -586,6 +586,8 @@ pub(super) struct Chord<'a, P: Problem> {
 
 /// An orbit on a chord with its multipliers.
 pub(super) type OnChord<P> = (<P as Problem>::Orbit, <P as Problem>::Spectrum);
+/// Two places on a chord with the values of a function there.
+type Values = [(f64, f64); 2];
 
 impl<'a, P: Problem> Chord<'a, P> {
     pub(super) fn new(branch: &'a Branch<P>, from: &P::Orbit, to: &P::Orbit) -> Self {
@@ -622,7 +624,7 @@ impl<'a, P: Problem> Chord<'a, P> {
         ends: [f64; 2],
         (small, located): (f64, f64),
         mut psi: impl FnMut(At<'_, P>) -> Option<f64>,
-    ) -> Option<(OnChord<P>, [(f64, f64); 2])> {
+    ) -> Option<(OnChord<P>, Values)> {
         let [mut left, mut right] = [(0.0, ends[0]), (1.0, ends[1])];
         let (mut last, mut values) = (None, [left, right]);
         for _ in 0..MOST_TRIALS {

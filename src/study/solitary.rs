@@ -65,7 +65,7 @@ impl Study for Solitary {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        self.check()?;
+        self.within_ranges()?;
         Ok(Box::new(|engine, progress| Ok(self.study(engine, progress)?.report())))
     }
 }
@@ -134,12 +134,6 @@ pub struct SolitaryStudy {
 }
 
 impl Solitary {
-    fn check(&self) -> Result<()> {
-        self.within_ranges()?;
-        Params::new(self.alpha, self.kappa, 1.0)?;
-        Ok(())
-    }
-
     /// Computes the pulses.
     ///
     /// # Errors
@@ -147,7 +141,7 @@ impl Solitary {
     /// a signal before the first tail, where a later one leaves the other tails out; errors of the
     /// store.
     pub fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<SolitaryStudy> {
-        self.check()?;
+        self.within_ranges()?;
         let (line, search) = (LinePulse::new(self.alpha), Search { tol: self.tol, ..Search::default() });
         let speed = self.speed.unwrap_or(line.coefficient());
         let plain = Params { alpha: self.alpha, kappa: 0.0, rho: 0.0 };

@@ -251,7 +251,7 @@ fn an_entry_that_is_in_a_list_twice_is_refused_in_the_same_words_by_every_comman
 #[test]
 fn values_without_meaning_are_refused_and_numbers_that_no_double_holds_are_no_results() {
     for line in ["study lifetimes --epsilons 1e9", "wave modulation --epsilon 1e9", "study theorem --epsilons 1e9"] {
-        assert!(refused(output(line), 2).contains("sizes between 0 and 1, both excluded"), "{line}");
+        assert!(refused(output(line), 2).contains("above 0 and below 1"), "{line}");
     }
     let said = refused(output("dps integrals --b -1e300 --r 1e300"), 1);
     assert_eq!(said, "error: b = -1e300, r = 1e300: g is no number that a double holds\n");

@@ -1,5 +1,5 @@
-//! Tolerances: every command that takes one says and keeps the same range; what a run says where
-//! its energy or a second method contradicts it.
+//! Ranges of options, tolerances above all: every command says and keeps the same range; what a run
+//! says where its energy or a second method contradicts its tolerance.
 #![cfg(feature = "cli")]
 
 use super::help::{commands, help};
@@ -21,6 +21,10 @@ fn operands(command: &str) -> &'static [&'static str] {
         "wave" | "wave exact" => &["tw-q15"],
         "wave continue" => &["tw-q15", "--to", "2.01"],
         "breather evolve" => &["dark-breather.json"],
+        "compare" => &["impact"],
+        "orbit mode" | "orbit continue" => &["--to", "0.01"],
+        "wave modulation" => &["--measure"],
+        "dps integrals" => &["--b", "0.5", "--r", "1"],
         _ => &[],
     }
 }
@@ -33,11 +37,12 @@ fn every_command_with_a_tolerance_refuses_what_its_help_excludes() {
     assert!(hertzchain(&dark).status.success());
     let mut seen = Vec::new();
     for path in commands() {
-        let help = help(&path, "-h");
+        let help = help(&path, "--help");
         let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
         let Some((_, said)) = help.split_once("--tol <T> ") else { continue };
-        let rule = said.strip_prefix("Tolerance, ").unwrap_or_else(|| panic!("{path:?}: {said}"));
-        let rule = rule.split(" [default").next().unwrap().split(" --").next().unwrap();
+        let rule = said.strip_prefix("Tolerance. ").and_then(|said| said.split_once(" From "));
+        let (_, rule) = rule.unwrap_or_else(|| panic!("{path:?}: {said}"));
+        let rule = format!("from {}", rule.split(". ").next().unwrap().split(';').next().unwrap());
         let words: Vec<&str> = rule.split(' ').collect();
         let [least, most] = [1, 3].map(|k| words[k].parse::<f64>().unwrap());
         assert!(words[0] == "from" && words[2] == "to" && least < most, "{path:?}: {rule}");
@@ -60,6 +65,58 @@ fn every_command_with_a_tolerance_refuses_what_its_help_excludes() {
         seen.push(name);
     }
     assert!(seen.len() >= 11, "{seen:?}");
+}
+
+/// Values outside the range that the help of a flag ends with, and its rule.
+fn outside(help: &str) -> Option<(String, Vec<String>)> {
+    let rule = help.split(" [default").next()?.trim_end_matches('.').rsplit(". ").next()?;
+    let rule = rule.trim_start_matches("Each is ");
+    let rule = format!("{}{}", rule.get(..1)?.to_lowercase(), &rule[1..]);
+    let words: Vec<&str> = rule.split(' ').collect();
+    let number = |k: usize| words.get(k).and_then(|word| word.parse::<f64>().ok());
+    let values = match &words[..] {
+        ["from", _, "to", most, ..] => {
+            let (whole, least, most) = (most.parse::<u64>().is_ok(), number(1)?, number(3)?);
+            let below = if whole { least - 1.0 } else { 0.5 * least };
+            [(least > 0.0).then_some(below), Some(if whole { most + 1.0 } else { 1.5 * most })]
+        }
+        ["finite", "and", "positive"] => [Some(0.0), Some(f64::INFINITY)],
+        ["finite", "and", "at", "least", _] => [Some(number(4)? - 1.0), Some(f64::INFINITY)],
+        ["at", "least", _] => [Some(number(2)? - 1.0), None],
+        ["above", _, "and", "at", "most", _] => [number(1), Some(1.5 * number(5)?)],
+        ["above", _, "and", "below", _] => [number(1), number(4)],
+        _ => return None,
+    };
+    let values = values.into_iter().flatten().map(|value| value.to_string()).collect();
+    Some((rule, values))
+}
+
+#[test]
+fn every_study_refuses_what_the_help_of_a_flag_excludes() {
+    let mut seen = 0;
+    for path in commands() {
+        let name = path.join(" ");
+        if name == "run" || name == "breather evolve" {
+            continue;
+        }
+        let help = help(&path, "--help");
+        let path: Vec<&str> = path.iter().map(String::as_str).chain(operands(&name).iter().copied()).collect();
+        for flag in help.split("\n      --").skip(1) {
+            let (flag, said) = flag.split_once(char::is_whitespace).unwrap();
+            let said = said.split_whitespace().skip(1).collect::<Vec<_>>().join(" ");
+            let Some((rule, values)) = outside(&said) else { continue };
+            for value in values {
+                let run = hertzchain(&[&path[..], &[&format!("--{flag}={value}")]].concat());
+                let said = text(&run.stderr);
+                let good = said.contains(&format!("--{flag} = ")) && said.contains(" is not valid: ");
+                // The exponent has other rules in some studies, and their words.
+                let good = good && (flag == "alpha" || said.contains(&rule));
+                assert!(run.status.code() == Some(2) && good, "{name} --{flag}={value}, {rule}: {said}");
+            }
+            seen += 1;
+        }
+    }
+    assert!(seen >= 60, "{seen}");
 }
 
 #[test]

@@ -214,8 +214,8 @@ fn refusals_of_moving_breathers_name_value_and_rule() {
     let cases: [(Change, &str); 9] = [
         (|o| (o.bound, o.sites) = (true, 63), "sites = 63 is not valid: at most 61 with --bound"),
         (|o| o.omega_b = vec![1.9], "a dark breather has a frequency above omega"),
-        (|o| o.turns = vec![0], "from 1 to 100 whole periods"),
-        (|o| o.turns = vec![], "at least one number of turns"),
+        (|o| o.turns = vec![0], "turns = 0 is not valid: from 1 to 100"),
+        (|o| o.turns = vec![], "name at least one value"),
         (|o| o.sites = 40, "an odd number"),
         (|o| o.sites = 7, "at least 9"),
         (|o| o.until = 1.0, "from one period of the background"),

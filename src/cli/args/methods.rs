@@ -13,12 +13,12 @@ Examples:
 
 /// The help of --tol of a run, in full.
 fn tolerance() -> String {
-    let [run, corrected] = [Tolerance::RUN, Tolerance::CORRECTED].map(|kind| kind.rule);
+    let (Tolerance { least, most, .. }, corrected) = (Tolerance::RUN, Tolerance::CORRECTED.rule);
     let more = "--amplification measures this factor. ";
     format!(
         "{} It is relative, and absolute in units of the largest entry of the initial state. For contact-corrected \
          splitting it bounds the error of the state at the end, and runs over the whole span determine the step \
-         [default: 1e-10].\n\nA number {run}; {corrected}.",
+         [default: 1e-10].\n\nFrom {least:e} to {most}; {corrected}.",
         tolerance_help(more)
     )
 }
