@@ -206,7 +206,7 @@ fn figures_report(drawn: &[Drawn]) -> Report {
         .col("wall_s", Fixed(2), "", |one| one.1.as_ref().ok().map(|made| made.wall_s))
         .head("wall (s)")
         .col("source", Short, "", |one| one.0.source)
-        .col("title", Short, "", |one| one.0.title)
+        .col("title", Json, "", |one| one.0.title)
         .col("files", Json, "", |one| json!(files(one)))
         .col("caption", Json, "", |one| one.1.as_ref().ok().map(|made| made.caption.clone()))
         .col("failure", Json, "", |one| one.1.as_ref().err().cloned());

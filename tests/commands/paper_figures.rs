@@ -6,7 +6,7 @@ use hertzchain::{
     breathers::DarkBreather,
     chain::Params,
     dps::Center,
-    orbits::{Branch, Shooting},
+    orbits::{Orbit, Pick, Shooting},
     paper::{Figure, orbits},
     report::Report,
     study::evolve,

@@ -89,8 +89,8 @@ fn figures_that_are_asked_to_end_keep_what_is_finished_and_no_part_of_the_rest()
     let [done, missing] = [&study["figures"][0], &study["figures"][1]];
     assert!(done["failure"].is_null() && missing["caption"].is_null() && missing["wall_s"].is_null(), "{study}");
     assert!(missing["failure"].as_str().unwrap().contains("stopped by a signal"), "{study}");
-    assert!(parts.join("homoclinics-site-profile.csv").exists() && parts.join("homoclinics.json").exists());
-    assert!(!parts.join("lifetime-map.csv").exists());
+    assert!(parts.join("homoclinics-site-homoclinic.csv").exists() && parts.join("homoclinics.json").exists());
+    assert!(!parts.join("lifetime-map-lifetimes.csv").exists());
     let first = kept(&store);
     assert!(said(line, parts).contains("1 of 2 figures are from"));
     assert!(kept(&store).contains(&first[0]));

@@ -208,21 +208,21 @@ fn heavy_limit(params: Params) -> Result<f64> {
     Ok(dot(&plain, &general) / dot(&general, &general))
 }
 
-/// Growth of the suprema of Theorem 1 over the powers of `epsilon` that bound them, in `l_inf`,
-/// over a decade of `epsilon`: 1 for a sharp bound, less for a bound that is not sharp.
-fn decade(rho_law: RhoLaw) -> Result<[f64; 3]> {
-    let (initial, epsilons) = (Initial::Generic, vec![1e-4, 1e-5]);
+/// Growth of the suprema of Theorem 1 over the powers of `epsilon` that bound them, over a decade of
+/// `epsilon`: 1 for a sharp bound, less for a bound that is not sharp.
+pub(super) fn decade(rho_law: RhoLaw, initial: Initial, norm: Norm) -> Result<[f64; 3]> {
+    let epsilons = vec![1e-4, 1e-5];
     let options = TheoremOptions { horizon: 2.0, rho_law, initial, epsilons, ..TheoremOptions::default() };
     let study = study::theorem(&options, &Engine::threads(), &|_, _| {})?;
-    let [coarse, fine] = [0, 1].map(|k| study.scaled(&study.runs[k], Norm::Infinity).0);
+    let [coarse, fine] = [0, 1].map(|k| study.scaled(&study.runs[k], norm).0);
     Ok([0, 1, 2].map(|k| fine[k] / coarse[k]))
 }
 
 /// Theorem 1, also with resonators that are lighter than it requires, and the estimate (estimr1) of
 /// its proof with these.
 fn theorem(_: &Runs) -> Result<Vec<Quantity>> {
-    let [u, v, v_dot] = decade(RhoLaw::Heavy)?;
-    let [u_light, v_light, _] = decade(RhoLaw::Light)?;
+    let [u, v, v_dot] = decade(RhoLaw::Heavy, Initial::Generic, Norm::Infinity)?;
+    let [u_light, v_light, _] = decade(RhoLaw::Light, Initial::Generic, Norm::Infinity)?;
     let [half, whole] = resonators_at_rest(1e9)?;
     // With sigma = epsilon^{alpha-1}, (estimr1) has the power sigma epsilon^{2-alpha} = epsilon in
     // place of epsilon^alpha.
@@ -239,5 +239,6 @@ fn theorem(_: &Runs) -> Result<Vec<Quantity>> {
 
 /// The estimate of the proof for Newton's cradle.
 fn proof(_: &Runs) -> Result<Vec<Quantity>> {
-    Ok(vec![("s3.2-estimerrqa", decade(RhoLaw::Value(f64::INFINITY))?[0])])
+    let cradle = RhoLaw::Value(f64::INFINITY);
+    Ok(vec![("s3.2-estimerrqa", decade(cradle, Initial::Generic, Norm::Infinity)?[0])])
 }
