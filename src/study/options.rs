@@ -200,7 +200,7 @@ impl Adaptive {
     /// The run of a scene.
     pub(super) fn run(&self, scene: &Scene) -> Result<Run> {
         self.check()?;
-        Ok(scene.run().method(self.method).tolerance(self.tol)?)
+        scene.run().method(self.method).tolerance(self.tol)
     }
 
     /// Method and tolerance, in words.
