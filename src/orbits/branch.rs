@@ -88,7 +88,8 @@ pub trait Problem: Copy + Debug + Send + Sync {
     fn size(&self, _setting: &Self::Setting, z: &[f64], _p: f64) -> f64 {
         max_norm(z.iter().copied())
     }
-    /// Whether a solution may be one of another branch, as [`Family::strays`].
+    /// Whether a solution may be one of another branch, from the chord to it, the predictor and
+    /// Newton's corrections; the step is then halved.
     fn strays(&self, chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
         arclength::strays(chord, predictor, newton)
     }

@@ -1,4 +1,4 @@
-//! Branches of driven orbits as files: those of [`Branch`], with the scene.
+//! Branches of driven orbits as files, with their scene.
 
 use crate::{
     error::{Error, Result},
