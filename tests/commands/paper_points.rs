@@ -185,7 +185,7 @@ fn verdicts_that_are_asked_to_end_say_what_is_kept() {
     let told = String::from_utf8(ended.stderr).unwrap();
     let there = lines(&store) - 1;
     assert_eq!(ended.status.code(), Some(143), "{told}");
-    assert!(told.contains(&format!("{there} of 3 groups of numbers are kept; the same command goes on")), "{told}");
+    assert!(told.contains(&format!("{there} of 3 points are computed; those in --out are kept")), "{told}");
     assert!(ended.stdout.is_empty() && !out.join("verify.csv").exists());
 }
 

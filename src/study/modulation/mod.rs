@@ -425,9 +425,11 @@ fn measure(
     let modes: Vec<(StabilityRow, Mode)> =
         chosen(study, count).into_iter().filter_map(|row| Some((row, Mode::new(&study.modulation, row.p)?))).collect();
     let StabilityOptions { params, shape, sites, epsilons, .. } = &study.options;
-    let periods = |rates: &Rates| WINDOW.1 / rates.per_time(fastest(study)) * rates.omega_tw / (2.0 * PI);
-    let seen = |rates: &Rates| periods(rates) <= MOST_PERIODS;
-    if let Some(slow) = study.rates.iter().find(|rates| !seen(rates)) {
+    let slow = |rates: &&Rates| {
+        let periods = WINDOW.1 / rates.per_time(fastest(study)) * rates.omega_tw / (2.0 * PI);
+        periods.is_nan() || periods > MOST_PERIODS
+    };
+    if let Some(slow) = study.rates.iter().find(slow) {
         let rule = "growth that takes more than 10^5 periods of the wave is not measured";
         return Err(Error::parameter("epsilon", slow.epsilon, rule));
     }
