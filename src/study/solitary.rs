@@ -137,9 +137,9 @@ impl Solitary {
     /// Computes the pulses.
     ///
     /// # Errors
-    /// Numbers outside their rules; [`Error::Stalled`] where there is no pulse without resonators;
-    /// a signal before the first tail, where a later one leaves the other tails out; errors of the
-    /// store.
+    /// Numbers outside their rules; [`Stalled`](crate::Error::Stalled) where there is no pulse
+    /// without resonators; a signal before the first tail, where a later one leaves the other tails
+    /// out; errors of the store.
     pub fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<SolitaryStudy> {
         self.within_ranges()?;
         let (line, search) = (LinePulse::new(self.alpha), Search { tol: self.tol, ..Search::default() });

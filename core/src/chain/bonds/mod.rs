@@ -45,7 +45,8 @@ pub trait SiteFlow: SplitFlow<f64> {
     fn survey(&mut self, forces: Forces<'_>);
     /// Position and velocity of a bead.
     fn bead(&self, site: usize) -> (f64, f64);
-    /// [`motion`](Self::motion) of several beads, one in each lane.
+    /// `[velocity, p, p']` of several beads, one in each lane; `p` is the part of its position that
+    /// oscillates with `omega` in the drift.
     fn motions_at<V: Vector<f64>>(&self, sites: &Lanes) -> [V; 3];
     /// Whether sites that no force pushes need no work.
     const RESTS: bool = false;
@@ -251,7 +252,7 @@ impl<F: SiteFlow> CorrectedSplit<F> {
 
     /// The path of a bond under two pulls, one a step `h` ago and one now, between which the pull
     /// is linear in time: through the bond's overlaps at both ends of the step, and moved by
-    /// processing. It is linear in its overlap, its [motion](SiteFlow::motion) and the pulls.
+    /// processing. It is linear in its overlap, its [motion](SiteFlow::motions_at) and the pulls.
     ///
     /// With the mean `s` and the rate `s'` of the pull, the path is the chord plus
     /// `s t (t + h)/2 + s' t (t + h)(t + h/2)/6`.
@@ -283,7 +284,7 @@ impl<F: SiteFlow> CorrectedSplit<F> {
         }
     }
 
-    /// Overlaps of bonds and their [motions](SiteFlow::motion), one in each lane.
+    /// Overlaps of bonds and their [motions](SiteFlow::motions_at), one in each lane.
     #[inline(always)]
     fn motions<V: Vector<f64>>(&self, bonds: &Lanes) -> (V, [V; 3]) {
         let topology = self.chain().topology();
