@@ -71,7 +71,7 @@ options! {
         drive: f64 = 0.05, "A", (positive);
         /// Static overlap of all contacts.
         overlap: f64 = 0.05, "G", (positive);
-        /// Mass ratio resonator to bead.
+        /// Mass ratio resonator to bead, positive.
         rho: f64 = 1.0 / 3.0, "R", (positive);
     }
 }

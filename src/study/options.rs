@@ -44,7 +44,7 @@ value! {
 fn written(item: &str) -> String {
     let whole = item.strip_suffix(".0").unwrap_or(item.trim_matches('"'));
     match item.parse::<f64>().map(|number| format!("{number:e}")) {
-        Ok(short) if short.len() + 1 < whole.len() && whole.len() < item.len() => short,
+        Ok(short) if short.len() + 1 < whole.len() && item.contains('.') => short,
         _ => whole.to_owned(),
     }
 }

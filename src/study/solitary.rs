@@ -36,7 +36,7 @@ options! {
     pub struct Solitary {
         /// Exponent of the contact force; 1.5 for spheres.
         alpha: f64 = 1.5, "A", (1.2 to 5);
-        /// Spring constant of the resonators.
+        /// Spring constant of the resonators, positive.
         kappa: f64 = 1.0, "K", (positive);
         /// Speed of the pulses, in sites per unit of time.
         ///
