@@ -203,7 +203,9 @@ impl<P: Stored> Branch<P> {
         let Stamp { format, version } = serde_json::from_str(text).map_err(|why| refused(&why))?;
         if (format.as_str(), version) != P::FORMAT {
             let (known, number) = P::FORMAT;
-            return Err(refused(&format!("{format}, version {version}; read is {known}, version {number}")));
+            return Err(refused(&format!(
+                "{format}, version {version}; read is {known}, version {number}: compute the branch anew"
+            )));
         }
         let settings: Settings<P, S> = serde_json::from_str(text).map_err(|why| refused(&why))?;
         let Settings { center, setting: source, continuation, weak, back, birth, points, ds, end, .. } = settings;

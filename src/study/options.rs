@@ -80,10 +80,10 @@ pub(crate) fn flag(arg: clap::Arg, default: &impl Debug) -> clap::Arg {
     }
     let text = format!("{default:?}").to_lowercase();
     let items = text.trim_start_matches("some(").trim_matches(['[', ']', ')']).split(", ").map(written);
+    let told = items.filter(|item| !["", "none", "nan"].contains(&&**item) && !item.contains('{'));
+    let told = told.collect::<Vec<_>>().join(",");
     // Defaults live as long as the command line: for the whole program.
-    let told = items.filter(|item| !["", "none", "nan"].contains(&&**item) && !item.contains('{')).map(String::leak);
-    let told: Vec<&str> = told.map(|item| &*item).collect();
-    if told.is_empty() { arg } else { arg.default_values(told).required(false) }
+    if told.is_empty() { arg } else { arg.default_value(&*told.leak()).required(false) }
 }
 
 /// The flag of an option whose help ends with its range.

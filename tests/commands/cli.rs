@@ -393,7 +393,7 @@ fn tables_name_what_the_json_names() {
     let homoclinic = ["dps", "homoclinic", "--alpha", "1.5", "--center", "site"];
     let (table, json) = (stdout(&hertzchain(&homoclinic)), json(&[&homoclinic[..], &["--json"]].concat()));
     for a in json["a"].as_array().unwrap() {
-        assert!(table.contains(&format!("{:e}", a.as_f64().unwrap())), "{a}: {table}");
+        assert!(table.contains(&format!("{:.16e}", a.as_f64().unwrap())), "{a}: {table}");
     }
     let table = stdout(&hertzchain(&["paper", "verify", "--section", "3"]));
     assert!(table.contains("holds") && table.contains("all as known"), "{table}");

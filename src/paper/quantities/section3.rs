@@ -14,7 +14,7 @@ use crate::{
     breathers::BrightBreather,
     chain::{Boundary, Chain, Params, Site, State, max_norm},
     dps::{Averages, Center, Constraint, Dps, Ends, Form, Layout, per_gamma},
-    error::Result,
+    error::{Error, Result},
     run::state_at,
     study::{self, Initial, Norm, RhoLaw, TheoremOptions},
     sweep::Engine,
@@ -214,7 +214,11 @@ pub(super) fn decade(rho_law: RhoLaw, initial: Initial, norm: Norm) -> Result<[f
     let epsilons = vec![1e-4, 1e-5];
     let options = TheoremOptions { horizon: 2.0, rho_law, initial, epsilons, ..TheoremOptions::default() };
     let study = study::theorem(&options, &Engine::threads(), &|_, _| {})?;
-    let [coarse, fine] = [0, 1].map(|k| study.scaled(&study.runs[k], norm).0);
+    // A study that is asked to end has fewer runs.
+    let [coarse, fine] = &study.runs[..] else {
+        return Err(Error::Stopped { kept: "nothing of this decade".to_owned() });
+    };
+    let [coarse, fine] = [coarse, fine].map(|run| study.scaled(run, norm).0);
     Ok([0, 1, 2].map(|k| fine[k] / coarse[k]))
 }
 

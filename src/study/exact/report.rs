@@ -259,8 +259,8 @@ impl WaveBranchStudy {
         let Self { scene, branch } = self;
         let (continuation, base, end) = (branch.continuation, branch.setting, branch.ended());
         let fast = |point: &&WavePoint| {
-            let modulation = point.measures.modulation.unwrap_or(0.0);
-            point.spectrum.fastest().is_some_and(|fastest| fastest.growth > 2.0 * modulation)
+            let growth = point.spectrum.fastest().map(|fastest| fastest.growth).zip(point.measures.modulation);
+            growth.is_some_and(|(growth, modulation)| growth > 2.0 * modulation)
         };
         let grows = branch.points.iter().find(fast).map_or("Growth is near that of DpS".to_owned(), |point| {
             let (omega_tw, amplitude) = (point.orbit.setting.omega_tw, shown(point.orbit.amplitude()));

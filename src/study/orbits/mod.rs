@@ -363,7 +363,11 @@ impl Branch {
     fn shortfall(&self) -> Option<String> {
         let Continuation { parameter, to, .. } = self.continuation;
         let (last, end) = (self.parameter(self.orbits.last()?), self.ended());
-        let words = || format!("ended at {} = {last}, not at {to}: {}", parameter.name(), end.words());
+        let (name, why) = (parameter.name(), end.words());
+        let words = || match last == to {
+            true => format!("is at {name} = {to}, but its multipliers are not complete: {why}"),
+            false => format!("ended at {name} = {last}, not at {to}: {why}"),
+        };
         (end != End::Reached).then(words)
     }
 }

@@ -14,6 +14,7 @@
 use super::{
     ExactWave, Given, MeanStrain, Search, WaveSetting, WaveSpectrum, ansatz,
     newton::{DIFFERENCE, SOLVED, amplitude_row},
+    seed::amplitude_rule,
     swing,
 };
 use crate::{
@@ -223,6 +224,11 @@ impl Problem for WaveContinuation {
 
     fn equations(&self, base: &WaveBase, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
         let (setting, state) = self.at(base, z, p);
+        let amplitude = amplitude_row(&setting).iter().zip(&state).map(|(row, z)| row * z).sum::<f64>();
+        if amplitude <= 0.0 {
+            // Beyond the linear waves another branch begins; the step is halved.
+            return Err(amplitude_rule(amplitude));
+        }
         let Equations { mut residual, mut jacobian } = self.search.equations(&setting, &state, derivative)?;
         let (n, rows) = (state.len(), residual.len());
         if derivative {
@@ -230,7 +236,7 @@ impl Problem for WaveContinuation {
         }
         if self.parameter == WaveParameter::Amplitude {
             let row = amplitude_row(&setting);
-            residual = residual.push(row.iter().zip(&state).map(|(row, z)| row * z).sum::<f64>() - p);
+            residual = residual.push(amplitude - p);
             if derivative {
                 let by = DIFFERENCE * base.size;
                 let at = |w: f64| self.equations(base, &[&z[..n], &[z[n] + w]].concat(), p, false);

@@ -274,7 +274,7 @@ fn background_rule(background: f64) -> Error {
     Error::parameter("mean", background, rule)
 }
 
-fn amplitude_rule(amplitude: f64) -> Error {
+pub(super) fn amplitude_rule(amplitude: f64) -> Error {
     let rule = "finite, positive and above the mean strain, or no contact ever closes";
     Error::parameter("amplitude", amplitude, rule)
 }
