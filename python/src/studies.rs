@@ -12,8 +12,8 @@ use hertzchain::{
     output::Folder,
     report::Report,
     study::{
-        self, BranchOptions, ChainParams, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi, ModeWay, Plan, Ring, Study,
-        compare, planned,
+        self, BranchOptions, ChainParams, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi, ModeWay, Plan,
+        Ring, Study, compare, planned,
     },
     sweep::{Engine, Shard},
 };
