@@ -81,9 +81,14 @@ pub(crate) fn flag(arg: clap::Arg, default: &impl Debug) -> clap::Arg {
     let text = format!("{default:?}").to_lowercase();
     let items = text.trim_start_matches("some(").trim_matches(['[', ']', ')']).split(", ").map(written);
     let told = items.filter(|item| !["", "none", "nan"].contains(&&**item) && !item.contains('{'));
-    let told = told.collect::<Vec<_>>().join(",");
-    // Defaults live as long as the command line: for the whole program.
-    if told.is_empty() { arg } else { arg.default_value(&*told.leak()).required(false) }
+    // Defaults live as long as the command line: for the whole program. Help breaks lines between
+    // values only, so that a long list is several.
+    let told: Vec<&str> = told.map(|item| &*item.leak()).collect();
+    match told.join(",") {
+        none if none.is_empty() => arg,
+        list if list.len() <= 40 => arg.default_value(&*list.leak()).required(false),
+        _ => arg.default_values(told).required(false),
+    }
 }
 
 /// The flag of an option whose help ends with its range.
