@@ -189,7 +189,7 @@ fn orbits_without_multipliers_are_gaps() {
     assert_eq!((branch.points.len(), branch.ended()), (count - 2, End::NoMultipliers));
     assert!(!branch.report().unwrap().succeeded());
     let why = branch.reached().unwrap_err().to_string();
-    assert!(why.contains("ended at omega_b = 2.0") && why.contains("not at 2.04: the multipliers"), "{why}");
+    assert!(why.contains("is at omega_b = 2.04, but") && why.contains("the multipliers of its last orbit"), "{why}");
     broken.orbits.iter_mut().for_each(|orbit| orbit.setting.turns = 7);
     assert!(study(broken, &|_, _| {}).is_err());
 }
