@@ -166,6 +166,12 @@ impl Error {
         Self::Parameter { name, value, rule }
     }
 
+    /// The refusal of a parameter under another name, such as that of its flag.
+    #[must_use]
+    pub fn named(self, name: &'static str) -> Self {
+        if let Self::Parameter { value, rule, .. } = self { Self::Parameter { name, value, rule } } else { self }
+    }
+
     /// An unknown name, with the most similar known name, or with all known names if they are few.
     pub fn unknown<'a>(kind: &'static str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         let known: Vec<&str> = known.into_iter().collect();

@@ -146,7 +146,7 @@ fn formats(_: &FiguresArgs) -> Vec<&'static str> {
 #[cfg_attr(not(feature = "plot"), allow(unused_variables, reason = "formats are those of pictures"))]
 fn made(figure: &Figure, args: &FiguresArgs, tell: &(dyn Fn(f64) + Sync)) -> Result<Made> {
     let clock = Instant::now();
-    let report = figure.report(tell)?;
+    let report = figure.report(&|share, _| tell(share))?;
     if interrupt::asked() {
         // Computations that were asked to end may have returned a part of their results.
         return Err(Error::Stopped { kept: "nothing of this figure".to_owned() });

@@ -12,12 +12,9 @@ use crate::{
     study::{
         ChartOptions, CompareOptions, OrderOptions, Problem, RhoLaw, TheoremOptions, charts, compare, order, theorem,
     },
-    sweep::Engine,
+    sweep::{Engine, Progress},
 };
 use std::time::Instant;
-
-/// Callback that receives the share of a part that is done, from 0 to 1.
-type Tell<'a> = &'a (dyn Fn(f64) + Sync);
 
 /// A part of the report, in its short form.
 struct Part {
@@ -26,7 +23,7 @@ struct Part {
     shows: &'static str,
     /// Approximate run time relative to the other parts, for the progress bar.
     share: f64,
-    make: fn(Tell<'_>) -> Result<Vec<Report>>,
+    make: fn(Progress<'_>) -> Result<Vec<Report>>,
 }
 
 const PARTS: &[Part] = &[
@@ -93,7 +90,8 @@ pub(super) fn main(args: &ReportArgs) -> Exit {
     let mut before = 0.0;
     for part in &parts {
         bar.set_message(part.name);
-        let tell = |share: f64| bar.set_position((1000.0 * (before + part.share * share.min(1.0)) / whole) as u64);
+        let tell =
+            |share: f64, _: &str| bar.set_position((1000.0 * (before + part.share * share.min(1.0)) / whole) as u64);
         let section = part.section(&tell);
         if interrupt::asked() {
             bar.finish_and_clear();
@@ -133,7 +131,7 @@ fn chosen(only: &[String]) -> Result<Vec<&'static Part>> {
 impl Part {
     /// The section of this part on the page. A failure becomes a result of the section and does not
     /// stop other parts.
-    fn section(&self, tell: Tell<'_>) -> Section {
+    fn section(&self, tell: Progress<'_>) -> Section {
         let clock = Instant::now();
         let results = match (self.make)(tell) {
             Ok(reports) => {
@@ -146,27 +144,28 @@ impl Part {
     }
 }
 
-fn comparison(tell: Tell<'_>) -> Result<Vec<Report>> {
+fn comparison(tell: Progress<'_>) -> Result<Vec<Report>> {
     let scene = Scene::load("tw-q15")?;
     let options = CompareOptions { integrators: vec!["all".to_owned()], max_time: SHORT };
-    Ok(vec![compare(&scene, &options, &|share, _| tell(share))?.report()])
+    Ok(vec![compare(&scene, &options, tell)?.report()])
 }
 
-fn orders(tell: Tell<'_>) -> Result<Vec<Report>> {
+fn orders(tell: Progress<'_>) -> Result<Vec<Report>> {
     let options = OrderOptions { alpha: 1.5, beads: 6, integrators: vec![] };
-    Ok(vec![order(&options, &Engine::threads(), &|share, _| tell(share))?.report()])
+    Ok(vec![order(&options, &Engine::threads(), tell)?.report()])
 }
 
-fn theorems(tell: Tell<'_>) -> Result<Vec<Report>> {
+fn theorems(tell: Progress<'_>) -> Result<Vec<Report>> {
     let laws = [RhoLaw::Heavy, RhoLaw::Light];
     let report = |(k, rho_law): (usize, RhoLaw)| {
         let options = TheoremOptions { rho_law, epsilons: EPSILONS.to_vec(), ..TheoremOptions::default() };
-        Ok(theorem(&options, &Engine::threads(), &|share, _| tell((k as f64 + share) / laws.len() as f64))?.report())
+        Ok(theorem(&options, &Engine::threads(), &|share, _| tell((k as f64 + share) / laws.len() as f64, ""))?
+            .report())
     };
     laws.into_iter().enumerate().map(report).collect()
 }
 
-fn stability(tell: Tell<'_>) -> Result<Vec<Report>> {
+fn stability(tell: Progress<'_>) -> Result<Vec<Report>> {
     let options = ChartOptions {
         charts: Vec::new(),
         integrators: Vec::new(),
@@ -175,17 +174,17 @@ fn stability(tell: Tell<'_>) -> Result<Vec<Report>> {
         work: WORK,
         quick: true,
     };
-    let study = charts(&Problem::built_in(), &options, &Engine::threads(), &|share, _| tell(share))?;
+    let study = charts(&Problem::built_in(), &options, &Engine::threads(), tell)?;
     Ok(vec![study.report()])
 }
 
-fn verdicts(tell: Tell<'_>) -> Result<Vec<Report>> {
-    Ok(vec![verify_report(&verify(None, &Engine::threads(), &|share, _| tell(share))?)])
+fn verdicts(tell: Progress<'_>) -> Result<Vec<Report>> {
+    Ok(vec![verify_report(&verify(None, &Engine::threads(), tell)?)])
 }
 
-fn figures(tell: Tell<'_>) -> Result<Vec<Report>> {
+fn figures(tell: Progress<'_>) -> Result<Vec<Report>> {
     let report = |(k, figure): (usize, &'static Figure)| {
-        let made = figure.report(&|share| tell((k as f64 + share) / FIGURES.len() as f64));
+        let made = figure.report(&|share, _| tell((k as f64 + share) / FIGURES.len() as f64, ""));
         made.unwrap_or_else(|why| Report::new(figure.name).failure(Some(format!("{}: {why}", figure.name))))
     };
     Ok(FIGURES.iter().enumerate().map(report).collect())

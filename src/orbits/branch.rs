@@ -34,9 +34,6 @@ pub struct Range {
     pub natural: bool,
 }
 
-/// Unknowns and parameter.
-pub type Place = (Vec<f64>, f64);
-
 /// An orbit with its multipliers.
 pub type At<'a, P> = (&'a <P as Problem>::Orbit, &'a <P as Problem>::Spectrum);
 
@@ -72,6 +69,15 @@ pub trait Problem: Copy + Debug + Send + Sync {
     /// The rule.
     fn check_value(&self, _setting: &Self::Setting, _p: f64) -> Result<()> {
         Ok(())
+    }
+    /// Refuses numbers outside their rules, for a branch that begins at the value `from`.
+    ///
+    /// # Errors
+    /// The rule, with the name of the number on the command line.
+    fn check_range(&self, setting: &Self::Setting, from: f64) -> Result<()> {
+        let Range { to, step, most_points, .. } = self.range();
+        arclength::check([from, to], step, most_points)?;
+        self.check_value(setting, to).map_err(|why| why.named("to"))
     }
 
     /// The equations `F(z, p) = 0`, as in `arclength`.
@@ -158,7 +164,7 @@ pub trait Problem: Copy + Debug + Send + Sync {
         orbit: &Self::Orbit,
         _kind: BifurcationKind,
         _way: usize,
-    ) -> Result<Place> {
+    ) -> Result<(Vec<f64>, f64)> {
         let Solution { z, p, .. } = self.solution(setting, orbit);
         Ok((z, p))
     }
@@ -309,9 +315,7 @@ impl<P: Problem> Branch<P> {
 
     /// Refuses numbers of the continuation outside their rules.
     pub(super) fn check(&self) -> Result<()> {
-        let Range { to, step, most_points, .. } = self.continuation.range();
-        arclength::check([self.back, to], step, most_points)?;
-        self.continuation.check_value(&self.setting, to)
+        self.continuation.check_range(&self.setting, self.back)
     }
 
     pub(super) fn family(&self) -> Varying<'_, P> {
@@ -521,12 +525,16 @@ pub(crate) struct Analysis<P: Problem> {
 /// The multipliers of the orbits of a branch, computed when they are first asked for.
 pub(crate) struct Spectra<'a, P: Problem> {
     branch: &'a Branch<P>,
+    /// Number of the first orbit before which the branch has turned.
+    turned: Option<usize>,
     all: Vec<OnceLock<std::result::Result<P::Spectrum, String>>>,
 }
 
 impl<'a, P: Problem> Spectra<'a, P> {
     pub(crate) fn new(branch: &'a Branch<P>) -> Self {
-        Self { branch, all: branch.orbits.iter().map(|_| OnceLock::new()).collect() }
+        let all: Vec<f64> = branch.orbits.iter().map(|orbit| branch.parameter(orbit)).collect();
+        let turned = all.windows(3).position(|p| (p[1] - p[0]) * (p[2] - p[1]) < 0.0).map(|k| k + 2);
+        Self { branch, turned, all: branch.orbits.iter().map(|_| OnceLock::new()).collect() }
     }
 
     /// The multipliers of orbit `k`.
@@ -554,9 +562,7 @@ impl<'a, P: Problem> Spectra<'a, P> {
         let (mut found, unresolved) = P::between(branch, [before, here]);
         found.iter_mut().for_each(|one| one.after = j);
         // Where the branch does not turn, the multipliers of a third orbit are not needed.
-        let p = |k: usize| branch.parameter(&branch.orbits[k]);
-        let turns = (2..=k).any(|k| (p(k - 1) - p(k - 2)) * (p(k) - p(k - 1)) < 0.0);
-        let third = self.before(j).filter(|_| turns);
+        let third = self.turned.filter(|turned| *turned <= k).and_then(|_| self.before(j));
         let fold = third.and_then(|(i, first)| Some(Located { after: i, ..P::fold(branch, [first, before, here])? }));
         (found, fold, unresolved)
     }

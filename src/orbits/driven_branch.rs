@@ -13,7 +13,7 @@
 //! multiplier is 1 or -1, and a pair on the circle.
 
 use super::{
-    arclength::{self, MOST_CORRECTIONS, Solution},
+    arclength::{MOST_CORRECTIONS, Solution},
     bifurcation::BifurcationKind,
     branch::{At, Branch, Chord, Located, Point, Problem, Range},
     driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum, MARGIN},
@@ -184,12 +184,6 @@ impl Problem for DrivenContinuation {
 }
 
 impl DrivenContinuation {
-    /// Refuses numbers outside their rules, for a branch from this setting.
-    pub(crate) fn check(&self, setting: &DrivenSetting) -> Result<()> {
-        arclength::check([setting.get(self.parameter), self.to], self.step, self.most_points)?;
-        self.check_value(setting, self.to)
-    }
-
     /// Follows the branch from `start`, past folds, until the parameter has its final value or, if
     /// the branch has turned back, passes its first; `seen` is called after every new orbit.
     ///

@@ -19,7 +19,7 @@
 use super::{
     arclength::{self, Solution},
     bifurcation::{self, BifurcationKind, CriticalPair},
-    branch::{At, Branch, Located, Place, Point, Problem, Range},
+    branch::{At, Branch, Located, Point, Problem, Range},
     floquet::{Frame, Kind, Spectrum},
     shooting::{Equations, NewtonStep, least_squares},
 };
@@ -574,7 +574,13 @@ impl Problem for ModeContinuation {
     }
 
     /// At `T/2` the leading coordinate may have the other sign; the amplitude is then negative.
-    fn crossed(&self, modes: &NormalModes, orbit: &ModeOrbit, kind: BifurcationKind, way: usize) -> Result<Place> {
+    fn crossed(
+        &self,
+        modes: &NormalModes,
+        orbit: &ModeOrbit,
+        kind: BifurcationKind,
+        way: usize,
+    ) -> Result<(Vec<f64>, f64)> {
         let (linear, doubled) = (&modes.linear[self.mode], kind == BifurcationKind::PeriodDoubling);
         let w = if doubled { (0.5 * orbit.omega / linear.omega).ln() } else { orbit.w };
         if way == 0 {

@@ -131,13 +131,6 @@ impl Report {
         self
     }
 
-    /// Fails the command, if it is true, though nothing is missing.
-    #[must_use]
-    pub fn failed(mut self, failed: bool) -> Self {
-        self.succeeded &= !failed;
-        self
-    }
-
     /// A remark beside the results, which is no error.
     #[must_use]
     pub fn remark(mut self, words: Option<String>) -> Self {
@@ -243,10 +236,16 @@ impl Report {
         self.pictures.iter().map(|(name, figure)| Ok((name.clone(), figure.draw()?))).collect()
     }
 
-    /// Its tables and pictures, for another report, which names the program itself.
-    pub(crate) fn parts(self) -> (Vec<Table>, Vec<Figure>) {
-        let tables =
-            self.blocks.into_iter().filter_map(|block| if let Block::Table(it) = block { Some(it) } else { None });
+    /// Its tables, in files only, their names after those `before`, and its pictures: for another
+    /// report, which names the program itself.
+    pub(crate) fn parts(self, before: &[&str]) -> (Vec<Table>, Vec<Figure>) {
+        let filed = |block| {
+            let Block::Table(table) = block else { return None };
+            let names = before.iter().copied().chain([table.name()]).filter(|name| !name.is_empty());
+            let name = names.collect::<Vec<_>>().join("-");
+            Some(table.filed(name))
+        };
+        let tables = self.blocks.into_iter().filter_map(filed);
         let unnamed = |(_, mut figure): (String, Figure)| {
             let [_, caption] = figure.words();
             caption.truncate(caption.trim_end_matches(PROGRAM).len());

@@ -56,6 +56,7 @@ pub use modulation::*;
 pub use moving::*;
 pub use normal_modes::*;
 pub use options::{Adaptive, ChainParams};
+pub(crate) use orbits::KINDS;
 pub(crate) use orbits::folder_of;
 pub use orbits::*;
 pub use order::*;

@@ -496,7 +496,7 @@ mod processes {
         "wave modulation --measure --chart",
         "wave exact --sites 200 --q-over-pi 0.01",
         "wave solitary --sites 60",
-        "wave continue --to 3 --step 1e-4 --waves 2000",
+        "wave continue --to 3 --step 1e-4 --max-points 2000",
         "breather bright --until 1e6",
         "breather trivial --until 1e9",
         "breather dark --sites 201",

@@ -33,7 +33,7 @@ fn setting(rho: f64, q_over_pi: f64, sites: usize, omega_tw: f64, mean: MeanStra
 
 fn branch(wanted: Wanted, vary: WaveParameter, to: f64) -> WaveBranchStudy {
     let wanted = Wanted { sites: Some(10), ..wanted };
-    ContinueWave { wanted, vary, to: Some(to), step: None, waves: 200 }.branch(&|_, _| {}).unwrap()
+    ContinueWave { wanted, vary, to: Some(to), step: None, max_points: 200 }.branch(&|_, _| {}).unwrap()
 }
 
 // Truth: the definition, x_{n+1}(t + q/omega_tw) = x_n(t), by an integrator that shares no code
@@ -312,10 +312,20 @@ fn the_end_of_a_branch_is_in_the_range_of_its_parameter() {
         (WaveParameter::Kappa, 0.0),
         (WaveParameter::Alpha, 1.0),
     ] {
-        let one = ContinueWave { wanted: Wanted::of("tw-q15"), vary, to: Some(to), step: None, waves: 200 };
+        let one = ContinueWave { wanted: Wanted::of("tw-q15"), vary, to: Some(to), step: None, max_points: 200 };
         let text = one.branch(&|_, _| {}).unwrap_err().to_string();
         assert!(text.contains(&format!("to = {to} is not valid")), "{vary:?}: {text}");
     }
+}
+
+// Waves whose mean strain is a share of their amplitude vanish at omega; others begin beyond.
+#[test]
+fn a_branch_does_not_pass_through_the_amplitude_zero() {
+    let branch = branch(Wanted::of("tw-q15"), WaveParameter::OmegaTw, 1.0).branch;
+    assert!(!branch.ended().is_complete(), "{:?}", branch.ended());
+    let waves = || branch.orbits.iter().map(|wave| (wave.setting.omega_tw, wave.amplitude()));
+    assert!(waves().all(|(omega_tw, amplitude)| omega_tw > 2.0 - 1e-9 && amplitude > 0.0));
+    assert!(waves().last().unwrap().1 < 0.1 * waves().next().unwrap().1);
 }
 
 #[test]
@@ -470,7 +480,7 @@ fn refusals_name_value_and_rule() {
         (f64::INFINITY, WaveParameter::Mean, "hold the mean strain of a wave at 0"),
     ] {
         let wanted = Wanted { rho: Some(rho), ..Wanted::of("tw-q15") };
-        let one = ContinueWave { wanted, vary, to: Some(0.5), step: None, waves: 200 };
+        let one = ContinueWave { wanted, vary, to: Some(0.5), step: None, max_points: 200 };
         let text = one.branch(&|_, _| {}).unwrap_err().to_string();
         assert!(text.contains(words), "{text}");
     }

@@ -13,7 +13,7 @@ pub(super) use studies::{limit_wave, wave_study};
 
 use crate::{
     error::{Error, Result},
-    report::{self, Column, Panels, Report, Table},
+    report::{self, Column, Panels, Report},
     study::Progress,
     sweep::map,
 };
@@ -57,38 +57,36 @@ impl Figure {
     ///
     /// # Errors
     /// A run that fails.
-    pub fn report(&self, progress: &(dyn Fn(f64) + Sync)) -> Result<Report> {
+    pub fn report(&self, progress: Progress<'_>) -> Result<Report> {
         let shares = Mutex::new(vec![0.0; self.studies.len()]);
         let numbered: Vec<_> = self.studies.iter().enumerate().collect();
         let reports = map(&numbered, |(k, (_, make))| {
             make(&|share, _| {
                 let mut shares = shares.lock().unwrap_or_else(PoisonError::into_inner);
                 shares[*k] = share;
-                progress(shares.iter().sum::<f64>() / shares.len() as f64);
+                progress(shares.iter().sum::<f64>() / shares.len() as f64, "");
             })
         });
         let (mut tables, mut pictures, mut caption) = (Vec::new(), Vec::new(), self.claim.to_owned());
         for ((tag, _), report) in self.studies.iter().zip(reports) {
-            let (its_tables, mut its_pictures) = report?.parts();
-            let filed = |table: Table| {
-                let name = [self.name, tag, table.name()].into_iter().filter(|part| !part.is_empty());
-                let name = name.collect::<Vec<_>>().join("-");
-                table.filed(name)
-            };
-            tables.extend(its_tables.into_iter().map(filed));
+            let report = report?;
+            if !report.succeeded() {
+                let why = report.remarks().unwrap_or_default().trim_start_matches("error: ").to_owned();
+                return Err(Error::Point { point: format!("study \"{tag}\""), why });
+            }
+            let (its_tables, mut its_pictures) = report.parts(&[self.name, tag]);
+            tables.extend(its_tables);
             let told: Vec<&str> = its_pictures.iter_mut().map(|picture| picture.words()[1].as_str()).collect();
-            caption += &format!("{}{tag}{}{}", " ", if tag.is_empty() { "" } else { ": " }, told.join(" "));
+            caption += &format!(" {tag}{}{}", if tag.is_empty() { "" } else { ": " }, told.join(" "));
             pictures.push(its_pictures);
         }
         caption += &format!(" Paper: {}.", self.source);
         let mut picture = self.layout(pictures);
         *picture.words()[0] = self.title.to_owned();
-        *picture.words()[1] = caption;
+        *picture.words()[1] = caption.clone();
         let report =
             Report::new(self.name).fact("name", self.name).fact("source", self.source).fact("title", self.title);
-        let report = tables.into_iter().fold(report.picture(picture), Report::table);
-        let caption = report.pictures()[0].1.clone().words()[1].clone();
-        Ok(report.fact("caption", caption))
+        Ok(tables.into_iter().fold(report.picture(picture), Report::table).fact("caption", caption))
     }
 
     /// The picture, from those of the studies.

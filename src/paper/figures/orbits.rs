@@ -15,7 +15,7 @@ use crate::{
         Digits::{Hidden, Short},
         Line, Panel, Panels, Report, Table,
     },
-    study::{DarkStudy, Kick, Progress, center_word, doubled_from, evolve, go_on, orbit_study, shown, word},
+    study::{DarkStudy, KINDS, Kick, Progress, center_word, doubled_from, evolve, go_on, orbit_study, shown, word},
     sweep::map,
 };
 
@@ -29,15 +29,12 @@ const ABOVE: f64 = 1.004;
 const NEAR: f64 = 5.0;
 /// Size of the push along the mode at -1, in units of the amplitude, for a seed of doubled period.
 const SEED: f64 = 0.1;
-/// Kinds of multipliers, and their names in legends.
-const KINDS: [(Kind, &str); 4] =
-    [(Kind::Circle, "on the circle"), (Kind::Real, "real"), (Kind::Negative, "negative"), (Kind::Quartet, "quartet")];
 
-fn breather(rho: f64, center: Center, omega_b: f64) -> DarkBreather {
+pub(in crate::paper) fn breather(rho: f64, center: Center, omega_b: f64) -> DarkBreather {
     DarkBreather { params: Params { alpha: 1.5, kappa: 1.0, rho }, center, sites: SITES, omega_b, c_x: 0.0 }
 }
 
-fn orbit(rho: f64, center: Center, omega_b: f64) -> Result<Orbit> {
+pub(in crate::paper) fn orbit(rho: f64, center: Center, omega_b: f64) -> Result<Orbit> {
     breather(rho, center, omega_b).orbit(&Shooting::default())
 }
 
@@ -57,7 +54,7 @@ fn follow(
 }
 
 /// The branch of a family between two frequencies, with about so many points.
-fn between(
+pub(in crate::paper) fn between(
     rho: f64,
     center: Center,
     [from, to]: [f64; 2],
@@ -149,7 +146,11 @@ fn of_branch(branch: &Branch, title: &str) -> Result<Report> {
     let (Some(first), Some(last)) = (branch.points.first(), branch.points.last()) else { return branch.report() };
     let events = |one: &Bifurcation| format!("{:.7} ({})", one.parameter, word(&one.kind).replace('-', " "));
     let events: Vec<String> = branch.bifurcations.iter().map(events).collect();
-    let events = if events.is_empty() { String::new() } else { format!(" Bifurcations at {}.", events.join(", ")) };
+    let above = branch.weak.map_or(1.0, |weak| 1.0 + weak);
+    let events = match events.is_empty() {
+        true => String::new(),
+        false => format!(" Bifurcations, quartets with |λ| above {above} only: {}.", events.join(", ")),
+    };
     let gaps = match branch.gaps.len() {
         0 => String::new(),
         gaps => format!(" {gaps} orbits without multipliers are left out."),

@@ -168,7 +168,7 @@ pub const FIGURES: &[Figure] = &[
         name: "floquet-rho03",
         source: "Sec. 7, fig:r03floq",
         title: "Floquet multipliers of dark breathers, ρ = 1/3",
-        claim: "About a bond one pair is real from the start and another makes an arc through −1; about a site there are quartets only, weak ones until a strong one comes near −1.",
+        claim: "About a bond one pair is real from the start and another makes an arc through −1; about a site there are quartets only, weak ones until a strong one comes near −1. Number and size of the weak quartets depend on the length of the ring.",
         studies: &[
             ("bond", |tell| orbits::family(THIRD, Bond, [0.003, 0.108], (100, true, None), tell)),
             ("site", |tell| orbits::family(THIRD, Site, [0.003, 0.108], (100, true, None), tell)),
@@ -255,7 +255,7 @@ pub const FIGURES: &[Figure] = &[
         name: "rho3-floquet",
         source: "Sec. 7, fig:r3floq",
         title: "Floquet multipliers of dark breathers, ρ = 3",
-        claim: "About a bond the real pair is far stronger than anything else; about a site there are weak quartets only.",
+        claim: "About a bond the real pair is far stronger than anything else; about a site there are weak quartets only. Number and size of the weak quartets depend on the length of the ring.",
         studies: &[
             ("bond", |tell| orbits::family(3.0, Bond, [0.001, 0.2], (100, false, None), tell)),
             ("site", |tell| orbits::family(3.0, Site, [0.001, 0.2], (100, false, None), tell)),
@@ -268,7 +268,7 @@ pub const FIGURES: &[Figure] = &[
         name: "rho10-floquet",
         source: "Sec. 7, fig:r10floq",
         title: "Floquet multipliers of dark breathers, ρ = 10",
-        claim: "Near ω as at ρ = 3; further on the background itself becomes unstable, and whole arcs of quartets leave the circle for both families.",
+        claim: "Near ω as at ρ = 3; further on the background itself becomes unstable, and whole arcs of quartets leave the circle for both families. Number and size of the weak quartets depend on the length of the ring.",
         studies: &[
             ("bond", |tell| orbits::family(10.0, Bond, [0.001, 0.2], (100, false, Some(0.07)), tell)),
             ("site", |tell| orbits::family(10.0, Site, [0.001, 0.2], (100, false, Some(0.07)), tell)),

@@ -74,12 +74,7 @@ pub(super) fn bounds(alpha: f64, epsilons: &[f64], tell: Progress<'_>) -> Result
     let words: Vec<String> = both().map(|((_, law, _), study)| format!("{law}. {}", study.slopes_in_words())).collect();
     let caption = format!("Breather about a bond, A(0) = a², T = 1 of slow time, κ = 1. {}", words.join(" "));
     let report = both().fold(Report::new("bounds"), |report, ((tag, ..), study)| {
-        let tables = study.report().parts().0.into_iter();
-        let filed = |table: Table| {
-            let name = format!("{tag}-{}", table.name());
-            table.filed(name)
-        };
-        tables.map(filed).fold(report, Report::table)
+        study.report().parts(&[tag]).0.into_iter().fold(report, Report::table)
     });
     let columns = vec![Column::new(format!("α = {alpha}"), panels)];
     Ok(report.picture(Panels { columns, caption, ..Panels::default() }))
@@ -106,7 +101,8 @@ pub(super) fn lifetime_map(epsilons: &[f64], rhos: &[f64], until: f64, tell: Pro
 pub(super) fn branch(scene: &str, [from, to]: [f64; 2], tell: Progress<'_>) -> Result<Report> {
     let omega = Scene::load(scene)?.chain().params().omega();
     let wanted = Wanted { omega_tw: Some(omega + from), ..Wanted::of(scene) };
-    let branch = ContinueWave { wanted, vary: WaveParameter::OmegaTw, to: Some(omega + to), step: None, waves: 500 };
+    let (to, step) = (Some(omega + to), Some((to - from) / 100.0));
+    let branch = ContinueWave { wanted, vary: WaveParameter::OmegaTw, to, step, max_points: 500 };
     Ok(branch.branch(tell)?.report())
 }
 

@@ -13,14 +13,12 @@ mod mass_ratio;
 
 use super::{Group, Quantity, Runs};
 use crate::{
-    breathers::DarkBreather,
     chain::Params,
     dps::Center,
     error::Result,
-    orbits::{
-        Bifurcation, BifurcationKind, Continuation, Extent, Kind, Multiplier, Orbit, Parameter, Shooting, Spectrum,
-    },
-    study::{Evolution, Kick, OrbitStudy, branch, evolve, orbit_study},
+    orbits::{Bifurcation, BifurcationKind, Extent, Kind, Multiplier, Shooting, Spectrum},
+    paper::figures::orbits::{between, breather, orbit},
+    study::{Evolution, Kick, OrbitStudy, evolve, orbit_study},
     sweep::map,
 };
 use std::f64::consts::PI;
@@ -42,14 +40,6 @@ pub(super) const GROUPS: &[Group] = &[
 const THIRD: f64 = 1.0 / 3.0;
 /// Quartets with a modulus of at most one plus this are weak.
 const WEAK: f64 = 0.02;
-
-fn breather(rho: f64, center: Center, omega_b: f64) -> Result<DarkBreather> {
-    Ok(DarkBreather { params: Params::new(1.5, 1.0, rho)?, center, sites: 41, omega_b, c_x: 0.0 })
-}
-
-fn orbit(rho: f64, center: Center, omega_b: f64) -> Result<Orbit> {
-    breather(rho, center, omega_b)?.orbit(&Shooting::default())
-}
 
 fn study(rho: f64, center: Center, omega_b: f64) -> Result<OrbitStudy> {
     orbit_study(orbit(rho, center, omega_b)?, &Shooting::default())
@@ -122,7 +112,7 @@ fn profiles(_: &Runs) -> Result<Vec<Quantity>> {
 
 /// The distance of (eq:xy_sw) from the orbit divided by the largest strain.
 fn seed(center: Center) -> Result<f64> {
-    let (seed, orbit) = (breather(THIRD, center, 2.005)?.seed()?, orbit(THIRD, center, 2.005)?);
+    let (seed, orbit) = (breather(THIRD, center, 2.005).seed()?, orbit(THIRD, center, 2.005)?);
     Ok(most(seed.iter().zip(&orbit.z).map(|(a, b)| (a - b).abs())) / orbit.amplitude())
 }
 
@@ -179,16 +169,8 @@ fn frequencies(_: &Runs) -> Result<Vec<Quantity>> {
 }
 
 /// The bifurcations of a kind between two frequencies at `rho = 1/3`.
-fn bifurcations(center: Center, [from, to]: [f64; 2], kind: BifurcationKind) -> Result<Vec<Bifurcation>> {
-    let continuation = Continuation {
-        parameter: Parameter::OmegaB,
-        to,
-        step: to - from,
-        most_points: 100,
-        natural: false,
-        shooting: Shooting::default(),
-    };
-    let branch = branch(&breather(THIRD, center, from)?, &continuation, WEAK, &|_, _| {})?;
+fn bifurcations(center: Center, range: [f64; 2], kind: BifurcationKind) -> Result<Vec<Bifurcation>> {
+    let branch = between(THIRD, center, range, 1, Some(WEAK), &|_, _| {})?;
     Ok(branch.bifurcations.into_iter().filter(|one| one.kind == kind).collect())
 }
 

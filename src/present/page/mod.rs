@@ -81,10 +81,12 @@ impl Shown {
                 }
             }
             @for one in self.report.blocks() { (block(one)) }
-            p.data { "Data: "
-                @for (k, (name, bytes)) in self.report.csv().enumerate() {
-                    @if k > 0 { ", " }
-                    a download=(name) href=(uri("text/plain", &bytes)) { (name) }
+            @if self.report.csv().next().is_some() {
+                p.data { "Data: "
+                    @for (k, (name, bytes)) in self.report.csv().enumerate() {
+                        @if k > 0 { ", " }
+                        a download=(name) href=(uri("text/plain", &bytes)) { (name) }
+                    }
                 }
             }
         }
@@ -203,8 +205,7 @@ impl Page {
             .col("pictures", Short, "", Section::pictures)
             .col("wall_s", Fixed(1), "", |one| one.wall.as_secs_f64())
             .head("wall (s)")
-            .col("shows", Short, "", |one| one.shows.clone())
-            .head("what it shows")
+            .col("shows", Json, "", |one| one.shows.clone())
             .col("title", Json, "", |one| one.title)
             .col("failures", Json, "", move |one| json!(failures(one)));
         Report::new("report").table(table).fact("machine", machine_json())

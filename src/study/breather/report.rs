@@ -62,46 +62,12 @@ impl BrightStudy {
         let Self { scene, breather, kink, profiles, .. } = self;
         let (params, core, end, horizon) = (breather.params(), breather.core(), scene.end(), breather.horizon());
         let layout = scene.chain().layout();
-        let all: Vec<_> = self.samples.iter().map(|sample| (sample, sample.norms)).collect();
-        let norms = samples("norms", &all).in_text([]).done();
-        let mut before = 0.0;
-        let largest = |sample: &BrightSample| self.largest(std::mem::replace(&mut before, sample.t), sample.t);
-        let largest: Vec<_> = self.periods().map(largest).collect();
-        let periods: Vec<_> = self.periods().zip(largest).collect();
         let column = |of: fn(&BrightSample) -> f64| self.periods().map(of).collect::<Vec<_>>();
-        let [states, forces] = self.hidden_tables();
         let profiles = profiles
             .iter()
             .map(|one| json!({"t": one.t, "u": layout.u(&one.state), "v": layout.v(&one.state).unwrap_or_default()}));
-        let left =
-            self.tenth_left.map_or(String::new(), |t| format!(" A tenth of the energy has left it at t = {t:.1}."));
-        let four = |norms: Norms| norms.all().map(shown).join(", ");
-        let at = |sample: Option<&BrightSample>| sample.map_or("–".to_owned(), |sample| four(sample.norms));
-        let how = format!(
-            "ε = {}, T = 2π/ω₀ = {:.4}, T ε^(1−α) = {horizon:.3}, T_b = {:.4}. Norms E_u, E_u′, E_v, E_v′ of (diff_u_l1norm), \
-             (diff_v_l1norm) at multiples of T_b; at 30 T_b: {}; at the end: {}; at most {} up to T ε^(1−α). Share of the \
-             energy in the core.{left} {}.",
-            breather.epsilon(),
-            breather.slow_period(),
-            breather.period(),
-            at(self.at(self.shown_time())),
-            at(self.samples.last()),
-            four(self.largest(0.0, horizon)),
-            self.setting
-        );
-        let periods = samples("periods", &periods)
-            .few(ROWS)
-            .col("e_u_max", Hidden, "largest since the row before", |row| row.1.u)
-            .col("e_udot_max", Hidden, "", |row| row.1.u_dot)
-            .col("e_v_max", Hidden, "", |row| row.1.v)
-            .col("e_vdot_max", Hidden, "", |row| row.1.v_dot)
-            .done();
-        let picture = Panels {
-            title: format!("Bright breather, ε = {}", breather.epsilon()),
-            // Between multiples of T_b norms oscillate; a short run has few of these.
-            columns: self.columns(if self.samples.len() > 100 { &periods } else { &norms }),
-            caption: scene_caption(scene, &how),
-        };
+        let [norms, periods, states, forces] = self.tables();
+        let picture = self.picture(&norms, &periods);
         Report::new("breather")
             .fact("scene", scene.name())
             .fact("setting", &self.setting)
@@ -157,8 +123,21 @@ impl BrightStudy {
             .picture(picture)
     }
 
-    /// States, and mean contact forces of bonds.
-    fn hidden_tables(&self) -> [Table; 2] {
+    /// All samples, and those at multiples of the period; states; mean contact forces of bonds.
+    fn tables(&self) -> [Table; 4] {
+        let all: Vec<_> = self.samples.iter().map(|sample| (sample, sample.norms)).collect();
+        let norms = samples("norms", &all).in_text([]).done();
+        let mut before = 0.0;
+        let largest = |sample: &BrightSample| self.largest(std::mem::replace(&mut before, sample.t), sample.t);
+        let largest: Vec<_> = self.periods().map(largest).collect();
+        let periods: Vec<_> = self.periods().zip(largest).collect();
+        let periods = samples("periods", &periods)
+            .few(ROWS)
+            .col("e_u_max", Hidden, "largest since the row before", |row| row.1.u)
+            .col("e_udot_max", Hidden, "", |row| row.1.u_dot)
+            .col("e_v_max", Hidden, "", |row| row.1.v)
+            .col("e_vdot_max", Hidden, "", |row| row.1.v_dot)
+            .done();
         let (breather, layout) = (&self.breather, self.scene.chain().layout());
         let rows: Vec<_> = self
             .profiles
@@ -184,7 +163,7 @@ impl BrightStudy {
             .col("first_period", Hidden, "mean contact force over the first period", |row| *row.1.0)
             .col("after_end", Hidden, "and over a period that begins at the end", |row| *row.1.1)
             .done();
-        [states, forces]
+        [norms, periods, states, forces]
     }
 
     fn words(&self) -> String {
@@ -256,13 +235,36 @@ impl BrightStudy {
 
     /// Beads and resonators at the times shown, beside the ansatz at the end; norms over the whole run
     /// and up to the horizon, and the share of the core.
-    fn columns(&self, periods: &Table) -> Vec<Column> {
-        let layout = self.scene.chain().layout();
+    fn picture(&self, norms: &Table, periods: &Table) -> Panels {
+        let Self { scene, breather, .. } = self;
+        let (end, horizon) = (scene.end(), breather.horizon());
+        // Between multiples of T_b norms oscillate; a short run has few of these.
+        let (drawn, when) =
+            if self.samples.len() > 100 { (periods, "at multiples of T_b") } else { (norms, "at all samples") };
+        let four = |norms: Norms| norms.all().map(shown).join(", ");
+        let at = |name: &str, sample: Option<&BrightSample>| {
+            sample.map_or(String::new(), |sample| format!("{name}: {}; ", four(sample.norms)))
+        };
+        let left =
+            self.tenth_left.map_or(String::new(), |t| format!(" A tenth of the energy has left it at t = {t:.1}."));
+        let how = format!(
+            "ε = {}, T = 2π/ω₀ = {:.4}, T ε^(1−α) = {horizon:.3}, T_b = {:.4}. Norms E_u, E_u′, E_v, E_v′ of (diff_u_l1norm), \
+             (diff_v_l1norm) {when}; {}{}at most {} up to t = {:.4}. Share of the energy in the core.{left} {}.",
+            breather.epsilon(),
+            breather.slow_period(),
+            breather.period(),
+            at("at 30 T_b", self.at(self.shown_time())),
+            at("at the end", self.samples.last()),
+            four(self.largest(0.0, horizon.min(end))),
+            horizon.min(end),
+            self.setting
+        );
+        let layout = scene.chain().layout();
         let sites = |name: String, values: &[f64]| Line::new(&name, (0..).map(f64::from).zip(values.iter().copied()));
         let at = |t: f64| format!("t = {t:.2}");
         let mut beads: Vec<Line> = self.profiles.iter().map(|one| sites(at(one.t), layout.u(&one.state))).collect();
         if let Some(last) = self.profiles.last() {
-            let ansatz: Vec<f64> = (0..layout.sites()).map(|n| self.breather.site(n, last.t).u).collect();
+            let ansatz: Vec<f64> = (0..layout.sites()).map(|n| breather.site(n, last.t).u).collect();
             beads.push(sites("ansatz there".to_owned(), &ansatz));
         }
         let moving = |one: &Shown| layout.v(&one.state).map(|v| sites(at(one.t), v));
@@ -274,13 +276,18 @@ impl BrightStudy {
                 .map(|lines| Panel::new(Kind::Sites, ["site n", "position vₙ"], lines)),
         );
         let norms = [("E_u", "e_u"), ("E_u′", "e_udot"), ("E_v", "e_v"), ("E_v′", "e_vdot")];
-        let norms = |label| periods.panel(Kind::Time, [label, "rescaled l₁ norm"], "t", &norms);
-        let mut early = norms("time t up to T ε^(1−α)");
-        let within = |point: &(f64, f64)| point.0 <= self.breather.horizon();
-        early.lines.iter_mut().for_each(|line| line.points.retain(within));
-        let share =
-            periods.panel(Kind::Time, ["time t", "share of the energy"], "t", &[("share of the core", "core_share")]);
-        vec![Column::new("", left), Column::new("", [norms("time t"), early, share])]
+        let norms = |label| drawn.panel(Kind::Time, [label, "rescaled l₁ norm"], "t", &norms);
+        let mut right = vec![norms("time t")];
+        if horizon < end {
+            let mut early = norms("time t up to T ε^(1−α)");
+            early.lines.iter_mut().for_each(|line| line.points.retain(|point| point.0 <= horizon));
+            right.push(early);
+        }
+        let share = [("share of the core", "core_share")];
+        right.push(drawn.panel(Kind::Time, ["time t", "share of the energy"], "t", &share));
+        let title = format!("Bright breather, ε = {}", breather.epsilon());
+        let columns = vec![Column::new("", left), Column::new("", right)];
+        Panels { title, columns, caption: scene_caption(scene, &how) }
     }
 }
 

@@ -17,6 +17,7 @@ use crate::{
     error::{Error, Result},
     orbits::{
         DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
+        Problem,
     },
     report::Report,
     scene::{Quantity, Scene, Units},
@@ -226,7 +227,7 @@ impl Study for DrivenContinue {
         let si = self.told.si.units(&scene)?;
         let parameter = branch.continuation.parameter;
         let way = self.way.read(Scale(si.as_ref()), parameter, &branch.setting);
-        let branch = self.way.as_given(si, parameter, branch.onward(way.to, way.step, way.branch.max_points))?;
+        let branch = self.way.as_given(si, branch.onward(way.to, way.step, way.branch.max_points))?;
         Ok(Box::new(move |engine, progress| followed(scene, branch, si, way.branch.switch, engine, progress)?.report()))
     }
 
@@ -254,9 +255,9 @@ impl DrivenWay {
     }
 
     /// A refusal of a number with its value as it was given.
-    fn as_given<T>(&self, si: Option<Units>, parameter: DriveParameter, result: Result<T>) -> Result<T> {
+    fn as_given<T>(&self, si: Option<Units>, result: Result<T>) -> Result<T> {
         let &Self { to, step, .. } = self;
-        Scale(si.as_ref()).given(result, &[("to", to), (parameter.name(), to), ("step", step)])
+        Scale(si.as_ref()).given(result, &[("to", to), ("step", step)])
     }
 
     /// The continuation from a scene, and the units in which it was given and is told.
@@ -270,7 +271,7 @@ impl DrivenWay {
         let si = si.units(scene)?;
         let setting = search.setting(scene)?;
         let read = self.read(Scale(si.as_ref()), self.vary, &setting);
-        let continuation = self.as_given(si, self.vary, read.continuation(&setting))?;
+        let continuation = self.as_given(si, read.continuation(&setting))?;
         Ok((setting, continuation, si))
     }
 
@@ -282,7 +283,7 @@ impl DrivenWay {
         let step = step.unwrap_or(0.05 * (to - from).abs());
         let (most_points, shooting) = (branch.max_points, DrivenShooting::default());
         let continuation = DrivenContinuation { parameter, to, step, most_points, shooting };
-        continuation.check(setting)?;
+        continuation.check_range(setting, from)?;
         Ok(continuation)
     }
 }

@@ -39,12 +39,13 @@ impl Evolution {
         let end = end.map_or(String::new(), |(t, e_b)| format!("E_b({t:.0}) = {e_b:.1e}; "));
         let velocity = |one: &Motion| format!("{} to t = {:.0}", shown(one.velocity).replace('-', "−"), one.window.1);
         let caption = format!(
-            "Orbit of ω_b = {}, {}, {} sites{kick}. Colours: largest strain of each period, up to twice that of the orbit; \
+            "Orbit of ω_b = {}, {}, {} sites{kick}. Colours: largest strain in each {} of time, up to twice that of the orbit; \
              magenta: above. {end}while rounding errors are small, they grow by a factor of {:.1e} in this run. Velocity of \
              the kink in the last three quarters: {}.",
             setting.omega_b,
             params_words(setting.params),
             setting.sites,
+            shown(self.swing.span),
             self.amplification,
             self.motion.iter().map(velocity).collect::<Vec<_>>().join(", "),
         );

@@ -284,8 +284,8 @@ options! {
         ///
         /// [default: a twentieth of the range]
         step: Option<f64> = None, "DP";
-        /// Largest number of waves on the branch.
-        waves: usize = 200, "N";
+        /// Points of the branch at most.
+        max_points: usize = 200, "N";
     }
 }
 
@@ -339,7 +339,7 @@ impl ContinueWave {
             parameter: self.vary,
             to: self.to.unwrap_or(f64::NAN),
             step: self.step.unwrap_or(f64::INFINITY),
-            most_points: self.waves,
+            most_points: self.max_points,
             search: numbers.search,
         };
         // The value at the first wave is not known yet.

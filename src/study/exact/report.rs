@@ -109,9 +109,9 @@ impl ExactStudy {
         let wave = &self.wave;
         let fastest = self.spectrum.fastest().map_or("no multiplier grows".to_owned(), |fastest| {
             format!(
-                "the fastest multiplier grows by {} a unit of time at p = {} π",
+                "the fastest multiplier grows by {} a unit of time at p = {}",
                 shown(fastest.growth),
-                shown(fastest.bloch / PI)
+                of_pi(fastest.bloch)
             )
         });
         let beside = match (self.ansatz, self.errors) {
@@ -258,16 +258,21 @@ impl WaveBranchStudy {
     pub fn report(&self) -> Report {
         let Self { scene, branch } = self;
         let (continuation, base, end) = (branch.continuation, branch.setting, branch.ended());
-        let fast = |point: &&WavePoint| {
-            let growth = point.spectrum.fastest().map(|fastest| fastest.growth).zip(point.measures.modulation);
-            growth.is_some_and(|(growth, modulation)| growth > 2.0 * modulation)
+        let fast = |point: &WavePoint| {
+            let (growth, modulation) = (point.spectrum.fastest()?.growth, point.measures.modulation?);
+            let words = || {
+                let (omega_tw, amplitude) = (point.orbit.setting.omega_tw, shown(point.orbit.amplitude()));
+                let (growth, modulation) = (shown(growth), shown(modulation));
+                format!(
+                    " The first growth of more than twice that of DpS is {growth}, that of DpS {modulation}, at ω_tw = \
+                     {omega_tw:.5}, amplitude {amplitude}."
+                )
+            };
+            (growth > 2.0 * modulation).then(words)
         };
-        let grows = branch.points.iter().find(fast).map_or("Growth is near that of DpS".to_owned(), |point| {
-            let (omega_tw, amplitude) = (point.orbit.setting.omega_tw, shown(point.orbit.amplitude()));
-            format!("Growth is more than twice that of DpS from ω_tw = {omega_tw:.5}, amplitude {amplitude}, on")
-        });
+        let grows = branch.points.iter().find_map(fast).unwrap_or_default();
         let about = format!(
-            "{} at the first wave, N = {}. {} waves; the branch ends because {}.{} {grows}.",
+            "{} at the first wave, N = {}. {} waves; the branch ends because {}.{}{grows}",
             params_words(base.setting.params),
             base.sites,
             branch.points.len(),

@@ -157,7 +157,7 @@ impl LifetimeStudy {
             (name.to_owned(), those.collect())
         };
         let apart = vec![which("longer than the run", &longer), which("gaps open: no breather", &decoupled)];
-        let (first, last) = (x[0] / 3_f64.sqrt(), x[x.len() - 1] * 3_f64.sqrt());
+        let (first, last) = (x[0] / 10.0, x[x.len() - 1] * 10.0);
         let contour = |value: f64| {
             let sizes = (0..=400).map(|k| first * (last / first).powf(f64::from(k) / 400.0));
             let heavy = |epsilon: f64| (epsilon, value * RhoLaw::Heavy.rho(options.alpha, epsilon));

@@ -3,6 +3,8 @@
 
 mod report;
 
+pub(crate) use report::KINDS;
+
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
 use super::{
@@ -190,6 +192,9 @@ impl Continue {
         };
         let (from, to) = (end(self.from, RANGE[0], "from")?, end(self.to, RANGE[1], "to")?);
         breather.set(parameter, from);
+        if varies {
+            breather.seed().map_err(|why| why.named("from"))?;
+        }
         let continuation = Continuation {
             parameter,
             to,

@@ -24,6 +24,9 @@ const LEADING: usize = 8;
 /// Moduli above which an orbit is drawn as unstable: roundings of multipliers on the circle stay
 /// below.
 const UNSTABLE: f64 = 1.0 + 1e-6;
+/// Kinds of multipliers, and their names in legends.
+pub(crate) const KINDS: [(Kind, &str); 4] =
+    [(Kind::Circle, "on the circle"), (Kind::Real, "real"), (Kind::Negative, "negative"), (Kind::Quartet, "quartet")];
 
 impl DarkStudy {
     /// The report: the orbit and its multipliers, with measured errors of both.
@@ -132,16 +135,11 @@ impl OrbitStudy {
             let all = self.spectrum.multipliers.iter().filter(|one| one.kind == kind);
             Line::new(name, all.map(|one| (one.re, one.im)))
         };
-        let kinds = vec![
-            marks("on the circle", Kind::Circle),
-            marks("real", Kind::Real),
-            marks("negative", Kind::Negative),
-            marks("quartet", Kind::Quartet),
-        ];
+        let kinds = KINDS.map(|(kind, name)| marks(name, kind)).into();
         let above = format!("{title}, ω_b = {omega_b}");
         let plane = Panel { title: above, ..Panel::new(report::Kind::Plane, ["Re λ", "Im λ"], kinds) };
         let caption = format!(
-            "Strains at rest, and Floquet multipliers; the largest modulus is {:.9}. N = {sites}, {}, ω_b = {omega_b}, residual {:.1e}.",
+            "Largest modulus of a multiplier {:.9}. N = {sites}, {}, ω_b = {omega_b}, residual {:.1e}.",
             self.spectrum.largest(),
             params_words(params),
             self.orbit.residual,

@@ -121,7 +121,7 @@ impl TheoremStudy {
             .fact("wall_s", self.wall.as_secs_f64())
             .picture(self.picture())
             .remark((self.missing > 0).then_some(missing))
-            .failed(self.contradicts());
+            .failure(self.contradicts().then(|| self.conclusion().to_owned()));
         let text = report.text();
         report.file("theorem.txt", text.into_bytes())
     }

@@ -224,7 +224,8 @@ impl Problem for WaveContinuation {
 
     fn equations(&self, base: &WaveBase, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
         let (setting, state) = self.at(base, z, p);
-        let amplitude = amplitude_row(&setting).iter().zip(&state).map(|(row, z)| row * z).sum::<f64>();
+        let row = amplitude_row(&setting);
+        let amplitude = row.iter().zip(&state).map(|(row, z)| row * z).sum::<f64>();
         if amplitude <= 0.0 {
             // Beyond the linear waves another branch begins; the step is halved.
             return Err(amplitude_rule(amplitude));
@@ -235,7 +236,6 @@ impl Problem for WaveContinuation {
             jacobian.columns_mut(n / 2, n / 2).scale_mut(setting.omega_tw);
         }
         if self.parameter == WaveParameter::Amplitude {
-            let row = amplitude_row(&setting);
             residual = residual.push(amplitude - p);
             if derivative {
                 let by = DIFFERENCE * base.size;
