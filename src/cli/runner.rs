@@ -245,7 +245,7 @@ fn files_help<S: Study>() -> String {
     let store = match S::STORE {
         "" => String::new(),
         store => {
-            format!("{store} keeps every point as soon as it was computed; the same command resumes from it.\n\n")
+            format!("{store} keeps every point as soon as it is computed; the same command resumes from it.\n\n")
         }
     };
     format!("{tables}{store}{}", S::FILES)

@@ -148,7 +148,7 @@ impl Barrier {
         for (name, value) in [("from", from), ("to", to)] {
             if !(value.is_finite() && value > omega) {
                 let value = format!("{value}, where omega = {omega}");
-                return Err(Error::parameter(name, value, "a dark breather has a frequency above omega"));
+                return Err(Error::parameter(name, value, "a dark breather has a finite frequency above omega"));
             }
         }
         if from >= to {

@@ -68,7 +68,7 @@ options! {
         /// the end of the band of weak waves.
         omegas: Vec<f64> = vec![2.002, 2.004, 2.006, 2.008, 2.01, 2.015, 2.02], "W,..";
         /// Displacement amplitude of the first bead.
-        drive: f64 = 0.05, "A", (positive);
+        drive: f64 = 0.05, "A", (1e-10 to 1e6);
         /// Static overlap of all contacts.
         overlap: f64 = 0.05, "G", (positive);
         /// Mass ratio resonator to bead, positive.

@@ -26,7 +26,7 @@ options! {
     #[derive(Copy, PartialEq, Eq)]
     pub struct BranchOptions {
         /// Points of the branch at most.
-        max_points: usize = 200, "N";
+        max_points: usize = 200, "N", (2 or more);
         /// Follow the branch that crosses at bifurcation K, too.
         ///
         /// A period doubling, for orbits of the doubled period, or a branch point; bifurcations are

@@ -189,7 +189,7 @@ fn tables(report: Report, rows: &[DriftRow], end: f64) -> Report {
             row.t.iter().rposition(|&t| t <= early).map(|k| row.run.energy_error[k])
         })
         .col("last_error", Power(1), "the same up to the end", |row| row.run.energy_error.last().copied())
-        .col("slope", Fixed(2), "of its logarithm against that of t, in between", |row| row.slope)
+        .col("slope", Fixed(2), "of the logarithm of the error against that of t", |row| row.slope)
         .col("wall", Power(2), "wall time, in seconds", |row| row.run.wall)
         .col("steps", Short, "", |row| row.run.work[0])
         .col("rejected", Hidden, "rejected steps", |row| row.run.work[1])
@@ -219,17 +219,11 @@ pub fn drift(scene: &Scene, options: &DriftOptions, engine: &Engine, progress: P
     }
     let scene = scene.clone().until(periods * scene.period())?;
     let times = spaced(scene.period(), scene.end(), *samples);
-    let mut distinct: Vec<Method> = Vec::new();
-    for method in methods {
-        if !distinct.contains(&method) {
-            distinct.push(method);
-        }
-    }
     let settings = json!({"scene": scene_json(&scene), "times": samples, "kicks": KICKS, "tolerance": TOLERANCE});
     let grid = Grid { store: Drift::STORE, study: "drift", settings };
-    let swept = engine.sweep(&grid, &distinct, progress, |&method| run(&scene, method, &times))?;
-    let all = swept.all(&distinct, Method::name)?;
-    let rows = distinct.iter().zip(all).map(|(&method, run)| row_of(&scene, method, &times, run));
+    let swept = engine.sweep(&grid, &methods, progress, |&method| run(&scene, method, &times))?;
+    let all = swept.all(&methods, Method::name)?;
+    let rows = methods.iter().zip(all).map(|(&method, run)| row_of(&scene, method, &times, run));
     Ok(DriftStudy { rows: rows.collect::<Result<_>>()?, scene, periods: *periods })
 }
 

@@ -70,7 +70,7 @@ options! {
         /// Separated by commas, in radians per unit of time; above omega = sqrt(1 + 1/rho).
         omegas: Vec<f64> = vec![2.03, 2.05], "W,..";
         /// Mass ratio resonator to bead, positive.
-        rho: f64 = 1.0 / 3.0, "R";
+        rho: f64 = 1.0 / 3.0, "R", (positive);
         /// Drag on beads: force per velocity of a bead.
         drag: f64 = 0.01, "C", (from 0);
         /// Dashpots beside the springs of resonators: force per relative velocity.
@@ -260,16 +260,16 @@ fn first_harmonic(samples: impl ExactSizeIterator<Item = f64>) -> Complex<f64> {
 
 impl EndDriven {
     fn check(&self) -> Result<()> {
-        let params = Params::new(1.5, 1.0, self.rho)?;
         self.within_ranges()?;
-        if let Some(omega) = self.omegas.iter().find(|omega| !(omega.is_finite() && **omega > params.omega())) {
+        let least = Params::new(1.5, 1.0, self.rho)?.omega();
+        if let Some(omega) = self.omegas.iter().find(|omega| !(omega.is_finite() && **omega > least)) {
             return Err(Error::parameter("omegas", omega, "finite, and above sqrt(1 + 1/rho)"));
         }
         if self.drag + self.dashpot == 0.0 {
             return Err(Error::parameter("drag", 0, "a chain without drag has a dashpot"));
         }
         if self.step >= self.to {
-            return Err(Error::parameter("step", self.step, "below the largest amplitude"));
+            return Err(Error::parameter("step", self.step, "below the largest amplitude, --to"));
         }
         Ok(())
     }

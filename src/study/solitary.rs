@@ -41,11 +41,11 @@ options! {
         /// Speed of the pulses, in sites per unit of time.
         ///
         /// [default: that of the pulse of overlap 1 without resonators]
-        speed: Option<f64> = None, "C", (positive);
+        speed: Option<f64> = None, "C", (1e-3 to 1e3);
         /// Mass ratios resonator to bead, separated by commas.
         ///
         /// [default: ratios with omega/speed from 1.5 pi to 3.6 pi]
-        rhos: Vec<f64> = vec![], "A,B,..", (positive);
+        rhos: Vec<f64> = vec![], "A,B,..", (1e-6 to 100);
         /// Number of sites.
         ///
         /// Length of the ring. A pulse with tails is computed on a ring that is up to
@@ -144,8 +144,6 @@ impl Solitary {
         self.within_ranges()?;
         let (line, search) = (LinePulse::new(self.alpha), Search { tol: self.tol, ..Search::default() });
         let speed = self.speed.unwrap_or(line.coefficient());
-        let plain = Params { alpha: self.alpha, kappa: 0.0, rho: 0.0 };
-        let hertz = SolitaryWave::new(plain, speed, self.sites, &line, &search)?;
         let rhos = if self.rhos.is_empty() { self.default_rhos(speed) } else { self.rhos.clone() };
         let tail = |&rho: &f64| {
             let params = Params { alpha: self.alpha, kappa: self.kappa, rho };
@@ -166,7 +164,10 @@ impl Solitary {
         let settings =
             json!({"alpha": self.alpha, "kappa": self.kappa, "speed": speed, "sites": self.sites, "tol": self.tol});
         let grid = Grid { store: Self::STORE, study: "solitary", settings };
-        let swept = engine.sweep(&grid, &rhos, progress, tail)?.values(&rhos, |rho| format!("rho = {rho}"))?;
+        let swept =
+            engine.sweep(&grid, &rhos, progress, tail)?.values(&rhos, |rho| format!("rho = {}", shown(*rho)))?;
+        let plain = Params { alpha: self.alpha, kappa: 0.0, rho: 0.0 };
+        let hertz = SolitaryWave::new(plain, speed, self.sites, &line, &search)?;
         let tails: Vec<Tail> = swept.into_iter().map(|(_, tail)| tail).collect();
         let sites = line.at_sites();
         let decay = sites.iter().map(|g| g / sites[0]).collect();
@@ -256,7 +257,7 @@ impl SolitaryStudy {
              from the Fourier transform of the plain pulse for beads of mass 1 + ρ; k = ω/c. {fit} with W from 10⁻¹² to \
              10⁻³ of the crest g and |sin(k/2)| ≥ 0.1.",
             self.options.alpha,
-            self.options.kappa,
+            shown(self.options.kappa),
             self.hertz.speed,
             self.options.sites,
             self.hertz.coefficient(),

@@ -99,7 +99,7 @@ pub trait Backend {
 }
 
 /// Counts finished points, on any thread, and reports the count.
-pub struct Tally<'a> {
+struct Tally<'a> {
     done: AtomicU64,
     total: u64,
     tell: &'a (dyn Fn(u64, u64) + Sync),
@@ -107,27 +107,18 @@ pub struct Tally<'a> {
 
 impl<'a> Tally<'a> {
     /// A count of zero out of `total`; `tell` is called with the count and the total.
-    pub fn new(total: usize, tell: &'a (dyn Fn(u64, u64) + Sync)) -> Self {
+    fn new(total: usize, tell: &'a (dyn Fn(u64, u64) + Sync)) -> Self {
         Self { done: AtomicU64::new(0), total: total as u64, tell }
     }
 
     /// Counts one more point.
-    pub fn tick(&self) {
+    fn tick(&self) {
         self.add(1);
     }
 
     fn add(&self, count: usize) {
         let count = count as u64;
         (self.tell)(self.done.fetch_add(count, Ordering::Relaxed) + count, self.total);
-    }
-
-    /// [`map`] that counts each item.
-    pub fn map<T: Sync, U: Send>(&self, items: &[T], f: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
-        map(items, |item| {
-            let result = f(item);
-            self.tick();
-            result
-        })
     }
 }
 

@@ -57,6 +57,15 @@ fn strang_keeps_order_two_through_contact() {
     }
 }
 
+// With 14 beads two events lie closer together than the shifts of the tangent move them, so that
+// they happen in another order.
+#[test]
+fn runs_of_the_tangent_may_have_another_order_of_events() {
+    let study = order(&options(1.5, 14, &["strang-linear"]), &Engine::threads(), &|_, _| ()).unwrap();
+    assert!(study.floor.0 < 1e-10 && study.floor.1 < 1e-8, "{:?}", study.floor);
+    assert!((slope(&study, "strang-linear", Mode::Plain, Quantity::State) - 2.0).abs() < 0.1);
+}
+
 /// The number of rows of methods of order four and more that cross contacts.
 fn assert_compositions_fall(study: &OrderStudy) -> usize {
     let rows = study.rows.iter().filter(|row| row.mode == Mode::Plain && row.method.order() >= 4);

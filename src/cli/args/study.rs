@@ -36,8 +36,7 @@ pub(crate) enum StudyAction {
     /// chain and of the run; also charts resonances. A point is one
     /// method on one variant of the chain: stable, drifting or lost (its energy error exceeds 1, or
     /// the run failed), its energy error, the largest steps that keep the error below 1e-3 and
-    /// below 1e-6, and their cost. With --out points are kept as they are computed, and a run that
-    /// was killed resumes.
+    /// below 1e-6, and their cost.
     #[command(after_long_help = "\
 Example:
   hertzchain study stability --charts light,resonances --quick \\
@@ -72,8 +71,7 @@ Example:
     /// closed less than 1/3 of the time: gaps open, each site oscillates on its own, and the energy
     /// stays. `persists`: neither before the cap.
     ///
-    /// With --out points are kept as they are computed, in lifetimes.store: a run that was killed
-    /// resumes, and another criterion or a larger map computes only what is new.
+    /// Another criterion or a larger map computes only what is new.
     #[command(after_long_help = "\
 Example:
   hertzchain study lifetimes --epsilons 0.01,0.1 --rhos 1e3,1e4 --out out/map")]
@@ -105,9 +103,6 @@ Example:
     ///
     /// The energy of a solitary wave against distance, over many chains, for several strengths of
     /// the disorder.
-    ///
-    /// With --out every chain is kept as soon as it was run, in disorder.store: a run that was
-    /// killed resumes.
     #[command(
         after_long_help = "Example:\n  hertzchain study disorder --strengths 0.2,0.4 --chains 50 --out out/disorder"
     )]

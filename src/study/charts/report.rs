@@ -199,8 +199,8 @@ fn ladder(study: &ChartStudy, chart: Chart) -> Table {
         .col("step", Hidden, "the mean one for adaptive methods", |row| row.2.step)
         .col("tol", Hidden, "tolerance", |row| row.2.tol)
         .col("h_fast", Hidden, "step times the fast frequency", |row| row.1 * row.2.step)
-        .col("verdict", Hidden, "", |row| word(&row.2.verdict))
-        .col("energy_error", Hidden, "", |row| row.2.error)
+        .col("verdict", Hidden, "stable, drifting, lost or dear", |row| word(&row.2.verdict))
+        .col("energy_error", Hidden, "largest |H - H(0)|/|H(0)|", |row| row.2.error)
         .col("cost", Hidden, "force evaluations a unit of time", |row| row.2.cost)
         .done()
 }
@@ -235,7 +235,7 @@ fn errors(study: &ChartStudy, chart: Chart) -> Table {
             .col("h_omega", Fixed(3), "step above which the energy has no bound, at the lightest", |method| {
                 limit(method).map(|(limit, _)| limit)
             })
-            .col("h_contact", Power(1), "", second)
+            .col("h_contact", Power(1), "the same times Omega_c over the fast frequency", second)
             .head("h Omega_c");
     }
     table.done()
@@ -257,7 +257,7 @@ fn resonances(points: &[ResonancePoint]) -> Table {
         .col("lower", Hidden, "lower edge in h omega", of(|found| Some(found.edges[0])))
         .col("upper", Hidden, "upper edge", of(|found| Some(found.edges[1])))
         .col("centre", Hidden, "where it grows most", of(|found| Some(found.centre)))
-        .col("width", Hidden, "", of(|found| Some(found.edges[1] - found.edges[0])))
+        .col("width", Hidden, "upper less lower edge", of(|found| Some(found.edges[1] - found.edges[0])))
         .col("growth", Hidden, "growth a step, ln |lambda|", of(|found| Some(found.growth)))
         .col("error_inside", Hidden, "energy error at the centre", of(|found| found.inside))
         .col("error_beside", Hidden, "energy error at h omega = (k - 1/2) pi", of(|found| found.beside))

@@ -285,7 +285,7 @@ options! {
         /// [default: a twentieth of the range]
         step: Option<f64> = None, "DP";
         /// Points of the branch at most.
-        max_points: usize = 200, "N";
+        max_points: usize = 200, "N", (2 or more);
     }
 }
 

@@ -30,9 +30,9 @@ fn told<'a, T>(rows: Rows<'a, T>, of: impl Fn(&T) -> &ExactWave + Copy + 'a) -> 
         .col("kappa", Hidden, "", move |one| of(one).setting.params.kappa)
         .col("rho", Hidden, "", move |one| of(one).setting.params.rho)
         .col("omega_tw", Fixed(9), "frequency", move |one| of(one).setting.omega_tw)
-        .col("period", Hidden, "", move |one| of(one).setting.period())
+        .col("period", Hidden, "2 pi/omega_tw", move |one| of(one).setting.period())
         .col("amplitude", Power(9), "height of the crest above the mean strain", move |one| of(one).amplitude())
-        .col("mean_strain", Power(9), "", move |one| of(one).mean())
+        .col("mean_strain", Power(9), "mean of the strains over a period", move |one| of(one).mean())
         .col("residual", Power(1), "of Newton's method, over the amplitude", move |one| of(one).residual)
 }
 
@@ -244,12 +244,12 @@ fn multipliers(rows: &[WaveMultiplier]) -> Table {
         .col("bloch", Hidden, "Bloch wave number", |one| one.bloch)
         .col("re", Hidden, "real part of the multiplier", |one| one.re)
         .col("im", Hidden, "imaginary part", |one| one.im)
-        .col("modulus", Hidden, "", |one| one.modulus)
+        .col("modulus", Hidden, "absolute value", |one| one.modulus)
         .col("error", Hidden, "estimated error of the modulus", |one| one.error)
         .col("krein", Hidden, "Krein signature on the circle, 0 elsewhere", |one| f64::from(one.krein))
         .col("growth", Hidden, "per unit of time", |one| one.growth)
         .col("frequency", Hidden, "in radians per unit of time", |one| one.frequency)
-        .col("kind", Hidden, "", |one| word(&one.kind))
+        .col("kind", Hidden, "where it lies", |one| word(&one.kind))
         .done()
 }
 

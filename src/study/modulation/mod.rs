@@ -263,11 +263,11 @@ pub fn stability(options: &StabilityOptions, engine: &Engine, progress: Progress
     let rows = (0..=sites / 2).map(|j| theory(&modulation, 2.0 * PI * j as f64 / sites as f64)).collect();
     let mut study =
         StabilityStudy { options: options.clone(), modulation, rates, rows, measured: Vec::new(), chart: None };
-    if options.chart {
-        study.chart = Some(chart(params, shape)?);
-    }
     if let Some(modes) = options.modes {
         study.measured = measure(&study, modes, engine, progress)?;
+    }
+    if options.chart {
+        study.chart = Some(chart(params, shape)?);
     }
     Ok(study)
 }
@@ -280,7 +280,7 @@ fn check(options: &StabilityOptions) -> Result<()> {
     let waves = shape.q * *sites as f64 / (2.0 * PI);
     if (waves - waves.round()).abs() > 1e-9 * waves.abs().max(1.0) {
         let rule = "a whole number of waves fits the ring: q sites / (2 pi) is an integer";
-        return Err(Error::parameter("q", shape.q, rule));
+        return Err(Error::parameter("sites", sites, rule));
     }
     let fixed = params.resonators() == Resonators::Fixed;
     if fixed && (modes.is_some() || *chart) {

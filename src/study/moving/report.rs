@@ -171,7 +171,7 @@ pub(super) fn points(points: &[MovingPoint], bound: bool) -> Table {
         })
         .col("passage", Hidden, "time for a site", |point| point.orbit.breather.passage())
         .col("velocity", Fixed(6), "in sites per unit of time", |point| point.orbit.breather.velocity())
-        .col("residual", Power(1), "", |point| point.orbit.residual)
+        .col("residual", Power(1), "of the equations of the orbit", |point| point.orbit.residual)
         .col("return_error", Power(1), "distance from the orbit after a passage", |point| point.return_error)
         .head("return")
         .col("background", Fixed(6), "amplitude of the background", |point| point.envelope.background)

@@ -142,7 +142,7 @@ options! {
         /// Points of the branch at most.
         ///
         /// With those of a branch that is resumed.
-        points: usize = 1000, "N", [arg(long = "max-points")];
+        points: usize = 1000, "N", (2 or more), [arg(long = "max-points")];
         /// Take steps in the parameter, not in the arclength.
         ///
         /// Such a branch ends at a fold.

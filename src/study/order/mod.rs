@@ -17,19 +17,21 @@ mod report;
 
 use super::{Progress, Study, Work, fit_line, methods, options::options};
 use crate::{
-    chain::{Boundary, Chain, CorrectedSplit, Field, KineticFlow, LinearFlow, Overlaps, Params, Site, State, max_norm},
+    chain::{Boundary, Chain, Field, Overlaps, Params, Site, State, max_norm},
     error::{Error, Result},
     report::{Report, WorkPrecision},
-    run::method::{Contacts, Method, Split, loaded},
+    run::{
+        Run, Setting,
+        method::{Contacts, Method, Split},
+    },
     sweep::{Engine, Grid},
 };
 use hertzchain_integrators::{
-    Dop853, Error as Failure, Event, Regularised, Silent, Splitting, Stepper,
-    conserving::DiscreteGradient,
+    Dop853, Event, Regularised, Silent, Stepper,
     dop853::Options,
     drive,
     regularised::{Division, Itinerary, equal_steps, power},
-    splitting::{Corrected, First, Landed, Parts, tables},
+    splitting::{Parts, tables},
 };
 use serde::Serialize;
 use serde_json::json;
@@ -273,7 +275,8 @@ struct Problem {
 /// The reference run, with estimates of its errors.
 struct Truth {
     events: Vec<Event<f64>>,
-    itinerary: Itinerary<f64>,
+    /// Of the run from each start.
+    itineraries: [Itinerary<f64>; 3],
     state: Vec<f64>,
     tangent: Vec<f64>,
     floor: (f64, f64),
@@ -307,7 +310,7 @@ impl Problem {
     }
 
     /// The events of a run with error control.
-    fn events(&self, y0: &[f64]) -> std::result::Result<Vec<Event<f64>>, Failure> {
+    fn events(&self, y0: &[f64]) -> Result<Vec<Event<f64>>> {
         let (field, overlaps) = (Field::new(self.chain.clone()), Overlaps::new(self.chain.clone()));
         let options = Options::new(1e-13);
         let powers = (self.alpha, power(self.alpha, 8));
@@ -321,87 +324,55 @@ impl Problem {
         Ok(events)
     }
 
-    fn divided(
-        &self,
-        y0: &[f64],
-        division: Division<f64>,
-        itinerary: &Itinerary<f64>,
-    ) -> std::result::Result<(Vec<f64>, u64), Failure> {
+    /// The state at the end from start `k`, by steps from stop to stop, and their number.
+    fn divided(&self, k: usize, division: Division<f64>, itinerary: &Itinerary<f64>) -> Result<(Vec<f64>, u64)> {
         let (field, overlaps) = (Field::new(self.chain.clone()), Overlaps::new(self.chain.clone()));
-        equal_steps(field, &overlaps, y0, (0.0, END), division, itinerary)
+        Ok(equal_steps(field, &overlaps, &self.starts[k], (0.0, END), division, itinerary)?)
     }
 
     fn truth(&self) -> Result<Truth> {
-        let events = self.events(&self.starts[0])?;
-        let itinerary = Itinerary::new(&events, 1e-9);
+        let [events, ahead, behind] = [0, 1, 2].map(|k| self.events(&self.starts[k]));
+        let events = events?;
+        let itineraries = [&events, &ahead?, &behind?].map(|events| Itinerary::new(events, 1e-9));
         let q = power(self.alpha, 8);
         let ends = |steps: u64| -> Result<[Vec<f64>; 2]> {
-            let end = |y0: &Vec<f64>| self.divided(y0, Division::Count { steps, q }, &itinerary);
-            let [state, ahead, behind] = [end(&self.starts[0])?.0, end(&self.starts[1])?.0, end(&self.starts[2])?.0];
-            Ok([state, tangent(&ahead, &behind)])
+            let end = |k: usize| Ok::<_, Error>(self.divided(k, Division::Count { steps, q }, &itineraries[k])?.0);
+            Ok([end(0)?, tangent(&end(1)?, &end(2)?)])
         };
         let [[state, tangent], coarse] = [ends(REFERENCE_STEPS[0])?, ends(REFERENCE_STEPS[1])?];
         let rounding = 4.0 * f64::EPSILON * max_norm(state.iter().copied());
         let floor =
             (distance(&state, &coarse[0]).max(rounding), distance(&tangent, &coarse[1]).max(rounding / TANGENT_STEP));
-        Ok(Truth { events, itinerary, state, tangent, floor })
+        Ok(Truth { events, itineraries, state, tangent, floor })
     }
 
-    /// The state at the end of a run from `y0`, and its steps.
-    fn end(
-        &self,
-        (method, mode): (Method, Mode),
-        work: Rung,
-        truth: &Truth,
-        y0: &[f64],
-    ) -> std::result::Result<(Vec<f64>, u64), Failure> {
-        let (chain, span) = (self.chain.clone(), (0.0, END));
+    /// The state at the end of a run from start `k`, and its steps.
+    fn end(&self, case: (Method, Mode), work: Rung, truth: &Truth, k: usize) -> Result<(Vec<f64>, u64)> {
+        let (start, span) = (&self.starts[k], (0.0, END));
         let steps = match work {
-            Rung::Divided(division) => return self.divided(y0, division, &truth.itinerary),
+            Rung::Divided(division) => return self.divided(k, division, &truth.itineraries[k]),
             Rung::Steps(steps) => steps,
         };
-        let mut y = y0.to_vec();
-        let steps = match (method, mode) {
-            (Method::Splitting(scheme, Split::Kinetic), _) => {
-                let flow = loaded(KineticFlow::new(chain), y0);
-                finish(&mut Splitting::new(scheme, First::Kick, flow, span, steps)?, &mut y)
-            }
-            (Method::Splitting(scheme, Split::Linear), Mode::Landed) => {
-                let flow = loaded(LinearFlow::new(chain), y0);
-                finish(&mut Landed::new(scheme, First::Drift, flow, span, steps)?, &mut y)
-            }
+        let method = match case {
+            (Method::Splitting(scheme, Split::Linear), Mode::Landed) => Method::Landed(scheme),
             // Corrections without processing.
-            (Method::Splitting(_, Split::Linear), Mode::Corrected) => {
-                let flow = CorrectedSplit::new(loaded(LinearFlow::new(chain), y0));
-                finish(&mut Corrected::new(flow, span, steps, Parts::CORRECTED)?, &mut y)
-            }
-            (Method::Splitting(scheme, Split::Linear), _) => {
-                let flow = loaded(LinearFlow::new(chain), y0);
-                finish(&mut Splitting::new(scheme, First::Drift, flow, span, steps)?, &mut y)
-            }
-            (Method::Conserving, _) => finish(&mut DiscreteGradient::new(chain, y0, span, steps)?, &mut y),
-            (Method::Dop853(_), _) => finish(&mut Dop853::fixed(Field::new(chain), y0, span, steps)?, &mut y),
-            (Method::Corrected(parts, Split::Kinetic), _) => {
-                let flow = CorrectedSplit::new(loaded(KineticFlow::new(chain), y0));
-                finish(&mut Corrected::new(flow, span, steps, parts)?, &mut y)
-            }
-            (Method::Corrected(parts, Split::Linear), _) => {
-                let flow = CorrectedSplit::new(loaded(LinearFlow::new(chain), y0));
-                finish(&mut Corrected::new(flow, span, steps, parts)?, &mut y)
-            }
-            (Method::Landed(_) | Method::Collocation, _) => {
-                unreachable!("not a method of this study")
-            }
-        }?;
-        Ok((y, steps))
+            (Method::Splitting(_, split), Mode::Corrected) => Method::Corrected(Parts::CORRECTED, split),
+            (method, _) => method,
+        };
+        let run = Run::new(self.chain.clone(), State::rest(&self.chain)).until(END)?;
+        let mut stepper: Box<dyn Stepper<f64>> = match method {
+            Method::Dop853(_) => Box::new(Dop853::fixed(Field::new(self.chain.clone()), start, span, steps)?),
+            _ => method.start(&run, start, span, Setting::Steps(steps))?,
+        };
+        let mut y = start.clone();
+        drive(&mut *stepper, &mut Silent, &mut y)?;
+        Ok((y, stepper.stats().steps))
     }
 
     /// Errors of the state and of the tangent, and steps; errors are infinite if a run fails.
     fn errors(&self, case: (Method, Mode), work: Rung, truth: &Truth) -> ([f64; 2], u64) {
-        let end = |y0: &Vec<f64>| self.end(case, work, truth, y0);
-        let [state, ahead, behind] = [&self.starts[0], &self.starts[1], &self.starts[2]].map(end);
-        match (state, ahead, behind) {
-            (Ok((state, steps)), Ok((ahead, _)), Ok((behind, _))) => {
+        match [0, 1, 2].map(|k| self.end(case, work, truth, k)) {
+            [Ok((state, steps)), Ok((ahead, _)), Ok((behind, _))] => {
                 ([distance(&state, &truth.state), distance(&tangent(&ahead, &behind), &truth.tangent)], steps)
             }
             _ => ([f64::INFINITY; 2], 0),
@@ -487,12 +458,6 @@ fn slope(row: &OrderRow, floor: f64) -> Option<f64> {
     let decades = points.first()?.1 - points.last()?.1;
     let (slope, _) = fit_line(points)?;
     (points.len() >= 3 && decades >= 1.0).then_some(slope)
-}
-
-/// Runs to the end and returns the number of steps.
-fn finish(run: &mut impl Stepper<f64>, y: &mut [f64]) -> std::result::Result<u64, Failure> {
-    drive(run, &mut Silent, y)?;
-    Ok(run.stats().steps)
 }
 
 fn tangent(ahead: &[f64], behind: &[f64]) -> Vec<f64> {

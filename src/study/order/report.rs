@@ -19,7 +19,7 @@ pub(super) fn orders(rows: &[OrderRow]) -> Table {
         .col("method", Short, "", |row| row.method.name())
         .col("quantity", Short, "", |row| row.quantity.name())
         .col("slope", Fixed(2), "of log error against log steps", |row| row.slope)
-        .col("slope_theory", Short, "", |row| row.theory)
+        .col("slope_theory", Short, "order that theory gives it", |row| row.theory)
         .head("theory")
         .col("errors", Json, "", |row| json!(row.errors))
         .col("steps", Json, "", |row| json!(row.steps))

@@ -60,6 +60,7 @@ options! {
 }
 
 impl Study for DimerOptions {
+    const FILES: &'static str = "dimer-maxima.store keeps the maxima.";
     const STORE: &'static str = "dimer.store";
 
     fn outline() -> Option<Report> {
@@ -167,7 +168,10 @@ pub fn dimer(options: &DimerOptions, engine: &Engine, progress: Progress<'_>) ->
         let [a, b, c] = [0, 1, 2].map(|k| row[k].transmission);
         a < b && b >= c
     });
-    let maxima = peaks.map(|row| highest(row[0].ratio, row[2].ratio, cells)).collect::<Result<_>>()?;
+    let brackets: Vec<[f64; 2]> = peaks.map(|row| [row[0].ratio, row[2].ratio]).collect();
+    let grid = Grid { store: "dimer-maxima.store", ..grid };
+    let swept = engine.sweep(&grid, &brackets, progress, |&[low, high]| highest(low, high, cells))?;
+    let maxima = swept.all(&brackets, |[low, _]| format!("maximum above the mass ratio {low}"))?;
     Ok(DimerStudy { cells, rows, maxima })
 }
 

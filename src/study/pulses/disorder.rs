@@ -12,7 +12,7 @@
 //! passes on `4 m m'/(m + m')^2` of the energy each time, whose mean logarithm is `-eps^2/6` to
 //! leading order. The wave is wider than a bead and loses less.
 
-use super::{ALPHA, CREST, Crests, LEAD, METHOD, STEP, follow, plain, pulse_energy, solitary_wave};
+use super::{CREST, Crests, LEAD, METHOD, STEP, follow, plain, pulse_energy, solitary_wave};
 use crate::{
     error::Result,
     random::uniform,
@@ -23,7 +23,6 @@ use crate::{
     },
     study::{Progress, Study, Work, fit_line, options::options},
     sweep::{Engine, Grid},
-    waves::LinePulse,
 };
 use serde_json::json;
 
@@ -98,12 +97,11 @@ impl Study for DisorderOptions {
 pub fn disorder(options: &DisorderOptions, engine: &Engine, progress: Progress<'_>) -> Result<DisorderStudy> {
     options.within_ranges()?;
     let DisorderOptions { strengths, chains: seeds, drawn: beads } = options;
-    let line = LinePulse::new(ALPHA);
     let chains: Vec<(f64, u64)> =
         strengths.iter().flat_map(|&strength| (1..=*seeds).map(move |seed| (strength, seed))).collect();
     let grid =
         Grid { store: DisorderOptions::STORE, study: "disorder", settings: json!({"beads": beads, "step": STEP}) };
-    let swept = engine.sweep(&grid, &chains, progress, |&(strength, seed)| decay(strength, *beads, seed, &line))?;
+    let swept = engine.sweep(&grid, &chains, progress, |&(strength, seed)| decay(strength, *beads, seed))?;
     let energies = swept.all(&chains, |(strength, seed)| format!("strength {strength}, seed {seed}"))?;
     let rows = strengths.iter().zip(energies.chunks(*seeds as usize));
     Ok(DisorderStudy { seeds: *seeds, rows: rows.map(|(&strength, energies)| row_of(strength, energies)).collect() })
@@ -113,24 +111,23 @@ pub fn disorder(options: &DisorderOptions, engine: &Engine, progress: Progress<'
 /// strength` to `1 + strength`, at all their bonds.
 ///
 /// ```
-/// use hertzchain::{study::decay, waves::LinePulse};
-/// let line = LinePulse::new(1.5);
+/// use hertzchain::study::decay;
 /// // Without disorder the pulse keeps its energy; with it, it loses some.
-/// assert!(decay(0.0, 20, 1, &line)?.iter().all(|energy| (energy - 1.0).abs() < 1e-5));
-/// assert!(decay(0.8, 20, 1, &line)?[19] < 0.9);
+/// assert!(decay(0.0, 20, 1)?.iter().all(|energy| (energy - 1.0).abs() < 1e-5));
+/// assert!(decay(0.8, 20, 1)?[19] < 0.9);
 /// # Ok::<(), hertzchain::Error>(())
 /// ```
 ///
 /// # Errors
 /// A strength that makes a mass negative; a run that fails; a signal.
-pub fn decay(strength: f64, beads: usize, seed: u64, line: &LinePulse) -> Result<Vec<f64>> {
+pub fn decay(strength: f64, beads: usize, seed: u64) -> Result<Vec<f64>> {
     let mut draw = uniform(seed);
     let mut mass = vec![1.0; LEAD];
     mass.extend((0..beads).map(|_| 1.0 + strength * draw()));
     mass.extend([1.0; BEYOND]);
     let least = mass.iter().copied().fold(1.0, f64::min);
     let chain = plain(mass, Vec::new())?;
-    let start = solitary_wave(&chain, line);
+    let start = solitary_wave(&chain);
     let whole = pulse_energy(&chain, start.as_slice(), CREST);
     let mut crests = Crests::new(beads);
     let mut energies = vec![0.0; beads];

@@ -27,7 +27,6 @@ use crate::{
     },
     study::{Progress, Study, Work, options::options},
     sweep::{Engine, Grid},
-    waves::LinePulse,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -116,10 +115,9 @@ impl Study for ImpurityOptions {
 /// An option outside its rule; a run that fails; a signal.
 pub fn impurity(options: &ImpurityOptions, engine: &Engine, progress: Progress<'_>) -> Result<Vec<ImpurityRow>> {
     options.check()?;
-    let line = LinePulse::new(ALPHA);
     let ratios = geometric(options.from, options.to, options.points);
     let grid = Grid { store: ImpurityOptions::STORE, study: "impurity", settings: json!({"step": STEP}) };
-    let swept = engine.sweep(&grid, &ratios, progress, |&ratio| scattered(ratio, &line))?;
+    let swept = engine.sweep(&grid, &ratios, progress, |&ratio| scattered(ratio))?;
     swept.all(&ratios, |ratio| format!("mass ratio {ratio}"))
 }
 
@@ -128,23 +126,22 @@ pub fn impurity(options: &ImpurityOptions, engine: &Engine, progress: Progress<'
 /// The run ends at `t = 200 + 20 (M - 1)_+`; see `late_change`.
 ///
 /// ```
-/// use hertzchain::{study::scattered, waves::LinePulse};
-/// let line = LinePulse::new(1.5);
-/// assert!(scattered(1.0, &line)?.transmitted > 0.999_99);
-/// assert!(scattered(20.0, &line)?.reflected > 0.5);
+/// use hertzchain::study::scattered;
+/// assert!(scattered(1.0)?.transmitted > 0.999_99);
+/// assert!(scattered(20.0)?.reflected > 0.5);
 /// # Ok::<(), hertzchain::Error>(())
 /// ```
 ///
 /// # Errors
 /// A mass ratio that is not finite and positive; a run that fails; a signal.
-pub fn scattered(ratio: f64, line: &LinePulse) -> Result<ImpurityRow> {
+pub fn scattered(ratio: f64) -> Result<ImpurityRow> {
     if !(ratio.is_finite() && ratio > 0.0) {
         return Err(Error::parameter("ratio", ratio, "a mass ratio is finite and positive"));
     }
     let heavier = ratio.max(1.0) - 1.0;
     let sites = LEAD + 1 + (BEYOND + BEYOND_A_MASS * heavier) as usize;
     let chain = plain((0..sites).map(|i| if i == LEAD { ratio } else { 1.0 }).collect(), Vec::new())?;
-    let start = solitary_wave(&chain, line);
+    let start = solitary_wave(&chain);
     let layout = chain.layout();
     let momentum: f64 = layout.u_dot(start.as_slice()).iter().sum();
     let energy: f64 = chain.site_energies(start.as_slice()).iter().sum();

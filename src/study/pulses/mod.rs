@@ -28,6 +28,7 @@ use crate::{
     waves::LinePulse,
 };
 use hertzchain_integrators::Stepper;
+use std::sync::LazyLock;
 
 /// Exponent of the contacts.
 const ALPHA: f64 = 1.5;
@@ -43,6 +44,9 @@ const CREST: usize = 8;
 /// Bonds on either side of the crest of a pulse whose sites count as the pulse.
 const HALF_PULSE: usize = 4;
 
+/// The solitary wave of the plain chain.
+static LINE: LazyLock<LinePulse> = LazyLock::new(|| LinePulse::new(ALPHA));
+
 /// A plain chain with free ends; lists as in [`Details`].
 fn plain(mass: Vec<f64>, contact: Vec<f64>) -> Result<Chain<f64>> {
     let sites = mass.len();
@@ -51,12 +55,12 @@ fn plain(mass: Vec<f64>, contact: Vec<f64>) -> Result<Chain<f64>> {
 }
 
 /// The solitary wave of speed 1 with its crest at bond [`CREST`], the beads before it at rest.
-fn solitary_wave(chain: &Chain<f64>, line: &LinePulse) -> State<f64> {
+fn solitary_wave(chain: &Chain<f64>) -> State<f64> {
     let mut state = State::rest(chain);
     // g_b = u_{b-1} - u_b = G(b - CREST - t).
     let (mut u, mut u_dot) = (0.0, 0.0);
     for bond in (1..=2 * CREST).rev() {
-        let [g, slope] = line.at(bond as f64 - CREST as f64);
+        let [g, slope] = LINE.at(bond as f64 - CREST as f64);
         u += g.max(0.0);
         u_dot -= slope;
         state.u_mut()[bond - 1] = u;
@@ -157,8 +161,7 @@ mod tests {
     fn the_solitary_wave_passes_uniform_beads_unchanged() {
         // Truth: its speed and its shape; the step errs by less.
         let chain = plain(vec![1.0; 40], Vec::new()).unwrap();
-        let line = LinePulse::new(ALPHA);
-        let start = solitary_wave(&chain, &line);
+        let start = solitary_wave(&chain);
         let energy = pulse_energy(&chain, start.as_slice(), CREST);
         let mut crests = Crests::new(24);
         let mut energies = [0.0; 24];
@@ -173,7 +176,7 @@ mod tests {
         })
         .unwrap();
         for k in 0..24 {
-            assert!((crests.crest[k] / line.at(0.0)[0] - 1.0).abs() < 1e-6, "{k}: {}", crests.crest[k]);
+            assert!((crests.crest[k] / LINE.at(0.0)[0] - 1.0).abs() < 1e-6, "{k}: {}", crests.crest[k]);
             assert!((energies[k] / energy - 1.0).abs() < 1e-5, "{k}: {}", energies[k] / energy);
             // Seen a step late at most.
             assert!((times[k] - (k + 1) as f64).abs() < 2.0 * STEP, "{k}: {}", times[k]);

@@ -12,7 +12,7 @@
 //! energy, `V_n` would be proportional to `m_n^{-1/2}`, which is `s^{-3/2}` a sphere. Both are
 //! `1 - 3 (s - 1)/2` near `s = 1`.
 
-use super::{ALPHA, CREST, Crests, LEAD, METHOD, STEP, ascending, follow, plain, pulse_energy, solitary_wave};
+use super::{CREST, Crests, LEAD, METHOD, STEP, ascending, follow, plain, pulse_energy, solitary_wave};
 use crate::{
     error::{Error, Result},
     report::{
@@ -21,7 +21,6 @@ use crate::{
     },
     study::{Progress, Study, Work, fit_line, options::options},
     sweep::{Engine, Grid},
-    waves::LinePulse,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -106,11 +105,10 @@ impl Study for TaperOptions {
 pub fn taper(options: &TaperOptions, engine: &Engine, progress: Progress<'_>) -> Result<Vec<TaperRow>> {
     options.check()?;
     let &TaperOptions { from, to, points, spheres } = options;
-    let line = LinePulse::new(ALPHA);
     let ratios: Vec<f64> = (0..points).map(|k| from + (to - from) * k as f64 / (points - 1) as f64).collect();
     let settings = json!({"spheres": spheres, "step": STEP});
     let grid = Grid { store: TaperOptions::STORE, study: "taper", settings };
-    let swept = engine.sweep(&grid, &ratios, progress, |&ratio| tapered(ratio, spheres, &line))?;
+    let swept = engine.sweep(&grid, &ratios, progress, |&ratio| tapered(ratio, spheres))?;
     swept.all(&ratios, |ratio| format!("ratio of radii {ratio}"))
 }
 
@@ -118,21 +116,21 @@ pub fn taper(options: &TaperOptions, engine: &Engine, progress: Progress<'_>) ->
 /// before it times `ratio`.
 ///
 /// ```
-/// use hertzchain::{study::tapered, waves::LinePulse};
+/// use hertzchain::study::tapered;
 /// // In a uniform chain it keeps its velocity and its energy.
-/// let same = tapered(1.0, 10, &LinePulse::new(1.5))?;
+/// let same = tapered(1.0, 10)?;
 /// assert!(same.growth.abs() < 1e-6 && (same.energy - 1.0).abs() < 1e-5);
 /// # Ok::<(), hertzchain::Error>(())
 /// ```
 ///
 /// # Errors
 /// A ratio that is not positive; a run that fails; a signal.
-pub fn tapered(ratio: f64, spheres: usize, line: &LinePulse) -> Result<TaperRow> {
+pub fn tapered(ratio: f64, spheres: usize) -> Result<TaperRow> {
     let sites = LEAD + spheres + BEYOND;
     let radius: Vec<f64> = (0..sites).map(|i| ratio.powi((i + 1).saturating_sub(LEAD) as i32)).collect();
     let constant = |pair: &[f64]| (2.0 * pair[0] * pair[1] / (pair[0] + pair[1])).sqrt();
     let chain = plain(radius.iter().map(|r| r.powi(3)).collect(), radius.windows(2).map(constant).collect())?;
-    let start = solitary_wave(&chain, line);
+    let start = solitary_wave(&chain);
     let whole = pulse_energy(&chain, start.as_slice(), CREST);
     let layout = chain.layout();
     // Velocities are taken from a sphere of the uniform chain on, which is the reference. It is

@@ -232,12 +232,6 @@ impl TheoremRun {
     }
 }
 
-/// A size as a point of the sweep.
-#[derive(Clone, Copy, Debug, Serialize)]
-struct Point {
-    epsilon: f64,
-}
-
 /// The outcome.
 #[derive(Clone, Debug)]
 pub struct TheoremStudy {
@@ -313,13 +307,13 @@ pub fn theorem(options: &TheoremOptions, engine: &Engine, progress: Progress<'_>
         }
     };
     // The longest run first, so that no core waits for it at the end.
-    let ascending: Vec<Point> = options.epsilons.iter().rev().map(|&epsilon| Point { epsilon }).collect();
+    let ascending: Vec<f64> = options.epsilons.iter().rev().copied().collect();
     let grid = Grid { store: TheoremOptions::STORE, study: "theorem", settings: settings(&options) };
-    let swept = engine.sweep(&grid, &ascending, &|_, _| (), |point| start.run(&options, point.epsilon, &tell))?;
+    let swept = engine.sweep(&grid, &ascending, &|_, _| (), |&epsilon| start.run(&options, epsilon, &tell))?;
     let (resumed, missing) = (swept.resumed, swept.missing);
-    let measured = swept.values(&ascending, |point| format!("epsilon = {}", point.epsilon))?;
+    let measured = swept.values(&ascending, |epsilon| format!("epsilon = {epsilon}"))?;
     // The store has no number that follows from the size.
-    let run = |(&Point { epsilon }, run): (&Point, TheoremRun)| {
+    let run = |(&epsilon, run): (&f64, TheoremRun)| {
         let rho = options.rho_law.rho(options.alpha, epsilon);
         TheoremRun { epsilon, rho, end: end(epsilon), ..run }
     };

@@ -296,7 +296,10 @@ fn columns(name: &str, columns: &[(&str, &str, &[f64])]) -> Table {
 fn errors(t: &[f64], own: &Errors, perturbed: Option<[&Errors; 2]>) -> Table {
     let mut all = vec![("t", "", t), ("e_x", "E_x", &own.x[..]), ("e_y", "E_y", &own.y)];
     if let Some([errors, difference]) = perturbed {
-        all.extend([("e_x_perturbed", "E_x of the perturbed wave", &errors.x[..]), ("e_y_perturbed", "", &errors.y)]);
+        all.extend([
+            ("e_x_perturbed", "E_x of the perturbed wave", &errors.x[..]),
+            ("e_y_perturbed", "E_y of it", &errors.y),
+        ]);
         all.extend([("tilde_e_x", "tilde E_x", &difference.x[..]), ("tilde_e_y", "tilde E_y", &difference.y)]);
     }
     columns("errors", &all)
@@ -307,10 +310,19 @@ fn profile(strains: &Strains, ansatz: &Strains, perturbed: Option<[&Strains; 2]>
     let sites: Vec<f64> = (0..strains.x.len()).map(|n| n as f64).collect();
     let mut all = vec![("n", "site", &sites[..])];
     all.extend([("x", "strain of the bead at the end", &strains.x[..]), ("y", "of the resonator", &strains.y)]);
-    all.extend([("x_ansatz", "", &ansatz.x[..]), ("y_ansatz", "", &ansatz.y)]);
+    all.extend([
+        ("x_ansatz", "strains of beads by the ansatz", &ansatz.x[..]),
+        ("y_ansatz", "of resonators", &ansatz.y),
+    ]);
     if let Some([strains, ansatz]) = perturbed {
-        all.extend([("x_perturbed", "", &strains.x[..]), ("y_perturbed", "", &strains.y)]);
-        all.extend([("x_perturbed_ansatz", "", &ansatz.x[..]), ("y_perturbed_ansatz", "", &ansatz.y)]);
+        all.extend([
+            ("x_perturbed", "strains of beads of the perturbed wave", &strains.x[..]),
+            ("y_perturbed", "of its resonators", &strains.y),
+        ]);
+        all.extend([
+            ("x_perturbed_ansatz", "strains of beads by its ansatz", &ansatz.x[..]),
+            ("y_perturbed_ansatz", "of resonators", &ansatz.y),
+        ]);
     }
     columns("profile", &all)
 }
