@@ -325,7 +325,7 @@ fn a_branch_does_not_pass_through_the_amplitude_zero() {
     assert!(!branch.ended().is_complete(), "{:?}", branch.ended());
     let waves = || branch.orbits.iter().map(|wave| (wave.setting.omega_tw, wave.amplitude()));
     assert!(waves().all(|(omega_tw, amplitude)| omega_tw > 2.0 - 1e-9 && amplitude > 0.0));
-    assert!(waves().last().unwrap().1 < 0.1 * waves().next().unwrap().1);
+    assert!(waves().next_back().unwrap().1 < 0.1 * waves().next().unwrap().1);
 }
 
 #[test]
