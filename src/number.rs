@@ -18,7 +18,7 @@ pub(crate) fn double(text: &str) -> Result<f64, String> {
 
 /// A parameter as a person writes it: all its digits if they are few; else as a fraction with a
 /// denominator up to 12 if it is one (`1/3`); else to four digits.
-pub(crate) fn written(x: f64) -> String {
+pub(crate) fn format_parameter(x: f64) -> String {
     const FEW: usize = 8;
     let exact = x.to_string();
     if exact.len() <= FEW {
@@ -28,7 +28,7 @@ pub(crate) fn written(x: f64) -> String {
         let p = (x * q).round();
         (p != 0.0 && p.abs() < 100.0 && p / q == x).then(|| format!("{p}/{q}"))
     });
-    fraction.unwrap_or_else(|| shown(x))
+    fraction.unwrap_or_else(|| format_short(x))
 }
 
 /// An angle as a multiple of pi: a fraction if it is one to rounding (`4π/5`), else a decimal
@@ -40,7 +40,7 @@ pub(crate) fn of_pi(angle: f64) -> String {
         ((p / q - share).abs() < 1e-14 && p != 0.0).then_some((p, q))
     });
     match fraction {
-        None => format!("{} π", shown(share)),
+        None => format!("{} π", format_short(share)),
         Some((p, q)) => {
             let p = if p.abs() == 1.0 { p.to_string().replace('1', "") } else { p.to_string() };
             if q == 1.0 { format!("{p}π") } else { format!("{p}π/{q}") }
@@ -49,7 +49,7 @@ pub(crate) fn of_pi(angle: f64) -> String {
 }
 
 /// A number to four digits, with a power of ten where it is very large or small.
-pub(crate) fn shown(x: f64) -> String {
+pub(crate) fn format_short(x: f64) -> String {
     if x != 0.0 && !(1e-4..1e6).contains(&x.abs()) {
         return format!("{x:.3e}");
     }
@@ -108,7 +108,7 @@ mod tests {
             (1.234_567_89e-7, "1.235e-7"),
         ];
         for (x, text) in cases {
-            assert_eq!(written(x), text);
+            assert_eq!(format_parameter(x), text);
         }
     }
 }

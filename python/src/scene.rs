@@ -3,7 +3,7 @@
 use crate::error::OrRaise;
 use hertzchain::{
     Boundary, Chain, Error, Params,
-    chain::{Details, Envelope, Kind, Means},
+    chain::{Details, Envelope, Kind, DriveKind},
     scene::{ChainSection, Initial, Record, SceneFile, Span, Units},
 };
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -178,7 +178,7 @@ fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict
             ("phase", &harmonics.iter().map(|one| one.phase).collect()),
         ])?;
         each.set_item("site", driven.site)?;
-        each.set_item("kind", if driven.means == Means::Moved { "moved" } else { "pushed" })?;
+        each.set_item("kind", if driven.kind == DriveKind::Displacement { "moved" } else { "pushed" })?;
         match driven.signal.envelope {
             Envelope::None => {}
             Envelope::Ramp(ramp) => each.set_item("ramp", ramp)?,

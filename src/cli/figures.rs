@@ -42,7 +42,7 @@ type Drawn = (&'static Figure, Row<Made>);
 #[derive(Debug, Serialize, Deserialize)]
 struct Made {
     caption: String,
-    files: Vec<Kept>,
+    files: Vec<MadeFile>,
     wall_s: f64,
 }
 
@@ -51,7 +51,7 @@ type Make<'a> = dyn Fn(&Figure, &FiguresArgs, &(dyn Fn(f64) + Sync)) -> Result<M
 
 /// A file of a figure: its name and what is in it.
 #[derive(Debug, Serialize, Deserialize)]
-struct Kept {
+struct MadeFile {
     name: String,
     #[serde(flatten)]
     content: Content,
@@ -158,10 +158,10 @@ fn made(figure: &Figure, args: &FiguresArgs, tell: &(dyn Fn(f64) + Sync)) -> Res
     let mut files = Vec::new();
     files.extend(report.csv());
     files.push((format!("{}.json", figure.name), to_json(&report.json()).into_bytes()));
-    Ok(Made { caption, files: files.into_iter().map(Kept::of).collect(), wall_s: clock.elapsed().as_secs_f64() })
+    Ok(Made { caption, files: files.into_iter().map(MadeFile::of).collect(), wall_s: clock.elapsed().as_secs_f64() })
 }
 
-impl Kept {
+impl MadeFile {
     fn of((name, bytes): (String, Vec<u8>)) -> Self {
         let content =
             String::from_utf8(bytes).map_or_else(|why| Content::Base64(STANDARD.encode(why.as_bytes())), Content::Text);
@@ -265,13 +265,13 @@ mod tests {
     use std::sync::Mutex;
 
     #[derive(Parser)]
-    struct Told {
+    struct CommandLine {
         #[command(flatten)]
         args: FiguresArgs,
     }
 
     fn small(name: &str) -> Made {
-        let file = |name: String| Kept::of((name, vec![0xff, 0x00, 0xfe]));
+        let file = |name: String| MadeFile::of((name, vec![0xff, 0x00, 0xfe]));
         Made { caption: name.to_owned(), files: vec![file(format!("{name}.csv"))], wall_s: 1.5 }
     }
 
@@ -280,7 +280,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let folder = Folder::create(folder.path()).unwrap();
         let engine = Engine::new(Box::new(InTurn)).keeping(&folder);
-        let args = Told::parse_from(["figures"]).args;
+        let args = CommandLine::parse_from(["figures"]).args;
         let names = ["homoclinics", "dps-dark", "exact-wave"];
         let chosen = names.map(|name| Figure::named(name).unwrap());
         let made = Mutex::new(Vec::new());
@@ -316,7 +316,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let folder = Folder::create(folder.path()).unwrap();
         let engine = Engine::new(Box::new(InTurn)).keeping(&folder);
-        let args = Told::parse_from(["figures"]).args;
+        let args = CommandLine::parse_from(["figures"]).args;
         let chosen = ["homoclinics", "exact-wave"].map(|name| Figure::named(name).unwrap());
         // A folder in the place of a file, which was not there when the command began.
         std::fs::create_dir_all(folder.path().join("homoclinics.csv/in the way")).unwrap();

@@ -67,12 +67,12 @@ pub struct CriticalPair {
     pub mode: Vec<f64>,
 }
 
-/// Largest number of times that a stretch between two points is halved, until each part has one
+/// Largest number of times that an interval between two points is halved, until each part has one
 /// bifurcation.
 const MOST_CUTS: u32 = 5;
-/// Error of a located bifurcation, as a share of the stretch.
+/// Error of a located bifurcation, as a share of the interval.
 const LOCATED: f64 = 1e-10;
-/// A quartet at one end of a stretch is taken to exist at the other end as well if there is one
+/// A quartet at one end of an interval is taken to exist at the other end as well if there is one
 /// there whose `Re tau` differs by at most `NEAR` and whose `Im tau` is at least `ALIKE` times as
 /// large.
 const NEAR: f64 = 0.05;
@@ -81,7 +81,7 @@ const ALIKE: f64 = 0.3;
 /// as one bifurcation. Chosen larger than errors of `tau`, and smaller than differences between
 /// values that no symmetry relates.
 const EQUAL: f64 = 1e-8;
-/// Largest value of `weak` in the parts of a stretch that is halved to separate its bifurcations.
+/// Largest value of `weak` in the parts of an interval that is halved to separate its bifurcations.
 const WEAK_INSIDE: f64 = 1e-4;
 
 #[derive(Clone, Copy, Debug)]

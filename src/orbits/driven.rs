@@ -21,7 +21,7 @@ use super::{
     shooting::{Equations, NewtonStep, least_squares},
 };
 use crate::{
-    chain::{Chain, Details, Drive, Envelope, Kind, Means, State, Variations, max_norm},
+    chain::{Chain, Details, Drive, DriveKind, Envelope, Kind, State, Variations, max_norm},
     error::{Error, Iterate, Result},
     interrupt,
 };
@@ -162,7 +162,8 @@ impl DrivenSetting {
         let (n, rest) = (chain.sites(), chain.overlaps(&vec![0.0; chain.sites()]));
         details.overlap = chain.touching().map(|bond| rest[bond]).collect();
         let bare = Chain::new(chain.params(), chain.boundary(), n)?;
-        let moved = |i: usize| details.drives.iter().any(|drive| drive.site == i && drive.means == Means::Moved);
+        let moved =
+            |i: usize| details.drives.iter().any(|drive| drive.site == i && drive.kind == DriveKind::Displacement);
         let beads = (0..n).filter(|&i| !moved(i));
         let resonators = (0..n).filter(|&i| chain.resonator_moves(i)).map(|i| n + i);
         let free: Vec<usize> = beads.chain(resonators).collect();
@@ -211,9 +212,9 @@ impl DrivenSetting {
     }
 
     /// What the drive does whose amplitude is the parameter: it moves its bead or pushes it.
-    pub fn means(&self) -> Means {
+    pub fn drive_kind(&self) -> DriveKind {
         let varies = |drive: &&Drive| drive.signal.harmonics.iter().any(|harmonic| harmonic.omega > 0.0);
-        self.details.drives.iter().find(varies).map_or(Means::Moved, |drive| drive.means)
+        self.details.drives.iter().find(varies).map_or(DriveKind::Displacement, |drive| drive.kind)
     }
 
     /// Periods of the drive in a period of the orbit.
@@ -316,7 +317,7 @@ impl DrivenSetting {
     /// Largest displacement of a bead that a drive moves.
     fn moved(&self) -> Result<f64> {
         Ok(self.chain()?.details().map_or(0.0, |details| {
-            let moved = details.drives.iter().filter(|drive| drive.means == Means::Moved);
+            let moved = details.drives.iter().filter(|drive| drive.kind == DriveKind::Displacement);
             moved.map(|drive| drive.signal.size()).fold(0.0, f64::max)
         }))
     }
@@ -766,7 +767,7 @@ mod tests {
     fn fastest_rate(params: (f64, f64), details: Details, turns: u32, z: f64) -> f64 {
         let harmonics = vec![Harmonic { amplitude: 0.1, omega: OMEGA, phase: 0.0 }];
         let signal = Signal { harmonics, envelope: Envelope::None };
-        let details = Details { drives: vec![Drive { site: 0, means: Means::Pushed, signal }], ..details };
+        let details = Details { drives: vec![Drive { site: 0, kind: DriveKind::Force, signal }], ..details };
         let setting = DrivenSetting::new(&chain(params, &details), turns).unwrap();
         setting.fastest_rate(&vec![z; setting.unknowns()]).unwrap() * OMEGA
     }

@@ -60,11 +60,11 @@ pub struct DrivenCritical {
 /// An orbit of a driven chain with its multipliers.
 pub type DrivenPoint = Point<DrivenContinuation>;
 
-/// Largest number of times that a stretch is halved until each part has one bifurcation.
+/// Largest number of times that an interval is halved until each part has one bifurcation.
 const MOST_CUTS: u32 = 12;
-/// Largest distance of the zero of `chi` from that of `psi`, as a share of the stretch.
+/// Largest distance of the zero of `chi` from that of `psi`, as a share of the interval.
 const BESIDE: f64 = 0.1;
-/// Error of a located bifurcation, as a share of the stretch.
+/// Error of a located bifurcation, as a share of the interval.
 const LOCATED: f64 = 1e-9;
 /// Most steps of the secant method from the zero of `psi` to that of `chi`; two are usual.
 const MOST_SECANTS: u32 = 6;

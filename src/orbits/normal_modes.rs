@@ -83,7 +83,7 @@ const MOST_HALVINGS: u32 = 10;
 const DEGENERATE: f64 = 1e-8;
 /// A step of Newton's method below this is the last one.
 const LAST_STEP: f64 = 1e-9;
-/// Least unit of the amplitude for the stretch between two points, as a share of the amplitude:
+/// Least unit of the amplitude for the interval between two points, as a share of the amplitude:
 /// beside a fold both points have nearly the same amplitude.
 const LEAST_CHANGE: f64 = 1e-3;
 

@@ -23,19 +23,19 @@ const KINDS: [&str; 10] = ["csv", "html", "json", "ndjson", "npz", "png", "store
 #[derive(Clone, Debug)]
 pub struct Folder {
     path: PathBuf,
-    kept: Arc<Kept>,
+    kept: Arc<Claim>,
 }
 
 /// What ends with the last clone of a folder.
 #[derive(Debug)]
-struct Kept {
+struct Claim {
     /// The folders that were created, the innermost first. Those that are empty are removed.
     created: Vec<PathBuf>,
     /// Locked files. Those that no other process has locked are removed.
     locks: Vec<(PathBuf, File)>,
 }
 
-impl Drop for Kept {
+impl Drop for Claim {
     fn drop(&mut self) {
         for (path, file) in self.locks.drain(..).rev() {
             if file.try_lock().is_ok() {
@@ -62,7 +62,7 @@ impl Folder {
         let path = path.into();
         let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
         let created = path.ancestors().take_while(missing).map(Path::to_owned).collect();
-        let folder = Self { path, kept: Arc::new(Kept { created, locks: Vec::new() }) };
+        let folder = Self { path, kept: Arc::new(Claim { created, locks: Vec::new() }) };
         let fail = |source| Error::File { path: folder.path.clone(), source };
         let there = |path: &&Path| path.exists() || path.is_symlink();
         if let Some(other) = folder.path.ancestors().filter(there).find(|path| !path.is_dir()) {

@@ -3,8 +3,9 @@
 
 use super::{Units, UnitsSection, values::Values};
 use crate::{
-    chain::{Boundary, Chain, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Signal},
+    chain::{Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Signal},
     error::{Error, Result},
+    number::format_short,
     random::uniform,
 };
 use serde::{Deserialize, Serialize};
@@ -89,16 +90,6 @@ pub struct DriveSection {
     /// Length of a burst.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length: Option<f64>,
-}
-
-/// What the signal of a drive is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum DriveKind {
-    /// The signal is the displacement of the bead.
-    Moved,
-    /// The signal is a force on the bead.
-    Pushed,
 }
 
 /// The tables of a scene from which the details of its chain are built.
@@ -216,14 +207,10 @@ impl UnitsSection {
 impl DriveSection {
     /// The drive; with units, amplitude, frequencies and times are in SI.
     fn build(&self, units: Option<&Units>) -> Result<Drive> {
-        let means = match self.kind {
-            DriveKind::Moved => Means::Moved,
-            DriveKind::Pushed => Means::Pushed,
-        };
-        let (height, time) = match (units, means) {
+        let (height, time) = match (units, self.kind) {
             (None, _) => (1.0, 1.0),
-            (Some(units), Means::Moved) => (units.length_m, units.time_s),
-            (Some(units), Means::Pushed) => (units.force_n, units.time_s),
+            (Some(units), DriveKind::Displacement) => (units.length_m, units.time_s),
+            (Some(units), DriveKind::Force) => (units.force_n, units.time_s),
         };
         let mut harmonics = self.harmonics()?;
         for harmonic in &mut harmonics {
@@ -241,7 +228,7 @@ impl DriveSection {
                 return Err(Error::parameter("drive.ramp", ramp, "a burst has no ramp: `ramp` or `length`"));
             }
         };
-        Ok(Drive { site: self.site, means, signal: Signal { harmonics, envelope } })
+        Ok(Drive { site: self.site, kind: self.kind, signal: Signal { harmonics, envelope } })
     }
 
     fn harmonics(&self) -> Result<Vec<Harmonic>> {
@@ -316,11 +303,10 @@ pub(super) fn words(chain: &Chain<f64>) -> Option<String> {
     let details = chain.details()?;
     let range = |name: &str, list: &[f64]| {
         let (low, high) = list.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
-        let shown = crate::number::shown;
         match list {
             [] => None,
-            _ if low == high => Some(format!("{name} {}", shown(low))),
-            _ => Some(format!("{name} from {} to {}", shown(low), shown(high))),
+            _ if low == high => Some(format!("{name} {}", format_short(low))),
+            _ => Some(format!("{name} from {} to {}", format_short(low), format_short(high))),
         }
     };
     let mut all: Vec<String> = [
@@ -344,8 +330,8 @@ pub(super) fn words(chain: &Chain<f64>) -> Option<String> {
         all.extend(range(law, strength));
     }
     for drive in &details.drives {
-        let (means, count) = (drive.means, drive.signal.harmonics.len());
-        let how = if means == Means::Moved { "moved" } else { "pushed" };
+        let count = drive.signal.harmonics.len();
+        let how = if drive.kind == DriveKind::Displacement { "moved" } else { "pushed" };
         all.push(format!("bead {} {how} by {count} harmonic{}", drive.site, if count == 1 { "" } else { "s" }));
     }
     Some(all.join(", "))

@@ -8,7 +8,7 @@ mod units;
 mod values;
 
 pub use crate::report::{Quantity, Units};
-pub use details::{BeadsSection, BondsSection, DriveKind, DriveSection};
+pub use details::{BeadsSection, BondsSection, DriveSection};
 pub(crate) use file::held;
 pub use file::{ChainSection, Initial, MethodSection, Record, SceneFile, Span, TrivialSection};
 pub use units::UnitsSection;

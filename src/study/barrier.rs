@@ -19,7 +19,7 @@ use crate::{
     chain::Energy,
     dps::Center,
     error::{Error, Result},
-    number::{shown, written},
+    number::{format_parameter, format_short},
     orbits::{Kind, Orbit, Setting, Shooting},
     report::{
         self, Column,
@@ -292,7 +292,7 @@ impl BarrierStudy {
     /// The report.
     pub fn report(&self) -> Report {
         let (ring, params) = (&self.options.ring, self.options.ring.params);
-        let lost: Vec<String> = self.missing.iter().map(|omega_b| shown(*omega_b)).collect();
+        let lost: Vec<String> = self.missing.iter().map(|omega_b| format_short(*omega_b)).collect();
         let zeros = json!({
             "at_frequency": self.zeros(BarrierPoint::at_frequency),
             "at_action_and_length": self.zeros(BarrierPoint::barrier),
@@ -320,7 +320,7 @@ impl BarrierStudy {
         let ring = &self.options.ring;
         let ends = [self.points.first(), self.points.last()].map(|point| {
             point.map_or(String::new(), |point| {
-                format!("{} at {}", shown(point.barrier()), shown(point.omega_b)).replace('-', "−")
+                format!("{} at {}", format_short(point.barrier()), format_short(point.omega_b)).replace('-', "−")
             })
         });
         format!(
@@ -359,7 +359,7 @@ impl BarrierStudy {
         ];
         let (linear, logarithmic) = (report::Kind::Parameter, report::Kind::LogParameter);
         Column::new(
-            format!("ρ = {}", written(self.options.ring.params.rho)),
+            format!("ρ = {}", format_parameter(self.options.ring.params.rho)),
             [
                 Panel::new(linear, ["ω_b", "energy of a kink / e"], energies),
                 Panel::new(logarithmic, ["ω_b", "bond − site, share of kink"], differences),

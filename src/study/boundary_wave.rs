@@ -17,7 +17,7 @@
 
 use super::{Progress, Study, Work, options::options};
 use crate::{
-    chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State},
+    chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, State},
     dps::Averages,
     error::{Error, Result},
     report::{
@@ -195,7 +195,7 @@ impl BoundaryWave {
         let details = Details {
             rho: (0..self.sites).map(|i| if i == 0 { 0.0 } else { self.rho }).collect(),
             dashpot: (0..self.sites).map(|i| DASHPOT * depth(i).powi(3)).collect(),
-            drives: vec![Drive { site: 0, means: Means::Moved, signal }],
+            drives: vec![Drive { site: 0, kind: DriveKind::Displacement, signal }],
             ..Details::default()
         };
         Chain::new(self.params()?, Boundary::Fixed, self.sites)?.precompressed(self.overlap)?.with(&details)
@@ -308,7 +308,7 @@ impl BoundaryWaveStudy {
         let caption = format!(
             "N = {} sites between walls, α = {ALPHA}, κ = {KAPPA}, ρ = {:.4}, static overlap {}. The first bead has no \
              resonator and is moved with the amplitude {}, after a ramp of {RAMP} periods; dashpots in the last {ABSORBING} \
-             sites. Means and first harmonics over the last {PERIODS} periods. Theory: (eq:w_tw) with the measured \
+             sites. DriveKind and first harmonics over the last {PERIODS} periods. Theory: (eq:w_tw) with the measured \
              frequency, amplitude and mean strain. Collocation, tolerance {TOLERANCE:e}.",
             options.sites, options.rho, options.overlap, options.drive
         );

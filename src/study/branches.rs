@@ -103,11 +103,11 @@ pub(super) fn numbered<P: Problem>(table: Rows<'_, Bifurcation<P>>) -> Rows<'_, 
 }
 
 /// An orbit of a branch, and the point with its multipliers if these are known.
-pub(super) type Told<'a, P> = (&'a <P as Problem>::Orbit, Option<&'a Point<P>>);
+pub(super) type BranchRow<'a, P> = (&'a <P as Problem>::Orbit, Option<&'a Point<P>>);
 
 /// The rows of a branch: its points and, if the process was asked to end before their multipliers
 /// were known, also its other orbits.
-pub(super) fn told<P: Problem>(branch: &Branch<P>) -> Vec<Told<'_, P>> {
+pub(super) fn told<P: Problem>(branch: &Branch<P>) -> Vec<BranchRow<'_, P>> {
     let later = &branch.orbits[branch.points.len() + branch.gaps.len()..];
     let later = if branch.ended() == End::Stopped { later } else { &[] };
     let points = branch.points.iter().map(|point| (&point.orbit, Some(point)));
@@ -131,7 +131,7 @@ pub(super) fn tell<P: Problem>(
     report: Report,
     at: Option<usize>,
     branch: &Branch<P>,
-    (points, bifurcations): (Rows<'_, Told<'_, P>>, Rows<'_, Bifurcation<P>>),
+    (points, bifurcations): (Rows<'_, BranchRow<'_, P>>, Rows<'_, Bifurcation<P>>),
     mut facts: Value,
 ) -> Report {
     let (end, unresolved) = (branch.ended(), branch.unresolved);

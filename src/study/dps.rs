@@ -1,7 +1,7 @@
 //! The modulation equations: averages of the contact force, homoclinic solutions, standing waves
 //! with a kink.
 
-use super::{ChainParams, Study, Work, options::options, params_words, shown};
+use super::{ChainParams, Study, Work, format_short, options::options, params_words};
 use crate::{
     dps::{Averages, Center, DarkProfile, Homoclinic, Values},
     error::{Error, Result},
@@ -135,7 +135,7 @@ impl Homoclinics {
              ln α = {:.6}, residual {:.0e}.",
             center_word(self.center),
             one.alpha(),
-            shown(one.a(1)).replace('-', "−"),
+            format_short(one.a(1)).replace('-', "−"),
             sites.len(),
             last - before,
             one.alpha().ln(),
@@ -251,9 +251,9 @@ fn dark_report(profile: &DarkProfile, omega_b: f64, mu: f64, [x, y]: [Vec<f64>; 
          Newton's method, residual {:.0e}.",
         x.len(),
         params_words(params),
-        shown(background.0),
-        shown(background.1),
-        shown(profile.a(1)).replace('-', "−"),
+        format_short(background.0),
+        format_short(background.1),
+        format_short(profile.a(1)).replace('-', "−"),
         profile.newton().len() - 1,
         profile.residual(),
     );

@@ -19,10 +19,12 @@
 //! have one about the bead in the middle. With ends in phase it is one together with half a period:
 //! an odd number of bonds has a kink about the bond in the middle, an even number has none.
 
-use super::{Progress, Study, Work, branches::stability_lines, multipliers_panel, options::options, shown, word};
+use super::{
+    Progress, Study, Work, branches::stability_lines, format_short, kebab_name, multipliers_panel, options::options,
+};
 use crate::{
     breathers::DarkBreather,
-    chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State, max_norm},
+    chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, State, max_norm},
     dps::Center,
     error::{Error, Result},
     orbits::{
@@ -283,7 +285,7 @@ impl EndDriven {
         let envelope = if ramp > 0.0 { Envelope::Ramp(ramp) } else { Envelope::None };
         let drive = |site: usize, amplitude: f64| Drive {
             site,
-            means: Means::Moved,
+            kind: DriveKind::Displacement,
             signal: Signal { harmonics: vec![Harmonic { amplitude, omega, phase: FRAC_PI_2 }], envelope },
         };
         let details = Details {
@@ -410,7 +412,7 @@ impl EndDrivenCase {
 fn searched(options: &EndDriven) -> String {
     format!(
         "α = 3/2, κ = 1, ρ = {}, drag {}, dashpot {}; N in {:?}; ω_d in {:?}; a from {} to {}, at most {} points a branch",
-        shown(options.rho),
+        format_short(options.rho),
         options.drag,
         options.dashpot,
         options.lengths,
@@ -534,7 +536,7 @@ fn tables(cases: &[EndDrivenCase]) -> [Table; 2] {
         .key("cases")
         .col("sites", Short, "", |case| case.sites)
         .head("N")
-        .col("ends", Short, "how they move", |case| word(&case.ends))
+        .col("ends", Short, "how they move", |case| kebab_name(&case.ends))
         .col("omega", Short, "frequency of the drive", |case| case.omega)
         .col("orbits", Short, "points of the branch", |case| case.points.len())
         .col("first_dark", Fixed(4), "least drive amplitude of a dark breather", first(0))

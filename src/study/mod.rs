@@ -28,9 +28,9 @@ mod plan;
 mod pulses;
 mod run;
 mod scaling;
+mod segments;
 mod si;
 mod solitary;
-mod stretches;
 mod theorem;
 mod wave;
 
@@ -39,8 +39,8 @@ pub use boundary_wave::*;
 pub use branches::BranchOptions;
 pub use breather::*;
 pub use charts::{
-    BOUNDS, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance, ResonancePoint,
-    Trial, Variant, Verdict as ChartVerdict, charts, kick_sum, resonance,
+    BOUNDS, Behaviour, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance,
+    ResonancePoint, Trial, Variant, charts, kick_sum, resonance,
 };
 pub use compare::{Candidate, Compare, CompareOptions, Comparison, LeftOut, Reference, Row, compare};
 pub(crate) use dps::center_word;
@@ -72,9 +72,11 @@ pub use theorem::{
 };
 pub use wave::*;
 
-pub(crate) use crate::number::shown;
+pub(crate) use crate::number::format_short;
 pub use crate::sweep::Progress;
-use crate::{chain::Params, error::Result, number::written, report::Report, run::Method, scene::Scene, sweep::Engine};
+use crate::{
+    chain::Params, error::Result, number::format_parameter, report::Report, run::Method, scene::Scene, sweep::Engine,
+};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -126,7 +128,7 @@ pub trait Study {
 }
 
 /// The name of a unit variant in files.
-pub(crate) fn word(value: &impl serde::Serialize) -> String {
+pub(crate) fn kebab_name(value: &impl serde::Serialize) -> String {
     serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
@@ -220,7 +222,7 @@ fn scene_caption(scene: &Scene, how: &str) -> String {
 
 /// Exponent, spring constant and mass ratio, for captions.
 pub(crate) fn params_words(params: Params) -> String {
-    let [alpha, kappa, rho] = [params.alpha, params.kappa, params.rho].map(written);
+    let [alpha, kappa, rho] = [params.alpha, params.kappa, params.rho].map(format_parameter);
     format!("α = {alpha}, κ = {kappa}, ρ = {rho}")
 }
 

@@ -3,11 +3,11 @@
 
 use super::{
     Changes, InSi, Progress, Study, Work,
-    branches::{self, BranchOptions, SWITCHED, Switched, Told, crossed},
+    branches::{self, BranchOptions, BranchRow, SWITCHED, Switched, crossed},
+    format_short, kebab_name,
     options::options,
-    scene_caption, scene_json, shown,
+    scene_caption, scene_json, segments,
     si::Scale,
-    stretches, word,
 };
 use crate::{
     error::Result,
@@ -162,7 +162,7 @@ fn followed(
         let ModeContinuation { mode, to, step, .. } = branch.continuation;
         let settings = json!([toml, mode, to, step, branch.birth]);
         let names = [if second { SWITCHED_STORE } else { STORE }, "orbit mode"];
-        stretches::analysed(branch, names, &settings, engine, &branches::rest(progress))
+        segments::analysed(branch, names, &settings, engine, &branches::rest(progress))
     };
     let (branch, switched) = branches::with_switched(continuation.begin(&modes)?, switch, work, progress)?;
     Ok(ModeStudy { scene, modes, branch, switched, si })
@@ -194,9 +194,9 @@ fn linear_modes<'a>(modes: &'a [Numbered<'a>], chosen: usize, si: Option<&Units>
 
 fn points<'a>(
     name: &str,
-    points: &'a [Told<'a, ModeContinuation>],
+    points: &'a [BranchRow<'a, ModeContinuation>],
     si: Option<&Units>,
-) -> Rows<'a, Told<'a, ModeContinuation>> {
+) -> Rows<'a, BranchRow<'a, ModeContinuation>> {
     Table::of(name, points)
         .si(si)
         .col("amplitude", Fixed(6), "", |(orbit, _)| orbit.amplitude)
@@ -225,7 +225,7 @@ fn bifurcations<'a>(
     si: Option<&Units>,
 ) -> Rows<'a, Bifurcation<ModeContinuation>> {
     branches::numbered(Table::of(name, all).si(si))
-        .col("kind", Short, "", |one| word(&one.kind))
+        .col("kind", Short, "", |one| kebab_name(&one.kind))
         .col("amplitude", Fixed(8), "", |one| one.orbit.amplitude)
         .kind(Quantity::Length)
         .col("omega", Fixed(8), "frequency", |one| one.orbit.omega)
@@ -331,7 +331,7 @@ impl ModeStudy {
             None => format!("ω₀ = {omega:.6}; on the right a = {a}"),
             Some(_) => {
                 let [hertz, metres] = [(frequency, omega), (Quantity::Length, a)].map(|(kind, x)| scale.told(kind, x));
-                format!("ω₀/2π = {} Hz; on the right a = {} m", shown(hertz), shown(metres))
+                format!("ω₀/2π = {} Hz; on the right a = {} m", format_short(hertz), format_short(metres))
             }
         };
         let how = format!(

@@ -6,7 +6,7 @@ use super::{Progress, Study, Work, fit_line, options::options};
 use crate::{
     chain::Params,
     error::Result,
-    number::shown,
+    number::format_short,
     report::{
         Column,
         Digits::{Fixed, Hidden, Power, Short},
@@ -165,7 +165,7 @@ impl Solitary {
             json!({"alpha": self.alpha, "kappa": self.kappa, "speed": speed, "sites": self.sites, "tol": self.tol});
         let grid = Grid { store: Self::STORE, study: "solitary", settings };
         let swept =
-            engine.sweep(&grid, &rhos, progress, tail)?.values(&rhos, |rho| format!("rho = {}", shown(*rho)))?;
+            engine.sweep(&grid, &rhos, progress, tail)?.values(&rhos, |rho| format!("rho = {}", format_short(*rho)))?;
         let plain = Params { alpha: self.alpha, kappa: 0.0, rho: 0.0 };
         let hertz = SolitaryWave::new(plain, speed, self.sites, &line, &search)?;
         let tails: Vec<Tail> = swept.into_iter().map(|(_, tail)| tail).collect();
@@ -217,7 +217,8 @@ impl SolitaryStudy {
     pub fn report(&self) -> Report {
         let [pulse, tails] = tables(&self.decay, &self.tails);
         let hertz = &self.hertz;
-        let lost: Vec<String> = self.tails.iter().filter(|tail| tail.wake.is_none()).map(|t| shown(t.rho)).collect();
+        let lost: Vec<String> =
+            self.tails.iter().filter(|tail| tail.wake.is_none()).map(|t| format_short(t.rho)).collect();
         let start = hertz.wave.on_ring(self.options.sites);
         Report::new("solitary")
             .fact("alpha", self.options.alpha)
@@ -257,7 +258,7 @@ impl SolitaryStudy {
              from the Fourier transform of the plain pulse for beads of mass 1 + ρ; k = ω/c. {fit} with W from 10⁻¹² to \
              10⁻³ of the crest g and |sin(k/2)| ≥ 0.1.",
             self.options.alpha,
-            shown(self.options.kappa),
+            format_short(self.options.kappa),
             self.hertz.speed,
             self.options.sites,
             self.hertz.coefficient(),

@@ -43,7 +43,7 @@ use std::{
         atomic::{AtomicBool, AtomicU64, Ordering},
     },
 };
-use store::{Hash, Place};
+use store::{Hash, Offset};
 
 /// A digest of a text, of 128 bits in hexadecimal digits.
 pub(crate) fn digest(text: &str) -> String {
@@ -182,7 +182,7 @@ impl<U> Swept<U> {
 /// A row as it is stored and sent.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum Kept<U> {
+enum Outcome<U> {
     Value(U),
     Failure(String),
 }
@@ -237,7 +237,7 @@ pub(crate) struct Rows<'s> {
     /// The rows as text, without a store.
     texts: Vec<String>,
     /// Where the row of each point is: in the store, or its number in `texts`, counted from 1.
-    places: Vec<Option<Place>>,
+    places: Vec<Option<Offset>>,
 }
 
 impl<'s> Rows<'s> {
@@ -265,7 +265,7 @@ impl<'s> Rows<'s> {
             Some(store) => Some(store.append(key, &text)?),
             None => {
                 self.texts.push(text);
-                Place::new(self.texts.len() as u64)
+                Offset::new(self.texts.len() as u64)
             }
         };
         Ok(())
@@ -399,8 +399,8 @@ fn message(panic: &(dyn Any + Send)) -> &str {
 /// A row as text that reads back to the same type; a row for which this fails becomes a failed row.
 fn text<U: Serialize + DeserializeOwned>(row: Row<U>) -> String {
     let kept = match row {
-        Ok(value) => Kept::Value(value),
-        Err(failure) => Kept::Failure(failure),
+        Ok(value) => Outcome::Value(value),
+        Err(failure) => Outcome::Failure(failure),
     };
     let tried = serde_json::to_string(&kept).map_err(|why| why.to_string());
     let good = tried.and_then(|text| read::<U>(&text).map(|_| text));
@@ -412,8 +412,8 @@ fn text<U: Serialize + DeserializeOwned>(row: Row<U>) -> String {
 
 fn read<U: DeserializeOwned>(text: &str) -> std::result::Result<Row<U>, String> {
     match serde_json::from_str(text) {
-        Ok(Kept::Value(value)) => Ok(Ok(value)),
-        Ok(Kept::Failure(failure)) => Ok(Err(failure)),
+        Ok(Outcome::Value(value)) => Ok(Ok(value)),
+        Ok(Outcome::Failure(failure)) => Ok(Err(failure)),
         Err(why) => Err(why.to_string()),
     }
 }

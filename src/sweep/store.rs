@@ -71,7 +71,7 @@ pub struct Store {
 }
 
 /// Where a line begins, in bytes from the start of the file; no line of a point is the first.
-pub(super) type Place = NonZeroU64;
+pub(super) type Offset = NonZeroU64;
 
 /// The hash of a point by which the index finds it, in two halves.
 pub(super) type Hash = [u64; 2];
@@ -80,7 +80,7 @@ pub(super) type Hash = [u64; 2];
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Entry {
     hash: Hash,
-    place: Place,
+    place: Offset,
 }
 
 /// Reads lines at any place of a file. Lines that follow each other are read through a buffer.
@@ -281,7 +281,7 @@ impl Store {
     /// Places of the points `0..hashes.len()` of a grid, `None` for a point without a line. Lines
     /// appended since the store was opened, merged or settled do not count. The hashes are sorted
     /// and differ, each with the number of its point.
-    pub(super) fn places(&self, hashes: &[(Hash, usize)]) -> Vec<Option<Place>> {
+    pub(super) fn places(&self, hashes: &[(Hash, usize)]) -> Vec<Option<Offset>> {
         let mut places = vec![None; hashes.len()];
         let mut index = self.index[..self.sorted].iter().peekable();
         for (hash, k) in hashes {
@@ -298,18 +298,18 @@ impl Store {
     }
 
     /// The number of the line at a place, counted from 1.
-    fn number(&self, place: Place) -> usize {
+    fn number(&self, place: Offset) -> usize {
         let before = File::open(self.path()).map(|file| BufReader::new(file.take(place.get())));
         1 + before.map_or(0, |before| before.split(b'\n').count())
     }
 
     /// The error for a line that does not hold a value of this study.
-    pub(super) fn corrupt(&self, place: Place, why: &str) -> Error {
+    pub(super) fn corrupt(&self, place: Offset, why: &str) -> Error {
         refused(&self.path(), self.number(place), format!("no value of this study: {why}"))
     }
 
     /// Appends the line of a point. Returns its place.
-    pub(super) fn append(&mut self, point: &str, row: &str) -> Result<Place> {
+    pub(super) fn append(&mut self, point: &str, row: &str) -> Result<Offset> {
         let json = format!(r#"{{"point":{point},"row":{row}}}"#);
         let place = place_at(self.length);
         self.write(&format!("{} {json}\n", digits(fnv(self.basis, &json)).escape_ascii()))?;
@@ -321,7 +321,7 @@ impl Store {
     /// other grids come last. `places` become those in the new file.
     ///
     /// So the bytes of the file do not depend on the order in which points were computed.
-    pub(super) fn settle(&mut self, places: &mut [Option<Place>]) -> Result<()> {
+    pub(super) fn settle(&mut self, places: &mut [Option<Offset>]) -> Result<()> {
         let mut others = self.others(places);
         let order = || places.iter().flatten().chain(&others);
         if order().is_sorted() {
@@ -350,14 +350,14 @@ impl Store {
     }
 
     /// Places of the lines that are not among `places`, in their order.
-    fn others(&self, places: &[Option<Place>]) -> Vec<Place> {
+    fn others(&self, places: &[Option<Offset>]) -> Vec<Offset> {
         if places.iter().flatten().count() == self.index.len() {
             return Vec::new();
         }
-        let mut of_grid: Vec<Place> = places.iter().flatten().copied().collect();
+        let mut of_grid: Vec<Offset> = places.iter().flatten().copied().collect();
         of_grid.sort_unstable();
         let all = self.index.iter().map(|entry| entry.place);
-        let mut others: Vec<Place> = all.filter(|place| of_grid.binary_search(place).is_err()).collect();
+        let mut others: Vec<Offset> = all.filter(|place| of_grid.binary_search(place).is_err()).collect();
         others.sort_unstable();
         others
     }
@@ -388,7 +388,7 @@ impl Store {
 
 impl Lines {
     /// Appends the line that begins at a place, with its end, to a text.
-    pub(super) fn line(&mut self, place: Place, text: &mut String) -> io::Result<()> {
+    pub(super) fn line(&mut self, place: Offset, text: &mut String) -> io::Result<()> {
         let place = place.get();
         self.reader.seek_relative(place.wrapping_sub(self.at).cast_signed())?;
         self.at = place + self.reader.read_line(text)? as u64;
@@ -397,7 +397,7 @@ impl Lines {
 }
 
 /// Lines cut into pieces of whole lines, with the place of each; the first one is at `at`.
-fn pieces(lines: &[u8], at: u64) -> Vec<(&[u8], Place)> {
+fn pieces(lines: &[u8], at: u64) -> Vec<(&[u8], Offset)> {
     let (mut pieces, mut rest) = (Vec::new(), lines);
     while !rest.is_empty() {
         let least = PIECE.min(rest.len() - 1);
@@ -410,7 +410,7 @@ fn pieces(lines: &[u8], at: u64) -> Vec<(&[u8], Place)> {
 
 /// The entries of whole lines, the first of which begins at `place`, up to the first line that is
 /// refused; and why it is refused.
-fn entries(lines: &[u8], place: Place, basis: u64) -> (Vec<Entry>, Option<String>) {
+fn entries(lines: &[u8], place: Offset, basis: u64) -> (Vec<Entry>, Option<String>) {
     let (mut entries, mut place) = (Vec::new(), place);
     let lines: Vec<&[u8]> = lines.split_inclusive(|byte| *byte == b'\n').collect();
     for group in lines.chunks(LANES) {
@@ -466,8 +466,8 @@ fn refused(path: &Path, line: usize, rule: impl Into<String>) -> Error {
 }
 
 /// A place after the first line.
-fn place_at(bytes: u64) -> Place {
-    Place::new(bytes).unwrap_or(Place::MIN)
+fn place_at(bytes: u64) -> Offset {
+    Offset::new(bytes).unwrap_or(Offset::MIN)
 }
 
 /// The hash of a point: FNV-1a, 128 bits.

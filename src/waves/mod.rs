@@ -21,7 +21,7 @@ pub use modes::Mode;
 pub(crate) use modes::strains;
 pub use perturbed::PerturbedWave;
 pub use solitary::{LinePulse, SolitaryWave, best_ring, wake_of_line};
-pub use stability::{Eigenvalue, Modulation, Verdict};
+pub use stability::{Eigenvalue, Modulation, ModulationStability};
 
 use crate::{
     chain::{Params, Resonators, Site, max_norm},

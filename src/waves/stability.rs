@@ -85,7 +85,7 @@ pub struct Eigenvalue {
 
 /// The perturbations of a wave that grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum ModulationStability {
     /// No perturbation grows.
     Neutral,
     /// Perturbations with wave numbers from zero to an edge grow.
@@ -94,7 +94,7 @@ pub enum Verdict {
     ShortWaves,
 }
 
-impl Verdict {
+impl ModulationStability {
     /// The verdict in words.
     pub fn words(self) -> &'static str {
         match self {
@@ -108,13 +108,13 @@ impl Verdict {
 /// The linear problem of small modulations of a travelling wave.
 ///
 /// ```
-/// use hertzchain::{chain::Params, waves::{Modulation, Shape, Verdict}};
+/// use hertzchain::{chain::Params, waves::{Modulation, Shape, ModulationStability}};
 /// use std::f64::consts::PI;
 /// let params = Params::new(1.5, 1.0, 3.0)?;
 /// let wave = |q| Modulation::new(params, Shape { q, a: 1.0, b: 1.0, phi: 0.0 });
 /// // The waves of the paper: q = 4 pi/5 is neutral; q = pi/5 is unstable, fastest at p = pi.
-/// assert_eq!(wave(0.8 * PI)?.verdict(), Verdict::Neutral);
-/// assert_eq!(wave(0.2 * PI)?.verdict(), Verdict::ShortWaves);
+/// assert_eq!(wave(0.8 * PI)?.verdict(), ModulationStability::Neutral);
+/// assert_eq!(wave(0.2 * PI)?.verdict(), ModulationStability::ShortWaves);
 /// assert_eq!(wave(0.2 * PI)?.fastest().unwrap().0, PI);
 /// # Ok::<(), hertzchain::Error>(())
 /// ```
@@ -224,15 +224,15 @@ impl Modulation {
     }
 
     /// The kind of perturbations that grow on an infinite chain.
-    pub fn verdict(&self) -> Verdict {
+    pub fn verdict(&self) -> ModulationStability {
         let factor = self.wave_factor();
         // For a uniform wave the band of growing long waves is empty.
         let uniform = (0.5 * self.shape.q).sin() == 0.0;
         match () {
-            () if self.slope * self.cos_q >= 0.0 || factor == 0.0 => Verdict::Neutral,
-            () if self.slope * factor > 0.0 => Verdict::ShortWaves,
-            () if uniform => Verdict::Neutral,
-            () => Verdict::LongWaves,
+            () if self.slope * self.cos_q >= 0.0 || factor == 0.0 => ModulationStability::Neutral,
+            () if self.slope * factor > 0.0 => ModulationStability::ShortWaves,
+            () if uniform => ModulationStability::Neutral,
+            () => ModulationStability::LongWaves,
         }
     }
 
@@ -241,9 +241,9 @@ impl Modulation {
     pub fn band(&self) -> Option<(f64, f64)> {
         let edge = || 2.0 * ((-self.slope / self.cos_q).sqrt() * (0.5 * self.shape.q).sin().abs()).atan();
         match self.verdict() {
-            Verdict::Neutral => None,
-            Verdict::LongWaves => Some((0.0, edge())),
-            Verdict::ShortWaves => Some((edge(), PI)),
+            ModulationStability::Neutral => None,
+            ModulationStability::LongWaves => Some((0.0, edge())),
+            ModulationStability::ShortWaves => Some((edge(), PI)),
         }
     }
 

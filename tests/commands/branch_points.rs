@@ -11,7 +11,7 @@ use std::{
     time::Duration,
 };
 
-/// A branch with period doublings and a collision, in six stretches.
+/// A branch with period doublings and a collision, in six segments.
 pub(crate) const DARK: &str = "breather continue --center bond --sites 9 --from 2.03 --to 2.1 --step 0.004 --bound";
 /// One that takes seconds.
 const LONG: &str = "breather continue --center bond --sites 21 --from 2.03 --to 2.1 --step 0.001";
@@ -150,7 +150,7 @@ fn another_branch_in_the_same_folder_reads_no_rows_of_the_first() {
         assert_eq!(now - count, lines(&alone.path().join(STORE)) - 1, "{other}");
         count = now;
     }
-    // Fewer points: only the last stretch differs.
+    // Fewer points: only the last segment differs.
     assert_eq!(output(&DARK.replace("--bound", "--bound --max-points 14"), shared, &[]).status.code(), Some(1));
     assert_eq!(lines(&shared.join(STORE)), count + 1);
     let alone = tempfile::tempdir().unwrap();

@@ -195,7 +195,7 @@ fn orbits_without_multipliers_are_gaps() {
 }
 
 // Truth: the search over all points at once, with spectra computed here. A gap at the end of a
-// stretch, or wider than one, is passed over by the next stretch.
+// interval, or wider than one, is passed over by the next interval.
 #[test]
 fn bifurcations_of_a_branch_in_stretches_are_those_of_the_whole_branch() {
     let whole = trail(continuation(Parameter::OmegaB, 2.1, 8e-3));

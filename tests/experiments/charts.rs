@@ -6,7 +6,7 @@ use hertzchain::{
     run::method::{Method, Split},
     run::{Records, Regime, regime},
     scene::{Scene, SceneFile},
-    study::{Chart, ChartOptions, ChartPoint, ChartStudy, ChartVerdict, Problem, Variant, charts, kick_sum, resonance},
+    study::{Behaviour, Chart, ChartOptions, ChartPoint, ChartStudy, Problem, Variant, charts, kick_sum, resonance},
     sweep::Engine,
 };
 use std::f64::consts::PI;
@@ -65,8 +65,8 @@ fn kinetic_splits_lose_stability_where_the_oscillator_says() {
         let (found, truth) = (measured.stability.unwrap(), limit(method));
         assert!((found / truth - 1.0).abs() < 4e-4, "{}: {found} for {truth}", method.name());
         // Far above the limit the run is lost, and far below it is not.
-        assert_eq!(measured.ladder[0].verdict, ChartVerdict::Lost);
-        assert_ne!(measured.usual.verdict, ChartVerdict::Lost);
+        assert_eq!(measured.ladder[0].verdict, Behaviour::Lost);
+        assert_ne!(measured.usual.verdict, Behaviour::Lost);
     }
 }
 
@@ -145,7 +145,7 @@ fn collocation_is_lost_nowhere_and_keeps_its_energy_to_the_tolerance_at_the_corn
     let study = study(&[Chart::Light, Chart::Stiffness, Chart::Alpha, Chart::Length], named(&["collocation"]));
     assert!(study.points.len() > 20);
     let verdict = |point: &ChartPoint| point.measured.as_ref().unwrap().usual.verdict;
-    let [stable, drifting] = [ChartVerdict::Stable, ChartVerdict::Drifting]
+    let [stable, drifting] = [Behaviour::Stable, Behaviour::Drifting]
         .map(|of| study.points.iter().filter(|point| verdict(point) == of).count());
     println!("{stable} stable, {drifting} drifting of {}", study.points.len());
     assert!(stable + drifting == study.points.len() && stable > drifting, "{stable} stable, {drifting} drifting");

@@ -2,7 +2,7 @@
 
 use hertzchain::{
     chain::{
-        Boundary, Chain, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Params, Signal, State,
+        Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal, State,
         Variations,
     },
     integrators::collocation::Pace,
@@ -16,8 +16,8 @@ use hertzchain::{
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
-fn sine(site: usize, means: Means, amplitude: f64, omega: f64) -> Drive {
-    Drive { site, means, signal: Signal::sine(amplitude, omega, 0.0) }
+fn sine(site: usize, kind: DriveKind, amplitude: f64, omega: f64) -> Drive {
+    Drive { site, kind, signal: Signal::sine(amplitude, omega, 0.0) }
 }
 
 /// A bead between two walls with static overlaps 1, with drag, pushed by `amplitude sin(omega t)`.
@@ -32,7 +32,7 @@ fn bead_with(drag: f64, dissipation: Option<Dissipation>, amplitude: f64, omega:
         drag: vec![drag],
         dissipation,
         overlap: vec![1.0; 2],
-        drives: vec![sine(0, Means::Pushed, amplitude, omega)],
+        drives: vec![sine(0, DriveKind::Force, amplitude, omega)],
         ..Details::default()
     };
     Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Fixed, 1).unwrap().with(&details).unwrap()
@@ -191,7 +191,7 @@ fn rattling(kind: Kind) -> Chain<f64> {
         drag: vec![0.0, 0.02, 0.02, 0.02],
         overlap: vec![0.1; 5],
         dissipation: Some(Dissipation { kind, strength }),
-        drives: vec![sine(0, Means::Moved, 0.3, 1.3)],
+        drives: vec![sine(0, DriveKind::Displacement, 0.3, 1.3)],
         ..Details::default()
     };
     Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Fixed, 4).unwrap().with(&details).unwrap()
@@ -282,7 +282,7 @@ fn weak_branch(a: f64) -> f64 {
         mass: mass.clone(),
         drag: vec![drag; n],
         overlap: vec![1.0; n + 1],
-        drives: vec![sine(0, Means::Pushed, a, from)],
+        drives: vec![sine(0, DriveKind::Force, a, from)],
         ..Details::default()
     };
     let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Fixed, n).unwrap().with(&details).unwrap();
@@ -376,7 +376,7 @@ fn shaken(amplitude: f64) -> Chain<f64> {
         contact: vec![1.0, 0.0],
         drives: vec![Drive {
             site: 0,
-            means: Means::Pushed,
+            kind: DriveKind::Force,
             signal: Signal {
                 harmonics: vec![
                     Harmonic { amplitude, omega: 1.8, phase: 0.0 },
@@ -530,13 +530,13 @@ fn what_has_no_periodic_drive_is_refused() {
     assert!(said.contains("drive = none") && said.contains("periodic drive"), "{said}");
     let burst = Envelope::Burst { start: 0.0, length: 3.0 };
     let harmonics = vec![Harmonic { amplitude: 0.1, omega: 1.0, phase: 0.0 }];
-    let said = refused(vec![Drive { site: 1, means: Means::Pushed, signal: Signal { harmonics, envelope: burst } }]);
+    let said = refused(vec![Drive { site: 1, kind: DriveKind::Force, signal: Signal { harmonics, envelope: burst } }]);
     assert!(said.contains("burst"), "{said}");
-    let said = refused(vec![sine(1, Means::Pushed, 0.1, 1.0), sine(2, Means::Pushed, 0.1, 2f64.sqrt())]);
+    let said = refused(vec![sine(1, DriveKind::Force, 0.1, 1.0), sine(2, DriveKind::Force, 0.1, 2f64.sqrt())]);
     assert!(said.contains("no multiples of one"), "{said}");
-    let said = refused(vec![sine(1, Means::Pushed, 0.0, 1.0)]);
+    let said = refused(vec![sine(1, DriveKind::Force, 0.0, 1.0)]);
     assert!(said.contains("amplitude = 0"), "{said}");
-    let good = chain(vec![sine(1, Means::Pushed, 0.1, 3.0), sine(2, Means::Pushed, 0.1, 2.0)]);
+    let good = chain(vec![sine(1, DriveKind::Force, 0.1, 3.0), sine(2, DriveKind::Force, 0.1, 2.0)]);
     assert!(DrivenSetting::new(&good, 0).unwrap_err().to_string().contains("turns = 0"));
     // 3 and 2 are multiples of 1.
     assert!((DrivenSetting::new(&good, 2).unwrap().period() - 4.0 * PI).abs() < 1e-12);

@@ -1,7 +1,7 @@
 //! Branches that cross others: of doubled period, and at branch points.
 
 use hertzchain::{
-    chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State, Variations},
+    chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, State, Variations},
     orbits::{
         BifurcationKind, Branch, DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenSetting,
         DrivenShooting, End, ModeBranch, ModeContinuation, ModePoint, NormalModes, Problem,
@@ -19,7 +19,7 @@ fn bead(drag: f64, contact: [f64; 2], overlap: [f64; 2], harmonics: Vec<Harmonic
         drag: vec![drag],
         overlap: overlap.to_vec(),
         contact: contact.to_vec(),
-        drives: vec![Drive { site: 0, means: Means::Pushed, signal }],
+        drives: vec![Drive { site: 0, kind: DriveKind::Force, signal }],
         ..Details::default()
     };
     Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Fixed, 1).unwrap().with(&details).unwrap()

@@ -3,7 +3,7 @@
 
 use hertzchain::{
     chain::{
-        Boundary, Chain, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Params, Signal, Site, State,
+        Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal, Site, State,
     },
     run::{Method, Run, Setting, Trajectory},
 };
@@ -85,11 +85,11 @@ pub(crate) fn stored(name: &str) -> (Chain<f64>, State<f64>, f64, Vec<f64>) {
         value.as_array().map(|list| list.iter().map(number).collect()).unwrap_or_default()
     };
     let list = |key: &str| numbers(&case[key]);
-    let drive = |key: &str, means| {
+    let drive = |key: &str, kind| {
         let numbers = list(key);
         let &[site, amplitude, omega, phase] = numbers.first_chunk()?;
         let harmonics = vec![Harmonic { amplitude, omega, phase }];
-        Some(Drive { site: site as usize, means, signal: Signal { harmonics, envelope: Envelope::None } })
+        Some(Drive { site: site as usize, kind, signal: Signal { harmonics, envelope: Envelope::None } })
     };
     let strength = list("viscoelastic");
     let details = Details {
@@ -102,7 +102,10 @@ pub(crate) fn stored(name: &str) -> (Chain<f64>, State<f64>, f64, Vec<f64>) {
         alpha: list("alpha"),
         overlap: list("overlap"),
         dissipation: (!strength.is_empty()).then_some(Dissipation { kind: Kind::Viscoelastic, strength }),
-        drives: [drive("moved", Means::Moved), drive("pushed", Means::Pushed)].into_iter().flatten().collect(),
+        drives: [drive("moved", DriveKind::Displacement), drive("pushed", DriveKind::Force)]
+            .into_iter()
+            .flatten()
+            .collect(),
     };
     let n = details.mass.len();
     let chain = Chain::new(params(1.5, 1.0, 1.0), Boundary::Fixed, n).unwrap().with(&details).unwrap();
@@ -171,8 +174,8 @@ fn smooth() -> (Chain<f64>, State<f64>) {
         contact: vec![1.0, 2.0, 1.5, 1.0, 0.8, 1.2, 1.0],
         overlap: vec![1.0; 7],
         drives: vec![
-            Drive { site: 0, means: Means::Moved, signal: Signal::sine(0.1, 1.3, 3.0) },
-            Drive { site: 3, means: Means::Pushed, signal: Signal::sine(0.2, 0.7, 0.0) },
+            Drive { site: 0, kind: DriveKind::Displacement, signal: Signal::sine(0.1, 1.3, 3.0) },
+            Drive { site: 3, kind: DriveKind::Force, signal: Signal::sine(0.2, 0.7, 0.0) },
         ],
         ..Details::default()
     };
@@ -355,7 +358,7 @@ fn what_cannot_run_such_a_chain_names_one_that_can() {
 fn wrong_details_are_refused_by_name_and_rule() {
     let chain = |boundary| Chain::<f64>::new(params(1.5, 1.0, 1.0), boundary, 3).unwrap();
     let none = Details::default;
-    let drive = |site, means, signal| Details { drives: vec![Drive { site, means, signal }], ..none() };
+    let drive = |site, kind, signal| Details { drives: vec![Drive { site, kind, signal }], ..none() };
     let cases: Vec<(Details, &str, &str)> = vec![
         (Details { mass: vec![1.0, 2.0], ..none() }, "mass = 2 numbers for 3 sites", "one number for each site"),
         (Details { mass: vec![1.0, -2.0, 1.0], ..none() }, "mass = -2 (entry 1)", "finite and positive"),
@@ -368,13 +371,13 @@ fn wrong_details_are_refused_by_name_and_rule() {
             "dashpot = 0.1 at site 0",
             "beside a spring",
         ),
-        (drive(3, Means::Pushed, Signal::sine(1.0, 1.0, 0.0)), "drive.site = 3", "a site of the chain"),
-        (drive(0, Means::Moved, Signal::sine(1.0, 1.0, 0.0)), "drive = moves site 0", "no resonator"),
+        (drive(3, DriveKind::Force, Signal::sine(1.0, 1.0, 0.0)), "drive.site = 3", "a site of the chain"),
+        (drive(0, DriveKind::Displacement, Signal::sine(1.0, 1.0, 0.0)), "drive = moves site 0", "no resonator"),
         (
             // What moves a bead takes up what pushes it.
             Details {
-                drives: [Means::Moved, Means::Pushed]
-                    .map(|means| Drive { site: 0, means, signal: Signal::sine(1.0, 1.0, 0.0) })
+                drives: [DriveKind::Displacement, DriveKind::Force]
+                    .map(|kind| Drive { site: 0, kind, signal: Signal::sine(1.0, 1.0, 0.0) })
                     .to_vec(),
                 rho: vec![0.0, 1.0, 1.0],
                 ..none()
@@ -382,9 +385,9 @@ fn wrong_details_are_refused_by_name_and_rule() {
             "drive.site = 0",
             "has no other drive",
         ),
-        (drive(0, Means::Pushed, Signal::sine(f64::INFINITY, 1.0, 0.0)), "drive.amplitude = inf", "a finite number"),
-        (drive(0, Means::Pushed, Signal::sine(1.0, -1.0, 0.0)), "drive.omega = -1", "at least zero"),
-        (drive(0, Means::Pushed, Signal::sine(1.0, 1.0, f64::INFINITY)), "drive.ramp = inf", "finite and positive"),
+        (drive(0, DriveKind::Force, Signal::sine(f64::INFINITY, 1.0, 0.0)), "drive.amplitude = inf", "a finite number"),
+        (drive(0, DriveKind::Force, Signal::sine(1.0, -1.0, 0.0)), "drive.omega = -1", "at least zero"),
+        (drive(0, DriveKind::Force, Signal::sine(1.0, 1.0, f64::INFINITY)), "drive.ramp = inf", "finite and positive"),
     ];
     for (details, value, rule) in cases {
         let message = chain(Boundary::Free).with(&details).unwrap_err().to_string();
@@ -393,7 +396,7 @@ fn wrong_details_are_refused_by_name_and_rule() {
     let message = chain(Boundary::StrainRing).with(&none()).unwrap_err().to_string();
     assert!(message.contains("strain-ring"), "{message}");
     // A bead that is moved begins where its drive does.
-    let moved = Details { rho: vec![0.0, 1.0, 1.0], ..drive(0, Means::Moved, Signal::sine(0.1, 1.0, 0.0)) };
+    let moved = Details { rho: vec![0.0, 1.0, 1.0], ..drive(0, DriveKind::Displacement, Signal::sine(0.1, 1.0, 0.0)) };
     let chain = chain(Boundary::Free).with(&moved).unwrap();
     let run = Run::new(chain.clone(), State::rest(&chain)).until(1.0).unwrap();
     assert!(run.start().unwrap_err().to_string().contains("begins where its drive does"));

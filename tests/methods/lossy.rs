@@ -11,8 +11,8 @@ use crate::{
 };
 use hertzchain::{
     chain::{
-        Boundary, Chain, Contact, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Params, Signal, State,
-        TOUCH,
+        Boundary, Chain, Contact, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal,
+        State, TOUCH,
     },
     integrators::collocation::Pace,
     run::{Method, Records, Setting},
@@ -44,8 +44,8 @@ fn varied(
         details.drag = list(sites, -0.1, 0.3).into_iter().map(|drag| drag.max(0.0)).collect();
         details.drag[0] = 0.0;
         details.drives = vec![
-            Drive { site: 0, means: Means::Moved, signal: Signal::sine(0.25, 1.7, 0.3) },
-            Drive { site: sites - 3, means: Means::Pushed, signal: Signal::sine(0.5, 2.5, 0.0) },
+            Drive { site: 0, kind: DriveKind::Displacement, signal: Signal::sine(0.25, 1.7, 0.3) },
+            Drive { site: sites - 3, kind: DriveKind::Force, signal: Signal::sine(0.5, 2.5, 0.0) },
         ];
     }
     let chain = uniform.with(&details).unwrap();
@@ -143,8 +143,8 @@ pub(crate) fn held(force: f64, overlap: f64) -> (Chain<f64>, State<f64>) {
         kappa: vec![0.0; 2],
         dissipation: Some(Dissipation { kind: Kind::Viscoelastic, strength: vec![0.0, 0.8, 0.4] }),
         drives: vec![
-            Drive { site: 0, means: Means::Moved, signal: Signal::sine(0.2, 4.0, 0.0) },
-            Drive { site: 1, means: Means::Pushed, signal: push },
+            Drive { site: 0, kind: DriveKind::Displacement, signal: Signal::sine(0.2, 4.0, 0.0) },
+            Drive { site: 1, kind: DriveKind::Force, signal: push },
         ],
         contact: vec![0.0, 1.0, 1.0],
         overlap: vec![0.0, 0.4, overlap],
@@ -443,7 +443,7 @@ fn beads_that_part_and_meet_again_in_one_window_are_two_contacts() {
         let details = Details {
             contact: vec![0.0, 1.0],
             dissipation: Some(Dissipation { kind: Kind::Viscoelastic, strength: vec![0.0, gamma] }),
-            drives: vec![Drive { site: 0, means: Means::Pushed, signal: push.clone() }],
+            drives: vec![Drive { site: 0, kind: DriveKind::Force, signal: push.clone() }],
             ..Details::default()
         };
         let bare = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Fixed, 1).unwrap();

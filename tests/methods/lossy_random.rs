@@ -6,7 +6,7 @@ use crate::{
 };
 use hertzchain::{
     chain::{
-        Boundary, Chain, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Params, Signal, Site, State,
+        Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal, Site, State,
     },
     run::{Method, Records, Run, Setting},
 };
@@ -54,12 +54,12 @@ pub(crate) fn scene(next: &mut dyn FnMut() -> f64) -> (Chain<f64>, State<f64>, f
         signal(list.chunks(3).flat_map(|x| [most * x[0], 0.5 + 3.5 * x[1], 2.0 * PI * x[2]]).collect())
     };
     if driven < 0.4 {
-        let moved = Drive { site: 0, means: Means::Moved, signal: harmonics(list(6, 0.0, 1.0), 0.25) };
+        let moved = Drive { site: 0, kind: DriveKind::Displacement, signal: harmonics(list(6, 0.0, 1.0), 0.25) };
         (details.rho[0], details.kappa[0], details.dashpot[0], details.drag[0]) = (0.0, 0.0, 0.0, 0.0);
         details.drives.push(moved);
     }
     if (0.2..0.6).contains(&driven) {
-        let pushed = Drive { site: sites - 1, means: Means::Pushed, signal: harmonics(list(3, 0.0, 1.0), 0.6) };
+        let pushed = Drive { site: sites - 1, kind: DriveKind::Force, signal: harmonics(list(3, 0.0, 1.0), 0.6) };
         details.drives.push(pushed);
     }
     let chain = uniform.with(&details).unwrap();

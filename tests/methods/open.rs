@@ -7,7 +7,7 @@ use crate::{
     windows,
 };
 use hertzchain::{
-    chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal},
+    chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal},
     integrators::{Silent, collocation::Pace, drive},
     run::{Method, Records, Setting},
 };
@@ -41,7 +41,7 @@ fn varied(seed: u64, boundary: Boundary, sites: usize) -> (Chain<f64>, Vec<f64>)
     (rho[0], kappa[0], drag[0]) = (0.0, 0.0, 0.0);
     let damped = |(dashpot, rho): (f64, &f64)| if *rho == 0.0 { 0.0 } else { dashpot.max(0.0) };
     let dashpot = list(sites, -0.1, 0.4).into_iter().zip(&rho).map(damped);
-    let drive = |site, means, harmonics, envelope| Drive { site, means, signal: Signal { harmonics, envelope } };
+    let drive = |site, kind, harmonics, envelope| Drive { site, kind, signal: Signal { harmonics, envelope } };
     let details = Details {
         dashpot: dashpot.collect(),
         drag: drag.into_iter().map(|drag| drag.max(0.0)).collect(),
@@ -50,10 +50,10 @@ fn varied(seed: u64, boundary: Boundary, sites: usize) -> (Chain<f64>, Vec<f64>)
         alpha: list(bonds, 0.0, 5.0).into_iter().map(|k| exponents[k as usize]).collect(),
         overlap: list(bonds, -0.2, held),
         drives: vec![
-            drive(0, Means::Moved, vec![harmonic(0.2, 1.7, 0.3), harmonic(0.1, 0.9, 1.0)], Envelope::None),
-            drive(sites - 3, Means::Pushed, vec![harmonic(0.5, 2.5, 0.0)], Envelope::Ramp(3.3)),
-            drive(2, Means::Pushed, vec![harmonic(0.8, 1.1, 0.5)], Envelope::Burst { start: 1.3, length: 4.0 }),
-            drive(2, Means::Pushed, vec![harmonic(0.1, 0.0, TAU / 4.0)], Envelope::None),
+            drive(0, DriveKind::Displacement, vec![harmonic(0.2, 1.7, 0.3), harmonic(0.1, 0.9, 1.0)], Envelope::None),
+            drive(sites - 3, DriveKind::Force, vec![harmonic(0.5, 2.5, 0.0)], Envelope::Ramp(3.3)),
+            drive(2, DriveKind::Force, vec![harmonic(0.8, 1.1, 0.5)], Envelope::Burst { start: 1.3, length: 4.0 }),
+            drive(2, DriveKind::Force, vec![harmonic(0.1, 0.0, TAU / 4.0)], Envelope::None),
         ],
         rho,
         kappa,
@@ -165,7 +165,7 @@ fn motions_without_contacts_are_their_closed_forms() {
     // Truth: a bead under F sin(w t) with drag, m u'' = F sin(w t) - c u', from rest; and what the
     // force has done is energy and dissipated.
     let (m, c, force, w, t) = (1.5, 0.4, 0.8, 1.9, 12.0f64);
-    let drives = vec![Drive { site: 0, means: Means::Pushed, signal: Signal::sine(force, w, 0.0) }];
+    let drives = vec![Drive { site: 0, kind: DriveKind::Force, signal: Signal::sine(force, w, 0.0) }];
     let details = Details { mass: vec![m], drag: vec![c], drives, ..Details::default() };
     let plain = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 1).unwrap();
     let chain = plain.with(&details).unwrap();
@@ -303,7 +303,7 @@ fn the_tangent_map_of_one_damped_bead_is_its_closed_form() {
     // state and the push; the bead does not touch anything, and the resonator rests.
     let (mass, kappa, t) = (1.5, 2.0, 9.0f64);
     for (drag, dashpot) in [(0.3, 0.0), (0.0, 0.3), (0.5, 0.6), (2.0, 0.0), (0.0, 7.0)] {
-        let push = Drive { site: 0, means: Means::Pushed, signal: Signal::sine(0.4, 1.3, 0.0) };
+        let push = Drive { site: 0, kind: DriveKind::Force, signal: Signal::sine(0.4, 1.3, 0.0) };
         let one = |x: f64| vec![x];
         let details = Details {
             mass: one(mass),

@@ -5,7 +5,7 @@ use crate::{
     differing::off_variations,
 };
 use hertzchain::{
-    chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State},
+    chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, State},
     run::{Method, Records, Run, Setting, Trajectory, Warning},
     scene::Scene,
 };
@@ -38,9 +38,9 @@ const LONG: usize = 5;
 const END: f64 = 9.0;
 
 /// Three beads that touch, those without a drive with resonators, and one drive.
-fn chain(boundary: Boundary, means: Means, signal: Signal) -> Chain<f64> {
+fn chain(boundary: Boundary, kind: DriveKind, signal: Signal) -> Chain<f64> {
     let uniform = Chain::new(Params::new(1.5, 1.0, 0.5).unwrap(), boundary, 3).unwrap();
-    let drives = vec![Drive { site: 0, means, signal }];
+    let drives = vec![Drive { site: 0, kind, signal }];
     let details = Details { kappa: vec![0.0, 1.0, 1.0], rho: vec![0.0, 0.5, 0.5], drives, ..Details::default() };
     uniform.with(&details).unwrap()
 }
@@ -73,12 +73,12 @@ fn methods_that_choose_their_steps_see_every_drive_of_a_chain_at_rest() {
     let adaptive = ["dop853", "dop853-landed", "dop853-regularised", "collocation"].map(named);
     for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring] {
         for (k, signal) in signals().into_iter().enumerate() {
-            for means in [Means::Moved, Means::Pushed] {
-                let chain = chain(boundary, means, signal.clone());
+            for kind in [DriveKind::Displacement, DriveKind::Force] {
+                let chain = chain(boundary, kind, signal.clone());
                 let want = states(&from_rest(&chain, Method::Collocation, Setting::Tolerance(1e-13)));
                 let moves = largest(want.iter().copied());
                 let unit = moves.max(signal.size());
-                assert!(moves > 1e-4, "{boundary:?} {k} {means:?}: nothing moves");
+                assert!(moves > 1e-4, "{boundary:?} {k} {kind:?}: nothing moves");
                 for method in adaptive {
                     let run = from_rest(&chain, method, Setting::Tolerance(1e-11));
                     let underflows = boundary != Boundary::Free && method == named("dop853-regularised");
@@ -87,9 +87,9 @@ fn methods_that_choose_their_steps_see_every_drive_of_a_chain_at_rest() {
                     }
                     let got = states(&run);
                     let off = distance(&got, &want) / unit;
-                    println!("{boundary:?} signal {k} {means:?} {}: {off:e}", method.name());
+                    println!("{boundary:?} signal {k} {kind:?} {}: {off:e}", method.name());
                     let bound = if method == named("dop853") { 1e-3 * moves / unit } else { 1e-7 };
-                    assert!(off < bound, "{boundary:?} signal {k} {means:?} {}: {off:e}", method.name());
+                    assert!(off < bound, "{boundary:?} signal {k} {kind:?} {}: {off:e}", method.name());
                 }
             }
         }
@@ -103,8 +103,8 @@ fn equal_steps_see_every_drive_that_they_resolve() {
     let boundaries = [Boundary::Free, Boundary::Fixed, Boundary::Ring];
     let setting = Setting::steps(END / 1e-2).unwrap();
     for (k, signal) in signals().into_iter().take(LONG).enumerate() {
-        for (m, means) in [Means::Moved, Means::Pushed].into_iter().enumerate() {
-            let chain = chain(boundaries[(k + m) % 3], means, signal.clone());
+        for (m, kind) in [DriveKind::Displacement, DriveKind::Force].into_iter().enumerate() {
+            let chain = chain(boundaries[(k + m) % 3], kind, signal.clone());
             let run = |method, setting| from_rest(&chain, method, setting).records(Records::End).start().unwrap();
             let want = run(Method::Collocation, Setting::Tolerance(1e-12)).state;
             let fixed = Method::all()
@@ -114,7 +114,7 @@ fn equal_steps_see_every_drive_that_they_resolve() {
                 let done = run(method, setting);
                 let off = distance(&done.state, &want) / largest(want.iter().copied());
                 let bound = if method.order() == 2 { 4e-2 } else { 1e-3 };
-                assert!(off < bound, "signal {k} {means:?} {}: {off:e}", method.name());
+                assert!(off < bound, "signal {k} {kind:?} {}: {off:e}", method.name());
                 assert!(done.warnings.iter().all(Warning::fatal), "{:?}", done.warnings);
             }
         }
@@ -157,7 +157,7 @@ fn a_pushed_bead_moves_by_the_double_integral_of_its_force() {
             }
             _ => pushed_to(&signal, END),
         };
-        let drives = vec![Drive { site: 0, means: Means::Pushed, signal }];
+        let drives = vec![Drive { site: 0, kind: DriveKind::Force, signal }];
         let chain = alone.clone().with(&Details { drives, ..Details::default() }).unwrap();
         for method in Method::all().into_iter().filter(|method| method.unsupported_reason(&chain).is_none()) {
             let (setting, bound) = match method.adaptive() {
@@ -179,7 +179,7 @@ fn a_ramp_that_ends_inside_a_step_costs_order_six_and_no_lower_one() {
     let signal = Signal { harmonics: vec![sine(0.3, 1.3, 0.4)], envelope: Envelope::Ramp(65.0 / 168.0) };
     let want = pushed_to(&signal, END);
     let alone = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 1).unwrap();
-    let drives = vec![Drive { site: 0, means: Means::Pushed, signal }];
+    let drives = vec![Drive { site: 0, kind: DriveKind::Force, signal }];
     let chain = alone.with(&Details { drives, ..Details::default() }).unwrap();
     let fixed =
         Method::all().into_iter().filter(|method| !method.adaptive() && method.unsupported_reason(&chain).is_none());
@@ -205,7 +205,7 @@ fn an_event_on_a_break_is_one_event() {
     // where the ramp of a third bead ends.
     let uniform = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 3).unwrap();
     let signal = Signal { harmonics: vec![sine(0.1, 1.0, 0.3)], envelope: Envelope::Ramp(2.0) };
-    let drives = vec![Drive { site: 2, means: Means::Pushed, signal }];
+    let drives = vec![Drive { site: 2, kind: DriveKind::Force, signal }];
     let details = Details { drives, overlap: vec![-2.0, -0.5], ..Details::default() };
     let chain = uniform.with(&details).unwrap();
     let mut state = State::rest(&chain);
@@ -235,7 +235,7 @@ fn the_tangent_map_sees_a_late_burst() {
     // the flow at rest without contact is none of contacts.
     let uniform = Chain::<f64>::new(Params::new(1.5, 1.0, 0.5).unwrap(), Boundary::Fixed, 3).unwrap();
     let signal = Signal { harmonics: vec![sine(0.8, 2.0, 0.4)], envelope: Envelope::Burst { start: 3.0, length: 0.5 } };
-    let drives = vec![Drive { site: 1, means: Means::Pushed, signal }];
+    let drives = vec![Drive { site: 1, kind: DriveKind::Force, signal }];
     let details = Details { drives, overlap: vec![0.1; 4], ..Details::default() };
     let chain = uniform.with(&details).unwrap();
     let off = off_variations(&chain, State::rest(&chain).as_slice(), 4.0, |_| true);
@@ -249,7 +249,7 @@ fn a_moved_bead_carries_its_kinetic_energy_and_drives_do_that_work() {
     let uniform = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 2).unwrap();
     for envelope in [Envelope::None, Envelope::Ramp(1e-2)] {
         let signal = Signal { harmonics: vec![sine(0.3, 2.0, 0.5), sine(0.1, 5.0, 1.0)], envelope };
-        let drives = vec![Drive { site: 0, means: Means::Moved, signal: signal.clone() }];
+        let drives = vec![Drive { site: 0, kind: DriveKind::Displacement, signal: signal.clone() }];
         let details = Details { mass: vec![2.5, 1.0], overlap: vec![-9.0], drives, ..Details::default() };
         let chain = uniform.clone().with(&details).unwrap();
         let kinetic = |t: f64| 0.5 * 2.5 * signal.at(t)[1].powi(2);
@@ -298,7 +298,7 @@ fn steps_that_are_longer_than_a_ramp_or_a_burst_are_said() {
     // Truth: lengths and steps as given. 0.05 is below the step of 0.1, 0.3 is not.
     let burst = |length| Signal { envelope: Envelope::Burst { start: 6.0, length }, ..Signal::sine(0.5, 2.0, 0.0) };
     let said = |signal: Signal, name: &str, setting: Setting| -> Vec<String> {
-        let run = from_rest(&chain(Boundary::Free, Means::Pushed, signal), named(name), setting);
+        let run = from_rest(&chain(Boundary::Free, DriveKind::Force, signal), named(name), setting);
         let warnings = run.records(Records::End).start().unwrap().warnings;
         warnings.iter().filter(|warning| !warning.fatal()).map(ToString::to_string).collect()
     };
@@ -320,7 +320,7 @@ fn steps_that_are_longer_than_a_ramp_or_a_burst_are_said() {
 #[test]
 fn a_burst_that_times_do_not_resolve_is_refused() {
     let burst = Signal { envelope: Envelope::Burst { start: 50.0, length: 1e-10 }, ..Signal::sine(0.5, 2.0, 0.0) };
-    let drives = vec![Drive { site: 0, means: Means::Pushed, signal: burst }];
+    let drives = vec![Drive { site: 0, kind: DriveKind::Force, signal: burst }];
     let alone = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 1).unwrap();
     let message = alone.with(&Details { drives, ..Details::default() }).unwrap_err().to_string();
     assert!(message.contains("drive.length") && message.contains("1e-11 of its start"), "{message}");

@@ -1,7 +1,7 @@
 //! The tangent map of chains whose beads differ, are damped and driven.
 
 use hertzchain::chain::{
-    Boundary, Chain, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Params, Signal, Site, State,
+    Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal, Site, State,
     Variations,
 };
 use hertzchain::integrators::{Real, collocation::Pace};
@@ -12,9 +12,9 @@ use twofloat::TwoFloat;
 /// Six beads between walls that differ in everything, with drag, dashpots, a bead that is moved and
 /// one that is pushed; contacts open and close.
 fn chain<R: Real>() -> Chain<R> {
-    let drive = |site, means, amplitude, omega| {
+    let drive = |site, kind, amplitude, omega| {
         let harmonics = vec![Harmonic { amplitude, omega, phase: 0.4 }];
-        Drive { site, means, signal: Signal { harmonics, envelope: Envelope::None } }
+        Drive { site, kind, signal: Signal { harmonics, envelope: Envelope::None } }
     };
     let details = Details {
         mass: vec![1.0, 0.5, 2.0, 1.5, 0.7, 1.0],
@@ -25,7 +25,7 @@ fn chain<R: Real>() -> Chain<R> {
         contact: vec![1.0, 2.0, 1.5, 1.0, 0.8, 1.2, 1.0],
         alpha: vec![1.5, 1.5, 1.5, 2.5, 1.5, 1.5, 1.5],
         overlap: vec![0.1, 0.05, -0.02, 0.1, 0.0, 0.1, 0.05],
-        drives: vec![drive(0, Means::Moved, 0.3, 1.3), drive(3, Means::Pushed, 0.4, 0.7)],
+        drives: vec![drive(0, DriveKind::Displacement, 0.3, 1.3), drive(3, DriveKind::Force, 0.4, 0.7)],
         ..Details::default()
     };
     Chain::new(Params::new(1.5, 1.0, 1.0).unwrap(), Boundary::Fixed, 6).unwrap().with(&details).unwrap()

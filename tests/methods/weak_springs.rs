@@ -3,7 +3,7 @@
 
 use hertzchain::{
     Run,
-    chain::{Boundary, Chain, Details, Drive, Means, Params, Signal, Site, State},
+    chain::{Boundary, Chain, Details, Drive, DriveKind, Params, Signal, Site, State},
     integrators::collocation::Pace,
     run::{
         Records,
@@ -172,7 +172,7 @@ fn spring_constants_over_48_decades_are_one_in_other_units() {
 fn damped_and_pushed_sites_go_over_into_sites_without_springs() {
     // Truth: the regularised run without springs.
     let with = |kappa: f64, drag: f64, push: f64| {
-        let drive = Drive { site: 0, means: Means::Pushed, signal: Signal::sine(push, 0.9, 0.0) };
+        let drive = Drive { site: 0, kind: DriveKind::Force, signal: Signal::sine(push, 0.9, 0.0) };
         let drives = if push > 0.0 { vec![drive] } else { Vec::new() };
         let details = Details { drag: vec![drag, 0.5 * drag], drives, ..Details::default() };
         chain(params(kappa, 1.0)).with(&details).unwrap()

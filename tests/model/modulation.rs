@@ -6,7 +6,7 @@ use hertzchain::{
     dps::{Constraint, Dps, Ends, Form, Layout},
     study::{StabilityOptions, StabilityStudy, stability},
     sweep::Engine,
-    waves::{Mode, Modulation, Shape, Size, TravellingWave, Verdict},
+    waves::{Mode, Modulation, ModulationStability, Shape, Size, TravellingWave},
 };
 use hertzchain_integrators::{Dop853, Silent, VectorField, dop853::Options, drive};
 use nalgebra::{Complex, DMatrix};
@@ -115,7 +115,7 @@ fn the_closed_form_has_all_eigenvalues_of_the_flow() {
         }
     }
     println!("{worst:?}, {verdicts:?}");
-    for verdict in [Verdict::Neutral, Verdict::LongWaves, Verdict::ShortWaves] {
+    for verdict in [ModulationStability::Neutral, ModulationStability::LongWaves, ModulationStability::ShortWaves] {
         assert!(verdicts.contains(&verdict), "the cases show {verdict:?}");
     }
     assert!(worst[0] < 1e-9 && worst[1] < 6e-5);
@@ -190,7 +190,7 @@ fn the_slope_has_its_closed_forms_and_is_negative() {
     assert!(worst < 2.1e-11);
     // A linear chain: every wave is neutral. The cradle: the power of the DpS equation.
     assert_eq!(modulation((1.0, 1.0, 1.0), 0.7, 1.0, -3.0).slope(), 0.0);
-    assert_eq!(modulation((1.0, 1.0, 1.0), 0.7, 1.0, -3.0).verdict(), Verdict::Neutral);
+    assert_eq!(modulation((1.0, 1.0, 1.0), 0.7, 1.0, -3.0).verdict(), ModulationStability::Neutral);
     assert!((modulation((1.7, 1.3, f64::INFINITY), 0.7, 0.9, 0.0).slope() - 0.7).abs() < 1e-13);
 }
 
@@ -203,7 +203,10 @@ fn rates_scale_as_the_model_does_and_rho_is_a_factor() {
         // kappa^{-1/2} (2 kappa a)^{alpha-1} (1 + 1/rho)^{-3/2}.
         let other = modulation((1.5, kappa, rho), 0.7, a, 0.4 * kappa * a);
         let scale = (kappa * a / kappa).sqrt() * factor(rho) / factor(1.0 / 3.0);
-        assert_eq!((one.verdict(), other.verdict()), (Verdict::ShortWaves, Verdict::ShortWaves));
+        assert_eq!(
+            (one.verdict(), other.verdict()),
+            (ModulationStability::ShortWaves, ModulationStability::ShortWaves)
+        );
         for p in [0.3, 1.0, 2.0, PI] {
             let [x, y] = [&one, &other].map(|wave| wave.eigenvalues(p)[0]);
             assert!((y.growth - scale * x.growth).abs() < 1e-13 * scale * one.sigma());
@@ -245,10 +248,10 @@ fn eigenvalues_come_in_quartets_and_bands_end_where_growth_does() {
         }
     }
     // The boundary itself: cos(pi/2) rounds to 6e-17, which gives no growth.
-    assert_eq!(modulation((1.5, 1.0, 1.0), 0.5 * PI, 1.0, 1.0).verdict(), Verdict::Neutral);
+    assert_eq!(modulation((1.5, 1.0, 1.0), 0.5 * PI, 1.0, 1.0).verdict(), ModulationStability::Neutral);
     // The waves of the paper.
     assert_eq!(modulation((1.5, 1.0, 1.0 / 3.0), 0.8 * PI, 1.0, 1.0).band(), None);
-    assert_eq!(modulation((1.5, 1.0, 1.0 / 3.0), 0.2 * PI, 1.0, 1.0).verdict(), Verdict::ShortWaves);
+    assert_eq!(modulation((1.5, 1.0, 1.0 / 3.0), 0.2 * PI, 1.0, 1.0).verdict(), ModulationStability::ShortWaves);
 }
 
 #[test]

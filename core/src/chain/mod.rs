@@ -36,7 +36,7 @@ pub use bonds::{CorrectedSplit, SiteFlow};
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Maximum, Overlaps, TOUCH};
 pub use details::{
-    ContactEvents, Details, Differing, Dissipation, Drive, Envelope, Harmonic, Kind, Ledger, Means, Signal,
+    ContactEvents, Details, Differing, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Ledger, Signal,
     SitewiseFlow, Variations, Varied,
 };
 pub use divisible::{Divisible, Split};

@@ -15,7 +15,10 @@ use crate::{
         Digits::{Hidden, Short},
         Line, Panel, Panels, Report, Table,
     },
-    study::{DarkStudy, KINDS, Kick, Progress, center_word, doubled_from, evolve, go_on, orbit_study, shown, word},
+    study::{
+        DarkStudy, KINDS, Kick, Progress, center_word, doubled_from, evolve, format_short, go_on, kebab_name,
+        orbit_study,
+    },
     sweep::map,
 };
 
@@ -101,7 +104,7 @@ fn multipliers(name: &str, parameter: &str, all: &[(f64, Multiplier)]) -> Table 
         .col("modulus", Hidden, "", |row| row.1.modulus)
         .col("error", Hidden, "of the modulus", |row| row.1.error)
         .col("krein", Hidden, "Krein signature on the circle, 0 elsewhere", |row| f64::from(row.1.krein))
-        .col("kind", Short, "", |row| word(&row.1.kind))
+        .col("kind", Short, "", |row| kebab_name(&row.1.kind))
         .done()
 }
 
@@ -144,7 +147,7 @@ fn of_branch(branch: &Branch, title: &str) -> Result<Report> {
     });
     let table = multipliers("multipliers", parameter.name(), &off.collect::<Vec<_>>());
     let (Some(first), Some(last)) = (branch.points.first(), branch.points.last()) else { return branch.report() };
-    let events = |one: &Bifurcation| format!("{:.7} ({})", one.parameter, word(&one.kind).replace('-', " "));
+    let events = |one: &Bifurcation| format!("{:.7} ({})", one.parameter, kebab_name(&one.kind).replace('-', " "));
     let events: Vec<String> = branch.bifurcations.iter().map(events).collect();
     let above = branch.weak.map_or(1.0, |weak| 1.0 + weak);
     let events = match events.is_empty() {
@@ -158,10 +161,10 @@ fn of_branch(branch: &Branch, title: &str) -> Result<Report> {
     let caption = format!(
         "From {} = {} to {}, K_x from {} to {}, there {}.{gaps}{events}",
         parameter.symbol(),
-        shown(first.orbit.setting.get(parameter)),
-        shown(last.orbit.setting.get(parameter)),
-        shown(first.measures.extent.k_x),
-        shown(last.measures.extent.k_x),
+        format_short(first.orbit.setting.get(parameter)),
+        format_short(last.orbit.setting.get(parameter)),
+        format_short(first.measures.extent.k_x),
+        format_short(last.measures.extent.k_x),
         strongest(&last.spectrum),
     );
     Ok(with(branch.report()?, table, vec![moduli(branch, title)], caption))

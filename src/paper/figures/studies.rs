@@ -3,7 +3,7 @@
 use crate::{
     chain::Params,
     error::Result,
-    number::written,
+    number::format_parameter,
     report::{Column, Digits::Hidden, Kind, Line, Panel, Panels, Report, Table},
     scene::{Initial, Scene},
     study::{
@@ -156,7 +156,10 @@ pub(super) fn limits(rhos: &[f64], epsilons: &[f64]) -> Result<Report> {
     let by_rho = || waves.chunk_by(|a, b| a.rho == b.rho);
     let panel = |label: &str, of: fn(&LimitWave) -> f64| {
         let line = |waves: &[LimitWave]| {
-            Line::new(&format!("ρ = {}", written(waves[0].rho)), waves.iter().map(|wave| (wave.epsilon, of(wave))))
+            Line::new(
+                &format!("ρ = {}", format_parameter(waves[0].rho)),
+                waves.iter().map(|wave| (wave.epsilon, of(wave))),
+            )
         };
         let root = Line::new("√ε/10", epsilons.iter().map(|epsilon| (*epsilon, 0.1 * epsilon.sqrt())));
         Column::new("", [Panel::new(Kind::LogLog, ["size ε", label], by_rho().map(line).chain([root]).collect())])
@@ -171,7 +174,11 @@ pub(super) fn limits(rhos: &[f64], epsilons: &[f64]) -> Result<Report> {
     };
     let slopes = |waves: &[LimitWave]| {
         let [x, y] = [slope(waves, |wave| wave.errors[0]), slope(waves, |wave| wave.errors[1])];
-        format!("ρ = {}: {x:.3}, {y:.3}, {:.3}", written(waves[0].rho), slope(waves, |wave| wave.apart().abs()))
+        format!(
+            "ρ = {}: {x:.3}, {y:.3}, {:.3}",
+            format_parameter(waves[0].rho),
+            slope(waves, |wave| wave.apart().abs())
+        )
     };
     let caption = format!(
         "q = π/5, a = b = 1, α = 3/2, κ = 1, ring of {SITES} sites. Slopes of E_x, E_y and of the difference of the growth at \

@@ -105,7 +105,7 @@ struct Point {
 
 /// A quantity as it is kept: its number by its bits, since a number that is not finite is one too.
 #[derive(Serialize, Deserialize)]
-struct Kept {
+struct Memo {
     id: String,
     bits: u64,
 }
@@ -122,7 +122,7 @@ impl Point {
 
     /// The quantities of each group. First the runs and then the groups are computed on all cores;
     /// the results do not depend on their number.
-    fn quantities(&self) -> Result<Vec<Vec<Kept>>> {
+    fn quantities(&self) -> Result<Vec<Vec<Memo>>> {
         let all = SECTIONS.iter().filter(|(section, _)| *section == self.section).flat_map(|(_, groups)| *groups);
         let all: Vec<&Group> = all.collect();
         let groups: Vec<&Group> = self.groups.iter().map(|&number| all[number]).collect();
@@ -140,7 +140,7 @@ impl Point {
             // Computations that were asked to end may have returned a part of their results.
             return Err(Error::Stopped { kept: "nothing of these quantities".to_owned() });
         }
-        let kept = |(id, value): (&str, f64)| Kept { id: id.to_owned(), bits: value.to_bits() };
+        let kept = |(id, value): (&str, f64)| Memo { id: id.to_owned(), bits: value.to_bits() };
         Ok(made.into_iter().map(|group| group.into_iter().map(kept).collect()).collect())
     }
 }
@@ -157,11 +157,11 @@ pub(super) fn quantities(section: Option<u32>, engine: &Engine, progress: Progre
     let grid = Grid { store: STORE, study: "verify", settings: json!({}) };
     let swept = engine.sweep(&grid, &points, progress, Point::quantities)?;
     let rows = swept.all(&points, |Point { section, groups }| format!("section {section}, groups {groups:?}"))?;
-    let mut made: Vec<((u32, usize), Vec<Kept>)> = Vec::new();
+    let mut made: Vec<((u32, usize), Vec<Memo>)> = Vec::new();
     for (Point { section, groups }, row) in points.iter().zip(rows) {
         made.extend(groups.iter().map(|&number| (*section, number)).zip(row));
     }
     made.sort_unstable_by_key(|(place, _)| *place);
-    let quantity = |Kept { id, bits }: Kept| (id, f64::from_bits(bits));
+    let quantity = |Memo { id, bits }: Memo| (id, f64::from_bits(bits));
     Ok(made.into_iter().flat_map(|(_, group)| group).map(quantity).collect())
 }

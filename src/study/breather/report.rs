@@ -9,7 +9,7 @@ use crate::{
         Digits::{Fixed, Hidden},
         Kind, Line, Panel, Panels, Report, Rows, SpaceTime, Table, number,
     },
-    study::{scene_caption, scene_json, shown},
+    study::{format_short, scene_caption, scene_json},
 };
 use serde_json::{Value, json};
 
@@ -241,7 +241,7 @@ impl BrightStudy {
         // Between multiples of T_b norms oscillate; a short run has few of these.
         let (drawn, when) =
             if self.samples.len() > 100 { (periods, "at multiples of T_b") } else { (norms, "at all samples") };
-        let four = |norms: Norms| norms.all().map(shown).join(", ");
+        let four = |norms: Norms| norms.all().map(format_short).join(", ");
         let at = |name: &str, sample: Option<&BrightSample>| {
             sample.map_or(String::new(), |sample| format!("{name}: {}; ", four(sample.norms)))
         };
@@ -318,7 +318,7 @@ impl BrightHistory {
              {} in the last period. Theorem: t ≤ T ε^(1−α) = {:.3}. {}.",
             breather.epsilon(),
             breather.period(),
-            shown(max_norm(v[v.len() - sites..].iter().copied())),
+            format_short(max_norm(v[v.len() - sites..].iter().copied())),
             breather.horizon(),
             self.setting
         );

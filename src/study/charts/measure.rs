@@ -45,7 +45,7 @@ const LEAST_LIGHT: f64 = 0.1;
 /// The outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Verdict {
+pub enum Behaviour {
     /// The energy error has no trend and is at most 1.
     Stable,
     /// The energy error has a trend: a line through it rises by more than four of its residuals. An
@@ -66,7 +66,7 @@ pub struct Trial {
     /// The tolerance of an adaptive method.
     pub tol: Option<f64>,
     /// The outcome.
-    pub verdict: Verdict,
+    pub verdict: Behaviour,
     /// Largest `|H - H(0)|/|H(0)|` at 128 times; `None` if it was not bounded or the run failed.
     pub error: Option<f64>,
     /// Whether the error passed 10^6.
@@ -82,7 +82,7 @@ pub struct Trial {
 
 impl Trial {
     fn meets(&self, bound: f64) -> bool {
-        self.error.is_some_and(|error| error < bound) && matches!(self.verdict, Verdict::Stable | Verdict::Drifting)
+        self.error.is_some_and(|error| error < bound) && matches!(self.verdict, Behaviour::Stable | Behaviour::Drifting)
     }
 }
 
@@ -144,7 +144,7 @@ pub(super) fn measure(prepared: &Prepared, method: Method, search: Search) -> Re
     let mut rungs: Vec<(Knob, Trial)> = Vec::new();
     for knob in knobs(&method, *contact, *fast, scene.end()) {
         let trial = at(knob)?;
-        let dear = trial.verdict == Verdict::Dear;
+        let dear = trial.verdict == Behaviour::Dear;
         rungs.push((knob, trial));
         let settled = rungs.len() > 1 && rungs[rungs.len() - 2..].iter().all(|(_, trial)| trial.meets(BOUNDS[1]));
         let wanted = search.light && !method.adaptive() && knob * fast > LEAST_LIGHT;
@@ -192,7 +192,7 @@ fn knobs(method: &Method, contact: f64, fast: f64, span: f64) -> Box<dyn Iterato
 
 /// The first rung after the last one that does not meet the bound, refined towards the latter.
 fn limit(rungs: &[(Knob, Trial)], bound: f64, at: &dyn Fn(Knob) -> Result<Trial>) -> Result<Limit> {
-    let runs = rungs.iter().rposition(|(_, trial)| trial.verdict != Verdict::Dear).map_or(0, |last| last + 1);
+    let runs = rungs.iter().rposition(|(_, trial)| trial.verdict != Behaviour::Dear).map_or(0, |last| last + 1);
     let first = rungs[..runs].iter().rposition(|(_, trial)| !trial.meets(bound)).map_or(0, |failing| failing + 1);
     let Some((knob, trial)) = rungs[..runs].get(first) else {
         return Ok(Limit { bound, trial: None, longest: false });
@@ -216,7 +216,7 @@ fn limit(rungs: &[(Knob, Trial)], bound: f64, at: &dyn Fn(Knob) -> Result<Trial>
 /// The step above which the energy has no bound.
 fn stability(rungs: &[(Knob, Trial)], at: &dyn Fn(Knob) -> Result<Trial>) -> Result<Option<f64>> {
     let Some(blown) = rungs.iter().rposition(|(_, trial)| trial.blown) else { return Ok(None) };
-    let Some((good, _)) = rungs.get(blown + 1).filter(|(_, trial)| trial.verdict != Verdict::Dear) else {
+    let Some((good, _)) = rungs.get(blown + 1).filter(|(_, trial)| trial.verdict != Behaviour::Dear) else {
         return Ok(None);
     };
     let (mut bad, mut good) = (rungs[blown].0, *good);
@@ -239,7 +239,7 @@ pub(super) fn trial(prepared: &Prepared, method: Method, knob: Knob, most: f64) 
     let mut trial = Trial {
         step: if method.adaptive() { 0.0 } else { span / (span / knob).round().max(1.0) },
         tol: method.adaptive().then_some(knob),
-        verdict: Verdict::Dear,
+        verdict: Behaviour::Dear,
         error: None,
         blown: false,
         cost: 0.0,
@@ -280,10 +280,10 @@ pub(super) fn trial(prepared: &Prepared, method: Method, knob: Knob, most: f64) 
     let lost = trial.failure.is_some() || look.largest > 1.0;
     trial.error = (!trial.blown && trial.failure.is_none()).then_some(look.largest);
     trial.verdict = match () {
-        () if lost => Verdict::Lost,
-        () if !run.done() => Verdict::Dear,
-        () if look.largest > ROUNDING.max(bounded) && look.drifts() => Verdict::Drifting,
-        () => Verdict::Stable,
+        () if lost => Behaviour::Lost,
+        () if !run.done() => Behaviour::Dear,
+        () if look.largest > ROUNDING.max(bounded) && look.drifts() => Behaviour::Drifting,
+        () => Behaviour::Stable,
     };
     Ok(trial)
 }

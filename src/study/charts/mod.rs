@@ -28,7 +28,7 @@ mod measure;
 mod problem;
 mod resonances;
 
-pub use measure::{BOUNDS, Limit, Measured, Trial, Verdict};
+pub use measure::{BOUNDS, Behaviour, Limit, Measured, Trial};
 pub use problem::{Problem, Variant};
 pub use resonances::{Resonance, kick_sum, resonance};
 
@@ -324,7 +324,7 @@ impl ChartStudy {
 /// A point that is to be measured.
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Place {
+enum Point {
     Chart {
         chart: Chart,
         variant: Variant,
@@ -348,11 +348,11 @@ enum Value {
 }
 
 /// The points of all charts.
-fn places(options: &ChartOptions, methods: &[Method]) -> Vec<Place> {
+fn places(options: &ChartOptions, methods: &[Method]) -> Vec<Point> {
     let charted = options.charts();
     let variants = charted.iter().flat_map(|&chart| chart.variants(options).into_iter().map(move |one| (chart, one)));
-    let mut places: Vec<Place> = variants
-        .flat_map(|(chart, variant)| methods.iter().map(move |&method| Place::Chart { chart, variant, method }))
+    let mut places: Vec<Point> = variants
+        .flat_map(|(chart, variant)| methods.iter().map(move |&method| Point::Chart { chart, variant, method }))
         .collect();
     if charted.contains(&Chart::Resonances) {
         let linear = |method: &&Method| {
@@ -360,7 +360,7 @@ fn places(options: &ChartOptions, methods: &[Method]) -> Vec<Place> {
         };
         for &method in methods.iter().filter(linear) {
             for k in MULTIPLES {
-                places.extend(PRESSED.map(|amplitude| Place::Resonance { method, k, amplitude }));
+                places.extend(PRESSED.map(|amplitude| Point::Resonance { method, k, amplitude }));
             }
         }
     }
@@ -407,13 +407,13 @@ pub fn charts(
 
 impl ChartStudy {
     /// Adds a point to those of its kind.
-    fn take(&mut self, place: Place, row: Row<Value>) {
+    fn take(&mut self, place: Point, row: Row<Value>) {
         match place {
-            Place::Chart { chart, variant, method, .. } => {
+            Point::Chart { chart, variant, method, .. } => {
                 let measured = row.and_then(|value| if let Value::Chart(it) = value { Ok(it) } else { other() });
                 self.points.push(ChartPoint { chart, variant, method, measured });
             }
-            Place::Resonance { method, k, amplitude, .. } => {
+            Point::Resonance { method, k, amplitude, .. } => {
                 let resonance = row.and_then(|value| if let Value::Resonance(it) = value { Ok(it) } else { other() });
                 self.resonances.push(ResonancePoint { method, k, amplitude, resonance });
             }
@@ -427,12 +427,12 @@ fn other<T>() -> Row<T> {
 }
 
 /// Measures a point.
-fn value(problem: &Problem, options: &ChartOptions, place: &Place) -> Result<Value> {
+fn value(problem: &Problem, options: &ChartOptions, place: &Point) -> Result<Value> {
     match *place {
-        Place::Chart { chart, variant, method, .. } => {
+        Point::Chart { chart, variant, method, .. } => {
             measured(problem, options, chart, &variant, method).map(Value::Chart)
         }
-        Place::Resonance { method, k, amplitude, .. } => {
+        Point::Resonance { method, k, amplitude, .. } => {
             resonances::resonance(problem, method, k, amplitude).map(Value::Resonance)
         }
     }

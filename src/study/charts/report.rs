@@ -1,8 +1,7 @@
 //! The report of the charts of stability.
 
 use super::{
-    BOUNDS, Chart, ChartPoint, ChartStudy, Limit, Measured, ResonancePoint, Trial, Variant, Verdict as ChartVerdict,
-    kick_sum,
+    BOUNDS, Behaviour, Chart, ChartPoint, ChartStudy, Limit, Measured, ResonancePoint, Trial, Variant, kick_sum,
 };
 use crate::{
     present::machine_json,
@@ -12,7 +11,7 @@ use crate::{
         Line, Maps, Matrix, Report, Rows, Table,
     },
     run::method::{Method, Split},
-    study::word,
+    study::kebab_name,
 };
 use serde_json::{Value, json};
 
@@ -88,8 +87,8 @@ impl ChartStudy {
             }
             report = report.picture_named(name, error_matrix(self, chart));
             let maps: Vec<(String, String, CellMap)> = match chart {
-                Chart::Light => shown(self).iter().filter_map(|method| step_map(self, method)).collect(),
-                Chart::Stiffness => shown(self).iter().map(|method| stiffness_map(self, method)).collect(),
+                Chart::Light => resolved(self).iter().filter_map(|method| step_map(self, method)).collect(),
+                Chart::Stiffness => resolved(self).iter().map(|method| stiffness_map(self, method)).collect(),
                 _ => Vec::new(),
             };
             for (title, caption, map) in maps {
@@ -160,7 +159,10 @@ fn points(study: &ChartStudy, chart: Chart) -> Table {
         .col("fast_frequency", Hidden, "frequency of the fastest motion", of(|measured| Some(measured.fast)))
         .col("span", Hidden, "length of the runs", of(|measured| Some(measured.span)))
         .col("verdict", Hidden, "at the usual step or tolerance", |point| {
-            point.measured.as_ref().map_or_else(|_| "refused".to_owned(), |measured| word(&measured.usual.verdict))
+            point
+                .measured
+                .as_ref()
+                .map_or_else(|_| "refused".to_owned(), |measured| kebab_name(&measured.usual.verdict))
         })
         .col("energy_error", Hidden, "the same", of(|measured| measured.usual.error))
         .col("step", Hidden, "the usual step", of(|measured| Some(measured.usual.step)))
@@ -199,7 +201,7 @@ fn ladder(study: &ChartStudy, chart: Chart) -> Table {
         .col("step", Hidden, "the mean one for adaptive methods", |row| row.2.step)
         .col("tol", Hidden, "tolerance", |row| row.2.tol)
         .col("h_fast", Hidden, "step times the fast frequency", |row| row.1 * row.2.step)
-        .col("verdict", Hidden, "stable, drifting, lost or dear", |row| word(&row.2.verdict))
+        .col("verdict", Hidden, "stable, drifting, lost or dear", |row| kebab_name(&row.2.verdict))
         .col("energy_error", Hidden, "largest |H - H(0)|/|H(0)|", |row| row.2.error)
         .col("cost", Hidden, "force evaluations a unit of time", |row| row.2.cost)
         .done()
@@ -396,10 +398,10 @@ fn title(chart: Chart) -> [&'static str; 2] {
 fn cell(point: &ChartPoint, refused: &str, number: fn(f64) -> String) -> String {
     let Ok(measured) = &point.measured else { return refused.to_owned() };
     match (measured.usual.verdict, measured.usual.error) {
-        (ChartVerdict::Dear, _) => "dear".to_owned(),
-        (ChartVerdict::Lost, _) | (_, None) => "lost".to_owned(),
-        (ChartVerdict::Drifting, Some(error)) => number(error) + "d",
-        (ChartVerdict::Stable, Some(error)) => number(error),
+        (Behaviour::Dear, _) => "dear".to_owned(),
+        (Behaviour::Lost, _) | (_, None) => "lost".to_owned(),
+        (Behaviour::Drifting, Some(error)) => number(error) + "d",
+        (Behaviour::Stable, Some(error)) => number(error),
     }
 }
 
@@ -407,14 +409,14 @@ fn cell(point: &ChartPoint, refused: &str, number: fn(f64) -> String) -> String 
 fn badness(point: &ChartPoint) -> f64 {
     match &point.measured {
         Err(_) => f64::INFINITY,
-        Ok(measured) if measured.usual.verdict == ChartVerdict::Dear => 1e9,
+        Ok(measured) if measured.usual.verdict == Behaviour::Dear => 1e9,
         Ok(measured) => measured.usual.error.unwrap_or(1e8),
     }
 }
 
 /// The methods that have maps of their own: of these four those that were charted, else the first
 /// three.
-fn shown(study: &ChartStudy) -> Vec<Method> {
+fn resolved(study: &ChartStudy) -> Vec<Method> {
     const NAMES: [&str; 4] = ["verlet", "strang-linear", "aba1064-linear", "collocation"];
     let methods = &study.methods;
     let known: Vec<Method> = methods.iter().copied().filter(|method| NAMES.contains(&method.name().as_str())).collect();
@@ -433,7 +435,7 @@ fn provenance(study: &ChartStudy, chart: Chart) -> String {
     ];
     let fixed = all.iter().filter(|(name, _, _)| !axes(chart).contains(name));
     let words: Vec<String> =
-        fixed.map(|(_, symbol, value)| format!("{symbol} = {}", crate::number::written(*value))).collect();
+        fixed.map(|(_, symbol, value)| format!("{symbol} = {}", crate::number::format_parameter(*value))).collect();
     format!("Scene {}: {}.", study.problem.name(), words.join(", "))
 }
 
@@ -441,8 +443,8 @@ fn provenance(study: &ChartStudy, chart: Chart) -> String {
 /// that was not finished.
 fn shade(trial: &Trial) -> f64 {
     match (trial.verdict, trial.error) {
-        (ChartVerdict::Dear, _) => 0.0,
-        (ChartVerdict::Lost, _) | (_, None) => 10.0,
+        (Behaviour::Dear, _) => 0.0,
+        (Behaviour::Lost, _) | (_, None) => 10.0,
         (_, Some(error)) => error.clamp(1e-16, 10.0),
     }
 }

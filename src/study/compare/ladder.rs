@@ -10,7 +10,7 @@
 
 use super::{
     Candidate, Progress, Row,
-    reference::{TRUSTED, Truth},
+    reference::{ReferenceState, TRUSTED},
 };
 use crate::{
     error::Result,
@@ -42,9 +42,9 @@ const GAINS: usize = 2;
 
 /// A rung of a ladder.
 #[derive(Clone, Copy)]
-pub(super) struct Rung(usize);
+pub(super) struct Level(usize);
 
-impl Rung {
+impl Level {
     fn kicks(self) -> f64 {
         KICKS * (self.0 as f64).exp2()
     }
@@ -114,7 +114,7 @@ fn median(left: f64, mut run: impl FnMut() -> Result<Stats>) -> Result<(f64, usi
 }
 
 /// A run of a plain loop: the state at the end, and the work.
-fn plain(scene: &Scene, plain: Loop, rung: Rung) -> (Vec<f64>, Stats) {
+fn plain(scene: &Scene, plain: Loop, rung: Level) -> (Vec<f64>, Stats) {
     let steps = steps(scene, plain.kicks(), rung.kicks());
     let mut sites = Sites::new(scene.chain(), scene.initial().as_slice());
     plain.run(&mut sites, scene.end() / steps as f64, steps);
@@ -122,7 +122,7 @@ fn plain(scene: &Scene, plain: Loop, rung: Rung) -> (Vec<f64>, Stats) {
 }
 
 /// At least so many seconds of a plain loop: a nanosecond for each kick of a site.
-fn plain_seconds(scene: &Scene, plain: Loop, rung: Rung) -> f64 {
+fn plain_seconds(scene: &Scene, plain: Loop, rung: Level) -> f64 {
     1e-9 * scene.chain().sites() as f64 * plain.kicks() as f64 * steps(scene, plain.kicks(), rung.kicks()) as f64
 }
 
@@ -180,8 +180,8 @@ impl<'a> Refinement<'a> {
         self.clock.elapsed().as_secs_f64()
     }
 
-    pub(super) fn run(&mut self, truth: &Truth) {
-        for rung in (0..TOLERANCES.len()).map(Rung) {
+    pub(super) fn run(&mut self, truth: &ReferenceState) {
+        for rung in (0..TOLERANCES.len()).map(Level) {
             let going = self.going(truth);
             if going.is_empty() || (rung.0 > 0 && interrupt::asked()) {
                 break;
@@ -206,7 +206,7 @@ impl<'a> Refinement<'a> {
     }
 
     /// The indices of the ladders that have a next rung. The others store why they have none.
-    fn going(&mut self, truth: &Truth) -> Vec<usize> {
+    fn going(&mut self, truth: &ReferenceState) -> Vec<usize> {
         let mut left = self.budget - self.spent();
         let mut going = Vec::new();
         for index in 0..self.ladders.len() {
@@ -229,7 +229,7 @@ impl<'a> Refinement<'a> {
 
     /// Why the next rung of a ladder is left out; `None` if it takes little time or may show
     /// something.
-    fn dominated(&self, index: usize, truth: &Truth) -> Option<String> {
+    fn dominated(&self, index: usize, truth: &ReferenceState) -> Option<String> {
         let ladder = &self.ladders[index];
         let (expected, wall) = (ladder.expected()?, ladder.last_wall()?);
         if GROWTH * wall < CHEAP * self.budget {
@@ -253,7 +253,7 @@ impl<'a> Refinement<'a> {
         ))
     }
 
-    fn timed(&self, mut row: Row, rung: Rung) -> Row {
+    fn timed(&self, mut row: Row, rung: Level) -> Row {
         if row.failure.is_none() && interrupt::asked() {
             row.failure = Some("stopped by a signal before it was timed".to_owned());
         }
@@ -272,9 +272,9 @@ impl<'a> Refinement<'a> {
     }
 }
 
-impl Truth {
+impl ReferenceState {
     /// The row of a method or loop, also of one that cannot even start; not yet timed.
-    fn row(&self, scene: &Scene, entrant: Candidate, rung: Rung, left: f64) -> Row {
+    fn row(&self, scene: &Scene, entrant: Candidate, rung: Level, left: f64) -> Row {
         match entrant {
             Candidate::Plain(of) if plain_seconds(scene, of, rung) > left => {
                 Row::failed(entrant, rung.words(&entrant), OVER.to_owned())
@@ -293,7 +293,7 @@ impl Truth {
         }
     }
 
-    fn row_of_method(&self, scene: &Scene, method: Method, rung: Rung) -> Row {
+    fn row_of_method(&self, scene: &Scene, method: Method, rung: Level) -> Row {
         let entrant = Candidate::Method(method);
         let run = scene.run().method(method).setting(rung.setting(scene, &method));
         let outcome = match run.start() {
@@ -353,7 +353,7 @@ mod tests {
     #[test]
     fn a_rung_is_left_out_if_another_method_is_as_exact_in_less_time() {
         let scene = Scene::load("impact").unwrap();
-        let truth = Truth::find(&scene, 1.0, &|_| ()).unwrap();
+        let truth = ReferenceState::find(&scene, 1.0, &|_| ()).unwrap();
         let reason = |budget: f64, other: &[f64]| {
             let mut climb = Refinement::new(&scene, Vec::new(), budget, &|_, _| ());
             climb.ladders = vec![ladder("verlet", &[1.0, 0.25, 0.0625]), ladder("corrected", other)];

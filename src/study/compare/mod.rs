@@ -11,7 +11,7 @@ use super::{Changes, Progress, Study, Work, fit_line, methods, options::options}
 use crate::{chain::Resonators, error::Result, plain::Loop, report::Report, run::method::Method, scene::Scene};
 use hertzchain_integrators::Stats;
 use ladder::Refinement;
-use reference::Truth;
+use reference::ReferenceState;
 
 /// Share of the time that references may take.
 const REFERENCE_SHARE: f64 = 0.3;
@@ -282,7 +282,7 @@ pub fn compare(scene: &Scene, options: &CompareOptions, progress: Progress<'_>) 
     let budget = options.max_time;
     options.within_ranges()?;
     let mut climb = Refinement::new(scene, entrants, budget, progress);
-    let truth = Truth::find(scene, budget * REFERENCE_SHARE, &|words| progress(0.0, words))?;
+    let truth = ReferenceState::find(scene, budget * REFERENCE_SHARE, &|words| progress(0.0, words))?;
     truth.good()?;
     climb.run(&truth);
     let (rows, stopped) = climb.finish();

@@ -131,7 +131,7 @@ fn start(scene: &Scene) -> (f64, f64) {
 }
 
 /// The reference strains at the end.
-pub(super) struct Truth {
+pub(super) struct ReferenceState {
     /// Methods and settings, in words.
     pub(super) method: String,
     /// The ends of the reference runs. An error is measured against the first of another method.
@@ -140,7 +140,7 @@ pub(super) struct Truth {
     pub(super) error_estimate: f64,
 }
 
-impl Truth {
+impl ReferenceState {
     /// The exact solution if there is one, or what is stored, or two runs by different methods.
     pub(super) fn find(scene: &Scene, budget: f64, tell: &(dyn Fn(&str) + Sync)) -> Result<Self> {
         if let Some(Theory::Breather(breather)) = scene.theory() {
@@ -295,7 +295,7 @@ mod tests {
     /// Truth: the stored runs are repeated. The bound is the error estimate of the pair twice: on
     /// the machine that made them nothing differs, elsewhere sines may round differently.
     fn is_repeated(scene: &Scene) {
-        let stored = Truth::find(scene, 1.0, &|_| ()).unwrap();
+        let stored = ReferenceState::find(scene, 1.0, &|_| ()).unwrap();
         assert!(stored.method.starts_with("stored"), "{}: {}", scene.name(), stored.method);
         for (end, run) in stored.ends.iter().zip([FINEST, RESOLVED]) {
             let again = End::by_tolerance(scene, run).unwrap();

@@ -9,11 +9,11 @@ use super::{
     branches::{self, BranchOptions, SWITCHED, Switched},
     keeper::Autosave,
     options::options,
+    segments,
     si::Scale,
-    stretches,
 };
 use crate::{
-    chain::Means,
+    chain::DriveKind,
     error::{Error, Result},
     orbits::{
         DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
@@ -239,9 +239,9 @@ impl Study for DrivenContinue {
 
 /// The kind of number that a parameter of a drive is.
 fn quantity(parameter: DriveParameter, setting: &DrivenSetting) -> Quantity {
-    match (parameter, setting.means()) {
-        (DriveParameter::Amplitude, Means::Moved) => Quantity::Length,
-        (DriveParameter::Amplitude, Means::Pushed) => Quantity::Force,
+    match (parameter, setting.drive_kind()) {
+        (DriveParameter::Amplitude, DriveKind::Displacement) => Quantity::Length,
+        (DriveParameter::Amplitude, DriveKind::Force) => Quantity::Force,
         (DriveParameter::Omega, _) => Quantity::Omega,
         (DriveParameter::Damping, _) => Quantity::Number,
     }
@@ -340,7 +340,7 @@ fn followed(
             false => (BRANCH_FILE, STORE, stale.clone()),
             true => (SWITCHED_FILE, SWITCHED_STORE, Vec::new()),
         };
-        let mut keeper = Autosave::new(stretches::folder(engine), file, stale);
+        let mut keeper = Autosave::new(segments::folder(engine), file, stale);
         let mut keep = |branch: &DrivenBranch| {
             keeper.keep(branch.orbits.len(), branch.end.is_some(), || driven_branch_npz(&scene, branch));
         };
@@ -350,7 +350,7 @@ fn followed(
         // The largest number of points has no influence on those that there are.
         let continuation = DrivenContinuation { most_points: 0, ..branch.continuation };
         let settings = json!([toml, branch.setting.turns(), continuation, branch.birth]);
-        stretches::analysed(branch, [store, "orbit continue"], &settings, engine, &branches::rest(progress))
+        segments::analysed(branch, [store, "orbit continue"], &settings, engine, &branches::rest(progress))
     };
     let (branch, switched) = branches::with_switched(branch, switch, work, progress)?;
     Ok(DrivenBranchStudy { scene, branch, switched, si })

@@ -14,10 +14,9 @@ use crate::{
     },
     scene::{Quantity, Units},
     study::{
-        branches::{self, SWITCHED, Told, crossed},
-        scene_caption, scene_json, shown,
+        branches::{self, BranchRow, SWITCHED, crossed},
+        format_short, kebab_name, scene_caption, scene_json,
         si::Scale,
-        word,
     },
 };
 use serde_json::json;
@@ -40,10 +39,10 @@ fn leading(point: &DrivenPoint) -> Vec<&DrivenMultiplier> {
 /// The table of some orbits of a branch in a parameter.
 fn points<'a>(
     name: &str,
-    points: &'a [Told<'a, DrivenContinuation>],
+    points: &'a [BranchRow<'a, DrivenContinuation>],
     varied: DriveParameter,
     si: Option<&Units>,
-) -> Rows<'a, Told<'a, DrivenContinuation>> {
+) -> Rows<'a, BranchRow<'a, DrivenContinuation>> {
     let mut table = Table::of(name, points).si(si);
     let all = [DriveParameter::Amplitude, DriveParameter::Omega, DriveParameter::Damping];
     for parameter in std::iter::once(varied).chain(all.into_iter().filter(|one| *one != varied)) {
@@ -73,7 +72,7 @@ fn bifurcations<'a>(
     si: Option<&Units>,
 ) -> Rows<'a, Bifurcation<DrivenContinuation>> {
     branches::numbered(Table::of(name, all).si(si))
-        .col("kind", Short, "", |one| word(&one.kind))
+        .col("kind", Short, "", |one| kebab_name(&one.kind))
         .col(varied.name(), Fixed(8), VARIED, |one| one.parameter)
         .kind(kind)
         .col("response", Hidden, "largest half range of a free bead", |one| one.critical.amplitude)
@@ -257,7 +256,7 @@ fn drive_words(setting: &DrivenSetting, scale: Scale<'_>) -> String {
     }
     let kind = quantity(DriveParameter::Amplitude, setting);
     let [a, frequency] = [(kind, amplitude), (Quantity::Frequency, setting.omega())]
-        .map(|(kind, value)| format!("{} {}", shown(scale.told(kind, value)), kind.unit()));
+        .map(|(kind, value)| format!("{} {}", format_short(scale.told(kind, value)), kind.unit()));
     format!("a = {a}, ω/2π = {frequency}")
 }
 

@@ -8,7 +8,7 @@ use crate::{
         Digits::{Fixed, Power},
         Kind, Panels, Report, SpaceTime, Table,
     },
-    study::{params_words, shown},
+    study::{format_short, params_words},
 };
 use serde_json::json;
 
@@ -37,7 +37,8 @@ impl Evolution {
         });
         let end = self.times.last().zip(self.e_b.last());
         let end = end.map_or(String::new(), |(t, e_b)| format!("E_b({t:.0}) = {e_b:.1e}; "));
-        let velocity = |one: &Motion| format!("{} to t = {:.0}", shown(one.velocity).replace('-', "−"), one.window.1);
+        let velocity =
+            |one: &Motion| format!("{} to t = {:.0}", format_short(one.velocity).replace('-', "−"), one.window.1);
         let caption = format!(
             "Orbit of ω_b = {}, {}, {} sites{kick}. Colours: largest strain in each {} of time, up to twice that of the orbit; \
              magenta: above. {end}while rounding errors are small, they grow by a factor of {:.1e} in this run. Velocity of \
@@ -45,7 +46,7 @@ impl Evolution {
             setting.omega_b,
             params_words(setting.params),
             setting.sites,
-            shown(self.swing.span),
+            format_short(self.swing.span),
             self.amplification,
             self.motion.iter().map(velocity).collect::<Vec<_>>().join(", "),
         );

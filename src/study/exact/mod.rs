@@ -7,11 +7,11 @@ pub(super) use report::{bounds, newton_kantorovich_bound};
 
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
-use super::{Changes, Progress, Study, Work, branches, keeper::Autosave, options::options, stretches};
+use super::{Changes, Progress, Study, Work, branches, keeper::Autosave, options::options, segments};
 use crate::{
     chain::{Params, Resonators},
     error::{Error, Iterate, Result},
-    number::shown,
+    number::format_short,
     orbits::Kantorovich,
     output::{Folder, to_json},
     report::Report,
@@ -378,14 +378,14 @@ pub fn wave_branch(
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<WaveBranchStudy> {
-    let mut keeper = Autosave::new(stretches::folder(engine), report::STATES, Vec::new());
+    let mut keeper = Autosave::new(segments::folder(engine), report::STATES, Vec::new());
     let mut keep = |branch: &WaveBranch| {
         keeper.keep(branch.orbits.len(), branch.end.is_some(), || report::states_npz(&branch.orbits));
     };
-    let branch = branches::followed(branch, &mut keep, |_, p| shown(p), progress)?;
+    let branch = branches::followed(branch, &mut keep, |_, p| format_short(p), progress)?;
     let (first, WaveContinuation { parameter, search, .. }) = (&branch.setting, branch.continuation);
     let settings = json!([format!("{:?}", first.setting), first.sites, parameter, format!("{search:?}")]);
     let names = [STORE, "wave continue"];
-    let branch = stretches::analysed(branch, names, &settings, engine, &branches::rest(progress))?;
+    let branch = segments::analysed(branch, names, &settings, engine, &branches::rest(progress))?;
     Ok(WaveBranchStudy { scene: scene.to_owned(), branch })
 }

@@ -3,7 +3,7 @@
 use super::{BlochGrowth, ExactStudy, WaveBranchStudy};
 use crate::{
     error::Result,
-    number::{of_pi, shown},
+    number::{format_short, of_pi},
     orbits::Kantorovich,
     output::{Array, npz_with, to_json},
     report::{
@@ -12,8 +12,8 @@ use crate::{
         Kind, Panel, Panels, Report, Rows, Table,
     },
     study::{
-        branches::{self, Told},
-        params_words, word,
+        branches::{self, BranchRow},
+        kebab_name, params_words,
     },
     waves::{ExactWave, Profile, TravellingWave, WaveContinuation, WaveMultiplier, WaveParameter, WavePoint},
 };
@@ -110,13 +110,13 @@ impl ExactStudy {
         let fastest = self.spectrum.fastest().map_or("no multiplier grows".to_owned(), |fastest| {
             format!(
                 "the fastest multiplier grows by {} a unit of time at p = {}",
-                shown(fastest.growth),
+                format_short(fastest.growth),
                 of_pi(fastest.bloch)
             )
         });
         let beside = match (self.ansatz, self.errors) {
             (Some(ansatz), Some([e_x, e_y])) => {
-                let [amplitude, e_x, e_y] = [ansatz.amplitude(), e_x, e_y].map(shown);
+                let [amplitude, e_x, e_y] = [ansatz.amplitude(), e_x, e_y].map(format_short);
                 format!(", that of the ansatz {amplitude}, E_x = {e_x}, E_y = {e_y}")
             }
             _ => String::new(),
@@ -126,9 +126,9 @@ impl ExactStudy {
             params_words(wave.setting.params),
             of_pi(wave.setting.q.q()),
             wave.setting.omega_tw,
-            shown(wave.mean()),
+            format_short(wave.mean()),
             self.spectrum.sites,
-            shown(wave.amplitude()),
+            format_short(wave.amplitude()),
             wave.residual,
         )
     }
@@ -249,7 +249,7 @@ fn multipliers(rows: &[WaveMultiplier]) -> Table {
         .col("krein", Hidden, "Krein signature on the circle, 0 elsewhere", |one| f64::from(one.krein))
         .col("growth", Hidden, "per unit of time", |one| one.growth)
         .col("frequency", Hidden, "in radians per unit of time", |one| one.frequency)
-        .col("kind", Hidden, "where it lies", |one| word(&one.kind))
+        .col("kind", Hidden, "where it lies", |one| kebab_name(&one.kind))
         .done()
 }
 
@@ -261,8 +261,8 @@ impl WaveBranchStudy {
         let fast = |point: &WavePoint| {
             let (growth, modulation) = (point.spectrum.fastest()?.growth, point.measures.modulation?);
             let words = || {
-                let (omega_tw, amplitude) = (point.orbit.setting.omega_tw, shown(point.orbit.amplitude()));
-                let (growth, modulation) = (shown(growth), shown(modulation));
+                let (omega_tw, amplitude) = (point.orbit.setting.omega_tw, format_short(point.orbit.amplitude()));
+                let (growth, modulation) = (format_short(growth), format_short(modulation));
                 format!(
                     " The first growth of more than twice that of DpS is {growth}, that of DpS {modulation}, at ω_tw = \
                      {omega_tw:.5}, amplitude {amplitude}."
@@ -313,7 +313,7 @@ impl WaveBranchStudy {
 }
 
 /// The waves of a branch in a parameter.
-fn waves(rows: &[Told<'_, WaveContinuation>], parameter: WaveParameter) -> Table {
+fn waves(rows: &[BranchRow<'_, WaveContinuation>], parameter: WaveParameter) -> Table {
     let beside = matches!(parameter, WaveParameter::Rho | WaveParameter::Kappa | WaveParameter::Alpha);
     let rows = Table::of("waves", rows)
         .key("waves")

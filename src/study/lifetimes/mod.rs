@@ -286,12 +286,12 @@ fn settings(options: &LifetimeOptions) -> serde_json::Value {
 }
 
 /// The places of the map, if all options keep their rules.
-fn checked(options: &LifetimeOptions) -> Result<Vec<Place>> {
+fn checked(options: &LifetimeOptions) -> Result<Vec<Point>> {
     let LifetimeOptions { epsilons, rhos, solver, .. } = options;
     options.within_ranges()?;
     solver.check()?;
-    let at = |epsilon: &f64| rhos.iter().map(|&rho| Place { epsilon: *epsilon, rho }).collect::<Vec<_>>();
-    let places: Vec<Place> = epsilons.iter().flat_map(at).collect();
+    let at = |epsilon: &f64| rhos.iter().map(|&rho| Point { epsilon: *epsilon, rho }).collect::<Vec<_>>();
+    let places: Vec<Point> = epsilons.iter().flat_map(at).collect();
     for place in &places {
         let breather = place.breather(options, place.sites(options))?;
         let cap = options.until.unwrap_or(CAP * breather.horizon());
@@ -305,12 +305,12 @@ fn checked(options: &LifetimeOptions) -> Result<Vec<Place>> {
 
 /// A point of the map that is to be computed.
 #[derive(Clone, Copy, Debug, Serialize)]
-struct Place {
+struct Point {
     epsilon: f64,
     rho: f64,
 }
 
-impl Place {
+impl Point {
     /// Sites to begin with: symmetric about the centre.
     fn sites(&self, options: &LifetimeOptions) -> usize {
         options.sites.unwrap_or(match options.center {
@@ -380,7 +380,7 @@ impl Place {
 
 /// What is measured of a state at one time.
 #[derive(Clone, Copy)]
-struct Sight {
+struct Measured {
     t: f64,
     /// Share of the energy in the core.
     core: f64,
@@ -402,7 +402,7 @@ struct Watch<'a> {
     /// `|2 epsilon a|_1`.
     size: f64,
     y: Vec<f64>,
-    last: Sight,
+    last: Measured,
     /// Times of samples of the last ten periods, each with the time up to it in which bonds of the
     /// core were closed, on average over bonds.
     closed: VecDeque<(f64, f64)>,
@@ -426,7 +426,7 @@ impl<'a> Watch<'a> {
             core: breather.core(),
             size: (0..chain.sites()).map(site).sum(),
             y: vec![0.0; chain.layout().dim()],
-            last: Sight { t: 0.0, core: 1.0, ends: 0.0, closed: 0.0, distance: None, stretch: (0.0, 0.0) },
+            last: Measured { t: 0.0, core: 1.0, ends: 0.0, closed: 0.0, distance: None, stretch: (0.0, 0.0) },
             closed: VecDeque::from([(0.0, 0.0)]),
             upward: VecDeque::new(),
             swing: None,
@@ -444,7 +444,7 @@ impl<'a> Watch<'a> {
     }
 
     /// The measures of the state `y` at time `t`.
-    fn sight(&self, t: f64) -> Sight {
+    fn sight(&self, t: f64) -> Measured {
         let (chain, layout, y, n) = (self.chain, self.chain.layout(), &self.y, self.chain.sites());
         let (u, u_dot) = (layout.u(y), layout.u_dot(y));
         let energies = chain.site_energies(y);
@@ -457,7 +457,7 @@ impl<'a> Watch<'a> {
         let closed = bonds.clone().filter(|&i| u[i - 1] > u[i]).count();
         let origin = self.breather.origin();
         let against = |bead: &[f64], resonator: Option<&[f64]>| bead[origin] - resonator.map_or(0.0, |v| v[origin]);
-        Sight {
+        Measured {
             t,
             core: energies[self.core.clone()].iter().sum::<f64>() / total,
             ends: (energies[0] + energies[n - 1]) / total,
@@ -467,7 +467,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    fn sight_of(&mut self, t: f64, run: &mut dyn Stepper<f64>) -> Result<Sight> {
+    fn sight_of(&mut self, t: f64, run: &mut dyn Stepper<f64>) -> Result<Measured> {
         run.sample(t, &mut self.y);
         match self.y.iter().position(|value| !value.is_finite()) {
             Some(index) => Err(Failure::NotFinite { t, step: run.stats().steps, index }.into()),
@@ -482,7 +482,7 @@ impl<'a> Watch<'a> {
         if self.energy.is_none() && now.core < CORE_SHARE {
             self.energy = Some(self.crossing(before.t, t, run, |sight| sight.core < CORE_SHARE)?);
         }
-        let away = |sight: Sight| sight.distance.is_some_and(|distance| distance > DISTANCE);
+        let away = |sight: Measured| sight.distance.is_some_and(|distance| distance > DISTANCE);
         if away(now) {
             self.distance = Some(self.crossing(before.t, t, run, away)?);
         }
@@ -504,7 +504,7 @@ impl<'a> Watch<'a> {
         mut before: f64,
         mut after: f64,
         run: &mut dyn Stepper<f64>,
-        beyond: impl Fn(Sight) -> bool,
+        beyond: impl Fn(Measured) -> bool,
     ) -> Result<f64> {
         while after - before > RESOLUTION * self.breather.period() {
             let middle = 0.5 * (before + after);
@@ -515,7 +515,7 @@ impl<'a> Watch<'a> {
 
     /// The time between two samples at which the stretch is zero: two of Newton's steps from the
     /// chord, which is good to a hundredth of the period.
-    fn zero(&mut self, before: Sight, after: Sight, run: &mut dyn Stepper<f64>) -> Result<f64> {
+    fn zero(&mut self, before: Measured, after: Measured, run: &mut dyn Stepper<f64>) -> Result<f64> {
         let share = before.stretch.0 / (before.stretch.0 - after.stretch.0);
         let mut t = before.t + share * (after.t - before.t);
         for _ in 0..2 {
@@ -547,7 +547,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Adds the contact between two samples, and checks whether it fell below 1/3.
-    fn touched(&mut self, before: Sight, now: Sight) {
+    fn touched(&mut self, before: Measured, now: Measured) {
         let sum = self.closed.back().map_or(0.0, |last| last.1);
         self.closed.push_back((now.t, sum + 0.5 * (before.closed + now.closed) * (now.t - before.t)));
         let window = CONTACT_PERIODS * self.breather.period();

@@ -8,7 +8,7 @@ use crate::{
         Digits::{Fixed, Hidden, Power, Short},
         Line, Maps, Report, Table,
     },
-    study::{RhoLaw, dps::center_word, word},
+    study::{RhoLaw, dps::center_word, kebab_name},
     sweep::STOPPED,
 };
 use serde_json::{Value, json};
@@ -55,7 +55,7 @@ fn not_before(point: &LifetimePoint, criterion: Criterion) -> Option<f64> {
 /// Its fate; `stopped` or `failed` for a point without a life.
 fn fate(point: &LifetimePoint) -> String {
     match &point.life {
-        Ok(life) => word(&life.fate),
+        Ok(life) => kebab_name(&life.fate),
         Err(why) => if why == STOPPED { "stopped" } else { "failed" }.to_owned(),
     }
 }

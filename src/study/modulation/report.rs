@@ -2,7 +2,7 @@
 
 use super::{MeasuredGrowth, Rates, StabilityChart, StabilityRow, StabilityStudy};
 use crate::{
-    number::{of_pi, shown, written},
+    number::{format_parameter, format_short, of_pi},
     report::{
         Digits::{Fixed, Hidden, Json, Power, Short},
         Growth, GrowthMap, Line, Report, Table, number,
@@ -89,11 +89,11 @@ impl StabilityStudy {
         };
         format!(
             "The wave is {words}: p between {} π and {} π, fastest at {} π with Re λ = {} = {} Ω.",
-            shown(from / PI),
-            shown(to / PI),
-            shown(p / PI),
-            shown(growth),
-            shown(growth / modulation.slow_frequency()),
+            format_short(from / PI),
+            format_short(to / PI),
+            format_short(p / PI),
+            format_short(growth),
+            format_short(growth / modulation.slow_frequency()),
         )
     }
 
@@ -125,8 +125,8 @@ impl StabilityStudy {
             title: format!(
                 "Growth of modulations of a travelling wave, q = {}, b = {}, ρ = {}",
                 of_pi(q),
-                shown(b),
-                written(options.params.rho)
+                format_short(b),
+                format_parameter(options.params.rho)
             ),
             wave_label: "wave number of the modulation, p / π".to_owned(),
             growth_label: "growth rate Re λ per slow time τ".to_owned(),
@@ -147,8 +147,8 @@ impl StabilityStudy {
             params_words(params),
             of_pi(q),
             options.sites,
-            shown(modulation.slow_frequency()),
-            shown(modulation.slope()).replace('-', "−"),
+            format_short(modulation.slow_frequency()),
+            format_short(modulation.slope()).replace('-', "−"),
             self.verdict(),
             self.how_measured(),
             self.chart.as_ref().map(chart_words).unwrap_or_default(),
@@ -216,13 +216,16 @@ fn chart(chart: Option<&StabilityChart>) -> Table {
 
 fn chart_words(chart: &StabilityChart) -> String {
     let most = chart.growth.iter().flatten().copied().fold(0.0, f64::max);
-    let factors: Vec<_> =
-        chart.rho.iter().map(|&(rho, factor)| format!("{} at ρ = {}", shown(factor), shown(rho))).collect();
+    let factors: Vec<_> = chart
+        .rho
+        .iter()
+        .map(|&(rho, factor)| format!("{} at ρ = {}", format_short(factor), format_short(rho)))
+        .collect();
     format!(
         "Chart: {} × {} waves, largest growth {} per slow time. ρ is a factor of all of it, (1 + 1/ρ)^(−3/2), and moves no boundary: times {}.",
         chart.q.len(),
         chart.b.len(),
-        shown(most),
+        format_short(most),
         factors.join(", ")
     )
 }
@@ -239,7 +242,7 @@ fn map(study: &StabilityStudy, chart: &StabilityChart) -> GrowthMap {
         labels: [
             "wave number of the wave, q / π".to_owned(),
             "mean strain, b / (2κa)".to_owned(),
-            format!("fastest growth per τ, ρ = {}", written(study.options.params.rho)),
+            format!("fastest growth per τ, ρ = {}", format_parameter(study.options.params.rho)),
         ],
         x: (0.0, 1.0),
         y: (low, high),

@@ -2,7 +2,7 @@
 
 use super::{MovingPoint, MovingStudy, Passage};
 use crate::{
-    number::shown,
+    number::format_short,
     report::{
         Column,
         Digits::{Fixed, Hidden, Json, Power, Short},
@@ -58,8 +58,11 @@ impl MovingStudy {
         let missing = |(omega_b, turns, why): &(f64, u32, String)| -> Value {
             json!({ "omega_b": omega_b, "turns": turns, "reason": why })
         };
-        let lost: Vec<String> =
-            self.missing.iter().map(|(omega_b, turns, _)| format!("{} with {turns} turns", shown(*omega_b))).collect();
+        let lost: Vec<String> = self
+            .missing
+            .iter()
+            .map(|(omega_b, turns, _)| format!("{} with {turns} turns", format_short(*omega_b)))
+            .collect();
         let title = "Moving dark breathers".to_owned();
         let report = Report::new("moving")
             .fact("alpha", options.params.alpha)
@@ -111,8 +114,11 @@ impl MovingStudy {
         let families = |of: &dyn Fn(&MovingPoint) -> f64| -> Vec<Line> {
             let line = |points: &[MovingPoint]| {
                 let first = &points[0].orbit.breather;
-                let name =
-                    if one { format!("{} turns", first.turns) } else { format!("ω_b = {}", shown(first.omega_b)) };
+                let name = if one {
+                    format!("{} turns", first.turns)
+                } else {
+                    format!("ω_b = {}", format_short(first.omega_b))
+                };
                 let place = |point: &MovingPoint| if one { point.orbit.breather.omega_b } else { velocity(point) };
                 let mut family: Vec<(f64, f64)> = points.iter().map(|point| (place(point), of(point))).collect();
                 family.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -12,7 +12,7 @@ use super::{
     branches::{self, Keep},
     keeper::Autosave,
     options::options,
-    stretches,
+    segments,
 };
 use crate::{
     breathers::DarkBreather,
@@ -225,7 +225,7 @@ impl Study for Continue {
         };
         let branch = Branch { bounded: self.bound, ..branch };
         Ok(Box::new(move |engine, progress| {
-            let branch = followed(branch, &mut keeper(stretches::folder(engine)), progress)?;
+            let branch = followed(branch, &mut keeper(segments::folder(engine)), progress)?;
             analysed(branch, engine, progress)?.report()
         }))
     }
@@ -443,7 +443,7 @@ fn analysed(branch: Branch, engine: &Engine, progress: Progress<'_>) -> Result<B
     let continuation = Continuation { most_points: 0, ..branch.continuation };
     let settings = json!([branch.setting, continuation, branch.weak, branch.bounded]);
     let names = ["spectra.store", "breather continue"];
-    stretches::analysed(branch, names, &settings, engine, &branches::rest(progress))
+    segments::analysed(branch, names, &settings, engine, &branches::rest(progress))
 }
 
 /// The branch of doubled period, and the period doubling at which it begins.

@@ -11,10 +11,10 @@ use crate::{
         Line, Panel, Panels, Report, Table,
     },
     study::{
-        branches::{Told, ended, gaps, lines, told},
+        branches::{BranchRow, ended, gaps, lines, told},
         dps::center_word,
         exact::{bounds, newton_kantorovich_bound},
-        params_words, word,
+        kebab_name, params_words,
     },
 };
 use serde_json::json;
@@ -46,7 +46,7 @@ pub(super) fn outside(multipliers: &[Multiplier]) -> Table {
         .col("im", Fixed(12), "imaginary part", |one| one.im)
         .col("modulus", Fixed(12), "", |one| one.modulus)
         .col("error", Power(1), "of the modulus", |one| one.error)
-        .col("kind", Short, "", |one| word(&one.kind))
+        .col("kind", Short, "", |one| kebab_name(&one.kind))
         .done()
 }
 
@@ -178,7 +178,7 @@ impl DoubledStudy {
 fn bifurcations(name: &str, all: &[Bifurcation]) -> Table {
     Table::of(name, all)
         .key("bifurcations")
-        .col("kind", Short, "", |one| word(&one.kind))
+        .col("kind", Short, "", |one| kebab_name(&one.kind))
         .col("parameter", Fixed(10), "", |one| one.parameter)
         .col("period", Fixed(10), "", |one| one.orbit.setting.period())
         .col("tau", Fixed(8), "half trace of the two multipliers that meet", |one| one.critical.tau)
@@ -234,7 +234,7 @@ impl Branch {
     pub(crate) fn table(&self) -> Table {
         let parameter = self.continuation.parameter;
         let off = |kind: Kind| {
-            move |(_, point): &Told<'_, Continuation>| {
+            move |(_, point): &BranchRow<'_, Continuation>| {
                 let strongest = (*point)?.spectrum.multipliers.iter().find(|one| one.kind == kind && one.modulus > 1.0);
                 strongest.map(|one| one.modulus)
             }
@@ -243,7 +243,7 @@ impl Branch {
             let all = point.spectrum.multipliers.iter().filter(|one| one.modulus > 1.0 && one.im >= 0.0);
             all.take(LEADING).copied().collect()
         };
-        let place = |row: &Told<'_, Continuation>| row.0.setting.get(parameter);
+        let place = |row: &BranchRow<'_, Continuation>| row.0.setting.get(parameter);
         Table::of("branch", &told(self))
             .key("points")
             .col(parameter.name(), Fixed(8), "", place)

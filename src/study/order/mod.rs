@@ -273,7 +273,7 @@ struct Problem {
 }
 
 /// The reference run, with estimates of its errors.
-struct Truth {
+struct Reference {
     events: Vec<Event<f64>>,
     /// Of the run from each start.
     itineraries: [Itinerary<f64>; 3],
@@ -330,7 +330,7 @@ impl Problem {
         Ok(equal_steps(field, &overlaps, &self.starts[k], (0.0, END), division, itinerary)?)
     }
 
-    fn truth(&self) -> Result<Truth> {
+    fn truth(&self) -> Result<Reference> {
         let [events, ahead, behind] = [0, 1, 2].map(|k| self.events(&self.starts[k]));
         let events = events?;
         let itineraries = [&events, &ahead?, &behind?].map(|events| Itinerary::new(events, 1e-9));
@@ -343,15 +343,15 @@ impl Problem {
         let rounding = 4.0 * f64::EPSILON * max_norm(state.iter().copied());
         let floor =
             (distance(&state, &coarse[0]).max(rounding), distance(&tangent, &coarse[1]).max(rounding / TANGENT_STEP));
-        Ok(Truth { events, itineraries, state, tangent, floor })
+        Ok(Reference { events, itineraries, state, tangent, floor })
     }
 
     /// The state at the end of a run from start `k`, and its steps.
-    fn end(&self, case: (Method, Mode), work: Rung, truth: &Truth, k: usize) -> Result<(Vec<f64>, u64)> {
+    fn end(&self, case: (Method, Mode), work: Level, truth: &Reference, k: usize) -> Result<(Vec<f64>, u64)> {
         let (start, span) = (&self.starts[k], (0.0, END));
         let steps = match work {
-            Rung::Divided(division) => return self.divided(k, division, &truth.itineraries[k]),
-            Rung::Steps(steps) => steps,
+            Level::Divided(division) => return self.divided(k, division, &truth.itineraries[k]),
+            Level::Steps(steps) => steps,
         };
         let method = match case {
             (Method::Splitting(scheme, Split::Linear), Mode::Landed) => Method::Landed(scheme),
@@ -370,7 +370,7 @@ impl Problem {
     }
 
     /// Errors of the state and of the tangent, and steps; errors are infinite if a run fails.
-    fn errors(&self, case: (Method, Mode), work: Rung, truth: &Truth) -> ([f64; 2], u64) {
+    fn errors(&self, case: (Method, Mode), work: Level, truth: &Reference) -> ([f64; 2], u64) {
         match [0, 1, 2].map(|k| self.end(case, work, truth, k)) {
             [Ok((state, steps)), Ok((ahead, _)), Ok((behind, _))] => {
                 ([distance(&state, &truth.state), distance(&tangent(&ahead, &behind), &truth.tangent)], steps)
@@ -380,8 +380,8 @@ impl Problem {
     }
 
     /// Errors and steps of a method in a mode, coarse to fine.
-    fn ladder(&self, (method, mode): (Method, Mode), truth: &Truth) -> Vec<Errors> {
-        let rung = |rung: Vec<Rung>| {
+    fn ladder(&self, (method, mode): (Method, Mode), truth: &Reference) -> Vec<Errors> {
+        let rung = |rung: Vec<Level>| {
             let runs: Vec<_> = rung.iter().map(|&work| self.errors((method, mode), work, truth)).collect();
             let error = |k: usize| {
                 let errors: Vec<f64> = runs.iter().map(|(errors, _)| errors[k]).collect();
@@ -394,7 +394,7 @@ impl Problem {
     }
 
     /// The rows of a method in a mode: of the state and of the tangent.
-    fn rows(&self, (method, mode): (Method, Mode), ladder: &[Errors], truth: &Truth) -> [OrderRow; 2] {
+    fn rows(&self, (method, mode): (Method, Mode), ladder: &[Errors], truth: &Reference) -> [OrderRow; 2] {
         [(Quantity::State, truth.floor.0), (Quantity::Tangent, truth.floor.1)].map(|(quantity, floor)| {
             let error = |(errors, _): &Errors| errors[quantity as usize].unwrap_or(f64::INFINITY);
             let errors = ladder.iter().map(error).collect();
@@ -406,15 +406,15 @@ impl Problem {
     }
 
     /// The ladder of a method in a mode; the runs of a rung are averaged.
-    fn rungs(&self, method: Method, mode: Mode) -> Vec<Vec<Rung>> {
+    fn rungs(&self, method: Method, mode: Mode) -> Vec<Vec<Level>> {
         if mode == Mode::Regularised {
             let q = power(self.alpha, method.order());
-            return STEPS_A_LEG.iter().map(|&steps| vec![Rung::Divided(Division::Count { steps, q })]).collect();
+            return STEPS_A_LEG.iter().map(|&steps| vec![Level::Divided(Division::Count { steps, q })]).collect();
         }
         let steps = |evaluations: f64, share: f64| (evaluations * share / method.stages() as f64).round().max(1.0);
         let work = |steps: f64| match (method, mode) {
-            (Method::Dop853(_), Mode::Landed) => Rung::Divided(Division::Length(END / steps)),
-            _ => Rung::Steps(steps as u64),
+            (Method::Dop853(_), Mode::Landed) => Level::Divided(Division::Length(END / steps)),
+            _ => Level::Steps(steps as u64),
         };
         let rung = |rung: f64| NEIGHBOURS.iter().map(|&share| work(steps(rung, share))).collect();
         let ladder = if mode == Mode::Corrected { CORRECTED_EVALUATIONS } else { EVALUATIONS };
@@ -436,7 +436,7 @@ fn median(mut errors: Vec<f64>) -> f64 {
 
 /// The division of a run into steps.
 #[derive(Clone, Copy)]
-enum Rung {
+enum Level {
     /// This number of equal steps over the whole span.
     Steps(u64),
     /// Steps from event to event.

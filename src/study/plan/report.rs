@@ -6,7 +6,7 @@ use crate::{
     output::{Array, npz, to_json},
     present::table,
     report::{CellMap, Figure, Kind, Line, Maps, Matrix, Panel, Panels, Report, SpaceTime},
-    study::shown,
+    study::format_short,
 };
 use serde_json::{Value, json};
 
@@ -112,7 +112,7 @@ impl PlanStudy {
 fn plain(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
-        Value::Number(number) if number.is_f64() => shown(number.as_f64().unwrap_or(f64::NAN)),
+        Value::Number(number) if number.is_f64() => format_short(number.as_f64().unwrap_or(f64::NAN)),
         value => value.to_string(),
     }
 }
@@ -169,7 +169,7 @@ impl PlanStudy {
     fn map(&self, column: &NumberColumn) -> Figure {
         let (rows, columns) = (self.plan.axes[0].values.len(), self.plan.axes[1].values.len());
         let few = |most: usize| rows <= most && columns <= most;
-        let note = |value: &f64| if few(NOTED) && value.is_finite() { shown(*value) } else { String::new() };
+        let note = |value: &f64| if few(NOTED) && value.is_finite() { format_short(*value) } else { String::new() };
         let ascending = |axis: &Vec<f64>| axis[0] > 0.0 && axis.windows(2).all(|two| two[0] < two[1]);
         let [y, x] = [0, 1].map(|axis| self.numbers(axis).filter(ascending));
         let (title, caption) = (self.plan.name.clone(), self.caption());

@@ -1,17 +1,17 @@
 //! One run: choice of its method, reports and files, and long runs in legs with checkpoints.
 
 mod checkpoint;
+mod choice;
 mod contacts;
-mod how;
 mod parts;
 mod report;
 mod si;
 
 pub use checkpoint::LongRun;
+pub use choice::{MethodChoice, MethodRequest};
 #[cfg(feature = "plot")]
 pub use contacts::contacts_picture;
 pub use contacts::{CONTACT_COLUMNS, ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
-pub use how::{MethodChoice, MethodRequest};
 pub use parts::parts_plan;
 #[cfg(feature = "plot")]
 pub use report::run_pictures;

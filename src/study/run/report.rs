@@ -384,8 +384,11 @@ pub fn run_pictures(ran: &RunView<'_>) -> Result<Vec<crate::study::Drawing>> {
     let mut pictures = vec![("profile.png", figures::panels(&profile_figure(ran, &caption))?)];
     if let Some(last) = outcome.profiles.last() {
         let (range, clips) = strain_range(outcome);
-        let clipped =
-            if clips { format!("; magenta: gaps beyond {}", crate::number::shown(range)) } else { String::new() };
+        let clipped = if clips {
+            format!("; magenta: gaps beyond {}", crate::number::format_short(range))
+        } else {
+            String::new()
+        };
         let figure = figures::SpaceTime {
             title: format!("{}: strain over space and time", scene.name()),
             site_label: "bond n".to_owned(),

@@ -2,7 +2,7 @@
 
 use super::{Ensemble, Envelopes, Errors, Member, Spread, Strains, WaveStudy};
 use crate::{
-    number::{of_pi, shown},
+    number::{format_short, of_pi},
     report::{
         Band, Column,
         Digits::{Fixed, Hidden, Power, Short},
@@ -181,7 +181,7 @@ impl WaveStudy {
         let (wave, shape) = (&self.wave, self.wave.shape());
         let ends = |errors: &Errors| {
             let [x, y, most_x, most_y] =
-                [last(&errors.x), last(&errors.y), largest(&errors.x), largest(&errors.y)].map(shown);
+                [last(&errors.x), last(&errors.y), largest(&errors.x), largest(&errors.y)].map(format_short);
             format!("{x} and {y} at the end, at most {most_x} and {most_y}")
         };
         let perturbed = self.perturbed.as_ref().map_or(String::new(), |run| {
@@ -194,7 +194,7 @@ impl WaveStudy {
         });
         let growth = self.ensemble.as_ref().and_then(|all| all.spread(|member| member.growth_x));
         let growth = growth.map_or(String::new(), |growth| {
-            let [median, low, high] = [growth.median, growth.low, growth.high].map(shown);
+            let [median, low, high] = [growth.median, growth.low, growth.high].map(format_short);
             format!(
                 " Growth of Ẽ_x, largest of the last period over that of the first: median {median}, {low} to {high}."
             )
@@ -205,11 +205,11 @@ impl WaveStudy {
             of_pi(shape.q),
             shape.a,
             shape.b,
-            shown(wave.epsilon()),
+            format_short(wave.epsilon()),
             format_args!("{:.6}", wave.omega_tw()),
             format_args!("{:.6}", wave.params().omega()),
-            shown(self.scene.end()),
-            shown(self.scene.end() / self.scene.period()),
+            format_short(self.scene.end()),
+            format_short(self.scene.end() / self.scene.period()),
             ends(&self.errors),
             self.setting
         )

@@ -3,7 +3,7 @@
 
 use super::{
     super::{Chain, ContactLaw, Layout, Modes, Params, Resonators},
-    CheckedDetails, Kind, Ledger, Means, SiteData,
+    CheckedDetails, DriveKind, Kind, Ledger, SiteData,
 };
 use hertzchain_integrators::{
     DoubleDouble, Error,
@@ -69,8 +69,8 @@ impl Differing {
 
     /// The drives of a site: the one that moves it, or all that push it.
     fn drives_of(&self, site: usize) -> impl Iterator<Item = &super::Drive> {
-        let means = if self.sites[site].moved { Means::Moved } else { Means::Pushed };
-        self.parts().drives().iter().filter(move |drive| drive.site == site && drive.means == means)
+        let kind = if self.sites[site].moved { DriveKind::Displacement } else { DriveKind::Force };
+        self.parts().drives().iter().filter(move |drive| drive.site == site && drive.kind == kind)
     }
 
     /// The scale of the velocities that a drive causes. If it moves its bead: the speed of the
@@ -78,7 +78,7 @@ impl Differing {
     /// for a constant force, the speed from its work up to the overlap at which a contact balances
     /// it.
     fn speed(&self, drive: &super::Drive) -> f64 {
-        if drive.means == Means::Moved {
+        if drive.kind == DriveKind::Displacement {
             return drive.signal.speed();
         }
         let (mass, topology) = (self.parts().sites[drive.site].mass, self.chain.topology());

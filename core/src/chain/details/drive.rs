@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use hertzchain_integrators::Real;
+use serde::{Deserialize, Serialize};
 
 /// Least length of a burst, relative to its start. Methods take times as the same that are nearer
 /// than a tenth of this.
@@ -45,12 +46,14 @@ pub struct Signal {
 }
 
 /// How a drive acts on its bead.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Means {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DriveKind {
     /// The signal is the displacement of the bead.
-    Moved,
+    #[serde(rename = "moved")]
+    Displacement,
     /// The signal is a force on the bead.
-    Pushed,
+    #[serde(rename = "pushed")]
+    Force,
 }
 
 /// A drive of one bead.
@@ -59,7 +62,7 @@ pub struct Drive {
     /// The bead, counted from 0.
     pub site: usize,
     /// Whether it is moved or pushed.
-    pub means: Means,
+    pub kind: DriveKind,
     /// The displacement of the bead, or the force on it.
     pub signal: Signal,
 }

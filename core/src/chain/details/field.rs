@@ -2,7 +2,7 @@
 
 use super::{
     super::{Chain, Resonators},
-    CheckedDetails, Ledger, Means, Pushing,
+    CheckedDetails, DriveKind, Ledger, Pushing,
 };
 use hertzchain_integrators::Real;
 
@@ -48,12 +48,12 @@ pub(crate) fn rates<R: Real>(
     }
     for drive in parts.drives() {
         let (i, [value, first, second]) = (drive.site, drive.signal.at(t));
-        match drive.means {
-            Means::Pushed => {
+        match drive.kind {
+            DriveKind::Force => {
                 dy[half + i] += value / parts.sites[i].mass;
                 ledger.driven += value * u_dot[i];
             }
-            Means::Moved => {
+            DriveKind::Displacement => {
                 // Without the power that goes into the kinetic energy of the bead, see
                 // `Chain::kinetic_of_moved`.
                 ledger.driven -= force[i] * first;

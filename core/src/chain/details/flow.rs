@@ -12,7 +12,7 @@
 
 use super::{
     super::{Chain, Resonators},
-    CheckedDetails, Ledger, Means, SiteData,
+    CheckedDetails, DriveKind, Ledger, SiteData,
     propagator::Class,
     stretches::{Drift, Stretches},
 };
@@ -116,9 +116,9 @@ impl<R: Real> SitewiseFlow<R> {
         let parts = parts(&self.chain);
         parts.drives().iter().fold(R::zero(), |sum, drive| {
             let [value, first, _] = drive.signal.at(self.time.value());
-            sum + match drive.means {
-                Means::Pushed => value * self.bead(drive.site)[0],
-                Means::Moved => R::of(0.5) * parts.sites[drive.site].mass * first * first,
+            sum + match drive.kind {
+                DriveKind::Force => value * self.bead(drive.site)[0],
+                DriveKind::Displacement => R::of(0.5) * parts.sites[drive.site].mass * first * first,
             }
         })
     }
@@ -158,12 +158,12 @@ impl<R: Real> SitewiseFlow<R> {
         let Self { chain, u, force, ledger, .. } = self;
         for drive in parts(chain).drives() {
             let ([value, first, _], i) = (drive.signal.at(t), drive.site);
-            match drive.means {
-                Means::Pushed => {
+            match drive.kind {
+                DriveKind::Force => {
                     force[i] += value;
                     ledger.driven -= kick * (first * u[i]);
                 }
-                Means::Moved => ledger.driven -= kick * (force[i] * first),
+                DriveKind::Displacement => ledger.driven -= kick * (force[i] * first),
             }
         }
     }

@@ -32,7 +32,7 @@ mod variations;
 
 pub use collocated::Differing;
 pub use contact::{Dissipation, Kind};
-pub use drive::{Drive, Envelope, Harmonic, Means, Signal};
+pub use drive::{Drive, DriveKind, Envelope, Harmonic, Signal};
 pub use events::ContactEvents;
 pub use flow::SitewiseFlow;
 pub use ledger::Ledger;
@@ -170,9 +170,9 @@ impl CheckedDetails<f64> {
     /// beads if they meet with this `speed` each, or that of a moved bead; the greatest overlap of
     /// beads that the largest driving force pushes from rest.
     pub(crate) fn fast_frequency(&self, ring: bool, strain: f64, speed: f64) -> f64 {
-        let drives = |means| self.drives().iter().filter(move |drive| drive.means == means).map(|drive| &drive.signal);
-        let speed = drives(Means::Moved).map(Signal::speed).fold(speed, f64::max);
-        let push = drives(Means::Pushed).map(Signal::size).fold(0.0, f64::max);
+        let drives = |kind| self.drives().iter().filter(move |drive| drive.kind == kind).map(|drive| &drive.signal);
+        let speed = drives(DriveKind::Displacement).map(Signal::speed).fold(speed, f64::max);
+        let push = drives(DriveKind::Force).map(Signal::size).fold(0.0, f64::max);
         let of_site = |site: &SiteData<f64>| {
             let inverse = if site.resonators == Resonators::None { 0.0 } else { 1.0 + 1.0 / site.rho };
             (inverse * site.kappa / site.mass).sqrt()
@@ -261,15 +261,15 @@ impl Details {
     /// The largest displacement that a drive prescribes; if no drive moves its bead, the largest
     /// acceleration by a driving force; zero without drives.
     pub(crate) fn scale(&self) -> f64 {
-        let largest = |means: Means| {
-            let of = |drive: &Drive| match means {
-                Means::Moved => drive.signal.size(),
-                Means::Pushed => drive.signal.size() / entry(&self.mass, drive.site, 1.0),
+        let largest = |kind: DriveKind| {
+            let of = |drive: &Drive| match kind {
+                DriveKind::Displacement => drive.signal.size(),
+                DriveKind::Force => drive.signal.size() / entry(&self.mass, drive.site, 1.0),
             };
-            self.drives.iter().filter(|drive| drive.means == means).map(of).fold(0.0, f64::max)
+            self.drives.iter().filter(|drive| drive.kind == kind).map(of).fold(0.0, f64::max)
         };
-        match largest(Means::Moved) {
-            0.0 => largest(Means::Pushed),
+        match largest(DriveKind::Displacement) {
+            0.0 => largest(DriveKind::Force),
             size => size,
         }
     }
@@ -284,7 +284,7 @@ impl Details {
             let value = format!("{dashpot} at site {i}");
             return Err(Error::parameter("dashpot", value, "a dashpot is beside a spring: kappa and rho are positive"));
         }
-        let moved = self.drives.iter().any(|drive| drive.site == i && drive.means == Means::Moved);
+        let moved = self.drives.iter().any(|drive| drive.site == i && drive.kind == DriveKind::Displacement);
         if moved && (own.resonators() != Resonators::None || drag > 0.0) {
             let rule = "a bead that is moved has no resonator and no drag: kappa or rho, and drag, are zero there";
             return Err(Error::parameter("drive", format!("moves site {i}"), rule));
@@ -300,7 +300,8 @@ impl Details {
             }
             drive.signal.check()?;
             // A force on a moved bead would have no effect: its position is prescribed.
-            let also = |other: &Drive| other.site == drive.site && [drive.means, other.means].contains(&Means::Moved);
+            let also =
+                |other: &Drive| other.site == drive.site && [drive.kind, other.kind].contains(&DriveKind::Displacement);
             if self.drives[..k].iter().any(also) {
                 return Err(Error::parameter("drive.site", drive.site, "a bead that is moved has no other drive"));
             }
@@ -325,7 +326,7 @@ impl<R: Real> Chain<R> {
         let (n, touching) = (self.sites(), self.touching());
         details.check(n, touching.len())?;
         details.check_drives(n)?;
-        let pushed = details.drives.iter().any(|drive| drive.means == Means::Pushed);
+        let pushed = details.drives.iter().any(|drive| drive.kind == DriveKind::Force);
         if self.boundary() == Boundary::Free && !pushed && details.overlap.iter().any(|&overlap| overlap > 0.0) {
             let rule =
                 "only walls, a ring or pushed beads can hold a static overlap; elsewhere it is an initial condition";
@@ -407,7 +408,7 @@ impl<R: Real> Chain<R> {
 
     /// The drives that move their beads.
     pub(crate) fn movers(&self) -> impl Iterator<Item = &Drive> {
-        self.parts().into_iter().flat_map(CheckedDetails::drives).filter(|drive| drive.means == Means::Moved)
+        self.parts().into_iter().flat_map(CheckedDetails::drives).filter(|drive| drive.kind == DriveKind::Displacement)
     }
 
     /// Sets the beads that drives move to their positions and velocities at time `t`.

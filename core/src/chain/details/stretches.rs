@@ -387,7 +387,7 @@ impl<R: Real> Formula<R> for Kick<'_, R> {
 #[cfg(test)]
 mod tests {
     use crate::{
-        chain::{Boundary, Chain, Details, Drive, Means, Params, Signal, SitewiseFlow, State},
+        chain::{Boundary, Chain, Details, Drive, DriveKind, Params, Signal, SitewiseFlow, State},
         run::method::Split,
     };
     use hertzchain_integrators::{DoubleDouble, Instructions, SplitFlow};
@@ -410,7 +410,7 @@ mod tests {
             }),
             dashpot: of(&|i| if (14..17).contains(&i) { 0.1 } else { 0.0 }),
             alpha,
-            drives: vec![Drive { site: 0, means: Means::Moved, signal }],
+            drives: vec![Drive { site: 0, kind: DriveKind::Displacement, signal }],
             ..Details::default()
         };
         Chain::new(Params::new(1.5, 1.0, 0.4).unwrap(), boundary, n).unwrap().with(&details).unwrap()

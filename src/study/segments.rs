@@ -1,14 +1,14 @@
 //! Multipliers and bifurcations of a branch as points of a sweep.
 //!
 //! A branch is followed orbit by orbit, each from the one before. Its multipliers and bifurcations
-//! are computed afterwards, and need only the orbits. A point of this sweep is a *stretch*: a few
+//! are computed afterwards, and need only the orbits. A point of this sweep is a *segment*: a few
 //! consecutive orbits with their multipliers, and the bifurcations between them and the orbit
-//! before. In one process all multipliers are computed once. Processes that share the stretches
-//! compute those of the orbit before each stretch once more: with four orbits a stretch, a quarter
-//! more multipliers. Where rows do not need the multipliers of the orbit before, a stretch has one
+//! before. In one process all multipliers are computed once. Processes that share the segments
+//! compute those of the orbit before each segment once more: with four orbits a segment, a quarter
+//! more multipliers. Where rows do not need the multipliers of the orbit before, a segment has one
 //! orbit.
 //!
-//! The key of a stretch has a digest of all settings that its row depends on, and of all orbits of
+//! The key of a segment has a digest of all settings that its row depends on, and of all orbits of
 //! the branch up to its last one. So a store can have rows of several branches, and a branch that
 //! is followed with other settings finds none of another one.
 
@@ -24,35 +24,35 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use std::ops::Range;
 
-/// Orbits of a stretch whose rows need the orbit before; the last one of a branch may have fewer.
+/// Orbits of a segment whose rows need the orbit before; the last one of a branch may have fewer.
 const ORBITS: usize = 4;
 
-/// A stretch of a branch, as the key of its row.
+/// A segment of a branch, as the key of its row.
 #[derive(Debug, PartialEq, Serialize)]
-struct Stretch {
+struct Segment {
     /// Numbers of its orbits.
     orbits: Range<usize>,
-    /// Digest of the settings, and of all orbits of the branch up to the last one of the stretch.
+    /// Digest of the settings, and of all orbits of the branch up to the last one of the segment.
     digest: String,
 }
 
-/// The stretches of a branch, of `length` orbits each. `settings` has all that rows depend on
+/// The segments of a branch, of `length` orbits each. `settings` has all that rows depend on
 /// besides the orbits; `orbits` are all numbers that determine them.
-fn stretches<O: Serialize>(orbits: &[O], length: usize, settings: &Value) -> Vec<Stretch> {
+fn segments<O: Serialize>(orbits: &[O], length: usize, settings: &Value) -> Vec<Segment> {
     let mut before = digest(&settings.to_string());
-    let stretch = |first: usize| {
+    let segment = |first: usize| {
         let numbers = first..orbits.len().min(first + length);
         for one in &orbits[numbers.clone()] {
             before = digest(&format!("{before} {}", json!(one)));
         }
-        Stretch { orbits: numbers, digest: before.clone() }
+        Segment { orbits: numbers, digest: before.clone() }
     };
-    (0..orbits.len()).step_by(length).map(stretch).collect()
+    (0..orbits.len()).step_by(length).map(segment).collect()
 }
 
 /// The branch with multipliers and bifurcations, from the store of a name or computed, for the
 /// command `study`. `settings` has all that rows depend on besides the orbits. If the process was
-/// asked to end, there are those before the first stretch that is missing.
+/// asked to end, there are those before the first segment that is missing.
 ///
 /// # Errors
 /// No point with multipliers; [`Error::Stopped`] in a shard; as [`Engine::sweep`].
@@ -65,11 +65,11 @@ pub(super) fn analysed<P: Problem>(
 ) -> Result<Branch<P>> {
     let (spectra, joined) = (Spectra::new(&branch), branch.weak.is_some());
     let orbits: Vec<_> = branch.orbits.iter().map(|orbit| branch.numbers(orbit)).collect();
-    let points = stretches(&orbits, if joined { ORBITS } else { 1 }, settings);
+    let points = segments(&orbits, if joined { ORBITS } else { 1 }, settings);
     let grid = Grid { store, study, settings: json!({}) };
     let tell = |share: f64, _: &str| progress(share, "multipliers and bifurcations");
-    let work = |stretch: &Stretch| {
-        let Range { start, end } = stretch.orbits;
+    let work = |segment: &Segment| {
+        let Range { start, end } = segment.orbits;
         // Several threads may want the orbit before: all multipliers come first.
         map(&(start.saturating_sub(usize::from(joined))..end).collect::<Vec<_>>(), |&k| {
             unless_asked(|| Ok(spectra.at(k).is_ok()))
@@ -85,10 +85,10 @@ pub(super) fn analysed<P: Problem>(
     let swept = engine.sweep(&grid, &points, &tell, work)?;
     if swept.missing > 0 && !alone {
         let (kept, total) = (swept.rows.iter().filter(|row| row.is_ok()).count(), points.len());
-        return Err(Error::Stopped { kept: format!("multipliers of {kept} of {total} stretches of the branch") });
+        return Err(Error::Stopped { kept: format!("multipliers of {kept} of {total} segments of the branch") });
     }
     let mut rows = Vec::with_capacity(orbits.len());
-    for (Stretch { orbits, .. }, row) in points.iter().zip(swept.rows) {
+    for (Segment { orbits, .. }, row) in points.iter().zip(swept.rows) {
         let point = || format!("points {} to {} of the branch", orbits.start, orbits.end - 1);
         if row.is_err() && swept.missing > 0 {
             break;
@@ -121,20 +121,20 @@ mod tests {
 
     #[test]
     fn a_stretch_has_another_key_if_an_orbit_before_it_or_a_setting_differs() {
-        let keys = |orbits: &[f64], setting: f64| stretches(orbits, 4, &json!({ "to": setting }));
+        let keys = |orbits: &[f64], setting: f64| segments(orbits, 4, &json!({ "to": setting }));
         let branch: Vec<f64> = (0..10).map(f64::from).collect();
         let all = keys(&branch, 1.0);
         let numbers: Vec<Range<usize>> = all.iter().map(|one| one.orbits.clone()).collect();
         assert_eq!(numbers, [0..4, 4..8, 8..10]);
         assert_eq!(keys(&branch, 1.0), all);
-        // A longer branch has the same stretches but for the last one.
+        // A longer branch has the same segments but for the last one.
         let longer: Vec<f64> = (0..11).map(f64::from).collect();
         assert_eq!(keys(&longer, 1.0)[..2], all[..2]);
         for (k, later) in [(0, 0), (3, 0), (4, 1), (9, 2)] {
             let mut other = branch.clone();
             other[k] = other[k].next_up();
             let same: Vec<bool> = keys(&other, 1.0).iter().zip(&all).map(|(a, b)| a == b).collect();
-            assert_eq!(same, [0, 1, 2].map(|stretch| stretch < later));
+            assert_eq!(same, [0, 1, 2].map(|segment| segment < later));
         }
         assert!(keys(&branch, 1.0_f64.next_up()).iter().zip(&all).all(|(a, b)| a != b));
     }
