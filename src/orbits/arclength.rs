@@ -194,7 +194,7 @@ pub(crate) fn check([from, to]: [f64; 2], step: f64, most_points: usize) -> Resu
         return Err(Error::parameter("step", step, "finite and positive"));
     }
     if most_points < 2 {
-        return Err(Error::parameter("max-points", most_points, "at least two"));
+        return Err(Error::parameter("max-points", most_points, "at least 2"));
     }
     Ok(())
 }

@@ -439,7 +439,7 @@ fn si_units_of_orbits_need_spheres_and_refusals_name_what_was_given() {
     for (command, said) in [
         (&["orbit", "continue", "--to", "1e-8"][..], "to = 0.00000001 is not valid: a finite number, not where"),
         (&["orbit", "continue", "--to", "0"], "to = 0 is not valid"),
-        (&["orbit", "continue", "--to", "-3e4", "--vary", "omega"], "omega = -30000 is not valid"),
+        (&["orbit", "continue", "--to", "-3e4", "--vary", "omega"], "to = -30000 is not valid"),
         (&["orbit", "continue", "--to", "2e-8", "--step=-1e-9"], "step = -0.000000001 is not valid"),
         (
             &["orbit", "continue", "--resume", &begun, "--to", "1.5e-8"],
