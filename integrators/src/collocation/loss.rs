@@ -397,6 +397,8 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     /// Replaces the answers to unit forces at the nodes by those to unit changes `dg` of the
     /// overlap there: to the forces `F' dg + d/dt(c dg)`, with the impulse `-c dg` at the start of
     /// the panel and `c dg` at its end as far as `impulses` says.
+    /// The derivative is integrated by parts: its part `c' g' dg` begins like `t^{alpha-2}`, which
+    /// no panel resolves, and in `int K F' dg + int K' c dg` nothing is singular.
     pub(super) fn respond(&mut self, frame: &Frame<'_, M, S>, impulses: [bool; 2]) {
         let (link, ends) = (frame.link, &frame.rule.ends);
         let (stiffness, resistance) = (self.stiffness(link), self.overlap.map(|g| link.resists(g)));
