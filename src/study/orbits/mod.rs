@@ -193,7 +193,8 @@ impl Continue {
         let (from, to) = (end(self.from, RANGE[0], "from")?, end(self.to, RANGE[1], "to")?);
         breather.set(parameter, from);
         if varies {
-            breather.seed().map_err(|why| why.named("from"))?;
+            let of_from = |why: &Error| matches!(why, Error::Parameter { name: "omega_b", .. });
+            breather.seed().map_err(|why| if of_from(&why) { why.named("from") } else { why })?;
         }
         let continuation = Continuation {
             parameter,
