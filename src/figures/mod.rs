@@ -63,9 +63,6 @@ pub const SIZE: (u32, u32) = (1200, 800);
 /// them.
 const CAPTION_LINES: usize = 7;
 
-/// Program and version that picture files name as their software.
-const SOFTWARE: &str = concat!("hertzchain ", env!("CARGO_PKG_VERSION"));
-
 /// The reason why a figure could not be drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Error(pub(crate) String);

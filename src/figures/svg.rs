@@ -24,7 +24,7 @@ pub(super) fn svg(picture: &Picture) -> Result<Vec<u8>, Error> {
          <title>{}</title>\n<desc>{}</desc>\n<metadata>{}</metadata>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
         escaped(&picture.title),
         escaped(&picture.caption),
-        super::SOFTWARE
+        crate::output::PROGRAM
     );
     for shape in &picture.shapes {
         element(&mut out, shape)?;
