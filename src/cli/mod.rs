@@ -18,7 +18,7 @@ use crate::{
     error::{Error, Result},
     output::say,
 };
-use args::{BreatherAction, Cli, Command, DpsAction, OrbitAction, PaperAction, StudyAction, WaveAction};
+use args::Cli;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, builder::ValueParser, error::ErrorKind, value_parser};
 use hertzchain_integrators::Error as Failure;
 use std::{env, ffi::OsString};
@@ -97,7 +97,7 @@ fn begun(cli: &Cli) -> Exit {
         let _ = set.select();
     }
     signals::ask()?;
-    run_command(&cli.command)
+    cli.command.run()
 }
 
 /// Refuses a number of threads that is none, for which the thread pool would take all cores.
@@ -148,63 +148,6 @@ fn code(error: &Error) -> u8 {
         Error::Parameter { .. } | Error::Unknown { .. } | Error::Scene { .. } | Error::Content { .. } => REFUSED,
         Error::Integration(Failure::Argument { .. }) => REFUSED,
         _ => FAILED,
-    }
-}
-
-fn run_command(command: &Command) -> Exit {
-    match command {
-        Command::Run(args) => run::main(args),
-        Command::Compare(told) => told.run(),
-        Command::Sweep(told) => told.run(),
-        Command::Scenes(args) => scenes::main(args),
-        Command::Integrators(args) => integrators::main(args),
-        Command::Study(args) => match &args.action {
-            StudyAction::Order(told) => told.run(),
-            StudyAction::Scaling(told) => told.run(),
-            StudyAction::Drift(told) => told.run(),
-            StudyAction::Stability(told) => told.run(),
-            StudyAction::Theorem(told) => told.run(),
-            StudyAction::Lifetimes(told) => told.run(),
-            StudyAction::Dimer(told) => told.run(),
-            StudyAction::Impurity(told) => told.run(),
-            StudyAction::Taper(told) => told.run(),
-            StudyAction::Disorder(told) => told.run(),
-            StudyAction::EndDriven(told) => told.run(),
-            StudyAction::BoundaryWave(told) => told.run(),
-        },
-        Command::Wave(args) => match &args.action {
-            Some(WaveAction::Modulation(told)) => told.run(),
-            Some(WaveAction::Exact(told)) => told.run(),
-            Some(WaveAction::Continue(told)) => told.run(),
-            Some(WaveAction::Solitary(told)) => told.run(),
-            None => args.told.run(),
-        },
-        Command::Breather(args) => match &args.action {
-            BreatherAction::Bright(told) => told.run(),
-            BreatherAction::Trivial(told) => told.run(),
-            BreatherAction::Dark(told) => told.run(),
-            BreatherAction::Continue(told) => told.run(),
-            BreatherAction::Doubled(told) => told.run(),
-            BreatherAction::Evolve(told) => told.run(),
-            BreatherAction::Barrier(told) => told.run(),
-            BreatherAction::Moving(told) => told.run(),
-        },
-        Command::Orbit(args) => match &args.action {
-            OrbitAction::Driven(told) => told.run(),
-            OrbitAction::Continue(told) => told.run(),
-            OrbitAction::Mode(told) => told.run(),
-        },
-        Command::Dps(args) => match &args.action {
-            DpsAction::Integrals(told) => told.run(),
-            DpsAction::Homoclinic(told) => told.run(),
-            DpsAction::Dark(told) => told.run(),
-        },
-        Command::Paper(args) => match &args.action {
-            PaperAction::Figures(args) => figures::main(args),
-            PaperAction::Verify(study) => study.run(),
-            PaperAction::Report(args) => report::main(args),
-        },
-        Command::Shell(args) => shell::main(args),
     }
 }
 

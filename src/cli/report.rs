@@ -1,6 +1,6 @@
 //! `hertzchain paper report`.
 
-use super::{DONE, Exit, FAILED, args::ReportArgs, print, progress_bar, say};
+use super::{DONE, Exit, FAILED, print, progress_bar, runner::OUT_ALWAYS, say};
 use crate::{
     error::{Error, Result},
     interrupt,
@@ -14,7 +14,30 @@ use crate::{
     },
     sweep::{Engine, Progress},
 };
-use std::time::Instant;
+use clap::Args;
+use std::{path::PathBuf, time::Instant};
+
+#[derive(Args)]
+pub(crate) struct ReportArgs {
+    /// Parts to make, separated by commas [default: all].
+    ///
+    /// Of compare, order, theorem, stability, verify, figures.
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
+    only: Vec<String>,
+    #[arg(
+        long,
+        value_name = "DIR",
+        default_value = "out/report",
+        help = OUT_ALWAYS,
+        long_help = format!("{OUT_ALWAYS}.\n\nFiles: report.html and report.json.")
+    )]
+    out: PathBuf,
+    /// Print JSON instead of text.
+    ///
+    /// What was made, wall times and failures.
+    #[arg(long)]
+    json: bool,
+}
 
 /// A part of the report, in its short form.
 struct Part {
@@ -81,42 +104,45 @@ const WORK: f64 = 1e6;
 /// Sizes of Theorem 1.
 const EPSILONS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
-pub(super) fn main(args: &ReportArgs) -> Exit {
-    let parts = chosen(&args.only)?;
-    let folder = Folder::own(&args.out, None)?;
-    let bar = progress_bar();
-    let whole: f64 = parts.iter().map(|part| part.share).sum();
-    let mut page = Page::default();
-    let mut before = 0.0;
-    for part in &parts {
-        bar.set_message(part.name);
-        let tell =
-            |share: f64, _: &str| bar.set_position((1000.0 * (before + part.share * share.min(1.0)) / whole) as u64);
-        let section = part.section(&tell);
-        if interrupt::asked() {
-            bar.finish_and_clear();
-            let kept = format!("{} of {} parts are in {}", page.sections.len(), parts.len(), args.out.display());
-            return Err(Error::Stopped { kept });
+impl ReportArgs {
+    pub(super) fn run(&self) -> Exit {
+        let parts = chosen(&self.only)?;
+        let folder = Folder::own(&self.out, None)?;
+        let bar = progress_bar();
+        let whole: f64 = parts.iter().map(|part| part.share).sum();
+        let mut page = Page::default();
+        let mut before = 0.0;
+        for part in &parts {
+            bar.set_message(part.name);
+            let tell = |share: f64, _: &str| {
+                bar.set_position((1000.0 * (before + part.share * share.min(1.0)) / whole) as u64)
+            };
+            let section = part.section(&tell);
+            if interrupt::asked() {
+                bar.finish_and_clear();
+                let kept = format!("{} of {} parts are in {}", page.sections.len(), parts.len(), self.out.display());
+                return Err(Error::Stopped { kept });
+            }
+            page.sections.push(section);
+            before += part.share;
+            // If a later part is killed, the page with the parts so far is kept.
+            folder.write("report.html", page.html().as_bytes())?;
         }
-        page.sections.push(section);
-        before += part.share;
-        // If a later part is killed, the page with the parts so far is kept.
-        folder.write("report.html", page.html().as_bytes())?;
-    }
-    bar.finish_and_clear();
-    let report = page.report();
-    let json = to_json(&report.json()) + "\n";
-    folder.write("report.json", json.as_bytes())?;
-    let printed = print(&if args.json { json } else { report.text() });
-    say(&format!("written to {}", folder.path().join("report.html").display()));
-    let mut code = DONE;
-    for section in &page.sections {
-        for why in section.failures() {
-            say(&format!("error: {}: {why}", section.name));
-            code = FAILED;
+        bar.finish_and_clear();
+        let report = page.report();
+        let json = to_json(&report.json()) + "\n";
+        folder.write("report.json", json.as_bytes())?;
+        let printed = print(&if self.json { json } else { report.text() });
+        say(&format!("written to {}", folder.path().join("report.html").display()));
+        let mut code = DONE;
+        for section in &page.sections {
+            for why in section.failures() {
+                say(&format!("error: {}: {why}", section.name));
+                code = FAILED;
+            }
         }
+        printed.map(|()| code)
     }
-    printed.map(|()| code)
 }
 
 /// The parts that are asked for, in their order; all, if none is.

@@ -18,7 +18,7 @@
 use crate::{
     chain::{Chain, Contact, Contacts, Energy},
     error::{Error, Result},
-    output::{Archive, Folder, FileFormat, NpzWriter, PROGRAM, SETTINGS, to_json},
+    output::{Archive, FileFormat, Folder, NpzWriter, PROGRAM, SETTINGS, to_json},
     parts::Decomposition,
     run::method::{Method, Setting},
     run::{Profile, Recorder, Records, Run, Sample, Snapshot, Trajectory},

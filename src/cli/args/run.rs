@@ -1,15 +1,9 @@
-//! Flags of a run, and examples of comparisons.
+//! Flags of a run.
 
 use crate::study::{Changes, tolerance_help};
 use clap::Args;
 use hertzchain_integrators::Tolerance;
 use std::path::PathBuf;
-
-pub(super) const COMPARE_EXAMPLES: &str = "\
-Examples:
-  hertzchain compare tw-q15 --out out/compare
-  hertzchain compare cradle --integrators verlet,corrected,collocation
-  hertzchain compare impact --integrators all --max-time 60";
 
 /// The help of --tol of a run, in full.
 fn tolerance() -> String {
