@@ -1,5 +1,22 @@
 //! Scenes: named, complete set-ups with chain, initial state, time span and records.
 
+/// Tables of a scene file; unknown keys are errors. `key?: type` may be left out: it is an `Option`,
+/// and is not written if it is `None`.
+macro_rules! sections {
+    ($($(#[$about:meta])* pub struct $name:ident {
+        $($(#[$key:meta])* $field:ident $(?: $optional:ty)? $(: $type:ty)?,)*
+    })*) => {$(
+        $(#[$about])*
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name {
+            $($(#[$key])*
+            $(#[serde(skip_serializing_if = "Option::is_none")] pub $field: Option<$optional>)?
+            $(pub $field: $type)?,)*
+        }
+    )*};
+}
+
 mod builtin;
 mod details;
 mod file;
