@@ -3,7 +3,7 @@
 use crate::error::OrRaise;
 use hertzchain::{
     Boundary, Chain, Error, Params,
-    chain::{Details, Envelope, Kind, DriveKind},
+    chain::{Details, DriveKind, Envelope, Kind},
     scene::{ChainSection, Initial, Record, SceneFile, Span, Units},
 };
 use numpy::{PyArray1, PyReadonlyArray1};
