@@ -6,6 +6,7 @@ mod figures;
 #[cfg(feature = "plot")]
 mod formats;
 mod integrators;
+mod reference;
 mod report;
 mod run;
 mod runner;
@@ -21,6 +22,7 @@ use crate::{
 use args::Cli;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, builder::ValueParser, error::ErrorKind, value_parser};
 use hertzchain_integrators::Error as Failure;
+pub use reference::{columns, options};
 use std::{env, ffi::OsString};
 use terminal::{print, print_help, progress_bar};
 
@@ -70,22 +72,6 @@ pub fn understood(arguments: impl IntoIterator<Item = OsString>) -> std::result:
         Err(error) if error.use_stderr() => Err(error.to_string()),
         _ => Ok(()),
     }
-}
-
-/// The files of all commands with the columns of their tables, as `docs/columns.md` has them: what
-/// `--help` says of `--out`.
-pub fn columns() -> String {
-    fn told(command: &clap::Command, path: &str, text: &mut String) {
-        let out = command.get_arguments().find(|arg| arg.get_id() == "out").and_then(clap::Arg::get_long_help);
-        let files = out.map(ToString::to_string).unwrap_or_default();
-        if let Some(at) = files.find("Files: ").filter(|_| files.contains(".npz with an array")) {
-            *text += &format!("\n## {}\n\n{}\n", path.trim_start(), files[at..].trim_end());
-        }
-        command.get_subcommands().for_each(|below| told(below, &format!("{path} {}", below.get_name()), text));
-    }
-    let mut text = "# Files and columns\n\nGenerated: what `--help` says of `--out`.\n".to_owned();
-    told(&Cli::command(), "", &mut text);
-    text
 }
 
 /// Runs the command.
