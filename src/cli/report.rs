@@ -5,13 +5,10 @@ use crate::{
     error::{Error, Result},
     interrupt,
     output::{Folder, to_json},
-    paper::{FIGURES, Figure, verify, verify_report},
+    paper::{FIGURES, Figure, Verify},
     present::{Page, Section, Shown},
     report::Report,
-    scene::Scene,
-    study::{
-        ChartOptions, CompareOptions, OrderOptions, Problem, RhoLaw, TheoremOptions, charts, compare, order, theorem,
-    },
+    study::{ChartOptions, Charts, Compare, CompareOptions, OrderOptions, RhoLaw, Study, TheoremOptions},
     sweep::{Engine, Progress},
 };
 use clap::Args;
@@ -62,7 +59,7 @@ const PARTS: &[Part] = &[
         title: "Order through contacts",
         shows: "What contacts do to the order of every method, and which methods keep theirs.",
         share: 0.1,
-        make: orders,
+        make: |tell| of(&OrderOptions::default(), tell),
     },
     Part {
         name: "theorem",
@@ -83,7 +80,7 @@ const PARTS: &[Part] = &[
         title: "The numbers of the paper",
         shows: "Every number and statement of the paper's text against ours, each with its verdict.",
         share: 0.1,
-        make: verdicts,
+        make: |tell| of(&Verify { section: None }, tell),
     },
     Part {
         name: "figures",
@@ -170,42 +167,28 @@ impl Part {
     }
 }
 
-fn comparison(tell: Progress<'_>) -> Result<Vec<Report>> {
-    let scene = Scene::load("tw-q15")?;
-    let options = CompareOptions { integrators: vec!["all".to_owned()], max_time: SHORT };
-    Ok(vec![compare(&scene, &options, tell)?.report()])
+/// The report of a study.
+fn of(study: &impl Study, tell: Progress<'_>) -> Result<Vec<Report>> {
+    Ok(vec![study.begin()?(&Engine::threads(), tell)?])
 }
 
-fn orders(tell: Progress<'_>) -> Result<Vec<Report>> {
-    let options = OrderOptions { alpha: 1.5, beads: 6, integrators: vec![] };
-    Ok(vec![order(&options, &Engine::threads(), tell)?.report()])
+fn comparison(tell: Progress<'_>) -> Result<Vec<Report>> {
+    let options = CompareOptions { integrators: vec!["all".to_owned()], max_time: SHORT };
+    of(&Compare { scene: Some("tw-q15".to_owned()), options, ..Compare::default() }, tell)
 }
 
 fn theorems(tell: Progress<'_>) -> Result<Vec<Report>> {
     let laws = [RhoLaw::Heavy, RhoLaw::Light];
-    let report = |(k, rho_law): (usize, RhoLaw)| {
+    let reports = laws.into_iter().enumerate().map(|(k, rho_law)| {
         let options = TheoremOptions { rho_law, epsilons: EPSILONS.to_vec(), ..TheoremOptions::default() };
-        Ok(theorem(&options, &Engine::threads(), &|share, _| tell((k as f64 + share) / laws.len() as f64, ""))?
-            .report())
-    };
-    laws.into_iter().enumerate().map(report).collect()
+        of(&options, &|share, _| tell((k as f64 + share) / laws.len() as f64, ""))
+    });
+    Ok(reports.collect::<Result<Vec<_>>>()?.concat())
 }
 
 fn stability(tell: Progress<'_>) -> Result<Vec<Report>> {
-    let options = ChartOptions {
-        charts: Vec::new(),
-        integrators: Vec::new(),
-        sites: SITES,
-        periods: PERIODS,
-        work: WORK,
-        quick: true,
-    };
-    let study = charts(&Problem::built_in(), &options, &Engine::threads(), tell)?;
-    Ok(vec![study.report()])
-}
-
-fn verdicts(tell: Progress<'_>) -> Result<Vec<Report>> {
-    Ok(vec![verify_report(&verify(None, &Engine::threads(), tell)?)])
+    let options = ChartOptions { sites: SITES, periods: PERIODS, work: WORK, quick: true, ..ChartOptions::default() };
+    of(&Charts { options, ..Charts::default() }, tell)
 }
 
 fn figures(tell: Progress<'_>) -> Result<Vec<Report>> {

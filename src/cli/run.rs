@@ -7,7 +7,7 @@ use crate::{
     parts::Decomposition,
     run::{Method, Records, Trajectory, Warning},
     scene::{Scene, SceneFile},
-    study::{self, LongRun, MethodChoice, MethodRequest, RunView, folder_of},
+    study::{self, LongRun, MethodChoice, RunView, folder_of},
 };
 use std::path::Path;
 #[cfg(feature = "mpi")]
@@ -33,7 +33,7 @@ impl RunArgs {
         if let Some(until) = self.until {
             scene = scene.until(until)?;
         }
-        let how = MethodChoice::new(&asked(self), &scene)?;
+        let how = MethodChoice::new(&self.method, &scene)?;
         let (name, wording) = how.words();
         let reason = how.reason().map(str::to_owned);
         let reason = reason.as_deref();
@@ -116,7 +116,7 @@ fn over_ranks(_: usize) -> Result<Option<Decomposition>> {
 
 /// Prints what a scene would need on so many ranks.
 fn plan_of_ranks(args: &RunArgs, file: &SceneFile, ranks: usize) -> Exit {
-    let named = args.integrator.as_deref().or(file.method.as_ref().map(|method| method.integrator.as_str()));
+    let named = args.method.integrator.as_deref().or(file.method.as_ref().map(|method| method.integrator.as_str()));
     let method = Method::named(named.unwrap_or("strang-linear"))?;
     let (name, plan) = (method.name(), study::parts_plan(file, method, ranks)?);
     print(&if args.json {
@@ -125,18 +125,6 @@ fn plan_of_ranks(args: &RunArgs, file: &SceneFile, ranks: usize) -> Exit {
         format!("{}, {name}\n  {}\n", file.name, plan.join("\n  "))
     })
     .map(|()| DONE)
-}
-
-/// What the flags ask for.
-fn asked(args: &RunArgs) -> MethodRequest {
-    MethodRequest {
-        integrator: args.integrator.clone(),
-        tol: args.tol,
-        step: args.step,
-        steps_per_period: args.steps_per_period,
-        windows_per_period: args.windows_per_period,
-        nodes: args.nodes,
-    }
 }
 
 /// Prints and writes the results of a run, also of one that failed.
@@ -184,7 +172,7 @@ fn resume(args: &RunArgs, path: &Path, parts: Decomposition) -> Exit {
     long.scene().units_if(args.si)?;
     // Only its file is compared.
     let scene = args.scene.as_deref().map(|name| Scene::load_by_sites(name, &[])).transpose()?;
-    long.is(path, scene.as_ref(), args.integrator.as_deref().map(Method::named).transpose()?)?;
+    long.is(path, scene.as_ref(), args.method.integrator.as_deref().map(Method::named).transpose()?)?;
     if args.events && !long.has_contacts() {
         return Err(Error::parameter("events", true, NO_EVENTS));
     }
