@@ -32,7 +32,9 @@ pub fn columns() -> String {
 /// The flags of all commands with defaults and ranges, as `docs/options.md` has them.
 pub fn options() -> String {
     let command = Cli::command();
-    let common = |arg: &&Arg| COMMON.contains(&arg.get_id().as_str());
+    // A folder by default is that of one command.
+    let own_folder = |arg: &Arg| arg.get_id() == "out" && !arg.get_default_values().is_empty();
+    let common = |arg: &&Arg| COMMON.contains(&arg.get_id().as_str()) && !own_folder(arg);
     let mut text = "# Options\n\nGenerated: what `--help` says of the flags of each command.\n".to_owned();
     let sweep = command.find_subcommand("sweep").into_iter().flat_map(Command::get_arguments);
     text += &section("Common options", "", sweep.chain(command.get_arguments()).filter(common), false);
@@ -63,8 +65,8 @@ fn row(arg: &Arg, whole: bool) -> String {
     let help = long.or(arg.get_help()).map(ToString::to_string).unwrap_or_default();
     let words: Vec<&str> = help.split_whitespace().collect();
     let one_of: Vec<_> = arg.get_possible_values().iter().map(|value| value.get_name().to_owned()).collect();
-    let one_of =
-        if value.is_empty() || one_of.is_empty() { String::new() } else { format!(" One of {}.", one_of.join(", ")) };
+    let told = value.is_empty() || one_of.iter().all(|name| help.contains(name.as_str()));
+    let one_of = if told { String::new() } else { format!(" One of {}.", one_of.join(", ")) };
     let cells = [
         format!("`{}`", (flag + value).trim_end()),
         default.join(","),

@@ -14,12 +14,11 @@ pub(crate) use table::{rows, told};
 pub use units::{Quantity, Units};
 
 use crate::{
-    error::{Error, Result},
-    output::{NpzWriter, PROGRAM, SETTINGS, to_json},
+    error::Result,
+    output::{NpzWriter, PROGRAM, SETTINGS, in_memory, to_json},
 };
 use serde::Serialize;
 use serde_json::{Map, Value, json};
-use std::io::Cursor;
 
 /// A paragraph or a table.
 #[derive(Clone, Debug)]
@@ -184,16 +183,14 @@ impl Report {
     /// # Errors
     /// Errors of the archive writer.
     pub fn files(&self) -> Result<Vec<(String, Vec<u8>)>> {
-        let mut bytes = Cursor::new(Vec::new());
         let program = json!({ "program": PROGRAM }).to_string();
-        let mut archive = || {
-            let mut archive = NpzWriter::new(&mut bytes, Some((SETTINGS, &program)))?;
+        let npz = in_memory(|bytes| {
+            let mut archive = NpzWriter::new(bytes, Some((SETTINGS, &program)))?;
             self.tables().try_for_each(|table| table.npz(&mut archive))?;
             archive.finish()
-        };
-        archive().map_err(|source| Error::File { path: "npz archive".into(), source })?;
+        })?;
         let json = (format!("{}.json", self.name), (to_json(&self.json()) + "\n").into_bytes());
-        let npz = (format!("{}.npz", self.name), bytes.into_inner());
+        let npz = (format!("{}.npz", self.name), npz);
         let own = |(name, _): &(String, Vec<u8>)| self.files.iter().any(|(own, _)| own == name);
         Ok(self
             .csv()

@@ -94,10 +94,7 @@ impl Tables<'_> {
         let (n, touching) = (chain.sites(), chain.touching().len());
         let mut details = Details::default();
         if let Some(beads) = beads {
-            let list = |name, values: &Option<Values>| match values {
-                Some(values) => values.of(name, n),
-                None => Ok(Vec::new()),
-            };
+            let list = |name, values: &Option<Values>| list(name, values, n);
             details.mass = list("beads.mass", &beads.mass)?;
             details.kappa = list("beads.kappa", &beads.kappa)?;
             details.rho = list("beads.rho", &beads.rho)?;
@@ -111,6 +108,11 @@ impl Tables<'_> {
         details.drives = drives.iter().map(|drive| drive.build(units.as_ref())).collect::<Result<_>>()?;
         Ok((chain.with(&details).map_err(|error| named(error, beads, bonds))?, units))
     }
+}
+
+/// The numbers of a key; none if it is left out.
+fn list(name: &'static str, values: &Option<Values>, count: usize) -> Result<Vec<f64>> {
+    values.as_ref().map_or(Ok(Vec::new()), |values| values.of(name, count))
 }
 
 /// An error of the chain with its parameter named by the key of the scene.
@@ -134,10 +136,7 @@ fn named(error: Error, beads: Option<&BeadsSection>, bonds: Option<&BondsSection
 
 impl BondsSection {
     fn apply(&self, chain: &Chain<f64>, touching: usize, details: &mut Details) -> Result<()> {
-        let list = |name, values: &Option<Values>| match values {
-            Some(values) => values.of(name, touching),
-            None => Ok(Vec::new()),
-        };
+        let list = |name, values: &Option<Values>| list(name, values, touching);
         details.contact = list("bonds.contact", &self.contact)?;
         details.alpha = list("bonds.alpha", &self.alpha)?;
         details.overlap = list("bonds.overlap", &self.overlap)?;

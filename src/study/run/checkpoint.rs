@@ -18,7 +18,7 @@
 use crate::{
     chain::{Chain, Contact, Contacts, Energy},
     error::{Error, Result},
-    output::{Archive, FileFormat, Folder, NpzWriter, PROGRAM, SETTINGS, to_json},
+    output::{Archive, FileFormat, Folder, NpzWriter, PROGRAM, SETTINGS, in_memory, to_json},
     parts::Decomposition,
     run::method::{Method, Setting},
     run::{Profile, Recorder, Records, Run, Sample, Snapshot, Trajectory},
@@ -188,9 +188,7 @@ impl LongRun {
     /// # Errors
     /// Errors of the archive writer.
     pub fn npz(&self) -> Result<Vec<u8>> {
-        let mut bytes = io::Cursor::new(Vec::new());
-        self.write(&mut bytes).map_err(|source| Error::File { path: FILE.into(), source })?;
-        Ok(bytes.into_inner())
+        in_memory(|bytes| self.write(bytes))
     }
 
     /// Writes the checkpoint of the run, with no second copy of the state in memory.
