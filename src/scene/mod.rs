@@ -42,7 +42,7 @@ use crate::{
 };
 use builtin::BUILTIN;
 use hertzchain_integrators::Error as Failure;
-use initial::{initial_state, within_range};
+use initial::{initial_state, positive, within_range};
 use std::{f64::consts::PI, path::Path};
 
 /// Largest number of sites; a state of that size takes 3.2 GB.
@@ -234,10 +234,6 @@ impl Scene {
         if let (Some(given), true) = (file.span.period, has_frequency) {
             return Err(Error::parameter("period", given, "this scene has a frequency of its own: leave `period` out"));
         }
-        let positive = |name, value: f64| {
-            let good = value.is_finite() && value > 0.0;
-            if good { Ok(value) } else { Err(Error::parameter(name, value, "finite and positive")) }
-        };
         let period = positive("period", period)?;
         let end = match (file.span.periods, file.span.until) {
             (Some(periods), None) => checked_end(positive("periods", periods)? * period)
