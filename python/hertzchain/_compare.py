@@ -67,4 +67,5 @@ def compare(
         raise ParameterError(f"methods = {methods!r} is not valid: a list of names")
     names = [word("methods", name) for name in methods or ()]
     with shown(progress, "compare") as tell:
-        return Comparison(_native.compare_json(scene._scene, names, number("max_time", max_time), tell))
+        limit = number("max_time", max_time)
+        return Comparison(_native.study("compare", scene._scene, tell, integrators=names, max_time=limit)[0])

@@ -211,7 +211,7 @@ def driven_orbit(
         scene = scene_of(scene, y0, None)
     turns, settle = whole("turns", turns), whole("settle", settle)
     with shown(progress, "orbit") as tell:
-        text = _native.driven_orbit(scene._scene, turns=turns, settle=settle, si=si, progress=tell)
+        text, _ = _native.study("driven-orbit", scene._scene, tell, turns=turns, settle=settle, si=si)
     return DrivenOrbit(scene, turns, settle, json.loads(text))
 
 
@@ -239,8 +239,10 @@ def continue_driven(
     """The branch of a driven orbit; :func:`continue_branch` describes the parameters."""
     turns, settle = orbit._search
     with shown(progress, "branch") as tell:
-        text = _native.driven_branch(
+        text, _ = _native.study(
+            "driven-branch",
             orbit.scene._scene,
+            tell,
             turns=turns,
             settle=settle,
             parameter=word("parameter", parameter),
@@ -249,6 +251,5 @@ def continue_driven(
             points=whole("points", points),
             switch=None if switch is None else whole("switch", switch),
             si=orbit.si if si is None else si,
-            progress=tell,
         )
     return DrivenBranch(json.loads(text))

@@ -168,14 +168,15 @@ def normal_mode(
     elif not isinstance(scene, Scene):
         scene = scene_of(scene, None, None)
     with shown(progress, "mode") as tell:
-        text = _native.normal_mode(
+        text, _ = _native.study(
+            "normal-mode",
             scene._scene,
+            tell,
             mode=None if mode is None else whole("mode", mode),
             to=number("to", to),
             step=optional("step", step),
             points=whole("points", points),
             switch=None if switch is None else whole("switch", switch),
             si=si,
-            progress=tell,
         )
     return NormalMode(json.loads(text))

@@ -16,21 +16,16 @@ __all__ = [
     "__version__",
     "averages",
     "check_chain",
-    "compare_json",
-    "continue_branch",
     "dark",
     "dark_profile",
-    "driven_branch",
-    "driven_orbit",
     "flow",
     "homoclinic",
     "integrators",
-    "load_branch",
     "monodromy",
-    "normal_mode",
     "program",
     "run",
     "scenes",
+    "study",
     "sweep_plan",
     "wave_of",
 ]
@@ -108,50 +103,7 @@ def run(
     told: Callable[[float, _V], Any] | None,
 ) -> tuple[dict[str, Any], BaseException | None]: ...
 def dark(breather: Any) -> tuple[str, _V]: ...
-def continue_branch(
-    breather: Any,
-    *,
-    parameter: str,
-    from_: float,
-    to: float,
-    step: float | None,
-    points: int,
-    natural: bool,
-    weak: float,
-    bound: bool,
-    progress: Callable[[float], Any] | None,
-) -> tuple[str, bytes]: ...
-def load_branch(path: Any) -> tuple[str, bytes]: ...
-def driven_orbit(
-    scene: Scene, *, turns: int, settle: int, si: bool, progress: Callable[[float], Any] | None
-) -> str: ...
-def driven_branch(
-    scene: Scene,
-    *,
-    turns: int,
-    settle: int,
-    parameter: str,
-    to: float,
-    step: float | None,
-    points: int,
-    switch: int | None,
-    si: bool,
-    progress: Callable[[float], Any] | None,
-) -> str: ...
-def normal_mode(
-    scene: Scene,
-    *,
-    mode: int | None,
-    to: float,
-    step: float | None,
-    points: int,
-    switch: int | None,
-    si: bool,
-    progress: Callable[[float], Any] | None,
-) -> str: ...
-def compare_json(
-    scene: Scene, integrators: list[str], max_time: float, progress: Callable[[float], Any] | None
-) -> str: ...
+def study(name: str, of: Any, progress: Callable[[float], Any] | None, **options: Any) -> tuple[str, bytes]: ...
 def sweep_plan(
     path: str,
     out: str | None,

@@ -204,7 +204,7 @@ class Branch:
 
         Multipliers and bifurcations are computed anew.
         """
-        return Branch(*_native.load_branch(os.fspath(path)))
+        return Branch(*_native.study("dark-file", os.fspath(path), None))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write ``branch.npz``, whole or not at all."""
@@ -361,8 +361,10 @@ def continue_branch(
         raise ParameterError("omega_b = None is not valid: a branch in omega_b needs its first value")
     with shown(progress, "branch") as tell:
         return Branch(
-            *_native.continue_branch(
+            *_native.study(
+                "dark-branch",
                 breather,
+                tell,
                 parameter=parameter,
                 from_=start,
                 to=number("to", to),
@@ -371,7 +373,6 @@ def continue_branch(
                 natural=natural,
                 weak=number("weak", weak),
                 bound=bound,
-                progress=tell,
             )
         )
 

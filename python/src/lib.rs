@@ -24,30 +24,20 @@ fn integrators() -> Vec<String> {
 }
 
 #[pymodule]
-fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add("CONTACT_COLUMNS", hertzchain::study::CONTACT_COLUMNS.to_vec())?;
-    module.add_class::<scene::Scene>()?;
-    module.add_class::<theory::Wave>()?;
-    module.add_class::<theory::Bright>()?;
-    module.add_function(wrap_pyfunction!(program, module)?)?;
-    module.add_function(wrap_pyfunction!(integrators, module)?)?;
-    module.add_function(wrap_pyfunction!(scene::scenes, module)?)?;
-    module.add_function(wrap_pyfunction!(scene::check_chain, module)?)?;
-    module.add_function(wrap_pyfunction!(run::run, module)?)?;
-    module.add_function(wrap_pyfunction!(studies::dark, module)?)?;
-    module.add_function(wrap_pyfunction!(studies::continue_branch, module)?)?;
-    module.add_function(wrap_pyfunction!(studies::load_branch, module)?)?;
-    module.add_function(wrap_pyfunction!(studies::driven_orbit, module)?)?;
-    module.add_function(wrap_pyfunction!(studies::driven_branch, module)?)?;
-    module.add_function(wrap_pyfunction!(studies::normal_mode, module)?)?;
-    module.add_function(wrap_pyfunction!(studies::compare_json, module)?)?;
-    module.add_function(wrap_pyfunction!(studies::sweep_plan, module)?)?;
-    module.add_function(wrap_pyfunction!(studies::monodromy, module)?)?;
-    module.add_function(wrap_pyfunction!(theory::wave_of, module)?)?;
-    module.add_function(wrap_pyfunction!(theory::averages, module)?)?;
-    module.add_function(wrap_pyfunction!(theory::homoclinic, module)?)?;
-    module.add_function(wrap_pyfunction!(theory::dark_profile, module)?)?;
-    module.add_function(wrap_pyfunction!(theory::flow, module)?)?;
-    Ok(())
+mod _native {
+    #[pymodule_export]
+    use crate::{
+        integrators, program,
+        run::run,
+        scene::{Scene, check_chain, scenes},
+        studies::{dark, monodromy, study, sweep_plan},
+        theory::{Bright, Wave, averages, dark_profile, flow, homoclinic, wave_of},
+    };
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn constants(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        module.add("CONTACT_COLUMNS", hertzchain::study::CONTACT_COLUMNS.to_vec())
+    }
 }

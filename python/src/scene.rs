@@ -3,8 +3,8 @@
 use crate::error::OrRaise;
 use hertzchain::{
     Boundary, Chain, Error, Params,
-    chain::{Details, Envelope, Kind, DriveKind},
-    scene::{ChainSection, Initial, Record, SceneFile, Span, Units},
+    chain::{Details, DriveKind, Envelope, Kind},
+    scene::{ChainSection, Initial, Record, SceneFile, Span},
 };
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::{
@@ -91,8 +91,7 @@ impl Scene {
     #[getter]
     fn chain(&self) -> (usize, f64, f64, f64, String, f64) {
         let &ChainSection { sites, alpha, kappa, rho, boundary, precompression } = &self.0.file().chain;
-        let boundary = serde_json::to_value(boundary).ok().and_then(|name| name.as_str().map(str::to_owned));
-        (sites, alpha, kappa, rho, boundary.unwrap_or_default(), precompression)
+        (sites, alpha, kappa, rho, boundary.to_string(), precompression)
     }
 
     /// What differs from bead to bead, with one number for each; `None` for a chain of equal beads.
@@ -108,16 +107,8 @@ impl Scene {
 
     /// What one of each quantity is in SI units, of a scene with `[units]`.
     #[getter]
-    fn units(&self) -> Option<BTreeMap<&'static str, f64>> {
-        let &Units { length_m, mass_kg, time_s, velocity_m_per_s, force_n, energy_j } = self.0.units()?;
-        Some(BTreeMap::from([
-            ("length_m", length_m),
-            ("mass_kg", mass_kg),
-            ("time_s", time_s),
-            ("velocity_m_per_s", velocity_m_per_s),
-            ("force_n", force_n),
-            ("energy_j", energy_j),
-        ]))
+    fn units(&self) -> Option<BTreeMap<String, f64>> {
+        self.0.units().and_then(|units| serde_json::from_value(serde_json::to_value(units).ok()?).ok())
     }
 
     #[getter]

@@ -1,9 +1,6 @@
 //! Studies by their options, with their results as JSON, as `--json` prints them.
 
-use crate::{
-    scene::Scene,
-    work::{Watched, finished},
-};
+use crate::{scene::Scene, work::finished};
 use hertzchain::{
     Result,
     dps::Center,
@@ -12,13 +9,17 @@ use hertzchain::{
     output::Folder,
     report::Report,
     study::{
-        self, BranchOptions, ChainParams, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi, ModeWay, Plan,
-        Ring, Study, compare, planned,
+        BranchOptions, ChainParams, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi, ModeWay,
+        NumberColumn, Plan, Ring, Study, compare, driven_branch, driven_orbit, follow_mode, planned,
+        study as branch_study,
     },
-    sweep::{Engine, Shard},
+    sweep::{Engine, Progress, Shard},
 };
 use numpy::{PyArray1, PyArray2, prelude::*};
-use pyo3::{prelude::*, types::PyBytes};
+use pyo3::{
+    prelude::*,
+    types::{PyBytes, PyDict},
+};
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -52,10 +53,6 @@ pub(crate) fn center(name: &str) -> Result<Center> {
     }
 }
 
-fn done(study: &impl Study, watched: &Watched) -> Result<Report> {
-    study.begin()?(&Engine::threads(), &|share, _| watched.tell(share))
-}
-
 fn text(value: &Value) -> String {
     value.to_string()
 }
@@ -76,148 +73,93 @@ pub(crate) fn dark(py: Python<'_>, breather: Breather) -> PyResult<(String, Boun
     Ok((json, PyArray1::from_vec(py, directions).reshape([count, length])?))
 }
 
-/// A branch: as JSON, and the bytes of `branch.npz`.
-type BranchBytes<'py> = (String, Bound<'py, PyBytes>);
+/// What a study does, once its options are read.
+type Work = Box<dyn FnOnce(Progress<'_>) -> Result<Report> + Send>;
 
-fn branch_bytes<'py>(py: Python<'py>, (json, npz): (String, Vec<u8>)) -> BranchBytes<'py> {
-    (json, PyBytes::new(py, &npz))
-}
-
-fn of_branch(report: &Report) -> Result<(String, Vec<u8>)> {
-    let json = text(&report.json());
-    let npz = report.files()?.into_iter().find(|(name, _)| name == "branch.npz");
-    Ok((json, npz.map(|(_, bytes)| bytes).unwrap_or_default()))
-}
-
-/// A branch of dark breathers in a parameter.
+/// The study of this name of a scene, a dark breather or a file, with its options by keyword. Returns
+/// its JSON and, of a branch of dark breathers, the bytes of `branch.npz`.
 #[pyfunction]
-#[pyo3(signature = (breather, *, parameter, from_, to, step, points, natural, weak, bound, progress))]
-#[allow(clippy::too_many_arguments)]
-pub(crate) fn continue_branch<'py>(
+#[pyo3(signature = (name, of, progress, **options))]
+pub(crate) fn study<'py>(
     py: Python<'py>,
-    breather: Breather,
-    parameter: String,
-    from_: f64,
-    to: f64,
-    step: Option<f64>,
-    points: usize,
-    natural: bool,
-    weak: f64,
-    bound: bool,
+    name: &str,
+    of: &Bound<'py, PyAny>,
     progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<BranchBytes<'py>> {
-    let work = |watched: &Watched| {
-        let study = Continue {
-            center: center(&breather.center)?,
-            omega_b: if parameter == "omega_b" { None } else { breather.omega_b },
-            parameter,
-            from: Some(from_),
-            to: Some(to),
-            step,
-            points,
-            natural,
-            weak,
-            bound,
-            resume: None,
-            ring: breather.ring(),
+    options: Option<Bound<'py, PyDict>>,
+) -> PyResult<(String, Bound<'py, PyBytes>)> {
+    let work = begun(name, of, &options.unwrap_or_else(|| PyDict::new(py)))?;
+    let (json, npz) = finished(py, progress.as_ref(), |watched| {
+        let report = work(&|share, _| watched.tell(share))?;
+        let files = if name.starts_with("dark") { report.files()? } else { Vec::new() };
+        let npz = files.into_iter().find(|(name, _)| name == "branch.npz");
+        Ok((text(&report.json()), npz.map(|(_, bytes)| bytes).unwrap_or_default()))
+    })?;
+    Ok((json, PyBytes::new(py, &npz)))
+}
+
+/// Reads the options of a study.
+fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyResult<Work> {
+    macro_rules! given {
+        ($key:literal) => {
+            options.as_any().get_item($key)?.extract()?
         };
-        of_branch(&done(&study, watched)?)
-    };
-    finished(py, progress.as_ref(), work).map(|branch| branch_bytes(py, branch))
-}
-
-/// The branch in a file, with its multipliers.
-#[pyfunction]
-pub(crate) fn load_branch(py: Python<'_>, path: PathBuf) -> PyResult<BranchBytes<'_>> {
-    let work = |watched: &Watched| {
-        let branch = study::study(Branch::load(&path)?, &|share, _| watched.tell(share))?;
-        of_branch(&branch.report()?)
-    };
-    finished(py, None, work).map(|branch| branch_bytes(py, branch))
-}
-
-/// The orbit to which a driven scene leads, as JSON.
-#[pyfunction]
-#[pyo3(signature = (scene, *, turns, settle, si, progress))]
-pub(crate) fn driven_orbit<'py>(
-    py: Python<'py>,
-    scene: &Scene,
-    turns: u32,
-    settle: u32,
-    si: bool,
-    progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<String> {
-    finished(py, progress.as_ref(), |watched| {
-        let search = DrivenSearch { turns, settle };
-        let orbit = study::driven_orbit(scene.0.clone(), &search, InSi { si }, &|share, _| watched.tell(share))?;
-        Ok(text(&orbit.report().json()))
+    }
+    let scene = || PyResult::Ok(of.extract::<PyRef<'_, Scene>>()?.0.clone());
+    let search = || PyResult::Ok(DrivenSearch { turns: given!("turns"), settle: given!("settle") });
+    let branch = || PyResult::Ok(BranchOptions { max_points: given!("points"), switch: given!("switch") });
+    Ok(match name {
+        "compare" => {
+            let (scene, integrators, max_time) = (scene()?, given!("integrators"), given!("max_time"));
+            Box::new(move |tell| Ok(compare(&scene, &CompareOptions { integrators, max_time }, tell)?.report()))
+        }
+        "driven-orbit" => {
+            let (scene, search, si) = (scene()?, search()?, InSi { si: given!("si") });
+            Box::new(move |tell| Ok(driven_orbit(scene, &search, si, tell)?.report()))
+        }
+        "driven-branch" => {
+            let (scene, search, si, branch) = (scene()?, search()?, InSi { si: given!("si") }, branch()?);
+            let (parameter, to, step): (String, _, _) = (given!("parameter"), Some(given!("to")), given!("step"));
+            Box::new(move |tell| {
+                let way = DrivenWay { vary: DriveParameter::named(&parameter)?, to, step, branch };
+                driven_branch(scene, &search, &way, si, tell)?.report()
+            })
+        }
+        "normal-mode" => {
+            let (scene, si) = (scene()?, InSi { si: given!("si") });
+            let way =
+                ModeWay { linear_mode: given!("mode"), to: given!("to"), step: given!("step"), branch: branch()? };
+            Box::new(move |tell| Ok(follow_mode(scene, &way, si, tell)?.report()))
+        }
+        "dark-file" => {
+            let path: PathBuf = of.extract()?;
+            Box::new(move |tell| branch_study(Branch::load(&path)?, tell)?.report())
+        }
+        // The branch of dark breathers.
+        _ => {
+            let (breather, parameter): (Breather, String) = (of.extract()?, given!("parameter"));
+            let (from, to, step, points) = (given!("from_"), given!("to"), given!("step"), given!("points"));
+            let (natural, weak, bound) = (given!("natural"), given!("weak"), given!("bound"));
+            Box::new(move |tell| {
+                let (center, ring) = (center(&breather.center)?, breather.ring());
+                let omega_b = if parameter == "omega_b" { None } else { breather.omega_b };
+                let study = Continue {
+                    center,
+                    omega_b,
+                    parameter,
+                    from,
+                    to,
+                    step,
+                    points,
+                    natural,
+                    weak,
+                    bound,
+                    resume: None,
+                    ring,
+                };
+                study.begin()?(&Engine::threads(), tell)
+            })
+        }
     })
-}
-
-/// The branch of that orbit in a parameter, and the one that crosses it, as JSON.
-#[pyfunction]
-#[pyo3(signature = (scene, *, turns, settle, parameter, to, step, points, switch, si, progress))]
-#[allow(clippy::too_many_arguments)]
-pub(crate) fn driven_branch<'py>(
-    py: Python<'py>,
-    scene: &Scene,
-    turns: u32,
-    settle: u32,
-    parameter: &str,
-    to: f64,
-    step: Option<f64>,
-    points: usize,
-    switch: Option<usize>,
-    si: bool,
-    progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<String> {
-    finished(py, progress.as_ref(), |watched| {
-        let search = DrivenSearch { turns, settle };
-        let vary = DriveParameter::named(parameter)?;
-        let way = DrivenWay { vary, to: Some(to), step, branch: BranchOptions { max_points: points, switch } };
-        let branch =
-            study::driven_branch(scene.0.clone(), &search, &way, InSi { si }, &|share, _| watched.tell(share))?;
-        Ok(text(&branch.report()?.json()))
-    })
-}
-
-/// The branch of a normal mode of a scene, as JSON.
-#[pyfunction]
-#[pyo3(signature = (scene, *, mode, to, step, points, switch, si, progress))]
-#[allow(clippy::too_many_arguments)]
-pub(crate) fn normal_mode<'py>(
-    py: Python<'py>,
-    scene: &Scene,
-    mode: Option<usize>,
-    to: f64,
-    step: Option<f64>,
-    points: usize,
-    switch: Option<usize>,
-    si: bool,
-    progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<String> {
-    finished(py, progress.as_ref(), |watched| {
-        let way = ModeWay { linear_mode: mode, to, step, branch: BranchOptions { max_points: points, switch } };
-        let branch = study::follow_mode(scene.0.clone(), &way, InSi { si }, &|share, _| watched.tell(share))?;
-        Ok(text(&branch.report().json()))
-    })
-}
-
-/// Integrators on a scene: error against run time.
-#[pyfunction]
-pub(crate) fn compare_json<'py>(
-    py: Python<'py>,
-    scene: &Scene,
-    integrators: Vec<String>,
-    max_time: f64,
-    progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<String> {
-    let options = CompareOptions { integrators, max_time };
-    let work = |watched: &Watched| {
-        let comparison = compare(&scene.0, &options, &|share, _| watched.tell(share))?;
-        Ok(text(&comparison.report().json()))
-    };
-    finished(py, progress.as_ref(), work)
 }
 
 /// The tangent map of a chain over a time, from the state at the start of the scene.
@@ -249,7 +191,7 @@ pub(crate) fn sweep_plan<'py>(
     shard: Option<&str>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(String, Vec<Column<'py>>, Vec<(usize, String)>)> {
-    let work = |watched: &Watched| {
+    let work = |watched: &crate::work::Watched| {
         let plan = Plan::load(&path)?;
         let formats = formats.iter().map(|name| name.parse()).collect::<Result<Vec<Format>>>()?;
         let shard = shard.map(str::parse::<Shard>).transpose()?;
@@ -278,6 +220,6 @@ pub(crate) fn sweep_plan<'py>(
         Ok((json, study.columns, study.failed))
     };
     let (json, columns, failed) = finished(py, progress.as_ref(), work)?;
-    let column = |column: study::NumberColumn| (column.name, PyArray1::from_vec(py, column.numbers), column.width);
+    let column = |column: NumberColumn| (column.name, PyArray1::from_vec(py, column.numbers), column.width);
     Ok((json, columns.into_iter().map(column).collect(), failed))
 }

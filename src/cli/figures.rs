@@ -4,7 +4,11 @@
 //! rank needs no folder for them. Files in the folder are written from rows only. Those that were
 //! changed or removed since an earlier run are so written again.
 
-use super::{DONE, Exit, FAILED, args::FiguresArgs, print, progress_bar, runner::part_text, say};
+use super::{
+    DONE, Exit, FAILED, print, progress_bar,
+    runner::{EngineArgs, OUT_ALWAYS, part_text},
+    say,
+};
 use crate::{
     error::{Error, Result},
     interrupt,
@@ -17,13 +21,51 @@ use crate::{
     sweep::{Engine, Grid, InTurn, Row, STOPPED},
 };
 use base64::{Engine as _, engine::general_purpose::STANDARD};
+use clap::Args;
 use indicatif::ProgressBar;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::{
+    path::PathBuf,
     sync::atomic::{AtomicU64, Ordering},
     time::Instant,
 };
+
+#[derive(Args)]
+pub(crate) struct FiguresArgs {
+    #[arg(
+        long,
+        value_name = "A,B,..",
+        value_delimiter = ',',
+        help = "Figures to make, separated by commas [default: all]",
+        long_help = figures_help()
+    )]
+    only: Vec<String>,
+    #[arg(
+        long,
+        value_name = "DIR",
+        default_value = "out/figures",
+        help = OUT_ALWAYS,
+        long_help = format!("{OUT_ALWAYS}.\n\nFiles: NAME.png (or .svg, as --format says), the tables NAME-….csv, and NAME.json, which says what made them; figures.store, which keeps every finished figure for the next run.")
+    )]
+    out: PathBuf,
+    #[command(flatten)]
+    spread: EngineArgs,
+    #[cfg(feature = "plot")]
+    #[command(flatten)]
+    formats: super::formats::Formats,
+    /// Print JSON instead of text.
+    ///
+    /// Name, source, title, files, caption and wall time of every figure.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Long help of `--only`, with the names of all figures.
+fn figures_help() -> String {
+    let names: Vec<_> = crate::paper::FIGURES.iter().map(|figure| figure.name).collect();
+    format!("Figures to make, separated by commas [default: all].\n\nOf {}.", names.join(", "))
+}
 
 const STORE: &str = "figures.store";
 
@@ -65,23 +107,25 @@ enum Content {
     Base64(String),
 }
 
-pub(super) fn main(args: &FiguresArgs) -> Exit {
-    let engine = args.spread.engine(|| Engine::new(Box::new(InTurn)))?;
-    if engine.serves() {
-        // Rank 0 reports errors.
-        let sweep = |chosen: Vec<_>| sweep(&chosen, args, &engine, &ProgressBar::hidden(), &made).map(drop);
-        let _ = chosen(&args.only).and_then(sweep);
-        return Ok(DONE);
-    }
-    let chosen = chosen(&args.only)?;
-    let folder = args.spread.own(&args.out)?;
-    let engine = args.spread.keeping(engine, Some(&folder))?;
-    let bar = progress_bar();
-    let swept = sweep(&chosen, args, &engine, &bar, &made);
-    bar.finish_and_clear();
-    match engine.part() {
-        Some(part) if part.kept == part.points => print(&part_text(&part, args.json)).map(|()| DONE),
-        _ => swept.and_then(|(drawn, resumed)| told(&drawn, resumed, args, &folder)),
+impl FiguresArgs {
+    pub(super) fn run(&self) -> Exit {
+        let engine = self.spread.engine(|| Engine::new(Box::new(InTurn)))?;
+        if engine.serves() {
+            // Rank 0 reports errors.
+            let sweep = |chosen: Vec<_>| sweep(&chosen, self, &engine, &ProgressBar::hidden(), &made).map(drop);
+            let _ = chosen(&self.only).and_then(sweep);
+            return Ok(DONE);
+        }
+        let chosen = chosen(&self.only)?;
+        let folder = self.spread.own(&self.out)?;
+        let engine = self.spread.keeping(engine, Some(&folder))?;
+        let bar = progress_bar();
+        let swept = sweep(&chosen, self, &engine, &bar, &made);
+        bar.finish_and_clear();
+        match engine.part() {
+            Some(part) if part.kept == part.points => print(&part_text(&part, self.json)).map(|()| DONE),
+            _ => swept.and_then(|(drawn, resumed)| told(&drawn, resumed, self, &folder)),
+        }
     }
 }
 

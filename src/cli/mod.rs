@@ -6,6 +6,7 @@ mod figures;
 #[cfg(feature = "plot")]
 mod formats;
 mod integrators;
+mod reference;
 mod report;
 mod run;
 mod runner;
@@ -18,9 +19,10 @@ use crate::{
     error::{Error, Result},
     output::say,
 };
-use args::{BreatherAction, Cli, Command, DpsAction, OrbitAction, PaperAction, StudyAction, WaveAction};
+use args::Cli;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, builder::ValueParser, error::ErrorKind, value_parser};
 use hertzchain_integrators::Error as Failure;
+pub use reference::{columns, options};
 use std::{env, ffi::OsString};
 use terminal::{print, print_help, progress_bar};
 
@@ -72,22 +74,6 @@ pub fn understood(arguments: impl IntoIterator<Item = OsString>) -> std::result:
     }
 }
 
-/// The files of all commands with the columns of their tables, as `docs/columns.md` has them: what
-/// `--help` says of `--out`.
-pub fn columns() -> String {
-    fn told(command: &clap::Command, path: &str, text: &mut String) {
-        let out = command.get_arguments().find(|arg| arg.get_id() == "out").and_then(clap::Arg::get_long_help);
-        let files = out.map(ToString::to_string).unwrap_or_default();
-        if let Some(at) = files.find("Files: ").filter(|_| files.contains(".npz with an array")) {
-            *text += &format!("\n## {}\n\n{}\n", path.trim_start(), files[at..].trim_end());
-        }
-        command.get_subcommands().for_each(|below| told(below, &format!("{path} {}", below.get_name()), text));
-    }
-    let mut text = "# Files and columns\n\nGenerated: what `--help` says of `--out`.\n".to_owned();
-    told(&Cli::command(), "", &mut text);
-    text
-}
-
 /// Runs the command.
 fn begun(cli: &Cli) -> Exit {
     threads_checked()?;
@@ -97,7 +83,7 @@ fn begun(cli: &Cli) -> Exit {
         let _ = set.select();
     }
     signals::ask()?;
-    run_command(&cli.command)
+    cli.command.run()
 }
 
 /// Refuses a number of threads that is none, for which the thread pool would take all cores.
@@ -148,63 +134,6 @@ fn code(error: &Error) -> u8 {
         Error::Parameter { .. } | Error::Unknown { .. } | Error::Scene { .. } | Error::Content { .. } => REFUSED,
         Error::Integration(Failure::Argument { .. }) => REFUSED,
         _ => FAILED,
-    }
-}
-
-fn run_command(command: &Command) -> Exit {
-    match command {
-        Command::Run(args) => run::main(args),
-        Command::Compare(told) => told.run(),
-        Command::Sweep(told) => told.run(),
-        Command::Scenes(args) => scenes::main(args),
-        Command::Integrators(args) => integrators::main(args),
-        Command::Study(args) => match &args.action {
-            StudyAction::Order(told) => told.run(),
-            StudyAction::Scaling(told) => told.run(),
-            StudyAction::Drift(told) => told.run(),
-            StudyAction::Stability(told) => told.run(),
-            StudyAction::Theorem(told) => told.run(),
-            StudyAction::Lifetimes(told) => told.run(),
-            StudyAction::Dimer(told) => told.run(),
-            StudyAction::Impurity(told) => told.run(),
-            StudyAction::Taper(told) => told.run(),
-            StudyAction::Disorder(told) => told.run(),
-            StudyAction::EndDriven(told) => told.run(),
-            StudyAction::BoundaryWave(told) => told.run(),
-        },
-        Command::Wave(args) => match &args.action {
-            Some(WaveAction::Modulation(told)) => told.run(),
-            Some(WaveAction::Exact(told)) => told.run(),
-            Some(WaveAction::Continue(told)) => told.run(),
-            Some(WaveAction::Solitary(told)) => told.run(),
-            None => args.told.run(),
-        },
-        Command::Breather(args) => match &args.action {
-            BreatherAction::Bright(told) => told.run(),
-            BreatherAction::Trivial(told) => told.run(),
-            BreatherAction::Dark(told) => told.run(),
-            BreatherAction::Continue(told) => told.run(),
-            BreatherAction::Doubled(told) => told.run(),
-            BreatherAction::Evolve(told) => told.run(),
-            BreatherAction::Barrier(told) => told.run(),
-            BreatherAction::Moving(told) => told.run(),
-        },
-        Command::Orbit(args) => match &args.action {
-            OrbitAction::Driven(told) => told.run(),
-            OrbitAction::Continue(told) => told.run(),
-            OrbitAction::Mode(told) => told.run(),
-        },
-        Command::Dps(args) => match &args.action {
-            DpsAction::Integrals(told) => told.run(),
-            DpsAction::Homoclinic(told) => told.run(),
-            DpsAction::Dark(told) => told.run(),
-        },
-        Command::Paper(args) => match &args.action {
-            PaperAction::Figures(args) => figures::main(args),
-            PaperAction::Verify(study) => study.run(),
-            PaperAction::Report(args) => report::main(args),
-        },
-        Command::Shell(args) => shell::main(args),
     }
 }
 

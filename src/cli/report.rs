@@ -1,20 +1,40 @@
 //! `hertzchain paper report`.
 
-use super::{DONE, Exit, FAILED, args::ReportArgs, print, progress_bar, say};
+use super::{DONE, Exit, FAILED, print, progress_bar, runner::OUT_ALWAYS, say};
 use crate::{
     error::{Error, Result},
     interrupt,
     output::{Folder, to_json},
-    paper::{FIGURES, Figure, verify, verify_report},
+    paper::{FIGURES, Figure, Verify},
     present::{Page, Section, Shown},
     report::Report,
-    scene::Scene,
-    study::{
-        ChartOptions, CompareOptions, OrderOptions, Problem, RhoLaw, TheoremOptions, charts, compare, order, theorem,
-    },
+    study::{ChartOptions, Charts, Compare, CompareOptions, OrderOptions, RhoLaw, Study, TheoremOptions},
     sweep::{Engine, Progress},
 };
-use std::time::Instant;
+use clap::Args;
+use std::{path::PathBuf, time::Instant};
+
+#[derive(Args)]
+pub(crate) struct ReportArgs {
+    /// Parts to make, separated by commas [default: all].
+    ///
+    /// Of compare, order, theorem, stability, verify, figures.
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
+    only: Vec<String>,
+    #[arg(
+        long,
+        value_name = "DIR",
+        default_value = "out/report",
+        help = OUT_ALWAYS,
+        long_help = format!("{OUT_ALWAYS}.\n\nFiles: report.html and report.json.")
+    )]
+    out: PathBuf,
+    /// Print JSON instead of text.
+    ///
+    /// What was made, wall times and failures.
+    #[arg(long)]
+    json: bool,
+}
 
 /// A part of the report, in its short form.
 struct Part {
@@ -39,7 +59,7 @@ const PARTS: &[Part] = &[
         title: "Order through contacts",
         shows: "What contacts do to the order of every method, and which methods keep theirs.",
         share: 0.1,
-        make: orders,
+        make: |tell| of(&OrderOptions::default(), tell),
     },
     Part {
         name: "theorem",
@@ -60,7 +80,7 @@ const PARTS: &[Part] = &[
         title: "The numbers of the paper",
         shows: "Every number and statement of the paper's text against ours, each with its verdict.",
         share: 0.1,
-        make: verdicts,
+        make: |tell| of(&Verify { section: None }, tell),
     },
     Part {
         name: "figures",
@@ -81,42 +101,45 @@ const WORK: f64 = 1e6;
 /// Sizes of Theorem 1.
 const EPSILONS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
-pub(super) fn main(args: &ReportArgs) -> Exit {
-    let parts = chosen(&args.only)?;
-    let folder = Folder::own(&args.out, None)?;
-    let bar = progress_bar();
-    let whole: f64 = parts.iter().map(|part| part.share).sum();
-    let mut page = Page::default();
-    let mut before = 0.0;
-    for part in &parts {
-        bar.set_message(part.name);
-        let tell =
-            |share: f64, _: &str| bar.set_position((1000.0 * (before + part.share * share.min(1.0)) / whole) as u64);
-        let section = part.section(&tell);
-        if interrupt::asked() {
-            bar.finish_and_clear();
-            let kept = format!("{} of {} parts are in {}", page.sections.len(), parts.len(), args.out.display());
-            return Err(Error::Stopped { kept });
+impl ReportArgs {
+    pub(super) fn run(&self) -> Exit {
+        let parts = chosen(&self.only)?;
+        let folder = Folder::own(&self.out, None)?;
+        let bar = progress_bar();
+        let whole: f64 = parts.iter().map(|part| part.share).sum();
+        let mut page = Page::default();
+        let mut before = 0.0;
+        for part in &parts {
+            bar.set_message(part.name);
+            let tell = |share: f64, _: &str| {
+                bar.set_position((1000.0 * (before + part.share * share.min(1.0)) / whole) as u64)
+            };
+            let section = part.section(&tell);
+            if interrupt::asked() {
+                bar.finish_and_clear();
+                let kept = format!("{} of {} parts are in {}", page.sections.len(), parts.len(), self.out.display());
+                return Err(Error::Stopped { kept });
+            }
+            page.sections.push(section);
+            before += part.share;
+            // If a later part is killed, the page with the parts so far is kept.
+            folder.write("report.html", page.html().as_bytes())?;
         }
-        page.sections.push(section);
-        before += part.share;
-        // If a later part is killed, the page with the parts so far is kept.
-        folder.write("report.html", page.html().as_bytes())?;
-    }
-    bar.finish_and_clear();
-    let report = page.report();
-    let json = to_json(&report.json()) + "\n";
-    folder.write("report.json", json.as_bytes())?;
-    let printed = print(&if args.json { json } else { report.text() });
-    say(&format!("written to {}", folder.path().join("report.html").display()));
-    let mut code = DONE;
-    for section in &page.sections {
-        for why in section.failures() {
-            say(&format!("error: {}: {why}", section.name));
-            code = FAILED;
+        bar.finish_and_clear();
+        let report = page.report();
+        let json = to_json(&report.json()) + "\n";
+        folder.write("report.json", json.as_bytes())?;
+        let printed = print(&if self.json { json } else { report.text() });
+        say(&format!("written to {}", folder.path().join("report.html").display()));
+        let mut code = DONE;
+        for section in &page.sections {
+            for why in section.failures() {
+                say(&format!("error: {}: {why}", section.name));
+                code = FAILED;
+            }
         }
+        printed.map(|()| code)
     }
-    printed.map(|()| code)
 }
 
 /// The parts that are asked for, in their order; all, if none is.
@@ -144,42 +167,28 @@ impl Part {
     }
 }
 
-fn comparison(tell: Progress<'_>) -> Result<Vec<Report>> {
-    let scene = Scene::load("tw-q15")?;
-    let options = CompareOptions { integrators: vec!["all".to_owned()], max_time: SHORT };
-    Ok(vec![compare(&scene, &options, tell)?.report()])
+/// The report of a study.
+fn of(study: &impl Study, tell: Progress<'_>) -> Result<Vec<Report>> {
+    Ok(vec![study.begin()?(&Engine::threads(), tell)?])
 }
 
-fn orders(tell: Progress<'_>) -> Result<Vec<Report>> {
-    let options = OrderOptions { alpha: 1.5, beads: 6, integrators: vec![] };
-    Ok(vec![order(&options, &Engine::threads(), tell)?.report()])
+fn comparison(tell: Progress<'_>) -> Result<Vec<Report>> {
+    let options = CompareOptions { integrators: vec!["all".to_owned()], max_time: SHORT };
+    of(&Compare { scene: Some("tw-q15".to_owned()), options, ..Compare::default() }, tell)
 }
 
 fn theorems(tell: Progress<'_>) -> Result<Vec<Report>> {
     let laws = [RhoLaw::Heavy, RhoLaw::Light];
-    let report = |(k, rho_law): (usize, RhoLaw)| {
+    let reports = laws.into_iter().enumerate().map(|(k, rho_law)| {
         let options = TheoremOptions { rho_law, epsilons: EPSILONS.to_vec(), ..TheoremOptions::default() };
-        Ok(theorem(&options, &Engine::threads(), &|share, _| tell((k as f64 + share) / laws.len() as f64, ""))?
-            .report())
-    };
-    laws.into_iter().enumerate().map(report).collect()
+        of(&options, &|share, _| tell((k as f64 + share) / laws.len() as f64, ""))
+    });
+    Ok(reports.collect::<Result<Vec<_>>>()?.concat())
 }
 
 fn stability(tell: Progress<'_>) -> Result<Vec<Report>> {
-    let options = ChartOptions {
-        charts: Vec::new(),
-        integrators: Vec::new(),
-        sites: SITES,
-        periods: PERIODS,
-        work: WORK,
-        quick: true,
-    };
-    let study = charts(&Problem::built_in(), &options, &Engine::threads(), tell)?;
-    Ok(vec![study.report()])
-}
-
-fn verdicts(tell: Progress<'_>) -> Result<Vec<Report>> {
-    Ok(vec![verify_report(&verify(None, &Engine::threads(), tell)?)])
+    let options = ChartOptions { sites: SITES, periods: PERIODS, work: WORK, quick: true, ..ChartOptions::default() };
+    of(&Charts { options, ..Charts::default() }, tell)
 }
 
 fn figures(tell: Progress<'_>) -> Result<Vec<Report>> {

@@ -7,7 +7,7 @@ use crate::{
     parts::Decomposition,
     run::{Method, Records, Trajectory, Warning},
     scene::{Scene, SceneFile},
-    study::{self, LongRun, MethodChoice, MethodRequest, RunView, folder_of},
+    study::{self, LongRun, MethodChoice, RunView, folder_of},
 };
 use std::path::Path;
 #[cfg(feature = "mpi")]
@@ -15,75 +15,77 @@ use std::sync::Arc;
 
 const NO_EVENTS: &str = "this run was begun without --events: its first contacts are not known";
 
-pub(super) fn main(args: &RunArgs) -> Exit {
-    let Some(parts) = parts(args)? else { return Ok(DONE) };
-    if let Some(path) = &args.resume {
-        return resume(args, path, parts);
-    }
-    let mut changes = args.set.set.clone();
-    changes.extend(args.samples.map(|samples| format!("record.samples={samples}")));
-    let name = args.scene.as_deref().unwrap_or_default();
-    if let Some(ranks) = args.ranks {
-        return plan_of_ranks(args, &SceneFile::parse_with(&Scene::source(name)?, name, &changes)?, ranks);
-    }
-    // A plan needs no state.
-    let load = if args.plan { Scene::load_by_sites } else { Scene::load_with };
-    let mut scene = load(name, &changes)?;
-    if let Some(until) = args.until {
-        scene = scene.until(until)?;
-    }
-    let how = MethodChoice::new(&asked(args), &scene)?;
-    let (name, wording) = how.words();
-    let reason = how.reason().map(str::to_owned);
-    let reason = reason.as_deref();
-    let say_why = || {
-        if reason.is_some() && !args.json {
-            let setting = wording.replacen("tol ", "tolerance ", 1);
-            say(&format!("method: {name} ({setting}); --integrator chooses another"));
+impl RunArgs {
+    pub(super) fn run(&self) -> Exit {
+        let Some(parts) = parts(self)? else { return Ok(DONE) };
+        if let Some(path) = &self.resume {
+            return resume(self, path, parts);
         }
-    };
-    if let Some(share) = args.maxima {
-        scene.run().maxima(share)?;
-        if matches!(how, MethodChoice::ClosedForm(_)) {
-            return Err(Error::parameter("maxima", share, "an exact solution has no log: name an --integrator"));
+        let mut changes = self.set.set.clone();
+        changes.extend(self.samples.map(|samples| format!("record.samples={samples}")));
+        let name = self.scene.as_deref().unwrap_or_default();
+        if let Some(ranks) = self.ranks {
+            return plan_of_ranks(self, &SceneFile::parse_with(&Scene::source(name)?, name, &changes)?, ranks);
         }
-    }
-    if args.plan {
-        // `MethodChoice::plan` refuses what a run would refuse.
-        let plan = how.plan(&scene, args.events || args.maxima.is_some(), &parts)?;
-        let text = if args.json {
-            to_json(&serde_json::json!({"scene": scene.name(), "integrator": name, "reason": reason, "plan": plan}))
-                + "\n"
-        } else {
-            format!("{}, {name}, {wording}\n  {}\n", scene.name(), plan.join("\n  "))
+        // A plan needs no state.
+        let load = if self.plan { Scene::load_by_sites } else { Scene::load_with };
+        let mut scene = load(name, &changes)?;
+        if let Some(until) = self.until {
+            scene = scene.until(until)?;
+        }
+        let how = MethodChoice::new(&self.method, &scene)?;
+        let (name, wording) = how.words();
+        let reason = how.reason().map(str::to_owned);
+        let reason = reason.as_deref();
+        let say_why = || {
+            if reason.is_some() && !self.json {
+                let setting = wording.replacen("tol ", "tolerance ", 1);
+                say(&format!("method: {name} ({setting}); --integrator chooses another"));
+            }
         };
+        if let Some(share) = self.maxima {
+            scene.run().maxima(share)?;
+            if matches!(how, MethodChoice::ClosedForm(_)) {
+                return Err(Error::parameter("maxima", share, "an exact solution has no log: name an --integrator"));
+            }
+        }
+        if self.plan {
+            // `MethodChoice::plan` refuses what a run would refuse.
+            let plan = how.plan(&scene, self.events || self.maxima.is_some(), &parts)?;
+            let text = if self.json {
+                to_json(&serde_json::json!({"scene": scene.name(), "integrator": name, "reason": reason, "plan": plan}))
+                    + "\n"
+            } else {
+                format!("{}, {name}, {wording}\n  {}\n", scene.name(), plan.join("\n  "))
+            };
+            say_why();
+            return print(&text).map(|()| DONE);
+        }
+        how.takes(&scene, &parts)?;
+        scene.units_if(self.si)?;
+        if let Some(interval) = self.checkpoint {
+            let long = how.in_legs(scene, self.events, interval, parts)?;
+            let folder = Folder::own(self.out.as_deref().unwrap_or(".".as_ref()), None)?;
+            say_why();
+            return go_on(self, long, &folder);
+        }
+        let run = scene.run().in_parts(parts)?;
+        let again = self.amplification.then(|| how.integrated(run.clone())).transpose()?;
+        let folder = self.out.as_ref().map(|out| Folder::own(out, None)).transpose()?;
         say_why();
-        return print(&text).map(|()| DONE);
+        let run = run.records(if folder.is_some() { Records::Profiles } else { Records::Energy });
+        let bar = progress_bar();
+        let run = if self.events { run.contacts() } else { run };
+        let run = if let Some(share) = self.maxima { run.maxima(share)? } else { run };
+        let outcome = how.observe(run, &mut |t, _| bar.set_position((1000.0 * t / scene.end()) as u64), &mut |_| ());
+        bar.finish_and_clear();
+        let outcome = outcome?;
+        let again = again.filter(|_| outcome.failure.is_none());
+        // The results of the run count, also if the second run fails.
+        let unknown = |why: &Error| say(&format!("amplification unknown: {why}"));
+        let amplification = again.and_then(|run| run.amplification(&outcome.state).inspect_err(unknown).ok());
+        report(self, &scene, (&name, &wording, reason), (outcome, amplification), folder.as_ref())
     }
-    how.takes(&scene, &parts)?;
-    scene.units_if(args.si)?;
-    if let Some(interval) = args.checkpoint {
-        let long = how.in_legs(scene, args.events, interval, parts)?;
-        let folder = Folder::own(args.out.as_deref().unwrap_or(".".as_ref()), None)?;
-        say_why();
-        return go_on(args, long, &folder);
-    }
-    let run = scene.run().in_parts(parts)?;
-    let again = args.amplification.then(|| how.integrated(run.clone())).transpose()?;
-    let folder = args.out.as_ref().map(|out| Folder::own(out, None)).transpose()?;
-    say_why();
-    let run = run.records(if folder.is_some() { Records::Profiles } else { Records::Energy });
-    let bar = progress_bar();
-    let run = if args.events { run.contacts() } else { run };
-    let run = if let Some(share) = args.maxima { run.maxima(share)? } else { run };
-    let outcome = how.observe(run, &mut |t, _| bar.set_position((1000.0 * t / scene.end()) as u64), &mut |_| ());
-    bar.finish_and_clear();
-    let outcome = outcome?;
-    let again = again.filter(|_| outcome.failure.is_none());
-    // The results of the run count, also if the second run fails.
-    let unknown = |why: &Error| say(&format!("amplification unknown: {why}"));
-    let amplification = again.and_then(|run| run.amplification(&outcome.state).inspect_err(unknown).ok());
-    report(args, &scene, (&name, &wording, reason), (outcome, amplification), folder.as_ref())
 }
 
 /// Where the sites are integrated. `None` for an MPI rank that has served rank 0 and is done.
@@ -114,7 +116,7 @@ fn over_ranks(_: usize) -> Result<Option<Decomposition>> {
 
 /// Prints what a scene would need on so many ranks.
 fn plan_of_ranks(args: &RunArgs, file: &SceneFile, ranks: usize) -> Exit {
-    let named = args.integrator.as_deref().or(file.method.as_ref().map(|method| method.integrator.as_str()));
+    let named = args.method.integrator.as_deref().or(file.method.as_ref().map(|method| method.integrator.as_str()));
     let method = Method::named(named.unwrap_or("strang-linear"))?;
     let (name, plan) = (method.name(), study::parts_plan(file, method, ranks)?);
     print(&if args.json {
@@ -123,18 +125,6 @@ fn plan_of_ranks(args: &RunArgs, file: &SceneFile, ranks: usize) -> Exit {
         format!("{}, {name}\n  {}\n", file.name, plan.join("\n  "))
     })
     .map(|()| DONE)
-}
-
-/// What the flags ask for.
-fn asked(args: &RunArgs) -> MethodRequest {
-    MethodRequest {
-        integrator: args.integrator.clone(),
-        tol: args.tol,
-        step: args.step,
-        steps_per_period: args.steps_per_period,
-        windows_per_period: args.windows_per_period,
-        nodes: args.nodes,
-    }
 }
 
 /// Prints and writes the results of a run, also of one that failed.
@@ -182,7 +172,7 @@ fn resume(args: &RunArgs, path: &Path, parts: Decomposition) -> Exit {
     long.scene().units_if(args.si)?;
     // Only its file is compared.
     let scene = args.scene.as_deref().map(|name| Scene::load_by_sites(name, &[])).transpose()?;
-    long.is(path, scene.as_ref(), args.integrator.as_deref().map(Method::named).transpose()?)?;
+    long.is(path, scene.as_ref(), args.method.integrator.as_deref().map(Method::named).transpose()?)?;
     if args.events && !long.has_contacts() {
         return Err(Error::parameter("events", true, NO_EVENTS));
     }

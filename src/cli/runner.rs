@@ -15,40 +15,38 @@ use std::path::PathBuf;
 
 /// Help of `--out`, the same for all studies.
 const OUT: &str = "Write the results to this folder; without it, no file is written";
-/// Help of `--shard`, the same for all sweeps.
-const SHARD: &str = "Compute only part K of N of the points; needs --out";
-const SHARD_LONG: &str = "\
-Compute only part K of N of the points; needs --out.
-
-The points are kept in a store of their own in the folder of --out. Parts may run at any time and on \
-any machine that has this folder; start a part again if it was killed. Once all have ended, the same \
-command without --shard merges what they have kept, computes what is missing, and ends with the same \
-files as one process.";
-
+/// The same for commands whose purpose is to write files; they have a default folder.
+pub(super) const OUT_ALWAYS: &str = "Write the results to this folder";
 const SHARD_NEEDS: &str = "a shard keeps its points in a folder: give --out DIR, the same for all shards";
 
-/// Values of `--engine`; the first is the default.
-const ENGINES: [&str; 2] = ["threads", MPI];
+/// The engine of MPI jobs, by name.
 pub(super) const MPI: &str = "mpi";
-const ENGINE: &str = "Where points are computed: threads or mpi";
-const ENGINE_LONG: &str = "\
-Where points are computed: threads or mpi.
 
-threads: on the cores of this machine, or RAYON_NUM_THREADS of them. mpi: on the ranks of the job of \
-mpirun, each with RAYON_NUM_THREADS threads, one without it; rank 0 has store, output and progress, \
-the others print nothing. Results have the same bytes. Needs a build with the feature mpi.";
-
-/// `--shard` and `--engine`: where the points of a sweep are computed.
-#[derive(Clone, Debug)]
+/// Where the points of a sweep are computed.
+#[derive(Args, Clone, Debug, Default)]
 pub(super) struct EngineArgs {
+    /// Compute only part K of N of the points; needs --out.
+    ///
+    /// The points are kept in a store of their own in the folder of --out. Parts may run at any
+    /// time and on any machine that has this folder; start a part again if it was killed. Once all
+    /// have ended, the same command without --shard merges what they have kept, computes what is
+    /// missing, and ends with the same files as one process.
+    #[arg(long, value_name = "K/N", value_parser = |text: &str| text.parse::<Shard>())]
     shard: Option<Shard>,
-    mpi: bool,
+    /// Where points are computed: threads or mpi.
+    ///
+    /// threads: on the cores of this machine, or RAYON_NUM_THREADS of them. mpi: on the ranks of
+    /// the job of mpirun, each with RAYON_NUM_THREADS threads, one without it; rank 0 has store,
+    /// output and progress, the others print nothing. Results have the same bytes. Needs a build
+    /// with the feature mpi.
+    #[arg(long, value_name = "E", value_parser = ["threads", MPI], default_value = "threads", hide_short_help = true)]
+    engine: String,
 }
 
 impl EngineArgs {
     /// The engine of this process, `here` unless the command says otherwise, without a folder.
     pub(super) fn engine(&self, here: fn() -> Engine) -> Result<Engine> {
-        if self.mpi { over_ranks() } else { Ok(here()) }
+        if self.engine == MPI { over_ranks() } else { Ok(here()) }
     }
 
     /// The folder of the results. Shards share it.
@@ -64,38 +62,6 @@ impl EngineArgs {
             Some(shard) => Ok(engine.shard(shard)),
             None => Ok(engine),
         }
-    }
-}
-
-impl Args for EngineArgs {
-    fn augment_args(command: Command) -> Command {
-        let shard = Arg::new("shard").long("shard").value_name("K/N").value_parser(|text: &str| text.parse::<Shard>());
-        let engine = Arg::new("engine")
-            .long("engine")
-            .value_name("E")
-            .value_parser(ENGINES)
-            .default_value(ENGINES[0])
-            .hide_short_help(true);
-        command.args([shard.help(SHARD).long_help(SHARD_LONG), engine.help(ENGINE).long_help(ENGINE_LONG)])
-    }
-
-    fn augment_args_for_update(command: Command) -> Command {
-        Self::augment_args(command)
-    }
-}
-
-/// Without the flags, as for a command that does not sweep: all points on the threads.
-impl FromArgMatches for EngineArgs {
-    fn from_arg_matches(matches: &ArgMatches) -> std::result::Result<Self, clap::Error> {
-        let engine = matches.try_get_one::<String>("engine").ok().flatten();
-        Ok(Self {
-            shard: matches.try_get_one("shard").ok().flatten().copied(),
-            mpi: engine.is_some_and(|engine| engine == MPI),
-        })
-    }
-
-    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> std::result::Result<(), clap::Error> {
-        Self::from_arg_matches(matches).map(|told| *self = told)
     }
 }
 
@@ -207,7 +173,8 @@ impl<S: Study + FromArgMatches> FromArgMatches for StudyCommand<S> {
         Ok(Self {
             study: S::from_arg_matches(matches)?,
             out,
-            spread: EngineArgs::from_arg_matches(matches)?,
+            // Without the flags, as for a command that does not sweep: all points on the threads.
+            spread: if S::SWEEPS { EngineArgs::from_arg_matches(matches)? } else { EngineArgs::default() },
             json: matches.get_flag("json"),
             #[cfg(feature = "plot")]
             formats: draws(&files_help::<S>())

@@ -1,34 +1,57 @@
 //! `hertzchain scenes`.
 
-use super::{
-    DONE, Exit,
-    args::{ScenesAction, ScenesArgs},
-    print,
-};
+use super::{DONE, Exit, print};
 use crate::{output::to_json, present::table, scene::Scene, study::scene_json};
+use clap::{Args, Subcommand};
 use serde_json::json;
 
-pub(super) fn main(args: &ScenesArgs) -> Exit {
-    let text = match &args.action {
-        Some(ScenesAction::Show { name }) => {
-            let text = Scene::source(name)?;
-            let scene = Scene::parse(&text, name)?;
-            if args.json { to_json(&scene_json(&scene)) + "\n" } else { text }
-        }
-        Some(ScenesAction::Template) => {
-            let scene = Scene::parse(Scene::TEMPLATE, "template")?;
-            if args.json { to_json(&scene_json(&scene)) + "\n" } else { Scene::TEMPLATE.to_owned() }
-        }
-        None if args.json => {
-            let list: Vec<_> =
-                Scene::list().into_iter().map(|(name, summary)| json!({"name": name, "summary": summary})).collect();
-            to_json(&json!({"scenes": list})) + "\n"
-        }
-        None => {
-            let rows: Vec<_> =
-                Scene::list().into_iter().map(|(name, summary)| vec![name.to_owned(), summary]).collect();
-            table(&["scene", "what it is"], &rows)
-        }
-    };
-    print(&text).map(|()| DONE)
+#[derive(Args)]
+pub(crate) struct ScenesArgs {
+    #[command(subcommand)]
+    action: Option<ScenesAction>,
+    /// Print JSON instead of text.
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum ScenesAction {
+    /// Print the TOML of a scene: a start for your own.
+    #[command(after_long_help = "Example:\n  hertzchain scenes show tw-q15 > my-scene.toml")]
+    Show {
+        /// Name of a built-in scene, or a TOML file.
+        name: String,
+    },
+    /// Print a scene with every key, each explained: a start for your own.
+    #[command(after_long_help = "Example:\n  hertzchain scenes template > my-scene.toml")]
+    Template,
+}
+
+impl ScenesArgs {
+    pub(super) fn run(&self) -> Exit {
+        let text = match &self.action {
+            Some(ScenesAction::Show { name }) => {
+                let text = Scene::source(name)?;
+                let scene = Scene::parse(&text, name)?;
+                if self.json { to_json(&scene_json(&scene)) + "\n" } else { text }
+            }
+            Some(ScenesAction::Template) => {
+                let scene = Scene::parse(Scene::TEMPLATE, "template")?;
+                if self.json { to_json(&scene_json(&scene)) + "\n" } else { Scene::TEMPLATE.to_owned() }
+            }
+            None if self.json => {
+                let list: Vec<_> = Scene::list()
+                    .into_iter()
+                    .map(|(name, summary)| json!({"name": name, "summary": summary}))
+                    .collect();
+                to_json(&json!({"scenes": list})) + "\n"
+            }
+            None => {
+                let rows: Vec<_> =
+                    Scene::list().into_iter().map(|(name, summary)| vec![name.to_owned(), summary]).collect();
+                table(&["scene", "what it is"], &rows)
+            }
+        };
+        print(&text).map(|()| DONE)
+    }
 }

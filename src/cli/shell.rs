@@ -1,35 +1,59 @@
 //! `hertzchain shell`: what a shell and `man` can be given.
 
-use super::{
-    DONE, Exit,
-    args::{Cli, ManArgs, ShellAction, ShellArgs},
-    print, say,
-};
+use super::{DONE, Exit, args::Cli, print, say};
 use crate::output::Folder;
-use clap::{Command, CommandFactory};
+use clap::{Command, CommandFactory, Subcommand};
+use clap_complete::Shell;
+use std::path::PathBuf;
 
-pub(super) fn main(args: &ShellArgs) -> Exit {
-    match &args.action {
-        ShellAction::Completions { shell } => {
-            let mut script = Vec::new();
-            clap_complete::generate(*shell, &mut Cli::command(), "hertzchain", &mut script);
-            print(&String::from_utf8_lossy(&script)).map(|()| DONE)
+#[derive(Subcommand)]
+pub(crate) enum ShellAction {
+    /// Print a script that completes commands and flags in a shell.
+    ///
+    /// Each shell has a place of its own for it; for bash that is a file called hertzchain in
+    /// ~/.local/share/bash-completion/completions.
+    #[command(
+        after_long_help = "Example:\n  hertzchain shell completions fish > ~/.config/fish/completions/hertzchain.fish"
+    )]
+    Completions {
+        /// The shell: bash, elvish, fish, powershell or zsh.
+        #[arg(value_name = "SHELL", hide_possible_values = true)]
+        shell: Shell,
+    },
+    /// Write manual pages: one for the program, one for each command.
+    ///
+    /// Files: hertzchain.1, hertzchain-run.1 and so on, for `man -l` or a folder man1 on the path
+    /// of manuals.
+    #[command(after_long_help = "Example:\n  hertzchain shell man --out ~/.local/share/man/man1")]
+    Man {
+        /// Write the results to this folder.
+        #[arg(long, value_name = "DIR", default_value = "out/man")]
+        out: PathBuf,
+    },
+}
+
+impl ShellAction {
+    pub(super) fn run(&self) -> Exit {
+        match self {
+            Self::Completions { shell } => {
+                let mut script = Vec::new();
+                clap_complete::generate(*shell, &mut Cli::command(), "hertzchain", &mut script);
+                print(&String::from_utf8_lossy(&script))?;
+            }
+            Self::Man { out } => {
+                let folder = Folder::own(out, None)?;
+                // A page shows the long help. Subcommands know their full name only after `build`.
+                let mut program = Cli::command().disable_help_subcommand(true);
+                program.build();
+                let count = pages(&program, &folder)?;
+                say(&format!("{count} pages written to {}", folder.path().display()));
+            }
         }
-        ShellAction::Man(args) => man(args),
+        Ok(DONE)
     }
 }
 
 /// Writes a page for the program and for every command.
-fn man(args: &ManArgs) -> Exit {
-    let folder = Folder::own(&args.out, None)?;
-    // A page shows the long help. Subcommands know their full name only after `build`.
-    let mut program = Cli::command().disable_help_subcommand(true);
-    program.build();
-    let count = pages(&program, &folder)?;
-    say(&format!("{count} pages written to {}", folder.path().display()));
-    Ok(DONE)
-}
-
 fn pages(command: &Command, folder: &Folder) -> crate::error::Result<usize> {
     let name = command.get_display_name().unwrap_or_else(|| command.get_name());
     let page = clap_mangen::Man::new(command.clone()).manual("hertzchain");

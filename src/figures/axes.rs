@@ -357,12 +357,12 @@ impl Axes {
         for (place, label) in &x.ticks {
             let at = across(*place);
             canvas.line(&[(at, frame.y1), (at, frame.y1 + TICK)], INK, 1.0, &[]);
-            canvas.text(label, (at, frame.y1 + TICK + 5.0), SMALL, INK, (0.5, 0.0))?;
+            canvas.text(label, (at, frame.y1 + TICK + 5.0), SMALL, INK, (0.5, 0.0));
         }
         for (place, label) in &y.ticks {
             let at = up(*place);
             canvas.line(&[(frame.x0 - TICK, at), (frame.x0, at)], INK, 1.0, &[]);
-            canvas.text(label, (frame.x0 - TICK - 4.0, at), SMALL, INK, (1.0, 0.5))?;
+            canvas.text(label, (frame.x0 - TICK - 4.0, at), SMALL, INK, (1.0, 0.5));
         }
         for &place in &x.minor {
             canvas.line(&[(across(place), frame.y1), (across(place), frame.y1 + 0.5 * TICK)], INK, 0.7, &[]);
@@ -371,15 +371,15 @@ impl Axes {
             canvas.line(&[(frame.x0 - 0.5 * TICK, up(place)), (frame.x0, up(place))], INK, 0.7, &[]);
         }
         let label_top = frame.y1 + TICK + 1.5 * SMALL + 2.0;
-        canvas.text(&x.factor, (frame.x1, label_top), SMALL, INK, (1.0, 0.0))?;
-        canvas.text(&y.factor, (frame.x0 - TICK, frame.y0 - 0.6 * SMALL), SMALL, INK, (0.0, 1.0))?;
+        canvas.text(&x.factor, (frame.x1, label_top), SMALL, INK, (1.0, 0.0));
+        canvas.text(&y.factor, (frame.x0 - TICK, frame.y0 - 0.6 * SMALL), SMALL, INK, (0.0, 1.0));
         let (middle_x, middle_y) = ((frame.x0 + frame.x1) / 2.0, (frame.y0 + frame.y1) / 2.0);
         for (k, line) in x_lines.iter().enumerate() {
-            canvas.text(line, (middle_x, label_top + LINE * k as f64), LABEL, INK, (0.5, 0.0))?;
+            canvas.text(line, (middle_x, label_top + LINE * k as f64), LABEL, INK, (0.5, 0.0));
         }
         for (k, line) in y_lines.iter().enumerate() {
             let at = frame.x0 - left + LINE * k as f64;
-            canvas.text_upwards(line, (at, middle_y), LABEL, INK, (0.5, 0.0))?;
+            canvas.text_upwards(line, (at, middle_y), LABEL, INK, (0.5, 0.0));
         }
         axes.close(canvas);
         Ok(axes)
@@ -388,6 +388,11 @@ impl Axes {
     /// Draws the frame; called again after a picture has covered the edge.
     pub(super) fn close(&self, canvas: &mut Canvas) {
         canvas.border(&self.frame, INK);
+    }
+
+    /// Fills the axes with pixels, given row by row from the top.
+    pub(super) fn image(&self, canvas: &mut Canvas, pixels: Vec<Rgb>) {
+        canvas.image((self.frame.x0 as u32, self.frame.y0 as u32), self.frame.width() as usize, pixels);
     }
 
     /// The position of a point on the canvas; `None` if an axis cannot show it.

@@ -31,7 +31,7 @@ pub(super) fn encoded((width, height): (u32, u32), pixels: &[u8], caption: Optio
     // Without a filter flat colours repeat, which compresses best.
     encoder.set_filter(png::Filter::NoFilter);
     if let Some(caption) = caption {
-        encoder.add_text_chunk("Software".into(), super::SOFTWARE.into()).map_err(encoding)?;
+        encoder.add_text_chunk("Software".into(), crate::output::PROGRAM.into()).map_err(encoding)?;
         encoder.add_itxt_chunk("Description".into(), caption.into()).map_err(encoding)?;
     }
     let mut writer = encoder.write_header().map_err(encoding)?;

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use ab_glyph::{Font, FontRef, Glyph, ScaleFont, point};
 
 use super::text::runs;
-use super::{Error, palette::Rgb, picture::Picture};
+use super::{palette::Rgb, picture::Picture};
 
 /// Size of the title, in pixels per em.
 pub(super) const TITLE: f64 = 20.0;
@@ -174,6 +174,10 @@ impl Canvas {
         self.shapes.push(Shape::Polygon { points: points.to_vec(), colour });
     }
 
+    pub(super) fn rect(&mut self, &Rect { x0, y0, x1, y1 }: &Rect, colour: Rgb) {
+        self.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour);
+    }
+
     /// Darkens a vertical strip between two straight edges, `top` and `bottom`, to a pale colour.
     ///
     /// Darker pixels stay as they are, and a second tint with the same colour changes nothing. So
@@ -197,36 +201,17 @@ impl Canvas {
     }
 
     /// Draws a text with its [`anchor`](Label::anchor) at a point.
-    pub(super) fn text(
-        &mut self,
-        text: &str,
-        at: (f64, f64),
-        size: f64,
-        colour: Rgb,
-        anchor: (f64, f64),
-    ) -> Result<(), Error> {
-        self.label(Label { text: text.to_owned(), at, size, colour, anchor, upwards: false })
+    pub(super) fn text(&mut self, text: &str, at: (f64, f64), size: f64, colour: Rgb, anchor: (f64, f64)) {
+        self.shapes.push(Shape::Text(Label { text: text.to_owned(), at, size, colour, anchor, upwards: false }));
     }
 
     /// Draws a text that runs upwards.
-    pub(super) fn text_upwards(
-        &mut self,
-        text: &str,
-        at: (f64, f64),
-        size: f64,
-        colour: Rgb,
-        anchor: (f64, f64),
-    ) -> Result<(), Error> {
-        self.label(Label { text: text.to_owned(), at, size, colour, anchor, upwards: true })
-    }
-
-    fn label(&mut self, label: Label) -> Result<(), Error> {
-        self.shapes.push(Shape::Text(label));
-        Ok(())
+    pub(super) fn text_upwards(&mut self, text: &str, at: (f64, f64), size: f64, colour: Rgb, anchor: (f64, f64)) {
+        self.shapes.push(Shape::Text(Label { text: text.to_owned(), at, size, colour, anchor, upwards: true }));
     }
 
     /// The finished picture.
-    pub(super) fn picture(self, caption: &str) -> Result<Picture, Error> {
-        Ok(Picture { size: self.size, title: self.title, caption: caption.to_owned(), shapes: self.shapes })
+    pub(super) fn picture(self, caption: &str) -> Picture {
+        Picture { size: self.size, title: self.title, caption: caption.to_owned(), shapes: self.shapes }
     }
 }

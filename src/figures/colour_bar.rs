@@ -3,7 +3,7 @@
 use super::axes::{Axis, LINE};
 use super::canvas::{Canvas, LABEL, Rect, SMALL, wrap};
 use super::palette::{BEYOND, INK, Rgb};
-use super::{Error, usable};
+use super::usable;
 
 /// Width of the bar, in pixels.
 const WIDTH: usize = 22;
@@ -42,13 +42,7 @@ impl ColourBar {
 
     /// Draws the bar, with its ticks and its label, between the frame of the axes and the right
     /// edge of the figure.
-    pub(super) fn draw(
-        &self,
-        canvas: &mut Canvas,
-        frame: Rect,
-        edge: f64,
-        colour: impl Fn(f64) -> Rgb,
-    ) -> Result<(), Error> {
+    pub(super) fn draw(&self, canvas: &mut Canvas, frame: Rect, edge: f64, colour: impl Fn(f64) -> Rgb) {
         let x0 = frame.x1 + 16.0;
         let strip = Rect { x0, x1: x0 + WIDTH as f64, ..frame };
         let high = frame.height() as usize;
@@ -64,16 +58,22 @@ impl ColourBar {
         for (place, label) in &self.axis.ticks {
             let y = strip.y1 - place * strip.height();
             canvas.line(&[(strip.x1, y), (strip.x1 + 5.0, y)], INK, 1.0, &[]);
-            canvas.text(label, (strip.x1 + 9.0, y), SMALL, INK, (0.0, 0.5))?;
+            canvas.text(label, (strip.x1 + 9.0, y), SMALL, INK, (0.0, 0.5));
         }
-        canvas.text(&self.axis.factor, (edge, strip.y0 - 0.6 * SMALL), SMALL, INK, (1.0, 1.0))?;
+        canvas.text(&self.axis.factor, (edge, strip.y0 - 0.6 * SMALL), SMALL, INK, (1.0, 1.0));
         let middle = (strip.y0 + strip.y1) / 2.0;
         for (k, line) in self.label.iter().enumerate() {
             let at = strip.x1 + 16.0 + self.axis.label_width() + LINE * k as f64;
-            canvas.text_upwards(line, (at, middle), LABEL, INK, (0.5, 0.0))?;
+            canvas.text_upwards(line, (at, middle), LABEL, INK, (0.5, 0.0));
         }
-        Ok(())
     }
+}
+
+/// The range of the positive values, from 1 to 10 if there are none.
+pub(super) fn positive_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let positive = values.filter(|&value| usable(value) && value > 0.0);
+    let (lo, hi) = positive.fold((f64::INFINITY, 0.0_f64), |(lo, hi), value| (lo.min(value), hi.max(value)));
+    if lo <= hi { (lo, hi) } else { (1.0, 10.0) }
 }
 
 /// The smallest range that holds 0 and all usable values; from 0 to 1 if that range has no width.

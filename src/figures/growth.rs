@@ -14,8 +14,8 @@ use super::{Error, Growth, GrowthMap, page, usable};
 ///
 /// # Errors
 ///
-/// No point of the theory that can be drawn, a map without cells or with an incomplete row, a
-/// letter that the font lacks, or more text than fits.
+/// No point of the theory that can be drawn, a map without cells or with an incomplete row, or
+/// more text than fits.
 pub fn growth(figure: &Growth) -> Result<Picture, Error> {
     let (mut canvas, body) = page(&figure.title, &figure.caption)?;
     let middle = 0.5 * (body.x0 + body.x1);
@@ -24,7 +24,7 @@ pub fn growth(figure: &Growth) -> Result<Picture, Error> {
     if let Some(map) = &figure.map {
         draw_map(&mut canvas, Rect { x0: middle, ..body }, map)?;
     }
-    canvas.picture(&figure.caption)
+    Ok(canvas.picture(&figure.caption))
 }
 
 fn curves(canvas: &mut Canvas, area: Rect, figure: &Growth) -> Result<(), Error> {
@@ -73,10 +73,9 @@ fn draw_map(canvas: &mut Canvas, area: Rect, map: &GrowthMap) -> Result<(), Erro
     let x = Axis::exact(map.x.0, map.x.1, false);
     let y = Axis::exact(map.y.0, map.y.1, false);
     let axes = Axes::draw(canvas, bar.beside(area), (x, x_label), (y, y_label), false)?;
-    let frame = axes.frame;
-    let (wide, high) = (frame.width() as usize, frame.height() as usize);
+    let (wide, high) = (axes.frame.width() as usize, axes.frame.height() as usize);
     let pixels: Vec<Rgb> = largest(&map.values, map.columns, (wide, high)).into_iter().map(colour).collect();
-    canvas.image((frame.x0 as u32, frame.y0 as u32), wide, pixels);
+    axes.image(canvas, pixels);
     for (nth, line) in lines {
         axes.join(canvas, &line.points, &over(nth));
     }
@@ -84,5 +83,6 @@ fn draw_map(canvas: &mut Canvas, area: Rect, map: &GrowthMap) -> Result<(), Erro
         mark(canvas, &dots, at, true);
     }
     axes.close(canvas);
-    bar.draw(canvas, frame, area.x1, colour)
+    bar.draw(canvas, axes.frame, area.x1, colour);
+    Ok(())
 }

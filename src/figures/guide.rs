@@ -42,9 +42,8 @@ pub(super) fn draw(
     let Some(at) = places.filter(inside).max_by(|a, b| free(a).total_cmp(&free(b))) else {
         return Err(Error(format!("the label {label:?} does not fit the axes")));
     };
-    let Rect { x0, y0, x1, y1 } = around(at);
-    canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], PAPER);
-    canvas.text(label, at, SMALL, GREY, (0.5, 0.5))?;
+    canvas.rect(&around(at), PAPER);
+    canvas.text(label, at, SMALL, GREY, (0.5, 0.5));
     avoid.push(at);
     Ok(())
 }

@@ -51,7 +51,7 @@ impl Entry {
     }
 
     /// Draws the entry with its first line centred on `y`.
-    fn draw(&self, canvas: &mut Canvas, x: f64, y: f64, size: f64, lines: &[String]) -> Result<(), Error> {
+    fn draw(&self, canvas: &mut Canvas, x: f64, y: f64, size: f64, lines: &[String]) {
         if let Some((style, hollow)) = self.sample {
             if self.width > 0.0 {
                 canvas.line(&[(x, y), (x + SAMPLE, y)], style.colour, self.width, style.dash);
@@ -60,9 +60,8 @@ impl Entry {
         }
         for (k, line) in lines.iter().enumerate() {
             let at = (x + self.indent(), y + k as f64 * 1.3 * size);
-            canvas.text(line, at, size, self.colour, (0.0, 0.5))?;
+            canvas.text(line, at, size, self.colour, (0.0, 0.5));
         }
-        Ok(())
     }
 }
 
@@ -88,7 +87,7 @@ pub(super) fn beside(canvas: &mut Canvas, area: Rect, entries: &[Entry]) -> Resu
         let (left, mut y) = (area.x1 - width, area.y0);
         for (k, entry) in entries.iter().enumerate() {
             y += if k > 0 { gaps[k] } else { 0.0 };
-            entry.draw(canvas, left, y + 0.65 * size, size, &blocks[k])?;
+            entry.draw(canvas, left, y + 0.65 * size, size, &blocks[k]);
             y += heights[k];
         }
         return Ok(Rect { x1: left - 12.0, ..area });
@@ -107,7 +106,7 @@ pub(super) fn above(canvas: &mut Canvas, area: Rect, entries: &[Entry]) -> Resul
         if x > start && x + width > area.x1 {
             (x, y, row) = (start, y + row, 0.0);
         }
-        entry.draw(canvas, x, y + 0.7 * SMALL, SMALL, &lines)?;
+        entry.draw(canvas, x, y + 0.7 * SMALL, SMALL, &lines);
         x += width;
         row = row.max((lines.len().max(1) as f64 * 1.3 + 0.2) * SMALL);
     }

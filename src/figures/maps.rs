@@ -4,7 +4,7 @@
 use super::Picture;
 use super::axes::{Axes, Axis};
 use super::canvas::{Canvas, Rect, SMALL, text_width};
-use super::colour_bar::ColourBar;
+use super::colour_bar::{ColourBar, positive_range};
 use super::legend::{self, Entry};
 use super::palette::{self, INK, PAPER, Rgb, Style};
 use super::{CellMap, Error, Maps, page, usable};
@@ -20,7 +20,7 @@ const BRIGHT: f64 = 130.0;
 /// # Errors
 ///
 /// No map; a map with another number of values or notes than cells; parameters that are not
-/// positive and increasing; a letter the font lacks; more text than fits.
+/// positive and increasing; more text than fits.
 pub fn maps(figure: &Maps) -> Result<Picture, Error> {
     if figure.maps.is_empty() {
         return Err(Error("a figure of maps needs one".into()));
@@ -31,7 +31,7 @@ pub fn maps(figure: &Maps) -> Result<Picture, Error> {
         let left = body.x0 + k as f64 * width;
         draw(&mut canvas, Rect { x0: left, x1: left + width - 12.0, ..body }, map)?;
     }
-    canvas.picture(&figure.caption)
+    Ok(canvas.picture(&figure.caption))
 }
 
 fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
@@ -42,10 +42,8 @@ fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
     let (x_edges, y_edges) = (edges(&map.x)?, edges(&map.y)?);
     let kind = |k: usize| map.apart.iter().position(|(_, cells)| cells.contains(&k));
     let on_scale = (0..cells).filter(|&k| kind(k).is_none()).map(|k| map.values[k]);
-    let positive = on_scale.filter(|&value| usable(value) && value > 0.0);
-    let (lo, hi) = positive.fold((f64::INFINITY, 0.0_f64), |(lo, hi), value| (lo.min(value), hi.max(value)));
-    let scale = || if lo <= hi { Axis::exact_log(lo, hi) } else { Axis::exact_log(1.0, 10.0) };
-    let shades = scale();
+    let (lo, hi) = positive_range(on_scale);
+    let shades = Axis::exact_log(lo, hi);
     let colour = |value: f64| shades.place(value).map_or(palette::ABSENT, palette::magnitude);
     let of_kind = |nth: usize| palette::APART[nth % palette::APART.len()];
 
@@ -56,7 +54,7 @@ fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
     let entries: Vec<_> = lines.chain(kinds).collect();
     let area = legend::above(canvas, area, &entries)?;
     let [x_label, y_label, value_label] = &map.labels;
-    let bar = ColourBar::along(scale(), value_label, area.height());
+    let bar = ColourBar::along(Axis::exact_log(lo, hi), value_label, area.height());
     let axis = |edges: &[f64], values: &[f64]| Axis::of_cells(edges[0], edges[edges.len() - 1], values);
     let (x, y) = (axis(&x_edges, &map.x), axis(&y_edges, &map.y));
     let axes = Axes::draw(canvas, bar.beside(area), (x, x_label), (y, y_label), false)?;
@@ -69,7 +67,7 @@ fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
             axes.place((x_edges[column], y_edges[row])).zip(axes.place((x_edges[column + 1], y_edges[row + 1])));
         let Some(((x0, y1), (x1, y0))) = corners else { continue };
         let colour = kind(k).map_or_else(|| colour(value), of_kind);
-        canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour);
+        canvas.rect(&Rect { x0, x1, y0, y1 }, colour);
         places.push(((0.5 * (x0 + x1), y0 + note_at * (y1 - y0)), colour, note));
     }
     for (nth, line) in map.lines.iter().enumerate() {
@@ -85,12 +83,12 @@ fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
     // Notes are drawn over the lines.
     for ((x, y), colour, note) in places.into_iter().filter(|place| !place.2.is_empty()) {
         let (wide, high) = (0.5 * text_width(note, SMALL) + 1.0, 0.6 * SMALL);
-        canvas
-            .polygon(&[(x - wide, y - high), (x + wide, y - high), (x + wide, y + high), (x - wide, y + high)], colour);
-        canvas.text(note, (x, y), SMALL, legible(colour), (0.5, 0.5))?;
+        canvas.rect(&Rect { x0: x - wide, x1: x + wide, y0: y - high, y1: y + high }, colour);
+        canvas.text(note, (x, y), SMALL, legible(colour), (0.5, 0.5));
     }
     axes.close(canvas);
-    bar.draw(canvas, axes.frame, area.x1, colour)
+    bar.draw(canvas, axes.frame, area.x1, colour);
+    Ok(())
 }
 
 /// The edges of cells around values.

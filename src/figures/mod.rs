@@ -63,9 +63,6 @@ pub const SIZE: (u32, u32) = (1200, 800);
 /// them.
 const CAPTION_LINES: usize = 7;
 
-/// Program and version that picture files name as their software.
-const SOFTWARE: &str = concat!("hertzchain ", env!("CARGO_PKG_VERSION"));
-
 /// The reason why a figure could not be drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Error(pub(crate) String);
@@ -113,7 +110,7 @@ fn page_of(size: (u32, u32), title: &str, caption: &str) -> Result<(Canvas, Rect
     let mut body = Rect { x0: 20.0, y0: 18.0, x1: width - 20.0, y1: height - 14.0 };
 
     for line in canvas::wrap(title, canvas::TITLE, body.width()) {
-        canvas.text(&line, (width / 2.0, body.y0), canvas::TITLE, palette::INK, (0.5, 0.0))?;
+        canvas.text(&line, (width / 2.0, body.y0), canvas::TITLE, palette::INK, (0.5, 0.0));
         body.y0 += 1.35 * canvas::TITLE;
     }
     let mut lines = canvas::wrap(caption, canvas::CAPTION, body.width());
@@ -122,7 +119,7 @@ fn page_of(size: (u32, u32), title: &str, caption: &str) -> Result<(Canvas, Rect
         lines[CAPTION_LINES - 1] = "… (whole caption in the text of this file)".into();
     }
     for line in lines.iter().rev() {
-        canvas.text(line, (body.x0, body.y1 - 0.25 * canvas::CAPTION), canvas::CAPTION, palette::GREY, (0.0, 1.0))?;
+        canvas.text(line, (body.x0, body.y1 - 0.25 * canvas::CAPTION), canvas::CAPTION, palette::GREY, (0.0, 1.0));
         body.y1 -= 1.35 * canvas::CAPTION;
     }
     body.y1 -= 8.0;

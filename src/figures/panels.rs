@@ -128,8 +128,7 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 /// # Errors
 ///
 /// No column, a column without panels, a panel without a point that its axes can show, an inset of
-/// a line that does not exist or on a logarithmic ordinate, a letter the font lacks, or more
-/// text than fits.
+/// a line that does not exist or on a logarithmic ordinate, more text than fits.
 pub fn panels(figure: &Panels) -> Result<Picture, Error> {
     let rows = figure.columns.iter().map(Column::height).fold(2.0, f64::max);
     if figure.columns.is_empty() || figure.columns.iter().any(|column| column.panels.is_empty()) {
@@ -150,7 +149,7 @@ pub fn panels(figure: &Panels) -> Result<Picture, Error> {
         let left = body.x0 + k as f64 * width;
         let area = Rect { x0: left, x1: left + width, ..body };
         let middle = 0.5 * (area.x0 + LEFT + area.x1);
-        canvas.text(&column.heading, (middle, headings), LABEL, INK, (0.5, 0.0))?;
+        canvas.text(&column.heading, (middle, headings), LABEL, INK, (0.5, 0.0));
         let mut top = area.y0;
         for plot in &column.panels {
             let height = area.height() * plot.height() / column.height();
@@ -166,7 +165,7 @@ pub fn panels(figure: &Panels) -> Result<Picture, Error> {
             top += height;
         }
     }
-    canvas.picture(&figure.caption)
+    Ok(canvas.picture(&figure.caption))
 }
 
 fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis) -> Result<(), Error> {
@@ -178,7 +177,7 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis) -> Result<(), E
     };
     // A cloud without points has no entry in the legend.
     let named = lines.clone().filter(|(line, _)| !(cloud && line.points.is_empty()));
-    let area = titled(canvas, area, &panel.title)?;
+    let area = titled(canvas, area, &panel.title);
     let mut entries: Vec<_> = named.map(entry).collect();
     entries.extend(bands.clone().map(|(band, colour)| Entry::band(&band.name, colour)));
     let area = legend::above(canvas, area, &entries)?;
@@ -207,12 +206,12 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis) -> Result<(), E
 }
 
 /// Draws a title over axes, and returns the rest of the area.
-fn titled(canvas: &mut Canvas, area: Rect, title: &str) -> Result<Rect, Error> {
+fn titled(canvas: &mut Canvas, area: Rect, title: &str) -> Rect {
     if title.is_empty() {
-        return Ok(area);
+        return area;
     }
-    canvas.text(title, (0.5 * (area.x0 + LEFT + area.x1), area.y0), SMALL, INK, (0.5, 0.0))?;
-    Ok(Rect { y0: area.y0 + 1.5 * SMALL, ..area })
+    canvas.text(title, (0.5 * (area.x0 + LEFT + area.x1), area.y0), SMALL, INK, (0.5, 0.0));
+    Rect { y0: area.y0 + 1.5 * SMALL, ..area }
 }
 
 fn draw_inset(canvas: &mut Canvas, frame: &Rect, panel: &Panel, inset: &Inset) -> Result<(), Error> {
@@ -225,8 +224,7 @@ fn draw_inset(canvas: &mut Canvas, frame: &Rect, panel: &Panel, inset: &Inset) -
         y0: frame.y0 + 6.0,
         y1: frame.y0 + INSET.1 * frame.height(),
     };
-    let Rect { x0, x1, y0, y1 } = area;
-    canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], PAPER);
+    canvas.rect(&area, PAPER);
     let enlarged = Panel { kind: panel.kind, lines: vec![line.clone()], ..Panel::default() };
     let x = (enlarged.abscissa(panel.points()), "");
     let axes = Axes::draw_bare(canvas, area, x, (enlarged.ordinate(), &inset.label))?;

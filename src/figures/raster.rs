@@ -29,8 +29,7 @@ impl Raster {
 ///
 /// # Errors
 ///
-/// Bonds, times or a bar that are not finite or decrease, a letter the font lacks, or more
-/// text than fits.
+/// Bonds, times or a bar that are not finite or decrease, more text than fits.
 pub fn raster(figure: &Raster) -> Result<Picture, Error> {
     let ((first, last), (start, end)) = (figure.bonds, figure.times);
     let forward = |lo: f64, hi: f64| usable(lo) && usable(hi) && lo <= hi;
@@ -60,16 +59,16 @@ pub fn raster(figure: &Raster) -> Result<Picture, Error> {
     let frame = axes.frame;
     let pixels: Vec<Rgb> =
         largest(&axes, figure.bonds, &bars).into_iter().map(|shade| shade.map_or(palette::PAPER, colour)).collect();
-    canvas.image((frame.x0 as u32, frame.y0 as u32), frame.width() as usize, pixels);
+    axes.image(&mut canvas, pixels);
     axes.close(&mut canvas);
     match key {
-        Some(key) => key.draw(&mut canvas, frame, body.x1, colour)?,
+        Some(key) => key.draw(&mut canvas, frame, body.x1, colour),
         None => {
             let middle = ((frame.x0 + frame.x1) / 2.0, (frame.y0 + frame.y1) / 2.0);
-            canvas.text("no contact", middle, LABEL, palette::GREY, (0.5, 0.5))?;
+            canvas.text("no contact", middle, LABEL, palette::GREY, (0.5, 0.5));
         }
     }
-    canvas.picture(&figure.caption)
+    Ok(canvas.picture(&figure.caption))
 }
 
 /// The largest magnitude at each pixel between the axes, row by row from the top; `None` where

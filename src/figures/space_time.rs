@@ -14,12 +14,12 @@ use super::{Error, SpaceTime, page, usable};
 ///
 /// # Errors
 ///
-/// A matrix without entries or with an incomplete row, times that are not finite or decrease, a
-/// letter that the font lacks, or more text than fits.
+/// A matrix without entries or with an incomplete row, times that are not finite or decrease,
+/// or more text than fits.
 pub fn space_time(figure: &SpaceTime) -> Result<Picture, Error> {
     let (mut canvas, body) = page(&figure.title, &figure.caption)?;
     draw(&mut canvas, body, figure)?;
-    canvas.picture(&figure.caption)
+    Ok(canvas.picture(&figure.caption))
 }
 
 pub(super) fn draw(canvas: &mut Canvas, area: Rect, figure: &SpaceTime) -> Result<(), Error> {
@@ -47,12 +47,12 @@ pub(super) fn draw(canvas: &mut Canvas, area: Rect, figure: &SpaceTime) -> Resul
     let t = Axis::exact(start - half, end + half, false);
     let n = Axis::exact(figure.first_site - 0.5, figure.first_site + sites as f64 - 0.5, true);
     let axes = Axes::draw(canvas, bar.beside(area), (n, &figure.site_label), (t, &figure.time_label), false)?;
-    let frame = axes.frame;
-    let (wide, high) = (frame.width() as usize, frame.height() as usize);
+    let (wide, high) = (axes.frame.width() as usize, axes.frame.height() as usize);
     let pixels: Vec<Rgb> = largest(&figure.values, sites, (wide, high)).into_iter().map(colour).collect();
-    canvas.image((frame.x0 as u32, frame.y0 as u32), wide, pixels);
+    axes.image(canvas, pixels);
     axes.close(canvas);
-    bar.draw(canvas, frame, area.x1, colour)
+    bar.draw(canvas, axes.frame, area.x1, colour);
+    Ok(())
 }
 
 /// The values at the ends of the colour bar.

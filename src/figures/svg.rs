@@ -24,7 +24,7 @@ pub(super) fn svg(picture: &Picture) -> Result<Vec<u8>, Error> {
          <title>{}</title>\n<desc>{}</desc>\n<metadata>{}</metadata>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
         escaped(&picture.title),
         escaped(&picture.caption),
-        super::SOFTWARE
+        crate::output::PROGRAM
     );
     for shape in &picture.shapes {
         element(&mut out, shape)?;
@@ -143,8 +143,8 @@ mod tests {
     fn a_text_is_set_to_its_width_with_its_scripts_and_escaped() {
         // Truth: the rules of SVG: three runs of `a_b < c`, the middle one lower and smaller.
         let mut canvas = Canvas::new((100, 50), "1 < 2");
-        canvas.text("ω_b < c", (50.0, 20.0), 10.0, (0, 0, 0), (0.5, 1.0)).unwrap();
-        let svg = String::from_utf8(svg(&canvas.picture("a & b").unwrap()).unwrap()).unwrap();
+        canvas.text("ω_b < c", (50.0, 20.0), 10.0, (0, 0, 0), (0.5, 1.0));
+        let svg = String::from_utf8(svg(&canvas.picture("a & b")).unwrap()).unwrap();
         assert!(svg.contains("<title>1 &lt; 2</title>\n<desc>a &amp; b</desc>"), "{svg}");
         let set = "ω<tspan dy=\"1.6\" font-size=\"7.2\">b</tspan><tspan dy=\"-1.6\" font-size=\"10\"> &lt; c</tspan>";
         assert!(svg.contains(set), "{svg}");
@@ -158,7 +158,7 @@ mod tests {
         canvas.line(&[(0.0, -0.001), (1.0 / 3.0, 2.0)], (255, 0, 1), 1.5, &[6.0, 4.0]);
         canvas.tint([0.0, 1.0], [2.0, 3.0], [4.0, 5.0], (1, 2, 3));
         canvas.image((3, 4), 2, vec![(0, 0, 0); 6]);
-        let svg = String::from_utf8(svg(&canvas.picture("c").unwrap()).unwrap()).unwrap();
+        let svg = String::from_utf8(svg(&canvas.picture("c")).unwrap()).unwrap();
         assert!(
             svg.contains(
                 "points=\"0,0 0.33,2\" fill=\"none\" stroke=\"#ff0001\" stroke-width=\"1.5\" stroke-dasharray=\"6 4\""

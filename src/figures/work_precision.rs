@@ -20,7 +20,7 @@ impl Point {
 ///
 /// # Errors
 ///
-/// No point that can be drawn, a letter the font lacks, or more text than fits.
+/// No point that can be drawn, or more text than fits.
 pub fn work_precision(figure: &WorkPrecision) -> Result<Picture, Error> {
     let drawable = || figure.curves.iter().flat_map(|curve| &curve.points).filter(|point| point.drawable());
     if drawable().next().is_none() {
@@ -84,7 +84,7 @@ pub fn work_precision(figure: &WorkPrecision) -> Result<Picture, Error> {
             }
         }
     }
-    canvas.picture(&figure.caption)
+    Ok(canvas.picture(&figure.caption))
 }
 
 /// The medians of work and error on logarithmic axes, of the points that the reference resolves, or

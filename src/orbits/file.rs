@@ -19,7 +19,7 @@ use crate::{
     chain::Params,
     dps::Center,
     error::{Error, Result},
-    output::{Archive, Array, SETTINGS, npz_with, read, to_json},
+    output::{Archive, Array, FileFormat, SETTINGS, npz_with, read, to_json},
 };
 use hertzchain_integrators::Tolerance;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -31,21 +31,10 @@ const MOST_BYTES: u64 = 1 << 26;
 /// First bytes of a zip archive that has a member.
 const ZIP: &[u8] = b"PK\x03\x04";
 
-/// Format and version of a file.
-#[derive(Deserialize)]
-#[serde(expecting = "the settings of a branch")]
-struct Stamp {
-    format: String,
-    version: u64,
-}
-
 /// The settings of a branch.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "the settings of a branch")]
 struct Settings<P, S> {
-    format: String,
-    version: u64,
-    program: String,
     #[serde(deserialize_with = "Option::deserialize")]
     center: Option<Center>,
     /// What determines the setting of the first orbit.
@@ -66,8 +55,8 @@ struct Settings<P, S> {
 
 /// A problem whose branches are kept in files.
 pub trait Stored: Problem + Serialize + DeserializeOwned {
-    /// Format and version of the file.
-    const FORMAT: (&'static str, u64);
+    /// FileFormat and version of the file.
+    const FORMAT: FileFormat;
     /// Names of the arrays into which the unknowns are divided, in equal parts.
     const ARRAYS: &'static [&'static str];
     /// Number of unknowns.
@@ -80,7 +69,7 @@ pub trait Stored: Problem + Serialize + DeserializeOwned {
 }
 
 impl Stored for Continuation {
-    const FORMAT: (&'static str, u64) = ("hertzchain branch", 1);
+    const FORMAT: FileFormat = FileFormat("hertzchain branch", 1);
     const ARRAYS: &'static [&'static str] = &["x", "y"];
 
     fn unknowns(setting: &Setting) -> usize {
@@ -93,7 +82,7 @@ impl Stored for Continuation {
 }
 
 impl Stored for DrivenContinuation {
-    const FORMAT: (&'static str, u64) = ("hertzchain driven branch", 2);
+    const FORMAT: FileFormat = FileFormat("hertzchain driven branch", 2);
     const ARRAYS: &'static [&'static str] = &["z"];
 
     fn unknowns(setting: &DrivenSetting) -> usize {
@@ -105,17 +94,15 @@ impl Stored for DrivenContinuation {
     }
 }
 
-/// Format and version in the JSON of an orbit.
-pub(crate) const ORBIT_FORMAT: (&str, u64) = ("hertzchain orbit", 1);
+/// FileFormat and version in the JSON of an orbit.
+pub(crate) const ORBIT_FORMAT: FileFormat = FileFormat("hertzchain orbit", 1);
 
 /// The keys of the JSON of an orbit that determine it.
 #[derive(Deserialize)]
 #[serde(expecting = "an orbit")]
 struct OrbitFile {
-    #[serde(default = "orbit_format")]
-    format: String,
-    #[serde(default = "orbit_version")]
-    format_version: u64,
+    format: Option<String>,
+    format_version: Option<u64>,
     alpha: f64,
     kappa: f64,
     rho: f64,
@@ -127,14 +114,6 @@ struct OrbitFile {
     c_x_asked: Option<f64>,
     x: Vec<f64>,
     y: Vec<f64>,
-}
-
-fn orbit_format() -> String {
-    ORBIT_FORMAT.0.to_owned()
-}
-
-fn orbit_version() -> u64 {
-    ORBIT_FORMAT.1
 }
 
 /// The rule that a file breaks if it holds anything else than an orbit or a branch.
@@ -159,11 +138,7 @@ const FASTEST: f64 = 1e3;
 impl<P: Stored> Branch<P> {
     /// The settings in the file, of a branch whose setting has this `source`.
     fn settings_of<S: Serialize>(&self, source: S) -> impl Serialize {
-        let (format, version) = P::FORMAT;
-        Settings {
-            format: format.to_owned(),
-            version,
-            program: concat!("hertzchain ", env!("CARGO_PKG_VERSION")).to_owned(),
+        P::FORMAT.stamped(Settings {
             center: self.center,
             setting: source,
             continuation: self.continuation,
@@ -173,7 +148,7 @@ impl<P: Stored> Branch<P> {
             points: self.orbits.len() as u64,
             ds: self.ds,
             end: self.end,
-        }
+        })
     }
 
     /// The bytes of the file of a branch whose setting has this `source`, with the arrays `more`
@@ -199,16 +174,8 @@ impl<P: Stored> Branch<P> {
         setting: impl Fn(&S) -> Result<P::Setting>,
     ) -> Result<(S, Self)> {
         let refused = |why: &dyn std::fmt::Display| file.refused(SETTINGS, why.to_string());
-        let text = file.text(SETTINGS)?;
-        let Stamp { format, version } = serde_json::from_str(text).map_err(|why| refused(&why))?;
-        if (format.as_str(), version) != P::FORMAT {
-            let (known, number) = P::FORMAT;
-            return Err(refused(&format!(
-                "{format}, version {version}; read is {known}, version {number}: compute the branch anew"
-            )));
-        }
-        let settings: Settings<P, S> = serde_json::from_str(text).map_err(|why| refused(&why))?;
-        let Settings { center, setting: source, continuation, weak, back, birth, points, ds, end, .. } = settings;
+        let (settings, _) = P::FORMAT.read(file)?;
+        let Settings::<P, S> { center, setting: source, continuation, weak, back, birth, points, ds, end } = settings;
         for (name, value, good, rule) in [
             ("points", points as f64, points > 0, "at least one"),
             ("ds", ds, ds.is_finite() && ds > 0.0, "finite and positive"),
@@ -380,13 +347,8 @@ impl Orbit {
             Category::Data => why.to_string(),
             _ => format!("{NO_ORBIT}: no JSON, {why}"),
         })?;
-        let (format, version) = ORBIT_FORMAT;
-        if (read.format.as_str(), read.format_version) != ORBIT_FORMAT {
-            let OrbitFile { format: other, format_version, .. } = read;
-            return Err(format!(
-                "{other}, format_version {format_version}; read is {format}, format_version {version}"
-            ));
-        }
+        let FileFormat(format, version) = ORBIT_FORMAT;
+        ORBIT_FORMAT.check(read.format.as_deref().unwrap_or(format), read.format_version.unwrap_or(version))?;
         read.orbit().map_err(|why| why.to_string())
     }
 

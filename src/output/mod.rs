@@ -4,11 +4,14 @@
 mod folder;
 mod json;
 mod npz;
+mod stored;
 
 pub use folder::Folder;
 pub use json::to_json;
 pub(crate) use json::write_json;
+pub(crate) use npz::in_memory;
 pub use npz::{Archive, Array, NpzWriter, SETTINGS, npz, npz_with};
+pub use stored::{FileFormat, PROGRAM};
 
 use crate::error::{Error, Result};
 use std::{

@@ -62,18 +62,21 @@ pub fn npz_with(name: &str, text: &str, arrays: &[Array<'_>]) -> Result<Vec<u8>>
 }
 
 fn archive(text: Option<(&str, &str)>, arrays: &[Array<'_>]) -> Result<Vec<u8>> {
-    let mut bytes = Cursor::new(Vec::new());
-    write(&mut bytes, text, arrays).map_err(|source| Error::File { path: "npz archive".into(), source })?;
-    Ok(bytes.into_inner())
+    in_memory(|bytes| {
+        let mut archive = NpzWriter::new(bytes, text)?;
+        for array in arrays {
+            archive.begin(array.name, &array.shape)?;
+            archive.row(&array.values)?;
+        }
+        archive.finish()
+    })
 }
 
-fn write(bytes: &mut Cursor<Vec<u8>>, text: Option<(&str, &str)>, arrays: &[Array<'_>]) -> std::io::Result<()> {
-    let mut archive = NpzWriter::new(bytes, text)?;
-    for array in arrays {
-        archive.begin(array.name, &array.shape)?;
-        archive.row(&array.values)?;
-    }
-    archive.finish()
+/// The bytes of an archive that `content` writes.
+pub(crate) fn in_memory(content: impl FnOnce(&mut Cursor<Vec<u8>>) -> io::Result<()>) -> Result<Vec<u8>> {
+    let mut bytes = Cursor::new(Vec::new());
+    content(&mut bytes).map_err(|source| Error::File { path: "npz archive".into(), source })?;
+    Ok(bytes.into_inner())
 }
 
 /// An archive that is written array by array, and each array row by row, without a second copy in

@@ -14,15 +14,11 @@ pub(crate) use table::{rows, told};
 pub use units::{Quantity, Units};
 
 use crate::{
-    error::{Error, Result},
-    output::{NpzWriter, SETTINGS, to_json},
+    error::Result,
+    output::{NpzWriter, PROGRAM, SETTINGS, in_memory, to_json},
 };
 use serde::Serialize;
 use serde_json::{Map, Value, json};
-use std::io::Cursor;
-
-/// The end of every caption.
-const PROGRAM: &str = concat!(" hertzchain ", env!("CARGO_PKG_VERSION"), ".");
 
 /// A paragraph or a table.
 #[derive(Clone, Debug)]
@@ -111,7 +107,7 @@ impl Report {
     #[must_use]
     pub fn picture_named(mut self, name: &str, figure: impl Into<Figure>) -> Self {
         let mut figure = figure.into();
-        *figure.words()[1] += PROGRAM;
+        *figure.words()[1] += &format!(" {PROGRAM}.");
         self.pictures.push((format!("{name}.png"), figure));
         self
     }
@@ -187,16 +183,14 @@ impl Report {
     /// # Errors
     /// Errors of the archive writer.
     pub fn files(&self) -> Result<Vec<(String, Vec<u8>)>> {
-        let mut bytes = Cursor::new(Vec::new());
-        let program = json!({ "program": concat!("hertzchain ", env!("CARGO_PKG_VERSION")) }).to_string();
-        let mut archive = || {
-            let mut archive = NpzWriter::new(&mut bytes, Some((SETTINGS, &program)))?;
+        let program = json!({ "program": PROGRAM }).to_string();
+        let npz = in_memory(|bytes| {
+            let mut archive = NpzWriter::new(bytes, Some((SETTINGS, &program)))?;
             self.tables().try_for_each(|table| table.npz(&mut archive))?;
             archive.finish()
-        };
-        archive().map_err(|source| Error::File { path: "npz archive".into(), source })?;
+        })?;
         let json = (format!("{}.json", self.name), (to_json(&self.json()) + "\n").into_bytes());
-        let npz = (format!("{}.npz", self.name), bytes.into_inner());
+        let npz = (format!("{}.npz", self.name), npz);
         let own = |(name, _): &(String, Vec<u8>)| self.files.iter().any(|(own, _)| own == name);
         Ok(self
             .csv()
@@ -248,7 +242,7 @@ impl Report {
         let tables = self.blocks.into_iter().filter_map(filed);
         let unnamed = |(_, mut figure): (String, Figure)| {
             let [_, caption] = figure.words();
-            caption.truncate(caption.trim_end_matches(PROGRAM).len());
+            caption.truncate(caption.trim_end_matches(&format!(" {PROGRAM}.")).len());
             figure
         };
         (tables.collect(), self.pictures.into_iter().map(unnamed).collect())

@@ -136,11 +136,14 @@ impl<T> Rows<'_, T> {
 
     /// A column with the number of the row, from 1 on.
     #[must_use]
-    pub fn counted(mut self, name: &str, digits: Digits, about: &str) -> Self {
-        self = self.col(name, digits, about, |_| 0_usize);
-        if let Some(column) = self.table.columns.last_mut() {
-            column.cells = (1..=self.rows.len()).map(Cell::from).collect();
-        }
+    pub fn counted(self, name: &str, digits: Digits, about: &str) -> Self {
+        let count = self.rows.len();
+        self.col(name, digits, about, |_| 0_usize).last(|column| column.cells = (1..=count).map(Cell::from).collect())
+    }
+
+    /// Changes the last column.
+    fn last(mut self, change: impl FnOnce(&mut Column)) -> Self {
+        self.table.columns.last_mut().map(change);
         self
     }
 
@@ -160,21 +163,15 @@ impl<T> Rows<'_, T> {
 
     /// Another heading for the last column.
     #[must_use]
-    pub fn head(mut self, head: impl Into<String>) -> Self {
-        if let Some(column) = self.table.columns.last_mut() {
-            column.head = head.into();
-        }
-        self
+    pub fn head(self, head: impl Into<String>) -> Self {
+        self.last(|column| column.head = head.into())
     }
 
     /// The kind of the numbers in the last column: in SI units they are converted, and its heading
     /// names the unit. An angular frequency has the column `frequency` beside it then.
     #[must_use]
-    pub fn kind(mut self, quantity: Quantity) -> Self {
-        if let Some(column) = self.table.columns.last_mut() {
-            column.quantity = quantity;
-        }
-        self
+    pub fn kind(self, quantity: Quantity) -> Self {
+        self.last(|column| column.quantity = quantity)
     }
 
     /// The field of the JSON output that has the rows, `rows` unless named; empty for none.

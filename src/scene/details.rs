@@ -14,82 +14,62 @@ use std::f64::consts::PI;
 /// Number of harmonics in band-limited noise.
 const NOISE: usize = 64;
 
-/// The section `[beads]`: one number for each site.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct BeadsSection {
-    /// Masses (1 if left out).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mass: Option<Values>,
-    /// Spring constants (`chain.kappa` if left out).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub kappa: Option<Values>,
-    /// Mass ratios resonator to bead (`chain.rho` if left out).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rho: Option<Values>,
-    /// Drag on beads, `-drag u'` (none if left out).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub drag: Option<Values>,
-    /// Dashpots beside the springs of resonators, `-dashpot (u' - v')` (none if left out).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub dashpot: Option<Values>,
-}
+sections! {
+    /// The section `[beads]`: one number for each site.
+    #[derive(Default)]
+    pub struct BeadsSection {
+        /// Masses (1 if left out).
+        mass?: Values,
+        /// Spring constants (`chain.kappa` if left out).
+        kappa?: Values,
+        /// Mass ratios resonator to bead (`chain.rho` if left out).
+        rho?: Values,
+        /// Drag on beads, `-drag u'` (none if left out).
+        drag?: Values,
+        /// Dashpots beside the springs of resonators, `-dashpot (u' - v')` (none if left out).
+        dashpot?: Values,
+    }
 
-/// The section `[bonds]`: one number for each bond that can touch, from left to right.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct BondsSection {
-    /// Contact constants (1 if left out); 0: no contact.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub contact: Option<Values>,
-    /// Contact constant of the two walls (that of `contact` if left out).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub wall: Option<f64>,
-    /// Exponents (`chain.alpha` if left out).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub alpha: Option<Values>,
-    /// Static overlaps (`chain.precompression` if left out); negative: beads apart.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub overlap: Option<Values>,
-    /// Dissipation constants of viscoelastic contacts, in units of time.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub viscoelastic: Option<Values>,
-    /// Dashpot constants of contacts, force over velocity.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub dashpot: Option<Values>,
-}
+    /// The section `[bonds]`: one number for each bond that can touch, from left to right.
+    #[derive(Default)]
+    pub struct BondsSection {
+        /// Contact constants (1 if left out); 0: no contact.
+        contact?: Values,
+        /// Contact constant of the two walls (that of `contact` if left out).
+        wall?: f64,
+        /// Exponents (`chain.alpha` if left out).
+        alpha?: Values,
+        /// Static overlaps (`chain.precompression` if left out); negative: beads apart.
+        overlap?: Values,
+        /// Dissipation constants of viscoelastic contacts, in units of time.
+        viscoelastic?: Values,
+        /// Dashpot constants of contacts, force over velocity.
+        dashpot?: Values,
+    }
 
-/// One entry of `[[drive]]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DriveSection {
-    /// The bead, counted from 0.
-    pub site: usize,
-    /// Whether the signal is its displacement or a force on it.
-    pub kind: DriveKind,
-    /// Amplitudes, one a harmonic; the root mean square of noise.
-    pub amplitude: Values,
-    /// Angular frequencies, one a harmonic.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub omega: Option<Values>,
-    /// Phases, one a harmonic, in radians (0 if left out).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub phase: Option<Values>,
-    /// Noise: the least and the largest angular frequency, in place of `omega` and `phase`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub band: Option<[f64; 2]>,
-    /// Seed of noise (1 if left out).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub seed: Option<u64>,
-    /// Time in which the signal rises to its full amplitude (no ramp if left out).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ramp: Option<f64>,
-    /// Start of a burst (0 if left out).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub start: Option<f64>,
-    /// Length of a burst.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub length: Option<f64>,
+    /// One entry of `[[drive]]`.
+    pub struct DriveSection {
+        /// The bead, counted from 0.
+        site: usize,
+        /// Whether the signal is its displacement or a force on it.
+        kind: DriveKind,
+        /// Amplitudes, one a harmonic; the root mean square of noise.
+        amplitude: Values,
+        /// Angular frequencies, one a harmonic.
+        omega?: Values,
+        /// Phases, one a harmonic, in radians (0 if left out).
+        phase?: Values,
+        /// Noise: the least and the largest angular frequency, in place of `omega` and `phase`.
+        band?: [f64; 2],
+        /// Seed of noise (1 if left out).
+        seed?: u64,
+        /// Time in which the signal rises to its full amplitude (no ramp if left out).
+        ramp?: f64,
+        /// Start of a burst (0 if left out).
+        start?: f64,
+        /// Length of a burst.
+        length?: f64,
+    }
 }
 
 /// The tables of a scene from which the details of its chain are built.
@@ -114,10 +94,7 @@ impl Tables<'_> {
         let (n, touching) = (chain.sites(), chain.touching().len());
         let mut details = Details::default();
         if let Some(beads) = beads {
-            let list = |name, values: &Option<Values>| match values {
-                Some(values) => values.of(name, n),
-                None => Ok(Vec::new()),
-            };
+            let list = |name, values: &Option<Values>| list(name, values, n);
             details.mass = list("beads.mass", &beads.mass)?;
             details.kappa = list("beads.kappa", &beads.kappa)?;
             details.rho = list("beads.rho", &beads.rho)?;
@@ -131,6 +108,11 @@ impl Tables<'_> {
         details.drives = drives.iter().map(|drive| drive.build(units.as_ref())).collect::<Result<_>>()?;
         Ok((chain.with(&details).map_err(|error| named(error, beads, bonds))?, units))
     }
+}
+
+/// The numbers of a key; none if it is left out.
+fn list(name: &'static str, values: &Option<Values>, count: usize) -> Result<Vec<f64>> {
+    values.as_ref().map_or(Ok(Vec::new()), |values| values.of(name, count))
 }
 
 /// An error of the chain with its parameter named by the key of the scene.
@@ -154,10 +136,7 @@ fn named(error: Error, beads: Option<&BeadsSection>, bonds: Option<&BondsSection
 
 impl BondsSection {
     fn apply(&self, chain: &Chain<f64>, touching: usize, details: &mut Details) -> Result<()> {
-        let list = |name, values: &Option<Values>| match values {
-            Some(values) => values.of(name, touching),
-            None => Ok(Vec::new()),
-        };
+        let list = |name, values: &Option<Values>| list(name, values, touching);
         details.contact = list("bonds.contact", &self.contact)?;
         details.alpha = list("bonds.alpha", &self.alpha)?;
         details.overlap = list("bonds.overlap", &self.overlap)?;

@@ -18,62 +18,56 @@ use toml::{
 /// Largest number of characters of a line or a number in a message.
 const SHOWN: usize = 60;
 
-/// The whole file. Unknown keys are errors.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SceneFile {
-    /// Short name; if left out, the name of the file without its extension, or `scene`.
-    #[serde(default)]
-    pub name: String,
-    /// One line on what the scene shows.
-    #[serde(default)]
-    pub summary: String,
-    /// The chain.
-    pub chain: ChainSection,
-    /// What differs from bead to bead.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub beads: Option<BeadsSection>,
-    /// What differs from bond to bond.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub bonds: Option<BondsSection>,
-    /// What moves or pushes beads.
-    #[serde(default, rename = "drive", skip_serializing_if = "Vec::is_empty")]
-    pub drives: Vec<DriveSection>,
-    /// Spheres in SI units.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub units: Option<UnitsSection>,
-    /// The initial state.
-    pub initial: Initial,
-    /// The time span.
-    pub span: Span,
-    /// The records.
-    #[serde(default)]
-    pub record: Record,
-    /// The method; if left out, it follows from the regime of the chain. A method named by the
-    /// caller has precedence.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub method: Option<MethodSection>,
-}
+sections! {
+    /// The whole file. Unknown keys are errors.
+    pub struct SceneFile {
+        /// Short name; if left out, the name of the file without its extension, or `scene`.
+        #[serde(default)]
+        name: String,
+        /// One line on what the scene shows.
+        #[serde(default)]
+        summary: String,
+        /// The chain.
+        chain: ChainSection,
+        /// What differs from bead to bead.
+        beads?: BeadsSection,
+        /// What differs from bond to bond.
+        bonds?: BondsSection,
+        /// What moves or pushes beads.
+        #[serde(default, rename = "drive", skip_serializing_if = "Vec::is_empty")]
+        drives: Vec<DriveSection>,
+        /// Spheres in SI units.
+        units?: UnitsSection,
+        /// The initial state.
+        initial: Initial,
+        /// The time span.
+        span: Span,
+        /// The records.
+        #[serde(default)]
+        record: Record,
+        /// The method; if left out, it follows from the regime of the chain. A method named by the
+        /// caller has precedence.
+        method?: MethodSection,
+    }
 
-/// The section `[chain]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ChainSection {
-    /// Number of beads.
-    pub sites: usize,
-    /// Exponent.
-    pub alpha: f64,
-    /// Spring constant (0, no springs, if left out).
-    #[serde(default)]
-    pub kappa: f64,
-    /// Mass ratio resonator to bead (0, no resonators, if left out); `inf` for the cradle.
-    #[serde(default)]
-    pub rho: f64,
-    /// The conditions at the ends.
-    pub boundary: Boundary,
-    /// Static overlap of each bond.
-    #[serde(default)]
-    pub precompression: f64,
+    /// The section `[chain]`.
+    pub struct ChainSection {
+        /// Number of beads.
+        sites: usize,
+        /// Exponent.
+        alpha: f64,
+        /// Spring constant (0, no springs, if left out).
+        #[serde(default)]
+        kappa: f64,
+        /// Mass ratio resonator to bead (0, no resonators, if left out); `inf` for the cradle.
+        #[serde(default)]
+        rho: f64,
+        /// The conditions at the ends.
+        boundary: Boundary,
+        /// Static overlap of each bond.
+        #[serde(default)]
+        precompression: f64,
+    }
 }
 
 impl ChainSection {
@@ -160,74 +154,56 @@ pub enum Initial {
     },
 }
 
-/// The section `[initial]` of kind `trivial-breather`: amplitudes, phases and mean positions, each
-/// given in one way.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct TrivialSection {
-    /// `a_n`, site by site; otherwise `a_n = amplitude e^{-|n - center| / decay}` from the next
-    /// three keys.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub amplitudes: Option<Vec<f64>>,
-    /// Site of the centre, between sites if fractional.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub center: Option<f64>,
-    /// Largest `a_n`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub amplitude: Option<f64>,
-    /// Decay length, in sites.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub decay: Option<f64>,
-    /// `phi_n`, site by site, in radians.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub phases: Option<Vec<f64>>,
-    /// `(phi_n - phi_{n-1}) / pi`, the same for all bonds (1, antiphase, if left out).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub phase_step_over_pi: Option<f64>,
-    /// Mean positions `b_n`, site by site.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub b: Option<Vec<f64>>,
-    /// `d_n`, site by site: the mean positions are `b_n = d_n + sum l_k`. Where `d_n` is constant
-    /// the beads touch but do not press.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub d: Option<Vec<f64>>,
-    /// Increase of `d_n` from site to site, the same for all bonds (0 if left out); the mean of the
-    /// `b_n` is then zero.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub gap: Option<f64>,
-}
+sections! {
+    /// The section `[initial]` of kind `trivial-breather`: amplitudes, phases and mean positions,
+    /// each given in one way.
+    #[derive(Default)]
+    pub struct TrivialSection {
+        /// `a_n`, site by site; otherwise `a_n = amplitude e^{-|n - center| / decay}` from the next
+        /// three keys.
+        amplitudes?: Vec<f64>,
+        /// Site of the centre, between sites if fractional.
+        center?: f64,
+        /// Largest `a_n`.
+        amplitude?: f64,
+        /// Decay length, in sites.
+        decay?: f64,
+        /// `phi_n`, site by site, in radians.
+        phases?: Vec<f64>,
+        /// `(phi_n - phi_{n-1}) / pi`, the same for all bonds (1, antiphase, if left out).
+        phase_step_over_pi?: f64,
+        /// Mean positions `b_n`, site by site.
+        b?: Vec<f64>,
+        /// `d_n`, site by site: the mean positions are `b_n = d_n + sum l_k`. Where `d_n` is
+        /// constant the beads touch but do not press.
+        d?: Vec<f64>,
+        /// Increase of `d_n` from site to site, the same for all bonds (0 if left out); the mean of
+        /// the `b_n` is then zero.
+        gap?: f64,
+    }
 
-/// The section `[span]`, with exactly one of `periods` and `until`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Span {
-    /// Length in periods of the scene.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub periods: Option<f64>,
-    /// End time.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub until: Option<f64>,
-    /// Unit of time for steps per period, for scenes without a frequency of their own (1 if left
-    /// out).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub period: Option<f64>,
-}
+    /// The section `[span]`, with exactly one of `periods` and `until`.
+    pub struct Span {
+        /// Length in periods of the scene.
+        periods?: f64,
+        /// End time.
+        until?: f64,
+        /// Unit of time for steps per period, for scenes without a frequency of their own (1 if
+        /// left out).
+        period?: f64,
+    }
 
-/// The section `[method]`: an integrator, and at most one of the other keys.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MethodSection {
-    /// Name of the integrator.
-    pub integrator: String,
-    /// Tolerance, for an integrator that takes one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tol: Option<f64>,
-    /// Step; it is reduced where a whole number of steps must fit the span.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub step: Option<f64>,
-    /// Steps per period of the scene.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub steps_per_period: Option<f64>,
+    /// The section `[method]`: an integrator, and at most one of the other keys.
+    pub struct MethodSection {
+        /// Name of the integrator.
+        integrator: String,
+        /// Tolerance, for an integrator that takes one.
+        tol?: f64,
+        /// Step; it is reduced where a whole number of steps must fit the span.
+        step?: f64,
+        /// Steps per period of the scene.
+        steps_per_period?: f64,
+    }
 }
 
 impl MethodSection {
@@ -261,16 +237,16 @@ impl MethodSection {
     }
 }
 
-/// The section `[record]`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Record {
-    /// Number of equally spaced times at which energy and strains are kept; 0: the end only.
-    ///
-    /// If left out, a scene takes [`FEWEST_SAMPLES`](Self::FEWEST_SAMPLES), or more where its
-    /// period is known; see [`by_default`](Self::by_default).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub samples: Option<usize>,
+sections! {
+    /// The section `[record]`.
+    #[derive(Default)]
+    pub struct Record {
+        /// Number of equally spaced times at which energy and strains are kept; 0: the end only.
+        ///
+        /// If left out, a scene takes [`FEWEST_SAMPLES`](Self::FEWEST_SAMPLES), or more where its
+        /// period is known; see [`by_default`](Self::by_default).
+        samples?: usize,
+    }
 }
 
 impl Record {

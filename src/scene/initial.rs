@@ -192,6 +192,11 @@ fn given(chain: &Chain<f64>, arrays: [&[f64]; 4]) -> Result<State<f64>> {
     State::from_fn(chain, |i| Site { u: at(u, i), v: at(v, i), u_dot: at(u_dot, i), v_dot: at(v_dot, i) })
 }
 
+pub(super) fn positive(name: &'static str, value: f64) -> Result<f64> {
+    let good = value.is_finite() && value > 0.0;
+    if good { Ok(value) } else { Err(Error::parameter(name, value, "finite and positive")) }
+}
+
 fn finite(name: &'static str, value: f64) -> Result<()> {
     if value.is_finite() { Ok(()) } else { Err(Error::parameter(name, value, "a finite number")) }
 }
@@ -222,9 +227,7 @@ fn amplitudes(sites: usize, section: &TrivialSection) -> Result<Vec<f64>> {
     match (&section.amplitudes, section.center, section.amplitude, section.decay) {
         (Some(amplitudes), None, None, None) => site_by_site("amplitudes", amplitudes, sites),
         (None, Some(center), Some(amplitude), Some(decay)) => {
-            if !(decay.is_finite() && decay > 0.0) {
-                return Err(Error::parameter("decay", decay, "finite and positive"));
-            }
+            let decay = positive("decay", decay)?;
             finite("center", center)?;
             finite("amplitude", amplitude)?;
             Ok((0..sites).map(|i| amplitude * (-(i as f64 - center).abs() / decay).exp()).collect())

@@ -1,5 +1,22 @@
 //! Scenes: named, complete set-ups with chain, initial state, time span and records.
 
+/// Tables of a scene file; unknown keys are errors. `key?: type` may be left out: it is an `Option`,
+/// and is not written if it is `None`.
+macro_rules! sections {
+    ($($(#[$about:meta])* pub struct $name:ident {
+        $($(#[$key:meta])* $field:ident $(?: $optional:ty)? $(: $type:ty)?,)*
+    })*) => {$(
+        $(#[$about])*
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name {
+            $($(#[$key])*
+            $(#[serde(skip_serializing_if = "Option::is_none")] pub $field: Option<$optional>)?
+            $(pub $field: $type)?,)*
+        }
+    )*};
+}
+
 mod builtin;
 mod details;
 mod file;
@@ -25,7 +42,7 @@ use crate::{
 };
 use builtin::BUILTIN;
 use hertzchain_integrators::Error as Failure;
-use initial::{initial_state, within_range};
+use initial::{initial_state, positive, within_range};
 use std::{f64::consts::PI, path::Path};
 
 /// Largest number of sites; a state of that size takes 3.2 GB.
@@ -217,10 +234,6 @@ impl Scene {
         if let (Some(given), true) = (file.span.period, has_frequency) {
             return Err(Error::parameter("period", given, "this scene has a frequency of its own: leave `period` out"));
         }
-        let positive = |name, value: f64| {
-            let good = value.is_finite() && value > 0.0;
-            if good { Ok(value) } else { Err(Error::parameter(name, value, "finite and positive")) }
-        };
         let period = positive("period", period)?;
         let end = match (file.span.periods, file.span.until) {
             (Some(periods), None) => checked_end(positive("periods", periods)? * period)

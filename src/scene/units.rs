@@ -20,27 +20,24 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// The section `[units]`: the material of spheres and walls, in SI units.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct UnitsSection {
-    /// Radii in metres.
-    pub radius: Values,
-    /// Densities in kilograms per cubic metre.
-    pub density: Values,
-    /// Young's moduli in pascals.
-    pub young: Values,
-    /// Poisson's ratios.
-    pub poisson: Values,
-    /// Young's modulus of walls (that of the bead beside it if left out).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub wall_young: Option<f64>,
-    /// Poisson's ratio of walls (that of the bead beside it if left out).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub wall_poisson: Option<f64>,
-    /// Static load in newtons, the same in all contacts (0 if left out).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub static_load: Option<f64>,
+sections! {
+    /// The section `[units]`: the material of spheres and walls, in SI units.
+    pub struct UnitsSection {
+        /// Radii in metres.
+        radius: Values,
+        /// Densities in kilograms per cubic metre.
+        density: Values,
+        /// Young's moduli in pascals.
+        young: Values,
+        /// Poisson's ratios.
+        poisson: Values,
+        /// Young's modulus of walls (that of the bead beside it if left out).
+        wall_young?: f64,
+        /// Poisson's ratio of walls (that of the bead beside it if left out).
+        wall_poisson?: f64,
+        /// Static load in newtons, the same in all contacts (0 if left out).
+        static_load?: f64,
+    }
 }
 
 /// A sphere or, with an infinite radius, a wall.
@@ -130,9 +127,7 @@ impl UnitsSection {
         let young = list("units.young", &self.young, positive, rule)?;
         let (ratio, ratios) = (|x: f64| x > -1.0 && x <= 0.5, "Poisson's ratio is above -1 and at most 1/2");
         let poisson = list("units.poisson", &self.poisson, ratio, ratios)?;
-        if let Some(young) = self.wall_young.filter(|&young| !positive(young)) {
-            return Err(Error::parameter("units.wall_young", young, rule));
-        }
+        self.wall_young.map(|young| super::initial::positive("units.wall_young", young)).transpose()?;
         if let Some(poisson) = self.wall_poisson.filter(|&poisson| !ratio(poisson)) {
             return Err(Error::parameter("units.wall_poisson", poisson, ratios));
         }

@@ -22,38 +22,30 @@ pub enum Values {
     Rule(Box<Rule>),
 }
 
-/// A rule from which a list of numbers follows: exactly one of `value`, `pattern`, `taper` and
-/// `random`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Rule {
-    /// One number for all.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub value: Option<f64>,
-    /// The first numbers of the list.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pattern: Option<Vec<f64>>,
-    /// Whether the pattern repeats; otherwise its last number fills the rest of the list.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub repeat: Option<bool>,
-    /// Ratio of each number to the one before it; the first number is `from` (1 if left out).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub taper: Option<f64>,
-    /// Law of random numbers: `"uniform"`, between `from` and `to`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub random: Option<String>,
-    /// First number of a taper, or lower end of random numbers.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub from: Option<f64>,
-    /// Upper end of random numbers.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub to: Option<f64>,
-    /// Seed of random numbers (1 if left out).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub seed: Option<u64>,
-    /// Exceptions `[index, value]` that replace single numbers; indices are counted from 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub except: Option<Vec<(usize, f64)>>,
+sections! {
+    /// A rule from which a list of numbers follows: exactly one of `value`, `pattern`, `taper` and
+    /// `random`.
+    #[derive(Default)]
+    pub struct Rule {
+        /// One number for all.
+        value?: f64,
+        /// The first numbers of the list.
+        pattern?: Vec<f64>,
+        /// Whether the pattern repeats; otherwise its last number fills the rest of the list.
+        repeat?: bool,
+        /// Ratio of each number to the one before it; the first number is `from` (1 if left out).
+        taper?: f64,
+        /// Law of random numbers: `"uniform"`, between `from` and `to`.
+        random?: String,
+        /// First number of a taper, or lower end of random numbers.
+        from?: f64,
+        /// Upper end of random numbers.
+        to?: f64,
+        /// Seed of random numbers (1 if left out).
+        seed?: u64,
+        /// Exceptions `[index, value]` that replace single numbers; indices are counted from 0.
+        except?: Vec<(usize, f64)>,
+    }
 }
 
 impl<'de> Deserialize<'de> for Values {

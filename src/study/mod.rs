@@ -203,7 +203,7 @@ fn infinite(value: &mut Value) {
 /// The end of a caption: the scene with its parameters, and the program.
 #[cfg(feature = "plot")]
 fn provenance(scene: &Scene, how: &str) -> String {
-    format!("{} hertzchain {}.", scene_caption(scene, how), env!("CARGO_PKG_VERSION"))
+    format!("{} {}.", scene_caption(scene, how), crate::output::PROGRAM)
 }
 
 /// The same without the program.

@@ -1,6 +1,6 @@
 //! The engine, with which all studies compute their grids.
 
-use super::{Backend, Points, Progress, Rows, Shard, Store, Swept, Threads, collected, compute, counted};
+use super::{Backend, Job, Progress, Rows, Shard, Store, Swept, Threads, collected, counted};
 use crate::{
     error::{Error, Result},
     output::Folder,
@@ -133,20 +133,21 @@ impl Engine {
     /// hold such values; a row that the backend changed or left out. An engine with a shard always
     /// returns an error, since it does not have all rows: its result is in the error and in
     /// [`part`](Self::part). A process that computes for another one returns an error too.
-    pub fn sweep<T, U>(
+    pub fn sweep<T: Serialize + Sync, U: Serialize + DeserializeOwned + Send>(
         &self,
         grid: &Grid,
         points: &[T],
         progress: Progress<'_>,
         work: impl Fn(&T) -> Result<U> + Sync,
-    ) -> Result<Swept<U>>
-    where
-        T: Serialize + Sync,
-        U: Serialize + DeserializeOwned + Send,
-    {
-        let points = Points { count: points.len(), point: &|k| &points[k] };
-        let mut store = self.open(grid, points.count)?;
-        let (rows, resumed) = self.rows(grid, &points, store.as_mut(), &counted(progress), &|point| work(point))?;
+    ) -> Result<Swept<U>> {
+        let job = Job {
+            count: points.len(),
+            point: &|k| &points[k],
+            work: &|point: &T| work(point),
+            progress: &counted(progress),
+        };
+        let mut store = self.open(grid, job.count)?;
+        let (rows, resumed) = self.rows(grid, &job, store.as_mut())?;
         collected(rows, resumed)
     }
 
@@ -156,7 +157,7 @@ impl Engine {
     ///
     /// # Errors
     /// As [`sweep`](Self::sweep); errors of `take`.
-    pub(crate) fn each<T, U, R>(
+    pub(crate) fn each<T: Serialize, U: Serialize + DeserializeOwned, R>(
         &self,
         grid: &Grid,
         count: usize,
@@ -164,13 +165,9 @@ impl Engine {
         progress: &(dyn Fn(u64, u64) + Sync),
         work: &(dyn Fn(T) -> Result<U> + Sync),
         take: impl FnOnce(&mut Rows<'_>) -> Result<R>,
-    ) -> Result<(R, usize)>
-    where
-        T: Serialize,
-        U: Serialize + DeserializeOwned,
-    {
+    ) -> Result<(R, usize)> {
         let mut store = self.open(grid, count)?;
-        let (mut rows, resumed) = self.rows(grid, &Points { count, point }, store.as_mut(), progress, work)?;
+        let (mut rows, resumed) = self.rows(grid, &Job { count, point, work, progress }, store.as_mut())?;
         rows.settle()?;
         Ok((take(&mut rows)?, resumed))
     }
@@ -190,63 +187,51 @@ impl Engine {
     }
 
     /// Computes the missing rows. Returns all rows, and the number of rows that were there.
-    fn rows<'s, T, U>(
+    fn rows<'s, T: Serialize, U: Serialize + DeserializeOwned>(
         &self,
         grid: &Grid,
-        points: &Points<'_, T>,
+        job: &Job<'_, T, U>,
         store: Option<&'s mut Store>,
-        progress: &(dyn Fn(u64, u64) + Sync),
-        work: &(dyn Fn(T) -> Result<U> + Sync),
-    ) -> Result<(Rows<'s>, usize)>
-    where
-        T: Serialize,
-        U: Serialize + DeserializeOwned,
-    {
+    ) -> Result<(Rows<'s>, usize)> {
         if self.backend.serves() {
             let none = Rows { store: None, texts: Vec::new(), places: Vec::new() };
-            compute(points, none, &[], 0, &*self.backend, progress, work)?;
+            job.compute(none, &[], 0, &*self.backend)?;
             let why = "a process that computes for another one has no results of its own".to_owned();
             return Err(Error::Point { point: grid.study.to_owned(), why });
         }
         if let Some(shard) = self.shard {
-            return Err(self.part_of(shard.of(points.count)?, grid, points, progress, work)?);
+            return Err(self.part_of(shard.of(job.count)?, grid, job)?);
         }
-        let rows = Rows::find::<_, U>(points, store)?;
+        let rows = Rows::find(job, store)?;
         let todo = rows.missing(|_| true);
-        let resumed = points.count - todo.len();
-        Ok((compute(points, rows, &todo, resumed, &*self.backend, progress, work)?, resumed))
+        let resumed = job.count - todo.len();
+        Ok((job.compute(rows, &todo, resumed, &*self.backend)?, resumed))
     }
 
     /// Computes a shard. Returns the error with its result.
-    fn part_of<T, U>(
+    fn part_of<T: Serialize, U: Serialize + DeserializeOwned>(
         &self,
         shard: Shard,
         grid: &Grid,
-        points: &Points<'_, T>,
-        progress: &(dyn Fn(u64, u64) + Sync),
-        work: &(dyn Fn(T) -> Result<U> + Sync),
-    ) -> Result<Error>
-    where
-        T: Serialize,
-        U: Serialize + DeserializeOwned,
-    {
+        job: &Job<'_, T, U>,
+    ) -> Result<Error> {
         let Some(folder) = &self.folder else {
             return Err(Error::parameter("shard", shard, "a shard keeps its points in a folder: give the engine one"));
         };
         let Grid { store: name, study, settings } = grid;
         let there = Store::look(folder, name, study, settings)?.map(|mut all| {
-            let rows = Rows::find::<_, U>(points, Some(&mut all))?;
+            let rows = Rows::find(job, Some(&mut all))?;
             Ok::<_, Error>(rows.places.iter().map(Option::is_some).collect::<Vec<bool>>())
         });
         let there = there.transpose()?;
         let mine = |k: usize| shard.has(k) && !there.as_ref().is_some_and(|there| there[k]);
         let mut store = Store::open(folder, &shard.name(name), study, settings)?;
         let path = store.path();
-        let rows = Rows::find::<_, U>(points, Some(&mut store))?;
+        let rows = Rows::find(job, Some(&mut store))?;
         let todo = rows.missing(mine);
-        let count = (0..points.count).filter(|&k| shard.has(k)).count();
+        let count = (0..job.count).filter(|&k| shard.has(k)).count();
         let resumed = count - todo.len();
-        let mut rows = compute(points, rows, &todo, resumed, &*self.backend, progress, work)?;
+        let mut rows = job.compute(rows, &todo, resumed, &*self.backend)?;
         rows.settle()?;
         let left = rows.missing(mine).len();
         let part = Part { shard, points: count, kept: count - left, computed: todo.len() - left, store: path };

@@ -72,6 +72,12 @@ pub(crate) fn counted(progress: Progress<'_>) -> impl Fn(u64, u64) + Sync {
 /// The result of a point: a value, or the reason why there is none.
 pub type Row<U> = std::result::Result<U, String>;
 
+/// Makes the row of the point of this number, as text; see [`Backend`].
+pub type Work<'a> = &'a (dyn Fn(usize) -> String + Sync);
+
+/// Takes the number of a point and its row; see [`Backend`].
+pub type Done<'a> = &'a (dyn Fn(usize, String) -> Result<()> + Sync);
+
 /// Computes points.
 ///
 /// The input is the number of a point in the grid and the output is text, so a worker may be
@@ -84,12 +90,7 @@ pub trait Backend {
     ///
     /// # Errors
     /// The first error of `done`; then the backend stops as soon as it can.
-    fn run(
-        &self,
-        todo: &[usize],
-        work: &(dyn Fn(usize) -> String + Sync),
-        done: &(dyn Fn(usize, String) -> Result<()> + Sync),
-    ) -> Result<()>;
+    fn run(&self, todo: &[usize], work: Work<'_>, done: Done<'_>) -> Result<()>;
 
     /// Whether this process computes points for another one, which has the store and the results:
     /// [`run`](Self::run) then takes points from there, and calls `done` for none.
@@ -198,13 +199,16 @@ fn collected<U: DeserializeOwned + Send>(mut rows: Rows<'_>, resumed: usize) -> 
     Ok(Swept { rows: all, resumed, missing })
 }
 
-/// The points of a grid by their number, so that a large grid need not be in memory.
-struct Points<'a, T> {
+/// The points of a grid by their number, so that a large grid need not be in memory, and what is
+/// done with them.
+struct Job<'a, T, U> {
     count: usize,
     point: &'a (dyn Fn(usize) -> T + Sync),
+    work: &'a (dyn Fn(T) -> Result<U> + Sync),
+    progress: &'a (dyn Fn(u64, u64) + Sync),
 }
 
-impl<T: Serialize> Points<'_, T> {
+impl<T: Serialize, U: Serialize + DeserializeOwned> Job<'_, T, U> {
     /// The point as JSON text, which identifies it in the store.
     fn key(&self, k: usize) -> Result<String> {
         let refused = |why| Error::parameter("point", why, "a point of a grid can be written as JSON");
@@ -229,6 +233,36 @@ impl<T: Serialize> Points<'_, T> {
             None => Ok(hashes),
         }
     }
+
+    /// Computes the points `todo` and keeps their rows. `resumed` is the number of rows that were in
+    /// the store.
+    fn compute<'s>(&self, rows: Rows<'s>, todo: &[usize], resumed: usize, backend: &dyn Backend) -> Result<Rows<'s>> {
+        let tally = Tally::new(resumed + todo.len(), self.progress);
+        tally.add(resumed);
+        let (left, stopped) = (AtomicU64::new(todo.len() as u64), AtomicBool::new(false));
+        let row = |k: usize| {
+            let row = attempt(|| (self.work)((self.point)(k)));
+            // A computation that was asked to end may have a part of its result, or a wrong one: what
+            // fails on the way is an answer to some.
+            if interrupt::asked() { String::new() } else { text(row) }
+        };
+        let rows = Mutex::new(rows);
+        backend.run(todo, &row, &|k, text| {
+            if text.is_empty() {
+                stopped.store(true, Ordering::Relaxed);
+                return Ok(());
+            }
+            read::<U>(&text).map(drop).map_err(|_| changed(text.clone()))?;
+            locked(&rows).keep(k, &self.key(k)?, text)?;
+            left.fetch_sub(1, Ordering::Relaxed);
+            tally.tick();
+            Ok(())
+        })?;
+        if left.into_inner() > 0 && !stopped.into_inner() && !interrupt::asked() && !backend.serves() {
+            return Err(Error::parameter("rows", "incomplete", "a backend computes every point it is given"));
+        }
+        Ok(rows.into_inner().unwrap_or_else(PoisonError::into_inner))
+    }
 }
 
 /// The rows of a grid: in a store, or in memory.
@@ -243,9 +277,12 @@ pub(crate) struct Rows<'s> {
 impl<'s> Rows<'s> {
     /// The rows that the store has. Of these only the first one is read, so that a store of other
     /// values is refused before anything is computed: all have been written by one study.
-    fn find<T: Serialize, U: DeserializeOwned>(points: &Points<'_, T>, store: Option<&'s mut Store>) -> Result<Self> {
-        let hashes = points.hashes()?;
-        let places = store.as_ref().map_or_else(|| vec![None; points.count], |store| store.places(&hashes));
+    fn find<T: Serialize, U: Serialize + DeserializeOwned>(
+        job: &Job<'_, T, U>,
+        store: Option<&'s mut Store>,
+    ) -> Result<Self> {
+        let hashes = job.hashes()?;
+        let places = store.as_ref().map_or_else(|| vec![None; job.count], |store| store.places(&hashes));
         let rows = Self { store, texts: Vec::new(), places };
         if let Some(k) = rows.places.iter().position(Option::is_some) {
             let mut text = String::new();
@@ -330,48 +367,6 @@ impl<'s> Rows<'s> {
             (Some(_), None) => read(text).map_err(changed),
         }
     }
-}
-
-/// Computes the points `todo` of a grid and keeps their rows. `resumed` is the number of rows that
-/// were in the store.
-fn compute<'s, T, U>(
-    points: &Points<'_, T>,
-    rows: Rows<'s>,
-    todo: &[usize],
-    resumed: usize,
-    backend: &dyn Backend,
-    progress: &(dyn Fn(u64, u64) + Sync),
-    work: &(dyn Fn(T) -> Result<U> + Sync),
-) -> Result<Rows<'s>>
-where
-    T: Serialize,
-    U: Serialize + DeserializeOwned,
-{
-    let tally = Tally::new(resumed + todo.len(), progress);
-    tally.add(resumed);
-    let (left, stopped) = (AtomicU64::new(todo.len() as u64), AtomicBool::new(false));
-    let row = |k: usize| {
-        let row = attempt(|| work((points.point)(k)));
-        // A computation that was asked to end may have a part of its result, or a wrong one: what
-        // fails on the way is an answer to some.
-        if interrupt::asked() { String::new() } else { text(row) }
-    };
-    let rows = Mutex::new(rows);
-    backend.run(todo, &row, &|k, text| {
-        if text.is_empty() {
-            stopped.store(true, Ordering::Relaxed);
-            return Ok(());
-        }
-        read::<U>(&text).map(drop).map_err(|_| changed(text.clone()))?;
-        locked(&rows).keep(k, &points.key(k)?, text)?;
-        left.fetch_sub(1, Ordering::Relaxed);
-        tally.tick();
-        Ok(())
-    })?;
-    if left.into_inner() > 0 && !stopped.into_inner() && !interrupt::asked() && !backend.serves() {
-        return Err(Error::parameter("rows", "incomplete", "a backend computes every point it is given"));
-    }
-    Ok(rows.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
 fn changed(text: String) -> Error {

@@ -16,7 +16,7 @@
 use super::{shard::Shard, threads};
 use crate::{
     error::{Error, Result},
-    output::{Folder, is_at},
+    output::{Folder, PROGRAM, is_at},
 };
 use serde_json::{Value, json, value::RawValue};
 use std::{
@@ -442,8 +442,7 @@ fn fitting<'a>((check, json): (&'a str, &'a str), hash: u64) -> std::result::Res
 
 /// The first line of a store.
 fn header(study: &str, settings: &Value) -> String {
-    let program = concat!("hertzchain ", env!("CARGO_PKG_VERSION"));
-    json!({"sweep": VERSION, "study": study, "program": program, "settings": settings}).to_string()
+    json!({"sweep": VERSION, "study": study, "program": PROGRAM, "settings": settings}).to_string()
 }
 
 /// Point and row of the JSON of a line. Only the point is parsed.

@@ -1,10 +1,9 @@
 //! Computation on the threads of this process, or on one thread without the feature `parallel`.
 
-use super::Backend;
+use super::{Backend, Done, Work};
 use crate::error::Result;
 #[cfg(feature = "parallel")]
 use crate::interrupt;
-#[cfg(feature = "parallel")]
 use std::sync::{Mutex, PoisonError};
 
 /// All cores, or as many threads as the environment variable `RAYON_NUM_THREADS` says.
@@ -12,26 +11,15 @@ use std::sync::{Mutex, PoisonError};
 pub struct Threads;
 
 impl Backend for Threads {
-    #[cfg(feature = "parallel")]
-    fn run(
-        &self,
-        todo: &[usize],
-        work: &(dyn Fn(usize) -> String + Sync),
-        done: &(dyn Fn(usize, String) -> Result<()> + Sync),
-    ) -> Result<()> {
-        use rayon::prelude::*;
-        let token = interrupt::token();
-        todo.par_iter().with_max_len(1).try_for_each(|&k| token.within(|| done(k, work(k))))
-    }
-
-    #[cfg(not(feature = "parallel"))]
-    fn run(
-        &self,
-        todo: &[usize],
-        work: &(dyn Fn(usize) -> String + Sync),
-        done: &(dyn Fn(usize, String) -> Result<()> + Sync),
-    ) -> Result<()> {
-        InTurn.run(todo, work, done)
+    fn run(&self, todo: &[usize], work: Work<'_>, done: Done<'_>) -> Result<()> {
+        #[cfg(not(feature = "parallel"))]
+        return InTurn.run(todo, work, done);
+        #[cfg(feature = "parallel")]
+        {
+            use rayon::prelude::*;
+            let token = interrupt::token();
+            todo.par_iter().with_max_len(1).try_for_each(|&k| token.within(|| done(k, work(k))))
+        }
     }
 }
 
@@ -41,18 +29,12 @@ impl Backend for Threads {
 pub struct InTurn;
 
 impl Backend for InTurn {
-    fn run(
-        &self,
-        todo: &[usize],
-        work: &(dyn Fn(usize) -> String + Sync),
-        done: &(dyn Fn(usize, String) -> Result<()> + Sync),
-    ) -> Result<()> {
+    fn run(&self, todo: &[usize], work: Work<'_>, done: Done<'_>) -> Result<()> {
         todo.iter().try_for_each(|&k| done(k, work(k)))
     }
 }
 
 /// The results of `f` for all items, in the order of the items, computed on all cores.
-#[cfg(feature = "parallel")]
 pub fn map<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
     let results: Vec<_> = items.iter().map(|_| Mutex::new(None)).collect();
     each(items.len(), &|k| *super::locked(&results[k]) = Some(f(&items[k])));
@@ -62,30 +44,23 @@ pub fn map<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync + Send) -> 
 
 /// Calls `work` for all numbers below `count`, on all cores. This is not generic: `rayon` would be
 /// compiled again for every closure.
-#[cfg(feature = "parallel")]
 fn each(count: usize, work: &(dyn Fn(usize) + Sync)) {
-    use rayon::prelude::*;
-    let token = interrupt::token();
-    (0..count).into_par_iter().for_each(|k| token.within(|| work(k)));
-}
-
-/// The results of `f`, in the order of the items.
-#[cfg(not(feature = "parallel"))]
-pub fn map<T, U>(items: &[T], f: impl Fn(&T) -> U) -> Vec<U> {
-    items.iter().map(f).collect()
+    #[cfg(not(feature = "parallel"))]
+    (0..count).for_each(work);
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        let token = interrupt::token();
+        (0..count).into_par_iter().for_each(|k| token.within(|| work(k)));
+    }
 }
 
 /// Sorts items on all cores; equal items may change their order.
-#[cfg(feature = "parallel")]
 pub(super) fn sort<T: Ord + Send>(items: &mut [T]) {
-    use rayon::prelude::*;
-    items.par_sort_unstable();
-}
-
-/// Sorts items; equal items may change their order.
-#[cfg(not(feature = "parallel"))]
-pub(super) fn sort<T: Ord>(items: &mut [T]) {
+    #[cfg(not(feature = "parallel"))]
     items.sort_unstable();
+    #[cfg(feature = "parallel")]
+    rayon::slice::ParallelSliceMut::par_sort_unstable(items);
 }
 
 /// Runs `work`, with all its parallel parts, on one thread.

@@ -197,14 +197,15 @@ fn all_commands_of_the_guide_run() {
 }
 
 #[test]
-fn columns_are_those_that_the_help_names() {
-    // HERTZCHAIN_GOLDEN=update writes the file anew, as for the golden net.
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/columns.md");
-    let now = hertzchain::cli::columns();
-    if env::var("HERTZCHAIN_GOLDEN").is_ok_and(|mode| mode == "update") {
-        fs::write(&path, &now).unwrap();
+fn generated_pages_are_what_the_help_says() {
+    // HERTZCHAIN_GOLDEN=update writes the files anew, as for the golden net.
+    for (page, now) in [("columns", hertzchain::cli::columns()), ("options", hertzchain::cli::options())] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("docs/{page}.md"));
+        if env::var("HERTZCHAIN_GOLDEN").is_ok_and(|mode| mode == "update") {
+            fs::write(&path, &now).unwrap();
+        }
+        assert!(fs::read_to_string(&path).unwrap() == now, "docs/{page}.md is not what the program says");
     }
-    assert!(fs::read_to_string(&path).unwrap() == now, "docs/columns.md is not what the program says");
 }
 
 #[test]

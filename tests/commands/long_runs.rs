@@ -155,8 +155,8 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         refusal(kept.is(&path, None, Some(method)).unwrap_err()).contains("integrator: dop853 there and verlet here")
     );
     for (from, to, key, rule) in [
-        ("\"version\": 3", "\"version\": 4", "version", "read is hertzchain checkpoint, version 3"),
-        ("hertzchain checkpoint", "hertzchain branch", "version", "hertzchain branch, version 3"),
+        ("\"version\": 3", "\"version\": 4", "", "read is hertzchain checkpoint, version 3"),
+        ("hertzchain checkpoint", "hertzchain branch", "", "hertzchain branch, version 3"),
         ("\"hertzchain 0", "\"hertzchain 99", "program", "only the same program"),
         // Found by fuzzing: lines that a file brings along are not those of a message.
         ("\"hertzchain 0", "\"two\\nlines 0", "program", "only the same program"),
@@ -165,7 +165,7 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         ("\"legs\": 4", "\"legs\": 0", "legs", "0 of 4"),
         ("\"legs\": 4", "\"legs\": 3", "t", "16 after 3 legs"),
         ("\"interval\": 4", "\"interval\": -4", "setting", "checkpoint = -4"),
-        ("\"interval\": 4", "\"more\": 1, \"interval\": 4", "keys", "unknown field `more`"),
+        ("\"interval\": 4", "\"more\": 1, \"interval\": 4", "", "unknown field `more`"),
         ("\"taken\": ", "\"taken\": 1", "samples", "kept"),
         ("sites = 20", "sites = 0", "scene", "sites = 0"),
     ] {
@@ -173,7 +173,8 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         fs::write(&path, npz_with("settings.json", &text.replace(from, to), &[]).unwrap()).unwrap();
         let message = LongRun::load(&path).map(|_| ()).unwrap_err().to_string();
         assert_eq!(message.lines().count(), 1, "{message}");
-        let place = format!("{}, settings.json, {key}: ", path.display());
+        let key_of_settings = if key.is_empty() { String::new() } else { format!(", {key}") };
+        let place = format!("{}, settings.json{key_of_settings}: ", path.display());
         // Without arrays what comes after the settings is missing.
         let arrays = ["samples", "legs", "t"].contains(&key);
         assert!(

@@ -4,30 +4,48 @@
 //! that several commands have is said in the same words by each; what differs between commands
 //! stands in the second paragraph.
 
-mod breathers;
-mod methods;
-mod modulation;
-mod orbit;
-mod paper;
-mod scenes;
-mod shell;
-mod study;
+mod run;
+mod studies;
 
-pub(super) use breathers::*;
-pub(super) use methods::*;
-pub(super) use modulation::*;
-pub(super) use orbit::*;
-pub(super) use paper::*;
-pub(super) use scenes::*;
-pub(super) use shell::*;
-pub(super) use study::*;
+use run::RUN_EXAMPLES;
+pub(super) use run::RunArgs;
+use studies::{BreatherAction, DpsAction, OrbitAction, StudyAction, WaveArgs};
 
+use super::{
+    figures::FiguresArgs, integrators::IntegratorsArgs, report::ReportArgs, runner::StudyCommand, scenes::ScenesArgs,
+    shell::ShellAction,
+};
 use crate::{
-    cli::runner::StudyCommand,
+    paper::Verify,
     study::{Compare, PlanFile},
 };
-use clap::{Parser, Subcommand};
+use clap::Parser;
 use hertzchain_integrators::Instructions;
+
+/// Commands, each with its help, its flags, and examples of it for the long help.
+macro_rules! commands {
+    ($name:ident; $($(#[$help:meta])* $command:ident($args:ty) $(=> $($example:literal),+)?;)*) => {
+        #[derive(clap::Subcommand)]
+        pub(crate) enum $name {
+            $($(#[$help])* $(#[command(after_long_help = $crate::cli::args::examples(&[$($example),+]))])?
+            $command($args),)*
+        }
+
+        impl $name {
+            pub(crate) fn run(&self) -> $crate::cli::Exit {
+                match self {
+                    $(Self::$command(args) => args.run(),)*
+                }
+            }
+        }
+    };
+}
+use commands;
+
+fn examples(all: &[&str]) -> String {
+    let head = if all.len() == 1 { "Example:" } else { "Examples:" };
+    all.iter().fold(head.to_owned(), |text, example| text + "\n  hertzchain " + example)
+}
 
 /// Columns of the widest help; narrower terminals get narrower help.
 const COLUMNS: usize = 79;
@@ -73,78 +91,106 @@ fn instructions(text: &str) -> Result<Instructions, String> {
     if set.available() { Ok(set) } else { Err("this machine does not have them".to_owned()) }
 }
 
-#[derive(Subcommand)]
-pub(super) enum Command {
+commands! {
+    Command;
+
     /// Run one scene with one integrator.
     ///
     /// Prints time, energy and work at the end of the run; with --out it also writes the state,
     /// energies and strains at the sample times, and pictures.
     #[command(after_long_help = RUN_EXAMPLES)]
-    Run(RunArgs),
+    Run(RunArgs);
     /// Compare integrators on a scene: error against run time.
     ///
     /// Every integrator runs with smaller and smaller steps or tolerances until the time of
     /// --max-time is used up. Errors are those of the strains at the end, against a reference that
     /// a second method checks. The table ends with the fastest run at each error.
-    #[command(after_long_help = COMPARE_EXAMPLES)]
-    Compare(StudyCommand<Compare>),
+    Compare(StudyCommand<Compare>) =>
+        "compare tw-q15 --out out/compare",
+        "compare cradle --integrators verlet,corrected,collocation",
+        "compare impact --integrators all --max-time 60";
     /// Run a scene at every point of a grid that a file describes.
     ///
     /// The file names a scene, axes (any keys of the scene: lists, ranges, seeds) and the
     /// quantities to keep of each run. Prints a table; with --out also writes a picture, and a
     /// store from which an interrupted sweep resumes.
-    #[command(after_long_help = SWEEP_EXAMPLES)]
-    Sweep(StudyCommand<PlanFile>),
+    Sweep(StudyCommand<PlanFile>) =>
+        "sweep --template > plan.toml",
+        "sweep plan.toml --out out/plan",
+        "sweep plan.toml --out out/plan --shard 2/8";
     /// List the built-in scenes, show one as TOML, or print a template.
-    #[command(after_long_help = SCENES_EXAMPLES)]
-    Scenes(ScenesArgs),
+    Scenes(ScenesArgs) =>
+        "scenes",
+        "scenes show tw-q15",
+        "scenes template > my-scene.toml";
     /// List the integrators with order, stages and source.
-    #[command(after_long_help = "Example:\n  hertzchain integrators --json")]
-    Integrators(IntegratorsArgs),
+    Integrators(IntegratorsArgs) => "integrators --json";
     /// Studies of integrators and of theory, over grids of parameters.
-    #[command(after_long_help = "\
-Examples:
-  hertzchain study order --alpha 2
-  hertzchain study stability --charts light --quick")]
-    Study(StudyArgs),
+    #[command(subcommand)]
+    Study(StudyAction) =>
+        "study order --alpha 2",
+        "study stability --charts light --quick";
     /// Travelling waves, their stability, exact waves and solitary waves.
     ///
     /// Without a subcommand: runs the travelling wave of a scene on the chain and compares it with
     /// its first-order ansatz; with a perturbation (--zeta) it shows whether the wave is stable.
     /// `wave modulation` computes how fast modulations of the wave grow, `wave exact` the exact
     /// wave beside the ansatz.
-    #[command(after_long_help = WAVE_EXAMPLES)]
-    Wave(WaveArgs),
+    Wave(WaveArgs) =>
+        "wave tw-q15",
+        "wave tw-q15 --zeta 0.01 --seeds 20 --out out/wave",
+        "wave modulation tw-q15",
+        "wave exact tw-q15";
     /// Breathers: bright, trivial and dark, and branches of dark ones.
-    #[command(after_long_help = "\
-Examples:
-  hertzchain breather bright --center bond --epsilon 0.01
-  hertzchain breather dark --center bond --omega-b 2.05 --out out/dark")]
-    Breather(BreatherArgs),
+    #[command(subcommand)]
+    Breather(BreatherAction) =>
+        "breather bright --center bond --epsilon 0.01",
+        "breather dark --center bond --omega-b 2.05 --out out/dark";
     /// Periodic orbits of driven scenes, normal modes of conservative ones.
-    #[command(after_long_help = "\
-Examples:
-  hertzchain orbit driven granular-crystal
-  hertzchain orbit mode defect --to 1.5 --out out/mode")]
-    Orbit(OrbitArgs),
+    #[command(subcommand)]
+    Orbit(OrbitAction) =>
+        "orbit driven granular-crystal",
+        "orbit mode defect --to 1.5 --out out/mode";
     /// Averages and profiles of the modulation (DpS) equations.
-    #[command(after_long_help = "\
-Examples:
-  hertzchain dps integrals --b 0 --r 1
-  hertzchain dps homoclinic --center site")]
-    Dps(DpsArgs),
+    #[command(subcommand)]
+    Dps(DpsAction) =>
+        "dps integrals --b 0 --r 1",
+        "dps homoclinic --center site";
     /// Figures and numbers of the paper, and a report on one page.
-    #[command(after_long_help = "\
-Examples:
-  hertzchain paper figures --only tw-q15
-  hertzchain paper verify --section 3")]
-    Paper(PaperArgs),
+    #[command(subcommand)]
+    Paper(PaperAction) =>
+        "paper figures --only tw-q15",
+        "paper verify --section 3";
     /// Completions of a shell, and manual pages.
-    #[command(after_long_help = "\
-Examples:
-  hertzchain shell completions bash
-  hertzchain shell man --out out/man")]
-    Shell(ShellArgs),
+    #[command(subcommand)]
+    Shell(ShellAction) =>
+        "shell completions bash",
+        "shell man --out out/man";
+}
+
+commands! {
+    PaperAction;
+
+    /// Compute the figures of the paper: pictures, and their numbers as CSV.
+    ///
+    /// Files are what this command is for: without --out they go to out/figures.
+    Figures(FiguresArgs) =>
+        "paper figures --only tw-q15,tw-rho3",
+        "paper figures --out out/all";
+    /// Compare every number in the text of the paper with ours.
+    ///
+    /// For every number in Sec. 2 to 8: what the paper says, what we get, the verdict, and why if
+    /// they differ. Exit code 0: every verdict is the known one, and where the paper is known to
+    /// differ our numbers have not changed. Exit code 1: a verdict or such a number is another one,
+    /// or a run failed.
+    Verify(StudyCommand<Verify>) => "paper verify --section 3 --out out/verify";
+    /// Run everything in its short form and write one HTML page.
+    ///
+    /// The page stands alone: tables, pictures, captions, the machine and the version. Files are
+    /// what this command is for: without --out they go to out/report.
+    Report(ReportArgs) =>
+        "paper report --out out/report",
+        "paper report --only compare,order";
 }
 
 #[cfg(test)]

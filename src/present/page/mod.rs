@@ -2,10 +2,13 @@
 //! is fetched from elsewhere.
 
 use super::{machine, machine_json};
-use crate::report::{
-    self, Block,
-    Digits::{Fixed, Json, Short},
-    Report, Table,
+use crate::{
+    output::PROGRAM,
+    report::{
+        self, Block,
+        Digits::{Fixed, Json, Short},
+        Report, Table,
+    },
 };
 use base64::{Engine, engine::general_purpose::STANDARD};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -132,20 +135,19 @@ const SCRIPT: &str = include_str!("page.js");
 impl Page {
     /// The page as HTML.
     pub fn html(&self) -> String {
-        let version = concat!("hertzchain ", env!("CARGO_PKG_VERSION"));
         let page = html! {
             (DOCTYPE)
             html lang="en" {
                 head {
                     meta charset="utf-8";
                     meta name="viewport" content="width=device-width, initial-scale=1";
-                    meta name="generator" content=(version);
-                    title { "Report of " (version) }
+                    meta name="generator" content=(PROGRAM);
+                    title { "Report of " (PROGRAM) }
                     style { (PreEscaped(STYLE)) }
                 }
                 body {
                     header {
-                        h1 { "Report of " (version) }
+                        h1 { "Report of " (PROGRAM) }
                         p { "Nonlinear waves in locally resonant Hertzian chains: what this program computes on this machine, and how well." }
                         (self.summary())
                     }

@@ -4,7 +4,7 @@ use super::{DarkStudy, DoubledStudy, OrbitStudy};
 use crate::{
     error::Result,
     orbits::{Bifurcation, Branch, Continuation, Extent, Kind, Multiplier, ORBIT_FORMAT, OrbitPoint, Setting},
-    output::Array,
+    output::{Array, FileFormat},
     report::{
         self, Column,
         Digits::{Fixed, Hidden, Json, Power, Short},
@@ -56,7 +56,7 @@ impl OrbitStudy {
         let Self { orbit, spectrum, extent, e_b, forces, kantorovich, shooting } = self;
         let Setting { params, sites, omega_b, .. } = orbit.setting;
         let half = (sites / 2) as i64;
-        let (format, version) = ORBIT_FORMAT;
+        let FileFormat(format, version) = ORBIT_FORMAT;
         report
             .fact("format", format)
             .fact("format_version", version)

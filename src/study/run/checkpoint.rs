@@ -18,7 +18,7 @@
 use crate::{
     chain::{Chain, Contact, Contacts, Energy},
     error::{Error, Result},
-    output::{Archive, Folder, NpzWriter, to_json},
+    output::{Archive, FileFormat, Folder, NpzWriter, PROGRAM, SETTINGS, in_memory, to_json},
     parts::Decomposition,
     run::method::{Method, Setting},
     run::{Profile, Recorder, Records, Run, Sample, Snapshot, Trajectory},
@@ -34,10 +34,7 @@ use std::{
 
 /// Name of the checkpoint in the folder of a run.
 pub(super) const FILE: &str = "checkpoint.npz";
-const SETTINGS: &str = "settings.json";
-const FORMAT: &str = "hertzchain checkpoint";
-const VERSION: u64 = 3;
-const PROGRAM: &str = concat!("hertzchain ", env!("CARGO_PKG_VERSION"));
+const FORMAT: FileFormat = FileFormat("hertzchain checkpoint", 3);
 /// Most intervals of a run.
 const MOST_LEGS: f64 = 1e6;
 
@@ -54,21 +51,10 @@ pub struct LongRun {
     kept: Snapshot,
 }
 
-/// The keys of `settings.json` that are checked before the others are read.
-#[derive(Deserialize)]
-struct Stamp {
-    format: String,
-    version: u64,
-    program: String,
-}
-
-/// The content of `settings.json`.
+/// The content of `settings.json` after its stamp.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Settings {
-    format: String,
-    version: u64,
-    program: String,
     /// The scene as TOML.
     scene: String,
     integrator: String,
@@ -202,9 +188,7 @@ impl LongRun {
     /// # Errors
     /// Errors of the archive writer.
     pub fn npz(&self) -> Result<Vec<u8>> {
-        let mut bytes = io::Cursor::new(Vec::new());
-        self.write(&mut bytes).map_err(|source| Error::File { path: FILE.into(), source })?;
-        Ok(bytes.into_inner())
+        in_memory(|bytes| self.write(bytes))
     }
 
     /// Writes the checkpoint of the run, with no second copy of the state in memory.
@@ -214,9 +198,6 @@ impl LongRun {
         let Stats { steps, rejected, force_evaluations } = stats;
         let open = contacts.as_ref().map(Contacts::store_open).unwrap_or_default();
         let settings = Settings {
-            format: FORMAT.to_owned(),
-            version: VERSION,
-            program: PROGRAM.to_owned(),
             scene: self.scene.file().to_toml(),
             integrator: self.method.name(),
             setting: self.setting,
@@ -242,7 +223,7 @@ impl LongRun {
         let kinds = energy_kinds(self.scene.chain());
         let energies: Vec<f64> = energies.flat_map(|energy| energy.into_iter().take(kinds)).collect();
         let ended = || contacts.iter().flat_map(|contacts| &contacts.ended);
-        let mut archive = NpzWriter::new(to, Some((SETTINGS, &to_json(&settings))))?;
+        let mut archive = NpzWriter::new(to, Some((SETTINGS, &to_json(&FORMAT.stamped(settings)))))?;
         archive.vector("state", state)?;
         archive.vector("largest", &[largest])?;
         archive.vector("sample_t", &samples.iter().map(|sample| sample.t).collect::<Vec<_>>())?;
@@ -286,19 +267,11 @@ impl LongRun {
     fn of(file: &Archive, parts: Decomposition) -> Result<Self> {
         let refused =
             |key: &str, why: &dyn std::fmt::Display| file.refused(&format!("{SETTINGS}, {key}"), why.to_string());
-        let text = file.text(SETTINGS)?;
-        let Stamp { format, version, program } = serde_json::from_str(text).map_err(|why| refused("format", &why))?;
-        if (format.as_str(), version) != (FORMAT, VERSION) {
-            return Err(refused(
-                "version",
-                &format!("{format}, version {version}; read is {FORMAT}, version {VERSION}"),
-            ));
-        }
+        let (settings, program): (Settings, _) = FORMAT.read(file)?;
         if program != PROGRAM {
             let rule = format!("{program} there and {PROGRAM} here: only the same program goes on with the same bits");
             return Err(refused("program", &rule));
         }
-        let settings: Settings = serde_json::from_str(text).map_err(|why| refused("keys", &why))?;
         let scene = SceneFile::parse(&settings.scene, SETTINGS).and_then(Scene::build);
         let scene = scene.map_err(|why| refused("scene", &why))?;
         let method = Method::named(&settings.integrator).map_err(|why| refused("integrator", &why))?;

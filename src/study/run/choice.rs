@@ -10,6 +10,7 @@ use crate::{
     parts::Decomposition,
     run::{Method, Regime, Run, Setting, Trajectory, method::NO_TOLERANCE, regime},
     scene::Scene,
+    study::options::options,
 };
 
 /// Default number of steps in a period of the fastest motion.
@@ -21,22 +22,50 @@ const MOST_STEPS: f64 = 1e15;
 /// A plan starts the method if the run takes fewer bytes than this.
 const MOST_PLANNED: u64 = 1 << 24;
 
-/// Integrator and accuracy that the user asks for. What is `None` follows from the others, from the
-/// scene, or from a default.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MethodRequest {
-    /// Name of the integrator.
-    pub integrator: Option<String>,
-    /// Tolerance, for an integrator that takes one.
-    pub tol: Option<f64>,
-    /// Step, or slightly less so that a whole number of them fits the span.
-    pub step: Option<f64>,
-    /// Steps per period of the scene.
-    pub steps_per_period: Option<f64>,
-    /// Windows of collocation per period of the scene, in place of a tolerance.
-    pub windows_per_period: Option<f64>,
-    /// Nodes of such a window.
-    pub nodes: Option<usize>,
+/// The help of the tolerance of a run, in full.
+#[cfg(feature = "cli")]
+fn tolerance() -> String {
+    use hertzchain_integrators::Tolerance;
+    let (Tolerance { least, most, .. }, corrected) = (Tolerance::RUN, Tolerance::CORRECTED.rule);
+    let more = "--amplification measures this factor. ";
+    format!(
+        "{} It is relative, and absolute in units of the largest entry of the initial state. For contact-corrected \
+         splitting it bounds the error of the state at the end, and runs over the whole span determine the step \
+         [default: 1e-10].\n\nFrom {least:e} to {most}; {corrected}.",
+        crate::study::tolerance_help(more)
+    )
+}
+
+options! {
+    /// Integrator and accuracy that the user asks for. What is `None` follows from the others, from
+    /// the scene, or from a default.
+    #[derive(PartialEq)]
+    pub struct MethodRequest {
+        /// Integrator; `hertzchain integrators` lists all.
+        ///
+        /// By default collocation with --tol or --windows-per-period, strang-linear with steps.
+        /// Without any of these: the method that the scene names; else the exact solution, where one
+        /// is known; else what the regime asks for, which is collocation, or strang-linear where omega
+        /// is above 10^4 times the frequency of contacts. Which one, and why, is printed on stderr.
+        integrator: Option<String> = None, "NAME";
+        /// Tolerance.
+        tol: Option<f64> = None, "T", [arg(long_help = tolerance())];
+        /// Steps per period of the scene, for splitting schemes.
+        ///
+        /// By default 512 steps per period of the fastest motion: of resonators, drives or contacts.
+        steps_per_period: Option<f64> = None, "N", [arg(conflicts_with_all = ["step", "tol"])];
+        /// Step size, in units of time, for splitting schemes.
+        ///
+        /// Made smaller where a whole number of steps must fit the span.
+        step: Option<f64> = None, "H", [arg(conflicts_with = "tol")];
+        /// Equal windows per period, for collocation without error control.
+        windows_per_period: Option<f64> = None, "N", [arg(conflicts_with_all = ["step", "tol", "steps_per_period"])];
+        /// Nodes per panel: 4, 6, 8, 10 or 12 [default: 10].
+        ///
+        /// For collocation with --windows-per-period.
+        nodes: Option<usize> = None, "M",
+            [arg(hide_short_help = true, requires = "windows_per_period", conflicts_with_all = ["step", "tol", "steps_per_period"])];
+    }
 }
 
 /// How a scene is computed.

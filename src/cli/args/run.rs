@@ -1,27 +1,8 @@
-//! Flags of a run, and examples of comparisons.
+//! Flags of a run.
 
-use crate::study::{Changes, tolerance_help};
+use crate::study::{Changes, MethodRequest};
 use clap::Args;
-use hertzchain_integrators::Tolerance;
 use std::path::PathBuf;
-
-pub(super) const COMPARE_EXAMPLES: &str = "\
-Examples:
-  hertzchain compare tw-q15 --out out/compare
-  hertzchain compare cradle --integrators verlet,corrected,collocation
-  hertzchain compare impact --integrators all --max-time 60";
-
-/// The help of --tol of a run, in full.
-fn tolerance() -> String {
-    let (Tolerance { least, most, .. }, corrected) = (Tolerance::RUN, Tolerance::CORRECTED.rule);
-    let more = "--amplification measures this factor. ";
-    format!(
-        "{} It is relative, and absolute in units of the largest entry of the initial state. For contact-corrected \
-         splitting it bounds the error of the state at the end, and runs over the whole span determine the step \
-         [default: 1e-10].\n\nFrom {least:e} to {most}; {corrected}.",
-        tolerance_help(more)
-    )
-}
 
 #[derive(Args)]
 pub(crate) struct RunArgs {
@@ -30,17 +11,8 @@ pub(crate) struct RunArgs {
     pub(crate) scene: Option<String>,
     #[command(flatten)]
     pub(crate) set: Changes,
-    /// Integrator; `hertzchain integrators` lists all.
-    ///
-    /// By default collocation with --tol or --windows-per-period, strang-linear with steps. Without
-    /// any of these: the method that the scene names; else the exact solution, where one is known;
-    /// else what the regime asks for, which is collocation, or strang-linear where omega is above
-    /// 10^4 times the frequency of contacts. Which one, and why, is printed on stderr.
-    #[arg(long, value_name = "NAME")]
-    pub(crate) integrator: Option<String>,
-    /// Tolerance.
-    #[arg(long, value_name = "T", long_help = tolerance())]
-    pub(crate) tol: Option<f64>,
+    #[command(flatten)]
+    pub(crate) method: MethodRequest,
     /// Measure by what factor a small change of the initial state has grown at the end.
     ///
     /// A second run begins from a state that is changed by the tolerance (1e-10 for equal steps, at
@@ -48,24 +20,6 @@ pub(crate) struct RunArgs {
     /// tolerance times this factor.
     #[arg(long, hide_short_help = true, conflicts_with_all = ["checkpoint", "resume", "plan"])]
     pub(crate) amplification: bool,
-    /// Steps per period of the scene, for splitting schemes.
-    ///
-    /// By default 512 steps per period of the fastest motion: of resonators, drives or contacts.
-    #[arg(long, value_name = "N", conflicts_with_all = ["step", "tol"])]
-    pub(crate) steps_per_period: Option<f64>,
-    /// Step size, in units of time, for splitting schemes.
-    ///
-    /// Made smaller where a whole number of steps must fit the span.
-    #[arg(long, value_name = "H", conflicts_with = "tol")]
-    pub(crate) step: Option<f64>,
-    /// Equal windows per period, for collocation without error control.
-    #[arg(long, value_name = "N", conflicts_with_all = ["step", "tol", "steps_per_period"])]
-    pub(crate) windows_per_period: Option<f64>,
-    /// Nodes per panel: 4, 6, 8, 10 or 12 [default: 10].
-    ///
-    /// For collocation with --windows-per-period.
-    #[arg(long, value_name = "M", hide_short_help = true, requires = "windows_per_period", conflicts_with_all = ["step", "tol", "steps_per_period"])]
-    pub(crate) nodes: Option<usize>,
     /// End time, in units of time [default: the scene's].
     #[arg(long, value_name = "T")]
     pub(crate) until: Option<f64>,

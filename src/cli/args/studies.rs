@@ -1,0 +1,274 @@
+//! Commands that run studies.
+
+use crate::{
+    cli::{Exit, args::commands, runner::StudyCommand},
+    study::{
+        Barrier, Bound, BoundaryWave, Bright, Charts, Continue, ContinueWave, Dark, DarkProfiles, DimerOptions,
+        DisorderOptions, Doubled, Drift, Driven, DrivenContinue, EndDriven, Evolve, FollowMode, Homoclinics,
+        ImpurityOptions, Integrals, LifetimeOptions, ModulationStudy, Moving, OrderOptions, ScalingOptions, Solitary,
+        TaperOptions, TheoremOptions, Trivial, Wanted, Wave,
+    },
+};
+use clap::Args;
+
+commands! {
+    StudyAction;
+
+    /// Measure the order of every method through contacts.
+    ///
+    /// Compares methods that step across contacts, land on them, correct for them, or integrate in
+    /// a regularised variable. Measures errors of the state and of its derivative with respect to
+    /// the initial state, and prints their slopes beside the orders of theory.
+    Order(StudyCommand<OrderOptions>) => "study order --alpha 2 --out out/order";
+    /// Measure run time per bond and period against the number of sites.
+    Scaling(StudyCommand<ScalingOptions>) => "study scaling --sites 50,500 --out out/scaling";
+    /// Measure how the energy error grows with time.
+    Drift(StudyCommand<Drift>) => "study drift --periods 1e5 --out out/drift";
+    /// Chart the stability of the integrators over extreme chains.
+    ///
+    /// Varies the mass ratio, the stiffness and the exponent of contacts, and the length of the
+    /// chain and of the run; also charts resonances. A point is one
+    /// method on one variant of the chain: stable, drifting or lost (its energy error exceeds 1, or
+    /// the run failed), its energy error, the largest steps that keep the error below 1e-3 and
+    /// below 1e-6, and their cost.
+    Stability(StudyCommand<Charts>) =>
+        "study stability --charts light,resonances --quick \\\n      \
+         --integrators verlet,strang-linear,collocation --out out/stability";
+    /// Test Theorem 1 of the paper by numerical experiment.
+    ///
+    /// Does the DpS equation describe the chain with heavy resonators as well, and for as long, as
+    /// the theorem says? Runs the chain with kappa = 1 and free ends at each epsilon, takes the
+    /// suprema over 0 <= t <= T epsilon^(1-alpha) of the four errors (estimu), (estimv) in l_1, l_2
+    /// and l_inf over samples, divides them by epsilon^alpha (u with u', v) and epsilon^(2 alpha-1)
+    /// (v'), and gives the local slopes d ln sup / d ln epsilon. Exit code 1 if the outcome
+    /// contradicts the theorem: its law of rho, and the verdict "violated".
+    #[command(after_long_help = theorem_help())]
+    Theorem(StudyCommand<TheoremOptions>);
+    /// Measure how long bright breathers live, over size and mass ratio.
+    ///
+    /// Runs the chain from the breather u(0) = 2 epsilon a at every size epsilon and every mass
+    /// ratio rho.
+    ///
+    /// Three criteria give one lifetime each; a run ends when all three are met, or at the cap
+    /// (--until). `energy`: the core, the fewest sites that hold 0.999 of the sum of a_n^2, has
+    /// less than 0.9 of the energy. `distance`: |A - A~|_1/|A~|_1 is above 0.5, where A = u + i u'
+    /// is that of the chain, and A~ that of the ansatz u~ = 2 epsilon a cos(Omega_b t). The phase
+    /// counts: a drift of it by half a radian suffices, long before anything is radiated.
+    /// `frequency`: over four periods, the central bead oscillates against its resonator with a
+    /// frequency nearer to omega = sqrt(1 + 1/rho) than to Omega_b. Where a run does not meet a
+    /// criterion, the table says: not before t.
+    ///
+    /// Each point has a fate. `radiates`: the core falls below 0.9 of the energy while its bonds
+    /// are closed at least 1/3 of the time. `decouples`: before that, bonds of the core come to be
+    /// closed less than 1/3 of the time: gaps open, each site oscillates on its own, and the energy
+    /// stays. `persists`: neither before the cap.
+    ///
+    /// Another criterion or a larger map computes only what is new.
+    Lifetimes(StudyCommand<LifetimeOptions>) =>
+        "study lifetimes --epsilons 0.01,0.1 --rhos 1e3,1e4 --out out/map";
+    /// Measure how a pulse decays in dimers, over the mass ratio.
+    ///
+    /// A chain of alternating heavy and light beads is struck at one end. The transmission is the
+    /// largest contact force far from that end, divided by the one near it. A mass ratio at which
+    /// it has a maximum of 1 has a solitary wave.
+    Dimer(StudyCommand<DimerOptions>) => "study dimer --from 0.3 --to 0.4 --points 20 --out out/dimer";
+    /// Measure how one bead of another mass scatters a solitary wave.
+    ///
+    /// For every mass of the bead: the shares of the energy that are behind the bead, before it and
+    /// in it long after the wave has passed, and the frequency at which a light bead oscillates
+    /// between its neighbours.
+    Impurity(StudyCommand<ImpurityOptions>) => "study impurity --from 0.1 --to 10 --points 20 --out out/impurity";
+    /// Measure how a pulse grows in tapered chains.
+    ///
+    /// Spheres of one material whose radii are a geometric sequence, shrinking or growing: the
+    /// growth of the velocity from sphere to sphere, and the share of its energy that the pulse
+    /// keeps.
+    Taper(StudyCommand<TaperOptions>) => "study taper --from 0.95 --to 1 --points 11 --out out/taper";
+    /// Measure how a pulse decays in chains with masses drawn at random.
+    ///
+    /// The energy of a solitary wave against distance, over many chains, for several strengths of
+    /// the disorder.
+    Disorder(StudyCommand<DisorderOptions>) =>
+        "study disorder --strengths 0.2,0.4 --chains 50 --out out/disorder";
+    /// Search for dark breathers in damped chains driven at both ends.
+    ///
+    /// Chains with resonators, drag and dashpots, whose end beads move in phase or in antiphase, at
+    /// frequencies above omega. The periodic orbit of each is followed from small drive amplitudes
+    /// on, past folds. The table says from which amplitude on orbits are dark breathers, from which
+    /// on they are stable, and whether a chain that starts at rest reaches them.
+    EndDriven(StudyCommand<EndDriven>) => "study end-driven --lengths 10 --omegas 2.05 --out out/end-driven";
+    /// Launch travelling waves into a chain from one end.
+    ///
+    /// The first bead of a chain under static overlap is moved at frequencies above omega. The wave
+    /// number measured along the chain is compared with that of the first-order wave of the paper
+    /// with the same frequency, amplitude and mean strain.
+    BoundaryWave(StudyCommand<BoundaryWave>) =>
+        "study boundary-wave --omegas 2.006 --drive 0.02 --out out/boundary-wave";
+}
+
+/// The rule of the verdict, and an example.
+fn theorem_help() -> String {
+    format!(
+        "Verdict of each error in each norm. {}\n\n\
+         Example, resonators lighter than the theorem asks for:\n  \
+         hertzchain study theorem --rho-law 'eps^-(alpha-1)' --alpha 2",
+        Bound::RULE
+    )
+}
+
+#[derive(Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(crate) struct WaveArgs {
+    #[command(subcommand)]
+    action: Option<WaveAction>,
+    #[command(flatten)]
+    told: StudyCommand<Wave>,
+}
+
+impl WaveArgs {
+    pub(crate) fn run(&self) -> Exit {
+        self.action.as_ref().map_or_else(|| self.told.run(), WaveAction::run)
+    }
+}
+
+commands! {
+    WaveAction;
+
+    /// Compute which modulations of a wave grow, and how fast.
+    ///
+    /// Growth rates against the wave number of the modulation, in closed form; with --measure also
+    /// those measured on the full chain.
+    Modulation(StudyCommand<ModulationStudy>) =>
+        "wave modulation tw-q15",
+        "wave modulation --rho 3 --q-over-pi 0.8 --measure --out out/growth";
+    /// Compute an exact periodic travelling wave.
+    ///
+    /// It has the frequency (or the amplitude) and the mean strain of a wave of the modulation
+    /// equations. Prints its profile, its Fourier coefficients, its distance from that first-order
+    /// ansatz, and its relative multipliers for each Bloch wave number.
+    Exact(StudyCommand<Wanted>) =>
+        "wave exact tw-q15 --out out/exact",
+        "wave exact --q-over-pi 0.8 --amplitude 0.1 --sites 40 --json";
+    /// Follow a branch of exact travelling waves.
+    ///
+    /// Varies one parameter of the wave or of the chain, past folds. Waves keep their ratio of mean
+    /// strain to amplitude unless a mean strain is given. Exit code 1 if the branch is lost before
+    /// its end.
+    Continue(StudyCommand<ContinueWave>) =>
+        "wave continue tw-q15 --to 2.004 --out out/branch",
+        "wave continue tw-q15 --vary rho --mean 0.05 --to 3";
+    /// Compute solitary waves, and their tails where resonators move.
+    ///
+    /// The pulse of the chain without resonators, as an exact wave of a ring and on the infinite
+    /// line, and how its overlap decays from the crest; and how strong a wake a pulse leaves in
+    /// chains with light resonators. Exit code 1 if a wave is not found.
+    Solitary(StudyCommand<Solitary>) =>
+        "wave solitary --out out/solitary",
+        "wave solitary --alpha 2 --rhos 0.01,0.02,0.05 --json";
+}
+
+commands! {
+    BreatherAction;
+
+    /// Run a long-lived bright breather and compare it with its ansatz.
+    ///
+    /// The chain starts from a breather of the modulation (DpS) equation. Prints how far the chain
+    /// departs from this ansatz, and how much of the energy stays in the core.
+    Bright(StudyCommand<Bright>) => "breather bright --center bond --epsilon 0.01 --rho 1000";
+    /// Run an exact breather whose beads never touch.
+    ///
+    /// Compares the closed form with an integrator; prints gaps and mean contact forces.
+    Trivial(StudyCommand<Trivial>) => "breather trivial --amplitudes 0.1,0.2,0.1 --phases 0,1.5,3 --gap 0";
+    /// Compute a dark breather as an exact periodic orbit.
+    ///
+    /// Newton's method finds the orbit on a ring; its Floquet multipliers tell whether it is
+    /// stable.
+    Dark(StudyCommand<Dark>) => "breather dark --center bond --omega-b 2.05 --out out/dark";
+    /// Follow a branch of dark breathers in one parameter.
+    ///
+    /// Computes the Floquet multipliers of each orbit, and the bifurcations between them.
+    #[command(after_long_help = "\
+Example, stopped after 20 points and gone on with:
+  hertzchain breather continue --max-points 20 --out out/branch
+  hertzchain breather continue --resume out/branch/branch.npz")]
+    Continue(StudyCommand<Continue>);
+    /// Follow the branch of doubled period of dark breathers.
+    ///
+    /// The branch starts at the period doubling of the bond-centred dark breathers.
+    Doubled(StudyCommand<Doubled>) => "breather doubled --omega-b 1.056 --out out/doubled";
+    /// Run the chain from a dark breather, with or without a kick.
+    ///
+    /// A kick is along one of the modes of the orbit. After every period the run measures the
+    /// return error, which is the distance from the orbit, and the position of the kink.
+    Evolve(StudyCommand<Evolve>) =>
+        "breather dark --center bond --omega-b 2.05 --out out/dark",
+        "breather evolve out/dark/dark-breather.json --kick 1e-3";
+    /// Compute the energy barrier between site- and bond-centred dark breathers.
+    ///
+    /// The Peierls-Nabarro barrier: energies of the two kinks relative to their common background,
+    /// at the same frequency, and at the same action and length; also their largest multipliers.
+    /// Exit code 1 if an orbit is not found.
+    Barrier(StudyCommand<Barrier>) =>
+        "breather barrier --from 2.01 --to 2.1 --out out/barrier",
+        "breather barrier --rho 3 --from 1.16 --to 1.35";
+    /// Compute moving dark breathers as exact orbits, and run a kicked one.
+    ///
+    /// A moving breather is a relative periodic orbit: after K + 1/2 periods of the background (see
+    /// --turns) the chain has its initial state again, moved on by a site. Prints its tails and
+    /// relative multipliers, and for comparison the motion of a breather at rest that is kicked.
+    /// Exit code 1 if an orbit is not found.
+    Moving(StudyCommand<Moving>) =>
+        "breather moving --turns 16,18,22,26 --out out/moving",
+        "breather moving --omega-b 2.088,2.092,2.096 --turns 11 --until 0";
+}
+
+commands! {
+    OrbitAction;
+
+    /// Compute the periodic orbit to which a driven scene leads.
+    ///
+    /// The orbit is a fixed point of the stroboscopic map. Newton's method starts from the state
+    /// that the scene has after some periods. Prints the Floquet multipliers, which may lie inside
+    /// and outside the unit circle, and compares their product with Liouville's formula. Exit code
+    /// 1 if no orbit is found.
+    Driven(StudyCommand<Driven>) =>
+        "orbit driven granular-crystal",
+        "orbit driven granular-crystal --si",
+        "orbit driven granular-crystal --turns 2 --json";
+    /// Follow the orbit of a driven scene in one parameter.
+    ///
+    /// In the drive's amplitude or frequency, or in the damping, past folds; with multipliers,
+    /// folds, period doublings and torus bifurcations, and with the branch that crosses at one of
+    /// them. It begins with the scene's own value. Exit code 1 if a branch is lost on its way.
+    Continue(StudyCommand<DrivenContinue>) =>
+        "orbit continue granular-crystal --to 1e-5 --out out/branch",
+        "orbit continue --resume out/branch --to 2e-5";
+    /// Follow a normal mode of a conservative scene from its linear mode on.
+    ///
+    /// Computes the linear modes about the equilibrium, and follows the periodic orbits that begin
+    /// as one of them to larger amplitudes, also beyond the amplitude at which contacts open:
+    /// frequency, energy, participation number, Floquet multipliers. Exit code 1 if the branch is
+    /// lost on its way.
+    Mode(StudyCommand<FollowMode>) =>
+        "orbit mode defect --to 1.5",
+        "orbit mode precompressed --linear-mode 5 --to 0.2 --out out/mode";
+}
+
+commands! {
+    DpsAction;
+
+    /// Averages of the contact force over an oscillation, and their derivatives.
+    ///
+    /// g_alpha(b, r) of (eq:aux1), the mean, and h_alpha(b, r) of (eq:aux2), the first harmonic
+    /// divided by r.
+    Integrals(StudyCommand<Integrals>) => "dps integrals --b 0.5 --r 1 --alpha 2";
+    /// Homoclinic solutions: profiles of bright breathers.
+    ///
+    /// They solve the stationary DpS equation.
+    Homoclinic(StudyCommand<Homoclinics>) => "dps homoclinic --center bond";
+    /// Standing waves with a kink: profiles of dark breathers.
+    ///
+    /// They solve the generalised DpS equations. Also gives the strains from which a dark breather
+    /// starts on the chain, to first order.
+    Dark(StudyCommand<DarkProfiles>) => "dps dark --center bond --rho 3 --omega-b 1.16";
+}
