@@ -4,7 +4,7 @@ use super::Run;
 pub use crate::chain::Split;
 use crate::{
     chain::{
-        Chain, ContactEvents, CorrectedSplit, Details, Differing, Field, KineticFlow, LinearFlow, SiteFlow,
+        Chain, ContactEvents, CorrectedSplit, Details, Field, HeterogeneousChain, KineticFlow, LinearFlow, SiteFlow,
         SitewiseFlow, Topology, max_norm,
     },
     error::{Error, Result},
@@ -12,7 +12,7 @@ use crate::{
 };
 use hertzchain_integrators::{
     Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper, Tolerance,
-    collocation::{ContactStepper, Pace, Windows},
+    collocation::{ContactStepper, StepControl, Windows},
     conserving::DiscreteGradient,
     dop853::Options,
     splitting::{self, Corrected, First, Landed, tables},
@@ -480,15 +480,15 @@ fn collocated(
     fn boxed<W: Windows + 'static>(run: Collocation<W>, log: bool) -> Box<dyn ContactStepper + Send> {
         Box::new(if log { run.logged() } else { run })
     }
-    let (chain, parts, pace) = (run.chain(), run.parts(), pace(setting)?);
+    let (chain, parts, step_control) = (run.chain(), run.parts(), step_control(setting)?);
     let threads = matches!(parts, Decomposition::Threads(_)).then_some(1);
     Ok(if !parts.whole() {
         let windows = Parted::new(chain, Motion::Windows, parts, y)?;
-        boxed(Collocation::by(windows, chain, y, span, pace)?, log)
+        boxed(Collocation::by(windows, chain, y, span, step_control)?, log)
     } else if chain.details().is_some() {
-        boxed(Collocation::on_threads(Differing::new(chain.clone())?, y, span, pace, threads)?, log)
+        boxed(Collocation::on_threads(HeterogeneousChain::new(chain.clone())?, y, span, step_control, threads)?, log)
     } else {
-        boxed(Collocation::on_threads(chain.clone(), y, span, pace, threads)?, log)
+        boxed(Collocation::on_threads(chain.clone(), y, span, step_control, threads)?, log)
     })
 }
 
@@ -535,10 +535,10 @@ fn corrected<F: SiteFlow>(
 ///
 /// # Errors
 /// A setting in steps.
-fn pace(setting: Setting) -> Result<Pace> {
+fn step_control(setting: Setting) -> Result<StepControl> {
     match setting {
-        Setting::Tolerance(tol) => Ok(Pace::Tolerance(tol)),
-        Setting::Windows(windows, nodes) => Ok(Pace::Windows { windows, nodes, neighbours: true }),
+        Setting::Tolerance(tol) => Ok(StepControl::Tolerance(tol)),
+        Setting::Windows(windows, nodes) => Ok(StepControl::Windows { windows, nodes, neighbours: true }),
         Setting::Steps(steps) => {
             let rule = "collocation takes --tol, or --windows-per-period and --nodes";
             Err(Error::parameter("steps", steps, rule))

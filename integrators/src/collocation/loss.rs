@@ -16,11 +16,11 @@
 //!
 //! On a panel the force has no `(..)_+`. Where `P` comes to zero the contact ends, with `f = 0` and
 //! `g > 0`, and beads overlap without a force until `P` rises through zero or the overlap is zero
-//! (`rebound.rs`). So the force is analytic up to the end. Where beads meet it begins with the
+//! (`dissipative.rs`). So the force is analytic up to the end. Where beads meet it begins with the
 //! power `alpha - 1` of time (viscoelastic), or with a jump (dashpot).
 //!
 //! `P` is an overlap. For a dashpot the force itself has the same sign, but with a small `gamma` it
-//! ends with next to no slope, and Newton's method for its zero goes astray.
+//! ends with next to no slope, and Newton's method for its zero diverges.
 
 use super::{
     bond::{Beside, Bond},
@@ -109,9 +109,9 @@ impl<const S: usize> Link<S> {
     }
 
     /// A bound of the error of a contact's impulse if its event is off by the time `by` and the
-    /// overlap `value`; or by the value `value` of `P` while beads overlap by at most `pressed`.
-    pub(crate) fn impulse_besides(&self, value: f64, by: f64, pressed: Option<f64>) -> f64 {
-        match pressed {
+    /// overlap `value`; or by the value `value` of `P` while beads overlap by at most `deepest`.
+    pub(crate) fn impulse_besides(&self, value: f64, by: f64, deepest: Option<f64>) -> f64 {
+        match deepest {
             None => self.force(value) * by + self.resistance(value) * value,
             Some(overlap) => self.force_by_pushing(overlap) * value * by,
         }
@@ -129,7 +129,7 @@ impl<const S: usize> Link<S> {
     /// come to zero if the force went on as the same analytic function: `g/|g'|` at the end, from
     /// the rate there. Panels before a release have their origin there.
     #[inline(always)]
-    pub(crate) fn fade(&self, rate: f64) -> f64 {
+    pub(crate) fn singular_after(&self, rate: f64) -> f64 {
         match self.loss {
             Some(Loss::Viscoelastic(gamma)) if S != 1 => gamma * self.law.alpha(),
             Some(Loss::Dashpot(gamma)) if S != 1 && rate < 0.0 => self.held(-gamma * rate) / -rate,
@@ -430,7 +430,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let contacts = self.contacts.found.iter().enumerate();
         let mut of = contacts.filter(|(_, contact)| (contact.panels.0..contact.panels.1).contains(&panel));
         of.next().map_or([false; 2], |(i, contact)| {
-            let meets = !contact.pressed && (i > 0 || self.initial.ongoing.is_none());
+            let meets = !contact.overlaps_at_onset && (i > 0 || self.initial.ongoing.is_none());
             [panel == contact.panels.0 && !meets, panel + 1 == contact.panels.1]
         })
     }

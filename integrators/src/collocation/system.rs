@@ -225,7 +225,7 @@ impl<const S: usize> Links<S> {
 
     /// Minus the second derivative of a bond's overlap by a unit force in it: 2 between two sites
     /// of mass 1, 1 at a wall.
-    pub(crate) fn recoil<C: ContactChain<S>>(&self, chain: &C, bond: usize) -> f64 {
+    pub(crate) fn mobility<C: ContactChain<S>>(&self, chain: &C, bond: usize) -> f64 {
         let unit = |c: usize| [[f64::from(u8::from(c == bond)); 4]; S];
         // For S = 1 a wall is seen from what the bond pushes; for S = 2 its weight is zero.
         match S {

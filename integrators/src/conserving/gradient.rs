@@ -47,7 +47,7 @@ impl<C: ContactChain> DiscreteGradient<C> {
     /// `end < start`, times that are not finite, or no step for a span that is not empty.
     pub fn new(chain: C, y0: &[f64], span: (f64, f64), steps: u64) -> Result<Self, Error> {
         let (steps, chain) = (Steps::new(span, steps)?, Modal::new(chain));
-        let (sites, phi) = (chain.load(y0), vec![0.0; chain.recoil.len()]);
+        let (sites, phi) = (chain.load(y0), vec![0.0; chain.mobility.len()]);
         Ok(Self { chain, sites, phi, steps, stats: Stats::default() })
     }
 }
@@ -97,7 +97,7 @@ impl<C: ContactChain> Modal<C> {
             for b in 0..phi.len() {
                 let others = |i: usize| self.chain.push(i, |c| [path(if c == b { 0.0 } else { phi[c] })]);
                 let aim = loose[b] + reach * self.chain.across(b, others)[0][0];
-                let new = force(&self.law, before[b], aim, reach * self.recoil[b]);
+                let new = force(&self.law, before[b], aim, reach * self.mobility[b]);
                 (change, largest) = (change.max((new - phi[b]).abs()), largest.max(new));
                 phi[b] = new;
             }

@@ -36,7 +36,7 @@ struct Modal<C> {
     stiffness: f64,
     /// Decrease of each bond's overlap if a unit force of this bond displaces each of its sites by
     /// one unit.
-    recoil: Vec<f64>,
+    mobility: Vec<f64>,
     /// Overlaps at the start of a step, and at its end without contact forces.
     overlaps: [Vec<f64>; 2],
 }
@@ -45,10 +45,10 @@ impl<C: ContactChain> Modal<C> {
     fn new(chain: C) -> Self {
         let response = chain.response(0);
         let omega = response.omega.value();
-        let recoil = |b| -chain.across(b, |i| chain.push(i, |c| [path(f64::from(u8::from(c == b)))]))[0][0];
+        let mobility = |b| -chain.across(b, |i| chain.push(i, |c| [path(f64::from(u8::from(c == b)))]))[0][0];
         let zeros = || vec![0.0; chain.bonds()];
         Self {
-            recoil: (0..chain.bonds()).map(recoil).collect(),
+            mobility: (0..chain.bonds()).map(mobility).collect(),
             overlaps: [zeros(), zeros()],
             law: chain.law(0),
             m: response.m,

@@ -13,8 +13,8 @@ use super::{
 use hertzchain_integrators::{Column, Real, Vector, VectorKernel};
 use std::ops::Range;
 
-/// The arrays of a survey: positions, and what follows from them, namely overlaps, forces and their
-/// derivatives, and which bonds are closed or turn near zero.
+/// The arrays of an evaluation: positions, and what follows from them, namely overlaps, forces and
+/// their derivatives, and which bonds are closed or turn near zero.
 ///
 /// Columns are whole registers long, with a register more at either end where they begin at `PAD`.
 pub struct Forces<'a> {
@@ -25,7 +25,7 @@ pub struct Forces<'a> {
     pub(super) overlap: Column<'a, f64>,
     pub(super) force: Column<'a, f64>,
     pub(super) slope: Column<'a, f64>,
-    /// Overlaps at the two surveys before, later one first.
+    /// Overlaps at the two evaluations before, later one first.
     pub(super) before: [Column<'a, f64>; 2],
     /// A bit for each bond, [`WORD`] of them in a number.
     pub(super) closed: &'a mut [u64],
@@ -33,20 +33,20 @@ pub struct Forces<'a> {
 }
 
 impl Forces<'_> {
-    /// Surveys the bonds of a chain.
-    pub(super) fn survey<S: Sites<f64>>(self, chain: &Chain<f64>, sites: S) {
+    /// Evaluates the bonds of a chain.
+    pub(super) fn evaluate<S: Sites<f64>>(self, chain: &Chain<f64>, sites: S) {
         let (topology, law, rest) = (chain.topology(), chain.law(), chain.precompression());
-        f64::run_vector(Survey { topology, law, rest, sites, forces: self });
+        f64::run_vector(Evaluation { topology, law, rest, sites, forces: self });
     }
 
-    /// Surveys the registers at `registers` again, from the positions in `q`. The bits of closed
+    /// Evaluates the registers at `registers` again, from the positions in `q`. The bits of closed
     /// bonds are not changed.
     pub(super) fn refresh(self, chain: &Chain<f64>, registers: &[usize]) {
         f64::run_vector(Refresh { chain, registers, forces: self });
     }
 }
 
-/// A survey of some registers of [`LANES`] bonds.
+/// An evaluation of some registers of [`LANES`] bonds.
 struct Refresh<'a> {
     chain: &'a Chain<f64>,
     registers: &'a [usize],
@@ -102,7 +102,7 @@ pub(super) fn lanes<V: Vector<f64>>(register: V) -> [f64; LANES] {
 }
 
 /// Sets the bits of a range of bonds, which begins with a register: which of them are closed, and
-/// which turn near zero. `overlaps` are those of now and of the two surveys before, later one
+/// which turn near zero. `overlaps` are those of now and of the two evaluations before, later one
 /// first.
 ///
 /// # Safety
@@ -131,7 +131,7 @@ pub(super) unsafe fn mark<V: Vector<f64>>(
     }
 }
 
-struct Survey<'a, S> {
+struct Evaluation<'a, S> {
     topology: Topology,
     law: ContactLaw<f64>,
     rest: f64,
@@ -139,7 +139,7 @@ struct Survey<'a, S> {
     forces: Forces<'a>,
 }
 
-impl<S: Sites<f64>> VectorKernel<f64> for Survey<'_, S> {
+impl<S: Sites<f64>> VectorKernel<f64> for Evaluation<'_, S> {
     type Output = ();
 
     #[inline(always)]
@@ -154,7 +154,7 @@ impl<S: Sites<f64>> VectorKernel<f64> for Survey<'_, S> {
     }
 }
 
-impl<S: Sites<f64>> Survey<'_, S> {
+impl<S: Sites<f64>> Evaluation<'_, S> {
     #[inline(always)]
     fn lanes<V: Vector<f64>, P: Power<f64>, const STRAIN: bool>(self, power: P) {
         let Self { topology, law, rest, sites, mut forces } = self;
@@ -196,9 +196,9 @@ impl<S: Sites<f64>> Survey<'_, S> {
     }
 }
 
-/// The bits of bonds whose overlap turned near zero at the survey before: of three overlaps in a
-/// row the middle one, `g_1`, is the largest or the smallest, and `abs(g_1)` is below `reach` times
-/// the size of their second difference.
+/// The bits of bonds whose overlap turned near zero at the evaluation before: of three overlaps in
+/// a row the middle one, `g_1`, is the largest or the smallest, and `abs(g_1)` is below `reach`
+/// times the size of their second difference.
 #[inline(always)]
 pub(super) fn turning<V: Vector<f64>>(reach: f64, [g0, g1, g2]: [V; 3]) -> u64 {
     let (before, after) = (g1 - g0, g2 - g1);

@@ -3,7 +3,7 @@
 
 use super::{
     super::{Chain, KineticFlow, kinetic::Drifts, rows::InRow, sweep::Visit},
-    Forces, Fused, Kick, Lanes, Modified, SiteFlow, Survey, gathered,
+    Evaluation, Forces, Fused, Kick, Lanes, Modified, SiteFlow, gathered,
 };
 use hertzchain_integrators::{DoubleDouble, Vector, splitting::corrected::Correction};
 
@@ -12,9 +12,9 @@ impl SiteFlow for KineticFlow<f64> {
         &self.chain
     }
 
-    fn survey(&mut self, forces: Forces<'_>) {
+    fn evaluate(&mut self, forces: Forces<'_>) {
         let (chain, beads) = self.beads(0.0, 0.0);
-        Survey(forces).visit(chain, beads);
+        Evaluation(forces).visit(chain, beads);
     }
 
     fn bead(&self, site: usize) -> (f64, f64) {
@@ -60,7 +60,7 @@ impl SiteFlow for KineticFlow<f64> {
         }
     }
 
-    fn push_and_survey(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize {
+    fn push_and_evaluate(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize {
         let (chain, beads) = self.beads(0.0, 0.0);
         let clock = Drifts { params: chain.params(), pairs: pairs.iter() };
         fused.run(chain, beads, clock, pairs.len())

@@ -2,7 +2,7 @@
 
 use super::{
     super::{Chain, LinearFlow, sweep::Swept},
-    Forces, Fused, Kick, Lanes, Modified, SiteFlow, Survey, gathered,
+    Evaluation, Forces, Fused, Kick, Lanes, Modified, SiteFlow, gathered,
 };
 use hertzchain_integrators::{DoubleDouble, Vector, splitting::corrected::Correction};
 
@@ -11,8 +11,8 @@ impl SiteFlow for LinearFlow<f64> {
         &self.chain
     }
 
-    fn survey(&mut self, forces: Forces<'_>) {
-        self.visit(self.now(0.0), Survey(forces));
+    fn evaluate(&mut self, forces: Forces<'_>) {
+        self.visit(self.now(0.0), Evaluation(forces));
     }
 
     fn bead(&self, site: usize) -> (f64, f64) {
@@ -78,7 +78,7 @@ impl SiteFlow for LinearFlow<f64> {
         self.visit(self.now(kick), Kick(forces));
     }
 
-    fn push_and_survey(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize {
+    fn push_and_evaluate(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize {
         self.count_kick();
         let most = self.kicks_to_anchor().min(pairs.len());
         let made = self.in_row(&pairs[..most], fused);

@@ -18,19 +18,19 @@
 //! [`Ledger`]: energies dissipated and work of drives since the start. Energy + dissipated - driven
 //! is constant.
 
-mod collocated;
+mod collocation;
 mod contact;
 mod drive;
 mod events;
 mod field;
 mod flow;
 mod ledger;
+mod loops;
 mod propagator;
 mod pushing;
-mod stretches;
 mod variations;
 
-pub use collocated::Differing;
+pub use collocation::HeterogeneousChain;
 pub use contact::{Dissipation, Kind};
 pub use drive::{Drive, DriveKind, Envelope, Harmonic, Signal};
 pub use events::ContactEvents;

@@ -88,7 +88,7 @@
 //!
 //! | source | error of an event | remark |
 //! |---|---|---|
-//! | next singular terms: the rate of `s`, the bend of `f` | `h^{alpha+3}` | at least 4 for `alpha >= 1` |
+//! | next singular terms: the rate of `s`, the curvature of `f` | `h^{alpha+3}` | at least 4 for `alpha >= 1` |
 //! | the bond's own force in its path; the square of that force in the modified force; an event of a neighbour in the same step, whose force enters `s` like `tau^alpha` | `h^{2 alpha+2}` | at least 4 |
 //! | *grazing*: an overlap that turns within a few steps of its zero, seen by the kicks or not (see `graze`) | `a^alpha h^{2 alpha+2}` | at least 4 |
 //! | a run that starts, or a state that is sampled, within a few steps of a grazing event | `a^alpha h^{2 alpha+1}` times a few hundredths | below 4 for `alpha < 3/2`, in that run or state alone |
@@ -218,7 +218,7 @@ pub struct Corrected<S> {
     span: DoubleDouble<f64>,
     h: DoubleDouble<f64>,
     /// Duration of the kick that the state still lacks: it is made together with the drift and the
-    /// survey that follow it.
+    /// evaluation that follow it.
     due: Option<f64>,
     /// The (kick, drift) pairs of as many steps as are made in a row.
     row: Vec<(f64, DoubleDouble<f64>)>,
@@ -243,7 +243,7 @@ impl<S: BondFlow> Corrected<S> {
         let span = DoubleDouble::new(end) - DoubleDouble::new(start);
         let h = span.over(DoubleDouble::new(total.max(1) as f64));
         flow.prepare(h.value(), REACH);
-        flow.survey();
+        flow.evaluate();
         let mut new = Self {
             mirror: None,
             parts,
@@ -270,7 +270,7 @@ impl<S: BondFlow> Corrected<S> {
             let ends = Ends { h: h.value(), corrector: parts.corrected.then_some(&new.corrector) };
             ends.to_kernel(&mut new.flow, &mut new.sides);
         }
-        new.flow.survey();
+        new.flow.evaluate();
         Ok(new)
     }
 
@@ -322,8 +322,8 @@ impl<S: BondFlow> Corrected<S> {
         if steps == self.total { self.start + self.span } else { after(self.start, self.h, steps) }
     }
 
-    /// Makes the corrections that the survey at the end of a step calls for. `inner`: whether this
-    /// is not the first step of the run.
+    /// Makes the corrections that the evaluation at the end of a step calls for. `inner`: whether
+    /// this is not the first step of the run.
     fn see(&mut self, inner: bool) {
         if self.parts.corrected || self.log.is_some() {
             self.changed.clear();
@@ -391,10 +391,10 @@ impl<S: BondFlow> Stepper<f64> for Corrected<S> {
         interrupt::check(self.time())?;
         let (h, share) = (self.h.value(), self.share());
         if let Some(kick) = self.due.take() {
-            self.flow.kicks_and_surveys(&[(kick, self.h)], share, false);
+            self.flow.kicks_and_evaluations(&[(kick, self.h)], share, false);
         } else {
             self.flow.drift(self.h);
-            self.flow.survey();
+            self.flow.evaluate();
         }
         self.see(self.taken > 0);
         self.due = Some(h);
@@ -416,7 +416,7 @@ impl<S: BondFlow> Stepper<f64> for Corrected<S> {
         let mut left = before.min(self.total - self.taken).max(1) as usize;
         let (share, watched) = (self.share(), self.parts.corrected);
         while left > 0 {
-            let made = self.flow.kicks_and_surveys(&self.row[..left], share, watched);
+            let made = self.flow.kicks_and_evaluations(&self.row[..left], share, watched);
             self.see(true);
             self.taken += made as u64;
             left -= made;

@@ -15,7 +15,7 @@ const APART: f64 = -1e100;
 
 /// A chain with [`Details`](super::Details).
 #[derive(Clone, Debug)]
-pub struct Differing {
+pub struct HeterogeneousChain {
     chain: Chain<f64>,
     sites: Vec<Motion>,
 }
@@ -49,7 +49,7 @@ impl Motion {
     }
 }
 
-impl Differing {
+impl HeterogeneousChain {
     /// The interface to a chain.
     ///
     /// # Errors
@@ -106,7 +106,7 @@ impl Differing {
     }
 }
 
-impl ContactChain<2> for Differing {
+impl ContactChain<2> for HeterogeneousChain {
     fn dim(&self) -> usize {
         self.layout().dim()
     }
