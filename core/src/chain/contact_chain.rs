@@ -1,9 +1,10 @@
 //! The chain as a problem of contact collocation.
 
-use super::{Chain, ContactLaw, HeterogeneousChain, Modes};
+use super::{Chain, HeterogeneousChain, Modes};
 use hertzchain_integrators::{
     Collocation, Error,
     collocation::{ContactChain, Path, Response, Section, StepControl, monodromy},
+    law::BondLaw,
 };
 
 impl Chain<f64> {
@@ -103,8 +104,9 @@ impl ContactChain for Chain<f64> {
         self.topology.ring()
     }
 
-    fn law(&self, _bond: usize) -> ContactLaw<f64> {
-        self.law
+    #[inline(always)]
+    fn bond(&self, _bond: usize) -> BondLaw<f64> {
+        BondLaw { power: self.law, constant: 1.0, rest: self.precompression, loss: None }
     }
 
     fn response(&self, _site: usize) -> Response {
@@ -115,10 +117,6 @@ impl ContactChain for Chain<f64> {
     #[inline(always)]
     fn ends(&self, _bond: usize) -> [Option<usize>; 1] {
         [Some(0)]
-    }
-
-    fn rest(&self, _bond: usize) -> f64 {
-        self.precompression
     }
 
     #[inline(always)]

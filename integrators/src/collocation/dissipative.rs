@@ -38,10 +38,10 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         if self.initial.ongoing.is_none() {
             return [0.0; 2];
         }
-        let force = link.force_at_rate(g, rate);
+        let force = link.law.force(g, rate);
         let swings = self.initial.path.iter().zip(&link.sides).map(|(path, side)| side.omega * side.omega * path[2]);
         let curvature = -swings.sum::<f64>() - self.initial.mobility * force;
-        let end = link.force_at_rate(g + frame.h * (rate + 0.5 * frame.h * curvature), rate + frame.h * curvature);
+        let end = link.law.force(g + frame.h * (rate + 0.5 * frame.h * curvature), rate + frame.h * curvature);
         [force, (end - force) / frame.h]
     }
 
@@ -52,9 +52,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let overlap = |t: f64| predicted(frame, motion, &drive, t);
         let look = |t: f64| [overlap(t), predicted_rate(frame, motion, &drive, t)];
         let [end, rate] = look(h);
-        self.prediction.at_end = frame.link.pushes(end, rate);
+        self.prediction.at_end = frame.link.law.overlap_that_pushes(end, rate);
         let [force, by] = self.initial.force;
-        self.prediction.curvature = (frame.link.force_at_rate(end, rate) - (force + by * h)) / (h * h);
+        self.prediction.curvature = (frame.link.law.force(end, rate) - (force + by * h)) / (h * h);
         // The overlap is below its chord plus the bound of its curvature times h^2/8.
         let most = self.initial.overlap[0].max(end) + 0.125 * self.bounds(frame, &drive).0 * h * h;
         if self.initial.ongoing.is_none() && most < -self.initial.band {
@@ -67,7 +67,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         // A release soon after the window's end.
         let pushes = |t: f64| {
             let [g, rate] = look(t);
-            frame.link.pushes(g, rate)
+            frame.link.law.overlap_that_pushes(g, rate)
         };
         let slope = (self.prediction.at_end - pushes(h * (1.0 - STEP))) / (STEP * h);
         let t = h - self.prediction.at_end / slope;
@@ -94,7 +94,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         self.gather(frame, band, look);
         let pushes = |t: f64| {
             let [g, rate] = look(t);
-            frame.link.pushes(g, rate)
+            frame.link.law.overlap_that_pushes(g, rate)
         };
         let (overlap, end) = (look(h)[0], pushes(h));
         let by = end / slope(pushes, h, h);
@@ -109,7 +109,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         // errors of a series.
         let energy = |t: f64| {
             let overlap = overlap_at(motion, (&self.panels, self.initial.own()), frame, beside, t.next_up());
-            frame.link.potential(overlap)
+            frame.link.law.potential(overlap)
         };
         let found = &self.contacts.found;
         let ends = std::iter::once(0.0).chain(found.iter().map(|contact| contact.release));
@@ -130,7 +130,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// overlap and rate at a time; overlaps up to `band` count as zero.
     fn gather(&mut self, frame: &Frame<'_, M, S>, band: f64, look: impl Fn(f64) -> Look) {
         let (h, link) = (frame.h, frame.link);
-        let of = |[g, rate]: Look| [g, link.pushes(g, rate)];
+        let of = |[g, rate]: Look| [g, link.law.overlap_that_pushes(g, rate)];
         let at = |t: f64| of(look(t));
         let mut looks = looks(h, &look, &of);
         // At the start both are known, which tells the error of values by series.
@@ -140,7 +140,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let off = [off(0, band), off(1, self.rounding(link))];
         // A bound of the error of the overlap, over the window, that does not change whether the
         // bond pushes.
-        let harmless = |[g, pushes]: [f64; 2]| g.abs().min(link.harmless(pushes.abs(), h));
+        let harmless = |[g, pushes]: [f64; 2]| g.abs().min(link.law.harmless(pushes.abs(), h));
         // `P` ascends with the overlap and with its rate.
         let side = |[g, rate]: Look| {
             let by = |sign: f64| least(of([g + sign * off[0], rate + sign * off[1]]));
@@ -173,7 +173,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             // 1/alpha.
             let [g, pushes] = if event == 0.0 { of(start) } else { at(event) };
             // Whether `P` vanishes there, and not the overlap: it is less than without the rate.
-            let overlaps_at_onset = g > 0.0 && pushes < 0.5 * link.pushes(g, 0.0);
+            let overlaps_at_onset = g > 0.0 && pushes < 0.5 * link.law.overlap_that_pushes(g, 0.0);
             match open.take() {
                 None => {
                     let slope = if overlaps_at_onset { slope(|t| at(t)[1], event, h) } else { look(event)[1] };

@@ -47,7 +47,7 @@ impl Cuts {
         deepest: Option<f64>,
     ) -> bool {
         let impulse = if link.lossy() {
-            link.impulse_besides(overlap.abs(), by.abs(), deepest)
+            link.law.impulse_besides(overlap.abs(), by.abs(), deepest)
         } else {
             link.force(overlap.abs()) * by.abs()
         };

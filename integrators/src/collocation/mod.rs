@@ -162,7 +162,6 @@ mod tangent;
 pub use block::{Piece, Share, WindowOutcome};
 pub use control::StepControl;
 pub use goal::Window;
-pub use loss::Loss;
 pub use section::{BLOCK, EDGE, Section};
 pub use system::{ContactChain, Drive, Path, Response};
 pub use tangent::{Tangent, monodromy};

@@ -516,7 +516,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let nothing = || {
                 let rate =
                     if frame.link.lossy() { rate_at(motion, (&panels, own), frame, beside, middle) } else { 0.0 };
-                let force = frame.link.force_at_rate(g(middle), rate);
+                let force = frame.link.law.force(g(middle), rate);
                 g(middle) <= band || force * longer * frame.link.lightest() <= SHARE * frame.cuts.event_impulse
             };
             2.0 * (a1.min(b1) - a0.max(b0)) >= longer || nothing()

@@ -162,7 +162,7 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
         for b in held.share.reach() {
             let ([overlap, rate], largest) = at_start.now(&held.links, b);
             let closed = overlap > held.chain.dead_band(largest);
-            let pushes = S == 1 || held.links.link(b).pushes(overlap, rate) > 0.0;
+            let pushes = S == 1 || held.links.link(b).law.overlap_that_pushes(overlap, rate) > 0.0;
             ongoing[b] = (closed && pushes).then(|| Contact::from_the_start(overlap, rate));
         }
     }

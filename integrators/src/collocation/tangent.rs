@@ -250,7 +250,7 @@ impl<const S: usize> Tangent<S> {
             if resting && (overlap || rate) {
                 return Err(argument("bond", bond, "beads that touch at rest have their tangent map by `Variations`"));
             }
-            if overlap && self.windows == self.from && section.held.links.link(bond).dashpot() {
+            if overlap && self.windows == self.from && section.held.links.link(bond).law.dashpot() {
                 let rule = "a dashpot's derivatives by gap and overlap differ where beads touch, see `Variations`";
                 return Err(argument("bond", bond, rule));
             }

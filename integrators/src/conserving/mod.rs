@@ -50,7 +50,7 @@ impl<C: ContactChain> Modal<C> {
         Self {
             mobility: (0..chain.bonds()).map(mobility).collect(),
             overlaps: [zeros(), zeros()],
-            law: chain.law(0),
+            law: chain.bond(0).power,
             m: response.m,
             mu: response.mu,
             stiffness: omega * omega,
@@ -81,7 +81,7 @@ impl<C: ContactChain> Modal<C> {
 
     /// The overlap of a bond where sites are at given positions.
     fn overlap(&self, b: usize, position: impl Fn(usize) -> f64) -> f64 {
-        self.chain.rest(b) + self.rate(b, position)
+        self.chain.bond(b).rest + self.rate(b, position)
     }
 
     /// The rate of an overlap where sites have given velocities.

@@ -84,7 +84,7 @@ impl<R: Real> Loops<R> {
             let masses = sites.iter().map(|site| if moves(site.resonators) { site.resonator() } else { R::infinity() });
             [kappa.collect(), masses.collect()]
         });
-        let laws: Vec<ContactLaw<R>> = chain.touching().map(|bond| parts.bonds[bond].law()).collect();
+        let laws: Vec<ContactLaw<R>> = chain.touching().map(|bond| parts.bonds[bond].power).collect();
         let same = laws.windows(2).all(|pair| pair[0].alpha() == pair[1].alpha());
         Self {
             motions,
@@ -93,7 +93,7 @@ impl<R: Real> Loops<R> {
             springs,
             law: laws.first().filter(|_| same).copied(),
             contacts: [
-                parts.bonds.iter().map(|bond| bond.constant()).collect(),
+                parts.bonds.iter().map(|bond| bond.constant).collect(),
                 parts.bonds.iter().map(|bond| bond.rest).collect(),
             ],
         }

@@ -266,7 +266,7 @@ impl<R: Real> Variations<R> {
         Ok(())
     }
 
-    /// ContactEvents `dp` at the end of a run into `du'`.
+    /// Turns `dp` at the end of a run into `du'`.
     fn release(&mut self, y: &mut [R]) {
         if self.columns == 0 {
             return;

@@ -4,12 +4,12 @@ use super::{
     super::{
         goal::Goal,
         layout::Cuts,
-        loss::Loss,
         system::{ContactChain, Links, Path},
     },
     StepControl,
     nodes::analytic,
 };
+use crate::law::Loss;
 
 /// A window whose share of the tolerance is `e` may have last terms of a series up to
 /// `(TAIL e)^POWER`: local errors go with the power `1/POWER` of the last terms. Fitted to runs of
@@ -81,13 +81,12 @@ pub(super) struct Contacts {
 }
 
 impl Contacts {
-    pub(super) fn of<const S: usize, C: ContactChain<S>>(chain: &C, links: &Links<S>) -> Self {
-        let kinds = if S == 1 { 1 } else { chain.bonds() };
-        let alphas: Vec<f64> = (0..kinds).map(|b| chain.law(b).alpha()).collect();
-        let losses = (0..if S == 1 { 0 } else { kinds }).filter_map(|b| Some(chain.loss(b)?.power(alphas[b])));
+    pub(super) fn of<const S: usize>(links: &Links<S>) -> Self {
+        let alphas: Vec<f64> = links.each().map(|link| link.law.alpha()).collect();
+        let losses = links.each().filter_map(|link| link.law.power_of_resistance());
         let mut resistances = [0.0f64; 2];
         for link in links.each() {
-            match link.loss {
+            match link.law.loss {
                 Some(Loss::Viscoelastic(gamma)) => resistances[0] = resistances[0].max(gamma),
                 Some(Loss::Dashpot(gamma)) => resistances[1] = resistances[1].max(gamma * link.lightest()),
                 None => {}
@@ -122,7 +121,7 @@ impl Accuracy {
             size = size.max(v.abs() + omega * c.hypot(s));
         }
         for b in 0..chain.bonds() {
-            let mut now = chain.rest(b);
+            let mut now = chain.bond(b).rest;
             for [r, _, c, _] in chain.across(b, start) {
                 now = now + r + c;
             }
@@ -134,7 +133,7 @@ impl Accuracy {
         for drive in links.open.iter().flat_map(|open| &open.drives) {
             size = size.max(drive.speed);
         }
-        Self { step_control, span, size: if size > 0.0 { size } else { 1.0 }, contacts: Contacts::of(chain, links) }
+        Self { step_control, span, size: if size > 0.0 { size } else { 1.0 }, contacts: Contacts::of(links) }
     }
 
     pub(super) fn contacts(&self) -> &Contacts {
