@@ -63,7 +63,7 @@ impl<R: Real> VectorField<R> for Field<R> {
         q_dot.copy_from_slice(&y[half..]);
         let (u_ddot, v_ddot) = q_ddot.split_at_mut(n);
         u.copy_from_slice(chain.layout().u(y));
-        sweep(chain, Contacts { u: u.column(), force: force.column() });
+        sweep(chain, Contacts { u: u.column(), force: force.column() }, ());
         u_ddot.copy_from_slice(force);
         let kappa = R::of(params.kappa);
         match (params.resonators(), chain.layout().v(y)) {
@@ -94,20 +94,25 @@ struct Contacts<'a, R> {
 }
 
 impl<R: Real> Sites<R> for Contacts<'_, R> {
+    type Moment = ();
+
     #[inline(always)]
     fn room(&self) -> usize {
         self.u.len().min(self.force.len())
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, _now: &()) -> V {
         // SAFETY: the caller's promise.
         unsafe { self.u.load(at) }
     }
 
     #[inline(always)]
-    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &(), _next: &()) -> V {
         // SAFETY: the caller's promise.
-        unsafe { self.force.store(at, force) }
+        unsafe {
+            self.force.store(at, force);
+            self.positions(at, now)
+        }
     }
 }

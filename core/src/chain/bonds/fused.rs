@@ -15,8 +15,8 @@ use super::{
     super::{
         Chain, ContactLaw, Topology,
         law::{Power, with_hertz},
-        rows::{Clock, InRow, Moving, given},
-        sweep::{overlaps, push},
+        rows::{Clock, given},
+        sweep::{Sites, Visit, overlaps, push},
     },
     PAD, WORD,
     awake::ActiveRange,
@@ -57,30 +57,29 @@ pub struct Fused<'a> {
     pub(super) told: &'a [u64],
 }
 
-impl InRow<f64> for Fused<'_> {
+/// At most as many `kicks` as the clock has; returns how many were made.
+pub(super) struct FusedRow<'a, C> {
+    pub(super) fused: Fused<'a>,
+    pub(super) clock: C,
+    pub(super) kicks: usize,
+}
+
+impl<C: Clock> Visit<f64, C::Moment> for FusedRow<'_, C> {
     type Output = usize;
 
     #[inline(always)]
-    fn run<S: Moving<f64>, C: Clock<Moment = S::Moment>>(
-        self,
-        chain: &Chain<f64>,
-        sites: S,
-        clock: C,
-        kicks: usize,
-    ) -> usize {
-        f64::run_vector(Kernel { chain, sites, clock, kicks, fused: self })
+    fn visit<S: Sites<f64, Moment = C::Moment>>(self, chain: &Chain<f64>, sites: S, _now: C::Moment) -> usize {
+        f64::run_vector(Kernel { chain, sites, row: self })
     }
 }
 
 struct Kernel<'a, S, C> {
     chain: &'a Chain<f64>,
     sites: S,
-    clock: C,
-    kicks: usize,
-    fused: Fused<'a>,
+    row: FusedRow<'a, C>,
 }
 
-impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> VectorKernel<f64> for Kernel<'_, S, C> {
+impl<S: Sites<f64>, C: Clock<Moment = S::Moment>> VectorKernel<f64> for Kernel<'_, S, C> {
     type Output = usize;
 
     #[inline(always)]
@@ -95,11 +94,11 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> VectorKernel<f64> for Kernel<
     }
 }
 
-impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
+impl<S: Sites<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
     /// Makes the kicks, and returns how many.
     #[inline(always)]
     fn lanes<V: Vector<f64>, P: Power<f64>, const STRAIN: bool>(self, power: P) -> usize {
-        let Self { chain, mut sites, mut clock, kicks, fused } = self;
+        let Self { chain, mut sites, row: FusedRow { fused, mut clock, kicks } } = self;
         let (topology, n) = (chain.topology(), chain.sites());
         fused.check(n, V::LANES, sites.room());
         let Fused { c, reach, watched, awake, mut q, overlaps, forces, slopes, mut modified, .. } = fused;
@@ -111,8 +110,8 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
         let mut made = 0;
         loop {
             (g, g1, g0, f, f1, slope, slope1) = (g0, g, g1, f1, f, slope1, slope);
-            sites.turn_to(clock.next());
-            let (next, mut seen) = (clock.now(), 0);
+            // The next moment is known after the clock has moved on.
+            let (now, next, mut seen) = (clock.next(), clock.now(), 0);
             for &range in awake {
                 // SAFETY: as above.
                 unsafe { modify::<V>(topology, c, range, [&f1, &slope1], &mut modified) };
@@ -122,7 +121,9 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
                 let (law, rest, reach) = (chain.law(), chain.precompression(), reach * WIDER);
                 let evaluation = Evaluation { n, law, rest, power, watched, reach, read, write };
                 // SAFETY: as above.
-                seen |= unsafe { pass::<V, _, _, STRAIN>(topology, &mut sites, &next, range, &modified, evaluation) };
+                seen |= unsafe {
+                    pass::<V, _, _, STRAIN>(topology, &mut sites, [&now, &next], range, &modified, evaluation)
+                };
             }
             made += 1;
             if made == kicks || seen != 0 {
@@ -219,10 +220,10 @@ fn modified<V: Vector<f64>>(c: f64, [before, f, behind]: [V; 3], slope: V) -> V 
 /// # Safety
 /// Columns have room.
 #[inline(always)]
-unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool>(
+unsafe fn pass<V: Vector<f64>, S: Sites<f64>, P: Power<f64>, const STRAIN: bool>(
     topology: Topology,
     sites: &mut S,
-    next: &S::Moment,
+    [now, next]: [&S::Moment; 2],
     ActiveRange { from, to }: ActiveRange,
     forces: &Column<'_, f64>,
     mut evaluation: Evaluation<'_, '_, P>,
@@ -237,18 +238,18 @@ unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
     // SAFETY: the caller's promise.
     unsafe {
         if wait {
-            first = sites.advance(at, given::<f64, V, STRAIN>(forces, n, at), next);
+            first = sites.advance(at, given::<f64, V, STRAIN>(forces, n, at), now, next);
             (q, at) = (if at + V::LANES < n { first } else { first.spread(n - 1 - at) }, at + V::LANES);
         } else if !STRAIN && from != to && (ring || from > 0) {
             // The site before sleeps: nothing pushes it.
             let site = if from > 0 { from - 1 } else { n - 1 };
-            let before = sites.advance(site, 0.0, next);
+            let before = sites.advance(site, 0.0, now, next);
             evaluation.write[0].store(PAD + site, before);
             q = V::all(before);
         }
         let wraps = to <= from;
         for registers in [at..if wraps { end } else { to }, 0..if wraps { to } else { 0 }] {
-            (q, seen) = part::<V, S, P, STRAIN>(sites, next, registers, (q, seen), forces, &mut evaluation);
+            (q, seen) = part::<V, S, P, STRAIN>(sites, [now, next], registers, (q, seen), forces, &mut evaluation);
         }
         if wait {
             seen |= evaluation.bonds::<V, STRAIN>(from, q, first);
@@ -265,9 +266,9 @@ unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
 /// # Safety
 /// Columns have room.
 #[inline(always)]
-unsafe fn part<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool>(
+unsafe fn part<V: Vector<f64>, S: Sites<f64>, P: Power<f64>, const STRAIN: bool>(
     sites: &mut S,
-    next: &S::Moment,
+    [now, next]: [&S::Moment; 2],
     registers: Range<usize>,
     (mut q, mut seen): (V, u64),
     forces: &Column<'_, f64>,
@@ -282,13 +283,13 @@ unsafe fn part<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
         let (mut before, mut f) = (V::all(forces.load::<f64>(PAD + at - 1)), forces.load::<V>(PAD + at));
         while at < registers.end && at + V::LANES < n {
             let after = forces.load(PAD + at + V::LANES);
-            let here = sites.advance(at, push::<f64, V, STRAIN>(before, f, after), next);
+            let here = sites.advance(at, push::<f64, V, STRAIN>(before, f, after), now, next);
             seen |= evaluation.bonds::<V, STRAIN>(at, q, here);
             (q, before, f) = (here, f, after);
             at += V::LANES;
         }
         if at < registers.end {
-            let here = sites.advance(at, given::<f64, V, STRAIN>(forces, n, at), next);
+            let here = sites.advance(at, given::<f64, V, STRAIN>(forces, n, at), now, next);
             seen |= evaluation.bonds::<V, STRAIN>(at, q, here);
             q = here.spread(n - 1 - at);
         }

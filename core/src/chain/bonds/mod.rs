@@ -19,7 +19,7 @@ use awake::Awake;
 use forces::{Forces, Modified};
 use fused::Fused;
 
-use super::{Chain, aligned::Aligned, law::LANES, rows::Moving, sweep::Visit};
+use super::{Chain, aligned::Aligned, law::LANES};
 use hertzchain_integrators::{
     DoubleDouble, Error, SplitFlow, Stepper, Vector,
     collocation::StepControl,
@@ -385,26 +385,6 @@ fn gathered<V: Vector<f64>>(numbers: &[f64], at: &Lanes) -> V {
     assert!(at[..V::LANES].iter().all(|&at| at < numbers.len()), "places are in the slice");
     // SAFETY: as asserted.
     V::by_lane(|k| unsafe { *numbers.get_unchecked(at[k]) })
-}
-
-/// An evaluation, as work on the sites of a flow.
-struct Evaluation<'a>(Forces<'a>);
-
-impl<M> Visit<f64, M> for Evaluation<'_> {
-    #[inline(always)]
-    fn visit<S: Moving<f64, Moment = M>>(self, chain: &Chain<f64>, sites: S) {
-        self.0.evaluate(chain, sites);
-    }
-}
-
-/// A kick with modified forces, as work on the sites of a flow.
-struct Kick<'a>(Modified<'a>);
-
-impl<M> Visit<f64, M> for Kick<'_> {
-    #[inline(always)]
-    fn visit<S: Moving<f64, Moment = M>>(self, chain: &Chain<f64>, sites: S) {
-        self.0.kick(chain.topology(), sites);
-    }
 }
 
 /// `tan(omega h/2)/(omega h/2)`: the rate, at the end of a step, of the oscillation under a
