@@ -1,5 +1,5 @@
-//! The contact law `f = (g)_+^alpha`, its potential and its stiffness; and the law of one bond, with
-//! a constant, a static overlap and dissipation of its own.
+//! The contact law `f = (g)_+^alpha`, its potential and its stiffness; and the law of one bond,
+//! with a constant, a static overlap and dissipation of its own.
 //!
 //! Overlaps with a force below about 1e-250 count as zero. Without this dead band, forces and
 //! impulses in the tails of waves and breathers become subnormal numbers, which are slow. Its

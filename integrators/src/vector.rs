@@ -71,8 +71,8 @@ pub trait Vector<R>:
     fn each(self, f: impl Fn(R) -> R) -> Self;
 }
 
-/// Functions that are inlined into kernels. An `unsafe` body is one whose instructions exist: a value
-/// of the type, or a kernel run with it, exists only where `Real` has found them.
+/// Functions that are inlined into kernels. An `unsafe` body is one whose instructions exist: a
+/// value of the type, or a kernel run with it, exists only where `Real` has found them.
 macro_rules! inlined {
     ($(fn $name:ident($($argument:tt)*) -> $to:ty $body:block)*) => {$(
         #[inline(always)]

@@ -23,8 +23,9 @@ impl<R: Real> Field<R> {
         Self { contacts: Aligned::together(chain.sites()), chain, pushing: None }
     }
 
-    /// The field for a method that stops at the events of [`ContactEvents`](super::ContactEvents) and tells the
-    /// field: the forces of contacts that dissipate are smooth from event to event.
+    /// The field for a method that stops at the events of
+    /// [`Overlaps::with_pushes`](super::Overlaps::with_pushes) and tells the field: the forces of
+    /// contacts that dissipate are smooth from event to event.
     pub(super) fn from_event_to_event(chain: Chain<R>) -> Self {
         Self { pushing: Some(Pushing::new(&chain)), ..Self::new(chain) }
     }
@@ -34,7 +35,7 @@ impl<R: Real> Field<R> {
         self.pushing.as_ref()
     }
 
-    /// Takes the sign of a function of [`ContactEvents`](super::ContactEvents).
+    /// Takes the sign of a function of [`Overlaps::with_pushes`](super::Overlaps::with_pushes).
     pub(super) fn told(&mut self, index: usize, positive: bool) -> Option<Switched> {
         self.pushing.as_mut()?.turn(index, positive)
     }

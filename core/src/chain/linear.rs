@@ -340,8 +340,8 @@ impl<R: Real> LinearFlow<R> {
         Now::new(self.phase.sin_cos(), self.tau, kick, [self.m(), self.mu_over_omega])
     }
 
-    /// Does the work that `work` makes of a clock of the (kick, drift) pairs in a row. Only the first
-    /// kick may have an anchor before it.
+    /// Does the work that `work` makes of a clock of the (kick, drift) pairs in a row. Only the
+    /// first kick may have an anchor before it.
     #[inline(always)]
     pub(super) fn in_row<'a, W: Visit<R, Now<R>>>(
         &'a mut self,

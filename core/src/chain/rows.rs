@@ -173,8 +173,8 @@ struct Pass<'a, R> {
 }
 
 impl<R: Real> Pass<'_, R> {
-    /// Kicks the sites by `forces` if `KICK`, and hands the overlaps at the next kick to `bonds`; `times`
-    /// are the moments of this kick and of the next.
+    /// Kicks the sites by `forces` if `KICK`, and hands the overlaps at the next kick to `bonds`;
+    /// `times` are the moments of this kick and of the next.
     ///
     /// # Safety
     /// The columns of sites are whole registers; those of bonds have a register more than these on

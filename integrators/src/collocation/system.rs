@@ -305,8 +305,8 @@ pub(crate) fn beside(b: usize, n: usize, ring: bool) -> [Option<usize>; 2] {
 /// [`BondLaw`].
 ///
 /// `S` is 1 for a chain whose sites are all alike, and whose bonds are: `bond` and `response` then
-/// give the same for all of them, with `m + mu = 1`, the constant 1 and no dissipation. `S` is 2 for
-/// other chains, where quantities of the site before a bond and of the site after it are kept
+/// give the same for all of them, with `m + mu = 1`, the constant 1 and no dissipation. `S` is 2
+/// for other chains, where quantities of the site before a bond and of the site after it are kept
 /// separate.
 pub trait ContactChain<const S: usize = 1>: Send + Sync {
     /// Number of components of the state vector `y`.

@@ -21,7 +21,6 @@
 mod collocation;
 mod contact;
 mod drive;
-mod events;
 mod field;
 mod flow;
 mod ledger;
@@ -33,7 +32,6 @@ mod variations;
 pub use collocation::HeterogeneousChain;
 pub use contact::{Dissipation, Kind};
 pub use drive::{Drive, DriveKind, Envelope, Harmonic, Signal};
-pub use events::ContactEvents;
 pub use flow::SitewiseFlow;
 pub use ledger::Ledger;
 pub use variations::{Variations, Varied};
