@@ -8,7 +8,8 @@ use criterion::{Criterion, Throughput};
 use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params},
     integrators::{
-        Regularised, Silent, Stepper, collocation::Pace, dop853::Options, drive, regularised::power, splitting::tables,
+        Regularised, Silent, Stepper, collocation::StepControl, dop853::Options, drive, regularised::power,
+        splitting::tables,
     },
     run::method::{Contacts, Method, Setting},
     scene::{Initial, Scene, SceneFile},
@@ -101,7 +102,7 @@ fn against_length(criterion: &mut Criterion) {
     for sites in [50, 500, 5000] {
         let scene = perturbed(sites);
         let (chain, y0) = (scene.chain(), scene.initial().as_slice());
-        let run = || end(chain.collocation(y0, (0.0, scene.end()), Pace::Tolerance(1e-9)).unwrap());
+        let run = || end(chain.collocation(y0, (0.0, scene.end()), StepControl::Tolerance(1e-9)).unwrap());
         let drift = (chain.energy(&run()).total() / chain.energy(y0).total() - 1.0).abs();
         println!("{sites} sites: energy off by {drift:.1e}");
         assert!(drift < 2.5e-14, "{sites} sites: {drift:e}");
@@ -116,9 +117,9 @@ fn tangent_map(criterion: &mut Criterion) {
     let chain: Chain<f64> = Chain::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), Boundary::Free, 21).unwrap();
     let start = generic_state(&chain).unwrap();
     let (y0, span) = (start.as_slice(), (0.0, PI));
-    let pace = Pace::Windows { windows: 40, nodes: 12, neighbours: true };
-    let run = |y: &[f64]| end(chain.collocation(y, span, pace).unwrap());
-    let monodromy = || chain.monodromy(y0, span, pace).unwrap();
+    let step_control = StepControl::Windows { windows: 40, nodes: 12, neighbours: true };
+    let run = |y: &[f64]| end(chain.collocation(y, span, step_control).unwrap());
+    let monodromy = || chain.monodromy(y0, span, step_control).unwrap();
 
     // Reference: central differences in one direction.
     let direction: Vec<f64> = (0..y0.len()).map(noise).collect();
@@ -154,10 +155,10 @@ fn window(closed: bool, h: f64, nodes: usize) -> (f64, f64) {
     let strain = if closed { -1.0 } else { 1.0 };
     let mut y0 = vec![strain; 2 * RING];
     y0.extend((0..2 * RING).map(|i| 0.05 * (2.0 * PI * (i % RING) as f64 / 10.0).sin()));
-    let pace = Pace::Windows { windows: WINDOWS, nodes, neighbours: true };
+    let step_control = StepControl::Windows { windows: WINDOWS, nodes, neighbours: true };
     let mut best = (f64::INFINITY, 0.0);
     for _ in 0..5 {
-        let mut run = chain.collocation(&y0, (0.0, WINDOWS as f64 * h), pace).unwrap();
+        let mut run = chain.collocation(&y0, (0.0, WINDOWS as f64 * h), step_control).unwrap();
         let start = Instant::now();
         while !run.done() {
             run.step().unwrap();

@@ -1,4 +1,5 @@
-//! The contact law `f = (g)_+^alpha`, its potential and its stiffness.
+//! The contact law `f = (g)_+^alpha`, its potential and its stiffness; and the law of one bond,
+//! with a constant, a static overlap and dissipation of its own.
 //!
 //! Overlaps with a force below about 1e-250 count as zero. Without this dead band, forces and
 //! impulses in the tails of waves and breathers become subnormal numbers, which are slow. Its
@@ -386,6 +387,129 @@ impl<R: Real> ContactLaw<R> {
     pub fn stiffness(&self, g: R) -> R {
         let g = self.positive_part(g);
         if g == R::zero() { g } else { self.alpha * (self.force(g) / g) }
+    }
+}
+
+/// How the contact of a bond dissipates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Loss<R> {
+    /// `c(g) = gamma F'(g)`, so that `f = (F + gamma dF/dt)_+`; `gamma` is a time.
+    Viscoelastic(R),
+    /// `c(g) = gamma`, so that `f = (F + gamma g')_+` where beads overlap; `gamma` is a force over
+    /// a velocity.
+    Dashpot(R),
+}
+
+/// The law of one bond: elastic force `F(g) = A (g)_+^alpha`, resistance `c(g)`, and the force
+/// `f = (F(g) + c(g) g')_+` for `g > 0`: beads never pull.
+#[derive(Clone, Copy, Debug)]
+pub struct BondLaw<R> {
+    /// The power of the overlap.
+    pub power: ContactLaw<R>,
+    /// `A`; zero for beads that cannot touch.
+    pub constant: R,
+    /// Static overlap: that of beads at the origin.
+    pub rest: R,
+    /// How it dissipates, if it does.
+    pub loss: Option<Loss<R>>,
+}
+
+impl<R: Real> BondLaw<R> {
+    /// `A`, `alpha`, the static overlap, and the dissipation, which counts if its `gamma` and `A`
+    /// are positive.
+    pub fn new(constant: f64, alpha: f64, rest: f64, loss: Option<Loss<f64>>) -> Self {
+        let loss = loss.filter(|_| constant > 0.0).and_then(|loss| match loss {
+            Loss::Viscoelastic(gamma) => (gamma > 0.0).then(|| Loss::Viscoelastic(R::of(gamma))),
+            Loss::Dashpot(gamma) => (gamma > 0.0).then(|| Loss::Dashpot(R::of(gamma))),
+        });
+        Self { power: ContactLaw::new(alpha), constant: R::of(constant), rest: R::of(rest), loss }
+    }
+
+    /// The exponent.
+    pub fn alpha(&self) -> R {
+        self.power.alpha()
+    }
+
+    /// Whether it dissipates.
+    pub fn dissipates(&self) -> bool {
+        self.loss.is_some()
+    }
+
+    /// `F(g)`.
+    #[inline]
+    pub fn elastic(&self, g: R) -> R {
+        self.constant * self.power.force(g)
+    }
+
+    /// `F'(g)`.
+    #[inline]
+    pub fn stiffness(&self, g: R) -> R {
+        self.constant * self.power.stiffness(g)
+    }
+
+    /// `A (g)_+^{alpha+1} / (alpha+1)`.
+    pub fn potential(&self, g: R) -> R {
+        if g <= R::zero() { R::zero() } else { self.constant * self.power.potential(g) }
+    }
+
+    /// `c(g)` of a contact that pushes, also where rounding takes its overlap below zero.
+    #[inline]
+    pub fn resistance(&self, g: R) -> R {
+        match self.loss {
+            Some(Loss::Viscoelastic(gamma)) => self.stiffness(g) * gamma,
+            Some(Loss::Dashpot(gamma)) => gamma,
+            None => R::zero(),
+        }
+    }
+
+    /// The force at an overlap and its rate; never negative.
+    #[inline]
+    pub fn force(&self, g: R, rate: R) -> R {
+        if self.loss.is_none() || g <= R::zero() {
+            return self.elastic(g);
+        }
+        self.push(g, rate).max(R::zero())
+    }
+
+    /// The force of a contact that is known to push: smooth through its onset and its end.
+    #[inline]
+    pub fn push(&self, g: R, rate: R) -> R {
+        self.elastic(g) + self.resistance(g) * rate
+    }
+
+    /// A function that is positive where a closed contact pushes: `g + gamma alpha g'` for
+    /// viscoelastic ones, `F(g) + gamma g'` for dashpots; `None` without dissipation.
+    pub fn pushes(&self, g: R, rate: R) -> Option<R> {
+        self.loss.map(|loss| match loss {
+            Loss::Viscoelastic(gamma) => g + gamma * self.alpha() * rate,
+            Loss::Dashpot(gamma) => self.elastic(g) + gamma * rate,
+        })
+    }
+
+    /// The rate of [`pushes`](Self::pushes), from overlap, rate and second derivative.
+    pub fn pushes_rate(&self, g: R, rate: R, second: R) -> Option<R> {
+        self.loss.map(|loss| match loss {
+            Loss::Viscoelastic(gamma) => rate + gamma * self.alpha() * second,
+            Loss::Dashpot(gamma) => self.stiffness(g) * rate + gamma * second,
+        })
+    }
+
+    /// The exponent, if beads can touch: the power of time with which `F` begins or ends.
+    pub fn elastic_power(&self) -> Option<f64> {
+        (self.constant > R::zero()).then(|| self.alpha().f64())
+    }
+
+    /// The power of time with which `c(g) g'` begins or ends.
+    pub fn power_of_resistance(&self) -> Option<f64> {
+        self.loss.map(|loss| match loss {
+            Loss::Viscoelastic(_) => self.alpha().f64() - 1.0,
+            Loss::Dashpot(_) => 0.0,
+        })
+    }
+
+    /// The powers of time with which the force begins or ends.
+    pub fn powers(&self) -> impl Iterator<Item = f64> + use<R> {
+        self.elastic_power().into_iter().chain(self.power_of_resistance())
     }
 }
 

@@ -10,7 +10,7 @@
 //! | [`system`] | the interfaces between methods and problems |
 //! | [`splitting`] | splitting schemes as const data, and the loop that runs them |
 //! | [`dop853`] | the 8(5,3) pair of Dormand and Prince with 7th-order dense output |
-//! | [`conserving`] | two schemes that conserve an energy exactly, as rivals |
+//! | [`conserving`] | the discrete gradient, which conserves the energy exactly |
 //! | [`events`] | changes of sign of functions of the state |
 //! | [`regularised`] | DOP853 through events, in a variable in which the solution is smooth |
 //! | [`drive`](mod@drive) | the loop over time: advance, record, stop |

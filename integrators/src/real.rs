@@ -30,6 +30,18 @@ pub trait VectorKernel<R> {
     fn run<V: Vector<R>>(self) -> Self::Output;
 }
 
+/// A kernel that uses no registers.
+struct Plain<K>(K);
+
+impl<R, K: Kernel> VectorKernel<R> for Plain<K> {
+    type Output = K::Output;
+
+    #[inline(always)]
+    fn run<V: Vector<R>>(self) -> K::Output {
+        self.0.run()
+    }
+}
+
 /// A real number: `f64`, or double-double (`twofloat::TwoFloat`).
 pub trait Real: Float + FloatConst + NumAssign + std::fmt::Debug + std::fmt::Display + Send + Sync + 'static {
     /// The number nearest to a decimal such as `"-0.3336986162276780057"`, to the working
@@ -51,7 +63,7 @@ pub trait Real: Float + FloatConst + NumAssign + std::fmt::Debug + std::fmt::Dis
     /// instruction sets give the same bits.
     #[inline(always)]
     fn run<K: Kernel>(kernel: K) -> K::Output {
-        kernel.run()
+        Self::run_vector(Plain(kernel))
     }
 
     /// Runs a kernel with the widest registers in use, see [`crate::Instructions`]. All widths give
@@ -75,29 +87,6 @@ impl Real for f64 {
     #[inline(always)]
     fn f64(self) -> f64 {
         self
-    }
-
-    #[inline(always)]
-    fn run<K: Kernel>(kernel: K) -> K::Output {
-        #[cfg(target_arch = "x86_64")]
-        {
-            #[target_feature(enable = "avx512f,avx512dq,avx512vl,fma")]
-            fn avx512<K: Kernel>(kernel: K) -> K::Output {
-                kernel.run()
-            }
-            #[target_feature(enable = "avx2,fma")]
-            fn avx2<K: Kernel>(kernel: K) -> K::Output {
-                kernel.run()
-            }
-            match Instructions::used() {
-                // SAFETY: `used` returns a set that this machine has.
-                Instructions::Avx512 => return unsafe { avx512(kernel) },
-                // SAFETY: `used` returns a set that this machine has.
-                Instructions::Avx2 => return unsafe { avx2(kernel) },
-                Instructions::Portable => {}
-            }
-        }
-        kernel.run()
     }
 
     #[inline(always)]

@@ -71,13 +71,24 @@ pub trait Vector<R>:
     fn each(self, f: impl Fn(R) -> R) -> Self;
 }
 
+/// Functions that are inlined into kernels. An `unsafe` body is one whose instructions exist: a
+/// value of the type, or a kernel run with it, exists only where `Real` has found them.
+macro_rules! inlined {
+    ($(fn $name:ident($($argument:tt)*) -> $to:ty $body:block)*) => {$(
+        #[inline(always)]
+        fn $name($($argument)*) -> $to $body
+    )*};
+    (unsafe $(fn $name:ident($($argument:tt)*) -> $to:ty $body:block)*) => {$(
+        #[inline(always)]
+        fn $name($($argument)*) -> $to {
+            // SAFETY: as above.
+            unsafe { $body }
+        }
+    )*};
+}
+
 impl<R: Real> Vector<R> for R {
     const LANES: usize = 1;
-
-    #[inline(always)]
-    fn all(x: R) -> Self {
-        x
-    }
 
     #[inline(always)]
     unsafe fn load(start: *const R) -> Self {
@@ -86,94 +97,30 @@ impl<R: Real> Vector<R> for R {
     }
 
     #[inline(always)]
-    fn by_lane(number: impl Fn(usize) -> R) -> Self {
-        number(0)
-    }
-
-    #[inline(always)]
     unsafe fn store(self, start: *mut R) {
         // SAFETY: the caller's promise.
         unsafe { *start = self }
     }
 
-    #[inline(always)]
-    fn fused(self, by: Self, plus: Self) -> Self {
-        self.mul_add(by, plus)
-    }
-
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        if other > self { other } else { self }
-    }
-
-    #[inline(always)]
-    fn root(self) -> Self {
-        self.sqrt()
-    }
-
-    #[inline(always)]
-    fn floor(self) -> Self {
-        num_traits::Float::floor(self)
-    }
-
-    #[inline(always)]
-    fn inverse(self) -> Self {
-        self.recip()
-    }
-
-    #[inline(always)]
-    fn above(self, bound: R, then: Self) -> Self {
-        if self > bound { then } else { R::zero() }
-    }
-
-    #[inline(always)]
-    fn positive(self) -> u64 {
-        u64::from(self > R::zero())
-    }
-
-    #[inline(always)]
-    fn exceeds(self, other: Self) -> u64 {
-        u64::from(self > other)
-    }
-
-    #[inline(always)]
-    fn at_most(self, other: Self) -> u64 {
-        u64::from(self <= other)
-    }
-
-    #[inline(always)]
-    fn or(self, bits: u64, others: Self) -> Self {
-        if bits & 1 > 0 { self } else { others }
-    }
-
-    #[inline(always)]
-    fn size(self) -> Self {
-        self.abs()
-    }
-
-    #[inline(always)]
-    fn before(self, next: Self) -> Self {
-        next
-    }
-
-    #[inline(always)]
-    fn after(self, previous: Self) -> Self {
-        previous
-    }
-
-    #[inline(always)]
-    fn first(self, n: usize, others: Self) -> Self {
-        if n > 0 { self } else { others }
-    }
-
-    #[inline(always)]
-    fn spread(self, _lane: usize) -> Self {
-        self
-    }
-
-    #[inline(always)]
-    fn each(self, f: impl Fn(R) -> R) -> Self {
-        f(self)
+    inlined! {
+        fn all(x: R) -> Self { x }
+        fn by_lane(number: impl Fn(usize) -> R) -> Self { number(0) }
+        fn fused(self, by: Self, plus: Self) -> Self { self.mul_add(by, plus) }
+        fn larger(self, other: Self) -> Self { if other > self { other } else { self } }
+        fn root(self) -> Self { self.sqrt() }
+        fn floor(self) -> Self { num_traits::Float::floor(self) }
+        fn inverse(self) -> Self { self.recip() }
+        fn above(self, bound: R, then: Self) -> Self { if self > bound { then } else { R::zero() } }
+        fn positive(self) -> u64 { u64::from(self > R::zero()) }
+        fn exceeds(self, other: Self) -> u64 { u64::from(self > other) }
+        fn at_most(self, other: Self) -> u64 { u64::from(self <= other) }
+        fn or(self, bits: u64, others: Self) -> Self { if bits & 1 > 0 { self } else { others } }
+        fn size(self) -> Self { self.abs() }
+        fn before(self, next: Self) -> Self { next }
+        fn after(self, previous: Self) -> Self { previous }
+        fn first(self, n: usize, others: Self) -> Self { if n > 0 { self } else { others } }
+        fn spread(self, _lane: usize) -> Self { self }
+        fn each(self, f: impl Fn(R) -> R) -> Self { f(self) }
     }
 }
 
@@ -289,19 +236,9 @@ impl Vector<f64> for Pair {
     each_lane!();
 
     #[inline(always)]
-    fn all(x: f64) -> Self {
-        Self([x; 2])
-    }
-
-    #[inline(always)]
     unsafe fn load(start: *const f64) -> Self {
         // SAFETY: the caller's promise.
         unsafe { Self(*start.cast()) }
-    }
-
-    #[inline(always)]
-    fn by_lane(number: impl Fn(usize) -> f64) -> Self {
-        Self([number(0), number(1)])
     }
 
     #[inline(always)]
@@ -310,74 +247,36 @@ impl Vector<f64> for Pair {
         unsafe { *start.cast() = self.0 }
     }
 
-    #[inline(always)]
-    fn fused(self, by: Self, plus: Self) -> Self {
-        Self([self.0[0].mul_add(by.0[0], plus.0[0]), self.0[1].mul_add(by.0[1], plus.0[1])])
-    }
-
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        Self(pairwise(self.0, other.0, |x, other| if other > x { other } else { x }))
-    }
-
-    #[inline(always)]
-    fn root(self) -> Self {
-        Self([self.0[0].sqrt(), self.0[1].sqrt()])
-    }
-
-    #[inline(always)]
-    fn floor(self) -> Self {
-        Self(self.0.map(f64::floor))
-    }
-
-    #[inline(always)]
-    fn above(self, bound: f64, then: Self) -> Self {
-        Self(pairwise(self.0, then.0, |x, then| if x > bound { then } else { 0.0 }))
-    }
-
-    #[inline(always)]
-    fn positive(self) -> u64 {
-        u64::from(self.0[0] > 0.0) | u64::from(self.0[1] > 0.0) << 1
-    }
-
-    #[inline(always)]
-    fn exceeds(self, other: Self) -> u64 {
-        u64::from(self.0[0] > other.0[0]) | u64::from(self.0[1] > other.0[1]) << 1
-    }
-
-    #[inline(always)]
-    fn at_most(self, other: Self) -> u64 {
-        u64::from(self.0[0] <= other.0[0]) | u64::from(self.0[1] <= other.0[1]) << 1
-    }
-
-    #[inline(always)]
-    fn or(self, bits: u64, others: Self) -> Self {
-        Self([self.0[0].or(bits, others.0[0]), self.0[1].or(bits >> 1, others.0[1])])
-    }
-
-    #[inline(always)]
-    fn size(self) -> Self {
-        Self([self.0[0].abs(), self.0[1].abs()])
-    }
-
-    #[inline(always)]
-    fn before(self, next: Self) -> Self {
-        Self([self.0[1], next.0[0]])
-    }
-
-    #[inline(always)]
-    fn after(self, previous: Self) -> Self {
-        Self([previous.0[1], self.0[0]])
-    }
-
-    #[inline(always)]
-    fn first(self, n: usize, others: Self) -> Self {
-        Self([if n > 0 { self.0[0] } else { others.0[0] }, if n > 1 { self.0[1] } else { others.0[1] }])
-    }
-
-    #[inline(always)]
-    fn spread(self, lane: usize) -> Self {
-        Self([self.0[lane]; 2])
+    // By lanes, as numbers.
+    inlined! {
+        fn all(x: f64) -> Self { Self([x; 2]) }
+        fn by_lane(number: impl Fn(usize) -> f64) -> Self { Self([number(0), number(1)]) }
+        fn fused(self, by: Self, plus: Self) -> Self {
+            Self([self.0[0].fused(by.0[0], plus.0[0]), self.0[1].fused(by.0[1], plus.0[1])])
+        }
+        fn larger(self, other: Self) -> Self { Self(pairwise(self.0, other.0, f64::larger)) }
+        fn root(self) -> Self { Self([self.0[0].root(), self.0[1].root()]) }
+        fn floor(self) -> Self { Self(self.0.map(f64::floor)) }
+        fn above(self, bound: f64, then: Self) -> Self {
+            Self(pairwise(self.0, then.0, |x, then| x.above(bound, then)))
+        }
+        fn positive(self) -> u64 { self.0[0].positive() | self.0[1].positive() << 1 }
+        fn exceeds(self, other: Self) -> u64 {
+            self.0[0].exceeds(other.0[0]) | self.0[1].exceeds(other.0[1]) << 1
+        }
+        fn at_most(self, other: Self) -> u64 {
+            self.0[0].at_most(other.0[0]) | self.0[1].at_most(other.0[1]) << 1
+        }
+        fn or(self, bits: u64, others: Self) -> Self {
+            Self([self.0[0].or(bits, others.0[0]), self.0[1].or(bits >> 1, others.0[1])])
+        }
+        fn size(self) -> Self { Self([self.0[0].size(), self.0[1].size()]) }
+        fn before(self, next: Self) -> Self { Self([self.0[1], next.0[0]]) }
+        fn after(self, previous: Self) -> Self { Self([previous.0[1], self.0[0]]) }
+        fn first(self, n: usize, others: Self) -> Self {
+            Self([self.0[0].first(n, others.0[0]), self.0[1].first(n.saturating_sub(1), others.0[1])])
+        }
+        fn spread(self, lane: usize) -> Self { Self([self.0[lane]; 2]) }
     }
 }
 
@@ -393,18 +292,6 @@ mod wide {
     use super::{Add, Div, Mul, One, Sub, Vector};
     use std::arch::x86_64::*;
 
-    /// Functions whose bodies call instructions.
-    macro_rules! instructions {
-        ($(fn $name:ident($($argument:tt)*) -> $to:ty $body:block)*) => {$(
-            #[inline(always)]
-            fn $name($($argument)*) -> $to {
-                // SAFETY: a value of this type, or a kernel run with it, exists only where `Real`
-                // has found the instructions.
-                unsafe { $body }
-            }
-        )*};
-    }
-
     /// Four numbers, for AVX2.
     #[derive(Clone, Copy)]
     pub(crate) struct Four(__m256d);
@@ -417,17 +304,17 @@ mod wide {
 
         #[inline(always)]
         unsafe fn load(start: *const f64) -> Self {
-            // SAFETY: as in `instructions!`; the address is the caller's promise.
+            // SAFETY: as in `inlined!`; the address is the caller's promise.
             unsafe { Self(_mm256_loadu_pd(start)) }
         }
 
         #[inline(always)]
         unsafe fn store(self, start: *mut f64) {
-            // SAFETY: as in `instructions!`; the address is the caller's promise.
+            // SAFETY: as in `inlined!`; the address is the caller's promise.
             unsafe { _mm256_storeu_pd(start, self.0) }
         }
 
-        instructions! {
+        inlined! { unsafe
             fn all(x: f64) -> Self { Self(_mm256_set1_pd(x)) }
             fn by_lane(number: impl Fn(usize) -> f64) -> Self {
                 Self(_mm256_setr_pd(number(0), number(1), number(2), number(3)))
@@ -486,17 +373,17 @@ mod wide {
 
         #[inline(always)]
         unsafe fn load(start: *const f64) -> Self {
-            // SAFETY: as in `instructions!`; the address is the caller's promise.
+            // SAFETY: as in `inlined!`; the address is the caller's promise.
             unsafe { Self(_mm512_loadu_pd(start)) }
         }
 
         #[inline(always)]
         unsafe fn store(self, start: *mut f64) {
-            // SAFETY: as in `instructions!`; the address is the caller's promise.
+            // SAFETY: as in `inlined!`; the address is the caller's promise.
             unsafe { _mm512_storeu_pd(start, self.0) }
         }
 
-        instructions! {
+        inlined! { unsafe
             fn all(x: f64) -> Self { Self(_mm512_set1_pd(x)) }
             fn by_lane(n: impl Fn(usize) -> f64) -> Self {
                 Self(_mm512_setr_pd(n(0), n(1), n(2), n(3), n(4), n(5), n(6), n(7)))

@@ -165,11 +165,11 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
 /// The tangent map of a chain over a time, from the state at the start of the scene.
 #[pyfunction]
 pub(crate) fn monodromy<'py>(py: Python<'py>, scene: &Scene, tol: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    use hertzchain::integrators::collocation::Pace;
+    use hertzchain::integrators::collocation::StepControl;
     let scene = &scene.0;
     let start = scene.initial().as_slice();
     let span = (0.0, scene.end());
-    let map = finished(py, None, |_| Ok(scene.chain().monodromy(start, span, Pace::Tolerance(tol))?))?;
+    let map = finished(py, None, |_| Ok(scene.chain().monodromy(start, span, StepControl::Tolerance(tol))?))?;
     // It comes column by column; the ledger of work, behind the state, is left out.
     let dim = 2 * scene.chain().layout().half();
     let state = map.chunks(start.len()).take(dim).flat_map(|column| &column[..dim]).copied().collect();

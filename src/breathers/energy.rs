@@ -20,7 +20,7 @@ use crate::{
     error::Result,
     waves::{Given, MeanStrain, Search, WaveNumber, WaveSetting},
 };
-use hertzchain_integrators::{Stepper, collocation::Pace};
+use hertzchain_integrators::{Stepper, collocation::StepControl};
 use std::f64::consts::PI;
 
 /// Intervals of the trapezoidal rule in a quarter of a period.
@@ -72,7 +72,7 @@ pub fn background_energy(params: Params, omega_b: f64) -> Result<KinkEnergy> {
 /// `E` and `E - 2 K` of a state, where `K` is averaged from 0 to `time` by the trapezoidal rule.
 /// The kinetic energy is even about both ends of this interval.
 fn averaged(chain: &Chain<f64>, start: &[f64], time: f64, parts: usize, tol: f64) -> Result<KinkEnergy> {
-    let mut run = chain.collocation(start, (0.0, time), Pace::Tolerance(tol))?;
+    let mut run = chain.collocation(start, (0.0, time), StepControl::Tolerance(tol))?;
     let (mut state, mut kinetic) = (start.to_vec(), 0.0);
     for k in 0..=parts {
         let t = time * k as f64 / parts as f64;

@@ -50,7 +50,7 @@ use crate::{
     interrupt,
     orbits::{self, Frame, Kantorovich, Moment, NewtonStep, Orbit, Shooting, Spectrum, flow, known, least_squares},
 };
-use hertzchain_integrators::{Stepper, collocation::Pace};
+use hertzchain_integrators::{Stepper, collocation::StepControl};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::PI;
 
@@ -436,7 +436,7 @@ impl MovingOrbit {
     pub fn envelope(&self, tol: f64) -> Result<Envelope> {
         let (breather, n) = (&self.breather, self.breather.sites);
         let half = PI / breather.omega_b;
-        let mut run = breather.chain()?.collocation(&self.z, (0.0, half), Pace::Tolerance(tol))?;
+        let mut run = breather.chain()?.collocation(&self.z, (0.0, half), StepControl::Tolerance(tol))?;
         let (mut state, mut a, mut mean) = (self.z.clone(), vec![Complex::from(0.0); n], vec![0.0; n]);
         for k in 0..=SAMPLES {
             let t = half * k as f64 / SAMPLES as f64;

@@ -25,7 +25,7 @@ use crate::{
     error::{Error, Iterate, Result},
     interrupt,
 };
-use hertzchain_integrators::collocation::Pace;
+use hertzchain_integrators::collocation::StepControl;
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -477,7 +477,7 @@ impl DrivenShooting {
             };
             return Ok((DMatrix::from_fn(2 * m, 2 * m, entry), end.contraction));
         }
-        let columns = chain.monodromy(&start, span, Pace::Tolerance(self.tangent_tol))?;
+        let columns = chain.monodromy(&start, span, StepControl::Tolerance(self.tangent_tol))?;
         let entry = |k: usize, j: usize| {
             let ((row, unit), (column, per)) = (place(k), place(j));
             columns[column * dim + row] * per / unit
@@ -707,8 +707,8 @@ impl DrivenOrbit {
         Ok((1..setting.turns).filter(divides).find(returns).unwrap_or(setting.turns))
     }
 
-    /// Refuses numbers that are not those of an orbit. Rates are checked first, so that the residual
-    /// is measured within seconds on a short chain.
+    /// Refuses numbers that are not those of an orbit. Rates are checked first, so that the
+    /// residual is measured within seconds on a short chain.
     pub(super) fn verify(&self, shooting: &DrivenShooting) -> Result<()> {
         let rate = self.setting.fastest_rate(&self.z)?;
         if rate > FASTEST {

@@ -3,7 +3,7 @@
 use crate::{chain::Chain, error::Result};
 use hertzchain_integrators::{
     Stepper,
-    collocation::{Pace, Tangent},
+    collocation::{StepControl, Tangent},
 };
 use nalgebra::DMatrix;
 
@@ -25,7 +25,7 @@ pub(crate) fn flow(
     tol: f64,
     mut seen: impl FnMut(&Moment),
 ) -> Result<Moment> {
-    let mut run = chain.collocation(start, (0.0, t), Pace::Tolerance(tol))?;
+    let mut run = chain.collocation(start, (0.0, t), StepControl::Tolerance(tol))?;
     if columns.ncols() > 0 {
         run = run.differentiated();
     }

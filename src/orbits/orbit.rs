@@ -10,7 +10,7 @@ use crate::{
     chain::max_norm,
     error::{Error, Result},
 };
-use hertzchain_integrators::{Stepper, collocation::Pace};
+use hertzchain_integrators::{Stepper, collocation::StepControl};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -62,7 +62,7 @@ impl Orbit {
     /// An integration that fails.
     pub fn states(&self, tol: f64, times: &[f64]) -> Result<Vec<Vec<f64>>> {
         let Some(&end) = times.last() else { return Ok(Vec::new()) };
-        let mut run = self.setting.chain()?.collocation(&self.start(), (0.0, end), Pace::Tolerance(tol))?;
+        let mut run = self.setting.chain()?.collocation(&self.start(), (0.0, end), StepControl::Tolerance(tol))?;
         let mut states = Vec::with_capacity(times.len());
         for &t in times {
             while run.time() < t && !run.done() {

@@ -19,7 +19,7 @@ use crate::{
     chain::{Chain, max_norm},
     error::{Error, Iterate, Result},
 };
-use hertzchain_integrators::{Stepper, collocation::Pace};
+use hertzchain_integrators::{Stepper, collocation::StepControl};
 use nalgebra::{DMatrix, DVector, DVectorView};
 use serde::{Deserialize, Serialize};
 
@@ -137,7 +137,7 @@ impl Shooting {
         const SAMPLES: u32 = 64;
         let mut state = z.to_vec();
         state.resize(2 * z.len(), 0.0);
-        let mut run = chain.collocation(&state, (0.0, period), Pace::Tolerance(self.tol))?;
+        let mut run = chain.collocation(&state, (0.0, period), StepControl::Tolerance(self.tol))?;
         let mut sum = z[0];
         for k in 1..SAMPLES {
             let t = period * f64::from(k) / f64::from(SAMPLES);

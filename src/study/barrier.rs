@@ -28,7 +28,7 @@ use crate::{
     },
     sweep::{Engine, Grid},
 };
-use hertzchain_integrators::{Tolerance, collocation::Pace};
+use hertzchain_integrators::{Tolerance, collocation::StepControl};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::f64::consts::PI;
@@ -244,7 +244,7 @@ impl Invariants {
             energy: chain.energy(&start).total(),
             action: sum * period / (PI * PARTS as f64),
             length: orbit.x().iter().sum(),
-            force: chain.mean_contact_forces(&start, period, Pace::Tolerance(shooting.tol))?.mean(),
+            force: chain.mean_contact_forces(&start, period, StepControl::Tolerance(shooting.tol))?.mean(),
         })
     }
 }

@@ -64,8 +64,8 @@ options! {
         sites: usize = 90, "N", (80 to 1000);
         /// Drive frequencies.
         ///
-        /// Separated by commas, in radians per unit of time; above omega = sqrt(1 + 1/rho), and below
-        /// the end of the band of weak waves.
+        /// Separated by commas, in radians per unit of time; above omega = sqrt(1 + 1/rho), and
+        /// below the end of the band of weak waves.
         omegas: Vec<f64> = vec![2.002, 2.004, 2.006, 2.008, 2.01, 2.015, 2.02], "W,..";
         /// Displacement amplitude of the first bead.
         drive: f64 = 0.05, "A", (1e-10 to 1e6);

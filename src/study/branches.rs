@@ -36,8 +36,8 @@ options! {
     }
 }
 
-/// Continues a branch, unless it has ended. The orbits are a result also if the process was asked to
-/// end meanwhile. `shown` is the parameter of an orbit as it is told.
+/// Continues a branch, unless it has ended. The orbits are a result also if the process was asked
+/// to end meanwhile. `shown` is the parameter of an orbit as it is told.
 pub(super) fn followed<P: Problem>(
     mut branch: Branch<P>,
     keep: Keep<'_, P>,

@@ -64,8 +64,8 @@ options! {
         /// Numbers of sites, ends included.
         ///
         /// Separated by commas. A chain with an even number has a kink about a bond
-        /// if its ends move in phase; one with an odd number has a kink about a bead if they move in
-        /// antiphase.
+        /// if its ends move in phase; one with an odd number has a kink about a bead if they move
+        /// in antiphase.
         lengths: Vec<usize> = vec![10, 11], "N,..", (10 to 60);
         /// Drive frequencies.
         ///

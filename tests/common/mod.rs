@@ -3,7 +3,9 @@
 
 use hertzchain::{
     chain::{Chain, Field, Overlaps},
-    integrators::{Regularised, Silent, Stats, Stepper, collocation::Pace, dop853::Options, drive, regularised::power},
+    integrators::{
+        Regularised, Silent, Stats, Stepper, collocation::StepControl, dop853::Options, drive, regularised::power,
+    },
 };
 
 pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
@@ -27,8 +29,8 @@ pub(crate) fn truth(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Vec<f
     y
 }
 
-pub(crate) fn collocated(chain: &Chain<f64>, y0: &[f64], end: f64, pace: Pace) -> (Vec<f64>, Stats) {
-    let mut run = chain.collocation(y0, (0.0, end), pace).unwrap();
+pub(crate) fn collocated(chain: &Chain<f64>, y0: &[f64], end: f64, step_control: StepControl) -> (Vec<f64>, Stats) {
+    let mut run = chain.collocation(y0, (0.0, end), step_control).unwrap();
     let mut y = y0.to_vec();
     drive(&mut run, &mut Silent, &mut y).unwrap();
     (y, run.stats())

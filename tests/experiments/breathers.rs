@@ -5,7 +5,7 @@ use hertzchain::{
     breathers::{BrightBreather, ClosedForm, Norms, TrivialBreather},
     chain::{Boundary, Chain, Field, Params, Site, State},
     dps::{Averages, Center},
-    integrators::{Stepper, VectorField, collocation::Pace},
+    integrators::{Stepper, VectorField, collocation::StepControl},
     run::Records,
     run::method::{Method, Setting},
     scene::{Initial, Scene, Theory},
@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 use crate::common::{collocated, distance, largest, truth};
 use crate::properties::properties;
 
-const CLOSE: Pace = Pace::Tolerance(1e-12);
+const CLOSE: StepControl = StepControl::Tolerance(1e-12);
 
 fn params(alpha: f64, kappa: f64, rho: f64) -> Params {
     Params::new(alpha, kappa, rho).unwrap()

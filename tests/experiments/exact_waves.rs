@@ -4,7 +4,7 @@
 use hertzchain::{
     Run, State,
     chain::{Chain, Params, Site},
-    integrators::collocation::{Pace, monodromy},
+    integrators::collocation::{StepControl, monodromy},
     orbits::End,
     run::Method,
     study::{ContinueWave, ExactStudy, Wanted, WaveBranchStudy},
@@ -227,7 +227,7 @@ fn relative_multipliers_are_eigenvalues_of_the_monodromy_matrix() {
         let wave = &study.wave;
         let chain = wave.setting.chain(10 / wave.setting.q.cell()).unwrap();
         let z: Vec<f64> = wave.on_ring(10).concat();
-        let whole = monodromy(chain, &z, (0.0, wave.setting.period()), Pace::Tolerance(1e-14)).unwrap();
+        let whole = monodromy(chain, &z, (0.0, wave.setting.period()), StepControl::Tolerance(1e-14)).unwrap();
         let matrix = DMatrix::from_column_slice(40, 40, &whole).map(Complex::from);
         let spectrum = wave.spectrum(10, &Search::default()).unwrap();
         assert_eq!(spectrum.multipliers.len(), 40);

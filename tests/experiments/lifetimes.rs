@@ -7,7 +7,7 @@ use hertzchain::{
     breathers::BrightBreather,
     chain::{Boundary, Chain, Params, State},
     dps::Center,
-    integrators::{Silent, collocation::Pace, drive},
+    integrators::{Silent, collocation::StepControl, drive},
     run::method::Method,
     study::{Adaptive, Criterion, Fate, Life, LifetimeOptions, LifetimeStudy, lifetimes},
     sweep::Engine,
@@ -85,7 +85,7 @@ fn lifetimes_by_energy_and_distance_are_where_the_levels_are_crossed() {
     let start = State::from_fn(&chain, |i| breather.site(i, 0.0)).unwrap();
     let size: f64 = (0..60).map(|i| breather.site(i, 0.0).u.abs()).sum();
     let at = |t: f64| {
-        let mut run = chain.collocation(start.as_slice(), (0.0, t), Pace::Tolerance(1e-11)).unwrap();
+        let mut run = chain.collocation(start.as_slice(), (0.0, t), StepControl::Tolerance(1e-11)).unwrap();
         let mut y = start.as_slice().to_vec();
         drive(&mut run, &mut Silent, &mut y).unwrap();
         let away = |i: usize| {

@@ -6,7 +6,7 @@ use hertzchain::{
     chain::{Params, Site},
     integrators::{
         Stepper,
-        collocation::{Pace, Tangent},
+        collocation::{StepControl, Tangent},
     },
     orbits::Kind,
     study::{Barrier, Moving},
@@ -65,7 +65,7 @@ fn relative_multipliers_are_those_of_the_whole_passage() {
     let (n, size) = (orbit.breather.sites, orbit.z.len());
     let spectrum = orbit.spectrum(TOL).unwrap();
     let chain = orbit.breather.chain().unwrap();
-    let mut run = chain.collocation(&orbit.z, (0.0, orbit.breather.passage()), Pace::Tolerance(TOL)).unwrap();
+    let mut run = chain.collocation(&orbit.z, (0.0, orbit.breather.passage()), StepControl::Tolerance(TOL)).unwrap();
     let mut tangent = Tangent::identity(&run).unwrap();
     while !run.done() {
         run.step().unwrap();

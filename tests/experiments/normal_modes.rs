@@ -2,7 +2,7 @@
 
 use hertzchain::{
     chain::{Boundary, Chain, Details, Params},
-    integrators::{Stepper, collocation::Pace},
+    integrators::{Stepper, collocation::StepControl},
     orbits::{BifurcationKind, End, Kind, ModeBranch, ModeContinuation, ModeOrbit, NormalModes},
     scene::Scene,
 };
@@ -109,8 +109,10 @@ fn orbits_of_the_defect_come_back_also_where_contacts_open() {
     assert!(branch.points.last().unwrap().measures.least_overlap < -0.5);
     for point in &branch.points {
         let (period, start) = (2.0 * PI / point.orbit.omega, modes.state(&point.orbit));
-        let mut run =
-            scene.chain().differing_collocation(start.as_slice(), (0.0, period), Pace::Tolerance(1e-14)).unwrap();
+        let mut run = scene
+            .chain()
+            .heterogeneous_collocation(start.as_slice(), (0.0, period), StepControl::Tolerance(1e-14))
+            .unwrap();
         while !run.done() {
             run.step().unwrap();
         }
@@ -213,7 +215,7 @@ fn period_doublings_of_two_beads_are_where_hills_equation_has_them() {
 fn at_one(scene: &Scene, modes: &NormalModes, orbit: &ModeOrbit) -> usize {
     let (start, period) = (modes.state(orbit), 2.0 * PI / orbit.omega);
     let (n, dim) = (scene.chain().sites(), start.as_slice().len());
-    let columns = scene.chain().monodromy(start.as_slice(), (0.0, period), Pace::Tolerance(1e-13)).unwrap();
+    let columns = scene.chain().monodromy(start.as_slice(), (0.0, period), StepControl::Tolerance(1e-13)).unwrap();
     let block = nalgebra::DMatrix::from_fn(n, n, |i, j| columns[j * dim + i]);
     block.complex_eigenvalues().iter().filter(|tau| (*tau - 1.0).norm() < 1e-7).count()
 }

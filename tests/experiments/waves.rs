@@ -6,7 +6,7 @@ use hertzchain::{
     dps::{Ansatz, Averages, Constraint, Dps, Ends, Envelope, Form, Layout, project},
     integrators::{
         Collocation, Dop853, Stepper,
-        collocation::{Pace, Section},
+        collocation::{Section, StepControl},
         dop853::Options,
     },
     output::Folder,
@@ -208,7 +208,7 @@ fn ring(params: Params, sites: usize) -> Chain<f64> {
 
 fn run_of(chain: &Chain<f64>, site: impl FnMut(usize) -> Site<f64>, end: f64) -> Collocation<Section<Chain<f64>>> {
     let start = State::from_fn(chain, site).unwrap();
-    chain.collocation(start.as_slice(), (0.0, end), Pace::Tolerance(1e-10)).unwrap()
+    chain.collocation(start.as_slice(), (0.0, end), StepControl::Tolerance(1e-10)).unwrap()
 }
 
 /// The mean over a period of the velocity that the contacts give `(x_n + rho y_n) / (1 + rho)` of

@@ -7,7 +7,7 @@ use crate::{
 };
 use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
-    integrators::{Error, Observer, Stats, Stepper, collocation::Pace, drive},
+    integrators::{Error, Observer, Stats, Stepper, collocation::StepControl, drive},
     run::Records,
     run::method::{Method, Setting},
     scene::{Scene, SceneFile},
@@ -35,7 +35,7 @@ fn errors(scene: &Scene, tolerances: &[f64]) -> Vec<f64> {
     let reference = scene.strains(&truth(scene.chain(), y0, scene.end(), 1e-16));
     let scale = scene.amplitude().unwrap_or(largest(reference.iter().copied()));
     let error = |&tol: &f64| {
-        let (y, _) = collocated(scene.chain(), y0, scene.end(), Pace::Tolerance(tol));
+        let (y, _) = collocated(scene.chain(), y0, scene.end(), StepControl::Tolerance(tol));
         distance(&scene.strains(&y), &reference) / scale
     };
     tolerances.iter().map(error).collect()
@@ -81,8 +81,10 @@ fn hardly_a_window_is_given_up() {
     // windows given up.
     let wave = Scene::load("tw-q15").unwrap();
     for tol in [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9] {
-        let mut run =
-            wave.chain().collocation(wave.initial().as_slice(), (0.0, wave.end()), Pace::Tolerance(tol)).unwrap();
+        let mut run = wave
+            .chain()
+            .collocation(wave.initial().as_slice(), (0.0, wave.end()), StepControl::Tolerance(tol))
+            .unwrap();
         while !run.done() {
             run.step().unwrap();
         }
@@ -113,8 +115,8 @@ fn panels_cut_at_events_of_neighbours_restore_the_order() {
     let mean = |count: u64, nodes: usize, neighbours: bool| {
         let runs: Vec<f64> = (0..12)
             .map(|k| {
-                let pace = Pace::Windows { windows: count + count * k / 24, nodes, neighbours };
-                distance(&collocated(&chain, y0, 12.0, pace).0, &reference).ln()
+                let step_control = StepControl::Windows { windows: count + count * k / 24, nodes, neighbours };
+                distance(&collocated(&chain, y0, 12.0, step_control).0, &reference).ln()
             })
             .collect();
         (runs.iter().sum::<f64>() / runs.len() as f64).exp()
@@ -161,7 +163,7 @@ fn every_exponent_and_mass_ratio_is_resolved_in_equal_windows() {
             assert!(error < bound, "alpha {alpha}, rho {rho:e}, {count} windows: {error:e}");
         }
         if rho == 1e-6 {
-            let (y, _) = collocated(&chain, start.as_slice(), 12.0, Pace::Tolerance(1e-10));
+            let (y, _) = collocated(&chain, start.as_slice(), 12.0, StepControl::Tolerance(1e-10));
             let error = distance(&y[..12], &reference[..12]);
             println!("alpha {alpha}, rho {rho:e}, tol 1e-10: {error:.1e}");
             // Measured: 3.9e-13.
@@ -222,7 +224,7 @@ fn no_window_of_random_chains_gains_energy() {
         }
         let start = chain.energy(&y0).total();
         for tol in [1e-5, 1e-7, 1e-9, 1e-11] {
-            let mut run = chain.collocation(&y0, (0.0, 60.0), Pace::Tolerance(tol)).unwrap();
+            let mut run = chain.collocation(&y0, (0.0, 60.0), StepControl::Tolerance(tol)).unwrap();
             let (mut y, mut before) = (y0.clone(), start);
             while !run.done() {
                 run.step().unwrap();
@@ -245,7 +247,7 @@ fn random_chains_agree_with_the_regularised_run() {
     let ratios = RefCell::new(Vec::new());
     let outcome = TestRunner::new(properties(150)).run(&motions(), |Motion { chain, y }| {
         let reference = truth(&chain, &y, 8.0, 1e-13);
-        let (end, _) = collocated(&chain, &y, 8.0, Pace::Tolerance(tol));
+        let (end, _) = collocated(&chain, &y, 8.0, StepControl::Tolerance(tol));
         let half = y.len() / 2;
         let size = largest(reference[..half].iter().copied()).max(1e-300);
         let ratio = distance(&end[..half], &reference[..half]) / (tol * size);
@@ -285,13 +287,13 @@ fn states_inside_a_window_are_as_accurate_as_at_its_end_and_change_nothing() {
     let start = generic_state(&chain).unwrap();
     let y0 = start.as_slice();
     let times: Vec<f64> = (1..40).map(|k| 0.137 * f64::from(k)).collect();
-    let pace = Pace::Tolerance(1e-12);
+    let step_control = StepControl::Tolerance(1e-12);
     let mut observer = At { times: &times, states: Vec::new() };
-    let mut watched = chain.collocation(y0, (0.0, 6.0), pace).unwrap();
+    let mut watched = chain.collocation(y0, (0.0, 6.0), step_control).unwrap();
     let mut y = y0.to_vec();
     drive(&mut watched, &mut observer, &mut y).unwrap();
 
-    assert_eq!(y, collocated(&chain, y0, 6.0, pace).0, "looking changes no bit");
+    assert_eq!(y, collocated(&chain, y0, 6.0, step_control).0, "looking changes no bit");
     let error = |(&t, state): (&f64, &Vec<f64>)| distance(state, &truth(&chain, y0, t, 1e-15));
     let worst = largest(times.iter().zip(&observer.states).map(error));
     println!("{worst:e}");
@@ -336,7 +338,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     let y0 = state.as_slice();
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| collocated(&chain, y0, 3.0, Pace::Tolerance(1e-10)).0)
+        pool.install(|| collocated(&chain, y0, 3.0, StepControl::Tolerance(1e-10)).0)
     };
     let one = with(1);
     assert_eq!(one, with(2));
@@ -370,18 +372,18 @@ fn a_thousand_periods_keep_the_energy_to_rounding() {
 fn paces_outside_their_rules_are_refused() {
     let chain = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), Boundary::Free, 3).unwrap();
     let y0 = vec![0.0; 12];
-    for pace in [
-        Pace::Tolerance(0.0),
-        Pace::Tolerance(-1.0),
-        Pace::Tolerance(f64::NAN),
-        Pace::Tolerance(1.0),
+    for step_control in [
+        StepControl::Tolerance(0.0),
+        StepControl::Tolerance(-1.0),
+        StepControl::Tolerance(f64::NAN),
+        StepControl::Tolerance(1.0),
         windows(0, 8),
         windows(10, 7),
         windows(10, 2),
         windows(10, 18),
     ] {
-        let refused = chain.collocation(&y0, (0.0, 1.0), pace).err();
-        assert!(matches!(refused, Some(Error::Argument { .. })), "{pace:?}");
+        let refused = chain.collocation(&y0, (0.0, 1.0), step_control).err();
+        assert!(matches!(refused, Some(Error::Argument { .. })), "{step_control:?}");
     }
     assert!(chain.collocation(&y0[..3], (0.0, 1.0), windows(1, 8)).is_err());
     assert!(chain.collocation(&y0, (1.0, 0.0), windows(1, 8)).is_err());
@@ -393,7 +395,7 @@ fn a_chain_at_rest_and_a_single_bead_cost_nothing_and_stay() {
         for sites in [1, 2, 5] {
             let chain = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), boundary, sites).unwrap();
             let y0 = vec![0.0; 4 * sites];
-            let (y, stats) = collocated(&chain, &y0, 100.0, Pace::Tolerance(1e-10));
+            let (y, stats) = collocated(&chain, &y0, 100.0, StepControl::Tolerance(1e-10));
             assert_eq!(y, y0);
             assert!(stats.steps < 20, "{}", stats.steps);
         }

@@ -7,7 +7,7 @@ use crate::{
 };
 use hertzchain::{
     chain::{Boundary, Chain, Params, State},
-    integrators::{Stepper, collocation::Pace},
+    integrators::{Stepper, collocation::StepControl},
     run::{deviation, perturb},
     scene::{Scene, SceneFile},
 };
@@ -41,7 +41,7 @@ struct Outcome {
 
 /// A run by collocation; `None` if it failed or did not end.
 fn run(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Option<Outcome> {
-    let mut run = chain.collocation(y0, (0.0, end), Pace::Tolerance(tol)).unwrap();
+    let mut run = chain.collocation(y0, (0.0, end), StepControl::Tolerance(tol)).unwrap();
     let (law, mut y) = (chain.law(), y0.to_vec());
     let overlap = |y: &[f64]| chain.overlaps(chain.layout().u(y)).into_iter().fold(0.0, f64::max);
     let (mut t, mut g, mut stiffness) = (0.0, overlap(y0), 0.0_f64);
@@ -202,7 +202,7 @@ fn fine_runs_of_chains_at_rest_agree_with_the_regularised_run() {
         let chain = Chain::<f64>::new(Params::new(alpha, 1.0, rho).unwrap(), boundary, 250).unwrap();
         let mut state = State::rest(&chain);
         state.u_dot_mut()[100] = 1.0;
-        let (y, _) = collocated(&chain, state.as_slice(), 20.0, Pace::Tolerance(FINE));
+        let (y, _) = collocated(&chain, state.as_slice(), 20.0, StepControl::Tolerance(FINE));
         let error = deviation(&y, &truth(&chain, state.as_slice(), 20.0, 1e-14));
         println!("{alpha} {rho} {boundary:?}: {error:.1e}");
         assert!(error < 2.5e-11, "{alpha} {rho} {boundary:?}: {error:e}");

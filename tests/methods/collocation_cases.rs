@@ -7,7 +7,7 @@ use crate::{
 };
 use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
-    integrators::{Stepper, collocation::Pace},
+    integrators::{Stepper, collocation::StepControl},
 };
 
 fn chain(alpha: f64, (kappa, rho): (f64, f64), boundary: Boundary, sites: usize) -> Chain<f64> {
@@ -37,7 +37,7 @@ type Motion<'a> = (&'a Chain<f64>, &'a [f64], f64);
 /// Compares runs at three tolerances with a reference; the error may be `most` times the tolerance.
 fn tolerances_are_kept(name: &str, (chain, y0, end): Motion, reference: &[f64], most: f64) {
     for tol in [1e-6, 1e-9, 1e-12] {
-        let (y, stats) = collocated(chain, y0, end, Pace::Tolerance(tol));
+        let (y, stats) = collocated(chain, y0, end, StepControl::Tolerance(tol));
         let error = relative(&y, reference);
         println!("{name}, tol {tol:e}: {error:.1e}, {:.3} of it, {} windows", error / tol, stats.steps);
         assert!(error < most * tol, "{name}, tol {tol:e}: {error:e}");
@@ -140,17 +140,19 @@ fn contacts_that_graze_pass_on_the_impulse_of_a_parabola() {
             let touches = excess > 0.0;
             let height = if touches { excess } else { 0.0 };
             let expected = height.powf(alpha + 0.5) * (2.0 / (1.0 + excess)).sqrt() / omega * integral;
-            for pace in [windows(7, 10), windows(50, 12), Pace::Tolerance(1e-6), Pace::Tolerance(1e-13)] {
-                let (y, _) = collocated(&chain, &y0, 2.0 * std::f64::consts::PI / omega, pace);
+            for step_control in
+                [windows(7, 10), windows(50, 12), StepControl::Tolerance(1e-6), StepControl::Tolerance(1e-13)]
+            {
+                let (y, _) = collocated(&chain, &y0, 2.0 * std::f64::consts::PI / omega, step_control);
                 let impulse = y[5] + y[7];
-                assert!(touches || impulse == 0.0, "alpha {alpha}, excess {excess:e}, {pace:?}: {impulse:e}");
+                assert!(touches || impulse == 0.0, "alpha {alpha}, excess {excess:e}, {step_control:?}: {impulse:e}");
                 // A tolerance allows impulses far below it to be left out, and velocities are
                 // rounded.
-                let unasked = if let Pace::Tolerance(tol) = pace { 1e-8 * tol } else { 0.0 };
+                let unasked = if let StepControl::Tolerance(tol) = step_control { 1e-8 * tol } else { 0.0 };
                 let error = (impulse - expected).abs();
-                println!("alpha {alpha}, excess {excess:e}, {pace:?}: {expected:e}, off by {error:.1e}");
+                println!("alpha {alpha}, excess {excess:e}, {step_control:?}: {expected:e}, off by {error:.1e}");
                 let bound = 2.4 * height * expected + unasked + f64::EPSILON;
-                assert!(error < bound, "alpha {alpha}, excess {excess:e}, {pace:?}: {error:e}");
+                assert!(error < bound, "alpha {alpha}, excess {excess:e}, {step_control:?}: {error:e}");
             }
         }
     }
@@ -273,10 +275,10 @@ fn contacts_far_shorter_than_a_window() {
         for gap in [30.0, 1000.0] {
             let chain = plain(alpha, 2);
             let y0 = [-gap, 0.0, 1.0, 0.0];
-            for pace in [Pace::Tolerance(1e-6), windows(1, 10), windows(10, 10)] {
-                let (y, _) = collocated(&chain, &y0, 3.0 * gap, pace);
+            for step_control in [StepControl::Tolerance(1e-6), windows(1, 10), windows(10, 10)] {
+                let (y, _) = collocated(&chain, &y0, 3.0 * gap, step_control);
                 let off = distance(&y[2..], &[0.0, 1.0]);
-                assert!(off < 1e-5, "alpha {alpha}, gap {gap}, {pace:?}: {:?}", &y[2..]);
+                assert!(off < 1e-5, "alpha {alpha}, gap {gap}, {step_control:?}: {:?}", &y[2..]);
             }
         }
     }
@@ -337,7 +339,7 @@ fn light_resonators_keep_the_tolerance() {
     let (x, rate) = ([-0.07838913405313976, 0.042970218152998896], [0.12805823955767454, -0.004853157386953166]);
     let y0 = [x, x, rate, rate].concat();
     let reference = truth(&chain, &y0, 8.0, 1e-13);
-    let (y, _) = collocated(&chain, &y0, 8.0, Pace::Tolerance(1e-7));
+    let (y, _) = collocated(&chain, &y0, 8.0, StepControl::Tolerance(1e-7));
     let error = relative(&y[..4], &reference[..4]);
     assert!(error < 1e-6, "{error:e}");
 }
@@ -358,7 +360,7 @@ fn resonators_much_faster_than_contacts_keep_loose_tolerances() {
         let reference = truth(&row, &y0, end, 1e-12);
         let name = format!("A = {amplitude}, kappa = {kappa}");
         for tol in [1e-3, 1e-4, 1e-5, 1e-6, 1e-8] {
-            let (y, stats) = collocated(&row, &y0, end, Pace::Tolerance(tol));
+            let (y, stats) = collocated(&row, &y0, end, StepControl::Tolerance(tol));
             let error = relative(&y, &reference);
             println!("{name}, tol {tol:e}: {error:.1e}, {} windows", stats.steps);
             assert!(error < tol, "{name}, tol {tol:e}: {error:e}");
@@ -381,8 +383,8 @@ fn starts_on_the_surface() {
             let reference = if speed > 0.0 { truth(&pair, &y0, 5.0, 1e-15) } else { flight };
             agree(&format!("alpha {alpha}, speed {speed}"), (&pair, &y0, 5.0), &reference, 0.5, (20, bounds[0]));
         }
-        for pace in [Pace::Tolerance(1e-9), windows(20, 10)] {
-            assert_eq!(collocated(&pair, &[0.0; 4], 5.0, pace).0, [0.0; 4]);
+        for step_control in [StepControl::Tolerance(1e-9), windows(20, 10)] {
+            assert_eq!(collocated(&pair, &[0.0; 4], 5.0, step_control).0, [0.0; 4]);
         }
         let row = chain(alpha, (1.0, 1.0 / 3.0), Boundary::Fixed, 6);
         let mut y0 = vec![0.0; 24];
@@ -444,11 +446,11 @@ fn free_flight_is_exact_and_takes_few_windows() {
         ("straight", (&free, &y0[..], 100.0), &flight[..], 16, 1e-16),
         ("shaken", (&chain, &shaken[..], t), &oscillation[..], 25, 3e-14),
     ] {
-        for pace in [Pace::Tolerance(1e-6), Pace::Tolerance(1e-12), windows(5, 10)] {
-            let (y, stats) = collocated(chain, y0, end, pace);
+        for step_control in [StepControl::Tolerance(1e-6), StepControl::Tolerance(1e-12), windows(5, 10)] {
+            let (y, stats) = collocated(chain, y0, end, step_control);
             let error = relative(&y, reference);
-            println!("{name}, {pace:?}: {error:e}, {stats:?}");
-            assert!(error < bound && stats.steps < most, "{name}, {pace:?}: {error:e}, {stats:?}");
+            println!("{name}, {step_control:?}: {error:e}, {stats:?}");
+            assert!(error < bound && stats.steps < most, "{name}, {step_control:?}: {error:e}, {stats:?}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Schemes that conserve an energy: what they conserve, their order, what they err.
 
 use hertzchain::chain::{Boundary, Chain, Params};
-use hertzchain::integrators::{Silent, Stepper, collocation::Pace, conserving::DiscreteGradient, drive};
+use hertzchain::integrators::{Silent, Stepper, collocation::StepControl, conserving::DiscreteGradient, drive};
 
 const END: f64 = 20.0;
 
@@ -63,7 +63,7 @@ fn it_has_order_two_through_contacts() {
     let (walls, y0) = chain(1.5, 0.5);
     let pressed = y0.iter().enumerate().map(|(i, y)| if i < 10 { y - 0.3 } else { *y }).collect();
     for (chain, y0) in [(walls, y0), (ring, pressed)] {
-        let truth = end(chain.collocation(&y0, (0.0, END), Pace::Tolerance(1e-12)).unwrap());
+        let truth = end(chain.collocation(&y0, (0.0, END), StepControl::Tolerance(1e-12)).unwrap());
         let run = |steps| DiscreteGradient::new(chain.clone(), &y0, (0.0, END), steps).unwrap();
         let [coarse, fine] = [4_000, 64_000].map(|steps| distance(&end(run(steps)), &truth));
         let order = (coarse / fine).log2() / 4.0;
@@ -77,7 +77,7 @@ fn order_two_stays_where_all_contacts_open() {
     // Truth: collocation at 1e-12. Two beads that fly at each other touch once.
     let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 2).unwrap();
     let y0 = [0.0, 0.5, 0.6, -0.4];
-    let truth = end(chain.collocation(&y0, (0.0, END), Pace::Tolerance(1e-12)).unwrap());
+    let truth = end(chain.collocation(&y0, (0.0, END), StepControl::Tolerance(1e-12)).unwrap());
     let run = |steps| DiscreteGradient::new(chain.clone(), &y0, (0.0, END), steps).unwrap();
     let [coarse, fine] = [4_000, 64_000].map(|steps| distance(&end(run(steps)), &truth));
     let order = (coarse / fine).log2() / 4.0;
@@ -89,9 +89,9 @@ fn a_sample_inside_a_step_is_as_good_as_the_run() {
     // Truth: collocation. Samples at thirds of steps err as the ends do.
     let (chain, y0) = chain(1.5, 0.5);
     let (steps, t) = (4_000, END - END / 12_000.0);
-    let truth = end(chain.collocation(&y0, (0.0, t), Pace::Tolerance(1e-12)).unwrap());
+    let truth = end(chain.collocation(&y0, (0.0, t), StepControl::Tolerance(1e-12)).unwrap());
     let mut run = DiscreteGradient::new(chain.clone(), &y0, (0.0, END), steps).unwrap();
-    let at_end = end(chain.collocation(&y0, (0.0, END), Pace::Tolerance(1e-12)).unwrap());
+    let at_end = end(chain.collocation(&y0, (0.0, END), StepControl::Tolerance(1e-12)).unwrap());
     while !run.done() {
         run.step().unwrap();
     }

@@ -9,8 +9,8 @@ use approx::assert_relative_eq;
 use hertzchain::{
     chain::{Boundary, Chain, Contact, ContactLog, Field, Overlaps, Params, Site, State},
     integrators::{
-        Dop853, Event, EventFunctions, Regularised, Silent, Stepper, Watch, collocation::Pace, dop853::Options, drive,
-        regularised::power,
+        Dop853, Event, EventFunctions, Regularised, Silent, Stepper, Watch, collocation::StepControl, dop853::Options,
+        drive, regularised::power,
     },
     run::method::{Method, Setting},
     run::{Records, Run},
@@ -231,7 +231,7 @@ fn a_start_on_the_surface_at_rest_is_left_by_a_resonator() {
     let chain = chain(1.854_387_304_186_515_8, (1.0, 170.159_267_162_093_16), Boundary::Fixed, 1);
     let y0 = [0.0, 0.0, 0.0, -0.044_240_388_319_732_35];
     let (y, _, steps) = run(&chain, &y0, 8.0, 1e-13);
-    let (reference, _) = collocated(&chain, &y0, 8.0, Pace::Tolerance(1e-13));
+    let (reference, _) = collocated(&chain, &y0, 8.0, StepControl::Tolerance(1e-13));
     let error = distance(&y, &reference) / largest(reference.iter().copied());
     assert!(error < 5e-13 && steps < 100, "{error:e}, {steps} steps");
 }

@@ -6,7 +6,7 @@ use hertzchain::{
     error::Error,
     integrators::{
         Stepper,
-        collocation::Pace,
+        collocation::StepControl,
         splitting::{Corrected, Parts},
     },
     run::Records,
@@ -58,7 +58,7 @@ fn corrected(chain: &Chain<f64>, y: &[f64], end: f64, steps: u64) -> Vec<f64> {
 }
 
 fn by_collocation(chain: &Chain<f64>, y: &[f64], end: f64, tol: f64) -> Vec<f64> {
-    let mut run = chain.collocation(y, (0.0, end), Pace::Tolerance(tol)).unwrap();
+    let mut run = chain.collocation(y, (0.0, end), StepControl::Tolerance(tol)).unwrap();
     while !run.done() {
         run.step().unwrap();
     }

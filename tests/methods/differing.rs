@@ -9,7 +9,7 @@ use hertzchain::{
     chain::{Boundary, Chain, Details, Params, Site, State, Variations},
     integrators::{
         Instructions, Silent, Stepper,
-        collocation::{Pace, Tangent},
+        collocation::{StepControl, Tangent},
         drive,
     },
     run::{Method, Records, Run, Setting},
@@ -78,7 +78,7 @@ pub(crate) fn balance(chain: &Chain<f64>, y: &[f64]) -> f64 {
 /// The order in the length of windows with 6 nodes, of a part of the state at t = 8, against the
 /// finest run: of means of the error over nearby numbers of windows.
 pub(crate) fn order(chain: &Chain<f64>, y0: &[f64], part: std::ops::Range<usize>) -> f64 {
-    let want = collocation(chain, y0, 8.0, Pace::Tolerance(1e-14));
+    let want = collocation(chain, y0, 8.0, StepControl::Tolerance(1e-14));
     let mean = |count: u64| {
         let error = |k: u64| {
             let got = collocation(chain, y0, 8.0, windows(count + count * k / 24, 6));
@@ -91,8 +91,8 @@ pub(crate) fn order(chain: &Chain<f64>, y0: &[f64], part: std::ops::Range<usize>
     (coarse / fine).ln() / 3f64.ln()
 }
 
-pub(crate) fn collocation(chain: &Chain<f64>, y0: &[f64], end: f64, pace: Pace) -> Vec<f64> {
-    let mut run = chain.differing_collocation(y0, (0.0, end), pace).unwrap();
+pub(crate) fn collocation(chain: &Chain<f64>, y0: &[f64], end: f64, step_control: StepControl) -> Vec<f64> {
+    let mut run = chain.heterogeneous_collocation(y0, (0.0, end), step_control).unwrap();
     let mut y = y0.to_vec();
     drive(&mut run, &mut Silent, &mut y).unwrap();
     y
@@ -141,7 +141,7 @@ fn tolerances_are_kept_over_eight_decades() {
         let size = largest(y0[half..].iter().copied());
         for (k, row) in table.iter_mut().enumerate() {
             let tol = 10f64.powi(-4 - k as i32);
-            let error = distance(&collocation(&chain, &y0, 8.0, Pace::Tolerance(tol)), &want) / (tol * size);
+            let error = distance(&collocation(&chain, &y0, 8.0, StepControl::Tolerance(tol)), &want) / (tol * size);
             row.push(error);
         }
     }
@@ -160,13 +160,13 @@ fn struck_chains_keep_tolerances_times_what_the_motion_makes_of_a_perturbation()
     for name in ["dimer", "disorder"] {
         let scene = Scene::load(name).unwrap();
         let (chain, y0, end) = (scene.chain(), scene.initial().as_slice(), scene.end());
-        let want = collocation(chain, y0, end, Pace::Tolerance(1e-15));
-        let columns = chain.monodromy(y0, (0.0, end), Pace::Tolerance(1e-12)).unwrap();
+        let want = collocation(chain, y0, end, StepControl::Tolerance(1e-15));
+        let columns = chain.monodromy(y0, (0.0, end), StepControl::Tolerance(1e-12)).unwrap();
         let amplification = largest(columns[columns.len() / 2..].iter().copied());
         let errors: Vec<f64> = (3..13)
             .map(|k| {
                 let tol = 10f64.powi(-k);
-                distance(&collocation(chain, y0, end, Pace::Tolerance(tol)), &want) / (tol * amplification)
+                distance(&collocation(chain, y0, end, StepControl::Tolerance(tol)), &want) / (tol * amplification)
             })
             .collect();
         println!("{name} {amplification:.1}: {errors:.2?}");
@@ -197,8 +197,9 @@ fn beads_that_are_all_equal_are_the_uniform_chain() {
         });
         let y0 = state.unwrap().as_slice().to_vec();
         let chain = uniform.clone().with(&Details::default()).unwrap();
-        let pace = windows(80, 12);
-        let gap = distance(&collocation(&chain, &y0, 8.0, pace), &collocated(&uniform, &y0, 8.0, pace).0);
+        let step_control = windows(80, 12);
+        let gap =
+            distance(&collocation(&chain, &y0, 8.0, step_control), &collocated(&uniform, &y0, 8.0, step_control).0);
         println!("{rho} {boundary:?} {n}: {gap:e}");
         assert!(gap < 2e-13, "{rho} {boundary:?} {n}: {gap:e}");
     }
@@ -208,11 +209,11 @@ fn beads_that_are_all_equal_are_the_uniform_chain() {
 fn panels_cut_at_events_of_neighbours_keep_the_order_where_beads_differ() {
     // Truth: the finest run. Mean of errors over nearby numbers of windows. Measured: 6.79.
     let (chain, y0) = varied(1, Boundary::Fixed, 8);
-    let want = collocation(&chain, &y0, 8.0, Pace::Tolerance(1e-14));
+    let want = collocation(&chain, &y0, 8.0, StepControl::Tolerance(1e-14));
     let mean = |count: u64| {
         let error = |k: u64| {
-            let pace = Pace::Windows { windows: count + count * k / 24, nodes: 10, neighbours: true };
-            distance(&collocation(&chain, &y0, 8.0, pace), &want).ln()
+            let step_control = StepControl::Windows { windows: count + count * k / 24, nodes: 10, neighbours: true };
+            distance(&collocation(&chain, &y0, 8.0, step_control), &want).ln()
         };
         ((0..12).map(error).sum::<f64>() / 12.0).exp()
     };
@@ -255,7 +256,7 @@ fn contacts_are_those_that_a_search_of_every_step_finds() {
     assert!(worst[0] < 2e-11 && worst[1] < 1e-8 && worst[2] < 3e-12, "{worst:?}");
     let free = Details { contact: vec![1.0, 0.0, 1.0], overlap: vec![0.0; 3], ..Details::default() };
     let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 4).unwrap().with(&free).unwrap();
-    let end = collocation(&chain, &[0.0, 0.5, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0], 3.0, Pace::Tolerance(1e-10));
+    let end = collocation(&chain, &[0.0, 0.5, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0], 3.0, StepControl::Tolerance(1e-10));
     assert_eq!(end, [0.0, 3.5, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0], "a bead passes through where no contact is");
 }
 
@@ -277,7 +278,7 @@ pub(crate) fn same_for_every_set(chain: &Chain<f64>, y0: &[f64], end: f64) {
     let _alone = SETS.lock().unwrap_or_else(PoisonError::into_inner);
     let (widest, ends) = (Instructions::used(), |set: Instructions| {
         assert!(set.select());
-        [1e-5, 1e-8, 1e-12].map(|tol| collocation(chain, y0, end, Pace::Tolerance(tol)))
+        [1e-5, 1e-8, 1e-12].map(|tol| collocation(chain, y0, end, StepControl::Tolerance(tol)))
     });
     let all: Vec<_> = Instructions::ALL.into_iter().filter(|set| set.available()).map(ends).collect();
     assert!(widest.select());
@@ -299,7 +300,7 @@ fn instruction_sets_and_samples_do_not_change_bits() {
 pub(crate) fn same_on_any_threads(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Vec<f64> {
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| collocation(chain, y0, end, Pace::Tolerance(tol)))
+        pool.install(|| collocation(chain, y0, end, StepControl::Tolerance(tol)))
     };
     let one = with(1);
     assert_eq!(one, with(2));
@@ -355,7 +356,7 @@ fn the_tangent_map_is_that_of_the_variational_equation() {
         assert!(gap < 1e-11, "{seed}: {gap:e}");
         // A column that is followed alone is that of the matrix.
         let (dim, got) = (y0.len(), chain.monodromy(&y0, (0.0, 5.0), windows(400, 12)).unwrap());
-        let mut run = chain.differing_collocation(&y0, (0.0, 5.0), windows(400, 12)).unwrap();
+        let mut run = chain.heterogeneous_collocation(&y0, (0.0, 5.0), windows(400, 12)).unwrap();
         let mut tangent = Tangent::new(&run, &[vec![1.0], vec![0.0; dim - 1]].concat()).unwrap();
         while !run.done() {
             run.step().unwrap();

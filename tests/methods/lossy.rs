@@ -14,7 +14,7 @@ use hertzchain::{
         Boundary, Chain, Contact, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal,
         State, TOUCH,
     },
-    integrators::collocation::Pace,
+    integrators::collocation::StepControl,
     run::{Method, Records, Setting},
     scene::Scene,
 };
@@ -91,7 +91,7 @@ fn tolerances_are_kept_where_contacts_dissipate() {
             let size = largest(y0[half..2 * half].iter().copied());
             for (k, worst) in worst.iter_mut().enumerate() {
                 let tol = 10f64.powi(-4 - k as i32);
-                let error = distance(&collocation(&chain, &y0, 8.0, Pace::Tolerance(tol)), &want);
+                let error = distance(&collocation(&chain, &y0, 8.0, StepControl::Tolerance(tol)), &want);
                 *worst = worst.max(error / (tol * size));
             }
         }
@@ -108,7 +108,7 @@ fn what_contacts_dissipate_balances() {
         for (seed, boundary) in BOUNDARIES.into_iter().enumerate() {
             for driven in [false, true] {
                 let (chain, y0) = varied(10 + seed as u64, boundary, 12, law, driven);
-                let end = collocation(&chain, &y0, 40.0, Pace::Tolerance(1e-13));
+                let end = collocation(&chain, &y0, 40.0, StepControl::Tolerance(1e-13));
                 let ledger = chain.layout().ledger(&end).unwrap();
                 let off = (balance(&chain, &end) - balance(&chain, &y0)).abs();
                 println!("{law:?} {boundary:?} {driven}: {off:e}, {:e}", ledger.contacts);
@@ -234,7 +234,7 @@ fn a_struck_chain_keeps_its_tolerance_where_contacts_dissipate() {
         let want = regularised(&chain, state.as_slice(), 12.0);
         let error = |k: i32| {
             let tol = 10f64.powi(-k);
-            distance(&collocation(&chain, state.as_slice(), 12.0, Pace::Tolerance(tol)), &want) / tol
+            distance(&collocation(&chain, state.as_slice(), 12.0, StepControl::Tolerance(tol)), &want) / tol
         };
         let errors: Vec<f64> = (1..=decades).map(error).collect();
         println!("{kind:?} {gamma}: {errors:.3?}");
@@ -358,8 +358,8 @@ fn errors_of_equal_windows_do_not_grow_with_their_number() {
         let (chain, state) = struck(12, Kind::Dashpot, gamma);
         let want = run(&chain, &state, 0.9, "dop853-regularised", Setting::Tolerance(1e-15)).state;
         for windows in [1, 4, 16, 64, 256, 1024] {
-            let pace = Pace::Windows { windows, nodes: 12, neighbours: true };
-            let got = collocation(&chain, state.as_slice(), 0.9, pace);
+            let step_control = StepControl::Windows { windows, nodes: 12, neighbours: true };
+            let got = collocation(&chain, state.as_slice(), 0.9, step_control);
             let error = distance(&got[..24], &want[..24]);
             println!("{gamma} {windows}: {error:e}");
             assert!(error < 10.0 * f64::EPSILON, "{gamma} {windows}: {error:e}");

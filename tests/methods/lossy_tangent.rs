@@ -8,7 +8,7 @@ use hertzchain::{
     chain::{Boundary, Chain, Details, Dissipation, Kind, Params, Variations},
     integrators::{
         Stepper,
-        collocation::{Pace, Tangent},
+        collocation::{StepControl, Tangent},
     },
 };
 use nalgebra::DMatrix;
@@ -18,8 +18,8 @@ const KINDS: [Kind; 2] = [Kind::Viscoelastic, Kind::Dashpot];
 const ASKED: f64 = 1e-9;
 
 /// Columns at the end of a run, and the part of contacts in `-ln det`.
-fn followed(chain: &Chain<f64>, y: &[f64], t: f64, pace: Pace, columns: &[f64]) -> (Vec<f64>, f64) {
-    let mut run = chain.differing_collocation(y, (0.0, t), pace).unwrap();
+fn followed(chain: &Chain<f64>, y: &[f64], t: f64, step_control: StepControl, columns: &[f64]) -> (Vec<f64>, f64) {
+    let mut run = chain.heterogeneous_collocation(y, (0.0, t), step_control).unwrap();
     let mut tangent = Tangent::new(&run, columns).unwrap();
     while !run.done() {
         run.step().unwrap();
@@ -34,8 +34,14 @@ fn units(dim: usize, entries: &[usize]) -> Vec<f64> {
 }
 
 /// The derivative by some entries of the state, as in [`monodromy`]; and the part of contacts.
-fn collocated(chain: &Chain<f64>, y: &[f64], t: f64, pace: Pace, entries: &[usize]) -> (DMatrix<f64>, f64) {
-    let (columns, contraction) = followed(chain, y, t, pace, &units(y.len(), entries));
+fn collocated(
+    chain: &Chain<f64>,
+    y: &[f64],
+    t: f64,
+    step_control: StepControl,
+    entries: &[usize],
+) -> (DMatrix<f64>, f64) {
+    let (columns, contraction) = followed(chain, y, t, step_control, &units(y.len(), entries));
     let of = |i: usize, j: usize| columns[j * y.len() + entries[i]];
     (DMatrix::from_fn(entries.len(), entries.len(), of), contraction)
 }
@@ -74,10 +80,10 @@ fn under_a_tolerance_it_errs_by_a_few_hundred_tolerances() {
     for kind in KINDS {
         let (chain, t) = (lossy::<f64>(kind), 9.0);
         let (y, entries) = (start(&chain), free(&chain));
-        let of = |pace| collocated(&chain, &y, t, pace, &entries).0;
+        let of = |step_control| collocated(&chain, &y, t, step_control, &entries).0;
         let truth = of(crate::windows(720, 12));
         for tol in [1e-6, 1e-8, 1e-10] {
-            let off = apart(&of(Pace::Tolerance(tol)), &truth);
+            let off = apart(&of(StepControl::Tolerance(tol)), &truth);
             println!("{kind:?} {tol:e}: {off:e}");
             assert!(off < 300.0 * tol, "{kind:?} {tol:e}: {off:e}");
         }
@@ -108,7 +114,7 @@ fn a_map_that_begins_inside_a_run_is_the_rest_of_the_whole() {
     for kind in KINDS {
         let chain = lossy::<f64>(kind);
         let (y, entries) = (start(&chain), free(&chain));
-        let mut run = chain.differing_collocation(&y, (0.0, 9.0), crate::windows(360, 12)).unwrap();
+        let mut run = chain.heterogeneous_collocation(&y, (0.0, 9.0), crate::windows(360, 12)).unwrap();
         let columns = units(y.len(), &entries);
         let square = |tangent: &Tangent<2>, run: &_| {
             let columns = tangent.matrix(run).unwrap();
@@ -190,8 +196,8 @@ fn beads_that_touch_at_rest_have_it_where_columns_keep_their_overlaps() {
         for gamma in STRENGTHS {
             let (chain, y) = struck::<f64>(n, kind, gamma);
             for t in [1.0, 3.0, 8.0] {
-                let pace = crate::windows((100.0 * t) as u64, 12);
-                let got = followed(&chain, &y, t, pace, &units(y.len(), &[n])).0;
+                let step_control = crate::windows((100.0 * t) as u64, 12);
+                let got = followed(&chain, &y, t, step_control, &units(y.len(), &[n])).0;
                 let column: Vec<f64> = (0..2 * n).map(|i| f64::from(i == n)).collect();
                 let want = Variations::flow(&chain, &y, (0.0, t), &column, 1e-13).unwrap().columns;
                 let off = error(&got[..2 * n], &want);
@@ -208,7 +214,7 @@ fn other_columns_of_beads_that_touch_are_left_to_the_variational_map() {
     let fails = |kind, velocities: [f64; 3], column: &[f64], steps: usize| {
         let (chain, mut y) = struck::<f64>(3, kind, 0.3);
         y[3..6].copy_from_slice(&velocities);
-        let mut run = chain.differing_collocation(&y, (0.0, 1.0), crate::windows(10, 12)).unwrap();
+        let mut run = chain.heterogeneous_collocation(&y, (0.0, 1.0), crate::windows(10, 12)).unwrap();
         let mut whole = column.to_vec();
         whole.resize(y.len(), 0.0);
         let mut tangent = Tangent::new(&run, &whole).unwrap();

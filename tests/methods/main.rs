@@ -30,6 +30,6 @@ mod variations;
 mod weak_springs;
 
 /// Equal windows, with panels cut at events of neighbours.
-fn windows(windows: u64, nodes: usize) -> hertzchain::integrators::collocation::Pace {
-    hertzchain::integrators::collocation::Pace::Windows { windows, nodes, neighbours: true }
+fn windows(windows: u64, nodes: usize) -> hertzchain::integrators::collocation::StepControl {
+    hertzchain::integrators::collocation::StepControl::Windows { windows, nodes, neighbours: true }
 }

@@ -8,7 +8,7 @@ use crate::{
 };
 use hertzchain::{
     chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal},
-    integrators::{Silent, collocation::Pace, drive},
+    integrators::{Silent, collocation::StepControl, drive},
     run::{Method, Records, Setting},
 };
 use std::f64::consts::TAU;
@@ -96,7 +96,7 @@ fn tolerances_are_kept_over_seven_decades() {
         let size = largest(y0[half..2 * half].iter().copied());
         for (k, row) in table.iter_mut().enumerate() {
             let tol = 10f64.powi(-4 - k as i32);
-            row.push(distance(&collocation(&chain, &y0, 8.0, Pace::Tolerance(tol)), &want) / (tol * size));
+            row.push(distance(&collocation(&chain, &y0, 8.0, StepControl::Tolerance(tol)), &want) / (tol * size));
         }
     }
     for (k, row) in table.iter().enumerate() {
@@ -114,7 +114,7 @@ fn energy_dissipated_and_driven_balance() {
     // of the sums; this is rounding.
     for (seed, boundary) in BOUNDARIES.into_iter().enumerate() {
         let (chain, y0) = varied(10 + seed as u64, boundary, 12);
-        let end = collocation(&chain, &y0, 40.0, Pace::Tolerance(1e-13));
+        let end = collocation(&chain, &y0, 40.0, StepControl::Tolerance(1e-13));
         let ledger = chain.layout().ledger(&end).unwrap();
         let off = (balance(&chain, &end) - balance(&chain, &y0)).abs();
         println!("{boundary:?}: {off:e}, {ledger:?}");
@@ -157,7 +157,7 @@ fn motions_without_contacts_are_their_closed_forms() {
         let w = square.abs().sqrt();
         let (sin, cos) = if square > 0.0 { (w * t).sin_cos() } else { ((w * t).sinh(), (w * t).cosh()) };
         let want = (-n * t).exp() * (u0 * cos + (v0 + n * u0) / w * sin);
-        let got = collocation(&chain, &[u0, v0, 0.0, 0.0, 0.0, 0.0], t, Pace::Tolerance(1e-12));
+        let got = collocation(&chain, &[u0, v0, 0.0, 0.0, 0.0, 0.0], t, StepControl::Tolerance(1e-12));
         let off = (balance(&chain, &got) - balance(&chain, &[u0, v0, 0.0, 0.0, 0.0, 0.0])).abs();
         println!("{drag} {dashpot}: {:e}, balance {off:e}", got[0] - want);
         assert!((got[0] - want).abs() < 4e-16 && off < 7e-16, "{drag} {dashpot}: {:e} {off:e}", got[0] - want);
@@ -169,7 +169,7 @@ fn motions_without_contacts_are_their_closed_forms() {
     let details = Details { mass: vec![m], drag: vec![c], drives, ..Details::default() };
     let plain = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 1).unwrap();
     let chain = plain.with(&details).unwrap();
-    let got = collocation(&chain, &[0.0; 6], t, Pace::Tolerance(1e-12));
+    let got = collocation(&chain, &[0.0; 6], t, StepControl::Tolerance(1e-12));
     let k = c / m;
     let speed = force / m * (w * (-k * t).exp() + k * (w * t).sin() - w * (w * t).cos()) / (k * k + w * w);
     println!("pushed: {:e}, balance {:e}", got[1] - speed, balance(&chain, &got));
@@ -186,9 +186,9 @@ fn damping_that_is_next_to_none_changes_nothing() {
         let bare = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), boundary, 10).unwrap();
         let almost = Details { drag: vec![1e-300; 10], ..closed.clone() };
         let (closed, almost) = (bare.clone().with(&closed).unwrap(), bare.with(&almost).unwrap());
-        let pace = windows(80, 12);
-        let want = collocation(&closed, &y0[..y0.len() - 4], 8.0, pace);
-        let got = collocation(&almost, &y0, 8.0, pace);
+        let step_control = windows(80, 12);
+        let want = collocation(&closed, &y0[..y0.len() - 4], 8.0, step_control);
+        let got = collocation(&almost, &y0, 8.0, step_control);
         let gap = distance(&got[..want.len()], &want);
         println!("{boundary:?}: {gap:e}");
         assert!(gap < 1e-15, "{gap:e}");
@@ -212,7 +212,7 @@ fn strong_damping_is_resolved() {
     (y0[2 * n], y0[2 * n + 4]) = (1.0, -0.7);
     let want = run(&chain, of(&chain, &y0, 4.0).initial(), 4.0, "dop853", Setting::Tolerance(1e-14)).state;
     for tol in [1e-6, 1e-10] {
-        let got = collocation(&chain, &y0, 4.0, Pace::Tolerance(tol));
+        let got = collocation(&chain, &y0, 4.0, StepControl::Tolerance(tol));
         println!("{tol:e}: {:e}", distance(&got, &want));
         assert!(distance(&got, &want) < tol);
     }
@@ -258,10 +258,10 @@ fn instruction_sets_and_samples_do_not_change_bits() {
 fn legs_continue_each_other() {
     // Truth: the run in one go, to the tolerance. A leg begins at its own time of the drives.
     let (chain, y0) = varied(5, Boundary::Fixed, 12);
-    let whole = collocation(&chain, &y0, 6.0, Pace::Tolerance(1e-12));
+    let whole = collocation(&chain, &y0, 6.0, StepControl::Tolerance(1e-12));
     let mut y = y0;
     for (from, to) in [(0.0, 1.1), (1.1, 3.7), (3.7, 6.0)] {
-        let mut run = chain.differing_collocation(&y, (from, to), Pace::Tolerance(1e-12)).unwrap();
+        let mut run = chain.heterogeneous_collocation(&y, (from, to), StepControl::Tolerance(1e-12)).unwrap();
         drive(&mut run, &mut Silent, &mut y).unwrap();
     }
     println!("{:e}", distance(&y, &whole));
@@ -321,7 +321,7 @@ fn the_tangent_map_of_one_damped_bead_is_its_closed_form() {
         let (sin, cos) = if square > 0.0 { (w * t).sin_cos() } else { ((w * t).sinh(), (w * t).cosh()) };
         let decay = (-n * t).exp();
         let want = [cos + n / w * sin, -kappa / mass / w * sin, sin / w, cos - n / w * sin].map(|x| decay * x);
-        let got = chain.monodromy(&[0.4, -0.7, 0.0, 0.0, 0.0, 0.0], (0.0, t), Pace::Tolerance(1e-12)).unwrap();
+        let got = chain.monodromy(&[0.4, -0.7, 0.0, 0.0, 0.0, 0.0], (0.0, t), StepControl::Tolerance(1e-12)).unwrap();
         let off = distance(&[got[0], got[1], got[6], got[7]], &want);
         println!("{drag} {dashpot}: {off:e}");
         assert!(off < 1e-15, "{drag} {dashpot}: {off:e}");

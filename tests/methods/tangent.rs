@@ -5,7 +5,7 @@ use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params},
     integrators::{
         Real, Regularised, Stepper,
-        collocation::{Pace, Tangent},
+        collocation::{StepControl, Tangent},
         dop853::Options,
         regularised::power,
     },
@@ -27,17 +27,17 @@ fn start(chain: &Chain<f64>) -> Vec<f64> {
     }
 }
 
-fn fine(windows: u64) -> Pace {
-    Pace::Windows { windows, nodes: 12, neighbours: true }
+fn fine(windows: u64) -> StepControl {
+    StepControl::Windows { windows, nodes: 12, neighbours: true }
 }
 
 /// `alpha`, `rho`, boundary and number of beads, for either scalar.
 type Case = (f64, f64, Boundary, usize);
 
-fn matrix((alpha, rho, boundary, beads): Case, t: f64, pace: Pace) -> DMatrix<f64> {
+fn matrix((alpha, rho, boundary, beads): Case, t: f64, step_control: StepControl) -> DMatrix<f64> {
     let chain = chain(alpha, rho, boundary, beads);
     let y0 = start(&chain);
-    let columns = chain.monodromy(&y0, (0.0, t), pace).unwrap();
+    let columns = chain.monodromy(&y0, (0.0, t), step_control).unwrap();
     DMatrix::from_vec(y0.len(), y0.len(), columns)
 }
 
@@ -188,7 +188,7 @@ fn without_contact_it_is_the_linear_flow() {
     let omega = chain.params().omega();
     let mut y0 = vec![0.0; 4 * n];
     (0..n).for_each(|i| (y0[i], y0[n + i]) = (i as f64, i as f64));
-    let m = DMatrix::from_vec(4 * n, 4 * n, chain.monodromy(&y0, (0.0, t), Pace::Tolerance(1e-12)).unwrap());
+    let m = DMatrix::from_vec(4 * n, 4 * n, chain.monodromy(&y0, (0.0, t), StepControl::Tolerance(1e-12)).unwrap());
     let (sin, cos) = (omega * t).sin_cos();
     let linear = |[u, v, u_dot, v_dot]: [f64; 4]| {
         let parts = |u: f64, v: f64| ((u + rho * v) / (1.0 + rho), rho * (u - v) / (1.0 + rho));
@@ -250,9 +250,9 @@ fn under_a_tolerance_it_errs_with_the_run_but_more() {
     let case: Case = (1.5, THIRD, Boundary::Free, 21);
     let chain = chain(case.0, case.1, case.2, case.3);
     let y0 = start(&chain);
-    let both = |y0: &[f64], pace: Pace| {
-        let columns = chain.monodromy(y0, (0.0, TEN_PERIODS), pace).unwrap();
-        let y = DMatrix::from_vec(y0.len(), 1, collocated(&chain, y0, TEN_PERIODS, pace).0);
+    let both = |y0: &[f64], step_control: StepControl| {
+        let columns = chain.monodromy(y0, (0.0, TEN_PERIODS), step_control).unwrap();
+        let y = DMatrix::from_vec(y0.len(), 1, collocated(&chain, y0, TEN_PERIODS, step_control).0);
         (y, DMatrix::from_vec(y0.len(), y0.len(), columns))
     };
     let (y, truth) = both(&y0, fine(800));
@@ -266,7 +266,7 @@ fn under_a_tolerance_it_errs_with_the_run_but_more() {
     let curvature = moved.fold(0.0, f64::max);
     assert!((7.0..27.0).contains(&curvature), "{curvature}");
     for tol in [1e-6, 1e-8, 1e-10, 1e-12] {
-        let (run, map) = errors(both(&y0, Pace::Tolerance(tol)));
+        let (run, map) = errors(both(&y0, StepControl::Tolerance(tol)));
         println!("{tol:e}: run {run:e}, map {map:e}, ratio {:.1}, of which {curvature:.1}", map / run);
         assert!(map < 25.0 * tol, "{tol:e}: run {run:e}, map {map:e}");
     }

@@ -4,7 +4,7 @@
 use hertzchain::{
     Run,
     chain::{Boundary, Chain, Details, Drive, DriveKind, Params, Signal, Site, State},
-    integrators::collocation::Pace,
+    integrators::collocation::StepControl,
     run::{
         Records,
         method::{Method, Setting},
@@ -229,8 +229,9 @@ fn tangent_maps_go_over_into_those_of_the_free_flight() {
                 continue;
             }
             let (chain, by_springs) = (chain(params(kappa, rho)), 4.0 * kappa * END.powi(3));
-            let columns =
-                chain.monodromy(meeting(&chain, [1.0; 2]).as_slice(), (0.0, END), Pace::Tolerance(1e-12)).unwrap();
+            let columns = chain
+                .monodromy(meeting(&chain, [1.0; 2]).as_slice(), (0.0, END), StepControl::Tolerance(1e-12))
+                .unwrap();
             let by_collocation = off(&chain, &columns);
             assert!(by_collocation < 1e-9 + by_springs, "{kappa:e} {rho:e}: {by_collocation:e}");
         }

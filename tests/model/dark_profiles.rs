@@ -5,7 +5,7 @@ use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
     dps::{Averages, Center, Constraint, DarkProfile, Dps, Ends, Form, Layout, project},
 };
-use hertzchain_integrators::{Dop853, Silent, Stepper, collocation::Pace, dop853::Options, drive};
+use hertzchain_integrators::{Dop853, Silent, Stepper, collocation::StepControl, dop853::Options, drive};
 #[cfg(feature = "cli")]
 use serde_json::Value;
 use std::f64::consts::PI;
@@ -345,7 +345,8 @@ fn measured_detuning(profile: &DarkProfile, detuning: f64, sites: &[i64]) -> Vec
     let start = State::from_fn(&chain, |n| Site { u: x[n], v: y[n], u_dot: 0.0, v_dot: 0.0 }).unwrap();
     let period = 2.0 * PI / omega;
     let times = [1.01 * period, 3.0 / detuning];
-    let mut run = chain.collocation(start.as_slice(), (0.0, times[1] + 2.0 * period), Pace::Tolerance(1e-10)).unwrap();
+    let mut run =
+        chain.collocation(start.as_slice(), (0.0, times[1] + 2.0 * period), StepControl::Tolerance(1e-10)).unwrap();
     let phases = times.map(|t| {
         let envelope = project(params, 1.0, t, |t| {
             while run.time() < t && !run.done() {

@@ -1,31 +1,37 @@
 //! The chain as a problem of contact collocation.
 
-use super::{Chain, ContactLaw, Differing, Modes};
+use super::{Chain, HeterogeneousChain, Modes};
 use hertzchain_integrators::{
     Collocation, Error,
-    collocation::{ContactChain, Pace, Path, Response, Section, monodromy},
+    collocation::{ContactChain, Path, Response, Section, StepControl, monodromy},
+    law::BondLaw,
 };
 
 impl Chain<f64> {
     /// A run of this chain by contact collocation.
     ///
     /// # Errors
-    /// A state, a span or a pace outside its rule; a chain with details.
-    pub fn collocation(&self, y0: &[f64], span: (f64, f64), pace: Pace) -> Result<Collocation<Section<Self>>, Error> {
+    /// A state, a span or a step control outside its rule; a chain with details.
+    pub fn collocation(
+        &self,
+        y0: &[f64],
+        span: (f64, f64),
+        step_control: StepControl,
+    ) -> Result<Collocation<Section<Self>>, Error> {
         self.uniform_sites()?;
-        Collocation::new(self.clone(), y0, span, pace)
+        Collocation::new(self.clone(), y0, span, step_control)
     }
 
     /// As [`collocation`](Self::collocation), for a chain whose beads differ, are damped or driven.
     ///
     /// ```
     /// use hertzchain_core::chain::{Boundary, Chain, Details, Params};
-    /// use hertzchain_core::integrators::{Stepper, collocation::Pace};
+    /// use hertzchain_core::integrators::{Stepper, collocation::StepControl};
     /// // A heavy bead strikes a light one: (m - M)/(m + M) and 2 m/(m + M).
     /// let details = Details { mass: vec![2.0, 1.0], ..Details::default() };
     /// let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, 2)?.with(&details)?;
     /// let mut y = [0.0, 0.0, 1.0, 0.0];
-    /// let mut run = chain.differing_collocation(&y, (0.0, 20.0), Pace::Tolerance(1e-12))?;
+    /// let mut run = chain.heterogeneous_collocation(&y, (0.0, 20.0), StepControl::Tolerance(1e-12))?;
     /// while !run.done() {
     ///     run.step()?;
     /// }
@@ -35,14 +41,14 @@ impl Chain<f64> {
     /// ```
     ///
     /// # Errors
-    /// A state, a span or a pace outside its rule; a chain without details.
-    pub fn differing_collocation(
+    /// A state, a span or a step control outside its rule; a chain without details.
+    pub fn heterogeneous_collocation(
         &self,
         y0: &[f64],
         span: (f64, f64),
-        pace: Pace,
-    ) -> Result<Collocation<Section<Differing, 2>>, Error> {
-        Collocation::new(Differing::new(self.clone())?, y0, span, pace)
+        step_control: StepControl,
+    ) -> Result<Collocation<Section<HeterogeneousChain, 2>>, Error> {
+        Collocation::new(HeterogeneousChain::new(self.clone())?, y0, span, step_control)
     }
 
     /// The derivative of the state at the end of such a run by the state at its start: `dim x dim`,
@@ -50,13 +56,13 @@ impl Chain<f64> {
     /// are zero.
     ///
     /// # Errors
-    /// A state, a span or a pace outside its rule; a chain of more than 256 bonds. Where contacts
-    /// dissipate, beads that touch at rest, or just touch at the start with a dashpot between them:
-    /// [`Variations`](super::Variations) has the derivatives that there are.
-    pub fn monodromy(&self, y0: &[f64], span: (f64, f64), pace: Pace) -> Result<Vec<f64>, Error> {
+    /// A state, a span or a step control outside its rule; a chain of more than 256 bonds. Where
+    /// contacts dissipate, beads that touch at rest, or just touch at the start with a dashpot
+    /// between them: [`Variations`](super::Variations) has the derivatives that there are.
+    pub fn monodromy(&self, y0: &[f64], span: (f64, f64), step_control: StepControl) -> Result<Vec<f64>, Error> {
         match self.details() {
-            None => monodromy(self.clone(), y0, span, pace),
-            Some(_) => monodromy(Differing::new(self.clone())?, y0, span, pace),
+            None => monodromy(self.clone(), y0, span, step_control),
+            Some(_) => monodromy(HeterogeneousChain::new(self.clone())?, y0, span, step_control),
         }
     }
 
@@ -98,8 +104,9 @@ impl ContactChain for Chain<f64> {
         self.topology.ring()
     }
 
-    fn law(&self, _bond: usize) -> ContactLaw<f64> {
-        self.law
+    #[inline(always)]
+    fn bond(&self, _bond: usize) -> BondLaw<f64> {
+        BondLaw { power: self.law, constant: 1.0, rest: self.precompression, loss: None }
     }
 
     fn response(&self, _site: usize) -> Response {
@@ -110,10 +117,6 @@ impl ContactChain for Chain<f64> {
     #[inline(always)]
     fn ends(&self, _bond: usize) -> [Option<usize>; 1] {
         [Some(0)]
-    }
-
-    fn rest(&self, _bond: usize) -> f64 {
-        self.precompression
     }
 
     #[inline(always)]

@@ -23,8 +23,9 @@ impl<R: Real> Field<R> {
         Self { contacts: Aligned::together(chain.sites()), chain, pushing: None }
     }
 
-    /// The field for a method that stops at the events of [`ContactEvents`](super::ContactEvents) and tells the
-    /// field: the forces of contacts that dissipate are smooth from event to event.
+    /// The field for a method that stops at the events of
+    /// [`Overlaps::with_pushes`](super::Overlaps::with_pushes) and tells the field: the forces of
+    /// contacts that dissipate are smooth from event to event.
     pub(super) fn from_event_to_event(chain: Chain<R>) -> Self {
         Self { pushing: Some(Pushing::new(&chain)), ..Self::new(chain) }
     }
@@ -34,7 +35,7 @@ impl<R: Real> Field<R> {
         self.pushing.as_ref()
     }
 
-    /// Takes the sign of a function of [`ContactEvents`](super::ContactEvents).
+    /// Takes the sign of a function of [`Overlaps::with_pushes`](super::Overlaps::with_pushes).
     pub(super) fn told(&mut self, index: usize, positive: bool) -> Option<Switched> {
         self.pushing.as_mut()?.turn(index, positive)
     }
@@ -63,7 +64,7 @@ impl<R: Real> VectorField<R> for Field<R> {
         q_dot.copy_from_slice(&y[half..]);
         let (u_ddot, v_ddot) = q_ddot.split_at_mut(n);
         u.copy_from_slice(chain.layout().u(y));
-        sweep(chain, Contacts { u: u.column(), force: force.column() });
+        sweep(chain, Contacts { u: u.column(), force: force.column() }, ());
         u_ddot.copy_from_slice(force);
         let kappa = R::of(params.kappa);
         match (params.resonators(), chain.layout().v(y)) {
@@ -94,20 +95,25 @@ struct Contacts<'a, R> {
 }
 
 impl<R: Real> Sites<R> for Contacts<'_, R> {
+    type Moment = ();
+
     #[inline(always)]
     fn room(&self) -> usize {
         self.u.len().min(self.force.len())
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, _now: &()) -> V {
         // SAFETY: the caller's promise.
         unsafe { self.u.load(at) }
     }
 
     #[inline(always)]
-    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &(), _next: &()) -> V {
         // SAFETY: the caller's promise.
-        unsafe { self.force.store(at, force) }
+        unsafe {
+            self.force.store(at, force);
+            self.positions(at, now)
+        }
     }
 }

@@ -5,7 +5,7 @@ use super::{
     Chain, Params, Resonators,
     aligned::Aligned,
     divisible::Divisible,
-    rows::{Clock, Moving, Pairs, Row, RowForces},
+    rows::{Clock, InRow, Pairs, RowForces},
     sweep::{MOST_KICKS, Sites, Step, Swept, Visit, follow, long},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector};
@@ -19,7 +19,7 @@ pub struct KineticFlow<R> {
     pub(super) beads: [Aligned<R>; 2],
     /// Positions and velocities of moving resonators, `[v, v']`; empty without them.
     pub(super) resonators: [Aligned<R>; 2],
-    /// Buffers for kicks in a row, see [`Row`].
+    /// Buffers for kicks in a row, see [`InRow`].
     forces: RowForces<R>,
 }
 
@@ -40,10 +40,10 @@ impl<R: Real> KineticFlow<R> {
         Self { forces: RowForces::new(&chain), chain, beads, resonators }
     }
 
-    /// The chain, and its beads for a kick by contacts and a drift.
-    pub(super) fn beads(&mut self, kick: R, dt: R) -> (&Chain<R>, Beads<'_, R>) {
+    /// Hands over the beads for a kick by contacts, without their springs and without a drift.
+    pub(super) fn visit_beads<W: Visit<R, Durations<R>>>(&mut self, kick: R, work: W) -> W::Output {
         let Self { chain, beads: [u, u_dot], .. } = self;
-        (chain, Beads { u: u.column(), u_dot: u_dot.column(), now: [kick, dt, R::zero()] })
+        work.visit(chain, Beads { u: u.column(), u_dot: u_dot.column() }, [kick, R::zero(), R::zero()])
     }
 
     fn arrays(&self) -> [&[R]; 4] {
@@ -139,15 +139,15 @@ impl<R: Real> Swept<R> for KineticFlow<R> {
     }
 
     #[inline(always)]
-    fn visit(&mut self, now: Durations<R>, work: impl Visit<R, Self::Moment>) {
+    fn visit<W: Visit<R, Durations<R>>>(&mut self, now: Durations<R>, work: W) -> W::Output {
         let Self { chain, beads: [u, u_dot], resonators: [v, v_dot], .. } = self;
-        let beads = Beads { u: u.column(), u_dot: u_dot.column(), now };
+        let beads = Beads { u: u.column(), u_dot: u_dot.column() };
         let (params, kappa) = (chain.params(), R::of(chain.params().kappa));
         match params.resonators() {
-            Resonators::None => work.visit(chain, beads),
-            Resonators::Fixed => work.visit(chain, Cradle { beads, kappa }),
+            Resonators::None => work.visit(chain, beads, now),
+            Resonators::Fixed => work.visit(chain, Cradle { beads, kappa }, now),
             Resonators::Moving => {
-                work.visit(chain, Resonant { beads, v: v.column(), v_dot: v_dot.column(), kappa });
+                work.visit(chain, Resonant { beads, v: v.column(), v_dot: v_dot.column(), kappa }, now)
             }
         }
     }
@@ -156,18 +156,10 @@ impl<R: Real> Swept<R> for KineticFlow<R> {
 impl<R: Real> KineticFlow<R> {
     /// Kicks of a short chain in a row, each followed by its drift.
     fn row(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
-        let Self { chain, beads: [u, u_dot], resonators: [v, v_dot], forces } = self;
-        let (params, kappa) = (chain.params(), R::of(chain.params().kappa));
-        let (kicks, clock) = (pairs.len(), Drifts { params, pairs: pairs.iter() });
-        let beads = Beads { u: u.column(), u_dot: u_dot.column(), now: [R::zero(); 3] };
-        match params.resonators() {
-            Resonators::None => Row { chain, forces, sites: beads, clock, kicks }.make(),
-            Resonators::Fixed => Row { chain, forces, sites: Cradle { beads, kappa }, clock, kicks }.make(),
-            Resonators::Moving => {
-                let sites = Resonant { beads, v: v.column(), v_dot: v_dot.column(), kappa };
-                Row { chain, forces, sites, clock, kicks }.make();
-            }
-        }
+        let mut forces = std::mem::replace(&mut self.forces, RowForces::none());
+        let clock = Drifts { params: self.chain.params(), pairs: pairs.iter() };
+        self.visit([R::zero(); 3], InRow { forces: &mut forces, clock, kicks: pairs.len() });
+        self.forces = forces;
     }
 }
 
@@ -203,29 +195,9 @@ impl<R: Real> Clock for Drifts<'_, R> {
 }
 
 /// Beads that only contacts push: all of a plain chain.
-pub(super) struct Beads<'a, R> {
+struct Beads<'a, R> {
     u: Column<'a, R>,
     u_dot: Column<'a, R>,
-    now: Durations<R>,
-}
-
-impl<R: Real> Beads<'_, R> {
-    /// Kicks beads by a force and drifts them; returns their new positions.
-    ///
-    /// # Safety
-    /// There is room for `at + LANES` numbers.
-    #[inline(always)]
-    unsafe fn kick_and_move<V: Vector<R>>(&mut self, at: usize, force: V) -> V {
-        let [kick, dt, _] = self.now;
-        // SAFETY: the caller's promise.
-        unsafe {
-            let u_dot = self.u_dot.load::<V>(at) + V::all(kick) * force;
-            let u = self.u.load::<V>(at) + V::all(dt) * u_dot;
-            self.u_dot.store(at, u_dot);
-            self.u.store(at, u);
-            u
-        }
-    }
 }
 
 /// Beads with springs to fixed resonators.
@@ -243,67 +215,79 @@ struct Resonant<'a, R> {
 }
 
 impl<R: Real> Sites<R> for Beads<'_, R> {
+    type Moment = Durations<R>;
+
     #[inline(always)]
     fn room(&self) -> usize {
         self.u.len().min(self.u_dot.len())
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, _now: &Durations<R>) -> V {
         // SAFETY: the caller's promise.
         unsafe { self.u.load(at) }
     }
 
     #[inline(always)]
-    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
-        // SAFETY: the caller's promise.
-        unsafe { self.kick_and_move(at, force) };
-    }
-}
-
-impl<R: Real> Moving<R> for Beads<'_, R> {
-    type Moment = Durations<R>;
-
-    #[inline(always)]
-    fn turn_to(&mut self, moment: Durations<R>) {
-        self.now = moment;
-    }
-
-    #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, _next: &Durations<R>) -> V {
-        // SAFETY: the caller's promise.
-        unsafe { self.kick_and_move(at, force) }
-    }
-}
-
-impl<R: Real> Cradle<'_, R> {
-    /// As [`Beads::kick_and_move`].
-    ///
-    /// # Safety
-    /// There is room for `at + LANES` numbers.
-    #[inline(always)]
-    unsafe fn kick_and_move<V: Vector<R>>(&mut self, at: usize, force: V) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Durations<R>, _next: &Durations<R>) -> V {
+        let [kick, dt, _] = *now;
         // SAFETY: the caller's promise.
         unsafe {
-            let u: V = self.beads.positions(at);
-            self.beads.kick_and_move(at, force - V::all(self.kappa) * u)
+            let u_dot = self.u_dot.load::<V>(at) + V::all(kick) * force;
+            let u = self.u.load::<V>(at) + V::all(dt) * u_dot;
+            self.u_dot.store(at, u_dot);
+            self.u.store(at, u);
+            u
         }
     }
 }
 
-impl<R: Real> Resonant<'_, R> {
-    /// As [`Beads::kick_and_move`].
-    ///
-    /// # Safety
-    /// There is room for `at + LANES` numbers.
+impl<R: Real> Sites<R> for Cradle<'_, R> {
+    type Moment = Durations<R>;
+
     #[inline(always)]
-    unsafe fn kick_and_move<V: Vector<R>>(&mut self, at: usize, force: V) -> V {
-        let [_, dt, kick_v] = self.beads.now;
+    fn room(&self) -> usize {
+        self.beads.room()
+    }
+
+    #[inline(always)]
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Durations<R>) -> V {
+        // SAFETY: the caller's promise.
+        unsafe { self.beads.positions(at, now) }
+    }
+
+    #[inline(always)]
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Durations<R>, next: &Durations<R>) -> V {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let u: V = self.beads.positions(at, now);
+            self.beads.advance(at, force - V::all(self.kappa) * u, now, next)
+        }
+    }
+}
+
+impl<R: Real> Sites<R> for Resonant<'_, R> {
+    type Moment = Durations<R>;
+
+    #[inline(always)]
+    fn room(&self) -> usize {
+        self.beads.room().min(self.v.len()).min(self.v_dot.len())
+    }
+
+    #[inline(always)]
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Durations<R>) -> V {
+        // SAFETY: the caller's promise.
+        unsafe { self.beads.positions(at, now) }
+    }
+
+    #[inline(always)]
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Durations<R>, next: &Durations<R>) -> V {
+        let [_, dt, kick_v] = *now;
         // SAFETY: the caller's promise.
         unsafe {
             let v: V = self.v.load(at);
-            let d = self.beads.positions::<V>(at) - v;
-            let u = self.beads.kick_and_move(at, force - V::all(self.kappa) * d);
+            let d = self.beads.positions::<V>(at, now) - v;
+            let u = self.beads.advance(at, force - V::all(self.kappa) * d, now, next);
             let v_dot = self.v_dot.load::<V>(at) + V::all(kick_v) * d;
             self.v_dot.store(at, v_dot);
             self.v.store(at, v + V::all(dt) * v_dot);
@@ -311,46 +295,3 @@ impl<R: Real> Resonant<'_, R> {
         }
     }
 }
-
-/// Sites whose beads are also kicked by springs; their positions are those of the beads.
-macro_rules! with_springs {
-    ($sites:ident, $room:expr) => {
-        impl<R: Real> Sites<R> for $sites<'_, R> {
-            #[inline(always)]
-            fn room(&self) -> usize {
-                let room: fn(&Self) -> usize = $room;
-                room(self)
-            }
-
-            #[inline(always)]
-            unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
-                // SAFETY: the caller's promise.
-                unsafe { self.beads.positions(at) }
-            }
-
-            #[inline(always)]
-            unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
-                // SAFETY: the caller's promise.
-                unsafe { self.kick_and_move(at, force) };
-            }
-        }
-
-        impl<R: Real> Moving<R> for $sites<'_, R> {
-            type Moment = Durations<R>;
-
-            #[inline(always)]
-            fn turn_to(&mut self, moment: Durations<R>) {
-                self.beads.now = moment;
-            }
-
-            #[inline(always)]
-            unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, _next: &Durations<R>) -> V {
-                // SAFETY: the caller's promise.
-                unsafe { self.kick_and_move(at, force) }
-            }
-        }
-    };
-}
-
-with_springs!(Cradle, |sites| sites.beads.room());
-with_springs!(Resonant, |sites| sites.beads.room().min(sites.v.len()).min(sites.v_dot.len()));

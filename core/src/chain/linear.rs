@@ -22,7 +22,7 @@ use super::{
     aligned::Aligned,
     divisible::Divisible,
     phase::Phase,
-    rows::{Clock, InRow, Moving, Pairs, RowForces},
+    rows::{Clock, InRow, Pairs, RowForces},
     sweep::{MOST_KICKS, Sites, Step, Swept, Visit, follow, long},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector, system::ContactFlow};
@@ -288,15 +288,25 @@ impl<R: Real> Swept<R> for LinearFlow<R> {
     }
 
     #[inline(always)]
-    fn visit(&mut self, now: Now<R>, work: impl Visit<R, Self::Moment>) {
-        let Self { chain, centre: [r0, v], oscillation: [c, s], .. } = self;
-        let centre = Centre { r0: r0.column(), v: v.column(), now };
-        let oscillation = Oscillation { c: c.column(), s: s.column(), now };
-        match chain.params().resonators() {
-            Resonators::None => work.visit(chain, centre),
-            Resonators::Fixed => work.visit(chain, oscillation),
-            Resonators::Moving => work.visit(chain, Both { centre, oscillation }),
-        }
+    fn visit<W: Visit<R, Now<R>>>(&mut self, now: Now<R>, work: W) -> W::Output {
+        hand_over(&self.chain, [&mut self.centre, &mut self.oscillation], now, work)
+    }
+}
+
+/// Hands over the sites in the columns `[R0, V]` and `[C, S]`.
+#[inline(always)]
+fn hand_over<R: Real, W: Visit<R, Now<R>>>(
+    chain: &Chain<R>,
+    [[r0, v], [c, s]]: [&mut [Aligned<R>; 2]; 2],
+    now: Now<R>,
+    work: W,
+) -> W::Output {
+    let centre = Centre { r0: r0.column(), v: v.column() };
+    let oscillation = Oscillation { c: c.column(), s: s.column() };
+    match chain.params().resonators() {
+        Resonators::None => work.visit(chain, centre, now),
+        Resonators::Fixed => work.visit(chain, oscillation, now),
+        Resonators::Moving => work.visit(chain, Both { centre, oscillation }, now),
     }
 }
 
@@ -330,33 +340,30 @@ impl<R: Real> LinearFlow<R> {
         Now::new(self.phase.sin_cos(), self.tau, kick, [self.m(), self.mu_over_omega])
     }
 
-    /// Does `work` with the (kick, drift) pairs in a row. Only the first kick may have an anchor
-    /// before it.
+    /// Does the work that `work` makes of a clock of the (kick, drift) pairs in a row. Only the
+    /// first kick may have an anchor before it.
     #[inline(always)]
-    pub(super) fn in_row<W: InRow<R>>(&mut self, pairs: &[(R, DoubleDouble<R>)], work: W) -> W::Output {
+    pub(super) fn in_row<'a, W: Visit<R, Now<R>>>(
+        &'a mut self,
+        pairs: &'a [(R, DoubleDouble<R>)],
+        work: impl FnOnce(Phases<'a, R>) -> W,
+    ) -> W::Output {
         let shares = [self.m(), self.mu_over_omega];
         let now = self.now(R::zero());
-        let Self { chain, centre: [r0, v], oscillation: [c, s], phase, tau, .. } = self;
-        let (kicks, clock) = (pairs.len(), Phases { phase, tau, shares, pairs: pairs.iter() });
-        let centre = Centre { r0: r0.column(), v: v.column(), now };
-        let oscillation = Oscillation { c: c.column(), s: s.column(), now };
-        match chain.params().resonators() {
-            Resonators::None => work.run(chain, centre, clock, kicks),
-            Resonators::Fixed => work.run(chain, oscillation, clock, kicks),
-            Resonators::Moving => work.run(chain, Both { centre, oscillation }, clock, kicks),
-        }
+        let Self { chain, centre, oscillation, phase, tau, .. } = self;
+        hand_over(chain, [centre, oscillation], now, work(Phases { phase, tau, shares, pairs: pairs.iter() }))
     }
 
     /// Kicks of a short chain in a row, each followed by its drift.
     fn row(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
         let mut forces = std::mem::replace(&mut self.forces, RowForces::none());
-        self.in_row(pairs, &mut forces);
+        self.in_row(pairs, |clock| InRow { forces: &mut forces, clock, kicks: pairs.len() });
         self.forces = forces;
     }
 }
 
 /// The clock of (kick, drift) pairs in a row.
-struct Phases<'a, R> {
+pub(super) struct Phases<'a, R> {
     phase: &'a mut Phase<R>,
     tau: &'a mut R,
     shares: [R; 2],
@@ -385,14 +392,12 @@ impl<R: Real> Clock for Phases<'_, R> {
 struct Centre<'a, R> {
     r0: Column<'a, R>,
     v: Column<'a, R>,
-    now: Now<R>,
 }
 
 /// Sites that oscillate: all of a cradle.
 struct Oscillation<'a, R> {
     c: Column<'a, R>,
     s: Column<'a, R>,
-    now: Now<R>,
 }
 
 /// Sites that do both.
@@ -402,39 +407,26 @@ struct Both<'a, R> {
 }
 
 impl<R: Real> Sites<R> for Centre<'_, R> {
+    type Moment = Now<R>;
+
     #[inline(always)]
     fn room(&self) -> usize {
         self.r0.len().min(self.v.len())
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<R>) -> V {
         // SAFETY: the caller's promise.
         let (r0, v): (V, V) = unsafe { (self.r0.load(at), self.v.load(at)) };
-        r0 + v * V::all(self.now.tau)
+        r0 + v * V::all(now.tau)
     }
 
     #[inline(always)]
-    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
-        // SAFETY: the caller's promise.
-        unsafe { self.advance(at, force, &{ self.now }) };
-    }
-}
-
-impl<R: Real> Moving<R> for Centre<'_, R> {
-    type Moment = Now<R>;
-
-    #[inline(always)]
-    fn turn_to(&mut self, now: Now<R>) {
-        self.now = now;
-    }
-
-    #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, next: &Now<R>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<R>, next: &Now<R>) -> V {
         // SAFETY: the caller's promise.
         unsafe {
-            let r0 = self.r0.load::<V>(at) + V::all(self.now.kick_r0) * force;
-            let v = self.v.load::<V>(at) + V::all(self.now.kick_v) * force;
+            let r0 = self.r0.load::<V>(at) + V::all(now.kick_r0) * force;
+            let v = self.v.load::<V>(at) + V::all(now.kick_v) * force;
             self.r0.store(at, r0);
             self.v.store(at, v);
             r0 + v * V::all(next.tau)
@@ -443,39 +435,26 @@ impl<R: Real> Moving<R> for Centre<'_, R> {
 }
 
 impl<R: Real> Sites<R> for Oscillation<'_, R> {
+    type Moment = Now<R>;
+
     #[inline(always)]
     fn room(&self) -> usize {
         self.c.len().min(self.s.len())
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<R>) -> V {
         // SAFETY: the caller's promise.
         let (c, s): (V, V) = unsafe { (self.c.load(at), self.s.load(at)) };
-        c * V::all(self.now.cos) + s * V::all(self.now.sin)
+        c * V::all(now.cos) + s * V::all(now.sin)
     }
 
     #[inline(always)]
-    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
-        // SAFETY: the caller's promise.
-        unsafe { self.advance(at, force, &{ self.now }) };
-    }
-}
-
-impl<R: Real> Moving<R> for Oscillation<'_, R> {
-    type Moment = Now<R>;
-
-    #[inline(always)]
-    fn turn_to(&mut self, now: Now<R>) {
-        self.now = now;
-    }
-
-    #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, next: &Now<R>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<R>, next: &Now<R>) -> V {
         // SAFETY: the caller's promise.
         unsafe {
-            let c = self.c.load::<V>(at) + V::all(self.now.kick_c) * force;
-            let s = self.s.load::<V>(at) + V::all(self.now.kick_s) * force;
+            let c = self.c.load::<V>(at) + V::all(now.kick_c) * force;
+            let s = self.s.load::<V>(at) + V::all(now.kick_s) * force;
             self.c.store(at, c);
             self.s.store(at, s);
             c * V::all(next.cos) + s * V::all(next.sin)
@@ -484,39 +463,22 @@ impl<R: Real> Moving<R> for Oscillation<'_, R> {
 }
 
 impl<R: Real> Sites<R> for Both<'_, R> {
+    type Moment = Now<R>;
+
     #[inline(always)]
     fn room(&self) -> usize {
         self.centre.room().min(self.oscillation.room())
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<R>) -> V {
         // SAFETY: the caller's promise.
-        unsafe { self.centre.positions::<V>(at) + self.oscillation.positions::<V>(at) }
+        unsafe { self.centre.positions::<V>(at, now) + self.oscillation.positions::<V>(at, now) }
     }
 
     #[inline(always)]
-    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<R>, next: &Now<R>) -> V {
         // SAFETY: the caller's promise.
-        unsafe {
-            self.centre.update(at, force);
-            self.oscillation.update(at, force);
-        }
-    }
-}
-
-impl<R: Real> Moving<R> for Both<'_, R> {
-    type Moment = Now<R>;
-
-    #[inline(always)]
-    fn turn_to(&mut self, now: Now<R>) {
-        self.centre.turn_to(now);
-        self.oscillation.turn_to(now);
-    }
-
-    #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, next: &Now<R>) -> V {
-        // SAFETY: the caller's promise.
-        unsafe { self.centre.advance(at, force, next) + self.oscillation.advance(at, force, next) }
+        unsafe { self.centre.advance(at, force, now, next) + self.oscillation.advance(at, force, now, next) }
     }
 }

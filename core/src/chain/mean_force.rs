@@ -10,7 +10,7 @@
 
 use super::Chain;
 use crate::error::Result;
-use hertzchain_integrators::{Stepper, collocation::Pace};
+use hertzchain_integrators::{Stepper, collocation::StepControl};
 
 /// Mean contact forces over some time, of all bonds that can touch.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,18 +45,19 @@ impl Chain<f64> {
     /// impulses of contacts, by collocation, divided by this time.
     ///
     /// ```
-    /// use hertzchain_core::{chain::{Boundary, Chain, Params, State}, integrators::collocation::Pace};
+    /// use hertzchain_core::{chain::{Boundary, Chain, Params, State}, integrators::collocation::StepControl};
     /// // At rest under an overlap of 1/4: Fbar = (1/4)^{3/2} in every bond.
     /// let chain = Chain::new(Params::new(1.5, 1.0, 1.0)?, Boundary::Ring, 5)?.precompressed(0.25)?;
-    /// let forces = chain.mean_contact_forces(State::rest(&chain).as_slice(), 3.0, Pace::Tolerance(1e-12))?;
+    /// let forces = chain.mean_contact_forces(State::rest(&chain).as_slice(), 3.0, StepControl::Tolerance(1e-12))?;
     /// assert!((forces.mean() - 0.125).abs() < 1e-12 && forces.spread() < 1e-12);
     /// # Ok::<(), hertzchain_core::Error>(())
     /// ```
     ///
     /// # Errors
-    /// A state or a pace outside its rule, `period` not finite and positive, a run that fails.
-    pub fn mean_contact_forces(&self, y: &[f64], period: f64, pace: Pace) -> Result<MeanForces> {
-        let mut run = self.collocation(y, (0.0, period), pace)?.logged();
+    /// A state or a step control outside its rule, `period` not finite and positive, a run that
+    /// fails.
+    pub fn mean_contact_forces(&self, y: &[f64], period: f64, step_control: StepControl) -> Result<MeanForces> {
+        let mut run = self.collocation(y, (0.0, period), step_control)?.logged();
         let bonds = self.touching();
         let mut forces = vec![0.0; bonds.len()];
         while !run.done() {

@@ -36,8 +36,8 @@ pub use bonds::{CorrectedSplit, SiteFlow};
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Maximum, Overlaps, TOUCH};
 pub use details::{
-    ContactEvents, Details, Differing, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Ledger, Signal,
-    SitewiseFlow, Variations, Varied,
+    Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, HeterogeneousChain, Kind, Ledger, Signal, SitewiseFlow,
+    Variations, Varied,
 };
 pub use divisible::{Divisible, Split};
 pub use energy::Energy;

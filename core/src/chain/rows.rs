@@ -15,7 +15,7 @@ use super::{
     Chain,
     aligned::Aligned,
     law::{ContactLaw, LANES, Power, with_hertz},
-    sweep::{Sites, overlaps, push},
+    sweep::{Sites, Visit, overlaps, push},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, Vector, VectorKernel};
 use std::ops::Range;
@@ -29,19 +29,6 @@ const SHORT: usize = if cfg!(test) { 1 << 12 } else { 1 << 14 };
 /// Numbers before the force of the first bond.
 const PAD: usize = LANES;
 
-/// Sites that are kicked and drift in a row of kicks.
-pub(crate) trait Moving<R: Real>: Sites<R> {
-    /// What a kick and its drift depend on.
-    type Moment: Copy;
-    /// Sets the moment of the next kick.
-    fn turn_to(&mut self, moment: Self::Moment);
-    /// Updates the sites from `at` on, and returns their positions at the next kick.
-    ///
-    /// # Safety
-    /// There is room for `at + LANES` numbers.
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, next: &Self::Moment) -> V;
-}
-
 /// The moments of kicks in a row, in order of time.
 pub(crate) trait Clock {
     /// What a kick and its drift depend on.
@@ -53,27 +40,20 @@ pub(crate) trait Clock {
     fn now(&self) -> Self::Moment;
 }
 
-/// Work on the sites of a flow over some kicks in a row.
-pub(crate) trait InRow<R: Real> {
-    /// Result of the work.
-    type Output;
-    /// Does the work, with at most as many `kicks` as the clock has.
-    fn run<S: Moving<R>, C: Clock<Moment = S::Moment>>(
-        self,
-        chain: &Chain<R>,
-        sites: S,
-        clock: C,
-        kicks: usize,
-    ) -> Self::Output;
+/// `kicks` kicks in a row, at most as many as the clock has.
+pub(crate) struct InRow<'a, R, C> {
+    pub(crate) forces: &'a mut RowForces<R>,
+    pub(crate) clock: C,
+    pub(crate) kicks: usize,
 }
 
-/// The kicks alone.
-impl<R: Real> InRow<R> for &mut RowForces<R> {
+impl<R: Real, C: Clock> Visit<R, C::Moment> for InRow<'_, R, C> {
     type Output = ();
 
-    #[inline(always)]
-    fn run<S: Moving<R>, C: Clock<Moment = S::Moment>>(self, chain: &Chain<R>, sites: S, clock: C, kicks: usize) {
-        Row { chain, forces: self, sites, clock, kicks }.make();
+    // Not inlined: the kernel is compiled once for each kind of sites.
+    #[inline(never)]
+    fn visit<S: Sites<R, Moment = C::Moment>>(self, chain: &Chain<R>, sites: S, _now: C::Moment) {
+        R::run_vector(Row { chain, sites, row: self });
     }
 }
 
@@ -100,25 +80,13 @@ impl<R: Real> RowForces<R> {
     }
 }
 
-/// `kicks` kicks in a row.
-pub(crate) struct Row<'a, R, S, C> {
-    pub(crate) chain: &'a Chain<R>,
-    pub(crate) forces: &'a mut RowForces<R>,
-    pub(crate) sites: S,
-    pub(crate) clock: C,
-    pub(crate) kicks: usize,
+struct Row<'a, R, S, C> {
+    chain: &'a Chain<R>,
+    sites: S,
+    row: InRow<'a, R, C>,
 }
 
-impl<R: Real, S: Moving<R>, C: Clock<Moment = S::Moment>> Row<'_, R, S, C> {
-    /// Makes the kicks.
-    // Not inlined: the kernel is compiled once for each kind of sites.
-    #[inline(never)]
-    pub(crate) fn make(self) {
-        R::run_vector(self);
-    }
-}
-
-impl<R: Real, S: Moving<R>, C: Clock<Moment = S::Moment>> VectorKernel<R> for Row<'_, R, S, C> {
+impl<R: Real, S: Sites<R>, C: Clock<Moment = S::Moment>> VectorKernel<R> for Row<'_, R, S, C> {
     type Output = ();
 
     #[inline(always)]
@@ -133,10 +101,10 @@ impl<R: Real, S: Moving<R>, C: Clock<Moment = S::Moment>> VectorKernel<R> for Ro
     }
 }
 
-impl<R: Real, S: Moving<R>, C: Clock<Moment = S::Moment>> Row<'_, R, S, C> {
+impl<R: Real, S: Sites<R>, C: Clock<Moment = S::Moment>> Row<'_, R, S, C> {
     #[inline(always)]
     fn lanes<V: Vector<R>, P: Power<R>, const STRAIN: bool>(self, power: P) {
-        let Self { chain, forces, mut sites, mut clock, kicks } = self;
+        let Self { chain, mut sites, row: InRow { forces, mut clock, kicks } } = self;
         let (n, ring) = (chain.sites(), chain.topology.ring());
         let registers = n.next_multiple_of(V::LANES);
         let [here, there] = &mut forces.0;
@@ -146,11 +114,12 @@ impl<R: Real, S: Moving<R>, C: Clock<Moment = S::Moment>> Row<'_, R, S, C> {
         // The clock is one moment ahead, so that no position waits for it.
         let mut now = clock.next();
         let mut next = if kicks > 1 { clock.next() } else { now };
-        sites.turn_to(now);
         let mut pass = Pass { chain, start: 0 };
         let law = chain.law;
         // SAFETY: columns have room, as asserted.
-        unsafe { pass.go::<V, _, _, STRAIN, false>(&mut sites, &now, &here, Raised { law, power, to: &mut there }) };
+        unsafe {
+            pass.go::<V, _, _, STRAIN, false>(&mut sites, [&now; 2], &here, Raised { law, power, to: &mut there })
+        };
         (here, there) = (there, here);
         for left in (1..kicks).rev() {
             let ahead = if left > 1 { clock.next() } else { next };
@@ -159,15 +128,19 @@ impl<R: Real, S: Moving<R>, C: Clock<Moment = S::Moment>> Row<'_, R, S, C> {
             }
             // SAFETY: as above.
             unsafe {
-                pass.go::<V, _, _, STRAIN, true>(&mut sites, &next, &here, Raised { law, power, to: &mut there })
+                pass.go::<V, _, _, STRAIN, true>(
+                    &mut sites,
+                    [&now, &next],
+                    &here,
+                    Raised { law, power, to: &mut there },
+                )
             };
             (here, there) = (there, here);
             (now, next) = (next, ahead);
-            sites.turn_to(now);
         }
         for at in (0..n).step_by(V::LANES) {
             // SAFETY: as above.
-            unsafe { sites.update(at, given::<R, V, STRAIN>(&here, n, at)) };
+            unsafe { sites.update(at, given::<R, V, STRAIN>(&here, n, at), &now) };
         }
     }
 }
@@ -200,16 +173,17 @@ struct Pass<'a, R> {
 }
 
 impl<R: Real> Pass<'_, R> {
-    /// Kicks the sites by `forces` if `KICK`, and hands the overlaps at the `next` kick to `bonds`.
+    /// Kicks the sites by `forces` if `KICK`, and hands the overlaps at the next kick to `bonds`;
+    /// `times` are the moments of this kick and of the next.
     ///
     /// # Safety
     /// The columns of sites are whole registers; those of bonds have a register more than these on
     /// either side.
     #[inline(always)]
-    unsafe fn go<V: Vector<R>, S: Moving<R>, P: Power<R>, const STRAIN: bool, const KICK: bool>(
+    unsafe fn go<V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool, const KICK: bool>(
         &self,
         sites: &mut S,
-        next: &S::Moment,
+        times: [&S::Moment; 2],
         forces: &Column<'_, R>,
         mut bonds: Raised<'_, '_, R, P>,
     ) {
@@ -224,19 +198,19 @@ impl<R: Real> Pass<'_, R> {
         // SAFETY: the caller's promise.
         unsafe {
             if wait {
-                first = moved::<R, V, S, KICK>(sites, start, given::<R, V, STRAIN>(forces, n, start), next);
+                first = moved::<R, V, S, KICK>(sites, start, given::<R, V, STRAIN>(forces, n, start), times);
                 (q, at) = (first, start + V::LANES);
             }
-            q = self.whole::<V, S, P, STRAIN, KICK>(at..last, q, sites, next, forces, &mut bonds);
+            q = self.whole::<V, S, P, STRAIN, KICK>(at..last, q, sites, times, forces, &mut bonds);
             if at <= last {
-                let here = moved::<R, V, S, KICK>(sites, last, given::<R, V, STRAIN>(forces, n, last), next);
+                let here = moved::<R, V, S, KICK>(sites, last, given::<R, V, STRAIN>(forces, n, last), times);
                 bonds.take(last, overlaps::<R, V, STRAIN>(chain.precompression, q, here));
                 q = here;
             }
             if !STRAIN {
                 q = q.spread(n - 1 - last);
             }
-            q = self.whole::<V, S, P, STRAIN, KICK>(0..start, q, sites, next, forces, &mut bonds);
+            q = self.whole::<V, S, P, STRAIN, KICK>(0..start, q, sites, times, forces, &mut bonds);
             if wait {
                 bonds.take(start, overlaps::<R, V, STRAIN>(chain.precompression, q, first));
             }
@@ -256,12 +230,12 @@ impl<R: Real> Pass<'_, R> {
     /// # Safety
     /// As [`go`](Self::go).
     #[inline(always)]
-    unsafe fn whole<V: Vector<R>, S: Moving<R>, P: Power<R>, const STRAIN: bool, const KICK: bool>(
+    unsafe fn whole<V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool, const KICK: bool>(
         &self,
         registers: Range<usize>,
         mut q: V,
         sites: &mut S,
-        next: &S::Moment,
+        times: [&S::Moment; 2],
         forces: &Column<'_, R>,
         bonds: &mut Raised<'_, '_, R, P>,
     ) -> V {
@@ -272,7 +246,7 @@ impl<R: Real> Pass<'_, R> {
             // SAFETY: as above.
             unsafe {
                 let after = forces.load(PAD + at + V::LANES);
-                let here = moved::<R, V, S, KICK>(sites, at, push::<R, V, STRAIN>(before, f, after), next);
+                let here = moved::<R, V, S, KICK>(sites, at, push::<R, V, STRAIN>(before, f, after), times);
                 bonds.take(at, overlaps::<R, V, STRAIN>(rest, q, here));
                 (q, before, f) = (here, f, after);
             }
@@ -288,14 +262,14 @@ impl<R: Real> Pass<'_, R> {
 /// # Safety
 /// There is room for `at + LANES` numbers.
 #[inline(always)]
-unsafe fn moved<R: Real, V: Vector<R>, S: Moving<R>, const KICK: bool>(
+unsafe fn moved<R: Real, V: Vector<R>, S: Sites<R>, const KICK: bool>(
     sites: &mut S,
     at: usize,
     force: V,
-    next: &S::Moment,
+    [now, next]: [&S::Moment; 2],
 ) -> V {
     // SAFETY: the caller's promise.
-    unsafe { if KICK { sites.advance(at, force, next) } else { sites.positions::<V>(at) } }
+    unsafe { if KICK { sites.advance(at, force, now, next) } else { sites.positions::<V>(at, now) } }
 }
 
 /// Contact forces on the sites from `at` on, from those of bonds; zero beyond the last site.

@@ -18,40 +18,54 @@
 use super::{
     Chain,
     law::{LANES, Power, with_hertz},
-    rows::Moving,
 };
 use hertzchain_integrators::{DoubleDouble, Real, Vector, VectorKernel};
 
-/// The sites that a sweep visits, in columns that are whole registers long.
+/// The sites that a pass visits, in columns that are whole registers long.
 pub(crate) trait Sites<R: Real> {
+    /// What positions, a kick and its drift depend on.
+    type Moment: Copy;
     /// Length of the columns.
     fn room(&self) -> usize;
     /// The positions of the sites from `at` on.
     ///
     /// # Safety
     /// There is room for `at + LANES` numbers.
-    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V;
-    /// Gives the sites from `at` on their contact forces, and may then move them. Sites beyond the
-    /// last get no force.
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Self::Moment) -> V;
+    /// Gives the sites from `at` on their contact forces, and may then move them; returns their
+    /// positions at the `next` kick. Sites beyond the last get no force.
     ///
     /// # Safety
     /// There is room for `at + LANES` numbers.
-    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V);
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Self::Moment, next: &Self::Moment) -> V;
+    /// [`advance`](Self::advance), where nobody asks for positions.
+    ///
+    /// # Safety
+    /// There is room for `at + LANES` numbers.
+    #[inline(always)]
+    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V, now: &Self::Moment) {
+        // SAFETY: the caller's promise.
+        unsafe { self.advance(at, force, now, now) };
+    }
 }
 
 /// Work on the sites of a flow, for each kind of resonators; `M` is the type of what a kick depends
 /// on.
 pub(crate) trait Visit<R: Real, M> {
-    fn visit<S: Moving<R, Moment = M>>(self, chain: &Chain<R>, sites: S);
+    /// Result of the work.
+    type Output;
+    fn visit<S: Sites<R, Moment = M>>(self, chain: &Chain<R>, sites: S, now: M) -> Self::Output;
 }
 
 /// A kick of the contact forces.
 pub(crate) struct Step;
 
 impl<R: Real, M> Visit<R, M> for Step {
+    type Output = ();
+
     #[inline(always)]
-    fn visit<S: Moving<R, Moment = M>>(self, chain: &Chain<R>, sites: S) {
-        sweep(chain, sites);
+    fn visit<S: Sites<R, Moment = M>>(self, chain: &Chain<R>, sites: S, now: M) {
+        sweep(chain, sites, now);
     }
 }
 
@@ -83,7 +97,7 @@ pub(crate) trait Swept<R: Real> {
     /// columns.
     fn begin(&mut self, kick: R, drift: DoubleDouble<R>) -> Self::Moment;
     /// Hands over the sites at the time of a kick.
-    fn visit(&mut self, moment: Self::Moment, work: impl Visit<R, Self::Moment>);
+    fn visit<W: Visit<R, Self::Moment>>(&mut self, moment: Self::Moment, work: W) -> W::Output;
 }
 
 /// Whether kicks of a chain are to follow each other.
@@ -117,9 +131,9 @@ pub(crate) fn follow<R: Real, F: Swept<R>>(flow: &mut F, pairs: &[(R, DoubleDoub
 }
 
 /// Visits every site of `chain` once.
-pub(crate) fn sweep<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: S) {
+pub(crate) fn sweep<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: S, now: S::Moment) {
     let mut pass = Pass::new(0);
-    R::run_vector(Sweep { chain, piece: Piece { pass: &mut pass, to: chain.sites() }, sites });
+    R::run_vector(Sweep { chain, piece: Piece { pass: &mut pass, to: chain.sites() }, sites, now });
 }
 
 /// A pass under way, between two pieces of it.
@@ -158,13 +172,13 @@ impl<R: Real> Pass<R> {
 
     /// The position to the left of the first site.
     #[inline(always)]
-    fn begin<S: Sites<R>>(&mut self, chain: &Chain<R>, sites: &S) -> R {
+    fn begin<S: Sites<R>>(&mut self, chain: &Chain<R>, sites: &S, now: &S::Moment) -> R {
         if self.began > 0 {
             // SAFETY: a pass begins at a site.
-            return unsafe { sites.positions::<R>(self.began - 1) };
+            return unsafe { sites.positions::<R>(self.began - 1, now) };
         }
         if !self.closing {
-            (self.q, self.right) = ghosts(chain, sites);
+            (self.q, self.right) = ghosts(chain, sites, now);
         }
         self.q
     }
@@ -202,17 +216,20 @@ struct Piece<'a, R> {
 }
 
 impl<R: Real, M> Visit<R, M> for Piece<'_, R> {
+    type Output = ();
+
     // Not inlined: the kernel would be compiled again for every call.
     #[inline(never)]
-    fn visit<S: Moving<R, Moment = M>>(self, chain: &Chain<R>, sites: S) {
-        R::run_vector(Sweep { chain, piece: self, sites });
+    fn visit<S: Sites<R, Moment = M>>(self, chain: &Chain<R>, sites: S, now: M) {
+        R::run_vector(Sweep { chain, piece: self, sites, now });
     }
 }
 
-struct Sweep<'a, R, S> {
+struct Sweep<'a, R: Real, S: Sites<R>> {
     chain: &'a Chain<R>,
     piece: Piece<'a, R>,
     sites: S,
+    now: S::Moment,
 }
 
 impl<R: Real, S: Sites<R>> VectorKernel<R> for Sweep<'_, R, S> {
@@ -220,13 +237,13 @@ impl<R: Real, S: Sites<R>> VectorKernel<R> for Sweep<'_, R, S> {
 
     #[inline(always)]
     fn run<V: Vector<R>>(self) {
-        let Self { chain, piece: Piece { pass, to }, sites } = self;
+        let Self { chain, piece: Piece { pass, to }, sites, now } = self;
         assert!(sites.room() >= chain.sites().next_multiple_of(V::LANES), "columns are whole registers");
         with_hertz!(chain.law, power => {
             if chain.topology.strains() {
-                go_on::<R, V, S, _, true>(chain, power, sites, pass, to);
+                go_on::<R, V, S, _, true>(chain, power, (sites, now), pass, to);
             } else {
-                go_on::<R, V, S, _, false>(chain, power, sites, pass, to);
+                go_on::<R, V, S, _, false>(chain, power, (sites, now), pass, to);
             }
         });
     }
@@ -236,7 +253,7 @@ impl<R: Real, S: Sites<R>> VectorKernel<R> for Sweep<'_, R, S> {
 fn go_on<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
     chain: &Chain<R>,
     power: P,
-    mut sites: S,
+    (mut sites, now): (S, S::Moment),
     pass: &mut Pass<R>,
     to: usize,
 ) {
@@ -253,13 +270,13 @@ fn go_on<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
         // SAFETY: as above.
         (q, f, before) = (V::all(pass.q), unsafe { V::load(pass.f.as_ptr()) }, V::all(pass.before));
     } else {
-        let left = pass.begin(chain, &sites);
+        let left = pass.begin(chain, &sites, &now);
         let zero = R::zero();
         (q, before) = (V::all(left), none);
         f = V::all(if STRAIN { bonds::<R, R, P, STRAIN>(chain, power, zero, left) } else { zero });
         if at < stop {
             // SAFETY: as above.
-            let here = unsafe { sites.positions::<V>(at) };
+            let here = unsafe { sites.positions::<V>(at, &now) };
             (before, f) = (f, bonds::<R, V, P, STRAIN>(chain, power, q, here));
             (q, at) = (here, at + V::LANES);
             pass.begun(f);
@@ -269,11 +286,11 @@ fn go_on<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
     let (mut late, begin) = ([none; LATE], at);
     while at < stop {
         // SAFETY: as above.
-        let here = unsafe { sites.positions::<V>(at) };
+        let here = unsafe { sites.positions::<V>(at, &now) };
         let next = bonds::<R, V, P, STRAIN>(chain, power, q, here);
         if at >= begin + LATE * V::LANES {
             // SAFETY: as above.
-            unsafe { sites.update(at - (LATE + 1) * V::LANES, late[0]) };
+            unsafe { sites.update(at - (LATE + 1) * V::LANES, late[0], &now) };
         }
         late = [late[1], late[2], push::<R, V, STRAIN>(before, f, next)];
         (q, before, f, at) = (here, f, next, at + V::LANES);
@@ -282,13 +299,13 @@ fn go_on<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
         let behind = (LATE - k) * V::LANES;
         if at >= begin + behind {
             // SAFETY: as above.
-            unsafe { sites.update(at - behind - V::LANES, force) };
+            unsafe { sites.update(at - behind - V::LANES, force, &now) };
         }
     }
     if to < n {
         if pass.closing {
             // SAFETY: as above.
-            unsafe { sites.update(to - V::LANES, push::<R, V, STRAIN>(before, f, V::all(pass.first))) };
+            unsafe { sites.update(to - V::LANES, push::<R, V, STRAIN>(before, f, V::all(pass.first)), &now) };
         } else {
             pass.keep(to, [q, f, before]);
         }
@@ -296,28 +313,28 @@ fn go_on<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
     }
     if pass.began > 0 {
         // On a ring, where the pass goes on from these positions.
-        (pass.q, pass.right) = ghosts(chain, &sites);
+        (pass.q, pass.right) = ghosts(chain, &sites, &now);
     }
     // The sites that do not fill a register, and the position beyond the last.
     let beyond = V::all(pass.right);
     // SAFETY: as above.
-    let here = if rest > 0 { unsafe { sites.positions::<V>(end) }.first(rest, beyond) } else { beyond };
+    let here = if rest > 0 { unsafe { sites.positions::<V>(end, &now) }.first(rest, beyond) } else { beyond };
     let next = bonds::<R, V, P, STRAIN>(chain, power, q, here);
     if end > 0 {
         // SAFETY: as above.
-        unsafe { sites.update(end - V::LANES, push::<R, V, STRAIN>(before, f, next)) };
+        unsafe { sites.update(end - V::LANES, push::<R, V, STRAIN>(before, f, next), &now) };
     }
     if rest > 0 {
         // SAFETY: as above.
-        unsafe { sites.update(end, push::<R, V, STRAIN>(f, next, none).first(rest, none)) };
+        unsafe { sites.update(end, push::<R, V, STRAIN>(f, next, none).first(rest, none), &now) };
     }
 }
 
 /// Positions beyond the two ends.
 #[inline(always)]
-fn ghosts<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: &S) -> (R, R) {
+fn ghosts<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: &S, now: &S::Moment) -> (R, R) {
     // SAFETY: a chain has a site.
-    let (first, last) = unsafe { (sites.positions::<R>(0), sites.positions::<R>(chain.sites() - 1)) };
+    let (first, last) = unsafe { (sites.positions::<R>(0, now), sites.positions::<R>(chain.sites() - 1, now)) };
     chain.topology.ghosts(first, last)
 }
 

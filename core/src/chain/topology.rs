@@ -117,7 +117,7 @@ impl Topology {
     /// Amount by which a unit force in a bond reduces the second derivative of its own overlap: 2
     /// between two sites, 1 at a wall.
     #[inline(always)]
-    pub fn recoil(self, bond: usize) -> f64 {
+    pub fn mobility(self, bond: usize) -> f64 {
         if self.at_wall(bond) { 1.0 } else { 2.0 }
     }
 
@@ -234,7 +234,7 @@ mod tests {
     #[test]
     fn a_push_is_a_difference_transposed() {
         // Truth: the work of forces at sites is minus that in bonds, sum q_i push_i = -sum f_b
-        // across_b; on a strain ring a force in a bond does `recoil` to its own strain.
+        // across_b; on a strain ring a force in a bond does `mobility` to its own strain.
         for topology in chains() {
             let across = |b| topology.across(b, |i| [number(i)])[0];
             let force = |b: usize| number(b + 7);
@@ -245,7 +245,7 @@ mod tests {
             }
             for bond in topology.touching().filter(|_| topology.sites() > 2) {
                 let push = |i| topology.push(i, |b| [f64::from(u8::from(b == bond))]);
-                assert_eq!(topology.across(bond, push), [-topology.recoil(bond)], "{topology:?} {bond}");
+                assert_eq!(topology.across(bond, push), [-topology.mobility(bond)], "{topology:?} {bond}");
                 // Bonds beside are those that the force acts on, but itself.
                 let moved = |b: &usize| *b != bond && topology.across(*b, push) != [0.0];
                 let mut beside: Vec<usize> = topology.beside(bond).into_iter().flatten().collect();

@@ -4,18 +4,18 @@ use super::Run;
 pub use crate::chain::Split;
 use crate::{
     chain::{
-        Chain, ContactEvents, CorrectedSplit, Details, Differing, Field, KineticFlow, LinearFlow, SiteFlow,
-        SitewiseFlow, Topology, max_norm,
+        Chain, CorrectedSplit, Details, Field, HeterogeneousChain, KineticFlow, LinearFlow, Overlaps, SitewiseFlow,
+        Topology, max_norm,
     },
     error::{Error, Result},
     parts::{Decomposition, Motion, Parted},
 };
 use hertzchain_integrators::{
     Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper, Tolerance,
-    collocation::{ContactStepper, Pace, Windows},
+    collocation::{ContactStepper, StepControl, Windows},
     conserving::DiscreteGradient,
     dop853::Options,
-    splitting::{self, Corrected, First, Landed, tables},
+    splitting::{self, Corrected, First, Landed, corrected::BondFlow, tables},
 };
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -406,15 +406,9 @@ impl Method {
                 let flow = loaded(LinearFlow::new(chain), y);
                 Ok(Box::new(Landed::new(scheme, First::Drift, flow, span, steps)?))
             }
-            (Self::Corrected(parts, Split::Kinetic), Setting::Steps(steps)) => {
-                Ok(Box::new(corrected(KineticFlow::new(chain), y, span, steps, *parts)?))
-            }
-            (Self::Corrected(parts, Split::Linear), Setting::Steps(steps)) => {
-                Ok(Box::new(corrected(LinearFlow::new(chain), y, span, steps, *parts)?))
-            }
-            (Self::Corrected(splitting::Parts { corrected: true, .. }, _), Setting::Tolerance(tol)) => {
-                let steps = tolerance::steps(run, *self, y, span, tol)?;
-                self.start(run, y, span, Setting::Steps(steps))
+            (&Self::Corrected(parts, split), Setting::Steps(_))
+            | (&Self::Corrected(parts @ splitting::Parts { corrected: true, .. }, split), Setting::Tolerance(_)) => {
+                Ok(corrected(run, y, span, setting, (parts, split), false)?)
             }
             (Self::Conserving, Setting::Steps(steps)) => Ok(Box::new(DiscreteGradient::new(chain, y, span, steps)?)),
             (&Self::Dop853(contacts), Setting::Tolerance(tol)) => dop853(run, contacts, y, span, tol),
@@ -454,17 +448,7 @@ pub fn start_logged(
         (
             Method::Corrected(parts @ splitting::Parts { corrected: true, .. }, split),
             Setting::Steps(_) | Setting::Tolerance(_),
-        ) => {
-            let steps = match setting {
-                Setting::Tolerance(tol) => tolerance::steps(run, method, y, span, tol)?,
-                Setting::Steps(steps) | Setting::Windows(steps, _) => steps,
-            };
-            let chain = run.chain().clone();
-            Ok(Some(match split {
-                Split::Kinetic => Box::new(corrected(KineticFlow::new(chain), y, span, steps, parts)?.logged()),
-                Split::Linear => Box::new(corrected(LinearFlow::new(chain), y, span, steps, parts)?.logged()),
-            }))
-        }
+        ) => Ok(Some(corrected(run, y, span, setting, (parts, split), true)?)),
         _ => Ok(None),
     }
 }
@@ -480,15 +464,15 @@ fn collocated(
     fn boxed<W: Windows + 'static>(run: Collocation<W>, log: bool) -> Box<dyn ContactStepper + Send> {
         Box::new(if log { run.logged() } else { run })
     }
-    let (chain, parts, pace) = (run.chain(), run.parts(), pace(setting)?);
+    let (chain, parts, step_control) = (run.chain(), run.parts(), step_control(setting)?);
     let threads = matches!(parts, Decomposition::Threads(_)).then_some(1);
     Ok(if !parts.whole() {
         let windows = Parted::new(chain, Motion::Windows, parts, y)?;
-        boxed(Collocation::by(windows, chain, y, span, pace)?, log)
+        boxed(Collocation::by(windows, chain, y, span, step_control)?, log)
     } else if chain.details().is_some() {
-        boxed(Collocation::on_threads(Differing::new(chain.clone())?, y, span, pace, threads)?, log)
+        boxed(Collocation::on_threads(HeterogeneousChain::new(chain.clone())?, y, span, step_control, threads)?, log)
     } else {
-        boxed(Collocation::on_threads(chain.clone(), y, span, pace, threads)?, log)
+        boxed(Collocation::on_threads(chain.clone(), y, span, step_control, threads)?, log)
     })
 }
 
@@ -517,28 +501,46 @@ fn dop853(
         Contacts::Regularised => power,
     };
     let field = Field::new(chain.clone());
-    Ok(Box::new(Regularised::new(field, ContactEvents::new(chain), (alpha, q), y, span, options)?))
+    Ok(Box::new(Regularised::new(field, Overlaps::with_pushes(chain, false), (alpha, q), y, span, options)?))
 }
 
-/// Contact-corrected splitting on the given split of the chain.
-fn corrected<F: SiteFlow>(
-    flow: F,
+/// Contact-corrected splitting of a run, with or without a log.
+fn corrected(
+    run: &Run,
     y: &[f64],
     span: (f64, f64),
-    steps: u64,
-    parts: splitting::Parts,
-) -> Result<Corrected<CorrectedSplit<F>>> {
-    Ok(Corrected::new(CorrectedSplit::new(loaded(flow, y)), span, steps, parts)?)
+    setting: Setting,
+    (parts, split): (splitting::Parts, Split),
+    log: bool,
+) -> Result<Box<dyn ContactStepper + Send>> {
+    fn boxed<S: BondFlow + Send + 'static>(run: Corrected<S>, log: bool) -> Box<dyn ContactStepper + Send> {
+        Box::new(if log { run.logged() } else { run })
+    }
+    let steps = match setting {
+        Setting::Tolerance(tol) => tolerance::steps(run, Method::Corrected(parts, split), y, span, tol)?,
+        Setting::Steps(steps) | Setting::Windows(steps, _) => steps,
+    };
+    let chain = run.chain().clone();
+    Ok(match split {
+        Split::Kinetic => {
+            let flow = CorrectedSplit::new(loaded(KineticFlow::new(chain), y));
+            boxed(Corrected::new(flow, span, steps, parts)?, log)
+        }
+        Split::Linear => {
+            let flow = CorrectedSplit::new(loaded(LinearFlow::new(chain), y));
+            boxed(Corrected::new(flow, span, steps, parts)?, log)
+        }
+    })
 }
 
 /// How finely collocation works under a setting.
 ///
 /// # Errors
 /// A setting in steps.
-fn pace(setting: Setting) -> Result<Pace> {
+fn step_control(setting: Setting) -> Result<StepControl> {
     match setting {
-        Setting::Tolerance(tol) => Ok(Pace::Tolerance(tol)),
-        Setting::Windows(windows, nodes) => Ok(Pace::Windows { windows, nodes, neighbours: true }),
+        Setting::Tolerance(tol) => Ok(StepControl::Tolerance(tol)),
+        Setting::Windows(windows, nodes) => Ok(StepControl::Windows { windows, nodes, neighbours: true }),
         Setting::Steps(steps) => {
             let rule = "collocation takes --tol, or --windows-per-period and --nodes";
             Err(Error::parameter("steps", steps, rule))

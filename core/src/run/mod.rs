@@ -244,8 +244,8 @@ impl Run {
         self
     }
 
-    /// Asks for a log of all contacts, and for every maximum in time of the overlap of a closed bond
-    /// ([`Trajectory::maxima`]). A maximum counts if the overlap falls after it, and has risen
+    /// Asks for a log of all contacts, and for every maximum in time of the overlap of a closed
+    /// bond ([`Trajectory::maxima`]). A maximum counts if the overlap falls after it, and has risen
     /// before it, by more than `share` of the largest overlap that the bond has had so far, and if
     /// it is itself more than this share of the largest overlap of all bonds. Errors of a method
     /// are below a share of about its tolerance.
@@ -389,10 +389,10 @@ impl Run {
     }
 
     /// As [`start`](Self::start), and calls `seen` with the time of every sample and the state
-    /// there, in the layout of the chain, and `told` with each contact of the log once it has ended.
-    /// The log must be asked for ([`contacts`](Self::contacts)). `told` is not called with contacts
-    /// that are open at the end of the run. It is also called with those that the final list leaves
-    /// out as rounding errors in comparison with the largest one.
+    /// there, in the layout of the chain, and `told` with each contact of the log once it has
+    /// ended. The log must be asked for ([`contacts`](Self::contacts)). `told` is not called with
+    /// contacts that are open at the end of the run. It is also called with those that the final
+    /// list leaves out as rounding errors in comparison with the largest one.
     ///
     /// ```
     /// # use hertzchain_core::{Boundary, Chain, Params, Run, State};
@@ -417,7 +417,7 @@ impl Run {
     /// As [`start`](Self::start).
     pub fn observe(&self, seen: &mut dyn FnMut(f64, &[f64]), told: &mut dyn FnMut(&Contact)) -> Result<Trajectory> {
         let ((_, end), (method, setting)) = (self.span()?, self.choice()?);
-        let mut recorder = Recorder::new(self, Snapshot::new(self), seen).telling(told);
+        let mut recorder = Recorder::new(self, Snapshot::new(self), seen).on_contact(told);
         let failure = recorder.go_on(method, setting, end)?.err();
         Ok(recorder.trajectory(failure))
     }

@@ -143,13 +143,13 @@ impl<S: Stepper<f64> + ?Sized> Stepper<f64> for Timed<'_, S> {
 }
 
 /// A log of contacts that reports each contact once it has ended.
-struct Told<'a> {
+struct ReportingLog<'a> {
     log: ContactLog,
     count: usize,
     tell: &'a mut dyn FnMut(&Contact),
 }
 
-impl<'a> Told<'a> {
+impl<'a> ReportingLog<'a> {
     fn new(log: ContactLog, tell: &'a mut dyn FnMut(&Contact)) -> Self {
         Self { count: log.ended().len(), log, tell }
     }
@@ -161,7 +161,7 @@ impl<'a> Told<'a> {
     }
 }
 
-impl Listener<f64> for Told<'_> {
+impl Listener<f64> for ReportingLog<'_> {
     fn event(&mut self, event: Event<f64>, y: &[f64]) -> ControlFlow<()> {
         let goes_on = self.log.event(event, y);
         self.news();
@@ -177,7 +177,7 @@ impl Listener<f64> for Told<'_> {
 /// A method that knows its contacts, together with the log that collects them.
 struct Logged<'a> {
     run: Box<dyn ContactStepper + Send>,
-    told: Told<'a>,
+    told: ReportingLog<'a>,
 }
 
 impl Stepper<f64> for Logged<'_> {
@@ -291,7 +291,7 @@ impl<'a> Recorder<'a> {
 
     /// Sets the function that is called with each contact of the log once it has ended.
     #[must_use]
-    pub(super) fn telling(mut self, told: &'a mut dyn FnMut(&Contact)) -> Self {
+    pub(super) fn on_contact(mut self, told: &'a mut dyn FnMut(&Contact)) -> Self {
         self.told = Some(told);
         self
     }
@@ -310,7 +310,7 @@ impl<'a> Recorder<'a> {
         let chain = &run.chain;
         let log = ContactLog::new(chain.clone()).go_on(contacts, start);
         let (told, mut nobody) = (self.told.take(), |_: &Contact| ());
-        let told = Told::new(log, told.unwrap_or(&mut nobody));
+        let told = ReportingLog::new(log, told.unwrap_or(&mut nobody));
         let (result, told) = if let Some(run) = start_logged(method, run, state, span, setting)? {
             let mut logged = Logged { run, told };
             (self.leg(&mut logged), logged.told)

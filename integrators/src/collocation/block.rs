@@ -50,7 +50,7 @@ pub(crate) struct Start<'a, const S: usize> {
     pub(crate) ongoing: &'a [Option<Contact>],
     /// For each bond, minus the second derivative of its overlap by a unit force in it: 2 between
     /// two sites of mass 1, 1 at a wall.
-    pub(crate) recoil: &'a [f64],
+    pub(crate) mobility: &'a [f64],
     pub(crate) share: &'a Share,
 }
 
@@ -236,7 +236,7 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
             if S != 1 && links.open.is_some() {
                 bond.known = start.bonds.known(b);
             }
-            bond.begin(&frames.of(b), start.bonds.free(b, frames.h), start.ongoing[b], (b, start.recoil[b]));
+            bond.begin(&frames.of(b), start.bonds.free(b, frames.h), start.ongoing[b], (b, start.mobility[b]));
             b = if b + 1 == all { 0 } else { b + 1 };
         }
         // A window that is far too long for a contact in it is given up before anything is solved.
@@ -333,7 +333,7 @@ pub(super) fn look_beyond<const M: usize, const S: usize>(bonds: &mut [Bond<M, S
         for _ in 1..FAR {
             at = at.and_then(next);
             let Some(bond) = at.map(|at| &bonds[at]) else { break };
-            found.extend(bond.contacts.found.iter().map(|&contact| (contact, bond.fade())));
+            found.extend(bond.contacts.found.iter().map(|&contact| (contact, bond.singular_after())));
         }
     }
     bonds[b].contacts.beyond = found;
@@ -402,7 +402,7 @@ impl<const M: usize, const S: usize> Kernel for Judge<'_, M, S> {
     fn run(self) {
         let Self { bonds, frames, goal } = self;
         for bond in bonds {
-            bond.surprised(frames.h);
+            bond.set_predictor_error(frames.h);
             let frame = &frames.of(bond.initial.bond);
             let mut tail = 0.0;
             for panel in bond.panels.as_slice() {
@@ -609,10 +609,10 @@ fn unsettled<const M: usize, const S: usize>(
     for b in 0..stretch.bonds.len() {
         let (me, beside) = stretch.at(b);
         let frame = &frames.of(me.initial.bond);
-        let of = |bond: Beside<M, S>| bond.map_or(0.0, |bond| bond.forecast.surprise);
+        let of = |bond: Beside<M, S>| bond.map_or(0.0, |bond| bond.prediction.predictor_error);
         let others = Bond::driven(frame, of(beside[0]), of(beside[1]));
-        let off = per * (others + me.initial.recoil * me.forecast.surprise);
-        if off > me.forecast.slack || me.pending.search || me.pending.astray {
+        let off = per * (others + me.initial.mobility * me.prediction.predictor_error);
+        if off > me.prediction.margin || me.pending.search || me.pending.diverged {
             match me.verify(frame, beside) {
                 None => verdict.failure = Some((b, f64::INFINITY)),
                 Some(true) => {

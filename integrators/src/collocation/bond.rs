@@ -27,14 +27,14 @@ pub(crate) struct Contact {
     /// The size of the last step of Newton's method for the onset; infinite before the first.
     pub(crate) step: f64,
     /// Whether beads overlapped already at the onset, which is then a zero of `P`, see `loss.rs`.
-    pub(crate) pressed: bool,
+    pub(crate) overlaps_at_onset: bool,
     /// Its panels in this window: index of the first, and one past the last.
     pub(crate) panels: (usize, usize),
 }
 
 impl Contact {
     pub(super) fn new(onset: f64, release: f64, slopes: [f64; 2]) -> Self {
-        Self { onset, release, slopes, step: f64::INFINITY, pressed: false, panels: (0, 0) }
+        Self { onset, release, slopes, step: f64::INFINITY, overlaps_at_onset: false, panels: (0, 0) }
     }
 
     /// The contact of a bond that is closed when the run begins, with this overlap and its rate.
@@ -58,7 +58,7 @@ pub(crate) struct Bond<const M: usize, const S: usize> {
     pub(crate) initial: Initial<S>,
     /// The part of the overlap that drives prescribe, in addition to its path.
     pub(crate) known: Option<Prescribed>,
-    pub(crate) forecast: Forecast,
+    pub(crate) prediction: Prediction,
     pub(crate) contacts: Contacts,
     pub(crate) panels: Panels<M, S>,
     pub(crate) sweeps: Sweeps,
@@ -69,14 +69,14 @@ pub(crate) struct Bond<const M: usize, const S: usize> {
 /// The state of a bond when a window begins.
 ///
 /// Without forces the overlap goes on along `path`. The bond's own force `f` changes the second
-/// derivative of its overlap by `-recoil f`, a neighbour's force `f` by `f` times the weight of the
-/// side that they share.
+/// derivative of its overlap by `-mobility f`, a neighbour's force `f` by `f` times the weight of
+/// the side that they share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Initial<const S: usize> {
     /// Index of the bond in the chain.
     pub(crate) bond: usize,
     /// The sum of the weights of both sides: 2 between two sites of mass 1, 1 at a wall.
-    pub(crate) recoil: f64,
+    pub(crate) mobility: f64,
     /// The linear path of the overlap, as the sum of one path for each side.
     pub(crate) path: [Path; S],
     /// Overlaps of at most this absolute value are rounding.
@@ -87,37 +87,38 @@ pub(crate) struct Initial<const S: usize> {
     pub(crate) force: [f64; 2],
     /// The contact that the bond is in when the window begins.
     pub(crate) ongoing: Option<Contact>,
-    /// See [`Link::fade`](super::system::Link::fade); of the last release that was found.
-    pub(super) fade: f64,
+    /// See [`Link::singular_after`](super::system::Link::singular_after); of the last release that
+    /// was found.
+    pub(super) singular_after: f64,
 }
 
 impl<const S: usize> Initial<S> {
     fn none() -> Self {
         Self {
             bond: 0,
-            recoil: 0.0,
+            mobility: 0.0,
             path: [[0.0; 4]; S],
             band: 0.0,
             overlap: [0.0; 2],
             force: [0.0; 2],
             ongoing: None,
-            fade: 0.0,
+            singular_after: 0.0,
         }
     }
 
     /// The factor on the displacement by the bond's own forces on a side, in its overlap: 1; or the
-    /// recoil for `S = 1`, where one side stands for both.
+    /// mobility for `S = 1`, where one side stands for both.
     #[inline(always)]
     pub(super) fn own(&self) -> f64 {
-        if S == 1 { self.recoil } else { 1.0 }
+        if S == 1 { self.mobility } else { 1.0 }
     }
 }
 
 impl<const M: usize, const S: usize> Bond<M, S> {
-    /// See [`Link::fade`](super::system::Link::fade).
+    /// See [`Link::singular_after`](super::system::Link::singular_after).
     #[inline(always)]
-    pub(super) fn fade(&self) -> f64 {
-        if S == 1 { 0.0 } else { self.initial.fade }
+    pub(super) fn singular_after(&self) -> f64 {
+        if S == 1 { 0.0 } else { self.initial.singular_after }
     }
 }
 
@@ -125,21 +126,21 @@ impl<const M: usize, const S: usize> Bond<M, S> {
 /// time.
 ///
 /// Contacts are first found in this prediction. They are kept as long as the error of the predicted
-/// overlap is below `slack`; a bound of this error follows from the `surprise` of the bond and of
-/// its neighbours.
+/// overlap is below `margin`; a bound of this error follows from the `predictor_error` of the bond
+/// and of its neighbours.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Forecast {
+pub(crate) struct Prediction {
     /// Coefficient `b` of the predicted force `f_0 + f_0' t + b t^2`, which meets the force of the
     /// predicted overlap at the end of the window.
-    pub(crate) bend: f64,
+    pub(crate) curvature: f64,
     /// Overlap at the end of the window that a release after the window was last estimated from;
     /// `P` at the end of the window where the contact dissipates.
     pub(super) at_end: f64,
     /// Largest error of the predicted overlap that cannot change the contacts found, see
     /// [`Search::run`](super::detect::Search::run).
-    pub(crate) slack: f64,
+    pub(crate) margin: f64,
     /// Largest difference in the window between the computed force and `f_0 + f_0' t`.
-    pub(crate) surprise: f64,
+    pub(crate) predictor_error: f64,
 }
 
 /// The contacts of a bond in a window, in order of time, and memory for the search.
@@ -149,7 +150,7 @@ pub(crate) struct Contacts {
     /// The contacts before the last search.
     pub(super) assumed: Vec<Contact>,
     /// Contacts of bonds beyond the neighbours at whose ends panels are cut too, with their
-    /// [fade](super::system::Link::fade): where contacts dissipate, see
+    /// [`singular_after`](super::system::Link::singular_after): where contacts dissipate, see
     /// [`look_beyond`](super::block::look_beyond).
     pub(super) beyond: Vec<(Contact, f64)>,
     /// The changes of sign of the overlap that the last search found.
@@ -196,7 +197,7 @@ pub(crate) struct Pending {
     pub(crate) search: bool,
     /// In the last sweep Newton's method would have led an onset out of the window: it was not
     /// moved, and the contacts must be searched for again.
-    pub(crate) astray: bool,
+    pub(crate) diverged: bool,
 }
 
 /// The part of an overlap that drives prescribe. For `S = 1` it is `None` at compile time, since
@@ -334,7 +335,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         Self {
             initial: Initial::none(),
             known: None,
-            forecast: Forecast::default(),
+            prediction: Prediction::default(),
             contacts,
             panels: Panels::new(),
             sweeps: Sweeps::default(),
@@ -349,7 +350,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         frame: &Frame<'_, M, S>,
         free: Free<S>,
         ongoing: Option<Contact>,
-        (bond, recoil): (usize, f64),
+        (bond, mobility): (usize, f64),
     ) {
         let (Free { path, band }, link) = (free, frame.link);
         let mut overlap = [path[0][0], path[0][1]];
@@ -372,13 +373,14 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             // forces that follow.
             force = [link.force(overlap[0]), if link.law.alpha() < 1.0 { 0.0 } else { rate }];
         }
-        self.initial = Initial { bond, recoil, path, band, overlap, force, ongoing, fade: link.fade(0.0) };
+        self.initial =
+            Initial { bond, mobility, path, band, overlap, force, ongoing, singular_after: link.singular_after(0.0) };
         if link.lossy() {
             self.initial.force = self.resisting(frame);
         }
         self.contacts.found.clear();
         self.panels.clear();
-        self.forecast.surprise = 0.0;
+        self.prediction.predictor_error = 0.0;
         (self.sweeps.stiffness, self.sweeps.largest, self.resolution.halvings) = (0.0, 0.0, 0);
         self.sweeps.resistance = 0.0;
         self.pending = Pending::default();
@@ -389,11 +391,11 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// largest overlap that the bond may reach by itself.
     ///
     /// Two bounds hold for `g`: the largest overlap of the free path; and the overlap at which the
-    /// bond's own force has stopped an approach with speed `w`, `w^2/2 = recoil (g^{alpha+1} -
+    /// bond's own force has stopped an approach with speed `w`, `w^2/2 = mobility (g^{alpha+1} -
     /// g_0^{alpha+1})/(alpha+1)`. Overlaps due to neighbours are of the size of the neighbours' own
     /// overlaps, for which this estimate is made too.
     pub(crate) fn approach(&self, frame: &Frame<'_, M, S>, most: f64) -> f64 {
-        let Initial { recoil, path, overlap: [now, rate], .. } = self.initial;
+        let Initial { mobility, path, overlap: [now, rate], .. } = self.initial;
         let (h, link, power) = (frame.h, frame.link, frame.link.law.alpha() + 1.0);
         let ([r, mut v, ..], mut swing, mut swings) = (path[0], 0.0, 0.0);
         for side in 1..S {
@@ -420,7 +422,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         if stiffness <= most && power >= 2.0 {
             return stiffness;
         }
-        let opens = recoil * link.constant();
+        let opens = mobility * link.constant();
         let stopped = (speed * speed * power / (2.0 * opens) + now.max(0.0).powf(power)).powf(1.0 / power);
         link.stiffness_over(reached.min(stopped), lasts)
     }
@@ -436,11 +438,11 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     #[inline(always)]
     pub(crate) fn start(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) {
         let drive = self.drive(beside);
-        let of = |bond: Beside<M, S>| bond.map_or(0.0, |bond| bond.forecast.bend);
-        let bend = self.pushes(of(beside[0]), of(beside[1]), self.forecast.bend);
+        let of = |bond: Beside<M, S>| bond.map_or(0.0, |bond| bond.prediction.curvature);
+        let curvature = self.pushes(of(beside[0]), of(beside[1]), self.prediction.curvature);
         let (mut path, [mut a, mut b, mut c]) = (self.initial.path, [0.0; 3]);
         for side in 0..S {
-            let rates = [drive[side][0], drive[side][1], 2.0 * bend[side]];
+            let rates = [drive[side][0], drive[side][1], 2.0 * curvature[side]];
             let (own, by) = ramped(frame, side, path[side], rates);
             path[side] = own;
             a += by[0];
@@ -506,7 +508,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     ) -> Change {
         let (linear, own) = (self.initial.path, self.initial.own());
         let anew = old.is_some();
-        self.pending.astray = false;
+        self.pending.diverged = false;
         let panels = self.panels.len as u64;
         let mut change = Change { work: panels * if anew { LAYOUT + SWEEP } else { SWEEP }, ..Change::default() };
         let total = old.map_or(self.panels.total, |old| old.total);
@@ -544,9 +546,10 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 before = panel.integrate(frame);
                 let pushes = if frame.link.lossy() { panel.pushes(frame.link) } else { g };
                 if k == first {
-                    let pressed = self.contacts.found[c].pressed;
-                    let by = if pressed { &pushes } else { &g };
-                    let at_start = if pressed { panel.pushes_at(frame, by, 0) } else { dot(&frame.rule.ends[0], by) };
+                    let on_pushing = self.contacts.found[c].overlaps_at_onset;
+                    let by = if on_pushing { &pushes } else { &g };
+                    let at_start =
+                        if on_pushing { panel.pushes_at(frame, by, 0) } else { dot(&frame.rule.ends[0], by) };
                     let slope = panel.chord(by, 0, 1..M);
                     change.moved = change.moved.max(self.shift_onset(frame, c, (at_start, slope)));
                 }
@@ -608,19 +611,19 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             contact.slopes[0] = slope;
         }
         // At the start the overlap is known without the error of a series.
-        let known = frame.link.lossy() && contact.onset == 0.0 && !contact.pressed;
+        let known = frame.link.lossy() && contact.onset == 0.0 && !contact.overlaps_at_onset;
         let overlap = if known { self.initial.overlap[0] } else { overlap };
         let by = (-overlap / contact.slopes[0]).max(-contact.onset);
         // The impulse of a force that jumps is of first order in the error of its onset, so that a
         // step may be rounding and not negligible.
         let rounding = overlap.abs() <= self.initial.band && by.abs() >= 0.5 * contact.step;
-        let pressed = contact.pressed.then_some(self.sweeps.largest);
-        if rounding || frame.cuts.negligible(frame.link, overlap, by, pressed) {
+        let deepest = contact.overlaps_at_onset.then_some(self.sweeps.largest);
+        if rounding || frame.cuts.negligible(frame.link, overlap, by, deepest) {
             return 0.0;
         }
         let moved = contact.onset + by;
         if moved.is_nan() || moved > frame.h {
-            self.pending.astray = true;
+            self.pending.diverged = true;
             return 0.0;
         }
         (contact.onset, contact.step) = (moved, by.abs());
@@ -647,14 +650,14 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         } else if ahead < 0.1 * h {
             -overlap / contact.slopes[1] - ahead
         } else {
-            (self.forecast.at_end - overlap) / contact.slopes[1]
+            (self.prediction.at_end - overlap) / contact.slopes[1]
         };
         // A release after the window must be known the better the nearer it is.
-        let pressed = frame.link.lossy().then_some(self.sweeps.largest);
-        if by.abs() <= 0.01 * ahead || frame.cuts.negligible(frame.link, contact.slopes[1] * by, by, pressed) {
+        let deepest = frame.link.lossy().then_some(self.sweeps.largest);
+        if by.abs() <= 0.01 * ahead || frame.cuts.negligible(frame.link, contact.slopes[1] * by, by, deepest) {
             return 0.0;
         }
-        self.forecast.at_end = overlap;
+        self.prediction.at_end = overlap;
         contact.release += by;
         self.pending.search |= contact.onset > contact.release || inside != (contact.release <= h);
         by.abs()

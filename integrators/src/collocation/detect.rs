@@ -35,7 +35,7 @@ pub(crate) struct Search<'a, G, K> {
     band: f64,
     crossings: &'a mut Vec<Crossing>,
     /// Largest error of `g` that cannot change the crossings found so far.
-    slack: f64,
+    margin: f64,
     /// Whether `g` is positive after the crossings found so far.
     side: bool,
     /// Number of intervals that may still be divided.
@@ -51,10 +51,10 @@ const PARTS: u32 = 1000;
 impl<'a, G: FnMut(f64) -> f64, K: Fn(f64) -> f64> Search<'a, G, K> {
     pub(crate) fn new(g: G, curvature: K, band: f64, crossings: &'a mut Vec<Crossing>) -> Self {
         crossings.clear();
-        Self { g, curvature, band, crossings, slack: f64::INFINITY, side: false, left: PARTS }
+        Self { g, curvature, band, crossings, margin: f64::INFINITY, side: false, left: PARTS }
     }
 
-    /// Finds all crossings up to `h`. Returns the slack: the largest error of the overlap that
+    /// Finds all crossings up to `h`. Returns the margin: the largest error of the overlap that
     /// cannot change the crossings. `None` if [`PARTS`] intervals were divided.
     pub(crate) fn run(mut self, start: Start, h: f64) -> Option<f64> {
         self.side = start.positive;
@@ -76,7 +76,7 @@ impl<'a, G: FnMut(f64) -> f64, K: Fn(f64) -> f64> Search<'a, G, K> {
             return Some(least);
         }
         self.part((0.0, value), (h, end), 0);
-        (self.left > 0).then_some(self.slack)
+        (self.left > 0).then_some(self.margin)
     }
 
     fn cross(&mut self, t: f64, slope: f64) {
@@ -86,24 +86,24 @@ impl<'a, G: FnMut(f64) -> f64, K: Fn(f64) -> f64> Search<'a, G, K> {
 
     fn part(&mut self, a: (f64, f64), b: (f64, f64), depth: u32) {
         let width = b.0 - a.0;
-        let bend = (self.curvature)(b.0) * width * width;
+        let sag = (self.curvature)(b.0) * width * width;
         let sign = if self.side { 1.0 } else { -1.0 };
         let (ga, gb) = (sign * a.1, sign * b.1);
-        let least = ga.min(gb) - 0.125 * bend + self.band;
+        let least = ga.min(gb) - 0.125 * sag + self.band;
         if least > 0.0 {
-            self.slack = self.slack.min(least);
+            self.margin = self.margin.min(least);
             return;
         }
         let last = depth >= DEPTH || self.left == 0;
         // The slope differs from that of the chord by at most G width.
-        if gb < -self.band && (ga - gb > bend || last) {
-            self.slack = self.slack.min((0.25 * (ga - gb - bend)).max(0.0));
+        if gb < -self.band && (ga - gb > sag || last) {
+            self.margin = self.margin.min((0.25 * (ga - gb - sag)).max(0.0));
             let t = if ga <= 0.0 { a.0 } else { bracketed(&mut self.g, a, b) };
             self.cross(t, (b.1 - a.1) / width);
             return;
         }
         if last {
-            self.slack = 0.0;
+            self.margin = 0.0;
             return;
         }
         self.left -= 1;

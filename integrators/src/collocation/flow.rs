@@ -64,11 +64,11 @@ pub(crate) struct Flow {
     ahead: Series<8>,
     /// `K'`, `K''` and `K'''` at zero.
     slopes: [f64; 3],
-    /// For `b` and `A b`, the coefficients of `1` and `h` in [`bend`](Self::bend).
+    /// For `b` and `A b`, the coefficients of `1` and `h` in [`curvature`](Self::curvature).
     bends: [[f64; 2]; 2],
 }
 
-/// What a forecast needs of a site at a time `t`.
+/// What a prediction needs of a site at a time `t`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ahead {
     /// `lag`, `cos` and `sin`.
@@ -333,7 +333,7 @@ impl Flow {
         self.at((&self.velocity, &self.answer), t)
     }
 
-    /// The functions of a forecast at a time.
+    /// The functions of a prediction at a time.
     #[inline(always)]
     pub(crate) fn ahead(&self, t: f64) -> Ahead {
         let (theta, mut sums) = (self.rate * t, [0.0; 8]);
@@ -356,12 +356,12 @@ impl Flow {
     ///
     /// The energy `r'^2/m + (c'^2 + omega^2 c^2)/mu` does not grow, so that it bounds the velocity;
     /// drag then adds no more than this to the amplitude of the oscillation.
-    pub(crate) fn bend(&self, path: &Path, h: f64) -> f64 {
+    pub(crate) fn curvature(&self, path: &Path, h: f64) -> f64 {
         let [now, per_time] = self.bend_over(path);
         now + h * per_time
     }
 
-    /// The coefficients of `1` and `h` in [`bend`](Self::bend).
+    /// The coefficients of `1` and `h` in [`curvature`](Self::curvature).
     fn bend_over(&self, [_, v, c, s]: &Path) -> [f64; 2] {
         let Self { drag, slip, response: Response { m, mu, .. }, .. } = *self;
         let omega = self.a[2][3];
@@ -471,12 +471,12 @@ mod tests {
         for (m, mu, damping) in [(0.6, 0.5, [0.8, 0.3]), (0.0, 1.0, [0.0, 4.0]), (1.0, 0.0, [2.0, 0.0])] {
             let site = flow(m, mu, 1.7, damping);
             let y = [0.3, -0.4, if mu > 0.0 { 0.2 } else { 0.0 }, if mu > 0.0 { 0.7 } else { 0.0 }];
-            let bound = site.bend(&y, 1.0);
+            let bound = site.curvature(&y, 1.0);
             for k in 0..=20 {
                 let by = site.moved(&y, 0.05 * f64::from(k));
                 let now: Path = std::array::from_fn(|i| y[i] + by[i]);
-                let bend = site.rates(&site.rates(&now));
-                assert!((bend[0] + bend[2]).abs() <= bound * (1.0 + 1e-14));
+                let curvature = site.rates(&site.rates(&now));
+                assert!((curvature[0] + curvature[2]).abs() <= bound * (1.0 + 1e-14));
                 assert!(bound < 30.0);
             }
         }

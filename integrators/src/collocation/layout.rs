@@ -37,17 +37,17 @@ pub(crate) struct Cuts {
 impl Cuts {
     /// Whether the error of an event is negligible. The event is off by a time `by` and an overlap;
     /// or, where it is an event of `P`, by a time and a value of `P`, while beads overlap by at
-    /// most `pressed`, see `loss.rs`.
+    /// most `deepest`, see `loss.rs`.
     #[inline(always)]
     pub(super) fn negligible<const S: usize>(
         &self,
         link: &Link<S>,
         overlap: f64,
         by: f64,
-        pressed: Option<f64>,
+        deepest: Option<f64>,
     ) -> bool {
         let impulse = if link.lossy() {
-            link.impulse_besides(overlap.abs(), by.abs(), pressed)
+            link.law.impulse_besides(overlap.abs(), by.abs(), deepest)
         } else {
             link.force(overlap.abs()) * by.abs()
         };
@@ -121,10 +121,10 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let (start, end) = (contact.onset.max(0.0), contact.release.min(frame.h));
         // The latest onset before a panel and the earliest release after it, of the bond and its
         // neighbours.
-        let (mut behind, mut ahead) = (contact.onset, contact.release + self.fade());
+        let (mut behind, mut ahead) = (contact.onset, contact.release + self.singular_after());
         let mut points = [(0.0, f64::INFINITY); CUTS];
         let mut count = 0;
-        let mut see = |c: &Contact, fade: f64| {
+        let mut see = |c: &Contact, after: f64| {
             if c.onset <= start + cuts.merge {
                 behind = behind.max(c.onset.min(start));
             } else if c.onset < end - cuts.merge && count < points.len() {
@@ -132,17 +132,17 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 count += 1;
             }
             if c.release >= end - cuts.merge {
-                ahead = ahead.min(c.release.max(end) + fade);
+                ahead = ahead.min(c.release.max(end) + after);
             } else if c.release > start + cuts.merge && count < points.len() {
-                points[count] = (c.release, c.release + fade);
+                points[count] = (c.release, c.release + after);
                 count += 1;
             }
         };
         if cuts.neighbours {
             for bond in beside.into_iter().flatten() {
-                bond.contacts.found.iter().for_each(|c| see(c, bond.fade()));
+                bond.contacts.found.iter().for_each(|c| see(c, bond.singular_after()));
             }
-            self.contacts.beyond.iter().for_each(|(c, fade)| see(c, *fade));
+            self.contacts.beyond.iter().for_each(|(c, after)| see(c, *after));
         }
         let points = &mut points[..count];
         if count > 1 {

@@ -1,4 +1,5 @@
-//! Contacts that dissipate: their law, and the rates of overlaps that their forces depend on.
+//! Contacts that dissipate: what windows need of their law, see [`BondLaw`], and the rates of
+//! overlaps that their forces depend on.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -16,11 +17,11 @@
 //!
 //! On a panel the force has no `(..)_+`. Where `P` comes to zero the contact ends, with `f = 0` and
 //! `g > 0`, and beads overlap without a force until `P` rises through zero or the overlap is zero
-//! (`rebound.rs`). So the force is analytic up to the end. Where beads meet it begins with the
+//! (`dissipative.rs`). So the force is analytic up to the end. Where beads meet it begins with the
 //! power `alpha - 1` of time (viscoelastic), or with a jump (dashpot).
 //!
 //! `P` is an overlap. For a dashpot the force itself has the same sign, but with a small `gamma` it
-//! ends with next to no slope, and Newton's method for its zero goes astray.
+//! ends with next to no slope, and Newton's method for its zero diverges.
 
 use super::{
     bond::{Beside, Bond},
@@ -31,57 +32,21 @@ use super::{
     rule::Rule,
     system::{Link, Path, Side},
 };
-use crate::real::Kernel;
+use crate::{
+    law::{BondLaw, Loss},
+    real::Kernel,
+};
 
-/// How the contact of a bond dissipates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Loss {
-    /// `f = (F + gamma dF/dt)_+`; `gamma` is a time.
-    Viscoelastic(f64),
-    /// `f = (F + gamma g')_+` where beads overlap; `gamma` is a force over a velocity.
-    Dashpot(f64),
-}
-
-impl Loss {
-    /// The smallest power of time with which the force begins when beads meet.
-    pub(crate) fn power(self, alpha: f64) -> f64 {
-        match self {
-            Self::Viscoelastic(_) => alpha - 1.0,
-            Self::Dashpot(_) => 0.0,
-        }
-    }
-}
-
-impl<const S: usize> Link<S> {
-    /// Whether the contact dissipates.
-    #[inline(always)]
-    pub(crate) fn lossy(&self) -> bool {
-        S != 1 && self.loss.is_some()
-    }
-
+impl BondLaw<f64> {
     /// Whether the contact is a dashpot.
     pub(super) fn dashpot(&self) -> bool {
         matches!(self.loss, Some(Loss::Dashpot(_)))
     }
 
-    /// `c(g)`.
-    pub(crate) fn resistance(&self, overlap: f64) -> f64 {
-        match self.loss {
-            Some(Loss::Viscoelastic(gamma)) => gamma * self.stiffness(overlap),
-            Some(Loss::Dashpot(gamma)) if overlap > 0.0 => gamma,
-            _ => 0.0,
-        }
-    }
-
-    /// `c(g)` of a contact that pushes, also where rounding takes its overlap below zero.
-    fn resists(&self, overlap: f64) -> f64 {
-        if let Some(Loss::Dashpot(gamma)) = self.loss { gamma } else { self.resistance(overlap) }
-    }
-
     /// `P(g, g')`.
-    pub(crate) fn pushes(&self, overlap: f64, rate: f64) -> f64 {
+    pub(crate) fn overlap_that_pushes(&self, overlap: f64, rate: f64) -> f64 {
         match self.loss {
-            Some(Loss::Viscoelastic(gamma)) => overlap + gamma * self.law.alpha() * rate,
+            Some(Loss::Viscoelastic(gamma)) => overlap + gamma * self.alpha() * rate,
             Some(Loss::Dashpot(gamma)) => overlap - self.held(gamma * (-rate).max(0.0)),
             None => overlap,
         }
@@ -89,54 +54,44 @@ impl<const S: usize> Link<S> {
 
     /// The overlap of an elastic force, `F^{-1}`.
     fn held(&self, force: f64) -> f64 {
-        (force / self.constant()).powf(1.0 / self.law.alpha())
+        (force / self.constant).powf(1.0 / self.alpha())
     }
 
     /// An error of the overlap, in a window of length `h`, by which `P` is off by no more than
     /// `value`; the rate is then off by `2/h` times this.
     pub(crate) fn harmless(&self, value: f64, h: f64) -> f64 {
         match self.loss {
-            Some(Loss::Viscoelastic(gamma)) => value / (1.0 + gamma * self.law.alpha() * 2.0 / h),
+            Some(Loss::Viscoelastic(gamma)) => value / (1.0 + gamma * self.alpha() * 2.0 / h),
             // Half for the overlap, half for its rate.
-            Some(Loss::Dashpot(gamma)) => (0.5 * value).min(0.5 * h * self.force(0.5 * value) / gamma),
+            Some(Loss::Dashpot(gamma)) => (0.5 * value).min(0.5 * h * self.elastic(0.5 * value) / gamma),
             None => value,
         }
     }
 
-    /// The force at an overlap and its rate.
-    pub(crate) fn force_at_rate(&self, overlap: f64, rate: f64) -> f64 {
-        if overlap > 0.0 { (self.force(overlap) + self.resistance(overlap) * rate).max(0.0) } else { 0.0 }
-    }
-
     /// A bound of the error of a contact's impulse if its event is off by the time `by` and the
-    /// overlap `value`; or by the value `value` of `P` while beads overlap by at most `pressed`.
-    pub(crate) fn impulse_besides(&self, value: f64, by: f64, pressed: Option<f64>) -> f64 {
-        match pressed {
-            None => self.force(value) * by + self.resistance(value) * value,
-            Some(overlap) => self.force_by_pushing(overlap) * value * by,
-        }
-    }
-
-    /// `df/dP` where `P` is zero.
-    fn force_by_pushing(&self, overlap: f64) -> f64 {
-        match self.loss {
-            Some(Loss::Viscoelastic(_)) => self.stiffness(overlap) / self.law.alpha(),
-            _ => self.stiffness(overlap),
+    /// overlap `value`; or by the value `value` of `P` while beads overlap by at most `deepest`.
+    pub(crate) fn impulse_besides(&self, value: f64, by: f64, deepest: Option<f64>) -> f64 {
+        match (deepest, self.loss) {
+            (None, _) => self.elastic(value) * by + self.resistance(value) * value,
+            // With `df/dP` where `P` is zero.
+            (Some(overlap), Some(Loss::Viscoelastic(_))) => self.stiffness(overlap) / self.alpha() * value * by,
+            (Some(overlap), _) => self.stiffness(overlap) * value * by,
         }
     }
 
     /// The time from the end of a contact to the singularity of its force, where the overlap would
     /// come to zero if the force went on as the same analytic function: `g/|g'|` at the end, from
     /// the rate there. Panels before a release have their origin there.
-    #[inline(always)]
-    pub(crate) fn fade(&self, rate: f64) -> f64 {
+    pub(crate) fn singular_after(&self, rate: f64) -> f64 {
         match self.loss {
-            Some(Loss::Viscoelastic(gamma)) if S != 1 => gamma * self.law.alpha(),
-            Some(Loss::Dashpot(gamma)) if S != 1 && rate < 0.0 => self.held(-gamma * rate) / -rate,
+            Some(Loss::Viscoelastic(gamma)) => gamma * self.alpha(),
+            Some(Loss::Dashpot(gamma)) if rate < 0.0 => self.held(-gamma * rate) / -rate,
             _ => 0.0,
         }
     }
+}
 
+impl<const S: usize> Link<S> {
     /// The factors of `v`, `c` and `s` of a path in the velocity of the site on a side, at `L`
     /// times.
     pub(crate) fn velocity<const L: usize>(
@@ -310,7 +265,7 @@ impl<const M: usize, const S: usize> Kernel for Resist<'_, M, S> {
         }
         let elastic = frame.link.forces(g);
         // On a panel, also where the series of neighbours take an overlap below zero.
-        let resistance = g.map(|g| frame.link.resists(g));
+        let resistance = g.map(|g| frame.link.law.resistance(g));
         let mut own = [[0.0; M]; M];
         for side in 0..S {
             for k in 0..M {
@@ -344,7 +299,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     /// `P` at the nodes.
     pub(super) fn pushes(&self, link: &Link<S>) -> [f64; M] {
         let rates = self.rates.as_deref().expect("a panel of a contact that dissipates has rates");
-        std::array::from_fn(|j| link.pushes(self.overlap[j], rates.overlap[j]))
+        std::array::from_fn(|j| link.law.overlap_that_pushes(self.overlap[j], rates.overlap[j]))
     }
 
     /// `P` at the start (`end = 0`) or the end of the panel, from its values at the nodes. That of
@@ -353,9 +308,9 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     #[inline(always)]
     pub(super) fn pushes_at(&self, frame: &Frame<'_, M, S>, pushes: &[f64; M], end: usize) -> f64 {
         let ends = &frame.rule.ends[end];
-        match (frame.link.loss, &self.rates) {
-            (Some(Loss::Dashpot(_)), Some(rates)) if S != 1 => {
-                frame.link.pushes(dot(ends, &self.overlap), dot(ends, &rates.overlap))
+        match &self.rates {
+            Some(rates) if S != 1 && frame.link.law.dashpot() => {
+                frame.link.law.overlap_that_pushes(dot(ends, &self.overlap), dot(ends, &rates.overlap))
             }
             _ => dot(ends, pushes),
         }
@@ -375,7 +330,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         std::array::from_fn(|j| {
             let t = self.tau[j];
             let driven = t * (2.0 * a + t * (3.0 * b + t * 4.0 * c));
-            frame.link.force_at_rate(g[j], along[j] + driven)
+            frame.link.law.force(g[j], along[j] + driven)
         })
     }
 }
@@ -390,7 +345,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
 
     /// `int c(g) dt`.
     pub(super) fn resisted(&self, rule: &Rule<M>, link: &Link<S>) -> f64 {
-        let resistance = self.overlap.map(|g| link.resists(g));
+        let resistance = self.overlap.map(|g| link.law.resistance(g));
         dot(&rule.weights, &times(&resistance, &self.rate))
     }
 
@@ -401,8 +356,8 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     /// no panel resolves, and in `int K F' dg + int K' c dg` nothing is singular.
     pub(super) fn respond(&mut self, frame: &Frame<'_, M, S>, impulses: [bool; 2]) {
         let (link, ends) = (frame.link, &frame.rule.ends);
-        let (stiffness, resistance) = (self.stiffness(link), self.overlap.map(|g| link.resists(g)));
-        let at_end = |end: usize| if impulses[end] { link.resists(dot(&ends[end], &self.overlap)) } else { 0.0 };
+        let (stiffness, resistance) = (self.stiffness(link), self.overlap.map(|g| link.law.resistance(g)));
+        let at_end = |end: usize| if impulses[end] { link.law.resistance(dot(&ends[end], &self.overlap)) } else { 0.0 };
         let (begun, ended) = (at_end(0), at_end(1));
         for side in 0..S {
             let [start, end] = [self.start, self.end].map(|t| link.answer(side, t));
@@ -432,7 +387,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let contacts = self.contacts.found.iter().enumerate();
         let mut of = contacts.filter(|(_, contact)| (contact.panels.0..contact.panels.1).contains(&panel));
         of.next().map_or([false; 2], |(i, contact)| {
-            let meets = !contact.pressed && (i > 0 || self.initial.ongoing.is_none());
+            let meets = !contact.overlaps_at_onset && (i > 0 || self.initial.ongoing.is_none());
             [panel == contact.panels.0 && !meets, panel + 1 == contact.panels.1]
         })
     }

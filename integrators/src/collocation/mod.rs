@@ -117,7 +117,7 @@
 //! A contact that dissipates has the force `f = (F + c g')_+`. Its panels have the rates of the
 //! overlap at their nodes too, `int K' [..]`; the part of them that the panel's own forces make is
 //! solved for directly (`loss.rs`). Such a contact ends where its force comes to zero, while beads
-//! still overlap, and may begin again while they overlap (`rebound.rs`).
+//! still overlap, and may begin again while they overlap (`dissipative.rs`).
 //!
 //! # Limits
 //!
@@ -139,6 +139,7 @@ mod block;
 mod bond;
 mod control;
 mod detect;
+mod dissipative;
 mod flow;
 mod goal;
 mod layout;
@@ -150,7 +151,6 @@ mod panels;
 mod pieces;
 mod predict;
 mod prescribed;
-mod rebound;
 mod rule;
 pub(crate) use rule::Rule;
 mod section;
@@ -160,9 +160,8 @@ mod system;
 mod tangent;
 
 pub use block::{Piece, Share, WindowOutcome};
-pub use control::Pace;
+pub use control::StepControl;
 pub use goal::Window;
-pub use loss::Loss;
 pub use section::{BLOCK, EDGE, Section};
 pub use system::{ContactChain, Drive, Path, Response};
 pub use tangent::{Tangent, monodromy};
@@ -198,7 +197,7 @@ pub trait Windows: Send + Sized {
     }
     /// Prepares what drives do in the next window, of length `h`. Returns a shorter length if their
     /// series are not resolved to the tolerance `tol`, else infinity.
-    fn foresee(&mut self, _h: f64, _tol: f64) -> f64 {
+    fn predict_drives(&mut self, _h: f64, _tol: f64) -> f64 {
         f64::INFINITY
     }
     /// Solves the window that begins at the current state; the state stays there.
@@ -242,9 +241,9 @@ impl<C: ContactChain<S>, const S: usize> Collocation<Section<C, S>> {
     /// [`ContactChain`].
     ///
     /// # Errors
-    /// A span, a pace or a state outside its rule.
-    pub fn new(chain: C, y0: &[f64], span: (f64, f64), pace: Pace) -> Result<Self, Error> {
-        Self::on_threads(chain, y0, span, pace, None)
+    /// A span, a step control or a state outside its rule.
+    pub fn new(chain: C, y0: &[f64], span: (f64, f64), step_control: StepControl) -> Result<Self, Error> {
+        Self::on_threads(chain, y0, span, step_control, None)
     }
 
     /// As [`new`](Self::new), on at most `threads` threads; `None` stands for all that there are.
@@ -255,14 +254,14 @@ impl<C: ContactChain<S>, const S: usize> Collocation<Section<C, S>> {
         chain: C,
         y0: &[f64],
         span: (f64, f64),
-        pace: Pace,
+        step_control: StepControl,
         threads: Option<usize>,
     ) -> Result<Self, Error> {
         crate::dop853::check_start(chain.dim(), y0, span)?;
         let section = Section::whole(chain, (y0, span.0), threads);
         let chain = &section.held.chain;
-        let control = control(chain, &section.held.links, &|i| chain.path(y0, i), span, pace)?;
-        Ok(Self::steered(section, control, (span, pace)))
+        let control = control(chain, &section.held.links, &|i| chain.path(y0, i), span, step_control)?;
+        Ok(Self::steered(section, control, (span, step_control)))
     }
 
     /// The start time of the last window, and what contacts did in it, in the order of bonds, if
@@ -278,9 +277,9 @@ fn control<C: ContactChain<S>, const S: usize>(
     links: &Links<S>,
     start: &dyn Fn(usize) -> Path,
     span: (f64, f64),
-    pace: Pace,
+    step_control: StepControl,
 ) -> Result<Control, Error> {
-    Control::new((chain, links), start, pace, DoubleDouble::new(span.1) - DoubleDouble::new(span.0))
+    Control::new((chain, links), start, step_control, DoubleDouble::new(span.1) - DoubleDouble::new(span.0))
 }
 
 impl<W: Windows> Collocation<W> {
@@ -288,25 +287,25 @@ impl<W: Windows> Collocation<W> {
     /// these stand at `y0`.
     ///
     /// # Errors
-    /// A span, a pace or a state outside its rule.
+    /// A span, a step control or a state outside its rule.
     pub fn by<C: ContactChain<S>, const S: usize>(
         windows: W,
         chain: &C,
         y0: &[f64],
         span: (f64, f64),
-        pace: Pace,
+        step_control: StepControl,
     ) -> Result<Self, Error> {
         crate::dop853::check_start(chain.dim(), y0, span)?;
-        let control = control(chain, &Links::of(chain), &|i| chain.path(y0, i), span, pace)?;
-        Ok(Self::steered(windows, control, (span, pace)))
+        let control = control(chain, &Links::of(chain), &|i| chain.path(y0, i), span, step_control)?;
+        Ok(Self::steered(windows, control, (span, step_control)))
     }
 
-    fn steered(windows: W, control: Control, (span, pace): ((f64, f64), Pace)) -> Self {
+    fn steered(windows: W, control: Control, (span, step_control): ((f64, f64), StepControl)) -> Self {
         Self {
             nodes: control.nodes(),
             windows,
             control,
-            tol: if let Pace::Tolerance(tol) = pace { tol } else { 0.0 },
+            tol: if let StepControl::Tolerance(tol) = step_control { tol } else { 0.0 },
             t: DoubleDouble::new(span.0),
             h: 0.0,
             end: DoubleDouble::new(span.1),
@@ -338,7 +337,7 @@ impl<W: Windows> Collocation<W> {
         let [smooth, resolved] = self.windows.longest();
         let mut h = self.control.propose(left.min(smooth)).min(smooth).min(resolved);
         for _ in 0..MOST_SHORTENED {
-            let shorter = self.windows.foresee(h, self.tol);
+            let shorter = self.windows.predict_drives(h, self.tol);
             if shorter >= h {
                 break;
             }
@@ -357,7 +356,7 @@ impl<W: Windows> Collocation<W> {
     fn moves_inside(&self, inside: &mut W, by: f64, parts: u32) -> bool {
         let window = self.window(by / f64::from(parts), false);
         (0..parts).all(|_| {
-            inside.foresee(window.h, 0.0);
+            inside.predict_drives(window.h, 0.0);
             let settled = inside.solve(&window).failure.is_none();
             inside.advance();
             settled

@@ -62,7 +62,8 @@ impl<const S: usize> Left<S> {
     /// Number of values for one bond: its paths; onset and slopes of its contact.
     pub(crate) const NUMBERS: usize = 4 * S + 3;
 
-    /// Appends these values. The ledger is not among them, and of the contact not `pressed`.
+    /// Appends these values. The ledger is not among them, and of the contact not
+    /// `overlaps_at_onset`.
     pub(crate) fn write(&self, numbers: &mut Vec<f64>) {
         let contact = |ongoing: Contact| [ongoing.onset, ongoing.slopes[0], ongoing.slopes[1]];
         numbers.extend(self.path.as_flattened());

@@ -42,7 +42,7 @@ impl Open {
             return None;
         }
         let mut rubbed = vec![false; sites];
-        for b in (0..chain.bonds()).filter(|&b| chain.loss(b).is_some()) {
+        for b in (0..chain.bonds()).filter(|&b| chain.bond(b).dissipates()) {
             chain.ends(b).into_iter().flatten().for_each(|i| rubbed[i] = true);
         }
         let still = |i: usize| !rubbed[i] && chain.damping(i) == [0.0; 2];

@@ -9,10 +9,10 @@
 use super::{
     block::Piece,
     bond::{Beside, Bond, Initial, known},
+    dissipative::rate_at,
     panel::{Frame, Panel},
     panels::Panels,
     predict::{ROUNDING, overlap_at},
-    rebound::rate_at,
 };
 use crate::events::{Curve, root::bracketed};
 
@@ -64,14 +64,14 @@ fn sign(value: f64, error: f64) -> Option<bool> {
     (value.abs() > error).then_some(value > 0.0)
 }
 
-/// A bond in a window, as the log looks at it. Overlaps up to `band` are rounding at the ends of the
-/// window, and `bend` is a bound of the second derivative.
+/// A bond in a window, as the log looks at it. Overlaps up to `band` are rounding at the ends of
+/// the window, and `curvature` is a bound of the second derivative.
 struct Looked<'a, 'f, const M: usize, const S: usize> {
     of: &'a Bond<M, S>,
     frame: &'a Frame<'f, M, S>,
     beside: [Beside<'a, M, S>; 2],
     band: f64,
-    bend: f64,
+    curvature: f64,
     /// The overlap at the end of the window.
     end: f64,
 }
@@ -96,13 +96,13 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         out: &mut Vec<Piece>,
     ) {
         let (h, [value, slope]) = (frame.h, self.initial.overlap);
-        let driven = Self::driven_up_to(frame, beside, (&self.panels, self.initial.recoil), h);
+        let driven = Self::driven_up_to(frame, beside, (&self.panels, self.initial.mobility), h);
         let band = self.initial.band.max(ROUNDING * driven * h * h);
-        let bend = self.linear(frame) + driven;
-        let most = value + slope.max(0.0) * h + 0.5 * bend * h * h;
+        let curvature = self.linear(frame) + driven;
+        let most = value + slope.max(0.0) * h + 0.5 * curvature * h * h;
         let stays_open = most <= 0.0 && value < -ALIKE * band || [value, slope, most] == [0.0; 3];
         if !stays_open || !self.contacts.found.is_empty() {
-            let mut looked = Looked { of: self, frame, beside, band, bend, end: 0.0 };
+            let mut looked = Looked { of: self, frame, beside, band, curvature, end: 0.0 };
             looked.end = looked.overlap(h.next_up());
             looked.pieces(bond, out);
         }
@@ -126,8 +126,8 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
     }
 
     /// The zero near an event, and whether there is one; a step to it is shorter than `most`. The
-    /// force is zero at an event, so that near it the overlap follows the path by the panels before,
-    /// whose values have no errors of a series.
+    /// force is zero at an event, so that near it the overlap follows the path by the panels
+    /// before, whose values have no errors of a series.
     fn event(&self, (found, rising): (f64, bool), most: f64) -> (Instant, bool) {
         let (h, panels, own) = (self.frame.h, self.of.panels.as_slice(), self.of.initial.own());
         let before = panels.partition_point(|panel| if rising { panel.end <= found } else { panel.start < found });
@@ -137,12 +137,12 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
                 path[side][i] -= own * left[side][i];
             }
         }
-        let course = (&path, known::<S>(&self.of.known));
-        let g = |t: f64| overlap_at(course, (&none, own), self.frame, self.beside, t);
+        let motion = (&path, known::<S>(&self.of.known));
+        let g = |t: f64| overlap_at(motion, (&none, own), self.frame, self.beside, t);
         // dg/dt; without dissipation that of the parabola through three points nearby.
         let speed = |t: f64| {
             if self.frame.link.lossy() {
-                return rate_at(course, (&none, own), self.frame, self.beside, t);
+                return rate_at(motion, (&none, own), self.frame, self.beside, t);
             }
             let near = SPEED_STEP * h;
             let (a, c) = ((t - near).max(0.0), (t + near).min(h));
@@ -227,13 +227,13 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
             _ => self.overlap(t),
         };
         let time = |x: f64| origin + sign * (from + (to - from) * x).powi(q as i32);
-        let all = if self.bend > 0.0 { &SHARES[..] } else { &[0.0, 1.0] };
+        let all = if self.curvature > 0.0 { &SHARES[..] } else { &[0.0, 1.0] };
         Curve::new((origin, sign, q), [from, to], all.iter().map(|&x| (x, at(time(x)))))
     }
 
     /// The overlap on a panel. The polynomial through the values at the nodes is worst at the ends
-    /// of a panel. Where it decides on a time, and is worse there than displacements, the overlap by
-    /// all forces takes its place.
+    /// of a panel. Where it decides on a time, and is worse there than displacements, the overlap
+    /// by all forces takes its place.
     fn over(&self, panel: &Panel<M, S>) -> Option<Curve> {
         let curve = panel.curve(self.frame.rule)?;
         let (values, (low, high)) = (curve.values(), curve.range());

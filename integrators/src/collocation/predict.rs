@@ -5,11 +5,11 @@ use super::{
     block::apart,
     bond::{Beside, Bond, Contact, Contacts, Initial, known, ramps},
     detect::{Search, Start},
+    dissipative::rate_at,
     flow::Ahead,
     panel::{Frame, Times, sin_cos},
     panels::{Panels, Shared},
     prescribed::Prescribed,
-    rebound::rate_at,
     system::Path,
 };
 use crate::real::Kernel;
@@ -48,7 +48,7 @@ pub(super) type Rotations<const S: usize> = [Rotation; S];
 
 /// An overlap without contact forces: the sum of its linear path and of the part that drives
 /// prescribe.
-pub(super) type Course<'a, const S: usize> = (&'a [Path; S], Option<&'a Prescribed>);
+pub(super) type FreeMotion<'a, const S: usize> = (&'a [Path; S], Option<&'a Prescribed>);
 
 /// The functions of [`Rotation`] at a time, for each side of a bond.
 #[inline(always)]
@@ -89,7 +89,7 @@ impl<const M: usize, const S: usize> Kernel for TurnDamped<'_, M, S> {
 
 /// An overlap without contact forces at the time `t`, with the functions of [`Rotation`] at `t`.
 #[inline(always)]
-fn along<const S: usize>((path, known): Course<S>, t: f64, turn: &Rotations<S>) -> f64 {
+fn along<const S: usize>((path, known): FreeMotion<S>, t: f64, turn: &Rotations<S>) -> f64 {
     let (mut lag, mut sin, mut cos) = ([[0.0]; S], [[0.0]; S], [[0.0]; S]);
     for side in 0..S {
         (lag[side], sin[side], cos[side]) = ([turn[side].lag], [turn[side].sin], [turn[side].cos]);
@@ -101,23 +101,23 @@ fn along<const S: usize>((path, known): Course<S>, t: f64, turn: &Rotations<S>) 
 #[inline(always)]
 pub(super) fn predicted<const M: usize, const S: usize>(
     frame: &Frame<'_, M, S>,
-    course: Course<S>,
+    motion: FreeMotion<S>,
     drive: &Drive<S>,
     t: f64,
 ) -> f64 {
-    predicted_at(frame, course, drive, t, &turn(frame, t))
+    predicted_at(frame, motion, drive, t, &turn(frame, t))
 }
 
 /// As [`predicted`], with the functions of [`Rotation`] at `t` given.
 #[inline(always)]
 fn predicted_at<const M: usize, const S: usize>(
     frame: &Frame<'_, M, S>,
-    course: Course<S>,
+    motion: FreeMotion<S>,
     drive: &Drive<S>,
     t: f64,
     turn: &Rotations<S>,
 ) -> f64 {
-    let mut overlap = along(course, t, turn);
+    let mut overlap = along(motion, t, turn);
     if frame.link.damped() {
         return overlap + ramped_damped(frame, drive, t, turn);
     }
@@ -149,7 +149,7 @@ fn ramped_damped<const M: usize, const S: usize>(
 
 /// The overlap at a time of the window, from all forces; the bond's own are in `panels`.
 pub(super) fn overlap_at<const M: usize, const S: usize>(
-    course: Course<S>,
+    motion: FreeMotion<S>,
     (panels, own): (&Panels<M, S>, f64),
     frame: &Frame<'_, M, S>,
     beside: [Beside<M, S>; 2],
@@ -157,7 +157,7 @@ pub(super) fn overlap_at<const M: usize, const S: usize>(
 ) -> f64 {
     let [lag, cos, sin] = exact_turn(frame, t);
     let times = Times { tau: &[t], lag: &lag, cos: &cos, sin: &sin };
-    let (mut out, mut by_own) = ([times.unforced(course)], [0.0]);
+    let (mut out, mut by_own) = ([times.unforced(motion)], [0.0]);
     panels.own_influence(times, -own, &mut by_own);
     for (k, bond) in beside.into_iter().enumerate() {
         if let Some(bond) = bond {
@@ -205,7 +205,7 @@ fn crossing(h: f64, ends: [f64; 2], g: impl Fn(f64) -> f64) -> [f64; 2] {
 impl<const S: usize> Times<'_, 1, S> {
     /// An overlap without contact forces.
     #[inline(always)]
-    fn unforced(&self, (path, known): Course<S>) -> f64 {
+    fn unforced(&self, (path, known): FreeMotion<S>) -> f64 {
         let mut overlap = self.along(path, 0);
         if S != 1 {
             overlap += self.lagging(path, 0);
@@ -224,7 +224,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     pub(super) fn pushes(&self, left: f64, right: f64, own: f64) -> [f64; S] {
         let mut pushes = [0.0; S];
         if S == 1 {
-            pushes[0] = left + right - self.initial.recoil * own;
+            pushes[0] = left + right - self.initial.mobility * own;
         } else {
             (pushes[0], pushes[S - 1]) = (left - own, right - own);
         }
@@ -257,18 +257,18 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     #[inline(always)]
     pub(crate) fn predict(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2], turn: &Rotations<S>) -> bool {
         if frame.link.lossy() {
-            self.foresee(frame, beside);
+            self.predict_dissipative(frame, beside);
             return true;
         }
         let h = frame.h;
         let Initial { path, band, overlap: [start, start_rate], force, ongoing, .. } = self.initial;
         let drive = &self.drive(beside);
-        let course = (&path, known::<S>(&self.known));
-        let end = predicted_at(frame, course, drive, h, turn);
+        let motion = (&path, known::<S>(&self.known));
+        let end = predicted_at(frame, motion, drive, h, turn);
         let rate = self.predicted_rate(frame, drive, turn);
-        self.forecast.at_end = end;
+        self.prediction.at_end = end;
         let last = if end > 0.0 { frame.link.force(end) } else { 0.0 };
-        self.forecast.bend = (last - (force[0] + force[1] * h)) / (h * h);
+        self.prediction.curvature = (last - (force[0] + force[1] * h)) / (h * h);
         // Hermite's cubic, whose error G t^2 (h - t)^2/24 touches only the middle coefficient in
         // Bernstein's basis of degree 4.
         let (second, fourth) = self.bounds(frame, drive);
@@ -280,30 +280,30 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let still = |c: f64| c.abs() <= band;
         if still(start) && still(b1) && still(b2) && still(end) && error <= band {
             // The overlap is rounding in the whole window: the bond stays closed or open.
-            self.forecast.slack = 0.0;
+            self.prediction.margin = 0.0;
             self.contacts.found.extend(ongoing.map(|contact| Contact { release: f64::INFINITY, ..contact }));
             return true;
         }
         let least = |a: f64, b: f64| if a < b { a } else { b };
         if c1 > band && c2 > error + band && c3 > band && c4 > band && sign * start > -band {
-            self.forecast.slack = least(least(c1, c2 - error), least(c3, c4));
+            self.prediction.margin = least(least(c1, c2 - error), least(c3, c4));
             let Some(contact) = ongoing else { return true };
             self.contacts.found.push(Contact { release: f64::INFINITY, ..contact });
             self.look_ahead(frame, drive, (end, rate));
             return true;
         }
         // One change of sign among the coefficients, also if each is changed by the error and by a
-        // slack.
+        // margin.
         let more = |a: f64, b: f64| if a > b { a } else { b };
-        let slack = least(least(-c4, more(c1, -c2 - error)), least(more(c1, -c3), more(c2 - error, -c3)));
-        let once = sign * start > band && slack > band;
+        let margin = least(least(-c4, more(c1, -c2 - error)), least(more(c1, -c3), more(c2 - error, -c3)));
+        let once = sign * start > band && margin > band;
         if !once {
             return self.look(frame, drive, (end, rate));
         }
-        let [t, slope] = crossing(h, [start, end], |t| predicted(frame, course, drive, t));
+        let [t, slope] = crossing(h, [start, end], |t| predicted(frame, motion, drive, t));
         // Near its zero, as far as its error reaches, the overlap must be monotonic.
         let unsure = slope * slope / second - error;
-        self.forecast.slack = least(slack, unsure);
+        self.prediction.margin = least(margin, unsure);
         if !(sign * slope < 0.0 && t > 0.0 && t < h && unsure > 0.0) {
             return self.look(frame, drive, (end, rate));
         }
@@ -351,8 +351,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let by_forces = frame.link.weight(side) * (d0 + d1 * frame.h);
             if let Some(flow) = frame.link.flow(side) {
                 let [k2, k3] = flow.bends(frame.h);
-                second += flow.bend(path, frame.h) + by_forces;
-                fourth += flow.bend(&flow.rates(&flow.rates(path)), frame.h) + k3 * d0 + k2 * d1;
+                second += flow.curvature(path, frame.h) + by_forces;
+                fourth += flow.curvature(&flow.rates(&flow.rates(path)), frame.h) + k3 * d0 + k2 * d1;
             } else {
                 let square = frame.link.sides[side].omega.powi(2);
                 let by = square * (path[2].abs() + path[3].abs()) + by_forces;
@@ -369,7 +369,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         for side in 0..S {
             let ([_, _, c, s], omega) = (self.initial.path[side], frame.link.sides[side].omega);
             linear += match frame.link.flow(side) {
-                Some(flow) => flow.bend(&self.initial.path[side], frame.h),
+                Some(flow) => flow.curvature(&self.initial.path[side], frame.h),
                 None => omega * omega * (c.abs() + s.abs()),
             };
         }
@@ -442,7 +442,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// Estimates the release of a contact that continues after the window.
     #[inline(always)]
     fn look_ahead(&mut self, frame: &Frame<'_, M, S>, drive: &Drive<S>, (end, rate): (f64, f64)) {
-        let (h, course) = (frame.h, (&self.initial.path, known::<S>(&self.known)));
+        let (h, motion) = (frame.h, (&self.initial.path, known::<S>(&self.known)));
         if rate >= 0.0 || end + AHEAD * h * rate > 0.0 {
             return;
         }
@@ -452,7 +452,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             if !(t > h && t < (1.0 + AHEAD) * h) {
                 return;
             }
-            let c = (t, predicted(frame, course, drive, t));
+            let c = (t, predicted(frame, motion, drive, t));
             slope = (c.1 - b.1) / (c.0 - b.0);
             b = c;
             if slope >= 0.0 {
@@ -472,18 +472,18 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     pub(super) fn driven_up_to(
         frame: &Frame<'_, M, S>,
         beside: [Beside<M, S>; 2],
-        (panels, recoil): (&Panels<M, S>, f64),
+        (panels, mobility): (&Panels<M, S>, f64),
         t: f64,
     ) -> f64 {
         // Between nodes a force may be a little larger than at any.
         let largest = |panels: &Panels<M, S>| 1.2 * panels.largest_force(t);
         let of = |bond: Beside<M, S>| bond.map_or(0.0, |bond| largest(&bond.panels));
-        Self::driven(frame, of(beside[0]), of(beside[1])).max(recoil * largest(panels))
+        Self::driven(frame, of(beside[0]), of(beside[1])).max(mobility * largest(panels))
     }
 
     /// Overlaps of at most this value count as zero.
     pub(super) fn band(&self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2], panels: &Panels<M, S>) -> f64 {
-        let driven = Self::driven_up_to(frame, beside, (panels, self.initial.recoil), frame.h);
+        let driven = Self::driven_up_to(frame, beside, (panels, self.initial.mobility), frame.h);
         let rounding = ROUNDING * driven * frame.h * frame.h;
         frame.cuts.least_overlap.max(rounding).max(self.initial.band)
     }
@@ -491,14 +491,14 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// Finds the contacts of the window from all forces computed so far. Returns whether they
     /// differ from the contacts assumed before; `None` if the search needs too many subdivisions.
     pub(crate) fn verify(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) -> Option<bool> {
-        let Initial { path, recoil, .. } = self.initial;
+        let Initial { path, mobility, .. } = self.initial;
         let given = self.known;
         let (linear, own) = (self.linear(frame), self.initial.own());
         std::mem::swap(&mut self.contacts.found, &mut self.contacts.assumed);
         let panels = std::mem::replace(&mut self.panels, Panels::new());
-        let course = (&path, known::<S>(&given));
-        let g = |t: f64| overlap_at(course, (&panels, own), frame, beside, t);
-        let driven = |t: f64| Self::driven_up_to(frame, beside, (&panels, recoil), t);
+        let motion = (&path, known::<S>(&given));
+        let g = |t: f64| overlap_at(motion, (&panels, own), frame, beside, t);
+        let driven = |t: f64| Self::driven_up_to(frame, beside, (&panels, mobility), t);
         let band = self.band(frame, beside, &panels);
         let (sure, on_surface) = if frame.link.lossy() {
             (true, self.search_again(frame, beside, (&panels, band)))
@@ -515,8 +515,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let (longer, middle) = ((a1 - a0).max(b1 - b0), 0.5 * (b0 + b1));
             let nothing = || {
                 let rate =
-                    if frame.link.lossy() { rate_at(course, (&panels, own), frame, beside, middle) } else { 0.0 };
-                let force = frame.link.force_at_rate(g(middle), rate);
+                    if frame.link.lossy() { rate_at(motion, (&panels, own), frame, beside, middle) } else { 0.0 };
+                let force = frame.link.law.force(g(middle), rate);
                 g(middle) <= band || force * longer * frame.link.lightest() <= SHARE * frame.cuts.event_impulse
             };
             2.0 * (a1.min(b1) - a0.max(b0)) >= longer || nothing()
@@ -527,13 +527,13 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             begins == begun && (ends == ended || on_surface) && shared(a, b)
         };
         let Contacts { assumed, found, .. } = &mut self.contacts;
-        // Newton's method may have led astray, or to contacts of which one begins before another
+        // Newton's method may have diverged, or to contacts of which one begins before another
         // has ended, so that its force counts twice.
         let twice = |pair: &[Contact]| {
             let (from, to) = (pair[1].onset.max(0.0), pair[0].release);
             from < to && !frame.cuts.negligible(frame.link, g(from).abs().max(g(to).abs()), to - from, None)
         };
-        let sound = !self.pending.astray
+        let sound = !self.pending.diverged
             && assumed.iter().all(|a| a.release >= a.onset.max(0.0))
             && !assumed.windows(2).any(twice);
         let same = sound && assumed.len() == found.len() && assumed.iter().zip(found.iter()).all(alike);
@@ -547,18 +547,18 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             // A contact that was assumed to end in the window ends soon after it.
             (new.release, new.slopes[1]) = (old.release.max(frame.h * (1.0 + f64::EPSILON)), old.slopes[1]);
         }
-        self.pending.astray = false;
+        self.pending.diverged = false;
         sure.then_some(!same)
     }
 
-    /// Computes [`Forecast::surprise`](super::bond::Forecast::surprise): how far the force is from
-    /// the predicted one.
+    /// Computes [`Prediction::predictor_error`](super::bond::Prediction::predictor_error): how far
+    /// the force is from the predicted one.
     #[inline(always)]
-    pub(crate) fn surprised(&mut self, h: f64) {
+    pub(crate) fn set_predictor_error(&mut self, h: f64) {
         let force = self.initial.force;
         let predicted = |t: f64| force[0] + force[1] * t;
         // The prediction goes on after a release, when there is no force.
-        let mut surprise = match self.contacts.found.last() {
+        let mut predictor_error = match self.contacts.found.last() {
             Some(contact) if contact.release > h => 0.0,
             Some(_) => predicted(h).abs(),
             None => predicted(0.0).abs().max(predicted(h).abs()),
@@ -566,10 +566,10 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         for panel in self.panels.as_slice() {
             for j in 0..M {
                 let off = (panel.force[j] - predicted(panel.tau[j])).abs();
-                surprise = if off > surprise { off } else { surprise };
+                predictor_error = if off > predictor_error { off } else { predictor_error };
             }
         }
-        self.forecast.surprise = surprise;
+        self.prediction.predictor_error = predictor_error;
     }
 
     /// Finds the contacts of an overlap `g` whose second derivative up to a time has the bound
@@ -578,8 +578,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let Initial { band: rounding, overlap: [value, slope], ongoing, .. } = self.initial;
         let start = Start { value, slope, rounding, positive: ongoing.is_some() };
         let Contacts { found, crossings, .. } = &mut self.contacts;
-        let slack = Search::new(g, curvature, band.max(rounding), crossings).run(start, h);
-        self.forecast.slack = slack.unwrap_or(0.0);
+        let margin = Search::new(g, curvature, band.max(rounding), crossings).run(start, h);
+        self.prediction.margin = margin.unwrap_or(0.0);
         found.clear();
         let mut open = ongoing.map(|contact| Contact { release: f64::INFINITY, ..contact });
         for crossing in crossings.iter() {
@@ -591,6 +591,6 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             }
         }
         found.extend(open);
-        slack.is_some()
+        margin.is_some()
     }
 }

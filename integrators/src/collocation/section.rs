@@ -46,7 +46,7 @@ pub struct Section<C, const S: usize = 1> {
 pub(super) struct Held<C, const S: usize> {
     pub(super) chain: C,
     pub(super) links: Links<S>,
-    recoil: Vec<f64>,
+    mobility: Vec<f64>,
     share: Share,
     /// Largest number of threads; `None` for as many as there are.
     threads: Option<usize>,
@@ -131,7 +131,7 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
     /// `chain` has the sites of the bonds within its reach, and the bonds on both sides of each.
     pub fn at_rest(chain: C, share: Share, threads: Option<usize>) -> Self {
         let (links, bonds, phases) = (Links::of(&chain), chain.bonds(), Phases::new(&chain));
-        let recoil = (0..bonds).map(|b| links.recoil(&chain, b)).collect();
+        let mobility = (0..bonds).map(|b| links.mobility(&chain, b)).collect();
         let state = State {
             sites: vec![Site::default(); chain.sites()],
             ongoing: vec![None; bonds],
@@ -140,7 +140,7 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
             ledger: Site::default(),
             signals: Signals::default(),
         };
-        let held = Arc::new(Held { chain, links, recoil, share, threads });
+        let held = Arc::new(Held { chain, links, mobility, share, threads });
         Self { held, state, solver: None, left: vec![Left::NONE; bonds], h: 0.0 }
     }
 
@@ -156,13 +156,13 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
 
     /// Finds the bonds that are closed when the run begins, after all sites are [`set`](Self::set).
     pub fn begin(&mut self) {
-        self.foresee(AT_ONCE, 0.0);
+        self.predict_drives(AT_ONCE, 0.0);
         let (held, State { sites, phases, ongoing, signals, .. }) = (&self.held, &mut self.state);
         let at_start = Sites { chain: &held.chain, sites, phases, open: held.open(signals) };
         for b in held.share.reach() {
             let ([overlap, rate], largest) = at_start.now(&held.links, b);
             let closed = overlap > held.chain.dead_band(largest);
-            let pushes = S == 1 || held.links.link(b).pushes(overlap, rate) > 0.0;
+            let pushes = S == 1 || held.links.link(b).law.overlap_that_pushes(overlap, rate) > 0.0;
             ongoing[b] = (closed && pushes).then(|| Contact::from_the_start(overlap, rate));
         }
     }
@@ -193,7 +193,7 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
     }
 
     /// Bytes of memory for a bond and its site: their state twice, the second time for samples, and
-    /// the recoil.
+    /// the mobility.
     pub const BYTES: usize =
         2 * (size_of::<Site>() + size_of::<Option<Contact>>() + size_of::<Left<S>>()) + size_of::<f64>();
     /// Number of `f64` values that [`edge`](Self::edge) appends.
@@ -226,7 +226,7 @@ impl<C: ContactChain<S>, const S: usize> Windows for Section<C, S> {
         open.map_or([f64::INFINITY; 2], |open| [open.until_break(self.state.t.value()), open.longest()])
     }
 
-    fn foresee(&mut self, h: f64, tol: f64) -> f64 {
+    fn predict_drives(&mut self, h: f64, tol: f64) -> f64 {
         let Self { held, state: State { t, signals, .. }, .. } = self;
         let open = held.links.open.as_ref();
         open.map_or(f64::INFINITY, |open| open.window(&held.chain, (t.value(), h, tol), signals))
@@ -234,13 +234,13 @@ impl<C: ContactChain<S>, const S: usize> Windows for Section<C, S> {
 
     fn solve(&mut self, window: &Window) -> WindowOutcome {
         let Self { held, state: State { sites, ongoing, phases, signals, .. }, solver, left, h } = self;
-        let Held { chain, links, recoil, share, .. } = &**held;
+        let Held { chain, links, mobility, share, .. } = &**held;
         if solver.as_ref().is_none_or(|solver| solver.nodes() != window.nodes) {
             *solver = None;
         }
         let solver = solver.get_or_insert_with(|| solver::with_nodes(window.nodes, held.threads()));
         let bonds = &Sites { chain, sites, phases, open: held.open(signals) };
-        let start = Start { links, bonds, ongoing, recoil, share };
+        let start = Start { links, bonds, ongoing, mobility, share };
         *h = window.h;
         solver.window(&start, window, &mut left[share.own.clone()])
     }

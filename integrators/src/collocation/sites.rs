@@ -100,7 +100,7 @@ impl<C: ContactChain<S>, const S: usize> Sites<'_, C, S> {
             }
         }
         let (r, v) = (free_hi[0] + free_lo[0], free_hi[1] + free_lo[1]);
-        let rest = chain.rest(bond);
+        let rest = chain.bond(bond).rest;
         let mut largest = rest.abs() + r.abs() + v.abs() * h;
         let mut path = [[0.0; 4]; S];
         for side in 0..S {

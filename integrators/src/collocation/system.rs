@@ -5,8 +5,8 @@
 //! at compile time. It is 1 if all sites are alike and all bonds have one law; else 2, the kernel
 //! of the site before the bond and that of the site after it.
 
-use super::{flow::Flow, loss::Loss, open::Open};
-use crate::{clock::DoubleDouble, law::ContactLaw, regularised::common_power};
+use super::{flow::Flow, open::Open};
+use crate::{clock::DoubleDouble, law::BondLaw, regularised::common_power};
 use std::sync::Arc;
 
 /// The response of a site to an impulse `j`: `q'` jumps by `j/mass`. A part `m j` of this velocity
@@ -87,9 +87,7 @@ impl Side {
 /// The constants of a bond: its law and its sides.
 #[derive(Clone, Debug)]
 pub(crate) struct Link<const S: usize> {
-    pub(crate) law: ContactLaw<f64>,
-    /// Factor of the law.
-    constant: f64,
+    pub(crate) law: BondLaw<f64>,
     pub(crate) sides: [Side; S],
     /// Power of the panels' variable near an event, chosen for the forces of the bond and of its
     /// neighbours.
@@ -102,8 +100,6 @@ pub(crate) struct Link<const S: usize> {
     damped: bool,
     wholly_damped: bool,
     pub(crate) lags: bool,
-    /// Dissipation of the contact, if there is any.
-    pub(super) loss: Option<Loss>,
     /// Whether its panels have the rates of overlaps: the contact or a neighbour's dissipates.
     pub(crate) rated: bool,
 }
@@ -147,22 +143,22 @@ impl<const S: usize> Link<S> {
 
     #[inline(always)]
     pub(crate) fn constant(&self) -> f64 {
-        if S == 1 { 1.0 } else { self.constant }
+        if S == 1 { 1.0 } else { self.law.constant }
     }
 
     /// The force of an overlap.
     #[inline(always)]
     pub(crate) fn force(&self, overlap: f64) -> f64 {
-        self.constant() * self.law.force(overlap)
+        self.constant() * self.law.power.force(overlap)
     }
 
     /// The forces of several overlaps.
     #[inline(always)]
     pub(crate) fn forces<const M: usize>(&self, overlaps: &[f64; M]) -> [f64; M] {
-        let mut forces = self.law.forces(overlaps);
+        let mut forces = self.law.power.forces(overlaps);
         if S != 1 {
             for force in &mut forces {
-                *force *= self.constant;
+                *force *= self.law.constant;
             }
         }
         forces
@@ -171,12 +167,24 @@ impl<const S: usize> Link<S> {
     /// The derivative of the force.
     #[inline(always)]
     pub(crate) fn stiffness(&self, overlap: f64) -> f64 {
-        self.constant() * self.law.stiffness(overlap)
+        self.constant() * self.law.power.stiffness(overlap)
     }
 
-    /// The energy of an overlap.
-    pub(crate) fn potential(&self, overlap: f64) -> f64 {
-        self.constant() * self.law.potential(overlap)
+    /// Whether the contact dissipates.
+    #[inline(always)]
+    pub(crate) fn lossy(&self) -> bool {
+        S != 1 && self.law.dissipates()
+    }
+
+    /// `c(g)`; zero where beads do not overlap.
+    pub(crate) fn resistance(&self, overlap: f64) -> f64 {
+        if overlap > 0.0 { self.law.resistance(overlap) } else { 0.0 }
+    }
+
+    /// See [`BondLaw::singular_after`].
+    #[inline(always)]
+    pub(crate) fn singular_after(&self, rate: f64) -> f64 {
+        if S == 1 { 0.0 } else { self.law.singular_after(rate) }
     }
 
     /// The stiffness `f'(g) t^2/m` of an overlap over a time, with the mass `m` of the lighter
@@ -216,7 +224,7 @@ impl<const S: usize> Links<S> {
         Self {
             bonds,
             ring: chain.ring(),
-            precompressed: (0..kinds).any(|b| chain.rest(b) > 0.0),
+            precompressed: (0..kinds).any(|b| chain.bond(b).rest > 0.0),
             lossy: links.iter().any(Link::lossy),
             links,
             open,
@@ -225,7 +233,7 @@ impl<const S: usize> Links<S> {
 
     /// Minus the second derivative of a bond's overlap by a unit force in it: 2 between two sites
     /// of mass 1, 1 at a wall.
-    pub(crate) fn recoil<C: ContactChain<S>>(&self, chain: &C, bond: usize) -> f64 {
+    pub(crate) fn mobility<C: ContactChain<S>>(&self, chain: &C, bond: usize) -> f64 {
         let unit = |c: usize| [[f64::from(u8::from(c == bond)); 4]; S];
         // For S = 1 a wall is seen from what the bond pushes; for S = 2 its weight is zero.
         match S {
@@ -255,22 +263,19 @@ fn link<const S: usize, C: ContactChain<S>>(chain: &C, open: Option<&Open>, bond
         let flow = site.and_then(|i| open.and_then(|open| open.damped(i).cloned()));
         Side::of(&site.map_or(Response::NONE, |i| chain.response(i)), flow)
     });
-    let loss = |b: usize| if S == 1 { None } else { chain.loss(b) };
-    let powers = |b: usize| {
-        let alpha = chain.law(b).alpha();
-        [Some(alpha), loss(b).map(|loss| loss.power(alpha))].into_iter().flatten()
-    };
-    let mut alphas: Vec<f64> = powers(bond).collect();
-    let mut rated = loss(bond).is_some();
+    let law = chain.bond(bond);
+    let powers = |law: &BondLaw<f64>| [Some(law.alpha()), law.power_of_resistance()].into_iter().flatten();
+    let mut alphas: Vec<f64> = powers(&law).collect();
+    let mut rated = law.dissipates();
     if S > 1 {
         for b in beside(bond, chain.bonds(), chain.ring()).into_iter().flatten() {
-            alphas.extend(powers(b));
-            rated |= loss(b).is_some();
+            let beside = chain.bond(b);
+            alphas.extend(powers(&beside));
+            rated |= beside.dissipates();
         }
     }
     Link {
-        law: chain.law(bond),
-        constant: chain.constant(bond),
+        law,
         q: common_power(&alphas, ORDER),
         lightest: match sides.iter().fold(0.0, |most, side| side.weight.max(most)) {
             0.0 => 1.0,
@@ -279,7 +284,6 @@ fn link<const S: usize, C: ContactChain<S>>(chain: &C, open: Option<&Open>, bond
         damped: sides.iter().any(|side| side.flow.is_some()),
         wholly_damped: sides.iter().all(|side| side.flow.is_some()),
         lags: sides.iter().any(|side| side.flow.as_ref().is_some_and(|flow| flow.lags())),
-        loss: loss(bond),
         rated,
         sides,
     }
@@ -297,12 +301,12 @@ pub(crate) fn beside(b: usize, n: usize, ring: bool) -> [Option<usize>; 2] {
 /// neighbours.
 ///
 /// The overlap of a bond is `g = rest + across(q)`, a difference of positions; bond `b` shares a
-/// site with `b - 1` and `b + 1` only, the last with the first on a ring. Its force is
-/// `constant (g)_+^alpha`.
+/// site with `b - 1` and `b + 1` only, the last with the first on a ring. Its force is that of its
+/// [`BondLaw`].
 ///
-/// `S` is 1 for a chain whose sites are all alike, and whose bonds are: `law`, `response` and
-/// `rest` then give the same for all of them, with `m + mu = 1` and the constant 1. `S` is 2 for
-/// other chains, where quantities of the site before a bond and of the site after it are kept
+/// `S` is 1 for a chain whose sites are all alike, and whose bonds are: `bond` and `response` then
+/// give the same for all of them, with `m + mu = 1`, the constant 1 and no dissipation. `S` is 2
+/// for other chains, where quantities of the site before a bond and of the site after it are kept
 /// separate.
 pub trait ContactChain<const S: usize = 1>: Send + Sync {
     /// Number of components of the state vector `y`.
@@ -313,19 +317,14 @@ pub trait ContactChain<const S: usize = 1>: Send + Sync {
     fn bonds(&self) -> usize;
     /// Whether the last bond and the first share a site.
     fn ring(&self) -> bool;
-    /// The law of a bond.
-    fn law(&self, bond: usize) -> ContactLaw<f64>;
-    /// The factor of the law of a bond.
-    fn constant(&self, _bond: usize) -> f64 {
-        1.0
-    }
+    /// The law of a bond, with the overlap where all positions are zero. A viscoelastic one has an
+    /// exponent above 1.
+    fn bond(&self, bond: usize) -> BondLaw<f64>;
     /// The response of a site to an impulse.
     fn response(&self, site: usize) -> Response;
     /// The sites whose responses count for a bond: any one of its sites, or for `S = 2` the site
     /// before it and the site after it, with `None` for a wall.
     fn ends(&self, bond: usize) -> [Option<usize>; S];
-    /// The overlap of a bond where all positions are zero.
-    fn rest(&self, bond: usize) -> f64;
     /// The difference of a quantity over a bond, as the overlap has it: `q_{n-1} - q_n`, or its two
     /// terms `[q_{n-1}, -q_n]` for `S = 2`.
     fn across(&self, bond: usize, quantity: impl Fn(usize) -> Path) -> [Path; S];
@@ -350,11 +349,6 @@ pub trait ContactChain<const S: usize = 1>: Send + Sync {
     /// zero and the [`path`](Self::path) zero.
     fn drives(&self) -> Vec<Drive> {
         Vec::new()
-    }
-    /// How the contact of a bond dissipates, for `S = 2`. A viscoelastic one has an exponent above
-    /// 1.
-    fn loss(&self, _bond: usize) -> Option<Loss> {
-        None
     }
     /// The signal of a drive at time `t`, with its first and second derivative: the position of the
     /// site, or a force.

@@ -86,7 +86,7 @@ fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
 /// the trajectory of the run. The entries of sites that are moved, and of a ledger, are zero.
 ///
 /// ```text
-/// let mut run = Collocation::new(chain, y0, span, pace)?.differentiated();
+/// let mut run = Collocation::new(chain, y0, span, step_control)?.differentiated();
 /// let mut tangent = Tangent::identity(&run)?;
 /// while !run.done() {
 ///     run.step()?;
@@ -97,9 +97,9 @@ fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
 ///
 /// No difference quotients are used: what the nodes of a window resolve is exact to rounding.
 /// Forces are smoother than their derivative, so columns need shorter windows than the state does.
-/// With [`Pace::Tolerance`](super::Pace) expect a few hundred times the tolerance. Where contacts
-/// dissipate the run itself is less exact than fine tolerances ask: maps of random chains erred by
-/// up to 5e-9 at 1e-11 and 5e-10 at 1e-14, and by 1e-11 in equal windows.
+/// With [`StepControl::Tolerance`](super::StepControl) expect a few hundred times the tolerance.
+/// Where contacts dissipate the run itself is less exact than fine tolerances ask: maps of random
+/// chains erred by up to 5e-9 at 1e-11 and 5e-10 at 1e-14, and by 1e-11 in equal windows.
 #[derive(Clone, Debug)]
 pub struct Tangent<const S: usize = 1> {
     blocks: Vec<Block>,
@@ -250,7 +250,7 @@ impl<const S: usize> Tangent<S> {
             if resting && (overlap || rate) {
                 return Err(argument("bond", bond, "beads that touch at rest have their tangent map by `Variations`"));
             }
-            if overlap && self.windows == self.from && section.held.links.link(bond).dashpot() {
+            if overlap && self.windows == self.from && section.held.links.link(bond).law.dashpot() {
                 let rule = "a dashpot's derivatives by gap and overlap differ where beads touch, see `Variations`";
                 return Err(argument("bond", bond, rule));
             }
@@ -275,9 +275,9 @@ pub fn monodromy<C: ContactChain<S>, const S: usize>(
     chain: C,
     y0: &[f64],
     span: (f64, f64),
-    pace: super::Pace,
+    step_control: super::StepControl,
 ) -> Result<Vec<f64>, Error> {
-    let mut run = Collocation::new(chain, y0, span, pace)?.differentiated();
+    let mut run = Collocation::new(chain, y0, span, step_control)?.differentiated();
     let mut tangent = Tangent::identity(&run)?;
     while !run.done() {
         run.step()?;
@@ -388,7 +388,7 @@ fn contraction<const M: usize, const S: usize>(frames: &Frames<'_, M, S>, bonds:
         for bond in bonds {
             let link = frames.of(bond.initial.bond).link;
             for panel in bond.panels.as_slice() {
-                sum += bond.initial.recoil * panel.resisted(frames.rule, link);
+                sum += bond.initial.mobility * panel.resisted(frames.rule, link);
             }
         }
     }
@@ -413,12 +413,12 @@ fn laid_out<const M: usize, const S: usize>(
             // One more step of Newton's method, if it is short: at grazing contacts the slope is
             // near zero.
             let newton = |panel: &Panel<M, S>, end: usize| {
-                let value = if !frame.link.lossy() || end == 0 && !contact.pressed {
+                let value = if !frame.link.lossy() || end == 0 && !contact.overlaps_at_onset {
                     dot(&frames.rule.ends[end], &panel.overlap)
                 } else {
                     panel.pushes_at(frame, &panel.pushes(frame.link), end)
                 };
-                let known = frame.link.lossy() && end == 0 && contact.onset == 0.0 && !contact.pressed;
+                let known = frame.link.lossy() && end == 0 && contact.onset == 0.0 && !contact.overlaps_at_onset;
                 let by = -(if known { start } else { value }) / contact.slopes[end];
                 let reach = 0.1 * (panel.end - panel.start);
                 if by.abs() <= reach { by } else { 0.0 }

@@ -14,8 +14,11 @@
 //! R. I. McLachlan, G. R. W. Quispel and N. Robidoux, *Phil. Trans. R. Soc. A* 357 (1999) 1021;
 //! G. R. W. Quispel and D. I. McLaren, *J. Phys. A* 41 (2008) 045206.
 
-use super::{Modal, Sites, Steps, path};
-use crate::{collocation::ContactChain, drive::Stepper, error::Error, interrupt, law::ContactLaw, stats::Stats};
+use super::{Modal, Sites, path};
+use crate::{
+    clock::DoubleDouble, collocation::ContactChain, drive::Stepper, error::Error, interrupt, law::ContactLaw,
+    splitting::steps::Steps, stats::Stats,
+};
 
 /// Most sweeps of a step. They converge where `h^2` times the stiffness of a contact is below one.
 const SWEEPS: u32 = 500;
@@ -36,7 +39,7 @@ pub struct DiscreteGradient<C> {
     sites: Sites,
     /// Forces of bonds over the last step: the first guess for the next.
     phi: Vec<f64>,
-    steps: Steps,
+    steps: Steps<f64>,
     stats: Stats,
 }
 
@@ -47,7 +50,7 @@ impl<C: ContactChain> DiscreteGradient<C> {
     /// `end < start`, times that are not finite, or no step for a span that is not empty.
     pub fn new(chain: C, y0: &[f64], span: (f64, f64), steps: u64) -> Result<Self, Error> {
         let (steps, chain) = (Steps::new(span, steps)?, Modal::new(chain));
-        let (sites, phi) = (chain.load(y0), vec![0.0; chain.recoil.len()]);
+        let (sites, phi) = (chain.load(y0), vec![0.0; chain.mobility.len()]);
         Ok(Self { chain, sites, phi, steps, stats: Stats::default() })
     }
 }
@@ -97,7 +100,7 @@ impl<C: ContactChain> Modal<C> {
             for b in 0..phi.len() {
                 let others = |i: usize| self.chain.push(i, |c| [path(if c == b { 0.0 } else { phi[c] })]);
                 let aim = loose[b] + reach * self.chain.across(b, others)[0][0];
-                let new = force(&self.law, before[b], aim, reach * self.recoil[b]);
+                let new = force(&self.law, before[b], aim, reach * self.mobility[b]);
                 (change, largest) = (change.max((new - phi[b]).abs()), largest.max(new));
                 phi[b] = new;
             }
@@ -156,7 +159,7 @@ impl<C: ContactChain> Stepper<f64> for DiscreteGradient<C> {
     }
 
     fn done(&self) -> bool {
-        self.steps.taken == self.steps.total
+        self.steps.done()
     }
 
     fn step(&mut self) -> Result<(), Error> {
@@ -175,7 +178,9 @@ impl<C: ContactChain> Stepper<f64> for DiscreteGradient<C> {
 
     /// Times inside the last step are reached by a shorter one of the same scheme.
     fn sample(&mut self, t: f64, y: &mut [f64]) {
-        self.chain.sample(self.sites.clone(), &self.phi, self.steps.since(t), y);
+        let by = (DoubleDouble::new(t) - self.steps.reached()).value();
+        let by = if by.abs() > 4.0 * f64::EPSILON * t.abs() { by } else { 0.0 };
+        self.chain.sample(self.sites.clone(), &self.phi, by, y);
     }
 
     fn stats(&self) -> Stats {

@@ -16,11 +16,8 @@ mod gradient;
 pub use gradient::DiscreteGradient;
 
 use crate::{
-    clock::DoubleDouble,
     collocation::{ContactChain, Path},
-    error::Error,
     law::ContactLaw,
-    splitting::{after, check},
 };
 
 /// Sites as `[r, r', p, p']`.
@@ -36,7 +33,7 @@ struct Modal<C> {
     stiffness: f64,
     /// Decrease of each bond's overlap if a unit force of this bond displaces each of its sites by
     /// one unit.
-    recoil: Vec<f64>,
+    mobility: Vec<f64>,
     /// Overlaps at the start of a step, and at its end without contact forces.
     overlaps: [Vec<f64>; 2],
 }
@@ -45,12 +42,12 @@ impl<C: ContactChain> Modal<C> {
     fn new(chain: C) -> Self {
         let response = chain.response(0);
         let omega = response.omega.value();
-        let recoil = |b| -chain.across(b, |i| chain.push(i, |c| [path(f64::from(u8::from(c == b)))]))[0][0];
+        let mobility = |b| -chain.across(b, |i| chain.push(i, |c| [path(f64::from(u8::from(c == b)))]))[0][0];
         let zeros = || vec![0.0; chain.bonds()];
         Self {
-            recoil: (0..chain.bonds()).map(recoil).collect(),
+            mobility: (0..chain.bonds()).map(mobility).collect(),
             overlaps: [zeros(), zeros()],
-            law: chain.law(0),
+            law: chain.bond(0).power,
             m: response.m,
             mu: response.mu,
             stiffness: omega * omega,
@@ -81,7 +78,7 @@ impl<C: ContactChain> Modal<C> {
 
     /// The overlap of a bond where sites are at given positions.
     fn overlap(&self, b: usize, position: impl Fn(usize) -> f64) -> f64 {
-        self.chain.rest(b) + self.rate(b, position)
+        self.chain.bond(b).rest + self.rate(b, position)
     }
 
     /// The rate of an overlap where sites have given velocities.
@@ -98,33 +95,4 @@ impl<C: ContactChain> Modal<C> {
 /// A number as a [`Path`], the type that the functions of a chain take.
 fn path(value: f64) -> Path {
     [value, 0.0, 0.0, 0.0]
-}
-
-/// Equal steps over a span.
-struct Steps {
-    start: DoubleDouble<f64>,
-    span: DoubleDouble<f64>,
-    h: DoubleDouble<f64>,
-    taken: u64,
-    total: u64,
-}
-
-impl Steps {
-    fn new((start, end): (f64, f64), steps: u64) -> Result<Self, Error> {
-        check((start, end), steps)?;
-        let total = if end > start { steps } else { 0 };
-        let span = DoubleDouble::new(end) - DoubleDouble::new(start);
-        let h = span.over(DoubleDouble::new(total.max(1) as f64));
-        Ok(Self { start: DoubleDouble::new(start), span, h, taken: 0, total })
-    }
-
-    fn reached(&self) -> DoubleDouble<f64> {
-        if self.taken == self.total { self.start + self.span } else { after(self.start, self.h, self.taken) }
-    }
-
-    /// The time from the end of the last step to `t`; zero for times that differ by rounding only.
-    fn since(&self, t: f64) -> f64 {
-        let by = (DoubleDouble::new(t) - self.reached()).value();
-        if by.abs() > 4.0 * f64::EPSILON * t.abs() { by } else { 0.0 }
-    }
 }

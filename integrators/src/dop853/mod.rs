@@ -29,7 +29,7 @@ pub struct Dop853<R, F> {
     field: F,
     step: Step<R>,
     dense: Dense<R>,
-    pace: Pace<R>,
+    step_size: StepSize<R>,
     /// Start of the span, or of the stretch since the last break.
     start: R,
     end: R,
@@ -66,7 +66,7 @@ pub(crate) fn check_start<R: Real>(dim: usize, y0: &[R], (start, end): (R, R)) -
 }
 
 /// The rule for step lengths.
-enum Pace<R> {
+enum StepSize<R> {
     /// Steps by error control; `next` is the step to try next.
     Controlled { options: Options<R>, controller: Controller<R>, next: R },
     /// A given number of equal steps.
@@ -84,8 +84,8 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
         let options = options.checked((R::of(10.0), "a relative tolerance is finite and above 10 unit round-offs"))?;
         let controller = Controller::new(&options, end - start);
         let breaks = Breaks::new(field.breaks());
-        let pace = Pace::Controlled { options, controller, next: R::zero() };
-        Ok(Self { breaks, ..Self::paced(field, y0, (start, end), pace)? })
+        let step_size = StepSize::Controlled { options, controller, next: R::zero() };
+        Ok(Self { breaks, ..Self::paced(field, y0, (start, end), step_size)? })
     }
 
     /// Integrates `field` in `steps` equal steps, without error control.
@@ -98,17 +98,17 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
         }
         let span = DoubleDouble::new(end) - DoubleDouble::new(start);
         let h = span.over(DoubleDouble::new(R::of(steps.max(1) as f64)));
-        Self::paced(field, y0, (start, end), Pace::Equal { h, steps })
+        Self::paced(field, y0, (start, end), StepSize::Equal { h, steps })
     }
 
-    fn paced(field: F, y0: &[R], (start, end): (R, R), pace: Pace<R>) -> Result<Self, Error> {
+    fn paced(field: F, y0: &[R], (start, end): (R, R), step_size: StepSize<R>) -> Result<Self, Error> {
         check_start(field.dim(), y0, (start, end))?;
         let step = Step::new(y0);
         Ok(Self {
             field,
             dense: Dense::new(step.padded()),
             step,
-            pace,
+            step_size,
             start,
             end,
             breaks: Breaks::new(Vec::new()),
@@ -145,7 +145,7 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
         self.step.begin(&mut self.field, t);
         self.stats.force_evaluations += 1;
         self.step.check(0).map_err(|index| self.not_finite(index))?;
-        if let Pace::Controlled { options, controller, next } = &mut self.pace {
+        if let StepSize::Controlled { options, controller, next } = &mut self.step_size {
             *controller = Controller::new(options, self.end - self.start);
             let max_step = controller.max_step();
             *next = match options.first_step {
@@ -168,8 +168,8 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
     fn propose(&self) -> Result<Leap<R>, Error> {
         let (from, end) = (self.time, self.stop);
         let t = from.value();
-        let (h, to) = match &self.pace {
-            Pace::Controlled { options, next, .. } => {
+        let (h, to) = match &self.step_size {
+            StepSize::Controlled { options, next, .. } => {
                 if self.trials >= options.max_steps {
                     return Err(Error::TooManySteps { t: t.f64(), steps: self.trials });
                 }
@@ -177,7 +177,7 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
                 let last = t + self.stretch * *next > end.value();
                 (*next, if last { end } else { from + DoubleDouble::new(*next) })
             }
-            Pace::Equal { h, steps } => {
+            StepSize::Equal { h, steps } => {
                 let taken = self.stats.steps + 1;
                 let to = DoubleDouble::new(self.start) + *h * DoubleDouble::new(R::of(taken as f64));
                 (h.value(), if taken == *steps { end } else { to })
@@ -221,13 +221,13 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Dop853<R, F> {
             }
             self.trials += 1;
             self.stats.force_evaluations += 11;
-            let scale = match &self.pace {
-                Pace::Controlled { options, .. } => Some(options.scale()),
-                Pace::Equal { .. } => None,
+            let scale = match &self.step_size {
+                StepSize::Controlled { options, .. } => Some(options.scale()),
+                StepSize::Equal { .. } => None,
             };
             let trial = self.step.attempt(&mut self.field, leap, scale);
             let error = trial.map_err(|index| self.not_finite(index))?;
-            if let Pace::Controlled { controller, next, .. } = &mut self.pace {
+            if let StepSize::Controlled { controller, next, .. } = &mut self.step_size {
                 match controller.judge(leap.h, error) {
                     StepOutcome::Accept(h) => *next = h,
                     StepOutcome::Reject(h) => {

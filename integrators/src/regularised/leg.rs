@@ -60,12 +60,12 @@ impl<R: Real> Leg<R> {
 /// Step lengths that the errors allow, in time and in the variable `s = tau^{1/q}` of singular
 /// ends.
 #[derive(Clone, Copy)]
-pub(super) struct Pace<R> {
+pub(super) struct StepLengths<R> {
     pub(super) tau: R,
     pub(super) s: R,
 }
 
-impl<R: Real> Pace<R> {
+impl<R: Real> StepLengths<R> {
     pub(super) fn of(&mut self, leg: &Leg<R>) -> &mut R {
         if leg.singular() { &mut self.s } else { &mut self.tau }
     }

@@ -26,7 +26,7 @@ mod map;
 pub use equal::{Division, Itinerary, equal_steps};
 pub use map::{TimeMap, common_power, power};
 
-use leg::{Leg, Mapped, Pace};
+use leg::{Leg, Mapped, StepLengths};
 
 use crate::{
     clock::{Breaks, DoubleDouble},
@@ -110,7 +110,7 @@ pub struct Regularised<R, F, E> {
     breaks: Breaks,
     start: R,
     stop: DoubleDouble<R>,
-    pace: Option<Pace<R>>,
+    steps: Option<StepLengths<R>>,
     /// The last step with its leg, until the next one.
     last: Option<(Leg<R>, Leap<R>)>,
     sides: Sides,
@@ -198,7 +198,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             breaks,
             start,
             stop,
-            pace: None,
+            steps: None,
             last: None,
             sides: Sides::new(count),
             crossings: Vec::new(),
@@ -266,7 +266,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
     }
 
     /// Begins the run or, at a break, a new stretch: a leg with a first step as at the start.
-    fn begin(&mut self) -> Result<Pace<R>, Error> {
+    fn begin(&mut self) -> Result<StepLengths<R>, Error> {
         if self.leg.sigma == R::one() {
             let from = std::mem::replace(&mut self.start, self.stop.value());
             self.field.complete(from, self.start, self.step.state_mut());
@@ -276,13 +276,13 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             let map = TimeMap::new((self.stop - origin).value(), 1, 1);
             self.leg = Leg { origin, map, sigma: R::zero(), target: None };
         }
-        let pace = self.guess()?;
+        let steps = self.guess()?;
         self.slope()?;
-        Ok(pace)
+        Ok(steps)
     }
 
     /// The first step, estimated as DOP853 does.
-    fn guess(&mut self) -> Result<Pace<R>, Error> {
+    fn guess(&mut self) -> Result<StepLengths<R>, Error> {
         // In time: the map of a leg of unit length and power 1.
         let span = (self.end - self.leg.origin).value();
         let natural = Leg { map: TimeMap::new(R::one(), 1, 1), sigma: R::zero(), ..self.leg };
@@ -299,7 +299,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         };
         self.stats.force_evaluations += 2;
         self.step.check(0).map_err(|index| self.not_finite(index))?;
-        Ok(Pace { tau, s: tau.powf(R::of(f64::from(self.q)).recip()) })
+        Ok(StepLengths { tau, s: tau.powf(R::of(f64::from(self.q)).recip()) })
     }
 
     /// Largest time by which an event of a function with this rate may be shifted. The force
@@ -450,10 +450,10 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let (length, newton) = (leg.map.length() - leg.tau(), -(g / rate));
         // Newton's method would lead to another zero. The polynomial is used instead, if it has a
         // zero.
-        let astray = target.rising != (rate > R::zero()) || newton.abs() > R::of(0.5) * length;
+        let diverged = target.rising != (rate > R::zero()) || newton.abs() > R::of(0.5) * length;
         match seen {
-            Some(at) if astray => Arrival::Off(at - leg.map.length()),
-            None if astray => Arrival::Lost,
+            Some(at) if diverged => Arrival::Off(at - leg.map.length()),
+            None if diverged => Arrival::Lost,
             _ if newton.abs() <= R::of(1e-9) * length && newton.abs() <= self.cluster(rate) => Arrival::There,
             _ => Arrival::Off(newton),
         }
@@ -477,12 +477,12 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
     }
 
     /// Drops the target of the leg, as no event was found there, and halves the step.
-    fn give_up(&mut self, pace: &mut Pace<R>) -> Result<(), Error> {
+    fn give_up(&mut self, steps: &mut StepLengths<R>) -> Result<(), Error> {
         let (a, now) = (self.leg.map.powers().0, self.leg.tau());
         self.leg.map = TimeMap::new((self.stop - self.leg.origin).value(), a, 1);
         self.leg.sigma = self.leg.map.inverse(now);
         self.leg.target = None;
-        *pace.of(&self.leg) *= R::of(0.5);
+        *steps.of(&self.leg) *= R::of(0.5);
         self.slope()
     }
 
@@ -526,9 +526,9 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
 
     /// The `sigma` at which the next trial ends: as far as the error allows, stretched to the end
     /// of the leg or to half the rest so that no step is tiny.
-    fn propose(&self, pace: &mut Pace<R>) -> Result<R, Error> {
+    fn propose(&self, steps: &mut StepLengths<R>) -> Result<R, Error> {
         let leg = &self.leg;
-        let h = *pace.of(leg) / leg.map.unit();
+        let h = *steps.of(leg) / leg.map.unit();
         // The trial covers at most twice a usual leg or the time since the origin, whichever is
         // longer.
         let reach = leg.tau().max(R::of(2.0) * self.usual);
@@ -554,14 +554,14 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
 
     /// Updates leg and step lengths after an accepted step to `to`; `next` is the step that its
     /// error allows.
-    fn advance(&mut self, to: R, next: R, pace: &mut Pace<R>) -> Result<(), Error> {
+    fn advance(&mut self, to: R, next: R, steps: &mut StepLengths<R>) -> Result<(), Error> {
         let leg = self.leg;
         let allowed = next * leg.map.unit();
-        let tried = *pace.of(&leg);
+        let tried = *steps.of(&leg);
         // A step that was cut short, and whose error allows the largest growth, does not reduce the
         // stored step length.
         let unbounded = next > R::of(5.9) * (to - leg.sigma);
-        *pace.of(&leg) = if unbounded { allowed.max(tried) } else { allowed };
+        *steps.of(&leg) = if unbounded { allowed.max(tried) } else { allowed };
         self.stats.steps += 1;
         let turned = self.sides.settle();
         let changed = self.tell(&turned);
@@ -576,7 +576,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             }
             // Far from its origin the solution is smooth in time itself, and times since the origin
             // lose digits.
-            None if leg.target.is_none() && self.leg.tau() > R::of(FAR) * pace.tau => {
+            None if leg.target.is_none() && self.leg.tau() > R::of(FAR) * steps.tau => {
                 self.set_out(self.leg.time(to), 1)
             }
             None if changed => self.slope(),
@@ -604,28 +604,28 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Stepper<R> for Regularise
     fn step(&mut self) -> Result<(), Error> {
         self.events.clear();
         self.last = None;
-        let mut pace = match self.pace {
-            Some(pace) => pace,
+        let mut steps = match self.steps {
+            Some(steps) => steps,
             None => self.begin()?,
         };
         let mut retry = 0;
         loop {
             interrupt::check(self.time().f64())?;
-            let to = self.propose(&mut pace)?;
+            let to = self.propose(&mut steps)?;
             let trial = self.attempt(to)?;
             match trial {
                 Trial::Good(next) => {
-                    self.advance(to, next, &mut pace)?;
-                    self.pace = (self.leg.sigma < R::one()).then_some(pace);
+                    self.advance(to, next, &mut steps)?;
+                    self.steps = (self.leg.sigma < R::one()).then_some(steps);
                     return Ok(());
                 }
-                Trial::Smaller(h) => *pace.of(&self.leg) = h * self.leg.map.unit(),
+                Trial::Smaller(h) => *steps.of(&self.leg) = h * self.leg.map.unit(),
                 Trial::Land(landing) => {
                     retry += 1;
                     // An event at a place where it has fired already is an error of the polynomial.
                     let again = !landing.here && landing.tau <= self.leg.tau();
                     if retry >= MOST_RETRIES || again {
-                        self.give_up(&mut pace)?;
+                        self.give_up(&mut steps)?;
                     } else if landing.here {
                         self.fire()?;
                     } else {
@@ -637,13 +637,13 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Stepper<R> for Regularise
                     let tau = self.leg.map.length() + miss;
                     let beyond = tau >= (self.stop - self.leg.origin).value();
                     if retry >= MOST_RETRIES || tau <= self.leg.tau() || beyond {
-                        self.give_up(&mut pace)?;
+                        self.give_up(&mut steps)?;
                     } else {
                         let released = self.leg.map.powers().1 > 1 || !target.rising;
                         self.aim(target, tau, released)?;
                     }
                 }
-                Trial::Lost => self.give_up(&mut pace)?,
+                Trial::Lost => self.give_up(&mut steps)?,
                 Trial::TakeBack => self.take_back()?,
             }
         }

@@ -1,6 +1,6 @@
 //! Steps that end where contacts begin and end.
 
-use super::{First, Scheme, scheme::Pair, stepper::check};
+use super::{First, Scheme, scheme::Pair, steps::check};
 use crate::{
     clock::{Breaks, DoubleDouble},
     drive::Stepper,

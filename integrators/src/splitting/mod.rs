@@ -16,10 +16,10 @@ pub mod corrected;
 mod landed;
 mod scheme;
 mod stepper;
+pub(crate) mod steps;
 pub mod tables;
 
 pub use corrected::{Corrected, Parts, hurwitz};
 pub use landed::Landed;
 pub use scheme::{Coefficients, First, Scheme};
 pub use stepper::Splitting;
-pub(crate) use stepper::{after, check};

@@ -1,14 +1,11 @@
 //! The loop that runs all schemes.
 
-use super::scheme::{First, Pair, Scheme};
+use super::{
+    scheme::{First, Pair, Scheme},
+    steps::Steps,
+};
 use crate::{
-    clock::DoubleDouble,
-    drive::Stepper,
-    error::Error,
-    interrupt,
-    real::{Kernel, Real},
-    stats::Stats,
-    system::SplitFlow,
+    clock::DoubleDouble, drive::Stepper, error::Error, interrupt, real::Real, stats::Stats, system::SplitFlow,
 };
 
 /// Largest number of steps made in a row, without a look at the observer in between.
@@ -31,11 +28,7 @@ pub struct Splitting<R, S> {
     row: Vec<(R, DoubleDouble<R>)>,
     /// Number of pairs of `row` that belong to one step.
     inner: usize,
-    start: DoubleDouble<R>,
-    span: DoubleDouble<R>,
-    h: DoubleDouble<R>,
-    taken: u64,
-    total: u64,
+    steps: Steps<R>,
     kicks: u64,
 }
 
@@ -46,38 +39,31 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
     ///
     /// # Errors
     /// `end < start`, times that are not finite, or no step for a span that is not empty.
-    pub fn new(scheme: &Scheme, first: First, flow: S, (start, end): (R, R), steps: u64) -> Result<Self, Error> {
-        check((start, end), steps)?;
-        let total = if end > start { steps } else { 0 };
-        let span = DoubleDouble::new(end) - DoubleDouble::new(start);
-        let h = span.over(DoubleDouble::new(R::of(total.max(1) as f64)));
+    pub fn new(scheme: &Scheme, first: First, flow: S, span: (R, R), steps: u64) -> Result<Self, Error> {
+        let steps = Steps::new(span, steps)?;
+        let h = steps.h;
         let pairs: Vec<_> = scheme.pairs(first).into_iter().map(|(k, d)| (k * h, d * h)).collect();
         let (head, tail) = (pairs[0], pairs[pairs.len() - 1]);
         let zero = DoubleDouble::zero();
         let seam = if head.0 == zero { (tail.0, tail.1 + head.1) } else { (tail.0 + head.0, head.1) };
         let inner = pairs.len() - 1;
-        let steps = steps_a_row(flow.moved() * inner);
+        let in_row = steps_a_row(flow.moved() * inner);
         let step = [seam].into_iter().chain(pairs[1..inner].iter().copied()).map(|(kick, drift)| (kick.value(), drift));
-        let row = step.cycle().take(steps * inner).collect();
-        let start = DoubleDouble::new(start);
-        Ok(Self { flow, mirror: None, pairs, row, inner, start, span, h, taken: 0, total, kicks: 0 })
+        let row = step.cycle().take(in_row * inner).collect();
+        Ok(Self { flow, mirror: None, pairs, row, inner, steps, kicks: 0 })
     }
 
     /// Makes `steps` steps. The first step of the run begins with its own first pair, not with a
     /// seam.
     fn run(&mut self, steps: usize) {
         let mut row = &self.row[..steps * self.inner];
-        if self.taken == 0 {
+        if self.steps.taken == 0 {
             apply(&mut self.flow, self.pairs[0], &mut self.kicks);
             row = &row[1..];
         }
         self.flow.kick_drifts(row);
         self.kicks += row.len() as u64;
-        self.taken += steps as u64;
-    }
-
-    fn time_after(&self, steps: u64) -> DoubleDouble<R> {
-        if steps == self.total { self.start + self.span } else { after(self.start, self.h, steps) }
+        self.steps.taken += steps as u64;
     }
 }
 
@@ -86,47 +72,15 @@ pub(crate) fn steps_a_row(numbers: usize) -> usize {
     (NUMBERS_A_ROW / numbers.max(1)).clamp(1, STEPS_A_ROW)
 }
 
-/// Number of whole steps `h` from `now`, at most `most`, that end before `wanted`.
-pub(crate) fn steps_before<R: Real>(wanted: Option<R>, now: R, h: R, most: u64) -> u64 {
-    // Two steps less than the quotient says, so that no rounding leads beyond.
-    wanted.map_or(most, |t| (((t - now) / h).f64() - 2.0) as u64).min(most)
-}
-
-/// The time `start + steps h`.
-pub(crate) fn after<R: Real>(start: DoubleDouble<R>, h: DoubleDouble<R>, steps: u64) -> DoubleDouble<R> {
-    R::run(After { start, h, steps: R::of(steps as f64) })
-}
-
-/// `start + h steps` as a [`Kernel`]: a product of `DoubleDouble`s needs a fused product, which is
-/// a call to a library in code that is not compiled for the machine's own.
-struct After<R> {
-    start: DoubleDouble<R>,
-    h: DoubleDouble<R>,
-    steps: R,
-}
-
-impl<R: Real> Kernel for After<R> {
-    type Output = DoubleDouble<R>;
-
-    #[inline(always)]
-    fn run(self) -> DoubleDouble<R> {
-        self.start + self.h * DoubleDouble::new(self.steps)
+/// The copy of a flow, which is made at its first use.
+pub(super) fn mirrored<'a, R: Real, S: SplitFlow<R>>(mirror: &'a mut Option<S>, flow: &S) -> &'a mut S {
+    match mirror {
+        Some(mirror) => {
+            mirror.copy_from(flow);
+            mirror
+        }
+        empty => empty.insert(flow.duplicate()),
     }
-}
-
-/// Refuses a span or a number of steps that cannot be integrated.
-pub(crate) fn check<R: Real>((start, end): (R, R), steps: u64) -> Result<(), Error> {
-    let argument = |name, value: R, rule| Err(Error::Argument { name, value: value.f64(), rule });
-    if !start.is_finite() {
-        return argument("start", start, "a time is finite");
-    }
-    if !(end.is_finite() && end >= start) {
-        return argument("end", end, "the end is finite and not before the start");
-    }
-    if steps == 0 && end > start {
-        return argument("steps", R::zero(), "at least one step");
-    }
-    Ok(())
 }
 
 /// Applies one pair and counts its kick. Only the first pair of a drift-first step has no kick.
@@ -146,11 +100,11 @@ impl<R: Real, S: SplitFlow<R>> Stepper<R> for Splitting<R, S> {
     }
 
     fn time(&self) -> R {
-        self.time_after(self.taken).value()
+        self.steps.reached().value()
     }
 
     fn done(&self) -> bool {
-        self.taken == self.total
+        self.steps.done()
     }
 
     fn step(&mut self) -> Result<(), Error> {
@@ -161,30 +115,19 @@ impl<R: Real, S: SplitFlow<R>> Stepper<R> for Splitting<R, S> {
 
     fn steps(&mut self, wanted: Option<R>) -> Result<(), Error> {
         interrupt::check(self.time().f64())?;
-        let most = (self.row.len() / self.inner) as u64;
-        let before = steps_before(wanted, self.time(), self.h.value(), most);
-        self.run(before.min(self.total - self.taken).max(1) as usize);
+        self.run(self.steps.in_row(wanted, self.row.len() / self.inner));
         Ok(())
     }
 
     /// At the end of a step the last pair is applied to a copy. For times inside the last step, one
     /// shorter step of the same scheme goes back from its end, which is as accurate as the run.
     fn sample(&mut self, t: R, y: &mut [R]) {
-        let reached = self.time_after(self.taken);
-        let share = (DoubleDouble::new(t) - reached).over(self.h);
-        // Times that differ by rounding are taken as equal.
-        let inside = (t - reached.value()).abs() > R::of(4.0) * R::epsilon() * t.abs();
-        let mirror = match &mut self.mirror {
-            Some(mirror) => {
-                mirror.copy_from(&self.flow);
-                mirror
-            }
-            empty => empty.insert(self.flow.duplicate()),
-        };
-        if self.taken > 0 {
+        let share = (DoubleDouble::new(t) - self.steps.reached()).over(self.steps.h);
+        let mirror = mirrored(&mut self.mirror, &self.flow);
+        if self.steps.taken > 0 {
             apply(mirror, self.pairs[self.pairs.len() - 1], &mut self.kicks);
         }
-        if inside {
+        if self.steps.inside(t) {
             for &(kick, drift) in &self.pairs {
                 apply(mirror, (kick * share, drift * share), &mut self.kicks);
             }
@@ -193,7 +136,7 @@ impl<R: Real, S: SplitFlow<R>> Stepper<R> for Splitting<R, S> {
     }
 
     fn stats(&self) -> Stats {
-        Stats { steps: self.taken, rejected: 0, force_evaluations: self.kicks }
+        Stats { steps: self.steps.taken, rejected: 0, force_evaluations: self.kicks }
     }
 }
 
@@ -240,13 +183,13 @@ mod tests {
             for wanted in [Some(0.52), Some(0.525), Some(1.5), Some(2.0), Some(2.003), None, None, Some(7.5)] {
                 loop {
                     row.steps(wanted).unwrap();
-                    let before = row.time_after(row.taken - 1).value();
+                    let before = row.steps.after(row.steps.taken - 1).value();
                     assert!(wanted.is_none_or(|t| before < t - 1e-12), "{wanted:?} {before}");
                     if wanted.is_none_or(|t| row.time() > t - 1e-12) {
                         break;
                     }
                 }
-                while one.taken < row.taken {
+                while one.steps.taken < row.steps.taken {
                     one.step().unwrap();
                 }
                 assert_eq!(row.flow.0, one.flow.0);

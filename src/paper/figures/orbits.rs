@@ -324,8 +324,8 @@ pub fn doubled_branch(to: f64, tell: Progress<'_>) -> Result<Report> {
 }
 
 /// The branch at a frequency from a mass ratio near `omega(rho) = omega_b` up to the mass ratio
-/// `to`, with about so many points up to 5 times the first mass ratio, and beyond it; its third plot
-/// has the moduli.
+/// `to`, with about so many points up to 5 times the first mass ratio, and beyond it; its third
+/// plot has the moduli.
 ///
 /// # Errors
 /// As of [`family`].

@@ -7,7 +7,7 @@ use crate::{
     study::fit_line,
     waves::{Shape, Size, TravellingWave, strains},
 };
-use hertzchain_integrators::{VectorField, collocation::Pace};
+use hertzchain_integrators::{VectorField, collocation::StepControl};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
@@ -30,7 +30,7 @@ pub(super) fn measured_slow_frequency(wave: &TravellingWave) -> Result<f64> {
     let (params, q, end) = (wave.params(), wave.shape().q, SLOW_TIME / wave.slow_time(1.0));
     let chain = Chain::new(params, Boundary::StrainRing, SITES)?;
     let start = State::from_fn(&chain, |n| wave.site(n, 0.0))?;
-    let mut run = chain.collocation(start.as_slice(), (0.0, end), Pace::Tolerance(1e-10))?;
+    let mut run = chain.collocation(start.as_slice(), (0.0, end), StepControl::Tolerance(1e-10))?;
     // Samples are not in step with the oscillation, so that its harmonics average out.
     let count = (1.3 * end * params.omega() / (2.0 * PI)).ceil() as u32;
     let (mut phase, mut points) = (0.0, Vec::new());

@@ -6,7 +6,7 @@ use crate::{
     error::Result,
     run::state_at,
 };
-use hertzchain_integrators::collocation::Pace;
+use hertzchain_integrators::collocation::StepControl;
 
 pub(super) const GROUPS: &[Group] = &[Group::of(limits)];
 
@@ -22,7 +22,7 @@ fn impact(rho: f64, along: bool) -> Result<Vec<f64>> {
         let u_dot = f64::from(n == 0);
         Site { u: 0.0, v: 0.0, u_dot, v_dot: if along { u_dot } else { 0.0 } }
     })?;
-    let mut run = chain.collocation(start.as_slice(), (0.0, END), Pace::Tolerance(1e-11))?;
+    let mut run = chain.collocation(start.as_slice(), (0.0, END), StepControl::Tolerance(1e-11))?;
     Ok(state_at(&mut run, END)?[..SITES].to_vec())
 }
 

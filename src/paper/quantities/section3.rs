@@ -20,7 +20,7 @@ use crate::{
     sweep::Engine,
     waves::{Modulation, Shape},
 };
-use hertzchain_integrators::{Dop853, VectorField, collocation::Pace, dop853::Options};
+use hertzchain_integrators::{Dop853, VectorField, collocation::StepControl, dop853::Options};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
@@ -122,7 +122,7 @@ fn resonator_share(params: Params) -> Result<f64> {
     let u = 1.0;
     let start = State::from_fn(&chain, |_| Site { u, v: -u / params.rho, u_dot: 0.0, v_dot: 0.0 })?;
     let half = PI / params.omega();
-    let mut run = chain.collocation(start.as_slice(), (0.0, half), Pace::Tolerance(1e-13))?;
+    let mut run = chain.collocation(start.as_slice(), (0.0, half), StepControl::Tolerance(1e-13))?;
     let y = state_at(&mut run, half)?;
     // Differences between the start and half a period later: the mean cancels, and there is no
     // drift.
@@ -136,7 +136,7 @@ fn resonators_at_rest(rho: f64) -> Result<[f64; 2]> {
     let breather = BrightBreather::new(params, Center::Bond, 0.01, 40)?;
     let chain = Chain::new(params, Boundary::Free, 40)?;
     let start = State::from_fn(&chain, |n| breather.site(n, 0.0))?;
-    let mut run = chain.collocation(start.as_slice(), (0.0, breather.horizon()), Pace::Tolerance(1e-10))?;
+    let mut run = chain.collocation(start.as_slice(), (0.0, breather.horizon()), StepControl::Tolerance(1e-10))?;
     let mut largest = [0.0f64; 2];
     for k in 0..=200 {
         let y = state_at(&mut run, breather.horizon() * f64::from(k) / 200.0)?;
@@ -182,7 +182,7 @@ fn distance_from<F: VectorField<f64>>(flow: impl Fn(Dps) -> F, epsilon: f64) -> 
         Site { u, v: -slowness * u, u_dot, v_dot: -slowness * u_dot }
     })?;
     let end = 2.0 / slowness;
-    let mut run = chain.collocation(start.as_slice(), (0.0, end), Pace::Tolerance(1e-10))?;
+    let mut run = chain.collocation(start.as_slice(), (0.0, end), StepControl::Tolerance(1e-10))?;
     // Samples are not in step with the oscillation.
     let (count, mut worst) = ((1.3 * 7.0 * end * omega / (2.0 * PI)).ceil() as u32, 0.0f64);
     for k in 1..=count {
@@ -208,8 +208,8 @@ fn heavy_limit(params: Params) -> Result<f64> {
     Ok(dot(&plain, &general) / dot(&general, &general))
 }
 
-/// Growth of the suprema of Theorem 1 over the powers of `epsilon` that bound them, over a decade of
-/// `epsilon`: 1 for a sharp bound, less for a bound that is not sharp.
+/// Growth of the suprema of Theorem 1 over the powers of `epsilon` that bound them, over a decade
+/// of `epsilon`: 1 for a sharp bound, less for a bound that is not sharp.
 pub(super) fn decade(rho_law: RhoLaw, initial: Initial, norm: Norm) -> Result<[f64; 3]> {
     let epsilons = vec![1e-4, 1e-5];
     let options = TheoremOptions { horizon: 2.0, rho_law, initial, epsilons, ..TheoremOptions::default() };

@@ -18,7 +18,7 @@ use crate::{
     study::WaveStudy,
     waves::{Modulation, PerturbedWave, Shape, Size, TravellingWave},
 };
-use hertzchain_integrators::collocation::Pace;
+use hertzchain_integrators::collocation::StepControl;
 use std::f64::consts::PI;
 
 const FIRST: Run = Run::of("tw-q15", 0.01);
@@ -125,7 +125,7 @@ fn rescaling() -> Result<f64> {
             Site { u, v, u_dot, v_dot }
         })?;
         let end = 20.0 * PI / wave.omega_tw() / rate;
-        let mut run = chain.collocation(start.as_slice(), (0.0, end), Pace::Tolerance(1e-12))?;
+        let mut run = chain.collocation(start.as_slice(), (0.0, end), StepControl::Tolerance(1e-12))?;
         Ok(state_at(&mut run, end)?[..2 * SITES].iter().map(|x| x / length).collect())
     };
     let (one, other) = (strains(1.0)?, strains(2.5)?);

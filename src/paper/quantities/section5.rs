@@ -18,7 +18,7 @@ use crate::{
     scene::Scene,
     study::{Adaptive, Initial, Norm, RhoLaw, bright_breather, fit_line, trivial_breather},
 };
-use hertzchain_integrators::collocation::Pace;
+use hertzchain_integrators::collocation::StepControl;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::PI;
@@ -82,7 +82,7 @@ fn mean_force(scale: f64) -> Result<f64> {
     let breather = breather(irregular, 0.0)?;
     let (chain, state) = chain_of(&breather, scale)?;
     let period = 2.0 * PI / breather.params().omega();
-    let forces = chain.mean_contact_forces(state.as_slice(), period, Pace::Tolerance(TOLERANCE))?;
+    let forces = chain.mean_contact_forces(state.as_slice(), period, StepControl::Tolerance(TOLERANCE))?;
     let least = max_norm((1..SITES).map(|n| least_gap(&breather, n)));
     Ok(forces.range().1 / least.powf(ALPHA))
 }
@@ -100,7 +100,7 @@ fn touching(breather: &TrivialBreather, step: f64) -> Result<Vec<f64>> {
         crate::chain::Site { u: site.u + by, v: site.v + by, ..site }
     })?;
     let period = 2.0 * PI / breather.params().omega();
-    let mut run = chain.collocation(state.as_slice(), (0.0, period), Pace::Tolerance(TOLERANCE))?;
+    let mut run = chain.collocation(state.as_slice(), (0.0, period), StepControl::Tolerance(TOLERANCE))?;
     let mut least = [0.0f64; SITES];
     for k in 0..SAMPLES {
         let y = state_at(&mut run, period * f64::from(k) / f64::from(SAMPLES))?;
@@ -124,7 +124,7 @@ fn trivial(_: &Runs) -> Result<Vec<Quantity>> {
     // (uncpl) as printed compared with the chain, at a time that is no multiple of the period.
     let (chain, state) = chain_of(&loose, 1.0)?;
     let end = 10.3 * 2.0 * PI / omega;
-    let mut run = chain.collocation(state.as_slice(), (0.0, end), Pace::Tolerance(TOLERANCE))?;
+    let mut run = chain.collocation(state.as_slice(), (0.0, end), StepControl::Tolerance(TOLERANCE))?;
     let y = state_at(&mut run, end)?;
     let swing = |n: usize| loose.amplitudes()[n] * (omega * end + loose.phases()[n]).cos() / (1.0 + RHO);
     let uncpl = |n: usize| [loose.means()[n] + RHO * swing(n), loose.means()[n] - swing(n)];
@@ -163,14 +163,14 @@ fn no_others(_: &Runs) -> Result<Vec<Quantity>> {
     let shooting = Shooting::default();
     let params = Params::new(ALPHA, 1.0, RHO)?;
     let orbit = DarkBreather { params, center: Center::Site, sites: 41, omega_b: 2.05, c_x: 0.0 }.orbit(&shooting)?;
-    let pace = Pace::Tolerance(shooting.tol);
-    let dark = orbit.setting.chain()?.mean_contact_forces(&orbit.start(), orbit.setting.period(), pace)?;
+    let step_control = StepControl::Tolerance(shooting.tol);
+    let dark = orbit.setting.chain()?.mean_contact_forces(&orbit.start(), orbit.setting.period(), step_control)?;
     let options = Adaptive { tol: TOLERANCE, ..Adaptive::default() };
     let exact = trivial_breather(&Scene::load("trivial-breather")?, &options, &mut |_| {})?;
     let scene = Scene::load("bright-breather")?;
     let bright = BrightBreather::new(scene.chain().params(), Center::Bond, 0.01, 40)?;
-    let (start, pace) = (scene.initial().as_slice(), Pace::Tolerance(TOLERANCE));
-    let forces = scene.chain().mean_contact_forces(start, bright.period(), pace)?;
+    let (start, step_control) = (scene.initial().as_slice(), StepControl::Tolerance(TOLERANCE));
+    let forces = scene.chain().mean_contact_forces(start, bright.period(), step_control)?;
     Ok(vec![
         ("s5-nobreath-constant", dark.spread() / dark.mean()),
         ("s5-nobreath-zero", exact.forces.range().1),
@@ -274,8 +274,8 @@ fn omega_0(alpha: f64) -> f64 {
 
 /// Theorem longlivedb in the norm `l_1`.
 fn theorem(_: &Runs) -> Result<Vec<Quantity>> {
-    // For C_r = 1 and a start on the breather itself: a departure with C_i = 1 would exceed what the
-    // dynamics adds.
+    // For C_r = 1 and a start on the breather itself: a departure with C_i = 1 would exceed what
+    // the dynamics adds.
     let of = |initial| decade(RhoLaw::Heavy, initial, Norm::One);
     let (site, bond) = (of(Initial::Site)?, of(Initial::Bond)?);
     Ok(vec![
@@ -312,7 +312,7 @@ fn measured_shift(epsilon: f64) -> Result<f64> {
     let chain = Chain::new(params, Boundary::Free, SITES)?;
     let start = State::from_fn(&chain, |n| bright.site(n, 0.0))?;
     let end = 4.0 / unit;
-    let mut run = chain.collocation(start.as_slice(), (0.0, end), Pace::Tolerance(1e-10))?;
+    let mut run = chain.collocation(start.as_slice(), (0.0, end), StepControl::Tolerance(1e-10))?;
     let mut points = Vec::new();
     // Samples are not in step with the oscillation.
     let count = (1.3 * end / (2.0 * PI)).ceil() as u32;

@@ -15,7 +15,7 @@ use crate::{
     error::Result,
     run::state_at,
 };
-use hertzchain_integrators::collocation::Pace;
+use hertzchain_integrators::collocation::StepControl;
 use nalgebra::DMatrix;
 use ring::Ring;
 use std::f64::consts::PI;
@@ -132,7 +132,7 @@ fn start(
     let (x, y) = profile.seed(params.omega() + detuning)?;
     let chain = Chain::new(params, Boundary::StrainRing, x.len())?;
     let state = State::from_fn(&chain, |n| Site { u: x[n], v: y[n], u_dot: 0.0, v_dot: 0.0 })?;
-    let run = chain.collocation(state.as_slice(), (0.0, end), Pace::Tolerance(1e-10))?;
+    let run = chain.collocation(state.as_slice(), (0.0, end), StepControl::Tolerance(1e-10))?;
     Ok(([x, y].concat(), run))
 }
 

@@ -22,7 +22,7 @@ use crate::{
     run::state_at,
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span, Theory},
 };
-use hertzchain_integrators::{Stats, collocation::Pace};
+use hertzchain_integrators::{Stats, collocation::StepControl};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -345,8 +345,8 @@ pub fn bright_breather(
     let stats = states.stats();
     let last = &profiles[profiles.len() - 1].state;
     let initial = samples[0].energy;
-    let pace = Pace::Tolerance(options.tol);
-    let forces = |y: &[f64]| chain.mean_contact_forces(y, breather.period(), pace);
+    let step_control = StepControl::Tolerance(options.tol);
+    let forces = |y: &[f64]| chain.mean_contact_forces(y, breather.period(), step_control);
     Ok(BrightStudy {
         scene: scene.clone(),
         breather: breather.clone(),
@@ -546,7 +546,11 @@ pub fn trivial_breather(scene: &Scene, options: &Adaptive, progress: &mut dyn Fn
         setting: options.words(),
         energy_error: max_norm(energies.iter().map(|energy| (energy - energies[0]) / first)),
         least_slack: slack.min_by(|a, b| a.1.total_cmp(&b.1)),
-        forces: chain.mean_contact_forces(scene.initial().as_slice(), scene.period(), Pace::Tolerance(options.tol))?,
+        forces: chain.mean_contact_forces(
+            scene.initial().as_slice(),
+            scene.period(),
+            StepControl::Tolerance(options.tol),
+        )?,
         stats: states.stats(),
         t,
         deviation,

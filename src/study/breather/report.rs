@@ -233,8 +233,8 @@ impl BrightStudy {
         )
     }
 
-    /// Beads and resonators at the times shown, beside the ansatz at the end; norms over the whole run
-    /// and up to the horizon, and the share of the core.
+    /// Beads and resonators at the times shown, beside the ansatz at the end; norms over the whole
+    /// run and up to the horizon, and the share of the core.
     fn picture(&self, norms: &Table, periods: &Table) -> Panels {
         let Self { scene, breather, .. } = self;
         let (end, horizon) = (scene.end(), breather.horizon());

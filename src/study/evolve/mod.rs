@@ -18,7 +18,7 @@ use crate::{
     error::{Error, Result},
     orbits::{Orbit, Pick, Shooting, Spectrum},
 };
-use hertzchain_integrators::{Stepper, collocation::Pace};
+use hertzchain_integrators::{Stepper, collocation::StepControl};
 use nalgebra::Complex;
 use std::{f64::consts::PI, path::PathBuf};
 
@@ -49,7 +49,8 @@ options! {
         until: f64 = 1200.0, "T";
         /// Size of a kick along one mode, in units of the orbit's amplitude [default: none].
         ///
-        /// The largest change of an entry of the initial state; of either sign, at most 1 in modulus.
+        /// The largest change of an entry of the initial state; of either sign, at most 1 in
+        /// modulus.
         kick: Option<f64> = None, "SIZE";
         /// Number of the multiplier along whose eigenvector the chain is kicked.
         ///
@@ -153,7 +154,7 @@ pub fn evolve(
     let mut start = orbit.start();
     let kick = kick.map(|kick| pushed(&mut start, kick, orbit, &spectrum).map(|lambda| (kick, lambda))).transpose()?;
     let chain = orbit.setting.chain()?;
-    let mut run = chain.collocation(&start, (0.0, periods * period), Pace::Tolerance(shooting.tol))?;
+    let mut run = chain.collocation(&start, (0.0, periods * period), StepControl::Tolerance(shooting.tol))?;
     let background = orbit.x()[0].abs();
     let mut out = Evolution {
         amplification: spectrum.largest().powf(periods),

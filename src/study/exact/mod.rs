@@ -56,8 +56,8 @@ options! {
     pub struct Wanted {
         /// Name of a built-in scene, or a TOML file.
         ///
-        /// The scene must have an initial state of kind travelling-wave. Numbers of the wave that no
-        /// flag gives are taken from it [default: tw-q15].
+        /// The scene must have an initial state of kind travelling-wave. Numbers of the wave that
+        /// no flag gives are taken from it [default: tw-q15].
         scene: Option<String> = None;
         /// Changes to it.
         set: Changes = Changes::default(), [command(flatten)];
@@ -76,8 +76,8 @@ options! {
         /// Mass ratio resonator to bead, positive.
         ///
         /// In place of the scene's. Here also 0 (no resonators) and inf (fixed resonators, Newton's
-        /// cradle). Unless a frequency is given, the wave has the amplitude of the scene's wave. With
-        /// fixed resonators its mean strain is 0.
+        /// cradle). Unless a frequency is given, the wave has the amplitude of the scene's wave.
+        /// With fixed resonators its mean strain is 0.
         rho: Option<f64> = None, "R";
         /// Number of sites.
         ///

@@ -11,7 +11,7 @@ use crate::{
     sweep::{Engine, Grid, map},
     waves::{Mode, Modulation, Shape, Size, TravellingWave, strains},
 };
-use hertzchain_integrators::{Error as Failure, Observer, Stats, collocation::Pace, drive};
+use hertzchain_integrators::{Error as Failure, Observer, Stats, collocation::StepControl, drive};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -41,8 +41,8 @@ options! {
     pub struct ModulationStudy {
         /// Name of a built-in scene, or a TOML file.
         ///
-        /// The scene must have an initial state of kind travelling-wave. All numbers of the wave are
-        /// taken from it, in place of the flags.
+        /// The scene must have an initial state of kind travelling-wave. All numbers of the wave
+        /// are taken from it, in place of the flags.
         scene: Option<String> = None,
             [arg(conflicts_with_all = ["alpha", "kappa", "rho", "a", "b", "q_over_pi", "epsilon", "sites"])];
         /// Changes to it.
@@ -67,8 +67,8 @@ options! {
         q_over_pi: f64 = 0.2, "Q";
         /// Sizes of the wave, separated by commas.
         ///
-        /// Rates per unit of time are computed for the first size. With --measure, growth is measured
-        /// at each of them.
+        /// Rates per unit of time are computed for the first size. With --measure, growth is
+        /// measured at each of them.
         epsilon: Vec<f64> = vec![0.01], "E,F,..", (above 0 below 1);
         /// Number of sites.
         ///
@@ -350,7 +350,7 @@ impl Bench {
     fn run<T>(&self, initial: &State<f64>, mut look: impl FnMut(usize, Vec<Complex64>) -> T) -> Result<Vec<T>> {
         let mut y = initial.as_slice().to_vec();
         let end = self.times.last().copied().unwrap_or_default();
-        let mut run = self.chain.collocation(&y, (0.0, end), Pace::Tolerance(TOLERANCE))?;
+        let mut run = self.chain.collocation(&y, (0.0, end), StepControl::Tolerance(TOLERANCE))?;
         let mut seen = Vec::with_capacity(self.times.len());
         let mut sampler = Sampler {
             times: &self.times,

@@ -27,7 +27,7 @@ use crate::{
     output::Folder,
     sweep::Engine,
 };
-use hertzchain_integrators::collocation::Pace;
+use hertzchain_integrators::collocation::StepControl;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -157,9 +157,9 @@ options! {
         omega_b: Option<f64> = None, "W";
         /// Go on with what this file, or the file in this folder, has kept.
         ///
-        /// A file branch.npz, from its last point: to another --to, by another --step; then multipliers
-        /// and bifurcations are computed anew. The results are written beside it unless --out says
-        /// where.
+        /// A file branch.npz, from its last point: to another --to, by another --step; then
+        /// multipliers and bifurcations are computed anew. The results are written beside it unless
+        /// --out says where.
         resume: Option<PathBuf> = None, "PATH", [arg(conflicts_with_all = [
             "center", "parameter", "from", "natural", "weak", "omega_b",
             "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol",
@@ -241,8 +241,8 @@ options! {
     pub struct Doubled {
         /// Frequency of the breather, in radians per unit of time.
         ///
-        /// The frequency at which the branch of doubled period ends: that of the whole period, about
-        /// half of the frequency of the main branch.
+        /// The frequency at which the branch of doubled period ends: that of the whole period,
+        /// about half of the frequency of the main branch.
         omega_b: f64 = 1.056, "W", (positive);
         /// Frequency up to which a period doubling is searched for.
         ///
@@ -347,7 +347,7 @@ pub fn orbit_study(orbit: Orbit, shooting: &Shooting) -> Result<OrbitStudy> {
         extent: orbit.extent(shooting.tol)?,
         e_b: orbit.e_b(shooting.tol, 1)?,
         kantorovich: orbit.kantorovich(shooting)?,
-        forces: chain.mean_contact_forces(&orbit.start(), period, Pace::Tolerance(shooting.tol))?,
+        forces: chain.mean_contact_forces(&orbit.start(), period, StepControl::Tolerance(shooting.tol))?,
         shooting: *shooting,
         orbit,
     })

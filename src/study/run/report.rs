@@ -262,11 +262,11 @@ pub const RUN_FILES: [&str; 18] = [
 ];
 
 /// Writes the run: `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, and the
-/// pictures; with a contact log also `contacts.csv` and `contacts.npz`, with maxima `maxima.csv` and
-/// `maxima.npz`; last `summary.json`, which is the JSON with the names of all files. Other files of
-/// an earlier run are removed, and its checkpoint as well unless this run was `in_legs`. If the
-/// parts of the chain keep the states, only `summary.json`, without the state, `scene.toml` and
-/// `energy.csv` are written.
+/// pictures; with a contact log also `contacts.csv` and `contacts.npz`, with maxima `maxima.csv`
+/// and `maxima.npz`; last `summary.json`, which is the JSON with the names of all files. Other
+/// files of an earlier run are removed, and its checkpoint as well unless this run was `in_legs`.
+/// If the parts of the chain keep the states, only `summary.json`, without the state, `scene.toml`
+/// and `energy.csv` are written.
 ///
 /// # Errors
 /// A file that cannot be written.

@@ -11,7 +11,7 @@ use crate::{
     random::uniform,
     run::state_at,
 };
-use hertzchain_integrators::{Dop853, Stepper, collocation::Pace, dop853::Options};
+use hertzchain_integrators::{Dop853, Stepper, collocation::StepControl, dop853::Options};
 use num_complex::Complex64;
 
 /// Sites where a breather is smaller than this share of its largest value are left out.
@@ -71,8 +71,8 @@ impl Start {
         let end = horizon / slowness;
         let chain = Chain::new(Params::new(alpha, 1.0, rho)?, Boundary::Free, self.sites())?;
         let state = self.state(&chain, epsilon, options.c_i)?;
-        let pace = Pace::Tolerance((accuracy * slowness).clamp(TOLERANCES.0, TOLERANCES.1));
-        let mut run = chain.collocation(state.as_slice(), (0.0, end), pace)?;
+        let step_control = StepControl::Tolerance((accuracy * slowness).clamp(TOLERANCES.0, TOLERANCES.1));
+        let mut run = chain.collocation(state.as_slice(), (0.0, end), step_control)?;
         let mut solution = self.solution(alpha, horizon)?;
         let (mut found, mut samples, mut before) = (Suprema::default(), 0, 0.0);
         let periods = options.sampling.periods(end, horizon);

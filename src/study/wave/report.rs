@@ -159,8 +159,8 @@ impl WaveStudy {
         Panels { title, columns, caption: scene_caption(&self.scene, &self.caption()) }
     }
 
-    /// `tilde E` of the wave that is shown, with median and range over the seeds, at multiples of the
-    /// period: in between they oscillate.
+    /// `tilde E` of the wave that is shown, with median and range over the seeds, at multiples of
+    /// the period: in between they oscillate.
     fn over_seeds(&self, tables: &[Table], symbol: &str, [own, range]: &[String; 2]) -> Panel {
         let period = self.scene.period();
         let line = |table: &Table, name: &str, column: &str| {

@@ -2,7 +2,7 @@
 
 use super::{ExactWave, Search, repeated};
 use crate::{error::Result, waves::TravellingWave};
-use hertzchain_integrators::{Stepper, collocation::Pace};
+use hertzchain_integrators::{Stepper, collocation::StepControl};
 use std::f64::consts::PI;
 
 /// Largest harmonic of [`Profile::fourier`].
@@ -29,7 +29,7 @@ impl ExactWave {
         let (ring, total) = (cells * m, parts * m);
         let time = setting.period() / m as f64;
         let start = repeated(&self.z, m, cells);
-        let mut run = setting.chain(cells)?.collocation(&start, (0.0, time), Pace::Tolerance(search.tol))?;
+        let mut run = setting.chain(cells)?.collocation(&start, (0.0, time), StepControl::Tolerance(search.tol))?;
         let mut state = start;
         let moving = state.len() == 4 * ring;
         let mut profile = Profile { x: vec![0.0; total], y: vec![0.0; if moving { total } else { 0 }] };

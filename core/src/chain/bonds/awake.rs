@@ -13,10 +13,10 @@
 //! | `A` | amplitude of the part that oscillates |
 //! | `T, h` | time over which the bond must stay open, [`AHEAD`] steps and eight more; a step |
 //!
-//! A bond may sleep if it is open, its force was zero at the last two surveys, and
+//! A bond may sleep if it is open, its force was zero at the last two evaluations, and
 //! `G + (G')_+ T + A + 8 h (abs(G') + omega A) <= 0`, with room for rounding. The last term keeps
-//! the overlaps of three surveys in a row from looking like a turn near zero, also where the bond
-//! wakes between them: a turn counts only if the overlap is below three times its second
+//! the overlaps of three evaluations in a row from looking like a turn near zero, also where the
+//! bond wakes between them: a turn counts only if the overlap is below three times its second
 //! difference.
 //!
 //! A bond that closes pushes its sites from then on. So [`MARGIN`] sites on either side of a bond
@@ -30,7 +30,7 @@ use std::ops::Range;
 /// long as 30 steps of a pulse on them.
 const AHEAD: usize = 256;
 /// Sites on either side of a bond that must be awake when it is corrected. The registers of the
-/// bond and of its neighbours are then surveyed again. They were awake before, since a bond that
+/// bond and of its neighbours are then evaluated again. They were awake before, since a bond that
 /// changes its side stirs or was pushed by a bond beside it; and a pass computes the position of
 /// the site before a stretch.
 const MARGIN: usize = 5;
@@ -76,7 +76,7 @@ pub(super) struct Awake {
     /// Whether all sites are awake.
     whole: bool,
     /// The ranges of sites that are awake.
-    pub(super) stretches: Vec<ActiveRange>,
+    pub(super) ranges: Vec<ActiveRange>,
     /// Steps until all bonds are checked again.
     pub(super) left: usize,
     /// Room for the next value of `registers`.
@@ -87,19 +87,19 @@ impl Awake {
     /// A chain with all sites awake.
     pub(super) fn all(sites: usize) -> Self {
         let registers = vec![true; sites.div_ceil(LANES)];
-        let mut stretches = Vec::with_capacity(registers.len().div_ceil(2));
-        stretches.push(ActiveRange { from: 0, to: 0 });
-        Self { next: registers.clone(), registers, whole: true, stretches, left: 0 }
+        let mut ranges = Vec::with_capacity(registers.len().div_ceil(2));
+        ranges.push(ActiveRange { from: 0, to: 0 });
+        Self { next: registers.clone(), registers, whole: true, ranges, left: 0 }
     }
 
-    /// Finds the stretches of registers that are awake.
-    fn stretch(&mut self, ring: bool) {
-        let Self { registers, whole, stretches, .. } = self;
+    /// Finds the ranges of registers that are awake.
+    fn find_ranges(&mut self, ring: bool) {
+        let Self { registers, whole, ranges, .. } = self;
         let count = registers.len();
-        stretches.clear();
+        ranges.clear();
         *whole = !registers.contains(&false);
         if *whole {
-            stretches.push(ActiveRange { from: 0, to: 0 });
+            ranges.push(ActiveRange { from: 0, to: 0 });
             return;
         }
         for first in 0..count {
@@ -107,7 +107,7 @@ impl Awake {
             if registers[first] && !before {
                 let most = if ring { first + count } else { count };
                 let end = (first..most).find(|k| !registers[k % count]).unwrap_or(most);
-                stretches.push(ActiveRange { from: first * LANES, to: end % count * LANES });
+                ranges.push(ActiveRange { from: first * LANES, to: end % count * LANES });
             }
         }
     }
@@ -189,12 +189,12 @@ impl<F: SiteFlow> CorrectedSplit<F> {
             }
         }
         self.awake.next = std::mem::replace(&mut self.awake.registers, next);
-        self.awake.stretch(self.chain().topology().ring());
+        self.awake.find_ranges(self.chain().topology().ring());
     }
 
     /// Prepares bonds that wake or begin to sleep. Where they wake, their positions and overlaps
-    /// are computed for the present time. In both cases the overlaps of the surveys before are set
-    /// to the present ones, so that they show no turn.
+    /// are computed for the present time. In both cases the overlaps of the evaluations before are
+    /// set to the present ones, so that they show no turn.
     fn turn_over(&mut self, bonds: Range<usize>, awake: bool) {
         if awake {
             for site in bonds.start..bonds.end.min(self.sites) {
@@ -268,7 +268,7 @@ mod tests {
 
     #[test]
     fn what_sleeps_changes_no_bit_and_hides_nothing() {
-        // Truth: kick, drift and survey of all sites, one after the other.
+        // Truth: kick, drift and evaluation of all sites, one after the other.
         let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
         for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
@@ -285,19 +285,19 @@ mod tests {
                         let mut flow = CorrectedSplit::new(LinearFlow::new(chain.clone()));
                         flow.load(&y);
                         flow.prepare(STEP, 3.0);
-                        // Until no survey has zeros before it.
-                        (0..3).for_each(|_| flow.survey());
+                        // Until no evaluation has zeros before it.
+                        (0..3).for_each(|_| flow.evaluate());
                         flow.changed(&mut Vec::new());
                         flow
                     };
                     let (mut row, mut one, pairs) = (run(), run(), [(STEP, DoubleDouble::new(STEP)); 64]);
                     let (mut taken, mut least) = (0, n);
                     while taken < 1200 {
-                        let made = row.kicks_and_surveys(&pairs, 1e-4, true);
+                        let made = row.kicks_and_evaluations(&pairs, 1e-4, true);
                         for _ in 0..made {
                             one.kick(STEP, 1e-4);
                             one.drift(pairs[0].1);
-                            one.survey();
+                            one.evaluate();
                         }
                         let awake = row.awake.registers.iter().filter(|&&awake| awake).count();
                         (taken, least) = (taken + made, least.min(LANES * awake));
@@ -372,8 +372,8 @@ mod tests {
             for ring in [false, true] {
                 let (sites, mut awake) = (7 * LANES - 3, Awake::all(7 * LANES - 3));
                 (0..7).for_each(|k| awake.registers[k] = flags >> k & 1 == 1);
-                awake.stretch(ring);
-                let mut bonds: Vec<usize> = awake.stretches.iter().flat_map(|s| s.bonds(sites)).flatten().collect();
+                awake.find_ranges(ring);
+                let mut bonds: Vec<usize> = awake.ranges.iter().flat_map(|s| s.bonds(sites)).flatten().collect();
                 bonds.sort_unstable();
                 let want: Vec<usize> = (0..=sites).filter(|b| awake.registers[(b / LANES).min(6)]).collect();
                 assert_eq!(bonds, want, "{flags:b} {ring}");

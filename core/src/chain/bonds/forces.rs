@@ -6,15 +6,15 @@ use super::{
     super::{
         Chain, ContactLaw, Topology,
         law::{LANES, Power, with_hertz},
-        sweep::{Sites, push},
+        sweep::{Sites, Visit, push},
     },
     PAD, WORD,
 };
 use hertzchain_integrators::{Column, Real, Vector, VectorKernel};
 use std::ops::Range;
 
-/// The arrays of a survey: positions, and what follows from them, namely overlaps, forces and their
-/// derivatives, and which bonds are closed or turn near zero.
+/// The arrays of an evaluation: positions, and what follows from them, namely overlaps, forces and
+/// their derivatives, and which bonds are closed or turn near zero.
 ///
 /// Columns are whole registers long, with a register more at either end where they begin at `PAD`.
 pub struct Forces<'a> {
@@ -25,28 +25,33 @@ pub struct Forces<'a> {
     pub(super) overlap: Column<'a, f64>,
     pub(super) force: Column<'a, f64>,
     pub(super) slope: Column<'a, f64>,
-    /// Overlaps at the two surveys before, later one first.
+    /// Overlaps at the two evaluations before, later one first.
     pub(super) before: [Column<'a, f64>; 2],
     /// A bit for each bond, [`WORD`] of them in a number.
     pub(super) closed: &'a mut [u64],
     pub(super) turning: &'a mut [u64],
 }
 
-impl Forces<'_> {
-    /// Surveys the bonds of a chain.
-    pub(super) fn survey<S: Sites<f64>>(self, chain: &Chain<f64>, sites: S) {
-        let (topology, law, rest) = (chain.topology(), chain.law(), chain.precompression());
-        f64::run_vector(Survey { topology, law, rest, sites, forces: self });
-    }
+/// Evaluates the bonds of a chain.
+impl<M: Copy> Visit<f64, M> for Forces<'_> {
+    type Output = ();
 
-    /// Surveys the registers at `registers` again, from the positions in `q`. The bits of closed
+    #[inline(always)]
+    fn visit<S: Sites<f64, Moment = M>>(self, chain: &Chain<f64>, sites: S, now: M) {
+        let (topology, law, rest) = (chain.topology(), chain.law(), chain.precompression());
+        f64::run_vector(Evaluation { topology, law, rest, sites, now, forces: self });
+    }
+}
+
+impl Forces<'_> {
+    /// Evaluates the registers at `registers` again, from the positions in `q`. The bits of closed
     /// bonds are not changed.
     pub(super) fn refresh(self, chain: &Chain<f64>, registers: &[usize]) {
         f64::run_vector(Refresh { chain, registers, forces: self });
     }
 }
 
-/// A survey of some registers of [`LANES`] bonds.
+/// An evaluation of some registers of [`LANES`] bonds.
 struct Refresh<'a> {
     chain: &'a Chain<f64>,
     registers: &'a [usize],
@@ -102,7 +107,7 @@ pub(super) fn lanes<V: Vector<f64>>(register: V) -> [f64; LANES] {
 }
 
 /// Sets the bits of a range of bonds, which begins with a register: which of them are closed, and
-/// which turn near zero. `overlaps` are those of now and of the two surveys before, later one
+/// which turn near zero. `overlaps` are those of now and of the two evaluations before, later one
 /// first.
 ///
 /// # Safety
@@ -131,15 +136,16 @@ pub(super) unsafe fn mark<V: Vector<f64>>(
     }
 }
 
-struct Survey<'a, S> {
+struct Evaluation<'a, S: Sites<f64>> {
     topology: Topology,
     law: ContactLaw<f64>,
     rest: f64,
     sites: S,
+    now: S::Moment,
     forces: Forces<'a>,
 }
 
-impl<S: Sites<f64>> VectorKernel<f64> for Survey<'_, S> {
+impl<S: Sites<f64>> VectorKernel<f64> for Evaluation<'_, S> {
     type Output = ();
 
     #[inline(always)]
@@ -154,10 +160,10 @@ impl<S: Sites<f64>> VectorKernel<f64> for Survey<'_, S> {
     }
 }
 
-impl<S: Sites<f64>> Survey<'_, S> {
+impl<S: Sites<f64>> Evaluation<'_, S> {
     #[inline(always)]
     fn lanes<V: Vector<f64>, P: Power<f64>, const STRAIN: bool>(self, power: P) {
-        let Self { topology, law, rest, sites, mut forces } = self;
+        let Self { topology, law, rest, sites, now, mut forces } = self;
         let n = topology.sites();
         let room = (n + 1).next_multiple_of(V::LANES);
         let Forces { q, overlap, force, slope, before: [latest, first], .. } = &forces;
@@ -169,7 +175,7 @@ impl<S: Sites<f64>> Survey<'_, S> {
         // SAFETY: registers begin at most at the last bond, and columns have room
         // for them, as asserted.
         // SAFETY: as above.
-        let (first, last) = unsafe { (sites.positions::<f64>(0), sites.positions::<f64>(n - 1)) };
+        let (first, last) = unsafe { (sites.positions::<f64>(0, &now), sites.positions::<f64>(n - 1, &now)) };
         let (left, right) = topology.ghosts(first, last);
         // SAFETY: as above.
         unsafe { forces.q.store(PAD - 1, left) };
@@ -177,7 +183,7 @@ impl<S: Sites<f64>> Survey<'_, S> {
         for at in (0..=n).step_by(V::LANES) {
             let here =
                 // SAFETY: as above.
-                if at < n { unsafe { sites.positions::<V>(at) }.first((n - at).min(V::LANES), beyond) } else { beyond };
+                if at < n { unsafe { sites.positions::<V>(at, &now) }.first((n - at).min(V::LANES), beyond) } else { beyond };
             let g = if STRAIN { V::all(0.0) - here } else { V::all(rest) + (here.after(before) - here) };
             let (f, by_overlap) = power.raise_with_slope(law.positive_part(g));
             // SAFETY: as above.
@@ -196,9 +202,9 @@ impl<S: Sites<f64>> Survey<'_, S> {
     }
 }
 
-/// The bits of bonds whose overlap turned near zero at the survey before: of three overlaps in a
-/// row the middle one, `g_1`, is the largest or the smallest, and `abs(g_1)` is below `reach` times
-/// the size of their second difference.
+/// The bits of bonds whose overlap turned near zero at the evaluation before: of three overlaps in
+/// a row the middle one, `g_1`, is the largest or the smallest, and `abs(g_1)` is below `reach`
+/// times the size of their second difference.
 #[inline(always)]
 pub(super) fn turning<V: Vector<f64>>(reach: f64, [g0, g1, g2]: [V; 3]) -> u64 {
     let (before, after) = (g1 - g0, g2 - g1);
@@ -216,12 +222,17 @@ pub struct Modified<'a> {
     pub(super) spring: Option<Column<'a, f64>>,
 }
 
-impl Modified<'_> {
-    /// Kicks the sites of a chain by these forces.
-    pub(super) fn kick<S: Sites<f64>>(self, topology: Topology, sites: S) {
-        f64::run_vector(Kick { topology, sites, forces: self });
-    }
+/// Kicks the sites of a chain by these forces.
+impl<M: Copy> Visit<f64, M> for Modified<'_> {
+    type Output = ();
 
+    #[inline(always)]
+    fn visit<S: Sites<f64, Moment = M>>(self, chain: &Chain<f64>, sites: S, now: M) {
+        f64::run_vector(Kick { topology: chain.topology(), sites, now, forces: self });
+    }
+}
+
+impl Modified<'_> {
     /// `F` of the bonds from `at` on, from their forces `f` and those of the registers before and
     /// after.
     ///
@@ -243,9 +254,10 @@ impl Modified<'_> {
     }
 }
 
-struct Kick<'a, S> {
+struct Kick<'a, S: Sites<f64>> {
     topology: Topology,
     sites: S,
+    now: S::Moment,
     forces: Modified<'a>,
 }
 
@@ -265,7 +277,7 @@ impl<S: Sites<f64>> VectorKernel<f64> for Kick<'_, S> {
 impl<S: Sites<f64>> Kick<'_, S> {
     #[inline(always)]
     fn lanes<V: Vector<f64>, const STRAIN: bool>(self) {
-        let Self { topology, mut sites, forces } = self;
+        let Self { topology, mut sites, now, forces } = self;
         let n = topology.sites();
         let room = PAD + (n + 1).next_multiple_of(V::LANES) + V::LANES;
         assert!(sites.room() >= n.next_multiple_of(V::LANES));
@@ -288,7 +300,7 @@ impl<S: Sites<f64>> Kick<'_, S> {
             let here = unsafe { forces.at::<V, STRAIN>(at, [f[0], f[1], next]) };
             if at > 0 {
                 // SAFETY: as above.
-                unsafe { sites.update(at - V::LANES, push::<f64, V, STRAIN>(before, modified, here)) };
+                unsafe { sites.update(at - V::LANES, push::<f64, V, STRAIN>(before, modified, here), &now) };
             }
             (before, modified, f) = (modified, here, [f[1], next]);
         }
@@ -297,7 +309,7 @@ impl<S: Sites<f64>> Kick<'_, S> {
             let none = V::all(0.0);
             let last = push::<f64, V, STRAIN>(before, modified, none).first(rest, none);
             // SAFETY: as above.
-            unsafe { sites.update(n - rest, last) };
+            unsafe { sites.update(n - rest, last, &now) };
         }
     }
 }

@@ -1,22 +1,22 @@
-//! Kicks with modified forces, each with its drift and the survey after it, in one pass.
+//! Kicks with modified forces, each with its drift and the evaluation after it, in one pass.
 //!
 //! A pass kicks sites by their modified forces, drifts them and computes overlaps, forces and
 //! derivatives at the new positions, as in [`rows`](super::super::rows). Modified forces are
-//! computed before it, in a loop of their own, from the survey before: so operations of the pass
-//! wait for fewer others. Forces beyond the ends are loaded bond by bond, so that no register is
-//! loaded that was written in parts.
+//! computed before it, in a loop of their own, from the evaluation before: so operations of the
+//! pass wait for fewer others. Forces beyond the ends are loaded bond by bond, so that no register
+//! is loaded that was written in parts.
 //!
 //! For each register a cheap test finds whether a bond in it may have changed its side or turned
 //! near zero. Only after a pass in which one may have, the exact test follows. One call makes steps
 //! until a bond has. Sites that sleep, see [`awake`](super::awake), are left out: a pass goes over
-//! each stretch of awake sites.
+//! each range of awake sites.
 
 use super::{
     super::{
         Chain, ContactLaw, Topology,
         law::{Power, with_hertz},
-        rows::{Clock, InRow, Moving, given},
-        sweep::{overlaps, push},
+        rows::{Clock, given},
+        sweep::{Sites, Visit, overlaps, push},
     },
     PAD, WORD,
     awake::ActiveRange,
@@ -28,7 +28,7 @@ use std::ops::Range;
 /// Factor by which the cheap test of a pass widens `reach`, so that no rounding hides a turn.
 const WIDER: f64 = 1.0 + 1e-9;
 
-/// Settings and arrays of kicks that are followed by drift and survey in one pass.
+/// Settings and arrays of kicks that are followed by drift and evaluation in one pass.
 pub struct Fused<'a> {
     /// The factor `c` of the modified force `f + c f' s`.
     pub(super) c: f64,
@@ -41,46 +41,45 @@ pub struct Fused<'a> {
     pub(super) awake: &'a [ActiveRange],
     /// Positions, from `PAD` on.
     pub(super) q: Column<'a, f64>,
-    /// Overlaps at the last survey and at the two before, latest first. Each survey exchanges the
-    /// columns, and those of forces and derivatives.
+    /// Overlaps at the last evaluation and at the two before, latest first. Each evaluation
+    /// exchanges the columns, and those of forces and derivatives.
     pub(super) overlaps: [Column<'a, f64>; 3],
-    /// Forces and derivatives, from `PAD` on: those of the last survey, and room for the next.
+    /// Forces and derivatives, from `PAD` on: those of the last evaluation, and room for the next.
     pub(super) forces: [Column<'a, f64>; 2],
     pub(super) slopes: [Column<'a, f64>; 2],
     /// Modified forces, from `PAD` on, with those of neighbours beyond either end; zeros where
     /// sites sleep.
     pub(super) modified: Column<'a, f64>,
     /// A bit for each bond: whether it was closed and whether it had turned near zero at the last
-    /// survey, and whether it was closed at the last call of `changed`.
+    /// evaluation, and whether it was closed at the last call of `changed`.
     pub(super) closed: &'a mut [u64],
     pub(super) turning: &'a mut [u64],
     pub(super) told: &'a [u64],
 }
 
-impl InRow<f64> for Fused<'_> {
+/// At most as many `kicks` as the clock has; returns how many were made.
+pub(super) struct FusedRow<'a, C> {
+    pub(super) fused: Fused<'a>,
+    pub(super) clock: C,
+    pub(super) kicks: usize,
+}
+
+impl<C: Clock> Visit<f64, C::Moment> for FusedRow<'_, C> {
     type Output = usize;
 
     #[inline(always)]
-    fn run<S: Moving<f64>, C: Clock<Moment = S::Moment>>(
-        self,
-        chain: &Chain<f64>,
-        sites: S,
-        clock: C,
-        kicks: usize,
-    ) -> usize {
-        f64::run_vector(Kernel { chain, sites, clock, kicks, fused: self })
+    fn visit<S: Sites<f64, Moment = C::Moment>>(self, chain: &Chain<f64>, sites: S, _now: C::Moment) -> usize {
+        f64::run_vector(Kernel { chain, sites, row: self })
     }
 }
 
 struct Kernel<'a, S, C> {
     chain: &'a Chain<f64>,
     sites: S,
-    clock: C,
-    kicks: usize,
-    fused: Fused<'a>,
+    row: FusedRow<'a, C>,
 }
 
-impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> VectorKernel<f64> for Kernel<'_, S, C> {
+impl<S: Sites<f64>, C: Clock<Moment = S::Moment>> VectorKernel<f64> for Kernel<'_, S, C> {
     type Output = usize;
 
     #[inline(always)]
@@ -95,11 +94,11 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> VectorKernel<f64> for Kernel<
     }
 }
 
-impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
+impl<S: Sites<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
     /// Makes the kicks, and returns how many.
     #[inline(always)]
     fn lanes<V: Vector<f64>, P: Power<f64>, const STRAIN: bool>(self, power: P) -> usize {
-        let Self { chain, mut sites, mut clock, kicks, fused } = self;
+        let Self { chain, mut sites, row: FusedRow { fused, mut clock, kicks } } = self;
         let (topology, n) = (chain.topology(), chain.sites());
         fused.check(n, V::LANES, sites.room());
         let Fused { c, reach, watched, awake, mut q, overlaps, forces, slopes, mut modified, .. } = fused;
@@ -111,23 +110,25 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
         let mut made = 0;
         loop {
             (g, g1, g0, f, f1, slope, slope1) = (g0, g, g1, f1, f, slope1, slope);
-            sites.turn_to(clock.next());
-            let (next, mut seen) = (clock.now(), 0);
-            for &stretch in awake {
+            // The next moment is known after the clock has moved on.
+            let (now, next, mut seen) = (clock.next(), clock.now(), 0);
+            for &range in awake {
                 // SAFETY: as above.
-                unsafe { modify::<V>(topology, c, stretch, [&f1, &slope1], &mut modified) };
+                unsafe { modify::<V>(topology, c, range, [&f1, &slope1], &mut modified) };
             }
-            for &stretch in awake {
+            for &range in awake {
                 let (read, write) = ([&g1, &g0], [&mut q, &mut g, &mut f, &mut slope]);
                 let (law, rest, reach) = (chain.law(), chain.precompression(), reach * WIDER);
-                let survey = Survey { n, law, rest, power, watched, reach, read, write };
+                let evaluation = Evaluation { n, law, rest, power, watched, reach, read, write };
                 // SAFETY: as above.
-                seen |= unsafe { pass::<V, _, _, STRAIN>(topology, &mut sites, &next, stretch, &modified, survey) };
+                seen |= unsafe {
+                    pass::<V, _, _, STRAIN>(topology, &mut sites, [&now, &next], range, &modified, evaluation)
+                };
             }
             made += 1;
             if made == kicks || seen != 0 {
                 // No closure: it would not be compiled for the registers of the pass.
-                for bonds in awake.iter().flat_map(|stretch| stretch.bonds(n)) {
+                for bonds in awake.iter().flat_map(|range| range.bonds(n)) {
                     // SAFETY: as above.
                     unsafe { mark::<V>(bonds, reach, [&g, &g1, &g0], [&mut *closed, &mut *turning]) };
                 }
@@ -137,7 +138,7 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
             }
         }
         if STRAIN {
-            for bonds in awake.iter().flat_map(|stretch| stretch.bonds(n)) {
+            for bonds in awake.iter().flat_map(|range| range.bonds(n)) {
                 for at in (bonds.start..bonds.end.min(n)).step_by(V::LANES) {
                     // SAFETY: as above.
                     unsafe { q.store(PAD + at, V::all(0.0) - g.load(at)) };
@@ -148,7 +149,7 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
     }
 }
 
-/// Stores the modified forces of the bonds of a stretch, and those beyond the ends of the chain,
+/// Stores the modified forces of the bonds of a range, and those beyond the ends of the chain,
 /// from forces and derivatives.
 ///
 /// # Safety
@@ -157,7 +158,7 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
 unsafe fn modify<V: Vector<f64>>(
     topology: Topology,
     c: f64,
-    stretch: ActiveRange,
+    range: ActiveRange,
     [force, slope]: [&Column<'_, f64>; 2],
     to: &mut Column<'_, f64>,
 ) {
@@ -166,7 +167,7 @@ unsafe fn modify<V: Vector<f64>>(
     let of = |b: usize| unsafe { force.load::<f64>(PAD + b) };
     // Forces beyond the ends: on a ring those of the neighbours, else copies of the outer ones.
     let (left, right, after) = if ring { (of(n - 1), of(0), of(1 % n)) } else { (of(0), of(n), of(n)) };
-    for Range { start, end } in stretch.bonds(n) {
+    for Range { start, end } in range.bonds(n) {
         let mut before = V::all(if start > 0 { of(start - 1) } else { left });
         let mut at = start;
         // SAFETY: as above.
@@ -213,47 +214,47 @@ fn modified<V: Vector<f64>>(c: f64, [before, f, behind]: [V; 3], slope: V) -> V 
     f + V::all(c) * slope * ((f.after(before) - f) - (f - f.before(behind)))
 }
 
-/// Kicks and drifts the sites of a stretch by modified `forces`, and surveys their bonds. Returns
+/// Kicks and drifts the sites of a range by modified `forces`, and evaluates their bonds. Returns
 /// bits, which are not all zero where a bond may have changed its side or turned near zero.
 ///
 /// # Safety
 /// Columns have room.
 #[inline(always)]
-unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool>(
+unsafe fn pass<V: Vector<f64>, S: Sites<f64>, P: Power<f64>, const STRAIN: bool>(
     topology: Topology,
     sites: &mut S,
-    next: &S::Moment,
+    [now, next]: [&S::Moment; 2],
     ActiveRange { from, to }: ActiveRange,
     forces: &Column<'_, f64>,
-    mut survey: Survey<'_, '_, P>,
+    mut evaluation: Evaluation<'_, '_, P>,
 ) -> u64 {
     let (n, ring) = (topology.sites(), topology.ring());
     let end = n.next_multiple_of(V::LANES);
     // Overlaps of strains need no neighbour. In a pass over a whole ring the first register is
-    // surveyed last, since its first overlap needs the site before it.
+    // evaluated last, since its first overlap needs the site before it.
     let wait = ring && !STRAIN && from == to;
     let (left, right) = topology.ghosts(0.0, 0.0);
     let (mut q, mut first, mut at, mut seen) = (V::all(left), V::all(left), from, 0);
     // SAFETY: the caller's promise.
     unsafe {
         if wait {
-            first = sites.advance(at, given::<f64, V, STRAIN>(forces, n, at), next);
+            first = sites.advance(at, given::<f64, V, STRAIN>(forces, n, at), now, next);
             (q, at) = (if at + V::LANES < n { first } else { first.spread(n - 1 - at) }, at + V::LANES);
         } else if !STRAIN && from != to && (ring || from > 0) {
             // The site before sleeps: nothing pushes it.
             let site = if from > 0 { from - 1 } else { n - 1 };
-            let before = sites.advance(site, 0.0, next);
-            survey.write[0].store(PAD + site, before);
+            let before = sites.advance(site, 0.0, now, next);
+            evaluation.write[0].store(PAD + site, before);
             q = V::all(before);
         }
         let wraps = to <= from;
         for registers in [at..if wraps { end } else { to }, 0..if wraps { to } else { 0 }] {
-            (q, seen) = part::<V, S, P, STRAIN>(sites, next, registers, (q, seen), forces, &mut survey);
+            (q, seen) = part::<V, S, P, STRAIN>(sites, [now, next], registers, (q, seen), forces, &mut evaluation);
         }
         if wait {
-            seen |= survey.bonds::<V, STRAIN>(from, q, first);
+            seen |= evaluation.bonds::<V, STRAIN>(from, q, first);
         } else if !ring && (from == to || to == 0) {
-            seen |= survey.bonds::<f64, STRAIN>(n, lanes(q)[0], right);
+            seen |= evaluation.bonds::<f64, STRAIN>(n, lanes(q)[0], right);
         }
     }
     seen
@@ -265,15 +266,15 @@ unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
 /// # Safety
 /// Columns have room.
 #[inline(always)]
-unsafe fn part<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool>(
+unsafe fn part<V: Vector<f64>, S: Sites<f64>, P: Power<f64>, const STRAIN: bool>(
     sites: &mut S,
-    next: &S::Moment,
+    [now, next]: [&S::Moment; 2],
     registers: Range<usize>,
     (mut q, mut seen): (V, u64),
     forces: &Column<'_, f64>,
-    survey: &mut Survey<'_, '_, P>,
+    evaluation: &mut Evaluation<'_, '_, P>,
 ) -> (V, u64) {
-    let (n, mut at) = (survey.n, registers.start);
+    let (n, mut at) = (evaluation.n, registers.start);
     if registers.is_empty() {
         return (q, seen);
     }
@@ -282,14 +283,14 @@ unsafe fn part<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
         let (mut before, mut f) = (V::all(forces.load::<f64>(PAD + at - 1)), forces.load::<V>(PAD + at));
         while at < registers.end && at + V::LANES < n {
             let after = forces.load(PAD + at + V::LANES);
-            let here = sites.advance(at, push::<f64, V, STRAIN>(before, f, after), next);
-            seen |= survey.bonds::<V, STRAIN>(at, q, here);
+            let here = sites.advance(at, push::<f64, V, STRAIN>(before, f, after), now, next);
+            seen |= evaluation.bonds::<V, STRAIN>(at, q, here);
             (q, before, f) = (here, f, after);
             at += V::LANES;
         }
         if at < registers.end {
-            let here = sites.advance(at, given::<f64, V, STRAIN>(forces, n, at), next);
-            seen |= survey.bonds::<V, STRAIN>(at, q, here);
+            let here = sites.advance(at, given::<f64, V, STRAIN>(forces, n, at), now, next);
+            seen |= evaluation.bonds::<V, STRAIN>(at, q, here);
             q = here.spread(n - 1 - at);
         }
     }
@@ -300,7 +301,7 @@ impl Fused<'_> {
     /// Asserts that columns have room for registers that begin at most at the last bond.
     fn check(&self, n: usize, lanes: usize, sites: usize) {
         let room = (n + 1).next_multiple_of(lanes);
-        assert!(self.awake.iter().all(|stretch| stretch.from.max(stretch.to) < n), "stretches are of the chain");
+        assert!(self.awake.iter().all(|range| range.from.max(range.to) < n), "ranges are of the chain");
         assert!(sites >= n.next_multiple_of(lanes), "columns are whole registers");
         assert!(self.overlaps.iter().all(|column| column.len() >= room));
         let padded = self.forces.iter().chain(&self.slopes).chain([&self.q, &self.modified]);
@@ -320,7 +321,7 @@ unsafe fn sides<V: Vector<f64>>(
     told: &[u64],
 ) -> bool {
     let mut differences = 0;
-    for bonds in awake.iter().flat_map(|stretch| stretch.bonds(topology.sites())) {
+    for bonds in awake.iter().flat_map(|range| range.bonds(topology.sites())) {
         let end = bonds.end.min(topology.touching().end);
         for at in (bonds.start..end).step_by(V::LANES) {
             // SAFETY: the caller's promise.
@@ -349,8 +350,8 @@ fn low(bits: usize) -> u64 {
     u64::MAX >> WORD.saturating_sub(bits)
 }
 
-/// The survey of a pass, register by register.
-struct Survey<'a, 'b, P> {
+/// The evaluation of a pass, register by register.
+struct Evaluation<'a, 'b, P> {
     n: usize,
     law: ContactLaw<f64>,
     /// Overlap at rest.
@@ -359,15 +360,15 @@ struct Survey<'a, 'b, P> {
     /// Whether bonds are tested.
     watched: bool,
     reach: f64,
-    /// Overlaps at the two surveys before, later one first.
+    /// Overlaps at the two evaluations before, later one first.
     read: [&'a Column<'b, f64>; 2],
     /// Positions (not written if they are strains, which follow from the overlaps), overlaps,
     /// forces and derivatives.
     write: [&'a mut Column<'b, f64>; 4],
 }
 
-impl<P: Power<f64>> Survey<'_, '_, P> {
-    /// Surveys the bonds to the left of the sites from `at` on; `q` are the positions of these
+impl<P: Power<f64>> Evaluation<'_, '_, P> {
+    /// Evaluates the bonds to the left of the sites from `at` on; `q` are the positions of these
     /// sites and `before` those of the register before. Returns bits, which are not all zero where
     /// a bond has changed its side or may have turned near zero.
     #[inline(always)]
@@ -389,8 +390,8 @@ impl<P: Power<f64>> Survey<'_, '_, P> {
             [self.read[0].load(at), self.read[1].load(at)]
         };
         // An overlap that turns near zero is near zero: the test for a turn itself is left out.
-        let bend = ((g - g1) - (g1 - g0)).size();
-        let seen = g.positive() ^ g1.positive() | (V::all(self.reach) * bend).exceeds(g1.size());
+        let curvature = ((g - g1) - (g1 - g0)).size();
+        let seen = g.positive() ^ g1.positive() | (V::all(self.reach) * curvature).exceeds(g1.size());
         if V::LANES > 1 && at + V::LANES > self.n { seen & low(self.n - at) } else { seen }
     }
 }

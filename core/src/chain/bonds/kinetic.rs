@@ -2,8 +2,10 @@
 //! moves them.
 
 use super::{
-    super::{Chain, KineticFlow, kinetic::Drifts, rows::InRow, sweep::Visit},
-    Forces, Fused, Kick, Lanes, Modified, SiteFlow, Survey, gathered,
+    super::{Chain, KineticFlow, kinetic::Drifts},
+    Forces, Fused, Lanes, Modified, SiteFlow,
+    fused::FusedRow,
+    gathered,
 };
 use hertzchain_integrators::{DoubleDouble, Vector, splitting::corrected::Correction};
 
@@ -12,9 +14,8 @@ impl SiteFlow for KineticFlow<f64> {
         &self.chain
     }
 
-    fn survey(&mut self, forces: Forces<'_>) {
-        let (chain, beads) = self.beads(0.0, 0.0);
-        Survey(forces).visit(chain, beads);
+    fn evaluate(&mut self, forces: Forces<'_>) {
+        self.visit_beads(0.0, forces);
     }
 
     fn bead(&self, site: usize) -> (f64, f64) {
@@ -60,17 +61,15 @@ impl SiteFlow for KineticFlow<f64> {
         }
     }
 
-    fn push_and_survey(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize {
-        let (chain, beads) = self.beads(0.0, 0.0);
-        let clock = Drifts { params: chain.params(), pairs: pairs.iter() };
-        fused.run(chain, beads, clock, pairs.len())
+    fn push_and_evaluate(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize {
+        let clock = Drifts { params: self.chain.params(), pairs: pairs.iter() };
+        self.visit_beads(0.0, FusedRow { fused, clock, kicks: pairs.len() })
     }
 
     #[allow(clippy::needless_range_loop, reason = "a loop over sites reads like the formula")]
     fn push(&mut self, kick: f64, forces: Modified<'_>, a: &[f64]) {
         let (n, params, c) = (self.chain.sites(), self.chain.params(), forces.c);
-        let (chain, beads) = self.beads(kick, 0.0);
-        Kick(forces).visit(chain, beads);
+        self.visit_beads(kick, forces);
         let moving = self.chain.layout().resonators();
         let per_rho = if moving { params.kappa / params.rho } else { 0.0 };
         if params.omega() == 0.0 {

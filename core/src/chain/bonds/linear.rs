@@ -2,7 +2,9 @@
 
 use super::{
     super::{Chain, LinearFlow, sweep::Swept},
-    Forces, Fused, Kick, Lanes, Modified, SiteFlow, Survey, gathered,
+    Forces, Fused, Lanes, Modified, SiteFlow,
+    fused::FusedRow,
+    gathered,
 };
 use hertzchain_integrators::{DoubleDouble, Vector, splitting::corrected::Correction};
 
@@ -11,8 +13,8 @@ impl SiteFlow for LinearFlow<f64> {
         &self.chain
     }
 
-    fn survey(&mut self, forces: Forces<'_>) {
-        self.visit(self.now(0.0), Survey(forces));
+    fn evaluate(&mut self, forces: Forces<'_>) {
+        self.visit(self.now(0.0), forces);
     }
 
     fn bead(&self, site: usize) -> (f64, f64) {
@@ -75,13 +77,13 @@ impl SiteFlow for LinearFlow<f64> {
 
     fn push(&mut self, kick: f64, forces: Modified<'_>, _a: &[f64]) {
         self.count_kick();
-        self.visit(self.now(kick), Kick(forces));
+        self.visit(self.now(kick), forces);
     }
 
-    fn push_and_survey(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize {
+    fn push_and_evaluate(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize {
         self.count_kick();
         let most = self.kicks_to_anchor().min(pairs.len());
-        let made = self.in_row(&pairs[..most], fused);
+        let made = self.in_row(&pairs[..most], |clock| FusedRow { fused, clock, kicks: most });
         self.kicks += made as u32 - 1;
         made
     }

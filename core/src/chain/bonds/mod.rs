@@ -3,8 +3,8 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | bond `b` | lies to the left of site `b`; all chains have `n + 1` bonds here: the outer two of a free chain never close, on a ring they are the same |
-//! | survey | computation of positions, overlaps, forces and `f'` of all bonds at one time, and of which bonds are closed or turn near zero |
-//! | turn | an overlap that is larger or smaller than at the surveys before and after; near zero if it is below `reach` times its second difference |
+//! | evaluation | computation of positions, overlaps, forces and `f'` of all bonds at one time, and of which bonds are closed or turn near zero |
+//! | turn | an overlap that is larger or smaller than at the evaluations before and after; near zero if it is below `reach` times its second difference |
 //! | `f, f'` | contact forces and their derivatives by the overlap |
 //! | `a` | accelerations of sites by the forces of the kick |
 //! | `F` | modified forces `f + c f' s`, `s` the acceleration of the overlap |
@@ -19,10 +19,10 @@ use awake::Awake;
 use forces::{Forces, Modified};
 use fused::Fused;
 
-use super::{Chain, aligned::Aligned, law::LANES, rows::Moving, sweep::Visit};
+use super::{Chain, aligned::Aligned, law::LANES};
 use hertzchain_integrators::{
     DoubleDouble, Error, SplitFlow, Stepper, Vector,
-    collocation::Pace,
+    collocation::StepControl,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
 };
 
@@ -42,7 +42,7 @@ pub trait SiteFlow: SplitFlow<f64> {
     /// The chain.
     fn chain(&self) -> &Chain<f64>;
     /// Writes the positions of sites into `forces`, and computes overlaps and forces from them.
-    fn survey(&mut self, forces: Forces<'_>);
+    fn evaluate(&mut self, forces: Forces<'_>);
     /// Position and velocity of a bead.
     fn bead(&self, site: usize) -> (f64, f64);
     /// `[velocity, p, p']` of several beads, one in each lane; `p` is the part of its position that
@@ -72,16 +72,16 @@ pub trait SiteFlow: SplitFlow<f64> {
     /// kick: `-kappa (d + c d'')`, where `d` is the stretch of a spring and `d''` comes from the
     /// accelerations `a` of beads.
     fn push(&mut self, kick: f64, forces: Modified<'_>, a: &[f64]);
-    /// [`push`](Self::push), drift and [`survey`](Self::survey) in one pass, where springs are not
-    /// part of the kick; at most once for each of `pairs`, the durations of a kick and a drift.
+    /// [`push`](Self::push), drift and [`evaluate`](Self::evaluate) in one pass, where springs are
+    /// not part of the kick; at most once for each of `pairs`, the durations of a kick and a drift.
     /// Returns how many passes were made.
-    fn push_and_survey(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize;
+    fn push_and_evaluate(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize;
 }
 
 /// A split of the chain with the kicks of contact-corrected splitting.
 ///
-/// Each survey exchanges the arrays of the latest surveys with each other; as they lie behind
-/// pointers, that is cheap.
+/// Each evaluation exchanges the arrays of the latest evaluations with each other; as they lie
+/// behind pointers, that is cheap.
 ///
 /// Arrays are longer than the chain, so that loops over whole registers need no remainder; the
 /// numbers beyond the chain are not used.
@@ -90,25 +90,25 @@ pub struct CorrectedSplit<F> {
     sites: usize,
     /// Positions of sites, from `PAD` on, with one position of a neighbour beyond either end.
     q: Aligned<f64>,
-    /// Overlaps of bonds at the last survey.
+    /// Overlaps of bonds at the last evaluation.
     overlap: Box<Aligned<f64>>,
-    /// Overlaps at the two surveys before the last, later one first.
+    /// Overlaps at the two evaluations before the last, later one first.
     overlaps_before: [Box<Aligned<f64>>; 2],
-    /// Forces `f` of bonds and their derivatives `f'` at the last survey, from `PAD` on, with the
-    /// force of a neighbour beyond either end.
+    /// Forces `f` of bonds and their derivatives `f'` at the last evaluation, from `PAD` on, with
+    /// the force of a neighbour beyond either end.
     force: Box<Aligned<f64>>,
     slope: Box<Aligned<f64>>,
-    /// `f` and `f'` at the survey before.
+    /// `f` and `f'` at the evaluation before.
     force_before: Box<Aligned<f64>>,
     slope_before: Box<Aligned<f64>>,
     /// Modified forces of the last kick that was made in a row, from `PAD` on.
     modified: Aligned<f64>,
-    /// A bit for each bond: whether it was closed at the last survey, and whether it was closed at
-    /// the last call of [`changed`](BondFlow::changed).
+    /// A bit for each bond: whether it was closed at the last evaluation, and whether it was closed
+    /// at the last call of [`changed`](BondFlow::changed).
     closed: Vec<u64>,
     told: Vec<u64>,
-    /// Forces of springs on beads at the last survey and the one before, from `PAD` on; empty where
-    /// springs are part of the drift.
+    /// Forces of springs on beads at the last evaluation and the one before, from `PAD` on; empty
+    /// where springs are part of the drift.
     spring: Box<Aligned<f64>>,
     spring_before: Box<Aligned<f64>>,
     /// A bit for each bond: whether its overlap has turned near zero.
@@ -117,8 +117,8 @@ pub struct CorrectedSplit<F> {
     reach: f64,
     /// Accelerations of sites, where springs are part of the kick.
     a: Aligned<f64>,
-    /// The step size, and [`swung`] of it.
-    swung: (f64, f64),
+    /// The step size, and [`tan_ratio`] of it.
+    tan_ratio: (f64, f64),
     /// Registers of bonds whose sites the last corrections have moved; some more than once.
     moved: Vec<usize>,
     /// Which sites are worked on. Other sites have forces of zero, and positions and overlaps that
@@ -152,7 +152,7 @@ impl<F: SiteFlow> CorrectedSplit<F> {
             turning: vec![0; (sites + 1).div_ceil(WORD)],
             reach: 0.0,
             a: Aligned::zeros(sites),
-            swung: (0.0, 1.0),
+            tan_ratio: (0.0, 1.0),
             moved: Vec::with_capacity(3 * sites + 3),
             awake: Awake::all(sites),
         }
@@ -173,14 +173,14 @@ impl<F: SiteFlow> CorrectedSplit<F> {
         self.chain().topology().ring()
     }
 
-    /// Exchanges the arrays of the latest surveys as that many surveys do.
+    /// Exchanges the arrays of the latest evaluations as that many evaluations do.
     #[inline]
-    fn keep(&mut self, surveys: usize) {
-        for _ in 0..surveys % 3 {
+    fn keep(&mut self, evaluations: usize) {
+        for _ in 0..evaluations % 3 {
             self.overlaps_before.swap(0, 1);
             std::mem::swap(&mut self.overlap, &mut self.overlaps_before[0]);
         }
-        if surveys % 2 == 1 {
+        if evaluations % 2 == 1 {
             std::mem::swap(&mut self.force, &mut self.force_before);
             std::mem::swap(&mut self.slope, &mut self.slope_before);
             std::mem::swap(&mut self.spring, &mut self.spring_before);
@@ -227,7 +227,7 @@ impl<F: SiteFlow> CorrectedSplit<F> {
         (f[0], f[n + 2]) = if ring { (f[n], f[2]) } else { (f[1], f[n + 1]) };
     }
 
-    /// Surveys the registers of `moved` again.
+    /// Evaluates the registers of `moved` again.
     #[inline(always)]
     fn refresh(&mut self) {
         let Self { flow, q, overlap, overlaps_before: [latest, first], force, slope, turning, .. } = self;
@@ -268,18 +268,19 @@ impl<F: SiteFlow> CorrectedSplit<F> {
         let change = if h > 0.0 { (now - before) / V::all(h) } else { none };
         let (share, half) = (h * h / 12.0, V::all(0.25 * h) * (before + now));
         // To the chord's rate the bends add s h/2 + s' h^2/12, and processing adds s' h^2/12.
-        let (overlap, bend) = (g + V::all(share) * now, V::all(2.0 * share) * change);
+        let (overlap, curvature) = (g + V::all(share) * now, V::all(2.0 * share) * change);
         if omega == 0.0 {
-            let rate = rate + (half + bend);
+            let rate = rate + (half + curvature);
             return BondPath { overlap, rate, acceleration: [now, none], jerk: [change, none], omega };
         }
         let (m, mu, stiffness) = (V::all(m), V::all(mu), V::all(omega * omega));
-        let swung = mu * (V::all(if h == self.swung.0 { self.swung.1 } else { swung(omega, h) }) * half + bend);
+        let oscillating = mu
+            * (V::all(if h == self.tan_ratio.0 { self.tan_ratio.1 } else { tan_ratio(omega, h) }) * half + curvature);
         BondPath {
             overlap,
-            rate: rate + (m * (half + bend) + swung),
+            rate: rate + (m * (half + curvature) + oscillating),
             acceleration: [m * now, mu * now - stiffness * p],
-            jerk: [m * change, mu * change - stiffness * (p_dot + swung)],
+            jerk: [m * change, mu * change - stiffness * (p_dot + oscillating)],
             omega,
         }
     }
@@ -334,7 +335,7 @@ impl<F: SiteFlow> CorrectedSplit<F> {
     /// rates.
     fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 4]> {
         let n = self.sites;
-        self.survey();
+        self.evaluate();
         let first = self.chain().touching().start;
         let mut rates = vec![0.0; n + 1];
         for (index, side) in sides.iter().enumerate() {
@@ -386,30 +387,10 @@ fn gathered<V: Vector<f64>>(numbers: &[f64], at: &Lanes) -> V {
     V::by_lane(|k| unsafe { *numbers.get_unchecked(at[k]) })
 }
 
-/// A survey, as work on the sites of a flow.
-struct Survey<'a>(Forces<'a>);
-
-impl<M> Visit<f64, M> for Survey<'_> {
-    #[inline(always)]
-    fn visit<S: Moving<f64, Moment = M>>(self, chain: &Chain<f64>, sites: S) {
-        self.0.survey(chain, sites);
-    }
-}
-
-/// A kick with modified forces, as work on the sites of a flow.
-struct Kick<'a>(Modified<'a>);
-
-impl<M> Visit<f64, M> for Kick<'_> {
-    #[inline(always)]
-    fn visit<S: Moving<f64, Moment = M>>(self, chain: &Chain<f64>, sites: S) {
-        self.0.kick(chain.topology(), sites);
-    }
-}
-
 /// `tan(omega h/2)/(omega h/2)`: the rate, at the end of a step, of the oscillation under a
 /// constant force that is zero at both ends of the step, in units of that rate without springs. 1
 /// where `omega h/2` is below 1e-4, or so large that steps are too long for the formula.
-fn swung(omega: f64, h: f64) -> f64 {
+fn tan_ratio(omega: f64, h: f64) -> f64 {
     let turn = 0.5 * omega * h;
     if (1e-4..1.0).contains(&turn) { turn.tan() / turn } else { 1.0 }
 }
@@ -437,7 +418,7 @@ impl<F: SiteFlow> SplitFlow<f64> for CorrectedSplit<F> {
     fn copy_from(&mut self, other: &Self) {
         self.wake();
         self.flow.copy_from(&other.flow);
-        (self.swung, self.reach) = (other.swung, other.reach);
+        (self.tan_ratio, self.reach) = (other.tan_ratio, other.reach);
         for (to, from) in [
             (&mut self.q, &other.q),
             (&mut *self.overlap, &*other.overlap),
@@ -458,7 +439,7 @@ impl<F: SiteFlow> SplitFlow<f64> for CorrectedSplit<F> {
     }
 
     fn kick_drift(&mut self, kick: f64, drift: DoubleDouble<f64>) {
-        self.survey();
+        self.evaluate();
         self.kick(kick, 0.0);
         self.flow.drift(drift);
     }
@@ -466,7 +447,7 @@ impl<F: SiteFlow> SplitFlow<f64> for CorrectedSplit<F> {
 
 impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
     fn prepare(&mut self, h: f64, reach: f64) {
-        (self.swung, self.reach) = ((h, swung(self.flow.response().2, h)), reach);
+        (self.tan_ratio, self.reach) = ((h, tan_ratio(self.flow.response().2, h)), reach);
     }
 
     fn exponent(&self) -> f64 {
@@ -477,7 +458,7 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
         self.chain().touching().len()
     }
 
-    fn survey(&mut self) {
+    fn evaluate(&mut self) {
         self.wake();
         self.keep(1);
         let n = self.sites;
@@ -491,7 +472,7 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
         }
         let Self { flow, q, overlap, overlaps_before: [latest, first], force, slope, closed, turning, reach, .. } =
             self;
-        flow.survey(Forces {
+        flow.evaluate(Forces {
             reach: *reach,
             q: q.column(),
             overlap: overlap.column(),
@@ -505,12 +486,12 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
     }
 
     #[inline]
-    fn kicks_and_surveys(&mut self, pairs: &[(f64, DoubleDouble<f64>)], c: f64, watched: bool) -> usize {
+    fn kicks_and_evaluations(&mut self, pairs: &[(f64, DoubleDouble<f64>)], c: f64, watched: bool) -> usize {
         if !self.spring.is_empty() {
             let (kick, drift) = pairs[0];
             self.kick(kick, c);
             self.drift(drift);
-            self.survey();
+            self.evaluate();
             return 1;
         }
         if !watched {
@@ -520,13 +501,13 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
         }
         let pairs = if watched { &pairs[..pairs.len().min(self.awake.left)] } else { pairs };
         let Self { flow, q, overlap, overlaps_before: [latest, first], closed, turning, told, awake, .. } = self;
-        let made = flow.push_and_survey(
+        let made = flow.push_and_evaluate(
             pairs,
             Fused {
                 c,
                 reach: self.reach,
                 watched,
-                awake: &awake.stretches,
+                awake: &awake.ranges,
                 q: q.column(),
                 overlaps: [overlap.column(), latest.column(), first.column()],
                 forces: [self.force.column(), self.force_before.column()],
@@ -576,8 +557,8 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
 
     fn force(&self, bond: usize) -> (f64, f64) {
         let b = self.bond(bond);
-        let (recoil, force) = (self.chain().topology().recoil(b), self.force[PAD + b]);
-        (force, self.pull(b, &self.force, &self.spring) - recoil * force)
+        let (mobility, force) = (self.chain().topology().mobility(b), self.force[PAD + b]);
+        (force, self.pull(b, &self.force, &self.spring) - mobility * force)
     }
 
     fn path(&self, bond: usize) -> BondPath {
@@ -594,7 +575,7 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
         }
         let now = self.pulls(&b, &self.force, &self.spring);
         let before = self.pulls(&b, &self.force_before, &self.spring_before);
-        let mobility = V::by_lane(|k| self.chain().topology().recoil(b[k]));
+        let mobility = V::by_lane(|k| self.chain().topology().mobility(b[k]));
         BondView { path: self.path_of(self.motions(&b), [before, now], h), mobility, pull: [before, now] }
     }
 
@@ -654,10 +635,10 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
         let half = y.len() / 2;
         let turn = |y: &mut [f64]| y[half..].iter_mut().for_each(|velocity| *velocity = -*velocity);
         turn(y);
-        let window = Pace::Windows { windows: 1, nodes: INSIDE, neighbours: true };
+        let window = StepControl::Windows { windows: 1, nodes: INSIDE, neighbours: true };
         // The iteration of a window that is too long for the stiffness of its contacts does not
         // converge; a run with a tolerance takes shorter windows.
-        let settled = self.run_on(y, by, window).or_else(|_| self.run_on(y, by, Pace::Tolerance(TOLERANCE)));
+        let settled = self.run_on(y, by, window).or_else(|_| self.run_on(y, by, StepControl::Tolerance(TOLERANCE)));
         if settled.is_err() {
             // The caller gets NaN, not a wrong state.
             y.fill(f64::NAN);
@@ -668,8 +649,8 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
 
 impl<F: SiteFlow> CorrectedSplit<F> {
     /// Moves a state on by contact collocation.
-    fn run_on(&self, y: &mut [f64], by: f64, pace: Pace) -> Result<(), Error> {
-        let mut run = self.chain().collocation(y, (0.0, by), pace)?;
+    fn run_on(&self, y: &mut [f64], by: f64, step_control: StepControl) -> Result<(), Error> {
+        let mut run = self.chain().collocation(y, (0.0, by), step_control)?;
         while !run.done() {
             run.step()?;
         }
@@ -688,20 +669,20 @@ mod tests {
     };
 
     /// Bits of the arrays after each of some steps and of the final state; each step in one fused
-    /// pass, or as kick, drift and survey.
+    /// pass, or as kick, drift and evaluation.
     fn steps<F: SiteFlow>(flow: F, y: &[f64], fused: bool) -> Vec<u64> {
         let (mut flow, mut out) = (CorrectedSplit::new(flow), Vec::new());
         flow.load(y);
         flow.prepare(0.02, 3.0);
-        flow.survey();
+        flow.evaluate();
         for k in 0..70 {
             let (kick, c, drift) = (0.01 + 1e-4 * f64::from(k % 3), 1e-3, DoubleDouble::new(0.02));
             if fused {
-                flow.kicks_and_surveys(&[(kick, drift)], c, false);
+                flow.kicks_and_evaluations(&[(kick, drift)], c, false);
             } else {
                 flow.kick(kick, c);
                 flow.drift(drift);
-                flow.survey();
+                flow.evaluate();
             }
             let end = flow.sites + 1;
             for column in [&flow.q[PAD - 1..], &flow.overlap, &flow.force[PAD..], &flow.slope[PAD..]] {
@@ -716,8 +697,8 @@ mod tests {
     }
 
     #[test]
-    fn a_kick_that_surveys_has_the_bits_of_one_thing_after_the_other() {
-        // Truth: kick, drift and survey, each in a pass of its own.
+    fn a_kick_that_evaluates_has_the_bits_of_one_thing_after_the_other() {
+        // Truth: kick, drift and evaluation, each in a pass of its own.
         let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
         for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
@@ -744,7 +725,7 @@ mod tests {
     }
 
     #[test]
-    fn kicks_in_a_row_end_at_the_first_survey_that_has_something_to_tell() {
+    fn kicks_in_a_row_end_at_the_first_evaluation_that_has_something_to_tell() {
         // Truth: one kick at a time, and what it tells of bonds; the state at the end of each row.
         let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
@@ -756,7 +737,7 @@ mod tests {
                         let mut flow = CorrectedSplit::new(LinearFlow::new(chain.clone()));
                         flow.load(&y);
                         flow.prepare(0.02, 3.0);
-                        flow.survey();
+                        flow.evaluate();
                         flow.changed(&mut Vec::new());
                         flow
                     };
@@ -770,11 +751,11 @@ mod tests {
                     };
                     let (mut taken, mut ends) = (0, 0);
                     while taken < 400 {
-                        let made = row.kicks_and_surveys(&pairs, 1e-4, true);
+                        let made = row.kicks_and_evaluations(&pairs, 1e-4, true);
                         for k in 0..made {
                             one.kick(0.02, 1e-4);
                             one.drift(DoubleDouble::new(0.02));
-                            one.survey();
+                            one.evaluate();
                             if k + 1 < made {
                                 let quiet = tell(&mut one);
                                 assert!(quiet.0.is_empty() && quiet.1.is_empty(), "{boundary:?} {n} {set} {quiet:?}");

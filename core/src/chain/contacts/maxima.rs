@@ -23,12 +23,12 @@ pub(super) struct Maxima {
     share: f64,
     found: Vec<Maximum>,
     largest: BTreeMap<usize, f64>,
-    closed: BTreeMap<usize, Course>,
+    closed: BTreeMap<usize, Trend>,
 }
 
 /// The overlap of a closed bond since its last maximum or minimum.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Course {
+struct Trend {
     rises: bool,
     /// Time and value of the largest overlap if it rises, of the least one if it falls.
     extreme: (f64, f64),
@@ -47,18 +47,18 @@ impl Maxima {
     /// Where it begins, the stretch before has ended, but for errors of the method: of the two
     /// values there, only that of the end counts.
     pub(super) fn press(&mut self, bond: usize, curve: &Curve) {
-        let start = Course { rises: false, extreme: (curve.start(), curve.values()[0]) };
-        let course = self.closed.entry(bond).or_insert(start);
+        let start = Trend { rises: false, extreme: (curve.start(), curve.values()[0]) };
+        let trend = self.closed.entry(bond).or_insert(start);
         let largest = self.largest.entry(bond).or_insert(0.0);
         let [end, last, _] = curve.end();
-        curve.turns(|point| course.go_on(bond, point, (self.share, largest), &mut self.found));
-        course.go_on(bond, (end, last), (self.share, largest), &mut self.found);
+        curve.turns(|point| trend.go_on(bond, point, (self.share, largest), &mut self.found));
+        trend.go_on(bond, (end, last), (self.share, largest), &mut self.found);
     }
 
     /// A bond opens: its overlap is zero.
     pub(super) fn part(&mut self, bond: usize, t: f64) {
-        if let (Some(mut course), Some(largest)) = (self.closed.remove(&bond), self.largest.get_mut(&bond)) {
-            course.go_on(bond, (t, 0.0), (self.share, largest), &mut self.found);
+        if let (Some(mut trend), Some(largest)) = (self.closed.remove(&bond), self.largest.get_mut(&bond)) {
+            trend.go_on(bond, (t, 0.0), (self.share, largest), &mut self.found);
         }
     }
 
@@ -72,7 +72,7 @@ impl Maxima {
     }
 }
 
-impl Course {
+impl Trend {
     /// Goes on to a point, between which and the last one the overlap only rises or only falls.
     fn go_on(&mut self, bond: usize, point: (f64, f64), (share, largest): (f64, &mut f64), found: &mut Vec<Maximum>) {
         *largest = largest.max(point.1);

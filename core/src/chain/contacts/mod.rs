@@ -45,16 +45,27 @@ const ROUNDING: f64 = 1024.0 * f64::EPSILON;
 /// a method does not know whether such beads part or meet.
 const FAINT: f64 = 1e-5;
 
-/// The overlaps of all bonds that can close, as event functions.
+/// The overlaps of all bonds that can close, as event functions; and, if they are asked for, a
+/// function for each bond that dissipates, which is positive where the contact pushes.
 #[derive(Clone, Debug)]
 pub struct Overlaps<R> {
     chain: Chain<R>,
+    /// Bonds that dissipate, if their functions are asked for.
+    lossy: Vec<usize>,
+    told: bool,
 }
 
 impl<R: Real> Overlaps<R> {
     /// The overlaps of a chain.
     pub fn new(chain: Chain<R>) -> Self {
-        Self { chain }
+        Self { chain, lossy: Vec::new(), told: false }
+    }
+
+    /// All events of a chain, for methods that stop at each: contacts close or open, and contacts
+    /// that dissipate begin or cease to push while beads overlap. `told`: see
+    /// [`EventFunctions::told`].
+    pub fn with_pushes(chain: Chain<R>, told: bool) -> Self {
+        Self { lossy: chain.lossy(), chain, told }
     }
 
     /// The bond of function `index`. The outer bonds of a free chain never close and have no
@@ -64,28 +75,46 @@ impl<R: Real> Overlaps<R> {
     }
 }
 
+// States may be followed by other numbers, as the columns of variations are.
 impl<R: Real> EventFunctions<R> for Overlaps<R> {
     fn count(&self) -> usize {
-        self.chain.touching().len()
+        self.chain.touching().len() + self.lossy.len()
     }
 
     fn values(&self, _t: R, y: &[R], g: &mut [R]) {
-        let u = self.chain.layout.u(y);
-        self.chain.across_bonds(self.chain.precompression, |i| u[i], g);
-        if let Some(parts) = self.chain.parts() {
-            for (g, bond) in g.iter_mut().zip(self.chain.touching()) {
-                *g += parts.bonds[bond].rest;
-            }
+        let (chain, layout, bonds) = (&self.chain, self.chain.layout, self.chain.touching());
+        let (overlaps, pushes) = g.split_at_mut(bonds.len());
+        chain.across_bonds(chain.precompression, |i| layout.u(y)[i], overlaps);
+        let Some(parts) = chain.parts() else { return };
+        for (overlap, bond) in overlaps.iter_mut().zip(bonds.clone()) {
+            *overlap += parts.bonds[bond].rest;
+        }
+        for (value, &bond) in pushes.iter_mut().zip(&self.lossy) {
+            let rate = chain.across(bond, |i| layout.u_dot(y)[i]);
+            *value = parts.bonds[bond].pushes(overlaps[bond - bonds.start], rate).unwrap_or(R::zero());
         }
     }
 
-    fn rates(&self, _t: R, y: &[R], _dy: &[R], rates: &mut [R]) {
-        let u_dot = self.chain.layout.u_dot(y);
-        self.chain.across_bonds(R::zero(), |i| u_dot[i], rates);
+    fn rates(&self, _t: R, y: &[R], dy: &[R], rates: &mut [R]) {
+        let (chain, layout, bonds) = (&self.chain, self.chain.layout, self.chain.touching());
+        let (of_overlaps, pushes) = rates.split_at_mut(bonds.len());
+        chain.across_bonds(R::zero(), |i| layout.u_dot(y)[i], of_overlaps);
+        let Some(parts) = chain.parts() else { return };
+        for (value, &bond) in pushes.iter_mut().zip(&self.lossy) {
+            let contact = &parts.bonds[bond];
+            let g = contact.rest + chain.across(bond, |i| layout.u(y)[i]);
+            let second = chain.across(bond, |i| dy[layout.half() + i]);
+            let rate = of_overlaps[bond - bonds.start];
+            *value = contact.pushes_rate(g, rate, second).unwrap_or(R::zero());
+        }
     }
 
     fn band(&self, y: &[R]) -> R {
         self.chain.dead_band(self.chain.layout.u(y).iter().copied())
+    }
+
+    fn told(&self) -> bool {
+        self.told
     }
 }
 

@@ -13,8 +13,8 @@
 use super::{
     super::{Chain, Resonators},
     CheckedDetails, DriveKind, Ledger, SiteData,
+    loops::{Drift, Loops},
     propagator::Class,
-    stretches::{Drift, Stretches},
 };
 use crate::run::method::Split;
 use hertzchain_integrators::{DoubleDouble, Real, SplitFlow, system::ContactFlow};
@@ -36,7 +36,7 @@ pub struct SitewiseFlow<R> {
     classes: Arc<Vec<Class<R>>>,
     /// The class of each site.
     class: Arc<Vec<u32>>,
-    stretches: Arc<Stretches<R>>,
+    loops: Arc<Loops<R>>,
     /// The sites, in the variables of their classes.
     z: [Vec<R>; 4],
     ledger: Ledger<R>,
@@ -82,7 +82,7 @@ impl<R: Real> SitewiseFlow<R> {
         let (n, zero) = (chain.sites(), R::zero());
         Self {
             split,
-            stretches: Arc::new(Stretches::new(&chain, parts(&chain), &classes, &class)),
+            loops: Arc::new(Loops::new(&chain, parts(&chain), &classes, &class)),
             classes: Arc::new(classes),
             class: Arc::new(class),
             z: std::array::from_fn(|_| vec![zero; n]),
@@ -137,13 +137,13 @@ impl<R: Real> SitewiseFlow<R> {
     /// drift over this time on, as a motion costs many drifts. A copy keeps that of its first
     /// drift.
     fn repeated(&mut self, dt: DoubleDouble<R>) -> Option<Arc<Drift<R>>> {
-        let Self { kept, stretches, classes, class, .. } = self;
+        let Self { kept, loops, classes, class, .. } = self;
         if let Some((_, motion)) = kept.iter_mut().find(|(time, _)| *time == dt) {
-            let motion = motion.get_or_insert_with(|| Arc::new(stretches.over(dt, classes, class)));
+            let motion = motion.get_or_insert_with(|| Arc::new(loops.over(dt, classes, class)));
             return Some(Arc::clone(motion));
         }
         if self.copy && kept.is_empty() {
-            let motion = Arc::new(stretches.over(dt, classes, class));
+            let motion = Arc::new(loops.over(dt, classes, class));
             kept.push((dt, Some(Arc::clone(&motion))));
             return Some(motion);
         }
@@ -217,7 +217,7 @@ impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
             split: self.split,
             classes: Arc::clone(&self.classes),
             class: Arc::clone(&self.class),
-            stretches: Arc::clone(&self.stretches),
+            loops: Arc::clone(&self.loops),
             z: self.z.clone(),
             ledger: self.ledger,
             start: self.start,
@@ -241,22 +241,22 @@ impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
             let drift = self.repeated(dt);
             let Ledger { drag, dashpots, .. } = &mut self.ledger;
             let classes = (&self.classes[..], &self.class[..]);
-            self.stretches.drift(&mut self.z, (dt, drift.as_deref()), classes, [drag, dashpots]);
+            self.loops.drift(&mut self.z, (dt, drift.as_deref()), classes, [drag, dashpots]);
         }
         self.time = self.time + dt;
         self.follow();
     }
 
     fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
-        let Self { chain, stretches, z, u, push, force, .. } = self;
-        stretches.positions(z, u);
-        stretches.forces(chain, parts(chain), u, push, force);
+        let Self { chain, loops, z, u, push, force, .. } = self;
+        loops.positions(z, u);
+        loops.forces(chain, parts(chain), u, push, force);
         // Beads that are pushed may have springs, those that are moved have none.
         if self.split == Split::Kinetic {
-            stretches.springs(z, force, kick);
+            loops.springs(z, force, kick);
         }
         self.drives(kick);
-        self.stretches.kick(&mut self.z, &self.force, kick);
+        self.loops.kick(&mut self.z, &self.force, kick);
         self.drift(drift);
     }
 }

@@ -18,22 +18,20 @@
 //! [`Ledger`]: energies dissipated and work of drives since the start. Energy + dissipated - driven
 //! is constant.
 
-mod collocated;
+mod collocation;
 mod contact;
 mod drive;
-mod events;
 mod field;
 mod flow;
 mod ledger;
+mod loops;
 mod propagator;
 mod pushing;
-mod stretches;
 mod variations;
 
-pub use collocated::Differing;
+pub use collocation::HeterogeneousChain;
 pub use contact::{Dissipation, Kind};
 pub use drive::{Drive, DriveKind, Envelope, Harmonic, Signal};
-pub use events::ContactEvents;
 pub use flow::SitewiseFlow;
 pub use ledger::Ledger;
 pub use variations::{Variations, Varied};
@@ -44,8 +42,7 @@ pub(super) use pushing::{Pushing, Switched};
 
 use super::{Boundary, Chain, Layout, Params, Resonators};
 use crate::error::{Error, Result};
-use contact::Contact;
-use hertzchain_integrators::{Real, regularised::common_power};
+use hertzchain_integrators::{Real, law::BondLaw, regularised::common_power};
 use std::sync::Arc;
 
 /// Parameters that differ from bead to bead, damping, dissipation and drives, as input of
@@ -118,7 +115,7 @@ pub(crate) struct CheckedDetails<R> {
     given: Details,
     pub(crate) sites: Vec<SiteData<R>>,
     /// Contacts from bond 0 on; bonds that cannot touch have the constant zero.
-    pub(crate) bonds: Vec<Contact<R>>,
+    pub(crate) bonds: Vec<BondLaw<R>>,
     pub(crate) damped: bool,
     pub(crate) dissipative: bool,
 }
@@ -140,12 +137,12 @@ impl<R: Real> CheckedDetails<R> {
 
     /// The exponents of contacts.
     fn exponents(&self) -> impl Iterator<Item = f64> + '_ {
-        self.bonds.iter().filter_map(Contact::elastic_power)
+        self.bonds.iter().filter_map(BondLaw::elastic_power)
     }
 
     /// The powers of time with which forces begin and end at events, each once.
     fn powers(&self) -> Vec<f64> {
-        let mut powers: Vec<f64> = self.bonds.iter().flat_map(Contact::powers).collect();
+        let mut powers: Vec<f64> = self.bonds.iter().flat_map(BondLaw::powers).collect();
         powers.sort_by(f64::total_cmp);
         powers.dedup();
         powers
@@ -159,7 +156,10 @@ impl<R: Real> CheckedDetails<R> {
 
     /// [`map`](Self::map) of the linearised field.
     pub(crate) fn map_of_columns(&self, p: u32) -> (f64, u32) {
-        let powers: Vec<f64> = self.bonds.iter().flat_map(Contact::powers_of_columns).collect();
+        let of = |bond: &BondLaw<R>| {
+            bond.elastic_power().map(|alpha| alpha - 1.0).into_iter().chain(bond.power_of_resistance())
+        };
+        let powers: Vec<f64> = self.bonds.iter().flat_map(of).collect();
         map(&powers, p)
     }
 }
@@ -179,11 +179,11 @@ impl CheckedDetails<f64> {
         };
         // A wall, and a bead that is moved, have the inverse mass zero.
         let inverse = |k: usize| self.sites.get(k).filter(|site| !site.moved).map_or(0.0, |site| 1.0 / site.mass);
-        let of_bond = |(k, bond): (usize, &Contact<f64>)| {
+        let of_bond = |(k, bond): (usize, &BondLaw<f64>)| {
             let before = k.checked_sub(1).or(ring.then(|| self.sites.len() - 1));
             let per_mass = before.map_or(0.0, inverse) + inverse(k);
             let Some(alpha) = bond.elastic_power().filter(|_| per_mass > 0.0) else { return 0.0 };
-            let scale = (alpha + 1.0) / bond.constant();
+            let scale = (alpha + 1.0) / bond.constant;
             let met = (scale * 2.0 * speed * speed / per_mass).powf(1.0 / (alpha + 1.0));
             let overlap = bond.rest.max(0.0) + strain.max(met).max((scale * push).powf(1.0 / alpha));
             (bond.stiffness(overlap) * per_mass).sqrt()
@@ -338,18 +338,18 @@ impl<R: Real> Chain<R> {
             return Err(Error::parameter("alpha", self.params.alpha, "viscoelastic contacts have exponents above 1"));
         }
         let bond = |bond: usize| match bond.checked_sub(touching.start).filter(|&k| k < touching.len()) {
-            Some(k) => Contact::new(
+            Some(k) => BondLaw::new(
                 entry(&details.contact, k, 1.0),
                 entry(&details.alpha, k, self.params.alpha),
                 entry(&details.overlap, k, rest),
-                details.dissipation.as_ref().map(|loss| (loss.kind, loss.strength[k])),
+                details.dissipation.as_ref().map(|dissipation| dissipation.of(k)),
             ),
-            None => Contact::new(0.0, self.params.alpha, 0.0, None),
+            None => BondLaw::new(0.0, self.params.alpha, 0.0, None),
         };
         let sites = (0..n).map(|i| details.site(self.params, i)).collect::<Result<Vec<SiteData<R>>>>()?;
-        let bonds: Vec<Contact<R>> = (0..=n).map(bond).collect();
+        let bonds: Vec<BondLaw<R>> = (0..=n).map(bond).collect();
         let damped = sites.iter().any(|site| site.drag + site.dashpot > R::zero());
-        let dissipative = bonds.iter().any(Contact::dissipates);
+        let dissipative = bonds.iter().any(BondLaw::dissipates);
         let moving = sites.iter().any(|site| site.resonators == Resonators::Moving);
         let parts = CheckedDetails { given: details.clone(), sites, bonds, damped, dissipative };
         self.layout = Layout::new(n, moving).with_ledger(parts.open());

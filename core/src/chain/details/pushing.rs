@@ -3,7 +3,8 @@
 use super::super::Chain;
 use hertzchain_integrators::Real;
 
-/// The contacts that push, told by the signs of the functions of [`ContactEvents`](super::ContactEvents).
+/// The contacts that push, told by the signs of the functions of
+/// [`Overlaps::with_pushes`](super::super::Overlaps::with_pushes).
 ///
 /// A contact pushes where its overlap is positive and, if it dissipates, the function that is
 /// positive where it pushes is positive, too. Signs that are told, and not computed, keep force and

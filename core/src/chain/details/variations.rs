@@ -76,21 +76,22 @@
 //! Without dissipation the flow has a derivative at `g = g' = 0`, too, and the same holds.
 //!
 //! So values inside the band at the start count as positive until they are below zero by more than
-//! the error of a step ([`EventFunctions::told`]). An event that was found within such errors, and
-//! after which its function goes back to where it came from, is taken back.
+//! the error of a step ([`EventFunctions::told`](hertzchain_integrators::EventFunctions::told)). An
+//! event that was found within such errors, and after which its function goes back to where it came
+//! from, is taken back.
 
 use super::{
-    super::{Chain, Field, Resonators},
-    CheckedDetails, ContactEvents, Pushing, Switched,
+    super::{Chain, Field, Overlaps, Resonators},
+    CheckedDetails, Pushing, Switched,
 };
 use crate::error::{Error, Result};
-use hertzchain_integrators::{EventFunctions, Kernel, Real, Regularised, Stepper, VectorField, dop853::Options};
+use hertzchain_integrators::{Kernel, Real, Regularised, Stepper, VectorField, dop853::Options};
 
 /// A state and the columns `W` that the linearised flow carries along, in one vector: the state,
 /// then `W` row by row. If contacts dissipate, the last entry is
 /// [`contraction`](Varied::contraction), and rows of velocities of beads are `dp`. The field must
-/// then be told the signs of the functions of [`ContactEvents`], as [`Regularised`] does; until then no
-/// contact pushes, and `dp` is `du'`.
+/// then be told the signs of the functions of [`Overlaps::with_pushes`], as [`Regularised`] does;
+/// until then no contact pushes, and `dp` is `du'`.
 pub struct Variations<R> {
     chain: Chain<R>,
     field: Field<R>,
@@ -195,8 +196,7 @@ impl<R: Real> Variations<R> {
             true => parts(&chain).map(ORDER),
             false => parts(&chain).map_of_columns(ORDER),
         };
-        let events = OfState { turns: ContactEvents::new(chain), dim };
-        let mut run = Regularised::new(field, events, map, &y, span, options)?;
+        let mut run = Regularised::new(field, Overlaps::with_pushes(chain, true), map, &y, span, options)?;
         let mut end = y;
         let (margin, lossy) = (tol.sqrt() * size, run.field_mut().chain.dissipative_contacts());
         run.field_mut().refuse_kinks(&end, span.0, false)?;
@@ -266,7 +266,7 @@ impl<R: Real> Variations<R> {
         Ok(())
     }
 
-    /// ContactEvents `dp` at the end of a run into `du'`.
+    /// Turns `dp` at the end of a run into `du'`.
     fn release(&mut self, y: &mut [R]) {
         if self.columns == 0 {
             return;
@@ -331,34 +331,6 @@ const ORDER: u32 = 8;
 
 fn parts<R: Real>(chain: &Chain<R>) -> &CheckedDetails<R> {
     chain.parts().expect("a chain with details")
-}
-
-/// The events of a chain, as functions of a vector that begins with the state.
-struct OfState<R> {
-    turns: ContactEvents<R>,
-    dim: usize,
-}
-
-impl<R: Real> EventFunctions<R> for OfState<R> {
-    fn count(&self) -> usize {
-        self.turns.count()
-    }
-
-    fn values(&self, t: R, y: &[R], g: &mut [R]) {
-        self.turns.values(t, &y[..self.dim], g);
-    }
-
-    fn rates(&self, t: R, y: &[R], dy: &[R], rates: &mut [R]) {
-        self.turns.rates(t, &y[..self.dim], &dy[..self.dim], rates);
-    }
-
-    fn band(&self, y: &[R]) -> R {
-        self.turns.band(&y[..self.dim])
-    }
-
-    fn told(&self) -> bool {
-        true
-    }
 }
 
 impl<R: Real> VectorField<R> for Variations<R> {

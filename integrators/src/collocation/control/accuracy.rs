@@ -4,12 +4,12 @@ use super::{
     super::{
         goal::Goal,
         layout::Cuts,
-        loss::Loss,
         system::{ContactChain, Links, Path},
     },
-    Pace,
+    StepControl,
     nodes::analytic,
 };
+use crate::law::Loss;
 
 /// A window whose share of the tolerance is `e` may have last terms of a series up to
 /// `(TAIL e)^POWER`: local errors go with the power `1/POWER` of the last terms. Fitted to runs of
@@ -56,7 +56,7 @@ const LEAST_SHARE: f64 = 1e-6;
 /// can, on one panel for each smooth part of a contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Accuracy {
-    pace: Pace,
+    step_control: StepControl,
     span: f64,
     /// Size of velocities: the largest of those at the start, those to which overlaps at the start
     /// would drive a bead, and those that drives make; 1 if all are zero.
@@ -81,13 +81,12 @@ pub(super) struct Contacts {
 }
 
 impl Contacts {
-    pub(super) fn of<const S: usize, C: ContactChain<S>>(chain: &C, links: &Links<S>) -> Self {
-        let kinds = if S == 1 { 1 } else { chain.bonds() };
-        let alphas: Vec<f64> = (0..kinds).map(|b| chain.law(b).alpha()).collect();
-        let losses = (0..if S == 1 { 0 } else { kinds }).filter_map(|b| Some(chain.loss(b)?.power(alphas[b])));
+    pub(super) fn of<const S: usize>(links: &Links<S>) -> Self {
+        let alphas: Vec<f64> = links.each().map(|link| link.law.alpha()).collect();
+        let losses = links.each().filter_map(|link| link.law.power_of_resistance());
         let mut resistances = [0.0f64; 2];
         for link in links.each() {
-            match link.loss {
+            match link.law.loss {
                 Some(Loss::Viscoelastic(gamma)) => resistances[0] = resistances[0].max(gamma),
                 Some(Loss::Dashpot(gamma)) => resistances[1] = resistances[1].max(gamma * link.lightest()),
                 None => {}
@@ -113,7 +112,7 @@ impl Accuracy {
     pub(super) fn new<const S: usize, C: ContactChain<S>>(
         (chain, links): (&C, &Links<S>),
         start: &dyn Fn(usize) -> Path,
-        pace: Pace,
+        step_control: StepControl,
         span: f64,
     ) -> Self {
         let mut size = 0.0f64;
@@ -122,7 +121,7 @@ impl Accuracy {
             size = size.max(v.abs() + omega * c.hypot(s));
         }
         for b in 0..chain.bonds() {
-            let mut now = chain.rest(b);
+            let mut now = chain.bond(b).rest;
             for [r, _, c, _] in chain.across(b, start) {
                 now = now + r + c;
             }
@@ -134,7 +133,7 @@ impl Accuracy {
         for drive in links.open.iter().flat_map(|open| &open.drives) {
             size = size.max(drive.speed);
         }
-        Self { pace, span, size: if size > 0.0 { size } else { 1.0 }, contacts: Contacts::of(chain, links) }
+        Self { step_control, span, size: if size > 0.0 { size } else { 1.0 }, contacts: Contacts::of(links) }
     }
 
     pub(super) fn contacts(&self) -> &Contacts {
@@ -146,10 +145,10 @@ impl Accuracy {
     }
 
     pub(super) fn goal(&self, h: f64) -> Goal {
-        let (share, change, tail, slow) = match self.pace {
+        let (share, change, tail, slow) = match self.step_control {
             // Sweeps go on until changes are rounding.
-            Pace::Windows { .. } => (f64::INFINITY, 0.0, f64::INFINITY, 1.0),
-            Pace::Tolerance(tol) => {
+            StepControl::Windows { .. } => (f64::INFINITY, 0.0, f64::INFINITY, 1.0),
+            StepControl::Tolerance(tol) => {
                 let share = tol * (h / self.span).max(LEAST_SHARE);
                 let tail = match self.contacts {
                     Contacts { abrupt: Some(_), analytic: false, .. } => SLOW_TAIL * share,
@@ -160,7 +159,7 @@ impl Accuracy {
                 (share, UNDONE * share, tail, (tail / (SLOW_TAIL * share)).max(1.0))
             }
         };
-        let least = change.max(if let Pace::Windows { .. } = self.pace { 0.1 * ROUNDING } else { BIAS });
+        let least = change.max(if let StepControl::Windows { .. } = self.step_control { 0.1 * ROUNDING } else { BIAS });
         // A force that begins with the power p of time adds to a neighbour's overlap a power p + 2,
         // and to its rate p + 1; a panel that is cut off the event has an error of the impulse of
         // one power more.
@@ -178,15 +177,15 @@ impl Accuracy {
             tail: tail * self.size,
             slow,
             least_impulse: share * self.size,
-            stiffest: match self.pace {
-                Pace::Windows { .. } => f64::INFINITY,
-                Pace::Tolerance(tol) => STIFFEST[usize::from(tol < LOOSE)],
+            stiffest: match self.step_control {
+                StepControl::Windows { .. } => f64::INFINITY,
+                StepControl::Tolerance(tol) => STIFFEST[usize::from(tol < LOOSE)],
             },
             cuts: Cuts {
-                neighbours: !matches!(self.pace, Pace::Windows { neighbours: false, .. }),
+                neighbours: !matches!(self.step_control, StepControl::Windows { neighbours: false, .. }),
                 merge: lost,
-                near: match self.pace {
-                    Pace::Tolerance(_) if self.contacts.analytic => NEAR[1],
+                near: match self.step_control {
+                    StepControl::Tolerance(_) if self.contacts.analytic => NEAR[1],
                     _ => NEAR[0],
                 },
                 event_impulse: 0.1 * least * self.size,

@@ -64,7 +64,7 @@ impl Lengths {
             far.max(r.abs() + c.hypot(s * swing(chain.response(i).omega.value() * span)))
         });
         let kinds = |all: usize| if S == 1 { 1 } else { all };
-        let stiffness = |b: usize| links.link(b).stiffness(chain.rest(b) + 2.0 * reach) * links.link(b).lightest();
+        let stiffness = |b: usize| links.link(b).stiffness(chain.bond(b).rest + 2.0 * reach) * links.link(b).lightest();
         let stiffness = (0..kinds(chain.bonds())).map(stiffness).fold(0.0, f64::max);
         let omega = (0..kinds(chain.sites())).map(|i| chain.response(i).omega.value()).fold(0.0, f64::max);
         let rate = stiffness.sqrt().max(omega.min(FASTEST)).max(1.0 / span);

@@ -24,7 +24,7 @@ use nodes::NodeChoice;
 
 /// How the lengths of windows are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Pace {
+pub enum StepControl {
     /// Windows of equal length, without control of the error.
     Windows {
         /// Number of windows in the span, at least 1.
@@ -90,12 +90,12 @@ impl Control {
     pub(crate) fn new<const S: usize, C: ContactChain<S>>(
         chain: (&C, &Links<S>),
         start: &dyn Fn(usize) -> Path,
-        pace: Pace,
+        step_control: StepControl,
         span: DoubleDouble<f64>,
     ) -> Result<Self, Error> {
-        let accuracy = Accuracy::new(chain, start, pace, span.value());
-        let plan = match pace {
-            Pace::Windows { windows, nodes, .. } => {
+        let accuracy = Accuracy::new(chain, start, step_control, span.value());
+        let plan = match step_control {
+            StepControl::Windows { windows, nodes, .. } => {
                 if windows == 0 {
                     return Err(rule("windows", 0.0, "at least one window"));
                 }
@@ -105,7 +105,7 @@ impl Control {
                 let length = span.over(DoubleDouble::new(windows as f64)).value().min(span.value());
                 Plan::Equal(Equal { windows, nodes, done: 0, length, h: length, rest: length })
             }
-            Pace::Tolerance(tol) => {
+            StepControl::Tolerance(tol) => {
                 Tolerance::RUN.check(tol)?;
                 let lengths = Lengths::new(chain, start, span.value());
                 let nodes = NodeChoice::new(tol, accuracy.contacts().analytic);

@@ -37,26 +37,26 @@ pub struct Correction {
 pub trait BondFlow: SplitFlow<f64> {
     /// The exponent `alpha`.
     fn exponent(&self) -> f64;
-    /// Called before the first survey, with the step and the reach of [`turned`](Self::turned).
+    /// Called before the first evaluation, with the step and the reach of [`turned`](Self::turned).
     fn prepare(&mut self, _h: f64, _reach: f64) {}
     /// Number of bonds that can ever touch.
     fn bonds(&self) -> usize;
-    /// Computes overlaps and forces at the present state, and keeps those of the survey before.
-    fn survey(&mut self);
+    /// Computes overlaps and forces at the present state, and keeps those of the evaluation before.
+    fn evaluate(&mut self);
     /// Appends the bonds whose side differs from that at the last call, and whether they are closed
     /// now. A bond with overlap zero is open.
     fn changed(&mut self, out: &mut Vec<(usize, bool)>);
     /// Appends the bonds whose overlap has turned near zero, and whether they were closed at the
-    /// survey before. At that survey the overlap was larger or smaller than at both surveys around
-    /// it, and in absolute value below `reach` times its second difference, see
+    /// evaluation before. At that evaluation the overlap was larger or smaller than at both
+    /// evaluations around it, and in absolute value below `reach` times its second difference, see
     /// [`prepare`](Self::prepare).
     fn turned(&self, out: &mut Vec<(usize, bool)>);
     /// The contact force of a bond, and the acceleration of its overlap by all forces of the kick.
     fn force(&self, bond: usize) -> (f64, f64);
-    /// The overlap from the surveyed state on, under the present forces of all other bonds.
+    /// The overlap from the evaluated state on, under the present forces of all other bonds.
     fn path(&self, bond: usize) -> BondPath;
-    /// The motion of the bond between the last two surveys, a step `h` apart, before the kick at
-    /// the second.
+    /// The motion of the bond between the last two evaluations, a step `h` apart, before the kick
+    /// at the second.
     ///
     /// Its path is that of the processed solution, `g + (h^2/12) s`, where `s` is linear in time
     /// between the accelerations by all other forces at the two kicks.
@@ -68,18 +68,18 @@ pub trait BondFlow: SplitFlow<f64> {
     fn views<V: Vector<f64>>(&self, bonds: &[(usize, bool)], h: f64) -> BondView<V>;
     /// Applies corrections to bonds, and computes overlaps and forces anew where these move sites.
     fn correct<'a>(&mut self, given: impl Iterator<Item = (usize, &'a Correction)>);
-    /// A kick of duration `kick` with the surveyed forces `F + c F' a`; `a` are the accelerations
+    /// A kick of duration `kick` with the evaluated forces `F + c F' a`; `a` are the accelerations
     /// of the overlaps by `F`.
     fn kick(&mut self, kick: f64, c: f64);
-    /// [`kick`](Self::kick), drift and [`survey`](Self::survey) for the pairs in turn, with the
-    /// same bits; at least one pair is made. If surveys are `watched`, the row ends with the first
-    /// one at which [`changed`](Self::changed) or [`turned`](Self::turned) would report a bond.
-    /// Returns the number of pairs made.
-    fn kicks_and_surveys(&mut self, pairs: &[(f64, DoubleDouble<f64>)], c: f64, _watched: bool) -> usize {
+    /// [`kick`](Self::kick), drift and [`evaluate`](Self::evaluate) for the pairs in turn, with the
+    /// same bits; at least one pair is made. If evaluations are `watched`, the row ends with the
+    /// first one at which [`changed`](Self::changed) or [`turned`](Self::turned) would report a
+    /// bond. Returns the number of pairs made.
+    fn kicks_and_evaluations(&mut self, pairs: &[(f64, DoubleDouble<f64>)], c: f64, _watched: bool) -> usize {
         let (kick, drift) = pairs[0];
         self.kick(kick, c);
         self.drift(drift);
-        self.survey();
+        self.evaluate();
         1
     }
     /// The flow of the processor: positions move by `share` times their accelerations by the forces

@@ -76,7 +76,7 @@ impl Ends<'_> {
         self.classify(flow, sides);
         flow.process(self.h * self.h / 12.0, sides);
         if self.corrector.is_some() {
-            flow.survey();
+            flow.evaluate();
             self.finish(flow, -1.0, sides);
         }
     }
@@ -87,7 +87,7 @@ impl Ends<'_> {
         }
         let (bonds, paths) = closed(flow, 0..sides.len());
         sides.fill(Side::Open);
-        for (bond, zeros) in bonds.into_iter().zip(around(&paths, TOO_NEAR * self.h)) {
+        for (bond, zeros) in bonds.into_iter().zip(nearest_zeros(&paths, TOO_NEAR * self.h)) {
             sides[bond] = if zeros == [None; 2] { Side::Closed } else { Side::Near };
         }
     }
@@ -99,7 +99,7 @@ impl Ends<'_> {
         let (closed, paths) = closed(flow, (0..sides.len()).filter(|&bond| sides[bond] != Side::Open));
         let reach = f64::from(REACH) * self.h;
         let (mut bonds, mut events) = (Vec::new(), Vec::new());
-        for ((bond, path), zeros) in closed.into_iter().zip(&paths).zip(around(&paths, reach)) {
+        for ((bond, path), zeros) in closed.into_iter().zip(&paths).zip(nearest_zeros(&paths, reach)) {
             for (t, onset) in zeros.into_iter().zip([true, false]) {
                 let near = sides[bond] == Side::Near;
                 if let Some(t) = t {
@@ -123,25 +123,25 @@ fn closed<S: BondFlow>(flow: &S, bonds: impl Iterator<Item = usize>) -> (Vec<usi
 }
 
 /// For each path, its last zero before now and the first one after, if they are within reach.
-fn around(paths: &[BondPath], reach: f64) -> Vec<[Option<f64>; 2]> {
+fn nearest_zeros(paths: &[BondPath], reach: f64) -> Vec<[Option<f64>; 2]> {
     let mut zeros = Vec::with_capacity(paths.len());
-    f64::run_vector(Around { paths, reach, out: &mut zeros });
+    f64::run_vector(NearestZeros { paths, reach, out: &mut zeros });
     zeros
 }
 
-struct Around<'a> {
+struct NearestZeros<'a> {
     paths: &'a [BondPath],
     reach: f64,
     out: &'a mut Vec<[Option<f64>; 2]>,
 }
 
-impl VectorKernel<f64> for Around<'_> {
+impl VectorKernel<f64> for NearestZeros<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Vector<f64>>(self) {
         for paths in self.paths.chunks(V::LANES) {
-            let zeros = Paths::<V>::of(&BondPath::new(paths, |path| path)).around(self.reach).map(Pack::lanes);
+            let zeros = Paths::<V>::of(&BondPath::new(paths, |path| path)).nearest_zeros(self.reach).map(Pack::lanes);
             let of = |t: f64| Some(t).filter(|t| !t.is_nan());
             self.out.extend((0..paths.len()).map(|k| [of(zeros[0][k]), of(zeros[1][k])]));
         }
@@ -259,12 +259,12 @@ mod tests {
             [Some((-1.0 + 0.6f64.sqrt()) / 2.0), None],
             [None; 2],
         ];
-        for (got, want) in around(&paths, 1.0).iter().zip(want) {
+        for (got, want) in nearest_zeros(&paths, 1.0).iter().zip(want) {
             for (got, want) in got.iter().zip(want) {
                 assert_eq!(got.is_some(), want.is_some(), "{got:?} {want:?}");
                 assert!(got.zip(want).is_none_or(|(got, want)| (got - want).abs() < 1e-15), "{got:?} {want:?}");
             }
         }
-        assert_eq!(around(&paths, 0.09), [[None; 2]; 5]);
+        assert_eq!(nearest_zeros(&paths, 0.09), [[None; 2]; 5]);
     }
 }

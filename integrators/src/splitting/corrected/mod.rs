@@ -88,7 +88,7 @@
 //!
 //! | source | error of an event | remark |
 //! |---|---|---|
-//! | next singular terms: the rate of `s`, the bend of `f` | `h^{alpha+3}` | at least 4 for `alpha >= 1` |
+//! | next singular terms: the rate of `s`, the curvature of `f` | `h^{alpha+3}` | at least 4 for `alpha >= 1` |
 //! | the bond's own force in its path; the square of that force in the modified force; an event of a neighbour in the same step, whose force enters `s` like `tau^alpha` | `h^{2 alpha+2}` | at least 4 |
 //! | *grazing*: an overlap that turns within a few steps of its zero, seen by the kicks or not (see `graze`) | `a^alpha h^{2 alpha+2}` | at least 4 |
 //! | a run that starts, or a state that is sampled, within a few steps of a grazing event | `a^alpha h^{2 alpha+1}` times a few hundredths | below 4 for `alpha < 3/2`, in that run or state alone |
@@ -157,7 +157,10 @@ pub use ends::Side;
 pub use path::BondPath;
 pub use zeta::hurwitz;
 
-use super::stepper::{after, check, steps_a_row, steps_before};
+use super::{
+    stepper::{mirrored, steps_a_row},
+    steps::Steps,
+};
 use crate::{
     clock::DoubleDouble,
     collocation::{ContactStepper, Piece},
@@ -214,16 +217,12 @@ pub struct Corrected<S> {
     corrections: Vec<Option<Correction>>,
     sides: Vec<Side>,
     log: Option<Log>,
-    start: DoubleDouble<f64>,
-    span: DoubleDouble<f64>,
-    h: DoubleDouble<f64>,
+    steps: Steps<f64>,
     /// Duration of the kick that the state still lacks: it is made together with the drift and the
-    /// survey that follow it.
+    /// evaluation that follow it.
     due: Option<f64>,
     /// The (kick, drift) pairs of as many steps as are made in a row.
     row: Vec<(f64, DoubleDouble<f64>)>,
-    taken: u64,
-    total: u64,
 }
 
 impl<S: BondFlow> Corrected<S> {
@@ -232,18 +231,16 @@ impl<S: BondFlow> Corrected<S> {
     /// # Errors
     /// `end < start`, times that are not finite, no step for a span that is not empty, or an
     /// exponent below 1 or above 10.
-    pub fn new(mut flow: S, (start, end): (f64, f64), steps: u64, parts: Parts) -> Result<Self, Error> {
-        check((start, end), steps)?;
+    pub fn new(mut flow: S, span: (f64, f64), steps: u64, parts: Parts) -> Result<Self, Error> {
+        let steps = Steps::new(span, steps)?;
         let alpha = flow.exponent();
         if !EXPONENTS.contains(&alpha) {
             let rule = "processed kicks and corrections are for exponents from 1 to 10";
             return Err(Error::Argument { name: "alpha", value: alpha, rule });
         }
-        let total = if end > start { steps } else { 0 };
-        let span = DoubleDouble::new(end) - DoubleDouble::new(start);
-        let h = span.over(DoubleDouble::new(total.max(1) as f64));
+        let (h, total) = (steps.h, steps.total);
         flow.prepare(h.value(), REACH);
-        flow.survey();
+        flow.evaluate();
         let mut new = Self {
             mirror: None,
             parts,
@@ -254,13 +251,9 @@ impl<S: BondFlow> Corrected<S> {
             corrections: Vec::with_capacity(flow.bonds()),
             sides: vec![Side::Open; flow.bonds()],
             log: None,
-            start: DoubleDouble::new(start),
-            span,
-            h,
+            steps,
             due: Some(0.5 * h.value()),
             row: vec![(h.value(), h); steps_a_row(flow.moved())],
-            taken: 0,
-            total,
             flow,
         };
         // The sides of bonds at the start are those of the solution, not those of the kernel's
@@ -270,7 +263,7 @@ impl<S: BondFlow> Corrected<S> {
             let ends = Ends { h: h.value(), corrector: parts.corrected.then_some(&new.corrector) };
             ends.to_kernel(&mut new.flow, &mut new.sides);
         }
-        new.flow.survey();
+        new.flow.evaluate();
         Ok(new)
     }
 
@@ -278,7 +271,7 @@ impl<S: BondFlow> Corrected<S> {
     #[must_use]
     pub fn logged(mut self) -> Self {
         self.kick_now();
-        self.log = Some(Log::new(&self.flow, self.h.value()));
+        self.log = Some(Log::new(&self.flow, self.steps.h.value()));
         self
     }
 
@@ -294,19 +287,13 @@ impl<S: BondFlow> Corrected<S> {
     /// A copy of the flow that holds the solution at the time reached: half of the last kick is
     /// taken back, and the state is processed.
     pub fn solution(&mut self) -> &S {
-        let (h, share) = (self.h.value(), self.share());
-        let mirror = match &mut self.mirror {
-            Some(mirror) => {
-                mirror.copy_from(&self.flow);
-                mirror
-            }
-            empty => empty.insert(self.flow.duplicate()),
-        };
+        let (h, share) = (self.steps.h.value(), self.share());
+        let mirror = mirrored(&mut self.mirror, &self.flow);
         if let Some(kick) = self.due {
             mirror.kick(kick, share);
         }
         mirror.kick(-0.5 * h, share);
-        if self.parts.processed && self.total > 0 {
+        if self.parts.processed && self.steps.total > 0 {
             let ends = Ends { h, corrector: self.parts.corrected.then_some(&self.corrector) };
             ends.to_solution(mirror, &mut self.sides);
         }
@@ -315,15 +302,11 @@ impl<S: BondFlow> Corrected<S> {
 
     /// The share of the modified force, `h^2/12`.
     fn share(&self) -> f64 {
-        if self.parts.processed { self.h.value() * self.h.value() / 12.0 } else { 0.0 }
+        if self.parts.processed { self.steps.h.value() * self.steps.h.value() / 12.0 } else { 0.0 }
     }
 
-    fn time_after(&self, steps: u64) -> DoubleDouble<f64> {
-        if steps == self.total { self.start + self.span } else { after(self.start, self.h, steps) }
-    }
-
-    /// Makes the corrections that the survey at the end of a step calls for. `inner`: whether this
-    /// is not the first step of the run.
+    /// Makes the corrections that the evaluation at the end of a step calls for. `inner`: whether
+    /// this is not the first step of the run.
     fn see(&mut self, inner: bool) {
         if self.parts.corrected || self.log.is_some() {
             self.changed.clear();
@@ -345,7 +328,7 @@ impl<S: BondFlow> Corrected<S> {
     /// Corrects the bonds whose overlap turned near zero about the kick before: by the error that
     /// the corrections of their events, if they had any, leave.
     fn correct_turns(&mut self) {
-        let (h, alpha) = (self.h.value(), self.flow.exponent());
+        let (h, alpha) = (self.steps.h.value(), self.flow.exponent());
         let corrector = self.corrector.get_or_init(|| Corrector::new(alpha, h));
         let turns = self.turns.get_or_init(|| Extrema::new(alpha));
         for &(bond, closed) in &self.turned {
@@ -361,7 +344,7 @@ impl<S: BondFlow> Corrected<S> {
 
     /// Corrects the bonds that have changed their side in the step that ends now.
     fn correct(&mut self) {
-        let (h, alpha) = (self.h.value(), self.flow.exponent());
+        let (h, alpha) = (self.steps.h.value(), self.flow.exponent());
         let Self { flow, changed, corrections, corrector, .. } = self;
         let corrector = corrector.get_or_init(|| Corrector::new(alpha, h));
         corrections.clear();
@@ -380,25 +363,25 @@ impl<S: BondFlow> Stepper<f64> for Corrected<S> {
     }
 
     fn time(&self) -> f64 {
-        self.time_after(self.taken).value()
+        self.steps.reached().value()
     }
 
     fn done(&self) -> bool {
-        self.taken == self.total
+        self.steps.done()
     }
 
     fn step(&mut self) -> Result<(), Error> {
         interrupt::check(self.time())?;
-        let (h, share) = (self.h.value(), self.share());
+        let (h, share) = (self.steps.h.value(), self.share());
         if let Some(kick) = self.due.take() {
-            self.flow.kicks_and_surveys(&[(kick, self.h)], share, false);
+            self.flow.kicks_and_evaluations(&[(kick, self.steps.h)], share, false);
         } else {
-            self.flow.drift(self.h);
-            self.flow.survey();
+            self.flow.drift(self.steps.h);
+            self.flow.evaluate();
         }
-        self.see(self.taken > 0);
+        self.see(self.steps.taken > 0);
         self.due = Some(h);
-        self.taken += 1;
+        self.steps.taken += 1;
         if self.log.is_some() {
             self.kick_now();
             let time = self.time();
@@ -408,17 +391,16 @@ impl<S: BondFlow> Stepper<f64> for Corrected<S> {
     }
 
     fn steps(&mut self, wanted: Option<f64>) -> Result<(), Error> {
-        if self.log.is_some() || self.taken == 0 {
+        if self.log.is_some() || self.steps.taken == 0 {
             return self.step();
         }
         interrupt::check(self.time())?;
-        let before = steps_before(wanted, self.time(), self.h.value(), self.row.len() as u64);
-        let mut left = before.min(self.total - self.taken).max(1) as usize;
+        let mut left = self.steps.in_row(wanted, self.row.len());
         let (share, watched) = (self.share(), self.parts.corrected);
         while left > 0 {
-            let made = self.flow.kicks_and_surveys(&self.row[..left], share, watched);
+            let made = self.flow.kicks_and_evaluations(&self.row[..left], share, watched);
             self.see(true);
-            self.taken += made as u64;
+            self.steps.taken += made as u64;
             left -= made;
         }
         Ok(())
@@ -427,17 +409,16 @@ impl<S: BondFlow> Stepper<f64> for Corrected<S> {
     /// At the end of a step the state is that of [`solution`](Self::solution). Times inside the
     /// last step are reached backwards from its end, by [`BondFlow::back`].
     fn sample(&mut self, t: f64, y: &mut [f64]) {
-        let reached = self.time_after(self.taken);
+        let (reached, inside) = (self.steps.reached(), self.steps.inside(t));
         let mirror = self.solution();
         mirror.store(y);
-        // Times that differ by rounding only are the same time.
-        if (t - reached.value()).abs() > 4.0 * f64::EPSILON * t.abs() {
+        if inside {
             mirror.back(y, (reached - DoubleDouble::new(t)).value());
         }
     }
 
     fn stats(&self) -> Stats {
-        Stats { steps: self.taken, rejected: 0, force_evaluations: self.taken + 1 }
+        Stats { steps: self.steps.taken, rejected: 0, force_evaluations: self.steps.taken + 1 }
     }
 }
 

@@ -182,9 +182,9 @@ impl<V: Vector<f64>> Paths<V> {
             }
         }
         let inside = found.at.at_most(MOVED * h) & (-found.at).at_most((1.0 + MOVED) * h);
-        let astray = (found.rate.0.positive() ^ rising) | !inside | !done;
-        if astray & all != 0 {
-            self.bracket(&mut found, astray, h, rising);
+        let diverged = (found.rate.0.positive() ^ rising) | !inside | !done;
+        if diverged & all != 0 {
+            self.bracket(&mut found, diverged, h, rising);
         }
         found
     }
@@ -192,7 +192,7 @@ impl<V: Vector<f64>> Paths<V> {
     /// The last zeros before now and the first ones after, of paths that are positive now; NaN
     /// where there is none within reach. Newton's method finds them from the zeros of the parabola.
     #[inline(always)]
-    pub(super) fn around(&self, reach: f64) -> [Pack<V>; 2] {
+    pub(super) fn nearest_zeros(&self, reach: f64) -> [Pack<V>; 2] {
         let (g, r, a) = (self.overlap, self.rate, self.acceleration[0] + self.acceleration[1]);
         let root = (r * r - a * g * 2.0).sqrt();
         // In this form the nearer zero suffers no cancellation. NaN where there is no zero.
@@ -213,9 +213,9 @@ impl<V: Vector<f64>> Paths<V> {
 
     /// Finds zeros by bisection in the lanes in which Halley's method has not found one.
     #[inline(always)]
-    fn bracket(&self, found: &mut Zero<Pack<V>>, astray: u64, h: f64, rising: u64) {
+    fn bracket(&self, found: &mut Zero<Pack<V>>, diverged: u64, h: f64, rising: u64) {
         let mut lanes = [found.at, found.rate, found.acceleration].map(Pack::lanes);
-        for k in (0..V::LANES).filter(|k| astray >> k & 1 > 0) {
+        for k in (0..V::LANES).filter(|k| diverged >> k & 1 > 0) {
             let none = Jet { value: f64::NAN, rate: f64::NAN, acceleration: f64::NAN };
             let jet = self.path(k).bracketed(h, rising >> k & 1 > 0).unwrap_or(none);
             (lanes[0][k], lanes[1][k], lanes[2][k]) = (jet.value, jet.rate, jet.acceleration);

@@ -2,12 +2,13 @@
 //! with kernels of their own.
 
 use super::{
-    super::{Chain, ContactLaw, Layout, Modes, Params, Resonators},
-    CheckedDetails, DriveKind, Kind, Ledger, SiteData,
+    super::{Chain, Layout, Modes, Params, Resonators},
+    CheckedDetails, DriveKind, Ledger, SiteData,
 };
 use hertzchain_integrators::{
     DoubleDouble, Error,
-    collocation::{self, ContactChain, Loss, Path, Response},
+    collocation::{self, ContactChain, Path, Response},
+    law::BondLaw,
 };
 
 /// Overlap at the origin of a bond whose contact constant is zero, so that it never closes.
@@ -15,7 +16,7 @@ const APART: f64 = -1e100;
 
 /// A chain with [`Details`](super::Details).
 #[derive(Clone, Debug)]
-pub struct Differing {
+pub struct HeterogeneousChain {
     chain: Chain<f64>,
     sites: Vec<Motion>,
 }
@@ -49,7 +50,7 @@ impl Motion {
     }
 }
 
-impl Differing {
+impl HeterogeneousChain {
     /// The interface to a chain.
     ///
     /// # Errors
@@ -83,8 +84,8 @@ impl Differing {
         }
         let (mass, topology) = (self.parts().sites[drive.site].mass, self.chain.topology());
         let contacts = topology.bonds(drive.site).into_iter().flatten().map(|bond| &self.parts().bonds[bond]);
-        let stiff = contacts.filter(|contact| contact.constant() > 0.0);
-        let depths = |force: f64| stiff.clone().map(move |c| (force / c.constant()).powf(1.0 / c.law().alpha()));
+        let stiff = contacts.filter(|contact| contact.constant > 0.0);
+        let depths = |force: f64| stiff.clone().map(move |c| (force / c.constant).powf(1.0 / c.alpha()));
         let of = |harmonic: &super::Harmonic| {
             let force = harmonic.amplitude.abs();
             if harmonic.omega > 0.0 {
@@ -99,14 +100,9 @@ impl Differing {
     fn layout(&self) -> Layout {
         self.chain.layout()
     }
-
-    /// The contact of a bond, counted from the first that can touch.
-    fn contact(&self, bond: usize) -> &super::Contact<f64> {
-        &self.parts().bonds[self.chain.topology().first() + bond]
-    }
 }
 
-impl ContactChain<2> for Differing {
+impl ContactChain<2> for HeterogeneousChain {
     fn dim(&self) -> usize {
         self.layout().dim()
     }
@@ -123,12 +119,10 @@ impl ContactChain<2> for Differing {
         self.chain.topology().ring()
     }
 
-    fn law(&self, bond: usize) -> ContactLaw<f64> {
-        self.contact(bond).law()
-    }
-
-    fn constant(&self, bond: usize) -> f64 {
-        self.contact(bond).constant()
+    #[inline(always)]
+    fn bond(&self, bond: usize) -> BondLaw<f64> {
+        let law = self.parts().bonds[self.chain.topology().first() + bond];
+        BondLaw { rest: if law.constant > 0.0 { law.rest } else { APART }, ..law }
     }
 
     fn response(&self, site: usize) -> Response {
@@ -143,11 +137,6 @@ impl ContactChain<2> for Differing {
             [Some(before), Some(behind)] if before == behind => [None, None],
             ends => ends,
         }
-    }
-
-    fn rest(&self, bond: usize) -> f64 {
-        let contact = self.contact(bond);
-        if contact.constant() > 0.0 { contact.rest } else { APART }
     }
 
     #[inline(always)]
@@ -244,13 +233,6 @@ impl ContactChain<2> for Differing {
 
     fn breaks(&self) -> Vec<f64> {
         self.chain.breaks()
-    }
-
-    fn loss(&self, bond: usize) -> Option<Loss> {
-        self.contact(bond).loss().map(|(kind, gamma)| match kind {
-            Kind::Viscoelastic => Loss::Viscoelastic(gamma),
-            Kind::Dashpot => Loss::Dashpot(gamma),
-        })
     }
 
     fn ledger(&self, y: &[f64], t: f64) -> Path {

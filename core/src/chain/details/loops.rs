@@ -1,8 +1,8 @@
 //! Loops over the sites of a chain with details, in registers.
 //!
-//! A *stretch* is a part of the chain whose sites move by the same formula. Products and sums are
+//! A *range* is a part of the chain whose sites move by the same formula. Products and sums are
 //! those of one site at a time, in the same order, so that all instruction sets, and all ways to
-//! divide a chain into stretches, give the same bits.
+//! divide a chain into ranges, give the same bits.
 
 use super::{
     super::{
@@ -30,8 +30,8 @@ enum Motion {
 
 /// The constants of sites and contacts for the loops.
 #[derive(Debug)]
-pub(super) struct Stretches<R> {
-    /// The stretches of the chain, in order.
+pub(super) struct Loops<R> {
+    /// The ranges of the chain, in order.
     motions: Vec<(Motion, Range<usize>)>,
     /// Shares of an impulse on the bead that go to `z[2]` and `z[3]`, by site.
     shares: [Vec<R>; 2],
@@ -56,7 +56,7 @@ pub(super) struct Drift<R> {
     propagators: Vec<Propagator<R>>,
 }
 
-impl<R: Real> Stretches<R> {
+impl<R: Real> Loops<R> {
     /// The constants of a chain; `class` has for each site the index of its class in `classes`.
     pub(super) fn new(chain: &Chain<R>, parts: &CheckedDetails<R>, classes: &[Class<R>], class: &[u32]) -> Self {
         let of = |i: usize| &classes[class[i] as usize];
@@ -84,7 +84,7 @@ impl<R: Real> Stretches<R> {
             let masses = sites.iter().map(|site| if moves(site.resonators) { site.resonator() } else { R::infinity() });
             [kappa.collect(), masses.collect()]
         });
-        let laws: Vec<ContactLaw<R>> = chain.touching().map(|bond| parts.bonds[bond].law()).collect();
+        let laws: Vec<ContactLaw<R>> = chain.touching().map(|bond| parts.bonds[bond].power).collect();
         let same = laws.windows(2).all(|pair| pair[0].alpha() == pair[1].alpha());
         Self {
             motions,
@@ -93,7 +93,7 @@ impl<R: Real> Stretches<R> {
             springs,
             law: laws.first().filter(|_| same).copied(),
             contacts: [
-                parts.bonds.iter().map(|bond| bond.constant()).collect(),
+                parts.bonds.iter().map(|bond| bond.constant).collect(),
                 parts.bonds.iter().map(|bond| bond.rest).collect(),
             ],
         }
@@ -392,7 +392,7 @@ mod tests {
     };
     use hertzchain_integrators::{DoubleDouble, Instructions, SplitFlow};
 
-    /// Beads of all kinds of motion, in stretches of lengths that no register divides.
+    /// Beads of all kinds of motion, in ranges of lengths that no register divides.
     fn mixed(boundary: Boundary, alpha: Vec<f64>) -> Chain<f64> {
         let n = 29;
         let of = |f: &dyn Fn(usize) -> f64| (0..n).map(f).collect::<Vec<f64>>();

@@ -11,7 +11,7 @@ use super::{
     bond::{Beside, Bond, Contact, known, ramps},
     panel::Frame,
     panels::Panels,
-    predict::{AHEAD, Course, Drive, ROUNDING, exact_turn, overlap_at, predicted, turn},
+    predict::{AHEAD, Drive, FreeMotion, ROUNDING, exact_turn, overlap_at, predicted, turn},
     prescribed::Prescribed,
     system::{Link, Path},
 };
@@ -38,28 +38,28 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         if self.initial.ongoing.is_none() {
             return [0.0; 2];
         }
-        let force = link.force_at_rate(g, rate);
+        let force = link.law.force(g, rate);
         let swings = self.initial.path.iter().zip(&link.sides).map(|(path, side)| side.omega * side.omega * path[2]);
-        let bend = -swings.sum::<f64>() - self.initial.recoil * force;
-        let end = link.force_at_rate(g + frame.h * (rate + 0.5 * frame.h * bend), rate + frame.h * bend);
+        let curvature = -swings.sum::<f64>() - self.initial.mobility * force;
+        let end = link.law.force(g + frame.h * (rate + 0.5 * frame.h * curvature), rate + frame.h * curvature);
         [force, (end - force) / frame.h]
     }
 
     /// Finds the contacts of the window from the forces at its start.
-    pub(super) fn foresee(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) {
+    pub(super) fn predict_dissipative(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) {
         let (h, drive, path, given) = (frame.h, self.drive(beside), self.initial.path, self.known);
-        let course = (&path, known::<S>(&given));
-        let overlap = |t: f64| predicted(frame, course, &drive, t);
-        let look = |t: f64| [overlap(t), predicted_rate(frame, course, &drive, t)];
+        let motion = (&path, known::<S>(&given));
+        let overlap = |t: f64| predicted(frame, motion, &drive, t);
+        let look = |t: f64| [overlap(t), predicted_rate(frame, motion, &drive, t)];
         let [end, rate] = look(h);
-        self.forecast.at_end = frame.link.pushes(end, rate);
+        self.prediction.at_end = frame.link.law.overlap_that_pushes(end, rate);
         let [force, by] = self.initial.force;
-        self.forecast.bend = (frame.link.force_at_rate(end, rate) - (force + by * h)) / (h * h);
+        self.prediction.curvature = (frame.link.law.force(end, rate) - (force + by * h)) / (h * h);
         // The overlap is below its chord plus the bound of its curvature times h^2/8.
         let most = self.initial.overlap[0].max(end) + 0.125 * self.bounds(frame, &drive).0 * h * h;
         if self.initial.ongoing.is_none() && most < -self.initial.band {
             self.contacts.found.clear();
-            self.forecast.slack = -most;
+            self.prediction.margin = -most;
             return;
         }
         self.gather(frame, self.initial.band, look);
@@ -67,13 +67,13 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         // A release soon after the window's end.
         let pushes = |t: f64| {
             let [g, rate] = look(t);
-            frame.link.pushes(g, rate)
+            frame.link.law.overlap_that_pushes(g, rate)
         };
-        let slope = (self.forecast.at_end - pushes(h * (1.0 - STEP))) / (STEP * h);
-        let t = h - self.forecast.at_end / slope;
+        let slope = (self.prediction.at_end - pushes(h * (1.0 - STEP))) / (STEP * h);
+        let t = h - self.prediction.at_end / slope;
         if slope < 0.0 && t > h && t < (1.0 + AHEAD) * h {
             (contact.release, contact.slopes[1]) = (t, slope);
-            self.initial.fade = frame.link.fade(rate);
+            self.initial.singular_after = frame.link.singular_after(rate);
         }
     }
 
@@ -86,15 +86,15 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         (panels, band): (&Panels<M, S>, f64),
     ) -> bool {
         let (path, given, own) = (self.initial.path, self.known, self.initial.own());
-        let course = (&path, known::<S>(&given));
+        let motion = (&path, known::<S>(&given));
         let h = frame.h;
         let look = |t: f64| {
-            [overlap_at(course, (panels, own), frame, beside, t), rate_at(course, (panels, own), frame, beside, t)]
+            [overlap_at(motion, (panels, own), frame, beside, t), rate_at(motion, (panels, own), frame, beside, t)]
         };
         self.gather(frame, band, look);
         let pushes = |t: f64| {
             let [g, rate] = look(t);
-            frame.link.pushes(g, rate)
+            frame.link.law.overlap_that_pushes(g, rate)
         };
         let (overlap, end) = (look(h)[0], pushes(h));
         let by = end / slope(pushes, h, h);
@@ -104,12 +104,12 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// Energy dissipated while beads overlap without a force: the decrease of the elastic energy of
     /// the overlap.
     pub(super) fn let_go(&self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) -> f64 {
-        let course = (&self.initial.path, known::<S>(&self.known));
+        let motion = (&self.initial.path, known::<S>(&self.known));
         // The next time after an event: there the forces before it are paths, whose values have no
         // errors of a series.
         let energy = |t: f64| {
-            let overlap = overlap_at(course, (&self.panels, self.initial.own()), frame, beside, t.next_up());
-            frame.link.potential(overlap)
+            let overlap = overlap_at(motion, (&self.panels, self.initial.own()), frame, beside, t.next_up());
+            frame.link.law.potential(overlap)
         };
         let found = &self.contacts.found;
         let ends = std::iter::once(0.0).chain(found.iter().map(|contact| contact.release));
@@ -130,7 +130,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// overlap and rate at a time; overlaps up to `band` count as zero.
     fn gather(&mut self, frame: &Frame<'_, M, S>, band: f64, look: impl Fn(f64) -> Look) {
         let (h, link) = (frame.h, frame.link);
-        let of = |[g, rate]: Look| [g, link.pushes(g, rate)];
+        let of = |[g, rate]: Look| [g, link.law.overlap_that_pushes(g, rate)];
         let at = |t: f64| of(look(t));
         let mut looks = looks(h, &look, &of);
         // At the start both are known, which tells the error of values by series.
@@ -140,7 +140,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let off = [off(0, band), off(1, self.rounding(link))];
         // A bound of the error of the overlap, over the window, that does not change whether the
         // bond pushes.
-        let margin = |[g, pushes]: [f64; 2]| g.abs().min(link.harmless(pushes.abs(), h));
+        let harmless = |[g, pushes]: [f64; 2]| g.abs().min(link.law.harmless(pushes.abs(), h));
         // `P` ascends with the overlap and with its rate.
         let side = |[g, rate]: Look| {
             let by = |sign: f64| least(of([g + sign * off[0], rate + sign * off[1]]));
@@ -152,16 +152,16 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let mut open = self.initial.ongoing.map(|contact| Contact { release: f64::INFINITY, ..contact });
         let found = &mut self.contacts.found;
         found.clear();
-        let (mut last, mut slack) = ((looks[0].0, of(start)), f64::INFINITY);
+        let (mut last, mut margin) = ((looks[0].0, of(start)), f64::INFINITY);
         for (k, &(t, looked)) in looks.iter().enumerate() {
             let value = of(looked);
-            slack = slack.min(margin(value));
+            margin = margin.min(harmless(value));
             if side(looked).is_none_or(|pushes| pushes == open.is_some()) {
                 last = (t, value);
                 continue;
             }
             // The bond has begun or ceased to push since the last evaluation.
-            slack = 0.0;
+            margin = 0.0;
             let (before, now) = (least(last.1), least(value));
             let event = match k {
                 0 => 0.0,
@@ -173,22 +173,22 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             // 1/alpha.
             let [g, pushes] = if event == 0.0 { of(start) } else { at(event) };
             // Whether `P` vanishes there, and not the overlap: it is less than without the rate.
-            let pressed = g > 0.0 && pushes < 0.5 * link.pushes(g, 0.0);
+            let overlaps_at_onset = g > 0.0 && pushes < 0.5 * link.law.overlap_that_pushes(g, 0.0);
             match open.take() {
                 None => {
-                    let slope = if pressed { slope(|t| at(t)[1], event, h) } else { look(event)[1] };
-                    open = Some(Contact { pressed, ..Contact::new(event, f64::INFINITY, [slope, 0.0]) });
+                    let slope = if overlaps_at_onset { slope(|t| at(t)[1], event, h) } else { look(event)[1] };
+                    open = Some(Contact { overlaps_at_onset, ..Contact::new(event, f64::INFINITY, [slope, 0.0]) });
                 }
                 Some(contact) => {
                     let slopes = [contact.slopes[0], slope(|t| at(t)[1], event, h)];
-                    self.initial.fade = link.fade(look(event)[1]);
+                    self.initial.singular_after = link.singular_after(look(event)[1]);
                     found.push(Contact { release: event, slopes, ..contact });
                 }
             }
             last = (t, value);
         }
         found.extend(open);
-        self.forecast.slack = 0.5 * slack;
+        self.prediction.margin = 0.5 * margin;
     }
 }
 
@@ -210,8 +210,8 @@ fn looks(h: f64, look: &impl Fn(f64) -> Look, of: &impl Fn(Look) -> [f64; 2]) ->
         .collect();
     let turns = |k: usize, part: usize| {
         let [a, b, c] = [k - 1, k, k + 1].map(|k| of(looks[k].1)[part]);
-        let (slope, bend) = (0.5 * (c - a), a - 2.0 * b + c);
-        let by = -slope / bend;
+        let (slope, curvature) = (0.5 * (c - a), a - 2.0 * b + c);
+        let by = -slope / curvature;
         let beyond = (b > 0.0) != (b + 0.5 * slope * by > 0.0);
         (by.abs() < 1.0 && beyond).then(|| looks[k].0 + by * step)
     };
@@ -224,7 +224,7 @@ fn looks(h: f64, look: &impl Fn(f64) -> Look, of: &impl Fn(Look) -> [f64; 2]) ->
 /// The rate of the overlap that the forces at the start of the window predict.
 fn predicted_rate<const M: usize, const S: usize>(
     frame: &Frame<'_, M, S>,
-    (path, known): Course<S>,
+    (path, known): FreeMotion<S>,
     drive: &Drive<S>,
     t: f64,
 ) -> f64 {
@@ -246,7 +246,7 @@ fn predicted_rate<const M: usize, const S: usize>(
 /// The rate of the overlap at a time of the window, from all forces; the bond's own are in
 /// `panels`.
 pub(super) fn rate_at<const M: usize, const S: usize>(
-    (path, known): Course<S>,
+    (path, known): FreeMotion<S>,
     (panels, own): (&Panels<M, S>, f64),
     frame: &Frame<'_, M, S>,
     beside: [Beside<M, S>; 2],
