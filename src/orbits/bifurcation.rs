@@ -20,7 +20,10 @@ use super::{
     setting::{Parameter, Setting},
     shooting::{Orbit, Shooting},
 };
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    numerics::least_by,
+};
 use nalgebra::{Complex, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -191,8 +194,7 @@ fn pair_near(spectrum: &Spectrum, near: f64) -> Option<(f64, f64)> {
     });
     let complex = spectrum.free().filter(|(tau, _)| tau.im > 0.0).map(|(tau, _)| (tau.re, -tau.im * tau.im));
     // The distance of the value from the mean, plus half the distance of the two.
-    let apart = |&(mean, square): &(f64, f64)| (mean - near).abs() + square.abs().sqrt();
-    real.chain(complex).min_by(|a, b| apart(a).total_cmp(&apart(b)))
+    least_by(real.chain(complex), |&(mean, square)| (mean - near).abs() + square.abs().sqrt())
 }
 
 /// The tests whose functions change sign between two points, and whether these tests explain all

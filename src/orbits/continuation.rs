@@ -83,8 +83,7 @@ impl Problem for Continuation {
 
     fn solve(&self, setting: &Setting, seed: &[f64], p: f64) -> Result<Solution> {
         let shooting = Shooting { most_steps: MOST_CORRECTIONS, ..self.shooting };
-        let Orbit { z, residual, newton, .. } = shooting.solve(&setting.with(self.parameter, p), seed)?;
-        Ok(Solution { z, p, residual, newton })
+        Ok(shooting.solve(&setting.with(self.parameter, p), seed)?.solution(p))
     }
 
     /// Steps in the mass ratio are long where these branches bend: only what would be a jump with
@@ -97,14 +96,12 @@ impl Problem for Continuation {
         SOLVED
     }
 
-    fn orbit(&self, setting: &Setting, Solution { z, p, residual, newton }: &Solution) -> Orbit {
-        let setting = setting.with(self.parameter, *p);
-        Orbit { setting, z: z.clone(), residual: *residual, newton: newton.clone() }
+    fn orbit(&self, setting: &Setting, solution: &Solution) -> Orbit {
+        solution.orbit(setting.with(self.parameter, solution.p))
     }
 
-    fn solution(&self, _setting: &Setting, Orbit { setting, z, residual, newton }: &Orbit) -> Solution {
-        let p = setting.get(self.parameter);
-        Solution { z: z.clone(), p, residual: *residual, newton: newton.clone() }
+    fn solution(&self, _setting: &Setting, orbit: &Orbit) -> Solution {
+        orbit.solution(orbit.setting.get(self.parameter))
     }
 
     fn spectrum(&self, _setting: &Setting, orbit: &Orbit) -> Result<Spectrum> {

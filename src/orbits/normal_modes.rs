@@ -26,6 +26,7 @@ use super::{
 use crate::{
     chain::{Chain, State, Variations, max_norm},
     error::{Error, Result},
+    numerics::least_by,
 };
 use hertzchain_integrators::VectorField;
 use nalgebra::{DMatrix, DVector};
@@ -136,8 +137,7 @@ impl NormalModes {
 
     /// The number, from 0 on, of the linear mode with the least participation number.
     pub fn most_localised(&self) -> usize {
-        let participation = |k: &usize| self.linear[*k].participation;
-        (0..self.linear.len()).min_by(|a, b| participation(a).total_cmp(&participation(b))).unwrap_or(0)
+        least_by(0..self.linear.len(), |&k| self.linear[k].participation).unwrap_or(0)
     }
 
     /// Site of a coordinate, and whether the coordinate is that of a resonator.

@@ -18,6 +18,7 @@ use crate::{
     chain::{Boundary, Chain, Layout, MeanForces, Params, max_norm},
     dps::Center,
     error::{Error, Result},
+    numerics::{extremes, least_by},
     report::Report,
     run::state_at,
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span, Theory},
@@ -460,7 +461,7 @@ fn falls_to(samples: &[BrightSample], part: f64) -> Option<f64> {
 
 fn kink(breather: &BrightBreather, layout: Layout, y: &[f64]) -> Kink {
     let height = |x: &[f64]| {
-        let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
+        let (low, high) = extremes(x.iter().copied());
         high - low
     };
     let (u, v) = (layout.u(y), layout.v(y));
@@ -545,7 +546,7 @@ pub fn trivial_breather(scene: &Scene, options: &Adaptive, progress: &mut dyn Fn
         breather: breather.clone(),
         setting: options.words(),
         energy_error: max_norm(energies.iter().map(|energy| (energy - energies[0]) / first)),
-        least_slack: slack.min_by(|a, b| a.1.total_cmp(&b.1)),
+        least_slack: least_by(slack, |one| one.1),
         forces: chain.mean_contact_forces(scene.initial().as_slice(), scene.period(), Pace::Tolerance(options.tol))?,
         stats: states.stats(),
         t,

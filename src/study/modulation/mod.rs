@@ -6,6 +6,7 @@ use super::{Changes, Progress, Study, Work, fit_line, options::options};
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, State},
     error::{Error, Result},
+    numerics::largest_by,
     report::Report,
     scene::Theory,
     sweep::{Engine, Grid, map},
@@ -244,8 +245,7 @@ pub struct StabilityStudy {
 impl StabilityStudy {
     /// The fastest of the ring's modes, if one grows.
     pub fn fastest(&self) -> Option<&StabilityRow> {
-        let grows = self.rows.iter().filter(|row| row.growth > 0.0);
-        grows.max_by(|a, b| a.growth.total_cmp(&b.growth))
+        largest_by(self.rows.iter().filter(|row| row.growth > 0.0), |row| row.growth)
     }
 }
 

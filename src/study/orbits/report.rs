@@ -3,6 +3,7 @@
 use super::{DarkStudy, DoubledStudy, OrbitStudy};
 use crate::{
     error::Result,
+    numerics::least_by,
     orbits::{Bifurcation, Branch, Continuation, Extent, Kind, Multiplier, ORBIT_FORMAT, OrbitPoint, Setting},
     output::Array,
     report::{
@@ -280,7 +281,7 @@ impl Branch {
         // A bifurcation is drawn at the height of the nearest point.
         let mark = |one: &Bifurcation| {
             let apart = |point: &OrbitPoint| (place(point) - one.parameter).abs();
-            let nearest = self.points.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+            let nearest = least_by(&self.points, |point| apart(point));
             (one.parameter, nearest.map_or(f64::NAN, |point| point.measures.extent.k_x))
         };
         let stable = |point: &OrbitPoint| point.spectrum.largest() <= UNSTABLE;

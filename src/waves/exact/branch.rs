@@ -269,19 +269,19 @@ impl Problem for WaveContinuation {
         SOLVED
     }
 
-    fn orbit(&self, base: &WaveBase, Solution { z, p, residual, newton }: &Solution) -> ExactWave {
-        let (setting, z) = self.at(base, z, *p);
-        ExactWave { setting, z, residual: *residual, newton: newton.clone() }
+    fn orbit(&self, base: &WaveBase, solution: &Solution) -> ExactWave {
+        let (setting, z) = self.at(base, &solution.z, solution.p);
+        ExactWave { z, ..solution.orbit(setting) }
     }
 
     fn solution(&self, base: &WaveBase, wave: &ExactWave) -> Solution {
-        let ExactWave { setting, z, residual, newton } = wave;
+        let ExactWave { setting, z, .. } = wave;
         let (strains, rates) = z.split_at(z.len() / 2);
         let strains = strains.iter().map(|z| z - offset(setting));
         let w = (setting.omega_tw / base.setting.omega_tw).ln() * base.size;
         let w = (self.parameter == WaveParameter::Amplitude).then_some(w);
         let z = strains.chain(rates.iter().map(|z| z / setting.omega_tw)).chain(w).collect();
-        Solution { z, p: self.parameter.of(wave), residual: *residual, newton: newton.clone() }
+        Solution { z, ..wave.solution(self.parameter.of(wave)) }
     }
 
     fn ends(&self, wave: &ExactWave) -> Option<End> {

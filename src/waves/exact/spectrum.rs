@@ -29,6 +29,7 @@ use super::{ExactWave, Search, eigen, newton::moved, repeated};
 use crate::{
     chain::{Params, Resonators},
     error::{Error, Result},
+    numerics::least_by,
     orbits::{self, Eigenpair, flow},
 };
 use nalgebra::{Complex, DMatrix, DVector};
@@ -296,8 +297,7 @@ impl<'a> Block<'a> {
         let mut take = |value: Complex<f64>, kind: WaveKind| {
             let apart = |k: &usize| (pairs[*k].0 - value).norm();
             let free = (0..pairs.len()).filter(|&k| kinds[k].is_none());
-            let nearest = free.min_by(|a, b| apart(a).total_cmp(&apart(b)));
-            nearest.map_or(Complex::from(f64::NAN), |k| {
+            least_by(free, apart).map_or(Complex::from(f64::NAN), |k| {
                 kinds[k] = Some(kind);
                 pairs[k].0 - value
             })
@@ -331,7 +331,7 @@ impl<'a> Block<'a> {
         let (nu, z) = &pairs[k];
         let other = nu.conj().inv();
         let apart = |(nu, _): &&Eigenpair| (nu - other).norm();
-        let partner = pairs.iter().min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(&pairs[k]);
+        let partner = least_by(pairs, apart).unwrap_or(&pairs[k]);
         let dual = self.dual(&partner.1);
         // The error of |nu| by the condition number of nu.
         let condition = dual.norm() / dual.dotc(z).norm();
@@ -369,8 +369,7 @@ impl<'a> Block<'a> {
             let p = wrapped((self.theta + 2.0 * PI * k as f64) / m as f64);
             (p, wrapped(argument - p * shift) * per)
         };
-        let smallest = (0..m).map(at).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-        smallest.unwrap_or((0.0, 0.0))
+        least_by((0..m).map(at), |label| label.1.abs()).unwrap_or((0.0, 0.0))
     }
 }
 
