@@ -235,6 +235,12 @@ impl Spectrum {
         scaled_to_one(&DVector::from_iterator(2 * z.len(), z.iter().map(|z| z * half).chain(c_z.iter().copied())))
     }
 
+    /// The largest real multiplier above 1; 1 if there is none.
+    pub fn largest_real(&self) -> f64 {
+        let real = self.multipliers.iter().filter(|one| one.kind == Kind::Real);
+        real.map(|one| one.modulus).fold(1.0, f64::max)
+    }
+
     /// The largest modulus, at least 1.
     pub fn largest(&self) -> f64 {
         self.multipliers.iter().map(|m| m.modulus).fold(1.0, f64::max)

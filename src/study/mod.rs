@@ -36,7 +36,7 @@ mod wave;
 
 pub use barrier::*;
 pub use boundary_wave::*;
-pub use branches::BranchOptions;
+pub use branches::{BranchOptions, BranchStudy};
 pub use breather::*;
 pub use charts::{
     BOUNDS, Behaviour, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance,

@@ -11,7 +11,7 @@
 
 mod report;
 
-use super::{Adaptive, Changes, Study, Work, options::options};
+use super::{Adaptive, Changes, Progress, Study, Work, options::options};
 
 use crate::{
     breathers::{BrightBreather, Norms, TrivialBreather},
@@ -114,8 +114,7 @@ impl Study for Bright {
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.scene()?;
         Ok(Box::new(move |_, progress| {
-            let mut tell = |share| progress(share, "");
-            Ok(bright_breather(&scene, &self.solver, self.samples_per_period, &mut tell)?.report())
+            Ok(bright_breather(&scene, &self.solver, self.samples_per_period, progress)?.report())
         }))
     }
 }
@@ -210,9 +209,7 @@ impl Study for Trivial {
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.scene()?;
-        Ok(Box::new(move |_, progress| {
-            Ok(trivial_breather(&scene, &self.solver, &mut |share| progress(share, ""))?.report())
-        }))
+        Ok(Box::new(move |_, progress| Ok(trivial_breather(&scene, &self.solver, progress)?.report())))
     }
 }
 
@@ -325,7 +322,7 @@ pub fn bright_breather(
     scene: &Scene,
     options: &Adaptive,
     samples_per_period: u32,
-    progress: &mut dyn FnMut(f64),
+    progress: Progress<'_>,
 ) -> Result<BrightStudy> {
     let clock = Instant::now();
     let breather = bright_of(scene)?;
@@ -341,7 +338,7 @@ pub fn bright_breather(
         if shown_times.contains(&t) {
             profiles.push(Shown { t, state: y });
         }
-        progress(t / scene.end());
+        progress(t / scene.end(), "");
     }
     let stats = states.stats();
     let last = &profiles[profiles.len() - 1].state;
@@ -388,7 +385,7 @@ pub struct BrightHistory {
 /// # Errors
 /// A scene of another kind or shorter than a period, a method that takes no tolerance, a run that
 /// fails.
-pub fn bright_history(scene: &Scene, options: &Adaptive, progress: &mut dyn FnMut(f64)) -> Result<BrightHistory> {
+pub fn bright_history(scene: &Scene, options: &Adaptive, progress: Progress<'_>) -> Result<BrightHistory> {
     let breather = bright_of(scene)?;
     options.check()?;
     let (period, layout, sites) = (breather.period(), scene.chain().layout(), scene.chain().sites());
@@ -412,7 +409,7 @@ pub fn bright_history(scene: &Scene, options: &Adaptive, progress: &mut dyn FnMu
         t.push(period * (k as f64 + 0.5));
         swing.extend(low.iter().zip(&high).map(|(low, high)| 0.5 * (high - low)));
         mean.extend(sum.iter().map(|sum| sum / f64::from(PARTS)));
-        progress((k + 1) as f64 / periods);
+        progress((k + 1) as f64 / periods, "");
     }
     Ok(BrightHistory { scene: scene.clone(), breather: breather.clone(), setting: options.words(), t, swing, v: mean })
 }
@@ -509,7 +506,7 @@ pub struct TrivialStudy {
 ///
 /// # Errors
 /// A scene without exact solution, a method that takes no tolerance, a run that fails.
-pub fn trivial_breather(scene: &Scene, options: &Adaptive, progress: &mut dyn FnMut(f64)) -> Result<TrivialStudy> {
+pub fn trivial_breather(scene: &Scene, options: &Adaptive, progress: Progress<'_>) -> Result<TrivialStudy> {
     let clock = Instant::now();
     let Some(breather) = scene.exact() else {
         let rule = "a scene of kind trivial-breather, or a state that is one";
@@ -537,7 +534,7 @@ pub fn trivial_breather(scene: &Scene, options: &Adaptive, progress: &mut dyn Fn
         let y = state.as_slice();
         energies.push(chain.energy(&exact).total());
         deviation.push(max_norm(y.iter().zip(&exact).take(positions).map(|(a, b)| a - b)) / scale);
-        progress(t / scene.end());
+        progress(t / scene.end(), "");
     }
     let first = if energies[0] > 0.0 { energies[0] } else { 1.0 };
     let slack = (1..chain.sites()).map(|n| (n, breather.slack(n)));

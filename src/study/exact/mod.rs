@@ -386,6 +386,6 @@ pub fn wave_branch(
     let (first, WaveContinuation { parameter, search, .. }) = (&branch.setting, branch.continuation);
     let settings = json!([format!("{:?}", first.setting), first.sites, parameter, format!("{search:?}")]);
     let names = [STORE, "wave continue"];
-    let branch = segments::analysed(branch, names, &settings, engine, &branches::rest(progress))?;
+    let branch = segments::analysed(branch, names, &settings, engine, progress)?;
     Ok(WaveBranchStudy { scene: scene.to_owned(), branch })
 }

@@ -23,7 +23,7 @@ use crate::{
     error::{Error, Result},
     interrupt,
     numerics::least_by,
-    orbits::{Kantorovich, Kind, Orbit, Shooting, Spectrum},
+    orbits::{Kantorovich, Orbit, Shooting, Spectrum},
     report::Report,
     sweep::map,
 };
@@ -105,12 +105,6 @@ impl MovingPoint {
         let apart = |wave: &f64| (wave - self.tail.wave_number).abs();
         let waves = self.resonant.iter().filter(|wave| wave.band == Band::Modulation).map(|wave| wave.wave_number);
         least_by(waves, apart).unwrap_or(f64::NAN)
-    }
-
-    /// The largest real multiplier above 1; 1 if there is none.
-    pub fn real(&self) -> f64 {
-        let real = self.spectrum.multipliers.iter().filter(|one| one.kind == Kind::Real);
-        real.map(|one| one.modulus).fold(1.0, f64::max)
     }
 }
 

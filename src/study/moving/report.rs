@@ -2,6 +2,7 @@
 
 use super::{MovingPoint, MovingStudy, Passage};
 use crate::{
+    chain::Params,
     number::format_short,
     numerics::{largest_by, least_by},
     report::{
@@ -66,9 +67,7 @@ impl MovingStudy {
             .collect();
         let title = "Moving dark breathers".to_owned();
         let report = Report::new("moving")
-            .fact("alpha", options.params.alpha)
-            .fact("kappa", options.params.kappa)
-            .fact("rho", options.params.rho)
+            .facts(Params::from(options.params))
             .fact("sites", options.sites)
             .words(self.caption())
             .table(points(&self.points, options.bound))
@@ -186,7 +185,7 @@ pub(super) fn points(points: &[MovingPoint], bound: bool) -> Table {
             point.envelope.tail
         })
         .col("max_modulus", Fixed(6), "largest modulus of a multiplier", |point| point.spectrum.largest())
-        .col("real", Hidden, "largest real multiplier; 1 if none is above 1", MovingPoint::real)
+        .col("real", Hidden, "largest real multiplier; 1 if none is above 1", |point| point.spectrum.largest_real())
         .col("growth", Power(2), "of the largest multiplier, per unit of time", MovingPoint::growth)
         .col("twist", Hidden, "change of the phase along the ring", |point| point.tail.twist)
         .col("tail_wave", Fixed(3), "wave number of the tail", |point| point.tail.wave_number)

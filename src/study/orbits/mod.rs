@@ -443,7 +443,7 @@ fn analysed(branch: Branch, engine: &Engine, progress: Progress<'_>) -> Result<B
     let continuation = Continuation { most_points: 0, ..branch.continuation };
     let settings = json!([branch.setting, continuation, branch.weak, branch.bounded]);
     let names = ["spectra.store", "breather continue"];
-    segments::analysed(branch, names, &settings, engine, &branches::rest(progress))
+    segments::analysed(branch, names, &settings, engine, progress)
 }
 
 /// The branch of doubled period, and the period doubling at which it begins.
