@@ -130,7 +130,7 @@ pub(crate) fn continue_branch<'py>(
 #[pyfunction]
 pub(crate) fn load_branch(py: Python<'_>, path: PathBuf) -> PyResult<BranchBytes<'_>> {
     let work = |watched: &Watched| {
-        let branch = study::study(Branch::load(&path)?, &|share, _| watched.tell(share))?;
+        let branch = study::study(Branch::load(&path)?, &Engine::threads(), &|share, _| watched.tell(share))?;
         of_branch(&branch.report()?)
     };
     finished(py, None, work).map(|branch| branch_bytes(py, branch))
@@ -175,8 +175,8 @@ pub(crate) fn driven_branch<'py>(
         let search = DrivenSearch { turns, settle };
         let vary = DriveParameter::named(parameter)?;
         let way = DrivenWay { vary, to: Some(to), step, branch: BranchOptions { max_points: points, switch } };
-        let branch =
-            study::driven_branch(scene.0.clone(), &search, &way, InSi { si }, &|share, _| watched.tell(share))?;
+        let (scene, engine) = (scene.0.clone(), Engine::threads());
+        let branch = study::driven_branch(scene, &search, &way, InSi { si }, &engine, &|share, _| watched.tell(share))?;
         Ok(text(&branch.report()?.json()))
     })
 }
@@ -198,7 +198,8 @@ pub(crate) fn normal_mode<'py>(
 ) -> PyResult<String> {
     finished(py, progress.as_ref(), |watched| {
         let way = ModeWay { linear_mode: mode, to, step, branch: BranchOptions { max_points: points, switch } };
-        let branch = study::follow_mode(scene.0.clone(), &way, InSi { si }, &|share, _| watched.tell(share))?;
+        let (scene, engine) = (scene.0.clone(), Engine::threads());
+        let branch = study::follow_mode(scene, &way, InSi { si }, &engine, &|share, _| watched.tell(share))?;
         Ok(text(&branch.report().json()))
     })
 }

@@ -110,12 +110,14 @@ impl Study for FollowMode {
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = Scene::load_with(&self.scene, &self.changes.set)?;
-        let (modes, continuation, si) = self.way.for_scene(&scene, self.si)?;
-        Ok(Box::new(move |engine, progress| {
-            Ok(followed(scene, modes, si, &continuation, self.way.branch.switch, engine, progress)?.report())
-        }))
+        self.way.for_scene(&scene, self.si)?;
+        Ok(Box::new(move |engine, progress| Ok(follow_mode(scene, &self.way, self.si, engine, progress)?.report())))
     }
 }
+
+/// Names of the stores of bifurcations.
+const STORE: &str = "mode-bifurcations.store";
+const SWITCHED_STORE: &str = "switched-bifurcations.store";
 
 /// The branch of a normal mode of a conservative scene. In SI units, `to` and `step` of the way are
 /// read, and the report is told, in these. `progress` is told the share done.
@@ -123,24 +125,14 @@ impl Study for FollowMode {
 /// # Errors
 /// A scene that dissipates or is driven, or whose contacts do not hold every bead, or without the
 /// units that are asked for; a number outside its rule; a first orbit that is not found; a signal.
-pub fn follow_mode(scene: Scene, way: &ModeWay, si: InSi, progress: Progress<'_>) -> Result<ModeStudy> {
-    let (modes, continuation, si) = way.for_scene(&scene, si)?;
-    followed(scene, modes, si, &continuation, way.branch.switch, &Engine::threads(), progress)
-}
-
-/// Names of the stores of bifurcations.
-const STORE: &str = "mode-bifurcations.store";
-const SWITCHED_STORE: &str = "switched-bifurcations.store";
-
-fn followed(
+pub fn follow_mode(
     scene: Scene,
-    modes: NormalModes,
-    si: Option<Units>,
-    continuation: &ModeContinuation,
-    switch: Option<usize>,
+    way: &ModeWay,
+    si: InSi,
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<ModeStudy> {
+    let (modes, continuation, si) = way.for_scene(&scene, si)?;
     let (scale, toml) = (Scale(si.as_ref()), scene.file().to_toml());
     let work = |branch: ModeBranch, second: bool, progress: Progress<'_>| {
         let shown = |_: &ModeOrbit, a: f64| scale.shown(Quantity::Length, a, 6);
@@ -150,7 +142,7 @@ fn followed(
         let names = [if second { SWITCHED_STORE } else { STORE }, "orbit mode"];
         segments::analysed(branch, names, &settings, engine, progress)
     };
-    let (branch, switched) = branches::with_switched(continuation.begin(&modes)?, switch, work, progress)?;
+    let (branch, switched) = branches::with_switched(continuation.begin(&modes)?, way.branch.switch, work, progress)?;
     Ok(ModeStudy { scene, branch, switched, si })
 }
 

@@ -207,7 +207,7 @@ impl Study for DrivenContinue {
             let Driven { search, si, .. } = &self.told;
             self.way.for_scene(&scene, search, *si)?;
             return Ok(Box::new(move |engine, progress| {
-                begun(scene, search, &self.way, *si, engine, progress)?.report()
+                driven_branch(scene, search, &self.way, *si, engine, progress)?.report()
             }));
         };
         let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
@@ -287,16 +287,6 @@ const SETTLING: f64 = 0.2;
 /// A scene without a periodic drive, or without the units that are asked for; a number outside its
 /// rule; a first orbit that is not found; a signal.
 pub fn driven_branch(
-    scene: Scene,
-    search: &DrivenSearch,
-    way: &DrivenWay,
-    si: InSi,
-    progress: Progress<'_>,
-) -> Result<DrivenBranchStudy> {
-    begun(scene, search, way, si, &Engine::threads(), progress)
-}
-
-fn begun(
     scene: Scene,
     search: &DrivenSearch,
     way: &DrivenWay,

@@ -152,14 +152,14 @@ impl DoubledStudy {
     /// # Errors
     /// Errors of the archive writer.
     pub fn report(&self) -> Result<Report> {
-        let birth = &self.doubled.birth;
+        let birth = &self.birth;
         let words = format!(
             "The period doubles at omega_b = {:.10}: orbits of doubled period from {:.10} on.",
             birth.parameter,
             0.5 * birth.parameter
         );
         let report = Report::new("branch").fact("birth", &bifurcations("", std::slice::from_ref(birth)).json()[0]);
-        let report = self.doubled.branch.told(report.words(words))?;
+        let report = self.branch.told(report.words(words))?;
         let orbit = self.last.as_ref().map(|last| last.facts(Report::new("")).json());
         let report = report.fact("orbit", orbit);
         Ok(match &self.last {
