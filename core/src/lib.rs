@@ -18,8 +18,8 @@
 pub mod chain;
 pub mod dps;
 pub mod error;
-pub mod parts;
 pub mod numerics;
+pub mod parts;
 pub mod plain;
 pub mod run;
 

@@ -406,6 +406,19 @@ impl<P: Problem> Branch<P> {
         Ok(end)
     }
 
+    /// An orbit with its multipliers and measures.
+    ///
+    /// # Errors
+    /// An integration that fails, or eigenvalues that do not converge.
+    pub fn point(&self, orbit: &P::Orbit) -> Result<Point<P>> {
+        let (continuation, setting) = (&self.continuation, &self.setting);
+        Ok(Point {
+            orbit: orbit.clone(),
+            spectrum: P::kept(continuation.spectrum(setting, orbit)?),
+            measures: continuation.measures(setting, orbit, self.bounded)?,
+        })
+    }
+
     /// The branch with points and bifurcations.
     ///
     /// # Errors

@@ -49,22 +49,23 @@ pub enum DriveParameter {
 impl DriveParameter {
     const ALL: [Self; 3] = [Self::Amplitude, Self::Omega, Self::Damping];
 
-    /// The symbol in pictures.
-    pub fn symbol(self) -> &'static str {
+    /// Name and symbol.
+    fn told(self) -> [&'static str; 2] {
         match self {
-            Self::Amplitude => "drive amplitude a",
-            Self::Omega => "drive frequency ω",
-            Self::Damping => "factor of damping",
+            Self::Amplitude => ["amplitude", "drive amplitude a"],
+            Self::Omega => ["omega", "drive frequency ω"],
+            Self::Damping => ["damping", "factor of damping"],
         }
     }
 
     /// The name in files and on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Amplitude => "amplitude",
-            Self::Omega => "omega",
-            Self::Damping => "damping",
-        }
+        self.told()[0]
+    }
+
+    /// The symbol in pictures.
+    pub fn symbol(self) -> &'static str {
+        self.told()[1]
     }
 
     /// The parameter with this name.

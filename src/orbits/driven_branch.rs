@@ -242,7 +242,11 @@ impl Chord<'_, DrivenContinuation> {
             }
             let Ok((next, spectrum)) = self.point(s) else { break };
             let apart = |one: &DrivenMultiplier| (one.re - multiplier.re).hypot(one.im - multiplier.im);
-            let Some(nearest) = least_by(spectrum.multipliers, apart).filter(|one| (one.modulus - 1.0).abs() < new.1.abs()) else { break };
+            let Some(nearest) =
+                least_by(spectrum.multipliers, apart).filter(|one| (one.modulus - 1.0).abs() < new.1.abs())
+            else {
+                break;
+            };
             (old, new) = (new, (s, nearest.modulus - 1.0));
             (orbit, multiplier) = (next, nearest);
         }

@@ -113,10 +113,8 @@ pub(crate) const ORBIT_FORMAT: (&str, u64) = ("hertzchain orbit", 1);
 #[derive(Deserialize)]
 #[serde(expecting = "an orbit")]
 struct OrbitFile {
-    #[serde(default = "orbit_format")]
-    format: String,
-    #[serde(default = "orbit_version")]
-    format_version: u64,
+    format: Option<String>,
+    format_version: Option<u64>,
     alpha: f64,
     kappa: f64,
     rho: f64,
@@ -128,14 +126,6 @@ struct OrbitFile {
     c_x_asked: Option<f64>,
     x: Vec<f64>,
     y: Vec<f64>,
-}
-
-fn orbit_format() -> String {
-    ORBIT_FORMAT.0.to_owned()
-}
-
-fn orbit_version() -> u64 {
-    ORBIT_FORMAT.1
 }
 
 /// The rule that a file breaks if it holds anything else than an orbit or a branch.
@@ -377,12 +367,10 @@ impl Orbit {
             Category::Data => why.to_string(),
             _ => format!("{NO_ORBIT}: no JSON, {why}"),
         })?;
-        let (format, version) = ORBIT_FORMAT;
-        if (read.format.as_str(), read.format_version) != ORBIT_FORMAT {
-            let OrbitFile { format: other, format_version, .. } = read;
-            return Err(format!(
-                "{other}, format_version {format_version}; read is {format}, format_version {version}"
-            ));
+        let (known, number) = ORBIT_FORMAT;
+        let (format, version) = (read.format.as_deref().unwrap_or(known), read.format_version.unwrap_or(number));
+        if (format, version) != ORBIT_FORMAT {
+            return Err(format!("{format}, format_version {version}; read is {known}, format_version {number}"));
         }
         read.orbit().map_err(|why| why.to_string())
     }

@@ -369,9 +369,7 @@ impl ModeContinuation {
     /// The orbit near the linear mode, at the amplitude `step` or a smaller one.
     fn first(&self, modes: &NormalModes) -> Result<Solution> {
         let linear = &modes.linear[self.mode];
-        let mut seed = linear.shape.clone();
-        seed.remove(linear.leading);
-        seed.push(0.0);
+        let seed = linear.unknowns(&linear.shape, 0.0);
         // Modes of one frequency, as on a ring, may have any shape among theirs: an orthonormal
         // basis.
         let one = |mode: &&LinearMode| (mode.omega / linear.omega - 1.0).abs() < DEGENERATE;

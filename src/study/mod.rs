@@ -72,11 +72,11 @@ pub use theorem::{
 };
 pub use wave::*;
 
-pub(crate) use crate::{number::format_short, numerics::fit_line};
 pub use crate::sweep::Progress;
 use crate::{
     chain::Params, error::Result, number::format_parameter, report::Report, run::Method, scene::Scene, sweep::Engine,
 };
+pub(crate) use crate::{number::format_short, numerics::fit_line};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 

@@ -100,9 +100,7 @@ impl KickedRun {
 
     /// Mean velocity between two times, from the nearest positions; NaN where there is none.
     pub fn mean_velocity(&self, from: f64, to: f64) -> f64 {
-        let nearest = |t: f64| {
-            least_by(0..self.times.len(), |&k| (self.times[k] - t).abs())
-        };
+        let nearest = |t: f64| least_by(0..self.times.len(), |&k| (self.times[k] - t).abs());
         let (Some(a), Some(b)) = (nearest(from), nearest(to)) else { return f64::NAN };
         (self.position[b] - self.position[a]) / (self.times[b] - self.times[a])
     }

@@ -470,7 +470,8 @@ pub fn doubled_from(
     progress: Progress<'_>,
 ) -> Result<(Bifurcation, Branch)> {
     if main.center == Some(Center::Site) {
-        let rule = "only bond-centred breathers double their period: a site-centred one is the square of half its period";
+        let rule =
+            "only bond-centred breathers double their period: a site-centred one is the square of half its period";
         return Err(Error::parameter("center", "site", rule));
     }
     if main.points.iter().any(|point| point.orbit.setting.turns > 1) {
