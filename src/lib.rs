@@ -22,6 +22,7 @@
 //! | `cli` | the command line (feature `cli`) |
 //! | `figures` | pictures as PNG (feature `plot`) |
 //! | [`interrupt`] | whether the process was asked to end |
+//! | [`numerics`] | lines and planes through points, bisection, extremes |
 //! | [`plain`] | the loops that anybody would write, as a yardstick |
 //! | [`error`] | the error type |
 
@@ -48,7 +49,7 @@ pub mod study;
 pub mod sweep;
 pub mod waves;
 
-pub use hertzchain_core::{chain, dps, error, interrupt, parts, plain, run};
+pub use hertzchain_core::{chain, dps, error, interrupt, numerics, parts, plain, run};
 
 pub use chain::{Boundary, Chain, Params, State};
 pub use error::{Error, Result};

@@ -18,9 +18,10 @@ use super::MovingOrbit;
 use crate::{
     chain::{Boundary, Chain, Energy, Params, Site, State},
     error::Result,
+    run::state_at,
     waves::{Given, MeanStrain, Search, WaveNumber, WaveSetting},
 };
-use hertzchain_integrators::{Stepper, collocation::StepControl};
+use hertzchain_integrators::collocation::StepControl;
 use std::f64::consts::PI;
 
 /// Intervals of the trapezoidal rule in a quarter of a period.
@@ -73,15 +74,9 @@ pub fn background_energy(params: Params, omega_b: f64) -> Result<KinkEnergy> {
 /// The kinetic energy is even about both ends of this interval.
 fn averaged(chain: &Chain<f64>, start: &[f64], time: f64, parts: usize, tol: f64) -> Result<KinkEnergy> {
     let mut run = chain.collocation(start, (0.0, time), StepControl::Tolerance(tol))?;
-    let (mut state, mut kinetic) = (start.to_vec(), 0.0);
+    let mut kinetic = 0.0;
     for k in 0..=parts {
-        let t = time * k as f64 / parts as f64;
-        while run.time() < t && !run.done() {
-            run.step()?;
-        }
-        if k > 0 {
-            run.sample(t, &mut state);
-        }
+        let state = state_at(&mut run, time * k as f64 / parts as f64)?;
         let Energy { beads, resonators, .. } = chain.energy(&state);
         kinetic += (beads + resonators) * if k == 0 || k == parts { 0.5 } else { 1.0 } / parts as f64;
     }
@@ -97,7 +92,7 @@ impl MovingOrbit {
     /// # Errors
     /// Those of [`background_energy`], and an integration that fails.
     pub fn kink_energy(&self, twist: f64, tol: f64) -> Result<KinkEnergy> {
-        let breather = &self.breather;
+        let breather = &self.setting;
         let site = background_energy(breather.params, breather.omega_b + twist / breather.passage())?;
         // By symmetry the kinetic energy is even about both ends of half a passage.
         let parts = PARTS * (2 * breather.turns as usize + 1);

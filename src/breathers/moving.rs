@@ -48,9 +48,12 @@ use crate::{
     dps::Center,
     error::{Error, Iterate, Result},
     interrupt,
-    orbits::{self, Frame, Kantorovich, Moment, NewtonStep, Orbit, Shooting, Spectrum, flow, known, least_squares},
+    orbits::{
+        self, Equations, Frame, Kantorovich, Moment, NewtonStep, Orbit, Shooting, Spectrum, flow, known, least_squares,
+    },
+    run::state_at,
 };
-use hertzchain_integrators::{Stepper, collocation::StepControl};
+use hertzchain_integrators::collocation::StepControl;
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::PI;
 
@@ -88,19 +91,10 @@ pub struct MovingBreather {
     pub turns: u32,
 }
 
-/// A moving dark breather; it moves to the right.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MovingOrbit {
-    /// Chain, frequency and turns.
-    pub breather: MovingBreather,
-    /// `[x, y, x', y']` at `t = 0`, when the kink is on the middle bond: sites `n = -N .. N`.
-    pub z: Vec<f64>,
-    /// Largest absolute value of the equations, in units of `max |x|`; rates are divided by
-    /// `omega_b`.
-    pub residual: f64,
-    /// Steps of Newton's method.
-    pub newton: Vec<NewtonStep>,
-}
+/// A moving dark breather, which moves to the right: `z` is `[x, y, x', y']` at `t = 0`, when the
+/// kink is on the middle bond, sites `n = -N .. N`; the residual is the largest absolute value of
+/// the equations, in units of `max |x|`, with rates divided by `omega_b`.
+pub type MovingOrbit = Orbit<MovingBreather>;
 
 /// Local amplitudes, at the time when the kink is on the middle bond.
 #[derive(Clone, Debug, PartialEq)]
@@ -161,12 +155,6 @@ impl Mirror {
         }
         matrix
     }
-}
-
-/// The equations and their derivative by the coordinates of the start.
-struct Equations {
-    residual: DVector<f64>,
-    jacobian: DMatrix<f64>,
 }
 
 /// The problem that Newton's method solves: what its equations depend on besides the unknowns.
@@ -339,7 +327,7 @@ impl MovingBreather {
         let z = (&shot.start * at).as_slice().to_vec();
         let residual = now.residual.amax() / max_norm(z[..self.sites].iter().copied());
         if residual <= SOLVED {
-            return Ok(MovingOrbit { breather: *self, z, residual, newton });
+            return Ok(Orbit { setting: *self, z, residual, newton });
         }
         if interrupt::asked() {
             return stopped();
@@ -419,7 +407,7 @@ impl MovingOrbit {
     /// # Errors
     /// An integration that fails.
     pub fn return_error(&self, tol: f64) -> Result<f64> {
-        let (breather, n) = (&self.breather, self.breather.sites);
+        let (breather, n) = (&self.setting, self.setting.sites);
         let columns = DMatrix::zeros(self.z.len(), 0);
         let end = flow(&breather.chain()?, &self.z, breather.passage(), columns, tol, |_| {})?.state;
         let apart = |i: usize| {
@@ -434,16 +422,13 @@ impl MovingOrbit {
     /// # Errors
     /// An integration that fails.
     pub fn envelope(&self, tol: f64) -> Result<Envelope> {
-        let (breather, n) = (&self.breather, self.breather.sites);
+        let (breather, n) = (&self.setting, self.setting.sites);
         let half = PI / breather.omega_b;
         let mut run = breather.chain()?.collocation(&self.z, (0.0, half), StepControl::Tolerance(tol))?;
-        let (mut state, mut a, mut mean) = (self.z.clone(), vec![Complex::from(0.0); n], vec![0.0; n]);
+        let (mut a, mut mean) = (vec![Complex::from(0.0); n], vec![0.0; n]);
         for k in 0..=SAMPLES {
             let t = half * k as f64 / SAMPLES as f64;
-            while run.time() < t && !run.done() {
-                run.step()?;
-            }
-            run.sample(t, &mut state);
+            let state = state_at(&mut run, t)?;
             // By symmetry the half period before t = 0 is the reflection of that after it.
             let weight = if k == 0 || k == SAMPLES { 0.25 } else { 0.5 } / SAMPLES as f64;
             let turn = Complex::from_polar(2.0 * weight, breather.omega_b * t);
@@ -464,7 +449,7 @@ impl MovingOrbit {
     /// More than 61 sites, whose tangent maps of all windows would not fit the memory of a small
     /// machine; an integration that fails.
     pub fn kantorovich(&self, tol: f64) -> Result<Option<Kantorovich>> {
-        let (breather, n) = (&self.breather, self.breather.sites);
+        let (breather, n) = (&self.setting, self.setting.sites);
         if n > Self::MOST_BOUNDED {
             return Err(Error::parameter("sites", n, "at most 61 where the distance to an exact orbit is bounded"));
         }
@@ -506,7 +491,7 @@ impl MovingOrbit {
     /// # Errors
     /// An integration that fails, or eigenvalues that do not converge.
     pub fn spectrum(&self, tol: f64) -> Result<Spectrum> {
-        let (breather, size) = (&self.breather, self.z.len());
+        let (breather, size) = (&self.setting, self.z.len());
         let chain = breather.chain()?;
         let columns = DMatrix::identity(size, size);
         let half = flow(&chain, &self.z, 0.5 * breather.passage(), columns, tol, |_| {})?.columns;
@@ -546,4 +531,18 @@ pub(crate) fn centre(amplitudes: &[f64], background: f64, before: f64) -> f64 {
         amplitudes.iter().enumerate().map(|(i, &r)| Complex::from_polar(weight(r), angle(i))).sum();
     let position = moment.arg() / (2.0 * PI) * length;
     position - length * ((position - before) / length).round()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::centre;
+
+    #[test]
+    fn a_gap_is_found_and_followed_round_the_ring() {
+        let gap = |at: usize| -> Vec<f64> { (0..41).map(|i| if i == at { 0.0 } else { 1.0 }).collect() };
+        assert!((centre(&gap(20), 1.0, 20.0) - 20.0).abs() < 1e-12);
+        assert!((centre(&gap(40), 1.0, 39.0) - 40.0).abs() < 1e-12);
+        // One further is the first site again.
+        assert!((centre(&gap(0), 1.0, 40.0) - 41.0).abs() < 1e-12);
+    }
 }

@@ -32,6 +32,7 @@ use super::{Envelope, energy::background};
 use crate::{
     chain::Params,
     error::Result,
+    numerics::{largest_by, least_by},
     waves::{Given, Search},
 };
 use nalgebra::Complex;
@@ -171,7 +172,7 @@ impl Far {
         let steps = (MOST_TWIST / TWIST) as i32;
         let sum = |twist: f64| self.turned(twist).iter().map(|(_, a)| a).sum::<Complex<f64>>().norm();
         let twists = (-steps..=steps).map(|k| f64::from(k) * TWIST);
-        twists.max_by(|a, b| sum(*a).total_cmp(&sum(*b))).unwrap_or(0.0)
+        largest_by(twists, |twist| sum(*twist)).unwrap_or(0.0)
     }
 }
 
@@ -183,7 +184,7 @@ impl Envelope {
         let turned = far.turned(twist);
         let waves = (1..).map(|k| f64::from(k) * WAVE).skip_while(|p| p * turned.len() as f64 <= 4.0 * PI);
         let fits = waves.take_while(|p| *p < PI).map(|p| (p, fit(&turned, p).left));
-        let mut wave_number = fits.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(f64::NAN, |(p, _)| p);
+        let mut wave_number = least_by(fits, |fit| fit.1).map_or(f64::NAN, |(p, _)| p);
         for _ in 0..ROUNDS {
             let turned = far.turned(twist);
             wave_number = least(wave_number, WAVE, |p| fit(&turned, p).left);

@@ -8,6 +8,7 @@ use super::legend::{self, Entry};
 use super::palette::{self, GREY, INK, PAPER, Style};
 use super::space_time;
 use super::{Column, Error, Inset, Kind, Line, Panel, Panels, Plot, SIZE, page_of, usable};
+use crate::numerics::extremes;
 use std::f64::consts::TAU;
 
 /// Largest number of points of a line with markers.
@@ -91,7 +92,7 @@ impl Panel {
             Kind::Parameter | Kind::LogParameter | Kind::Cloud => Axis::linear(values, 0.02),
             Kind::LogLog => Axis::log(values),
             Kind::LogCloud => {
-                let (low, high) = range(values);
+                let (low, high) = extremes(values);
                 Axis::exact_log(low / 1.05, high * 1.05)
             }
             Kind::Plane => Axis::linear(values.chain([-PLANE, PLANE]), 0.03),
@@ -109,18 +110,13 @@ impl Panel {
             return Axis::linear(values().chain([-PLANE, PLANE]), 0.03);
         }
         let Some(_) = self.inset else { return Axis::linear(values(), 0.06) };
-        let (low, high) = range(values());
-        let (from, to) = range(self.points().map(|point| point.0));
+        let (low, high) = extremes(values());
+        let (from, to) = extremes(self.points().map(|point| point.0));
         let corner = self.points().filter(|point| point.0 <= from + INSET.0 * (to - from)).map(|point| point.1);
-        let room = (range(corner).1 - low) / (1.0 - INSET.1 - 0.04);
+        let room = (extremes(corner).1 - low) / (1.0 - INSET.1 - 0.04);
         let top = (low + room).max(high + 0.06 * (high - low));
         Axis::exact(low - 0.02 * (top - low), top, false)
     }
-}
-
-/// The least and the largest of the values.
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
 }
 
 /// Draws panels; the page of more than two rows is higher than [`SIZE`].

@@ -11,7 +11,7 @@
 //! back; the equations with the arclength stay regular there. Source: Keller 1977, in *Applications
 //! of Bifurcation Theory*, pp. 359-384.
 
-use super::shooting::{Equations, NewtonStep, least_squares};
+use super::shooting::{Equations, NewtonStep, Orbit, least_squares};
 use crate::{
     chain::max_norm,
     error::{Error, Result},
@@ -78,6 +78,20 @@ pub struct Solution {
     pub residual: f64,
     /// Steps of Newton's method.
     pub newton: Vec<NewtonStep>,
+}
+
+impl Solution {
+    /// The orbit of a setting whose unknowns these are.
+    pub(crate) fn orbit<S>(&self, setting: S) -> Orbit<S> {
+        Orbit { setting, z: self.z.clone(), residual: self.residual, newton: self.newton.clone() }
+    }
+}
+
+impl<S> Orbit<S> {
+    /// The orbit as a solution at a value of the parameter.
+    pub(crate) fn solution(&self, p: f64) -> Solution {
+        Solution { z: self.z.clone(), p, residual: self.residual, newton: self.newton.clone() }
+    }
 }
 
 /// A point of a branch, and its tangent.

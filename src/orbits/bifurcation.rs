@@ -14,13 +14,16 @@
 
 use super::{
     arclength::{self, BasePoint, Scales},
-    branch::{At, Bifurcation, Branch, Chord, Located, Problem},
+    branch::{At, Bifurcation, Branch, Chord, Located, Locator, Problem},
     continuation::Continuation,
     floquet::Spectrum,
     setting::{Parameter, Setting},
     shooting::{Orbit, Shooting},
 };
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    numerics::least_by,
+};
 use nalgebra::{Complex, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -191,8 +194,7 @@ fn pair_near(spectrum: &Spectrum, near: f64) -> Option<(f64, f64)> {
     });
     let complex = spectrum.free().filter(|(tau, _)| tau.im > 0.0).map(|(tau, _)| (tau.re, -tau.im * tau.im));
     // The distance of the value from the mean, plus half the distance of the two.
-    let apart = |&(mean, square): &(f64, f64)| (mean - near).abs() + square.abs().sqrt();
-    real.chain(complex).min_by(|a, b| apart(a).total_cmp(&apart(b)))
+    least_by(real.chain(complex), |&(mean, square)| (mean - near).abs() + square.abs().sqrt())
 }
 
 /// The tests whose functions change sign between two points, and whether these tests explain all
@@ -243,16 +245,21 @@ fn tests(a: &Spectrum, b: &Spectrum, wanted: &Quartets) -> (Vec<Test>, bool) {
     (found, whole)
 }
 
+/// The search for bifurcations of reversible orbits.
+pub(super) const fn locator<P: Reversible>() -> Locator<P> {
+    Locator { between, fold }
+}
+
 /// The bifurcations between two neighbours, and the number of parts whose bifurcations are not
 /// separated. Quartets with a modulus up to `1 + weak` are left out.
-pub(super) fn between<P: Reversible>(branch: &Branch<P>, ends: [At<'_, P>; 2]) -> (Vec<Located<P>>, usize) {
+fn between<P: Reversible>(branch: &Branch<P>, ends: [At<'_, P>; 2]) -> (Vec<Located<P>>, usize) {
     let (mut found, wanted) = (Vec::new(), Quartets { weak: branch.weak.unwrap_or(0.0), near: None });
     let unresolved = search(branch, ends, &wanted, MOST_CUTS, &mut found);
     (found, unresolved)
 }
 
 /// The fold between the first and the last of three neighbours, if the branch turns there.
-pub(super) fn fold<P: Reversible>(branch: &Branch<P>, three: [At<'_, P>; 3]) -> Option<Located<P>> {
+fn fold<P: Reversible>(branch: &Branch<P>, three: [At<'_, P>; 3]) -> Option<Located<P>> {
     let [a, b, c] = three.map(|(orbit, _)| branch.parameter(orbit));
     let [first, _, last] = three;
     let turns = (b - a) * (c - b) < 0.0;

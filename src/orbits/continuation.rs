@@ -11,7 +11,7 @@
 use super::{
     arclength::{End, FARTHEST, MOST_CORRECTIONS, Solution},
     bifurcation::{self, CriticalPair},
-    branch::{At, Branch, Located, Problem, Range},
+    branch::{Branch, Locator, Problem, Range},
     file::checked,
     floquet::Spectrum,
     kantorovich::Kantorovich,
@@ -59,6 +59,7 @@ impl Problem for Continuation {
     type Spectrum = Spectrum;
     type Measures = OrbitMeasures;
     type Critical = CriticalPair;
+    const LOCATOR: Locator<Self> = bifurcation::locator();
 
     fn name(&self) -> &'static str {
         self.parameter.name()
@@ -83,8 +84,7 @@ impl Problem for Continuation {
 
     fn solve(&self, setting: &Setting, seed: &[f64], p: f64) -> Result<Solution> {
         let shooting = Shooting { most_steps: MOST_CORRECTIONS, ..self.shooting };
-        let Orbit { z, residual, newton, .. } = shooting.solve(&setting.with(self.parameter, p), seed)?;
-        Ok(Solution { z, p, residual, newton })
+        Ok(shooting.solve(&setting.with(self.parameter, p), seed)?.solution(p))
     }
 
     /// Steps in the mass ratio are long where these branches bend: only what would be a jump with
@@ -97,14 +97,12 @@ impl Problem for Continuation {
         SOLVED
     }
 
-    fn orbit(&self, setting: &Setting, Solution { z, p, residual, newton }: &Solution) -> Orbit {
-        let setting = setting.with(self.parameter, *p);
-        Orbit { setting, z: z.clone(), residual: *residual, newton: newton.clone() }
+    fn orbit(&self, setting: &Setting, solution: &Solution) -> Orbit {
+        solution.orbit(setting.with(self.parameter, solution.p))
     }
 
-    fn solution(&self, _setting: &Setting, Orbit { setting, z, residual, newton }: &Orbit) -> Solution {
-        let p = setting.get(self.parameter);
-        Solution { z: z.clone(), p, residual: *residual, newton: newton.clone() }
+    fn solution(&self, _setting: &Setting, orbit: &Orbit) -> Solution {
+        orbit.solution(orbit.setting.get(self.parameter))
     }
 
     fn spectrum(&self, _setting: &Setting, orbit: &Orbit) -> Result<Spectrum> {
@@ -122,14 +120,6 @@ impl Problem for Continuation {
 
     fn least_change(&self, p: f64) -> f64 {
         1e-3 * (self.to - p).abs()
-    }
-
-    fn between(branch: &Branch, ends: [At<'_, Self>; 2]) -> (Vec<Located<Self>>, usize) {
-        bifurcation::between(branch, ends)
-    }
-
-    fn fold(branch: &Branch, three: [At<'_, Self>; 3]) -> Option<Located<Self>> {
-        bifurcation::fold(branch, three)
     }
 }
 

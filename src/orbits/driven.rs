@@ -18,12 +18,13 @@
 use super::{
     eigen::eigen,
     floquet::or_infinite,
-    shooting::{Equations, NewtonStep, least_squares},
+    shooting::{Equations, Newton, Orbit},
 };
 use crate::{
     chain::{Chain, Details, Drive, DriveKind, Envelope, Kind, State, Variations, max_norm},
-    error::{Error, Iterate, Result},
+    error::{Error, Result},
     interrupt,
+    numerics::extremes,
 };
 use hertzchain_integrators::collocation::StepControl;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -48,22 +49,23 @@ pub enum DriveParameter {
 impl DriveParameter {
     const ALL: [Self; 3] = [Self::Amplitude, Self::Omega, Self::Damping];
 
-    /// The symbol in pictures.
-    pub fn symbol(self) -> &'static str {
+    /// Name and symbol.
+    fn told(self) -> [&'static str; 2] {
         match self {
-            Self::Amplitude => "drive amplitude a",
-            Self::Omega => "drive frequency ω",
-            Self::Damping => "factor of damping",
+            Self::Amplitude => ["amplitude", "drive amplitude a"],
+            Self::Omega => ["omega", "drive frequency ω"],
+            Self::Damping => ["damping", "factor of damping"],
         }
     }
 
     /// The name in files and on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Amplitude => "amplitude",
-            Self::Omega => "omega",
-            Self::Damping => "damping",
-        }
+        self.told()[0]
+    }
+
+    /// The symbol in pictures.
+    pub fn symbol(self) -> &'static str {
+        self.told()[1]
     }
 
     /// The parameter with this name.
@@ -377,23 +379,10 @@ impl Default for DrivenShooting {
     }
 }
 
-/// A periodic orbit of a driven chain.
-#[derive(Clone, Debug)]
-pub struct DrivenOrbit {
-    /// Chain, drive and period.
-    pub setting: DrivenSetting,
-    /// `z = (q, q'/omega)` at `t = 0`.
-    pub z: Vec<f64>,
-    /// `max |P^m(z) - z|` in units of the largest of: `|z|`, moved beads, a hundredth of the
-    /// largest static overlap.
-    pub residual: f64,
-    /// Steps of Newton's method.
-    pub newton: Vec<NewtonStep>,
-}
+/// A periodic orbit of a driven chain, with `z = (q, q'/omega)` and the residual `max |P^m(z) - z|`
+/// in units of the largest of: `|z|`, moved beads, a hundredth of the largest static overlap.
+pub type DrivenOrbit = Orbit<DrivenSetting>;
 
-/// A step of Newton's method below this, in the unit of residuals, is the last: by quadratic
-/// convergence the next one would be below rounding.
-const LAST_STEP: f64 = 1e-9;
 /// Largest residual of an orbit, in its unit, unless [errors of the flow](DrivenSetting::solved)
 /// are larger.
 const SOLVED: f64 = 1e-11;
@@ -542,45 +531,15 @@ impl DrivenShooting {
             0.0 => residual.amax().max(f64::MIN_POSITIVE),
             size => size,
         };
-        let (mut z, mut newton) = (DVector::from_column_slice(seed), Vec::new());
-        let mut best: Option<DrivenOrbit> = None;
-        let mut keep = |z: &DVector<f64>, residual: f64, newton: &[NewtonStep]| {
-            if residual < best.as_ref().map_or(f64::INFINITY, |best| best.residual) {
-                let z = z.as_slice().to_vec();
-                best = Some(DrivenOrbit { setting: setting.clone(), z, residual, newton: newton.to_vec() });
-            }
-            best.clone()
-        };
-        for _ in 0..self.most_steps {
-            let Ok(Equations { residual, jacobian }) = self.equations(setting, z.as_slice(), true) else { break };
-            let size = size(&z, &residual);
-            let Some(mut by) = least_squares(jacobian, &residual) else { break };
-            newton.push(NewtonStep { residual: residual.amax() / size, step: by.amax() / size });
-            keep(&z, residual.amax() / size, &newton);
-            if z.amax() > 0.0 {
-                by *= (LONGEST_STEP * size / by.amax()).min(1.0);
-            }
-            z -= &by;
-            if by.amax() <= LAST_STEP * size {
-                break;
-            }
+        Newton {
+            most_steps: self.most_steps,
+            longest: LONGEST_STEP,
+            equations: &|z, derivative| self.equations(setting, z, derivative),
+            size: &size,
+            solved: &|z| setting.solved(z, self.tol),
+            place: format!("omega = {}, amplitude = {}", setting.omega(), setting.values[0]),
         }
-        let last = match self.equations(setting, z.as_slice(), false) {
-            Ok(Equations { residual, .. }) => residual.amax() / size(&z, &residual),
-            Err(error) if newton.is_empty() => return Err(error),
-            Err(_) => f64::INFINITY,
-        };
-        match keep(&z, last, &newton) {
-            Some(orbit) if orbit.residual <= setting.solved(&orbit.z, self.tol) => Ok(DrivenOrbit { newton, ..orbit }),
-            best => {
-                let best = best.map(|orbit| {
-                    let place = format!("omega = {}, amplitude = {}", setting.omega(), setting.values[0]);
-                    let solved = setting.solved(&orbit.z, self.tol);
-                    Box::new(Iterate { z: orbit.z, residual: orbit.residual, solved, place })
-                });
-                Err(Error::Stalled { steps: newton.len(), best })
-            }
-        }
+        .solve(setting, seed)
     }
 }
 
@@ -735,10 +694,7 @@ impl DrivenOrbit {
     pub fn ranges(&self, samples: &[Vec<f64>]) -> [Vec<f64>; 2] {
         let n = self.setting.bare.sites();
         let half_range = |of: &dyn Fn(&[f64]) -> f64| {
-            let (low, high) = samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), state| {
-                let value = of(state);
-                (low.min(value), high.max(value))
-            });
+            let (low, high) = extremes(samples.iter().map(|state| of(state)));
             0.5 * (high - low)
         };
         [

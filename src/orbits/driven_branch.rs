@@ -15,11 +15,11 @@
 use super::{
     arclength::{MOST_CORRECTIONS, Solution},
     bifurcation::BifurcationKind,
-    branch::{At, Branch, Chord, Located, Point, Problem, Range},
+    branch::{At, Branch, Chord, Located, Locator, Point, Problem, Range},
     driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum, MARGIN},
     shooting::Equations,
 };
-use crate::error::Result;
+use crate::{error::Result, numerics::least_by};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
@@ -101,6 +101,14 @@ impl Problem for DrivenContinuation {
     type Critical = DrivenCritical;
     const NEAR: f64 = 1e-6;
     const WEAK: Option<f64> = Some(0.0);
+    const LOCATOR: Locator<Self> = Locator {
+        between: |branch, ends| {
+            let mut found = Vec::new();
+            let unresolved = search(branch, ends, MOST_CUTS, &mut found);
+            (found, unresolved)
+        },
+        fold: |_, _| None,
+    };
 
     fn name(&self) -> &'static str {
         self.parameter.name()
@@ -125,8 +133,7 @@ impl Problem for DrivenContinuation {
 
     fn solve(&self, setting: &DrivenSetting, seed: &[f64], p: f64) -> Result<Solution> {
         let shooting = DrivenShooting { most_steps: MOST_CORRECTIONS, ..self.shooting };
-        let DrivenOrbit { z, residual, newton, .. } = shooting.solve(&setting.with(self.parameter, p), seed)?;
-        Ok(Solution { z, p, residual, newton })
+        Ok(shooting.solve(&setting.with(self.parameter, p), seed)?.solution(p))
     }
 
     fn size(&self, setting: &DrivenSetting, z: &[f64], _p: f64) -> f64 {
@@ -137,14 +144,12 @@ impl Problem for DrivenContinuation {
         setting.with(self.parameter, p).solved(z, self.shooting.tol)
     }
 
-    fn orbit(&self, setting: &DrivenSetting, Solution { z, p, residual, newton }: &Solution) -> DrivenOrbit {
-        let setting = setting.with(self.parameter, *p);
-        DrivenOrbit { setting, z: z.clone(), residual: *residual, newton: newton.clone() }
+    fn orbit(&self, setting: &DrivenSetting, solution: &Solution) -> DrivenOrbit {
+        solution.orbit(setting.with(self.parameter, solution.p))
     }
 
     fn solution(&self, _setting: &DrivenSetting, orbit: &DrivenOrbit) -> Solution {
-        let DrivenOrbit { setting, z, residual, newton } = orbit;
-        Solution { z: z.clone(), p: setting.get(self.parameter), residual: *residual, newton: newton.clone() }
+        orbit.solution(orbit.setting.get(self.parameter))
     }
 
     fn spectrum(&self, _setting: &DrivenSetting, orbit: &DrivenOrbit) -> Result<DrivenSpectrum> {
@@ -157,12 +162,6 @@ impl Problem for DrivenContinuation {
 
     fn least_change(&self, _p: f64) -> f64 {
         self.step
-    }
-
-    fn between(branch: &Branch<Self>, ends: [At<'_, Self>; 2]) -> (Vec<Located<Self>>, usize) {
-        let mut found = Vec::new();
-        let unresolved = search(branch, ends, MOST_CUTS, &mut found);
-        (found, unresolved)
     }
 
     fn crossing(
@@ -245,8 +244,11 @@ impl Chord<'_, DrivenContinuation> {
             }
             let Ok((next, spectrum)) = self.point(s) else { break };
             let apart = |one: &DrivenMultiplier| (one.re - multiplier.re).hypot(one.im - multiplier.im);
-            let nearest = spectrum.multipliers.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
-            let Some(&nearest) = nearest.filter(|one| (one.modulus - 1.0).abs() < new.1.abs()) else { break };
+            let Some(nearest) =
+                least_by(spectrum.multipliers, apart).filter(|one| (one.modulus - 1.0).abs() < new.1.abs())
+            else {
+                break;
+            };
             (old, new) = (new, (s, nearest.modulus - 1.0));
             (orbit, multiplier) = (next, nearest);
         }

@@ -19,6 +19,7 @@ use crate::{
     chain::Params,
     dps::Center,
     error::{Error, Result},
+    numerics::{extremes, least_by},
     output::{Archive, Array, FileFormat, SETTINGS, npz_with, read, to_json},
 };
 use hertzchain_integrators::Tolerance;
@@ -288,12 +289,8 @@ impl<P: Problem> Branch<P> {
                 })
             }
             Pick::At(value) => {
-                let (least, most) = self
-                    .orbits
-                    .iter()
-                    .map(p)
-                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
-                let nearest = self.orbits.iter().min_by(|a, b| (p(a) - value).abs().total_cmp(&(p(b) - value).abs()));
+                let (least, most) = extremes(self.orbits.iter().map(p));
+                let nearest = least_by(&self.orbits, |orbit| (p(orbit) - value).abs());
                 nearest.filter(|_| (least..=most).contains(&value)).ok_or_else(|| {
                     Error::parameter(
                         "at",

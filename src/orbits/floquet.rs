@@ -28,7 +28,10 @@
 //! coordinates.
 
 use super::eigen::{Eigenpair, eigen, eigenvalues, unless_asked};
-use crate::chain::{Boundary, Chain};
+use crate::{
+    chain::{Boundary, Chain},
+    numerics::{largest_by, least_by},
+};
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::f64::consts::PI;
@@ -170,7 +173,7 @@ impl Spectrum {
         let mut take = |value: f64, kind: Kind| {
             let apart = |mode: &&mut Mode| (mode.tau - value).norm();
             let free = modes.iter_mut().filter(|mode| mode.kind.is_none());
-            free.min_by(|a, b| apart(a).total_cmp(&apart(b))).map_or(f64::NAN, |mode| {
+            least_by(free, apart).map_or(f64::NAN, |mode| {
                 let by = apart(&mode);
                 (mode.kind, mode.tau) = (Some(kind), Complex::from(value));
                 by
@@ -211,8 +214,7 @@ impl Spectrum {
     /// The strains `z`, `A z = tau z`, of the computed `tau` nearest to the given value, scaled to
     /// the largest entry 1.
     pub(super) fn strains_of(&self, tau: f64) -> Vec<f64> {
-        let apart = |k: usize| (self.tau[k] - tau).norm();
-        let nearest = (0..self.tau.len()).min_by(|&a, &b| apart(a).total_cmp(&apart(b)));
+        let nearest = least_by(0..self.tau.len(), |&k| (self.tau[k] - tau).norm());
         nearest.map_or(Vec::new(), |k| scaled_to_one(&self.modes[k].z))
     }
 
@@ -231,6 +233,12 @@ impl Spectrum {
         let Vectors { z, c_z, .. } = &self.modes[k / 2];
         let half = (lambda - lambda.inv()) * 0.5;
         scaled_to_one(&DVector::from_iterator(2 * z.len(), z.iter().map(|z| z * half).chain(c_z.iter().copied())))
+    }
+
+    /// The largest real multiplier above 1; 1 if there is none.
+    pub fn largest_real(&self) -> f64 {
+        let real = self.multipliers.iter().filter(|one| one.kind == Kind::Real);
+        real.map(|one| one.modulus).fold(1.0, f64::max)
     }
 
     /// The largest modulus, at least 1.
@@ -330,7 +338,7 @@ impl Mode {
 
 /// The real part of a vector after its largest entry is scaled to 1.
 fn scaled_to_one(vector: &DVector<Complex<f64>>) -> Vec<f64> {
-    let largest = vector.iter().max_by(|a, b| a.norm().total_cmp(&b.norm())).copied().unwrap_or(Complex::ONE);
+    let largest = largest_by(vector.iter().copied(), |entry| entry.norm()).unwrap_or(Complex::ONE);
     vector.iter().map(|z| (z / largest).re).collect()
 }
 

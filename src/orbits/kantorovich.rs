@@ -47,7 +47,7 @@
 //! theorem needs the largest in the ball, and its integral is an upper sum over windows. A proof
 //! would take interval arithmetic for these.
 
-use crate::chain::Params;
+use crate::{chain::Params, numerics::largest_by};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -232,7 +232,7 @@ fn bordered(jacobian: &DMatrix<f64>) -> DMatrix<f64> {
         // The unit vector that has the smallest part in the range so far, made orthogonal to that
         // range twice.
         let outside = |i: usize| 1.0 - q.row(i).norm_squared() - null.iter().map(|v| v[i] * v[i]).sum::<f64>();
-        let Some(i) = (0..rows).max_by(|&a, &b| outside(a).total_cmp(&outside(b))) else { break };
+        let Some(i) = largest_by(0..rows, |&i| outside(i)) else { break };
         let mut v = DVector::zeros(rows);
         v[i] = 1.0;
         for _ in 0..2 {

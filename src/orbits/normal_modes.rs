@@ -19,13 +19,14 @@
 use super::{
     arclength::{self, Solution},
     bifurcation::{self, BifurcationKind, CriticalPair},
-    branch::{At, Branch, Located, Point, Problem, Range},
+    branch::{Branch, Locator, Point, Problem, Range},
     floquet::{Frame, Kind, Spectrum},
     shooting::{Equations, NewtonStep, least_squares},
 };
 use crate::{
     chain::{Chain, State, Variations, max_norm},
     error::{Error, Result},
+    numerics::least_by,
 };
 use hertzchain_integrators::VectorField;
 use nalgebra::{DMatrix, DVector};
@@ -136,8 +137,7 @@ impl NormalModes {
 
     /// The number, from 0 on, of the linear mode with the least participation number.
     pub fn most_localised(&self) -> usize {
-        let participation = |k: &usize| self.linear[*k].participation;
-        (0..self.linear.len()).min_by(|a, b| participation(a).total_cmp(&participation(b))).unwrap_or(0)
+        least_by(0..self.linear.len(), |&k| self.linear[k].participation).unwrap_or(0)
     }
 
     /// Site of a coordinate, and whether the coordinate is that of a resonator.
@@ -369,9 +369,7 @@ impl ModeContinuation {
     /// The orbit near the linear mode, at the amplitude `step` or a smaller one.
     fn first(&self, modes: &NormalModes) -> Result<Solution> {
         let linear = &modes.linear[self.mode];
-        let mut seed = linear.shape.clone();
-        seed.remove(linear.leading);
-        seed.push(0.0);
+        let seed = linear.unknowns(&linear.shape, 0.0);
         // Modes of one frequency, as on a ring, may have any shape among theirs: an orthonormal
         // basis.
         let one = |mode: &&LinearMode| (mode.omega / linear.omega - 1.0).abs() < DEGENERATE;
@@ -439,6 +437,7 @@ impl Problem for ModeContinuation {
     type Spectrum = Spectrum;
     type Measures = ModeMeasures;
     type Critical = CriticalPair;
+    const LOCATOR: Locator<Self> = bifurcation::locator();
     const NEAR: f64 = 5e-8;
     /// Chosen: long chains have many weaker collisions.
     const WEAK: Option<f64> = Some(1e-3);
@@ -548,14 +547,6 @@ impl Problem for ModeContinuation {
 
     fn least_change(&self, a: f64) -> f64 {
         LEAST_CHANGE * a.abs()
-    }
-
-    fn between(branch: &Branch<Self>, ends: [At<'_, Self>; 2]) -> (Vec<Located<Self>>, usize) {
-        bifurcation::between(branch, ends)
-    }
-
-    fn fold(branch: &Branch<Self>, three: [At<'_, Self>; 3]) -> Option<Located<Self>> {
-        bifurcation::fold(branch, three)
     }
 
     /// An orbit is at rest twice in a period, at `t = 0` and `t = T/2`. The orbits of doubled

@@ -9,8 +9,9 @@ use super::{
 use crate::{
     chain::max_norm,
     error::{Error, Result},
+    run::state_at,
 };
-use hertzchain_integrators::{Stepper, collocation::StepControl};
+use hertzchain_integrators::collocation::StepControl;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -63,16 +64,7 @@ impl Orbit {
     pub fn states(&self, tol: f64, times: &[f64]) -> Result<Vec<Vec<f64>>> {
         let Some(&end) = times.last() else { return Ok(Vec::new()) };
         let mut run = self.setting.chain()?.collocation(&self.start(), (0.0, end), StepControl::Tolerance(tol))?;
-        let mut states = Vec::with_capacity(times.len());
-        for &t in times {
-            while run.time() < t && !run.done() {
-                run.step()?;
-            }
-            let mut state = self.start();
-            run.sample(t, &mut state);
-            states.push(state);
-        }
-        Ok(states)
+        times.iter().map(|&t| Ok(state_at(&mut run, t)?)).collect()
     }
 
     /// Centres and amplitudes of the first site: extremes of 64 samples a period, each refined by a

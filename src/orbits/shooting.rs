@@ -18,8 +18,9 @@ use super::{
 use crate::{
     chain::{Chain, max_norm},
     error::{Error, Iterate, Result},
+    run::state_at,
 };
-use hertzchain_integrators::{Stepper, collocation::StepControl};
+use hertzchain_integrators::collocation::StepControl;
 use nalgebra::{DMatrix, DVector, DVectorView};
 use serde::{Deserialize, Serialize};
 
@@ -63,21 +64,23 @@ pub struct NewtonStep {
     pub step: f64,
 }
 
-/// A periodic orbit.
+/// A periodic orbit, or a relative one: a solution of shooting equations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Orbit {
-    /// Chain, frequency and centre.
-    pub setting: Setting,
-    /// `[x(0), y(0)]`.
+pub struct Orbit<S = Setting> {
+    /// What determines it, except for the choice of a branch; by default chain, frequency and
+    /// centre.
+    pub setting: S,
+    /// What is at `t = 0`; by default `[x(0), y(0)]`.
     pub z: Vec<f64>,
-    /// `max |F(Z)|` in units of `max |Z|`.
+    /// Largest residual of its equations, in their unit; by default `max |F(Z)|` in units of
+    /// `max |Z|`.
     pub residual: f64,
     /// Steps of Newton's method.
     pub newton: Vec<NewtonStep>,
 }
 
-/// A step of at most this length, in units of `max |Z|`, is the last: by quadratic convergence the
-/// next one would be below rounding.
+/// A step of at most this length, in the unit of residuals, is the last: by quadratic convergence
+/// the next one would be below rounding.
 const LAST_STEP: f64 = 1e-9;
 /// Largest residual of an orbit; rounding is near 1e-16.
 const SOLVED: f64 = 1e-12;
@@ -140,12 +143,7 @@ impl Shooting {
         let mut run = chain.collocation(&state, (0.0, period), StepControl::Tolerance(self.tol))?;
         let mut sum = z[0];
         for k in 1..SAMPLES {
-            let t = period * f64::from(k) / f64::from(SAMPLES);
-            while run.time() < t {
-                run.step()?;
-            }
-            run.sample(t, &mut state);
-            sum += state[0];
+            sum += state_at(&mut run, period * f64::from(k) / f64::from(SAMPLES))?[0];
         }
         Ok(sum / f64::from(SAMPLES))
     }
@@ -164,41 +162,77 @@ impl Shooting {
         if !(size > 0.0 && seed.iter().all(|z| z.is_finite())) {
             return Err(Error::parameter("seed", size, "strains are finite, and not all zero"));
         }
+        let Setting { omega_b, params, .. } = setting;
+        Newton {
+            most_steps: self.most_steps,
+            longest: LONGEST_STEP,
+            equations: &|z, derivative| self.equations(setting, z, derivative),
+            size: &|z, _| z.amax(),
+            solved: &|_| SOLVED,
+            place: format!("omega_b = {omega_b}, rho = {}", params.rho),
+        }
+        .solve(setting, seed)
+    }
+}
+
+/// Newton's method for an orbit.
+pub(super) struct Newton<'a> {
+    /// Largest number of steps.
+    pub(super) most_steps: usize,
+    /// Longest step, in the unit of residuals.
+    pub(super) longest: f64,
+    /// The equations; without derivative the Jacobian has no columns.
+    pub(super) equations: &'a dyn Fn(&[f64], bool) -> Result<Equations>,
+    /// The unit of residuals, from the unknowns and the residuals.
+    pub(super) size: &'a dyn Fn(&DVector<f64>, &DVector<f64>) -> f64,
+    /// Largest residual of an orbit with these unknowns, in its unit.
+    pub(super) solved: &'a dyn Fn(&[f64]) -> f64,
+    /// The orbit that is sought, in words.
+    pub(super) place: String,
+}
+
+impl Newton<'_> {
+    /// The orbit near `seed`; [`Error::Stalled`] with the best iterate where there is none.
+    pub(super) fn solve<S: Clone>(self, setting: &S, seed: &[f64]) -> Result<Orbit<S>> {
+        let Self { equations, size: unit, solved, .. } = self;
         let (mut z, mut newton) = (DVector::from_column_slice(seed), Vec::new());
-        let mut best: Option<Orbit> = None;
+        let mut best: Option<Orbit<S>> = None;
         let mut keep = |z: &DVector<f64>, residual: f64, newton: &[NewtonStep]| {
             if residual < best.as_ref().map_or(f64::INFINITY, |best| best.residual) {
-                best = Some(Orbit { setting: *setting, z: z.as_slice().to_vec(), residual, newton: newton.to_vec() });
+                let (setting, z, newton) = (setting.clone(), z.as_slice().to_vec(), newton.to_vec());
+                best = Some(Orbit { setting, z, residual, newton });
             }
             best.clone()
         };
         for _ in 0..self.most_steps {
-            let Ok(Equations { residual, jacobian }) = self.equations(setting, z.as_slice(), true) else { break };
-            let size = z.amax();
+            let Ok(Equations { residual, jacobian }) = equations(z.as_slice(), true) else { break };
+            let size = unit(&z, &residual);
             let Some(mut by) = least_squares(jacobian, &residual) else { break };
             newton.push(NewtonStep { residual: residual.amax() / size, step: by.amax() / size });
             keep(&z, residual.amax() / size, &newton);
-            by *= (LONGEST_STEP * size / by.amax()).min(1.0);
+            if z.amax() > 0.0 {
+                by *= (self.longest * size / by.amax()).min(1.0);
+            }
             z -= &by;
             if by.amax() <= LAST_STEP * size {
                 break;
             }
         }
-        let last = match self.equations(setting, z.as_slice(), false) {
-            Ok(equations) => equations.residual.amax() / z.amax(),
+        let last = match equations(z.as_slice(), false) {
+            Ok(Equations { residual, .. }) => residual.amax() / unit(&z, &residual),
             Err(error) if newton.is_empty() => return Err(error),
             Err(_) => f64::INFINITY,
         };
         match keep(&z, last, &newton) {
-            Some(orbit) if orbit.residual <= SOLVED => Ok(Orbit { newton, ..orbit }),
-            best => Err(Error::Stalled { steps: newton.len(), best: best.map(|orbit| Box::new(iterate(orbit))) }),
+            Some(orbit) if orbit.residual <= solved(&orbit.z) => Ok(Orbit { newton, ..orbit }),
+            best => {
+                let iterate = |Orbit { z, residual, .. }: Orbit<S>| {
+                    Box::new(Iterate { solved: solved(&z), z, residual, place: self.place })
+                };
+                Err(Error::Stalled { steps: newton.len(), best: best.map(iterate) })
+            }
         }
     }
-}
-
-fn iterate(Orbit { setting, z, residual, .. }: Orbit) -> Iterate {
-    let Setting { omega_b, params, .. } = setting;
-    Iterate { z, residual, solved: SOLVED, place: format!("omega_b = {omega_b}, rho = {}", params.rho) }
 }
 
 /// The vector `x` with the least `|matrix x - right|`; `None` where the matrix does not have full

@@ -69,6 +69,15 @@ impl Report {
         self
     }
 
+    /// Fields of the JSON output, those of a structure.
+    #[must_use]
+    pub fn facts(mut self, fields: impl Serialize) -> Self {
+        if let Ok(Value::Object(fields)) = serde_json::to_value(fields) {
+            self.facts.extend(fields);
+        }
+        self
+    }
+
     /// A table; its rows are a field of the JSON output.
     #[must_use]
     pub fn table(mut self, table: impl Into<Table>) -> Self {

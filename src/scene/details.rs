@@ -281,7 +281,7 @@ pub(super) fn within(chain: &Chain<f64>, end: f64) -> Result<()> {
 pub(super) fn words(chain: &Chain<f64>) -> Option<String> {
     let details = chain.details()?;
     let range = |name: &str, list: &[f64]| {
-        let (low, high) = list.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+        let (low, high) = crate::numerics::extremes(list.iter().copied());
         match list {
             [] => None,
             _ if low == high => Some(format!("{name} {}", format_short(low))),

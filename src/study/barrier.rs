@@ -16,11 +16,11 @@
 
 use super::{ChainParams, Progress, Study, Work, options::options, orbits::Ring, params_words};
 use crate::{
-    chain::Energy,
+    chain::{Energy, Params},
     dps::Center,
     error::{Error, Result},
     number::{format_parameter, format_short},
-    orbits::{Kind, Orbit, Setting, Shooting},
+    orbits::{Orbit, Setting, Shooting},
     report::{
         self, Column,
         Digits::{Fixed, Hidden, Json, Power},
@@ -194,12 +194,11 @@ impl Barrier {
             let Invariants { energy, action, length, .. } = Invariants::of(&orbit, shooting)?;
             let spectrum = orbit.spectrum(shooting)?;
             let sites = orbit.setting.sites as f64;
-            let real = spectrum.multipliers.iter().filter(|one| one.kind == Kind::Real);
             Ok(CenteredKink {
                 kink_energy: energy - sites * background.energy,
                 kink_action: action - sites * background.action,
                 kink_length: length - sites * background.length,
-                real: real.map(|one| one.modulus).fold(1.0, f64::max),
+                real: spectrum.largest_real(),
                 largest: spectrum.largest(),
                 energy,
                 action,
@@ -300,9 +299,7 @@ impl BarrierStudy {
         let title = "Peierls–Nabarro barrier of dark breathers";
         let picture = Panels { title: title.to_owned(), columns: vec![self.column()], caption: self.caption() };
         Report::new("barrier")
-            .fact("alpha", params.alpha)
-            .fact("kappa", params.kappa)
-            .fact("rho", params.rho)
+            .facts(Params::from(params))
             .fact("sites", ring.sites)
             .fact("c_x", ring.c_x)
             .table(table(&self.points))

@@ -5,11 +5,12 @@ use crate::{
     error::{Error, Result},
     orbits::{Bifurcation, Branch, End, Point, Problem},
     report::{Digits::Short, Line, Report, Rows},
+    scene::{Scene, Units},
 };
 use serde_json::{Value, json};
 
 /// Share of the progress of a branch for its orbits; the rest is for multipliers and bifurcations.
-const ORBITS: f64 = 0.4;
+pub(super) const ORBITS: f64 = 0.4;
 
 /// The tables of a branch that crosses the one that was asked for: points and bifurcations.
 pub(super) const SWITCHED: [&str; 2] = ["switched-branch", "switched-bifurcations"];
@@ -63,11 +64,6 @@ pub(super) fn followed<P: Problem>(
     }
 }
 
-/// The progress of the work that comes after [`followed`].
-pub(super) fn rest<'a>(progress: Progress<'a>) -> impl Fn(f64, &str) + Sync + 'a {
-    move |share, what| progress(ORBITS + (1.0 - ORBITS) * share, what)
-}
-
 /// A branch and the one that crosses it at bifurcation number `switch`, if one is asked for, each
 /// made by `work`, which is told whether it is the second one. Without such a branch there is the
 /// reason in words: the branch that is known is a result all the same.
@@ -87,14 +83,28 @@ pub(super) fn with_switched<P: Problem>(
     }
 }
 
+/// A branch of orbits of a scene. All of its numbers are dimensionless; `si` is for its report.
+#[derive(Clone, Debug)]
+pub struct BranchStudy<P: Problem> {
+    /// The scene.
+    pub scene: Scene,
+    /// The branch.
+    pub branch: Branch<P>,
+    /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there or, in
+    /// words, why none was followed.
+    pub switched: Switched<Branch<P>>,
+    /// The units of the scene, if the report is in SI units.
+    pub si: Option<Units>,
+}
+
 /// The branch that crosses, if one was followed, and the number of its bifurcation.
 pub(super) fn crossed<B>(switched: &Switched<B>) -> Option<(usize, &B)> {
     switched.as_ref().and_then(|(number, other)| Some((*number, other.as_ref().ok()?)))
 }
 
-/// A branch and, if it was followed, the one that crosses it.
-pub(super) fn both<'a, B>(branch: &'a B, switched: &'a Switched<B>) -> impl Iterator<Item = &'a B> {
-    std::iter::once(branch).chain(crossed(switched).map(|(_, other)| other))
+/// A branch and, if it was followed, the one that crosses it, with the number of its bifurcation.
+pub(super) fn both<'a, B>(branch: &'a B, switched: &'a Switched<B>) -> impl Iterator<Item = (Option<usize>, &'a B)> {
+    [(None, branch)].into_iter().chain(crossed(switched).map(|(at, other)| (Some(at), other)))
 }
 
 /// The numbers of bifurcations, by which a branch that crosses is asked for.
@@ -148,7 +158,7 @@ pub(super) fn tell<P: Problem>(
         facts[name] = fact;
     }
     let report = match (at, facts) {
-        (None, Value::Object(facts)) => facts.into_iter().fold(report, |report, (name, fact)| report.fact(&name, fact)),
+        (None, facts) => report.facts(facts),
         (at, mut facts) => {
             facts["at"] = json!(at);
             report.fact("switched", facts)
@@ -170,7 +180,7 @@ pub(super) fn gaps<P: Problem>(branch: &Branch<P>) -> String {
 /// Says what is missing: a branch is complete if it reached its end or turned back, or came back to
 /// the branch of half its period.
 pub(super) fn checked<P: Problem>(report: Report, branch: &Branch<P>, switched: &Switched<Branch<P>>) -> Report {
-    let short = both(branch, switched).map(Branch::ended).find(|end| !end.is_complete());
+    let short = both(branch, switched).map(|(_, branch)| branch.ended()).find(|end| !end.is_complete());
     let report = report.failure(short.map(|end| format!("the branch ended: {}", end.words())));
     match switched {
         Some((at, Err(why))) => report.fact("switched", json!({ "failure": why, "at": at })).failure(Some(why.clone())),
@@ -187,7 +197,7 @@ pub(super) fn lines<'a, P: Problem>(
     mark: impl Fn(&'a Bifurcation<P>) -> (f64, f64),
 ) -> Vec<Line> {
     let mut lines = stability_lines(&branch.points, &place, &stable);
-    let marks = both(branch, switched).flat_map(|branch| &branch.bifurcations);
+    let marks = both(branch, switched).flat_map(|(_, branch)| &branch.bifurcations);
     lines.push(Line::new("bifurcation", marks.map(mark)));
     let other = crossed(switched).map(|(_, other)| stability_lines(&other.points, &place, &stable));
     lines.extend(other.into_iter().flatten().map(|line| Line { name: line.name + ", switched", ..line }));

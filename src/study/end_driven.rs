@@ -27,6 +27,7 @@ use crate::{
     chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, State, max_norm},
     dps::Center,
     error::{Error, Result},
+    numerics::{largest_by, least_by},
     orbits::{
         BifurcationKind, DriveParameter, DrivenContinuation, DrivenMultiplier, DrivenOrbit, DrivenPoint, DrivenSetting,
         DrivenShooting, DrivenSpectrum, End, Shooting,
@@ -433,7 +434,7 @@ impl EndDrivenStudy {
             Some((one.amplitude, *case))
         });
         let all = self.cases.len();
-        match least.min_by(|a, b| a.0.total_cmp(&b.0)) {
+        match least_by(least, |one| one.0) {
             Some((a, case)) => format!(
                 "Dark breathers on {dark} of {all} branches, stable ones on {}; the least drive amplitude of a stable one is {a:.4} \
                  (N = {}, ends {}, ω_d = {}).",
@@ -499,7 +500,7 @@ impl EndDrivenStudy {
             branches.push(Panel::new(Kind::Cloud, ["drive amplitude a", "background B/Kₓ"], lines));
         }
         let strongest = self.cases.iter().filter_map(|case| Some((case, case.best()?)));
-        let strongest = strongest.max_by(|(c, a), (d, b)| (a.background / c.free).total_cmp(&(b.background / d.free)));
+        let strongest = largest_by(strongest, |(case, one)| one.background / case.free);
         let mut columns = vec![Column::new("", branches)];
         let mut best = String::new();
         if let Some((case, one)) = strongest {

@@ -36,7 +36,7 @@ mod wave;
 
 pub use barrier::*;
 pub use boundary_wave::*;
-pub use branches::BranchOptions;
+pub use branches::{BranchOptions, BranchStudy};
 pub use breather::*;
 pub use charts::{
     BOUNDS, Behaviour, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance,
@@ -72,11 +72,11 @@ pub use theorem::{
 };
 pub use wave::*;
 
-pub(crate) use crate::number::format_short;
 pub use crate::sweep::Progress;
 use crate::{
     chain::Params, error::Result, number::format_parameter, report::Report, run::Method, scene::Scene, sweep::Engine,
 };
+pub(crate) use crate::{number::format_short, numerics::fit_line};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -238,29 +238,4 @@ fn families(methods: &[Method]) -> (Vec<String>, Vec<usize>) {
     };
     let indices = methods.iter().map(index).collect();
     (names, indices)
-}
-
-/// Slope of the least-squares line, and its largest residual; `None` if no abscissas differ.
-pub(crate) fn fit_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
-    let n = points.len() as f64;
-    let (mx, my) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
-    let (sxx, sxy) =
-        points.iter().fold((0.0, 0.0), |(xx, xy), p| (xx + (p.0 - mx).powi(2), xy + (p.0 - mx) * (p.1 - my)));
-    let slope = (sxx > 0.0).then(|| sxy / sxx)?;
-    let residual = points.iter().map(|p| (p.1 - my - slope * (p.0 - mx)).abs()).fold(0.0, f64::max);
-    Some((slope, residual))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_line_is_fitted_and_a_bend_is_seen() {
-        let line: Vec<_> = (0..4).map(|i| (f64::from(i), 2.5 * f64::from(i) - 7.0)).collect();
-        let (slope, residual) = fit_line(&line).unwrap();
-        assert!((slope - 2.5).abs() < 1e-14 && residual < 1e-14);
-        assert!(fit_line(&[(0.0, 0.0), (1.0, 0.0), (2.0, 2.0)]).unwrap().1 > 0.3);
-        assert!(fit_line(&[(1.0, 0.0)]).is_none());
-    }
 }

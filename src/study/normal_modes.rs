@@ -3,7 +3,7 @@
 
 use super::{
     Changes, InSi, Progress, Study, Work,
-    branches::{self, BranchOptions, BranchRow, SWITCHED, Switched, crossed},
+    branches::{self, BranchOptions, BranchRow, BranchStudy, SWITCHED, crossed},
     format_short, kebab_name,
     options::options,
     scene_caption, scene_json, segments,
@@ -62,22 +62,8 @@ options! {
     }
 }
 
-/// The branch of a mode of a scene. All of its numbers are dimensionless; `si` is for its
-/// [report](Self::report).
-#[derive(Clone, Debug)]
-pub struct ModeStudy {
-    /// The scene.
-    pub scene: Scene,
-    /// Its equilibrium and linear modes.
-    pub modes: NormalModes,
-    /// The branch.
-    pub branch: ModeBranch,
-    /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there or, in
-    /// words, why none was followed.
-    pub switched: Switched<ModeBranch>,
-    /// The units of the scene, if the report is in SI units.
-    pub si: Option<Units>,
-}
+/// The branch of a mode of a scene, whose setting has the equilibrium and the linear modes.
+pub type ModeStudy = BranchStudy<ModeContinuation>;
 
 impl ModeWay {
     /// The way in the units of the chain.
@@ -124,12 +110,14 @@ impl Study for FollowMode {
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = Scene::load_with(&self.scene, &self.changes.set)?;
-        let (modes, continuation, si) = self.way.for_scene(&scene, self.si)?;
-        Ok(Box::new(move |engine, progress| {
-            Ok(followed(scene, modes, si, &continuation, self.way.branch.switch, engine, progress)?.report())
-        }))
+        self.way.for_scene(&scene, self.si)?;
+        Ok(Box::new(move |engine, progress| Ok(follow_mode(scene, &self.way, self.si, engine, progress)?.report())))
     }
 }
+
+/// Names of the stores of bifurcations.
+const STORE: &str = "mode-bifurcations.store";
+const SWITCHED_STORE: &str = "switched-bifurcations.store";
 
 /// The branch of a normal mode of a conservative scene. In SI units, `to` and `step` of the way are
 /// read, and the report is told, in these. `progress` is told the share done.
@@ -137,24 +125,14 @@ impl Study for FollowMode {
 /// # Errors
 /// A scene that dissipates or is driven, or whose contacts do not hold every bead, or without the
 /// units that are asked for; a number outside its rule; a first orbit that is not found; a signal.
-pub fn follow_mode(scene: Scene, way: &ModeWay, si: InSi, progress: Progress<'_>) -> Result<ModeStudy> {
-    let (modes, continuation, si) = way.for_scene(&scene, si)?;
-    followed(scene, modes, si, &continuation, way.branch.switch, &Engine::threads(), progress)
-}
-
-/// Names of the stores of bifurcations.
-const STORE: &str = "mode-bifurcations.store";
-const SWITCHED_STORE: &str = "switched-bifurcations.store";
-
-fn followed(
+pub fn follow_mode(
     scene: Scene,
-    modes: NormalModes,
-    si: Option<Units>,
-    continuation: &ModeContinuation,
-    switch: Option<usize>,
+    way: &ModeWay,
+    si: InSi,
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<ModeStudy> {
+    let (modes, continuation, si) = way.for_scene(&scene, si)?;
     let (scale, toml) = (Scale(si.as_ref()), scene.file().to_toml());
     let work = |branch: ModeBranch, second: bool, progress: Progress<'_>| {
         let shown = |_: &ModeOrbit, a: f64| scale.shown(Quantity::Length, a, 6);
@@ -162,10 +140,10 @@ fn followed(
         let ModeContinuation { mode, to, step, .. } = branch.continuation;
         let settings = json!([toml, mode, to, step, branch.birth]);
         let names = [if second { SWITCHED_STORE } else { STORE }, "orbit mode"];
-        segments::analysed(branch, names, &settings, engine, &branches::rest(progress))
+        segments::analysed(branch, names, &settings, engine, progress)
     };
-    let (branch, switched) = branches::with_switched(continuation.begin(&modes)?, switch, work, progress)?;
-    Ok(ModeStudy { scene, modes, branch, switched, si })
+    let (branch, switched) = branches::with_switched(continuation.begin(&modes)?, way.branch.switch, work, progress)?;
+    Ok(ModeStudy { scene, branch, switched, si })
 }
 
 /// The tables of the branch: points and bifurcations.
@@ -240,7 +218,7 @@ impl ModeStudy {
         let n = self.scene.chain().sites();
         let mut both = [vec![0.0; n], vec![0.0; n]];
         for (k, xi) in point.orbit.shape.iter().enumerate() {
-            let (site, resonator) = self.modes.place(k);
+            let (site, resonator) = self.branch.setting.place(k);
             both[usize::from(resonator)][site] = point.orbit.amplitude * xi;
         }
         both.map(|values| Scale(self.si.as_ref()).all(Quantity::Length, &values))
@@ -251,7 +229,7 @@ impl ModeStudy {
         let (si, last, rows) = (self.si.as_ref(), branch.points.last(), branches::told(branch));
         let last = last.map(|last| {
             let [u, v] = self.displacements(last);
-            let start = self.modes.state(&last.orbit);
+            let start = branch.setting.state(&last.orbit);
             let start = [Some(start.u()), start.v()].map(|all| all.map(|all| Scale(si).all(Quantity::Length, all)));
             json!({
                 "u": u,
@@ -269,17 +247,15 @@ impl ModeStudy {
 
     /// The report.
     pub fn report(&self) -> Report {
-        let Self { scene, modes, branch, switched, si } = self;
-        let chosen = branch.continuation.mode;
+        let Self { scene, branch, switched, si } = self;
+        let (chosen, modes) = (branch.continuation.mode, &branch.setting);
         let numbered = (1..).zip(modes.linear()).map(|(k, mode)| (k, mode, modes.place(mode.leading)));
         let numbered: Vec<Numbered<'_>> = numbered.collect();
         let report = Report::new("mode").si(si.as_ref()).fact("scene", scene.name()).fact("mode", chosen + 1);
         let report = report.table(linear_modes(&numbered, chosen, si.as_ref()));
         let report = report.words(format!("Mode {} of {} linear modes is followed.", chosen + 1, numbered.len()));
-        let mut report = self.tell(report, None, branch);
-        if let Some((number, other)) = crossed(switched) {
-            report = self.tell(report, Some(number), other);
-        }
+        let both = branches::both(branch, switched);
+        let report = both.fold(report, |report, (at, branch)| self.tell(report, at, branch));
         let report = branches::checked(report, branch, switched).fact("scene_file", scene_json(scene));
         match branch.points.last() {
             Some(last) => report.picture(self.panels(last)),
@@ -289,7 +265,7 @@ impl ModeStudy {
 
     fn panels(&self, point: &ModePoint) -> Panels {
         let (branch, scale) = (&self.branch, Scale(self.si.as_ref()));
-        let (linear, other) = (self.modes.linear(), crossed(&self.switched));
+        let (linear, other) = (branch.setting.linear(), crossed(&self.switched));
         let (frequency, symbol) = match self.si {
             None => (Quantity::Omega, "frequency ω"),
             Some(_) => (Quantity::Frequency, "frequency ω/2π"),

@@ -34,10 +34,7 @@ use std::f64::consts::PI;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TravellingWave {
     params: Params,
-    q: f64,
-    a: f64,
-    b: f64,
-    phi: f64,
+    shape: Shape,
     epsilon: f64,
     omega_tw: f64,
 }
@@ -120,7 +117,7 @@ impl TravellingWave {
         if !(epsilon.is_normal() && detuning.is_finite()) {
             return Err(Error::parameter("epsilon", epsilon, "the size of the wave is a normal number"));
         }
-        Ok(Self { params, q, a, b, phi, epsilon, omega_tw: omega + detuning })
+        Ok(Self { params, shape, epsilon, omega_tw: omega + detuning })
     }
 
     /// Exponent, spring constant and mass ratio of the chain.
@@ -130,8 +127,7 @@ impl TravellingWave {
 
     /// Wave number, amplitude, mean strain and phase.
     pub fn shape(&self) -> Shape {
-        let &Self { q, a, b, phi, .. } = self;
-        Shape { q, a, b, phi }
+        self.shape
     }
 
     /// The slow time `epsilon^{alpha-1} t`.
@@ -151,14 +147,15 @@ impl TravellingWave {
 
     /// The amplitude of the strain about its mean, `2 epsilon kappa a`.
     pub fn amplitude(&self) -> f64 {
-        2.0 * self.epsilon * self.params.kappa * self.a
+        2.0 * self.epsilon * self.params.kappa * self.shape.a
     }
 
     /// The strains of site `n` at time `t` and their rates (eq:xytw_app); at `t = 0` the initial
     /// data (eq:ini_tw).
     pub fn site(&self, n: usize, t: f64) -> Site<f64> {
-        let (sin, cos) = (n as f64 * self.q - self.omega_tw * t + self.phi).sin_cos();
-        let (mean, x, rho) = (self.epsilon * self.b, self.amplitude(), self.params.rho);
+        let Shape { q, b, phi, .. } = self.shape;
+        let (sin, cos) = (n as f64 * q - self.omega_tw * t + phi).sin_cos();
+        let (mean, x, rho) = (self.epsilon * b, self.amplitude(), self.params.rho);
         let rate = self.omega_tw * x * sin;
         Site { u: mean + x * cos, v: mean - x / rho * cos, u_dot: rate, v_dot: -rate / rho }
     }

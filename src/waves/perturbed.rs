@@ -21,7 +21,7 @@
 //! There a given mean strain is right and a given force is not, but the two ansatzes differ by 3e-5
 //! of the amplitude where both are 8e-2 from the chain. Scenes therefore make the paper's choice.
 
-use super::TravellingWave;
+use super::{Shape, TravellingWave};
 use crate::{
     chain::Site,
     dps::{Ansatz, Averages, Constraint, Dps, Ends, Form, Layout},
@@ -55,16 +55,17 @@ impl PerturbedWave {
         if sites < 2 {
             return Err(Error::parameter("sites", sites, "a perturbed ring has at least two sites"));
         }
-        let force = Averages::new(wave.params.alpha, wave.params.kappa)?.g(wave.b, wave.a);
+        let Shape { q, a, b, phi } = wave.shape;
+        let force = Averages::new(wave.params.alpha, wave.params.kappa)?.g(b, a);
         if !force.is_normal() {
             return Err(Error::parameter("C", force, "the mean force g_alpha(b, a) is a normal number"));
         }
         let mut random = uniform(seed);
         let mut amplitudes = vec![0.0; 2 * sites];
         for n in 0..sites {
-            let (sin, cos) = (n as f64 * wave.q + wave.phi).sin_cos();
-            amplitudes[n] = wave.a * (1.0 + zeta * random()) * cos;
-            amplitudes[sites + n] = -wave.a * (1.0 + zeta * random()) * sin;
+            let (sin, cos) = (n as f64 * q + phi).sin_cos();
+            amplitudes[n] = a * (1.0 + zeta * random()) * cos;
+            amplitudes[sites + n] = -a * (1.0 + zeta * random()) * sin;
         }
         Ok(Self { wave, zeta, seed, sites, force, amplitudes })
     }

@@ -9,6 +9,7 @@ use hertzchain::{
     orbits::{Bifurcation, Branch, Continuation, End, Formulation, Orbit, Parameter, Pick, Shooting},
     output::{Archive, Array, npz, npz_with, to_json},
     study::{DarkStudy, orbit_study, study},
+    sweep::Engine,
 };
 use serde_json::{Value, json};
 use std::{
@@ -178,20 +179,20 @@ fn orbits_without_multipliers_are_gaps() {
     // An orbit in the middle that no chain has: its flow fails.
     broken.orbits[2].setting.turns = 7;
     let gap = broken.orbits[2].setting.omega_b;
-    let branch = study(broken.clone(), &|_, _| {}).unwrap();
+    let branch = study(broken.clone(), &Engine::threads(), &|_, _| {}).unwrap();
     assert_eq!((branch.points.len(), branch.ended(), branch.orbits.len()), (count - 1, End::Reached, count));
     assert_eq!(branch.gaps, [gap]);
     let report = branch.report().unwrap();
     let text = report.text().replace('\n', " ");
     assert!(text.contains(&format!("Orbits without multipliers at omega_b = {gap:.8}")) && report.succeeded());
     broken.orbits[count - 1].setting.turns = 7;
-    let branch = study(broken.clone(), &|_, _| {}).unwrap();
+    let branch = study(broken.clone(), &Engine::threads(), &|_, _| {}).unwrap();
     assert_eq!((branch.points.len(), branch.ended()), (count - 2, End::NoMultipliers));
     assert!(!branch.report().unwrap().succeeded());
     let why = branch.reached().unwrap_err().to_string();
     assert!(why.contains("is at omega_b = 2.04, but") && why.contains("the multipliers of its last orbit"), "{why}");
     broken.orbits.iter_mut().for_each(|orbit| orbit.setting.turns = 7);
-    assert!(study(broken, &|_, _| {}).is_err());
+    assert!(study(broken, &Engine::threads(), &|_, _| {}).is_err());
 }
 
 // Truth: the search over all points at once, with spectra computed here. A gap at the end of a
@@ -204,7 +205,7 @@ fn bifurcations_of_a_branch_in_stretches_are_those_of_the_whole_branch() {
     for gaps in [&[][..], &[3], &[4], &[0, 2, 3, 4], &[1, 2, 3, 4, 5, 6, 7, 8]] {
         let mut broken = whole.clone();
         gaps.iter().for_each(|&gap: &usize| broken.orbits[gap].setting.turns = 7);
-        let branch = study(broken.clone(), &|_, _| {}).unwrap();
+        let branch = study(broken.clone(), &Engine::threads(), &|_, _| {}).unwrap();
         broken.orbits.retain(|orbit| orbit.setting.turns == 1);
         let spectra: Vec<_> = broken.orbits.iter().map(|orbit| orbit.spectrum(&Shooting::default()).unwrap()).collect();
         let want = broken.analysed().unwrap().bifurcations;

@@ -30,7 +30,7 @@ fn paper() -> BrightBreather {
 
 fn study(scene: &Scene, method: &str, tolerance: f64) -> BrightStudy {
     let options = Adaptive { method: Method::named(method).unwrap(), tol: tolerance };
-    bright_breather(scene, &options, 1, &mut |_| ()).unwrap()
+    bright_breather(scene, &options, 1, &|_, _| ()).unwrap()
 }
 
 fn with_ends(scene: &Scene, boundary: Boundary) -> Scene {

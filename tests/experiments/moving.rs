@@ -29,7 +29,7 @@ fn orbit() -> &'static MovingOrbit {
 
 /// `max |S^{-1} end - z|` over the strains, in units of the largest.
 fn returned(orbit: &MovingOrbit, end: &[f64]) -> f64 {
-    let n = orbit.breather.sites;
+    let n = orbit.setting.sites;
     let size = orbit.z[..n].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     (0..n).map(|i| (end[(i + 1) % n] - orbit.z[i]).abs() / size).fold(0.0, f64::max)
 }
@@ -50,8 +50,8 @@ fn strains_at(chain: &Chain<f64>, z: &[f64], t: f64, method: &str, tol: f64) -> 
 fn a_moving_breather_comes_back_a_site_further_by_another_method() {
     let orbit = orbit();
     assert!(orbit.residual < 1e-12 && orbit.return_error(TOL).unwrap() < 1e-11);
-    let chain = orbit.breather.chain().unwrap();
-    let end = strains_at(&chain, &orbit.z, orbit.breather.passage(), "dop853-regularised", 1e-14);
+    let chain = orbit.setting.chain().unwrap();
+    let end = strains_at(&chain, &orbit.z, orbit.setting.passage(), "dop853-regularised", 1e-14);
     let end = returned(orbit, &end);
     println!("{end:e}");
     assert!(end < 1e-10, "{end:e}");
@@ -62,10 +62,10 @@ fn a_moving_breather_comes_back_a_site_further_by_another_method() {
 #[test]
 fn relative_multipliers_are_those_of_the_whole_passage() {
     let orbit = orbit();
-    let (n, size) = (orbit.breather.sites, orbit.z.len());
+    let (n, size) = (orbit.setting.sites, orbit.z.len());
     let spectrum = orbit.spectrum(TOL).unwrap();
-    let chain = orbit.breather.chain().unwrap();
-    let mut run = chain.collocation(&orbit.z, (0.0, orbit.breather.passage()), StepControl::Tolerance(TOL)).unwrap();
+    let chain = orbit.setting.chain().unwrap();
+    let mut run = chain.collocation(&orbit.z, (0.0, orbit.setting.passage()), StepControl::Tolerance(TOL)).unwrap();
     let mut tangent = Tangent::identity(&run).unwrap();
     while !run.done() {
         run.step().unwrap();
@@ -130,7 +130,7 @@ fn seeds_of_other_velocities_lead_to_the_same_orbit_which_moves_to_the_right() {
 fn the_tail_is_the_modulation_of_the_background_that_has_the_velocity_of_the_kink() {
     let orbit = breather(21, 2.05, 22).orbit(1e-13).unwrap();
     let tail = orbit.envelope(1e-12).unwrap().tail_wave();
-    let waves = LinearWaves::new(orbit.breather.params, 2.05 + tail.twist / orbit.breather.passage()).unwrap();
+    let waves = LinearWaves::new(orbit.setting.params, 2.05 + tail.twist / orbit.setting.passage()).unwrap();
     let at = |turns: u32| {
         let found = waves.resonant(breather(21, 2.05, turns).passage());
         let found: Vec<f64> =
@@ -153,7 +153,7 @@ fn energies_of_a_kink_at_rest_are_those_of_the_barrier() {
     // About a site: the kinetic energy is then even about a quarter of a period as well.
     let kink = &study.points[0].kinks[0];
     let z = kink.orbit.start();
-    let still = MovingOrbit { breather: breather(15, 2.05, 22), z, residual: 0.0, newton: Vec::new() };
+    let still = MovingOrbit { setting: breather(15, 2.05, 22), z, residual: 0.0, newton: Vec::new() };
     let found = still.kink_energy(0.0, 1e-13).unwrap();
     let free = kink.kink_energy - 2.05 * kink.kink_action;
     println!("{found:?} {} {free}", kink.kink_energy);
@@ -182,7 +182,7 @@ fn the_bound_of_a_moving_breather_holds_the_distance_to_a_better_one() {
     let mut far = coarse.clone();
     far.z.iter_mut().for_each(|z| *z *= 1.1);
     assert!(far.kantorovich(1e-13).unwrap().is_none_or(|found| found.radius.is_none()));
-    far.breather.sites = 63;
+    far.setting.sites = 63;
     far.z.resize(4 * 63, 0.0);
     assert!(far.kantorovich(1e-13).unwrap_err().to_string().contains("at most 61"));
 }

@@ -225,7 +225,7 @@ fn orbits_of_small_amplitude_have_multipliers() {
     let continuation = Continuation { parameter, to, step, most_points: 6, natural: false, shooting };
     let mut trail = Branch::new(continuation, start.setting, start).unwrap();
     trail.extend(|_| {}).unwrap();
-    let branch = study(trail, &|_, _| {}).unwrap();
+    let branch = study(trail, &hertzchain::sweep::Engine::threads(), &|_, _| {}).unwrap();
     assert_eq!((branch.points.len(), branch.gaps.len()), (6, 0));
     for OrbitPoint { spectrum, .. } in &branch.points {
         // Measured: 3.1e-12 at one orbit, where a step of inverse iteration starts almost

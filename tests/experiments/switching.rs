@@ -9,6 +9,7 @@ use hertzchain::{
     run::{Method, Run, Setting},
     scene::Scene,
     study::{BranchOptions, DrivenSearch, DrivenWay, InSi, ModeWay, driven_branch, follow_mode},
+    sweep::Engine,
 };
 use std::f64::consts::PI;
 
@@ -220,7 +221,7 @@ fn bifurcations_of_driven_branches_in_stretches_are_those_of_the_whole_branch() 
         step: Some(0.1),
         branch: BranchOptions { max_points: 200, switch: Some(1) },
     };
-    let found = driven_branch(scene, &search, &way, InSi::default(), &|_, _| {}).unwrap();
+    let found = driven_branch(scene, &search, &way, InSi::default(), &Engine::threads(), &|_, _| {}).unwrap();
     let switched = found.switched.unwrap().1.unwrap();
     for (divided, count) in [(found.branch, 1), (switched, 3)] {
         let whole = divided.clone().analysed().unwrap();
@@ -256,7 +257,7 @@ fn bifurcations_of_modes_in_stretches_are_those_of_the_whole_branch() {
             step: Some(step),
             branch: BranchOptions { max_points: 200, switch },
         };
-        let found = follow_mode(scene, &way, InSi::default(), &|_, _| {}).unwrap();
+        let found = follow_mode(scene, &way, InSi::default(), &Engine::threads(), &|_, _| {}).unwrap();
         assert!(!whole.bifurcations.is_empty());
         let switched = found.switched.map(|(_, branch)| branch.unwrap());
         for (whole, divided) in std::iter::once((whole, found.branch)).chain(crossed.into_iter().zip(switched)) {

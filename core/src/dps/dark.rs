@@ -33,6 +33,7 @@ use super::{Averages, Center, Values};
 use crate::{
     chain::{Params, Resonators},
     error::{Error, Result},
+    numerics::least_above,
 };
 
 /// Range of exponents. The size of a profile is a power `1/(alpha-1)`; the tables of
@@ -256,7 +257,7 @@ fn background(averages: &Averages, c: f64) -> Result<f64> {
     let least = if c > 0.0 {
         edge
     } else if averages.values(c, edge).dh_dr < 0.0 {
-        bisect(edge, |r| averages.values(c, r).dh_dr > 0.0)
+        least_above(edge, |r| averages.values(c, r).dh_dr > 0.0).unwrap_or(f64::INFINITY)
     } else {
         0.0
     };
@@ -264,22 +265,7 @@ fn background(averages: &Averages, c: f64) -> Result<f64> {
         let rule = "the background has 4 h_alpha(c, a) = 1 for some amplitude a: c is less far below zero";
         return Err(Error::parameter("c", c, rule));
     }
-    Ok(bisect(least.max(f64::EPSILON * unstrained), |r| averages.h(c, r) > 0.25))
-}
-
-/// The least double above `low` with `beyond`, which is false up to a value and true above it.
-fn bisect(low: f64, beyond: impl Fn(f64) -> bool) -> f64 {
-    let (mut low, mut high) = (low, 2.0 * low);
-    while !beyond(high) && high.is_finite() {
-        (low, high) = (high, 2.0 * high);
-    }
-    loop {
-        let middle = low + 0.5 * (high - low);
-        if middle <= low || middle >= high {
-            return high;
-        }
-        *(if beyond(middle) { &mut high } else { &mut low }) = middle;
-    }
+    Ok(least_above(least.max(f64::EPSILON * unstrained), |r| averages.h(c, r) > 0.25).unwrap_or(f64::INFINITY))
 }
 
 /// State of Newton's method on the half chain.

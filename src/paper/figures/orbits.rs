@@ -319,8 +319,8 @@ pub(super) fn doubled(omega_b: f64) -> Result<Report> {
 /// # Errors
 /// As of [`family`].
 pub fn doubled_branch(to: f64, tell: Progress<'_>) -> Result<Report> {
-    let doubled = doubled_from(&about_doubling()?, to, 1e-3, &mut |_| {}, tell)?;
-    of_branch(&doubled.branch.reached()?, "moduli along the branch")
+    let (_, doubled) = doubled_from(&about_doubling()?, to, 1e-3, &mut |_| {}, tell)?;
+    of_branch(&doubled.reached()?, "moduli along the branch")
 }
 
 /// The branch at a frequency from a mass ratio near `omega(rho) = omega_b` up to the mass ratio

@@ -125,7 +125,7 @@ pub const FIGURES: &[Figure] = &[
         claim: "For as long as the theorem says the norms stay of order one; long after, energy has been radiated and what is left is a kink in the resonators.",
         studies: &[("", |tell| {
             let (scene, options) = bright_run()?;
-            Ok(bright_breather(&scene, &options, 20, &mut |share| tell(share, ""))?.report())
+            Ok(bright_breather(&scene, &options, 20, tell)?.report())
         })],
         columns: &[("", &[(0, 0), (0, 1)]), ("", &[(0, 2), (0, 3)])],
     },
@@ -136,7 +136,7 @@ pub const FIGURES: &[Figure] = &[
         claim: "The oscillation stays on four beads for as long as the theorem says, then most of it leaves for either side; the resonators behind it keep a shift, away from the centre.",
         studies: &[("", |tell| {
             let (scene, options) = bright_run()?;
-            Ok(bright_history(&scene, &options, &mut |share| tell(share, ""))?.report())
+            Ok(bright_history(&scene, &options, tell)?.report())
         })],
         columns: &[],
     },

@@ -166,7 +166,7 @@ fn no_others(_: &Runs) -> Result<Vec<Quantity>> {
     let step_control = StepControl::Tolerance(shooting.tol);
     let dark = orbit.setting.chain()?.mean_contact_forces(&orbit.start(), orbit.setting.period(), step_control)?;
     let options = Adaptive { tol: TOLERANCE, ..Adaptive::default() };
-    let exact = trivial_breather(&Scene::load("trivial-breather")?, &options, &mut |_| {})?;
+    let exact = trivial_breather(&Scene::load("trivial-breather")?, &options, &|_, _| {})?;
     let scene = Scene::load("bright-breather")?;
     let bright = BrightBreather::new(scene.chain().params(), Center::Bond, 0.01, 40)?;
     let (start, step_control) = (scene.initial().as_slice(), StepControl::Tolerance(TOLERANCE));
@@ -342,7 +342,7 @@ fn numbers(_: &Runs) -> Result<Vec<Quantity>> {
 fn long_run(_: &Runs) -> Result<Vec<Quantity>> {
     let options = Adaptive::default();
     let scene = Scene::load("bright-breather")?;
-    let study = bright_breather(&scene, &options, 20, &mut |_| {})?;
+    let study = bright_breather(&scene, &options, 20, &|_, _| {})?;
     let (horizon, end) = (study.breather.horizon(), scene.end());
     let inset = study.largest(0.0, horizon);
     let later = study.largest(horizon, end);

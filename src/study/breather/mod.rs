@@ -11,13 +11,14 @@
 
 mod report;
 
-use super::{Adaptive, Changes, Study, Work, options::options};
+use super::{Adaptive, Changes, Progress, Study, Work, options::options};
 
 use crate::{
     breathers::{BrightBreather, Norms, TrivialBreather},
     chain::{Boundary, Chain, Layout, MeanForces, Params, max_norm},
     dps::Center,
     error::{Error, Result},
+    numerics::{extremes, least_by},
     report::Report,
     run::state_at,
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span, Theory},
@@ -113,8 +114,7 @@ impl Study for Bright {
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.scene()?;
         Ok(Box::new(move |_, progress| {
-            let mut tell = |share| progress(share, "");
-            Ok(bright_breather(&scene, &self.solver, self.samples_per_period, &mut tell)?.report())
+            Ok(bright_breather(&scene, &self.solver, self.samples_per_period, progress)?.report())
         }))
     }
 }
@@ -209,9 +209,7 @@ impl Study for Trivial {
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.scene()?;
-        Ok(Box::new(move |_, progress| {
-            Ok(trivial_breather(&scene, &self.solver, &mut |share| progress(share, ""))?.report())
-        }))
+        Ok(Box::new(move |_, progress| Ok(trivial_breather(&scene, &self.solver, progress)?.report())))
     }
 }
 
@@ -324,7 +322,7 @@ pub fn bright_breather(
     scene: &Scene,
     options: &Adaptive,
     samples_per_period: u32,
-    progress: &mut dyn FnMut(f64),
+    progress: Progress<'_>,
 ) -> Result<BrightStudy> {
     let clock = Instant::now();
     let breather = bright_of(scene)?;
@@ -340,7 +338,7 @@ pub fn bright_breather(
         if shown_times.contains(&t) {
             profiles.push(Shown { t, state: y });
         }
-        progress(t / scene.end());
+        progress(t / scene.end(), "");
     }
     let stats = states.stats();
     let last = &profiles[profiles.len() - 1].state;
@@ -387,7 +385,7 @@ pub struct BrightHistory {
 /// # Errors
 /// A scene of another kind or shorter than a period, a method that takes no tolerance, a run that
 /// fails.
-pub fn bright_history(scene: &Scene, options: &Adaptive, progress: &mut dyn FnMut(f64)) -> Result<BrightHistory> {
+pub fn bright_history(scene: &Scene, options: &Adaptive, progress: Progress<'_>) -> Result<BrightHistory> {
     let breather = bright_of(scene)?;
     options.check()?;
     let (period, layout, sites) = (breather.period(), scene.chain().layout(), scene.chain().sites());
@@ -411,7 +409,7 @@ pub fn bright_history(scene: &Scene, options: &Adaptive, progress: &mut dyn FnMu
         t.push(period * (k as f64 + 0.5));
         swing.extend(low.iter().zip(&high).map(|(low, high)| 0.5 * (high - low)));
         mean.extend(sum.iter().map(|sum| sum / f64::from(PARTS)));
-        progress((k + 1) as f64 / periods);
+        progress((k + 1) as f64 / periods, "");
     }
     Ok(BrightHistory { scene: scene.clone(), breather: breather.clone(), setting: options.words(), t, swing, v: mean })
 }
@@ -460,7 +458,7 @@ fn falls_to(samples: &[BrightSample], part: f64) -> Option<f64> {
 
 fn kink(breather: &BrightBreather, layout: Layout, y: &[f64]) -> Kink {
     let height = |x: &[f64]| {
-        let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
+        let (low, high) = extremes(x.iter().copied());
         high - low
     };
     let (u, v) = (layout.u(y), layout.v(y));
@@ -508,7 +506,7 @@ pub struct TrivialStudy {
 ///
 /// # Errors
 /// A scene without exact solution, a method that takes no tolerance, a run that fails.
-pub fn trivial_breather(scene: &Scene, options: &Adaptive, progress: &mut dyn FnMut(f64)) -> Result<TrivialStudy> {
+pub fn trivial_breather(scene: &Scene, options: &Adaptive, progress: Progress<'_>) -> Result<TrivialStudy> {
     let clock = Instant::now();
     let Some(breather) = scene.exact() else {
         let rule = "a scene of kind trivial-breather, or a state that is one";
@@ -536,7 +534,7 @@ pub fn trivial_breather(scene: &Scene, options: &Adaptive, progress: &mut dyn Fn
         let y = state.as_slice();
         energies.push(chain.energy(&exact).total());
         deviation.push(max_norm(y.iter().zip(&exact).take(positions).map(|(a, b)| a - b)) / scale);
-        progress(t / scene.end());
+        progress(t / scene.end(), "");
     }
     let first = if energies[0] > 0.0 { energies[0] } else { 1.0 };
     let slack = (1..chain.sites()).map(|n| (n, breather.slack(n)));
@@ -545,12 +543,8 @@ pub fn trivial_breather(scene: &Scene, options: &Adaptive, progress: &mut dyn Fn
         breather: breather.clone(),
         setting: options.words(),
         energy_error: max_norm(energies.iter().map(|energy| (energy - energies[0]) / first)),
-        least_slack: slack.min_by(|a, b| a.1.total_cmp(&b.1)),
-        forces: chain.mean_contact_forces(
-            scene.initial().as_slice(),
-            scene.period(),
-            StepControl::Tolerance(options.tol),
-        )?,
+        least_slack: least_by(slack, |one| one.1),
+        forces: chain.mean_contact_forces(scene.initial().as_slice(), scene.period(), StepControl::Tolerance(options.tol))?,
         stats: states.stats(),
         t,
         deviation,

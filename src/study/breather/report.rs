@@ -62,12 +62,14 @@ impl BrightStudy {
         let Self { scene, breather, kink, profiles, .. } = self;
         let (params, core, end, horizon) = (breather.params(), breather.core(), scene.end(), breather.horizon());
         let layout = scene.chain().layout();
-        let column = |of: fn(&BrightSample) -> f64| self.periods().map(of).collect::<Vec<_>>();
         let profiles = profiles
             .iter()
             .map(|one| json!({"t": one.t, "u": layout.u(&one.state), "v": layout.v(&one.state).unwrap_or_default()}));
         let [norms, periods, states, forces] = self.tables();
         let picture = self.picture(&norms, &periods);
+        let rows = periods.json();
+        let columns = ["t", "e_u", "e_udot", "e_v", "e_vdot", "participation", "core_share"].into_iter();
+        let columns = columns.map(|name| (name, rows.iter().map(|row| row[name].clone()).collect::<Value>()));
         Report::new("breather")
             .fact("scene", scene.name())
             .fact("setting", &self.setting)
@@ -92,18 +94,7 @@ impl BrightStudy {
             .fact("final", sample_json(self.samples.last()))
             .fact("largest_to_horizon", (horizon <= end).then(|| norms_json(&self.largest(0.0, horizon))))
             .fact("largest", norms_json(&self.largest(0.0, end)))
-            .fact(
-                "periods",
-                json!({
-                    "t": column(|sample| sample.t),
-                    "e_u": column(|sample| sample.norms.u),
-                    "e_udot": column(|sample| sample.norms.u_dot),
-                    "e_v": column(|sample| sample.norms.v),
-                    "e_vdot": column(|sample| sample.norms.v_dot),
-                    "participation": column(|sample| sample.participation),
-                    "core_share": column(|sample| sample.share),
-                }),
-            )
+            .fact("periods", columns.collect::<Value>())
             .fact("tenth_left", self.tenth_left)
             .fact("kink", kink)
             .fact("profiles", profiles.collect::<Vec<_>>())
@@ -393,9 +384,7 @@ impl TrivialStudy {
         Report::new("breather")
             .fact("scene", scene.name())
             .fact("setting", &self.setting)
-            .fact("alpha", params.alpha)
-            .fact("kappa", params.kappa)
-            .fact("rho", params.rho)
+            .facts(params)
             .fact("sites", means.len())
             .fact("omega", params.omega())
             .fact("period", scene.period())

@@ -6,7 +6,7 @@ mod report;
 
 use super::{
     Changes, InSi, Progress, Study, Work,
-    branches::{self, BranchOptions, SWITCHED, Switched},
+    branches::{self, BranchOptions, BranchStudy, SWITCHED},
     keeper::Autosave,
     options::options,
     segments,
@@ -174,20 +174,8 @@ options! {
     }
 }
 
-/// A branch of a driven scene. All of its numbers are dimensionless; `si` is for its
-/// report.
-#[derive(Clone, Debug)]
-pub struct DrivenBranchStudy {
-    /// The scene.
-    pub scene: Scene,
-    /// The branch.
-    pub branch: DrivenBranch,
-    /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there or, in
-    /// words, why none was followed.
-    pub switched: Switched<DrivenBranch>,
-    /// The units of the scene, if the report is in SI units.
-    pub si: Option<Units>,
-}
+/// A branch of a driven scene.
+pub type DrivenBranchStudy = BranchStudy<DrivenContinuation>;
 
 /// Names of the files in which branches are kept, and from which they are continued.
 const BRANCH_FILE: &str = "driven-branch.npz";
@@ -219,7 +207,7 @@ impl Study for DrivenContinue {
             let Driven { search, si, .. } = &self.told;
             self.way.for_scene(&scene, search, *si)?;
             return Ok(Box::new(move |engine, progress| {
-                begun(scene, search, &self.way, *si, engine, progress)?.report()
+                driven_branch(scene, search, &self.way, *si, engine, progress)?.report()
             }));
         };
         let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
@@ -303,16 +291,6 @@ pub fn driven_branch(
     search: &DrivenSearch,
     way: &DrivenWay,
     si: InSi,
-    progress: Progress<'_>,
-) -> Result<DrivenBranchStudy> {
-    begun(scene, search, way, si, &Engine::threads(), progress)
-}
-
-fn begun(
-    scene: Scene,
-    search: &DrivenSearch,
-    way: &DrivenWay,
-    si: InSi,
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<DrivenBranchStudy> {
@@ -350,7 +328,7 @@ fn followed(
         // The largest number of points has no influence on those that there are.
         let continuation = DrivenContinuation { most_points: 0, ..branch.continuation };
         let settings = json!([toml, branch.setting.turns(), continuation, branch.birth]);
-        segments::analysed(branch, [store, "orbit continue"], &settings, engine, &branches::rest(progress))
+        segments::analysed(branch, [store, "orbit continue"], &settings, engine, progress)
     };
     let (branch, switched) = branches::with_switched(branch, switch, work, progress)?;
     Ok(DrivenBranchStudy { scene, branch, switched, si })

@@ -192,22 +192,23 @@ impl DrivenStudy {
 }
 
 impl DrivenBranchStudy {
-    fn scale(&self) -> Scale<'_> {
-        Scale(self.si.as_ref())
-    }
-
     /// The kind of number that the parameter is.
     fn kind(&self) -> Quantity {
         quantity(self.branch.continuation.parameter, &self.branch.setting)
     }
 
-    /// Adds points and bifurcations of a branch.
-    fn tell(&self, report: Report, at: Option<usize>, branch: &DrivenBranch) -> Report {
+    /// Adds points, bifurcations and file of a branch.
+    fn tell(&self, report: Report, at: Option<usize>, branch: &DrivenBranch) -> Result<Report> {
         let (varied, si) = (branch.continuation.parameter, self.si.as_ref());
-        let (rows, names) = (branches::told(branch), if at.is_some() { SWITCHED } else { BRANCH });
+        let (rows, turns) = (branches::told(branch), branch.setting.turns());
+        let (names, file, words) = match at {
+            None => (BRANCH, BRANCH_FILE, String::new()),
+            Some(_) => (SWITCHED, SWITCHED_FILE, format!("Periods of the drive in one of its orbits: {turns}.")),
+        };
         let bifurcations = bifurcations(names[1], &branch.bifurcations, (varied, self.kind()), si);
         let points = points(names[0], &rows, varied, si);
-        branches::tell(report, at, branch, (points, bifurcations), json!({}))
+        let report = branches::tell(report, at, branch, (points, bifurcations), json!({})).words(words);
+        Ok(report.file(file, driven_branch_npz(&self.scene, branch)?))
     }
 
     /// The report.
@@ -220,17 +221,11 @@ impl DrivenBranchStudy {
             .fact("scene", scene.name())
             .fact("parameter", branch.continuation.parameter.name())
             .fact("integrator", METHOD)
-            .fact("scene_file", scene_json(scene))
-            .file(BRANCH_FILE, driven_branch_npz(scene, branch)?);
-        report = self.tell(report, None, branch);
-        if let Some((number, other)) = crossed(switched) {
-            report = self
-                .tell(report, Some(number), other)
-                .words(format!("Periods of the drive in one of its orbits: {}.", other.setting.turns()))
-                .file(SWITCHED_FILE, driven_branch_npz(scene, other)?);
+            .fact("scene_file", scene_json(scene));
+        for (at, branch) in branches::both(branch, switched) {
+            report = self.tell(report, at, branch)?;
         }
-        let report = branches::checked(report, branch, switched);
-        let report = report.si(si.as_ref());
+        let report = branches::checked(report, branch, switched).si(si.as_ref());
         Ok(if branch.points.is_empty() { report } else { report.picture(branch_picture(self)) })
     }
 }
@@ -286,7 +281,7 @@ fn orbit_picture(study: &DrivenStudy) -> Panels {
 
 fn branch_picture(study: &DrivenBranchStudy) -> Panels {
     let DrivenBranchStudy { scene, branch, .. } = study;
-    let (parameter, scale) = (branch.continuation.parameter, study.scale());
+    let (parameter, scale) = (branch.continuation.parameter, Scale(study.si.as_ref()));
     let kind = match study.kind() {
         Quantity::Omega if study.si.is_some() => Quantity::Frequency,
         kind => kind,

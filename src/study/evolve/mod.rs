@@ -14,13 +14,14 @@ mod report;
 use super::OF_WINDOWS;
 use super::{Progress, Study, Work, fit_line, options::options};
 use crate::{
+    breathers::centre,
     chain::max_norm,
     error::{Error, Result},
     orbits::{Orbit, Pick, Shooting, Spectrum},
 };
 use hertzchain_integrators::{Stepper, collocation::StepControl};
 use nalgebra::Complex;
-use std::{f64::consts::PI, path::PathBuf};
+use std::path::PathBuf;
 
 /// A push along an eigenvector of the monodromy matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,7 +156,7 @@ pub fn evolve(
     let kick = kick.map(|kick| pushed(&mut start, kick, orbit, &spectrum).map(|lambda| (kick, lambda))).transpose()?;
     let chain = orbit.setting.chain()?;
     let mut run = chain.collocation(&start, (0.0, periods * period), StepControl::Tolerance(shooting.tol))?;
-    let background = orbit.x()[0].abs();
+    let (background, middle) = (orbit.x()[0].abs(), (orbit.setting.sites / 2) as f64);
     let mut out = Evolution {
         amplification: spectrum.largest().powf(periods),
         kick,
@@ -191,7 +192,8 @@ pub fn evolve(
             (0..orbit.setting.sites).map(|n| x[n].hypot(x_dot[n] / orbit.setting.omega_b) / background).collect();
         out.times.push(t);
         out.e_b.push(max_norm(orbit.z.iter().zip(&state).map(|(a, b)| a - b)) / orbit.amplitude());
-        out.position.push(kink(&amplitudes, out.position.last().copied()));
+        let before = out.position.last().copied().unwrap_or(0.0);
+        out.position.push(centre(&amplitudes, 1.0, before + middle) - middle);
         progress(m as f64 / periods, "evolution");
     }
     out.motion = motion(&out.times, &out.position);
@@ -228,19 +230,6 @@ fn pushed(start: &mut [f64], kick: Kick, orbit: &Orbit, spectrum: &Spectrum) -> 
     Ok(Complex::new(one.re, one.im))
 }
 
-/// Position of the kink, in sites `n = -N .. N`, from amplitudes in units of the background. Of all
-/// images round the ring it is the one nearest to the position `before`.
-fn kink(amplitudes: &[f64], before: Option<f64>) -> f64 {
-    let length = amplitudes.len() as f64;
-    let moment: Complex<f64> = (0..)
-        .zip(amplitudes)
-        .map(|(i, r)| Complex::from_polar((1.0 - r).max(0.0).powi(4), 2.0 * PI * f64::from(i) / length))
-        .sum();
-    let position = moment.arg() / (2.0 * PI) * length - (length - 1.0) / 2.0;
-    let before = before.unwrap_or(0.0);
-    position - length * ((position - before) / length).round()
-}
-
 /// Lines fitted to the positions in the second, third and fourth quarter.
 fn motion(times: &[f64], position: &[f64]) -> Vec<Motion> {
     let quarter = times.len() / 4;
@@ -250,18 +239,4 @@ fn motion(times: &[f64], position: &[f64]) -> Vec<Motion> {
         Some(Motion { window: (points[0].0, points[points.len() - 1].0), velocity, misfit })
     };
     (1..4).filter_map(window).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::kink;
-
-    #[test]
-    fn a_gap_is_found_and_followed_round_the_ring() {
-        let gap = |at: usize| -> Vec<f64> { (0..41).map(|i| if i == at { 0.0 } else { 1.0 }).collect() };
-        assert!(kink(&gap(20), None).abs() < 1e-12);
-        assert!((kink(&gap(40), Some(19.0)) - 20.0).abs() < 1e-12);
-        // One further is the first site again.
-        assert!((kink(&gap(0), Some(20.0)) - 21.0).abs() < 1e-12);
-    }
 }

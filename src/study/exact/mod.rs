@@ -34,22 +34,6 @@ const SCENE: &str = "tw-q15";
 const STORE: &str = "wave-spectra.store";
 /// File with the best iterate of a search that did not converge.
 const STALLED: &str = "stalled.json";
-/// The files of a search that converged.
-const RESULTS: [&str; 13] = [
-    "exact.json",
-    "exact.npz",
-    "exact.png",
-    "exact.csv",
-    "growth.csv",
-    "profile.csv",
-    "fourier.csv",
-    "multipliers.csv",
-    "waves.json",
-    "waves.npz",
-    "waves.png",
-    "waves.csv",
-    report::STATES,
-];
 
 options! {
     /// The wave that is looked for.
@@ -194,8 +178,10 @@ fn keep_iterate(folder: Option<&Folder>, resonators: bool, why: &Error) {
     let [x, vx] = [0, half].map(|from| &z[from..from + half / arrays]);
     let [y, vy] = [0, half].map(|from| &z[from + half / arrays..from + half]);
     let kept = json!({ "steps": steps, "residual": residual, "place": place, "x": x, "y": y, "vx": vx, "vy": vy });
+    let results = [report::outline(), report::branch_outline()].map(|outline| outline.files().unwrap_or_default());
+    let results = results.iter().flatten().map(|(name, _)| name.as_str());
     // An error of writing is ignored: the command reports that of the search.
-    let _ = folder.remove(RESULTS);
+    let _ = folder.remove(results.chain(["exact.png", "waves.png", report::STATES]));
     let _ = folder.write(STALLED, to_json(&kept).as_bytes());
 }
 
@@ -318,7 +304,8 @@ impl ContinueWave {
     /// The branch.
     ///
     /// # Errors
-    /// As [`wave_branch`]; [`Error::Stalled`] where there is no first wave.
+    /// Numbers outside their rules; an integration that fails; [`Error::Stalled`] where there is no
+    /// first wave.
     pub fn branch(&self, progress: Progress<'_>) -> Result<WaveBranchStudy> {
         let (numbers, continuation) = self.checked()?;
         branch_from(&numbers, &continuation, &Engine::threads(), progress)
@@ -356,7 +343,16 @@ fn branch_from(
 ) -> Result<WaveBranchStudy> {
     let found = numbers.search.wave(&numbers.setting, numbers.given);
     let (wave, _) = found.inspect_err(|why| keep_iterate(engine.folder(), numbers.moving(), why))?;
-    wave_branch(&numbers.scene, continuation.begin(wave, numbers.sites)?, engine, progress)
+    let branch = continuation.begin(wave, numbers.sites)?;
+    let mut keeper = Autosave::new(segments::folder(engine), report::STATES, Vec::new());
+    let mut keep = |branch: &WaveBranch| {
+        keeper.keep(branch.orbits.len(), branch.end.is_some(), || report::states_npz(&branch.orbits));
+    };
+    let branch = branches::followed(branch, &mut keep, |_, p| format_short(p), progress)?;
+    let (first, WaveContinuation { parameter, search, .. }) = (&branch.setting, branch.continuation);
+    let settings = json!([format!("{:?}", first.setting), first.sites, parameter, format!("{search:?}")]);
+    let branch = segments::analysed(branch, [STORE, "wave continue"], &settings, engine, progress)?;
+    Ok(WaveBranchStudy { scene: numbers.scene.clone(), branch })
 }
 
 /// A branch of exact waves of a scene.
@@ -366,26 +362,4 @@ pub struct WaveBranchStudy {
     pub scene: String,
     /// The branch.
     pub branch: WaveBranch,
-}
-
-/// Follows a branch, and computes the multipliers of each wave.
-///
-/// # Errors
-/// An integration that fails.
-pub fn wave_branch(
-    scene: &str,
-    branch: WaveBranch,
-    engine: &Engine,
-    progress: Progress<'_>,
-) -> Result<WaveBranchStudy> {
-    let mut keeper = Autosave::new(segments::folder(engine), report::STATES, Vec::new());
-    let mut keep = |branch: &WaveBranch| {
-        keeper.keep(branch.orbits.len(), branch.end.is_some(), || report::states_npz(&branch.orbits));
-    };
-    let branch = branches::followed(branch, &mut keep, |_, p| format_short(p), progress)?;
-    let (first, WaveContinuation { parameter, search, .. }) = (&branch.setting, branch.continuation);
-    let settings = json!([format!("{:?}", first.setting), first.sites, parameter, format!("{search:?}")]);
-    let names = [STORE, "wave continue"];
-    let branch = segments::analysed(branch, names, &settings, engine, &branches::rest(progress))?;
-    Ok(WaveBranchStudy { scene: scene.to_owned(), branch })
 }

@@ -77,10 +77,8 @@ impl ExactStudy {
                 .words(newton_kantorovich_bound(self.kantorovich)),
             Report::table,
         );
-        let numbers = row.json().remove(0);
-        let numbers = numbers.as_object().into_iter().flatten();
-        numbers
-            .fold(report, |report, (name, value)| report.fact(name, value))
+        report
+            .facts(&row.json()[0])
             .fact("scene", &self.scene)
             .fact("sites", spectrum.sites)
             .fact("cell", wave.setting.q.cell())

@@ -37,6 +37,7 @@ use crate::{
     dps::Center,
     error::{Error, Result},
     interrupt,
+    numerics::{fit_line, fit_plane},
     report::Report,
     run::Run,
     sweep::{Engine, Grid, Row},
@@ -609,7 +610,7 @@ fn power_law(points: &[LifetimePoint], criterion: Criterion) -> Option<PowerLaw>
     let plane: Vec<[f64; 3]> = all.iter().map(|&[rho, epsilon, lifetime, ..]| [rho, epsilon, lifetime]).collect();
     let line: Vec<(f64, f64)> = all.iter().map(|&[.., x, scaled]| (x, scaled)).collect();
     let ([constant, rho_power, epsilon_power], residual) = fit_plane(&plane)?;
-    let (x_power, x_residual) = crate::study::fit_line(&line)?;
+    let (x_power, x_residual) = fit_line(&line)?;
     Some(PowerLaw {
         points: all.len(),
         factor: constant.exp(),
@@ -619,43 +620,4 @@ fn power_law(points: &[LifetimePoint], criterion: Criterion) -> Option<PowerLaw>
         x_power,
         x_largest_ratio: x_residual.exp(),
     })
-}
-
-/// `z = c + p x + q y` by least squares, `[c, p, q]` and the largest residual; `None` with fewer
-/// than four points, or if they lie on a line.
-fn fit_plane(points: &[[f64; 3]]) -> Option<([f64; 3], f64)> {
-    if points.len() < 4 {
-        return None;
-    }
-    let mean = |k: usize| points.iter().map(|point| point[k]).sum::<f64>() / points.len() as f64;
-    let means = [mean(0), mean(1), mean(2)];
-    let moment =
-        |j: usize, k: usize| points.iter().map(|point| (point[j] - means[j]) * (point[k] - means[k])).sum::<f64>();
-    let (xx, xy, yy, xz, yz) = (moment(0, 0), moment(0, 1), moment(1, 1), moment(0, 2), moment(1, 2));
-    let determinant = xx * yy - xy * xy;
-    if determinant <= 1e-9 * xx * yy {
-        return None;
-    }
-    let (p, q) = ((xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant);
-    let c = means[2] - p * means[0] - q * means[1];
-    let off = |&[x, y, z]: &[f64; 3]| (z - c - p * x - q * y).abs();
-    Some(([c, p, q], points.iter().map(off).fold(0.0, f64::max)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_plane_is_fitted_a_bend_is_seen_and_a_line_refused() {
-        let grid = || (0..9).map(|k| (f64::from(k / 3), f64::from(k % 3)));
-        let plane: Vec<_> = grid().map(|(x, y)| [x, y, 2.0 - 0.5 * x + 3.0 * y]).collect();
-        let ([c, p, q], residual) = fit_plane(&plane).unwrap();
-        assert!([c - 2.0, p + 0.5, q - 3.0, residual].iter().all(|off| off.abs() < 1e-13));
-        let bent: Vec<_> = grid().map(|(x, y)| [x, y, x * y]).collect();
-        // The best plane of x y on this grid is x + y - 1, one off at the corners.
-        assert!((fit_plane(&bent).unwrap().1 - 1.0).abs() < 1e-13);
-        let line: Vec<_> = grid().map(|(x, _)| [x, 2.0 * x, x]).collect();
-        assert!(fit_plane(&line).is_none() && fit_plane(&plane[..3]).is_none());
-    }
 }

@@ -6,16 +6,18 @@ use super::{Changes, Progress, Study, Work, fit_line, options::options};
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, State},
     error::{Error, Result},
+    numerics::largest_by,
     report::Report,
+    run::state_at,
     scene::Theory,
     sweep::{Engine, Grid, map},
     waves::{Mode, Modulation, Shape, Size, TravellingWave, strains},
 };
-use hertzchain_integrators::{Error as Failure, Observer, Stats, collocation::StepControl, drive};
+use hertzchain_integrators::collocation::StepControl;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::{f64::consts::PI, ops::ControlFlow};
+use std::f64::consts::PI;
 
 /// Sites of rings that may be asked for, and most sites of rings that are integrated.
 const MOST_MEASURED_SITES: usize = 1000;
@@ -244,8 +246,7 @@ pub struct StabilityStudy {
 impl StabilityStudy {
     /// The fastest of the ring's modes, if one grows.
     pub fn fastest(&self) -> Option<&StabilityRow> {
-        let grows = self.rows.iter().filter(|row| row.growth > 0.0);
-        grows.max_by(|a, b| a.growth.total_cmp(&b.growth))
+        largest_by(self.rows.iter().filter(|row| row.growth > 0.0), |row| row.growth)
     }
 }
 
@@ -342,29 +343,22 @@ impl Bench {
         let share = |k: usize| k as f64 / (SAMPLES - 1) as f64;
         let times = (0..SAMPLES).map(|k| (WINDOW.0 + (WINDOW.1 - WINDOW.0) * share(k)) / rate).collect();
         let mut bench = Self { rates, wave, chain, times, amplitudes: Vec::new() };
-        bench.amplitudes = bench.run(&State::from_fn(&bench.chain, |n| wave.site(n, 0.0))?, |_, d| d)?;
+        bench.amplitudes = bench.run(&State::from_fn(&bench.chain, |n| wave.site(n, 0.0))?)?;
         Ok(bench)
     }
 
-    /// The values of `look`, called with the amplitudes at each of `times`, along a run.
-    fn run<T>(&self, initial: &State<f64>, mut look: impl FnMut(usize, Vec<Complex64>) -> T) -> Result<Vec<T>> {
-        let mut y = initial.as_slice().to_vec();
+    /// The amplitudes at each of `times` along a run.
+    fn run(&self, initial: &State<f64>) -> Result<Vec<Vec<Complex64>>> {
         let end = self.times.last().copied().unwrap_or_default();
-        let mut run = self.chain.collocation(&y, (0.0, end), StepControl::Tolerance(TOLERANCE))?;
-        let mut seen = Vec::with_capacity(self.times.len());
-        let mut sampler = Sampler {
-            times: &self.times,
-            taken: 0,
-            take: |k, t, y: &[f64]| seen.push(look(k, strains(&self.wave, t, quarters(y)))),
-        };
-        drive(&mut run, &mut sampler, &mut y)?;
-        Ok(seen)
+        let mut run = self.chain.collocation(initial.as_slice(), (0.0, end), StepControl::Tolerance(TOLERANCE))?;
+        self.times.iter().map(|&t| Ok(strains(&self.wave, t, quarters(&state_at(&mut run, t)?)))).collect()
     }
 
     /// The growth of a mode that is added to the wave.
     fn growth(&self, mode: &Mode, theory: StabilityRow) -> Result<MeasuredGrowth> {
         let initial = State::from_fn(&self.chain, |n| mode.site(&self.wave, SEED, n))?;
-        let shares = self.run(&initial, |k, d| mode.share(&self.amplitudes[k], &d))?;
+        let share = |(wave, changed): (&Vec<_>, Vec<_>)| mode.share(wave, &changed);
+        let shares: Vec<Complex64> = self.amplitudes.iter().zip(self.run(&initial)?).map(share).collect();
         let slow = |t: &f64| self.rates.slow * t;
         let line = |values: &[f64]| {
             let points: Vec<_> = self.times.iter().map(slow).zip(values.iter().copied()).collect();
@@ -394,24 +388,6 @@ fn unwrapped(z: &[Complex64]) -> Vec<f64> {
             turned
         }))
         .collect()
-}
-
-struct Sampler<'a, F> {
-    times: &'a [f64],
-    taken: usize,
-    take: F,
-}
-
-impl<F: FnMut(usize, f64, &[f64])> Observer<f64> for Sampler<'_, F> {
-    fn next(&self) -> Option<f64> {
-        self.times.get(self.taken).copied()
-    }
-
-    fn observe(&mut self, t: f64, y: &[f64], _: Stats) -> std::result::Result<ControlFlow<()>, Failure> {
-        (self.take)(self.taken, t, y);
-        self.taken += 1;
-        Ok(ControlFlow::Continue(()))
-    }
 }
 
 /// The growth of some modes of the ring at every size of the wave: two runs each, one of them the

@@ -5,9 +5,11 @@ use super::Moving;
 use crate::{
     breathers::centre,
     error::{Error, Result},
+    numerics::least_by,
     orbits::{Orbit, Shooting},
+    run::state_at,
 };
-use hertzchain_integrators::{Stepper, collocation::StepControl};
+use hertzchain_integrators::collocation::StepControl;
 use nalgebra::Complex;
 
 /// Samples a period for local amplitudes.
@@ -74,16 +76,12 @@ impl KickedRun {
         let start: Vec<f64> = rest.start().iter().zip(along).map(|(z, along)| z + by * along).collect();
         let step_control = StepControl::Tolerance(shooting.tol);
         let mut run = rest.setting.chain()?.collocation(&start, (0.0, periods * period), step_control)?;
-        let (mut state, mut local): (_, Vec<Local>) = (start, Vec::new());
+        let mut local: Vec<Local> = Vec::new();
         for m in 0..periods as u64 {
             let mut a = vec![Complex::from(0.0); n];
             for k in 0..SAMPLES {
                 let turn = k as f64 / SAMPLES as f64;
-                let t = (m as f64 + turn) * period;
-                while run.time() < t && !run.done() {
-                    run.step()?;
-                }
-                run.sample(t, &mut state);
+                let state = state_at(&mut run, (m as f64 + turn) * period)?;
                 let turn = Complex::from_polar(2.0 / SAMPLES as f64, 2.0 * std::f64::consts::PI * turn);
                 a.iter_mut().zip(&state).for_each(|(a, x)| *a += turn * x);
             }
@@ -102,10 +100,7 @@ impl KickedRun {
 
     /// Mean velocity between two times, from the nearest positions; NaN where there is none.
     pub fn mean_velocity(&self, from: f64, to: f64) -> f64 {
-        let nearest = |t: f64| {
-            let apart = |k: &usize| (self.times[*k] - t).abs();
-            (0..self.times.len()).min_by(|a, b| apart(a).total_cmp(&apart(b)))
-        };
+        let nearest = |t: f64| least_by(0..self.times.len(), |&k| (self.times[k] - t).abs());
         let (Some(a), Some(b)) = (nearest(from), nearest(to)) else { return f64::NAN };
         (self.position[b] - self.position[a]) / (self.times[b] - self.times[a])
     }

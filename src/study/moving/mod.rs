@@ -22,7 +22,8 @@ use crate::{
     breathers::{Band, Envelope, KinkEnergy, LinearWave, LinearWaves, MovingBreather, MovingOrbit, Tail},
     error::{Error, Result},
     interrupt,
-    orbits::{Kantorovich, Kind, Orbit, Shooting, Spectrum},
+    numerics::least_by,
+    orbits::{Kantorovich, Orbit, Shooting, Spectrum},
     report::Report,
     sweep::map,
 };
@@ -95,7 +96,7 @@ pub struct MovingPoint {
 impl MovingPoint {
     /// Growth per unit of time of the largest multiplier.
     pub fn growth(&self) -> f64 {
-        self.spectrum.largest().ln() * self.orbit.breather.velocity()
+        self.spectrum.largest().ln() * self.orbit.setting.velocity()
     }
 
     /// Wave number of the resonant modulation of the background that is nearest to that of the
@@ -103,13 +104,7 @@ impl MovingPoint {
     pub fn resonant_wave(&self) -> f64 {
         let apart = |wave: &f64| (wave - self.tail.wave_number).abs();
         let waves = self.resonant.iter().filter(|wave| wave.band == Band::Modulation).map(|wave| wave.wave_number);
-        waves.min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(f64::NAN)
-    }
-
-    /// The largest real multiplier above 1; 1 if there is none.
-    pub fn real(&self) -> f64 {
-        let real = self.spectrum.multipliers.iter().filter(|one| one.kind == Kind::Real);
-        real.map(|one| one.modulus).fold(1.0, f64::max)
+        least_by(waves, apart).unwrap_or(f64::NAN)
     }
 }
 
@@ -219,7 +214,7 @@ impl Moving {
         if interrupt::asked() {
             return Err(Error::Stopped { kept: "nothing of these breathers".to_owned() });
         }
-        let (breather, tail) = (&orbit.breather, envelope.tail_wave());
+        let (breather, tail) = (&orbit.setting, envelope.tail_wave());
         // The frequency is that of the ring's background. A search of its own looks for the
         // background, and the orbit is kept even if that search fails.
         let waves = LinearWaves::new(breather.params, breather.omega_b + tail.twist / breather.passage());
@@ -264,12 +259,12 @@ impl MovingStudy {
     /// The depth that belongs to a velocity, by straight lines between the breathers of the first
     /// frequency; `None` beyond their velocities.
     pub fn depth(&self, velocity: f64) -> Option<f64> {
-        let first = self.points.first()?.orbit.breather.omega_b;
+        let first = self.points.first()?.orbit.setting.omega_b;
         let mut family: Vec<(f64, f64)> = self
             .points
             .iter()
-            .filter(|point| point.orbit.breather.omega_b == first)
-            .map(|point| (point.orbit.breather.velocity(), point.envelope.depth))
+            .filter(|point| point.orbit.setting.omega_b == first)
+            .map(|point| (point.orbit.setting.velocity(), point.envelope.depth))
             .collect();
         family.sort_by(|a, b| a.0.total_cmp(&b.0));
         let pair = family.windows(2).find(|pair| (pair[0].0..=pair[1].0).contains(&velocity))?;

@@ -2,7 +2,9 @@
 
 use super::{MovingPoint, MovingStudy, Passage};
 use crate::{
+    chain::Params,
     number::format_short,
+    numerics::{largest_by, least_by},
     report::{
         Column,
         Digits::{Fixed, Hidden, Json, Power, Short},
@@ -22,9 +24,9 @@ impl MovingStudy {
     }
 
     fn words(&self) -> String {
-        let least = self.points.iter().min_by(|a, b| a.envelope.tail.total_cmp(&b.envelope.tail));
+        let least = least_by(&self.points, |point| point.envelope.tail);
         let tail = least.map_or(String::new(), |point| {
-            let (breather, tail) = (&point.orbit.breather, 100.0 * point.envelope.tail);
+            let (breather, tail) = (&point.orbit.setting, 100.0 * point.envelope.tail);
             format!("The smallest tail is {tail:.2} % of the background, at v = {:.5}.", breather.velocity())
         });
         let kicked = self.quarters().map_or(String::new(), |v| {
@@ -65,9 +67,7 @@ impl MovingStudy {
             .collect();
         let title = "Moving dark breathers".to_owned();
         let report = Report::new("moving")
-            .fact("alpha", options.params.alpha)
-            .fact("kappa", options.params.kappa)
-            .fact("rho", options.params.rho)
+            .facts(Params::from(options.params))
             .fact("sites", options.sites)
             .words(self.caption())
             .table(points(&self.points, options.bound))
@@ -98,9 +98,8 @@ impl MovingStudy {
     /// velocities, a line for each frequency, or over frequencies where all have the same turns.
     fn columns(&self) -> Vec<Column> {
         let middle = (self.options.sites / 2) as f64;
-        let velocity = |point: &MovingPoint| point.orbit.breather.velocity();
-        let by_velocity = |a: &&MovingPoint, b: &&MovingPoint| velocity(a).total_cmp(&velocity(b));
-        let ends = [self.points.iter().min_by(by_velocity), self.points.iter().max_by(by_velocity)];
+        let velocity = |point: &MovingPoint| point.orbit.setting.velocity();
+        let ends = [least_by(&self.points, |one| velocity(one)), largest_by(&self.points, |one| velocity(one))];
         let profile = |of: &dyn Fn(&MovingPoint, usize) -> f64| -> Vec<Line> {
             let line = |point: &MovingPoint| {
                 let values = (0..self.options.sites).map(|i| (i as f64 - middle, of(point, i)));
@@ -113,18 +112,18 @@ impl MovingStudy {
         let one = self.options.turns.len() == 1;
         let families = |of: &dyn Fn(&MovingPoint) -> f64| -> Vec<Line> {
             let line = |points: &[MovingPoint]| {
-                let first = &points[0].orbit.breather;
+                let first = &points[0].orbit.setting;
                 let name = if one {
                     format!("{} turns", first.turns)
                 } else {
                     format!("ω_b = {}", format_short(first.omega_b))
                 };
-                let place = |point: &MovingPoint| if one { point.orbit.breather.omega_b } else { velocity(point) };
+                let place = |point: &MovingPoint| if one { point.orbit.setting.omega_b } else { velocity(point) };
                 let mut family: Vec<(f64, f64)> = points.iter().map(|point| (place(point), of(point))).collect();
                 family.sort_by(|a, b| a.0.total_cmp(&b.0));
                 Line::new(&name, family)
             };
-            let same = |a: &MovingPoint, b: &MovingPoint| one || a.orbit.breather.omega_b == b.orbit.breather.omega_b;
+            let same = |a: &MovingPoint, b: &MovingPoint| one || a.orbit.setting.omega_b == b.orbit.setting.omega_b;
             self.points.chunk_by(same).map(line).collect()
         };
         let mut depths = families(&|point| point.envelope.depth);
@@ -171,12 +170,12 @@ pub(super) fn points(points: &[MovingPoint], bound: bool) -> Table {
     let radius = |point: &MovingPoint| point.kantorovich.and_then(|found| found.radius);
     Table::of("moving", points)
         .key("points")
-        .col("omega_b", Fixed(6), "frequency of the background", |point| point.orbit.breather.omega_b)
+        .col("omega_b", Fixed(6), "frequency of the background", |point| point.orbit.setting.omega_b)
         .col("turns", Short, "its whole periods for a site that the kink moves on", |point| {
-            u64::from(point.orbit.breather.turns)
+            u64::from(point.orbit.setting.turns)
         })
-        .col("passage", Hidden, "time for a site", |point| point.orbit.breather.passage())
-        .col("velocity", Fixed(6), "in sites per unit of time", |point| point.orbit.breather.velocity())
+        .col("passage", Hidden, "time for a site", |point| point.orbit.setting.passage())
+        .col("velocity", Fixed(6), "in sites per unit of time", |point| point.orbit.setting.velocity())
         .col("residual", Power(1), "of the equations of the orbit", |point| point.orbit.residual)
         .col("return_error", Power(1), "distance from the orbit after a passage", |point| point.return_error)
         .head("return")
@@ -186,7 +185,7 @@ pub(super) fn points(points: &[MovingPoint], bound: bool) -> Table {
             point.envelope.tail
         })
         .col("max_modulus", Fixed(6), "largest modulus of a multiplier", |point| point.spectrum.largest())
-        .col("real", Hidden, "largest real multiplier; 1 if none is above 1", MovingPoint::real)
+        .col("real", Hidden, "largest real multiplier; 1 if none is above 1", |point| point.spectrum.largest_real())
         .col("growth", Power(2), "of the largest multiplier, per unit of time", MovingPoint::growth)
         .col("twist", Hidden, "change of the phase along the ring", |point| point.tail.twist)
         .col("tail_wave", Fixed(3), "wave number of the tail", |point| point.tail.wave_number)
@@ -211,7 +210,7 @@ pub(super) fn points(points: &[MovingPoint], bound: bool) -> Table {
 /// A row for each site of each breather.
 pub(super) fn envelopes(points: &[MovingPoint]) -> Table {
     let sites = |point: &MovingPoint| {
-        let (breather, envelope) = (point.orbit.breather, &point.envelope);
+        let (breather, envelope) = (point.orbit.setting, &point.envelope);
         let row = |i: usize| {
             let n = i as f64 - (breather.sites / 2) as f64;
             (breather.omega_b, breather.turns, n, [envelope.amplitude[i], envelope.phase[i], envelope.mean[i]])

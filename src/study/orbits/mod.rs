@@ -227,7 +227,7 @@ impl Study for Continue {
         let branch = Branch { bounded: self.bound, ..branch };
         Ok(Box::new(move |engine, progress| {
             let branch = followed(branch, &mut keeper(segments::folder(engine)), progress)?;
-            analysed(branch, engine, progress)?.report()
+            study(branch, engine, progress)?.report()
         }))
     }
 
@@ -265,8 +265,11 @@ options! {
 /// The branch of doubled period, with the measurements of its last orbit.
 #[derive(Clone, Debug)]
 pub struct DoubledStudy {
-    /// The branch.
-    pub doubled: DoubledBranch,
+    /// The period doubling of the main branch.
+    pub birth: Bifurcation,
+    /// The orbits of doubled period, the last one at the frequency asked for if the branch gets
+    /// there.
+    pub branch: Branch,
     /// Its last orbit, if there is one.
     pub last: Option<OrbitStudy>,
 }
@@ -284,17 +287,23 @@ impl Study for Doubled {
         Ok(Box::new(move |engine, progress| {
             let half = |share: f64, what: &str| progress(0.5 * share, what);
             let main = match &self.branch {
-                Some(file) => study(Branch::load(file)?, &half)?,
-                None => main_branch(&breather, most, self.step, &shooting, &half)?,
+                Some(file) => study(Branch::load(file)?, &Engine::threads(), &half)?,
+                None => {
+                    let (parameter, to, step) = (Parameter::OmegaB, most, self.step);
+                    let continuation =
+                        Continuation { parameter, to, step, most_points: 10_000, natural: false, shooting };
+                    branch(&breather, &continuation, 0.01, &half)?
+                }
             };
             let half = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
-            let doubled = match doubled_from(&main, self.omega_b, self.step, &mut keeper(engine.folder()), &half) {
-                Err(_) if interrupt::asked() => return main.report(),
-                doubled => doubled?,
-            };
-            let last = doubled.branch.points.last().map(|point| orbit_study(point.orbit.clone(), &shooting));
+            let (birth, branch) =
+                match doubled_from(&main, self.omega_b, self.step, &mut keeper(engine.folder()), &half) {
+                    Err(_) if interrupt::asked() => return main.report(),
+                    doubled => doubled?,
+                };
+            let last = branch.points.last().map(|point| orbit_study(point.orbit.clone(), &shooting));
             let last = last.filter(|last| last.is_ok() || !interrupt::asked()).transpose()?;
-            DoubledStudy { doubled, last }.report()
+            DoubledStudy { birth, branch, last }.report()
         }))
     }
 }
@@ -420,7 +429,7 @@ fn stays_dark(setting: &Setting, continuation: &Continuation) -> Result<()> {
 /// # Errors
 /// Numbers outside their rules; no point with multipliers, after `keep` was called with the orbits.
 pub fn go_on(branch: Branch, keep: Keep<'_, Continuation>, progress: Progress<'_>) -> Result<Branch> {
-    study(followed(branch, keep, progress)?, progress)
+    study(followed(branch, keep, progress)?, &Engine::threads(), progress)
 }
 
 /// Continues a branch, unless it has ended.
@@ -435,26 +444,12 @@ fn followed(branch: Branch, keep: Keep<'_, Continuation>, progress: Progress<'_>
 ///
 /// # Errors
 /// No point with multipliers.
-pub fn study(branch: Branch, progress: Progress<'_>) -> Result<Branch> {
-    analysed(branch, &Engine::threads(), progress)
-}
-
-fn analysed(branch: Branch, engine: &Engine, progress: Progress<'_>) -> Result<Branch> {
+pub fn study(branch: Branch, engine: &Engine, progress: Progress<'_>) -> Result<Branch> {
     // The largest number of points has no influence on those that there are.
     let continuation = Continuation { most_points: 0, ..branch.continuation };
     let settings = json!([branch.setting, continuation, branch.weak, branch.bounded]);
     let names = ["spectra.store", "breather continue"];
-    segments::analysed(branch, names, &settings, engine, &branches::rest(progress))
-}
-
-/// The branch of doubled period, and the period doubling at which it begins.
-#[derive(Clone, Debug)]
-pub struct DoubledBranch {
-    /// The period doubling of the main branch.
-    pub birth: Bifurcation,
-    /// The orbits of doubled period, the last one at the frequency asked for if the branch gets
-    /// there.
-    pub branch: Branch,
+    segments::analysed(branch, names, &settings, engine, progress)
 }
 
 /// Distance of the first orbit of doubled period from the period doubling, along the mode that
@@ -462,36 +457,8 @@ pub struct DoubledBranch {
 /// branch.
 const FIRST_SIZE: f64 = 0.02;
 
-/// The main branch of bond-centred breathers, up from the frequency of `breather` to `most`.
-///
-/// # Errors
-/// As [`branch`]; a site-centred breather.
-pub fn main_branch(
-    breather: &DarkBreather,
-    most: f64,
-    step: f64,
-    shooting: &Shooting,
-    progress: Progress<'_>,
-) -> Result<Branch> {
-    let continuation = Continuation {
-        parameter: Parameter::OmegaB,
-        to: most,
-        step,
-        most_points: 10_000,
-        natural: false,
-        shooting: *shooting,
-    };
-    bond_centred(Some(breather.center))?;
-    branch(breather, &continuation, 0.01, progress)
-}
-
-fn bond_centred(center: Option<Center>) -> Result<()> {
-    let rule = "only bond-centred breathers double their period: a site-centred one is the square of half its period";
-    if center == Some(Center::Site) { Err(Error::parameter("center", "site", rule)) } else { Ok(()) }
-}
-
 /// Leaves a main branch at its first period doubling, and follows the branch of doubled period to
-/// `omega_b` (that of the whole period). Bifurcations of the branch of doubled period are not
+/// `omega_b` (that of the whole period): the period doubling, and the branch. Bifurcations of the branch of doubled period are not
 /// located: the background of its orbits is unstable, and has bands full of collisions.
 ///
 /// # Errors
@@ -502,8 +469,12 @@ pub fn doubled_from(
     step: f64,
     keep: Keep<'_, Continuation>,
     progress: Progress<'_>,
-) -> Result<DoubledBranch> {
-    bond_centred(main.center)?;
+) -> Result<(Bifurcation, Branch)> {
+    if main.center == Some(Center::Site) {
+        let rule =
+            "only bond-centred breathers double their period: a site-centred one is the square of half its period";
+        return Err(Error::parameter("center", "site", rule));
+    }
     if main.points.iter().any(|point| point.orbit.setting.turns > 1) {
         return Err(Error::parameter("turns", 2, "the main branch has one turn a period: this one is doubled"));
     }
@@ -521,5 +492,5 @@ pub fn doubled_from(
         Continuation { parameter: Parameter::OmegaB, to: omega_b, step: 0.5 * step, ..main.continuation };
     let start = birth.doubled(shooting, FIRST_SIZE)?;
     let branch = Branch { center: main.center, ..Branch::new(continuation, start.setting, start)? };
-    Ok(DoubledBranch { birth, branch: go_on(branch, keep, progress)? })
+    Ok((birth, go_on(branch, keep, progress)?))
 }

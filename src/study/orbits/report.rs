@@ -3,6 +3,7 @@
 use super::{DarkStudy, DoubledStudy, OrbitStudy};
 use crate::{
     error::Result,
+    numerics::least_by,
     orbits::{Bifurcation, Branch, Continuation, Extent, Kind, Multiplier, ORBIT_FORMAT, OrbitPoint, Setting},
     output::{Array, FileFormat},
     report::{
@@ -60,9 +61,7 @@ impl OrbitStudy {
         report
             .fact("format", format)
             .fact("format_version", version)
-            .fact("alpha", params.alpha)
-            .fact("kappa", params.kappa)
-            .fact("rho", params.rho)
+            .facts(params)
             .fact("omega", params.omega())
             .fact("omega_b", omega_b)
             .fact("sites", sites)
@@ -72,10 +71,7 @@ impl OrbitStudy {
             .fact("y", orbit.y())
             .fact("period", orbit.setting.period())
             .fact("residual", orbit.residual)
-            .fact("k_x", extent.k_x)
-            .fact("k_y", extent.k_y)
-            .fact("c_x", extent.c_x)
-            .fact("c_y", extent.c_y)
+            .facts(extent)
             .fact("c_x_asked", orbit.setting.c_x)
             .fact("e_b", e_b)
             .fact("mean_force", forces.mean())
@@ -156,14 +152,14 @@ impl DoubledStudy {
     /// # Errors
     /// Errors of the archive writer.
     pub fn report(&self) -> Result<Report> {
-        let birth = &self.doubled.birth;
+        let birth = &self.birth;
         let words = format!(
             "The period doubles at omega_b = {:.10}: orbits of doubled period from {:.10} on.",
             birth.parameter,
             0.5 * birth.parameter
         );
         let report = Report::new("branch").fact("birth", &bifurcations("", std::slice::from_ref(birth)).json()[0]);
-        let report = self.doubled.branch.told(report.words(words))?;
+        let report = self.branch.told(report.words(words))?;
         let orbit = self.last.as_ref().map(|last| last.facts(Report::new("")).json());
         let report = report.fact("orbit", orbit);
         Ok(match &self.last {
@@ -280,7 +276,7 @@ impl Branch {
         // A bifurcation is drawn at the height of the nearest point.
         let mark = |one: &Bifurcation| {
             let apart = |point: &OrbitPoint| (place(point) - one.parameter).abs();
-            let nearest = self.points.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+            let nearest = least_by(&self.points, |point| apart(point));
             (one.parameter, nearest.map_or(f64::NAN, |point| point.measures.extent.k_x))
         };
         let stable = |point: &OrbitPoint| point.spectrum.largest() <= UNSTABLE;

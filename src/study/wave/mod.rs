@@ -122,22 +122,20 @@ impl Study for Wave {
     }
 }
 
-/// `E_x` and `E_y`, or `tilde E_x` and `tilde E_y`, at the sample times.
+/// Numbers of beads and of resonators: strains by site, or errors at the sample times.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Errors {
-    /// Errors of the strains of beads.
+pub struct XAndY {
+    /// Of beads: strains, or `E_x` or `tilde E_x`.
     pub x: Vec<f64>,
-    /// Errors of the strains of resonators.
+    /// Of resonators: strains, or `E_y` or `tilde E_y`.
     pub y: Vec<f64>,
 }
 
-/// Strains at a time.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Strains {
-    /// Beads.
-    pub x: Vec<f64>,
-    /// Resonators.
-    pub y: Vec<f64>,
+impl FromIterator<(f64, f64)> for XAndY {
+    fn from_iter<I: IntoIterator<Item = (f64, f64)>>(pairs: I) -> Self {
+        let (x, y) = pairs.into_iter().unzip();
+        Self { x, y }
+    }
 }
 
 /// A perturbed wave.
@@ -146,13 +144,13 @@ pub struct PerturbedRun {
     /// The wave and its draw.
     pub wave: PerturbedWave,
     /// Strains at the end, on the chain.
-    pub strains: Strains,
+    pub strains: XAndY,
     /// Strains at the end, by (eq:xy_app).
-    pub ansatz: Strains,
+    pub ansatz: XAndY,
     /// Chain against ansatz (eq:xy_app).
-    pub errors: Errors,
+    pub errors: XAndY,
     /// Perturbed against unperturbed wave (eq:relerr_twPtd).
-    pub difference: Errors,
+    pub difference: XAndY,
     /// Relative change of the energy of the modulation equations from the start to the end, which
     /// they conserve.
     pub flow_energy_change: f64,
@@ -239,11 +237,11 @@ pub struct WaveStudy {
     /// Sample times: from 0 to the end, equally spaced, both included.
     pub t: Vec<f64>,
     /// The unperturbed wave: chain against ansatz (eq:xytw_app).
-    pub errors: Errors,
+    pub errors: XAndY,
     /// The unperturbed wave at the end, on the chain.
-    pub strains: Strains,
+    pub strains: XAndY,
     /// The unperturbed wave at the end, by (eq:xytw_app).
-    pub ansatz: Strains,
+    pub ansatz: XAndY,
     /// Work of the unperturbed run.
     pub stats: Stats,
     /// The perturbed wave of the scene, if it is perturbed.
@@ -279,7 +277,7 @@ pub fn wave(scene: &Scene, options: &WaveOptions, engine: &Engine, progress: Pro
     };
     tell(0.0, "");
     let unperturbed = &tracks[0];
-    let errors = errors_of(times.iter().zip(&unperturbed.strains).map(|(&t, now)| wave.errors(t, &now.x, &now.y)));
+    let errors = times.iter().zip(&unperturbed.strains).map(|(&t, now)| wave.errors(t, &now.x, &now.y)).collect();
 
     let mut perturbed = None;
     let mut ensemble = None;
@@ -297,7 +295,7 @@ pub fn wave(scene: &Scene, options: &WaveOptions, engine: &Engine, progress: Pro
         setting: options.solver.words(),
         errors,
         strains: unperturbed.last(),
-        ansatz: strains_of((0..scene.chain().sites()).map(|n| wave.site(n, scene.end()))),
+        ansatz: (0..scene.chain().sites()).map(|n| wave.site(n, scene.end())).map(strains_of).collect(),
         stats: unperturbed.stats,
         perturbed,
         ensemble,
@@ -328,7 +326,7 @@ struct Others<'a> {
 
 impl Others<'_> {
     /// The ensemble of all seeds, the first of which is that of the scene.
-    fn ensemble(&self, seeds: &[u64], first: Errors, engine: &Engine, progress: Progress<'_>) -> Result<Ensemble> {
+    fn ensemble(&self, seeds: &[u64], first: XAndY, engine: &Engine, progress: Progress<'_>) -> Result<Ensemble> {
         let grid = Grid { store: Wave::STORE, study: "wave", settings: settings(self.scene, self.options) };
         let swept = engine.sweep(&grid, &seeds[1..], progress, |&seed| self.difference(seed))?;
         let mut all = vec![(seeds[0], first)];
@@ -349,7 +347,7 @@ impl Others<'_> {
         })
     }
 
-    fn difference(&self, seed: u64) -> Result<Errors> {
+    fn difference(&self, seed: u64) -> Result<XAndY> {
         let Some(Theory::PerturbedWave(first)) = self.scene.theory() else {
             return Err(Error::parameter("scene", self.scene.name(), PERTURBED));
         };
@@ -396,13 +394,13 @@ fn seeds(scene: &Scene, options: &WaveOptions, samples: usize) -> Result<Vec<u64
 
 /// The strains of a run at the sample times, and its work.
 struct Track {
-    strains: Vec<Strains>,
+    strains: Vec<XAndY>,
     stats: Stats,
 }
 
 impl Track {
-    fn last(&self) -> Strains {
-        self.strains.last().cloned().unwrap_or(Strains { x: Vec::new(), y: Vec::new() })
+    fn last(&self) -> XAndY {
+        self.strains.last().cloned().unwrap_or_default()
     }
 }
 
@@ -412,29 +410,23 @@ fn track(scene: &Scene, options: &WaveOptions, times: &[f64]) -> Result<Track> {
     Ok(Track { strains, stats: states.stats() })
 }
 
-fn strains(y: &[f64]) -> Strains {
+fn strains(y: &[f64]) -> XAndY {
     let sites = y.len() / 4;
-    Strains { x: y[..sites].to_vec(), y: y[sites..2 * sites].to_vec() }
+    XAndY { x: y[..sites].to_vec(), y: y[sites..2 * sites].to_vec() }
 }
 
-fn strains_of(sites: impl Iterator<Item = Site<f64>>) -> Strains {
-    let (x, y) = sites.map(|site| (site.u, site.v)).unzip();
-    Strains { x, y }
-}
-
-fn errors_of(errors: impl Iterator<Item = (f64, f64)>) -> Errors {
-    let (x, y) = errors.unzip();
-    Errors { x, y }
+fn strains_of(site: Site<f64>) -> (f64, f64) {
+    (site.u, site.v)
 }
 
 /// (eq:relerr_tw) between two sets of strains.
-fn distance(wave: &TravellingWave, one: &Strains, other: &Strains) -> (f64, f64) {
+fn distance(wave: &TravellingWave, one: &XAndY, other: &XAndY) -> (f64, f64) {
     let largest = |one: &[f64], other: &[f64]| max_norm(one.iter().zip(other).map(|(a, b)| a - b)) / wave.amplitude();
     (largest(&one.x, &other.x), wave.params().rho * largest(&one.y, &other.y))
 }
 
-fn differences(wave: &TravellingWave, one: &Track, other: &Track) -> Errors {
-    errors_of(one.strains.iter().zip(&other.strains).map(|(one, other)| distance(wave, one, other)))
+fn differences(wave: &TravellingWave, one: &Track, other: &Track) -> XAndY {
+    one.strains.iter().zip(&other.strains).map(|(one, other)| distance(wave, one, other)).collect()
 }
 
 /// Compares the perturbed wave of the scene with its own ansatz, and computes the envelopes.
@@ -443,7 +435,7 @@ fn perturbed_run(
     options: &WaveOptions,
     times: &[f64],
     chain: &Track,
-    difference: &Errors,
+    difference: &XAndY,
 ) -> Result<PerturbedRun> {
     let Some(Theory::PerturbedWave(perturbed)) = scene.theory() else {
         return Err(Error::parameter("scene", scene.name(), PERTURBED));
@@ -457,12 +449,12 @@ fn perturbed_run(
         Ok(Dop853::new(perturbed.flow(constraint)?, perturbed.amplitudes(), span, flow_options)?)
     };
     let mut run = flow()?;
-    let mut by_ansatz = |t: f64| -> Result<Strains> {
+    let mut by_ansatz = |t: f64| -> Result<XAndY> {
         let z = state_at(&mut run, wave.slow_time(t))?;
-        Ok(strains_of(ansatz.sites(t, &z).into_iter()))
+        Ok(ansatz.sites(t, &z).into_iter().map(strains_of).collect())
     };
     let all = times.iter().map(|&t| by_ansatz(t)).collect::<Result<Vec<_>>>()?;
-    let errors = errors_of(all.iter().zip(&chain.strains).map(|(ansatz, now)| distance(wave, ansatz, now)));
+    let errors = all.iter().zip(&chain.strains).map(|(ansatz, now)| distance(wave, ansatz, now)).collect();
 
     let mut dps = perturbed.flow(constraint)?;
     let last = state_at(&mut run, wave.slow_time(scene.end()))?;
@@ -491,7 +483,7 @@ fn perturbed_run(
 }
 
 /// The growth of a difference, from its largest values in the periods of the run.
-fn member(seed: u64, t: &[f64], period: f64, difference: &Errors) -> Member {
+fn member(seed: u64, t: &[f64], period: f64, difference: &XAndY) -> Member {
     let end = t[t.len() - 1];
     let growth = |errors: &[f64]| {
         let largest = |from: f64, to: f64| {
@@ -561,11 +553,11 @@ mod tests {
         // 20 samples a period of 1, twenty periods, a fast oscillation that growth must not see.
         let t: Vec<f64> = (0..=400).map(|k| 0.05 * f64::from(k)).collect();
         let x: Vec<f64> = t.iter().map(|t| (0.1 * t).exp() * (2.0 * PI * t).cos().abs()).collect();
-        let of = member(1, &t, 1.0, &Errors { y: x.iter().map(|x| 3.0 * x).collect(), x });
+        let of = member(1, &t, 1.0, &XAndY { y: x.iter().map(|x| 3.0 * x).collect(), x });
         assert!((of.growth_x.unwrap() / 1.9f64.exp() - 1.0).abs() < 1e-12);
         assert!((of.growth_x.unwrap() / of.growth_y.unwrap() - 1.0).abs() < 1e-14);
         // Maxima of a period are where its end is.
         assert!((of.rate.unwrap() - 0.1).abs() < 1e-3 && of.rate_residual.unwrap() < 1e-2);
-        assert!(member(1, &t[..39], 1.0, &Errors { x: vec![1.0; 39], y: vec![1.0; 39] }).growth_x.is_none());
+        assert!(member(1, &t[..39], 1.0, &XAndY { x: vec![1.0; 39], y: vec![1.0; 39] }).growth_x.is_none());
     }
 }

@@ -1,6 +1,6 @@
 //! The report of travelling waves.
 
-use super::{Ensemble, Envelopes, Errors, Member, Spread, Strains, WaveStudy};
+use super::{Ensemble, Envelopes, Member, Spread, WaveStudy, XAndY};
 use crate::{
     number::{format_short, of_pi},
     report::{
@@ -179,7 +179,7 @@ impl WaveStudy {
     /// What the picture shows, with all numbers.
     fn caption(&self) -> String {
         let (wave, shape) = (&self.wave, self.wave.shape());
-        let ends = |errors: &Errors| {
+        let ends = |errors: &XAndY| {
             let [x, y, most_x, most_y] =
                 [last(&errors.x), last(&errors.y), largest(&errors.x), largest(&errors.y)].map(format_short);
             format!("{x} and {y} at the end, at most {most_x} and {most_y}")
@@ -218,11 +218,11 @@ impl WaveStudy {
 
 /// The tables of a perturbed wave without rows.
 pub(super) fn outline() -> Report {
-    let (none, still) = (Errors::default(), Strains { x: Vec::new(), y: Vec::new() });
+    let none = XAndY::default();
     let tables = [
         summary(&none, None),
         errors(&[], &none, Some([&none, &none])),
-        profile(&still, &still, Some([&still, &still])),
+        profile(&none, &none, Some([&none, &none])),
         Member::table("ensemble", &[]).done(),
         spread(&[]),
         growth(None),
@@ -268,7 +268,7 @@ fn growth(ensemble: Option<&Ensemble>) -> Table {
 }
 
 /// Errors at the end, and the largest.
-fn summary(own: &Errors, perturbed: Option<[&Errors; 2]>) -> Table {
+fn summary(own: &XAndY, perturbed: Option<[&XAndY; 2]>) -> Table {
     let mut rows = vec![("E_x", &own.x), ("E_y", &own.y)];
     if let Some([errors, difference]) = perturbed {
         rows.extend([("E_x perturbed", &errors.x), ("E_y perturbed", &errors.y)]);
@@ -293,7 +293,7 @@ fn columns(name: &str, columns: &[(&str, &str, &[f64])]) -> Table {
 }
 
 /// Errors in time.
-fn errors(t: &[f64], own: &Errors, perturbed: Option<[&Errors; 2]>) -> Table {
+fn errors(t: &[f64], own: &XAndY, perturbed: Option<[&XAndY; 2]>) -> Table {
     let mut all = vec![("t", "", t), ("e_x", "E_x", &own.x[..]), ("e_y", "E_y", &own.y)];
     if let Some([errors, difference]) = perturbed {
         all.extend([
@@ -306,7 +306,7 @@ fn errors(t: &[f64], own: &Errors, perturbed: Option<[&Errors; 2]>) -> Table {
 }
 
 /// Strains at the end by site.
-fn profile(strains: &Strains, ansatz: &Strains, perturbed: Option<[&Strains; 2]>) -> Table {
+fn profile(strains: &XAndY, ansatz: &XAndY, perturbed: Option<[&XAndY; 2]>) -> Table {
     let sites: Vec<f64> = (0..strains.x.len()).map(|n| n as f64).collect();
     let mut all = vec![("n", "site", &sites[..])];
     all.extend([("x", "strain of the bead at the end", &strains.x[..]), ("y", "of the resonator", &strains.y)]);

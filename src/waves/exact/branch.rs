@@ -55,28 +55,28 @@ pub enum WaveParameter {
 }
 
 impl WaveParameter {
+    /// Name, symbol, a number below all values, and the rule in words.
+    fn told(self) -> (&'static str, &'static str, f64, &'static str) {
+        match self {
+            Self::OmegaTw => ("omega_tw", "ω_tw", 0.0, "a frequency is positive"),
+            Self::Amplitude => ("amplitude", "amplitude", 0.0, "an amplitude is positive"),
+            Self::Mean => ("mean", "mean strain", f64::NEG_INFINITY, "a finite number"),
+            Self::Rho => {
+                ("rho", "ρ", 0.0, "a mass ratio is positive; a wave without resonators has a branch of its own")
+            }
+            Self::Kappa => ("kappa", "κ", 0.0, "a spring constant is positive"),
+            Self::Alpha => ("alpha", "α", 1.0, "above 1: tangent maps need alpha > 1"),
+        }
+    }
+
     /// The symbol in pictures.
     pub fn symbol(self) -> &'static str {
-        match self {
-            Self::OmegaTw => "ω_tw",
-            Self::Amplitude => "amplitude",
-            Self::Mean => "mean strain",
-            Self::Rho => "ρ",
-            Self::Kappa => "κ",
-            Self::Alpha => "α",
-        }
+        self.told().1
     }
 
     /// The name in files and on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::OmegaTw => "omega_tw",
-            Self::Amplitude => "amplitude",
-            Self::Mean => "mean",
-            Self::Rho => "rho",
-            Self::Kappa => "kappa",
-            Self::Alpha => "alpha",
-        }
+        self.told().0
     }
 
     /// The value that a wave has.
@@ -85,18 +85,6 @@ impl WaveParameter {
             Self::Amplitude => wave.amplitude(),
             Self::Mean => wave.mean(),
             _ => self.free(&wave.setting),
-        }
-    }
-
-    /// A number below all of its values, and the rule in words.
-    fn rule(self) -> (f64, &'static str) {
-        match self {
-            Self::Mean => (f64::NEG_INFINITY, "a finite number"),
-            Self::Alpha => (1.0, "above 1: tangent maps need alpha > 1"),
-            Self::OmegaTw => (0.0, "a frequency is positive"),
-            Self::Amplitude => (0.0, "an amplitude is positive"),
-            Self::Rho => (0.0, "a mass ratio is positive; a wave without resonators has a branch of its own"),
-            Self::Kappa => (0.0, "a spring constant is positive"),
         }
     }
 
@@ -269,19 +257,19 @@ impl Problem for WaveContinuation {
         SOLVED
     }
 
-    fn orbit(&self, base: &WaveBase, Solution { z, p, residual, newton }: &Solution) -> ExactWave {
-        let (setting, z) = self.at(base, z, *p);
-        ExactWave { setting, z, residual: *residual, newton: newton.clone() }
+    fn orbit(&self, base: &WaveBase, solution: &Solution) -> ExactWave {
+        let (setting, z) = self.at(base, &solution.z, solution.p);
+        ExactWave { z, ..solution.orbit(setting) }
     }
 
     fn solution(&self, base: &WaveBase, wave: &ExactWave) -> Solution {
-        let ExactWave { setting, z, residual, newton } = wave;
+        let ExactWave { setting, z, .. } = wave;
         let (strains, rates) = z.split_at(z.len() / 2);
         let strains = strains.iter().map(|z| z - offset(setting));
         let w = (setting.omega_tw / base.setting.omega_tw).ln() * base.size;
         let w = (self.parameter == WaveParameter::Amplitude).then_some(w);
         let z = strains.chain(rates.iter().map(|z| z / setting.omega_tw)).chain(w).collect();
-        Solution { z, p: self.parameter.of(wave), residual: *residual, newton: newton.clone() }
+        Solution { z, ..wave.solution(self.parameter.of(wave)) }
     }
 
     fn ends(&self, wave: &ExactWave) -> Option<End> {
@@ -351,7 +339,7 @@ impl WaveContinuation {
             }
             _ => {}
         }
-        let (least, rule) = self.parameter.rule();
+        let (.., least, rule) = self.parameter.told();
         if self.to <= least {
             return Err(Error::parameter("to", self.to, rule));
         }

@@ -39,7 +39,7 @@ pub use spectrum::{WaveKind, WaveMultiplier, WaveQuality, WaveSpectrum};
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, max_norm},
     error::{Error, Result},
-    orbits::NewtonStep,
+    orbits::Orbit,
 };
 use std::f64::consts::PI;
 
@@ -202,18 +202,10 @@ impl WaveSetting {
     }
 }
 
-/// An exact travelling wave.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ExactWave {
-    /// Chain, wave number, frequency and mean strain.
-    pub setting: WaveSetting,
-    /// `[x, y, x', y']` of a cell at `t = 0`; `[x, x']` where no resonator moves.
-    pub z: Vec<f64>,
-    /// `max |B z - z|` in units of the amplitude; velocities are divided by `omega_tw`.
-    pub residual: f64,
-    /// Steps of Newton's method.
-    pub newton: Vec<NewtonStep>,
-}
+/// An exact travelling wave: `z` is `[x, y, x', y']` of a cell at `t = 0`, or `[x, x']` where no
+/// resonator moves; the residual is `max |B z - z|` in units of the amplitude, with velocities
+/// divided by `omega_tw`.
+pub type ExactWave = Orbit<WaveSetting>;
 
 impl ExactWave {
     /// One of `x, y, x', y'` of the cell; empty for resonators that do not move.

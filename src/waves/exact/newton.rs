@@ -115,19 +115,6 @@ impl Search {
         Ok(shot.kantorovich())
     }
 
-    /// The derivative of the equations by a number of the setting, by a difference quotient.
-    fn slope(
-        &self,
-        setting: &WaveSetting,
-        z: &[f64],
-        value: f64,
-        with: impl Fn(f64) -> WaveSetting,
-    ) -> Result<DVector<f64>> {
-        let by = DIFFERENCE * if value == 0.0 { swing(z, setting) } else { value.abs() };
-        let at = |value: f64| self.equations(&with(value), z, false);
-        Ok((at(value + by)?.residual - at(value - by)?.residual) / (2.0 * by))
-    }
-
     /// The wave near the state `seed` of a cell.
     ///
     /// # Errors
@@ -183,8 +170,9 @@ impl Search {
             matrix = matrix.insert_row(rows, 0.0);
             if derivative {
                 matrix.row_mut(rows).copy_from_slice(&row);
-                let slope =
-                    self.slope(setting, z, setting.omega_tw, |omega_tw| WaveSetting { omega_tw, ..*setting })?;
+                let (omega, by) = (setting.omega_tw, DIFFERENCE * setting.omega_tw);
+                let at = |omega_tw: f64| self.equations(&WaveSetting { omega_tw, ..*setting }, z, false);
+                let slope = (at(omega + by)?.residual - at(omega - by)?.residual) / (2.0 * by);
                 matrix = matrix.insert_column(z.len(), 0.0);
                 matrix.view_mut((0, z.len()), (rows, 1)).copy_from(&slope);
             }

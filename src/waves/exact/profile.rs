@@ -1,8 +1,8 @@
 //! The profiles `X, Y` of an exact wave, and their Fourier coefficients.
 
 use super::{ExactWave, Search, repeated};
-use crate::{error::Result, waves::TravellingWave};
-use hertzchain_integrators::{Stepper, collocation::StepControl};
+use crate::{error::Result, run::state_at, waves::TravellingWave};
+use hertzchain_integrators::collocation::StepControl;
 use std::f64::consts::PI;
 
 /// Largest harmonic of [`Profile::fourier`].
@@ -30,17 +30,10 @@ impl ExactWave {
         let time = setting.period() / m as f64;
         let start = repeated(&self.z, m, cells);
         let mut run = setting.chain(cells)?.collocation(&start, (0.0, time), StepControl::Tolerance(search.tol))?;
-        let mut state = start;
-        let moving = state.len() == 4 * ring;
+        let moving = start.len() == 4 * ring;
         let mut profile = Profile { x: vec![0.0; total], y: vec![0.0; if moving { total } else { 0 }] };
         for part in 0..parts {
-            let t = time * part as f64 / parts as f64;
-            while run.time() < t && !run.done() {
-                run.step()?;
-            }
-            if part > 0 {
-                run.sample(t, &mut state);
-            }
+            let state = state_at(&mut run, time * part as f64 / parts as f64)?;
             // phi = q n - omega_tw t in units of 2 pi/total.
             for n in 0..m {
                 let phi = (setting.q.turns() * n * parts + total - part) % total;

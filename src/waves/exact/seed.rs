@@ -22,6 +22,7 @@ use crate::{
     chain::{Params, Resonators},
     dps::Averages,
     error::{Error, Result},
+    numerics::least_above,
     waves::{Shape, Size, TravellingWave, detuning},
 };
 
@@ -244,20 +245,7 @@ fn least_size(first: f64, above: impl Fn(f64) -> bool) -> std::result::Result<f6
     if above(first) {
         return Err("under this mean strain the first approximation has only waves of higher frequency");
     }
-    let (mut low, mut high) = (first, 2.0 * first);
-    while !above(high) {
-        (low, high) = (high, 2.0 * high);
-        if !high.is_finite() {
-            return Err("a frequency that the first approximation has at some size");
-        }
-    }
-    loop {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            return Ok(high);
-        }
-        *(if above(middle) { &mut high } else { &mut low }) = middle;
-    }
+    least_above(first, above).ok_or("a frequency that the first approximation has at some size")
 }
 
 fn frequency_rule(omega_tw: f64, params: Params) -> Error {

@@ -27,10 +27,12 @@
 
 use super::{ExactWave, Search, eigen, newton::moved, repeated};
 use crate::{
-    chain::{Params, Resonators},
+    chain::{Field, Resonators},
     error::{Error, Result},
+    numerics::least_by,
     orbits::{self, Eigenpair, flow},
 };
+use hertzchain_integrators::VectorField;
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::PI;
 
@@ -185,21 +187,11 @@ impl ExactWave {
     }
 
     /// `z'` at `t = 0`.
-    fn rate(&self) -> Vec<f64> {
-        let (m, z) = (self.setting.q.cell(), &self.z);
-        let Params { alpha, kappa, rho } = self.setting.params;
-        let contacts = |n: usize| {
-            let force = |n: usize| (-z[n % m]).max(0.0).powf(alpha);
-            2.0 * force(n) - force(n + 1) - force(n + m - 1)
-        };
-        let springs = |n: usize| match self.setting.params.resonators() {
-            Resonators::None => 0.0,
-            Resonators::Fixed => kappa * z[n],
-            Resonators::Moving => kappa * (z[n] - z[m + n]),
-        };
-        let beads = (0..m).map(|n| contacts(n) - springs(n));
-        let resonators = (0..z.len() / 2 - m).map(|n| springs(n) / rho);
-        z[z.len() / 2..].iter().copied().chain(beads).chain(resonators).collect()
+    fn rate(&self) -> Result<Vec<f64>> {
+        let (m, cells) = (self.setting.q.cell(), self.setting.least_cells());
+        let mut rates = vec![0.0; self.z.len() * cells];
+        Field::new(self.setting.chain(cells)?).eval(0.0, &repeated(&self.z, m, cells), &mut rates);
+        Ok((0..self.z.len()).map(|i| rates[moved(i, m, cells, 0)]).collect())
     }
 }
 
@@ -275,7 +267,7 @@ impl<'a> Block<'a> {
         };
         let mut kinds: Vec<Option<WaveKind>> = vec![None; pairs.len()];
         if self.theta == 0.0 {
-            self.known(&pairs, &mut kinds, &mut quality);
+            self.known(&pairs, &mut kinds, &mut quality).ok()?;
         }
         let rounding = MARGIN * size * quality.symplectic_defect.max(quality.eigen_residual).max(f64::EPSILON);
         let mut found = Vec::with_capacity(pairs.len());
@@ -290,14 +282,13 @@ impl<'a> Block<'a> {
     }
 
     /// Finds the eigenvalues that are known in theory.
-    fn known(&self, pairs: &[Eigenpair], kinds: &mut [Option<WaveKind>], quality: &mut WaveQuality) {
+    fn known(&self, pairs: &[Eigenpair], kinds: &mut [Option<WaveKind>], quality: &mut WaveQuality) -> Result<()> {
         let setting = &self.wave.setting;
         let angle = setting.params.omega() * setting.period() / setting.q.cell() as f64;
         let mut take = |value: Complex<f64>, kind: WaveKind| {
             let apart = |k: &usize| (pairs[*k].0 - value).norm();
             let free = (0..pairs.len()).filter(|&k| kinds[k].is_none());
-            let nearest = free.min_by(|a, b| apart(a).total_cmp(&apart(b)));
-            nearest.map_or(Complex::from(f64::NAN), |k| {
+            least_by(free, apart).map_or(Complex::from(f64::NAN), |k| {
                 kinds[k] = Some(kind);
                 pairs[k].0 - value
             })
@@ -314,10 +305,11 @@ impl<'a> Block<'a> {
         quality.linear = linear.fold(0.0, f64::max);
         let ones: Complex<f64> = (0..trivial).map(|_| take(Complex::ONE, WaveKind::Trivial)).sum();
         quality.trivial = ones.norm() / f64::from(trivial);
-        let rate = DVector::from_vec(self.wave.rate()).map(Complex::from);
+        let rate = DVector::from_vec(self.wave.rate()?).map(Complex::from);
         let moved = &self.matrix * &rate - &rate;
         let largest = |z: &DVector<Complex<f64>>| z.iter().map(|z| z.norm()).fold(0.0, f64::max);
         quality.phase_shift = largest(&moved) / largest(&rate);
+        Ok(())
     }
 
     /// Multiplier `k`, and the distance of its `1/conj(nu)` from the nearest eigenvalue.
@@ -331,7 +323,7 @@ impl<'a> Block<'a> {
         let (nu, z) = &pairs[k];
         let other = nu.conj().inv();
         let apart = |(nu, _): &&Eigenpair| (nu - other).norm();
-        let partner = pairs.iter().min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(&pairs[k]);
+        let partner = least_by(pairs, apart).unwrap_or(&pairs[k]);
         let dual = self.dual(&partner.1);
         // The error of |nu| by the condition number of nu.
         let condition = dual.norm() / dual.dotc(z).norm();
@@ -369,8 +361,7 @@ impl<'a> Block<'a> {
             let p = wrapped((self.theta + 2.0 * PI * k as f64) / m as f64);
             (p, wrapped(argument - p * shift) * per)
         };
-        let smallest = (0..m).map(at).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-        smallest.unwrap_or((0.0, 0.0))
+        least_by((0..m).map(at), |label| label.1.abs()).unwrap_or((0.0, 0.0))
     }
 }
 

@@ -34,6 +34,7 @@ use super::{ExactWave, Given, MeanStrain, Search, WaveNumber, WaveSetting};
 use crate::{
     chain::{Params, Resonators},
     error::{Error, Result},
+    numerics::largest_by,
 };
 use std::f64::consts::PI;
 
@@ -134,8 +135,7 @@ fn ring_phase(params: Params, speed: f64, sites: usize) -> f64 {
 
 /// Of four lengths from `sites` on, the one whose ring is farthest from resonance with the tails.
 pub fn best_ring(params: Params, speed: f64, sites: usize) -> usize {
-    let phase = |n: &usize| ring_phase(params, speed, *n);
-    (sites..sites + 4).max_by(|a, b| phase(a).total_cmp(&phase(b))).unwrap_or(sites)
+    largest_by(sites..sites + 4, |&n| ring_phase(params, speed, n)).unwrap_or(sites)
 }
 
 fn ring(params: Params, speed: f64, sites: usize) -> Result<WaveSetting> {

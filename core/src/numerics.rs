@@ -1,0 +1,102 @@
+//! Small numerical tools: lines and planes through points, bisection, extremes.
+
+/// The item with the least value of `of`; the first of those that are equal.
+pub fn least_by<T>(all: impl IntoIterator<Item = T>, of: impl Fn(&T) -> f64) -> Option<T> {
+    all.into_iter().min_by(|a, b| of(a).total_cmp(&of(b)))
+}
+
+/// The item with the largest value of `of`; the last of those that are equal.
+pub fn largest_by<T>(all: impl IntoIterator<Item = T>, of: impl Fn(&T) -> f64) -> Option<T> {
+    all.into_iter().max_by(|a, b| of(a).total_cmp(&of(b)))
+}
+
+/// The least and the largest of the values; infinity and minus infinity without values.
+pub fn extremes(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let (low, high) = (f64::INFINITY, f64::NEG_INFINITY);
+    values.into_iter().fold((low, high), |(low, high), value| (low.min(value), high.max(value)))
+}
+
+/// The least double from which a condition holds, to the last digit, by bisection. The condition
+/// does not hold at `first`, a positive number, and begins to hold once above it; `None` if that is
+/// beyond all doubles.
+///
+/// ```
+/// use hertzchain_core::numerics::least_above;
+/// assert_eq!(least_above(1e-3, |x| x * x >= 2.0), Some(2f64.sqrt()));
+/// assert_eq!(least_above(1.0, |_| false), None);
+/// ```
+pub fn least_above(first: f64, holds: impl Fn(f64) -> bool) -> Option<f64> {
+    let (mut low, mut high) = (first, 2.0 * first);
+    while !holds(high) {
+        (low, high) = (high, 2.0 * high);
+        if !high.is_finite() {
+            return None;
+        }
+    }
+    loop {
+        let middle = low + 0.5 * (high - low);
+        if middle <= low || middle >= high {
+            return Some(high);
+        }
+        *(if holds(middle) { &mut high } else { &mut low }) = middle;
+    }
+}
+
+/// Slope of the least-squares line, and its largest residual; `None` if no abscissas differ.
+pub fn fit_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let n = points.len() as f64;
+    let (mx, my) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
+    let (sxx, sxy) =
+        points.iter().fold((0.0, 0.0), |(xx, xy), p| (xx + (p.0 - mx).powi(2), xy + (p.0 - mx) * (p.1 - my)));
+    let slope = (sxx > 0.0).then(|| sxy / sxx)?;
+    let residual = points.iter().map(|p| (p.1 - my - slope * (p.0 - mx)).abs()).fold(0.0, f64::max);
+    Some((slope, residual))
+}
+
+/// `z = c + p x + q y` by least squares, `[c, p, q]` and the largest residual; `None` with fewer
+/// than four points, or if they lie on a line.
+pub fn fit_plane(points: &[[f64; 3]]) -> Option<([f64; 3], f64)> {
+    if points.len() < 4 {
+        return None;
+    }
+    let mean = |k: usize| points.iter().map(|point| point[k]).sum::<f64>() / points.len() as f64;
+    let means = [mean(0), mean(1), mean(2)];
+    let moment =
+        |j: usize, k: usize| points.iter().map(|point| (point[j] - means[j]) * (point[k] - means[k])).sum::<f64>();
+    let (xx, xy, yy, xz, yz) = (moment(0, 0), moment(0, 1), moment(1, 1), moment(0, 2), moment(1, 2));
+    let determinant = xx * yy - xy * xy;
+    if determinant <= 1e-9 * xx * yy {
+        return None;
+    }
+    let (p, q) = ((xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant);
+    let c = means[2] - p * means[0] - q * means[1];
+    let off = |&[x, y, z]: &[f64; 3]| (z - c - p * x - q * y).abs();
+    Some(([c, p, q], points.iter().map(off).fold(0.0, f64::max)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_fitted_and_a_bend_is_seen() {
+        let line: Vec<_> = (0..4).map(|i| (f64::from(i), 2.5 * f64::from(i) - 7.0)).collect();
+        let (slope, residual) = fit_line(&line).unwrap();
+        assert!((slope - 2.5).abs() < 1e-14 && residual < 1e-14);
+        assert!(fit_line(&[(0.0, 0.0), (1.0, 0.0), (2.0, 2.0)]).unwrap().1 > 0.3);
+        assert!(fit_line(&[(1.0, 0.0)]).is_none());
+    }
+
+    #[test]
+    fn a_plane_is_fitted_a_bend_is_seen_and_a_line_refused() {
+        let grid = || (0..9).map(|k| (f64::from(k / 3), f64::from(k % 3)));
+        let plane: Vec<_> = grid().map(|(x, y)| [x, y, 2.0 - 0.5 * x + 3.0 * y]).collect();
+        let ([c, p, q], residual) = fit_plane(&plane).unwrap();
+        assert!([c - 2.0, p + 0.5, q - 3.0, residual].iter().all(|off| off.abs() < 1e-13));
+        let bent: Vec<_> = grid().map(|(x, y)| [x, y, x * y]).collect();
+        // The best plane of x y on this grid is x + y - 1, one off at the corners.
+        assert!((fit_plane(&bent).unwrap().1 - 1.0).abs() < 1e-13);
+        let line: Vec<_> = grid().map(|(x, _)| [x, 2.0 * x, x]).collect();
+        assert!(fit_plane(&line).is_none() && fit_plane(&plane[..3]).is_none());
+    }
+}
