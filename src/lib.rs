@@ -34,6 +34,7 @@ pub mod cli;
 #[cfg(feature = "plot")]
 pub mod figures;
 mod memory;
+mod named;
 mod number;
 pub mod orbits;
 pub mod output;

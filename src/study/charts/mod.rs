@@ -35,6 +35,7 @@ pub use resonances::{Resonance, kick_sum, resonance};
 use super::{Changes, Progress, Study, Work, methods, options::options, scene};
 use crate::{
     error::{Error, Result},
+    named::named,
     report::Report,
     run::method::{Contacts, Method, Split},
     sweep::{Engine, Grid, Row},
@@ -56,40 +57,25 @@ const LONG: f64 = 1e3;
 const MULTIPLES: std::ops::RangeInclusive<u32> = 1..=4;
 const PRESSED: [f64; 5] = [1e-8, 1e-6, 1e-4, 1e-2, 1.0];
 
-/// One chart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Chart {
-    /// (a) mass ratios from 1e-8 to 1e8, with steps from 12/omega down.
-    Light,
-    /// (b) amplitudes from 1e-12 to 1e3 against spring constants from 1e-8 to 1e8.
-    Stiffness,
-    /// (c) exponents from 0.5 to 10.
-    Alpha,
-    /// (d) numbers of beads from 1 to 10^6.
-    Length,
-    /// (e) lengths of runs.
-    Time,
-    /// (a) resonances of the exact linear flow, against amplitude.
-    Resonances,
+named! {
+    /// One chart.
+    pub enum Chart {
+        /// (a) mass ratios from 1e-8 to 1e8, with steps from 12/omega down.
+        Light = "light",
+        /// (b) amplitudes from 1e-12 to 1e3 against spring constants from 1e-8 to 1e8.
+        Stiffness = "stiffness",
+        /// (c) exponents from 0.5 to 10.
+        Alpha = "alpha",
+        /// (d) numbers of beads from 1 to 10^6.
+        Length = "length",
+        /// (e) lengths of runs.
+        Time = "time",
+        /// (a) resonances of the exact linear flow, against amplitude.
+        Resonances = "resonances",
+    }
 }
 
 impl Chart {
-    /// All of them.
-    pub const ALL: [Self; 6] = [Self::Light, Self::Stiffness, Self::Alpha, Self::Length, Self::Time, Self::Resonances];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Light => "light",
-            Self::Stiffness => "stiffness",
-            Self::Alpha => "alpha",
-            Self::Length => "length",
-            Self::Time => "time",
-            Self::Resonances => "resonances",
-        }
-    }
-
     /// The chart of this name.
     ///
     /// # Errors
@@ -114,15 +100,9 @@ impl Chart {
                 .map(|rho| Variant { rho: Some(rho), ..none })
                 .collect(),
             Self::Stiffness => {
-                let kappas: Vec<f64> = decades(-8, 8, thin(4)).collect();
-                decades(-12, 3, if options.quick { 5 } else { 3 })
-                    .flat_map(|a| {
-                        kappas
-                            .iter()
-                            .map(move |&kappa| Variant { amplitude: Some(a), kappa: Some(kappa), ..none })
-                            .collect::<Vec<_>>()
-                    })
-                    .collect()
+                let kappas = || decades(-8, 8, thin(4));
+                let at = |a| kappas().map(move |kappa| Variant { amplitude: Some(a), kappa: Some(kappa), ..none });
+                decades(-12, 3, if options.quick { 5 } else { 3 }).flat_map(at).collect()
             }
             Self::Alpha => [0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 5.0, 7.0, 10.0]
                 .into_iter()
@@ -218,17 +198,7 @@ impl Study for Charts {
     }
 
     fn outline() -> Option<Report> {
-        let empty = ChartStudy {
-            charts: Chart::ALL.to_vec(),
-            methods: Vec::new(),
-            work: 0.0,
-            problem: Problem::built_in(),
-            points: Vec::new(),
-            resonances: Vec::new(),
-            resumed: 0,
-            wall: Duration::ZERO,
-        };
-        Some(empty.report())
+        Some(ChartStudy { charts: Chart::ALL.to_vec(), ..ChartStudy::default() }.report())
     }
 
     fn begin(&self) -> Result<Work<'_>> {
@@ -272,7 +242,7 @@ pub struct ResonancePoint {
 }
 
 /// The charts.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ChartStudy {
     /// The charts that were made.
     pub charts: Vec<Chart>,
@@ -393,12 +363,10 @@ pub fn charts(
     let mut study = ChartStudy {
         work: options.work,
         problem: problem.clone(),
-        points: Vec::new(),
-        resonances: Vec::new(),
         resumed: swept.resumed,
-        wall: Duration::ZERO,
         charts: options.charts(),
         methods,
+        ..ChartStudy::default()
     };
     places.into_iter().zip(swept.rows).for_each(|(place, row)| study.take(place, row));
     study.wall = clock.elapsed();

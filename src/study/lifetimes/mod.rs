@@ -37,6 +37,7 @@ use crate::{
     dps::Center,
     error::{Error, Result},
     interrupt,
+    named::named,
     report::Report,
     run::Run,
     sweep::{Engine, Grid, Row},
@@ -78,30 +79,32 @@ const FITTED_FROM: f64 = 10.0;
 /// Largest ratio of a lifetime to its fit that a power law may have.
 const HONEST: f64 = 1.25;
 
-/// The criterion by which the life of a breather ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Criterion {
-    /// The core has less than 0.9 of the energy.
-    Energy,
-    /// The relative distance to the ansatz is above 1/2.
-    Distance,
-    /// The frequency of the central bead is nearer to `omega` than to `Omega_b`.
-    Frequency,
+named! {
+    /// The criterion by which the life of a breather ends.
+    #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+    pub enum Criterion {
+        /// The core has less than 0.9 of the energy.
+        Energy = "energy",
+        /// The relative distance to the ansatz is above 1/2.
+        Distance = "distance",
+        /// The frequency of the central bead is nearer to `omega` than to `Omega_b`.
+        Frequency = "frequency",
+    }
 }
 
-/// The fate of a breather.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Fate {
-    /// The core has less than 0.9 of the energy before contact falls below 1/3.
-    Radiates,
-    /// Contact falls below 1/3 first: gaps open between the central sites, until each oscillates on
-    /// its own as in a trivial breather (uncpl).
-    Decouples,
-    /// Neither before the cap.
-    Persists,
+named! {
+    /// The fate of a breather.
+    #[derive(Default)]
+    pub enum Fate {
+        /// The core has less than 0.9 of the energy before contact falls below 1/3.
+        Radiates = "radiates",
+        /// Contact falls below 1/3 first: gaps open between the central sites, until each oscillates
+        /// on its own as in a trivial breather (uncpl).
+        Decouples = "decouples",
+        /// Neither before the cap.
+        #[default]
+        Persists = "persists",
+    }
 }
 
 options! {

@@ -8,7 +8,7 @@ use crate::{
         Digits::{Fixed, Hidden, Power, Short},
         Line, Maps, Report, Table,
     },
-    study::{RhoLaw, dps::center_word, kebab_name},
+    study::{RhoLaw, dps::center_word},
     sweep::STOPPED,
 };
 use serde_json::{Value, json};
@@ -53,21 +53,20 @@ fn not_before(point: &LifetimePoint, criterion: Criterion) -> Option<f64> {
 }
 
 /// Its fate; `stopped` or `failed` for a point without a life.
-fn fate(point: &LifetimePoint) -> String {
+fn fate(point: &LifetimePoint) -> &'static str {
     match &point.life {
-        Ok(life) => kebab_name(&life.fate),
-        Err(why) => if why == STOPPED { "stopped" } else { "failed" }.to_owned(),
+        Ok(life) => life.fate.name(),
+        Err(why) if why == STOPPED => "stopped",
+        Err(_) => "failed",
     }
 }
 
-/// Name and meaning of a criterion.
-fn criterion_words(criterion: Criterion) -> (&'static str, &'static str) {
+/// The meaning of a criterion.
+fn meaning(criterion: Criterion) -> &'static str {
     match criterion {
-        Criterion::Energy => ("energy", "the core has less than 0.9 of the energy"),
-        Criterion::Distance => ("distance", "|A - A~|_1/|A~|_1 is above 0.5, A = u + i u', phase included"),
-        Criterion::Frequency => {
-            ("frequency", "the central oscillation is nearer to omega than to Omega_b, over four periods")
-        }
+        Criterion::Energy => "the core has less than 0.9 of the energy",
+        Criterion::Distance => "|A - A~|_1/|A~|_1 is above 0.5, A = u + i u', phase included",
+        Criterion::Frequency => "the central oscillation is nearer to omega than to Omega_b, over four periods",
     }
 }
 
@@ -90,7 +89,7 @@ impl LifetimeStudy {
     /// number of cores.
     pub fn report(&self) -> Report {
         let Self { options, fit, computed, resumed, .. } = self;
-        let (criterion, meaning) = criterion_words(options.criterion);
+        let (criterion, meaning) = (options.criterion.name(), meaning(options.criterion));
         let fit_json = |fit: PowerLaw| -> Value {
             let mut value = json!(fit);
             value["holds"] = json!(fit.holds());
@@ -181,7 +180,7 @@ impl LifetimeStudy {
             }
         };
         let maps = vec![map("lifetime", |_| 1.0), map("lifetime / (T ε^(1−α))", |point| point.horizon)];
-        let (criterion, meaning) = criterion_words(options.criterion);
+        let (criterion, meaning) = (options.criterion.name(), meaning(options.criterion));
         let caption = format!(
             "Bright breathers u(0) = 2εa about a {}, at rest, α = {}, κ = 1; lifetime by {criterion}: {meaning}. Followed to \
              t = {}; >: it is more. No breather: gaps have opened between the central sites, and what lives on is beads that \
