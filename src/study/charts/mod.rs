@@ -41,8 +41,8 @@ use crate::{
     sweep::{Engine, Grid, Row},
 };
 use measure::{Search, measure};
-use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde::{Serialize, de::DeserializeOwned};
+use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
 /// Length of runs in contact periods.
@@ -309,14 +309,6 @@ enum Point {
     },
 }
 
-/// What is measured at a point.
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Value {
-    Chart(Measured),
-    Resonance(Option<Resonance>),
-}
-
 /// The points of all charts.
 fn places(options: &ChartOptions, methods: &[Method]) -> Vec<Point> {
     let charted = options.charts();
@@ -368,42 +360,35 @@ pub fn charts(
         methods,
         ..ChartStudy::default()
     };
-    places.into_iter().zip(swept.rows).for_each(|(place, row)| study.take(place, row));
+    for (place, row) in places.into_iter().zip(swept.rows) {
+        match place {
+            Point::Chart { chart, variant, method } => {
+                study.points.push(ChartPoint { chart, variant, method, measured: taken(row, "chart") });
+            }
+            Point::Resonance { method, k, amplitude } => {
+                study.resonances.push(ResonancePoint { method, k, amplitude, resonance: taken(row, "resonance") });
+            }
+        }
+    }
     study.wall = clock.elapsed();
     Ok(study)
 }
 
-impl ChartStudy {
-    /// Adds a point to those of its kind.
-    fn take(&mut self, place: Point, row: Row<Value>) {
-        match place {
-            Point::Chart { chart, variant, method, .. } => {
-                let measured = row.and_then(|value| if let Value::Chart(it) = value { Ok(it) } else { other() });
-                self.points.push(ChartPoint { chart, variant, method, measured });
-            }
-            Point::Resonance { method, k, amplitude, .. } => {
-                let resonance = row.and_then(|value| if let Value::Resonance(it) = value { Ok(it) } else { other() });
-                self.resonances.push(ResonancePoint { method, k, amplitude, resonance });
-            }
-        }
-    }
-}
-
-/// The row of a point of another kind.
-fn other<T>() -> Row<T> {
-    Err("the row of a point of another kind".to_owned())
-}
-
 /// Measures a point.
 fn value(problem: &Problem, options: &ChartOptions, place: &Point) -> Result<Value> {
-    match *place {
-        Point::Chart { chart, variant, method, .. } => {
-            measured(problem, options, chart, &variant, method).map(Value::Chart)
+    Ok(match *place {
+        Point::Chart { chart, variant, method } => {
+            json!({"chart": measured(problem, options, chart, &variant, method)?})
         }
-        Point::Resonance { method, k, amplitude, .. } => {
-            resonances::resonance(problem, method, k, amplitude).map(Value::Resonance)
-        }
-    }
+        Point::Resonance { method, k, amplitude } => json!({"resonance": resonance(problem, method, k, amplitude)?}),
+    })
+}
+
+/// What was measured at a point of a kind.
+fn taken<T: DeserializeOwned>(row: Row<Value>, kind: &str) -> Row<T> {
+    row.and_then(|mut value| {
+        serde_json::from_value(value.get_mut(kind).map_or(Value::Null, Value::take)).map_err(|why| why.to_string())
+    })
 }
 
 fn measured(

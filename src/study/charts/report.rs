@@ -44,7 +44,7 @@ impl ChartStudy {
             ));
         let mut all = Vec::new();
         for &chart in &self.charts {
-            let [title, against] = words(chart);
+            let (title, against, _) = words(chart);
             if chart == Chart::Resonances {
                 report =
                     report.words(format!("{title}: width in hω and growth a step of one bead pressed between walls."));
@@ -110,14 +110,7 @@ fn value(name: &str, variant: &Variant) -> Option<f64> {
 
 /// The parameters that tell the variants of a chart apart.
 fn axes(chart: Chart) -> &'static [&'static str] {
-    match chart {
-        Chart::Light => &["rho"],
-        Chart::Stiffness => &["amplitude", "kappa"],
-        Chart::Alpha => &["alpha"],
-        Chart::Length => &["sites"],
-        Chart::Time => &["periods"],
-        Chart::Resonances => &["sites", "amplitude"],
-    }
+    words(chart).2
 }
 
 fn place(chart: Chart, variant: &Variant) -> Vec<f64> {
@@ -359,16 +352,19 @@ fn plain(value: f64) -> String {
     if (1e-2..1e4).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
-/// The title of a chart, and what it is against.
-fn words(chart: Chart) -> [&'static str; 2] {
+/// The title of a chart, what it is against, and the parameters that tell its variants apart.
+fn words(chart: Chart) -> (&'static str, &'static str, &'static [&'static str]) {
     match chart {
-        Chart::Light => ["Light and heavy resonators", "mass ratio ρ"],
-        Chart::Stiffness => ["Stiffness of contacts and springs", "amplitude A, spring constant κ"],
-        Chart::Alpha => ["Exponent of the contact force", "exponent α"],
-        Chart::Length => ["Length of the chain", "number of sites N"],
-        Chart::Time => ["Length of the run", "contact periods"],
+        Chart::Light => ("Light and heavy resonators", "mass ratio ρ", &["rho"]),
+        Chart::Stiffness => {
+            ("Stiffness of contacts and springs", "amplitude A, spring constant κ", &["amplitude", "kappa"])
+        }
+        Chart::Alpha => ("Exponent of the contact force", "exponent α", &["alpha"]),
+        Chart::Length => ("Length of the chain", "number of sites N", &["sites"]),
+        Chart::Time => ("Length of the run", "contact periods", &["periods"]),
         Chart::Resonances => {
-            ["Resonances of the exact linear flow near hω = kπ", "multiple k of π and static overlap A"]
+            let against = "multiple k of π and static overlap A";
+            ("Resonances of the exact linear flow near hω = kπ", against, &["sites", "amplitude"])
         }
     }
 }
@@ -443,7 +439,7 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> Matrix {
     let at = |method| variants.iter().map(move |variant| study.point(chart, variant, method));
     let points: Vec<Option<&ChartPoint>> = study.methods.iter().flat_map(at).collect();
     let note = |point: &Option<&ChartPoint>| point.map(|point| cell(point, "–", exponent)).unwrap_or_default();
-    let [title, label] = words(chart);
+    let (title, label, _) = words(chart);
     Matrix {
         title: format!("{title}: energy error at 64 kicks a period of the fastest motion, or tolerance 10⁻⁹"),
         rows: study.methods.iter().map(Method::name).collect(),
@@ -525,10 +521,10 @@ fn resonance_matrix(study: &ChartStudy) -> Matrix {
         found(point).map_or_else(|| "–".to_owned(), |found| format!("{:.1}", found.growth.log10()).replace('-', "−"))
     };
     Matrix {
-        title: format!("{}: growth a step", words(Chart::Resonances)[0]),
+        title: format!("{}: growth a step", words(Chart::Resonances).0),
         rows: methods.iter().map(Method::name).collect(),
         columns: first.iter().map(|point| format!("k = {}, A = {}", point.k, plain(point.amplitude))).collect(),
-        labels: [words(Chart::Resonances)[1], "growth a step, ln |λ|"].map(str::to_owned),
+        labels: [words(Chart::Resonances).1, "growth a step, ln |λ|"].map(str::to_owned),
         values: study.resonances.iter().map(|point| found(point).map_or(0.0, |found| found.growth)).collect(),
         notes: study.resonances.iter().map(note).collect(),
         caption: format!(

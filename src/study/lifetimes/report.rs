@@ -19,16 +19,17 @@ const CONTOURS: [f64; 4] = [0.1, 1.0, 10.0, 100.0];
 /// The table of the points, with their lifetimes by a criterion and by all three.
 pub(super) fn points(points: &[LifetimePoint], criterion: Criterion) -> Table {
     let of = |value: fn(&Life) -> Option<f64>| move |point: &LifetimePoint| point.life.as_ref().ok().and_then(value);
-    Table::of("lifetimes", points)
+    let table = Table::of("lifetimes", points)
         .key("points")
         .col("epsilon", Short, "", |point| point.epsilon)
         .col("rho", Short, "", |point| point.rho)
         .col("lifetime", Fixed(1), "by the criterion", move |point| lifetime(point, criterion))
         .col("not_before", Fixed(1), "end of the run, where it lives longer", move |point| not_before(point, criterion))
-        .col("fate", Short, "", fate)
-        .col("energy", Hidden, "lifetime by energy", of(|life| life.energy))
-        .col("distance", Hidden, "lifetime by distance", of(|life| life.distance))
-        .col("frequency", Hidden, "lifetime by frequency", of(|life| life.frequency))
+        .col("fate", Short, "", fate);
+    let by = |criterion: Criterion| move |point: &LifetimePoint| lifetime(point, criterion);
+    Criterion::ALL
+        .into_iter()
+        .fold(table, |table, one| table.col(one.name(), Hidden, format!("lifetime by {}", one.name()), by(one)))
         .col("end", Hidden, "time until which it was followed", of(|life| Some(life.end)))
         .col("decoupled", Hidden, "time at which contact fell below 1/3", of(|life| life.decoupled))
         .col("core_share", Fixed(3), "share of the energy in the core, at the end", of(|life| Some(life.core_share)))
