@@ -35,6 +35,7 @@ pub mod cli;
 #[cfg(feature = "plot")]
 pub mod figures;
 mod memory;
+mod named;
 mod number;
 pub mod orbits;
 pub mod output;

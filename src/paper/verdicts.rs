@@ -11,9 +11,6 @@ use crate::report::{
 };
 use serde_json::{Map, Value, json};
 
-const VERDICTS: [Verdict; 5] =
-    [Verdict::Agrees, Verdict::Differs, Verdict::Holds, Verdict::Fails, Verdict::NotDecidable];
-
 /// The name of the claims of each kind, and the verdicts that they can have.
 const KINDS: [(Kind, &str, [Verdict; 3]); 3] = [
     (Kind::Number, "numbers", [Verdict::Agrees, Verdict::Differs, Verdict::NotDecidable]),
@@ -30,14 +27,14 @@ pub fn verify_report(verification: &Verification) -> Report {
     let Verification { items, wall } = verification;
     let count = |verdict: Verdict| items.iter().filter(|item| item.verdict() == verdict).count();
     let counts: Map<String, Value> =
-        VERDICTS.map(|verdict| (verdict.word().to_owned(), json!(count(verdict)))).into_iter().collect();
+        Verdict::ALL.map(|verdict| (verdict.name().to_owned(), json!(count(verdict)))).into_iter().collect();
     let kinds = KINDS.map(|(kind, name, verdicts)| {
-        let counts = verdicts.map(|verdict| (verdict.word().to_owned(), json!(verification.count(kind, verdict))));
+        let counts = verdicts.map(|verdict| (verdict.name().to_owned(), json!(verification.count(kind, verdict))));
         (name.to_owned(), Value::Object(counts.into_iter().collect()))
     });
     let kinds_words = KINDS.map(|(kind, name, verdicts)| {
-        let [good, bad, open] =
-            verdicts.map(|verdict| format!("{} {}", verification.count(kind, verdict), verdict_plural(verdict)));
+        let [good, bad, open] = verdicts
+            .map(|verdict| format!("{} {}", verification.count(kind, verdict), verdict.name().trim_end_matches('s')));
         format!("{name}: {good}, {bad}, {open}")
     });
     let misprints = verification.misprints();
@@ -62,7 +59,7 @@ pub fn verify_report(verification: &Verification) -> Report {
         .col("value", Hidden, "our value", |item| item.value)
         .col("shown", Short, "", Item::shown)
         .head("we get")
-        .col("expected", Hidden, "known verdict", |item| item.expected().word())
+        .col("expected", Hidden, "known verdict", |item| item.expected().name())
         .col("kind", Json, "", |item| format!("{:?}", item.claim.kind).to_lowercase())
         .col("same", Json, "", |item| json!(item.claim.same))
         .col("instead", Json, "", |item| item.claim.instead.as_ref().map(Rule::words))
@@ -70,7 +67,7 @@ pub fn verify_report(verification: &Verification) -> Report {
         .head("as known")
         .col("why", Hidden, "reason or remark", |item| item.claim.why.clone())
         .col("open", Hidden, "what the paper does not give", |item| item.claim.open.clone())
-        .col("verdict", Short, "", |item| item.verdict().word());
+        .col("verdict", Short, "", |item| item.verdict().name());
     let remarks = items.iter().filter_map(|item| Some(format!("{}: {}", item.claim.id, remark(item.claim)?)));
     let report = Report::new("verify")
         .fact("as_expected", unexpected.is_empty())
@@ -97,17 +94,6 @@ fn rule_in_words(rule: &Rule) -> String {
         Some((">=", bound)) => format!("at least {bound}"),
         Some(("=", rest)) => rest.replacen(" to ", " within ", 1),
         _ => words,
-    }
-}
-
-/// The verdict as a verb of several claims.
-fn verdict_plural(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Agrees => "agree",
-        Verdict::Differs => "differ",
-        Verdict::Holds => "hold",
-        Verdict::Fails => "fail",
-        Verdict::NotDecidable => "not decidable",
     }
 }
 

@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
+    named::named,
     study::{Progress, Study, Work},
     sweep::Engine,
 };
@@ -31,31 +32,19 @@ impl Study for Verify {
     }
 }
 
-/// The result of comparing a claim with our value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// Our number agrees with the printed one.
-    Agrees,
-    /// Our number does not agree: a misprint, or a rough statement.
-    Differs,
-    /// The statement is true.
-    Holds,
-    /// The statement is false.
-    Fails,
-    /// The paper does not give the information that would decide.
-    NotDecidable,
-}
-
-impl Verdict {
-    /// The verdict as a word.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Agrees => "agrees",
-            Self::Differs => "differs",
-            Self::Holds => "holds",
-            Self::Fails => "fails",
-            Self::NotDecidable => "not decidable",
-        }
+named! {
+    /// The result of comparing a claim with our value.
+    pub enum Verdict {
+        /// Our number agrees with the printed one.
+        Agrees = "agrees",
+        /// Our number does not agree: a misprint, or a rough statement.
+        Differs = "differs",
+        /// The statement is true.
+        Holds = "holds",
+        /// The statement is false.
+        Fails = "fails",
+        /// The paper does not give the information that would decide.
+        NotDecidable = "not decidable",
     }
 }
 

@@ -256,6 +256,16 @@ pub struct CellMap {
     pub apart: Vec<(String, Vec<usize>)>,
 }
 
+impl CellMap {
+    /// A map by its labels, its abscissas and ordinates, and the value and the note of each cell.
+    pub fn new(labels: [&str; 3], [x, y]: [Vec<f64>; 2], cell: impl Fn(f64, f64) -> (f64, String)) -> Self {
+        let (cell, x_of) = (&cell, &x);
+        let cells = y.iter().flat_map(|&y| x_of.iter().map(move |&x| cell(x, y)));
+        let (values, notes) = cells.unzip();
+        Self { labels: labels.map(str::to_owned), values, notes, x, y, ..Self::default() }
+    }
+}
+
 /// A matrix with a cell for each row and column.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Matrix {

@@ -161,7 +161,7 @@ fn page() -> String {
     for item in all().items.iter().filter(|item| item.claim.instead.is_some()) {
         let open = item.claim.open.as_ref().map(|what| format!("The paper does not give {what}. "));
         let why = cell(format!("{}{}", open.unwrap_or_default(), item.claim.why).trim());
-        page += &format!("| `{}` | {} | {why} |\n", item.claim.id, item.verdict().word());
+        page += &format!("| `{}` | {} | {why} |\n", item.claim.id, item.verdict().name());
     }
     let mut section = 0;
     for item in &all().items {
@@ -174,7 +174,7 @@ fn page() -> String {
             page += "|---|---|---|---|---|---|\n";
         }
         let words = [&claim.label, &claim.quantity, &claim.paper].map(|words| cell(words)).join(" | ");
-        page += &format!("| `{}` | {words} | {} | {} |\n", claim.id, item.shown(), item.verdict().word());
+        page += &format!("| `{}` | {words} | {} | {} |\n", claim.id, item.shown(), item.verdict().name());
     }
     page
 }

@@ -1,13 +1,13 @@
 //! Measurements on the full chain that several sections use.
 
 use crate::{
-    chain::{Boundary, Chain, Params, State},
+    chain::{Boundary, Chain, Params, Site, State},
     error::Result,
     run::state_at,
     study::fit_line,
     waves::{Shape, Size, TravellingWave, strains},
 };
-use hertzchain_integrators::{VectorField, collocation::StepControl};
+use hertzchain_integrators::{Stepper, VectorField, collocation::StepControl};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
@@ -25,24 +25,46 @@ pub(super) fn small_wave(kappa: f64, b: f64) -> Result<TravellingWave> {
     TravellingWave::new(Params::new(1.5, kappa, 1.0)?, shape, Size::Epsilon(SIZE))
 }
 
+/// The run to `end`, by collocation, of a chain that starts from `site(n)`.
+pub(super) fn started(
+    params: Params,
+    (boundary, sites): (Boundary, usize),
+    site: &dyn Fn(usize) -> Site<f64>,
+    (end, tol): (f64, f64),
+) -> Result<impl Stepper<f64> + use<>> {
+    let chain = Chain::new(params, boundary, sites)?;
+    let start = State::from_fn(&chain, site)?;
+    Ok(chain.collocation(start.as_slice(), (0.0, end), StepControl::Tolerance(tol))?)
+}
+
+/// Calls `look` with the states of a run at `count + 1` equally spaced times from 0 to `end`.
+pub(super) fn sampled(
+    mut run: impl Stepper<f64>,
+    (end, count): (f64, u32),
+    mut look: impl FnMut(f64, &[f64]) -> Result<()>,
+) -> Result<()> {
+    (0..=count).map(|k| end * f64::from(k) / f64::from(count)).try_for_each(|t| look(t, &state_at(&mut run, t)?))
+}
+
+/// A number of samples that are not in step with an oscillation, so that its harmonics average out:
+/// 1.3 times `each` in a period.
+pub(super) fn off_beat(each: f64, end: f64, omega: f64) -> u32 {
+    (1.3 * each * end * omega / (2.0 * PI)).ceil() as u32
+}
+
 /// `Omega` measured on the chain: the slope, in the slow time, of the phase of `sum_n D_n e^{iqn}`.
 pub(super) fn measured_slow_frequency(wave: &TravellingWave) -> Result<f64> {
     let (params, q, end) = (wave.params(), wave.shape().q, SLOW_TIME / wave.slow_time(1.0));
-    let chain = Chain::new(params, Boundary::StrainRing, SITES)?;
-    let start = State::from_fn(&chain, |n| wave.site(n, 0.0))?;
-    let mut run = chain.collocation(start.as_slice(), (0.0, end), StepControl::Tolerance(1e-10))?;
-    // Samples are not in step with the oscillation, so that its harmonics average out.
-    let count = (1.3 * end * params.omega() / (2.0 * PI)).ceil() as u32;
+    let run = started(params, (Boundary::StrainRing, SITES), &|n| wave.site(n, 0.0), (end, 1e-10))?;
     let (mut phase, mut points) = (0.0, Vec::new());
-    for k in 0..=count {
-        let t = end * f64::from(k) / f64::from(count);
-        let y = state_at(&mut run, t)?;
+    sampled(run, (end, off_beat(1.0, end, params.omega())), |t, y| {
         let part = |k: usize| &y[k * SITES..(k + 1) * SITES];
         let envelope = strains(wave, t, [part(0), part(1), part(2), part(3)]);
         let turned = envelope.iter().enumerate().map(|(n, d)| d * Complex64::from_polar(1.0, q * n as f64));
         phase += (turned.sum::<Complex64>().arg() - phase + PI).rem_euclid(2.0 * PI) - PI;
         points.push((wave.slow_time(t), phase));
-    }
+        Ok(())
+    })?;
     Ok(fit_line(&points).map_or(f64::NAN, |line| line.0))
 }
 

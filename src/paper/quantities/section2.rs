@@ -1,12 +1,11 @@
 //! Section 2: the limits of light and of heavy resonators, on the chain.
 
-use super::{Group, Quantity, Runs};
+use super::{Group, Quantity, Runs, measure::started};
 use crate::{
-    chain::{Boundary, Chain, Params, Site, State, max_norm},
+    chain::{Boundary, Params, Site, max_norm},
     error::Result,
     run::state_at,
 };
-use hertzchain_integrators::collocation::StepControl;
 
 pub(super) const GROUPS: &[Group] = &[Group::of(limits)];
 
@@ -17,12 +16,11 @@ const END: f64 = 10.0;
 /// Displacements of the beads at the end. The first bead starts with velocity 1, and its resonator
 /// with it if `along`; all else is at rest.
 fn impact(rho: f64, along: bool) -> Result<Vec<f64>> {
-    let chain = Chain::new(Params::new(1.5, 1.0, rho)?, Boundary::Free, SITES)?;
-    let start = State::from_fn(&chain, |n| {
+    let site = |n| {
         let u_dot = f64::from(n == 0);
         Site { u: 0.0, v: 0.0, u_dot, v_dot: if along { u_dot } else { 0.0 } }
-    })?;
-    let mut run = chain.collocation(start.as_slice(), (0.0, END), StepControl::Tolerance(1e-11))?;
+    };
+    let mut run = started(Params::new(1.5, 1.0, rho)?, (Boundary::Free, SITES), &site, (END, 1e-11))?;
     Ok(state_at(&mut run, END)?[..SITES].to_vec())
 }
 

@@ -8,11 +8,11 @@
 
 use super::{
     Group, Quantity, Runs,
-    measure::{measured_slow_frequency, slope, small_wave},
+    measure::{measured_slow_frequency, off_beat, sampled, slope, small_wave, started},
 };
 use crate::{
     breathers::BrightBreather,
-    chain::{Boundary, Chain, Params, Site, State, max_norm},
+    chain::{Boundary, Params, Site, max_norm},
     dps::{Averages, Center, Constraint, Dps, Ends, Form, Layout, per_gamma},
     error::{Error, Result},
     run::state_at,
@@ -20,7 +20,7 @@ use crate::{
     sweep::Engine,
     waves::{Modulation, Shape},
 };
-use hertzchain_integrators::{Dop853, VectorField, collocation::StepControl, dop853::Options};
+use hertzchain_integrators::{Dop853, VectorField, dop853::Options};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
@@ -118,15 +118,12 @@ fn heavy_resonators(_: &Runs) -> Result<Vec<Quantity>> {
 /// `-rho V / U` for the amplitudes of the linear oscillation of one site, from a run of the chain
 /// over half a period.
 fn resonator_share(params: Params) -> Result<f64> {
-    let chain = Chain::new(params, Boundary::Free, 1)?;
-    let u = 1.0;
-    let start = State::from_fn(&chain, |_| Site { u, v: -u / params.rho, u_dot: 0.0, v_dot: 0.0 })?;
-    let half = PI / params.omega();
-    let mut run = chain.collocation(start.as_slice(), (0.0, half), StepControl::Tolerance(1e-13))?;
+    let (u, v, half) = (1.0, -params.rho.recip(), PI / params.omega());
+    let mut run = started(params, (Boundary::Free, 1), &|_| Site { u, v, u_dot: 0.0, v_dot: 0.0 }, (half, 1e-13))?;
     let y = state_at(&mut run, half)?;
     // Differences between the start and half a period later: the mean cancels, and there is no
     // drift.
-    Ok(-params.rho * (y[1] - start.as_slice()[1]) / (y[0] - u))
+    Ok(-params.rho * (y[1] - v) / (y[0] - u))
 }
 
 /// Largest `|v|` up to half of the horizon and up to the horizon, at 200 times, of a breather with
@@ -134,16 +131,14 @@ fn resonator_share(params: Params) -> Result<f64> {
 fn resonators_at_rest(rho: f64) -> Result<[f64; 2]> {
     let params = Params::new(1.5, 1.0, rho)?;
     let breather = BrightBreather::new(params, Center::Bond, 0.01, 40)?;
-    let chain = Chain::new(params, Boundary::Free, 40)?;
-    let start = State::from_fn(&chain, |n| breather.site(n, 0.0))?;
-    let mut run = chain.collocation(start.as_slice(), (0.0, breather.horizon()), StepControl::Tolerance(1e-10))?;
-    let mut largest = [0.0f64; 2];
-    for k in 0..=200 {
-        let y = state_at(&mut run, breather.horizon() * f64::from(k) / 200.0)?;
-        let v = max_norm(y[40..80].iter().copied());
-        largest = [if k <= 100 { largest[0].max(v) } else { largest[0] }, largest[1].max(v)];
-    }
-    Ok(largest)
+    let end = breather.horizon();
+    let run = started(params, (Boundary::Free, 40), &|n| breather.site(n, 0.0), (end, 1e-10))?;
+    let mut largest = Vec::new();
+    sampled(run, (end, 200), |_, y| {
+        largest.push(max_norm(y[40..80].iter().copied()));
+        Ok(())
+    })?;
+    Ok([100, 200].map(|last| max_norm(largest[..=last].iter().copied())))
 }
 
 /// The critical equation `2 i kappa^{3/2} dA/dtau + kappa^2 A = J[G(U^0)]` with `B = 0`, for
@@ -174,24 +169,21 @@ fn distance_from<F: VectorField<f64>>(flow: impl Fn(Dps) -> F, epsilon: f64) -> 
     let wave = |n: usize| Complex64::from_polar(1.0, -0.8 * PI * n as f64);
     let z: Vec<f64> = (0..SITES).map(|n| wave(n).re).chain((0..SITES).map(|n| wave(n).im)).collect();
     let mut flow = Dop853::new(flow(Dps::plain(1.5, KAPPA, layout)?), &z, (0.0, 2.0), Options::new(1e-11))?;
-    let chain = Chain::new(Params::new(1.5, KAPPA, slowness.recip())?, Boundary::StrainRing, SITES)?;
-    let start = State::from_fn(&chain, |n| {
+    let site = |n| {
         let swing = 2.0 * KAPPA * epsilon * wave(n);
         // V^1 = -kappa A e^{i sqrt(kappa) t} + c.c.: no mean velocity, so that B stays zero.
         let (u, u_dot) = (swing.re, -omega * swing.im);
         Site { u, v: -slowness * u, u_dot, v_dot: -slowness * u_dot }
-    })?;
-    let end = 2.0 / slowness;
-    let mut run = chain.collocation(start.as_slice(), (0.0, end), StepControl::Tolerance(1e-10))?;
-    // Samples are not in step with the oscillation.
-    let (count, mut worst) = ((1.3 * 7.0 * end * omega / (2.0 * PI)).ceil() as u32, 0.0f64);
-    for k in 1..=count {
-        let t = end * f64::from(k) / f64::from(count);
-        let (y, z) = (state_at(&mut run, t)?, state_at(&mut flow, (slowness * t).min(2.0))?);
+    };
+    let (params, end, mut worst) = (Params::new(1.5, KAPPA, slowness.recip())?, 2.0 / slowness, 0.0f64);
+    let run = started(params, (Boundary::StrainRing, SITES), &site, (end, 1e-10))?;
+    sampled(run, (end, off_beat(7.0, end, omega)), |t, y| {
+        let z = state_at(&mut flow, (slowness * t).min(2.0))?;
         let turn = Complex64::from_polar(2.0 * KAPPA * epsilon, omega * t);
         let off = (0..SITES).map(|n| y[n] - (turn * Complex64::new(z[n], z[SITES + n])).re);
         worst = worst.max(max_norm(off));
-    }
+        Ok(())
+    })?;
     Ok(worst / epsilon.powf(1.5))
 }
 

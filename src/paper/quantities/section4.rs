@@ -7,18 +7,17 @@
 
 use super::{
     Group, Quantity, Run, Runs,
-    measure::{distortion, measured_slow_frequency, small_wave},
+    measure::{distortion, measured_slow_frequency, small_wave, started},
     section3::c_alpha,
 };
 use crate::{
-    chain::{Boundary, Chain, Params, Site, State, max_norm},
+    chain::{Boundary, Params, Site, max_norm},
     dps::Averages,
     error::Result,
     run::state_at,
     study::WaveStudy,
     waves::{Modulation, PerturbedWave, Shape, Size, TravellingWave},
 };
-use hertzchain_integrators::collocation::StepControl;
 use std::f64::consts::PI;
 
 const FIRST: Run = Run::of("tw-q15", 0.01);
@@ -118,14 +117,13 @@ fn rescaling() -> Result<f64> {
     let wave = TravellingWave::new(Params::new(1.5, 1.0, 1.0 / 3.0)?, shape, Size::Epsilon(0.057))?;
     let strains = |kappa: f64| -> Result<Vec<f64>> {
         let (length, rate) = (kappa * kappa, kappa.sqrt());
-        let chain = Chain::new(Params { kappa, ..wave.params() }, Boundary::StrainRing, SITES)?;
-        let start = State::from_fn(&chain, |n| {
+        let site = |n| {
             let Site { u, v, u_dot, v_dot } = wave.site(n, 0.0);
             let [u, v, u_dot, v_dot] = [u, v, rate * u_dot, rate * v_dot].map(|value| length * value);
             Site { u, v, u_dot, v_dot }
-        })?;
-        let end = 20.0 * PI / wave.omega_tw() / rate;
-        let mut run = chain.collocation(start.as_slice(), (0.0, end), StepControl::Tolerance(1e-12))?;
+        };
+        let (params, end) = (Params { kappa, ..wave.params() }, 20.0 * PI / wave.omega_tw() / rate);
+        let mut run = started(params, (Boundary::StrainRing, SITES), &site, (end, 1e-12))?;
         Ok(state_at(&mut run, end)?[..2 * SITES].iter().map(|x| x / length).collect())
     };
     let (one, other) = (strains(1.0)?, strains(2.5)?);

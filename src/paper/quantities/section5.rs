@@ -6,10 +6,14 @@
 //! | `Fbar_n` | mean contact force over a period |
 //! | core | fewest sites, symmetric about the centre, that hold a share of 0.999 of `sum a_n^2` |
 
-use super::{Group, Quantity, Runs, section3::decade};
+use super::{
+    Group, Quantity, Runs,
+    measure::{off_beat, sampled, started},
+    section3::decade,
+};
 use crate::{
     breathers::{BrightBreather, DarkBreather, TrivialBreather},
-    chain::{Boundary, Chain, Params, State, max_norm},
+    chain::{Boundary, Chain, Params, Site, State, max_norm},
     dps::{Center, Homoclinic, per_gamma},
     error::Result,
     orbits::Shooting,
@@ -63,13 +67,16 @@ fn least_gap(breather: &TrivialBreather, n: usize) -> f64 {
     RHO / (1.0 + RHO) * square.max(0.0).sqrt()
 }
 
+/// A site at `t = 0`, moved by some length.
+fn moved(breather: &TrivialBreather, n: usize, by: f64) -> Site<f64> {
+    let site = breather.site(n, 0.0);
+    Site { u: site.u + by, v: site.v + by, ..site }
+}
+
 /// The free chain at `t = 0`, with the mean positions of the breather times `scale`.
 fn chain_of(breather: &TrivialBreather, scale: f64) -> Result<(Chain<f64>, State<f64>)> {
     let chain = Chain::new(breather.params(), Boundary::Free, SITES)?;
-    let state = State::from_fn(&chain, |n| {
-        let (site, moved) = (breather.site(n, 0.0), (scale - 1.0) * breather.means()[n]);
-        crate::chain::Site { u: site.u + moved, v: site.v + moved, ..site }
-    })?;
+    let state = State::from_fn(&chain, |n| moved(breather, n, (scale - 1.0) * breather.means()[n]))?;
     Ok((chain, state))
 }
 
@@ -94,13 +101,9 @@ fn mean_force(scale: f64) -> Result<f64> {
 fn touching(breather: &TrivialBreather, step: f64) -> Result<Vec<f64>> {
     const FAR: f64 = 1.0;
     const SAMPLES: u32 = 4000;
-    let chain = Chain::new(breather.params(), Boundary::Free, SITES)?;
-    let state = State::from_fn(&chain, |n| {
-        let (site, by) = (breather.site(n, 0.0), FAR * n as f64 - breather.means()[n]);
-        crate::chain::Site { u: site.u + by, v: site.v + by, ..site }
-    })?;
+    let site = |n| moved(breather, n, FAR * n as f64 - breather.means()[n]);
     let period = 2.0 * PI / breather.params().omega();
-    let mut run = chain.collocation(state.as_slice(), (0.0, period), StepControl::Tolerance(TOLERANCE))?;
+    let mut run = started(breather.params(), (Boundary::Free, SITES), &site, (period, TOLERANCE))?;
     let mut least = [0.0f64; SITES];
     for k in 0..SAMPLES {
         let y = state_at(&mut run, period * f64::from(k) / f64::from(SAMPLES))?;
@@ -122,9 +125,8 @@ fn trivial(_: &Runs) -> Result<Vec<Quantity>> {
     let (loose, antiphase) = (breather(irregular, STEP)?, breather(|n| PI * n, STEP)?);
     let omega = loose.params().omega();
     // (uncpl) as printed compared with the chain, at a time that is no multiple of the period.
-    let (chain, state) = chain_of(&loose, 1.0)?;
     let end = 10.3 * 2.0 * PI / omega;
-    let mut run = chain.collocation(state.as_slice(), (0.0, end), StepControl::Tolerance(TOLERANCE))?;
+    let mut run = started(loose.params(), (Boundary::Free, SITES), &|n| moved(&loose, n, 0.0), (end, TOLERANCE))?;
     let y = state_at(&mut run, end)?;
     let swing = |n: usize| loose.amplitudes()[n] * (omega * end + loose.phases()[n]).cos() / (1.0 + RHO);
     let uncpl = |n: usize| [loose.means()[n] + RHO * swing(n), loose.means()[n] - swing(n)];
@@ -309,19 +311,13 @@ fn measured_shift(epsilon: f64) -> Result<f64> {
     const SITES: usize = 16;
     let (unit, params) = (epsilon.powf(ALPHA - 1.0), Params::new(ALPHA, 1.0, epsilon.powf(-2.0 * (ALPHA - 1.0)))?);
     let bright = BrightBreather::new(params, Center::Bond, epsilon, SITES)?;
-    let chain = Chain::new(params, Boundary::Free, SITES)?;
-    let start = State::from_fn(&chain, |n| bright.site(n, 0.0))?;
-    let end = 4.0 / unit;
-    let mut run = chain.collocation(start.as_slice(), (0.0, end), StepControl::Tolerance(1e-10))?;
-    let mut points = Vec::new();
-    // Samples are not in step with the oscillation.
-    let count = (1.3 * end / (2.0 * PI)).ceil() as u32;
-    for k in 0..=count {
-        let t = end * f64::from(k) / f64::from(count);
-        let y = state_at(&mut run, t)?;
+    let (end, mut points) = (4.0 / unit, Vec::new());
+    let run = started(params, (Boundary::Free, SITES), &|n| bright.site(n, 0.0), (end, 1e-10))?;
+    sampled(run, (end, off_beat(1.0, end, 1.0)), |t, y| {
         let turned = (0..SITES).map(|n| bright.a(n) * Complex64::new(y[n], -y[2 * SITES + n])).sum::<Complex64>();
         points.push((unit * t, (turned * Complex64::from_polar(1.0, -t)).arg()));
-    }
+        Ok(())
+    })?;
     Ok(fit_line(&points).map_or(f64::NAN, |line| line.0))
 }
 

@@ -8,14 +8,17 @@
 
 mod ring;
 
-use super::{Group, Quantity, Runs};
+use super::{
+    Group, Quantity, Runs,
+    measure::{off_beat, sampled, started},
+};
 use crate::{
-    chain::{Boundary, Chain, Params, Site, State},
+    chain::{Boundary, Params, Site},
     dps::{Averages, Center, DarkProfile, project},
     error::Result,
     run::state_at,
 };
-use hertzchain_integrators::collocation::StepControl;
+use hertzchain_integrators::Stepper;
 use nalgebra::DMatrix;
 use ring::Ring;
 use std::f64::consts::PI;
@@ -123,16 +126,11 @@ fn breathers(_: &Runs) -> Result<Vec<Quantity>> {
 }
 
 /// The strain ring that starts from a profile at `omega_b = omega + detuning`, up to `end`.
-fn start(
-    profile: &DarkProfile,
-    detuning: f64,
-    end: f64,
-) -> Result<(Vec<f64>, impl hertzchain_integrators::Stepper<f64>)> {
+fn start(profile: &DarkProfile, detuning: f64, end: f64) -> Result<(Vec<f64>, impl Stepper<f64> + use<>)> {
     let params = profile.params();
     let (x, y) = profile.seed(params.omega() + detuning)?;
-    let chain = Chain::new(params, Boundary::StrainRing, x.len())?;
-    let state = State::from_fn(&chain, |n| Site { u: x[n], v: y[n], u_dot: 0.0, v_dot: 0.0 })?;
-    let run = chain.collocation(state.as_slice(), (0.0, end), StepControl::Tolerance(1e-10))?;
+    let site = |n: usize| Site { u: x[n], v: y[n], u_dot: 0.0, v_dot: 0.0 };
+    let run = started(params, (Boundary::StrainRing, x.len()), &site, (end, 1e-10))?;
     Ok(([x, y].concat(), run))
 }
 
@@ -141,22 +139,20 @@ fn start(
 fn distance(profile: &DarkProfile, detuning: f64) -> Result<f64> {
     let Params { rho, kappa, .. } = profile.params();
     let (omega_b, end) = (profile.params().omega() + detuning, detuning.recip());
-    let (z, mut run) = start(profile, detuning, end)?;
+    let (z, run) = start(profile, detuning, end)?;
     let scale = profile.mu(omega_b)?.powi(2);
     let [a, b] = strains(profile, scale);
     let (count, largest) = (a.len(), z.iter().fold(0.0, |most: f64, z| most.max(z.abs())));
-    // Samples are not in step with the oscillation.
-    let samples = (1.3 * 7.0 * end * omega_b / (2.0 * PI)).ceil() as u32;
     let mut worst = 0.0f64;
-    for k in 1..=samples {
-        let t = end * f64::from(k) / f64::from(samples);
+    sampled(run, (end, off_beat(7.0, end, omega_b)), |t, state| {
         let turn = 2.0 * kappa * (omega_b * t).cos();
         let off = |(i, z): (usize, &f64)| {
             let swing = if i < count { turn } else { -turn / rho };
             (z - b[i % count] - swing * a[i % count]).abs() / largest
         };
-        worst = state_at(&mut run, t)?[..2 * count].iter().enumerate().map(off).fold(worst, f64::max);
-    }
+        worst = state[..2 * count].iter().enumerate().map(off).fold(worst, f64::max);
+        Ok(())
+    })?;
     Ok(worst)
 }
 

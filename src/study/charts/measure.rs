@@ -3,6 +3,7 @@
 use super::problem::Prepared;
 use crate::{
     error::Result,
+    named::named,
     run::method::{Method, Setting, Split},
     study::drift::energy,
 };
@@ -42,20 +43,20 @@ const BISECTIONS: (usize, usize) = (2, 10);
 /// motion.
 const LEAST_LIGHT: f64 = 0.1;
 
-/// The outcome of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Behaviour {
-    /// The energy error has no trend and is at most 1.
-    Stable,
-    /// The energy error has a trend: a line through it rises by more than four of its residuals. An
-    /// error below 10^-12 is rounding and counts as none; so does one of contact collocation below
-    /// its tolerance, which bounds the sum of all local errors.
-    Drifting,
-    /// The energy error is above 1, or the run failed.
-    Lost,
-    /// The run was left out or stopped, since it takes more work than it may.
-    Dear,
+named! {
+    /// The outcome of a run.
+    pub enum Behaviour {
+        /// The energy error has no trend and is at most 1.
+        Stable = "stable",
+        /// The energy error has a trend: a line through it rises by more than four of its residuals.
+        /// An error below 10^-12 is rounding and counts as none; so does one of contact collocation
+        /// below its tolerance, which bounds the sum of all local errors.
+        Drifting = "drifting",
+        /// The energy error is above 1, or the run failed.
+        Lost = "lost",
+        /// The run was left out or stopped, since it takes more work than it may.
+        Dear = "dear",
+    }
 }
 
 /// A run at one step or tolerance.

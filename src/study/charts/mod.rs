@@ -35,13 +35,14 @@ pub use resonances::{Resonance, kick_sum, resonance};
 use super::{Changes, Progress, Study, Work, methods, options::options, scene};
 use crate::{
     error::{Error, Result},
+    named::named,
     report::Report,
     run::method::{Contacts, Method, Split},
     sweep::{Engine, Grid, Row},
 };
 use measure::{Search, measure};
-use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde::{Serialize, de::DeserializeOwned};
+use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
 /// Length of runs in contact periods.
@@ -56,40 +57,25 @@ const LONG: f64 = 1e3;
 const MULTIPLES: std::ops::RangeInclusive<u32> = 1..=4;
 const PRESSED: [f64; 5] = [1e-8, 1e-6, 1e-4, 1e-2, 1.0];
 
-/// One chart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Chart {
-    /// (a) mass ratios from 1e-8 to 1e8, with steps from 12/omega down.
-    Light,
-    /// (b) amplitudes from 1e-12 to 1e3 against spring constants from 1e-8 to 1e8.
-    Stiffness,
-    /// (c) exponents from 0.5 to 10.
-    Alpha,
-    /// (d) numbers of beads from 1 to 10^6.
-    Length,
-    /// (e) lengths of runs.
-    Time,
-    /// (a) resonances of the exact linear flow, against amplitude.
-    Resonances,
+named! {
+    /// One chart.
+    pub enum Chart {
+        /// (a) mass ratios from 1e-8 to 1e8, with steps from 12/omega down.
+        Light = "light",
+        /// (b) amplitudes from 1e-12 to 1e3 against spring constants from 1e-8 to 1e8.
+        Stiffness = "stiffness",
+        /// (c) exponents from 0.5 to 10.
+        Alpha = "alpha",
+        /// (d) numbers of beads from 1 to 10^6.
+        Length = "length",
+        /// (e) lengths of runs.
+        Time = "time",
+        /// (a) resonances of the exact linear flow, against amplitude.
+        Resonances = "resonances",
+    }
 }
 
 impl Chart {
-    /// All of them.
-    pub const ALL: [Self; 6] = [Self::Light, Self::Stiffness, Self::Alpha, Self::Length, Self::Time, Self::Resonances];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Light => "light",
-            Self::Stiffness => "stiffness",
-            Self::Alpha => "alpha",
-            Self::Length => "length",
-            Self::Time => "time",
-            Self::Resonances => "resonances",
-        }
-    }
-
     /// The chart of this name.
     ///
     /// # Errors
@@ -114,15 +100,9 @@ impl Chart {
                 .map(|rho| Variant { rho: Some(rho), ..none })
                 .collect(),
             Self::Stiffness => {
-                let kappas: Vec<f64> = decades(-8, 8, thin(4)).collect();
-                decades(-12, 3, if options.quick { 5 } else { 3 })
-                    .flat_map(|a| {
-                        kappas
-                            .iter()
-                            .map(move |&kappa| Variant { amplitude: Some(a), kappa: Some(kappa), ..none })
-                            .collect::<Vec<_>>()
-                    })
-                    .collect()
+                let kappas = || decades(-8, 8, thin(4));
+                let at = |a| kappas().map(move |kappa| Variant { amplitude: Some(a), kappa: Some(kappa), ..none });
+                decades(-12, 3, if options.quick { 5 } else { 3 }).flat_map(at).collect()
             }
             Self::Alpha => [0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 5.0, 7.0, 10.0]
                 .into_iter()
@@ -218,17 +198,7 @@ impl Study for Charts {
     }
 
     fn outline() -> Option<Report> {
-        let empty = ChartStudy {
-            charts: Chart::ALL.to_vec(),
-            methods: Vec::new(),
-            work: 0.0,
-            problem: Problem::built_in(),
-            points: Vec::new(),
-            resonances: Vec::new(),
-            resumed: 0,
-            wall: Duration::ZERO,
-        };
-        Some(empty.report())
+        Some(ChartStudy { charts: Chart::ALL.to_vec(), ..ChartStudy::default() }.report())
     }
 
     fn begin(&self) -> Result<Work<'_>> {
@@ -272,7 +242,7 @@ pub struct ResonancePoint {
 }
 
 /// The charts.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ChartStudy {
     /// The charts that were made.
     pub charts: Vec<Chart>,
@@ -339,14 +309,6 @@ enum Point {
     },
 }
 
-/// What is measured at a point.
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Value {
-    Chart(Measured),
-    Resonance(Option<Resonance>),
-}
-
 /// The points of all charts.
 fn places(options: &ChartOptions, methods: &[Method]) -> Vec<Point> {
     let charted = options.charts();
@@ -393,49 +355,40 @@ pub fn charts(
     let mut study = ChartStudy {
         work: options.work,
         problem: problem.clone(),
-        points: Vec::new(),
-        resonances: Vec::new(),
         resumed: swept.resumed,
-        wall: Duration::ZERO,
         charts: options.charts(),
         methods,
+        ..ChartStudy::default()
     };
-    places.into_iter().zip(swept.rows).for_each(|(place, row)| study.take(place, row));
+    for (place, row) in places.into_iter().zip(swept.rows) {
+        match place {
+            Point::Chart { chart, variant, method } => {
+                study.points.push(ChartPoint { chart, variant, method, measured: taken(row, "chart") });
+            }
+            Point::Resonance { method, k, amplitude } => {
+                study.resonances.push(ResonancePoint { method, k, amplitude, resonance: taken(row, "resonance") });
+            }
+        }
+    }
     study.wall = clock.elapsed();
     Ok(study)
 }
 
-impl ChartStudy {
-    /// Adds a point to those of its kind.
-    fn take(&mut self, place: Point, row: Row<Value>) {
-        match place {
-            Point::Chart { chart, variant, method, .. } => {
-                let measured = row.and_then(|value| if let Value::Chart(it) = value { Ok(it) } else { other() });
-                self.points.push(ChartPoint { chart, variant, method, measured });
-            }
-            Point::Resonance { method, k, amplitude, .. } => {
-                let resonance = row.and_then(|value| if let Value::Resonance(it) = value { Ok(it) } else { other() });
-                self.resonances.push(ResonancePoint { method, k, amplitude, resonance });
-            }
-        }
-    }
-}
-
-/// The row of a point of another kind.
-fn other<T>() -> Row<T> {
-    Err("the row of a point of another kind".to_owned())
-}
-
 /// Measures a point.
 fn value(problem: &Problem, options: &ChartOptions, place: &Point) -> Result<Value> {
-    match *place {
-        Point::Chart { chart, variant, method, .. } => {
-            measured(problem, options, chart, &variant, method).map(Value::Chart)
+    Ok(match *place {
+        Point::Chart { chart, variant, method } => {
+            json!({"chart": measured(problem, options, chart, &variant, method)?})
         }
-        Point::Resonance { method, k, amplitude, .. } => {
-            resonances::resonance(problem, method, k, amplitude).map(Value::Resonance)
-        }
-    }
+        Point::Resonance { method, k, amplitude } => json!({"resonance": resonance(problem, method, k, amplitude)?}),
+    })
+}
+
+/// What was measured at a point of a kind.
+fn taken<T: DeserializeOwned>(row: Row<Value>, kind: &str) -> Row<T> {
+    row.and_then(|mut value| {
+        serde_json::from_value(value.get_mut(kind).map_or(Value::Null, Value::take)).map_err(|why| why.to_string())
+    })
 }
 
 fn measured(

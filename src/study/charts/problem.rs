@@ -63,6 +63,12 @@ pub(super) struct Prepared {
     pub(super) fast: f64,
 }
 
+impl Default for Problem {
+    fn default() -> Self {
+        Self::built_in()
+    }
+}
+
 impl Problem {
     /// Four spheres between walls, `kappa = 1`, `rho = 1/3`, beads displaced by up to `A = 1`
     /// without a pattern. Resonators are so far from their beads that springs hold as much energy

@@ -1,8 +1,6 @@
 //! The report of the charts of stability.
 
-use super::{
-    BOUNDS, Behaviour, Chart, ChartPoint, ChartStudy, Limit, Measured, ResonancePoint, Trial, Variant, kick_sum,
-};
+use super::{BOUNDS, Behaviour, Chart, ChartPoint, ChartStudy, Measured, ResonancePoint, Trial, Variant, kick_sum};
 use crate::{
     present::machine_json,
     report::{
@@ -11,9 +9,10 @@ use crate::{
         Line, Maps, Matrix, Report, Rows, Table,
     },
     run::method::{Method, Split},
-    study::kebab_name,
 };
+use serde::Serialize;
 use serde_json::{Value, json};
+use std::f64::consts::{PI, TAU};
 
 /// What a variant may change.
 const VARIED: [&str; 6] = ["rho", "kappa", "alpha", "amplitude", "sites", "periods"];
@@ -45,7 +44,7 @@ impl ChartStudy {
             ));
         let mut all = Vec::new();
         for &chart in &self.charts {
-            let [title, against] = title(chart);
+            let (title, against, _) = words(chart);
             if chart == Chart::Resonances {
                 report =
                     report.words(format!("{title}: width in hω and growth a step of one bead pressed between walls."));
@@ -86,13 +85,16 @@ impl ChartStudy {
                 continue;
             }
             report = report.picture_named(name, error_matrix(self, chart));
-            let maps: Vec<(String, String, CellMap)> = match chart {
-                Chart::Light => resolved(self).iter().filter_map(|method| step_map(self, method)).collect(),
-                Chart::Stiffness => resolved(self).iter().map(|method| stiffness_map(self, method)).collect(),
-                _ => Vec::new(),
+            let (title, caption, map): (_, _, fn(&Self, &Method) -> Option<CellMap>) = match chart {
+                Chart::Light => (STEP_TITLE, STEP_CAPTION, step_map),
+                Chart::Stiffness => {
+                    (STIFFNESS_TITLE, STIFFNESS_CAPTION, |study, method| Some(stiffness_map(study, method)))
+                }
+                _ => continue,
             };
-            for (title, caption, map) in maps {
-                let file = format!("{name}-{}", title.split(':').next().unwrap_or_default());
+            for method in resolved(self) {
+                let Some(map) = map(self, &method) else { continue };
+                let (file, title) = (format!("{name}-{}", method.name()), format!("{}: {title}", method.name()));
                 let caption = format!("{} {caption}", provenance(self, chart));
                 report = report.picture_named(&file, Maps { title, maps: vec![map], caption });
             }
@@ -103,27 +105,12 @@ impl ChartStudy {
 
 /// What a variant changes, by name.
 fn value(name: &str, variant: &Variant) -> Option<f64> {
-    let Variant { rho, kappa, alpha, amplitude, sites, periods } = *variant;
-    match name {
-        "rho" => rho,
-        "kappa" => kappa,
-        "alpha" => alpha,
-        "amplitude" => amplitude,
-        "sites" => sites.map(|n| n as f64),
-        _ => periods,
-    }
+    json!(variant)[name].as_f64()
 }
 
 /// The parameters that tell the variants of a chart apart.
 fn axes(chart: Chart) -> &'static [&'static str] {
-    match chart {
-        Chart::Light => &["rho"],
-        Chart::Stiffness => &["amplitude", "kappa"],
-        Chart::Alpha => &["alpha"],
-        Chart::Length => &["sites"],
-        Chart::Time => &["periods"],
-        Chart::Resonances => &["sites", "amplitude"],
-    }
+    words(chart).2
 }
 
 fn place(chart: Chart, variant: &Variant) -> Vec<f64> {
@@ -159,10 +146,7 @@ fn points(study: &ChartStudy, chart: Chart) -> Table {
         .col("fast_frequency", Hidden, "frequency of the fastest motion", of(|measured| Some(measured.fast)))
         .col("span", Hidden, "length of the runs", of(|measured| Some(measured.span)))
         .col("verdict", Hidden, "at the usual step or tolerance", |point| {
-            point
-                .measured
-                .as_ref()
-                .map_or_else(|_| "refused".to_owned(), |measured| kebab_name(&measured.usual.verdict))
+            point.measured.as_ref().map_or("refused", |measured| measured.usual.verdict.name())
         })
         .col("energy_error", Hidden, "the same", of(|measured| measured.usual.error))
         .col("step", Hidden, "the usual step", of(|measured| Some(measured.usual.step)))
@@ -201,7 +185,7 @@ fn ladder(study: &ChartStudy, chart: Chart) -> Table {
         .col("step", Hidden, "the mean one for adaptive methods", |row| row.2.step)
         .col("tol", Hidden, "tolerance", |row| row.2.tol)
         .col("h_fast", Hidden, "step times the fast frequency", |row| row.1 * row.2.step)
-        .col("verdict", Hidden, "stable, drifting, lost or dear", |row| kebab_name(&row.2.verdict))
+        .col("verdict", Hidden, "stable, drifting, lost or dear", |row| row.2.verdict.name())
         .col("energy_error", Hidden, "largest |H - H(0)|/|H(0)|", |row| row.2.error)
         .col("cost", Hidden, "force evaluations a unit of time", |row| row.2.cost)
         .done()
@@ -294,7 +278,7 @@ fn widths(points: &[ResonancePoint]) -> Table {
 }
 
 /// The cheapest methods.
-fn regimes_table(regimes: &[Cheapest]) -> Table {
+fn regimes_table(regimes: &[Regime]) -> Table {
     let mut table = Table::of("regimes", regimes)
         .key("regimes")
         .col("chart", Short, "", |regime| regime.chart.name())
@@ -302,73 +286,61 @@ fn regimes_table(regimes: &[Cheapest]) -> Table {
     for name in VARIED {
         table = table.col(name, Json, "", |regime| value(name, &regime.variant));
     }
-    table = table.col("best", Json, "", Cheapest::json);
+    table = table.col("best", Json, "", |regime| json!(regime.best));
     for (nth, bound) in BOUND_NAMES.iter().enumerate() {
-        let best = move |regime: &Cheapest| regime.best[nth].clone();
         table = table
-            .col(format!("integrator_{bound}"), Short, "", move |regime| {
-                best(regime).map_or_else(|| "none".to_owned(), |(method, ..)| method.name())
+            .col(format!("integrator_{bound}"), Short, "", |regime| {
+                regime.best[nth].as_ref().map_or("none".to_owned(), |best| best.integrator.clone())
             })
             .head(*bound)
-            .col(format!("h_fast_{bound}"), Short, "", move |regime| regime.step(nth))
+            .col(format!("h_fast_{bound}"), Short, "", |regime| regime.best[nth].as_ref().map(Cheapest::words))
             .head("h Omega")
-            .col(format!("cost_{bound}"), Power(1), "", move |regime| best(regime)?.1.trial.map(|trial| trial.cost))
+            .col(format!("cost_{bound}"), Power(1), "", |regime| regime.best[nth].as_ref().map(|best| best.cost))
             .head("cost");
     }
     table.done()
 }
 
-/// The cheapest method for a variant, and its step.
-struct Cheapest {
+/// A variant, and for each bound the cheapest method that meets it, if one does.
+struct Regime {
     chart: Chart,
     variant: Variant,
-    /// For each bound: the method, its limit and `max(omega, Omega_c)`; `None` if no
-    /// method meets the bound.
-    best: Vec<Option<(Method, Limit, f64)>>,
+    best: Vec<Option<Cheapest>>,
+}
+
+/// The method that meets a bound with the fewest force evaluations, and its step.
+#[derive(Serialize)]
+struct Cheapest {
+    bound: f64,
+    integrator: String,
+    step: f64,
+    /// The step times `max(omega, Omega_c)`.
+    h_fast: f64,
+    tol: Option<f64>,
+    cost: f64,
+    longest: bool,
 }
 
 impl Cheapest {
-    /// The step of the best method for a bound, and its tolerance, in words.
-    fn step(&self, nth: usize) -> Option<String> {
-        let (_, limit, fast) = self.best[nth].as_ref()?;
-        let trial = limit.trial.as_ref()?;
-        let more = if limit.longest { ">" } else { "" };
-        let step = trial.step * fast;
-        Some(trial.tol.map_or_else(|| format!("{more}{step:.3}"), |tol| format!("tol {tol:.0e}: {step:.2}")))
-    }
-
-    fn json(&self) -> Value {
-        let best = |entry: &Option<(Method, Limit, f64)>| {
-            entry.as_ref().map(|(method, limit, fast)| {
-                let trial = limit.trial.as_ref();
-                json!({
-                    "bound": limit.bound,
-                    "integrator": method.name(),
-                    "step": trial.map(|trial| trial.step),
-                    "h_fast": trial.map(|trial| trial.step * fast),
-                    "tol": trial.and_then(|trial| trial.tol),
-                    "cost": trial.map(|trial| trial.cost),
-                    "longest": limit.longest,
-                })
-            })
-        };
-        self.best.iter().map(best).collect()
+    /// Its step and its tolerance, in words.
+    fn words(&self) -> String {
+        let (step, more) = (self.h_fast, if self.longest { ">" } else { "" });
+        self.tol.map_or_else(|| format!("{more}{step:.3}"), |tol| format!("tol {tol:.0e}: {step:.2}"))
     }
 }
 
-fn regimes(study: &ChartStudy) -> Vec<Cheapest> {
-    let mut regimes = Vec::new();
-    for &chart in &study.charts {
-        for variant in study.variants(chart) {
-            let best = |nth: usize| {
-                let (method, limit, _) = study.cheapest(chart, &variant, nth)?;
-                let measured = study.point(chart, &variant, &method)?.measured.as_ref().ok()?;
-                Some((method, limit.clone(), measured.fast))
-            };
-            regimes.push(Cheapest { chart, variant, best: (0..BOUNDS.len()).map(best).collect() });
-        }
-    }
-    regimes
+fn regimes(study: &ChartStudy) -> Vec<Regime> {
+    let of = |&chart: &Chart| study.variants(chart).into_iter().map(move |variant| (chart, variant));
+    let regime = |(chart, variant): (Chart, Variant)| {
+        let best = |nth: usize| {
+            let (method, limit, &Trial { step, tol, cost, .. }) = study.cheapest(chart, &variant, nth)?;
+            let fast = study.point(chart, &variant, &method)?.measured.as_ref().ok()?.fast;
+            let (bound, longest) = (limit.bound, limit.longest);
+            Some(Cheapest { bound, integrator: method.name(), step, h_fast: step * fast, tol, cost, longest })
+        };
+        Regime { chart, variant, best: (0..BOUNDS.len()).map(best).collect() }
+    };
+    study.charts.iter().flat_map(of).map(regime).collect()
 }
 
 fn parameters(variant: &Variant) -> String {
@@ -380,16 +352,19 @@ fn plain(value: f64) -> String {
     if (1e-2..1e4).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
-/// The title of a chart, and what it is against.
-fn title(chart: Chart) -> [&'static str; 2] {
+/// The title of a chart, what it is against, and the parameters that tell its variants apart.
+fn words(chart: Chart) -> (&'static str, &'static str, &'static [&'static str]) {
     match chart {
-        Chart::Light => ["Light and heavy resonators", "mass ratio ρ"],
-        Chart::Stiffness => ["Stiffness of contacts and springs", "amplitude A, spring constant κ"],
-        Chart::Alpha => ["Exponent of the contact force", "exponent α"],
-        Chart::Length => ["Length of the chain", "number of sites N"],
-        Chart::Time => ["Length of the run", "contact periods"],
+        Chart::Light => ("Light and heavy resonators", "mass ratio ρ", &["rho"]),
+        Chart::Stiffness => {
+            ("Stiffness of contacts and springs", "amplitude A, spring constant κ", &["amplitude", "kappa"])
+        }
+        Chart::Alpha => ("Exponent of the contact force", "exponent α", &["alpha"]),
+        Chart::Length => ("Length of the chain", "number of sites N", &["sites"]),
+        Chart::Time => ("Length of the run", "contact periods", &["periods"]),
         Chart::Resonances => {
-            ["Resonances of the exact linear flow near hω = kπ", "multiple k of π and static overlap A"]
+            let against = "multiple k of π and static overlap A";
+            ("Resonances of the exact linear flow near hω = kπ", against, &["sites", "amplitude"])
         }
     }
 }
@@ -449,6 +424,11 @@ fn shade(trial: &Trial) -> f64 {
     }
 }
 
+/// The shade of the usual run of a point.
+fn usual(point: Option<&ChartPoint>) -> f64 {
+    point.and_then(|point| point.measured.as_ref().ok()).map_or(0.0, |measured| shade(&measured.usual))
+}
+
 fn error_matrix(study: &ChartStudy, chart: Chart) -> Matrix {
     let variants = study.variants(chart);
     let column = |variant: &Variant| {
@@ -456,24 +436,17 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> Matrix {
         words.join(", ")
     };
     let exponent = |error: f64| format!("{:.0}", (-error.clamp(1e-16, 1.0).log10()).abs());
-    let (mut values, mut notes) = (Vec::new(), Vec::new());
-    for method in &study.methods {
-        for variant in &variants {
-            let point = study.point(chart, variant, method);
-            values.push(
-                point.and_then(|point| point.measured.as_ref().ok()).map_or(0.0, |measured| shade(&measured.usual)),
-            );
-            notes.push(point.map(|point| cell(point, "–", exponent)).unwrap_or_default());
-        }
-    }
-    let [title, label] = title(chart);
+    let at = |method| variants.iter().map(move |variant| study.point(chart, variant, method));
+    let points: Vec<Option<&ChartPoint>> = study.methods.iter().flat_map(at).collect();
+    let note = |point: &Option<&ChartPoint>| point.map(|point| cell(point, "–", exponent)).unwrap_or_default();
+    let (title, label, _) = words(chart);
     Matrix {
         title: format!("{title}: energy error at 64 kicks a period of the fastest motion, or tolerance 10⁻⁹"),
         rows: study.methods.iter().map(Method::name).collect(),
         columns: variants.iter().map(column).collect(),
-        labels: [label.to_owned(), "largest |H − H(0)|/|H(0)|".to_owned()],
-        values,
-        notes,
+        labels: [label, ERROR].map(str::to_owned),
+        values: points.iter().map(|point| usual(*point)).collect(),
+        notes: points.iter().map(note).collect(),
         caption: format!(
             "{} In cells: −log₁₀ of the error; d: drifting, of collocation only above its tolerance, which bounds the sum of all local errors; lost: above 1 or failed; dear: not finished within twenty times the work of a run; –: not tried.",
             provenance(study, chart)
@@ -483,48 +456,41 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> Matrix {
 
 /// Rows of the map of steps: `h Omega` from 12 down to 0.1, each the one before over `sqrt 2`.
 const STEP_ROWS: i32 = 14;
+const STEP_TITLE: &str = "energy error over step and mass ratio";
+const STEP_CAPTION: &str = "Ω is the larger of ω and Ω_c. Top of the scale: lost. Grey: more work than a run may take.";
+/// What the colours of maps show.
+const ERROR: &str = "largest |H − H(0)|/|H(0)|";
 
-/// Title, caption and map of the energy error over mass ratio and step; none for adaptive methods.
-fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, CellMap)> {
-    use std::f64::consts::PI;
+/// The energy error over mass ratio and step; none for adaptive methods.
+fn step_map(study: &ChartStudy, method: &Method) -> Option<CellMap> {
     let rung = |h_fast: f64| (2.0 * (12.0 / h_fast).log2()).round() as i32;
-    let variants = study.variants(Chart::Light);
-    let x: Vec<f64> = variants.iter().filter_map(|variant| variant.rho).collect();
-    let rows = || (0..STEP_ROWS).rev();
-    let value = |row: i32, variant: &Variant| {
-        let measured = study.point(Chart::Light, variant, method)?.measured.as_ref().ok()?;
-        measured.ladder.iter().find(|trial| rung(trial.step * measured.fast) == row).map(shade)
+    let x: Vec<f64> = study.variants(Chart::Light).iter().filter_map(|variant| variant.rho).collect();
+    let y: Vec<f64> = (0..STEP_ROWS).rev().map(|row| 12.0 * f64::powf(2.0, -0.5 * f64::from(row))).collect();
+    let error = |rho: f64, h_fast: f64| {
+        let variant = Variant { rho: Some(rho), ..Variant::default() };
+        let measured = study.point(Chart::Light, &variant, method)?.measured.as_ref().ok()?;
+        measured.ladder.iter().find(|trial| rung(trial.step * measured.fast) == rung(h_fast)).map(shade)
     };
-    let mut values = Vec::new();
-    for row in rows() {
-        values.extend(variants.iter().map(|variant| value(row, variant).unwrap_or(0.0)));
-    }
-    let (first, last) = (x.first().copied()?, x.last().copied()?);
-    let line =
-        |name: &str, height: f64| Line { name: format!("hΩ = {name}"), points: vec![(first, height), (last, height)] };
-    let lines = match method {
+    let (first, last) = (*x.first()?, *x.last()?);
+    let line = |(name, height): &(&str, f64)| Line::new(&format!("hΩ = {name}"), [(first, *height), (last, *height)]);
+    let heights: &[(&str, f64)] = match method {
         Method::Splitting(_, Split::Kinetic) | Method::Corrected(_, Split::Kinetic) | Method::Conserving => {
-            vec![line("2", 2.0)]
+            &[("2", 2.0)]
         }
-        _ => vec![line("π", PI), line("2π", 2.0 * PI), line("3π", 3.0 * PI)],
+        _ => &[("π", PI), ("2π", 2.0 * PI), ("3π", 3.0 * PI)],
     };
-    let map = CellMap {
-        labels: ["mass ratio ρ", "step hΩ", "largest |H − H(0)|/|H(0)|"].map(str::to_owned),
-        notes: vec![String::new(); values.len()],
-        y: rows().map(|row| 12.0 * f64::powf(2.0, -0.5 * f64::from(row))).collect(),
-        lines,
-        x,
-        values,
-        apart: Vec::new(),
-    };
-    let caption =
-        "Ω is the larger of ω and Ω_c. Top of the scale: lost. Grey: more work than a run may take.".to_owned();
-    (!method.adaptive()).then(|| (format!("{}: energy error over step and mass ratio", method.name()), caption, map))
+    let lines = heights.iter().map(line).collect();
+    let cell = |rho, h_fast| (error(rho, h_fast).unwrap_or(0.0), String::new());
+    let map = CellMap { lines, ..CellMap::new(["mass ratio ρ", "step hΩ", ERROR], [x, y], cell) };
+    (!method.adaptive()).then_some(map)
 }
 
-/// Title, caption and map of the energy error over amplitude and spring constant, with the cost in
-/// the cells.
-fn stiffness_map(study: &ChartStudy, method: &Method) -> (String, String, CellMap) {
+const STIFFNESS_TITLE: &str = "energy error over amplitude and spring constant, and what 10⁻⁶ costs";
+const STIFFNESS_CAPTION: &str = "Colour: at 64 kicks a period of the fastest motion, or tolerance 10⁻⁹, over ten contact periods 2π/Ω_c. In cells: \
+     force evaluations a contact period for an error below 10⁻⁶; –: more than a run may take.";
+
+/// The energy error over amplitude and spring constant, with the cost in the cells.
+fn stiffness_map(study: &ChartStudy, method: &Method) -> CellMap {
     let variants = study.variants(Chart::Stiffness);
     let distinct = |of: fn(&Variant) -> Option<f64>| {
         let mut values: Vec<f64> = variants.iter().filter_map(of).collect();
@@ -532,34 +498,17 @@ fn stiffness_map(study: &ChartStudy, method: &Method) -> (String, String, CellMa
         values.dedup();
         values
     };
-    let (x, y) = (distinct(|variant| variant.amplitude), distinct(|variant| variant.kappa));
-    let (mut values, mut notes) = (Vec::new(), Vec::new());
-    for &kappa in &y {
-        for &amplitude in &x {
-            let variant = Variant { amplitude: Some(amplitude), kappa: Some(kappa), ..Variant::default() };
-            let point = study.point(Chart::Stiffness, &variant, method);
-            let measured = point.and_then(|point| point.measured.as_ref().ok());
-            values.push(measured.map_or(0.0, |measured| shade(&measured.usual)));
-            let cost = |measured: &Measured| {
-                let trial = measured.limits.get(1)?.trial.as_ref()?;
-                let a_period = trial.cost * std::f64::consts::TAU / measured.contact;
-                Some(if a_period < 1e4 { format!("{a_period:.0}") } else { format!("{a_period:.0e}") })
-            };
-            notes.push(measured.and_then(cost).unwrap_or_else(|| "–".to_owned()));
-        }
-    }
-    let map = CellMap {
-        labels: ["amplitude A", "spring constant κ", "largest |H − H(0)|/|H(0)|"].map(str::to_owned),
-        x,
-        y,
-        values,
-        notes,
-        ..CellMap::default()
+    let axes = [distinct(|variant| variant.amplitude), distinct(|variant| variant.kappa)];
+    let cost = |point: &ChartPoint| {
+        let measured = point.measured.as_ref().ok()?;
+        let a_period = measured.limits.get(1)?.trial.as_ref()?.cost * TAU / measured.contact;
+        Some(if a_period < 1e4 { format!("{a_period:.0}") } else { format!("{a_period:.0e}") })
     };
-    let title = format!("{}: energy error over amplitude and spring constant, and what 10⁻⁶ costs", method.name());
-    let caption = "Colour: at 64 kicks a period of the fastest motion, or tolerance 10⁻⁹, over ten contact periods 2π/Ω_c. In cells: force evaluations a contact period \
-                   for an error below 10⁻⁶; –: more than a run may take.";
-    (title, caption.to_owned(), map)
+    CellMap::new(["amplitude A", "spring constant κ", ERROR], axes, |amplitude, kappa| {
+        let variant = Variant { amplitude: Some(amplitude), kappa: Some(kappa), ..Variant::default() };
+        let point = study.point(Chart::Stiffness, &variant, method);
+        (usual(point), point.and_then(cost).unwrap_or_else(|| "–".to_owned()))
+    })
 }
 
 fn resonance_matrix(study: &ChartStudy) -> Matrix {
@@ -572,10 +521,10 @@ fn resonance_matrix(study: &ChartStudy) -> Matrix {
         found(point).map_or_else(|| "–".to_owned(), |found| format!("{:.1}", found.growth.log10()).replace('-', "−"))
     };
     Matrix {
-        title: format!("{}: growth a step", title(Chart::Resonances)[0]),
+        title: format!("{}: growth a step", words(Chart::Resonances).0),
         rows: methods.iter().map(Method::name).collect(),
         columns: first.iter().map(|point| format!("k = {}, A = {}", point.k, plain(point.amplitude))).collect(),
-        labels: [title(Chart::Resonances)[1], "growth a step, ln |λ|"].map(str::to_owned),
+        labels: [words(Chart::Resonances).1, "growth a step, ln |λ|"].map(str::to_owned),
         values: study.resonances.iter().map(|point| found(point).map_or(0.0, |found| found.growth)).collect(),
         notes: study.resonances.iter().map(note).collect(),
         caption: format!(

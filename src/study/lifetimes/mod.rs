@@ -37,6 +37,7 @@ use crate::{
     dps::Center,
     error::{Error, Result},
     interrupt,
+    named::named,
     numerics::{fit_line, fit_plane},
     report::Report,
     run::Run,
@@ -79,30 +80,32 @@ const FITTED_FROM: f64 = 10.0;
 /// Largest ratio of a lifetime to its fit that a power law may have.
 const HONEST: f64 = 1.25;
 
-/// The criterion by which the life of a breather ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Criterion {
-    /// The core has less than 0.9 of the energy.
-    Energy,
-    /// The relative distance to the ansatz is above 1/2.
-    Distance,
-    /// The frequency of the central bead is nearer to `omega` than to `Omega_b`.
-    Frequency,
+named! {
+    /// The criterion by which the life of a breather ends.
+    #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+    pub enum Criterion {
+        /// The core has less than 0.9 of the energy.
+        Energy = "energy",
+        /// The relative distance to the ansatz is above 1/2.
+        Distance = "distance",
+        /// The frequency of the central bead is nearer to `omega` than to `Omega_b`.
+        Frequency = "frequency",
+    }
 }
 
-/// The fate of a breather.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Fate {
-    /// The core has less than 0.9 of the energy before contact falls below 1/3.
-    Radiates,
-    /// Contact falls below 1/3 first: gaps open between the central sites, until each oscillates on
-    /// its own as in a trivial breather (uncpl).
-    Decouples,
-    /// Neither before the cap.
-    Persists,
+named! {
+    /// The fate of a breather.
+    #[derive(Default)]
+    pub enum Fate {
+        /// The core has less than 0.9 of the energy before contact falls below 1/3.
+        Radiates = "radiates",
+        /// Contact falls below 1/3 first: gaps open between the central sites, until each oscillates
+        /// on its own as in a trivial breather (uncpl).
+        Decouples = "decouples",
+        /// Neither before the cap.
+        #[default]
+        Persists = "persists",
+    }
 }
 
 options! {
@@ -152,7 +155,7 @@ impl Study for LifetimeOptions {
 }
 
 /// The life of one breather.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Life {
     /// Lifetime by energy; `None`: not before `end`, as with the next two.
     pub energy: Option<f64>,
@@ -411,11 +414,8 @@ struct Watch<'a> {
     upward: VecDeque<f64>,
     /// The last frequency, and the time it belongs to.
     swing: Option<(f64, f64)>,
-    energy: Option<f64>,
-    distance: Option<f64>,
-    frequency: Option<f64>,
-    decoupled: Option<f64>,
-    ends_reached: Option<f64>,
+    /// The times that are known; what belongs to the end comes last.
+    life: Life,
 }
 
 impl<'a> Watch<'a> {
@@ -431,11 +431,7 @@ impl<'a> Watch<'a> {
             closed: VecDeque::from([(0.0, 0.0)]),
             upward: VecDeque::new(),
             swing: None,
-            energy: None,
-            distance: None,
-            frequency: None,
-            decoupled: None,
-            ends_reached: None,
+            life: Life { sites: chain.sites(), ..Life::default() },
         };
         for i in 0..chain.sites() {
             watch.y[i] = breather.site(i, 0.0).u;
@@ -463,7 +459,7 @@ impl<'a> Watch<'a> {
             core: energies[self.core.clone()].iter().sum::<f64>() / total,
             ends: (energies[0] + energies[n - 1]) / total,
             closed: closed as f64 / bonds.len() as f64,
-            distance: self.distance.is_none().then(|| (0..n).map(away).sum::<f64>() / self.size),
+            distance: self.life.distance.is_none().then(|| (0..n).map(away).sum::<f64>() / self.size),
             stretch: (against(u, layout.v(y)), against(u_dot, layout.v_dot(y))),
         }
     }
@@ -480,19 +476,20 @@ impl<'a> Watch<'a> {
     /// before.
     fn look(&mut self, t: f64, run: &mut dyn Stepper<f64>) -> Result<()> {
         let (before, now) = (self.last, self.sight_of(t, run)?);
-        if self.energy.is_none() && now.core < CORE_SHARE {
-            self.energy = Some(self.crossing(before.t, t, run, |sight| sight.core < CORE_SHARE)?);
+        if self.life.energy.is_none() && now.core < CORE_SHARE {
+            self.life.energy = Some(self.crossing(before.t, t, run, |sight| sight.core < CORE_SHARE)?);
         }
         let away = |sight: Measured| sight.distance.is_some_and(|distance| distance > DISTANCE);
         if away(now) {
-            self.distance = Some(self.crossing(before.t, t, run, away)?);
+            self.life.distance = Some(self.crossing(before.t, t, run, away)?);
         }
         if before.stretch.0 < 0.0 && now.stretch.0 >= 0.0 {
             let zero = self.zero(before, now, run)?;
             self.swung(zero);
         }
-        if self.ends_reached.is_none() && now.ends > REACHED {
-            self.ends_reached = Some(t);
+        if self.life.ends_felt.is_none() && now.ends > REACHED {
+            // Waves from the ends take at least as long as they took to the ends.
+            self.life.ends_felt = Some(2.0 * t);
         }
         self.touched(before, now);
         self.last = now;
@@ -538,8 +535,8 @@ impl<'a> Watch<'a> {
         let (omega, omega_b) = (self.breather.params().omega(), self.breather.omega_b());
         // How much nearer to omega than to Omega_b.
         let nearer = |frequency: f64| (frequency - omega_b).abs() - (frequency - omega).abs();
-        if self.frequency.is_none() && nearer(now.0) > 0.0 {
-            self.frequency = Some(self.swing.map_or(now.1, |before| {
+        if self.life.frequency.is_none() && nearer(now.0) > 0.0 {
+            self.life.frequency = Some(self.swing.map_or(now.1, |before| {
                 let (a, b) = (nearer(before.0), nearer(now.0));
                 before.1 + (now.1 - before.1) * (a / (a - b))
             }));
@@ -555,8 +552,8 @@ impl<'a> Watch<'a> {
         while self.closed.len() > 2 && self.closed[1].0 <= now.t - window {
             self.closed.pop_front();
         }
-        if self.decoupled.is_none() && now.t >= window && self.contact() < CONTACT {
-            self.decoupled = Some(now.t);
+        if self.life.decoupled.is_none() && now.t >= window && self.contact() < CONTACT {
+            self.life.decoupled = Some(now.t);
         }
     }
 
@@ -569,33 +566,21 @@ impl<'a> Watch<'a> {
     }
 
     fn finished(&self) -> bool {
-        self.energy.is_some() && self.distance.is_some() && self.frequency.is_some()
+        Criterion::ALL.iter().all(|criterion| self.life.lifetime(*criterion).is_some())
     }
 
-    /// Whether waves from the ends may be back: they take at least as long as they took to the
-    /// ends.
+    /// Whether waves from the ends may be back.
     fn ends_felt(&self) -> bool {
-        self.ends_reached.is_some_and(|reached| self.last.t > 2.0 * reached)
+        self.life.ends_felt.is_some_and(|felt| self.last.t > felt)
     }
 
-    fn life(&self) -> Life {
-        let fate = match (self.energy, self.decoupled) {
+    fn life(self) -> Life {
+        let fate = match (self.life.energy, self.life.decoupled) {
             (Some(energy), decoupled) if decoupled.is_none_or(|decoupled| energy <= decoupled) => Fate::Radiates,
             (_, Some(_)) => Fate::Decouples,
             _ => Fate::Persists,
         };
-        Life {
-            energy: self.energy,
-            distance: self.distance,
-            frequency: self.frequency,
-            end: self.last.t,
-            fate,
-            decoupled: self.decoupled,
-            core_share: self.last.core,
-            contact: self.contact(),
-            sites: self.chain.sites(),
-            ends_felt: self.ends_reached.map(|reached| 2.0 * reached),
-        }
+        Life { end: self.last.t, fate, core_share: self.last.core, contact: self.contact(), ..self.life }
     }
 }
 

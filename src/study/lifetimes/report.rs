@@ -8,7 +8,7 @@ use crate::{
         Digits::{Fixed, Hidden, Power, Short},
         Line, Maps, Report, Table,
     },
-    study::{RhoLaw, dps::center_word, kebab_name},
+    study::{RhoLaw, dps::center_word},
     sweep::STOPPED,
 };
 use serde_json::{Value, json};
@@ -19,16 +19,17 @@ const CONTOURS: [f64; 4] = [0.1, 1.0, 10.0, 100.0];
 /// The table of the points, with their lifetimes by a criterion and by all three.
 pub(super) fn points(points: &[LifetimePoint], criterion: Criterion) -> Table {
     let of = |value: fn(&Life) -> Option<f64>| move |point: &LifetimePoint| point.life.as_ref().ok().and_then(value);
-    Table::of("lifetimes", points)
+    let table = Table::of("lifetimes", points)
         .key("points")
         .col("epsilon", Short, "", |point| point.epsilon)
         .col("rho", Short, "", |point| point.rho)
         .col("lifetime", Fixed(1), "by the criterion", move |point| lifetime(point, criterion))
         .col("not_before", Fixed(1), "end of the run, where it lives longer", move |point| not_before(point, criterion))
-        .col("fate", Short, "", fate)
-        .col("energy", Hidden, "lifetime by energy", of(|life| life.energy))
-        .col("distance", Hidden, "lifetime by distance", of(|life| life.distance))
-        .col("frequency", Hidden, "lifetime by frequency", of(|life| life.frequency))
+        .col("fate", Short, "", fate);
+    let by = |criterion: Criterion| move |point: &LifetimePoint| lifetime(point, criterion);
+    Criterion::ALL
+        .into_iter()
+        .fold(table, |table, one| table.col(one.name(), Hidden, format!("lifetime by {}", one.name()), by(one)))
         .col("end", Hidden, "time until which it was followed", of(|life| Some(life.end)))
         .col("decoupled", Hidden, "time at which contact fell below 1/3", of(|life| life.decoupled))
         .col("core_share", Fixed(3), "share of the energy in the core, at the end", of(|life| Some(life.core_share)))
@@ -53,21 +54,20 @@ fn not_before(point: &LifetimePoint, criterion: Criterion) -> Option<f64> {
 }
 
 /// Its fate; `stopped` or `failed` for a point without a life.
-fn fate(point: &LifetimePoint) -> String {
+fn fate(point: &LifetimePoint) -> &'static str {
     match &point.life {
-        Ok(life) => kebab_name(&life.fate),
-        Err(why) => if why == STOPPED { "stopped" } else { "failed" }.to_owned(),
+        Ok(life) => life.fate.name(),
+        Err(why) if why == STOPPED => "stopped",
+        Err(_) => "failed",
     }
 }
 
-/// Name and meaning of a criterion.
-fn criterion_words(criterion: Criterion) -> (&'static str, &'static str) {
+/// The meaning of a criterion.
+fn meaning(criterion: Criterion) -> &'static str {
     match criterion {
-        Criterion::Energy => ("energy", "the core has less than 0.9 of the energy"),
-        Criterion::Distance => ("distance", "|A - A~|_1/|A~|_1 is above 0.5, A = u + i u', phase included"),
-        Criterion::Frequency => {
-            ("frequency", "the central oscillation is nearer to omega than to Omega_b, over four periods")
-        }
+        Criterion::Energy => "the core has less than 0.9 of the energy",
+        Criterion::Distance => "|A - A~|_1/|A~|_1 is above 0.5, A = u + i u', phase included",
+        Criterion::Frequency => "the central oscillation is nearer to omega than to Omega_b, over four periods",
     }
 }
 
@@ -90,7 +90,7 @@ impl LifetimeStudy {
     /// number of cores.
     pub fn report(&self) -> Report {
         let Self { options, fit, computed, resumed, .. } = self;
-        let (criterion, meaning) = criterion_words(options.criterion);
+        let (criterion, meaning) = (options.criterion.name(), meaning(options.criterion));
         let fit_json = |fit: PowerLaw| -> Value {
             let mut value = json!(fit);
             value["holds"] = json!(fit.holds());
@@ -181,7 +181,7 @@ impl LifetimeStudy {
             }
         };
         let maps = vec![map("lifetime", |_| 1.0), map("lifetime / (T ε^(1−α))", |point| point.horizon)];
-        let (criterion, meaning) = criterion_words(options.criterion);
+        let (criterion, meaning) = (options.criterion.name(), meaning(options.criterion));
         let caption = format!(
             "Bright breathers u(0) = 2εa about a {}, at rest, α = {}, κ = 1; lifetime by {criterion}: {meaning}. Followed to \
              t = {}; >: it is more. No breather: gaps have opened between the central sites, and what lives on is beads that \

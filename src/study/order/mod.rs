@@ -19,6 +19,7 @@ use super::{Progress, Study, Work, fit_line, methods, options::options};
 use crate::{
     chain::{Boundary, Chain, Field, Overlaps, Params, Site, State, max_norm},
     error::{Error, Result},
+    named::named,
     report::{Report, WorkPrecision},
     run::{
         Run, Setting,
@@ -33,7 +34,6 @@ use hertzchain_integrators::{
     regularised::{Division, Itinerary, equal_steps, power},
     splitting::{Parts, tables},
 };
-use serde::Serialize;
 use serde_json::json;
 
 /// End of the runs.
@@ -61,51 +61,27 @@ const RUNGS_FITTED: usize = 6;
 /// Half the distance of initial states whose difference gives the tangent.
 const TANGENT_STEP: f64 = 1e-5;
 
-/// How a method meets contacts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Mode {
-    /// Steps across events.
-    Plain,
-    /// Steps end on events.
-    Landed,
-    /// Kicks sample the contact force, and their error at events is corrected.
-    Corrected,
-    /// Steps start anew at events, in a variable in which the solution is smooth.
-    Regularised,
-}
-
-impl Mode {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Plain, Self::Landed, Self::Corrected, Self::Regularised];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Plain => "plain",
-            Self::Landed => "landed",
-            Self::Corrected => "corrected",
-            Self::Regularised => "regularised",
-        }
+named! {
+    /// How a method meets contacts.
+    pub enum Mode {
+        /// Steps across events.
+        Plain = "plain",
+        /// Steps end on events.
+        Landed = "landed",
+        /// Kicks sample the contact force, and their error at events is corrected.
+        Corrected = "corrected",
+        /// Steps start anew at events, in a variable in which the solution is smooth.
+        Regularised = "regularised",
     }
 }
 
-/// The quantity whose error is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// The state at the end.
-    State,
-    /// Its derivative by the initial state, in one direction.
-    Tangent,
-}
-
-impl Quantity {
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::State => "state",
-            Self::Tangent => "tangent",
-        }
+named! {
+    /// The quantity whose error is measured.
+    pub enum Quantity {
+        /// The state at the end.
+        State = "state",
+        /// Its derivative by the initial state, in one direction.
+        Tangent = "tangent",
     }
 }
 

@@ -25,6 +25,7 @@ pub use suprema::{Errors, Norm, Sampling};
 use super::{Progress, Study, Work, options::options};
 use crate::{
     error::{Error, Result},
+    named::named,
     report::Report,
     sweep::{Engine, Grid},
 };
@@ -103,26 +104,16 @@ impl RhoLaw {
     }
 }
 
-/// What `A(0)` is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Initial {
-    /// The breather about a site, `a^1` of (dpsstat): `A(tau) = a e^{i omega_0 tau}`.
-    Site,
-    /// The breather about a bond, `a^2`.
-    Bond,
-    /// `A_n(0) = (xi_n + i eta_n) e^{-n^2/4}`, with `xi_n, eta_n` random in (-1, 1).
-    Generic,
-}
-
-impl Initial {
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Site => "site",
-            Self::Bond => "bond",
-            Self::Generic => "generic",
-        }
+named! {
+    /// What `A(0)` is.
+    #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+    pub enum Initial {
+        /// The breather about a site, `a^1` of (dpsstat): `A(tau) = a e^{i omega_0 tau}`.
+        Site = "site",
+        /// The breather about a bond, `a^2`.
+        Bond = "bond",
+        /// `A_n(0) = (xi_n + i eta_n) e^{-n^2/4}`, with `xi_n, eta_n` random in (-1, 1).
+        Generic = "generic",
     }
 }
 

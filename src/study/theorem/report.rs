@@ -70,7 +70,7 @@ impl TheoremStudy {
             .col("expected", Fixed(4), "power of its proof at this law of rho", |slope| slope.expected)
             .col("limit", Fixed(4), "limit of the local slopes", |slope| slope.limit.map(|limit| limit.0))
             .col("limit_uncertainty", Fixed(4), "its uncertainty", |slope| slope.limit.map(|limit| limit.1))
-            .col("verdict", Short, "", |slope| slope.bound.word());
+            .col("verdict", Short, "", |slope| slope.bound.name());
         [local.done(), limits.done()]
     }
 
@@ -111,8 +111,8 @@ impl TheoremStudy {
                 "bounded",
                 json!({"u": bounded(self.bound(0)), "v": bounded(self.bound(1)), "vdot": bounded(self.bound(2))}),
             )
-            .fact("verdict", self.verdict().word())
-            .words(format!("{}: {}", self.verdict().word(), self.conclusion()))
+            .fact("verdict", self.verdict().name())
+            .words(format!("{}: {}", self.verdict().name(), self.conclusion()))
             .fact("rule", Bound::RULE)
             .words(Bound::RULE)
             .fact("integrator", "collocation")
@@ -145,7 +145,7 @@ impl TheoremStudy {
         let slopes = self.slopes.iter().filter(|slope| slope.norm == Norm::One);
         let slopes = slopes.filter_map(|slope| slope.local.last()).map(|slope| format!("{slope:.3}"));
         let slopes = slopes.collect::<Vec<_>>().join(", ").replace('-', "−");
-        format!("Slopes in l₁ of the errors over the two smallest sizes: {slopes}, {}.", self.verdict().word())
+        format!("Slopes in l₁ of the errors over the two smallest sizes: {slopes}, {}.", self.verdict().name())
     }
 
     /// Suprema over their powers of `epsilon` against `epsilon`, a panel for each error that there

@@ -8,7 +8,7 @@
 //! | | off: an error that grows until then has its maxima at phases, so its supremum may be that of a period `2 pi` earlier, a share `2 pi epsilon^{alpha-1}/T` |
 
 use super::{Norm, TheoremOptions, TheoremRun, powers};
-use crate::study::fit_line;
+use crate::{named::named, study::fit_line};
 use std::f64::consts::PI;
 
 /// A scaled supremum may grow like `epsilon^-0.03` and count as bounded.
@@ -21,17 +21,18 @@ const DECADES: f64 = 100.0 * (1.0 + 1e-9);
 /// Largest distance of the last slope from the limit. Farther away, slopes have not converged.
 const SETTLED: f64 = 0.05;
 
-/// Whether a supremum over its power of `epsilon` is bounded as `epsilon` goes to zero: bounded if
-/// `s - d >= -0.03`, violated if `s + d < -0.03`, undecided otherwise, and where the sizes given do
-/// not tell, see [`RULE`](Bound::RULE).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Bound {
-    /// The scaled supremum is bounded.
-    Bounded,
-    /// The scaled supremum grows.
-    Violated,
-    /// The sizes given do not tell.
-    Undecided,
+named! {
+    /// Whether a supremum over its power of `epsilon` is bounded as `epsilon` goes to zero: bounded
+    /// if `s - d >= -0.03`, violated if `s + d < -0.03`, undecided otherwise, and where the sizes
+    /// given do not tell, see [`RULE`](Bound::RULE).
+    pub enum Bound {
+        /// The scaled supremum is bounded.
+        Bounded = "bounded",
+        /// The scaled supremum grows.
+        Violated = "violated",
+        /// The sizes given do not tell.
+        Undecided = "undecided",
+    }
 }
 
 impl Bound {
@@ -40,15 +41,6 @@ impl Bound {
         through those of the last two decades of epsilon; and d its uncertainty: misfit of the line, or the distance of the last slope from s if that is \
         more, and what sampling and the end of the run, at any phase, make of a slope. Bounded: s - d >= -0.03. Violated: s + d < -0.03. Undecided: \
         otherwise, or fewer than two slopes there, or max(1, T) epsilon^(alpha-1) > 1/50 at the smallest epsilon, or the last slope more than 0.05 from s.";
-
-    /// In one word.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Bounded => "bounded",
-            Self::Violated => "violated",
-            Self::Undecided => "undecided",
-        }
-    }
 
     /// Violated if one is, else undecided if one is, else bounded.
     pub(super) fn of_all(all: impl Iterator<Item = Self>) -> Self {

@@ -3,34 +3,28 @@
 use crate::{
     chain::Layout,
     error::{Error, Result},
+    named::named,
 };
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Norms of sequences.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Norm {
-    /// `l_1`.
-    One,
-    /// `l_2`.
-    Two,
-    /// `l_inf`.
-    Infinity,
+named! {
+    /// Norms of sequences.
+    pub enum Norm {
+        /// `l_1`.
+        One = "1",
+        /// `l_2`.
+        Two = "2",
+        /// `l_inf`.
+        Infinity = "inf",
+    }
 }
 
 impl Norm {
-    /// All three.
-    pub const ALL: [Self; 3] = [Self::One, Self::Two, Self::Infinity];
-
     /// Its place in [`ALL`](Self::ALL).
     pub fn index(self) -> usize {
         self as usize
-    }
-
-    /// `1`, `2` or `inf`.
-    pub fn name(self) -> &'static str {
-        ["1", "2", "inf"][self.index()]
     }
 
     fn of(self, values: impl Iterator<Item = f64>) -> f64 {
