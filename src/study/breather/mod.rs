@@ -544,7 +544,11 @@ pub fn trivial_breather(scene: &Scene, options: &Adaptive, progress: Progress<'_
         setting: options.words(),
         energy_error: max_norm(energies.iter().map(|energy| (energy - energies[0]) / first)),
         least_slack: least_by(slack, |one| one.1),
-        forces: chain.mean_contact_forces(scene.initial().as_slice(), scene.period(), StepControl::Tolerance(options.tol))?,
+        forces: chain.mean_contact_forces(
+            scene.initial().as_slice(),
+            scene.period(),
+            StepControl::Tolerance(options.tol),
+        )?,
         stats: states.stats(),
         t,
         deviation,
