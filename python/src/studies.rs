@@ -121,18 +121,18 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
             let (parameter, to, step): (String, _, _) = (given!("parameter"), Some(given!("to")), given!("step"));
             Box::new(move |tell| {
                 let way = DrivenWay { vary: DriveParameter::named(&parameter)?, to, step, branch };
-                driven_branch(scene, &search, &way, si, tell)?.report()
+                driven_branch(scene, &search, &way, si, &Engine::threads(), tell)?.report()
             })
         }
         "normal-mode" => {
             let (scene, si) = (scene()?, InSi { si: given!("si") });
             let way =
                 ModeWay { linear_mode: given!("mode"), to: given!("to"), step: given!("step"), branch: branch()? };
-            Box::new(move |tell| Ok(follow_mode(scene, &way, si, tell)?.report()))
+            Box::new(move |tell| Ok(follow_mode(scene, &way, si, &Engine::threads(), tell)?.report()))
         }
         "dark-file" => {
             let path: PathBuf = of.extract()?;
-            Box::new(move |tell| branch_study(Branch::load(&path)?, tell)?.report())
+            Box::new(move |tell| branch_study(Branch::load(&path)?, &Engine::threads(), tell)?.report())
         }
         // The branch of dark breathers.
         _ => {
