@@ -200,9 +200,9 @@ fn refusals_name_value_and_rule() {
     let ok = Solitary::default();
     for (options, message) in [
         (Solitary { alpha: 1.1, ..ok.clone() }, "alpha = 1.1 is not valid: from 1.2 to 5"),
-        (Solitary { rhos: vec![0.1, -1.0], ..ok.clone() }, "rhos = -1 is not valid: finite and positive"),
-        (Solitary { rhos: vec![f64::INFINITY], ..ok.clone() }, "finite and positive"),
-        (Solitary { speed: Some(0.0), ..ok.clone() }, "speed = 0 is not valid: finite and positive"),
+        (Solitary { rhos: vec![0.1, -1.0], ..ok.clone() }, "rhos = -1 is not valid: from 1e-6 to 100"),
+        (Solitary { rhos: vec![f64::INFINITY], ..ok.clone() }, "from 1e-6 to 100"),
+        (Solitary { speed: Some(0.0), ..ok.clone() }, "speed = 0 is not valid: from 1e-3 to 1e3"),
         (Solitary { sites: 4, ..ok.clone() }, "sites = 4 is not valid: from 8 to 60"),
         (Solitary { kappa: 0.0, ..ok.clone() }, "kappa = 0 is not valid: finite and positive"),
         (Solitary { tol: 1e-6, ..ok }, "tol = 1e-6 is not valid: from 1e-15 to 1e-12"),
