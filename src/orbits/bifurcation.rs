@@ -14,7 +14,7 @@
 
 use super::{
     arclength::{self, BasePoint, Scales},
-    branch::{At, Bifurcation, Branch, Chord, Located, Locator, Problem},
+    branch::{At, Bifurcation, Branch, Chord, Located, Problem},
     continuation::Continuation,
     floquet::Spectrum,
     setting::{Parameter, Setting},
@@ -245,21 +245,16 @@ fn tests(a: &Spectrum, b: &Spectrum, wanted: &Quartets) -> (Vec<Test>, bool) {
     (found, whole)
 }
 
-/// The search for bifurcations of reversible orbits.
-pub(super) const fn locator<P: Reversible>() -> Locator<P> {
-    Locator { between, fold }
-}
-
 /// The bifurcations between two neighbours, and the number of parts whose bifurcations are not
 /// separated. Quartets with a modulus up to `1 + weak` are left out.
-fn between<P: Reversible>(branch: &Branch<P>, ends: [At<'_, P>; 2]) -> (Vec<Located<P>>, usize) {
+pub(super) fn between<P: Reversible>(branch: &Branch<P>, ends: [At<'_, P>; 2]) -> (Vec<Located<P>>, usize) {
     let (mut found, wanted) = (Vec::new(), Quartets { weak: branch.weak.unwrap_or(0.0), near: None });
     let unresolved = search(branch, ends, &wanted, MOST_CUTS, &mut found);
     (found, unresolved)
 }
 
 /// The fold between the first and the last of three neighbours, if the branch turns there.
-fn fold<P: Reversible>(branch: &Branch<P>, three: [At<'_, P>; 3]) -> Option<Located<P>> {
+pub(super) fn fold<P: Reversible>(branch: &Branch<P>, three: [At<'_, P>; 3]) -> Option<Located<P>> {
     let [a, b, c] = three.map(|(orbit, _)| branch.parameter(orbit));
     let [first, _, last] = three;
     let turns = (b - a) * (c - b) < 0.0;

@@ -131,8 +131,16 @@ pub trait Problem: Copy + Debug + Send + Sync {
     fn least_change(&self, _p: f64) -> f64 {
         0.0
     }
-    /// The search for bifurcations; by default none is found.
-    const LOCATOR: Locator<Self> = Locator { between: |_, _| (Vec::new(), 0), fold: |_, _| None };
+    /// The bifurcations between two orbits, and the number of places with several that were not
+    /// separated.
+    fn between(_branch: &Branch<Self>, _ends: [At<'_, Self>; 2]) -> (Vec<Located<Self>>, usize) {
+        (Vec::new(), 0)
+    }
+    /// The fold between the first and the last of three orbits, if [`between`](Self::between) does
+    /// not find it.
+    fn fold(_branch: &Branch<Self>, _three: [At<'_, Self>; 3]) -> Option<Located<Self>> {
+        None
+    }
 
     /// The setting of the branch that crosses at a bifurcation, and the numbers of the ways in which
     /// an orbit may be one of it; otherwise why none does.
@@ -167,15 +175,6 @@ pub trait Problem: Copy + Debug + Send + Sync {
     fn halves_apart(&self, _setting: &Self::Setting, _orbit: &Self::Orbit) -> Result<DVector<f64>> {
         Ok(DVector::zeros(0))
     }
-}
-
-/// The search for bifurcations along a branch.
-pub struct Locator<P: Problem> {
-    /// The bifurcations between two orbits, and the number of places with several that were not
-    /// separated.
-    pub between: fn(&Branch<P>, [At<'_, P>; 2]) -> (Vec<Located<P>>, usize),
-    /// The fold between the first and the last of three orbits, if `between` does not find it.
-    pub fold: fn(&Branch<P>, [At<'_, P>; 3]) -> Option<Located<P>>,
 }
 
 /// The equations of a problem with a setting.
@@ -560,12 +559,11 @@ impl<'a, P: Problem> Spectra<'a, P> {
             return (Vec::new(), None, 0);
         };
         let here = (&branch.orbits[k], spectrum);
-        let (mut found, unresolved) = (P::LOCATOR.between)(branch, [before, here]);
+        let (mut found, unresolved) = P::between(branch, [before, here]);
         found.iter_mut().for_each(|one| one.after = j);
         // Where the branch does not turn, the multipliers of a third orbit are not needed.
         let third = self.turned.filter(|turned| *turned <= k).and_then(|_| self.before(j));
-        let fold = third
-            .and_then(|(i, first)| Some(Located { after: i, ..(P::LOCATOR.fold)(branch, [first, before, here])? }));
+        let fold = third.and_then(|(i, first)| Some(Located { after: i, ..P::fold(branch, [first, before, here])? }));
         (found, fold, unresolved)
     }
 

@@ -11,7 +11,7 @@
 use super::{
     arclength::{End, FARTHEST, MOST_CORRECTIONS, Solution},
     bifurcation::{self, CriticalPair},
-    branch::{Branch, Locator, Problem, Range},
+    branch::{At, Branch, Located, Problem, Range},
     file::checked,
     floquet::Spectrum,
     kantorovich::Kantorovich,
@@ -59,7 +59,6 @@ impl Problem for Continuation {
     type Spectrum = Spectrum;
     type Measures = OrbitMeasures;
     type Critical = CriticalPair;
-    const LOCATOR: Locator<Self> = bifurcation::locator();
 
     fn name(&self) -> &'static str {
         self.parameter.name()
@@ -120,6 +119,14 @@ impl Problem for Continuation {
 
     fn least_change(&self, p: f64) -> f64 {
         1e-3 * (self.to - p).abs()
+    }
+
+    fn between(branch: &Branch, ends: [At<'_, Self>; 2]) -> (Vec<Located<Self>>, usize) {
+        bifurcation::between(branch, ends)
+    }
+
+    fn fold(branch: &Branch, three: [At<'_, Self>; 3]) -> Option<Located<Self>> {
+        bifurcation::fold(branch, three)
     }
 }
 

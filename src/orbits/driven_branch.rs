@@ -15,7 +15,7 @@
 use super::{
     arclength::{MOST_CORRECTIONS, Solution},
     bifurcation::BifurcationKind,
-    branch::{At, Branch, Chord, Located, Locator, Point, Problem, Range},
+    branch::{At, Branch, Chord, Located, Point, Problem, Range},
     driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum, MARGIN},
     shooting::Equations,
 };
@@ -101,14 +101,6 @@ impl Problem for DrivenContinuation {
     type Critical = DrivenCritical;
     const NEAR: f64 = 1e-6;
     const WEAK: Option<f64> = Some(0.0);
-    const LOCATOR: Locator<Self> = Locator {
-        between: |branch, ends| {
-            let mut found = Vec::new();
-            let unresolved = search(branch, ends, MOST_CUTS, &mut found);
-            (found, unresolved)
-        },
-        fold: |_, _| None,
-    };
 
     fn name(&self) -> &'static str {
         self.parameter.name()
@@ -162,6 +154,12 @@ impl Problem for DrivenContinuation {
 
     fn least_change(&self, _p: f64) -> f64 {
         self.step
+    }
+
+    fn between(branch: &Branch<Self>, ends: [At<'_, Self>; 2]) -> (Vec<Located<Self>>, usize) {
+        let mut found = Vec::new();
+        let unresolved = search(branch, ends, MOST_CUTS, &mut found);
+        (found, unresolved)
     }
 
     fn crossing(

@@ -31,7 +31,7 @@ pub use arclength::{End, Solution};
 pub(crate) use arclength::{MOST_CORRECTIONS, check};
 pub use bifurcation::{BifurcationKind, CriticalPair};
 pub(crate) use branch::Spectra;
-pub use branch::{At, Bifurcation, Branch, Located, Locator, Point, Problem, Range};
+pub use branch::{At, Bifurcation, Branch, Located, Point, Problem, Range};
 pub use continuation::{Continuation, OrbitMeasures};
 pub use driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum};
 pub use driven_branch::{DrivenContinuation, DrivenCritical, DrivenMeasures, DrivenPoint};

@@ -19,7 +19,7 @@
 use super::{
     arclength::{self, Solution},
     bifurcation::{self, BifurcationKind, CriticalPair},
-    branch::{Branch, Locator, Point, Problem, Range},
+    branch::{At, Branch, Located, Point, Problem, Range},
     floquet::{Frame, Kind, Spectrum},
     shooting::{Equations, NewtonStep, least_squares},
 };
@@ -437,7 +437,6 @@ impl Problem for ModeContinuation {
     type Spectrum = Spectrum;
     type Measures = ModeMeasures;
     type Critical = CriticalPair;
-    const LOCATOR: Locator<Self> = bifurcation::locator();
     const NEAR: f64 = 5e-8;
     /// Chosen: long chains have many weaker collisions.
     const WEAK: Option<f64> = Some(1e-3);
@@ -547,6 +546,14 @@ impl Problem for ModeContinuation {
 
     fn least_change(&self, a: f64) -> f64 {
         LEAST_CHANGE * a.abs()
+    }
+
+    fn between(branch: &Branch<Self>, ends: [At<'_, Self>; 2]) -> (Vec<Located<Self>>, usize) {
+        bifurcation::between(branch, ends)
+    }
+
+    fn fold(branch: &Branch<Self>, three: [At<'_, Self>; 3]) -> Option<Located<Self>> {
+        bifurcation::fold(branch, three)
     }
 
     /// An orbit is at rest twice in a period, at `t = 0` and `t = T/2`. The orbits of doubled
