@@ -108,8 +108,9 @@ impl Bright {
 }
 
 impl Study for Bright {
-    const FILES: &'static str =
-        "Files: breather.json, breather.png, breather.npz, norms.csv, periods.csv, profiles.csv and forces.csv.";
+    fn outline() -> Option<Report> {
+        Some(report::tables(&[], &[], &[], &[]).into_iter().fold(Report::new("breather"), Report::table))
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.scene()?;

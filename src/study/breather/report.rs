@@ -55,6 +55,34 @@ fn samples<'a>(name: &str, rows: &'a [(&BrightSample, Norms)]) -> Rows<'a, (&'a 
         .col("energy", Hidden, "of the chain", |row| row.0.energy)
 }
 
+/// All samples, and those at multiples of the period; states; mean contact forces of bonds.
+pub(super) fn tables(
+    all: &[(&BrightSample, Norms)],
+    periods: &[(&BrightSample, Norms)],
+    states: &[(f64, usize, [f64; 3])],
+    forces: &[(usize, [f64; 2])],
+) -> [Table; 4] {
+    let periods = samples("periods", periods)
+        .few(ROWS)
+        .col("e_u_max", Hidden, "largest since the row before", |row| row.1.u)
+        .col("e_udot_max", Hidden, "", |row| row.1.u_dot)
+        .col("e_v_max", Hidden, "", |row| row.1.v)
+        .col("e_vdot_max", Hidden, "", |row| row.1.v_dot);
+    let states = Table::of("profiles", states)
+        .key("")
+        .col("t", Hidden, "0, 30 T_b and the end", |row| row.0)
+        .col("n", Hidden, "site", |row| row.1)
+        .col("u", Hidden, "position of the bead", |row| row.2[0])
+        .col("v", Hidden, "and of its resonator", |row| row.2[1])
+        .col("u_ansatz", Hidden, "by the ansatz", |row| row.2[2]);
+    let forces = Table::of("forces", forces)
+        .key("")
+        .col("bond", Hidden, "", |row| row.0)
+        .col("first_period", Hidden, "mean contact force over the first period", |row| row.1[0])
+        .col("after_end", Hidden, "and over a period that begins at the end", |row| row.1[1]);
+    [samples("norms", all).in_text([]).done(), periods.done(), states.done(), forces.done()]
+}
+
 impl BrightStudy {
     /// The report. `at_30_periods`, `at_horizon` and `largest_to_horizon` are null for runs that
     /// end before; `tenth_left` where the core keeps its energy.
@@ -117,44 +145,20 @@ impl BrightStudy {
     /// All samples, and those at multiples of the period; states; mean contact forces of bonds.
     fn tables(&self) -> [Table; 4] {
         let all: Vec<_> = self.samples.iter().map(|sample| (sample, sample.norms)).collect();
-        let norms = samples("norms", &all).in_text([]).done();
         let mut before = 0.0;
         let largest = |sample: &BrightSample| self.largest(std::mem::replace(&mut before, sample.t), sample.t);
         let largest: Vec<_> = self.periods().map(largest).collect();
         let periods: Vec<_> = self.periods().zip(largest).collect();
-        let periods = samples("periods", &periods)
-            .few(ROWS)
-            .col("e_u_max", Hidden, "largest since the row before", |row| row.1.u)
-            .col("e_udot_max", Hidden, "", |row| row.1.u_dot)
-            .col("e_v_max", Hidden, "", |row| row.1.v)
-            .col("e_vdot_max", Hidden, "", |row| row.1.v_dot)
-            .done();
-        let (breather, layout) = (&self.breather, self.scene.chain().layout());
-        let rows: Vec<_> = self
-            .profiles
-            .iter()
-            .flat_map(|one| {
-                (0..layout.sites())
-                    .map(move |n| (one.t, n, layout.u(&one.state)[n], layout.v(&one.state).map_or(0.0, |v| v[n])))
-            })
-            .collect();
-        let states = Table::of("profiles", &rows)
-            .key("")
-            .col("t", Hidden, "0, 30 T_b and the end", |row| row.0)
-            .col("n", Hidden, "site", |row| row.1)
-            .col("u", Hidden, "position of the bead", |row| row.2)
-            .col("v", Hidden, "and of its resonator", |row| row.3)
-            .col("u_ansatz", Hidden, "by the ansatz", |row| breather.site(row.1, row.0).u)
-            .done();
+        let layout = self.scene.chain().layout();
+        let at = |t: f64, state: &[f64], n: usize| {
+            let v = layout.v(state).map_or(0.0, |v| v[n]);
+            (t, n, [layout.u(state)[n], v, self.breather.site(n, t).u])
+        };
+        let rows = self.profiles.iter().flat_map(|one| (0..layout.sites()).map(move |n| at(one.t, &one.state, n)));
         let (first, last) = (&self.first_forces, &self.last_forces);
-        let forces: Vec<_> = first.forces.iter().zip(&last.forces).enumerate().collect();
-        let forces = Table::of("forces", &forces)
-            .key("")
-            .col("bond", Hidden, "", |row| first.first_bond + row.0)
-            .col("first_period", Hidden, "mean contact force over the first period", |row| *row.1.0)
-            .col("after_end", Hidden, "and over a period that begins at the end", |row| *row.1.1)
-            .done();
-        [norms, periods, states, forces]
+        let forces = first.forces.iter().zip(&last.forces).zip(first.first_bond..);
+        let forces: Vec<_> = forces.map(|((first, last), bond)| (bond, [*first, *last])).collect();
+        tables(&all, &periods, &rows.collect::<Vec<_>>(), &forces)
     }
 
     fn words(&self) -> String {

@@ -100,9 +100,12 @@ pub struct DrivenStudy {
 }
 
 impl Study for Driven {
-    const FILES: &'static str =
-        "Files: driven-orbit.json, driven-orbit.csv, leading-multipliers.csv, driven-orbit.npz and driven-orbit.png.";
+    const FILES: &'static str = "driven-orbit.csv has the displacements of all beads over a period.";
     const INTERRUPTIBLE: bool = true;
+
+    fn outline() -> Option<Report> {
+        Some(Report::new("driven-orbit").table(report::multipliers(&[])))
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.load()?;

@@ -92,6 +92,25 @@ pub(super) fn outline() -> Report {
     report.table(bifurcations(BRANCH[1], &[], (varied, Quantity::Number), None))
 }
 
+/// Leading multipliers of an orbit.
+pub(super) fn multipliers(rows: &[&DrivenMultiplier]) -> Table {
+    let seen = |value: fn(&DrivenMultiplier) -> f64| {
+        move |one: &&DrivenMultiplier| (one.modulus > one.error.max(SHOWN)).then_some(value(one))
+    };
+    Table::of("leading-multipliers", rows)
+        .key("")
+        .col(
+            "re",
+            Fixed(10),
+            "real part of leading multipliers, one of each conjugate pair, without those below their error",
+            seen(|one| one.re),
+        )
+        .col("im", Fixed(10), "imaginary part", seen(|one| one.im))
+        .col("modulus", Fixed(10), "", seen(|one| one.modulus))
+        .col("error", Hidden, "of the modulus", |one| one.error)
+        .done()
+}
+
 impl DrivenStudy {
     fn scale(&self) -> Scale<'_> {
         Scale(self.si.as_ref())
@@ -117,21 +136,6 @@ impl DrivenStudy {
         for i in 0..n {
             table = table.col(format!("u{i}"), Hidden, "", move |row| row.1[i]).kind(Quantity::Length);
         }
-        let leading = leading(point);
-        let seen = |value: fn(&DrivenMultiplier) -> f64| {
-            move |one: &&DrivenMultiplier| (one.modulus > one.error.max(SHOWN)).then_some(value(one))
-        };
-        let multipliers = Table::of("leading-multipliers", &leading)
-            .key("")
-            .col(
-                "re",
-                Fixed(10),
-                "real part of leading multipliers, one of each conjugate pair, without those below their error",
-                seen(|one| one.re),
-            )
-            .col("im", Fixed(10), "imaginary part", seen(|one| one.im))
-            .col("modulus", Fixed(10), "", seen(|one| one.modulus))
-            .col("error", Hidden, "of the modulus", |one| one.error);
         Report::new("driven-orbit")
             .fact("scene", scene.name())
             .fact("drive", &drive[0])
@@ -153,7 +157,7 @@ impl DrivenStudy {
             .fact("integrator", METHOD)
             .fact("scene_file", scene_json(scene))
             .words(self.words())
-            .table(multipliers)
+            .table(multipliers(&leading(point)))
             .table(table)
             .si(si)
             .picture(orbit_picture(self))

@@ -18,6 +18,7 @@ use crate::{
     chain::max_norm,
     error::{Error, Result},
     orbits::{Orbit, Pick, Shooting, Spectrum},
+    report::Report,
 };
 use hertzchain_integrators::{Stepper, collocation::StepControl};
 use nalgebra::Complex;
@@ -63,8 +64,13 @@ options! {
 }
 
 impl Study for Evolve {
-    const FILES: &'static str = "Files: evolution.json, evolution.csv, motion.csv, evolution-x.csv and evolution-y.csv (largest strains in time), evolution.png.";
+    const FILES: &'static str =
+        "evolution-x.csv and evolution-y.csv have the largest strains in time, a column a site.";
     const INTERRUPTIBLE: bool = true;
+
+    fn outline() -> Option<Report> {
+        Some(report::outline())
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         let shooting = Shooting { tol: self.tol, ..Shooting::default() };

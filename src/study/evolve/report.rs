@@ -12,6 +12,34 @@ use crate::{
 };
 use serde_json::json;
 
+/// Time, return error and position of each period.
+fn periods(rows: &[(usize, [f64; 3])]) -> Table {
+    Table::of("evolution", rows)
+        .key("")
+        .few(20)
+        .col("t", Fixed(4), "time", |(_, row)| row[0])
+        .col("e_b", Power(6), "largest change of a strain over the largest strain (eq:relerr)", |(_, row)| row[1])
+        .col("position", Fixed(6), "site of the kink", |(_, row)| row[2])
+        .col("period", Fixed(0), "number of periods from the start", |(m, _)| *m)
+        .done()
+}
+
+/// How the kink moves.
+fn motion(rows: &[Motion]) -> Table {
+    Table::of("motion", rows)
+        .key("motion")
+        .col("from", Fixed(1), "", |one| one.window.0)
+        .col("to", Fixed(1), "", |one| one.window.1)
+        .col("velocity", Power(6), "sites per unit of time, of a line fitted to the positions", |one| one.velocity)
+        .col("misfit", Power(1), "largest distance of a position from the line, in sites", |one| one.misfit)
+        .done()
+}
+
+/// A report without rows.
+pub(super) fn outline() -> Report {
+    Report::new("evolution").table(periods(&[])).table(motion(&[]))
+}
+
 impl Evolution {
     /// The report. In JSON, times, return errors and positions are lists with one number a period.
     pub fn report(&self) -> Report {
@@ -20,14 +48,6 @@ impl Evolution {
         let kicked = self.kick.map_or("not kicked".to_owned(), |(kick, lambda)| {
             format!("kicked by {:e} of its amplitude along multiplier {} = {lambda:.9}", kick.size, kick.mode)
         });
-        let motion = Table::of("motion", &self.motion)
-            .key("motion")
-            .col("from", Fixed(1), "", |one| one.window.0)
-            .col("to", Fixed(1), "", |one| one.window.1)
-            .col("velocity", Power(6), "sites per unit of time, of a line fitted to the positions", |one: &Motion| {
-                one.velocity
-            })
-            .col("misfit", Power(1), "largest distance of a position from the line, in sites", |one| one.misfit);
         let time = |kind, label: &str, column| periods.panel(kind, ["time t", label], "t", &[(label, column)]);
         let mut lines = [time(Kind::LogTime, "return error E_b", "e_b"), time(Kind::Time, "kink at n", "position")];
         // A zero has no place on a logarithmic axis: it is drawn below every rounding.
@@ -71,7 +91,7 @@ impl Evolution {
                 "{kicked}; small perturbations, also rounding errors, grow by a factor of at least {:.1e} in this run",
                 self.amplification
             ))
-            .table(motion)
+            .table(motion(&self.motion))
             .table(x)
             .table(y)
             .failure(self.failure.as_ref().map(|why| format!("the run ended early: {why}")))
@@ -82,19 +102,13 @@ impl Evolution {
     /// in time, with a column a site.
     fn tables(&self) -> [Table; 3] {
         let (sites, span) = (self.orbit.setting.sites, self.swing.span);
-        let rows: Vec<usize> = (0..self.times.len()).collect();
-        let periods = Table::of("evolution", &rows)
-            .key("")
-            .few(20)
-            .col("t", Fixed(4), "time", |m| self.times[*m])
-            .col("e_b", Power(6), "largest change of a strain over the largest strain (eq:relerr)", |m| self.e_b[*m])
-            .col("position", Fixed(6), "site of the kink", |m| self.position[*m])
-            .col("period", Fixed(0), "number of periods from the start", |m| *m);
+        let rows = self.times.iter().zip(&self.e_b).zip(&self.position).map(|((t, e_b), place)| [*t, *e_b, *place]);
         let t: Vec<f64> = (0..self.swing.x.len() / sites).map(|row| (row as f64 + 0.5) * span).collect();
         let strains = |symbol: &str, values: &[f64]| {
             Table::matrix(format!("evolution-{symbol}"), (symbol, -((sites / 2) as i64)), &t, values)
         };
-        [periods.done(), strains("x", &self.swing.x), strains("y", &self.swing.y)]
+        let rows: Vec<_> = rows.enumerate().collect();
+        [periods(&rows), strains("x", &self.swing.x), strains("y", &self.swing.y)]
     }
 
     /// Largest strains over space and time, beads and resonators; the scale of colours ends at

@@ -25,6 +25,7 @@ use crate::{
         Setting, Shooting, Spectrum,
     },
     output::Folder,
+    report::Report,
     sweep::Engine,
 };
 use hertzchain_integrators::collocation::StepControl;
@@ -94,7 +95,9 @@ pub struct DarkStudy {
 }
 
 impl Study for Dark {
-    const FILES: &'static str = "Files: dark-breather.json, dark-breather.png, and multipliers-outside.csv.";
+    fn outline() -> Option<Report> {
+        Some(Report::new("dark-breather").table(report::outside(&[])))
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         let breather = self.breather()?;
@@ -209,12 +212,16 @@ impl Continue {
 }
 
 impl Study for Continue {
-    const FILES: &'static str = "Files: branch.json, branch.png, branch.csv, bifurcations.csv and branch.npz; the last is written every 20 points or 10 s as well. \
+    const FILES: &'static str = "branch.npz has every orbit, and no table; it is written every 20 points or 10 s as well. \
                                  With --resume and without --out, the files go to the folder of the file that is gone on with. \
                                  spectra.store has multipliers and bifurcations, from which the same command goes on. \
                                  Each part of --shard follows the branch itself and computes its share of these.";
     const INTERRUPTIBLE: bool = true;
     const SWEEPS: bool = true;
+
+    fn outline() -> Option<Report> {
+        Some(report::outline())
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         let branch = match &self.resume {
@@ -275,9 +282,12 @@ pub struct DoubledStudy {
 }
 
 impl Study for Doubled {
-    const FILES: &'static str =
-        "Files: branch.json, branch.png, branch.csv, bifurcations.csv, multipliers-outside.csv and branch.npz.";
+    const FILES: &'static str = "branch.npz has every orbit, and no table.";
     const INTERRUPTIBLE: bool = true;
+
+    fn outline() -> Option<Report> {
+        Some(report::outline().table(report::outside(&[])))
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         let (breather, shooting) = (self.ring.breather(Center::Bond, None, RANGE[0])?, self.ring.shooting());

@@ -4,7 +4,9 @@ use super::{DarkStudy, DoubledStudy, OrbitStudy};
 use crate::{
     error::Result,
     numerics::least_by,
-    orbits::{Bifurcation, Branch, Continuation, Extent, Kind, Multiplier, ORBIT_FORMAT, OrbitPoint, Setting},
+    orbits::{
+        Bifurcation, Branch, Continuation, Extent, Kind, Multiplier, ORBIT_FORMAT, OrbitPoint, Parameter, Setting,
+    },
     output::{Array, FileFormat},
     report::{
         self, Column,
@@ -183,6 +185,48 @@ fn bifurcations(name: &str, all: &[Bifurcation]) -> Table {
         .done()
 }
 
+/// The points of a branch in a parameter.
+fn points(parameter: Parameter, rows: &[BranchRow<'_, Continuation>]) -> Table {
+    let off = |kind: Kind| {
+        move |(_, point): &BranchRow<'_, Continuation>| {
+            let strongest = (*point)?.spectrum.multipliers.iter().find(|one| one.kind == kind && one.modulus > 1.0);
+            strongest.map(|one| one.modulus)
+        }
+    };
+    let leading = |point: &OrbitPoint| -> Vec<Multiplier> {
+        let all = point.spectrum.multipliers.iter().filter(|one| one.modulus > 1.0 && one.im >= 0.0);
+        all.take(LEADING).copied().collect()
+    };
+    let place = |row: &BranchRow<'_, Continuation>| row.0.setting.get(parameter);
+    Table::of("branch", rows)
+        .key("points")
+        .col(parameter.name(), Fixed(8), "", place)
+        .col("k_x", Power(8), "amplitude of the background, of beads", |&(_, point)| Some(point?.measures.extent.k_x))
+        .col("k_y", Power(8), "and of resonators", |&(_, point)| Some(point?.measures.extent.k_y))
+        .col("c_x", Hidden, "centre of the background, of beads", |&(_, point)| Some(point?.measures.extent.c_x))
+        .col("c_y", Hidden, "and of resonators", |&(_, point)| Some(point?.measures.extent.c_y))
+        .col("max_modulus", Hidden, "largest modulus of a multiplier", |&(_, point)| Some(point?.spectrum.largest()))
+        .col("radius", Hidden, "bound for the distance to an exact orbit", |&(_, point)| {
+            point?.measures.kantorovich?.radius
+        })
+        .col("real", Fixed(8), "largest modulus of the real multipliers above 1", off(Kind::Real))
+        .col("negative", Fixed(8), "of those below -1", off(Kind::Negative))
+        .col("quartet", Fixed(8), "of quartets", off(Kind::Quartet))
+        .col("parameter", Json, "", place)
+        .col("omega_b", Json, "", |(orbit, _)| orbit.setting.omega_b)
+        .col("rho", Json, "", |(orbit, _)| orbit.setting.params.rho)
+        .col("residual", Json, "", |(orbit, _)| orbit.residual)
+        .col("leading", Json, "", |&(_, point)| json!(point.map(leading)))
+        .col("symplectic_defect", Json, "", |&(_, point)| Some(point?.spectrum.quality.symplectic_defect))
+        .col("kantorovich", Json, "", |&(_, point)| json!(point.and_then(|point| point.measures.kantorovich)))
+        .done()
+}
+
+/// A report of a branch without rows.
+pub(super) fn outline() -> Report {
+    Report::new("branch").table(points(Parameter::OmegaB, &[])).table(bifurcations("bifurcations", &[]))
+}
+
 impl Branch {
     /// The report.
     ///
@@ -209,7 +253,7 @@ impl Branch {
             true => format!(" {}", bounds(self.points.iter().map(|point| point.measures.kantorovich))),
             false => String::new(),
         };
-        let table = self.table();
+        let table = points(parameter, &told(self));
         let end = ended(told(self).len(), self.bifurcations.len(), self.ended());
         let picture = self.picture(&table);
         let report = report
@@ -224,48 +268,6 @@ impl Branch {
             .file("branch.npz", npz)
             .failure(self.shortfall().map(|why| format!("the branch {why}")));
         Ok(if self.points.is_empty() { report } else { report.picture(picture) })
-    }
-
-    /// The points.
-    pub(crate) fn table(&self) -> Table {
-        let parameter = self.continuation.parameter;
-        let off = |kind: Kind| {
-            move |(_, point): &BranchRow<'_, Continuation>| {
-                let strongest = (*point)?.spectrum.multipliers.iter().find(|one| one.kind == kind && one.modulus > 1.0);
-                strongest.map(|one| one.modulus)
-            }
-        };
-        let leading = |point: &OrbitPoint| -> Vec<Multiplier> {
-            let all = point.spectrum.multipliers.iter().filter(|one| one.modulus > 1.0 && one.im >= 0.0);
-            all.take(LEADING).copied().collect()
-        };
-        let place = |row: &BranchRow<'_, Continuation>| row.0.setting.get(parameter);
-        Table::of("branch", &told(self))
-            .key("points")
-            .col(parameter.name(), Fixed(8), "", place)
-            .col("k_x", Power(8), "amplitude of the background, of beads", |&(_, point)| {
-                Some(point?.measures.extent.k_x)
-            })
-            .col("k_y", Power(8), "and of resonators", |&(_, point)| Some(point?.measures.extent.k_y))
-            .col("c_x", Hidden, "centre of the background, of beads", |&(_, point)| Some(point?.measures.extent.c_x))
-            .col("c_y", Hidden, "and of resonators", |&(_, point)| Some(point?.measures.extent.c_y))
-            .col("max_modulus", Hidden, "largest modulus of a multiplier", |&(_, point)| {
-                Some(point?.spectrum.largest())
-            })
-            .col("radius", Hidden, "bound for the distance to an exact orbit", |&(_, point)| {
-                point?.measures.kantorovich?.radius
-            })
-            .col("real", Fixed(8), "largest modulus of the real multipliers above 1", off(Kind::Real))
-            .col("negative", Fixed(8), "of those below -1", off(Kind::Negative))
-            .col("quartet", Fixed(8), "of quartets", off(Kind::Quartet))
-            .col("parameter", Json, "", place)
-            .col("omega_b", Json, "", |(orbit, _)| orbit.setting.omega_b)
-            .col("rho", Json, "", |(orbit, _)| orbit.setting.params.rho)
-            .col("residual", Json, "", |(orbit, _)| orbit.residual)
-            .col("leading", Json, "", |&(_, point)| json!(point.map(leading)))
-            .col("symplectic_defect", Json, "", |&(_, point)| Some(point?.spectrum.quality.symplectic_defect))
-            .col("kantorovich", Json, "", |&(_, point)| json!(point.and_then(|point| point.measures.kantorovich)))
-            .done()
     }
 
     /// The amplitude along the branch, with stability and bifurcations marked, and the largest
