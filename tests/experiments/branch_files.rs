@@ -339,7 +339,7 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
         (
             npz_with("settings.json", &(r#"{"a":"#.to_owned() + &"[".repeat(100_000)), &[]).unwrap(),
             "settings.json",
-            "EOF",
+            "recursion limit exceeded",
         ),
     ] {
         let text = refused(&bytes);
