@@ -240,6 +240,30 @@ fn families(methods: &[Method]) -> (Vec<String>, Vec<usize>) {
     (names, indices)
 }
 
+/// The place and the value with the largest `height` between two places, by golden sections as long
+/// as `apart` says so of the distance of the places.
+fn golden<T>(
+    [mut low, mut high]: [f64; 2],
+    mut apart: impl FnMut(f64) -> bool,
+    at: impl Fn(f64) -> Result<T>,
+    height: impl Fn(&T) -> f64,
+) -> Result<(f64, T)> {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let seen = |x: f64| Ok::<_, crate::Error>((x, at(x)?));
+    let mut left = seen(high - GOLDEN * (high - low))?;
+    let mut right = seen(low + GOLDEN * (high - low))?;
+    while apart(high - low) {
+        if height(&left.1) > height(&right.1) {
+            (high, right) = (right.0, left);
+            left = seen(high - GOLDEN * (high - low))?;
+        } else {
+            (low, left) = (left.0, right);
+            right = seen(low + GOLDEN * (high - low))?;
+        }
+    }
+    Ok(if height(&left.1) > height(&right.1) { left } else { right })
+}
+
 /// Slope of the least-squares line, and its largest residual; `None` if no abscissas differ.
 pub(crate) fn fit_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let n = points.len() as f64;
