@@ -22,7 +22,7 @@
 //! | `cli` | the command line (feature `cli`) |
 //! | `figures` | pictures as PNG (feature `plot`) |
 //! | [`interrupt`] | whether the process was asked to end |
-//! | [`numerics`] | lines and planes through points, bisection, extremes |
+//! | [`numerics`] | lines and planes through points, bisection, golden sections, extremes |
 //! | [`plain`] | the loops that anybody would write, as a yardstick |
 //! | [`error`] | the error type |
 

@@ -1,4 +1,4 @@
-//! Small numerical tools: lines and planes through points, bisection, extremes.
+//! Small numerical tools: lines and planes through points, bisection, golden sections, extremes.
 
 /// The item with the least value of `of`; the first of those that are equal.
 pub fn least_by<T>(all: impl IntoIterator<Item = T>, of: impl Fn(&T) -> f64) -> Option<T> {
@@ -72,6 +72,33 @@ pub fn fit_plane(points: &[[f64; 3]]) -> Option<([f64; 3], f64)> {
     let c = means[2] - p * means[0] - q * means[1];
     let off = |&[x, y, z]: &[f64; 3]| (z - c - p * x - q * y).abs();
     Some(([c, p, q], points.iter().map(off).fold(0.0, f64::max)))
+}
+
+/// The place and the value with the largest `height` between two places, by golden sections as long
+/// as `apart` says so of the distance of the places.
+///
+/// # Errors
+/// A value that cannot be computed.
+pub fn golden<T, E>(
+    [mut low, mut high]: [f64; 2],
+    mut apart: impl FnMut(f64) -> bool,
+    at: impl Fn(f64) -> Result<T, E>,
+    height: impl Fn(&T) -> f64,
+) -> Result<(f64, T), E> {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let seen = |x: f64| Ok((x, at(x)?));
+    let mut left = seen(high - GOLDEN * (high - low))?;
+    let mut right = seen(low + GOLDEN * (high - low))?;
+    while apart(high - low) {
+        if height(&left.1) > height(&right.1) {
+            (high, right) = (right.0, left);
+            left = seen(high - GOLDEN * (high - low))?;
+        } else {
+            (low, left) = (left.0, right);
+            right = seen(low + GOLDEN * (high - low))?;
+        }
+    }
+    Ok(if height(&left.1) > height(&right.1) { left } else { right })
 }
 
 #[cfg(test)]

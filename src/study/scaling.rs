@@ -13,10 +13,10 @@ use crate::{
     report::{
         Curve,
         Digits::{Power, Short},
-        Point, Report, Table, WorkPrecision,
+        Point, Report, WorkPrecision, rows,
     },
     run::method::{Contacts, Method, Setting},
-    scene::{Initial, Scene, SceneFile},
+    scene::{Scene, SceneFile},
     sweep::on_one_thread,
 };
 use hertzchain_integrators::Stats;
@@ -56,7 +56,7 @@ options! {
 
 impl Study for ScalingOptions {
     fn outline() -> Option<Report> {
-        Some(Report::new("scaling").table(table(&[])))
+        Some(Report::new("scaling").table(ScalingRow::table("scaling", &[])))
     }
 
     fn begin(&self) -> Result<Work<'_>> {
@@ -64,24 +64,29 @@ impl Study for ScalingOptions {
     }
 }
 
-/// One method on one ring.
-#[derive(Clone, Debug)]
-pub struct ScalingRow {
-    /// The method.
-    pub method: Method,
-    /// Number of sites, and of bonds.
-    pub sites: usize,
-    /// Median wall time of several runs, in seconds; `None` if there is none.
-    pub wall: Option<f64>,
-    /// Wall time per bond and period, in seconds.
-    pub per_bond_period: Option<f64>,
-    /// Number of runs whose median is `wall`.
-    pub repeats: usize,
-    /// Work of one run. Force evaluations are those of the whole chain: each bond makes at most
-    /// this number.
-    pub stats: Stats,
-    /// Why there is no time: the run failed, or was left out.
-    pub failure: Option<String>,
+rows! {
+    /// One method on one ring.
+    #[derive(Clone, Debug, Default)]
+    pub struct ScalingRow {
+        /// Name of the method.
+        integrator: String => Short,
+        /// Number of sites, and of bonds.
+        sites: usize => Short,
+        /// Median wall time of several runs, in seconds.
+        wall: Option<f64> => Power(2),
+        /// Wall time for each bond and period, in seconds.
+        per_bond_period: Option<f64> => Power(2),
+        /// Number of runs whose median it is.
+        runs: usize => Short,
+        /// Steps of a run.
+        steps: u64 => Short,
+        /// Rejected steps.
+        rejected: u64 => Short,
+        /// Of each bond, at most: those of the whole chain.
+        force_evaluations: u64 => Short,
+        /// Why there is no time: the run failed, or was left out.
+        failure: Option<String> => Short,
+    }
 }
 
 /// The outcome of the study.
@@ -115,7 +120,7 @@ impl ScalingStudy {
 
     /// The rows of one method.
     pub fn rows_of(&self, method: &Method) -> Vec<&ScalingRow> {
-        self.rows.iter().filter(|row| row.method == *method).collect()
+        self.rows.iter().filter(|row| row.integrator == method.name()).collect()
     }
 
     /// The report; times are in seconds.
@@ -156,26 +161,11 @@ impl ScalingStudy {
             .fact("perturbation", perturbation)
             .fact("seed", seed)
             .fact("scene", scene)
-            .table(table(rows))
+            .table(ScalingRow::table("scaling", rows))
             .words(how)
             .fact("machine", machine_json())
             .picture(picture)
     }
-}
-
-/// The table of the rows.
-fn table(rows: &[ScalingRow]) -> Table {
-    Table::of("scaling", rows)
-        .col("integrator", Short, "", |row| row.method.name())
-        .col("sites", Short, "", |row| row.sites)
-        .col("wall", Power(2), "median wall time of a run, in seconds", |row| row.wall)
-        .col("per_bond_period", Power(2), "wall time for each bond and period, in seconds", |row| row.per_bond_period)
-        .col("runs", Short, "", |row| row.repeats)
-        .col("steps", Short, "", |row| row.stats.steps)
-        .col("rejected", Short, "", |row| row.stats.rejected)
-        .col("force_evaluations", Short, "of each bond, at most", |row| row.stats.force_evaluations)
-        .col("failure", Short, "", |row| row.failure.clone())
-        .done()
 }
 
 /// Times every method on every ring, on one thread. `progress` is told the share of the time budget
@@ -252,27 +242,26 @@ impl<'a> Studied<'a> {
     }
 
     fn measure(&mut self, sites: usize, left: f64) -> Result<()> {
-        let mut row = self.row(sites);
-        match self.time(sites, left)? {
-            Ok((wall, repeats, stats)) => {
+        let row = match self.time(sites, left)? {
+            Ok((wall, runs, Stats { steps, rejected, force_evaluations })) => {
                 self.known = Some((sites, wall));
-                (row.wall, row.repeats, row.stats) = (Some(wall), repeats, stats);
-                row.per_bond_period = Some(wall / (sites as f64 * PERIODS));
+                let per_bond_period = Some(wall / (sites as f64 * PERIODS));
+                let wall = Some(wall);
+                ScalingRow { wall, per_bond_period, runs, steps, rejected, force_evaluations, ..ScalingRow::default() }
             }
-            Err(failure) => row.failure = Some(failure),
-        }
-        self.rows.push(row);
+            Err(why) => ScalingRow { failure: Some(why), ..ScalingRow::default() },
+        };
+        self.add(sites, row);
         Ok(())
     }
 
     fn leave_out(&mut self, sites: usize, wall: f64) {
         let failure = Some(format!("left out: it would take about {wall:.0e} s, more than --max-time leaves"));
-        self.rows.push(ScalingRow { failure, ..self.row(sites) });
+        self.add(sites, ScalingRow { failure, ..ScalingRow::default() });
     }
 
-    fn row(&self, sites: usize) -> ScalingRow {
-        let (method, stats) = (self.method, Stats::default());
-        ScalingRow { method, sites, wall: None, per_bond_period: None, repeats: 0, stats, failure: None }
+    fn add(&mut self, sites: usize, row: ScalingRow) {
+        self.rows.push(ScalingRow { integrator: self.method.name(), sites, ..row });
     }
 
     /// Predicted wall time of one run, in seconds, from the last run; before the first run on a
@@ -301,12 +290,11 @@ fn growth(method: &Method) -> f64 {
 fn perturbed(sites: usize, seed: u64) -> Result<Scene> {
     let mut file = SceneFile::parse(&Scene::source(SCENE)?, SCENE)?;
     file.chain.sites = sites;
-    let wave = Scene::build(file.clone())?;
+    let wave = Scene::build(file)?;
     let mut random = uniform(seed);
     let mut arrays = wave.initial().as_slice().chunks(sites).map(|array| shaken(array, &mut random));
     let mut next = || arrays.next().unwrap_or_default();
-    file.initial = Initial::State { u: next(), v: next(), u_dot: next(), v_dot: next() };
-    Scene::build(file)?.until(PERIODS * wave.period())
+    wave.from_state(next(), next(), next(), next())?.until(PERIODS * wave.period())
 }
 
 fn shaken(array: &[f64], random: &mut impl FnMut() -> f64) -> Vec<f64> {

@@ -16,7 +16,9 @@ use crate::{
     chain::Params,
     dps::Center,
     error::Result,
-    orbits::{Bifurcation, BifurcationKind, Extent, Kind, Multiplier, Shooting, Spectrum},
+    orbits::{
+        Bifurcation, BifurcationKind, Continuation, Extent, Kind, Multiplier, Orbit, Parameter, Shooting, Spectrum,
+    },
     paper::figures::orbits::{between, breather, orbit},
     study::{Evolution, Kick, OrbitStudy, evolve, orbit_study},
     sweep::map,
@@ -40,6 +42,13 @@ pub(super) const GROUPS: &[Group] = &[
 const THIRD: f64 = 1.0 / 3.0;
 /// Quartets with a modulus of at most one plus this are weak.
 const WEAK: f64 = 0.02;
+
+/// The orbits from one on to the value `to` of a parameter, in steps of at most `step`.
+fn follow(orbit: Orbit, parameter: Parameter, to: f64, step: f64) -> Result<Vec<Orbit>> {
+    let shooting = Shooting::default();
+    let continuation = Continuation { parameter, to, step, most_points: 100, natural: false, shooting };
+    Ok(continuation.follow(orbit, |_| {})?.0)
+}
 
 fn study(rho: f64, center: Center, omega_b: f64) -> Result<OrbitStudy> {
     orbit_study(orbit(rho, center, omega_b)?, &Shooting::default())

@@ -1,7 +1,7 @@
 //! The problem that is charted, a chain and a state, and its variants.
 
 use crate::{
-    chain::{Boundary, Chain},
+    chain::{Boundary, Chain, Layout},
     error::{Error, Result},
     run::{contact_frequency, overlap_scale},
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span},
@@ -92,15 +92,13 @@ impl Problem {
                 "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
             return Err(Error::parameter("scene", scene.name(), rule));
         }
-        let amplitude = overlap_scale(scene.chain(), scene.initial().as_slice());
+        let amplitude = overlap_scale(chain, y);
         if amplitude == 0.0 {
             return Err(Error::parameter("scene", scene.name(), "a chain at rest has no error to chart"));
         }
-        let layout = chain.layout();
-        let array = |slice: Option<&[f64]>| slice.map(<[f64]>::to_vec).unwrap_or_default();
-        let state = [Some(layout.u(y)), layout.v(y), Some(layout.u_dot(y)), layout.v_dot(y)].map(array);
         let (name, source) = (scene.name().to_owned(), scene.file().to_toml());
-        Ok(Self { name, source, chain: scene.file().chain.clone(), state: Some(state), amplitude })
+        let state = Some(arrays(chain.layout(), y));
+        Ok(Self { name, source, chain: scene.file().chain.clone(), state, amplitude })
     }
 
     /// Its name: that of the scene.
@@ -172,9 +170,7 @@ impl Problem {
         let layout = Chain::<f64>::new(chain.params(), Boundary::Fixed, sites)?.layout();
         let mut y = vec![0.0; layout.dim()];
         y[entry] = shift;
-        let array = |slice: Option<&[f64]>| slice.map(<[f64]>::to_vec).unwrap_or_default();
-        let state = [Some(layout.u(&y)), layout.v(&y), Some(layout.u_dot(&y)), layout.v_dot(&y)].map(array);
-        self.scene(chain, state, span)
+        self.scene(chain, arrays(layout, &y), span)
     }
 
     fn scene(&self, chain: ChainSection, [u, v, u_dot, v_dot]: [Vec<f64>; 4], span: f64) -> Result<Scene> {
@@ -192,4 +188,10 @@ impl Problem {
             record: Record::of(0),
         })
     }
+}
+
+/// `u, v, u', v'` of a state; those of resonators are empty where none moves.
+fn arrays(layout: Layout, y: &[f64]) -> [Vec<f64>; 4] {
+    [Some(layout.u(y)), layout.v(y), Some(layout.u_dot(y)), layout.v_dot(y)]
+        .map(|array| array.map(<[f64]>::to_vec).unwrap_or_default())
 }

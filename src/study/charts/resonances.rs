@@ -25,6 +25,7 @@ use crate::{
     error::{Error, Result},
     run::Records,
     run::method::{Method, Setting, Split},
+    numerics::golden,
 };
 use hertzchain_integrators::splitting::First;
 use nalgebra::DMatrix;
@@ -39,6 +40,8 @@ const OFFSETS: (i32, i32, i32) = (-70, 1, 24);
 const LEAST_GROWTH: f64 = 1e-6;
 /// Share of the largest growth at the edges: an edge is thereby off by `5e-5` of the half width.
 const EDGE: f64 = 1e-2;
+/// Golden sections in the search for the largest growth.
+const SECTIONS: u32 = 30;
 /// Displacement for central differences, in units of `delta`.
 const SHIFT: f64 = 1e-5;
 /// Runs inside and beside a resonance have as many steps as a growth by `e^FOLDS` takes, up to
@@ -86,7 +89,9 @@ pub fn resonance(problem: &Problem, method: Method, k: u32, delta: f64) -> Resul
     if scanned[top].1 < LEAST_GROWTH || top == 0 || top + 1 == scanned.len() {
         return Ok(None);
     }
-    let between = maximum(scanned[top - 1].0, scanned[top + 1].0, &growth)?;
+    let mut sections = 0..SECTIONS;
+    let bracket = [scanned[top - 1].0, scanned[top + 1].0];
+    let between = golden(bracket, |_| sections.next().is_some(), growth, |value| *value)?;
     // If the search between the neighbours misses a narrow maximum, the scanned point is taken.
     let (centre, largest) = if between.1 > scanned[top].1 { between } else { scanned[top] };
     let quiet = |at: &&(f64, f64)| at.1 < EDGE * largest;
@@ -160,25 +165,6 @@ pub fn kick_sum(method: &Method, k: u32) -> Option<f64> {
         (re, im) = (re + kick.value() * cos, im + kick.value() * sin);
     }
     Some(f64::hypot(re, im))
-}
-
-/// The place and value of the largest value between two places, by golden sections.
-fn maximum(mut a: f64, mut b: f64, f: &dyn Fn(f64) -> Result<f64>) -> Result<(f64, f64)> {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
-    let (mut fc, mut fd) = (f(c)?, f(d)?);
-    for _ in 0..30 {
-        if fc > fd {
-            (b, d, fd) = (d, c, fc);
-            c = b - GOLDEN * (b - a);
-            fc = f(c)?;
-        } else {
-            (a, c, fc) = (c, d, fd);
-            d = a + GOLDEN * (b - a);
-            fd = f(d)?;
-        }
-    }
-    Ok(if fc > fd { (c, fc) } else { (d, fd) })
 }
 
 /// The place between `good` and `bad` where a condition that holds at `good` ends, by bisection.

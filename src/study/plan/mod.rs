@@ -19,7 +19,7 @@ use crate::{
     error::{Error, Result},
     output::Folder,
     report::Report,
-    run::{Recorder, Records, Snapshot},
+    run::{Recorder, Records, Snapshot, Trajectory},
     scene::Scene,
     sweep::{Engine, Grid, Row, Rows, STOPPED, counted},
 };
@@ -149,15 +149,13 @@ pub fn planned(plan: &Plan, engine: &Engine, progress: Progress<'_>) -> Result<P
 fn before_its_first_step(scene: &Scene) -> Value {
     let run = scene.run().records(Records::Energy).contacts();
     let trajectory = Recorder::new(&run, Snapshot::new(&run), &mut |_, _| ()).trajectory(None);
-    run_json(&RunView {
-        scene,
-        integrator: "",
-        setting: "",
-        reason: None,
-        outcome: &trajectory,
-        amplification: None,
-        si: None,
-    })
+    reported(scene, &trajectory)
+}
+
+/// The report of a run.
+fn reported(scene: &Scene, outcome: &Trajectory) -> Value {
+    let (integrator, setting) = ("", "");
+    run_json(&RunView { scene, integrator, setting, reason: None, outcome, amplification: None, si: None })
 }
 
 /// Runs a point: the quantities that the plan keeps.
@@ -169,15 +167,7 @@ fn run(plan: &Plan, point: &Point) -> Result<Vec<Value>> {
     if let Some(doubt) = trajectory.warnings.iter().find(|warning| warning.fatal()) {
         return Err(doubt.clone().into());
     }
-    let report = run_json(&RunView {
-        scene: &scene,
-        integrator: "",
-        setting: "",
-        reason: None,
-        outcome: &trajectory,
-        amplification: None,
-        si: None,
-    });
+    let report = reported(&scene, &trajectory);
     plan.keep.iter().map(|quantity| quantity.of(&report)).collect()
 }
 

@@ -16,7 +16,7 @@ use crate::{
     chain::State,
     error::Result,
     report::{Digits::Fixed, Kind, Line, Panel, Panels, Report, rows},
-    study::{Progress, Study, Work, options::options},
+    study::{Progress, Study, Work, golden, options::options},
     sweep::{Engine, Grid},
 };
 use serde::{Deserialize, Serialize};
@@ -32,8 +32,6 @@ pub const PUBLISHED: [f64; 4] = [1.0, 0.3428, 0.1548, 0.0901];
 const FIRST_CELL: usize = 36;
 /// Cells beyond the last that is measured, so that the end of the chain is not felt.
 const BEYOND: usize = 4;
-/// The golden ratio less 1.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Accuracy of the mass ratios at maxima.
 const NEAR: f64 = 2e-5;
 
@@ -170,26 +168,11 @@ pub fn dimer(options: &DimerOptions, engine: &Engine, progress: Progress<'_>) ->
     });
     let brackets: Vec<[f64; 2]> = peaks.map(|row| [row[0].ratio, row[2].ratio]).collect();
     let grid = Grid { store: "dimer-maxima.store", ..grid };
-    let swept = engine.sweep(&grid, &brackets, progress, |&[low, high]| highest(low, high, cells))?;
+    let swept = engine.sweep(&grid, &brackets, progress, |&bracket| {
+        Ok(golden(bracket, |apart| apart > NEAR, |ratio| pulse(ratio, cells), |row| row.transmission)?.1)
+    })?;
     let maxima = swept.all(&brackets, |[low, _]| format!("maximum above the mass ratio {low}"))?;
     Ok(DimerStudy { cells, rows, maxima })
-}
-
-/// The maximum of the transmission between two mass ratios, by golden section.
-fn highest(mut low: f64, mut high: f64, cells: usize) -> Result<DimerRow> {
-    let inner = |low: f64, high: f64| (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
-    let (left, right) = inner(low, high);
-    let (mut left, mut right) = (pulse(left, cells)?, pulse(right, cells)?);
-    while high - low > NEAR {
-        if left.transmission > right.transmission {
-            (high, right) = (right.ratio, left);
-            left = pulse(inner(low, high).0, cells)?;
-        } else {
-            (low, left) = (left.ratio, right);
-            right = pulse(inner(low, high).1, cells)?;
-        }
-    }
-    Ok(if left.transmission > right.transmission { left } else { right })
 }
 
 /// A pulse of a heavy bead with speed 1 that strikes a dimer at rest.

@@ -182,9 +182,7 @@ impl Study for TheoremOptions {
     const STORE: &'static str = "theorem.store";
 
     fn outline() -> Option<Report> {
-        let (runs, slopes, options) = (Vec::new(), Vec::new(), TheoremOptions::default());
-        let empty = TheoremStudy { options, sites: 0, runs, slopes, resumed: 0, missing: 0, wall: Duration::ZERO };
-        Some(empty.report())
+        Some(TheoremStudy::default().report())
     }
 
     fn begin(&self) -> Result<Work<'_>> {
@@ -224,7 +222,7 @@ impl TheoremRun {
 }
 
 /// The outcome.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct TheoremStudy {
     /// The options, with the sizes that were run, from large to small.
     pub options: TheoremOptions,
@@ -256,13 +254,14 @@ impl TheoremStudy {
 
     /// The verdict over all norms of one error (`u, v, v'` are 0, 1, 2).
     pub fn bound(&self, quantity: usize) -> Bound {
-        Bound::of_all(self.slopes.iter().filter(|slope| slope.quantity == quantity).map(|slope| slope.bound))
+        let of = self.slopes.iter().filter(|slope| slope.quantity == quantity).map(|slope| slope.bound);
+        of.fold(Bound::Bounded, Bound::max)
     }
 
     /// The verdict over all norms and errors: violated if one is; otherwise undecided if one is;
     /// otherwise bounded.
     pub fn verdict(&self) -> Bound {
-        Bound::of_all(self.slopes.iter().map(|slope| slope.bound))
+        (0..3).map(|quantity| self.bound(quantity)).fold(Bound::Bounded, Bound::max)
     }
 
     /// Whether the outcome contradicts the theorem: the law of `rho` is allowed, but an error is

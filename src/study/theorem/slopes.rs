@@ -24,14 +24,15 @@ const SETTLED: f64 = 0.05;
 named! {
     /// Whether a supremum over its power of `epsilon` is bounded as `epsilon` goes to zero: bounded
     /// if `s - d >= -0.03`, violated if `s + d < -0.03`, undecided otherwise, and where the sizes
-    /// given do not tell, see [`RULE`](Bound::RULE).
+    /// given do not tell, see [`RULE`](Bound::RULE). The largest of several is that of them all.
+    #[derive(PartialOrd, Ord)]
     pub enum Bound {
         /// The scaled supremum is bounded.
         Bounded = "bounded",
-        /// The scaled supremum grows.
-        Violated = "violated",
         /// The sizes given do not tell.
         Undecided = "undecided",
+        /// The scaled supremum grows.
+        Violated = "violated",
     }
 }
 
@@ -41,15 +42,6 @@ impl Bound {
         through those of the last two decades of epsilon; and d its uncertainty: misfit of the line, or the distance of the last slope from s if that is \
         more, and what sampling and the end of the run, at any phase, make of a slope. Bounded: s - d >= -0.03. Violated: s + d < -0.03. Undecided: \
         otherwise, or fewer than two slopes there, or max(1, T) epsilon^(alpha-1) > 1/50 at the smallest epsilon, or the last slope more than 0.05 from s.";
-
-    /// Violated if one is, else undecided if one is, else bounded.
-    pub(super) fn of_all(all: impl Iterator<Item = Self>) -> Self {
-        all.fold(Self::Bounded, |one, next| match (one, next) {
-            (Self::Violated, _) | (_, Self::Violated) => Self::Violated,
-            (Self::Undecided, _) | (_, Self::Undecided) => Self::Undecided,
-            _ => Self::Bounded,
-        })
-    }
 
     fn from(limit: Option<(f64, f64)>) -> Self {
         match limit {

@@ -2,12 +2,12 @@
 
 use super::{
     super::{Quantity, Runs},
-    THIRD, bifurcations, first, largest, least, most, quartet, real, spectrum,
+    THIRD, bifurcations, first, follow, largest, least, most, quartet, real, spectrum,
 };
 use crate::{
     dps::Center,
     error::{Error, Result},
-    orbits::{Bifurcation, BifurcationKind, Continuation, Orbit, Parameter, Shooting, Spectrum},
+    orbits::{Bifurcation, BifurcationKind, Orbit, Parameter, Shooting, Spectrum},
     sweep::map,
 };
 
@@ -35,14 +35,6 @@ pub(in super::super) fn period_doubling(_: &Runs) -> Result<Vec<Quantity>> {
     Ok([arc, branch_of(birth, first(&meeting))?].concat())
 }
 
-/// The orbits from `orbit` to the frequency `to`.
-fn follow(orbit: Orbit, to: f64, step: f64) -> Result<Vec<Orbit>> {
-    let shooting = Shooting::default();
-    let continuation =
-        Continuation { parameter: Parameter::OmegaB, to, step, most_points: 100, natural: false, shooting };
-    Ok(continuation.follow(orbit, |_| {})?.0)
-}
-
 /// Distances of `Z(T/2)` from `Z(0)` and from its reflection `n -> 1 - n`, divided by the largest
 /// strain.
 fn half_way(orbit: &Orbit) -> Result<[f64; 2]> {
@@ -58,8 +50,8 @@ fn half_way(orbit: &Orbit) -> Result<[f64; 2]> {
 fn branch_of(birth: &Bifurcation, meeting: f64) -> Result<Vec<Quantity>> {
     let shooting = Shooting::default();
     let born = birth.doubled(&shooting, FIRST)?;
-    let sample = follow(born.clone(), 1.032, 1e-3)?.pop().unwrap_or(born);
-    let orbits = follow(sample.clone(), BEYOND, 4e-3)?;
+    let sample = follow(born.clone(), Parameter::OmegaB, 1.032, 1e-3)?.pop().unwrap_or(born);
+    let orbits = follow(sample.clone(), Parameter::OmegaB, BEYOND, 4e-3)?;
     let spectra = map(&orbits, |orbit| orbit.spectrum(&shooting)).into_iter().collect::<Result<Vec<_>>>()?;
     let [other, reflected] = half_way(&sample)?;
     let n = birth.orbit.setting.sites;

@@ -2,13 +2,13 @@
 
 use super::{
     super::{Quantity, Runs},
-    LONGEST, WEAK, e_folds, largest, least, most, orbit, quartet, real, released, spectra,
+    LONGEST, WEAK, e_folds, follow, largest, least, most, orbit, quartet, real, released, spectra,
 };
 use crate::{
     chain::Params,
     dps::Center,
     error::Result,
-    orbits::{Continuation, Kind, Multiplier, Parameter, Shooting, Spectrum},
+    orbits::{Kind, Multiplier, Parameter, Shooting, Spectrum},
     sweep::map,
 };
 use std::f64::consts::PI;
@@ -98,9 +98,7 @@ struct Branch(Vec<(f64, Spectrum)>);
 impl Branch {
     fn new(center: Center, omega_b: f64, from: f64) -> Result<Self> {
         let shooting = Shooting::default();
-        let (parameter, step) = (Parameter::Rho, LAST - from);
-        let continuation = Continuation { parameter, to: LAST, step, most_points: 100, natural: false, shooting };
-        let (orbits, _) = continuation.follow(orbit(from, center, omega_b)?, |_| {})?;
+        let orbits = follow(orbit(from, center, omega_b)?, Parameter::Rho, LAST, LAST - from)?;
         let spectra = map(&orbits, |orbit| Ok((orbit.setting.params.rho, orbit.spectrum(&shooting)?)));
         Ok(Self(spectra.into_iter().collect::<Result<_>>()?))
     }
@@ -122,13 +120,11 @@ impl Branch {
 /// `ln |lambda|` of the site-centred breather with `omega_b = 1.75` at `rho = 1.4`, divided by that
 /// at `rho = 1.1`, on the branch from `rho = 0.65`.
 fn on_the_way() -> Result<f64> {
-    let (shooting, parameter) = (Shooting::default(), Parameter::Rho);
     let mut orbit = orbit(0.65, Center::Site, 1.75)?;
     let mut rates = [0.0; 2];
     for (to, rate) in [1.1, 1.4].into_iter().zip(&mut rates) {
-        let continuation = Continuation { parameter, to, step: 0.25, most_points: 100, natural: false, shooting };
-        orbit = continuation.follow(orbit.clone(), |_| {})?.0.pop().unwrap_or(orbit);
-        *rate = orbit.spectrum(&shooting)?.largest().ln();
+        orbit = follow(orbit.clone(), Parameter::Rho, to, 0.25)?.pop().unwrap_or(orbit);
+        *rate = orbit.spectrum(&Shooting::default())?.largest().ln();
     }
     Ok(rates[1] / rates[0])
 }
