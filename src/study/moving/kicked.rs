@@ -72,8 +72,8 @@ impl KickedRun {
         let along = rest.spectrum(&shooting)?.direction(0);
         let by = options.kick * rest.amplitude();
         let start: Vec<f64> = rest.start().iter().zip(along).map(|(z, along)| z + by * along).collect();
-        let step_control = StepControl::Tolerance(shooting.tol);
-        let mut run = rest.setting.chain()?.collocation(&start, (0.0, periods * period), step_control)?;
+        let control = StepControl::Tolerance(shooting.tol);
+        let mut run = rest.setting.chain()?.collocation(&start, (0.0, periods * period), control)?;
         let (mut state, mut local): (_, Vec<Local>) = (start, Vec::new());
         for m in 0..periods as u64 {
             let mut a = vec![Complex::from(0.0); n];
