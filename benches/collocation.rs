@@ -117,9 +117,9 @@ fn tangent_map(criterion: &mut Criterion) {
     let chain: Chain<f64> = Chain::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), Boundary::Free, 21).unwrap();
     let start = generic_state(&chain).unwrap();
     let (y0, span) = (start.as_slice(), (0.0, PI));
-    let step_control = StepControl::Windows { windows: 40, nodes: 12, neighbours: true };
-    let run = |y: &[f64]| end(chain.collocation(y, span, step_control).unwrap());
-    let monodromy = || chain.monodromy(y0, span, step_control).unwrap();
+    let control = StepControl::Windows { windows: 40, nodes: 12, neighbours: true };
+    let run = |y: &[f64]| end(chain.collocation(y, span, control).unwrap());
+    let monodromy = || chain.monodromy(y0, span, control).unwrap();
 
     // Reference: central differences in one direction.
     let direction: Vec<f64> = (0..y0.len()).map(noise).collect();
@@ -155,10 +155,10 @@ fn window(closed: bool, h: f64, nodes: usize) -> (f64, f64) {
     let strain = if closed { -1.0 } else { 1.0 };
     let mut y0 = vec![strain; 2 * RING];
     y0.extend((0..2 * RING).map(|i| 0.05 * (2.0 * PI * (i % RING) as f64 / 10.0).sin()));
-    let step_control = StepControl::Windows { windows: WINDOWS, nodes, neighbours: true };
+    let control = StepControl::Windows { windows: WINDOWS, nodes, neighbours: true };
     let mut best = (f64::INFINITY, 0.0);
     for _ in 0..5 {
-        let mut run = chain.collocation(&y0, (0.0, WINDOWS as f64 * h), step_control).unwrap();
+        let mut run = chain.collocation(&y0, (0.0, WINDOWS as f64 * h), control).unwrap();
         let start = Instant::now();
         while !run.done() {
             run.step().unwrap();

@@ -105,8 +105,8 @@ fn windows_of_collocation_allocate_nothing() {
     let scene = Scene::load("tw-q15").unwrap();
     let (y0, period) = (scene.initial().as_slice(), scene.period());
     let equal = StepControl::Windows { windows: 12_000, nodes: 10, neighbours: true };
-    for step_control in [equal, StepControl::Tolerance(1e-6), StepControl::Tolerance(1e-11)] {
-        let mut run = scene.chain().collocation(y0, (0.0, 300.0 * period), step_control).unwrap();
+    for control in [equal, StepControl::Tolerance(1e-6), StepControl::Tolerance(1e-11)] {
+        let mut run = scene.chain().collocation(y0, (0.0, 300.0 * period), control).unwrap();
         // The first window makes the memory of the solver.
         run.step().unwrap();
         let mut up_to = |periods: f64| {
@@ -117,9 +117,9 @@ fn windows_of_collocation_allocate_nothing() {
             })
         };
         let [grown, rest] = [150.0, 300.0].map(&mut up_to);
-        println!("{step_control:?}: {grown} up to 150 periods, {rest} after");
+        println!("{control:?}: {grown} up to 150 periods, {rest} after");
         assert!(grown > 0 && grown < 50 * 10);
         // Five of 900 windows, at most.
-        assert!(rest <= 10, "{step_control:?}: {rest}");
+        assert!(rest <= 10, "{control:?}: {rest}");
     }
 }

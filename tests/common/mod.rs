@@ -29,8 +29,8 @@ pub(crate) fn truth(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Vec<f
     y
 }
 
-pub(crate) fn collocated(chain: &Chain<f64>, y0: &[f64], end: f64, step_control: StepControl) -> (Vec<f64>, Stats) {
-    let mut run = chain.collocation(y0, (0.0, end), step_control).unwrap();
+pub(crate) fn collocated(chain: &Chain<f64>, y0: &[f64], end: f64, control: StepControl) -> (Vec<f64>, Stats) {
+    let mut run = chain.collocation(y0, (0.0, end), control).unwrap();
     let mut y = y0.to_vec();
     drive(&mut run, &mut Silent, &mut y).unwrap();
     (y, run.stats())

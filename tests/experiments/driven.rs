@@ -229,10 +229,10 @@ fn an_orbit_whose_contacts_dissipate_and_open_is_that_of_another_method() {
             })
             .collect();
         let by_differences = nalgebra::DMatrix::from_fn(6, 6, |i, j| columns[j][i]);
-        let step_control = StepControl::Windows { windows: 400, nodes: 12, neighbours: true };
+        let control = StepControl::Windows { windows: 400, nodes: 12, neighbours: true };
         let start = orbit.start().unwrap();
         let (columns, dim) =
-            (chain.monodromy(start.as_slice(), (0.0, setting.period()), step_control).unwrap(), start.as_slice().len());
+            (chain.monodromy(start.as_slice(), (0.0, setting.period()), control).unwrap(), start.as_slice().len());
         let place = |k: usize| if k < 3 { (1 + k, 1.0) } else { (2 + k, setting.omega()) };
         let entry = |i: usize, j: usize| columns[place(j).0 * dim + place(i).0] * place(j).1 / place(i).1;
         let collocated = nalgebra::DMatrix::from_fn(6, 6, entry);

@@ -97,8 +97,8 @@ fn another_integrator_finds_the_same_orbit() {
     for center in [Center::Site, Center::Bond] {
         let ours = orbit(center, 2.05);
         let (n, half) = (ours.z.len(), 0.5 * ours.setting.period());
-        let step_control = StepControl::Windows { windows: 30, nodes: 12, neighbours: true };
-        let columns = ours.setting.chain().unwrap().monodromy(&ours.start(), (0.0, half), step_control).unwrap();
+        let control = StepControl::Windows { windows: 30, nodes: 12, neighbours: true };
+        let columns = ours.setting.chain().unwrap().monodromy(&ours.start(), (0.0, half), control).unwrap();
         let tangent = DMatrix::from_vec(2 * n, 2 * n, columns);
         let mut equations = tangent.view((n, 0), (n, n)).insert_row(n, 0.0);
         for j in 0..n {
@@ -313,8 +313,8 @@ fn multipliers_are_those_of_the_whole_period_at_any_tolerance() {
         );
         assert!(quality.trivial.iter().all(|by| *by <= 8e-14) && quality.linear <= 1.5e-14);
         let chain = orbit.setting.chain().unwrap();
-        let step_control = StepControl::Windows { windows: 60, nodes: 12, neighbours: true };
-        let columns = chain.monodromy(&orbit.start(), (0.0, orbit.setting.period()), step_control).unwrap();
+        let control = StepControl::Windows { windows: 60, nodes: 12, neighbours: true };
+        let columns = chain.monodromy(&orbit.start(), (0.0, orbit.setting.period()), control).unwrap();
         let whole = DMatrix::from_vec(164, 164, columns).complex_eigenvalues();
         let coarse = unstable(&orbit, 1e-9);
         for (k, ours) in unstable(&orbit, 1e-13).into_iter().enumerate() {
@@ -384,9 +384,9 @@ fn by_whole_period(center: Center, near: &Bifurcation) -> f64 {
     let signed = |omega_b: f64| {
         let shooting = Shooting { tol: 1e-11, ..Shooting::default() };
         let orbit = DarkBreather { sites: SITES, ..breather(center, omega_b) }.orbit(&shooting).unwrap();
-        let step_control = StepControl::Windows { windows: 50, nodes: 10, neighbours: true };
+        let control = StepControl::Windows { windows: 50, nodes: 10, neighbours: true };
         let span = (0.0, orbit.setting.period());
-        let columns = orbit.setting.chain().unwrap().monodromy(&orbit.start(), span, step_control).unwrap();
+        let columns = orbit.setting.chain().unwrap().monodromy(&orbit.start(), span, control).unwrap();
         let map = DMatrix::from_vec(4 * SITES, 4 * SITES, columns);
         let mut all: Vec<Complex<f64>> = map.complex_eigenvalues().iter().copied().collect();
         all.sort_by(|a, b| (a - meeting).norm().total_cmp(&(b - meeting).norm()));
@@ -420,8 +420,8 @@ fn the_period_doubles_where_the_tangent_map_has_the_eigenvalue_minus_one() {
     assert!((parameter - 2.063_258_452_043_5).abs() < 1e-12 && (parameter - smaller[0].parameter).abs() < 1e-14);
     // Truth: M (z, 0) = -(z, 0), by the tangent map over the whole period.
     let chain = orbit.setting.chain().unwrap();
-    let step_control = StepControl::Windows { windows: 60, nodes: 12, neighbours: true };
-    let columns = chain.monodromy(&orbit.start(), (0.0, orbit.setting.period()), step_control).unwrap();
+    let control = StepControl::Windows { windows: 60, nodes: 12, neighbours: true };
+    let columns = chain.monodromy(&orbit.start(), (0.0, orbit.setting.period()), control).unwrap();
     let start: Vec<f64> = mode.iter().copied().chain(vec![0.0; mode.len()]).collect();
     let image = DMatrix::from_vec(164, 164, columns) * DMatrix::from_column_slice(164, 1, &start);
     let apart = image.iter().zip(&start).map(|(image, start)| (image + start).abs()).fold(0.0, f64::max);

@@ -115,8 +115,8 @@ fn panels_cut_at_events_of_neighbours_restore_the_order() {
     let mean = |count: u64, nodes: usize, neighbours: bool| {
         let runs: Vec<f64> = (0..12)
             .map(|k| {
-                let step_control = StepControl::Windows { windows: count + count * k / 24, nodes, neighbours };
-                distance(&collocated(&chain, y0, 12.0, step_control).0, &reference).ln()
+                let control = StepControl::Windows { windows: count + count * k / 24, nodes, neighbours };
+                distance(&collocated(&chain, y0, 12.0, control).0, &reference).ln()
             })
             .collect();
         (runs.iter().sum::<f64>() / runs.len() as f64).exp()
@@ -287,13 +287,13 @@ fn states_inside_a_window_are_as_accurate_as_at_its_end_and_change_nothing() {
     let start = generic_state(&chain).unwrap();
     let y0 = start.as_slice();
     let times: Vec<f64> = (1..40).map(|k| 0.137 * f64::from(k)).collect();
-    let step_control = StepControl::Tolerance(1e-12);
+    let control = StepControl::Tolerance(1e-12);
     let mut observer = At { times: &times, states: Vec::new() };
-    let mut watched = chain.collocation(y0, (0.0, 6.0), step_control).unwrap();
+    let mut watched = chain.collocation(y0, (0.0, 6.0), control).unwrap();
     let mut y = y0.to_vec();
     drive(&mut watched, &mut observer, &mut y).unwrap();
 
-    assert_eq!(y, collocated(&chain, y0, 6.0, step_control).0, "looking changes no bit");
+    assert_eq!(y, collocated(&chain, y0, 6.0, control).0, "looking changes no bit");
     let error = |(&t, state): (&f64, &Vec<f64>)| distance(state, &truth(&chain, y0, t, 1e-15));
     let worst = largest(times.iter().zip(&observer.states).map(error));
     println!("{worst:e}");
@@ -372,7 +372,7 @@ fn a_thousand_periods_keep_the_energy_to_rounding() {
 fn paces_outside_their_rules_are_refused() {
     let chain = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), Boundary::Free, 3).unwrap();
     let y0 = vec![0.0; 12];
-    for step_control in [
+    for control in [
         StepControl::Tolerance(0.0),
         StepControl::Tolerance(-1.0),
         StepControl::Tolerance(f64::NAN),
@@ -382,8 +382,8 @@ fn paces_outside_their_rules_are_refused() {
         windows(10, 2),
         windows(10, 18),
     ] {
-        let refused = chain.collocation(&y0, (0.0, 1.0), step_control).err();
-        assert!(matches!(refused, Some(Error::Argument { .. })), "{step_control:?}");
+        let refused = chain.collocation(&y0, (0.0, 1.0), control).err();
+        assert!(matches!(refused, Some(Error::Argument { .. })), "{control:?}");
     }
     assert!(chain.collocation(&y0[..3], (0.0, 1.0), windows(1, 8)).is_err());
     assert!(chain.collocation(&y0, (1.0, 0.0), windows(1, 8)).is_err());

@@ -140,19 +140,19 @@ fn contacts_that_graze_pass_on_the_impulse_of_a_parabola() {
             let touches = excess > 0.0;
             let height = if touches { excess } else { 0.0 };
             let expected = height.powf(alpha + 0.5) * (2.0 / (1.0 + excess)).sqrt() / omega * integral;
-            for step_control in
+            for control in
                 [windows(7, 10), windows(50, 12), StepControl::Tolerance(1e-6), StepControl::Tolerance(1e-13)]
             {
-                let (y, _) = collocated(&chain, &y0, 2.0 * std::f64::consts::PI / omega, step_control);
+                let (y, _) = collocated(&chain, &y0, 2.0 * std::f64::consts::PI / omega, control);
                 let impulse = y[5] + y[7];
-                assert!(touches || impulse == 0.0, "alpha {alpha}, excess {excess:e}, {step_control:?}: {impulse:e}");
+                assert!(touches || impulse == 0.0, "alpha {alpha}, excess {excess:e}, {control:?}: {impulse:e}");
                 // A tolerance allows impulses far below it to be left out, and velocities are
                 // rounded.
-                let unasked = if let StepControl::Tolerance(tol) = step_control { 1e-8 * tol } else { 0.0 };
+                let unasked = if let StepControl::Tolerance(tol) = control { 1e-8 * tol } else { 0.0 };
                 let error = (impulse - expected).abs();
-                println!("alpha {alpha}, excess {excess:e}, {step_control:?}: {expected:e}, off by {error:.1e}");
+                println!("alpha {alpha}, excess {excess:e}, {control:?}: {expected:e}, off by {error:.1e}");
                 let bound = 2.4 * height * expected + unasked + f64::EPSILON;
-                assert!(error < bound, "alpha {alpha}, excess {excess:e}, {step_control:?}: {error:e}");
+                assert!(error < bound, "alpha {alpha}, excess {excess:e}, {control:?}: {error:e}");
             }
         }
     }
@@ -275,10 +275,10 @@ fn contacts_far_shorter_than_a_window() {
         for gap in [30.0, 1000.0] {
             let chain = plain(alpha, 2);
             let y0 = [-gap, 0.0, 1.0, 0.0];
-            for step_control in [StepControl::Tolerance(1e-6), windows(1, 10), windows(10, 10)] {
-                let (y, _) = collocated(&chain, &y0, 3.0 * gap, step_control);
+            for control in [StepControl::Tolerance(1e-6), windows(1, 10), windows(10, 10)] {
+                let (y, _) = collocated(&chain, &y0, 3.0 * gap, control);
                 let off = distance(&y[2..], &[0.0, 1.0]);
-                assert!(off < 1e-5, "alpha {alpha}, gap {gap}, {step_control:?}: {:?}", &y[2..]);
+                assert!(off < 1e-5, "alpha {alpha}, gap {gap}, {control:?}: {:?}", &y[2..]);
             }
         }
     }
@@ -383,8 +383,8 @@ fn starts_on_the_surface() {
             let reference = if speed > 0.0 { truth(&pair, &y0, 5.0, 1e-15) } else { flight };
             agree(&format!("alpha {alpha}, speed {speed}"), (&pair, &y0, 5.0), &reference, 0.5, (20, bounds[0]));
         }
-        for step_control in [StepControl::Tolerance(1e-9), windows(20, 10)] {
-            assert_eq!(collocated(&pair, &[0.0; 4], 5.0, step_control).0, [0.0; 4]);
+        for control in [StepControl::Tolerance(1e-9), windows(20, 10)] {
+            assert_eq!(collocated(&pair, &[0.0; 4], 5.0, control).0, [0.0; 4]);
         }
         let row = chain(alpha, (1.0, 1.0 / 3.0), Boundary::Fixed, 6);
         let mut y0 = vec![0.0; 24];
@@ -446,11 +446,11 @@ fn free_flight_is_exact_and_takes_few_windows() {
         ("straight", (&free, &y0[..], 100.0), &flight[..], 16, 1e-16),
         ("shaken", (&chain, &shaken[..], t), &oscillation[..], 25, 3e-14),
     ] {
-        for step_control in [StepControl::Tolerance(1e-6), StepControl::Tolerance(1e-12), windows(5, 10)] {
-            let (y, stats) = collocated(chain, y0, end, step_control);
+        for control in [StepControl::Tolerance(1e-6), StepControl::Tolerance(1e-12), windows(5, 10)] {
+            let (y, stats) = collocated(chain, y0, end, control);
             let error = relative(&y, reference);
-            println!("{name}, {step_control:?}: {error:e}, {stats:?}");
-            assert!(error < bound && stats.steps < most, "{name}, {step_control:?}: {error:e}, {stats:?}");
+            println!("{name}, {control:?}: {error:e}, {stats:?}");
+            assert!(error < bound && stats.steps < most, "{name}, {control:?}: {error:e}, {stats:?}");
         }
     }
 }

@@ -91,8 +91,8 @@ pub(crate) fn order(chain: &Chain<f64>, y0: &[f64], part: std::ops::Range<usize>
     (coarse / fine).ln() / 3f64.ln()
 }
 
-pub(crate) fn collocation(chain: &Chain<f64>, y0: &[f64], end: f64, step_control: StepControl) -> Vec<f64> {
-    let mut run = chain.heterogeneous_collocation(y0, (0.0, end), step_control).unwrap();
+pub(crate) fn collocation(chain: &Chain<f64>, y0: &[f64], end: f64, control: StepControl) -> Vec<f64> {
+    let mut run = chain.heterogeneous_collocation(y0, (0.0, end), control).unwrap();
     let mut y = y0.to_vec();
     drive(&mut run, &mut Silent, &mut y).unwrap();
     y
@@ -197,9 +197,8 @@ fn beads_that_are_all_equal_are_the_uniform_chain() {
         });
         let y0 = state.unwrap().as_slice().to_vec();
         let chain = uniform.clone().with(&Details::default()).unwrap();
-        let step_control = windows(80, 12);
-        let gap =
-            distance(&collocation(&chain, &y0, 8.0, step_control), &collocated(&uniform, &y0, 8.0, step_control).0);
+        let control = windows(80, 12);
+        let gap = distance(&collocation(&chain, &y0, 8.0, control), &collocated(&uniform, &y0, 8.0, control).0);
         println!("{rho} {boundary:?} {n}: {gap:e}");
         assert!(gap < 2e-13, "{rho} {boundary:?} {n}: {gap:e}");
     }
@@ -212,8 +211,8 @@ fn panels_cut_at_events_of_neighbours_keep_the_order_where_beads_differ() {
     let want = collocation(&chain, &y0, 8.0, StepControl::Tolerance(1e-14));
     let mean = |count: u64| {
         let error = |k: u64| {
-            let step_control = StepControl::Windows { windows: count + count * k / 24, nodes: 10, neighbours: true };
-            distance(&collocation(&chain, &y0, 8.0, step_control), &want).ln()
+            let control = StepControl::Windows { windows: count + count * k / 24, nodes: 10, neighbours: true };
+            distance(&collocation(&chain, &y0, 8.0, control), &want).ln()
         };
         ((0..12).map(error).sum::<f64>() / 12.0).exp()
     };

@@ -358,8 +358,8 @@ fn errors_of_equal_windows_do_not_grow_with_their_number() {
         let (chain, state) = struck(12, Kind::Dashpot, gamma);
         let want = run(&chain, &state, 0.9, "dop853-regularised", Setting::Tolerance(1e-15)).state;
         for windows in [1, 4, 16, 64, 256, 1024] {
-            let step_control = StepControl::Windows { windows, nodes: 12, neighbours: true };
-            let got = collocation(&chain, state.as_slice(), 0.9, step_control);
+            let control = StepControl::Windows { windows, nodes: 12, neighbours: true };
+            let got = collocation(&chain, state.as_slice(), 0.9, control);
             let error = distance(&got[..24], &want[..24]);
             println!("{gamma} {windows}: {error:e}");
             assert!(error < 10.0 * f64::EPSILON, "{gamma} {windows}: {error:e}");

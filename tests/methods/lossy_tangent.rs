@@ -18,8 +18,8 @@ const KINDS: [Kind; 2] = [Kind::Viscoelastic, Kind::Dashpot];
 const ASKED: f64 = 1e-9;
 
 /// Columns at the end of a run, and the part of contacts in `-ln det`.
-fn followed(chain: &Chain<f64>, y: &[f64], t: f64, step_control: StepControl, columns: &[f64]) -> (Vec<f64>, f64) {
-    let mut run = chain.heterogeneous_collocation(y, (0.0, t), step_control).unwrap();
+fn followed(chain: &Chain<f64>, y: &[f64], t: f64, control: StepControl, columns: &[f64]) -> (Vec<f64>, f64) {
+    let mut run = chain.heterogeneous_collocation(y, (0.0, t), control).unwrap();
     let mut tangent = Tangent::new(&run, columns).unwrap();
     while !run.done() {
         run.step().unwrap();
@@ -34,14 +34,8 @@ fn units(dim: usize, entries: &[usize]) -> Vec<f64> {
 }
 
 /// The derivative by some entries of the state, as in [`monodromy`]; and the part of contacts.
-fn collocated(
-    chain: &Chain<f64>,
-    y: &[f64],
-    t: f64,
-    step_control: StepControl,
-    entries: &[usize],
-) -> (DMatrix<f64>, f64) {
-    let (columns, contraction) = followed(chain, y, t, step_control, &units(y.len(), entries));
+fn collocated(chain: &Chain<f64>, y: &[f64], t: f64, control: StepControl, entries: &[usize]) -> (DMatrix<f64>, f64) {
+    let (columns, contraction) = followed(chain, y, t, control, &units(y.len(), entries));
     let of = |i: usize, j: usize| columns[j * y.len() + entries[i]];
     (DMatrix::from_fn(entries.len(), entries.len(), of), contraction)
 }
@@ -80,7 +74,7 @@ fn under_a_tolerance_it_errs_by_a_few_hundred_tolerances() {
     for kind in KINDS {
         let (chain, t) = (lossy::<f64>(kind), 9.0);
         let (y, entries) = (start(&chain), free(&chain));
-        let of = |step_control| collocated(&chain, &y, t, step_control, &entries).0;
+        let of = |control| collocated(&chain, &y, t, control, &entries).0;
         let truth = of(crate::windows(720, 12));
         for tol in [1e-6, 1e-8, 1e-10] {
             let off = apart(&of(StepControl::Tolerance(tol)), &truth);
@@ -196,8 +190,8 @@ fn beads_that_touch_at_rest_have_it_where_columns_keep_their_overlaps() {
         for gamma in STRENGTHS {
             let (chain, y) = struck::<f64>(n, kind, gamma);
             for t in [1.0, 3.0, 8.0] {
-                let step_control = crate::windows((100.0 * t) as u64, 12);
-                let got = followed(&chain, &y, t, step_control, &units(y.len(), &[n])).0;
+                let control = crate::windows((100.0 * t) as u64, 12);
+                let got = followed(&chain, &y, t, control, &units(y.len(), &[n])).0;
                 let column: Vec<f64> = (0..2 * n).map(|i| f64::from(i == n)).collect();
                 let want = Variations::flow(&chain, &y, (0.0, t), &column, 1e-13).unwrap().columns;
                 let off = error(&got[..2 * n], &want);

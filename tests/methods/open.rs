@@ -186,9 +186,9 @@ fn damping_that_is_next_to_none_changes_nothing() {
         let bare = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), boundary, 10).unwrap();
         let almost = Details { drag: vec![1e-300; 10], ..closed.clone() };
         let (closed, almost) = (bare.clone().with(&closed).unwrap(), bare.with(&almost).unwrap());
-        let step_control = windows(80, 12);
-        let want = collocation(&closed, &y0[..y0.len() - 4], 8.0, step_control);
-        let got = collocation(&almost, &y0, 8.0, step_control);
+        let control = windows(80, 12);
+        let want = collocation(&closed, &y0[..y0.len() - 4], 8.0, control);
+        let got = collocation(&almost, &y0, 8.0, control);
         let gap = distance(&got[..want.len()], &want);
         println!("{boundary:?}: {gap:e}");
         assert!(gap < 1e-15, "{gap:e}");

@@ -34,10 +34,10 @@ fn fine(windows: u64) -> StepControl {
 /// `alpha`, `rho`, boundary and number of beads, for either scalar.
 type Case = (f64, f64, Boundary, usize);
 
-fn matrix((alpha, rho, boundary, beads): Case, t: f64, step_control: StepControl) -> DMatrix<f64> {
+fn matrix((alpha, rho, boundary, beads): Case, t: f64, control: StepControl) -> DMatrix<f64> {
     let chain = chain(alpha, rho, boundary, beads);
     let y0 = start(&chain);
-    let columns = chain.monodromy(&y0, (0.0, t), step_control).unwrap();
+    let columns = chain.monodromy(&y0, (0.0, t), control).unwrap();
     DMatrix::from_vec(y0.len(), y0.len(), columns)
 }
 
@@ -250,9 +250,9 @@ fn under_a_tolerance_it_errs_with_the_run_but_more() {
     let case: Case = (1.5, THIRD, Boundary::Free, 21);
     let chain = chain(case.0, case.1, case.2, case.3);
     let y0 = start(&chain);
-    let both = |y0: &[f64], step_control: StepControl| {
-        let columns = chain.monodromy(y0, (0.0, TEN_PERIODS), step_control).unwrap();
-        let y = DMatrix::from_vec(y0.len(), 1, collocated(&chain, y0, TEN_PERIODS, step_control).0);
+    let both = |y0: &[f64], control: StepControl| {
+        let columns = chain.monodromy(y0, (0.0, TEN_PERIODS), control).unwrap();
+        let y = DMatrix::from_vec(y0.len(), 1, collocated(&chain, y0, TEN_PERIODS, control).0);
         (y, DMatrix::from_vec(y0.len(), y0.len(), columns))
     };
     let (y, truth) = both(&y0, fine(800));

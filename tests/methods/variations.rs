@@ -162,8 +162,8 @@ fn on_a_uniform_chain_it_is_that_of_collocation() {
         let chain = Chain::<f64>::new(Params::new(1.5, 1.0, rho).unwrap(), boundary, 8).unwrap();
         let y = start(&chain);
         let (dim, t) = (y.len(), 7.0);
-        let step_control = StepControl::Windows { windows: 200, nodes: 12, neighbours: true };
-        let want = DMatrix::from_vec(dim, dim, chain.monodromy(&y, (0.0, t), step_control).unwrap());
+        let control = StepControl::Windows { windows: 200, nodes: 12, neighbours: true };
+        let want = DMatrix::from_vec(dim, dim, chain.monodromy(&y, (0.0, t), control).unwrap());
         let identity: Vec<f64> = DMatrix::<f64>::identity(dim, dim).as_slice().to_vec();
         let end = Variations::flow(&chain, &y, (0.0, t), &identity, 1e-13).unwrap();
         let got = DMatrix::from_row_slice(dim, dim, &end.columns);

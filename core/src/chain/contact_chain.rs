@@ -16,10 +16,10 @@ impl Chain<f64> {
         &self,
         y0: &[f64],
         span: (f64, f64),
-        step_control: StepControl,
+        control: StepControl,
     ) -> Result<Collocation<Section<Self>>, Error> {
         self.uniform_sites()?;
-        Collocation::new(self.clone(), y0, span, step_control)
+        Collocation::new(self.clone(), y0, span, control)
     }
 
     /// As [`collocation`](Self::collocation), for a chain whose beads differ, are damped or driven.
@@ -46,9 +46,9 @@ impl Chain<f64> {
         &self,
         y0: &[f64],
         span: (f64, f64),
-        step_control: StepControl,
+        control: StepControl,
     ) -> Result<Collocation<Section<HeterogeneousChain, 2>>, Error> {
-        Collocation::new(HeterogeneousChain::new(self.clone())?, y0, span, step_control)
+        Collocation::new(HeterogeneousChain::new(self.clone())?, y0, span, control)
     }
 
     /// The derivative of the state at the end of such a run by the state at its start: `dim x dim`,
@@ -59,24 +59,11 @@ impl Chain<f64> {
     /// A state, a span or a step control outside its rule; a chain of more than 256 bonds. Where
     /// contacts dissipate, beads that touch at rest, or just touch at the start with a dashpot
     /// between them: [`Variations`](super::Variations) has the derivatives that there are.
-    pub fn monodromy(&self, y0: &[f64], span: (f64, f64), step_control: StepControl) -> Result<Vec<f64>, Error> {
+    pub fn monodromy(&self, y0: &[f64], span: (f64, f64), control: StepControl) -> Result<Vec<f64>, Error> {
         match self.details() {
-            None => monodromy(self.clone(), y0, span, step_control),
-            Some(_) => monodromy(HeterogeneousChain::new(self.clone())?, y0, span, step_control),
+            None => monodromy(self.clone(), y0, span, control),
+            Some(_) => monodromy(HeterogeneousChain::new(self.clone())?, y0, span, control),
         }
-    }
-
-    /// The path of a site at `t = 0`, from its `[u, v, u', v']`.
-    pub(crate) fn path_of(&self, state: [f64; 4]) -> Path {
-        let [r, r_dot, p, p_dot] = self.modes.split(state);
-        let omega = self.modes.omega.value();
-        [r, r_dot, p, if omega > 0.0 { p_dot / omega } else { p_dot }]
-    }
-
-    /// `[u, v, u', v']` of a site, from the free and the oscillating part of its position and their
-    /// rates; the numbers of a resonator have no meaning unless it moves.
-    pub(crate) fn state_of(&self, parts: [f64; 4]) -> [f64; 4] {
-        self.modes.join(parts)
     }
 
     /// [`uniform`](Self::uniform) as an error of an integrator.
@@ -133,12 +120,12 @@ impl ContactChain for Chain<f64> {
     fn path(&self, y: &[f64], i: usize) -> Path {
         let layout = self.layout;
         let of = |array: Option<&[f64]>| array.map_or(0.0, |array| array[i]);
-        self.path_of([layout.u(y)[i], of(layout.v(y)), layout.u_dot(y)[i], of(layout.v_dot(y))])
+        self.modes.path([layout.u(y)[i], of(layout.v(y)), layout.u_dot(y)[i], of(layout.v_dot(y))])
     }
 
     fn place(&self, modes: [f64; 4], i: usize, y: &mut [f64]) {
         let (n, half) = (self.sites(), self.layout.half());
-        let [u, v, u_dot, v_dot] = self.state_of(modes);
+        let [u, v, u_dot, v_dot] = self.modes.join(modes);
         (y[i], y[half + i]) = (u, u_dot);
         if self.layout.resonators() {
             (y[n + i], y[half + n + i]) = (v, v_dot);

@@ -6,7 +6,7 @@ use super::{
     aligned::Aligned,
     divisible::Divisible,
     rows::{Clock, InRow, Pairs, RowForces},
-    sweep::{MOST_KICKS, Sites, Step, Swept, Visit, follow, long},
+    sweep::{MOST_KICKS, Sites, Swept, Visit, follow, long, step},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector};
 
@@ -86,8 +86,7 @@ impl<R: Real> SplitFlow<R> for KineticFlow<R> {
     }
 
     fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
-        let now = self.begin(kick, drift);
-        self.visit(now, Step);
+        step(self, kick, drift);
     }
 
     fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {

@@ -23,7 +23,7 @@ use super::{
     divisible::Divisible,
     phase::Phase,
     rows::{Clock, InRow, Pairs, RowForces},
-    sweep::{MOST_KICKS, Sites, Step, Swept, Visit, follow, long},
+    sweep::{MOST_KICKS, Sites, Swept, Visit, follow, long, step},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector, system::ContactFlow};
 
@@ -198,8 +198,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
         // The drift changes no number of a site, only the phase and `tau`, before the pass.
         self.count_kick();
-        let now = self.begin(kick, drift);
-        self.visit(now, Step);
+        step(self, kick, drift);
     }
 
     fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {

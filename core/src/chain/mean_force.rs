@@ -56,8 +56,8 @@ impl Chain<f64> {
     /// # Errors
     /// A state or a step control outside its rule, `period` not finite and positive, a run that
     /// fails.
-    pub fn mean_contact_forces(&self, y: &[f64], period: f64, step_control: StepControl) -> Result<MeanForces> {
-        let mut run = self.collocation(y, (0.0, period), step_control)?.logged();
+    pub fn mean_contact_forces(&self, y: &[f64], period: f64, control: StepControl) -> Result<MeanForces> {
+        let mut run = self.collocation(y, (0.0, period), control)?.logged();
         let bonds = self.touching();
         let mut forces = vec![0.0; bonds.len()];
         while !run.done() {

@@ -53,6 +53,14 @@ impl<R: Real> Modes<R> {
         }
     }
 
+    /// `[R, R', P, P'/omega]` from `[u, v, u', v']`; `P'` itself, which is zero, without a
+    /// frequency.
+    #[inline(always)]
+    pub fn path(&self, site: [R; 4]) -> [R; 4] {
+        let ([r, r_dot, p, p_dot], omega) = (self.split(site), self.omega.value());
+        [r, r_dot, p, if omega > R::zero() { p_dot / omega } else { p_dot }]
+    }
+
     /// `[u, v, u', v']` from `[R, R', P, P']`; without branches. `v` and `v'` have no meaning
     /// unless resonators move.
     #[inline(always)]

@@ -57,18 +57,6 @@ pub(crate) trait Visit<R: Real, M> {
     fn visit<S: Sites<R, Moment = M>>(self, chain: &Chain<R>, sites: S, now: M) -> Self::Output;
 }
 
-/// A kick of the contact forces.
-pub(crate) struct Step;
-
-impl<R: Real, M> Visit<R, M> for Step {
-    type Output = ();
-
-    #[inline(always)]
-    fn visit<S: Sites<R, Moment = M>>(self, chain: &Chain<R>, sites: S, now: M) {
-        sweep(chain, sites, now);
-    }
-}
-
 /// Largest number of kicks that follow each other through a chain.
 pub(crate) const MOST_KICKS: usize = 64;
 /// Number of sites that each kick moves on by in its turn: chosen so that the sites of all kicks
@@ -98,6 +86,12 @@ pub(crate) trait Swept<R: Real> {
     fn begin(&mut self, kick: R, drift: DoubleDouble<R>) -> Self::Moment;
     /// Hands over the sites at the time of a kick.
     fn visit<W: Visit<R, Self::Moment>>(&mut self, moment: Self::Moment, work: W) -> W::Output;
+}
+
+/// A kick and its drift.
+pub(crate) fn step<R: Real, F: Swept<R>>(flow: &mut F, kick: R, drift: DoubleDouble<R>) {
+    let (now, to) = (flow.begin(kick, drift), flow.swept().sites());
+    flow.visit(now, Piece { pass: &mut Pass::new(0), to });
 }
 
 /// Whether kicks of a chain are to follow each other.

@@ -52,7 +52,7 @@ impl Bonds {
     pub(super) fn read(&mut self, first: usize, arrays: [&[f64]; 4]) {
         for i in 0..arrays[0].len() {
             let state = arrays.map(|array| array.get(i).copied().unwrap_or_default());
-            self.section.set(first + i, self.chain.path_of(state));
+            self.section.set(first + i, self.chain.modes().path(state));
         }
         if first + arrays[0].len() == self.section.sites() {
             self.section.begin();
@@ -62,7 +62,7 @@ impl Bonds {
     /// Writes the states of its own sites, from own index `first` on.
     pub(super) fn write(&self, first: usize, mut arrays: [&mut [f64]; 4]) {
         for i in 0..arrays[0].len() {
-            let state = self.chain.state_of(self.section.get(self.first + first + i));
+            let state = self.chain.modes().join(self.section.get(self.first + first + i));
             for (array, value) in arrays.iter_mut().zip(state) {
                 array.get_mut(i).into_iter().for_each(|entry| *entry = value);
             }

@@ -464,15 +464,15 @@ fn collocated(
     fn boxed<W: Windows + 'static>(run: Collocation<W>, log: bool) -> Box<dyn ContactStepper + Send> {
         Box::new(if log { run.logged() } else { run })
     }
-    let (chain, parts, step_control) = (run.chain(), run.parts(), step_control(setting)?);
+    let (chain, parts, control) = (run.chain(), run.parts(), control(setting)?);
     let threads = matches!(parts, Decomposition::Threads(_)).then_some(1);
     Ok(if !parts.whole() {
         let windows = Parted::new(chain, Motion::Windows, parts, y)?;
-        boxed(Collocation::by(windows, chain, y, span, step_control)?, log)
+        boxed(Collocation::by(windows, chain, y, span, control)?, log)
     } else if chain.details().is_some() {
-        boxed(Collocation::on_threads(HeterogeneousChain::new(chain.clone())?, y, span, step_control, threads)?, log)
+        boxed(Collocation::on_threads(HeterogeneousChain::new(chain.clone())?, y, span, control, threads)?, log)
     } else {
-        boxed(Collocation::on_threads(chain.clone(), y, span, step_control, threads)?, log)
+        boxed(Collocation::on_threads(chain.clone(), y, span, control, threads)?, log)
     })
 }
 
@@ -537,7 +537,7 @@ fn corrected(
 ///
 /// # Errors
 /// A setting in steps.
-fn step_control(setting: Setting) -> Result<StepControl> {
+fn control(setting: Setting) -> Result<StepControl> {
     match setting {
         Setting::Tolerance(tol) => Ok(StepControl::Tolerance(tol)),
         Setting::Windows(windows, nodes) => Ok(StepControl::Windows { windows, nodes, neighbours: true }),

@@ -165,14 +165,14 @@ fn no_others(_: &Runs) -> Result<Vec<Quantity>> {
     let shooting = Shooting::default();
     let params = Params::new(ALPHA, 1.0, RHO)?;
     let orbit = DarkBreather { params, center: Center::Site, sites: 41, omega_b: 2.05, c_x: 0.0 }.orbit(&shooting)?;
-    let step_control = StepControl::Tolerance(shooting.tol);
-    let dark = orbit.setting.chain()?.mean_contact_forces(&orbit.start(), orbit.setting.period(), step_control)?;
+    let control = StepControl::Tolerance(shooting.tol);
+    let dark = orbit.setting.chain()?.mean_contact_forces(&orbit.start(), orbit.setting.period(), control)?;
     let options = Adaptive { tol: TOLERANCE, ..Adaptive::default() };
     let exact = trivial_breather(&Scene::load("trivial-breather")?, &options, &|_, _| {})?;
     let scene = Scene::load("bright-breather")?;
     let bright = BrightBreather::new(scene.chain().params(), Center::Bond, 0.01, 40)?;
-    let (start, step_control) = (scene.initial().as_slice(), StepControl::Tolerance(TOLERANCE));
-    let forces = scene.chain().mean_contact_forces(start, bright.period(), step_control)?;
+    let (start, control) = (scene.initial().as_slice(), StepControl::Tolerance(TOLERANCE));
+    let forces = scene.chain().mean_contact_forces(start, bright.period(), control)?;
     Ok(vec![
         ("s5-nobreath-constant", dark.spread() / dark.mean()),
         ("s5-nobreath-zero", exact.forces.range().1),

@@ -344,8 +344,8 @@ pub fn bright_breather(
     let stats = states.stats();
     let last = &profiles[profiles.len() - 1].state;
     let initial = samples[0].energy;
-    let step_control = StepControl::Tolerance(options.tol);
-    let forces = |y: &[f64]| chain.mean_contact_forces(y, breather.period(), step_control);
+    let control = StepControl::Tolerance(options.tol);
+    let forces = |y: &[f64]| chain.mean_contact_forces(y, breather.period(), control);
     Ok(BrightStudy {
         scene: scene.clone(),
         breather: breather.clone(),

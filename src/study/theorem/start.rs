@@ -71,8 +71,8 @@ impl Start {
         let end = horizon / slowness;
         let chain = Chain::new(Params::new(alpha, 1.0, rho)?, Boundary::Free, self.sites())?;
         let state = self.state(&chain, epsilon, options.c_i)?;
-        let step_control = StepControl::Tolerance((accuracy * slowness).clamp(TOLERANCES.0, TOLERANCES.1));
-        let mut run = chain.collocation(state.as_slice(), (0.0, end), step_control)?;
+        let control = StepControl::Tolerance((accuracy * slowness).clamp(TOLERANCES.0, TOLERANCES.1));
+        let mut run = chain.collocation(state.as_slice(), (0.0, end), control)?;
         let mut solution = self.solution(alpha, horizon)?;
         let (mut found, mut samples, mut before) = (Suprema::default(), 0, 0.0);
         let periods = options.sampling.periods(end, horizon);

@@ -649,8 +649,8 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
 
 impl<F: SiteFlow> CorrectedSplit<F> {
     /// Moves a state on by contact collocation.
-    fn run_on(&self, y: &mut [f64], by: f64, step_control: StepControl) -> Result<(), Error> {
-        let mut run = self.chain().collocation(y, (0.0, by), step_control)?;
+    fn run_on(&self, y: &mut [f64], by: f64, control: StepControl) -> Result<(), Error> {
+        let mut run = self.chain().collocation(y, (0.0, by), control)?;
         while !run.done() {
             run.step()?;
         }

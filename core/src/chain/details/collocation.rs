@@ -176,12 +176,9 @@ impl ContactChain<2> for HeterogeneousChain {
         if self.sites[i].moved {
             return [0.0; 4];
         }
-        let (layout, modes) = (self.layout(), &self.sites[i].modes);
+        let layout = self.layout();
         let of = |array: Option<&[f64]>| array.map_or(0.0, |array| array[i]);
-        let [r, r_dot, p, p_dot] =
-            modes.split([layout.u(y)[i], of(layout.v(y)), layout.u_dot(y)[i], of(layout.v_dot(y))]);
-        let omega = modes.omega.value();
-        [r, r_dot, p, if omega > 0.0 { p_dot / omega } else { p_dot }]
+        self.sites[i].modes.path([layout.u(y)[i], of(layout.v(y)), layout.u_dot(y)[i], of(layout.v_dot(y))])
     }
 
     fn place(&self, parts: [f64; 4], i: usize, y: &mut [f64]) {

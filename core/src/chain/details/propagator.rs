@@ -82,9 +82,8 @@ impl<R: Real> Class<R> {
     pub(super) fn split(&self, [u, v, u_dot, v_dot]: [R; 4]) -> [R; 4] {
         match self {
             Self::Modes(modes) => {
-                let [r, r_dot, p, p_dot] = modes.split([u, v, u_dot, v_dot]);
-                let omega = modes.omega.value();
-                [r, p, r_dot, if omega > R::zero() { p_dot / omega } else { p_dot }]
+                let [r, r_dot, p, s] = modes.path([u, v, u_dot, v_dot]);
+                [r, p, r_dot, s]
             }
             _ => [u, v, u_dot, v_dot],
         }

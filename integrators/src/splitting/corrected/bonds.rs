@@ -38,7 +38,7 @@ pub trait BondFlow: SplitFlow<f64> {
     /// The exponent `alpha`.
     fn exponent(&self) -> f64;
     /// Called before the first evaluation, with the step and the reach of [`turned`](Self::turned).
-    fn prepare(&mut self, _h: f64, _reach: f64) {}
+    fn prepare(&mut self, h: f64, reach: f64);
     /// Number of bonds that can ever touch.
     fn bonds(&self) -> usize;
     /// Computes overlaps and forces at the present state, and keeps those of the evaluation before.
@@ -75,13 +75,7 @@ pub trait BondFlow: SplitFlow<f64> {
     /// same bits; at least one pair is made. If evaluations are `watched`, the row ends with the
     /// first one at which [`changed`](Self::changed) or [`turned`](Self::turned) would report a
     /// bond. Returns the number of pairs made.
-    fn kicks_and_evaluations(&mut self, pairs: &[(f64, DoubleDouble<f64>)], c: f64, _watched: bool) -> usize {
-        let (kick, drift) = pairs[0];
-        self.kick(kick, c);
-        self.drift(drift);
-        self.evaluate();
-        1
-    }
+    fn kicks_and_evaluations(&mut self, pairs: &[(f64, DoubleDouble<f64>)], c: f64, watched: bool) -> usize;
     /// The flow of the processor: positions move by `share` times their accelerations by the forces
     /// of the kick, velocities by `-share` times the rates of these; the rates of the forces of
     /// bonds that are [`Near`](Side::Near) count as zero.
