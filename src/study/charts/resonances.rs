@@ -23,9 +23,9 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
+    numerics::golden,
     run::Records,
     run::method::{Method, Setting, Split},
-    numerics::golden,
 };
 use hertzchain_integrators::splitting::First;
 use nalgebra::DMatrix;

@@ -15,8 +15,9 @@ use super::{Crests, METHOD, STEP, ascending, follow, geometric, plain};
 use crate::{
     chain::State,
     error::Result,
+    numerics::golden,
     report::{Digits::Fixed, Kind, Line, Panel, Panels, Report, rows},
-    study::{Progress, Study, Work, golden, options::options},
+    study::{Progress, Study, Work, options::options},
     sweep::{Engine, Grid},
 };
 use serde::{Deserialize, Serialize};
