@@ -208,7 +208,7 @@ fn draws(files: &str) -> bool {
 
 /// The files of a study and the columns of its tables, for the help.
 fn files_help<S: Study>() -> String {
-    let tables = S::outline().map(|outline| outline.files_in_words()).unwrap_or_default();
+    let tables = S::outline().map(|outline| outline.files_in_words(S::FILES)).unwrap_or_default();
     let store = match S::STORE {
         "" => String::new(),
         store => {

@@ -208,8 +208,9 @@ impl Report {
             .collect())
     }
 
-    /// Its files, and the columns of its tables, for the help of a command.
-    pub fn files_in_words(&self) -> String {
+    /// Its files, and the columns of its tables, for the help of a command; `others` says what else
+    /// there is, perhaps another archive of its name.
+    pub fn files_in_words(&self, others: &str) -> String {
         let name = self.name;
         let columns = |table: &Table| {
             let told = |(column, about): (String, &str)| {
@@ -220,9 +221,11 @@ impl Report {
         let tables = self.tables().map(columns).collect::<Vec<_>>().join(".\n\n");
         let pictures: Vec<&str> = self.pictures.iter().map(|(picture, _)| picture.as_str()).collect();
         let pictures = if pictures.is_empty() { format!("{name}.png") } else { pictures.join(", ") };
-        format!(
-            "Files: {name}.json, {pictures}; {name}.npz with an array TABLE.COLUMN for each column of\n\n{tables}.\n\n"
-        )
+        let archive = match others.contains(&format!("{name}.npz")) {
+            true => ", and tables with their columns:",
+            false => &format!("; {name}.npz with an array TABLE.COLUMN for each column of"),
+        };
+        format!("Files: {name}.json, {pictures}{archive}\n\n{tables}.\n\n")
     }
 
     /// The pictures, by the name of their PNG file.

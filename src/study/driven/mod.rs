@@ -188,7 +188,7 @@ const STORE: &str = "driven-spectra.store";
 const SWITCHED_STORE: &str = "switched-spectra.store";
 
 impl Study for DrivenContinue {
-    const FILES: &'static str = "driven-branch.npz has every orbit, and no table. With --switch also switched-branch.csv, switched-bifurcations.csv and \
+    const FILES: &'static str = "driven-branch.npz has every orbit. With --switch also switched-branch.csv, switched-bifurcations.csv and \
                                  switched-branch.npz; the npz files are written every 20 points or 10 s as well. \
                                  driven-spectra.store and switched-spectra.store have multipliers and bifurcations, from which the same command goes on. \
                                  Each part of --shard follows the first branch itself and computes its share of these.";

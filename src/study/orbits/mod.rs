@@ -212,7 +212,7 @@ impl Continue {
 }
 
 impl Study for Continue {
-    const FILES: &'static str = "branch.npz has every orbit, and no table; it is written every 20 points or 10 s as well. \
+    const FILES: &'static str = "branch.npz has every orbit; it is written every 20 points or 10 s as well. \
                                  With --resume and without --out, the files go to the folder of the file that is gone on with. \
                                  spectra.store has multipliers and bifurcations, from which the same command goes on. \
                                  Each part of --shard follows the branch itself and computes its share of these.";
@@ -282,7 +282,7 @@ pub struct DoubledStudy {
 }
 
 impl Study for Doubled {
-    const FILES: &'static str = "branch.npz has every orbit, and no table.";
+    const FILES: &'static str = "branch.npz has every orbit.";
     const INTERRUPTIBLE: bool = true;
 
     fn outline() -> Option<Report> {
