@@ -240,11 +240,12 @@ impl BrightStudy {
         let at = |name: &str, sample: Option<&BrightSample>| {
             sample.map_or(String::new(), |sample| format!("{name}: {}; ", four(sample.norms)))
         };
-        let left =
-            self.tenth_left.map_or(String::new(), |t| format!(" A tenth of the energy has left it at t = {t:.1}."));
+        let left = self
+            .tenth_left
+            .map_or(String::new(), |t| format!(" A tenth of the energy has left the core at t = {t:.1}."));
         let how = format!(
             "ε = {}, T = 2π/ω₀ = {:.4}, T ε^(1−α) = {horizon:.3}, T_b = {:.4}. Norms E_u, E_u′, E_v, E_v′ of (diff_u_l1norm), \
-             (diff_v_l1norm) {when}; {}{}at most {} up to t = {:.4}. Share of the energy in the core.{left} {}.",
+             (diff_v_l1norm) {when}; {}{}at most {} up to t = {:.4}.{left} {}.",
             breather.epsilon(),
             breather.slow_period(),
             breather.period(),
