@@ -34,14 +34,6 @@ pub const SUZUKI4: Scheme = Scheme {
     ]),
 };
 
-/// Five Strang steps with a smaller error than Suzuki's.
-pub const MCLACHLAN4: Scheme = Scheme {
-    name: "mclachlan4",
-    order: 4,
-    source: "McLachlan 1995, SIAM J. Sci. Comput. 16, 151: five stages, gamma_1 = 0.28",
-    coefficients: Coefficients::Composition(&["0.28", "0.6254664284676700450123389054926490129182"]),
-};
-
 /// Blanes and Moan's fourth-order Nyström scheme with six stages. It is of order 4 for any two
 /// flows.
 pub const SRKN6_4: Scheme = Scheme {
@@ -211,6 +203,5 @@ pub const KAHAN_LI8: Scheme = Scheme {
 
 /// All schemes, by order and then by stages.
 pub const ALL: &[Scheme] = &[
-    STRANG, YOSHIDA4, SUZUKI4, MCLACHLAN4, SRKN6_4, ABA864, ABA1064, YOSHIDA6, KAHAN_LI6, SRKN11_6, SRKN14_6, YOSHIDA8,
-    KAHAN_LI8,
+    STRANG, YOSHIDA4, SUZUKI4, SRKN6_4, ABA864, ABA1064, YOSHIDA6, KAHAN_LI6, SRKN11_6, SRKN14_6, YOSHIDA8, KAHAN_LI8,
 ];
