@@ -84,8 +84,6 @@ options! {
         to: f64 = 0.2, "A", (positive);
         /// Largest change of the drive amplitude from point to point.
         step: f64 = 0.01, "DA", (positive);
-        /// Periods that the chain runs before its first orbit is sought.
-        settle: u32 = SETTLE, "N", (1 to 100_000);
         /// Points of the branch at most.
         max_points: usize = 30, "N", (2 to 10_000);
     }
@@ -346,7 +344,7 @@ impl EndDriven {
             from_rest: Vec::new(),
         };
         let rest = State::rest(&chain).driven(&chain);
-        let seed = shooting.settle(&setting, &chain, &rest, self.settle, |_| {})?;
+        let seed = shooting.settle(&setting, &chain, &rest, SETTLE, |_| {})?;
         let start = match shooting.solve(&setting, &seed) {
             Ok(orbit) => orbit,
             Err(Error::Stalled { .. }) => return Ok(case),
@@ -467,7 +465,7 @@ impl EndDrivenStudy {
             .fact("to", options.to)
             .fact("step", options.step)
             .fact("max_points", options.max_points)
-            .fact("settle", options.settle)
+            .fact("settle", SETTLE)
             .fact("ramps", RAMPS)
             .fact("after_ramp", AFTER_RAMP)
             .fact("ring", RING)
