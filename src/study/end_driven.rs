@@ -587,7 +587,6 @@ fn points(rows: &[(&EndDrivenCase, &EndDrivenPoint)]) -> Table {
         .col("centre", Hidden, "amplitude in the middle", |(_, one)| one.centre)
         .col("dark", Hidden, "whether it is a dark breather", |(case, one)| one.dark(case.free))
         .col("max_modulus", Hidden, "largest modulus of a multiplier", |(_, one)| one.spectrum.largest())
-        .col("stable", Hidden, "whether no multiplier is outside the unit circle", |(_, one)| one.stable())
         .col("unstable", Hidden, "multipliers outside the unit circle", |(_, one)| one.spectrum.unstable())
         .col("residual", Hidden, "of the orbit", |(_, one)| one.residual)
         .done()
