@@ -76,8 +76,8 @@ pub(crate) fn dark(py: Python<'_>, breather: Breather) -> PyResult<(String, Boun
 /// What a study does, once its options are read.
 type Work = Box<dyn FnOnce(Progress<'_>) -> Result<Report> + Send>;
 
-/// The study of this name of a scene, a dark breather or a file, with its options by keyword. Returns
-/// its JSON and, of a branch of dark breathers, the bytes of `branch.npz`.
+/// The study of this name of a scene, a dark breather or a file, with its options by keyword.
+/// Returns its JSON and, of a branch of dark breathers, the bytes of `branch.npz`.
 #[pyfunction]
 #[pyo3(signature = (name, of, progress, **options))]
 pub(crate) fn study<'py>(

@@ -37,7 +37,8 @@ pub struct Range {
 /// An orbit with its multipliers.
 pub type At<'a, P> = (&'a <P as Problem>::Orbit, &'a <P as Problem>::Spectrum);
 
-/// A kind of orbits that make branches in one parameter. The type has the numbers of a continuation.
+/// A kind of orbits that make branches in one parameter. The type has the numbers of a
+/// continuation.
 pub trait Problem: Copy + Debug + Send + Sync {
     /// The numbers that do not vary, and for those that do the values at one orbit.
     type Setting: Clone + Debug + Send + Sync;
@@ -142,8 +143,8 @@ pub trait Problem: Copy + Debug + Send + Sync {
         None
     }
 
-    /// The setting of the branch that crosses at a bifurcation, and the numbers of the ways in which
-    /// an orbit may be one of it; otherwise why none does.
+    /// The setting of the branch that crosses at a bifurcation, and the numbers of the ways in
+    /// which an orbit may be one of it; otherwise why none does.
     ///
     /// # Errors
     /// A setting outside its rules.

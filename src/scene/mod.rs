@@ -1,7 +1,7 @@
 //! Scenes: named, complete set-ups with chain, initial state, time span and records.
 
-/// Tables of a scene file; unknown keys are errors. `key?: type` may be left out: it is an `Option`,
-/// and is not written if it is `None`.
+/// Tables of a scene file; unknown keys are errors. `key?: type` may be left out: it is an
+/// `Option`, and is not written if it is `None`.
 macro_rules! sections {
     ($($(#[$about:meta])* pub struct $name:ident {
         $($(#[$key:meta])* $field:ident $(?: $optional:ty)? $(: $type:ty)?,)*

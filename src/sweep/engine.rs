@@ -11,10 +11,10 @@ use std::{cell::RefCell, path::PathBuf};
 
 /// Where the points of a study are computed, all of them or a shard, and where their rows are kept.
 ///
-/// A study sweeps one grid, or several in turn. An engine with a shard computes the points of its shard that are not in
-/// the store of the whole grid, and keeps their rows in a store of the shard in the same folder. An
-/// engine without a shard merges the stores of shards into that of the grid, and computes the
-/// missing rows.
+/// A study sweeps one grid, or several in turn. An engine with a shard computes the points of its
+/// shard that are not in the store of the whole grid, and keeps their rows in a store of the shard
+/// in the same folder. An engine without a shard merges the stores of shards into that of the grid,
+/// and computes the missing rows.
 ///
 /// ```
 /// use hertzchain::{output::Folder, sweep::{Engine, Grid}};

@@ -234,16 +234,16 @@ impl<T: Serialize, U: Serialize + DeserializeOwned> Job<'_, T, U> {
         }
     }
 
-    /// Computes the points `todo` and keeps their rows. `resumed` is the number of rows that were in
-    /// the store.
+    /// Computes the points `todo` and keeps their rows. `resumed` is the number of rows that were
+    /// in the store.
     fn compute<'s>(&self, rows: Rows<'s>, todo: &[usize], resumed: usize, backend: &dyn Backend) -> Result<Rows<'s>> {
         let tally = Tally::new(resumed + todo.len(), self.progress);
         tally.add(resumed);
         let (left, stopped) = (AtomicU64::new(todo.len() as u64), AtomicBool::new(false));
         let row = |k: usize| {
             let row = attempt(|| (self.work)((self.point)(k)));
-            // A computation that was asked to end may have a part of its result, or a wrong one: what
-            // fails on the way is an answer to some.
+            // A computation that was asked to end may have a part of its result, or a wrong one:
+            // what fails on the way is an answer to some.
             if interrupt::asked() { String::new() } else { text(row) }
         };
         let rows = Mutex::new(rows);

@@ -197,8 +197,8 @@ fn the_force_of_a_dashpot_ends_before_the_overlap_by_every_method() {
     }
 }
 
-/// Nine beads with dashpots in all contacts but two. In windows at 1e-6 the first force in bond 7 is
-/// the largest; at its release in bond 2 the overlap is a rounding error for an instant.
+/// Nine beads with dashpots in all contacts but two. In windows at 1e-6 the first force in bond 7
+/// is the largest; at its release in bond 2 the overlap is a rounding error for an instant.
 const NINE_BEADS: &str = r#"
 [chain]
 sites = 9

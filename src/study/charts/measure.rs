@@ -48,9 +48,9 @@ named! {
     pub enum Behaviour {
         /// The energy error has no trend and is at most 1.
         Stable = "stable",
-        /// The energy error has a trend: a line through it rises by more than four of its residuals.
-        /// An error below 10^-12 is rounding and counts as none; so does one of contact collocation
-        /// below its tolerance, which bounds the sum of all local errors.
+        /// The energy error has a trend: a line through it rises by more than four of its
+        /// residuals. An error below 10^-12 is rounding and counts as none; so does one of contact
+        /// collocation below its tolerance, which bounds the sum of all local errors.
         Drifting = "drifting",
         /// The energy error is above 1, or the run failed.
         Lost = "lost",

@@ -99,8 +99,8 @@ named! {
     pub enum Fate {
         /// The core has less than 0.9 of the energy before contact falls below 1/3.
         Radiates = "radiates",
-        /// Contact falls below 1/3 first: gaps open between the central sites, until each oscillates
-        /// on its own as in a trivial breather (uncpl).
+        /// Contact falls below 1/3 first: gaps open between the central sites, until each
+        /// oscillates on its own as in a trivial breather (uncpl).
         Decouples = "decouples",
         /// Neither before the cap.
         #[default]

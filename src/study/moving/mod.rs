@@ -48,14 +48,15 @@ options! {
         turns: Vec<u32> = vec![18, 22, 26], "K,..", (1 to 100);
         /// Number of sites.
         ///
-        /// The ring has an odd number of sites, from 9 to 255. The tails of the breather depend on it.
+        /// The ring has an odd number of sites, from 9 to 255. The tails of the breather depend on
+        /// it.
         sites: usize = 41, "N";
         /// The chain.
         params: ChainParams = ChainParams::default(), [command(flatten)];
         /// End time, in units of time.
         ///
-        /// End of the run of the kicked breather; 0 for no such run. It starts from the bond-centred
-        /// breather at rest with the first frequency.
+        /// End of the run of the kicked breather; 0 for no such run. It starts from the
+        /// bond-centred breather at rest with the first frequency.
         until: f64 = 1200.0, "T";
         /// Size of a kick along one mode, in units of the orbit's amplitude.
         ///

@@ -469,8 +469,8 @@ const FIRST_SIZE: f64 = 0.02;
 
 /// Leaves a main branch at its first period doubling, and follows the branch of doubled period to
 /// `omega_b` (that of the whole period): the period doubling, and the branch. Bifurcations of the
-/// branch of doubled period are not located: the background of its orbits is unstable, and has bands
-/// full of collisions.
+/// branch of doubled period are not located: the background of its orbits is unstable, and has
+/// bands full of collisions.
 ///
 /// # Errors
 /// No period doubling on the main branch, or numbers outside their rules.

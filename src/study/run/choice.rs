@@ -44,15 +44,17 @@ options! {
         /// Integrator; `hertzchain integrators` lists all.
         ///
         /// By default collocation with --tol or --windows-per-period, strang-linear with steps.
-        /// Without any of these: the method that the scene names; else the exact solution, where one
-        /// is known; else what the regime asks for, which is collocation, or strang-linear where omega
-        /// is above 10^4 times the frequency of contacts. Which one, and why, is printed on stderr.
+        /// Without any of these: the method that the scene names; else the exact solution, where
+        /// one is known; else what the regime asks for, which is collocation, or strang-linear
+        /// where omega is above 10^4 times the frequency of contacts. Which one, and why, is
+        /// printed on stderr.
         integrator: Option<String> = None, "NAME";
         /// Tolerance.
         tol: Option<f64> = None, "T", [arg(long_help = tolerance())];
         /// Steps per period of the scene, for splitting schemes.
         ///
-        /// By default 512 steps per period of the fastest motion: of resonators, drives or contacts.
+        /// By default 512 steps per period of the fastest motion: of resonators, drives or
+        /// contacts.
         steps_per_period: Option<f64> = None, "N", [arg(conflicts_with_all = ["step", "tol"])];
         /// Step size, in units of time, for splitting schemes.
         ///

@@ -136,26 +136,28 @@ options! {
         rho_law: RhoLaw = RhoLaw::Heavy, [arg(long, value_name = "LAW", default_value = "eps^-2(alpha-1)", allow_hyphen_values = true, value_parser = RhoLaw::named)];
         /// Initial amplitudes A(0) of the DpS equation.
         ///
-        /// A breather about a bond or a site, or (xi_n + i eta_n) e^(-n^2/4) with random xi_n, eta_n in
-        /// (-1, 1).
+        /// A breather about a bond or a site, or (xi_n + i eta_n) e^(-n^2/4) with random xi_n,
+        /// eta_n in (-1, 1).
         initial: Initial = Initial::Bond, "I";
         /// C_i: departure of the initial state from the ansatz.
         ///
         /// The departure has a random direction and lies on the boundary of the set (condciu),
-        /// (condciv) in l_1, and so inside it in all norms. 0: the run starts exactly on the ansatz.
+        /// (condciv) in l_1, and so inside it in all norms. 0: the run starts exactly on the
+        /// ansatz.
         c_i: f64 = 0.0, "C", (from 0);
         /// Seed of the random numbers [default: 1].
         ///
         /// They give a generic A(0) and the direction of the departure from the ansatz.
         seed: Option<u64> = None, "S";
-        /// Sizes epsilon of the oscillation, separated by commas [default: decades from 0.1 to 1e-6].
+        /// Sizes epsilon of the oscillation, separated by commas [default: decades from 0.1 to
+        /// 1e-6].
         ///
         /// In any order.
         epsilons: Vec<f64> = vec![1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6], "E,F,..", (above 0 below 1), [arg(hide_default_value = true)];
         /// Number of sites.
         ///
-        /// Up to 1000 [default: the sites where A(0) is above 1e-16 of its largest value; for generic:
-        /// 21].
+        /// Up to 1000 [default: the sites where A(0) is above 1e-16 of its largest value; for
+        /// generic: 21].
         sites: Option<usize> = None, "N";
         /// The times at which errors are sampled for the suprema.
         sampling: Sampling = Sampling::default(), [arg(skip)];
