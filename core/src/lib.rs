@@ -8,7 +8,7 @@
 //! | [`run`] | a run: chain, state, span and method, and its result; the integrators by name |
 //! | [`error`] | the error type |
 //! | [`interrupt`] | the flag that asks the process to end |
-//! | [`numerics`] | lines and planes through points, bisection, extremes |
+//! | [`numerics`] | lines and planes through points, bisection, golden sections, extremes |
 //! | [`plain`] | plain loops over bonds and sites, as a yardstick |
 //!
 //! It is a separate package to keep the build short: the code whose speed matters is compiled here

@@ -18,7 +18,7 @@ pub fn extremes(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
 
 /// The least double from which a condition holds, to the last digit, by bisection. The condition
 /// does not hold at `first`, a positive number, and begins to hold once above it; `None` if that is
-/// beyond all doubles.
+/// beyond the last doubling of `first` that is finite.
 ///
 /// ```
 /// use hertzchain_core::numerics::least_above;
@@ -26,6 +26,7 @@ pub fn extremes(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
 /// assert_eq!(least_above(1.0, |_| false), None);
 /// ```
 pub fn least_above(first: f64, holds: impl Fn(f64) -> bool) -> Option<f64> {
+    debug_assert!(first > 0.0);
     let (mut low, mut high) = (first, 2.0 * first);
     while !holds(high) {
         (low, high) = (high, 2.0 * high);
@@ -77,6 +78,14 @@ pub fn fit_plane(points: &[[f64; 3]]) -> Option<([f64; 3], f64)> {
 /// The place and the value with the largest `height` between two places, by golden sections as long
 /// as `apart` says so of the distance of the places.
 ///
+/// ```
+/// use hertzchain_core::numerics::golden;
+/// let parabola = |x: f64| Ok::<_, ()>(x * (2.0 - x));
+/// let (x, top) = golden([0.0, 3.0], |apart| apart > 1e-6, parabola, |y| *y)?;
+/// assert!((x - 1.0).abs() < 1e-6 && (top - 1.0).abs() < 1e-12);
+/// # Ok::<(), ()>(())
+/// ```
+///
 /// # Errors
 /// A value that cannot be computed.
 pub fn golden<T, E>(
@@ -110,7 +119,8 @@ mod tests {
         let line: Vec<_> = (0..4).map(|i| (f64::from(i), 2.5 * f64::from(i) - 7.0)).collect();
         let (slope, residual) = fit_line(&line).unwrap();
         assert!((slope - 2.5).abs() < 1e-14 && residual < 1e-14);
-        assert!(fit_line(&[(0.0, 0.0), (1.0, 0.0), (2.0, 2.0)]).unwrap().1 > 0.3);
+        let bend = fit_line(&[(0.0, 0.0), (1.0, 0.0), (2.0, 2.0)]).unwrap();
+        assert!((bend.0 - 1.0).abs() < 1e-15 && (bend.1 - 2.0 / 3.0).abs() < 1e-15);
         assert!(fit_line(&[(1.0, 0.0)]).is_none());
     }
 

@@ -46,7 +46,7 @@ class Comparison:
 
 
 def compare(
-    scene: Scene, methods: Sequence[str] | None = None, *, max_time: float = 60.0, progress: Progress = False
+    scene: Scene, methods: Sequence[str] | None = None, *, max_time: float = 10.0, progress: Progress = False
 ) -> Comparison:
     """Run integrators on a scene over a ladder of steps or tolerances.
 

@@ -231,7 +231,7 @@ def continue_driven(
     parameter: str,
     to: float,
     step: float | None,
-    points: int,
+    points: int | None,
     switch: int | None,
     si: bool | None,
     progress: Progress,
@@ -248,7 +248,7 @@ def continue_driven(
             parameter=word("parameter", parameter),
             to=number("to", to),
             step=optional("step", step),
-            points=whole("points", points),
+            points=None if points is None else whole("points", points),
             switch=None if switch is None else whole("switch", switch),
             si=orbit.si if si is None else si,
         )

@@ -347,7 +347,7 @@ def continue_branch(
     if isinstance(orbit, DrivenOrbit):
         if natural or bound or weak != 0.01:
             raise ParameterError("natural, weak and bound are not valid: they are for dark breathers")
-        return continue_driven(orbit, parameter, to, step, 200 if points is None else points, switch, si, progress)
+        return continue_driven(orbit, parameter, to, step, points, switch, si, progress)
     for name, value in (("switch", switch), ("si", si)):
         if value is not None:
             raise ParameterError(f"{name} is not valid: it is for driven orbits")
@@ -369,7 +369,7 @@ def continue_branch(
                 from_=start,
                 to=number("to", to),
                 step=optional("step", step),
-                points=whole("points", 1000 if points is None else points),
+                points=None if points is None else whole("points", points),
                 natural=natural,
                 weak=number("weak", weak),
                 bound=bound,

@@ -106,7 +106,11 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
     }
     let scene = || PyResult::Ok(of.extract::<PyRef<'_, Scene>>()?.0.clone());
     let search = || PyResult::Ok(DrivenSearch { turns: given!("turns"), settle: given!("settle") });
-    let branch = || PyResult::Ok(BranchOptions { max_points: given!("points"), switch: given!("switch") });
+    let branch = || {
+        let points: Option<usize> = given!("points");
+        let max_points = points.unwrap_or_else(|| BranchOptions::default().max_points);
+        PyResult::Ok(BranchOptions { max_points, switch: given!("switch") })
+    };
     Ok(match name {
         "compare" => {
             let (scene, integrators, max_time) = (scene()?, given!("integrators"), given!("max_time"));
@@ -137,11 +141,13 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
         // The branch of dark breathers.
         _ => {
             let (breather, parameter): (Breather, String) = (of.extract()?, given!("parameter"));
-            let (from, to, step, points) = (given!("from_"), given!("to"), given!("step"), given!("points"));
-            let (natural, weak, bound) = (given!("natural"), given!("weak"), given!("bound"));
+            let (from, to, step) = (given!("from_"), given!("to"), given!("step"));
+            let (points, natural): (Option<usize>, _) = (given!("points"), given!("natural"));
+            let (weak, bound) = (given!("weak"), given!("bound"));
             Box::new(move |tell| {
-                let (center, ring) = (center(&breather.center)?, breather.ring());
+                let (center, ring, default) = (center(&breather.center)?, breather.ring(), Continue::default());
                 let omega_b = if parameter == "omega_b" { None } else { breather.omega_b };
+                let points = points.unwrap_or(default.points);
                 let study = Continue {
                     center,
                     omega_b,
@@ -153,8 +159,8 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
                     natural,
                     weak,
                     bound,
-                    resume: None,
                     ring,
+                    ..default
                 };
                 study.begin()?(&Engine::threads(), tell)
             })

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 import math
+import re
+import subprocess
+import sys
 import threading
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +16,28 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+
+
+# Truth: the defaults that the help of the program prints.
+@pytest.mark.parametrize(
+    ("function", "command", "options"),
+    [
+        (hc.DarkBreather, "breather dark", ["center", "rho", "sites", "alpha", "kappa", "c_x", "tol"]),
+        (hc.continue_branch, "breather continue", ["weak"]),
+        (hc.driven_orbit, "orbit driven", ["turns", "settle"]),
+        (hc.normal_mode, "orbit mode", ["points"]),
+        (hc.compare, "compare", ["max_time"]),
+    ],
+)
+def test_defaults_are_those_of_the_program(function: Callable[..., Any], command: str, options: list[str]) -> None:
+    line = [sys.executable, "-m", "hertzchain", *command.split(), "--help"]
+    told = subprocess.run(line, capture_output=True, text=True, check=True).stdout
+    for option in options:
+        flag = {"points": "max-points"}.get(option, option.replace("_", "-"))
+        _, _, block = told.partition(f"\n      --{flag} ")
+        printed = re.search(r"\[default: ([^]]+)\]", block.partition("\n      --")[0])
+        default = inspect.signature(function).parameters[option].default
+        assert printed is not None and type(default)(printed[1]) == default, option
 
 
 def test_dark_breather_has_the_bits_of_the_program(program: Any) -> None:

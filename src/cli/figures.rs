@@ -50,7 +50,7 @@ pub(crate) struct FiguresArgs {
     )]
     out: PathBuf,
     #[command(flatten)]
-    spread: EngineArgs,
+    engine_args: EngineArgs,
     #[cfg(feature = "plot")]
     #[command(flatten)]
     formats: super::formats::Formats,
@@ -109,7 +109,7 @@ enum Content {
 
 impl FiguresArgs {
     pub(super) fn run(&self) -> Exit {
-        let engine = self.spread.engine(|| Engine::new(Box::new(InTurn)))?;
+        let engine = self.engine_args.engine(|| Engine::new(Box::new(InTurn)))?;
         if engine.serves() {
             // Rank 0 reports errors.
             let sweep = |chosen: Vec<_>| sweep(&chosen, self, &engine, &ProgressBar::hidden(), &made).map(drop);
@@ -117,8 +117,8 @@ impl FiguresArgs {
             return Ok(DONE);
         }
         let chosen = chosen(&self.only)?;
-        let folder = self.spread.own(&self.out)?;
-        let engine = self.spread.keeping(engine, Some(&folder))?;
+        let folder = self.engine_args.own(&self.out)?;
+        let engine = self.engine_args.keeping(engine, Some(&folder))?;
         let bar = progress_bar();
         let swept = sweep(&chosen, self, &engine, &bar, &made);
         bar.finish_and_clear();

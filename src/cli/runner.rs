@@ -81,7 +81,7 @@ fn over_ranks() -> Result<Engine> {
 pub(super) struct StudyCommand<S> {
     study: S,
     out: Option<PathBuf>,
-    spread: EngineArgs,
+    engine_args: EngineArgs,
     json: bool,
     #[cfg(feature = "plot")]
     formats: Option<super::formats::Formats>,
@@ -89,15 +89,16 @@ pub(super) struct StudyCommand<S> {
 
 impl<S: Study> StudyCommand<S> {
     pub(super) fn run(&self) -> Exit {
-        let engine = self.spread.engine(Engine::threads)?;
+        let engine = self.engine_args.engine(Engine::threads)?;
         if engine.serves() {
             // Rank 0 reports errors.
             let _ = self.study.begin().and_then(|work| work(&engine, &|_, _| ()));
             return Ok(DONE);
         }
         let work = self.study.begin()?;
-        let folder = self.out.clone().or_else(|| self.study.beside()).map(|out| self.spread.own(out)).transpose()?;
-        self.carry_out(work, &self.spread.keeping(engine, folder.as_ref())?)
+        let folder =
+            self.out.clone().or_else(|| self.study.beside()).map(|out| self.engine_args.own(out)).transpose()?;
+        self.carry_out(work, &self.engine_args.keeping(engine, folder.as_ref())?)
     }
 
     /// Does the work, prints its report and writes its files, in place of those that an earlier run
@@ -129,6 +130,9 @@ impl<S: Study> StudyCommand<S> {
         if let Some(remark) = report.remarks() {
             say(remark);
         }
+        if let Some(why) = report.error() {
+            say(&format!("error: {why}"));
+        }
         let text = to_json(&report.json());
         // Results are printed before files are written, and files are written even if printing
         // fails: a failure of one does not lose the other.
@@ -136,7 +140,7 @@ impl<S: Study> StudyCommand<S> {
         if let Some(folder) = engine.folder() {
             self.write(folder, &report)?;
         }
-        printed.map(|()| if report.succeeded() { DONE } else { FAILED })
+        printed.map(|()| if report.error().is_none() { DONE } else { FAILED })
     }
 
     fn write(&self, folder: &Folder, report: &Report) -> Result<()> {
@@ -174,7 +178,7 @@ impl<S: Study + FromArgMatches> FromArgMatches for StudyCommand<S> {
             study: S::from_arg_matches(matches)?,
             out,
             // Without the flags, as for a command that does not sweep: all points on the threads.
-            spread: if S::SWEEPS { EngineArgs::from_arg_matches(matches)? } else { EngineArgs::default() },
+            engine_args: if S::SWEEPS { EngineArgs::from_arg_matches(matches)? } else { EngineArgs::default() },
             json: matches.get_flag("json"),
             #[cfg(feature = "plot")]
             formats: draws(&files_help::<S>())

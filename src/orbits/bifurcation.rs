@@ -22,28 +22,29 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
+    named::named,
     numerics::least_by,
 };
 use nalgebra::{Complex, DVector};
 use serde::{Deserialize, Serialize};
 
-/// The kinds of bifurcation that are located.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum BifurcationKind {
-    /// A pair of multipliers crosses -1; of driven orbits, one multiplier.
-    PeriodDoubling,
-    /// A pair crosses 1; of driven orbits, one multiplier, and the branch does not turn.
-    PlusOne,
-    /// Two pairs meet on the circle and leave it, or the other way round.
-    KreinCollision,
-    /// Two pairs meet on the real axis and leave it, or the other way round.
-    RealCollision,
-    /// The branch turns back.
-    Fold,
-    /// A pair leaves the circle elsewhere than at 1 and -1, or enters it: Neimark-Sacker, of driven
-    /// orbits only.
-    Torus,
+named! {
+    /// The kinds of bifurcation that are located.
+    pub enum BifurcationKind {
+        /// A pair of multipliers crosses -1; of driven orbits, one multiplier.
+        PeriodDoubling = "period-doubling",
+        /// A pair crosses 1; of driven orbits, one multiplier, and the branch does not turn.
+        PlusOne = "plus-one",
+        /// Two pairs meet on the circle and leave it, or the other way round.
+        KreinCollision = "krein-collision",
+        /// Two pairs meet on the real axis and leave it, or the other way round.
+        RealCollision = "real-collision",
+        /// The branch turns back.
+        Fold = "fold",
+        /// A pair leaves the circle elsewhere than at 1 and -1, or enters it: Neimark-Sacker, of
+        /// driven orbits only.
+        Torus = "torus",
+    }
 }
 
 impl BifurcationKind {

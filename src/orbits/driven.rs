@@ -24,6 +24,7 @@ use crate::{
     chain::{Chain, Details, Drive, DriveKind, Envelope, Kind, State, Variations, max_norm},
     error::{Error, Result},
     interrupt,
+    named::named,
     numerics::extremes,
 };
 use hertzchain_integrators::collocation::StepControl;
@@ -31,41 +32,29 @@ use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// A number of a driven chain that can vary along a branch of orbits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-#[cfg_attr(feature = "cli", value(rename_all = "snake_case"))]
-pub enum DriveParameter {
-    /// Amplitude of the first harmonic that has a frequency; other such harmonics keep their ratio
-    /// to it.
-    Amplitude,
-    /// Fundamental frequency; all harmonics keep their ratio to it.
-    Omega,
-    /// Common factor of all drags and dashpots, and of the dissipation constants of contacts.
-    Damping,
+named! {
+    /// A number of a driven chain that can vary along a branch of orbits.
+    #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+    #[cfg_attr(feature = "cli", value(rename_all = "snake_case"))]
+    pub enum DriveParameter {
+        /// Amplitude of the first harmonic that has a frequency; other such harmonics keep their
+        /// ratio to it.
+        Amplitude = "amplitude",
+        /// Fundamental frequency; all harmonics keep their ratio to it.
+        Omega = "omega",
+        /// Common factor of all drags and dashpots, and of the dissipation constants of contacts.
+        Damping = "damping",
+    }
 }
 
 impl DriveParameter {
-    const ALL: [Self; 3] = [Self::Amplitude, Self::Omega, Self::Damping];
-
-    /// Name and symbol.
-    fn told(self) -> [&'static str; 2] {
-        match self {
-            Self::Amplitude => ["amplitude", "drive amplitude a"],
-            Self::Omega => ["omega", "drive frequency ω"],
-            Self::Damping => ["damping", "factor of damping"],
-        }
-    }
-
-    /// The name in files and on the command line.
-    pub fn name(self) -> &'static str {
-        self.told()[0]
-    }
-
     /// The symbol in pictures.
     pub fn symbol(self) -> &'static str {
-        self.told()[1]
+        match self {
+            Self::Amplitude => "drive amplitude a",
+            Self::Omega => "drive frequency ω",
+            Self::Damping => "factor of damping",
+        }
     }
 
     /// The parameter with this name.

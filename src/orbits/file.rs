@@ -56,7 +56,7 @@ struct Settings<P, S> {
 
 /// A problem whose branches are kept in files.
 pub trait Stored: Problem + Serialize + DeserializeOwned {
-    /// FileFormat and version of the file.
+    /// Format and version of the file.
     const FORMAT: FileFormat;
     /// Names of the arrays into which the unknowns are divided, in equal parts.
     const ARRAYS: &'static [&'static str];
@@ -95,7 +95,7 @@ impl Stored for DrivenContinuation {
     }
 }
 
-/// FileFormat and version in the JSON of an orbit.
+/// Format and version in the JSON of an orbit.
 pub(crate) const ORBIT_FORMAT: FileFormat = FileFormat("hertzchain orbit", 1);
 
 /// The keys of the JSON of an orbit that determine it.

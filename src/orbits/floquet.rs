@@ -30,30 +30,31 @@
 use super::eigen::{Eigenpair, eigen, eigenvalues, unless_asked};
 use crate::{
     chain::{Boundary, Chain},
+    named::named,
     numerics::{largest_by, least_by},
 };
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::f64::consts::PI;
 
-/// Position of a multiplier in the complex plane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Kind {
-    /// One of those that equal 1: shift of time and change of frequency; on rings also drift, and
-    /// change of the mean strain or of the position.
-    Trivial,
-    /// `exp(+-i omega T)`: the sum of all beads relative to that of all resonators is a linear
-    /// oscillator.
-    Linear,
-    /// On the unit circle.
-    Circle,
-    /// Real and positive.
-    Real,
-    /// Real and negative, as after a period doubling.
-    Negative,
-    /// One of four, neither on the circle nor on the real axis.
-    Quartet,
+named! {
+    /// Position of a multiplier in the complex plane.
+    pub enum Kind {
+        /// One of those that equal 1: shift of time and change of frequency; on rings also drift,
+        /// and change of the mean strain or of the position.
+        Trivial = "trivial",
+        /// `exp(+-i omega T)`: the sum of all beads relative to that of all resonators is a linear
+        /// oscillator.
+        Linear = "linear",
+        /// On the unit circle.
+        Circle = "circle",
+        /// Real and positive.
+        Real = "real",
+        /// Real and negative, as after a period doubling.
+        Negative = "negative",
+        /// One of four, neither on the circle nor on the real axis.
+        Quartet = "quartet",
+    }
 }
 
 /// A Floquet multiplier.

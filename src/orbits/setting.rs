@@ -3,37 +3,28 @@
 use crate::{
     chain::{Boundary, Chain, Params, Resonators},
     error::{Error, Result},
+    named::named,
 };
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// A number of the setting that can vary along a branch of orbits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Parameter {
-    /// Frequency `omega_b`.
-    OmegaB,
-    /// Mass ratio `rho`.
-    Rho,
-    /// Spring constant `kappa`.
-    Kappa,
-    /// Exponent `alpha`.
-    Alpha,
-    /// Vertical centre `C_x`.
-    #[serde(rename = "c_x")]
-    Cx,
+named! {
+    /// A number of the setting that can vary along a branch of orbits.
+    pub enum Parameter {
+        /// Frequency `omega_b`.
+        OmegaB = "omega_b",
+        /// Mass ratio `rho`.
+        Rho = "rho",
+        /// Spring constant `kappa`.
+        Kappa = "kappa",
+        /// Exponent `alpha`.
+        Alpha = "alpha",
+        /// Vertical centre `C_x`.
+        Cx = "c_x",
+    }
 }
 
 impl Parameter {
-    /// All parameters with their names.
-    pub const ALL: [(&'static str, Self); 5] = [
-        ("omega_b", Self::OmegaB),
-        ("rho", Self::Rho),
-        ("kappa", Self::Kappa),
-        ("alpha", Self::Alpha),
-        ("c_x", Self::Cx),
-    ];
-
     /// The symbol in pictures.
     pub fn symbol(self) -> &'static str {
         match self {
@@ -43,11 +34,6 @@ impl Parameter {
             Self::Alpha => "α",
             Self::Cx => "C_x",
         }
-    }
-
-    /// The name in files and on the command line.
-    pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(_, parameter)| *parameter == self).map_or("", |(name, _)| name)
     }
 }
 

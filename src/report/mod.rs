@@ -42,7 +42,7 @@ pub struct Report {
     pictures: Vec<(String, Figure)>,
     files: Vec<(String, Vec<u8>)>,
     remark: Option<String>,
-    succeeded: bool,
+    failure: Option<String>,
     units: Option<Units>,
 }
 
@@ -56,7 +56,7 @@ impl Report {
             pictures: Vec::new(),
             files: Vec::new(),
             remark: None,
-            succeeded: true,
+            failure: None,
             units: None,
         }
     }
@@ -131,8 +131,7 @@ impl Report {
     /// A remark beside the results, such as what is missing. An error: the command fails.
     #[must_use]
     pub fn failure(mut self, words: Option<String>) -> Self {
-        self.succeeded &= words.is_none();
-        self.remark = words.map(|words| format!("error: {words}")).or(self.remark);
+        self.failure = words.or(self.failure);
         self
     }
 
@@ -260,14 +259,14 @@ impl Report {
         (tables.collect(), self.pictures.into_iter().map(unnamed).collect())
     }
 
-    /// What is missing or remarkable, if anything.
+    /// What is remarkable, if anything.
     pub fn remarks(&self) -> Option<&str> {
         self.remark.as_deref()
     }
 
-    /// Whether the study has done what it was asked for.
-    pub fn succeeded(&self) -> bool {
-        self.succeeded
+    /// Why the study has not done what it was asked for, if it has not.
+    pub fn error(&self) -> Option<&str> {
+        self.failure.as_deref()
     }
 }
 

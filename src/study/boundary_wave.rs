@@ -307,7 +307,7 @@ impl BoundaryWaveStudy {
         let caption = format!(
             "N = {} sites between walls, α = {ALPHA}, κ = {KAPPA}, ρ = {:.4}, static overlap {}. The first bead has no \
              resonator and is moved with the amplitude {}, after a ramp of {RAMP} periods; dashpots in the last {ABSORBING} \
-             sites. DriveKind and first harmonics over the last {PERIODS} periods. Theory: (eq:w_tw) with the measured \
+             sites. Means and first harmonics over the last {PERIODS} periods. Theory: (eq:w_tw) with the measured \
              frequency, amplitude and mean strain. Collocation, tolerance {TOLERANCE:e}.",
             options.sites, options.rho, options.overlap, options.drive
         );

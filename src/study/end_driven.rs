@@ -19,14 +19,13 @@
 //! have one about the bead in the middle. With ends in phase it is one together with half a period:
 //! an odd number of bonds has a kink about the bond in the middle, an even number has none.
 
-use super::{
-    Progress, Study, Work, branches::stability_lines, format_short, kebab_name, multipliers_panel, options::options,
-};
+use super::{Progress, Study, Work, branches::stability_lines, format_short, multipliers_panel, options::options};
 use crate::{
     breathers::DarkBreather,
     chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, State, max_norm},
     dps::Center,
     error::{Error, Result},
+    named::named,
     numerics::{largest_by, least_by},
     orbits::{
         BifurcationKind, DriveParameter, DrivenContinuation, DrivenMultiplier, DrivenOrbit, DrivenPoint, DrivenSetting,
@@ -89,14 +88,14 @@ options! {
     }
 }
 
-/// How the ends move.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Ends {
-    /// Both `a cos(omega_d t)`.
-    InPhase,
-    /// `a cos(omega_d t)` and `-a cos(omega_d t)`.
-    Antiphase,
+named! {
+    /// How the ends move.
+    pub enum Ends {
+        /// Both `a cos(omega_d t)`.
+        InPhase = "in-phase",
+        /// `a cos(omega_d t)` and `-a cos(omega_d t)`.
+        Antiphase = "antiphase",
+    }
 }
 
 /// A point of a branch, with the background and the kink of its strains.
@@ -537,7 +536,7 @@ fn tables(cases: &[EndDrivenCase]) -> [Table; 2] {
         .key("cases")
         .col("sites", Short, "", |case| case.sites)
         .head("N")
-        .col("ends", Short, "how they move", |case| kebab_name(&case.ends))
+        .col("ends", Short, "how they move", |case| case.ends.name())
         .col("omega", Short, "frequency of the drive", |case| case.omega)
         .col("orbits", Short, "points of the branch", |case| case.points.len())
         .col("first_dark", Fixed(4), "least drive amplitude of a dark breather", first(0))

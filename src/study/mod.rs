@@ -127,11 +127,6 @@ pub trait Study {
     }
 }
 
-/// The name of a unit variant in files.
-pub(crate) fn kebab_name(value: &impl serde::Serialize) -> String {
-    serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
-}
-
 /// A scene by its name, with changes, for studies of uniform chains.
 fn scene(name: &str, changes: &Changes) -> Result<Scene> {
     let scene = Scene::load_with(name, &changes.set)?;

@@ -4,7 +4,7 @@
 use super::{
     Changes, InSi, Progress, Study, Work,
     branches::{self, BranchOptions, BranchRow, BranchStudy, SWITCHED, crossed},
-    format_short, kebab_name,
+    format_short,
     options::options,
     scene_caption, scene_json, segments,
     si::Scale,
@@ -203,7 +203,7 @@ fn bifurcations<'a>(
     si: Option<&Units>,
 ) -> Rows<'a, Bifurcation<ModeContinuation>> {
     branches::numbered(Table::of(name, all).si(si))
-        .col("kind", Short, "", |one| kebab_name(&one.kind))
+        .col("kind", Short, "", |one| one.kind.name())
         .col("amplitude", Fixed(8), "", |one| one.orbit.amplitude)
         .kind(Quantity::Length)
         .col("omega", Fixed(8), "frequency", |one| one.orbit.omega)

@@ -76,13 +76,13 @@ rows! {
         wall: Option<f64> => Power(2),
         /// Wall time for each bond and period, in seconds.
         per_bond_period: Option<f64> => Power(2),
-        /// Number of runs whose median it is.
+        /// Runs whose median is the wall time.
         runs: usize => Short,
         /// Steps of a run.
         steps: u64 => Short,
         /// Rejected steps.
         rejected: u64 => Short,
-        /// Of each bond, at most: those of the whole chain.
+        /// Force evaluations of the whole chain; each bond makes at most this many.
         force_evaluations: u64 => Short,
         /// Why there is no time: the run failed, or was left out.
         failure: Option<String> => Short,

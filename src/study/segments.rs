@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stretch_has_another_key_if_an_orbit_before_it_or_a_setting_differs() {
+    fn a_segment_has_another_key_if_an_orbit_before_it_or_a_setting_differs() {
         let keys = |orbits: &[f64], setting: f64| segments(orbits, 4, &json!({ "to": setting }));
         let branch: Vec<f64> = (0..10).map(f64::from).collect();
         let all = keys(&branch, 1.0);

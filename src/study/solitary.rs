@@ -144,6 +144,9 @@ impl Solitary {
         self.within_ranges()?;
         let (line, search) = (LinePulse::new(self.alpha), Search { tol: self.tol, ..Search::default() });
         let speed = self.speed.unwrap_or(line.coefficient());
+        // Before the tails, which a signal ends.
+        let plain = Params { alpha: self.alpha, kappa: 0.0, rho: 0.0 };
+        let hertz = SolitaryWave::new(plain, speed, self.sites, &line, &search)?;
         let rhos = if self.rhos.is_empty() { self.default_rhos(speed) } else { self.rhos.clone() };
         let tail = |&rho: &f64| {
             let params = Params { alpha: self.alpha, kappa: self.kappa, rho };
@@ -166,8 +169,6 @@ impl Solitary {
         let grid = Grid { store: Self::STORE, study: "solitary", settings };
         let swept =
             engine.sweep(&grid, &rhos, progress, tail)?.values(&rhos, |rho| format!("rho = {}", format_short(*rho)))?;
-        let plain = Params { alpha: self.alpha, kappa: 0.0, rho: 0.0 };
-        let hertz = SolitaryWave::new(plain, speed, self.sites, &line, &search)?;
         let tails: Vec<Tail> = swept.into_iter().map(|(_, tail)| tail).collect();
         let sites = line.at_sites();
         let decay = sites.iter().map(|g| g / sites[0]).collect();

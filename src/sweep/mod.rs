@@ -66,7 +66,7 @@ pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
 
 /// A callback for numbers of points, done and all, that tells a [`Progress`].
 pub(crate) fn counted(progress: Progress<'_>) -> impl Fn(u64, u64) + Sync {
-    move |done, total| progress(done as f64 / total as f64, &format!("{done} of {total} points"))
+    move |done, total| progress(done as f64 / total.max(1) as f64, &format!("{done} of {total} points"))
 }
 
 /// The result of a point: a value, or the reason why there is none.

@@ -39,12 +39,12 @@ fn saved(folder: &Path, trail: &Branch) -> PathBuf {
     path
 }
 
-/// The branch without the Newton steps, which files leave out.
 /// All numbers of a branch, to the bit.
 fn text(branch: &Branch) -> String {
     format!("{branch:?}")
 }
 
+/// The branch without the Newton steps, which files leave out.
 fn bare(mut trail: Branch) -> Branch {
     trail.orbits.iter_mut().for_each(|orbit| orbit.newton.clear());
     trail
@@ -52,7 +52,7 @@ fn bare(mut trail: Branch) -> Branch {
 
 fn bits(orbit: &Orbit) -> Vec<u64> {
     let setting = orbit.setting;
-    let numbers = Parameter::ALL.map(|(_, parameter)| setting.get(parameter));
+    let numbers = Parameter::ALL.map(|parameter| setting.get(parameter));
     numbers.iter().chain(&orbit.z).map(|value| value.to_bits()).collect()
 }
 
@@ -184,11 +184,11 @@ fn orbits_without_multipliers_are_gaps() {
     assert_eq!(branch.gaps, [gap]);
     let report = branch.report().unwrap();
     let text = report.text().replace('\n', " ");
-    assert!(text.contains(&format!("Orbits without multipliers at omega_b = {gap:.8}")) && report.succeeded());
+    assert!(text.contains(&format!("Orbits without multipliers at omega_b = {gap:.8}")) && report.error().is_none());
     broken.orbits[count - 1].setting.turns = 7;
     let branch = study(broken.clone(), &Engine::threads(), &|_, _| {}).unwrap();
     assert_eq!((branch.points.len(), branch.ended()), (count - 2, End::NoMultipliers));
-    assert!(!branch.report().unwrap().succeeded());
+    assert!(branch.report().unwrap().error().is_some());
     let why = branch.reached().unwrap_err().to_string();
     assert!(why.contains("is at omega_b = 2.04, but") && why.contains("the multipliers of its last orbit"), "{why}");
     broken.orbits.iter_mut().for_each(|orbit| orbit.setting.turns = 7);
@@ -196,9 +196,9 @@ fn orbits_without_multipliers_are_gaps() {
 }
 
 // Truth: the search over all points at once, with spectra computed here. A gap at the end of a
-// interval, or wider than one, is passed over by the next interval.
+// segment, or wider than one, is passed over by the next segment.
 #[test]
-fn bifurcations_of_a_branch_in_stretches_are_those_of_the_whole_branch() {
+fn bifurcations_of_a_branch_in_segments_are_those_of_the_whole_branch() {
     let whole = trail(continuation(Parameter::OmegaB, 2.1, 8e-3));
     let count = whole.orbits.len();
     assert!(count > 10, "{count}");

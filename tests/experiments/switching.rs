@@ -211,7 +211,7 @@ fn where_no_periodic_branch_crosses_there_is_nothing_to_switch_to() {
 
 // Truth: the search over all points at once.
 #[test]
-fn bifurcations_of_driven_branches_in_stretches_are_those_of_the_whole_branch() {
+fn bifurcations_of_driven_branches_in_segments_are_those_of_the_whole_branch() {
     let parameter = DriveParameter::Amplitude;
     let scene = Scene::parse(include_str!("../reference/pushed-bead.toml"), "pushed-bead.toml").unwrap();
     let search = DrivenSearch::default();
@@ -243,7 +243,7 @@ fn bifurcations_of_driven_branches_in_stretches_are_those_of_the_whole_branch() 
 
 // Truth: the search over all points at once.
 #[test]
-fn bifurcations_of_modes_in_stretches_are_those_of_the_whole_branch() {
+fn bifurcations_of_modes_in_segments_are_those_of_the_whole_branch() {
     for (scene, mode, to, step, switch) in [
         (Scene::parse(include_str!("../reference/two-beads.toml"), "two-beads.toml").unwrap(), 2, 0.32, 0.02, Some(1)),
         (Scene::load("defect").unwrap(), 21, 0.5, 0.05, None),

@@ -369,7 +369,7 @@ fn a_thousand_periods_keep_the_energy_to_rounding() {
 }
 
 #[test]
-fn paces_outside_their_rules_are_refused() {
+fn step_controls_outside_their_rules_are_refused() {
     let chain = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), Boundary::Free, 3).unwrap();
     let y0 = vec![0.0; 12];
     for control in [

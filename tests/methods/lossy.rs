@@ -3,7 +3,7 @@
 use crate::{
     common::{distance, largest},
     details::{run, stored},
-    differing::{
+    heterogeneous::{
         BOUNDARIES, balance, collocation, list, lively, of, order, random, regularised, same_for_every_set, unequal,
     },
     lossy_random::not_kept,

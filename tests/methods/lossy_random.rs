@@ -2,7 +2,7 @@
 
 use crate::{
     common::{distance, largest},
-    differing::random,
+    heterogeneous::random,
 };
 use hertzchain::{
     chain::{

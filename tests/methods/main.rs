@@ -13,7 +13,7 @@ mod contact_times;
 mod contacts;
 mod corrected;
 mod details;
-mod differing;
+mod heterogeneous;
 mod lossy;
 mod lossy_random;
 mod lossy_tangent;

@@ -3,7 +3,9 @@
 use crate::{
     common::{distance, largest},
     details::{run, stored},
-    differing::{BOUNDARIES, balance, collocation, list, lively, of, order, random, regularised, same_for_every_set},
+    heterogeneous::{
+        BOUNDARIES, balance, collocation, list, lively, of, order, random, regularised, same_for_every_set,
+    },
     windows,
 };
 use hertzchain::{
@@ -279,7 +281,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     for part in y0[..4000].chunks_mut(1000) {
         part[600..].fill(0.0);
     }
-    let one = crate::differing::same_on_any_threads(&chain, &y0, 2.0, 1e-12);
+    let one = crate::heterogeneous::same_on_any_threads(&chain, &y0, 2.0, 1e-12);
     // Blocks are solved separately and fit together, also in the ledger.
     let off = (balance(&chain, &one) / balance(&chain, &y0) - 1.0).abs();
     println!("balance {off:e}");
@@ -291,7 +293,7 @@ fn the_tangent_map_is_that_of_the_variational_equation() {
     // Truth: the variational equation by regularised DOP853, of beads and resonators that are free.
     for seed in [7, 8, 9] {
         let (chain, y0) = varied(seed, BOUNDARIES[seed as usize % 3], 6);
-        let gap = crate::differing::off_variations(&chain, &y0, 5.0, |i| i != 0);
+        let gap = crate::heterogeneous::off_variations(&chain, &y0, 5.0, |i| i != 0);
         println!("{seed}: {gap:e}");
         assert!(gap < 1e-11, "{seed}: {gap:e}");
     }

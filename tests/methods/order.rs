@@ -58,12 +58,13 @@ fn strang_keeps_order_two_through_contact() {
 }
 
 // With 14 beads two events lie closer together than the shifts of the tangent move them, so that
-// they happen in another order.
+// they happen in another order. Measured: 4.7e-12 and 1.1e-9; tangents of corrected kicks 2.00.
 #[test]
-fn runs_of_the_tangent_may_have_another_order_of_events() {
+fn a_chain_whose_tangent_runs_exchange_events_is_measured() {
     let study = order(&options(1.5, 14, &["strang-linear"]), &Engine::threads(), &|_, _| ()).unwrap();
-    assert!(study.floor.0 < 1e-10 && study.floor.1 < 1e-8, "{:?}", study.floor);
+    assert!(study.floor.0 < 1e-11 && study.floor.1 < 2e-9, "{:?}", study.floor);
     assert!((slope(&study, "strang-linear", Mode::Plain, Quantity::State) - 2.0).abs() < 0.1);
+    assert!((slope(&study, "strang-linear", Mode::Corrected, Quantity::Tangent) - 2.0).abs() < 0.1);
 }
 
 /// The number of rows of methods of order four and more that cross contacts.

@@ -2,7 +2,7 @@
 
 use crate::{
     common::{distance, largest},
-    differing::off_variations,
+    heterogeneous::off_variations,
 };
 use hertzchain::{
     chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, State},

@@ -492,13 +492,13 @@ fn chains_that_touch_in_any_pattern_have_a_tangent_map() {
     // from 1e-6 to 1, or not at all. Columns: velocities of the beads that are struck.
     let mut worst = 0.0f64;
     for seed in 0..24 {
-        let mut next = crate::differing::random(seed);
+        let mut next = crate::heterogeneous::random(seed);
         (0..5).for_each(|_| {
             next();
         });
         let sites = (2 + (next() * 20.0) as usize).max(3);
         let kind = if next() < 0.5 { Kind::Viscoelastic } else { Kind::Dashpot };
-        let boundary = crate::differing::BOUNDARIES[(next() * 3.0) as usize];
+        let boundary = crate::heterogeneous::BOUNDARIES[(next() * 3.0) as usize];
         let bare = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), boundary, sites).unwrap();
         let bonds = bare.touching().len();
         let strength = (0..bonds).map(|_| if next() < 0.1 { 0.0 } else { 10f64.powf(-6.0 + 6.0 * next()) }).collect();

@@ -250,7 +250,7 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         }
         let ring = whole && share.ring && all > 1;
         let mut verdict =
-            Work { stretch: Interval { bonds: &mut *bonds, ring }, old: &mut self.old, frames, goal }.run();
+            Work { interval: Interval { bonds: &mut *bonds, ring }, old: &mut self.old, frames, goal }.run();
         verdict.failure = verdict.failure.map(|(b, residual)| (share.number(first + b), residual));
         let mine = offset..offset + own.len();
         verdict.work += BOND * len as u64;
@@ -364,7 +364,7 @@ impl<const M: usize, const S: usize> Interval<'_, M, S> {
 /// Finds the contacts of all bonds from the forces at the start of the window; `false` if a search
 /// needs too many subdivisions of the window.
 struct Predict<'a, const M: usize, const S: usize> {
-    stretch: Interval<'a, M, S>,
+    interval: Interval<'a, M, S>,
     frames: &'a Frames<'a, M, S>,
 }
 
@@ -373,10 +373,10 @@ impl<const M: usize, const S: usize> Kernel for Predict<'_, M, S> {
 
     #[inline(always)]
     fn run(self) -> bool {
-        let Self { mut stretch, frames } = self;
+        let Self { mut interval, frames } = self;
         let (mut sure, mut end) = (true, [Rotation::NONE; S]);
-        for b in 0..stretch.bonds.len() {
-            let (me, beside) = stretch.at(b);
+        for b in 0..interval.bonds.len() {
+            let (me, beside) = interval.at(b);
             let frame = &frames.of(me.initial.bond);
             if b == 0 || S != 1 {
                 end = turn(frame, frame.h);
@@ -421,7 +421,7 @@ fn too_stiff(stiffness: impl Iterator<Item = f64>, goal: &Goal) -> Option<(usize
 
 /// The bonds of a block over a window, from the prediction to a verdict.
 struct Work<'a, const M: usize, const S: usize> {
-    stretch: Interval<'a, M, S>,
+    interval: Interval<'a, M, S>,
     old: &'a mut Panels<M, S>,
     frames: &'a Frames<'a, M, S>,
     goal: &'a Goal,
@@ -429,16 +429,16 @@ struct Work<'a, const M: usize, const S: usize> {
 
 impl<const M: usize, const S: usize> Work<'_, M, S> {
     fn run(self) -> WindowOutcome {
-        let Self { mut stretch, old, frames, goal } = self;
+        let Self { mut interval, old, frames, goal } = self;
         let mut verdict = WindowOutcome::default();
-        if !run::<S, _>(Predict { stretch: stretch.again(), frames }) {
+        if !run::<S, _>(Predict { interval: interval.again(), frames }) {
             verdict.failure = Some((0, f64::INFINITY));
             return verdict;
         }
         let mut levels = 0..=LEVELS;
         let mut rounds = 0;
         loop {
-            let done = run::<S, _>(Pass { stretch: stretch.again(), old: &mut *old, frames, goal, levels });
+            let done = run::<S, _>(Pass { interval: interval.again(), old: &mut *old, frames, goal, levels });
             levels = 1..=1;
             verdict.sweeps += done.deepest as u64;
             verdict.work += done.work;
@@ -447,14 +447,14 @@ impl<const M: usize, const S: usize> Work<'_, M, S> {
                 return verdict;
             }
             if done.deepest == 0 {
-                let Some(b) = unsettled(&mut stretch, frames, goal, &mut verdict) else { return verdict };
+                let Some(b) = unsettled(&mut interval, frames, goal, &mut verdict) else { return verdict };
                 rounds += 1;
                 if rounds > MOST_ROUNDS {
                     verdict.failure = Some((b, f64::INFINITY));
                     return verdict;
                 }
             } else if verdict.sweeps >= MOST_SWEEPS {
-                verdict.failure = busiest(stretch.bonds);
+                verdict.failure = busiest(interval.bonds);
                 return verdict;
             }
         }
@@ -477,7 +477,7 @@ fn busiest<const M: usize, const S: usize>(bonds: &[Bond<M, S>]) -> Option<(usiz
 /// further on. On a ring the first bond then comes after its neighbour at the end, and a sweep sees
 /// the same forces as if the levels were done one after the other.
 struct Pass<'a, const M: usize, const S: usize> {
-    stretch: Interval<'a, M, S>,
+    interval: Interval<'a, M, S>,
     /// Room for panels that are replaced.
     old: &'a mut Panels<M, S>,
     frames: &'a Frames<'a, M, S>,
@@ -501,7 +501,7 @@ impl<const M: usize, const S: usize> Kernel for Pass<'_, M, S> {
 
     #[inline(always)]
     fn run(mut self) -> Passed {
-        let (n, from, to) = (self.stretch.bonds.len(), *self.levels.start(), *self.levels.end());
+        let (n, from, to) = (self.interval.bonds.len(), *self.levels.start(), *self.levels.end());
         let mut passed = Passed::default();
         for place in 0..n + 2 * to {
             // Levels that have begun and are not done: 2 level <= place < n + 2 level.
@@ -512,7 +512,7 @@ impl<const M: usize, const S: usize> Kernel for Pass<'_, M, S> {
             for level in first..=last {
                 if level == 0 {
                     self.start(b, &mut passed);
-                } else if self.stretch.bonds[b].waits() {
+                } else if self.interval.bonds[b].waits() {
                     self.sweep(b, level, &mut passed);
                 }
                 b = if b == 0 { n - 1 } else { b - 1 };
@@ -526,7 +526,7 @@ impl<const M: usize, const S: usize> Pass<'_, M, S> {
     #[inline(always)]
     fn look_beyond(&mut self, b: usize) {
         if S != 1 && self.frames.links.lossy() {
-            look_beyond(self.stretch.bonds, b, self.stretch.ring);
+            look_beyond(self.interval.bonds, b, self.interval.ring);
         }
     }
 
@@ -534,7 +534,7 @@ impl<const M: usize, const S: usize> Pass<'_, M, S> {
     #[inline(always)]
     fn start(&mut self, b: usize, passed: &mut Passed) {
         self.look_beyond(b);
-        let (me, beside) = self.stretch.at(b);
+        let (me, beside) = self.interval.at(b);
         let frame = &self.frames.of(me.initial.bond);
         me.lay_out(frame, beside, self.old);
         me.start(frame, beside);
@@ -545,11 +545,11 @@ impl<const M: usize, const S: usize> Pass<'_, M, S> {
     /// Sweeps a bond, and marks its neighbours if they must be swept again.
     #[inline(always)]
     fn sweep(&mut self, b: usize, level: usize, passed: &mut Passed) {
-        if self.stretch.bonds[b].pending.layout {
+        if self.interval.bonds[b].pending.layout {
             self.look_beyond(b);
         }
         let Self { frames, goal, .. } = *self;
-        let (me, beside) = self.stretch.at(b);
+        let (me, beside) = self.interval.at(b);
         let frame = &frames.of(me.initial.bond);
         let anew = me.pending.layout;
         // A bond whose contact turned out to be none is swept once more, with no panels.
@@ -580,7 +580,7 @@ impl<const M: usize, const S: usize> Pass<'_, M, S> {
     #[inline(always)]
     fn tell(&mut self, b: usize, change: &Change, (age, unsettled): (u32, bool)) {
         let far = change.moved > self.frames.cuts.least_move_beside;
-        let Interval { bonds, ring } = &mut self.stretch;
+        let Interval { bonds, ring } = &mut self.interval;
         for beside in beside(b, bonds.len(), *ring).into_iter().flatten() {
             let other = &mut bonds[beside];
             other.sweeps.age = other.sweeps.age.min(age);
@@ -597,17 +597,17 @@ impl<const M: usize, const S: usize> Pass<'_, M, S> {
 /// prediction again, and halves panels that do not resolve their force. Returns the last bond that
 /// must be swept again for one of these reasons, if there is one.
 fn unsettled<const M: usize, const S: usize>(
-    stretch: &mut Interval<'_, M, S>,
+    interval: &mut Interval<'_, M, S>,
     frames: &Frames<'_, M, S>,
     goal: &Goal,
     verdict: &mut WindowOutcome,
 ) -> Option<usize> {
     let mut anew = None;
     verdict.tail = 0.0;
-    run::<S, _>(Judge { bonds: &mut *stretch.bonds, frames, goal });
+    run::<S, _>(Judge { bonds: &mut *interval.bonds, frames, goal });
     let per = 0.5 * frames.h * frames.h;
-    for b in 0..stretch.bonds.len() {
-        let (me, beside) = stretch.at(b);
+    for b in 0..interval.bonds.len() {
+        let (me, beside) = interval.at(b);
         let frame = &frames.of(me.initial.bond);
         let of = |bond: Beside<M, S>| bond.map_or(0.0, |bond| bond.prediction.predictor_error);
         let others = Bond::driven(frame, of(beside[0]), of(beside[1]));
@@ -618,15 +618,15 @@ fn unsettled<const M: usize, const S: usize>(
                 Some(true) => {
                     (me.pending.layout, anew) = (true, Some(b));
                     // As where an event moves far, see [`Pass::tell`].
-                    for side in super::system::beside(b, stretch.bonds.len(), stretch.ring).into_iter().flatten() {
-                        let other = &mut stretch.bonds[side];
+                    for side in super::system::beside(b, interval.bonds.len(), interval.ring).into_iter().flatten() {
+                        let other = &mut interval.bonds[side];
                         other.pending.layout |= frames.links.lossy() && !other.contacts.found.is_empty();
                     }
                 }
                 Some(false) => {}
             }
         }
-        let me = &mut stretch.bonds[b];
+        let me = &mut interval.bonds[b];
         let tail = me.resolution.tail;
         verdict.tail = if tail > verdict.tail { tail } else { verdict.tail };
         if tail > 1.0 {

@@ -371,7 +371,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let rate = link.stiffness(overlap[0]) * overlap[1];
             // Right after an onset with alpha < 1 the rate has no bound and predicts nothing of the
             // forces that follow.
-            force = [link.force(overlap[0]), if link.law.alpha() < 1.0 { 0.0 } else { rate }];
+            force = [link.elastic_force(overlap[0]), if link.law.alpha() < 1.0 { 0.0 } else { rate }];
         }
         self.initial =
             Initial { bond, mobility, path, band, overlap, force, ongoing, singular_after: link.singular_after(0.0) };
@@ -589,7 +589,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let most = if was > largest { was } else { largest };
         sweeps.stiffness = frame.link.stiffness_over(most, frame.h);
         if frame.link.lossy() {
-            sweeps.resistance = frame.link.resistance(most) * frame.h * frame.link.lightest();
+            sweeps.resistance = frame.link.resistance_if_closed(most) * frame.h * frame.link.lightest();
         }
         // For alpha < 1 the stiffness is largest at small overlaps, and has no bound.
         sweeps.age = if frame.link.law.alpha() < 1.0 { 1 } else { sweeps.age + 1 };

@@ -65,7 +65,7 @@ pub(crate) struct Flow {
     /// `K'`, `K''` and `K'''` at zero.
     slopes: [f64; 3],
     /// For `b` and `A b`, the coefficients of `1` and `h` in [`curvature`](Self::curvature).
-    bends: [[f64; 2]; 2],
+    curvature_bounds: [[f64; 2]; 2],
 }
 
 /// What a prediction needs of a site at a time `t`.
@@ -228,9 +228,9 @@ impl Flow {
             answer: powers(&scaled.map(|row| row.map(|x| -x)), b),
             ahead,
             slopes: [kernel[1] * rate, 2.0 * kernel[2] * rate.powi(2), 6.0 * kernel[3] * rate.powi(3)],
-            bends: [[0.0; 2]; 2],
+            curvature_bounds: [[0.0; 2]; 2],
         };
-        flow.bends = [flow.bend_over(&b), flow.bend_over(&flow.rates(&b))];
+        flow.curvature_bounds = [flow.bound_over(&b), flow.bound_over(&flow.rates(&b))];
         flow
     }
 
@@ -356,13 +356,13 @@ impl Flow {
     ///
     /// The energy `r'^2/m + (c'^2 + omega^2 c^2)/mu` does not grow, so that it bounds the velocity;
     /// drag then adds no more than this to the amplitude of the oscillation.
-    pub(crate) fn curvature(&self, path: &Path, h: f64) -> f64 {
-        let [now, per_time] = self.bend_over(path);
+    pub(crate) fn curvature_bound(&self, path: &Path, h: f64) -> f64 {
+        let [now, per_time] = self.bound_over(path);
         now + h * per_time
     }
 
     /// The coefficients of `1` and `h` in [`curvature`](Self::curvature).
-    fn bend_over(&self, [_, v, c, s]: &Path) -> [f64; 2] {
+    fn bound_over(&self, [_, v, c, s]: &Path) -> [f64; 2] {
         let Self { drag, slip, response: Response { m, mu, .. }, .. } = *self;
         let omega = self.a[2][3];
         let (mut energy, fast) = (0.0, (omega * c).hypot(omega * s));
@@ -377,8 +377,8 @@ impl Flow {
     }
 
     /// Bounds of `K''` and `K'''` up to the time `h`.
-    pub(crate) fn bends(&self, h: f64) -> [f64; 2] {
-        self.bends.map(|[now, per_time]| now + h * per_time)
+    pub(crate) fn curvature_bounds(&self, h: f64) -> [f64; 2] {
+        self.curvature_bounds.map(|[now, per_time]| now + h * per_time)
     }
 }
 
@@ -471,7 +471,7 @@ mod tests {
         for (m, mu, damping) in [(0.6, 0.5, [0.8, 0.3]), (0.0, 1.0, [0.0, 4.0]), (1.0, 0.0, [2.0, 0.0])] {
             let site = flow(m, mu, 1.7, damping);
             let y = [0.3, -0.4, if mu > 0.0 { 0.2 } else { 0.0 }, if mu > 0.0 { 0.7 } else { 0.0 }];
-            let bound = site.curvature(&y, 1.0);
+            let bound = site.curvature_bound(&y, 1.0);
             for k in 0..=20 {
                 let by = site.moved(&y, 0.05 * f64::from(k));
                 let now: Path = std::array::from_fn(|i| y[i] + by[i]);

@@ -49,7 +49,7 @@ impl Cuts {
         let impulse = if link.lossy() {
             link.law.impulse_besides(overlap.abs(), by.abs(), deepest)
         } else {
-            link.force(overlap.abs()) * by.abs()
+            link.elastic_force(overlap.abs()) * by.abs()
         };
         impulse * link.lightest() <= self.event_impulse
     }

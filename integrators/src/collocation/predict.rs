@@ -267,7 +267,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let end = predicted_at(frame, motion, drive, h, turn);
         let rate = self.predicted_rate(frame, drive, turn);
         self.prediction.at_end = end;
-        let last = if end > 0.0 { frame.link.force(end) } else { 0.0 };
+        let last = if end > 0.0 { frame.link.elastic_force(end) } else { 0.0 };
         self.prediction.curvature = (last - (force[0] + force[1] * h)) / (h * h);
         // Hermite's cubic, whose error G t^2 (h - t)^2/24 touches only the middle coefficient in
         // Bernstein's basis of degree 4.
@@ -336,8 +336,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             fourth += square * by;
         }
         if let Some(known) = known::<S>(&self.known) {
-            second += known.bends[0];
-            fourth += known.bends[1];
+            second += known.curvature_bounds[0];
+            fourth += known.curvature_bounds[1];
         }
         (second, fourth)
     }
@@ -345,14 +345,14 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// As [`bounds`](Self::bounds) where a site is damped.
     #[inline(never)]
     fn bounds_damped(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>) -> (f64, f64) {
-        let [mut second, mut fourth] = known::<S>(&self.known).map_or([0.0; 2], |known| known.bends);
+        let [mut second, mut fourth] = known::<S>(&self.known).map_or([0.0; 2], |known| known.curvature_bounds);
         for side in 0..S {
             let (path, [d0, d1]) = (&self.initial.path[side], drive[side].map(f64::abs));
             let by_forces = frame.link.weight(side) * (d0 + d1 * frame.h);
             if let Some(flow) = frame.link.flow(side) {
-                let [k2, k3] = flow.bends(frame.h);
-                second += flow.curvature(path, frame.h) + by_forces;
-                fourth += flow.curvature(&flow.rates(&flow.rates(path)), frame.h) + k3 * d0 + k2 * d1;
+                let [k2, k3] = flow.curvature_bounds(frame.h);
+                second += flow.curvature_bound(path, frame.h) + by_forces;
+                fourth += flow.curvature_bound(&flow.rates(&flow.rates(path)), frame.h) + k3 * d0 + k2 * d1;
             } else {
                 let square = frame.link.sides[side].omega.powi(2);
                 let by = square * (path[2].abs() + path[3].abs()) + by_forces;
@@ -369,11 +369,11 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         for side in 0..S {
             let ([_, _, c, s], omega) = (self.initial.path[side], frame.link.sides[side].omega);
             linear += match frame.link.flow(side) {
-                Some(flow) => flow.curvature(&self.initial.path[side], frame.h),
+                Some(flow) => flow.curvature_bound(&self.initial.path[side], frame.h),
                 None => omega * omega * (c.abs() + s.abs()),
             };
         }
-        known::<S>(&self.known).map_or(linear, |known| linear + known.bends[0])
+        known::<S>(&self.known).map_or(linear, |known| linear + known.curvature_bounds[0])
     }
 
     /// The rate of the predicted overlap at the end of the window.
@@ -527,8 +527,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             begins == begun && (ends == ended || on_surface) && shared(a, b)
         };
         let Contacts { assumed, found, .. } = &mut self.contacts;
-        // Newton's method may have diverged, or to contacts of which one begins before another
-        // has ended, so that its force counts twice.
+        // Newton's method may have diverged, or led to contacts of which one begins before
+        // another has ended, so that its force counts twice.
         let twice = |pair: &[Contact]| {
             let (from, to) = (pair[1].onset.max(0.0), pair[0].release);
             from < to && !frame.cuts.negligible(frame.link, g(from).abs().max(g(to).abs()), to - from, None)

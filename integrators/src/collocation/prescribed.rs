@@ -35,7 +35,7 @@ pub(crate) struct Prescribed {
     /// Value and time derivative at the start and at the end of the window.
     pub(crate) ends: [[f64; 2]; 2],
     /// Bounds of the second and the fourth time derivative in the window.
-    pub(crate) bends: [f64; 2],
+    pub(crate) curvature_bounds: [f64; 2],
 }
 
 /// The derivative of a Chebyshev series over a window.
@@ -59,7 +59,7 @@ impl Prescribed {
         let series = super::panel::product(&Rule::<TERMS>::shared().series, values);
         let second = derivative(&derivative(&series, h), h);
         let fourth = derivative(&derivative(&second, h), h);
-        Self { series, h, ends, bends: [size(&second), size(&fourth)] }
+        Self { series, h, ends, curvature_bounds: [size(&second), size(&fourth)] }
     }
 
     /// The sum of the parts of an overlap that two drives prescribe.
@@ -69,7 +69,7 @@ impl Prescribed {
             series: std::array::from_fn(|k| self.series[k] + other.series[k]),
             h: self.h,
             ends: [sum(self.ends[0], other.ends[0]), sum(self.ends[1], other.ends[1])],
-            bends: sum(self.bends, other.bends),
+            curvature_bounds: sum(self.curvature_bounds, other.curvature_bounds),
         }
     }
 
@@ -110,7 +110,7 @@ impl Prescribed {
     /// Bounds of the value and of the time derivative in the window.
     pub(crate) fn reach(&self) -> [f64; 2] {
         let [_, rate] = self.ends[0];
-        [size(&self.series), rate.abs() + self.bends[0] * self.h]
+        [size(&self.series), rate.abs() + self.curvature_bounds[0] * self.h]
     }
 }
 

@@ -146,9 +146,9 @@ impl<const S: usize> Link<S> {
         if S == 1 { 1.0 } else { self.law.constant }
     }
 
-    /// The force of an overlap.
+    /// The force of an overlap, without resistance.
     #[inline(always)]
-    pub(crate) fn force(&self, overlap: f64) -> f64 {
+    pub(crate) fn elastic_force(&self, overlap: f64) -> f64 {
         self.constant() * self.law.power.force(overlap)
     }
 
@@ -177,7 +177,7 @@ impl<const S: usize> Link<S> {
     }
 
     /// `c(g)`; zero where beads do not overlap.
-    pub(crate) fn resistance(&self, overlap: f64) -> f64 {
+    pub(crate) fn resistance_if_closed(&self, overlap: f64) -> f64 {
         if overlap > 0.0 { self.law.resistance(overlap) } else { 0.0 }
     }
 
@@ -195,7 +195,7 @@ impl<const S: usize> Link<S> {
         if !self.lossy() {
             return stiffness;
         }
-        let resistance = self.resistance(overlap) * t * self.lightest();
+        let resistance = self.resistance_if_closed(overlap) * t * self.lightest();
         stiffness + resistance * resistance
     }
 }

@@ -178,8 +178,8 @@ impl<C: ContactChain> Stepper<f64> for DiscreteGradient<C> {
 
     /// Times inside the last step are reached by a shorter one of the same scheme.
     fn sample(&mut self, t: f64, y: &mut [f64]) {
-        let by = (DoubleDouble::new(t) - self.steps.reached()).value();
-        let by = if by.abs() > 4.0 * f64::EPSILON * t.abs() { by } else { 0.0 };
+        let inside = self.steps.inside(t);
+        let by = if inside { (DoubleDouble::new(t) - self.steps.reached()).value() } else { 0.0 };
         self.chain.sample(self.sites.clone(), &self.phi, by, y);
     }
 

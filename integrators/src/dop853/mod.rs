@@ -85,7 +85,7 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
         let controller = Controller::new(&options, end - start);
         let breaks = Breaks::new(field.breaks());
         let step_size = StepSize::Controlled { options, controller, next: R::zero() };
-        Ok(Self { breaks, ..Self::paced(field, y0, (start, end), step_size)? })
+        Ok(Self { breaks, ..Self::with_step_size(field, y0, (start, end), step_size)? })
     }
 
     /// Integrates `field` in `steps` equal steps, without error control.
@@ -98,10 +98,10 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
         }
         let span = DoubleDouble::new(end) - DoubleDouble::new(start);
         let h = span.over(DoubleDouble::new(R::of(steps.max(1) as f64)));
-        Self::paced(field, y0, (start, end), StepSize::Equal { h, steps })
+        Self::with_step_size(field, y0, (start, end), StepSize::Equal { h, steps })
     }
 
-    fn paced(field: F, y0: &[R], (start, end): (R, R), step_size: StepSize<R>) -> Result<Self, Error> {
+    fn with_step_size(field: F, y0: &[R], (start, end): (R, R), step_size: StepSize<R>) -> Result<Self, Error> {
         check_start(field.dim(), y0, (start, end))?;
         let step = Step::new(y0);
         Ok(Self {

@@ -86,9 +86,9 @@ impl Curve {
     /// rate of the chord from the node nearest to it.
     fn per_time(&self, by_x: f64, x: f64) -> f64 {
         let sigma = self.sigma[0] + self.sigma[1] * x;
-        let pace = self.sign * f64::from(self.q) * sigma.powi(self.q as i32 - 1) * self.sigma[1];
-        if pace > 0.0 {
-            return by_x / pace;
+        let speed = self.sign * f64::from(self.q) * sigma.powi(self.q as i32 - 1) * self.sigma[1];
+        if speed > 0.0 {
+            return by_x / speed;
         }
         let near = if x < 0.5 { 1 } else { self.count - 2 };
         let here = if x < 0.5 { 0 } else { self.count - 1 };

@@ -70,9 +70,11 @@ impl Figure {
         let (mut tables, mut pictures, mut caption) = (Vec::new(), Vec::new(), self.claim.to_owned());
         for ((tag, _), report) in self.studies.iter().zip(reports) {
             let report = report?;
-            if !report.succeeded() {
-                let why = report.remarks().unwrap_or_default().trim_start_matches("error: ").to_owned();
-                return Err(Error::Point { point: format!("study \"{tag}\""), why });
+            if let Some(why) = report.error() {
+                return Err(Error::Point {
+                    point: format!("{} {tag}", self.name).trim_end().to_owned(),
+                    why: why.to_owned(),
+                });
             }
             let (its_tables, mut its_pictures) = report.parts(&[self.name, tag]);
             tables.extend(its_tables);

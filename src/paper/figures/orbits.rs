@@ -15,10 +15,7 @@ use crate::{
         Digits::{Hidden, Short},
         Line, Panel, Panels, Report, Table,
     },
-    study::{
-        DarkStudy, KINDS, Kick, Progress, center_word, doubled_from, evolve, format_short, go_on, kebab_name,
-        orbit_study,
-    },
+    study::{DarkStudy, KINDS, Kick, Progress, center_word, doubled_from, evolve, format_short, go_on, orbit_study},
     sweep::map,
 };
 
@@ -104,7 +101,7 @@ fn multipliers(name: &str, parameter: &str, all: &[(f64, Multiplier)]) -> Table 
         .col("modulus", Hidden, "", |row| row.1.modulus)
         .col("error", Hidden, "of the modulus", |row| row.1.error)
         .col("krein", Hidden, "Krein signature on the circle, 0 elsewhere", |row| f64::from(row.1.krein))
-        .col("kind", Short, "", |row| kebab_name(&row.1.kind))
+        .col("kind", Short, "", |row| row.1.kind.name())
         .done()
 }
 
@@ -147,12 +144,13 @@ fn of_branch(branch: &Branch, title: &str) -> Result<Report> {
     });
     let table = multipliers("multipliers", parameter.name(), &off.collect::<Vec<_>>());
     let (Some(first), Some(last)) = (branch.points.first(), branch.points.last()) else { return branch.report() };
-    let events = |one: &Bifurcation| format!("{:.7} ({})", one.parameter, kebab_name(&one.kind).replace('-', " "));
+    let events = |one: &Bifurcation| format!("{:.7} ({})", one.parameter, one.kind.name().replace('-', " "));
     let events: Vec<String> = branch.bifurcations.iter().map(events).collect();
-    let above = branch.weak.map_or(1.0, |weak| 1.0 + weak);
-    let events = match events.is_empty() {
-        true => String::new(),
-        false => format!(" Bifurcations, quartets with |λ| above {above} only: {}.", events.join(", ")),
+    let events = match branch.weak {
+        Some(weak) if !events.is_empty() => {
+            format!(" Bifurcations, quartets with |λ| above {} only: {}.", 1.0 + weak, events.join(", "))
+        }
+        _ => String::new(),
     };
     let gaps = match branch.gaps.len() {
         0 => String::new(),

@@ -15,6 +15,7 @@ use crate::{
     chain::{Boundary, Params, Site, max_norm},
     dps::{Averages, Center, Constraint, Dps, Ends, Form, Layout, per_gamma},
     error::{Error, Result},
+    numerics::largest_by,
     run::state_at,
     study::{self, Initial, Norm, RhoLaw, TheoremOptions},
     sweep::Engine,
@@ -94,7 +95,7 @@ fn heavy_resonators(_: &Runs) -> Result<Vec<Quantity>> {
     };
     let worst = |ratio: &dyn Fn(f64) -> Result<f64>| -> Result<f64> {
         let ratios = [1.2, 1.5, 2.0, 3.0].into_iter().map(ratio).collect::<Result<Vec<_>>>()?;
-        Ok(ratios.into_iter().max_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs())).unwrap_or(f64::NAN))
+        Ok(largest_by(ratios, |ratio| (ratio - 1.0).abs()).unwrap_or(f64::NAN))
     };
     let shape = Shape { q: 0.2 * PI, a: 1.0, b: 0.0, phi: 0.0 };
     Ok(vec![

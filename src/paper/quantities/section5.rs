@@ -103,15 +103,15 @@ fn touching(breather: &TrivialBreather, step: f64) -> Result<Vec<f64>> {
     const SAMPLES: u32 = 4000;
     let site = |n| moved(breather, n, FAR * n as f64 - breather.means()[n]);
     let period = 2.0 * PI / breather.params().omega();
-    let mut run = started(breather.params(), (Boundary::Free, SITES), &site, (period, TOLERANCE))?;
+    let run = started(breather.params(), (Boundary::Free, SITES), &site, (period, TOLERANCE))?;
     let mut least = [0.0f64; SITES];
-    for k in 0..SAMPLES {
-        let y = state_at(&mut run, period * f64::from(k) / f64::from(SAMPLES))?;
+    sampled(run, (period, SAMPLES), |_, y| {
         let swing = |n: usize| y[n] - FAR * n as f64;
         for (n, least) in least.iter_mut().enumerate() {
             *least = least.max(if n == 0 { 0.0 } else { swing(n - 1) } - swing(n));
         }
-    }
+        Ok(())
+    })?;
     Ok((0..SITES).map(|n| step * (n / 3) as f64 + least[..=n].iter().sum::<f64>()).collect())
 }
 

@@ -100,8 +100,7 @@ impl Section {
     /// Why results are missing, and what their reports say that failed.
     pub fn failures(&self) -> impl Iterator<Item = &str> {
         self.results.iter().filter_map(|result| match result {
-            Ok(shown) if shown.report.succeeded() => None,
-            Ok(shown) => shown.report.remarks().map(|why| why.trim_start_matches("error: ")),
+            Ok(shown) => shown.report.error(),
             Err(why) => Some(why),
         })
     }

@@ -36,6 +36,7 @@ use super::{Changes, Progress, Study, Work, methods, options::options, scene};
 use crate::{
     error::{Error, Result},
     named::named,
+    numerics::least_by,
     report::Report,
     run::method::{Contacts, Method, Split},
     sweep::{Engine, Grid, Row},
@@ -287,7 +288,7 @@ impl ChartStudy {
             let limit = point.measured.as_ref().ok()?.limits.get(nth)?;
             Some((point.method, limit, limit.trial.as_ref()?))
         });
-        candidates.min_by(|a, b| a.2.cost.total_cmp(&b.2.cost))
+        least_by(candidates, |one| one.2.cost)
     }
 }
 
@@ -387,7 +388,8 @@ fn value(problem: &Problem, options: &ChartOptions, place: &Point) -> Result<Val
 /// What was measured at a point of a kind.
 fn taken<T: DeserializeOwned>(row: Row<Value>, kind: &str) -> Row<T> {
     row.and_then(|mut value| {
-        serde_json::from_value(value.get_mut(kind).map_or(Value::Null, Value::take)).map_err(|why| why.to_string())
+        let value = value.get_mut(kind).ok_or("the row of a point of another kind")?.take();
+        serde_json::from_value(value).map_err(|why| why.to_string())
     })
 }
 

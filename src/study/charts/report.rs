@@ -2,6 +2,7 @@
 
 use super::{BOUNDS, Behaviour, Chart, ChartPoint, ChartStudy, Measured, ResonancePoint, Trial, Variant, kick_sum};
 use crate::{
+    numerics::largest_by,
     present::machine_json,
     report::{
         CellMap,
@@ -205,8 +206,7 @@ fn errors(study: &ChartStudy, chart: Chart) -> Table {
     for column in columns {
         table = table.col(plain(column), Short, "", |method| {
             let points = of(*method).filter(|point| place(chart, &point.variant)[0] == column);
-            points
-                .max_by(|a, b| badness(a).total_cmp(&badness(b)))
+            largest_by(points, |point| badness(point))
                 .map(|point| cell(point, "refused", |error| format!("{error:.0e}")))
         });
         table = table.head(plain(column));

@@ -23,7 +23,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    numerics::golden,
+    numerics::{golden, largest_by},
     run::Records,
     run::method::{Method, Setting, Split},
 };
@@ -85,7 +85,7 @@ pub fn resonance(problem: &Problem, method: Method, k: u32, delta: f64) -> Resul
         scanned.push((near + offset, growth(near + offset)?));
     }
     scanned.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some(top) = (0..scanned.len()).max_by(|&a, &b| scanned[a].1.total_cmp(&scanned[b].1)) else { return Ok(None) };
+    let Some(top) = largest_by(0..scanned.len(), |&k| scanned[k].1) else { return Ok(None) };
     if scanned[top].1 < LEAST_GROWTH || top == 0 || top + 1 == scanned.len() {
         return Ok(None);
     }

@@ -8,6 +8,7 @@ mod report;
 pub(super) use ladder::{steps_for_kicks, time};
 
 use super::{Changes, Progress, Study, Work, fit_line, methods, options::options};
+use crate::numerics::least_by;
 use crate::{chain::Resonators, error::Result, plain::Loop, report::Report, run::method::Method, scene::Scene};
 use hertzchain_integrators::Stats;
 use ladder::Refinement;
@@ -263,7 +264,7 @@ impl Comparison {
     fn fastest_of(&self, error: f64, of: impl Fn(&Candidate) -> bool) -> Option<&Row> {
         let reaches = |row: &&Row| row.error.is_some_and(|e| e + self.reference.error_estimate <= error);
         let wall = |row: &Row| row.wall.unwrap_or(f64::MAX);
-        self.rows.iter().filter(|row| of(&row.entrant)).filter(reaches).min_by(|a, b| wall(a).total_cmp(&wall(b)))
+        least_by(self.rows.iter().filter(|row| of(&row.entrant)).filter(reaches), |row| wall(row))
     }
 }
 

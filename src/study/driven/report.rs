@@ -15,7 +15,7 @@ use crate::{
     scene::{Quantity, Units},
     study::{
         branches::{self, BranchRow, SWITCHED, crossed},
-        format_short, kebab_name, scene_caption, scene_json,
+        format_short, scene_caption, scene_json,
         si::Scale,
     },
 };
@@ -72,7 +72,7 @@ fn bifurcations<'a>(
     si: Option<&Units>,
 ) -> Rows<'a, Bifurcation<DrivenContinuation>> {
     branches::numbered(Table::of(name, all).si(si))
-        .col("kind", Short, "", |one| kebab_name(&one.kind))
+        .col("kind", Short, "", |one| one.kind.name())
         .col(varied.name(), Fixed(8), VARIED, |one| one.parameter)
         .kind(kind)
         .col("response", Hidden, "largest half range of a free bead", |one| one.critical.amplitude)

@@ -19,8 +19,9 @@ use crate::{
     error::{Error, Result},
     orbits::{Orbit, Pick, Shooting, Spectrum},
     report::Report,
+    run::state_at,
 };
-use hertzchain_integrators::{Stepper, collocation::StepControl};
+use hertzchain_integrators::collocation::StepControl;
 use nalgebra::Complex;
 use std::path::PathBuf;
 
@@ -181,13 +182,13 @@ pub fn evolve(
     out.swing.span = a_row as f64 * period;
     for k in 0..=periods as u64 * SAMPLES {
         let (t, m) = (k as f64 * period / SAMPLES as f64, k / SAMPLES);
-        while run.time() < t && !run.done() && out.failure.is_none() {
-            out.failure = run.step().err().map(|error| error.to_string());
-        }
-        if out.failure.is_some() {
-            break;
-        }
-        run.sample(t, &mut state);
+        state = match state_at(&mut run, t) {
+            Ok(state) => state,
+            Err(why) => {
+                out.failure = Some(why.to_string());
+                break;
+            }
+        };
         // The sample at the end of a row belongs to it, not to the next one.
         out.swing.add(&state[..orbit.z.len()], (k.saturating_sub(1) / (a_row * SAMPLES)) as usize);
         if k % SAMPLES > 0 {

@@ -13,7 +13,7 @@ use crate::{
     },
     study::{
         branches::{self, BranchRow},
-        kebab_name, params_words,
+        params_words,
     },
     waves::{ExactWave, Profile, TravellingWave, WaveContinuation, WaveMultiplier, WaveParameter, WavePoint},
 };
@@ -247,7 +247,7 @@ fn multipliers(rows: &[WaveMultiplier]) -> Table {
         .col("krein", Hidden, "Krein signature on the circle, 0 elsewhere", |one| f64::from(one.krein))
         .col("growth", Hidden, "per unit of time", |one| one.growth)
         .col("frequency", Hidden, "in radians per unit of time", |one| one.frequency)
-        .col("kind", Hidden, "where it lies", |one| kebab_name(&one.kind))
+        .col("kind", Hidden, "where it lies", |one| one.kind.name())
         .done()
 }
 

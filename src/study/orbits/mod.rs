@@ -179,8 +179,8 @@ options! {
 impl Continue {
     /// The branch with its first orbit only.
     fn first(&self) -> Result<Branch> {
-        let Some(&(_, parameter)) = Parameter::ALL.iter().find(|(name, _)| *name == self.parameter) else {
-            return Err(Error::unknown("parameter", &self.parameter, Parameter::ALL.map(|(name, _)| name)));
+        let Some(parameter) = Parameter::ALL.into_iter().find(|one| one.name() == self.parameter) else {
+            return Err(Error::unknown("parameter", &self.parameter, Parameter::ALL.map(Parameter::name)));
         };
         let mut breather = self.ring.breather(self.center, self.omega_b, ONE)?;
         let varies = parameter == Parameter::OmegaB;
@@ -195,10 +195,6 @@ impl Continue {
         };
         let (from, to) = (end(self.from, RANGE[0], "from")?, end(self.to, RANGE[1], "to")?);
         breather.set(parameter, from);
-        if varies {
-            let of_from = |why: &Error| matches!(why, Error::Parameter { name: "omega_b", .. });
-            breather.seed().map_err(|why| if of_from(&why) { why.named("from") } else { why })?;
-        }
         let continuation = Continuation {
             parameter,
             to,
@@ -207,7 +203,8 @@ impl Continue {
             natural: self.natural,
             shooting: self.ring.shooting(),
         };
-        begin(&breather, &continuation, self.weak)
+        let of_from = |why: &Error| varies && matches!(why, Error::Parameter { name: "omega_b", .. });
+        begin(&breather, &continuation, self.weak).map_err(|why| if of_from(&why) { why.named("from") } else { why })
     }
 }
 

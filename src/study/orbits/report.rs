@@ -17,7 +17,7 @@ use crate::{
         branches::{BranchRow, ended, gaps, lines, told},
         dps::center_word,
         exact::{bounds, newton_kantorovich_bound},
-        kebab_name, params_words,
+        params_words,
     },
 };
 use serde_json::json;
@@ -49,7 +49,7 @@ pub(super) fn outside(multipliers: &[Multiplier]) -> Table {
         .col("im", Fixed(12), "imaginary part", |one| one.im)
         .col("modulus", Fixed(12), "", |one| one.modulus)
         .col("error", Power(1), "of the modulus", |one| one.error)
-        .col("kind", Short, "", |one| kebab_name(&one.kind))
+        .col("kind", Short, "", |one| one.kind.name())
         .done()
 }
 
@@ -176,7 +176,7 @@ impl DoubledStudy {
 fn bifurcations(name: &str, all: &[Bifurcation]) -> Table {
     Table::of(name, all)
         .key("bifurcations")
-        .col("kind", Short, "", |one| kebab_name(&one.kind))
+        .col("kind", Short, "", |one| one.kind.name())
         .col("parameter", Fixed(10), "", |one| one.parameter)
         .col("period", Fixed(10), "", |one| one.orbit.setting.period())
         .col("tau", Fixed(8), "half trace of the two multipliers that meet", |one| one.critical.tau)

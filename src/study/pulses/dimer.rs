@@ -15,7 +15,7 @@ use super::{Crests, METHOD, STEP, ascending, follow, geometric, plain};
 use crate::{
     chain::State,
     error::Result,
-    numerics::golden,
+    numerics::{golden, least_by},
     report::{Digits::Fixed, Kind, Line, Panel, Panels, Report, rows},
     study::{Progress, Study, Work, options::options},
     sweep::{Engine, Grid},
@@ -107,7 +107,7 @@ impl DimerStudy {
         let source = "Jayaprakash, Starosvetsky & Vakakis 2011";
         let maxima =
             DimerRow::table("maxima", &self.maxima).key("maxima").col("published", Fixed(4), source, known).done();
-        let least = self.rows.iter().min_by(|a, b| a.transmission.total_cmp(&b.transmission));
+        let least = least_by(&self.rows, |row| row.transmission);
         let least = least.map_or_else(String::new, |row| {
             format!("; the least of {} mass ratios is {:.5}, at {:.4}", self.rows.len(), row.transmission, row.ratio)
         });
@@ -161,7 +161,8 @@ pub fn dimer(options: &DimerOptions, engine: &Engine, progress: Progress<'_>) ->
     let &DimerOptions { from, to, points, cells } = options;
     let ratios = geometric(from, to, points);
     let grid = Grid { store: DimerOptions::STORE, study: "dimer", settings: json!({"cells": cells, "step": STEP}) };
-    let swept = engine.sweep(&grid, &ratios, progress, |&ratio| pulse(ratio, cells))?;
+    let part = |from: f64, share: f64| move |done: f64, words: &str| progress(from + share * done, words);
+    let swept = engine.sweep(&grid, &ratios, &part(0.0, 0.8), |&ratio| pulse(ratio, cells))?;
     let rows = swept.all(&ratios, |ratio| format!("mass ratio {ratio}"))?;
     let peaks = rows.windows(3).filter(|row| {
         let [a, b, c] = [0, 1, 2].map(|k| row[k].transmission);
@@ -169,7 +170,7 @@ pub fn dimer(options: &DimerOptions, engine: &Engine, progress: Progress<'_>) ->
     });
     let brackets: Vec<[f64; 2]> = peaks.map(|row| [row[0].ratio, row[2].ratio]).collect();
     let grid = Grid { store: "dimer-maxima.store", ..grid };
-    let swept = engine.sweep(&grid, &brackets, progress, |&bracket| {
+    let swept = engine.sweep(&grid, &brackets, &part(0.8, 0.2), |&bracket| {
         Ok(golden(bracket, |apart| apart > NEAR, |ratio| pulse(ratio, cells), |row| row.transmission)?.1)
     })?;
     let maxima = swept.all(&brackets, |[low, _]| format!("maximum above the mass ratio {low}"))?;

@@ -20,6 +20,7 @@ use super::{
 use crate::{
     chain::{Params, Resonators},
     error::{Error, Result},
+    named::named,
     orbits::{Branch, End, Equations, Kantorovich, MOST_CORRECTIONS, Point, Problem, Range, Solution, check},
     waves::Modulation,
 };
@@ -34,48 +35,41 @@ const STEPS: f64 = 20.0;
 /// mean strain is free of contacts: then both are equal up to roundings.
 const FREE: f64 = 1e-11;
 
-/// A number of a wave that can vary along a branch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-#[cfg_attr(feature = "cli", value(rename_all = "snake_case"))]
-pub enum WaveParameter {
-    /// Frequency `omega_tw` of the wave.
-    OmegaTw,
-    /// Height of the crest above the mean strain.
-    Amplitude,
-    /// Mean strain.
-    Mean,
-    /// Mass ratio resonator to bead.
-    Rho,
-    /// Spring constant of the resonators.
-    Kappa,
-    /// Exponent of the contact force.
-    Alpha,
+named! {
+    /// A number of a wave that can vary along a branch.
+    #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+    #[cfg_attr(feature = "cli", value(rename_all = "snake_case"))]
+    pub enum WaveParameter {
+        /// Frequency `omega_tw` of the wave.
+        OmegaTw = "omega_tw",
+        /// Height of the crest above the mean strain.
+        Amplitude = "amplitude",
+        /// Mean strain.
+        Mean = "mean",
+        /// Mass ratio resonator to bead.
+        Rho = "rho",
+        /// Spring constant of the resonators.
+        Kappa = "kappa",
+        /// Exponent of the contact force.
+        Alpha = "alpha",
+    }
 }
 
 impl WaveParameter {
-    /// Name, symbol, a number below all values, and the rule in words.
-    fn told(self) -> (&'static str, &'static str, f64, &'static str) {
+    /// Symbol, a number below all values, and the rule in words.
+    fn told(self) -> (&'static str, f64, &'static str) {
         match self {
-            Self::OmegaTw => ("omega_tw", "ω_tw", 0.0, "a frequency is positive"),
-            Self::Amplitude => ("amplitude", "amplitude", 0.0, "an amplitude is positive"),
-            Self::Mean => ("mean", "mean strain", f64::NEG_INFINITY, "a finite number"),
-            Self::Rho => {
-                ("rho", "ρ", 0.0, "a mass ratio is positive; a wave without resonators has a branch of its own")
-            }
-            Self::Kappa => ("kappa", "κ", 0.0, "a spring constant is positive"),
-            Self::Alpha => ("alpha", "α", 1.0, "above 1: tangent maps need alpha > 1"),
+            Self::OmegaTw => ("ω_tw", 0.0, "a frequency is positive"),
+            Self::Amplitude => ("amplitude", 0.0, "an amplitude is positive"),
+            Self::Mean => ("mean strain", f64::NEG_INFINITY, "a finite number"),
+            Self::Rho => ("ρ", 0.0, "a mass ratio is positive; a wave without resonators has a branch of its own"),
+            Self::Kappa => ("κ", 0.0, "a spring constant is positive"),
+            Self::Alpha => ("α", 1.0, "above 1: tangent maps need alpha > 1"),
         }
     }
 
     /// The symbol in pictures.
     pub fn symbol(self) -> &'static str {
-        self.told().1
-    }
-
-    /// The name in files and on the command line.
-    pub fn name(self) -> &'static str {
         self.told().0
     }
 

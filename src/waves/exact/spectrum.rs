@@ -29,6 +29,7 @@ use super::{ExactWave, Search, eigen, newton::moved, repeated};
 use crate::{
     chain::{Field, Resonators},
     error::{Error, Result},
+    named::named,
     numerics::least_by,
     orbits::{self, Eigenpair, flow},
 };
@@ -41,20 +42,20 @@ type Matrix = DMatrix<Complex<f64>>;
 /// Error that `B` is taken to have, in units of the larger of its two measured errors.
 const MARGIN: f64 = 10.0;
 
-/// The kind of a multiplier.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum WaveKind {
-    /// One of the four that equal 1: shift of the phase, change of frequency, change of the mean
-    /// strain, and drift. Beads on springs, `rho = inf`, have the first two.
-    Trivial,
-    /// `lambda = +-i omega` up to multiples of `i omega_tw`: the sum of all beads relative to that
-    /// of all resonators is a linear oscillator. None without resonators.
-    Linear,
-    /// On the unit circle, to the estimated error.
-    Circle,
-    /// Off the unit circle.
-    Off,
+named! {
+    /// The kind of a multiplier.
+    pub enum WaveKind {
+        /// One of the four that equal 1: shift of the phase, change of frequency, change of the
+        /// mean strain, and drift. Beads on springs, `rho = inf`, have the first two.
+        Trivial = "trivial",
+        /// `lambda = +-i omega` up to multiples of `i omega_tw`: the sum of all beads relative to
+        /// that of all resonators is a linear oscillator. None without resonators.
+        Linear = "linear",
+        /// On the unit circle, to the estimated error.
+        Circle = "circle",
+        /// Off the unit circle.
+        Off = "off",
+    }
 }
 
 /// A relative multiplier.

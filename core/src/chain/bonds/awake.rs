@@ -32,7 +32,7 @@ const AHEAD: usize = 256;
 /// Sites on either side of a bond that must be awake when it is corrected. The registers of the
 /// bond and of its neighbours are then evaluated again. They were awake before, since a bond that
 /// changes its side stirs or was pushed by a bond beside it; and a pass computes the position of
-/// the site before a stretch.
+/// the site before a range of registers.
 const MARGIN: usize = 5;
 /// Shorter chains, in sites, are awake as a whole.
 const FEW: usize = 8 * LANES;
@@ -366,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn stretches_are_the_registers_that_are_awake() {
+    fn ranges_are_the_registers_that_are_awake() {
         // Truth: the flags themselves, all of seven registers.
         for flags in 0u32..128 {
             for ring in [false, true] {

@@ -172,18 +172,19 @@ impl<S: Sites<f64>> Evaluation<'_, S> {
         assert!([q, force, slope].iter().all(|column| column.len() >= PAD + room));
         forces.closed.fill(0);
         forces.turning.fill(0);
-        // SAFETY: registers begin at most at the last bond, and columns have room
-        // for them, as asserted.
-        // SAFETY: as above.
+        // SAFETY: registers begin at most at the last bond, and columns have room for them, as
+        // asserted.
         let (first, last) = unsafe { (sites.positions::<f64>(0, &now), sites.positions::<f64>(n - 1, &now)) };
         let (left, right) = topology.ghosts(first, last);
         // SAFETY: as above.
         unsafe { forces.q.store(PAD - 1, left) };
         let (mut before, beyond) = (V::all(left), V::all(right));
         for at in (0..=n).step_by(V::LANES) {
-            let here =
+            let here = match n - at {
+                0 => beyond,
                 // SAFETY: as above.
-                if at < n { unsafe { sites.positions::<V>(at, &now) }.first((n - at).min(V::LANES), beyond) } else { beyond };
+                left => unsafe { sites.positions::<V>(at, &now) }.first(left.min(V::LANES), beyond),
+            };
             let g = if STRAIN { V::all(0.0) - here } else { V::all(rest) + (here.after(before) - here) };
             let (f, by_overlap) = power.raise_with_slope(law.positive_part(g));
             // SAFETY: as above.

@@ -267,18 +267,19 @@ impl<F: SiteFlow> CorrectedSplit<F> {
         let none = V::all(0.0);
         let change = if h > 0.0 { (now - before) / V::all(h) } else { none };
         let (share, half) = (h * h / 12.0, V::all(0.25 * h) * (before + now));
-        // To the chord's rate the bends add s h/2 + s' h^2/12, and processing adds s' h^2/12.
-        let (overlap, curvature) = (g + V::all(share) * now, V::all(2.0 * share) * change);
+        // To the chord's rate the accelerations add s h/2 + s' h^2/12, and processing adds s'
+        // h^2/12.
+        let (overlap, by_change) = (g + V::all(share) * now, V::all(2.0 * share) * change);
         if omega == 0.0 {
-            let rate = rate + (half + curvature);
+            let rate = rate + (half + by_change);
             return BondPath { overlap, rate, acceleration: [now, none], jerk: [change, none], omega };
         }
         let (m, mu, stiffness) = (V::all(m), V::all(mu), V::all(omega * omega));
         let oscillating = mu
-            * (V::all(if h == self.tan_ratio.0 { self.tan_ratio.1 } else { tan_ratio(omega, h) }) * half + curvature);
+            * (V::all(if h == self.tan_ratio.0 { self.tan_ratio.1 } else { tan_ratio(omega, h) }) * half + by_change);
         BondPath {
             overlap,
-            rate: rate + (m * (half + curvature) + oscillating),
+            rate: rate + (m * (half + by_change) + oscillating),
             acceleration: [m * now, mu * now - stiffness * p],
             jerk: [m * change, mu * change - stiffness * (p_dot + oscillating)],
             omega,

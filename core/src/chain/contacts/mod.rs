@@ -84,13 +84,14 @@ impl<R: Real> EventFunctions<R> for Overlaps<R> {
     fn values(&self, _t: R, y: &[R], g: &mut [R]) {
         let (chain, layout, bonds) = (&self.chain, self.chain.layout, self.chain.touching());
         let (overlaps, pushes) = g.split_at_mut(bonds.len());
-        chain.across_bonds(chain.precompression, |i| layout.u(y)[i], overlaps);
+        let (u, u_dot) = (layout.u(y), layout.u_dot(y));
+        chain.across_bonds(chain.precompression, |i| u[i], overlaps);
         let Some(parts) = chain.parts() else { return };
         for (overlap, bond) in overlaps.iter_mut().zip(bonds.clone()) {
             *overlap += parts.bonds[bond].rest;
         }
         for (value, &bond) in pushes.iter_mut().zip(&self.lossy) {
-            let rate = chain.across(bond, |i| layout.u_dot(y)[i]);
+            let rate = chain.across(bond, |i| u_dot[i]);
             *value = parts.bonds[bond].pushes(overlaps[bond - bonds.start], rate).unwrap_or(R::zero());
         }
     }
@@ -98,11 +99,12 @@ impl<R: Real> EventFunctions<R> for Overlaps<R> {
     fn rates(&self, _t: R, y: &[R], dy: &[R], rates: &mut [R]) {
         let (chain, layout, bonds) = (&self.chain, self.chain.layout, self.chain.touching());
         let (of_overlaps, pushes) = rates.split_at_mut(bonds.len());
-        chain.across_bonds(R::zero(), |i| layout.u_dot(y)[i], of_overlaps);
+        let (u, u_dot) = (layout.u(y), layout.u_dot(y));
+        chain.across_bonds(R::zero(), |i| u_dot[i], of_overlaps);
         let Some(parts) = chain.parts() else { return };
         for (value, &bond) in pushes.iter_mut().zip(&self.lossy) {
             let contact = &parts.bonds[bond];
-            let g = contact.rest + chain.across(bond, |i| layout.u(y)[i]);
+            let g = contact.rest + chain.across(bond, |i| u[i]);
             let second = chain.across(bond, |i| dy[layout.half() + i]);
             let rate = of_overlaps[bond - bonds.start];
             *value = contact.pushes_rate(g, rate, second).unwrap_or(R::zero());

@@ -127,7 +127,7 @@ impl Accuracy {
             }
             if now > 0.0 {
                 let link = links.link(b);
-                size = size.max((2.0 * link.force(now) * now * link.lightest()).sqrt());
+                size = size.max((2.0 * link.elastic_force(now) * now * link.lightest()).sqrt());
             }
         }
         for drive in links.open.iter().flat_map(|open| &open.drives) {
