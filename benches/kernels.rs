@@ -7,7 +7,7 @@
 use criterion::{Criterion, Throughput};
 use hertzchain::chain::{Boundary, Chain, ContactLog, KineticFlow, LinearFlow, Overlaps, Params};
 use hertzchain::integrators::{
-    Kernel, Real, SplitFlow, Splitting, Stepper, Watch,
+    Real, SplitFlow, Splitting, Stepper, Watch, kernel,
     splitting::{First, tables::STRANG},
 };
 use hertzchain::{Method, Run, Scene, run::Setting};
@@ -29,23 +29,6 @@ struct Work {
     check: Box<dyn Fn()>,
 }
 
-/// The bare loop, compiled with the same vector instructions as the sweeps.
-struct Bare<'a> {
-    x: &'a [f64],
-    f: &'a mut [f64],
-}
-
-impl Kernel for Bare<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        for (f, &x) in self.f.iter_mut().zip(self.x) {
-            *f = x * x.max(0.0).sqrt();
-        }
-    }
-}
-
 /// Numbers in (-1/2, 1/2) without a visible pattern.
 fn noise(len: usize) -> Vec<f64> {
     (0..len).map(|i| (0.618_033_988_749_894_9 * i as f64 + 0.3 * (i as f64).sin()).fract() - 0.5).collect()
@@ -55,7 +38,11 @@ fn bare(sites: usize) -> Work {
     let x = noise(sites);
     let mut f = vec![0.0; sites];
     let once = move || {
-        f64::run(Bare { x: black_box(&x), f: &mut f });
+        // The bare loop, compiled with the same vector instructions as the sweeps.
+        let (x, f) = (black_box(&x), &mut f);
+        f64::run(kernel!(for (f, &x) in f.iter_mut().zip(x) {
+            *f = x * x.max(0.0).sqrt();
+        }));
         let (i, force) = (sites / 3, black_box(&f)[sites / 3]);
         assert_eq!(force, x[i] * x[i].max(0.0).sqrt());
     };

@@ -22,7 +22,7 @@
 //! ```
 
 use crate::chain::{Boundary, Chain, Resonators};
-use hertzchain_integrators::{Kernel, Real};
+use hertzchain_integrators::{Real, kernel};
 
 /// Sites with contacts and resonators in plain arrays.
 #[derive(Clone, Debug)]
@@ -202,23 +202,12 @@ impl Loop {
 
     /// Makes `steps` steps of length `h`.
     pub fn run(self, sites: &mut Sites, h: f64, steps: u64) {
-        f64::run(Steps { of: self, sites, h, steps });
+        f64::run(kernel!(self.steps(sites, h, steps)));
     }
-}
-
-struct Steps<'a> {
-    of: Loop,
-    sites: &'a mut Sites,
-    h: f64,
-    steps: u64,
-}
-
-impl Kernel for Steps<'_> {
-    type Output = ();
 
     #[inline(always)]
-    fn run(self) {
-        let Self { of: Loop { turns, shares, .. }, sites, h, steps } = self;
+    fn steps(self, sites: &mut Sites, h: f64, steps: u64) {
+        let Self { turns, shares, .. } = self;
         let omega = (sites.kappa * (1.0 + 1.0 / sites.rho)).sqrt();
         let half = 0.5 * h * shares[0];
         // Each share has an outer flow of half its length on either side; where two shares meet,

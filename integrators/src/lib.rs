@@ -42,7 +42,7 @@ pub use drive::{Observer, Silent, Stepper, Stop, drive};
 pub use error::Error;
 pub use events::{Event, EventFunctions, Watch};
 pub use instructions::Instructions;
-pub use real::{Kernel, Real, VectorKernel};
+pub use real::{Kernel, Real};
 pub use regularised::Regularised;
 pub use splitting::{Scheme, Splitting};
 pub use stats::Stats;

@@ -8,7 +8,8 @@ use crate::{
 };
 use num_traits::{Float, FloatConst, NumAssign};
 
-/// A computation whose inner loops the compiler may vectorise.
+/// A computation whose inner loops the compiler may vectorise, see [`kernel!`](crate::kernel); or a
+/// struct, if the computation has functions of its own.
 ///
 /// [`Real::run`] chooses the instruction set. Mark `run` `#[inline(always)]`, or the choice does
 /// not reach the loops.
@@ -19,27 +20,77 @@ pub trait Kernel {
     fn run(self) -> Self::Output;
 }
 
-/// A computation that is written with registers, see [`Vector`].
-///
-/// [`Real::run_vector`] chooses the instruction set. Mark `run` `#[inline(always)]`, or the choice
-/// does not reach the loops.
-pub trait VectorKernel<R> {
-    /// What the computation returns.
-    type Output;
-    /// Does the computation, with registers of a certain width.
-    fn run<V: Vector<R>>(self) -> Self::Output;
-}
-
-/// A kernel that uses no registers.
-struct Plain<K>(K);
-
-impl<R, K: Kernel> VectorKernel<R> for Plain<K> {
-    type Output = K::Output;
+impl<T, F: FnOnce() -> T> Kernel for F {
+    type Output = T;
 
     #[inline(always)]
-    fn run<V: Vector<R>>(self) -> K::Output {
-        self.0.run()
+    fn run(self) -> T {
+        self()
     }
+}
+
+/// An expression as a [`Kernel`]. What it uses is moved into it; so the compiler knows that numbers
+/// do not change when an array is written. Functions that it calls must be `#[inline(always)]`, or
+/// the instruction set does not reach them.
+#[macro_export]
+macro_rules! kernel {
+    ($body:expr) => {
+        #[inline(always)]
+        move || $body
+    };
+}
+
+/// Computes `$body` with the widest registers in use, see [`Instructions`](crate::Instructions):
+/// `$V` is their type, see [`Vector`](crate::Vector), for `f64` or for the given [`Real`]. All
+/// widths give the same bits. The body is a [`kernel!`](crate::kernel).
+#[macro_export]
+macro_rules! with_registers {
+    ($V:ident => $body:expr) => {
+        $crate::with_registers!(f64, ($V), $body)
+    };
+    ($V:ident<$R:ident> => $body:expr) => {
+        $crate::with_registers!($R, ($V<$R>), $body)
+    };
+    ($R:ty, $V:tt, $body:expr) => {
+        match $crate::Instructions::used() {
+            #[cfg(target_arch = "x86_64")]
+            $crate::Instructions::Avx512 if const { <$R as $crate::Real>::IN_REGISTERS } => {
+                let kernel = $crate::with_registers!($V = <$R as $crate::Real>::Eight, $body);
+                // SAFETY: `used` returns a set that this machine has.
+                unsafe { $crate::real::avx512(kernel) }
+            }
+            #[cfg(target_arch = "x86_64")]
+            $crate::Instructions::Avx2 if const { <$R as $crate::Real>::IN_REGISTERS } => {
+                let kernel = $crate::with_registers!($V = <$R as $crate::Real>::Four, $body);
+                // SAFETY: as above.
+                unsafe { $crate::real::avx2(kernel) }
+            }
+            _ => $crate::Kernel::run($crate::with_registers!($V = <$R as $crate::Real>::Pair, $body)),
+        }
+    };
+    (($($V:tt)+) = $register:ty, $body:expr) => {
+        // Only as an argument may a closure have an attribute.
+        ::std::convert::identity($crate::kernel!({
+            type $($V)+ = $register;
+            $body
+        }))
+    };
+}
+
+/// Runs a kernel compiled for AVX-512.
+#[cfg(target_arch = "x86_64")]
+#[doc(hidden)]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,fma")]
+pub fn avx512<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run()
+}
+
+/// Runs a kernel compiled for AVX2.
+#[cfg(target_arch = "x86_64")]
+#[doc(hidden)]
+#[target_feature(enable = "avx2,fma")]
+pub fn avx2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run()
 }
 
 /// A real number: `f64`, or double-double (`twofloat::TwoFloat`).
@@ -59,22 +110,39 @@ pub trait Real: Float + FloatConst + NumAssign + std::fmt::Debug + std::fmt::Dis
     /// The nearest `f64`.
     fn f64(self) -> f64;
 
+    /// Whether numbers lie side by side in registers.
+    #[doc(hidden)]
+    const IN_REGISTERS: bool;
+    /// The register of each instruction set. They are for
+    /// [`with_registers!`](crate::with_registers): their functions may be called only where the
+    /// machine has their instructions.
+    #[doc(hidden)]
+    type Pair: Vector<Self>;
+    #[doc(hidden)]
+    type Four: Vector<Self>;
+    #[doc(hidden)]
+    type Eight: Vector<Self>;
+
     /// Runs a kernel with the vector instructions in use, see [`crate::Instructions`]. All
     /// instruction sets give the same bits.
     #[inline(always)]
     fn run<K: Kernel>(kernel: K) -> K::Output {
-        Self::run_vector(Plain(kernel))
-    }
-
-    /// Runs a kernel with the widest registers in use, see [`crate::Instructions`]. All widths give
-    /// the same bits.
-    #[inline(always)]
-    fn run_vector<K: VectorKernel<Self>>(kernel: K) -> K::Output {
-        kernel.run::<Self>()
+        kernel.run()
     }
 }
 
 impl Real for f64 {
+    const IN_REGISTERS: bool = true;
+    type Pair = Pair;
+    #[cfg(target_arch = "x86_64")]
+    type Four = Four;
+    #[cfg(target_arch = "x86_64")]
+    type Eight = Eight;
+    #[cfg(not(target_arch = "x86_64"))]
+    type Four = Pair;
+    #[cfg(not(target_arch = "x86_64"))]
+    type Eight = Pair;
+
     fn decimal(text: &str) -> Self {
         text.parse().expect("a table entry is a decimal")
     }
@@ -90,26 +158,8 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    fn run_vector<K: VectorKernel<Self>>(kernel: K) -> K::Output {
-        #[cfg(target_arch = "x86_64")]
-        {
-            #[target_feature(enable = "avx512f,avx512dq,avx512vl,fma")]
-            fn avx512<K: VectorKernel<f64>>(kernel: K) -> K::Output {
-                kernel.run::<Eight>()
-            }
-            #[target_feature(enable = "avx2,fma")]
-            fn avx2<K: VectorKernel<f64>>(kernel: K) -> K::Output {
-                kernel.run::<Four>()
-            }
-            match Instructions::used() {
-                // SAFETY: `used` returns a set that this machine has.
-                Instructions::Avx512 => return unsafe { avx512(kernel) },
-                // SAFETY: `used` returns a set that this machine has.
-                Instructions::Avx2 => return unsafe { avx2(kernel) },
-                Instructions::Portable => {}
-            }
-        }
-        kernel.run::<Pair>()
+    fn run<K: Kernel>(kernel: K) -> K::Output {
+        crate::with_registers!(_V => kernel.run())
     }
 }
 
@@ -118,21 +168,19 @@ impl Real for f64 {
 #[inline(always)]
 pub(crate) fn run_narrow<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
-    {
-        #[target_feature(enable = "avx2,fma")]
-        fn avx2<K: Kernel>(kernel: K) -> K::Output {
-            kernel.run()
-        }
-        if Instructions::used() != Instructions::Portable {
-            // SAFETY: `used` returns a set that this machine has, and AVX-512 is used with AVX2
-            // only.
-            return unsafe { avx2(kernel) };
-        }
+    if Instructions::used() != Instructions::Portable {
+        // SAFETY: `used` returns a set that this machine has, and AVX-512 is used with AVX2 only.
+        return unsafe { avx2(kernel) };
     }
     kernel.run()
 }
 
 impl Real for twofloat::TwoFloat {
+    const IN_REGISTERS: bool = false;
+    type Pair = Self;
+    type Four = Self;
+    type Eight = Self;
+
     fn decimal(text: &str) -> Self {
         // The division of the crate `twofloat` is accurate to one double only (version 0.8).
         let value = crate::clock::DoubleDouble::<f64>::decimal(text);

@@ -217,7 +217,7 @@ macro_rules! each_lane {
 
 /// Two numbers, for the instructions of every machine: the compiler makes registers of pairs.
 #[derive(Clone, Copy)]
-pub(crate) struct Pair([f64; 2]);
+pub struct Pair([f64; 2]);
 
 #[inline(always)]
 fn pairwise([a, b]: [f64; 2], [c, d]: [f64; 2], f: impl Fn(f64, f64) -> f64) -> [f64; 2] {
@@ -286,7 +286,7 @@ pub(crate) use wide::{Eight, Four};
 /// Registers of four and of eight numbers.
 ///
 /// Their functions are inlined into kernels that are compiled for these instructions, and are
-/// called where the machine has been asked for them, see [`Real::run_vector`].
+/// called where the machine has been asked for them, see [`with_registers!`](crate::with_registers).
 #[cfg(target_arch = "x86_64")]
 mod wide {
     use super::{Add, Div, Mul, One, Sub, Vector};
@@ -294,7 +294,7 @@ mod wide {
 
     /// Four numbers, for AVX2.
     #[derive(Clone, Copy)]
-    pub(crate) struct Four(__m256d);
+    pub struct Four(__m256d);
 
     operations!(Four: Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
 
@@ -363,7 +363,7 @@ mod wide {
 
     /// Eight numbers, for AVX-512.
     #[derive(Clone, Copy)]
-    pub(crate) struct Eight(__m512d);
+    pub struct Eight(__m512d);
 
     operations!(Eight: Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd);
 
@@ -424,24 +424,18 @@ mod wide {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{VectorKernel, instructions::Instructions};
+    use crate::{instructions::Instructions, with_registers};
 
-    /// All operations on some numbers, at the width of the instructions in use.
-    struct All<'a>(&'a [f64], &'a mut Vec<f64>);
-
-    impl VectorKernel<f64> for All<'_> {
-        type Output = usize;
-
-        #[inline(always)]
-        fn run<V: Vector<f64>>(self) -> usize {
-            let Self(x, out) = self;
+    /// All operations on some numbers, at the width of the instructions in use; and this width.
+    fn all(x: &[f64]) -> (Vec<f64>, usize) {
+        with_registers!(V => {
             let n = x.len() / 2;
-            let mut copy = x.to_vec();
+            let (mut out, mut copy) = (Vec::new(), x.to_vec());
             let column = Column::new(&mut copy);
             for at in (0..n).step_by(V::LANES) {
                 // SAFETY: `n` is a multiple of all widths, and the column is twice as long.
                 let (a, b): (V, V) = unsafe { (column.load(at), column.load(n + at)) };
-                for value in [
+                let values = [
                     a + b,
                     a - b,
                     a * b,
@@ -459,39 +453,33 @@ mod tests {
                     a.or(a.at_most(b), b * b),
                     a.each(|x| x.powf(1.3)),
                     V::all(x[0]),
-                ] {
-                    let mut lanes = [0.0; MOST_LANES];
-                    // SAFETY: the array is as long as the largest number of lanes.
-                    unsafe { value.store(lanes.as_mut_ptr()) };
-                    out.extend(&lanes[..V::LANES]);
-                }
+                ];
+                values.into_iter().for_each(|value| append(&mut out, value));
             }
-            V::LANES
-        }
+            (out, V::LANES)
+        })
     }
 
-    /// The lanes after `before`, `after`, `first` and `spread`.
-    struct Moves<'a>(&'a mut Vec<f64>);
-
-    impl VectorKernel<f64> for Moves<'_> {
-        type Output = usize;
-
-        #[inline(always)]
-        fn run<V: Vector<f64>>(self) -> usize {
+    /// The lanes after `before`, `after`, `first` and `spread`; and the width.
+    fn moves() -> (Vec<f64>, usize) {
+        with_registers!(V => {
             let mut numbers: Vec<f64> = (0..3 * MOST_LANES).map(|k| k as f64).collect();
-            let column = Column::new(&mut numbers);
+            let (mut out, column) = (Vec::new(), Column::new(&mut numbers));
             // SAFETY: two registers from the start are within the column.
             let (a, b): (V, V) = unsafe { (column.load(0), column.load(V::LANES)) };
             let spread = (0..V::LANES).map(|lane| b.spread(lane));
             let moved = [a.before(b), b.after(a)].into_iter().chain((0..=V::LANES).map(|n| a.first(n, b)));
-            for value in moved.chain(spread) {
-                let mut lanes = [0.0; MOST_LANES];
-                // SAFETY: the array is as long as the largest number of lanes.
-                unsafe { value.store(lanes.as_mut_ptr()) };
-                self.0.extend(&lanes[..V::LANES]);
-            }
-            V::LANES
-        }
+            moved.chain(spread).for_each(|value| append(&mut out, value));
+            (out, V::LANES)
+        })
+    }
+
+    #[inline(always)]
+    fn append<V: Vector<f64>>(out: &mut Vec<f64>, value: V) {
+        let mut lanes = [0.0; MOST_LANES];
+        // SAFETY: the array is as long as the largest number of lanes.
+        unsafe { value.store(lanes.as_mut_ptr()) };
+        out.extend(&lanes[..V::LANES]);
     }
 
     #[test]
@@ -503,8 +491,7 @@ mod tests {
             if !set.select() {
                 continue;
             }
-            let mut got = Vec::new();
-            let lanes = f64::run_vector(All(&x, &mut got));
+            let (got, lanes) = all(&x);
             let mut want = Vec::new();
             for at in (0..32).step_by(lanes) {
                 let pairs = || (at..at + lanes).map(|k| (x[k], x[32 + k]));
@@ -532,8 +519,7 @@ mod tests {
             }
             assert_eq!(got, want, "{set}");
 
-            let mut got = Vec::new();
-            let lanes = f64::run_vector(Moves(&mut got));
+            let (got, lanes) = moves();
             let mut want: Vec<f64> = (1..=lanes).chain(lanes - 1..2 * lanes - 1).map(|k| k as f64).collect();
             for n in 0..=lanes {
                 want.extend((0..lanes).map(|k| if k < n { k as f64 } else { (lanes + k) as f64 }));

@@ -4,7 +4,7 @@
 //! with twice the working precision. `k` rotations leave an error of about `k 10^-32`: below one
 //! rounding for 10^15 of them.
 
-use hertzchain_integrators::{DoubleDouble, Kernel, Real, Rotation};
+use hertzchain_integrators::{DoubleDouble, Real, Rotation, kernel};
 
 /// Largest number of drifts whose rotations are kept, enough for those that a scheme repeats. A run
 /// that lands on contacts has ever new drifts; for drifts beyond this number, sine and cosine are
@@ -71,10 +71,10 @@ impl<R: Real> Phase<R> {
         self.turns.iter().filter(|turn| turn.count > 0).fold(self.theta, turned).reduced(self.two_pi)
     }
 
-    /// Moves the phase on by the time `dt`.
+    /// Moves the phase on by the time `dt`, with the fused products of the machine.
     #[inline]
     pub(crate) fn advance(&mut self, dt: DoubleDouble<R>) {
-        R::run(Advance { phase: self, dt });
+        R::run(kernel!(self.advance_inside(dt)));
     }
 
     /// As [`advance`](Self::advance), inside a kernel: with the fused products that the kernel is
@@ -115,21 +115,6 @@ impl<R: Real> Phase<R> {
             let (sin, cos) = self.theta.sin_cos();
             self.now = Rotation { sin: DoubleDouble::new(sin), cos: DoubleDouble::new(cos) };
         }
-    }
-}
-
-/// Moves a phase on, with the fused products of the machine.
-struct Advance<'a, R> {
-    phase: &'a mut Phase<R>,
-    dt: DoubleDouble<R>,
-}
-
-impl<R: Real> Kernel for Advance<'_, R> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        self.phase.advance_inside(self.dt);
     }
 }
 

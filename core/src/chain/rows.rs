@@ -17,7 +17,7 @@ use super::{
     law::{ContactLaw, LANES, Power, with_hertz},
     sweep::{Sites, Visit, overlaps, push},
 };
-use hertzchain_integrators::{Column, DoubleDouble, Real, Vector, VectorKernel};
+use hertzchain_integrators::{Column, DoubleDouble, Real, Vector, with_registers};
 use std::ops::Range;
 
 /// Largest number of sites of a chain whose kicks are made in rows: its columns take at most 768
@@ -53,7 +53,13 @@ impl<R: Real, C: Clock> Visit<R, C::Moment> for InRow<'_, R, C> {
     // Not inlined: the kernel is compiled once for each kind of sites.
     #[inline(never)]
     fn visit<S: Sites<R, Moment = C::Moment>>(self, chain: &Chain<R>, sites: S, _now: C::Moment) {
-        R::run_vector(Row { chain, sites, row: self });
+        with_registers!(V<R> => with_hertz!(chain.law, power => {
+            if chain.topology.strains() {
+                kick::<V<R>, _, true, _, _, _>((chain, power), sites, self);
+            } else {
+                kick::<V<R>, _, false, _, _, _>((chain, power), sites, self);
+            }
+        }));
     }
 }
 
@@ -80,68 +86,41 @@ impl<R: Real> RowForces<R> {
     }
 }
 
-struct Row<'a, R, S, C> {
-    chain: &'a Chain<R>,
-    sites: S,
-    row: InRow<'a, R, C>,
-}
-
-impl<R: Real, S: Sites<R>, C: Clock<Moment = S::Moment>> VectorKernel<R> for Row<'_, R, S, C> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<V: Vector<R>>(self) {
-        with_hertz!(self.chain.law, power => {
-            if self.chain.topology.strains() {
-                self.lanes::<V, _, true>(power);
-            } else {
-                self.lanes::<V, _, false>(power);
-            }
-        });
-    }
-}
-
-impl<R: Real, S: Sites<R>, C: Clock<Moment = S::Moment>> Row<'_, R, S, C> {
-    #[inline(always)]
-    fn lanes<V: Vector<R>, P: Power<R>, const STRAIN: bool>(self, power: P) {
-        let Self { chain, mut sites, row: InRow { forces, mut clock, kicks } } = self;
-        let (n, ring) = (chain.sites(), chain.topology.ring());
-        let registers = n.next_multiple_of(V::LANES);
-        let [here, there] = &mut forces.0;
-        let (mut here, mut there) = (here.column(), there.column());
-        assert!(sites.room() >= registers, "columns are whole registers");
-        assert!([&here, &there].iter().all(|column| column.len() > PAD + registers + V::LANES));
-        // The clock is one moment ahead, so that no position waits for it.
-        let mut now = clock.next();
-        let mut next = if kicks > 1 { clock.next() } else { now };
-        let mut pass = Pass { chain, start: 0 };
-        let law = chain.law;
-        // SAFETY: columns have room, as asserted.
+#[inline(always)]
+fn kick<V: Vector<R>, P: Power<R>, const STRAIN: bool, R: Real, S: Sites<R>, C: Clock<Moment = S::Moment>>(
+    (chain, power): (&Chain<R>, P),
+    mut sites: S,
+    InRow { forces, mut clock, kicks }: InRow<'_, R, C>,
+) {
+    let (n, ring) = (chain.sites(), chain.topology.ring());
+    let registers = n.next_multiple_of(V::LANES);
+    let [here, there] = &mut forces.0;
+    let (mut here, mut there) = (here.column(), there.column());
+    assert!(sites.room() >= registers, "columns are whole registers");
+    assert!([&here, &there].iter().all(|column| column.len() > PAD + registers + V::LANES));
+    // The clock is one moment ahead, so that no position waits for it.
+    let mut now = clock.next();
+    let mut next = if kicks > 1 { clock.next() } else { now };
+    let mut pass = Pass { chain, start: 0 };
+    let law = chain.law;
+    // SAFETY: columns have room, as asserted.
+    unsafe { pass.go::<V, _, _, STRAIN, false>(&mut sites, [&now; 2], &here, Raised { law, power, to: &mut there }) };
+    (here, there) = (there, here);
+    for left in (1..kicks).rev() {
+        let ahead = if left > 1 { clock.next() } else { next };
+        if ring {
+            pass.start = (pass.start + V::LANES) % registers;
+        }
+        // SAFETY: as above.
         unsafe {
-            pass.go::<V, _, _, STRAIN, false>(&mut sites, [&now; 2], &here, Raised { law, power, to: &mut there })
+            pass.go::<V, _, _, STRAIN, true>(&mut sites, [&now, &next], &here, Raised { law, power, to: &mut there })
         };
         (here, there) = (there, here);
-        for left in (1..kicks).rev() {
-            let ahead = if left > 1 { clock.next() } else { next };
-            if ring {
-                pass.start = (pass.start + V::LANES) % registers;
-            }
-            // SAFETY: as above.
-            unsafe {
-                pass.go::<V, _, _, STRAIN, true>(
-                    &mut sites,
-                    [&now, &next],
-                    &here,
-                    Raised { law, power, to: &mut there },
-                )
-            };
-            (here, there) = (there, here);
-            (now, next) = (next, ahead);
-        }
-        for at in (0..n).step_by(V::LANES) {
-            // SAFETY: as above.
-            unsafe { sites.update(at, given::<R, V, STRAIN>(&here, n, at), &now) };
-        }
+        (now, next) = (next, ahead);
+    }
+    for at in (0..n).step_by(V::LANES) {
+        // SAFETY: as above.
+        unsafe { sites.update(at, given::<R, V, STRAIN>(&here, n, at), &now) };
     }
 }
 

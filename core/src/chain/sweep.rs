@@ -3,7 +3,7 @@
 //! Forces stay in registers. The bond to the left of a site has its lane; neighbours come from the
 //! register before, moved by a lane. A register of sites is updated some registers after the forces
 //! on it are known: so few operations wait for square roots, a pass goes through memory once, and
-//! no load waits for a store of the same pass. [`Real::run_vector`] compiles the pass for the
+//! no load waits for a store of the same pass. [`with_registers!`] compiles the pass for the
 //! vector unit at hand.
 //!
 //! # Several kicks at once
@@ -19,7 +19,7 @@ use super::{
     Chain,
     law::{LANES, Power, with_hertz},
 };
-use hertzchain_integrators::{DoubleDouble, Real, Vector, VectorKernel};
+use hertzchain_integrators::{DoubleDouble, Real, Vector, with_registers};
 
 /// The sites that a pass visits, in columns that are whole registers long.
 pub(crate) trait Sites<R: Real> {
@@ -126,8 +126,7 @@ pub(crate) fn follow<R: Real, F: Swept<R>>(flow: &mut F, pairs: &[(R, DoubleDoub
 
 /// Visits every site of `chain` once.
 pub(crate) fn sweep<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: S, now: S::Moment) {
-    let mut pass = Pass::new(0);
-    R::run_vector(Sweep { chain, piece: Piece { pass: &mut pass, to: chain.sites() }, sites, now });
+    Piece { pass: &mut Pass::new(0), to: chain.sites() }.go_on(chain, sites, now);
 }
 
 /// A pass under way, between two pieces of it.
@@ -209,37 +208,30 @@ struct Piece<'a, R> {
     to: usize,
 }
 
+impl<R: Real> Piece<'_, R> {
+    #[inline(always)]
+    fn go_on<S: Sites<R>>(self, chain: &Chain<R>, sites: S, now: S::Moment) {
+        let Self { pass, to } = self;
+        with_registers!(V<R> => {
+            assert!(sites.room() >= chain.sites().next_multiple_of(V::<R>::LANES), "columns are whole registers");
+            with_hertz!(chain.law, power => {
+                if chain.topology.strains() {
+                    go_on::<R, V<R>, S, _, true>(chain, power, (sites, now), pass, to);
+                } else {
+                    go_on::<R, V<R>, S, _, false>(chain, power, (sites, now), pass, to);
+                }
+            });
+        });
+    }
+}
+
 impl<R: Real, M> Visit<R, M> for Piece<'_, R> {
     type Output = ();
 
     // Not inlined: the kernel would be compiled again for every call.
     #[inline(never)]
     fn visit<S: Sites<R, Moment = M>>(self, chain: &Chain<R>, sites: S, now: M) {
-        R::run_vector(Sweep { chain, piece: self, sites, now });
-    }
-}
-
-struct Sweep<'a, R: Real, S: Sites<R>> {
-    chain: &'a Chain<R>,
-    piece: Piece<'a, R>,
-    sites: S,
-    now: S::Moment,
-}
-
-impl<R: Real, S: Sites<R>> VectorKernel<R> for Sweep<'_, R, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<V: Vector<R>>(self) {
-        let Self { chain, piece: Piece { pass, to }, sites, now } = self;
-        assert!(sites.room() >= chain.sites().next_multiple_of(V::LANES), "columns are whole registers");
-        with_hertz!(chain.law, power => {
-            if chain.topology.strains() {
-                go_on::<R, V, S, _, true>(chain, power, (sites, now), pass, to);
-            } else {
-                go_on::<R, V, S, _, false>(chain, power, (sites, now), pass, to);
-            }
-        });
+        self.go_on(chain, sites, now);
     }
 }
 

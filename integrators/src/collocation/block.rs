@@ -18,6 +18,7 @@ use super::{
 };
 use crate::{
     events::Curve,
+    kernel,
     real::{Kernel, Real, run_narrow},
 };
 use std::ops::{Range, RangeInclusive};
@@ -363,54 +364,33 @@ impl<const M: usize, const S: usize> Interval<'_, M, S> {
 
 /// Finds the contacts of all bonds from the forces at the start of the window; `false` if a search
 /// needs too many subdivisions of the window.
-struct Predict<'a, const M: usize, const S: usize> {
-    interval: Interval<'a, M, S>,
-    frames: &'a Frames<'a, M, S>,
-}
-
-impl<const M: usize, const S: usize> Kernel for Predict<'_, M, S> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run(self) -> bool {
-        let Self { mut interval, frames } = self;
-        let (mut sure, mut end) = (true, [Rotation::NONE; S]);
-        for b in 0..interval.bonds.len() {
-            let (me, beside) = interval.at(b);
-            let frame = &frames.of(me.initial.bond);
-            if b == 0 || S != 1 {
-                end = turn(frame, frame.h);
-            }
-            sure &= me.predict(frame, beside, &end);
+#[inline(always)]
+fn predict<const M: usize, const S: usize>(mut interval: Interval<'_, M, S>, frames: &Frames<'_, M, S>) -> bool {
+    let (mut sure, mut end) = (true, [Rotation::NONE; S]);
+    for b in 0..interval.bonds.len() {
+        let (me, beside) = interval.at(b);
+        let frame = &frames.of(me.initial.bond);
+        if b == 0 || S != 1 {
+            end = turn(frame, frame.h);
         }
-        sure
+        sure &= me.predict(frame, beside, &end);
     }
+    sure
 }
 
 /// Computes for all bonds how far the forces are from the predicted ones, and the last terms of
 /// their series over the allowed ones.
-struct Judge<'a, const M: usize, const S: usize> {
-    bonds: &'a mut [Bond<M, S>],
-    frames: &'a Frames<'a, M, S>,
-    goal: &'a Goal,
-}
-
-impl<const M: usize, const S: usize> Kernel for Judge<'_, M, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { bonds, frames, goal } = self;
-        for bond in bonds {
-            bond.set_predictor_error(frames.h);
-            let frame = &frames.of(bond.initial.bond);
-            let mut tail = 0.0;
-            for panel in bond.panels.as_slice() {
-                let excess = goal.excess(panel.tail(frame, goal.slow));
-                tail = if excess > tail { excess } else { tail };
-            }
-            bond.resolution.tail = tail;
+#[inline(always)]
+fn judge<const M: usize, const S: usize>(bonds: &mut [Bond<M, S>], frames: &Frames<'_, M, S>, goal: &Goal) {
+    for bond in bonds {
+        bond.set_predictor_error(frames.h);
+        let frame = &frames.of(bond.initial.bond);
+        let mut tail = 0.0;
+        for panel in bond.panels.as_slice() {
+            let excess = goal.excess(panel.tail(frame, goal.slow));
+            tail = if excess > tail { excess } else { tail };
         }
+        bond.resolution.tail = tail;
     }
 }
 
@@ -431,7 +411,8 @@ impl<const M: usize, const S: usize> Work<'_, M, S> {
     fn run(self) -> WindowOutcome {
         let Self { mut interval, old, frames, goal } = self;
         let mut verdict = WindowOutcome::default();
-        if !run::<S, _>(Predict { interval: interval.again(), frames }) {
+        let bonds = interval.again();
+        if !run::<S, _>(kernel!(predict(bonds, frames))) {
             verdict.failure = Some((0, f64::INFINITY));
             return verdict;
         }
@@ -604,7 +585,8 @@ fn unsettled<const M: usize, const S: usize>(
 ) -> Option<usize> {
     let mut anew = None;
     verdict.tail = 0.0;
-    run::<S, _>(Judge { bonds: &mut *interval.bonds, frames, goal });
+    let bonds = &mut *interval.bonds;
+    run::<S, _>(kernel!(judge(bonds, frames, goal)));
     let per = 0.5 * frames.h * frames.h;
     for b in 0..interval.bonds.len() {
         let (me, beside) = interval.at(b);

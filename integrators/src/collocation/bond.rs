@@ -1,9 +1,7 @@
 //! A bond in a window: its contacts, their panels, and one sweep over them.
 
 use super::{
-    block::apart,
     detect::Crossing,
-    loss::Resist,
     panel::{Frame, Panel, dot},
     panels::Panels,
     predict::Rotation,
@@ -526,7 +524,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 let force = if frame.link.lossy() {
                     // Rates are those of the new panels also where overlaps are of the old ones.
                     let earlier = if anew { before } else { [[0.0; 4]; S] };
-                    apart(Resist { panel: &mut *panel, frame, beside, paths: [&path, &earlier], g: &g })
+                    panel.resist(frame, beside, [&path, &earlier], &g)
                 } else {
                     frame.link.forces(&g)
                 };

@@ -20,8 +20,8 @@
 
 use super::system::{Path, Response};
 use crate::{
-    real::{Real, VectorKernel},
     vector::{MOST_LANES, Vector},
+    with_registers,
 };
 
 /// The largest `theta` of a window. Chosen: 25 terms are then exact to rounding, and a rounding
@@ -148,6 +148,18 @@ struct Horner<'a, const N: usize, const P: usize> {
 }
 
 impl<const N: usize, const P: usize> Horner<'_, N, P> {
+    fn run(mut self) {
+        with_registers!(V => {
+            const { assert!(WIDE.is_multiple_of(2 * V::LANES)) };
+            if self.times <= V::LANES {
+                return self.sum::<V, 1>(0);
+            }
+            for at in (0..self.times).step_by(2 * V::LANES) {
+                self.sum::<V, 2>(at);
+            }
+        });
+    }
+
     /// For the times in `R` registers from `at` on.
     #[inline(always)]
     fn sum<V: Vector<f64>, const R: usize>(&mut self, at: usize) {
@@ -170,21 +182,6 @@ impl<const N: usize, const P: usize> Horner<'_, N, P> {
                 // SAFETY: as above.
                 unsafe { sums[r].store(out.as_mut_ptr().add(at + r * V::LANES)) };
             }
-        }
-    }
-}
-
-impl<const N: usize, const P: usize> VectorKernel<f64> for Horner<'_, N, P> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<V: Vector<f64>>(mut self) {
-        const { assert!(WIDE.is_multiple_of(2 * V::LANES)) };
-        if self.times <= V::LANES {
-            return self.sum::<V, 1>(0);
-        }
-        for at in (0..self.times).step_by(2 * V::LANES) {
-            self.sum::<V, 2>(at);
         }
     }
 }
@@ -292,12 +289,8 @@ impl Flow {
         }
         let (mut sums, mut others) = ([[0.0; WIDE]; N], [[0.0; WIDE]; P]);
         let terms = terms(largest);
-        f64::run_vector(Horner {
-            series: (&series[..terms], &more[..terms]),
-            theta: &theta,
-            times: L,
-            sums: (&mut sums, &mut others),
-        });
+        let series = (&series[..terms], &more[..terms]);
+        Horner { series, theta: &theta, times: L, sums: (&mut sums, &mut others) }.run();
         let short = |sum: [f64; WIDE]| std::array::from_fn(|j| sum[j]);
         (sums.map(short), others.map(short))
     }

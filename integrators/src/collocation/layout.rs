@@ -3,12 +3,11 @@
 use super::{
     block::apart,
     bond::{Beside, Bond, Contact, known},
-    loss::PlaceRates,
     panel::{Frame, Origin},
     panels::Panels,
     system::Link,
 };
-use crate::real::Kernel;
+use crate::kernel;
 
 /// Most cuts of a contact in one window; further ones are left out. Chosen: bonds that dissipate
 /// see the contacts of six bonds.
@@ -55,32 +54,15 @@ impl Cuts {
     }
 }
 
-/// Cuts the contacts of a bond into panels, for `S = 2`. It is compiled apart from the kernels that
-/// call it; otherwise each of them would have a copy.
-struct LayOut<'a, const M: usize, const S: usize> {
-    bond: &'a mut Bond<M, S>,
-    frame: &'a Frame<'a, M, S>,
-    beside: [Beside<'a, M, S>; 2],
-    old: &'a mut Panels<M, S>,
-}
-
-impl<const M: usize, const S: usize> Kernel for LayOut<'_, M, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        self.bond.cut_all(self.frame, self.beside, self.old);
-    }
-}
-
 impl<const M: usize, const S: usize> Bond<M, S> {
-    /// Cuts the contacts into panels.
+    /// Cuts the contacts into panels. For `S = 2` this is compiled apart from the kernels that call
+    /// it; otherwise each of them would have a copy.
     #[inline(always)]
     pub(crate) fn lay_out(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2], old: &mut Panels<M, S>) {
         if const { S == 1 } {
             self.cut_all(frame, beside, old);
         } else {
-            apart(LayOut { bond: self, frame, beside, old });
+            apart(kernel!(self.cut_all(frame, beside, old)));
         }
     }
 
@@ -108,7 +90,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 panel.known = known.at(&panel.tau);
             }
             if S != 1 && frame.link.rated {
-                apart(PlaceRates { panel, frame, known: self.known.as_ref() });
+                panel.place_rates(frame, self.known.as_ref());
             } else {
                 panel.rates = None;
             }

@@ -24,6 +24,7 @@
 //! ends with next to no slope, and Newton's method for its zero diverges.
 
 use super::{
+    block::apart,
     bond::{Beside, Bond},
     panel::{Frame, Panel, View, dot, product, sin_cos, times, value},
     panels::{Panels, Shared},
@@ -33,8 +34,8 @@ use super::{
     system::{Link, Path, Side},
 };
 use crate::{
+    kernel,
     law::{BondLaw, Loss},
-    real::Kernel,
 };
 
 impl BondLaw<f64> {
@@ -187,115 +188,91 @@ impl<const M: usize, const S: usize> Rates<M, S> {
     }
 }
 
-/// Computes the kernels of a panel for rates, after its nodes are placed.
-pub(super) struct PlaceRates<'a, const M: usize, const S: usize> {
-    pub(super) panel: &'a mut Panel<M, S>,
-    pub(super) frame: &'a Frame<'a, M, S>,
-    pub(super) known: Option<&'a Prescribed>,
-}
-
-impl<const M: usize, const S: usize> Kernel for PlaceRates<'_, M, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { panel, frame: Frame { rule, link, .. }, known } = self;
-        let mut rates = panel.rates.take().unwrap_or_else(|| Box::new(Rates::new()));
-        rates.known = known.map_or([0.0; M], |known| known.rates_at(&panel.tau));
-        (rates.overlap, rates.lost) = ([0.0; M], [0.0; M]);
-        for side in 0..S {
-            rates.velocity[side] = link.velocity(side, &panel.tau, &panel.cos[side], &panel.sin[side]);
-            for k in 0..M {
-                let path = panel.left[k][side].map(|part| part / rule.weights[k]);
-                let kernel = std::array::from_fn(|j| rates.along_side(&path, side, j));
-                rates.reaction[side][k] = times(&rule.integral[k], &kernel);
-            }
-        }
-        panel.rates = Some(rates);
-    }
-}
-
-/// Computes the velocities by the force of a panel, as series.
-pub(super) struct Move<'a, const M: usize, const S: usize> {
-    pub(super) panel: &'a mut Panel<M, S>,
-    pub(super) rule: &'a Rule<M>,
-}
-
-impl<const M: usize, const S: usize> Kernel for Move<'_, M, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { panel: Panel { rates, force, .. }, rule } = self;
-        let Some(rates) = rates else { return };
-        for side in 0..S {
-            rates.series[side] = product(&rule.series, &product(&rates.reaction[side], force));
-        }
-    }
-}
-
-/// Computes the forces of a panel from its overlaps `g`, with their rates. The first of `paths` is
-/// the linear path and those parts by other panels that are one path for all nodes. The second is
-/// the path by earlier panels of the bond, or zero if the first includes it.
-pub(super) struct Resist<'a, const M: usize, const S: usize> {
-    pub(super) panel: &'a mut Panel<M, S>,
-    pub(super) frame: &'a Frame<'a, M, S>,
-    pub(super) beside: [Beside<'a, M, S>; 2],
-    pub(super) paths: [&'a [Path; S]; 2],
-    pub(super) g: &'a [f64; M],
-}
-
-impl<const M: usize, const S: usize> Kernel for Resist<'_, M, S> {
-    type Output = [f64; M];
-
-    #[inline(always)]
-    fn run(self) -> [f64; M] {
-        let Self { panel: Panel { rates, views, .. }, frame, beside, paths: [path, earlier], g } = self;
-        let rates = rates.as_deref_mut().expect("a panel of a contact that dissipates has rates");
-        let mut rate = rates.along(path);
-        for side in 0..S {
-            for j in 0..M {
-                rate[j] -= rates.along_side(&earlier[side], side, j);
-            }
-        }
-        for (side, bond) in beside.into_iter().enumerate() {
-            if let Some(bond) = bond {
-                bond.panels.move_along(&views[side], rates, Shared::with::<S>(side), &mut rate);
-            }
-        }
-        let elastic = frame.link.forces(g);
-        // On a panel, also where the series of neighbours take an overlap below zero.
-        let resistance = g.map(|g| frame.link.law.resistance(g));
-        let mut own = [[0.0; M]; M];
-        for side in 0..S {
-            for k in 0..M {
-                for j in 0..M {
-                    own[k][j] += rates.reaction[side][k][j];
+impl<const M: usize, const S: usize> Panel<M, S> {
+    /// Computes the kernels for rates, after the nodes are placed.
+    pub(super) fn place_rates(&mut self, frame: &Frame<'_, M, S>, known: Option<&Prescribed>) {
+        apart(kernel!({
+            let Frame { rule, link, .. } = frame;
+            let mut rates = self.rates.take().unwrap_or_else(|| Box::new(Rates::new()));
+            rates.known = known.map_or([0.0; M], |known| known.rates_at(&self.tau));
+            (rates.overlap, rates.lost) = ([0.0; M], [0.0; M]);
+            for side in 0..S {
+                rates.velocity[side] = link.velocity(side, &self.tau, &self.cos[side], &self.sin[side]);
+                for k in 0..M {
+                    let path = self.left[k][side].map(|part| part / rule.weights[k]);
+                    let kernel = std::array::from_fn(|j| rates.along_side(&path, side, j));
+                    rates.reaction[side][k] = times(&rule.integral[k], &kernel);
                 }
             }
-        }
-        let mut force = [0.0; M];
-        for j in 0..M {
-            force[j] = resistance[j].mul_add(rate[j], elastic[j]);
-        }
-        let mut matrix = own;
-        for k in 0..M {
-            for j in 0..M {
-                matrix[k][j] = resistance[j] * own[k][j];
-            }
-            matrix[k][k] += 1.0;
-        }
-        solve(&mut matrix, &mut force);
-        let answer = product(&own, &force);
-        for j in 0..M {
-            rates.overlap[j] = rate[j] - answer[j];
-            rates.lost[j] = force[j] - elastic[j];
-        }
-        force
+            self.rates = Some(rates);
+        }));
     }
-}
 
-impl<const M: usize, const S: usize> Panel<M, S> {
+    /// Computes the velocities by the force, as series.
+    pub(super) fn integrate_rates(&mut self, rule: &Rule<M>) {
+        apart(kernel!(if let Self { rates: Some(rates), force, .. } = self {
+            for side in 0..S {
+                rates.series[side] = product(&rule.series, &product(&rates.reaction[side], force));
+            }
+        }));
+    }
+
+    /// Computes the forces from the overlaps `g`, with their rates. The first of the paths is the
+    /// linear path and those parts by other panels that are one path for all nodes. The second is
+    /// the path by earlier panels of the bond, or zero if the first includes it.
+    pub(super) fn resist(
+        &mut self,
+        frame: &Frame<'_, M, S>,
+        beside: [Beside<M, S>; 2],
+        [path, earlier]: [&[Path; S]; 2],
+        g: &[f64; M],
+    ) -> [f64; M] {
+        apart(kernel!({
+            let Self { rates, views, .. } = self;
+            let rates = rates.as_deref_mut().expect("a panel of a contact that dissipates has rates");
+            let mut rate = rates.along(path);
+            for side in 0..S {
+                for j in 0..M {
+                    rate[j] -= rates.along_side(&earlier[side], side, j);
+                }
+            }
+            for (side, bond) in beside.into_iter().enumerate() {
+                if let Some(bond) = bond {
+                    bond.panels.move_along(&views[side], rates, Shared::with::<S>(side), &mut rate);
+                }
+            }
+            let elastic = frame.link.forces(g);
+            // On a panel, also where the series of neighbours take an overlap below zero.
+            let resistance = g.map(|g| frame.link.law.resistance(g));
+            let mut own = [[0.0; M]; M];
+            for side in 0..S {
+                for k in 0..M {
+                    for j in 0..M {
+                        own[k][j] += rates.reaction[side][k][j];
+                    }
+                }
+            }
+            let mut force = [0.0; M];
+            for j in 0..M {
+                force[j] = resistance[j].mul_add(rate[j], elastic[j]);
+            }
+            let mut matrix = own;
+            for k in 0..M {
+                for j in 0..M {
+                    matrix[k][j] = resistance[j] * own[k][j];
+                }
+                matrix[k][k] += 1.0;
+            }
+            solve(&mut matrix, &mut force);
+            let answer = product(&own, &force);
+            for j in 0..M {
+                rates.overlap[j] = rate[j] - answer[j];
+                rates.lost[j] = force[j] - elastic[j];
+            }
+            force
+        }))
+    }
+
     /// `P` at the nodes.
     pub(super) fn pushes(&self, link: &Link<S>) -> [f64; M] {
         let rates = self.rates.as_deref().expect("a panel of a contact that dissipates has rates");

@@ -7,12 +7,12 @@ use super::{
     flow::Flow,
     panel::{dot, product, times},
     panels::Panels,
-    prescribed::{Driven, Foresight},
+    prescribed::Driven,
     rule::Rule,
     sites::Bonds,
     system::{ContactChain, Drive, Path},
 };
-use crate::{clock::Breaks, real::Kernel};
+use crate::{clock::Breaks, kernel};
 use std::{collections::HashMap, sync::Arc};
 
 /// The sites that are damped, driven, or beside a contact that dissipates.
@@ -114,7 +114,7 @@ impl Open {
         for drive in &self.drives {
             let flow = self.flows[drive.site].as_deref().filter(|_| !drive.moved);
             let signal = &|s: f64| chain.signal(drive.site, at.0 + s);
-            let (driven, resolved) = apart(Foresight { drive, flow, signal, at });
+            let (driven, resolved) = Driven::ahead(drive, flow, signal, at);
             window.driven.push(driven);
             longest = resolved.min(longest);
         }
@@ -165,85 +165,68 @@ impl Open {
         site: usize,
         panels: [Option<&Panels<M, S>>; 2],
     ) -> Path {
-        apart(Gains { open: self, bonds, h, site, panels })
-    }
-}
-
-/// See [`Open::gains`].
-struct Gains<'a, const M: usize, const S: usize> {
-    open: &'a Open,
-    bonds: &'a dyn Bonds<S>,
-    h: f64,
-    site: usize,
-    panels: [Option<&'a Panels<M, S>>; 2],
-}
-
-impl<const M: usize, const S: usize> Kernel for Gains<'_, M, S> {
-    type Output = Path;
-
-    #[inline(always)]
-    fn run(self) -> Path {
-        let Self { open, bonds, h, site, panels } = self;
-        let (mut gains, drive) = ([0.0; 4], open.drive(site).map(|k| &open.drives[k]));
-        let (mut y, flow) = (bonds.site(site), open.flows[site].as_deref());
-        let panels = panels.map(|panels| panels.map_or(&[][..], Panels::as_slice));
-        let Some(flow) = flow else {
-            // A site that is moved: its contact forces are given at the nodes of the panels.
-            for (panels, sign) in panels.iter().zip([1.0, -1.0]) {
-                for panel in *panels {
-                    let [work, lost] = panel.work(Rule::shared(), |t| bonds.signal(site, t)[1]);
-                    gains[2] -= sign * lost;
-                    gains[3] -= sign * work;
-                }
-            }
-            return gains;
-        };
-        let mut from = 0.0;
-        while from < h {
-            let ends = panels.iter().flat_map(|panels| panels.iter().flat_map(|panel| [panel.start, panel.end]));
-            let mut to = ends.filter(|&t| t > from).fold(h, f64::min);
-            let middle = 0.5 * (from + to);
-            let here = panels.map(|panels| panels.iter().find(|panel| panel.start < middle && middle < panel.end));
-            let pushed = drive.is_some() || here.iter().any(Option::is_some);
-            if pushed {
-                if h > RESOLVED * open.longest {
-                    to = (1..PARTS)
-                        .map(|k| h * f64::from(k) / f64::from(PARTS))
-                        .filter(|&t| t > from)
-                        .fold(to, f64::min);
-                }
-            } else if y == [0.0; 4] {
-                from = to;
-                continue;
-            }
-            let part = (from, to);
-            let near = here.iter().flatten().filter(|panel| panel.rates.is_some());
-            let piece = match near.min_by(|a, b| a.far(middle).total_cmp(&b.far(middle))) {
-                Some(panel) => Piece::inside(part, panel.map()),
-                None => {
-                    let singular = here.iter().flatten().any(|panel| panel.singular());
-                    Piece::between(part, singular)
-                }
-            };
-            let (mut force, mut lost, mut push) = ([0.0; NODES], [0.0; NODES], [0.0; NODES]);
-            for (panel, sign) in here.into_iter().zip([1.0, -1.0]) {
-                if let Some(panel) = panel {
-                    let [by, by_loss] = panel.forces_at(Rule::shared(), &piece.t);
-                    for j in 0..NODES {
-                        force[j] += sign * by[j];
-                        lost[j] += sign * by_loss[j];
+        apart(kernel!({
+            let (mut gains, drive) = ([0.0; 4], self.drive(site).map(|k| &self.drives[k]));
+            let (mut y, flow) = (bonds.site(site), self.flows[site].as_deref());
+            let panels = panels.map(|panels| panels.map_or(&[][..], Panels::as_slice));
+            let Some(flow) = flow else {
+                // A site that is moved: its contact forces are given at the nodes of the panels.
+                for (panels, sign) in panels.iter().zip([1.0, -1.0]) {
+                    for panel in *panels {
+                        let [work, lost] = panel.work(Rule::shared(), |t| bonds.signal(site, t)[1]);
+                        gains[2] -= sign * lost;
+                        gains[3] -= sign * work;
                     }
                 }
-            }
-            if drive.is_some() {
-                for j in 0..NODES {
-                    [push[j], ..] = bonds.signal(site, piece.t[j]);
+                return gains;
+            };
+            let mut from = 0.0;
+            while from < h {
+                let ends = panels.iter().flat_map(|panels| panels.iter().flat_map(|panel| [panel.start, panel.end]));
+                let mut to = ends.filter(|&t| t > from).fold(h, f64::min);
+                let middle = 0.5 * (from + to);
+                let here = panels.map(|panels| panels.iter().find(|panel| panel.start < middle && middle < panel.end));
+                let pushed = drive.is_some() || here.iter().any(Option::is_some);
+                if pushed {
+                    if h > RESOLVED * self.longest {
+                        to = (1..PARTS)
+                            .map(|k| h * f64::from(k) / f64::from(PARTS))
+                            .filter(|&t| t > from)
+                            .fold(to, f64::min);
+                    }
+                } else if y == [0.0; 4] {
+                    from = to;
+                    continue;
                 }
+                let part = (from, to);
+                let near = here.iter().flatten().filter(|panel| panel.rates.is_some());
+                let piece = match near.min_by(|a, b| a.far(middle).total_cmp(&b.far(middle))) {
+                    Some(panel) => Piece::inside(part, panel.map()),
+                    None => {
+                        let singular = here.iter().flatten().any(|panel| panel.singular());
+                        Piece::between(part, singular)
+                    }
+                };
+                let (mut force, mut lost, mut push) = ([0.0; NODES], [0.0; NODES], [0.0; NODES]);
+                for (panel, sign) in here.into_iter().zip([1.0, -1.0]) {
+                    if let Some(panel) = panel {
+                        let [by, by_loss] = panel.forces_at(Rule::shared(), &piece.t);
+                        for j in 0..NODES {
+                            force[j] += sign * by[j];
+                            lost[j] += sign * by_loss[j];
+                        }
+                    }
+                }
+                if drive.is_some() {
+                    for j in 0..NODES {
+                        [push[j], ..] = bonds.signal(site, piece.t[j]);
+                    }
+                }
+                piece.follow(flow, &mut y, ([&force, &lost], &push), pushed, &mut gains);
+                from = to;
             }
-            piece.follow(flow, &mut y, ([&force, &lost], &push), pushed, &mut gains);
-            from = to;
-        }
-        gains
+            gains
+        }))
     }
 }
 

@@ -11,11 +11,11 @@ use super::{
     block::apart,
     flow::Flow,
     layout::Cuts,
-    loss::{Move, Rates},
+    loss::Rates,
     rule::Rule,
     system::{Link, Links, Path},
 };
-use crate::{events::Curve, real::Kernel};
+use crate::{events::Curve, kernel};
 
 /// The parameters of a window, for all bonds.
 #[derive(Clone, Copy, Debug)]
@@ -308,7 +308,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
             self.tau[j] = origin + sign * tau[j];
         }
         if frame.link.wholly_damped() {
-            return apart(PlaceDamped { panel: self, frame });
+            return self.place_damped(frame);
         }
         for side in 0..S {
             let omega = frame.link.sides[side].omega;
@@ -327,7 +327,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
             self.weigh(frame, side);
         }
         if frame.link.damped() {
-            apart(PlaceDamped { panel: self, frame });
+            self.place_damped(frame);
         }
     }
 
@@ -356,10 +356,18 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         }
     }
 
-    /// Replaces the results of [`place`](Self::place) and [`weigh`](Self::weigh) on a side whose
-    /// site is damped.
+    /// Replaces the results of [`place`](Self::place) and [`weigh`](Self::weigh) on sides whose
+    /// sites are damped.
+    fn place_damped(&mut self, frame: &Frame<'_, M, S>) {
+        apart(kernel!(for side in 0..S {
+            if let Some(flow) = frame.link.flow(side) {
+                self.place_damped_side(frame.rule, flow, side);
+            }
+        }));
+    }
+
     #[inline(always)]
-    fn place_damped(&mut self, rule: &Rule<M>, flow: &Flow, side: usize) {
+    fn place_damped_side(&mut self, rule: &Rule<M>, flow: &Flow, side: usize) {
         let ([lag, cos, sin], answer) = flow.position_and_answer(&self.tau);
         let mut free = self.tau;
         for j in 0..M {
@@ -500,28 +508,9 @@ impl<const M: usize, const S: usize> Panel<M, S> {
             }
         }
         if S != 1 && frame.link.rated {
-            apart(Move { panel: self, rule: frame.rule });
+            self.integrate_rates(frame.rule);
         }
         even
-    }
-}
-
-/// See [`Panel::place_damped`].
-struct PlaceDamped<'a, const M: usize, const S: usize> {
-    panel: &'a mut Panel<M, S>,
-    frame: &'a Frame<'a, M, S>,
-}
-
-impl<const M: usize, const S: usize> Kernel for PlaceDamped<'_, M, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        for side in 0..S {
-            if let Some(flow) = self.frame.link.flow(side) {
-                self.panel.place_damped(self.frame.rule, flow, side);
-            }
-        }
     }
 }
 

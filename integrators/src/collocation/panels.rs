@@ -5,7 +5,7 @@ use super::{
     panel::{Origin, Panel, Times, View},
     system::Path,
 };
-use crate::real::Kernel;
+use crate::kernel;
 
 /// The panels of a bond in a window, in order of time.
 #[derive(Clone, Debug)]
@@ -140,7 +140,7 @@ impl<const M: usize, const S: usize> Panels<M, S> {
             return if const { S == 1 } {
                 self.act_in_pieces(times, view, shared, out)
             } else {
-                apart(InPieces { panels: self, times, view, shared, out })
+                apart(kernel!(self.act_in_pieces(times, view, shared, out)))
             };
         }
         if first < 0 {
@@ -237,7 +237,7 @@ impl<const M: usize, const S: usize> Panels<M, S> {
         if const { S == 1 } {
             self.influence(times, shared, weight, out);
         } else {
-            apart(Influence { panels: self, times, shared, weight, out });
+            apart(kernel!(self.influence(times, shared, weight, out)));
         }
     }
 
@@ -247,41 +247,5 @@ impl<const M: usize, const S: usize> Panels<M, S> {
         for side in 0..S {
             self.influence_at_nodes(times, Shared::own(side), weight, out);
         }
-    }
-}
-
-/// [`Panels::influence`] for `S = 2`, compiled apart from the kernels that call it.
-struct Influence<'a, const M: usize, const S: usize> {
-    panels: &'a Panels<M, S>,
-    times: Times<'a, M, S>,
-    shared: Shared,
-    weight: f64,
-    out: &'a mut [f64; M],
-}
-
-impl<const M: usize, const S: usize> Kernel for Influence<'_, M, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        self.panels.influence(self.times, self.shared, self.weight, self.out);
-    }
-}
-
-/// [`Panels::act_in_pieces`] for `S = 2`, compiled apart from the kernels that call it.
-struct InPieces<'a, const M: usize, const S: usize> {
-    panels: &'a Panels<M, S>,
-    times: Times<'a, M, S>,
-    view: &'a View<M>,
-    shared: Shared,
-    out: &'a mut [f64; M],
-}
-
-impl<const M: usize, const S: usize> Kernel for InPieces<'_, M, S> {
-    type Output = u64;
-
-    #[inline(always)]
-    fn run(self) -> u64 {
-        self.panels.act_in_pieces(self.times, self.view, self.shared, self.out)
     }
 }

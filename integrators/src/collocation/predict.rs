@@ -12,7 +12,7 @@ use super::{
     prescribed::Prescribed,
     system::Path,
 };
-use crate::real::Kernel;
+use crate::kernel;
 
 /// A release is looked for up to this number of window lengths after the window's end. Chosen, not
 /// measured: a later release does not matter for the accuracy of the panels.
@@ -61,30 +61,15 @@ pub(super) fn turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f
         }
     }
     if frame.link.damped() {
-        apart(TurnDamped { frame, t, turn: &mut turn });
+        let turn = &mut turn;
+        apart(kernel!(for side in 0..S {
+            if let Some(flow) = frame.link.flow(side) {
+                let Ahead { position: [lag, cos, sin], ramps } = flow.ahead(t);
+                turn[side] = Rotation { sin, cos, lag, ramps };
+            }
+        }));
     }
     turn
-}
-
-/// Replaces the result of [`turn`] on sides whose sites are damped.
-struct TurnDamped<'a, const M: usize, const S: usize> {
-    frame: &'a Frame<'a, M, S>,
-    t: f64,
-    turn: &'a mut Rotations<S>,
-}
-
-impl<const M: usize, const S: usize> Kernel for TurnDamped<'_, M, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        for side in 0..S {
-            if let Some(flow) = self.frame.link.flow(side) {
-                let Ahead { position: [lag, cos, sin], ramps } = flow.ahead(self.t);
-                self.turn[side] = Rotation { sin, cos, lag, ramps };
-            }
-        }
-    }
 }
 
 /// An overlap without contact forces at the time `t`, with the functions of [`Rotation`] at `t`.

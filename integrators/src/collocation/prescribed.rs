@@ -7,12 +7,13 @@
 //! rounding, or to far below the tolerance.
 
 use super::{
+    block::apart,
     flow::Flow,
     panel::clenshaw,
     rule::Rule,
     system::{Drive, Path},
 };
-use crate::real::Kernel;
+use crate::kernel;
 
 /// Number of terms of a series. For a signal of frequency `omega` windows may be as long as
 /// `1/omega` at all tolerances.
@@ -122,49 +123,44 @@ pub(crate) struct Driven {
     pub(crate) left: Path,
 }
 
-/// Computes what a drive does in a window, and the length of a shorter window if the series do not
-/// resolve the drive in this one, else infinity.
-pub(crate) struct Foresight<'a> {
-    pub(crate) drive: &'a Drive,
-    /// The flow of a site that is pushed; `None` for one that is moved.
-    pub(crate) flow: Option<&'a Flow>,
-    /// The signal and two derivatives, as a function of the time since the start of the window.
-    pub(crate) signal: &'a dyn Fn(f64) -> [f64; 3],
-    /// Start and length of the window, and the tolerance.
-    pub(crate) at: (f64, f64, f64),
-}
-
-impl Kernel for Foresight<'_> {
-    type Output = (Driven, f64);
-
-    #[inline(always)]
-    fn run(self) -> (Driven, f64) {
-        let Self { drive, flow, signal, at: (t, h, tol) } = self;
-        let rule = Rule::<TERMS>::shared();
-        let times = rule.nodes.map(|x| 0.5 * h * (1.0 + x));
-        let values = times.map(|t| signal(t)[0]);
-        let last = rule.tail.iter().map(|row| super::panel::dot(row, &values).abs()).fold(0.0, f64::max);
-        let allowed = (SHARE * tol).max(ROUNDING) * drive.size + OF_TIME * t.abs() * drive.rate;
-        let shorter = 0.9 * h * (allowed / last).powf(1.0 / TERMS as f64);
-        let longest = if last <= allowed { f64::INFINITY } else { shorter };
-        let Some(flow) = flow else {
-            // In a short ramp a contact does work that is not small, though its impulse is.
-            let ([from, to], quarter) = (drive.varies, 0.25 * (drive.varies[1] - drive.varies[0]));
-            let longest = if from <= t && t < to && h > quarter { longest.min(quarter) } else { longest };
-            let [start, end] = [0.0, h].map(|t| [signal(t)[0], signal(t)[1]]);
-            return (Driven { known: Prescribed::new(&values, h, [start, end]), left: [0.0; 4] }, longest);
-        };
-        let impulses = values.map(|value| 0.5 * h * value);
-        let ([lag, cos, sin], answer) = flow.position_and_answer(&times);
-        let parts = answer.map(|part| super::panel::times(&part, &impulses));
-        let left = parts.map(|part| super::panel::dot(&rule.weights, &part));
-        let [r, v, c, s] = parts.map(|part| super::panel::product(&rule.integral, &part));
-        let position =
-            std::array::from_fn(|j| (r[j] + v[j] * times[j]) + (v[j] * lag[j] + c[j] * cos[j] + s[j] * sin[j]));
-        let end = flow.moved(&left, h);
-        let y: Path = std::array::from_fn(|k| left[k] + end[k]);
-        let rates = flow.rates(&y);
-        let ends = [[0.0; 2], [y[0] + y[2], rates[0] + rates[2]]];
-        (Driven { known: Prescribed::new(&position, h, ends), left }, longest)
+impl Driven {
+    /// What a drive does in a window, and the length of a shorter window if the series do not
+    /// resolve the drive in this one, else infinity. `flow` is `None` for a site that is moved;
+    /// `signal` and two derivatives are functions of the time since the start of the window; `at`
+    /// has start and length of the window, and the tolerance.
+    pub(crate) fn ahead(
+        drive: &Drive,
+        flow: Option<&Flow>,
+        signal: &dyn Fn(f64) -> [f64; 3],
+        (t, h, tol): (f64, f64, f64),
+    ) -> (Self, f64) {
+        apart(kernel!({
+            let rule = Rule::<TERMS>::shared();
+            let times = rule.nodes.map(|x| 0.5 * h * (1.0 + x));
+            let values = times.map(|t| signal(t)[0]);
+            let last = rule.tail.iter().map(|row| super::panel::dot(row, &values).abs()).fold(0.0, f64::max);
+            let allowed = (SHARE * tol).max(ROUNDING) * drive.size + OF_TIME * t.abs() * drive.rate;
+            let shorter = 0.9 * h * (allowed / last).powf(1.0 / TERMS as f64);
+            let longest = if last <= allowed { f64::INFINITY } else { shorter };
+            let Some(flow) = flow else {
+                // In a short ramp a contact does work that is not small, though its impulse is.
+                let ([from, to], quarter) = (drive.varies, 0.25 * (drive.varies[1] - drive.varies[0]));
+                let longest = if from <= t && t < to && h > quarter { longest.min(quarter) } else { longest };
+                let [start, end] = [0.0, h].map(|t| [signal(t)[0], signal(t)[1]]);
+                return (Driven { known: Prescribed::new(&values, h, [start, end]), left: [0.0; 4] }, longest);
+            };
+            let impulses = values.map(|value| 0.5 * h * value);
+            let ([lag, cos, sin], answer) = flow.position_and_answer(&times);
+            let parts = answer.map(|part| super::panel::times(&part, &impulses));
+            let left = parts.map(|part| super::panel::dot(&rule.weights, &part));
+            let [r, v, c, s] = parts.map(|part| super::panel::product(&rule.integral, &part));
+            let position =
+                std::array::from_fn(|j| (r[j] + v[j] * times[j]) + (v[j] * lag[j] + c[j] * cos[j] + s[j] * sin[j]));
+            let end = flow.moved(&left, h);
+            let y: Path = std::array::from_fn(|k| left[k] + end[k]);
+            let rates = flow.rates(&y);
+            let ends = [[0.0; 2], [y[0] + y[2], rates[0] + rates[2]]];
+            (Driven { known: Prescribed::new(&position, h, ends), left }, longest)
+        }))
     }
 }

@@ -10,10 +10,7 @@ use super::{
     solver::{self, Solver},
     system::{ContactChain, Links, Path},
 };
-use crate::{
-    clock::DoubleDouble,
-    real::{Kernel, Real},
-};
+use crate::{clock::DoubleDouble, kernel, real::Real};
 use std::{ops::Range, sync::Arc};
 
 /// Length of the window in which drives are evaluated at the start of a run.
@@ -82,35 +79,27 @@ pub(super) struct State<const S: usize> {
 }
 
 /// Moves sites over a window.
-struct Advance<'a, C, const S: usize> {
-    chain: &'a C,
-    sites: &'a mut [Site],
-    left: &'a [Left<S>],
-    h: f64,
-    phases: &'a Phases<S>,
-    open: Option<(&'a Open, &'a Signals)>,
-}
-
-impl<C: ContactChain<S>, const S: usize> Kernel for Advance<'_, C, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { chain, sites, left, h, phases, open } = self;
-        for (i, site) in sites.iter_mut().enumerate() {
-            let mut push = chain.push(i, |b| left[b].path);
-            if S != 1
-                && let Some((open, signals)) = open
-            {
-                open.push(signals, i, &mut push);
-                if let Some(flow) = open.damped(i) {
-                    site.flow(&push, flow, h);
-                    continue;
-                }
+#[inline(always)]
+fn advance<C: ContactChain<S>, const S: usize>(
+    chain: &C,
+    sites: &mut [Site],
+    (left, h): (&[Left<S>], f64),
+    phases: &Phases<S>,
+    open: Option<(&Open, &Signals)>,
+) {
+    for (i, site) in sites.iter_mut().enumerate() {
+        let mut push = chain.push(i, |b| left[b].path);
+        if S != 1
+            && let Some((open, signals)) = open
+        {
+            open.push(signals, i, &mut push);
+            if let Some(flow) = open.damped(i) {
+                site.flow(&push, flow, h);
+                continue;
             }
-            if !(site.at_rest() && push == [0.0; 4]) {
-                site.advance(&push, h, phases.sin_cos(i));
-            }
+        }
+        if !(site.at_rest() && push == [0.0; 4]) {
+            site.advance(&push, h, phases.sin_cos(i));
         }
     }
 }
@@ -255,7 +244,8 @@ impl<C: ContactChain<S>, const S: usize> Windows for Section<C, S> {
             about.alone.iter().for_each(|&site| ledger.take(&about.gains::<4, S>(bonds, h, site, [None; 2])));
             left.iter().for_each(|left| ledger.take(&left.ledger));
         }
-        f64::run(Advance { chain, sites, left, h, phases, open });
+        let (before, by) = (&*phases, &**left);
+        f64::run(kernel!(advance(chain, sites, (by, h), before, open)));
         ongoing.iter_mut().zip(left).for_each(|(ongoing, left)| *ongoing = left.ongoing);
         phases.advance(h);
         *t = *t + DoubleDouble::new(h);

@@ -9,6 +9,7 @@ use super::{
     system::Links,
     tangent,
 };
+use crate::kernel;
 use std::any::Any;
 
 /// A solver of windows, with a number of nodes a panel and its memory.
@@ -133,6 +134,6 @@ impl<const M: usize, const S: usize> Solver<S> for Nodes<M, S> {
     ) -> Result<f64, (usize, f64)> {
         let bonds = &self.workspaces[0].bonds[..links.bonds];
         let frames = &Frames { rule: self.rule, links, cuts, h };
-        run::<S, _>(tangent::Window { frames, bonds, columns })
+        run::<S, _>(kernel!(tangent::window(frames, bonds, columns)))
     }
 }

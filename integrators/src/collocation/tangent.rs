@@ -54,12 +54,7 @@ use super::{
     sites::Phases,
     system::{ContactChain, Path, beside},
 };
-use crate::{
-    drive::Stepper,
-    error::Error,
-    real::{Kernel, Real, VectorKernel},
-    vector::Vector,
-};
+use crate::{drive::Stepper, error::Error, vector::Vector, with_registers};
 
 /// Number of columns that are computed together: one register of the widest vector unit. Timed by
 /// `benches/collocation.rs`, `monodromy`.
@@ -317,41 +312,32 @@ struct Row<const M: usize> {
     from: Vec<(usize, [[f64; M]; M])>,
 }
 
-/// A solved window with changes of the linear paths of its bonds. [`run`](Kernel::run) replaces
-/// these by the changes of the paths by the bonds' forces.
-pub(crate) struct Window<'a, const M: usize, const S: usize> {
-    pub(crate) frames: &'a Frames<'a, M, S>,
-    pub(crate) bonds: &'a [Bond<M, S>],
-    pub(crate) columns: &'a mut [BondBlock<S>],
-}
-
-impl<const M: usize, const S: usize> Kernel for Window<'_, M, S> {
-    /// The part of [`Tangent::contraction`] in the window. If the sweeps do not converge, a bond
-    /// and its residual.
-    type Output = Result<f64, (usize, f64)>;
-
-    #[inline(always)]
-    fn run(self) -> Self::Output {
-        let Self { frames, bonds, columns } = self;
-        let ring = frames.links.ring && bonds.len() > 1;
-        let bonds = &laid_out(frames, bonds, ring)[..];
-        let (rows, left) = rows(frames, bonds, ring);
-        let mut memory =
-            Memory { driven: vec![[[0.0; LANES]; M]; rows.len()], force: vec![[[0.0; LANES]; M]; rows.len()] };
-        for bond in columns {
-            let path = bond.as_flattened().as_flattened();
-            solve(System { rows: &rows, path, memory: &mut memory })?;
-            bond.fill([[[0.0; LANES]; 4]; S]);
-            for ((row, left), force) in rows.iter().zip(&left).zip(&memory.force) {
-                for (left, force) in left.iter().zip(force) {
-                    for (sum, &left) in bond[row.bond].as_flattened_mut().iter_mut().zip(left.as_flattened()) {
-                        add(sum, left, force);
-                    }
+/// Replaces the changes of the linear paths of the bonds of a solved window by those of the paths
+/// by the bonds' forces. Returns the part of [`Tangent::contraction`] in the window; if the sweeps
+/// do not converge, a bond and its residual.
+#[inline(always)]
+pub(crate) fn window<const M: usize, const S: usize>(
+    frames: &Frames<'_, M, S>,
+    bonds: &[Bond<M, S>],
+    columns: &mut [BondBlock<S>],
+) -> Result<f64, (usize, f64)> {
+    let ring = frames.links.ring && bonds.len() > 1;
+    let bonds = &laid_out(frames, bonds, ring)[..];
+    let (rows, left) = rows(frames, bonds, ring);
+    let mut memory = Memory { driven: vec![[[0.0; LANES]; M]; rows.len()], force: vec![[[0.0; LANES]; M]; rows.len()] };
+    for bond in columns {
+        let path = bond.as_flattened().as_flattened();
+        System { rows: &rows, path, memory: &mut memory }.solve()?;
+        bond.fill([[[0.0; LANES]; 4]; S]);
+        for ((row, left), force) in rows.iter().zip(&left).zip(&memory.force) {
+            for (left, force) in left.iter().zip(force) {
+                for (sum, &left) in bond[row.bond].as_flattened_mut().iter_mut().zip(left.as_flattened()) {
+                    add(sum, left, force);
                 }
             }
         }
-        Ok(contraction(frames, bonds))
     }
+    Ok(contraction(frames, bonds))
 }
 
 /// The changes of the linear path of a bond by the changes of its sites; `phases` are those at the
@@ -607,13 +593,14 @@ struct System<'a, const M: usize> {
     memory: &'a mut Memory<M>,
 }
 
-/// Solves a [`System`]. Not inlined, so that it is compiled once for all kinds of windows.
-#[inline(never)]
-fn solve<const M: usize>(system: System<'_, M>) -> Result<(), (usize, f64)> {
-    f64::run_vector(system)
-}
-
 impl<const M: usize> System<'_, M> {
+    /// Solves the system by sweeps over the panels. If they do not converge, a bond and its
+    /// residual. Not inlined, so that it is compiled once for all kinds of windows.
+    #[inline(never)]
+    fn solve(mut self) -> Result<(), (usize, f64)> {
+        with_registers!(V => self.sweeps::<V>())
+    }
+
     /// Computes the forces of a panel without the influence of other panels.
     #[inline(always)]
     fn drive<V: Vector<f64>>(&mut self, p: usize) {
@@ -660,15 +647,9 @@ impl<const M: usize> System<'_, M> {
             put(&mut progress.size, at, size);
         }
     }
-}
 
-impl<const M: usize> VectorKernel<f64> for System<'_, M> {
-    /// If the sweeps do not converge, a bond and its residual.
-    type Output = Result<(), (usize, f64)>;
-
-    /// Solves the system by sweeps over the panels.
     #[inline(always)]
-    fn run<V: Vector<f64>>(mut self) -> Self::Output {
+    fn sweeps<V: Vector<f64>>(&mut self) -> Result<(), (usize, f64)> {
         let none = || Progress { change: [0.0; LANES], size: [0.0; LANES] };
         for p in 0..self.rows.len() {
             self.drive::<V>(p);

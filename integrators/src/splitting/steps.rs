@@ -1,10 +1,6 @@
 //! Equal steps over a span.
 
-use crate::{
-    clock::DoubleDouble,
-    error::Error,
-    real::{Kernel, Real},
-};
+use crate::{clock::DoubleDouble, error::Error, kernel, real::Real};
 
 /// Equal steps over a span, and how many have been taken.
 pub(crate) struct Steps<R> {
@@ -30,7 +26,13 @@ impl<R: Real> Steps<R> {
     /// The time after this many steps.
     pub(crate) fn after(&self, steps: u64) -> DoubleDouble<R> {
         let Self { start, span, h, total, .. } = *self;
-        if steps == total { start + span } else { R::run(After { start, h, steps: R::of(steps as f64) }) }
+        if steps == total {
+            return start + span;
+        }
+        // A kernel: a product of `DoubleDouble`s needs a fused product, which is a call to a library
+        // in code that is not compiled for the machine's own.
+        let after = DoubleDouble::new(R::of(steps as f64));
+        R::run(kernel!(start + h * after))
     }
 
     /// The time reached.
@@ -53,23 +55,6 @@ impl<R: Real> Steps<R> {
         // Two steps less than the quotient says, so that no rounding leads beyond.
         let before = |t: R| (((t - self.reached().value()) / self.h.value()).f64() - 2.0) as u64;
         wanted.map_or(most as u64, before).min(most as u64).min(self.total - self.taken).max(1) as usize
-    }
-}
-
-/// `start + h steps` as a [`Kernel`]: a product of `DoubleDouble`s needs a fused product, which is
-/// a call to a library in code that is not compiled for the machine's own.
-struct After<R> {
-    start: DoubleDouble<R>,
-    h: DoubleDouble<R>,
-    steps: R,
-}
-
-impl<R: Real> Kernel for After<R> {
-    type Output = DoubleDouble<R>;
-
-    #[inline(always)]
-    fn run(self) -> DoubleDouble<R> {
-        self.start + self.h * DoubleDouble::new(self.steps)
     }
 }
 

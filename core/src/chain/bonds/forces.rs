@@ -10,7 +10,7 @@ use super::{
     },
     PAD, WORD,
 };
-use hertzchain_integrators::{Column, Real, Vector, VectorKernel};
+use hertzchain_integrators::{Column, Vector, with_registers};
 use std::ops::Range;
 
 /// The arrays of an evaluation: positions, and what follows from them, namely overlaps, forces and
@@ -39,7 +39,13 @@ impl<M: Copy> Visit<f64, M> for Forces<'_> {
     #[inline(always)]
     fn visit<S: Sites<f64, Moment = M>>(self, chain: &Chain<f64>, sites: S, now: M) {
         let (topology, law, rest) = (chain.topology(), chain.law(), chain.precompression());
-        f64::run_vector(Evaluation { topology, law, rest, sites, now, forces: self });
+        with_registers!(V => with_hertz!(law, power => {
+            if topology.strains() {
+                self.evaluate::<V, _, _, true>(topology, (law, power, rest), sites, now);
+            } else {
+                self.evaluate::<V, _, _, false>(topology, (law, power, rest), sites, now);
+            }
+        }));
     }
 }
 
@@ -47,52 +53,79 @@ impl Forces<'_> {
     /// Evaluates the registers at `registers` again, from the positions in `q`. The bits of closed
     /// bonds are not changed.
     pub(super) fn refresh(self, chain: &Chain<f64>, registers: &[usize]) {
-        f64::run_vector(Refresh { chain, registers, forces: self });
+        with_registers!(V => with_hertz!(chain.law(), power => self.refresh_by::<V, _>(power, chain, registers)));
     }
-}
-
-/// An evaluation of some registers of [`LANES`] bonds.
-struct Refresh<'a> {
-    chain: &'a Chain<f64>,
-    registers: &'a [usize],
-    forces: Forces<'a>,
-}
-
-impl VectorKernel<f64> for Refresh<'_> {
-    type Output = ();
 
     #[inline(always)]
-    fn run<V: Vector<f64>>(self) {
-        with_hertz!(self.chain.law(), power => self.lanes::<V, _>(power));
-    }
-}
-
-impl Refresh<'_> {
-    #[inline(always)]
-    fn lanes<V: Vector<f64>, P: Power<f64>>(self, power: P) {
-        let Self { chain, registers, mut forces } = self;
+    fn refresh_by<V: Vector<f64>, P: Power<f64>>(mut self, power: P, chain: &Chain<f64>, registers: &[usize]) {
         let (law, strain, rest) = (chain.law(), chain.topology().strains(), V::all(chain.precompression()));
         let room = (chain.sites() + 1).next_multiple_of(LANES);
-        assert!(forces.overlap.len() >= room && forces.before.iter().all(|column| column.len() >= room));
-        assert!([&forces.q, &forces.force, &forces.slope].iter().all(|column| column.len() >= PAD + room));
+        assert!(self.overlap.len() >= room && self.before.iter().all(|column| column.len() >= room));
+        assert!([&self.q, &self.force, &self.slope].iter().all(|column| column.len() >= PAD + room));
         for &register in registers {
             assert!(register % LANES == 0 && register < room);
             let mut turns = 0;
             for at in (register..register + LANES).step_by(V::LANES) {
                 // SAFETY: columns have room, as asserted.
                 unsafe {
-                    let here: V = forces.q.load(PAD + at);
-                    let g = if strain { V::all(0.0) - here } else { rest + (forces.q.load::<V>(PAD + at - 1) - here) };
+                    let here: V = self.q.load(PAD + at);
+                    let g = if strain { V::all(0.0) - here } else { rest + (self.q.load::<V>(PAD + at - 1) - here) };
                     let (f, slope) = law.force_and_slope(power, g);
-                    forces.overlap.store(at, g);
-                    forces.force.store(PAD + at, f);
-                    forces.slope.store(PAD + at, slope);
-                    let (g1, g0) = (forces.before[0].load(at), forces.before[1].load(at));
-                    turns |= turning(forces.reach, [g0, g1, g]) << (at - register);
+                    self.overlap.store(at, g);
+                    self.force.store(PAD + at, f);
+                    self.slope.store(PAD + at, slope);
+                    let (g1, g0) = (self.before[0].load(at), self.before[1].load(at));
+                    turns |= turning(self.reach, [g0, g1, g]) << (at - register);
                 }
             }
-            let (bits, first) = (&mut forces.turning[register / WORD], register % WORD);
+            let (bits, first) = (&mut self.turning[register / WORD], register % WORD);
             *bits = *bits & !(u64::MAX >> (WORD - LANES) << first) | turns << first;
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate<V: Vector<f64>, P: Power<f64>, S: Sites<f64>, const STRAIN: bool>(
+        mut self,
+        topology: Topology,
+        (law, power, rest): (ContactLaw<f64>, P, f64),
+        sites: S,
+        now: S::Moment,
+    ) {
+        let n = topology.sites();
+        let room = (n + 1).next_multiple_of(V::LANES);
+        let Forces { q, overlap, force, slope, before: [latest, first], .. } = &self;
+        assert!(sites.room() >= n.next_multiple_of(V::LANES));
+        assert!([overlap, latest, first].iter().all(|column| column.len() >= room));
+        assert!([q, force, slope].iter().all(|column| column.len() >= PAD + room));
+        self.closed.fill(0);
+        self.turning.fill(0);
+        // SAFETY: registers begin at most at the last bond, and columns have room for them, as
+        // asserted.
+        let (first, last) = unsafe { (sites.positions::<f64>(0, &now), sites.positions::<f64>(n - 1, &now)) };
+        let (left, right) = topology.ghosts(first, last);
+        // SAFETY: as above.
+        unsafe { self.q.store(PAD - 1, left) };
+        let (mut before, beyond) = (V::all(left), V::all(right));
+        for at in (0..=n).step_by(V::LANES) {
+            let here = match n - at {
+                0 => beyond,
+                // SAFETY: as above.
+                left => unsafe { sites.positions::<V>(at, &now) }.first(left.min(V::LANES), beyond),
+            };
+            let g = if STRAIN { V::all(0.0) - here } else { V::all(rest) + (here.after(before) - here) };
+            let (f, by_overlap) = power.raise_with_slope(law.positive_part(g));
+            // SAFETY: as above.
+            unsafe {
+                self.q.store(PAD + at, here);
+                self.overlap.store(at, g);
+                self.force.store(PAD + at, f);
+                self.slope.store(PAD + at, by_overlap);
+            }
+            // SAFETY: as above.
+            let [g1, g0]: [V; 2] = unsafe { [self.before[0].load(at), self.before[1].load(at)] };
+            self.closed[at / WORD] |= g.positive() << (at % WORD);
+            self.turning[at / WORD] |= turning(self.reach, [g0, g1, g]) << (at % WORD);
+            before = here;
         }
     }
 }
@@ -136,73 +169,6 @@ pub(super) unsafe fn mark<V: Vector<f64>>(
     }
 }
 
-struct Evaluation<'a, S: Sites<f64>> {
-    topology: Topology,
-    law: ContactLaw<f64>,
-    rest: f64,
-    sites: S,
-    now: S::Moment,
-    forces: Forces<'a>,
-}
-
-impl<S: Sites<f64>> VectorKernel<f64> for Evaluation<'_, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<V: Vector<f64>>(self) {
-        with_hertz!(self.law, power => {
-            if self.topology.strains() {
-                self.lanes::<V, _, true>(power);
-            } else {
-                self.lanes::<V, _, false>(power);
-            }
-        });
-    }
-}
-
-impl<S: Sites<f64>> Evaluation<'_, S> {
-    #[inline(always)]
-    fn lanes<V: Vector<f64>, P: Power<f64>, const STRAIN: bool>(self, power: P) {
-        let Self { topology, law, rest, sites, now, mut forces } = self;
-        let n = topology.sites();
-        let room = (n + 1).next_multiple_of(V::LANES);
-        let Forces { q, overlap, force, slope, before: [latest, first], .. } = &forces;
-        assert!(sites.room() >= n.next_multiple_of(V::LANES));
-        assert!([overlap, latest, first].iter().all(|column| column.len() >= room));
-        assert!([q, force, slope].iter().all(|column| column.len() >= PAD + room));
-        forces.closed.fill(0);
-        forces.turning.fill(0);
-        // SAFETY: registers begin at most at the last bond, and columns have room for them, as
-        // asserted.
-        let (first, last) = unsafe { (sites.positions::<f64>(0, &now), sites.positions::<f64>(n - 1, &now)) };
-        let (left, right) = topology.ghosts(first, last);
-        // SAFETY: as above.
-        unsafe { forces.q.store(PAD - 1, left) };
-        let (mut before, beyond) = (V::all(left), V::all(right));
-        for at in (0..=n).step_by(V::LANES) {
-            let here = match n - at {
-                0 => beyond,
-                // SAFETY: as above.
-                left => unsafe { sites.positions::<V>(at, &now) }.first(left.min(V::LANES), beyond),
-            };
-            let g = if STRAIN { V::all(0.0) - here } else { V::all(rest) + (here.after(before) - here) };
-            let (f, by_overlap) = power.raise_with_slope(law.positive_part(g));
-            // SAFETY: as above.
-            unsafe {
-                forces.q.store(PAD + at, here);
-                forces.overlap.store(at, g);
-                forces.force.store(PAD + at, f);
-                forces.slope.store(PAD + at, by_overlap);
-            }
-            // SAFETY: as above.
-            let [g1, g0]: [V; 2] = unsafe { [forces.before[0].load(at), forces.before[1].load(at)] };
-            forces.closed[at / WORD] |= g.positive() << (at % WORD);
-            forces.turning[at / WORD] |= turning(forces.reach, [g0, g1, g]) << (at % WORD);
-            before = here;
-        }
-    }
-}
-
 /// The bits of bonds whose overlap turned near zero at the evaluation before: of three overlaps in
 /// a row the middle one, `g_1`, is the largest or the smallest, and `abs(g_1)` is below `reach`
 /// times the size of their second difference.
@@ -229,7 +195,12 @@ impl<M: Copy> Visit<f64, M> for Modified<'_> {
 
     #[inline(always)]
     fn visit<S: Sites<f64, Moment = M>>(self, chain: &Chain<f64>, sites: S, now: M) {
-        f64::run_vector(Kick { topology: chain.topology(), sites, now, forces: self });
+        let topology = chain.topology();
+        with_registers!(V => if topology.strains() {
+            self.kick::<V, _, true>(topology, sites, now);
+        } else {
+            self.kick::<V, _, false>(topology, sites, now);
+        });
     }
 }
 
@@ -253,52 +224,29 @@ impl Modified<'_> {
             f + V::all(self.c) * self.slope.load(PAD + at) * pull
         }
     }
-}
-
-struct Kick<'a, S: Sites<f64>> {
-    topology: Topology,
-    sites: S,
-    now: S::Moment,
-    forces: Modified<'a>,
-}
-
-impl<S: Sites<f64>> VectorKernel<f64> for Kick<'_, S> {
-    type Output = ();
 
     #[inline(always)]
-    fn run<V: Vector<f64>>(self) {
-        if self.topology.strains() {
-            self.lanes::<V, true>();
-        } else {
-            self.lanes::<V, false>();
-        }
-    }
-}
-
-impl<S: Sites<f64>> Kick<'_, S> {
-    #[inline(always)]
-    fn lanes<V: Vector<f64>, const STRAIN: bool>(self) {
-        let Self { topology, mut sites, now, forces } = self;
+    fn kick<V: Vector<f64>, S: Sites<f64>, const STRAIN: bool>(self, topology: Topology, mut sites: S, now: S::Moment) {
         let n = topology.sites();
         let room = PAD + (n + 1).next_multiple_of(V::LANES) + V::LANES;
         assert!(sites.room() >= n.next_multiple_of(V::LANES));
-        assert!(forces.force.len() >= room && forces.slope.len() >= room);
-        assert!(forces.spring.as_ref().is_none_or(|spring| spring.len() >= room));
+        assert!(self.force.len() >= room && self.slope.len() >= room);
+        assert!(self.spring.as_ref().is_none_or(|spring| spring.len() >= room));
         // SAFETY: registers begin at most at the last bond, and one follows it in
         // the columns, as asserted.
         // SAFETY: as above.
-        let around = |b: usize| unsafe { [PAD + b - 1, PAD + b, PAD + b + 1].map(|at| forces.force.load::<f64>(at)) };
+        let around = |b: usize| unsafe { [PAD + b - 1, PAD + b, PAD + b + 1].map(|at| self.force.load::<f64>(at)) };
         // On a ring of strains the last bond pushes the first strain.
         // SAFETY: as above.
-        let wrapped = if STRAIN { unsafe { forces.at::<f64, STRAIN>(n - 1, around(n - 1)) } } else { 0.0 };
+        let wrapped = if STRAIN { unsafe { self.at::<f64, STRAIN>(n - 1, around(n - 1)) } } else { 0.0 };
         let (mut before, mut modified) = (V::all(0.0), V::all(wrapped));
         // SAFETY: as above.
-        let mut f: [V; 2] = unsafe { [V::all(forces.force.load(PAD - 1)), forces.force.load(PAD)] };
+        let mut f: [V; 2] = unsafe { [V::all(self.force.load(PAD - 1)), self.force.load(PAD)] };
         for at in (0..=n).step_by(V::LANES) {
             // SAFETY: as above.
-            let next = unsafe { forces.force.load(PAD + at + V::LANES) };
+            let next = unsafe { self.force.load(PAD + at + V::LANES) };
             // SAFETY: as above.
-            let here = unsafe { forces.at::<V, STRAIN>(at, [f[0], f[1], next]) };
+            let here = unsafe { self.at::<V, STRAIN>(at, [f[0], f[1], next]) };
             if at > 0 {
                 // SAFETY: as above.
                 unsafe { sites.update(at - V::LANES, push::<f64, V, STRAIN>(before, modified, here), &now) };

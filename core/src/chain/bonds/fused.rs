@@ -22,7 +22,7 @@ use super::{
     awake::ActiveRange,
     forces::{lanes, mark},
 };
-use hertzchain_integrators::{Column, Real, Vector, VectorKernel};
+use hertzchain_integrators::{Column, Vector, with_registers};
 use std::ops::Range;
 
 /// Factor by which the cheap test of a pass widens `reach`, so that no rounding hides a turn.
@@ -69,36 +69,25 @@ impl<C: Clock> Visit<f64, C::Moment> for FusedRow<'_, C> {
 
     #[inline(always)]
     fn visit<S: Sites<f64, Moment = C::Moment>>(self, chain: &Chain<f64>, sites: S, _now: C::Moment) -> usize {
-        f64::run_vector(Kernel { chain, sites, row: self })
-    }
-}
-
-struct Kernel<'a, S, C> {
-    chain: &'a Chain<f64>,
-    sites: S,
-    row: FusedRow<'a, C>,
-}
-
-impl<S: Sites<f64>, C: Clock<Moment = S::Moment>> VectorKernel<f64> for Kernel<'_, S, C> {
-    type Output = usize;
-
-    #[inline(always)]
-    fn run<V: Vector<f64>>(self) -> usize {
-        with_hertz!(self.chain.law(), power => {
-            if self.chain.topology().strains() {
-                self.lanes::<V, _, true>(power)
+        with_registers!(V => with_hertz!(chain.law(), power => {
+            if chain.topology().strains() {
+                self.kick::<V, _, _, true>((chain, power), sites)
             } else {
-                self.lanes::<V, _, false>(power)
+                self.kick::<V, _, _, false>((chain, power), sites)
             }
-        })
+        }))
     }
 }
 
-impl<S: Sites<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
+impl<C: Clock> FusedRow<'_, C> {
     /// Makes the kicks, and returns how many.
     #[inline(always)]
-    fn lanes<V: Vector<f64>, P: Power<f64>, const STRAIN: bool>(self, power: P) -> usize {
-        let Self { chain, mut sites, row: FusedRow { fused, mut clock, kicks } } = self;
+    fn kick<V: Vector<f64>, P: Power<f64>, S: Sites<f64, Moment = C::Moment>, const STRAIN: bool>(
+        self,
+        (chain, power): (&Chain<f64>, P),
+        mut sites: S,
+    ) -> usize {
+        let Self { fused, mut clock, kicks } = self;
         let (topology, n) = (chain.topology(), chain.sites());
         fused.check(n, V::LANES, sites.room());
         let Fused { c, reach, watched, awake, mut q, overlaps, forces, slopes, mut modified, .. } = fused;

@@ -12,8 +12,30 @@ use super::{
     CheckedDetails,
     propagator::{Class, Propagator},
 };
-use hertzchain_integrators::{DoubleDouble, Real, Rotation, VectorKernel, vector::Vector};
+use hertzchain_integrators::{DoubleDouble, Real, Rotation, vector::Vector, with_registers};
 use std::ops::Range;
+
+/// Computes a formula for `$count` sites, or bonds: those from `$i` on, as many as `$V` has lanes,
+/// then the next.
+macro_rules! over {
+    ($count:expr, $i:ident, $V:ident<$R:ident> => $formula:expr) => {{
+        let count = $count;
+        with_registers!($V<$R> => {
+            let mut next = 0;
+            while next + $V::<$R>::LANES <= count {
+                let $i = next;
+                $formula;
+                next += $V::<$R>::LANES;
+            }
+            {
+                type $V<$R> = $R;
+                for $i in next..count {
+                    $formula;
+                }
+            }
+        })
+    }};
+}
 
 /// The formula of a site's drift.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,10 +149,28 @@ impl<R: Real> Loops<R> {
             let mut z = part(z, range);
             match (motion, drift) {
                 (Motion::Given, _) => {}
-                (Motion::Straight, _) => over(range.len(), Straight { z, dt: dt.value() }),
+                // Bead and resonator both move freely.
+                (Motion::Straight, _) => {
+                    let dt = dt.value();
+                    // SAFETY: the slices of `z` have these numbers.
+                    over!(range.len(), i, V<R> => unsafe {
+                        let [u, v, u_dot, v_dot]: [V<R>; 4] = four(&z, i);
+                        store(z[0], i, u + V::<R>::all(dt) * u_dot);
+                        store(z[1], i, v + V::<R>::all(dt) * v_dot);
+                    });
+                }
                 (Motion::Turning, Some(drift)) => {
                     let turns = drift.turns.each_ref().map(|by| &by[range.clone()]);
-                    over(range.len(), Turn { z, dt: dt.value(), turns });
+                    let dt = dt.value();
+                    // SAFETY: all slices have these numbers.
+                    over!(range.len(), i, V<R> => unsafe {
+                        let [r, p, r_dot, s]: [V<R>; 4] = four(&z, i);
+                        let [cos, cos_low, sin, sin_low]: [V<R>; 4] = four(&turns, i);
+                        store(z[0], i, r + V::<R>::all(dt) * r_dot);
+                        // The low parts keep the rotation from growing or shrinking over many steps.
+                        store(z[1], i, (cos * p + sin * s) + (cos_low * p + sin_low * s));
+                        store(z[3], i, (cos * s - sin * p) + (cos_low * s - sin_low * p));
+                    });
                 }
                 (Motion::Turning | Motion::Damped, _) => {
                     for (k, &class) in class[range.clone()].iter().enumerate() {
@@ -167,7 +207,13 @@ impl<R: Real> Loops<R> {
         if let Some(law) = &self.law {
             let contacts = self.contacts.each_ref().map(|numbers| &numbers[1..]);
             let push = &mut push[1..n];
-            with_hertz!(law, power => over(n - 1, Push { power, law, contacts, u, push }));
+            // The force `A (delta + u_i - u_{i+1})_+^alpha` of the bond after bead `i`.
+            // SAFETY: the slices have a number for each of these bonds, and `u` one more.
+            with_hertz!(law, power => over!(n - 1, i, V<R> => unsafe {
+                let overlap = load::<R, V<R>>(contacts[1], i) + (load::<R, V<R>>(u, i) - load(u, i + 1));
+                let constant: V<R> = load(contacts[0], i);
+                store(push, i, constant * power.raise(law.positive_part(overlap)));
+            }));
         } else {
             touching.clone().for_each(|bond| push[bond] = own(bond));
         }
@@ -188,10 +234,15 @@ impl<R: Real> Loops<R> {
     pub(super) fn springs(&self, z: &mut [Vec<R>; 4], force: &mut [R], kick: R) {
         if let Some(springs) = &self.springs {
             let sites = force.len();
-            over(
-                sites,
-                Springs { z: part(z, &(0..sites)), force, kick, springs: springs.each_ref().map(|s| &s[..sites]) },
-            );
+            let (z, springs) = (part(z, &(0..sites)), springs.each_ref().map(|s| &s[..sites]));
+            // SAFETY: all slices have a number for each site.
+            over!(sites, i, V<R> => unsafe {
+                let [u, v, _, v_dot]: [V<R>; 4] = four(&z, i);
+                let (kappa, resonator): (V<R>, V<R>) = (load(springs[0], i), load(springs[1], i));
+                let pull = kappa * (u - v);
+                store(force, i, load::<R, V<R>>(force, i) - pull);
+                store(z[3], i, v_dot + V::<R>::all(kick) * (pull / resonator));
+            });
         }
     }
 
@@ -200,52 +251,19 @@ impl<R: Real> Loops<R> {
         for (_, range) in self.motions.iter().filter(|(motion, _)| *motion != Motion::Given) {
             let (force, mass) = (&force[range.clone()], &self.mass[range.clone()]);
             let shares = self.shares.each_ref().map(|share| &share[range.clone()]);
-            over(range.len(), Kick { z: part(z, range), force, mass, shares, kick });
+            let z = part(z, range);
+            // SAFETY: all slices have these numbers.
+            over!(range.len(), i, V<R> => unsafe {
+                let impulse = V::<R>::all(kick) * (load::<R, V<R>>(force, i) / load(mass, i));
+                store(z[2], i, load::<R, V<R>>(z[2], i) + load::<R, V<R>>(shares[0], i) * impulse);
+                store(z[3], i, load::<R, V<R>>(z[3], i) + load::<R, V<R>>(shares[1], i) * impulse);
+            });
         }
     }
 }
 
 fn part<'a, R>(z: &'a mut [Vec<R>; 4], range: &Range<usize>) -> [&'a mut [R]; 4] {
     z.each_mut().map(|numbers| &mut numbers[range.clone()])
-}
-
-/// A formula for one register of sites, or bonds.
-trait Formula<R: Real> {
-    /// Applies the formula to the sites, or bonds, from `i` on, as many as `V` has lanes.
-    ///
-    /// # Safety
-    /// All slices have this number of values from `i` on, and that of positions in the formula for
-    /// overlaps one more.
-    unsafe fn at<V: Vector<R>>(&mut self, i: usize);
-}
-
-/// A formula for `count` sites, or bonds, register after register.
-struct Over<F> {
-    count: usize,
-    formula: F,
-}
-
-/// Applies a formula, which has slices of `count` numbers.
-fn over<R: Real>(count: usize, formula: impl Formula<R>) {
-    R::run_vector(Over { count, formula });
-}
-
-impl<R: Real, F: Formula<R>> VectorKernel<R> for Over<F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<V: Vector<R>>(mut self) {
-        let mut i = 0;
-        while i + V::LANES <= self.count {
-            // SAFETY: the slices have `count` numbers.
-            unsafe { self.formula.at::<V>(i) };
-            i += V::LANES;
-        }
-        for i in i..self.count {
-            // SAFETY: as above.
-            unsafe { self.formula.at::<R>(i) };
-        }
-    }
 }
 
 /// The numbers of a slice from `i` on, in a register.
@@ -278,110 +296,6 @@ unsafe fn store<R, V: Vector<R>>(numbers: &mut [R], i: usize, values: V) {
     debug_assert!(i + V::LANES <= numbers.len());
     // SAFETY: the caller's promise.
     unsafe { values.store(numbers.as_mut_ptr().add(i)) }
-}
-
-/// Drift of a site without damping: `R` moves freely, `P` oscillates.
-struct Turn<'a, R> {
-    z: [&'a mut [R]; 4],
-    dt: R,
-    turns: [&'a [R]; 4],
-}
-
-impl<R: Real> Formula<R> for Turn<'_, R> {
-    #[inline(always)]
-    unsafe fn at<V: Vector<R>>(&mut self, i: usize) {
-        // SAFETY: the caller's promise, for all slices.
-        unsafe {
-            let [r, p, r_dot, s]: [V; 4] = four(&self.z, i);
-            let [cos, cos_low, sin, sin_low]: [V; 4] = four(&self.turns, i);
-            store(self.z[0], i, r + V::all(self.dt) * r_dot);
-            // The low parts keep the rotation from growing or shrinking over many steps.
-            store(self.z[1], i, (cos * p + sin * s) + (cos_low * p + sin_low * s));
-            store(self.z[3], i, (cos * s - sin * p) + (cos_low * s - sin_low * p));
-        }
-    }
-}
-
-/// Drift of bead and resonator that both move freely.
-struct Straight<'a, R> {
-    z: [&'a mut [R]; 4],
-    dt: R,
-}
-
-impl<R: Real> Formula<R> for Straight<'_, R> {
-    #[inline(always)]
-    unsafe fn at<V: Vector<R>>(&mut self, i: usize) {
-        // SAFETY: the caller's promise, for all slices.
-        unsafe {
-            let [u, v, u_dot, v_dot]: [V; 4] = four(&self.z, i);
-            store(self.z[0], i, u + V::all(self.dt) * u_dot);
-            store(self.z[1], i, v + V::all(self.dt) * v_dot);
-        }
-    }
-}
-
-/// The force `A (delta + u_i - u_{i+1})_+^alpha` of the bond after bead `i`.
-struct Push<'a, R, P> {
-    power: P,
-    law: &'a ContactLaw<R>,
-    contacts: [&'a [R]; 2],
-    u: &'a [R],
-    push: &'a mut [R],
-}
-
-impl<R: Real, P: Power<R>> Formula<R> for Push<'_, R, P> {
-    #[inline(always)]
-    unsafe fn at<V: Vector<R>>(&mut self, i: usize) {
-        // SAFETY: the caller's promise, for all slices; there is one position more than bonds.
-        unsafe {
-            let overlap = load::<R, V>(self.contacts[1], i) + (load::<R, V>(self.u, i) - load(self.u, i + 1));
-            let constant: V = load(self.contacts[0], i);
-            store(self.push, i, constant * self.power.raise(self.law.positive_part(overlap)));
-        }
-    }
-}
-
-/// The pull of springs.
-struct Springs<'a, R> {
-    z: [&'a mut [R]; 4],
-    force: &'a mut [R],
-    kick: R,
-    springs: [&'a [R]; 2],
-}
-
-impl<R: Real> Formula<R> for Springs<'_, R> {
-    #[inline(always)]
-    unsafe fn at<V: Vector<R>>(&mut self, i: usize) {
-        // SAFETY: the caller's promise, for all slices.
-        unsafe {
-            let [u, v, _, v_dot]: [V; 4] = four(&self.z, i);
-            let (kappa, resonator): (V, V) = (load(self.springs[0], i), load(self.springs[1], i));
-            let pull = kappa * (u - v);
-            store(self.force, i, load::<R, V>(self.force, i) - pull);
-            store(self.z[3], i, v_dot + V::all(self.kick) * (pull / resonator));
-        }
-    }
-}
-
-/// An impulse on the bead, by its shares.
-struct Kick<'a, R> {
-    z: [&'a mut [R]; 4],
-    force: &'a [R],
-    mass: &'a [R],
-    shares: [&'a [R]; 2],
-    kick: R,
-}
-
-impl<R: Real> Formula<R> for Kick<'_, R> {
-    #[inline(always)]
-    unsafe fn at<V: Vector<R>>(&mut self, i: usize) {
-        // SAFETY: the caller's promise, for all slices.
-        unsafe {
-            let impulse = V::all(self.kick) * (load::<R, V>(self.force, i) / load(self.mass, i));
-            store(self.z[2], i, load::<R, V>(self.z[2], i) + load::<R, V>(self.shares[0], i) * impulse);
-            store(self.z[3], i, load::<R, V>(self.z[3], i) + load::<R, V>(self.shares[1], i) * impulse);
-        }
-    }
 }
 
 #[cfg(test)]

@@ -85,7 +85,7 @@ use super::{
     CheckedDetails, Pushing, Switched,
 };
 use crate::error::{Error, Result};
-use hertzchain_integrators::{Kernel, Real, Regularised, Stepper, VectorField, dop853::Options};
+use hertzchain_integrators::{Real, Regularised, Stepper, VectorField, dop853::Options, kernel};
 
 /// A state and the columns `W` that the linearised flow carries along, in one vector: the state,
 /// then `W` row by row. If contacts dissipate, the last entry is
@@ -349,7 +349,8 @@ impl<R: Real> VectorField<R> for Variations<R> {
             *contraction = resisted(chain, pushing, state);
         }
         if self.columns > 0 {
-            R::run(Linearised { chain, pushing: field.pushing(), state, w, dw, change, velocities });
+            let pushing = field.pushing();
+            R::run(kernel!(linearised((chain, pushing), state, (w, dw), (change, velocities))));
         }
     }
 
@@ -385,80 +386,70 @@ fn resisted<R: Real>(chain: &Chain<R>, pushing: &Pushing, state: &[R]) -> R {
     pushing.bonds().fold(R::zero(), |sum, bond| sum + of(bond))
 }
 
-/// `W'` at a state.
-struct Linearised<'a, R> {
-    chain: &'a Chain<R>,
-    pushing: Option<&'a Pushing>,
-    state: &'a [R],
-    w: &'a [R],
-    dw: &'a mut [R],
-    change: &'a mut [R],
-    velocities: &'a mut [R],
-}
-
-impl<R: Real> Kernel for Linearised<'_, R> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { chain, pushing, state, w, dw, change, velocities } = self;
-        let (parts, layout, k) = (parts(chain), chain.layout(), change.len());
-        let (n, half) = (chain.sites(), layout.half());
-        dw[..half * k].copy_from_slice(&w[half * k..]);
-        dw[half * k..].fill(R::zero());
-        let row = |i: usize| &w[i * k..(i + 1) * k];
-        let resisted = pushing.filter(|_| chain.dissipative_contacts());
-        if let Some(pushing) = resisted {
-            velocities.copy_from_slice(&w[half * k..(half + n) * k]);
-            for bond in pushing.bonds() {
-                let contact = &parts.bonds[bond];
-                let g = contact.rest + chain.across(bond, |i| state[i]);
-                resist(chain, parts, bond, contact.resistance(g), change, w, velocities);
-            }
-            dw[..n * k].copy_from_slice(velocities);
-        }
-        let velocities = if resisted.is_some() { &*velocities } else { &w[half * k..] };
-        for (i, site) in parts.sites.iter().enumerate() {
-            let (u, u_dot) = (row(i), &velocities[i * k..(i + 1) * k]);
-            let (bead, resonator) = dw[(half + i) * k..].split_at_mut(k);
-            accumulate(bead, -site.drag / site.mass, u_dot);
-            if site.resonators == Resonators::None {
-                continue;
-            }
-            let (spring, dashpot) = (site.kappa, site.dashpot);
-            accumulate(bead, -spring / site.mass, u);
-            accumulate(bead, -dashpot / site.mass, u_dot);
-            if site.resonators != Resonators::Moving {
-                continue;
-            }
-            let (v, v_dot) = (row(n + i), row(half + n + i));
-            accumulate(bead, spring / site.mass, v);
-            accumulate(bead, dashpot / site.mass, v_dot);
-            let resonator = &mut resonator[(n - 1) * k..n * k];
-            let own = site.resonator();
-            for (by, [from, to]) in [(spring / own, [u, v]), (dashpot / own, [u_dot, v_dot])] {
-                accumulate(resonator, by, from);
-                accumulate(resonator, -by, to);
-            }
-        }
-        let u = layout.u(state);
-        for bond in chain.touching() {
+/// `W'` at a state, with room for one row and for the velocities.
+#[inline(always)]
+fn linearised<R: Real>(
+    (chain, pushing): (&Chain<R>, Option<&Pushing>),
+    state: &[R],
+    (w, dw): (&[R], &mut [R]),
+    (change, velocities): (&mut [R], &mut [R]),
+) {
+    let (parts, layout, k) = (parts(chain), chain.layout(), change.len());
+    let (n, half) = (chain.sites(), layout.half());
+    dw[..half * k].copy_from_slice(&w[half * k..]);
+    dw[half * k..].fill(R::zero());
+    let row = |i: usize| &w[i * k..(i + 1) * k];
+    let resisted = pushing.filter(|_| chain.dissipative_contacts());
+    if let Some(pushing) = resisted {
+        velocities.copy_from_slice(&w[half * k..(half + n) * k]);
+        for bond in pushing.bonds() {
             let contact = &parts.bonds[bond];
-            let g = contact.rest + chain.across(bond, |i| u[i]);
-            if g <= R::zero() || pushing.is_some_and(|pushing| !pushing.pushes(bond)) {
-                continue;
-            }
-            let stiffness = contact.stiffness(g);
-            overlap_change(chain, bond, w, change);
-            for &(site, weight) in chain.topology().pushed(bond).iter() {
-                let by = R::of(weight) * stiffness / parts.sites[site].mass;
-                accumulate(&mut dw[(half + site) * k..(half + site + 1) * k], by, change);
-            }
+            let g = contact.rest + chain.across(bond, |i| state[i]);
+            resist(chain, parts, bond, contact.resistance(g), change, w, velocities);
         }
-        for (i, _) in parts.sites.iter().enumerate().filter(|(_, site)| site.moved) {
-            dw[i * k..(i + 1) * k].fill(R::zero());
-            dw[(half + i) * k..(half + i + 1) * k].fill(R::zero());
+        dw[..n * k].copy_from_slice(velocities);
+    }
+    let velocities = if resisted.is_some() { &*velocities } else { &w[half * k..] };
+    for (i, site) in parts.sites.iter().enumerate() {
+        let (u, u_dot) = (row(i), &velocities[i * k..(i + 1) * k]);
+        let (bead, resonator) = dw[(half + i) * k..].split_at_mut(k);
+        accumulate(bead, -site.drag / site.mass, u_dot);
+        if site.resonators == Resonators::None {
+            continue;
         }
+        let (spring, dashpot) = (site.kappa, site.dashpot);
+        accumulate(bead, -spring / site.mass, u);
+        accumulate(bead, -dashpot / site.mass, u_dot);
+        if site.resonators != Resonators::Moving {
+            continue;
+        }
+        let (v, v_dot) = (row(n + i), row(half + n + i));
+        accumulate(bead, spring / site.mass, v);
+        accumulate(bead, dashpot / site.mass, v_dot);
+        let resonator = &mut resonator[(n - 1) * k..n * k];
+        let own = site.resonator();
+        for (by, [from, to]) in [(spring / own, [u, v]), (dashpot / own, [u_dot, v_dot])] {
+            accumulate(resonator, by, from);
+            accumulate(resonator, -by, to);
+        }
+    }
+    let u = layout.u(state);
+    for bond in chain.touching() {
+        let contact = &parts.bonds[bond];
+        let g = contact.rest + chain.across(bond, |i| u[i]);
+        if g <= R::zero() || pushing.is_some_and(|pushing| !pushing.pushes(bond)) {
+            continue;
+        }
+        let stiffness = contact.stiffness(g);
+        overlap_change(chain, bond, w, change);
+        for &(site, weight) in chain.topology().pushed(bond).iter() {
+            let by = R::of(weight) * stiffness / parts.sites[site].mass;
+            accumulate(&mut dw[(half + site) * k..(half + site + 1) * k], by, change);
+        }
+    }
+    for (i, _) in parts.sites.iter().enumerate().filter(|(_, site)| site.moved) {
+        dw[i * k..(i + 1) * k].fill(R::zero());
+        dw[(half + i) * k..(half + i + 1) * k].fill(R::zero());
     }
 }
 

@@ -18,10 +18,7 @@ use super::{
     pack::Pack,
     path::{BondPath, Paths},
 };
-use crate::{
-    real::{Real, VectorKernel},
-    vector::Vector,
-};
+use crate::{vector::Vector, with_registers};
 use std::cell::OnceCell;
 
 /// Largest distance of an event that is corrected, in steps: farther ones leave less than 3e-5 of
@@ -125,59 +122,30 @@ fn closed<S: BondFlow>(flow: &S, bonds: impl Iterator<Item = usize>) -> (Vec<usi
 /// For each path, its last zero before now and the first one after, if they are within reach.
 fn nearest_zeros(paths: &[BondPath], reach: f64) -> Vec<[Option<f64>; 2]> {
     let mut zeros = Vec::with_capacity(paths.len());
-    f64::run_vector(NearestZeros { paths, reach, out: &mut zeros });
+    let out = &mut zeros;
+    with_registers!(V => for paths in paths.chunks(V::LANES) {
+        let zeros = Paths::<V>::of(&BondPath::new(paths, |path| path)).nearest_zeros(reach).map(Pack::lanes);
+        let of = |t: f64| Some(t).filter(|t| !t.is_nan());
+        out.extend((0..paths.len()).map(|k| [of(zeros[0][k]), of(zeros[1][k])]));
+    });
     zeros
-}
-
-struct NearestZeros<'a> {
-    paths: &'a [BondPath],
-    reach: f64,
-    out: &'a mut Vec<[Option<f64>; 2]>,
-}
-
-impl VectorKernel<f64> for NearestZeros<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<V: Vector<f64>>(self) {
-        for paths in self.paths.chunks(V::LANES) {
-            let zeros = Paths::<V>::of(&BondPath::new(paths, |path| path)).nearest_zeros(self.reach).map(Pack::lanes);
-            let of = |t: f64| Some(t).filter(|t| !t.is_nan());
-            self.out.extend((0..paths.len()).map(|k| [of(zeros[0][k]), of(zeros[1][k])]));
-        }
-    }
 }
 
 /// The corrections of bonds for their events.
 fn given(corrector: &Corrector, events: &[Event], sign: f64) -> Vec<Correction> {
     let mut corrections = Vec::with_capacity(events.len());
-    f64::run_vector(Given { corrector, events, sign, out: &mut corrections });
+    let out = &mut corrections;
+    with_registers!(V => for events in events.chunks(V::LANES) {
+        let [impulse, displacement] = missed::<V>(corrector, events).map(Pack::lanes);
+        out.extend(events.iter().enumerate().map(|(k, event)| Correction {
+            impulse: -sign * impulse[k],
+            displacement: sign * displacement[k],
+            at: 0.0,
+            rate: event.path.rate,
+            turn: [0.0, 1.0],
+        }));
+    });
     corrections
-}
-
-struct Given<'a> {
-    corrector: &'a Corrector,
-    events: &'a [Event],
-    sign: f64,
-    out: &'a mut Vec<Correction>,
-}
-
-impl VectorKernel<f64> for Given<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<V: Vector<f64>>(self) {
-        for events in self.events.chunks(V::LANES) {
-            let [impulse, displacement] = missed::<V>(self.corrector, events).map(Pack::lanes);
-            self.out.extend(events.iter().enumerate().map(|(k, event)| Correction {
-                impulse: -self.sign * impulse[k],
-                displacement: self.sign * displacement[k],
-                at: 0.0,
-                rate: event.path.rate,
-                turn: [0.0, 1.0],
-            }));
-        }
-    }
 }
 
 /// Errors of sums of kicks that begin now, for the forces of some events, without the part that the

@@ -6,10 +6,7 @@ use super::{
     path::{Paths, Zero},
     zeta::ZetaTable,
 };
-use crate::{
-    real::{Real, VectorKernel},
-    vector::Vector,
-};
+use crate::{vector::Vector, with_registers};
 
 /// Corrections at events, for one exponent and one step length.
 #[derive(Clone, Debug)]
@@ -19,26 +16,6 @@ pub(super) struct Corrector {
     h: f64,
     /// `h^{alpha+2}`.
     h2: f64,
-}
-
-/// The corrections of bonds of a flow that have changed their side, a register at a time.
-struct Changes<'a, S> {
-    corrector: &'a Corrector,
-    flow: &'a S,
-    changed: &'a [(usize, bool)],
-    out: &'a mut Vec<Option<Correction>>,
-}
-
-impl<S: BondFlow> VectorKernel<f64> for Changes<'_, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<V: Vector<f64>>(self) {
-        for changed in self.changed.chunks(V::LANES) {
-            let view = self.flow.views::<V>(changed, self.corrector.h);
-            self.corrector.corrections::<V>(&view, sides(V::LANES, changed, |bond| bond.1), changed.len(), self.out);
-        }
-    }
 }
 
 /// A bit for each lane: whether its event is an onset. As in [`Pack::of`], lanes without an event
@@ -62,7 +39,10 @@ impl Corrector {
     ///
     /// A correction has the same bits whether its event is alone or among others.
     pub(super) fn changes<S: BondFlow>(&self, flow: &S, changed: &[(usize, bool)], out: &mut Vec<Option<Correction>>) {
-        f64::run_vector(Changes { corrector: self, flow, changed, out });
+        with_registers!(V => for changed in changed.chunks(V::LANES) {
+            let view = flow.views::<V>(changed, self.h);
+            self.corrections::<V>(&view, sides(V::LANES, changed, |bond| bond.1), changed.len(), out);
+        });
     }
 
     /// Appends the corrections of the events in the first `count` lanes.
@@ -232,38 +212,23 @@ pub(super) mod tests {
         onset: bool,
     }
 
-    struct Events<'a> {
-        corrector: &'a Corrector,
-        events: &'a [Event],
-        out: &'a mut Vec<Option<Correction>>,
-    }
-
-    impl VectorKernel<f64> for Events<'_> {
-        type Output = ();
-
-        #[inline(always)]
-        fn run<V: Vector<f64>>(self) {
-            for events in self.events.chunks(V::LANES) {
-                let of = |number: fn(&BondView) -> f64| Pack::<V>::of(events, |event| number(&event.view)).0;
-                let view = BondView {
-                    path: BondPath::new(events, |event| &event.view.path),
-                    mobility: of(|view| view.mobility),
-                    pull: [of(|view| view.pull[0]), of(|view| view.pull[1])],
-                };
-                self.corrector.corrections::<V>(
-                    &view,
-                    sides(V::LANES, events, |event| event.onset),
-                    events.len(),
-                    self.out,
-                );
-            }
-        }
+    fn corrections(corrector: &Corrector, events: &[Event]) -> Vec<Option<Correction>> {
+        let mut out = Vec::new();
+        let all = &mut out;
+        with_registers!(V => for events in events.chunks(V::LANES) {
+            let of = |number: fn(&BondView) -> f64| Pack::<V>::of(events, |event| number(&event.view)).0;
+            let view = BondView {
+                path: BondPath::new(events, |event| &event.view.path),
+                mobility: of(|view| view.mobility),
+                pull: [of(|view| view.pull[0]), of(|view| view.pull[1])],
+            };
+            corrector.corrections::<V>(&view, sides(V::LANES, events, |event| event.onset), events.len(), all);
+        });
+        out
     }
 
     pub(in super::super) fn event(corrector: &Corrector, view: &BondView, onset: bool) -> Option<Correction> {
-        let mut out = Vec::new();
-        f64::run_vector(Events { corrector, events: &[Event { view: *view, onset }], out: &mut out });
-        out[0]
+        corrections(corrector, &[Event { view: *view, onset }])[0]
     }
 
     /// `h sum f(t_k) p(t_k) - int f p dt` over kicks at `(theta + k) h`, by direct summation, with
@@ -373,10 +338,7 @@ pub(super) mod tests {
             view(0.7, 0.1, 0.01),
         ];
         let alone = views.map(|view| event(&corrector, &view, true));
-        let mut among = Vec::new();
-        let events = &views.map(|view| Event { view, onset: true });
-        f64::run_vector(Events { corrector: &corrector, events, out: &mut among });
-        assert_eq!(among, alone);
+        assert_eq!(corrections(&corrector, &views.map(|view| Event { view, onset: true })), alone);
         assert!(alone[3].is_none() && alone[4].is_some());
     }
 
