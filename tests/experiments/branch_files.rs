@@ -339,7 +339,11 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
         (vec![7; 1000], "archive", "not an NPZ file"),
         (npz(&[Array::vector("x", vec![1.0])]).unwrap(), "settings.json", "it is missing"),
         (with(r#""sites": 11"#, r#""sites": 11, "sites": 13"#), "settings.json", "duplicate field `sites` at line"),
-        (with(r#""version": 1"#, r#""version": "1""#), "settings.json", "expected u64 at line 3 column"),
+        (
+            with(r#""version": 1"#, r#""version": "1""#),
+            "settings.json",
+            "expected a whole number, at least zero at line 3 column",
+        ),
         (npz_with("settings.json", &"[".repeat(100_000), &[]).unwrap(), "settings.json", "invalid type: sequence"),
         (
             npz_with("settings.json", &(r#"{"a":"#.to_owned() + &"[".repeat(100_000)), &[]).unwrap(),
