@@ -17,6 +17,7 @@ use hertzchain::{
 };
 use numpy::{PyArray1, PyArray2, prelude::*};
 use pyo3::{
+    exceptions::PyValueError,
     prelude::*,
     types::{PyBytes, PyDict},
 };
@@ -90,7 +91,7 @@ pub(crate) fn study<'py>(
     let work = begun(name, of, &options.unwrap_or_else(|| PyDict::new(py)))?;
     let (json, npz) = finished(py, progress.as_ref(), |watched| {
         let report = work(&|share, _| watched.tell(share))?;
-        let files = if name.starts_with("dark") { report.files()? } else { Vec::new() };
+        let files = if ["dark-branch", "dark-file"].contains(&name) { report.files()? } else { Vec::new() };
         let npz = files.into_iter().find(|(name, _)| name == "branch.npz");
         Ok((text(&report.json()), npz.map(|(_, bytes)| bytes).unwrap_or_default()))
     })?;
@@ -138,8 +139,7 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
             let path: PathBuf = of.extract()?;
             Box::new(move |tell| branch_study(Branch::load(&path)?, &Engine::threads(), tell)?.report())
         }
-        // The branch of dark breathers.
-        _ => {
+        "dark-branch" => {
             let (breather, parameter): (Breather, String) = (of.extract()?, given!("parameter"));
             let (from, to, step) = (given!("from_"), given!("to"), given!("step"));
             let (points, natural): (Option<usize>, _) = (given!("points"), given!("natural"));
@@ -165,6 +165,7 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
                 study.begin()?(&Engine::threads(), tell)
             })
         }
+        _ => return Err(PyValueError::new_err(format!("study = {name}: there is none of this name"))),
     })
 }
 

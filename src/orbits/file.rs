@@ -20,7 +20,7 @@ use crate::{
     dps::Center,
     error::{Error, Result},
     numerics::{extremes, least_by},
-    output::{Archive, Array, FileFormat, SETTINGS, npz_with, read, to_json},
+    output::{Archive, Array, FileFormat, PROGRAM, SETTINGS, npz_with, read, to_json},
 };
 use hertzchain_integrators::Tolerance;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -36,6 +36,9 @@ const ZIP: &[u8] = b"PK\x03\x04";
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "the settings of a branch")]
 struct Settings<P, S> {
+    format: String,
+    version: u64,
+    program: String,
     #[serde(deserialize_with = "Option::deserialize")]
     center: Option<Center>,
     /// What determines the setting of the first orbit.
@@ -102,8 +105,10 @@ pub(crate) const ORBIT_FORMAT: FileFormat = FileFormat("hertzchain orbit", 1);
 #[derive(Deserialize)]
 #[serde(expecting = "an orbit")]
 struct OrbitFile {
-    format: Option<String>,
-    format_version: Option<u64>,
+    #[serde(default = "orbit_format")]
+    format: String,
+    #[serde(default = "orbit_version")]
+    format_version: u64,
     alpha: f64,
     kappa: f64,
     rho: f64,
@@ -115,6 +120,14 @@ struct OrbitFile {
     c_x_asked: Option<f64>,
     x: Vec<f64>,
     y: Vec<f64>,
+}
+
+fn orbit_format() -> String {
+    ORBIT_FORMAT.0.to_owned()
+}
+
+fn orbit_version() -> u64 {
+    ORBIT_FORMAT.1
 }
 
 /// The rule that a file breaks if it holds anything else than an orbit or a branch.
@@ -139,7 +152,11 @@ const FASTEST: f64 = 1e3;
 impl<P: Stored> Branch<P> {
     /// The settings in the file, of a branch whose setting has this `source`.
     fn settings_of<S: Serialize>(&self, source: S) -> impl Serialize {
-        P::FORMAT.stamped(Settings {
+        let FileFormat(format, version) = P::FORMAT;
+        Settings {
+            format: format.to_owned(),
+            version,
+            program: PROGRAM.to_owned(),
             center: self.center,
             setting: source,
             continuation: self.continuation,
@@ -149,7 +166,7 @@ impl<P: Stored> Branch<P> {
             points: self.orbits.len() as u64,
             ds: self.ds,
             end: self.end,
-        })
+        }
     }
 
     /// The bytes of the file of a branch whose setting has this `source`, with the arrays `more`
@@ -175,8 +192,8 @@ impl<P: Stored> Branch<P> {
         setting: impl Fn(&S) -> Result<P::Setting>,
     ) -> Result<(S, Self)> {
         let refused = |why: &dyn std::fmt::Display| file.refused(SETTINGS, why.to_string());
-        let (settings, _) = P::FORMAT.read(file)?;
-        let Settings::<P, S> { center, setting: source, continuation, weak, back, birth, points, ds, end } = settings;
+        let settings: Settings<P, S> = P::FORMAT.read(file)?;
+        let Settings { center, setting: source, continuation, weak, back, birth, points, ds, end, .. } = settings;
         for (name, value, good, rule) in [
             ("points", points as f64, points > 0, "at least one"),
             ("ds", ds, ds.is_finite() && ds > 0.0, "finite and positive"),
@@ -344,8 +361,7 @@ impl Orbit {
             Category::Data => why.to_string(),
             _ => format!("{NO_ORBIT}: no JSON, {why}"),
         })?;
-        let FileFormat(format, version) = ORBIT_FORMAT;
-        ORBIT_FORMAT.check(read.format.as_deref().unwrap_or(format), read.format_version.unwrap_or(version))?;
+        ORBIT_FORMAT.check(&read.format, read.format_version)?;
         read.orbit().map_err(|why| why.to_string())
     }
 

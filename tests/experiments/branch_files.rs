@@ -330,16 +330,25 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
             assert!(text.contains(&format!("settings.json: missing field `{key}`")), "{text}");
         }
     }
+    fs::write(&path, &written).unwrap();
+    let settings = Archive::read(&path).unwrap().text("settings.json").unwrap().to_owned();
+    let with = |from, to| npz_with("settings.json", &settings.replacen(from, to, 1), &[]).unwrap();
     for (bytes, place, rule) in [
         (Vec::new(), "archive", "not an NPZ file"),
         (b"PK\x03\x04".to_vec(), "archive", "not an NPZ file"),
         (vec![7; 1000], "archive", "not an NPZ file"),
         (npz(&[Array::vector("x", vec![1.0])]).unwrap(), "settings.json", "it is missing"),
+        (with(r#""sites": 11"#, r#""sites": 11, "sites": 13"#), "settings.json", "duplicate field `sites` at line"),
+        (
+            with(r#""version": 1"#, r#""version": "1""#),
+            "settings.json",
+            "expected a whole number, at least zero at line 3 column",
+        ),
         (npz_with("settings.json", &"[".repeat(100_000), &[]).unwrap(), "settings.json", "invalid type: sequence"),
         (
             npz_with("settings.json", &(r#"{"a":"#.to_owned() + &"[".repeat(100_000)), &[]).unwrap(),
             "settings.json",
-            "recursion limit exceeded",
+            "EOF while parsing a list",
         ),
     ] {
         let text = refused(&bytes);

@@ -209,7 +209,8 @@ impl Page {
             .col("shows", Json, "", |one| one.shows.clone())
             .col("title", Json, "", |one| one.title)
             .col("failures", Json, "", move |one| json!(failures(one)));
-        Report::new("report").table(table).fact("machine", machine_json())
+        let shows = self.sections.iter().map(|one| format!("{}: {}\n", one.title, one.shows)).collect();
+        Report::new("report").table(table).lines(shows).fact("machine", machine_json())
     }
 }
 

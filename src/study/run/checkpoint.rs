@@ -51,10 +51,13 @@ pub struct LongRun {
     kept: Snapshot,
 }
 
-/// The content of `settings.json` after its stamp.
+/// The content of `settings.json`.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Settings {
+    format: String,
+    version: u64,
+    program: String,
     /// The scene as TOML.
     scene: String,
     integrator: String,
@@ -197,7 +200,11 @@ impl LongRun {
             self.kept;
         let Stats { steps, rejected, force_evaluations } = stats;
         let open = contacts.as_ref().map(Contacts::store_open).unwrap_or_default();
+        let FileFormat(format, version) = FORMAT;
         let settings = Settings {
+            format: format.to_owned(),
+            version,
+            program: PROGRAM.to_owned(),
             scene: self.scene.file().to_toml(),
             integrator: self.method.name(),
             setting: self.setting,
@@ -223,7 +230,7 @@ impl LongRun {
         let kinds = energy_kinds(self.scene.chain());
         let energies: Vec<f64> = energies.flat_map(|energy| energy.into_iter().take(kinds)).collect();
         let ended = || contacts.iter().flat_map(|contacts| &contacts.ended);
-        let mut archive = NpzWriter::new(to, Some((SETTINGS, &to_json(&FORMAT.stamped(settings)))))?;
+        let mut archive = NpzWriter::new(to, Some((SETTINGS, &to_json(&settings))))?;
         archive.vector("state", state)?;
         archive.vector("largest", &[largest])?;
         archive.vector("sample_t", &samples.iter().map(|sample| sample.t).collect::<Vec<_>>())?;
@@ -267,9 +274,10 @@ impl LongRun {
     fn of(file: &Archive, parts: Decomposition) -> Result<Self> {
         let refused =
             |key: &str, why: &dyn std::fmt::Display| file.refused(&format!("{SETTINGS}, {key}"), why.to_string());
-        let (settings, program): (Settings, _) = FORMAT.read(file)?;
-        if program != PROGRAM {
-            let rule = format!("{program} there and {PROGRAM} here: only the same program goes on with the same bits");
+        let settings: Settings = FORMAT.read(file)?;
+        if settings.program != PROGRAM {
+            let there = settings.program;
+            let rule = format!("{there} there and {PROGRAM} here: only the same program goes on with the same bits");
             return Err(refused("program", &rule));
         }
         let scene = SceneFile::parse(&settings.scene, SETTINGS).and_then(Scene::build);
