@@ -390,14 +390,43 @@ impl<R: Real> ContactLaw<R> {
     }
 }
 
-/// How the contact of a bond dissipates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Loss<R> {
-    /// `c(g) = gamma F'(g)`, so that `f = (F + gamma dF/dt)_+`; `gamma` is a time.
-    Viscoelastic(R),
-    /// `c(g) = gamma`, so that `f = (F + gamma g')_+` where beads overlap; `gamma` is a force over
-    /// a velocity.
-    Dashpot(R),
+/// How contacts dissipate: the law of their resistance. A new law is a variant here, in the methods
+/// of this type and of [`BondLaw`], and a key of scenes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Viscoelastic spheres, `c(g) = gamma F'(g)`, so that `f = (F + gamma dF/dt)_+` for `g > 0`:
+    /// Kuwabara & Kono 1987, Jpn. J. Appl. Phys. 26, 1230; Brilliantov, Spahn, Hertzsch & Poeschel
+    /// 1996, Phys. Rev. E 53, 5382. `gamma` is a time.
+    Viscoelastic,
+    /// A linear dashpot, `c(g) = gamma`, so that `f = (F + gamma g')_+` for `g > 0`; `gamma` is a
+    /// force over a velocity.
+    Dashpot,
+}
+
+impl Kind {
+    /// The key in scenes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Viscoelastic => "viscoelastic",
+            Self::Dashpot => "dashpot",
+        }
+    }
+
+    /// The law in words, for a list of its constants.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Viscoelastic => "viscoelastic contacts, gamma",
+            Self::Dashpot => "contacts with dashpots, gamma",
+        }
+    }
+
+    /// The exponents that it has, above this number, and the rule in words.
+    pub fn exponents(self) -> (f64, &'static str) {
+        match self {
+            Self::Viscoelastic => (1.0, "viscoelastic contacts have exponents above 1"),
+            Self::Dashpot => (0.0, "an exponent is finite and positive"),
+        }
+    }
 }
 
 /// The law of one bond: elastic force `F(g) = A (g)_+^alpha`, resistance `c(g)`, and the force
@@ -410,18 +439,15 @@ pub struct BondLaw<R> {
     pub constant: R,
     /// Static overlap: that of beads at the origin.
     pub rest: R,
-    /// How it dissipates, if it does.
-    pub loss: Option<Loss<R>>,
+    /// How it dissipates, and the constant `gamma`, if it does.
+    pub loss: Option<(Kind, R)>,
 }
 
 impl<R: Real> BondLaw<R> {
     /// `A`, `alpha`, the static overlap, and the dissipation, which counts if its `gamma` and `A`
     /// are positive.
-    pub fn new(constant: f64, alpha: f64, rest: f64, loss: Option<Loss<f64>>) -> Self {
-        let loss = loss.filter(|_| constant > 0.0).and_then(|loss| match loss {
-            Loss::Viscoelastic(gamma) => (gamma > 0.0).then(|| Loss::Viscoelastic(R::of(gamma))),
-            Loss::Dashpot(gamma) => (gamma > 0.0).then(|| Loss::Dashpot(R::of(gamma))),
-        });
+    pub fn new(constant: f64, alpha: f64, rest: f64, loss: Option<(Kind, f64)>) -> Self {
+        let loss = loss.filter(|&(_, gamma)| constant > 0.0 && gamma > 0.0).map(|(kind, gamma)| (kind, R::of(gamma)));
         Self { power: ContactLaw::new(alpha), constant: R::of(constant), rest: R::of(rest), loss }
     }
 
@@ -456,8 +482,8 @@ impl<R: Real> BondLaw<R> {
     #[inline]
     pub fn resistance(&self, g: R) -> R {
         match self.loss {
-            Some(Loss::Viscoelastic(gamma)) => self.stiffness(g) * gamma,
-            Some(Loss::Dashpot(gamma)) => gamma,
+            Some((Kind::Viscoelastic, gamma)) => self.stiffness(g) * gamma,
+            Some((Kind::Dashpot, gamma)) => gamma,
             None => R::zero(),
         }
     }
@@ -481,16 +507,16 @@ impl<R: Real> BondLaw<R> {
     /// viscoelastic ones, `F(g) + gamma g'` for dashpots; `None` without dissipation.
     pub fn pushes(&self, g: R, rate: R) -> Option<R> {
         self.loss.map(|loss| match loss {
-            Loss::Viscoelastic(gamma) => g + gamma * self.alpha() * rate,
-            Loss::Dashpot(gamma) => self.elastic(g) + gamma * rate,
+            (Kind::Viscoelastic, gamma) => g + gamma * self.alpha() * rate,
+            (Kind::Dashpot, gamma) => self.elastic(g) + gamma * rate,
         })
     }
 
     /// The rate of [`pushes`](Self::pushes), from overlap, rate and second derivative.
     pub fn pushes_rate(&self, g: R, rate: R, second: R) -> Option<R> {
         self.loss.map(|loss| match loss {
-            Loss::Viscoelastic(gamma) => rate + gamma * self.alpha() * second,
-            Loss::Dashpot(gamma) => self.stiffness(g) * rate + gamma * second,
+            (Kind::Viscoelastic, gamma) => rate + gamma * self.alpha() * second,
+            (Kind::Dashpot, gamma) => self.stiffness(g) * rate + gamma * second,
         })
     }
 
@@ -502,14 +528,78 @@ impl<R: Real> BondLaw<R> {
     /// The power of time with which `c(g) g'` begins or ends.
     pub fn power_of_resistance(&self) -> Option<f64> {
         self.loss.map(|loss| match loss {
-            Loss::Viscoelastic(_) => self.alpha().f64() - 1.0,
-            Loss::Dashpot(_) => 0.0,
+            (Kind::Viscoelastic, _) => self.alpha().f64() - 1.0,
+            (Kind::Dashpot, _) => 0.0,
         })
     }
 
     /// The powers of time with which the force begins or ends.
     pub fn powers(&self) -> impl Iterator<Item = f64> + use<R> {
         self.elastic_power().into_iter().chain(self.power_of_resistance())
+    }
+}
+
+/// What the windows of contact collocation need of a law, see `collocation/loss.rs`.
+impl BondLaw<f64> {
+    /// `[a, b]` with `c(g) = a F'(g) + b`.
+    pub(crate) fn resistance_parts(&self) -> [f64; 2] {
+        match self.loss {
+            Some((Kind::Viscoelastic, gamma)) => [gamma, 0.0],
+            Some((Kind::Dashpot, gamma)) => [0.0, gamma],
+            None => [0.0; 2],
+        }
+    }
+
+    /// Whether the contact is a dashpot.
+    pub(crate) fn dashpot(&self) -> bool {
+        matches!(self.loss, Some((Kind::Dashpot, _)))
+    }
+
+    /// `P(g, g')`.
+    pub(crate) fn overlap_that_pushes(&self, overlap: f64, rate: f64) -> f64 {
+        match self.loss {
+            Some((Kind::Viscoelastic, gamma)) => overlap + gamma * self.alpha() * rate,
+            Some((Kind::Dashpot, gamma)) => overlap - self.held(gamma * (-rate).max(0.0)),
+            None => overlap,
+        }
+    }
+
+    /// The overlap of an elastic force, `F^{-1}`.
+    fn held(&self, force: f64) -> f64 {
+        (force / self.constant).powf(1.0 / self.alpha())
+    }
+
+    /// An error of the overlap, in a window of length `h`, by which `P` is off by no more than
+    /// `value`; the rate is then off by `2/h` times this.
+    pub(crate) fn harmless(&self, value: f64, h: f64) -> f64 {
+        match self.loss {
+            Some((Kind::Viscoelastic, gamma)) => value / (1.0 + gamma * self.alpha() * 2.0 / h),
+            // Half for the overlap, half for its rate.
+            Some((Kind::Dashpot, gamma)) => (0.5 * value).min(0.5 * h * self.elastic(0.5 * value) / gamma),
+            None => value,
+        }
+    }
+
+    /// A bound of the error of a contact's impulse if its event is off by the time `by` and the
+    /// overlap `value`; or by the value `value` of `P` while beads overlap by at most `deepest`.
+    pub(crate) fn impulse_besides(&self, value: f64, by: f64, deepest: Option<f64>) -> f64 {
+        match (deepest, self.loss) {
+            (None, _) => self.elastic(value) * by + self.resistance(value) * value,
+            // With `df/dP` where `P` is zero.
+            (Some(overlap), Some((Kind::Viscoelastic, _))) => self.stiffness(overlap) / self.alpha() * value * by,
+            (Some(overlap), _) => self.stiffness(overlap) * value * by,
+        }
+    }
+
+    /// The time from the end of a contact to the singularity of its force, where the overlap would
+    /// come to zero if the force went on as the same analytic function: `g/|g'|` at the end, from
+    /// the rate there. Panels before a release have their origin there.
+    pub(crate) fn singular_after(&self, rate: f64) -> f64 {
+        match self.loss {
+            Some((Kind::Viscoelastic, gamma)) => gamma * self.alpha(),
+            Some((Kind::Dashpot, gamma)) if rate < 0.0 => self.held(-gamma * rate) / -rate,
+            _ => 0.0,
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::error::OrRaise;
 use hertzchain::{
     Boundary, Chain, Error, Params,
-    chain::{Details, DriveKind, Envelope, Kind},
+    chain::{Details, DriveKind, Envelope},
     scene::{ChainSection, Initial, Record, SceneFile, Span},
 };
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -156,10 +156,7 @@ fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict
     let Details { mass, kappa, rho, drag, dashpot, contact, alpha, overlap, dissipation, drives } = details;
     let beads = [("mass", mass), ("kappa", kappa), ("rho", rho), ("drag", drag), ("dashpot", dashpot)];
     let mut bonds = vec![("contact", contact), ("alpha", alpha), ("overlap", overlap)];
-    bonds.extend(dissipation.iter().map(|loss| match loss.kind {
-        Kind::Viscoelastic => ("viscoelastic", &loss.strength),
-        Kind::Dashpot => ("dashpot", &loss.strength),
-    }));
+    bonds.extend(dissipation.iter().map(|loss| (loss.kind.name(), &loss.strength)));
     let drive = PyList::empty(py);
     for driven in drives {
         let harmonics = &driven.signal.harmonics;

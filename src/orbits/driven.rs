@@ -21,13 +21,13 @@ use super::{
     shooting::{Equations, Newton, Orbit},
 };
 use crate::{
-    chain::{Chain, Details, Drive, DriveKind, Envelope, Kind, State, Variations, max_norm},
+    chain::{Chain, Details, Drive, DriveKind, Envelope, State, Variations, max_norm},
     error::{Error, Result},
     interrupt,
     named::named,
     numerics::extremes,
 };
-use hertzchain_integrators::collocation::StepControl;
+use hertzchain_integrators::{collocation::StepControl, law::BondLaw};
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -325,12 +325,9 @@ impl DrivenSetting {
         // By Gershgorin, as a bead has two contacts.
         let contacts = details.overlap.iter().enumerate().map(|(k, rest)| {
             let (constant, alpha) = (of(&details.contact, k, 1.0), of(&details.alpha, k, params.alpha));
-            let stiffness = constant * alpha * (rest + reach).max(0.0).powf(alpha - 1.0);
-            let resistance = details.dissipation.as_ref().map_or(0.0, |loss| match loss.kind {
-                Kind::Viscoelastic => loss.strength[k] * stiffness,
-                Kind::Dashpot => loss.strength[k],
-            });
-            [stiffness, resistance].map(|one| 4.0 * one * per_mass)
+            let loss = details.dissipation.as_ref().map(|loss| (loss.kind, loss.strength[k]));
+            let law = BondLaw::new(constant, alpha, *rest, loss);
+            [law.stiffness(rest + reach), law.resistance(rest + reach)].map(|one| 4.0 * one * per_mass)
         });
         let sites = (0..self.sites()).map(|i| {
             let [bead, both] = [inverse(chain.masses(i)[0]), chain.masses(i).map(inverse).iter().sum()];

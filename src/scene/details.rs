@@ -127,8 +127,7 @@ fn named(error: Error, beads: Option<&BeadsSection>, bonds: Option<&BondsSection
         "contact" => "bonds.contact",
         "overlap" => "bonds.overlap",
         "alpha" if bonds.is_some_and(|bonds| bonds.alpha.is_some()) => "bonds.alpha",
-        "dissipation" if bonds.is_some_and(|bonds| bonds.dashpot.is_some()) => "bonds.dashpot",
-        "dissipation" => "bonds.viscoelastic",
+        "dissipation" => bonds.and_then(|bonds| bonds.losses().next()).map_or(name, |(key, ..)| key),
         other => other,
     };
     Error::Parameter { name, value, rule }
@@ -147,17 +146,24 @@ impl BondsSection {
             details.contact.resize(touching, 1.0);
             (details.contact[0], details.contact[touching - 1]) = (wall, wall);
         }
-        let loss = match (&self.viscoelastic, &self.dashpot) {
-            (None, None) => None,
-            (Some(values), None) => Some((Kind::Viscoelastic, values.of("bonds.viscoelastic", touching)?)),
-            (None, Some(values)) => Some((Kind::Dashpot, values.of("bonds.dashpot", touching)?)),
-            (Some(_), Some(_)) => {
+        let mut losses = self.losses();
+        if let Some((key, kind, values)) = losses.next() {
+            if let Some((_, other, _)) = losses.next() {
                 let rule = "contacts dissipate by one law: `viscoelastic` or `dashpot`";
-                return Err(Error::parameter("bonds.viscoelastic", "beside dashpot", rule));
+                return Err(Error::parameter(key, format!("beside {}", other.name()), rule));
             }
-        };
-        details.dissipation = loss.map(|(kind, strength)| Dissipation { kind, strength });
+            details.dissipation = Some(Dissipation { kind, strength: values.of(key, touching)? });
+        }
         Ok(())
+    }
+
+    /// The laws of dissipation that are given, with their keys and constants.
+    fn losses(&self) -> impl Iterator<Item = (&'static str, Kind, &Values)> {
+        let all = [
+            ("bonds.viscoelastic", Kind::Viscoelastic, &self.viscoelastic),
+            ("bonds.dashpot", Kind::Dashpot, &self.dashpot),
+        ];
+        all.into_iter().filter_map(|(key, kind, values)| values.as_ref().map(|values| (key, kind, values)))
     }
 }
 
@@ -302,11 +308,7 @@ pub(super) fn words(chain: &Chain<f64>) -> Option<String> {
     .flatten()
     .collect();
     if let Some(Dissipation { kind, strength }) = &details.dissipation {
-        let law = match kind {
-            Kind::Viscoelastic => "viscoelastic contacts, gamma",
-            Kind::Dashpot => "contacts with dashpots, gamma",
-        };
-        all.extend(range(law, strength));
+        all.extend(range(kind.words(), strength));
     }
     for drive in &details.drives {
         let count = drive.signal.harmonics.len();

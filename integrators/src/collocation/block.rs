@@ -8,26 +8,20 @@
 //! at rest is skipped.
 
 use super::{
-    bond::{BOND, Beside, Bond, Change, Contact, LAYOUT},
+    bond::{Beside, Bond},
+    chain::beside,
     goal::Goal,
+    kernels::run,
+    layout::look_beyond,
+    motion::{Rotation, turn},
     panel::Frames,
     panels::Panels,
-    predict::{Rotation, turn},
-    sites::Bonds,
-    system::{Links, Path, beside},
+    sweep::{BOND, Change, LAYOUT},
+    window::{Left, Piece, Share, Start, WindowOutcome},
 };
-use crate::{
-    events::Curve,
-    kernel,
-    real::{Kernel, Real, run_narrow},
-};
+use crate::{kernel, real::Kernel};
 use std::ops::{Range, RangeInclusive};
 
-/// Number of bonds of a block, and number of its neighbours' bonds on either side that it solves
-/// for too. 256 is chosen; 12 is held by `methods any_number_of_threads_gives_the_same_bits`, which
-/// measures the momentum that blocks lose to each other.
-pub(crate) const OWN: usize = 256;
-pub(crate) const ALONG: usize = 12;
 /// Sweeps after which a window is given up. Chosen, not measured.
 const MOST_SWEEPS: u64 = 40;
 /// Number of sweeps of the first pass, which are interleaved along the bonds, see [`Pass`]. Chosen:
@@ -38,164 +32,6 @@ const LEVELS: usize = 5;
 const MOST_ROUNDS: u32 = 10;
 /// Number of times that the panels of a bond may be halved. Chosen, not measured.
 const MOST_HALVINGS: u32 = 4;
-/// Panels are cut at the events of so many bonds on either side where contacts dissipate, see
-/// [`look_beyond`]. Struck chains of beads that touch miss 1e-12 by 20 with 1, by 11 with 2, and
-/// keep it with 3.
-const FAR: usize = 3;
-
-/// The state of the chain at the start of a window.
-pub(crate) struct Start<'a, const S: usize> {
-    pub(crate) links: &'a Links<S>,
-    pub(crate) bonds: &'a dyn Bonds<S>,
-    /// The contact that each bond is in, if it is closed.
-    pub(crate) ongoing: &'a [Option<Contact>],
-    /// For each bond, minus the second derivative of its overlap by a unit force in it: 2 between
-    /// two sites of mass 1, 1 at a wall.
-    pub(crate) mobility: &'a [f64],
-    pub(crate) share: &'a Share,
-}
-
-/// The bonds of a chain that one [`Section`](super::Section) solves for, as local indices.
-#[derive(Clone, Debug)]
-pub struct Share {
-    /// Bonds whose solution counts; blocks are counted from the first.
-    pub(crate) own: Range<usize>,
-    /// The own bonds, and the bonds on either side of them that blocks may solve for too.
-    reach: Range<usize>,
-    /// Whether these are all bonds of a ring.
-    ring: bool,
-    /// Index of the first own bond in the whole chain, and the number of bonds there.
-    place: (usize, usize),
-}
-
-impl Share {
-    /// All `bonds` bonds of a chain with ends, or of a ring.
-    pub fn whole(bonds: usize, ring: bool) -> Self {
-        Self { own: 0..bonds, reach: 0..bonds, ring, place: (0, bonds) }
-    }
-
-    /// A part of a chain: the `own` bonds, the own bonds with those around them that blocks may
-    /// solve for too, and the index of the first own bond and the number of bonds in the whole
-    /// chain.
-    pub fn part(own: Range<usize>, reach: Range<usize>, place: (usize, usize)) -> Self {
-        Self { own, reach, ring: false, place }
-    }
-
-    /// The own bonds, and the bonds around them that blocks may solve for too.
-    pub(crate) fn reach(&self) -> Range<usize> {
-        self.reach.clone()
-    }
-
-    /// Number of blocks.
-    pub(crate) fn blocks(&self) -> usize {
-        self.own.len().div_ceil(OWN)
-    }
-
-    /// The bonds of a block whose solution counts.
-    pub(crate) fn own(&self, block: usize) -> Range<usize> {
-        let first = self.own.start + block * OWN;
-        first..self.own.end.min(first + OWN)
-    }
-
-    /// The index in the whole chain of a local bond.
-    fn number(&self, bond: usize) -> usize {
-        let (first, all) = self.place;
-        (first + all + bond - self.own.start) % all
-    }
-
-    /// The first bond that a block with these own bonds solves for, and their number. On a ring the
-    /// first bond follows the last.
-    fn along(&self, own: &Range<usize>) -> (usize, usize) {
-        let Range { start, end } = self.reach;
-        if own.len() == self.reach.len() {
-            (start, own.len())
-        } else if self.ring {
-            ((own.start + end - ALONG) % end, own.len() + 2 * ALONG)
-        } else {
-            let first = own.start.saturating_sub(ALONG).max(start);
-            (first, (own.end + ALONG).min(end) - first)
-        }
-    }
-}
-
-/// The result of a window for one bond.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Left<const S: usize> {
-    /// The paths by the bond's force in the window, on each side of the bond.
-    pub(crate) path: [Path; S],
-    /// The contact that the bond is in at the window's end.
-    pub(crate) ongoing: Option<Contact>,
-    /// Energies by which the ledger grows, of the sites that are assigned to this bond.
-    pub(crate) ledger: Path,
-}
-
-impl<const S: usize> Left<S> {
-    /// No force, no contact, no energy.
-    pub(crate) const NONE: Self = Self { path: [[0.0; 4]; S], ongoing: None, ledger: [0.0; 4] };
-}
-
-/// A part of a contact within one step; the pieces of a contact come in order of time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece {
-    /// The bond.
-    pub bond: usize,
-    /// Zero of the overlap with which the piece begins, if it begins with one: time since the start
-    /// of the step, and `dg/dt` (to six digits and more).
-    pub onset: Option<(f64, f64)>,
-    /// Zero of the overlap with which the piece ends, if it ends with one: time since the start of
-    /// the step, and `dg/dt`.
-    pub release: Option<(f64, f64)>,
-    /// Impulse `int f dt` of the piece.
-    pub impulse: f64,
-    /// The overlap as a function of time; `None` for a piece without a length in time.
-    pub curve: Option<Curve>,
-}
-
-/// The outcome of solving a window: its cost, its resolution, and whether it failed.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct WindowOutcome {
-    /// Number of sweeps; the largest number of a block.
-    pub(crate) sweeps: u64,
-    /// Cost, in the units of [`BOND`].
-    pub(crate) work: u64,
-    /// The largest stiffness `f'(g) h^2/m` of a bond.
-    pub(crate) stiffness: f64,
-    /// The largest last terms of a series over those allowed; at most 1 if the window is solved.
-    pub(crate) tail: f64,
-    /// Number of bonds with a contact, and of bonds whose panels were halved.
-    pub(crate) touching: usize,
-    pub(crate) halved: usize,
-    /// If the window was given up: a bond and its residual, which is the last change of its
-    /// impulse, its stiffness if this is above the limit, or infinity.
-    pub(crate) failure: Option<(usize, f64)>,
-}
-
-impl WindowOutcome {
-    /// The verdict of two groups of bonds, `other` after `self`. Only sums of integers and maxima
-    /// are taken, so that the result does not depend on how bonds are grouped.
-    #[must_use]
-    pub fn and(self, other: Self) -> Self {
-        Self {
-            sweeps: self.sweeps.max(other.sweeps),
-            work: self.work + other.work,
-            stiffness: self.stiffness.max(other.stiffness),
-            tail: self.tail.max(other.tail),
-            touching: self.touching + other.touching,
-            halved: self.halved + other.halved,
-            failure: self.failure.or(other.failure),
-        }
-    }
-
-    /// Adds the numbers of bonds with contacts and with halved panels, and their largest stiffness.
-    fn count<const M: usize, const S: usize>(&mut self, bonds: &[Bond<M, S>]) {
-        for bond in bonds {
-            self.touching += usize::from(!bond.contacts.found.is_empty());
-            self.halved += usize::from(bond.resolution.halvings > 0);
-            self.stiffness = bond.sweeps.stiffness.max(self.stiffness);
-        }
-    }
-}
-
 /// The memory of a thread, for one block at a time.
 pub(crate) struct Workspace<const M: usize, const S: usize> {
     pub(crate) bonds: Vec<Bond<M, S>>,
@@ -303,41 +139,6 @@ fn keep_ledger<const M: usize, const S: usize>(
             left.ledger[2] += bond.let_go(frame, beside);
         }
     }
-}
-
-/// Runs a kernel of the solver. For `S = 2` AVX-512 is left out: it would gain 4 % at most (50
-/// sites, tolerances from 1e-4 to 1e-11), and take a fifth of the program's time to compile.
-#[inline(always)]
-pub(super) fn run<const S: usize, K: Kernel>(kernel: K) -> K::Output {
-    if const { S == 1 } { f64::run(kernel) } else { run_narrow(kernel) }
-}
-
-/// Runs a kernel that another kernel calls, for `S = 2`. It is not inlined, so that there is less
-/// to compile.
-#[inline(never)]
-pub(super) fn apart<K: Kernel>(kernel: K) -> K::Output {
-    run_narrow(kernel)
-}
-
-/// Lists the contacts beyond the neighbours of a bond at whose ends its panels are cut too, for
-/// contacts that dissipate.
-///
-/// A force that begins with the power `p` of time, 1/2 or 0, adds the power `p + 1` to the rate of
-/// the next overlap and, by its resistance, to the next force: one power more from bond to bond.
-/// Elastic contacts have two powers more, and begin with 3/2.
-pub(super) fn look_beyond<const M: usize, const S: usize>(bonds: &mut [Bond<M, S>], b: usize, ring: bool) {
-    let mut found = std::mem::take(&mut bonds[b].contacts.beyond);
-    found.clear();
-    for side in [0, 1] {
-        let next = |b: usize| beside(b, bonds.len(), ring)[side];
-        let mut at = next(b);
-        for _ in 1..FAR {
-            at = at.and_then(next);
-            let Some(bond) = at.map(|at| &bonds[at]) else { break };
-            found.extend(bond.contacts.found.iter().map(|&contact| (contact, bond.singular_after())));
-        }
-    }
-    bonds[b].contacts.beyond = found;
 }
 
 /// Consecutive bonds; on a whole ring the first and the last are neighbours too.
@@ -600,7 +401,7 @@ fn unsettled<const M: usize, const S: usize>(
                 Some(true) => {
                     (me.pending.layout, anew) = (true, Some(b));
                     // As where an event moves far, see [`Pass::tell`].
-                    for side in super::system::beside(b, interval.bonds.len(), interval.ring).into_iter().flatten() {
+                    for side in super::chain::beside(b, interval.bonds.len(), interval.ring).into_iter().flatten() {
                         let other = &mut interval.bonds[side];
                         other.pending.layout |= frames.links.lossy() && !other.contacts.found.is_empty();
                     }

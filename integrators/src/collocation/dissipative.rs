@@ -8,12 +8,12 @@
 //! still see it if it has begun.
 
 use super::{
-    bond::{Beside, Bond, Contact, known, ramps},
+    bond::{Beside, Bond, Contact, known},
+    chain::Path,
+    link::Link,
+    motion::{AHEAD, ROUNDING, overlap_at, predicted, predicted_rate, rate_at},
     panel::Frame,
     panels::Panels,
-    predict::{AHEAD, Drive, FreeMotion, ROUNDING, exact_turn, overlap_at, predicted, turn},
-    prescribed::Prescribed,
-    system::{Link, Path},
 };
 use crate::events::root::bracketed;
 
@@ -219,51 +219,4 @@ fn looks(h: f64, look: &impl Fn(f64) -> Look, of: &impl Fn(Look) -> [f64; 2]) ->
     looks.extend(more.into_iter().map(|t| (t, look(t))));
     looks.sort_by(|a, b| a.0.total_cmp(&b.0));
     looks
-}
-
-/// The rate of the overlap that the forces at the start of the window predict.
-fn predicted_rate<const M: usize, const S: usize>(
-    frame: &Frame<'_, M, S>,
-    (path, known): FreeMotion<S>,
-    drive: &Drive<S>,
-    t: f64,
-) -> f64 {
-    let (turned, mut rate) = (turn(frame, t), known.map_or(0.0, |known| known.rates_at(&[t])[0]));
-    for side in 0..S {
-        let velocity = frame.link.velocity(side, &[t], &[turned[side].cos], &[turned[side].sin]);
-        for k in 0..3 {
-            rate += path[side][k + 1] * velocity[k][0];
-        }
-        let moved = match frame.link.flow(side) {
-            Some(_) => turned[side].ramps[1],
-            None => ramps(frame, side, t, turned[side]).0,
-        };
-        rate += drive[side][0] * frame.link.ramp(side, t, turned[side]) + drive[side][1] * moved;
-    }
-    rate
-}
-
-/// The rate of the overlap at a time of the window, from all forces; the bond's own are in
-/// `panels`.
-pub(super) fn rate_at<const M: usize, const S: usize>(
-    (path, known): FreeMotion<S>,
-    (panels, own): (&Panels<M, S>, f64),
-    frame: &Frame<'_, M, S>,
-    beside: [Beside<M, S>; 2],
-    t: f64,
-) -> f64 {
-    let [_, cos, sin] = exact_turn(frame, t);
-    let mut rate = known.map_or(0.0, |known: &Prescribed| known.rates_at(&[t])[0]);
-    for side in 0..S {
-        let velocity = &frame.link.velocity(side, &[t], &cos[side], &sin[side]);
-        for k in 0..3 {
-            rate += path[side][k + 1] * velocity[k][0];
-        }
-        rate -= own * panels.velocity_at(t, velocity, side);
-        // For two sides a neighbour's other side is the one that is shared.
-        if let Some(bond) = beside[side] {
-            rate += bond.panels.velocity_at(t, velocity, S - 1 - side);
-        }
-    }
-    rate
 }

@@ -18,7 +18,8 @@
 //! need no case distinction between weak, critical and strong damping, near which closed forms lose
 //! digits by cancellation. Windows are short enough for the series, see [`Flow::longest`].
 
-use super::system::{Path, Response};
+use super::chain::{Path, Response};
+
 use crate::{
     vector::{MOST_LANES, Vector},
     with_registers,

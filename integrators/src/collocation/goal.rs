@@ -1,23 +1,11 @@
 //! A window to be solved, and the accuracy at which it counts as solved.
 
-use super::layout::Cuts;
+use super::link::Link;
 
 /// Largest last terms of a force that is resolved, as a share of its largest value. Measured with
 /// `omega` from 0.01 to 10^4 times the frequency of contacts; `methods
 /// resonators_much_faster_than_contacts_keep_loose_tolerances` measures the upper end again.
 const RESOLVED: f64 = 0.3;
-
-/// A window to be solved.
-#[derive(Clone, Copy, Debug)]
-pub struct Window {
-    /// Length, a time.
-    pub(crate) h: f64,
-    /// Nodes a panel.
-    pub(crate) nodes: usize,
-    /// Whether to keep a [`Piece`](super::Piece) for each panel.
-    pub(crate) log: bool,
-    pub(crate) goal: Goal,
-}
 
 /// The accuracy at which a window counts as solved. Impulses are measured as changes of velocity.
 #[derive(Clone, Copy, Debug)]
@@ -50,5 +38,46 @@ impl Goal {
     pub(super) fn excess(&self, [last, largest]: [f64; 2]) -> f64 {
         let [total, own] = [last / self.tail, last / (RESOLVED * largest)];
         if largest > self.least_impulse && own > total { own } else { total }
+    }
+}
+
+/// How contacts are cut into panels, and thresholds below which events and overlaps are negligible.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cuts {
+    /// Whether panels are also cut where a contact of a neighbour begins or ends.
+    pub(crate) neighbours: bool,
+    /// Shortest panel that a cut may leave, a time: a cut nearer to an end of the contact is left
+    /// out.
+    pub(crate) merge: f64,
+    /// Largest distance from a panel to an event at which the panel's variable has its origin, in
+    /// lengths of the panel.
+    pub(crate) near: f64,
+    /// An event is not moved if this would change the impulse of its contact by at most this change
+    /// of velocity.
+    pub(crate) event_impulse: f64,
+    /// Overlaps of at most this value count as zero.
+    pub(crate) least_overlap: f64,
+    /// If an event moves by more than this time, panels of the neighbours are laid out anew.
+    pub(crate) least_move_beside: f64,
+}
+
+impl Cuts {
+    /// Whether the error of an event is negligible. The event is off by a time `by` and an overlap;
+    /// or, where it is an event of `P`, by a time and a value of `P`, while beads overlap by at
+    /// most `deepest`, see `loss.rs`.
+    #[inline(always)]
+    pub(super) fn negligible<const S: usize>(
+        &self,
+        link: &Link<S>,
+        overlap: f64,
+        by: f64,
+        deepest: Option<f64>,
+    ) -> bool {
+        let impulse = if link.lossy() {
+            link.law.impulse_besides(overlap.abs(), by.abs(), deepest)
+        } else {
+            link.elastic_force(overlap.abs()) * by.abs()
+        };
+        impulse * link.lightest() <= self.event_impulse
     }
 }

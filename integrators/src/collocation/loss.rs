@@ -24,73 +24,18 @@
 //! ends with next to no slope, and Newton's method for its zero diverges.
 
 use super::{
-    block::apart,
     bond::{Beside, Bond},
-    panel::{Frame, Panel, View, dot, product, sin_cos, times, value},
+    chain::Path,
+    kernels::apart,
+    link::{Link, Side},
+    motion::Rotation,
+    panel::{Frame, Panel, Rates, View},
     panels::{Panels, Shared},
-    predict::Rotation,
     prescribed::Prescribed,
     rule::Rule,
-    system::{Link, Path, Side},
+    series::{dot, product, sin_cos, times, value},
 };
-use crate::{
-    kernel,
-    law::{BondLaw, Loss},
-};
-
-impl BondLaw<f64> {
-    /// Whether the contact is a dashpot.
-    pub(super) fn dashpot(&self) -> bool {
-        matches!(self.loss, Some(Loss::Dashpot(_)))
-    }
-
-    /// `P(g, g')`.
-    pub(crate) fn overlap_that_pushes(&self, overlap: f64, rate: f64) -> f64 {
-        match self.loss {
-            Some(Loss::Viscoelastic(gamma)) => overlap + gamma * self.alpha() * rate,
-            Some(Loss::Dashpot(gamma)) => overlap - self.held(gamma * (-rate).max(0.0)),
-            None => overlap,
-        }
-    }
-
-    /// The overlap of an elastic force, `F^{-1}`.
-    fn held(&self, force: f64) -> f64 {
-        (force / self.constant).powf(1.0 / self.alpha())
-    }
-
-    /// An error of the overlap, in a window of length `h`, by which `P` is off by no more than
-    /// `value`; the rate is then off by `2/h` times this.
-    pub(crate) fn harmless(&self, value: f64, h: f64) -> f64 {
-        match self.loss {
-            Some(Loss::Viscoelastic(gamma)) => value / (1.0 + gamma * self.alpha() * 2.0 / h),
-            // Half for the overlap, half for its rate.
-            Some(Loss::Dashpot(gamma)) => (0.5 * value).min(0.5 * h * self.elastic(0.5 * value) / gamma),
-            None => value,
-        }
-    }
-
-    /// A bound of the error of a contact's impulse if its event is off by the time `by` and the
-    /// overlap `value`; or by the value `value` of `P` while beads overlap by at most `deepest`.
-    pub(crate) fn impulse_besides(&self, value: f64, by: f64, deepest: Option<f64>) -> f64 {
-        match (deepest, self.loss) {
-            (None, _) => self.elastic(value) * by + self.resistance(value) * value,
-            // With `df/dP` where `P` is zero.
-            (Some(overlap), Some(Loss::Viscoelastic(_))) => self.stiffness(overlap) / self.alpha() * value * by,
-            (Some(overlap), _) => self.stiffness(overlap) * value * by,
-        }
-    }
-
-    /// The time from the end of a contact to the singularity of its force, where the overlap would
-    /// come to zero if the force went on as the same analytic function: `g/|g'|` at the end, from
-    /// the rate there. Panels before a release have their origin there.
-    pub(crate) fn singular_after(&self, rate: f64) -> f64 {
-        match self.loss {
-            Some(Loss::Viscoelastic(gamma)) => gamma * self.alpha(),
-            Some(Loss::Dashpot(gamma)) if rate < 0.0 => self.held(-gamma * rate) / -rate,
-            _ => 0.0,
-        }
-    }
-}
+use crate::kernel;
 
 impl<const S: usize> Link<S> {
     /// The factors of `v`, `c` and `s` of a path in the velocity of the site on a side, at `L`
@@ -136,55 +81,6 @@ impl<const S: usize> Link<S> {
         let kernel = &self.sides[side];
         let swing = if kernel.omega == 0.0 { kernel.mu * t } else { kernel.mu_per_omega * turned.sin };
         kernel.m * t + swing
-    }
-}
-
-/// Rates of overlaps at the nodes of a panel, where the bond or one beside it dissipates.
-#[derive(Clone, Debug)]
-pub(crate) struct Rates<const M: usize, const S: usize> {
-    /// The factors of `v`, `c` and `s` of a path in the velocity of the site, on each side.
-    velocity: [[[f64; M]; 3]; S],
-    /// The part of the rate of the overlap that drives prescribe.
-    known: [f64; M],
-    /// `reaction[side][k][j]`: the velocity at node `j` by a unit force at node `k`.
-    reaction: [[[f64; M]; M]; S],
-    /// The velocities by the force of the panel, as series in `x`.
-    series: [[f64; M]; S],
-    /// The rate `g'` of the overlap.
-    pub(crate) overlap: [f64; M],
-    /// The dissipative part `f - F` of the force.
-    pub(crate) lost: [f64; M],
-}
-
-impl<const M: usize, const S: usize> Rates<M, S> {
-    fn new() -> Self {
-        let zeros = [0.0; M];
-        Self {
-            velocity: [[zeros; 3]; S],
-            known: zeros,
-            reaction: [[zeros; M]; S],
-            series: [zeros; S],
-            overlap: zeros,
-            lost: zeros,
-        }
-    }
-
-    /// The velocity along a path of one side at a node.
-    #[inline(always)]
-    fn along_side(&self, path: &Path, side: usize, j: usize) -> f64 {
-        let velocity = &self.velocity[side];
-        path[1] * velocity[0][j] + (path[2] * velocity[1][j] + path[3] * velocity[2][j])
-    }
-
-    /// The rate of the overlap without contact forces.
-    fn along(&self, path: &[Path; S]) -> [f64; M] {
-        let mut rate = self.known;
-        for side in 0..S {
-            for j in 0..M {
-                rate[j] += self.along_side(&path[side], side, j);
-            }
-        }
-        rate
     }
 }
 

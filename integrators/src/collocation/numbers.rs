@@ -2,10 +2,9 @@
 //! of `f64`.
 
 use super::{
-    block::{Left, Piece, WindowOutcome},
     bond::Contact,
-    goal::{Goal, Window},
-    layout::Cuts,
+    goal::{Cuts, Goal},
+    window::{Left, Piece, Window, WindowOutcome},
 };
 use crate::events::Curve;
 

@@ -8,12 +8,13 @@
 //! | `A + B t + C cos(omega t) + D sin(omega t)` | path: the displacement after a force has ended |
 
 use super::{
-    block::apart,
+    chain::Path,
     flow::Flow,
-    layout::Cuts,
-    loss::Rates,
+    goal::Cuts,
+    kernels::apart,
+    link::{Link, Links},
     rule::Rule,
-    system::{Link, Links, Path},
+    series::{dot, product, sin_cos, times, value},
 };
 use crate::{events::Curve, kernel};
 
@@ -116,6 +117,55 @@ pub(crate) struct Panel<const M: usize, const S: usize> {
     pub(crate) views: [View<M>; 2],
     /// Rates of the overlap, where the contact of the bond or of a neighbour dissipates.
     pub(crate) rates: Option<Box<Rates<M, S>>>,
+}
+
+/// Rates of overlaps at the nodes of a panel, where the bond or one beside it dissipates.
+#[derive(Clone, Debug)]
+pub(crate) struct Rates<const M: usize, const S: usize> {
+    /// The factors of `v`, `c` and `s` of a path in the velocity of the site, on each side.
+    pub(super) velocity: [[[f64; M]; 3]; S],
+    /// The part of the rate of the overlap that drives prescribe.
+    pub(super) known: [f64; M],
+    /// `reaction[side][k][j]`: the velocity at node `j` by a unit force at node `k`.
+    pub(super) reaction: [[[f64; M]; M]; S],
+    /// The velocities by the force of the panel, as series in `x`.
+    pub(super) series: [[f64; M]; S],
+    /// The rate `g'` of the overlap.
+    pub(crate) overlap: [f64; M],
+    /// The dissipative part `f - F` of the force.
+    pub(crate) lost: [f64; M],
+}
+
+impl<const M: usize, const S: usize> Rates<M, S> {
+    pub(super) fn new() -> Self {
+        let zeros = [0.0; M];
+        Self {
+            velocity: [[zeros; 3]; S],
+            known: zeros,
+            reaction: [[zeros; M]; S],
+            series: [zeros; S],
+            overlap: zeros,
+            lost: zeros,
+        }
+    }
+
+    /// The velocity along a path of one side at a node.
+    #[inline(always)]
+    pub(super) fn along_side(&self, path: &Path, side: usize, j: usize) -> f64 {
+        let velocity = &self.velocity[side];
+        path[1] * velocity[0][j] + (path[2] * velocity[1][j] + path[3] * velocity[2][j])
+    }
+
+    /// The rate of the overlap without contact forces.
+    pub(super) fn along(&self, path: &[Path; S]) -> [f64; M] {
+        let mut rate = self.known;
+        for side in 0..S {
+            for j in 0..M {
+                rate[j] += self.along_side(&path[side], side, j);
+            }
+        }
+        rate
+    }
 }
 
 /// Where the nodes of a panel lie among the panels of a neighbour. This changes only when panels
@@ -514,15 +564,6 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     }
 }
 
-#[inline(always)]
-pub(super) fn times<const M: usize>(a: &[f64; M], b: &[f64; M]) -> [f64; M] {
-    let mut out = [0.0; M];
-    for j in 0..M {
-        out[j] = a[j] * b[j];
-    }
-    out
-}
-
 /// The larger of the last two terms of a series with these values.
 #[inline(always)]
 fn last_terms<const M: usize>(rule: &Rule<M>, values: &[f64; M]) -> f64 {
@@ -537,120 +578,3 @@ const CHORD: f64 = 1e-3;
 /// Ratio of the smallest to the largest overlap on a panel below which the force counts as nearly
 /// going out. Chosen; held by `methods contacts_that_nearly_open_keep_the_tolerance`.
 const FADING: f64 = 0.15;
-/// Up to this number of terms a series is kept in powers of `x`, which is faster; longer ones are
-/// kept in Chebyshev polynomials, which lose no digits. Held by `methods
-/// ten_periods_of_a_wave_are_exact_to_a_thousand_roundings`.
-pub(crate) const MONOMIAL: usize = 8;
-
-/// A sum in four parts, the same on every machine.
-#[inline(always)]
-fn sum<const M: usize>(terms: &[f64; M]) -> f64 {
-    let mut part = [0.0; 4];
-    for j in 0..M {
-        part[j % 4] += terms[j];
-    }
-    (part[0] + part[2]) + (part[1] + part[3])
-}
-
-#[inline(always)]
-pub(crate) fn dot<const M: usize>(a: &[f64; M], b: &[f64; M]) -> f64 {
-    let mut terms = [0.0; M];
-    for j in 0..M {
-        terms[j] = a[j] * b[j];
-    }
-    sum(&terms)
-}
-
-/// The value of a series whose coefficients come from [`Rule::series`].
-#[inline(always)]
-pub(super) fn value<const M: usize, const L: usize>(series: &[f64; M], x: &[f64; L]) -> [f64; L] {
-    if M <= MONOMIAL { horner(series, x) } else { clenshaw(series, x) }
-}
-
-/// `sum_i c_i x^i`.
-#[inline(always)]
-fn horner<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L]) -> [f64; L] {
-    let mut out = [c[M - 1]; L];
-    for i in (0..M - 1).rev() {
-        for j in 0..L {
-            out[j] = x[j].mul_add(out[j], c[i]);
-        }
-    }
-    out
-}
-
-/// `sum_k columns[k] values[k]`.
-#[inline(always)]
-pub(crate) fn product<const M: usize>(columns: &[[f64; M]; M], values: &[f64; M]) -> [f64; M] {
-    let mut out = [0.0; M];
-    for k in 0..M {
-        for j in 0..M {
-            out[j] = columns[k][j].mul_add(values[k], out[j]);
-        }
-    }
-    out
-}
-
-/// `sum_i c_i T_i(x)`.
-#[inline(always)]
-pub(super) fn clenshaw<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L]) -> [f64; L] {
-    let (mut b1, mut b2) = ([0.0; L], [0.0; L]);
-    for i in (1..M).rev() {
-        for j in 0..L {
-            let b = (2.0 * x[j]).mul_add(b1[j], c[i] - b2[j]);
-            b2[j] = b1[j];
-            b1[j] = b;
-        }
-    }
-    let mut out = [0.0; L];
-    for j in 0..L {
-        out[j] = x[j].mul_add(b1[j], c[0] - b2[j]);
-    }
-    out
-}
-
-/// Sine and cosine without branches, so that loops over nodes vectorise; to 2 units in the last
-/// place for `|x| < 10^6`.
-///
-/// Reduction by three parts of pi/2 (Cody and Waite), then Taylor polynomials on `[-pi/4, pi/4]`.
-#[inline(always)]
-pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
-    const HALF_PI: [f64; 3] = [std::f64::consts::FRAC_PI_2, 6.123233995736766e-17, -1.4973849048591833e-33];
-    let turns = (x * std::f64::consts::FRAC_2_PI).round_ties_even();
-    let r = (-turns).mul_add(HALF_PI[0], x);
-    let r = (-turns).mul_add(HALF_PI[1], r);
-    let r = (-turns).mul_add(HALF_PI[2], r);
-    let z = r * r;
-    let mut s = -7.647163731819816e-13;
-    for c in [
-        1.6059043836821613e-10,
-        -2.505210838544172e-8,
-        2.7557319223985893e-6,
-        -1.984126984126984e-4,
-        8.333333333333333e-3,
-        -1.6666666666666666e-1,
-    ] {
-        s = z.mul_add(s, c);
-    }
-    let s = r.mul_add(z * s, r);
-    let mut c = 4.779477332387385e-14;
-    for k in [
-        -1.1470745597729725e-11,
-        2.08767569878681e-9,
-        -2.755731922398589e-7,
-        2.48015873015873e-5,
-        -1.388888888888889e-3,
-        4.1666666666666664e-2,
-        -0.5,
-    ] {
-        c = z.mul_add(c, k);
-    }
-    let c = z.mul_add(c, 1.0);
-    // Quarter turns: 1 swaps, 2 changes both signs.
-    let quarter = turns - 4.0 * (0.25 * turns).floor();
-    let swap = quarter == 1.0 || quarter == 3.0;
-    let (sin, cos) = if swap { (c, s) } else { (s, c) };
-    let sin = if quarter >= 2.0 { -sin } else { sin };
-    let cos = if quarter == 1.0 || quarter == 2.0 { -cos } else { cos };
-    (sin, cos)
-}

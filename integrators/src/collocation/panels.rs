@@ -1,9 +1,9 @@
 //! The panels of a bond in a window, and the displacements that their forces cause.
 
 use super::{
-    block::apart,
+    chain::Path,
+    kernels::apart,
     panel::{Origin, Panel, Times, View},
-    system::Path,
 };
 use crate::kernel;
 

@@ -7,12 +7,11 @@
 //! the contacts, the overlap is evaluated inside the window, too.
 
 use super::{
-    block::Piece,
     bond::{Beside, Bond, Initial, known},
-    dissipative::rate_at,
+    motion::{ROUNDING, overlap_at, rate_at},
     panel::{Frame, Panel},
     panels::Panels,
-    predict::{ROUNDING, overlap_at},
+    window::Piece,
 };
 use crate::events::{Curve, root::bracketed};
 

@@ -1,8 +1,15 @@
 //! The constants of a panel with `M` nodes: Gauss nodes, weights, and the matrices that integrate
 //! and interpolate between the nodes.
 
-use super::{panel::MONOMIAL, solver::MOST_NODES};
+use super::series::MONOMIAL;
+
 use std::{any::Any, sync::OnceLock};
+
+/// Numbers of nodes that a panel may have; all loops over nodes are compiled for each. Shorter
+/// windows resolve at less cost what more nodes would; `run --windows-per-period N --nodes M` shows
+/// both.
+pub(crate) const NODES: [usize; 5] = [4, 6, 8, 10, MOST_NODES];
+pub(crate) const MOST_NODES: usize = 12;
 
 /// Gauss-Legendre collocation with `M` nodes on `[-1, 1]`; `l_k` are the Lagrange polynomials of
 /// the nodes.

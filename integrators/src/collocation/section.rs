@@ -1,14 +1,13 @@
 //! A section: the bonds of a chain that windows are solved for together, all of them or a part.
 
 use super::{
-    Windows,
-    block::{ALONG, Left, OWN, Piece, Share, Start, WindowOutcome},
     bond::Contact,
-    goal::Window,
+    chain::{ContactChain, Path},
+    link::Links,
     open::{Open, Signals},
     sites::{Bonds, Phases, Site, Sites},
-    solver::{self, Solver},
-    system::{ContactChain, Links, Path},
+    solver::{Solver, with_nodes},
+    window::{ALONG, Left, OWN, Piece, Share, Start, Window, WindowOutcome, Windows},
 };
 use crate::{clock::DoubleDouble, kernel, real::Real};
 use std::{ops::Range, sync::Arc};
@@ -227,7 +226,7 @@ impl<C: ContactChain<S>, const S: usize> Windows for Section<C, S> {
         if solver.as_ref().is_none_or(|solver| solver.nodes() != window.nodes) {
             *solver = None;
         }
-        let solver = solver.get_or_insert_with(|| solver::with_nodes(window.nodes, held.threads()));
+        let solver = solver.get_or_insert_with(|| with_nodes(window.nodes, held.threads()));
         let bonds = &Sites { chain, sites, phases, open: held.open(signals) };
         let start = Start { links, bonds, ongoing, mobility, share };
         *h = window.h;

@@ -1,10 +1,11 @@
 //! The state of sites, as exact linear paths, in sums that keep their rounding errors.
 
 use super::{
+    chain::{ContactChain, Path, swing},
     flow::Flow,
+    link::Links,
     open::{Open, Signals},
     prescribed::Prescribed,
-    system::{ContactChain, Links, Path, swing},
 };
 use crate::clock::DoubleDouble;
 use std::{cell::Cell, collections::HashMap, sync::Arc};

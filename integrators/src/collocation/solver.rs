@@ -1,13 +1,14 @@
 //! Solves all blocks of a section over one window, behind a trait that hides the number of nodes.
 
 use super::{
-    block::{Left, OWN, Piece, Start, WindowOutcome, Workspace, run},
-    goal::Window,
-    layout::Cuts,
+    block::Workspace,
+    derivative::{self, BondBlock},
+    goal::Cuts,
+    kernels::run,
+    link::Links,
     panel::Frames,
     rule::Rule,
-    system::Links,
-    tangent,
+    window::{Left, OWN, Piece, Start, Window, WindowOutcome},
 };
 use crate::kernel;
 use std::any::Any;
@@ -31,15 +32,9 @@ pub(crate) trait Solver<const S: usize>: Send {
         links: &Links<S>,
         h: f64,
         cuts: &Cuts,
-        columns: &mut [tangent::BondBlock<S>],
+        columns: &mut [BondBlock<S>],
     ) -> Result<f64, (usize, f64)>;
 }
-
-/// Numbers of nodes that a panel may have; all loops over nodes are compiled for each. Shorter
-/// windows resolve at less cost what more nodes would; `run --windows-per-period N --nodes M` shows
-/// both.
-pub(crate) const NODES: [usize; 5] = [4, 6, 8, 10, MOST_NODES];
-pub(crate) const MOST_NODES: usize = 12;
 
 /// A solver with `nodes` nodes a panel, one of [`NODES`], on at most `threads` threads.
 ///
@@ -130,10 +125,10 @@ impl<const M: usize, const S: usize> Solver<S> for Nodes<M, S> {
         links: &Links<S>,
         h: f64,
         cuts: &Cuts,
-        columns: &mut [tangent::BondBlock<S>],
+        columns: &mut [BondBlock<S>],
     ) -> Result<f64, (usize, f64)> {
         let bonds = &self.workspaces[0].bonds[..links.bonds];
         let frames = &Frames { rule: self.rule, links, cuts, h };
-        run::<S, _>(kernel!(tangent::window(frames, bonds, columns)))
+        run::<S, _>(kernel!(derivative::window(frames, bonds, columns)))
     }
 }

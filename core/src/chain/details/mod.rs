@@ -233,7 +233,7 @@ fn checked(
 }
 
 impl Details {
-    fn check(&self, sites: usize, bonds: usize) -> Result<()> {
+    fn check(&self, sites: usize, bonds: usize, alpha: f64) -> Result<()> {
         let (sites, bonds) = ((sites, "sites"), (bonds, "bonds that can touch"));
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let not_negative = |x: f64| x.is_finite() && x >= 0.0;
@@ -251,8 +251,10 @@ impl Details {
             if strength.is_empty() {
                 return Err(Error::parameter("dissipation", "[]", "one number for each bond that can touch"));
             }
-            if *kind == Kind::Viscoelastic && self.alpha.iter().any(|&alpha| alpha <= 1.0) {
-                return Err(Error::parameter("alpha", "at most 1", "viscoelastic contacts have exponents above 1"));
+            let (least, rule) = kind.exponents();
+            let alphas = if self.alpha.is_empty() { &[alpha] } else { &self.alpha[..] };
+            if let Some(alpha) = alphas.iter().find(|&&alpha| alpha <= least) {
+                return Err(Error::parameter("alpha", alpha, rule));
             }
         }
         Ok(())
@@ -324,7 +326,7 @@ impl<R: Real> Chain<R> {
             return Err(Error::parameter("boundary", "strain-ring", rule));
         }
         let (n, touching) = (self.sites(), self.touching());
-        details.check(n, touching.len())?;
+        details.check(n, touching.len(), self.params.alpha)?;
         details.check_drives(n)?;
         let pushed = details.drives.iter().any(|drive| drive.kind == DriveKind::Force);
         if self.boundary() == Boundary::Free && !pushed && details.overlap.iter().any(|&overlap| overlap > 0.0) {
@@ -333,16 +335,12 @@ impl<R: Real> Chain<R> {
             return Err(Error::parameter("overlap", "positive on a free chain", rule));
         }
         let rest = self.precompression.f64();
-        let viscoelastic = matches!(&details.dissipation, Some(Dissipation { kind: Kind::Viscoelastic, .. }));
-        if viscoelastic && details.alpha.is_empty() && self.params.alpha <= 1.0 {
-            return Err(Error::parameter("alpha", self.params.alpha, "viscoelastic contacts have exponents above 1"));
-        }
         let bond = |bond: usize| match bond.checked_sub(touching.start).filter(|&k| k < touching.len()) {
             Some(k) => BondLaw::new(
                 entry(&details.contact, k, 1.0),
                 entry(&details.alpha, k, self.params.alpha),
                 entry(&details.overlap, k, rest),
-                details.dissipation.as_ref().map(|dissipation| dissipation.of(k)),
+                details.dissipation.as_ref().map(|Dissipation { kind, strength }| (*kind, strength[k])),
             ),
             None => BondLaw::new(0.0, self.params.alpha, 0.0, None),
         };

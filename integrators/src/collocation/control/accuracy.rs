@@ -2,14 +2,13 @@
 
 use super::{
     super::{
-        goal::Goal,
-        layout::Cuts,
-        system::{ContactChain, Links, Path},
+        chain::{ContactChain, Path},
+        goal::{Cuts, Goal},
+        link::Links,
+        step_control::StepControl,
     },
-    StepControl,
     nodes::analytic,
 };
-use crate::law::Loss;
 
 /// A window whose share of the tolerance is `e` may have last terms of a series up to
 /// `(TAIL e)^POWER`: local errors go with the power `1/POWER` of the last terms. Fitted to runs of
@@ -71,8 +70,10 @@ pub(super) struct Contacts {
     alphas: [f64; 2],
     /// If contacts dissipate, the smallest power of time with which the force of one begins.
     abrupt: Option<f64>,
-    /// The largest `gamma` of viscoelastic contacts, and the largest acceleration by dashpots at
-    /// unit rate of the overlap; zero without.
+    /// The largest parts of a resistance, see [`BondLaw::resistance_parts`]: a time, and the
+    /// acceleration at unit rate of the overlap.
+    ///
+    /// [`BondLaw::resistance_parts`]: crate::law::BondLaw::resistance_parts
     resistances: [f64; 2],
     /// Whether all exponents are whole or half numbers.
     pub(super) analytic: bool,
@@ -86,11 +87,9 @@ impl Contacts {
         let losses = links.each().filter_map(|link| link.law.power_of_resistance());
         let mut resistances = [0.0f64; 2];
         for link in links.each() {
-            match link.law.loss {
-                Some(Loss::Viscoelastic(gamma)) => resistances[0] = resistances[0].max(gamma),
-                Some(Loss::Dashpot(gamma)) => resistances[1] = resistances[1].max(gamma * link.lightest()),
-                None => {}
-            }
+            let [by_stiffness, constant] = link.law.resistance_parts();
+            resistances[0] = resistances[0].max(by_stiffness);
+            resistances[1] = resistances[1].max(constant * link.lightest());
         }
         Self {
             resistances,

@@ -1,8 +1,9 @@
 //! The length of the next window.
 
 use super::super::{
-    block::WindowOutcome,
-    system::{ContactChain, Links, Path, swing},
+    chain::{ContactChain, Path, swing},
+    link::Links,
+    window::WindowOutcome,
 };
 use super::nodes::MOST_HALVED;
 

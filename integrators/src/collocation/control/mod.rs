@@ -12,33 +12,17 @@ mod lengths;
 mod nodes;
 
 use super::{
-    block::WindowOutcome,
+    chain::{ContactChain, Path},
     goal::Goal,
-    solver::NODES,
-    system::{ContactChain, Links, Path},
+    link::Links,
+    rule::NODES,
+    step_control::StepControl,
+    window::WindowOutcome,
 };
 use crate::{clock::DoubleDouble, error::Error, tolerance::Tolerance};
 use accuracy::Accuracy;
 use lengths::Lengths;
 use nodes::NodeChoice;
-
-/// How the lengths of windows are chosen.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StepControl {
-    /// Windows of equal length, without control of the error.
-    Windows {
-        /// Number of windows in the span, at least 1.
-        windows: u64,
-        /// Nodes a panel: 4, 6, 8, 10 or 12.
-        nodes: usize,
-        /// Whether panels are also cut where a contact of a neighbour begins or ends; the full
-        /// order needs these cuts.
-        neighbours: bool,
-    },
-    /// Adaptive windows: a bound for the sum of local errors over the run, relative to the size of
-    /// the state; from 1e-15 to 0.1.
-    Tolerance(f64),
-}
 
 /// Chooses the windows that are tried, and the accuracy that they must reach.
 #[derive(Clone, Copy, Debug)]

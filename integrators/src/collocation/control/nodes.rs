@@ -1,6 +1,6 @@
 //! The number of nodes a panel.
 
-use super::super::solver::MOST_NODES;
+use super::super::rule::MOST_NODES;
 
 /// Share of contacts whose panels may be halved before panels have more nodes, or windows become
 /// shorter. Chosen, not measured.

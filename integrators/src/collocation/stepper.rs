@@ -1,0 +1,253 @@
+//! A run by contact collocation.
+
+use super::{
+    chain::{ContactChain, Path},
+    control::Control,
+    link::Links,
+    section::Section,
+    step_control::StepControl,
+    window::{Piece, Window, Windows},
+};
+use crate::{clock::DoubleDouble, drive::Stepper, error::Error, interrupt, stats::Stats};
+
+/// Most parts that the time from the start of a window to a sample inside it is divided into; the
+/// sample is lost beyond that. Chosen, not measured.
+const MOST_PARTS: u32 = 1 << 10;
+
+/// Most times that a window is shortened because it does not resolve a drive, each by a tenth at
+/// least. Chosen: if a signal is still not resolved then, its last terms are rounding.
+const MOST_SHORTENED: u32 = 40;
+
+/// A stepper that logs what contacts do.
+pub trait ContactStepper: Stepper<f64> {
+    /// Calls `told` with every [`Piece`] of the last step, and the time from which the times in the
+    /// piece count.
+    fn tell(&self, told: &mut dyn FnMut(&Piece, f64));
+}
+
+/// A run by contact collocation. It chooses the length of each window and the accuracy that it must
+/// reach, and accepts it or tries a shorter one; a [`Section`] or another `W` solves it.
+pub struct Collocation<W> {
+    pub(super) windows: W,
+    pub(super) control: Control,
+    /// Relative tolerance of the run; zero if the windows are given.
+    tol: f64,
+    /// Start time of the last window, its length and its number of nodes a panel; the length is
+    /// zero before the first window.
+    pub(super) t: DoubleDouble<f64>,
+    pub(super) h: f64,
+    nodes: usize,
+    /// End of the run, a time.
+    end: DoubleDouble<f64>,
+    /// Whether windows keep what contacts do.
+    log: bool,
+    pub(super) stats: Stats,
+    /// A copy that is moved to samples inside the last window; made at the first of them.
+    inside: Option<W>,
+}
+
+impl<C: ContactChain<S>, const S: usize> Collocation<Section<C, S>> {
+    /// A run from the state `y0` over `span`, of a chain whose bonds see `S` different sites, see
+    /// [`ContactChain`].
+    ///
+    /// # Errors
+    /// A span, a step control or a state outside its rule.
+    pub fn new(chain: C, y0: &[f64], span: (f64, f64), step_control: StepControl) -> Result<Self, Error> {
+        Self::on_threads(chain, y0, span, step_control, None)
+    }
+
+    /// As [`new`](Self::new), on at most `threads` threads; `None` stands for all that there are.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn on_threads(
+        chain: C,
+        y0: &[f64],
+        span: (f64, f64),
+        step_control: StepControl,
+        threads: Option<usize>,
+    ) -> Result<Self, Error> {
+        crate::dop853::check_start(chain.dim(), y0, span)?;
+        let section = Section::whole(chain, (y0, span.0), threads);
+        let chain = &section.held.chain;
+        let control = control(chain, &section.held.links, &|i| chain.path(y0, i), span, step_control)?;
+        Ok(Self::steered(section, control, (span, step_control)))
+    }
+
+    /// The start time of the last window, and what contacts did in it, in the order of bonds, if
+    /// that is logged.
+    pub fn pieces(&self) -> (f64, impl Iterator<Item = &Piece>) {
+        (self.t.value(), self.windows.pieces())
+    }
+}
+
+/// The control of a run of a chain from the paths of its sites over a span.
+fn control<C: ContactChain<S>, const S: usize>(
+    chain: &C,
+    links: &Links<S>,
+    start: &dyn Fn(usize) -> Path,
+    span: (f64, f64),
+    step_control: StepControl,
+) -> Result<Control, Error> {
+    Control::new((chain, links), start, step_control, DoubleDouble::new(span.1) - DoubleDouble::new(span.0))
+}
+
+impl<W: Windows> Collocation<W> {
+    /// A run of `chain` from the state `y0` over `span`, whose windows are solved by `windows`:
+    /// these stand at `y0`.
+    ///
+    /// # Errors
+    /// A span, a step control or a state outside its rule.
+    pub fn by<C: ContactChain<S>, const S: usize>(
+        windows: W,
+        chain: &C,
+        y0: &[f64],
+        span: (f64, f64),
+        step_control: StepControl,
+    ) -> Result<Self, Error> {
+        crate::dop853::check_start(chain.dim(), y0, span)?;
+        let control = control(chain, &Links::of(chain), &|i| chain.path(y0, i), span, step_control)?;
+        Ok(Self::steered(windows, control, (span, step_control)))
+    }
+
+    fn steered(windows: W, control: Control, (span, step_control): ((f64, f64), StepControl)) -> Self {
+        Self {
+            nodes: control.nodes(),
+            windows,
+            control,
+            tol: if let StepControl::Tolerance(tol) = step_control { tol } else { 0.0 },
+            t: DoubleDouble::new(span.0),
+            h: 0.0,
+            end: DoubleDouble::new(span.1),
+            log: false,
+            stats: Stats::default(),
+            inside: None,
+        }
+    }
+
+    /// For a run that a [`Tangent`] follows: panels keep at least the number of nodes with which
+    /// the run begins. That number resolves the linear motion of a window to the tolerance. The
+    /// state of a chain that is all but at rest needs fewer nodes, its changes do not.
+    #[must_use]
+    pub fn differentiated(mut self) -> Self {
+        self.control.keep_nodes();
+        self
+    }
+
+    /// Keeps what contacts do, for [`ContactStepper::tell`].
+    #[must_use]
+    pub fn logged(mut self) -> Self {
+        self.log = true;
+        self
+    }
+
+    /// The length of the next window, when `left` is left of the span; prepares what drives do in
+    /// this window.
+    fn propose(&mut self, left: f64) -> f64 {
+        let [smooth, resolved] = self.windows.longest();
+        let mut h = self.control.propose(left.min(smooth)).min(smooth).min(resolved);
+        for _ in 0..MOST_SHORTENED {
+            let shorter = self.windows.predict_drives(h, self.tol);
+            if shorter >= h {
+                break;
+            }
+            h = shorter;
+        }
+        h
+    }
+
+    /// A window of length `h`.
+    fn window(&self, h: f64, log: bool) -> Window {
+        Window { h, nodes: self.nodes, log, goal: self.control.goal(h) }
+    }
+
+    /// Moves `inside` on by the time `by`, in `parts` windows of equal length; `false` if one of
+    /// them does not converge.
+    fn moves_inside(&self, inside: &mut W, by: f64, parts: u32) -> bool {
+        let window = self.window(by / f64::from(parts), false);
+        (0..parts).all(|_| {
+            inside.predict_drives(window.h, 0.0);
+            let settled = inside.solve(&window).failure.is_none();
+            inside.advance();
+            settled
+        })
+    }
+}
+
+impl<W: Windows> ContactStepper for Collocation<W> {
+    fn tell(&self, told: &mut dyn FnMut(&Piece, f64)) {
+        let start = self.t.value();
+        self.windows.tell(&mut |piece| told(piece, start));
+    }
+}
+
+impl<W: Windows> Stepper<f64> for Collocation<W> {
+    fn dim(&self) -> usize {
+        self.windows.dim()
+    }
+
+    fn time(&self) -> f64 {
+        if self.done() { self.end.value() } else { (self.t + DoubleDouble::new(self.h)).value() }
+    }
+
+    fn done(&self) -> bool {
+        self.control.done()
+    }
+
+    fn step(&mut self) -> Result<(), Error> {
+        if self.h > 0.0 {
+            self.windows.advance();
+            self.t = self.t + DoubleDouble::new(self.h);
+            self.h = 0.0;
+        }
+        self.nodes = self.control.nodes();
+        loop {
+            interrupt::check(self.t.value())?;
+            let left_to_go = (self.end - self.t).value();
+            let h = self.propose(left_to_go);
+            if self.t + DoubleDouble::new(h) == self.t {
+                return Err(Error::StepUnderflow { t: self.t.value(), h });
+            }
+            let window = self.window(h, self.log);
+            let verdict = self.windows.solve(&window);
+            self.stats.force_evaluations += verdict.sweeps * self.nodes as u64;
+            let Some((bond, residual)) = verdict.failure else {
+                self.control.accept(&verdict, h, h >= left_to_go);
+                self.h = h;
+                self.stats.steps += 1;
+                return Ok(());
+            };
+            self.stats.rejected += 1;
+            if !self.control.reject(h) {
+                return Err(Error::NoContraction { t: self.t.value(), h, bond, residual });
+            }
+        }
+    }
+
+    /// The state at a time inside the last window is computed by a window that ends at this time,
+    /// so that it is as accurate as a state between windows.
+    fn sample(&mut self, t: f64, y: &mut [f64]) {
+        let mut inside = self.inside.take().unwrap_or_else(|| self.windows.duplicate());
+        inside.copy_from(&self.windows);
+        let by = (DoubleDouble::new(t) - self.t).value();
+        if self.h > 0.0 && (t >= self.time() || by >= self.h) {
+            inside.advance();
+        } else if by > 0.0 && self.h > 0.0 {
+            let mut parts = 1;
+            while !self.moves_inside(&mut inside, by, parts) {
+                inside.copy_from(&self.windows);
+                parts *= 2;
+                if parts > MOST_PARTS {
+                    // No state is better than a wrong one.
+                    return y.fill(f64::NAN);
+                }
+            }
+        }
+        inside.store(y);
+        self.inside = Some(inside);
+    }
+
+    fn stats(&self) -> Stats {
+        self.stats
+    }
+}
