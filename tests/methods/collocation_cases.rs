@@ -257,6 +257,35 @@ fn two_beads_swap_velocities_after_the_time_of_the_closed_form() {
 }
 
 #[test]
+fn a_time_as_near_to_a_release_as_may_be_has_a_state() {
+    // Truth: the closed form, with the free motion after the release; before it the force changes
+    // the velocities by less than `d^{alpha+1}`. The beads part symmetrically, so that chords of
+    // the overlap near the release are its slope.
+    let w = 0.7;
+    for (alpha, duration) in durations(w).into_iter().skip(1) {
+        let (chain, y0, release) = (plain(alpha, 2), [-0.5, 0.0, w, 0.0], 0.5 / w + duration);
+        let mut run = chain.collocation(&y0, (0.0, 9.0), StepControl::Tolerance(1e-13)).unwrap();
+        let apart = [0.0].into_iter().chain((5..17).map(|k| 10f64.powi(-k)));
+        let mut times: Vec<f64> = apart.flat_map(|d| [release - d, release + d]).collect();
+        times.sort_by(f64::total_cmp);
+        let mut worst = 0.0f64;
+        for t in times {
+            while run.time() < t {
+                run.step().unwrap();
+            }
+            let mut y = [0.0; 4];
+            run.sample(t, &mut y);
+            let meeting = 0.5 * w * duration;
+            let want = [meeting, meeting + w * (t - release), 0.0, w];
+            let error = distance(&y, &want);
+            assert!(error < 1e-11, "alpha {alpha}, {:e} after the release: {error:e}", t - release);
+            worst = worst.max(error);
+        }
+        println!("alpha {alpha}: {worst:e}");
+    }
+}
+
+#[test]
 fn contacts_shorter_than_a_window() {
     // Contacts that last 2.2 to 3 in windows of 60. The windows are shortened until sweeps settle;
     // the error is that of ten nodes for a whole contact. Truth: the regularised run.

@@ -11,7 +11,7 @@ use super::{
     bond::{Beside, Bond, Contact, known},
     chain::Path,
     link::Link,
-    motion::{AHEAD, ROUNDING, overlap_at, predicted, predicted_rate, rate_at},
+    motion::{AHEAD, ROUNDING, just_after, overlap_at, predicted, predicted_rate, rate_at},
     panel::Frame,
     panels::Panels,
 };
@@ -71,8 +71,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         };
         let slope = (self.prediction.at_end - pushes(h * (1.0 - STEP))) / (STEP * h);
         let t = h - self.prediction.at_end / slope;
-        if slope < 0.0 && t > h && t < (1.0 + AHEAD) * h {
-            (contact.release, contact.slopes[1]) = (t, slope);
+        if slope < 0.0 && t < (1.0 + AHEAD) * h {
+            (contact.release, contact.slopes[1]) = (t.max(just_after(h)), slope);
             self.initial.singular_after = frame.link.singular_after(rate);
         }
     }

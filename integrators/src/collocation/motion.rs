@@ -17,6 +17,12 @@ use crate::kernel;
 /// measured: a later release does not matter for the accuracy of the panels.
 pub(super) const AHEAD: f64 = 1.5;
 
+/// The earliest release after a window of length `h`: that of a contact which the search sees closed
+/// at the end, though the overlap there is zero but for rounding.
+pub(super) fn just_after(h: f64) -> f64 {
+    h * (1.0 + f64::EPSILON)
+}
+
 /// Bound for the relative rounding error of displacements by forces in a window. Chosen: a sum of
 /// some 64 terms.
 pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;

@@ -4,7 +4,9 @@
 use super::{
     bond::{Beside, Bond, Contact, Contacts, Initial, known},
     detect::{Search, Start},
-    motion::{AHEAD, Drive, ROUNDING, Rotation, Rotations, overlap_at, predicted, predicted_at, ramps, rate_at},
+    motion::{
+        AHEAD, Drive, ROUNDING, Rotation, Rotations, just_after, overlap_at, predicted, predicted_at, ramps, rate_at,
+    },
     panel::Frame,
     panels::Panels,
 };
@@ -12,6 +14,9 @@ use super::{
 /// A window's share of the tolerance over the change of an impulse for which no event is moved. See
 /// `control/accuracy.rs`.
 const SHARE: f64 = 1e3;
+/// The shortest chord by which a release after the window is estimated, as a share of the window.
+/// Chosen: a step of Newton's method errs by about its square.
+const CHORD: f64 = 1e-6;
 /// The zero of a function with values of both signs at the two `ends` of a window of length `h`,
 /// and its slope there, by a few steps of the Illinois method. They are enough for a prediction,
 /// which is not exact itself.
@@ -263,7 +268,11 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let (mut b, mut slope) = ((h, end), rate);
         for _ in 0..2 {
             let t = b.0 - b.1 / slope;
-            if !(t > h && t < (1.0 + AHEAD) * h) {
+            // A shorter chord is rounding; and an overlap that counts as zero may be below it.
+            if t <= h || (t - b.0).abs() <= CHORD * h {
+                break;
+            }
+            if t >= (1.0 + AHEAD) * h {
                 return;
             }
             let c = (t, predicted(frame, motion, drive, t));
@@ -274,10 +283,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             }
         }
         if let Some(contact) = self.contacts.found.last_mut() {
-            let t = b.0 - b.1 / slope;
-            if t > h {
-                (contact.release, contact.slopes[1]) = (t, slope);
-            }
+            (contact.release, contact.slopes[1]) = ((b.0 - b.1 / slope).max(just_after(h)), slope);
         }
     }
 
@@ -359,7 +365,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             && old.release < f64::INFINITY
         {
             // A contact that was assumed to end in the window ends soon after it.
-            (new.release, new.slopes[1]) = (old.release.max(frame.h * (1.0 + f64::EPSILON)), old.slopes[1]);
+            (new.release, new.slopes[1]) = (old.release.max(just_after(frame.h)), old.slopes[1]);
         }
         self.pending.diverged = false;
         sure.then_some(!same)
