@@ -10,6 +10,7 @@ use hertzchain::{
         Bifurcation, BifurcationKind, Branch, Continuation, End, Formulation, Kind, Orbit, OrbitPoint, Parameter,
         Shooting,
     },
+    run::state_at,
     study::{Kick, evolve, study},
 };
 use nalgebra::{Complex, DMatrix, DVector};
@@ -564,4 +565,19 @@ fn a_kick_along_a_mode_grows_by_its_multiplier_and_sets_the_kink_in_motion() {
     // Without a kick the breather does not move.
     let still = evolve(&orbit, 100.0 * orbit.setting.period(), None, &shooting, &|_, _| ()).unwrap();
     assert!(still.e_b[100] < 3e-13 && (still.position[100] - 0.5).abs() < 1e-11, "{:?}", still.e_b[100]);
+}
+
+// Truth: the period. All contacts begin or end at a quarter of it, so that windows for the states
+// there end within a rounding of a release of every second bond.
+#[test]
+fn an_orbit_has_its_state_where_all_its_contacts_begin_or_end() {
+    let orbit = of_mass(3.0, Center::Site, 1.2547).orbit(&Shooting::default()).unwrap();
+    let (period, chain) = (orbit.setting.period(), orbit.setting.chain().unwrap());
+    let control = StepControl::Tolerance(Shooting::default().tol);
+    let mut run = chain.collocation(&orbit.start(), (0.0, 299.0 * period), control).unwrap();
+    let quarters: Vec<_> = (0..64).map(|k| state_at(&mut run, 0.25 * f64::from(k) * period).unwrap()).collect();
+    let pairs = quarters.iter().flatten().zip(quarters[4..].iter().flatten());
+    let worst = pairs.map(|(now, later)| (later - now).abs()).fold(0.0, f64::max);
+    println!("{worst:e}");
+    assert!(worst < 1e-9, "{worst:e}");
 }
