@@ -36,6 +36,7 @@ impl Study for Integrals {
     const FILES: &'static str = "";
 
     fn begin(&self) -> Result<Work<'_>> {
+        self.within_ranges()?;
         let (averages, b, r) = (Averages::new(self.alpha, self.kappa)?, self.b, self.r);
         let values = averages.checked(b, r)?;
         // Slopes may be infinite where the averages begin; an average never is.

@@ -239,6 +239,7 @@ impl From<ChainParams> for Params {
 impl ChainParams {
     /// The parameters, if they keep the rules of every chain.
     pub(super) fn checked(&self) -> Result<Params> {
+        self.within_ranges()?;
         Params::new(self.alpha, self.kappa, self.rho)
     }
 }

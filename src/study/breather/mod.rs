@@ -82,6 +82,7 @@ options! {
 impl Bright {
     /// The scene of these numbers.
     fn scene(&self) -> Result<Scene> {
+        self.within_ranges()?;
         let &Self { center, boundary, epsilon, rho, alpha, kappa, sites, .. } = self;
         let until = match self.until {
             Some(until) => until,
@@ -168,6 +169,7 @@ impl Trivial {
     /// The scene with the numbers that are given. A number also replaces other keys by which the
     /// scene gives the same quantity.
     fn scene(&self) -> Result<Scene> {
+        self.within_ranges()?;
         let scene = super::scene(&self.scene, &self.set)?;
         let scene = if self.changes() { self.changed(&scene)? } else { scene };
         match self.until {

@@ -309,6 +309,7 @@ impl ContinueWave {
 
     /// The first wave and the continuation, checked as far as possible before the wave is known.
     fn checked(&self) -> Result<(Numbers, WaveContinuation)> {
+        self.within_ranges()?;
         let mut numbers = self.wanted.numbers()?;
         // Waves of a branch keep their shape, unless the mean strain is given or varies.
         if self.wanted.mean.is_none()

@@ -88,6 +88,7 @@ options! {
 impl ModulationStudy {
     /// The wave of the scene, or that of the numbers.
     fn options(&self) -> Result<StabilityOptions> {
+        self.within_ranges()?;
         let &Self { alpha, kappa, rho, a, b, q_over_pi, sites, measure, modes, chart, .. } = self;
         let modes = measure.then_some(modes);
         let Some(name) = &self.scene else {

@@ -412,7 +412,7 @@ pub fn branch(
 /// As [`branch`].
 pub fn begin(breather: &DarkBreather, continuation: &Continuation, weak: f64) -> Result<Branch> {
     if !(weak.is_finite() && weak >= 0.0) {
-        return Err(Error::parameter("weak", weak, "finite and at least zero"));
+        return Err(Error::parameter("weak", weak, "finite and at least 0"));
     }
     stays_dark(&breather.setting(), continuation)?;
     let branch = Branch::new(*continuation, breather.setting(), breather.orbit(&continuation.shooting)?)?;
