@@ -149,6 +149,23 @@ pub fn in_words(message: &str) -> String {
 /// A result whose error is an [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
+/// A value that must be finite and positive.
+///
+/// # Errors
+/// Another value, by its name.
+pub fn positive(name: &'static str, value: f64) -> Result<f64> {
+    let good = value.is_finite() && value > 0.0;
+    if good { Ok(value) } else { Err(Error::parameter(name, value, "finite and positive")) }
+}
+
+/// A value that must be finite.
+///
+/// # Errors
+/// Another value, by its name.
+pub fn finite(name: &'static str, value: f64) -> Result<f64> {
+    if value.is_finite() { Ok(value) } else { Err(Error::parameter(name, value, "a finite number")) }
+}
+
 fn best_residual(best: Option<&Iterate>) -> String {
     best.map_or("it broke down".to_owned(), |Iterate { residual, solved, place, .. }| {
         format!("the smallest residual is {residual:.1e} at {place}; it must be {solved:.0e}")

@@ -10,7 +10,7 @@
 
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, Site},
-    error::{Error, Result},
+    error::{Error, Result, finite},
 };
 use hertzchain_integrators::{DoubleDouble, Stats, Stepper};
 
@@ -54,9 +54,7 @@ impl TrivialBreather {
         if offsets.len() != amplitudes.len() {
             return Err(Error::parameter("d", counts(offsets, &amplitudes), "as many offsets as amplitudes"));
         }
-        if let Some(d) = offsets.iter().find(|d| !d.is_finite()) {
-            return Err(Error::parameter("d", d, "a finite number"));
-        }
+        offsets.iter().try_for_each(|&d| finite("d", d).map(drop))?;
         if let Some(n) = (1..offsets.len()).find(|&n| offsets[n] < offsets[n - 1]) {
             let values = format!("{} after {} at site {n}", offsets[n], offsets[n - 1]);
             return Err(Error::parameter("d", values, "the offsets do not decrease (constraint2)"));
@@ -79,9 +77,7 @@ impl TrivialBreather {
         if means.len() != amplitudes.len() {
             return Err(Error::parameter("b", counts(&means, &amplitudes), "as many means as amplitudes"));
         }
-        if let Some(b) = means.iter().find(|b| !b.is_finite()) {
-            return Err(Error::parameter("b", b, "a finite number"));
-        }
+        means.iter().try_for_each(|&b| finite("b", b).map(drop))?;
         let breather = Self { means, ..Self::oscillating(params, amplitudes, phases)? };
         let rounding = |n: usize| ROUNDINGS * f64::EPSILON * breather.means[n - 1].abs().max(breather.means[n].abs());
         match (1..breather.means.len()).find(|&n| breather.slack(n) < -rounding(n)) {
@@ -127,9 +123,7 @@ impl TrivialBreather {
         if let Some(&a) = amplitudes.iter().find(|a| !(a.is_finite() && **a >= 0.0)) {
             return Err(Error::parameter("amplitude", a, "finite and at least zero"));
         }
-        if let Some(&phi) = phases.iter().find(|phi| !phi.is_finite()) {
-            return Err(Error::parameter("phase", phi, "a finite number"));
-        }
+        phases.iter().try_for_each(|&phi| finite("phase", phi).map(drop))?;
         Ok(Self { means: vec![0.0; amplitudes.len()], params, amplitudes, phases })
     }
 

@@ -6,7 +6,7 @@
 
 use super::{
     DONE, Exit, FAILED, print, progress_bar,
-    runner::{EngineArgs, OUT_ALWAYS, part_text},
+    runner::{EngineArgs, part_text},
     say,
 };
 use crate::{
@@ -41,13 +41,11 @@ pub(crate) struct FiguresArgs {
         long_help = figures_help()
     )]
     only: Vec<String>,
-    #[arg(
-        long,
-        value_name = "DIR",
-        default_value = "out/figures",
-        help = OUT_ALWAYS,
-        long_help = format!("{OUT_ALWAYS}.\n\nFiles: NAME.png (or .svg, as --format says), the tables NAME-….csv, and NAME.json, which says what made them; figures.store, which keeps every finished figure for the next run.")
-    )]
+    /// Write the results to this folder.
+    ///
+    /// Files: NAME.png (or .svg, as --format says), the tables NAME-….csv, and NAME.json, which
+    /// says what made them; figures.store, which keeps every finished figure for the next run.
+    #[arg(long, value_name = "DIR", default_value = "out/figures")]
     out: PathBuf,
     #[command(flatten)]
     engine_args: EngineArgs,

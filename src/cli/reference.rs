@@ -3,8 +3,15 @@
 use super::args::Cli;
 use clap::{Arg, Command, CommandFactory};
 
-/// Flags that say the same in all commands that have them; `sweep` has them all.
-const COMMON: [&str; 6] = ["out", "json", "format", "shard", "engine", "instructions"];
+/// Flags that say the same in many commands; `sweep` has them all.
+const COMMON: [&str; 6] = ["--format", "--out", "--json", "--shard", "--engine", INSTRUCTIONS];
+/// The flag that every command has.
+const INSTRUCTIONS: &str = "--instructions";
+const HEAD: &str = "| flag | default | meaning |\n|---|---|---|\n";
+const ABOUT: &str = "\
+Generated: what `--help` says of the flags of each command. Every command has `--help` and
+`--instructions`; the other common options are named where a command has them.
+";
 
 /// Calls `tell` with the name of each command, and the command.
 fn each(command: &Command, path: &str, tell: &mut dyn FnMut(&str, &Command)) {
@@ -22,7 +29,8 @@ pub fn columns() -> String {
     each(&Cli::command(), "", &mut |path, command| {
         let out = command.get_arguments().find(|arg| arg.get_id() == "out").and_then(Arg::get_long_help);
         let files = out.map(ToString::to_string).unwrap_or_default();
-        if let Some(at) = files.find("Files: ").filter(|_| files.contains(".npz with an array")) {
+        // Columns stand after the name of their table.
+        if let Some(at) = files.find("Files: ").filter(|_| files.contains(".csv: ")) {
             text += &format!("\n## {path}\n\n{}\n", files[at..].trim_end());
         }
     });
@@ -31,28 +39,27 @@ pub fn columns() -> String {
 
 /// The flags of all commands with defaults and ranges, as `docs/options.md` has them.
 pub fn options() -> String {
-    let command = Cli::command();
-    // A folder by default is that of one command.
-    let own_folder = |arg: &Arg| arg.get_id() == "out" && !arg.get_default_values().is_empty();
-    let common = |arg: &&Arg| COMMON.contains(&arg.get_id().as_str()) && !own_folder(arg);
-    let mut text = "# Options\n\nGenerated: what `--help` says of the flags of each command.\n".to_owned();
+    let mut command = Cli::command().disable_help_flag(true).disable_help_subcommand(true).disable_version_flag(true);
+    // After this commands have the global flags of those above them.
+    command.build();
+    let name = |arg: &Arg| format!("--{}", arg.get_long().unwrap_or_default());
     let sweep = command.find_subcommand("sweep").into_iter().flat_map(Command::get_arguments);
-    text += &section("Common options", "", sweep.chain(command.get_arguments()).filter(common), false);
+    let rows: Vec<String> = sweep.filter(|arg| COMMON.contains(&&*name(arg))).map(|arg| row(arg, false)).collect();
+    let common = |arg: &&Arg| rows.contains(&row(arg, false));
+    let mut text = format!("# Options\n\n{ABOUT}\n## Common options\n\n{HEAD}{}", rows.concat());
     each(&command, "", &mut |path, command| {
+        if command.is_subcommand_required_set() {
+            return;
+        }
         let about = command.get_about().map(ToString::to_string).unwrap_or_default();
-        let own = command.get_arguments().filter(|arg| !common(arg));
-        text += &section(path, &about, own, true);
+        let names = command.get_arguments().filter(|arg| common(arg) && name(arg) != INSTRUCTIONS);
+        let names: Vec<String> = names.map(|arg| format!("`{}`", name(arg))).collect();
+        let names = if names.is_empty() { String::new() } else { format!(" Common options: {}.", names.join(", ")) };
+        let own: String = command.get_arguments().filter(|arg| !common(arg)).map(|arg| row(arg, true)).collect();
+        let table = if own.is_empty() { own } else { format!("\n{HEAD}{own}") };
+        text += &format!("\n## {path}\n\n{about}.{names}\n{table}");
     });
     text
-}
-
-fn section<'a>(name: &str, about: &str, arguments: impl Iterator<Item = &'a Arg>, whole: bool) -> String {
-    let rows: String = arguments.map(|arg| row(arg, whole)).collect();
-    let about = if about.is_empty() { String::new() } else { format!("{about}.\n\n") };
-    if rows.is_empty() {
-        return String::new();
-    }
-    format!("\n## {name}\n\n{about}| flag | default | meaning |\n|---|---|---|\n{rows}")
 }
 
 /// A row of a table: the flag with its value, the default, and its help, `whole` or in short.
@@ -60,7 +67,8 @@ fn row(arg: &Arg, whole: bool) -> String {
     let values = arg.get_value_names().unwrap_or_default().join(" ");
     let flag = arg.get_long().map_or(String::new(), |long| format!("--{long} "));
     let value = if arg.get_action().takes_values() { &*values } else { "" };
-    let default: Vec<_> = arg.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
+    let default = arg.get_default_values().iter().filter(|_| !value.is_empty());
+    let default: Vec<_> = default.map(|value| value.to_string_lossy()).collect();
     let long = arg.get_long_help().filter(|_| whole);
     let help = long.or(arg.get_help()).map(ToString::to_string).unwrap_or_default();
     let words: Vec<&str> = help.split_whitespace().collect();
@@ -72,5 +80,7 @@ fn row(arg: &Arg, whole: bool) -> String {
         default.join(","),
         words.join(" ").trim_end_matches('.').to_owned() + "." + &one_of,
     ];
-    format!("| {} |\n", cells.map(|cell| cell.replace('|', "\\|")).join(" | ").replace("|  |", "| |"))
+    let cell =
+        |text: &String| if text.is_empty() { " |".to_owned() } else { format!(" {} |", text.replace('|', "\\|")) };
+    format!("|{}\n", cells.iter().map(cell).collect::<String>())
 }

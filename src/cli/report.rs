@@ -1,6 +1,6 @@
 //! `hertzchain paper report`.
 
-use super::{DONE, Exit, FAILED, print, progress_bar, runner::OUT_ALWAYS, say};
+use super::{DONE, Exit, FAILED, print, progress_bar, say};
 use crate::{
     error::{Error, Result},
     interrupt,
@@ -21,13 +21,10 @@ pub(crate) struct ReportArgs {
     /// Of compare, order, theorem, stability, verify, figures.
     #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
     only: Vec<String>,
-    #[arg(
-        long,
-        value_name = "DIR",
-        default_value = "out/report",
-        help = OUT_ALWAYS,
-        long_help = format!("{OUT_ALWAYS}.\n\nFiles: report.html and report.json.")
-    )]
+    /// Write the results to this folder.
+    ///
+    /// Files: report.html and report.json.
+    #[arg(long, value_name = "DIR", default_value = "out/report")]
     out: PathBuf,
     /// Print JSON instead of text.
     ///

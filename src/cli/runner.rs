@@ -10,13 +10,13 @@ use crate::{
     study::{Study, Work},
     sweep::{Engine, Part, Shard},
 };
-use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, value_parser};
+use clap::{
+    Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches,
+    builder::{PossibleValuesParser, TypedValueParser},
+    value_parser,
+};
 use std::path::PathBuf;
 
-/// Help of `--out`, the same for all studies.
-const OUT: &str = "Write the results to this folder; without it, no file is written";
-/// The same for commands whose purpose is to write files; they have a default folder.
-pub(super) const OUT_ALWAYS: &str = "Write the results to this folder";
 const SHARD_NEEDS: &str = "a shard keeps its points in a folder: give --out DIR, the same for all shards";
 
 /// The engine of MPI jobs, by name.
@@ -39,14 +39,21 @@ pub(super) struct EngineArgs {
     /// the job of mpirun, each with RAYON_NUM_THREADS threads, one without it; rank 0 has store,
     /// output and progress, the others print nothing. Results have the same bytes. Needs a build
     /// with the feature mpi.
-    #[arg(long, value_name = "E", value_parser = ["threads", MPI], default_value = "threads", hide_short_help = true)]
-    engine: String,
+    #[arg(
+        long = "engine",
+        value_name = "E",
+        action = ArgAction::Set,
+        value_parser = PossibleValuesParser::new(["threads", MPI]).map(|name| name == MPI),
+        default_value = "threads",
+        hide_short_help = true
+    )]
+    mpi: bool,
 }
 
 impl EngineArgs {
     /// The engine of this process, `here` unless the command says otherwise, without a folder.
     pub(super) fn engine(&self, here: fn() -> Engine) -> Result<Engine> {
-        if self.engine == MPI { over_ranks() } else { Ok(here()) }
+        if self.mpi { over_ranks() } else { Ok(here()) }
     }
 
     /// The folder of the results. Shards share it.
@@ -96,8 +103,12 @@ impl<S: Study> StudyCommand<S> {
             return Ok(DONE);
         }
         let work = self.study.begin()?;
-        let folder =
-            self.out.clone().or_else(|| self.study.beside()).map(|out| self.engine_args.own(out)).transpose()?;
+        let folder = self
+            .out
+            .clone()
+            .or_else(|| self.study.default_folder())
+            .map(|out| self.engine_args.own(out))
+            .transpose()?;
         self.carry_out(work, &self.engine_args.keeping(engine, folder.as_ref())?)
     }
 
@@ -194,14 +205,15 @@ impl<S: Study + FromArgMatches> FromArgMatches for StudyCommand<S> {
 
 /// Adds `--out`, for a study that writes files, and `--json`. `files` are the words on them.
 fn with_outputs(command: Command, files: &str) -> Command {
-    let out = Arg::new("out").long("out").value_name("DIR").value_parser(value_parser!(PathBuf)).help(OUT);
+    let out = Arg::new("out").long("out").value_name("DIR").value_parser(value_parser!(PathBuf));
+    let help = "Write the results to this folder";
     let json = Arg::new("json").long("json").action(ArgAction::SetTrue).help("Print JSON instead of text");
     if files.is_empty() {
         return command.arg(json);
     }
     #[cfg(feature = "plot")]
     let command = if draws(files) { super::formats::Formats::augment_args(command) } else { command };
-    command.arg(out.long_help(format!("{OUT}.\n\n{files}"))).arg(json)
+    command.arg(out.help(help).long_help(format!("{help}.\n\n{files}"))).arg(json)
 }
 
 /// Whether there are pictures among the files of a study.

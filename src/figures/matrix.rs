@@ -19,7 +19,7 @@ const NOTE: f64 = 13.0;
 ///
 /// # Errors
 ///
-/// No cell, another number of values or notes than cells, more text than fits.
+/// No cell, another number of values or notes than cells, or more text than fits.
 pub fn matrix(figure: &Matrix) -> Result<Picture, Error> {
     let Matrix { title, rows, columns, labels: [column_label, value_label], values, notes, caption } = figure;
     let cells = rows.len() * columns.len();

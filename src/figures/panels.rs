@@ -124,7 +124,7 @@ impl Panel {
 /// # Errors
 ///
 /// No column, a column without panels, a panel without a point that its axes can show, an inset of
-/// a line that does not exist or on a logarithmic ordinate, more text than fits.
+/// a line that does not exist or on a logarithmic ordinate, or more text than fits.
 pub fn panels(figure: &Panels) -> Result<Picture, Error> {
     let rows = figure.columns.iter().map(Column::height).fold(2.0, f64::max);
     if figure.columns.is_empty() || figure.columns.iter().any(|column| column.panels.is_empty()) {

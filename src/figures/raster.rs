@@ -29,7 +29,7 @@ impl Raster {
 ///
 /// # Errors
 ///
-/// Bonds, times or a bar that are not finite or decrease, more text than fits.
+/// Bonds, times or a bar that are not finite or decrease, or more text than fits.
 pub fn raster(figure: &Raster) -> Result<Picture, Error> {
     let ((first, last), (start, end)) = (figure.bonds, figure.times);
     let forward = |lo: f64, hi: f64| usable(lo) && usable(hi) && lo <= hi;

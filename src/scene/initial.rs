@@ -8,7 +8,7 @@ use crate::{
     breathers::{BrightBreather, TrivialBreather},
     chain::{Boundary, Chain, Site, State},
     dps::Center,
-    error::{Error, Result},
+    error::{Error, Result, finite, positive},
     run::{Initial as Start, Measure},
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
@@ -175,7 +175,7 @@ fn given(chain: &Chain<f64>, arrays: [&[f64]; 4]) -> Result<State<f64>> {
             let rule = "an array of the state has one number a site, or is left out";
             return Err(Error::parameter(name, numbers_for(array, n), rule));
         }
-        array.iter().try_for_each(|&value| finite(name, value))?;
+        array.iter().try_for_each(|&value| finite(name, value).map(drop))?;
     }
     let [u, v, u_dot, v_dot] = arrays;
     if !(chain.layout().resonators() || v.is_empty() && v_dot.is_empty()) {
@@ -190,15 +190,6 @@ fn given(chain: &Chain<f64>, arrays: [&[f64]; 4]) -> Result<State<f64>> {
     }
     let at = |array: &[f64], i: usize| array.get(i).copied().unwrap_or(0.0);
     State::from_fn(chain, |i| Site { u: at(u, i), v: at(v, i), u_dot: at(u_dot, i), v_dot: at(v_dot, i) })
-}
-
-pub(super) fn positive(name: &'static str, value: f64) -> Result<f64> {
-    let good = value.is_finite() && value > 0.0;
-    if good { Ok(value) } else { Err(Error::parameter(name, value, "finite and positive")) }
-}
-
-fn finite(name: &'static str, value: f64) -> Result<()> {
-    if value.is_finite() { Ok(()) } else { Err(Error::parameter(name, value, "a finite number")) }
 }
 
 fn trivial_breather(chain: &Chain<f64>, section: &TrivialSection) -> Result<TrivialBreather> {

@@ -34,7 +34,7 @@ pub use values::{Rule, Values};
 use crate::{
     breathers::{BrightBreather, TrivialBreather},
     chain::{Chain, Resonators, State},
-    error::{Error, Result},
+    error::{Error, Result, positive},
     memory::lacking,
     output::read,
     run::{Initial as Start, Method, Run, Setting, checked_end},
@@ -42,7 +42,7 @@ use crate::{
 };
 use builtin::BUILTIN;
 use hertzchain_integrators::Error as Failure;
-use initial::{initial_state, positive, within_range};
+use initial::{initial_state, within_range};
 use std::{f64::consts::PI, path::Path};
 
 /// Largest number of sites; a state of that size takes 3.2 GB.

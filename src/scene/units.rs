@@ -127,7 +127,7 @@ impl UnitsSection {
         let young = list("units.young", &self.young, positive, rule)?;
         let (ratio, ratios) = (|x: f64| x > -1.0 && x <= 0.5, "Poisson's ratio is above -1 and at most 1/2");
         let poisson = list("units.poisson", &self.poisson, ratio, ratios)?;
-        self.wall_young.map(|young| super::initial::positive("units.wall_young", young)).transpose()?;
+        self.wall_young.map(|young| crate::error::positive("units.wall_young", young)).transpose()?;
         if let Some(poisson) = self.wall_poisson.filter(|&poisson| !ratio(poisson)) {
             return Err(Error::parameter("units.wall_poisson", poisson, ratios));
         }

@@ -51,7 +51,7 @@ options! {
         from: Option<f64> = None, "P";
         /// Largest frequency of the breathers [default: 1.05 omega].
         ///
-        /// In radians per unit of time.
+        /// In radians per unit of time, above --from.
         to: Option<f64> = None, "P";
         /// Number of frequencies, equally spaced.
         frequencies: usize = 19, "N", (2 or more);

@@ -71,7 +71,7 @@ options! {
         drive: f64 = 0.05, "A", (1e-10 to 1e6);
         /// Static overlap of all contacts.
         overlap: f64 = 0.05, "G", (positive);
-        /// Mass ratio resonator to bead, positive.
+        /// Mass ratio resonator to bead.
         rho: f64 = 1.0 / 3.0, "R", (positive);
     }
 }

@@ -117,7 +117,7 @@ pub(super) type BranchRow<'a, P> = (&'a <P as Problem>::Orbit, Option<&'a Point<
 
 /// The rows of a branch: its points and, if the process was asked to end before their multipliers
 /// were known, also its other orbits.
-pub(super) fn told<P: Problem>(branch: &Branch<P>) -> Vec<BranchRow<'_, P>> {
+pub(super) fn rows<P: Problem>(branch: &Branch<P>) -> Vec<BranchRow<'_, P>> {
     let later = &branch.orbits[branch.points.len() + branch.gaps.len()..];
     let later = if branch.ended() == End::Stopped { later } else { &[] };
     let points = branch.points.iter().map(|point| (&point.orbit, Some(point)));

@@ -20,17 +20,15 @@ options! {
     /// The averaged contact force, its harmonic, and their derivatives.
     pub struct Integrals {
         /// Exponent of the contact force; 1.5 for spheres.
-        ///
-        /// Above 0 and at most 10.
-        alpha: f64 = 1.5, "A";
-        /// Spring constant of the resonators, positive.
-        kappa: f64 = 1.0, "K";
+        alpha: f64 = 1.5, "A", (above 0 to 10);
+        /// Spring constant of the resonators.
+        kappa: f64 = 1.0, "K", (positive);
         /// Mean strain.
         ///
         /// The overlap of the bond is -b + 2 kappa r cos t; all values are zero for b >= 2 kappa r.
-        b: f64 = f64::NAN, "B";
-        /// Amplitude r of the oscillation, at least zero.
-        r: f64 = f64::NAN, "R";
+        b: f64 = f64::NAN, "B", (finite);
+        /// Amplitude r of the oscillation.
+        r: f64 = f64::NAN, "R", (from 0);
     }
 }
 
@@ -38,6 +36,7 @@ impl Study for Integrals {
     const FILES: &'static str = "";
 
     fn begin(&self) -> Result<Work<'_>> {
+        self.within_ranges()?;
         let (averages, b, r) = (Averages::new(self.alpha, self.kappa)?, self.b, self.r);
         let values = averages.checked(b, r)?;
         // Slopes may be infinite where the averages begin; an average never is.
@@ -82,9 +81,7 @@ options! {
     /// Homoclinic solutions: profiles of bright breathers.
     pub struct Homoclinics {
         /// Exponent of the contact force; 1.5 for spheres.
-        ///
-        /// From 1.01 to 10.
-        alpha: f64 = 1.5, "A";
+        alpha: f64 = 1.5, "A", (1.01 to 10);
         /// What the profile is symmetric about.
         center: Center = Center::Site, "C";
     }
@@ -186,10 +183,10 @@ options! {
         /// The chain.
         params: ChainParams = ChainParams::default(), [command(flatten)];
         /// Mean strain of the background at mu = 1.
-        c: f64 = 0.0, "C";
-        /// Frequency of the breather, in radians per unit of time.
+        c: f64 = 0.0, "C", (finite);
+        /// Frequency of the breather, in radians per unit of time [default: 1.005 omega].
         ///
-        /// Above omega = sqrt(kappa (1 + 1/rho)) [default: 1.005 omega].
+        /// Above omega = sqrt(kappa (1 + 1/rho)).
         omega_b: Option<f64> = None, "W";
     }
 }

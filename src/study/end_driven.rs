@@ -71,7 +71,7 @@ options! {
         ///
         /// Separated by commas, in radians per unit of time; above omega = sqrt(1 + 1/rho).
         omegas: Vec<f64> = vec![2.03, 2.05], "W,..";
-        /// Mass ratio resonator to bead, positive.
+        /// Mass ratio resonator to bead.
         rho: f64 = 1.0 / 3.0, "R", (positive);
         /// Drag on beads: force per velocity of a bead.
         drag: f64 = 0.01, "C", (from 0);

@@ -122,7 +122,7 @@ pub trait Study {
     fn begin(&self) -> Result<Work<'_>>;
 
     /// The folder for its files if the command names none.
-    fn beside(&self) -> Option<PathBuf> {
+    fn default_folder(&self) -> Option<PathBuf> {
         None
     }
 }

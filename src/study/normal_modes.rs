@@ -43,20 +43,19 @@ options! {
     /// The branch of a mode.
     #[derive(Copy, PartialEq)]
     pub struct ModeWay {
-        /// Number of the linear mode, from 1 on, the lowest frequency first.
-        ///
-        /// [default: the most localised one]
+        /// Number of the linear mode, the lowest frequency first [default: the most localised one].
         linear_mode: Option<usize> = None, "K", (1 or more);
         /// Amplitude at which the branch ends.
         ///
         /// The amplitude is the displacement, at the start of the period, of the bead or resonator
         /// that moves most in the linear mode.
-        to: f64 = f64::NAN, "A";
-        /// Largest change of the amplitude from point to point.
+        to: f64 = f64::NAN, "A", (positive);
+        /// Largest change of the amplitude from point to point [default: a twentieth of the last
+        /// one].
         ///
         /// The branch begins at this amplitude, or at a smaller one if the orbit found there is not
-        /// near the linear mode [default: a twentieth of the last one].
-        step: Option<f64> = None, "DA";
+        /// near the linear mode. At most the last amplitude.
+        step: Option<f64> = None, "DA", (positive);
         /// What every branch asks for.
         branch: BranchOptions = BranchOptions::default(), [command(flatten)];
     }
@@ -72,7 +71,7 @@ impl ModeWay {
         Self { to: read(self.to), step: self.step.map(read), ..*self }
     }
 
-    /// The modes of a scene, the continuation, and the units in which it was given and is told.
+    /// The modes of a scene, the continuation, and the units in which it was given and is reported.
     fn for_scene(&self, scene: &Scene, si: InSi) -> Result<(NormalModes, ModeContinuation, Option<Units>)> {
         let si = si.units(scene)?;
         let (modes, scale) = (NormalModes::new(scene.chain())?, Scale(si.as_ref()));
@@ -120,7 +119,7 @@ const STORE: &str = "mode-bifurcations.store";
 const SWITCHED_STORE: &str = "switched-bifurcations.store";
 
 /// The branch of a normal mode of a conservative scene. In SI units, `to` and `step` of the way are
-/// read, and the report is told, in these. `progress` is told the share done.
+/// read, and the report is written, in these. `progress` is told the share done.
 ///
 /// # Errors
 /// A scene that dissipates or is driven, or whose contacts do not hold every bead, or without the
@@ -213,7 +212,7 @@ fn bifurcations<'a>(
 
 impl ModeStudy {
     /// Displacements of beads and of resonators at the start of an orbit, from the equilibrium, as
-    /// they are told; zero where no resonator moves.
+    /// they are reported; zero where no resonator moves.
     fn displacements(&self, point: &ModePoint) -> [Vec<f64>; 2] {
         let n = self.scene.chain().sites();
         let mut both = [vec![0.0; n], vec![0.0; n]];
@@ -226,7 +225,7 @@ impl ModeStudy {
 
     /// Adds points, bifurcations and the last orbit of a branch.
     fn tell(&self, report: Report, at: Option<usize>, branch: &ModeBranch) -> Report {
-        let (si, last, rows) = (self.si.as_ref(), branch.points.last(), branches::told(branch));
+        let (si, last, rows) = (self.si.as_ref(), branch.points.last(), branches::rows(branch));
         let last = last.map(|last| {
             let [u, v] = self.displacements(last);
             let start = branch.setting.state(&last.orbit);
@@ -270,8 +269,8 @@ impl ModeStudy {
             None => (Quantity::Omega, "frequency ω"),
             Some(_) => (Quantity::Frequency, "frequency ω/2π"),
         };
-        let amplitude = |orbit: &ModeOrbit| scale.told(Quantity::Length, orbit.amplitude.abs());
-        let place = |orbit: &ModeOrbit| (amplitude(orbit), scale.told(frequency, orbit.omega));
+        let amplitude = |orbit: &ModeOrbit| scale.reported(Quantity::Length, orbit.amplitude.abs());
+        let place = |orbit: &ModeOrbit| (amplitude(orbit), scale.reported(frequency, orbit.omega));
         let mut lines = branches::lines(
             branch,
             &self.switched,
@@ -279,7 +278,7 @@ impl ModeStudy {
             |point| point.unstable() == 0,
             |one| place(&one.orbit),
         );
-        let near = linear.iter().map(|mode| (0.0, scale.told(frequency, mode.omega)));
+        let near = linear.iter().map(|mode| (0.0, scale.reported(frequency, mode.omega)));
         lines.insert(2, Line::new("linear modes", near));
         let share = |(name, branch): (&str, &ModeBranch)| {
             Line::new(name, branch.points.iter().map(|point| (amplitude(&point.orbit), point.measures.participation)))
@@ -306,7 +305,8 @@ impl ModeStudy {
         let frequency = match self.si {
             None => format!("ω₀ = {omega:.6}; on the right a = {a}"),
             Some(_) => {
-                let [hertz, metres] = [(frequency, omega), (Quantity::Length, a)].map(|(kind, x)| scale.told(kind, x));
+                let [hertz, metres] =
+                    [(frequency, omega), (Quantity::Length, a)].map(|(kind, x)| scale.reported(kind, x));
                 format!("ω₀/2π = {} Hz; on the right a = {} m", format_short(hertz), format_short(metres))
             }
         };

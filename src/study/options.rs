@@ -105,6 +105,9 @@ macro_rules! range {
     (positive) => {
         (0.0_f64.next_up()..=f64::MAX, "finite and positive")
     };
+    (end) => {
+        (1e-100..=1e100, "from 1e-100 to 1e100")
+    };
     (finite) => {
         (f64::MIN..=f64::MAX, "a finite number")
     };
@@ -219,15 +222,11 @@ options! {
     #[derive(Copy, PartialEq)]
     pub struct ChainParams {
         /// Exponent of the contact force; 1.5 for spheres.
-        ///
-        /// From 1.01 to 10.
-        alpha: f64 = 1.5, "A";
-        /// Spring constant of the resonators, positive.
-        kappa: f64 = 1.0, "K";
-        /// Mass ratio resonator to bead, positive.
-        ///
-        /// Finite.
-        rho: f64 = 1.0 / 3.0, "R";
+        alpha: f64 = 1.5, "A", (1.01 to 10);
+        /// Spring constant of the resonators.
+        kappa: f64 = 1.0, "K", (positive);
+        /// Mass ratio resonator to bead.
+        rho: f64 = 1.0 / 3.0, "R", (positive);
     }
 }
 
@@ -240,6 +239,7 @@ impl From<ChainParams> for Params {
 impl ChainParams {
     /// The parameters, if they keep the rules of every chain.
     pub(super) fn checked(&self) -> Result<Params> {
+        self.within_ranges()?;
         Params::new(self.alpha, self.kappa, self.rho)
     }
 }

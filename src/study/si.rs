@@ -1,4 +1,4 @@
-//! Numbers of studies in SI units: read from options, told in reports.
+//! Numbers of studies in SI units: read from options, and of reports.
 //!
 //! What is computed and what a file keeps for `--resume` stays dimensionless.
 
@@ -16,10 +16,10 @@ pub(super) const ALL_IN_SI: &str = "all numbers here are in SI units";
 pub struct InSi {
     /// Results in SI units, for scenes with a table `[units]`.
     ///
-    /// All that is printed and written, in metres, seconds, newtons and joules, except files for
-    /// --resume and messages of failures; and the values of --to and --step. An amplitude of a
-    /// drive is in m if the drive moves a bead, in N if it pushes one. `omega` is in rad/s, as in
-    /// the scene; `frequency`, in Hz, stands beside it. Names of fields and columns do not change.
+    /// Results are in metres, seconds, newtons and joules, except files for --resume and messages
+    /// of failures. A branch takes --to and --step in these units, too. The amplitude of a drive is
+    /// in m if it moves a bead, in N if it pushes one. `omega` is in rad/s, as in the scene;
+    /// `frequency`, in Hz, stands beside it. Names of fields and columns do not change.
     #[cfg_attr(feature = "cli", arg(long, hide_short_help = true))]
     pub si: bool,
 }
@@ -34,19 +34,19 @@ impl InSi {
     }
 }
 
-/// The units in which numbers are read and told: SI units, or those of the chain.
+/// The units in which numbers are read and reported: SI units, or those of the chain.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale<'a>(pub(super) Option<&'a Units>);
 
 impl Scale<'_> {
-    /// A number of the chain as it is told.
-    pub(super) fn told(self, quantity: Quantity, value: f64) -> f64 {
+    /// A number of the chain as it is reported.
+    pub(super) fn reported(self, quantity: Quantity, value: f64) -> f64 {
         self.0.map_or(value, |units| units.to_si(quantity, value))
     }
 
-    /// Numbers of one kind as they are told.
+    /// Numbers of one kind as they are reported.
     pub(super) fn all(self, quantity: Quantity, values: &[f64]) -> Vec<f64> {
-        values.iter().map(|&value| self.told(quantity, value)).collect()
+        values.iter().map(|&value| self.reported(quantity, value)).collect()
     }
 
     /// The number of the chain for one that was given.
@@ -64,7 +64,7 @@ impl Scale<'_> {
 
     /// A number with so many decimals; in SI units with an exponent, since it may be tiny.
     pub(super) fn shown(self, quantity: Quantity, value: f64, decimals: usize) -> String {
-        let value = self.told(quantity, value);
+        let value = self.reported(quantity, value);
         match self.0 {
             Some(_) if quantity != Quantity::Number => format!("{value:.decimals$e}"),
             _ => format!("{value:.decimals$}"),

@@ -36,15 +36,13 @@ options! {
     pub struct Solitary {
         /// Exponent of the contact force; 1.5 for spheres.
         alpha: f64 = 1.5, "A", (1.2 to 5);
-        /// Spring constant of the resonators, positive.
+        /// Spring constant of the resonators.
         kappa: f64 = 1.0, "K", (positive);
-        /// Speed of the pulses, in sites per unit of time.
-        ///
-        /// [default: that of the pulse of overlap 1 without resonators]
+        /// Speed of the pulses, in sites per unit of time [default: that of the pulse of overlap 1
+        /// without resonators].
         speed: Option<f64> = None, "C", (1e-3 to 1e3);
-        /// Mass ratios resonator to bead, separated by commas.
-        ///
-        /// [default: ratios with omega/speed from 1.5 pi to 3.6 pi]
+        /// Mass ratios resonator to bead, separated by commas [default: ratios with omega/speed
+        /// from 1.5 pi to 3.6 pi].
         rhos: Vec<f64> = vec![], "A,B,..", (1e-6 to 100);
         /// Number of sites.
         ///

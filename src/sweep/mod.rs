@@ -73,7 +73,7 @@ pub(crate) fn counted(progress: Progress<'_>) -> impl Fn(u64, u64) + Sync {
 pub type Row<U> = std::result::Result<U, String>;
 
 /// Makes the row of the point of this number, as text; see [`Backend`].
-pub type Work<'a> = &'a (dyn Fn(usize) -> String + Sync);
+pub type Task<'a> = &'a (dyn Fn(usize) -> String + Sync);
 
 /// Takes the number of a point and its row; see [`Backend`].
 pub type Done<'a> = &'a (dyn Fn(usize, String) -> Result<()> + Sync);
@@ -90,7 +90,7 @@ pub trait Backend {
     ///
     /// # Errors
     /// The first error of `done`; then the backend stops as soon as it can.
-    fn run(&self, todo: &[usize], work: Work<'_>, done: Done<'_>) -> Result<()>;
+    fn run(&self, todo: &[usize], work: Task<'_>, done: Done<'_>) -> Result<()>;
 
     /// Whether this process computes points for another one, which has the store and the results:
     /// [`run`](Self::run) then takes points from there, and calls `done` for none.

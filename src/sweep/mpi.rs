@@ -12,7 +12,7 @@
 //! | `ROW` | rank to 0 | number of the point, microseconds that it took, text of the row |
 //! | `END` | 0 to rank | nothing |
 
-use super::{Backend, Done, Work, locked};
+use super::{Backend, Done, Task, locked};
 use crate::{error::Result, ranks::universe};
 use mpi::{
     Tag,
@@ -90,7 +90,7 @@ impl Mpi {
     }
 
     /// Deals points and computes some, as rank 0.
-    fn deal(&self, todo: &[usize], work: Work<'_>, done: Done<'_>) -> Result<()> {
+    fn deal(&self, todo: &[usize], work: Task<'_>, done: Done<'_>) -> Result<()> {
         let world = self.world();
         let (next, failed, failure) = (AtomicUsize::new(0), AtomicBool::new(false), Mutex::new(None));
         let take = || {
@@ -137,7 +137,7 @@ impl Mpi {
     }
 
     /// Computes the points that rank 0 gives, until it sends `END`.
-    fn serve(&self, work: Work<'_>) {
+    fn serve(&self, work: Task<'_>) {
         let world = self.world();
         let root = world.process_at_rank(0);
         root.send_with_tag(&[self.threads as u64], READY);
@@ -196,7 +196,7 @@ impl Rank {
 }
 
 impl Backend for Mpi {
-    fn run(&self, todo: &[usize], work: Work<'_>, done: Done<'_>) -> Result<()> {
+    fn run(&self, todo: &[usize], work: Task<'_>, done: Done<'_>) -> Result<()> {
         if self.serves() {
             self.serve(work);
             return Ok(());

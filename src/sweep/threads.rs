@@ -1,6 +1,6 @@
 //! Computation on the threads of this process, or on one thread without the feature `parallel`.
 
-use super::{Backend, Done, Work};
+use super::{Backend, Done, Task};
 use crate::error::Result;
 #[cfg(feature = "parallel")]
 use crate::interrupt;
@@ -11,7 +11,7 @@ use std::sync::{Mutex, PoisonError};
 pub struct Threads;
 
 impl Backend for Threads {
-    fn run(&self, todo: &[usize], work: Work<'_>, done: Done<'_>) -> Result<()> {
+    fn run(&self, todo: &[usize], work: Task<'_>, done: Done<'_>) -> Result<()> {
         #[cfg(not(feature = "parallel"))]
         return InTurn.run(todo, work, done);
         #[cfg(feature = "parallel")]
@@ -29,7 +29,7 @@ impl Backend for Threads {
 pub struct InTurn;
 
 impl Backend for InTurn {
-    fn run(&self, todo: &[usize], work: Work<'_>, done: Done<'_>) -> Result<()> {
+    fn run(&self, todo: &[usize], work: Task<'_>, done: Done<'_>) -> Result<()> {
         todo.iter().try_for_each(|&k| done(k, work(k)))
     }
 }

@@ -26,7 +26,7 @@ pub use stability::{Eigenvalue, Modulation, ModulationStability};
 use crate::{
     chain::{Params, Resonators, Site, max_norm},
     dps::Averages,
-    error::{Error, Result},
+    error::{Error, Result, finite},
 };
 use std::f64::consts::PI;
 
@@ -85,11 +85,7 @@ impl TravellingWave {
             ));
         }
         let Shape { q, a, b, phi } = shape;
-        for (name, value) in [("q", q), ("b", b), ("phi", phi)] {
-            if !value.is_finite() {
-                return Err(Error::parameter(name, value, "a finite number"));
-            }
-        }
+        [("q", q), ("b", b), ("phi", phi)].into_iter().try_for_each(|(name, value)| finite(name, value).map(drop))?;
         if q.abs() > PI {
             return Err(Error::parameter("q", q, "the wave number is from -pi to pi: a lattice knows no other"));
         }

@@ -428,12 +428,12 @@ fn dps_integrals_keep_their_contract() {
     let text = stdout(&hertzchain(&["dps", "integrals", "--b", "0", "--r", "1"]));
     assert!(text.contains("mean contact force") && text.contains("6.47223121426055"), "{text}");
     for (flag, value, rule) in [
-        ("--r", "-1", "r = -1 is not valid: the amplitude is finite and at least zero"),
+        ("--r", "-1", "r = -1 is not valid: finite and at least 0"),
         ("--r", "inf", "r = inf"),
-        ("--b", "nan", "b = NaN is not valid: the mean strain is finite"),
-        ("--alpha", "0", "alpha = 0 is not valid: the exponent is positive and at most 10"),
+        ("--b", "nan", "b = NaN is not valid: a finite number"),
+        ("--alpha", "0", "alpha = 0 is not valid: above 0 and at most 10"),
         ("--alpha", "10.5", "alpha = 10.5"),
-        ("--kappa", "0", "kappa = 0 is not valid: the spring constant is finite and positive"),
+        ("--kappa", "0", "kappa = 0 is not valid: finite and positive"),
     ] {
         let mut args = vec!["dps", "integrals", "--json"];
         for pair in [["--b", "0"], ["--r", "1"]] {

@@ -300,7 +300,7 @@ fn wrong_inputs_are_refused_in_words_that_help() {
         (&["run", "--resume", &empty], 2, "not an NPZ file"),
         (&["breather", "trivial", "--amplitudes", "0.1,0.2", "--phases", "0,1,2"], 2, "phases = 3 numbers for 2 sites"),
         (&["breather", "trivial", "--amplitudes", "0.1,0.2", "--means", "0"], 2, "b = 1 numbers for 2 amplitudes"),
-        (&["breather", "trivial", "--amplitudes", "-0.1,0.2"], 2, "amplitude = -0.1 is not valid"),
+        (&["breather", "trivial", "--amplitudes", "-0.1,0.2"], 2, "amplitudes = -0.1 is not valid"),
         (&["breather", "dark", "--tol", "7"], 2, "is not valid: from 1e-15 to 0.1"),
         (&["breather", "evolve", &astray], 2, "neither an orbit of `breather dark` nor a branch.npz"),
         (&["breather", "evolve", &csv], 2, "neither an orbit of `breather dark` nor a branch.npz"),

@@ -804,7 +804,7 @@ mod processes {
         );
         assert!(said.contains(&format!("stopped by a signal: {missing} seeds of 60 were not run")), "{said}");
 
-        // All rungs take minutes.
+        // All levels take minutes.
         let out = text("c");
         let line = "compare tw-q15 --integrators strang-linear,verlet --set span.periods=10000 --max-time 600 --out";
         let args: Vec<&str> = line.split(' ').chain([out.as_str()]).collect();

@@ -315,13 +315,13 @@ fn a_scene_with_an_exact_solution_runs_without_integrator_unless_one_is_asked_fo
 #[test]
 fn breathers_outside_their_rules_are_refused() {
     for (flag, value, rule) in [
-        ("--epsilon", "0", "epsilon = 0 is not valid: the size of the breather is finite and positive"),
+        ("--epsilon", "0", "epsilon = 0 is not valid: finite and positive"),
         ("--epsilon", "-1", "epsilon = -1"),
         ("--epsilon", "nan", "epsilon = NaN"),
         ("--rho", "0", "rho = 0 is not valid: a bright breather needs resonators"),
         ("--rho", "-2", "rho = -2"),
         ("--kappa", "0", "kappa = 0 is not valid"),
-        ("--alpha", "1", "alpha = 1 is not valid: homoclinics are computed for alpha from 1.01 to 10"),
+        ("--alpha", "1", "alpha = 1 is not valid: from 1.01 to 10"),
         ("--sites", "4", "sites = 4 is not valid: the chain holds the breather"),
         ("--sites", "0", "sites = 0"),
         ("--until", "-3", "until = -3"),

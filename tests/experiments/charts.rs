@@ -65,8 +65,8 @@ fn kinetic_splits_lose_stability_where_the_oscillator_says() {
         let (found, truth) = (measured.stability.unwrap(), limit(method));
         assert!((found / truth - 1.0).abs() < 4e-4, "{}: {found} for {truth}", method.name());
         // Far above the limit the run is lost, and far below it is not.
-        assert_eq!(measured.ladder[0].verdict, Behaviour::Lost);
-        assert_ne!(measured.usual.verdict, Behaviour::Lost);
+        assert_eq!(measured.ladder[0].behaviour, Behaviour::Lost);
+        assert_ne!(measured.usual.behaviour, Behaviour::Lost);
     }
 }
 
@@ -144,7 +144,7 @@ fn worst(study: &ChartStudy) -> (&ChartPoint, f64) {
 fn collocation_is_lost_nowhere_and_keeps_its_energy_to_the_tolerance_at_the_corners() {
     let study = study(&[Chart::Light, Chart::Stiffness, Chart::Alpha, Chart::Length], named(&["collocation"]));
     assert!(study.points.len() > 20);
-    let verdict = |point: &ChartPoint| point.measured.as_ref().unwrap().usual.verdict;
+    let verdict = |point: &ChartPoint| point.measured.as_ref().unwrap().usual.behaviour;
     let [stable, drifting] = [Behaviour::Stable, Behaviour::Drifting]
         .map(|of| study.points.iter().filter(|point| verdict(point) == of).count());
     println!("{stable} stable, {drifting} drifting of {}", study.points.len());

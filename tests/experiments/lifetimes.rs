@@ -278,7 +278,7 @@ fn the_table_says_what_happened_and_bad_input_is_refused_with_the_value_and_the_
         (["--epsilons", "0.1,0.1"], "--epsilons: 0.1 is there twice"),
         (["--rhos", "inf"], "rhos = inf is not valid: finite and positive"),
         (["--rhos", "0"], "rhos = 0 is not valid"),
-        (["--alpha", "1"], "alpha = 1 is not valid: homoclinics are computed for alpha from 1.01 to 10"),
+        (["--alpha", "1"], "alpha = 1 is not valid: from 1.01 to 10"),
         (["--sites", "19"], "sites = 19 is not valid: from 20 to 100000"),
         (["--until", "nan"], "until = NaN is not valid: finite and positive"),
         (["--until", "1e9"], "at most 10^6 periods"),

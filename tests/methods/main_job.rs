@@ -156,24 +156,24 @@ fn compare_marks_what_it_cannot_judge_and_keeps_what_failed() {
         &|_, _| (),
     )
     .unwrap();
-    let entrants =
+    let candidates =
         methods.iter().copied().map(Candidate::Method).chain([Loop::VERLET, Loop::ROTATION].map(Candidate::Plain));
-    let entrants: Vec<Candidate> = entrants.collect();
-    assert_eq!(comparison.entrants(), entrants);
+    let candidates: Vec<Candidate> = candidates.collect();
+    assert_eq!(comparison.candidates(), candidates);
     assert!(comparison.reference.error_estimate < 1e-9);
     // Yoshida's scheme of order 8 is unstable with one step a period: its row holds the reason and
     // no error.
-    let failed = comparison.rows_of(&entrants[2])[0];
+    let failed = comparison.rows_of(&candidates[2])[0];
     assert!(failed.error.is_none() && failed.wall.is_none() && failed.failure.is_some(), "{failed:?}");
     // Truth for the slopes: order 2.
     for of in [0, 1, 4, 5] {
-        let slope = comparison.slope(&entrants[of]).unwrap();
-        assert!((1.8..2.4).contains(&slope), "{}: {slope}", entrants[of].name());
+        let slope = comparison.slope(&candidates[of]).unwrap();
+        assert!((1.8..2.4).contains(&slope), "{}: {slope}", candidates[of].name());
     }
     // The plain loops are Verlet and Strang's scheme on the exact linear flow, so errors agree but
     // for rounding.
     for (ours, plain) in [(0, 4), (1, 5)] {
-        let (ours, plain) = (comparison.rows_of(&entrants[ours]), comparison.rows_of(&entrants[plain]));
+        let (ours, plain) = (comparison.rows_of(&candidates[ours]), comparison.rows_of(&candidates[plain]));
         for (ours, plain) in ours.iter().zip(plain).filter(|(ours, _)| !ours.below_reference) {
             assert_eq!(ours.setting, plain.setting);
             let (ours, plain) = (ours.error.unwrap(), plain.error.unwrap());
@@ -189,16 +189,21 @@ fn compare_marks_what_it_cannot_judge_and_keeps_what_failed() {
 
 #[test]
 fn a_ladder_is_whole_or_says_why_not() {
-    let rungs = 11;
+    let levels = 11;
     let scene = Scene::load_with("impact", &["span.until=4".into()]).unwrap();
     let integrators = ["verlet", "aba1064-linear-landed", "collocation"].map(str::to_owned).to_vec();
     for (max_time, all) in [(600.0, true), (0.02, false)] {
         let comparison =
             compare(&scene, &CompareOptions { integrators: integrators.clone(), max_time }, &|_, _| ()).unwrap();
         assert_eq!(comparison.stopped.is_empty(), all, "{:?}", comparison.stopped);
-        for entrant in comparison.entrants() {
-            let reason = comparison.stopped.iter().find(|(stopped, _)| *stopped == entrant);
-            assert_eq!(comparison.rows_of(&entrant).len() < rungs, reason.is_some(), "{} {reason:?}", entrant.name());
+        for candidate in comparison.candidates() {
+            let reason = comparison.stopped.iter().find(|(stopped, _)| *stopped == candidate);
+            assert_eq!(
+                comparison.rows_of(&candidate).len() < levels,
+                reason.is_some(),
+                "{} {reason:?}",
+                candidate.name()
+            );
         }
     }
 }
@@ -228,7 +233,7 @@ fn chains_whose_contacts_dissipate_are_compared_by_the_methods_that_can_run_them
     // of the initial velocity, 1, down to 1e-10, with dashpots three of it down to 1e-8 (lossy.rs).
     // A strain is the difference of two displacements.
     let can = ["dop853", "dop853-landed", "dop853-regularised", "collocation"];
-    for (loss, sites, estimate, tolerances, rungs) in
+    for (loss, sites, estimate, tolerances, levels) in
         [("viscoelastic", 40, 1e-12, 1.0, 8), ("viscoelastic", 120, 1e-12, 1.0, 8), ("dashpot", 40, 1e-9, 3.0, 6)]
     {
         let changes = [format!("chain.sites={sites}"), "span.until=4".into(), format!("bonds.{loss}=0.1")];
@@ -240,7 +245,7 @@ fn chains_whose_contacts_dissipate_are_compared_by_the_methods_that_can_run_them
         let words = "collocation at tol 1e-14, checked by dop853-regularised";
         assert!(reference.method.starts_with(words), "{reference:?}");
         assert!(reference.error_estimate < estimate, "{loss} {sites}: {reference:?}");
-        let mut names: Vec<_> = comparison.entrants().iter().map(Candidate::name).collect();
+        let mut names: Vec<_> = comparison.candidates().iter().map(Candidate::name).collect();
         names.sort();
         let mut expected = can.to_vec();
         expected.sort();
@@ -249,7 +254,7 @@ fn chains_whose_contacts_dissipate_are_compared_by_the_methods_that_can_run_them
         let rows = comparison.rows_of(&Candidate::Method(Method::Collocation));
         // The ladders take about a second; of one that --max-time ends there would be less.
         assert!(rows.len() >= 4, "{}", rows.len());
-        for (k, row) in rows.into_iter().enumerate().take(rungs) {
+        for (k, row) in rows.into_iter().enumerate().take(levels) {
             let kept = 2.0 * tolerances * 10f64.powi(-3 - k as i32) / comparison.amplitude;
             assert!(row.error.unwrap() < kept + reference.error_estimate, "{row:?}");
         }

@@ -174,7 +174,7 @@ fn theory_is_that_of_the_exponent() {
 
 #[test]
 fn schemes_that_conserve_an_energy_have_the_slopes_of_theory() {
-    // Slopes are of six rungs and errors at an opening depend on where in a step it falls.
+    // Slopes are of six levels and errors at an opening depend on where in a step it falls.
     for (alpha, within) in [(0.5, 0.3), (1.0, 0.15), (1.5, 0.25), (3.0, 0.15)] {
         let study = study(alpha, &["discrete-gradient"]);
         for row in &study.rows {

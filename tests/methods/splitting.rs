@@ -314,7 +314,7 @@ fn every_scheme_has_its_order_and_no_more_while_no_contact_opens() {
 
 #[test]
 fn a_look_inside_a_step_is_as_accurate_as_the_run() {
-    // Truth: DOP853. The position of the time in its step differs on each rung of the ladder.
+    // Truth: DOP853. The position of the time in its step differs on each level of the ladder.
     let (chain, y) = smooth_motion();
     let t = 2.7;
     let truth = by_dop853(&chain, &y, t);

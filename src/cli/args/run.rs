@@ -21,6 +21,8 @@ pub(crate) struct RunArgs {
     #[arg(long, hide_short_help = true, conflicts_with_all = ["checkpoint", "resume", "plan"])]
     pub(crate) amplification: bool,
     /// End time, in units of time [default: the scene's].
+    ///
+    /// From 1e-100 to 1e100.
     #[arg(long, value_name = "T")]
     pub(crate) until: Option<f64>,
     /// Number of sample times [default: the scene's].
@@ -55,7 +57,7 @@ pub(crate) struct RunArgs {
     /// For splitting schemes and collocation on long chains: each thread moves neighbouring sites,
     /// and the bits are those of one. Without it collocation takes all threads that there are. With
     /// --resume any number, whatever it was before. With --engine mpi, for collocation only:
-    /// threads of each rank.
+    /// threads of each rank. From 1 to 1024.
     #[arg(long, value_name = "P")]
     pub(crate) threads: Option<usize>,
     /// Where parts of the chain are moved: threads or mpi.
@@ -72,10 +74,10 @@ pub(crate) struct RunArgs {
     /// With --plan: print what a run on P ranks would need, and stop.
     ///
     /// Memory and messages, from the numbers of the scene alone: nothing is built, so that it may
-    /// have more sites than can be run.
+    /// have more sites than can be run. From 1 to the number of sites.
     #[arg(long, value_name = "P", requires = "plan", hide_short_help = true)]
     pub(crate) ranks: Option<usize>,
-    /// Write the results to this folder; without it, no file is written.
+    /// Write the results to this folder.
     ///
     /// Files: summary.json, scene.toml, final.csv, energy.csv, profiles.npz, profiles.csv and
     /// pictures. What an earlier run has left of its files is removed.
@@ -84,7 +86,8 @@ pub(crate) struct RunArgs {
     /// Save a checkpoint after every D units of time, as checkpoint.npz.
     ///
     /// The file is in the folder of --out. A run that was stopped continues with --resume and ends
-    /// with the same bits. The method starts anew after every checkpoint.
+    /// with the same bits. The method starts anew after every checkpoint. Finite and
+    /// positive; a run has at most 10^6 checkpoints.
     #[arg(long, value_name = "D", requires = "out")]
     pub(crate) checkpoint: Option<f64>,
     /// Go on with what this file, or the file in this folder, has kept.

@@ -122,12 +122,12 @@ pub(crate) struct WaveArgs {
     #[command(subcommand)]
     action: Option<WaveAction>,
     #[command(flatten)]
-    told: StudyCommand<Wave>,
+    study: StudyCommand<Wave>,
 }
 
 impl WaveArgs {
     pub(crate) fn run(&self) -> Exit {
-        self.action.as_ref().map_or_else(|| self.told.run(), WaveAction::run)
+        self.action.as_ref().map_or_else(|| self.study.run(), WaveAction::run)
     }
 }
 

@@ -48,26 +48,26 @@ options! {
         /// A site (solution a^1), or a bond (solution a^2), as in the paper's run.
         center: Center = Center::Bond, "C";
         /// Size of the breather: beads start at 2 epsilon a_n.
-        epsilon: f64 = 0.01, "E";
-        /// Mass ratio resonator to bead, positive.
+        epsilon: f64 = 0.01, "E", (positive);
+        /// Mass ratio resonator to bead.
         ///
-        /// inf for resonators that stay at rest.
+        /// Above 0; inf for resonators that stay at rest.
         rho: f64 = 1000.0, "R";
         /// Exponent of the contact force; 1.5 for spheres.
-        ///
-        /// From 1.01 to 10.
-        alpha: f64 = 1.5, "A";
-        /// Spring constant of the resonators, positive.
-        kappa: f64 = 1.0, "K";
+        alpha: f64 = 1.5, "A", (1.01 to 10);
+        /// Spring constant of the resonators.
+        kappa: f64 = 1.0, "K", (positive);
         /// Number of sites.
         ///
-        /// The middle of the chain is a bond if the number is even, a site if it is odd.
+        /// So many that the chain has all but 10^-6 of the breather. The middle of the chain is a
+        /// bond if the number is even, a site if it is odd.
         sites: usize = 40, "N";
         /// Boundary condition at the ends of the chain.
         boundary: Boundary = Boundary::Free, "B";
         /// End time, in units of time [default: 80 T].
         ///
         /// T = 2 pi/omega_0 in units of 1/sqrt(kappa) is the period of the envelope in slow time.
+        /// From one to 10^7 periods T_b of the breather.
         until: Option<f64> = None, "T";
         /// Samples per period, from which largest values are taken.
         ///
@@ -82,6 +82,7 @@ options! {
 impl Bright {
     /// The scene of these numbers.
     fn scene(&self) -> Result<Scene> {
+        self.within_ranges()?;
         let &Self { center, boundary, epsilon, rho, alpha, kappa, sites, .. } = self;
         let until = match self.until {
             Some(until) => until,
@@ -134,31 +135,31 @@ options! {
         set: Changes = Changes::default(), [command(flatten)];
         /// Amplitudes a_n, separated by commas [default: the scene's].
         ///
-        /// At least zero. The chain has as many sites as there are amplitudes.
-        amplitudes: Vec<f64> = vec![], "A,B,..";
+        /// The chain has as many sites as there are amplitudes.
+        amplitudes: Vec<f64> = vec![], "A,B,..", (from 0);
         /// Phases phi_n, separated by commas [default: the scene's].
         ///
         /// In radians.
-        phases: Vec<f64> = vec![], "A,B,..", [arg(conflicts_with = "phase_step_over_pi")];
+        phases: Vec<f64> = vec![], "A,B,..", (finite), [arg(conflicts_with = "phase_step_over_pi")];
         /// Phase difference of neighbours over pi, for all sites [default: the scene's].
         ///
         /// (phi_n - phi_{n-1})/pi, the same for all n; 1 for neighbours in antiphase.
-        phase_step_over_pi: Option<f64> = None, "S";
+        phase_step_over_pi: Option<f64> = None, "S", (finite);
         /// Offsets d_n, separated by commas [default: the scene's].
         ///
         /// How much the mean positions rise along the chain beyond what keeps contacts open; they
         /// must not decrease.
-        offsets: Vec<f64> = vec![], "A,B,..", [arg(conflicts_with_all = ["means", "gap"])];
+        offsets: Vec<f64> = vec![], "A,B,..", (finite), [arg(conflicts_with_all = ["means", "gap"])];
         /// Mean positions b_n, separated by commas [default: the scene's].
         ///
         /// Refused if beads would press on each other.
-        means: Vec<f64> = vec![], "A,B,..", [arg(conflicts_with = "gap")];
+        means: Vec<f64> = vec![], "A,B,..", (finite), [arg(conflicts_with = "gap")];
         /// Gap of all bonds, the same for each [default: the scene's].
         ///
-        /// In addition to what keeps contacts open, at least zero.
-        gap: Option<f64> = None, "G";
+        /// In addition to what keeps contacts open.
+        gap: Option<f64> = None, "G", (from 0);
         /// End time, in units of time [default: the scene's].
-        until: Option<f64> = None, "T";
+        until: Option<f64> = None, "T", (end);
         /// How it is run.
         solver: Adaptive = Adaptive::default(), [command(flatten)];
     }
@@ -168,6 +169,7 @@ impl Trivial {
     /// The scene with the numbers that are given. A number also replaces other keys by which the
     /// scene gives the same quantity.
     fn scene(&self) -> Result<Scene> {
+        self.within_ranges()?;
         let scene = super::scene(&self.scene, &self.set)?;
         let scene = if self.changes() { self.changed(&scene)? } else { scene };
         match self.until {

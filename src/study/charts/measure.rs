@@ -67,7 +67,8 @@ pub struct Trial {
     /// The tolerance of an adaptive method.
     pub tol: Option<f64>,
     /// The outcome.
-    pub verdict: Behaviour,
+    #[serde(rename = "verdict")]
+    pub behaviour: Behaviour,
     /// Largest `|H - H(0)|/|H(0)|` at 128 times; `None` if it was not bounded or the run failed.
     pub error: Option<f64>,
     /// Whether the error passed 10^6.
@@ -83,7 +84,8 @@ pub struct Trial {
 
 impl Trial {
     fn meets(&self, bound: f64) -> bool {
-        self.error.is_some_and(|error| error < bound) && matches!(self.verdict, Behaviour::Stable | Behaviour::Drifting)
+        self.error.is_some_and(|error| error < bound)
+            && matches!(self.behaviour, Behaviour::Stable | Behaviour::Drifting)
     }
 }
 
@@ -92,9 +94,9 @@ impl Trial {
 pub struct Limit {
     /// The bound.
     pub bound: f64,
-    /// The run at that step: the first rung of the ladder, from coarse to fine, after the last that
-    /// does not meet the bound, refined to 9 % of the step. `None` if no run that is cheap enough
-    /// meets the bound.
+    /// The run at that step: the first level of the ladder, from coarse to fine, after the last
+    /// that does not meet the bound, refined to 9 % of the step. `None` if no run that is cheap
+    /// enough meets the bound.
     pub trial: Option<Trial>,
     /// Whether this is the longest step that was tried, so that a longer one may meet the bound.
     pub longest: bool,
@@ -116,8 +118,8 @@ pub struct Measured {
     /// The largest steps for [`BOUNDS`].
     pub limits: Vec<Limit>,
     /// Limit of stability: the step times `fast` above which the energy error passes 10^6, to a
-    /// factor of 1.0004. `None` if it was not looked for, or not found between two rungs of the
-    /// ladder. Smaller unstable steps between two rungs, as some compositions have, are missed.
+    /// factor of 1.0004. `None` if it was not looked for, or not found between two levels of the
+    /// ladder. Smaller unstable steps between two levels, as some compositions have, are missed.
     pub stability: Option<f64>,
 }
 
@@ -142,25 +144,25 @@ pub(super) fn measure(prepared: &Prepared, method: Method, search: Search) -> Re
     let most = search.work / sites + if method.adaptive() { LEAST_ADAPTIVE } else { LEAST_FIXED };
     let at = |knob: Knob| trial(prepared, method, knob, most);
 
-    let mut rungs: Vec<(Knob, Trial)> = Vec::new();
+    let mut levels: Vec<(Knob, Trial)> = Vec::new();
     for knob in knobs(&method, *contact, *fast, scene.end()) {
         let trial = at(knob)?;
-        let dear = trial.verdict == Behaviour::Dear;
-        rungs.push((knob, trial));
-        let settled = rungs.len() > 1 && rungs[rungs.len() - 2..].iter().all(|(_, trial)| trial.meets(BOUNDS[1]));
+        let dear = trial.behaviour == Behaviour::Dear;
+        levels.push((knob, trial));
+        let settled = levels.len() > 1 && levels[levels.len() - 2..].iter().all(|(_, trial)| trial.meets(BOUNDS[1]));
         let wanted = search.light && !method.adaptive() && knob * fast > LEAST_LIGHT;
         if dear || settled && !wanted {
             break;
         }
     }
-    let limits = BOUNDS.into_iter().map(|bound| limit(&rungs, bound, &at)).collect::<Result<_>>()?;
-    let stability = if search.light && !method.adaptive() { stability(&rungs, &at)? } else { None };
+    let limits = BOUNDS.into_iter().map(|bound| limit(&levels, bound, &at)).collect::<Result<_>>()?;
+    let stability = if search.light && !method.adaptive() { stability(&levels, &at)? } else { None };
     Ok(Measured {
         contact: *contact,
         fast: *fast,
         span: scene.end(),
         usual,
-        ladder: rungs.into_iter().map(|(_, trial)| trial).collect(),
+        ladder: levels.into_iter().map(|(_, trial)| trial).collect(),
         limits,
         stability: stability.map(|step| step * fast),
     })
@@ -181,26 +183,26 @@ fn knobs(method: &Method, contact: f64, fast: f64, span: f64) -> Box<dyn Iterato
         Method::Splitting(_, Split::Kinetic) | Method::Corrected(_, Split::Kinetic) | Method::Conserving => {
             LONGEST / fast
         }
-        // Rungs are the same for all methods, counted from those of the fastest motion.
+        // Levels are the same for all methods, counted from those of the fastest motion.
         _ => {
             let most = (LONGEST / contact).min(0.5 * span);
-            let rung = (2.0 * (most * fast / LONGEST).log2()).floor().max(0.0);
-            LONGEST / fast * f64::powf(2.0, 0.5 * rung)
+            let level = (2.0 * (most * fast / LONGEST).log2()).floor().max(0.0);
+            LONGEST / fast * f64::powf(2.0, 0.5 * level)
         }
     };
     Box::new((0..).map(move |k| longest * f64::powf(2.0, -0.5 * f64::from(k))))
 }
 
-/// The first rung after the last one that does not meet the bound, refined towards the latter.
-fn limit(rungs: &[(Knob, Trial)], bound: f64, at: &dyn Fn(Knob) -> Result<Trial>) -> Result<Limit> {
-    let runs = rungs.iter().rposition(|(_, trial)| trial.verdict != Behaviour::Dear).map_or(0, |last| last + 1);
-    let first = rungs[..runs].iter().rposition(|(_, trial)| !trial.meets(bound)).map_or(0, |failing| failing + 1);
-    let Some((knob, trial)) = rungs[..runs].get(first) else {
+/// The first level after the last one that does not meet the bound, refined towards the latter.
+fn limit(levels: &[(Knob, Trial)], bound: f64, at: &dyn Fn(Knob) -> Result<Trial>) -> Result<Limit> {
+    let runs = levels.iter().rposition(|(_, trial)| trial.behaviour != Behaviour::Dear).map_or(0, |last| last + 1);
+    let first = levels[..runs].iter().rposition(|(_, trial)| !trial.meets(bound)).map_or(0, |failing| failing + 1);
+    let Some((knob, trial)) = levels[..runs].get(first) else {
         return Ok(Limit { bound, trial: None, longest: false });
     };
     let (mut good, mut best) = (*knob, trial.clone());
     if first > 0 {
-        let mut bad = rungs[first - 1].0;
+        let mut bad = levels[first - 1].0;
         for _ in 0..BISECTIONS.0 {
             let middle = (good * bad).sqrt();
             let trial = at(middle)?;
@@ -215,12 +217,12 @@ fn limit(rungs: &[(Knob, Trial)], bound: f64, at: &dyn Fn(Knob) -> Result<Trial>
 }
 
 /// The step above which the energy has no bound.
-fn stability(rungs: &[(Knob, Trial)], at: &dyn Fn(Knob) -> Result<Trial>) -> Result<Option<f64>> {
-    let Some(blown) = rungs.iter().rposition(|(_, trial)| trial.blown) else { return Ok(None) };
-    let Some((good, _)) = rungs.get(blown + 1).filter(|(_, trial)| trial.verdict != Behaviour::Dear) else {
+fn stability(levels: &[(Knob, Trial)], at: &dyn Fn(Knob) -> Result<Trial>) -> Result<Option<f64>> {
+    let Some(blown) = levels.iter().rposition(|(_, trial)| trial.blown) else { return Ok(None) };
+    let Some((good, _)) = levels.get(blown + 1).filter(|(_, trial)| trial.behaviour != Behaviour::Dear) else {
         return Ok(None);
     };
-    let (mut bad, mut good) = (rungs[blown].0, *good);
+    let (mut bad, mut good) = (levels[blown].0, *good);
     for _ in 0..BISECTIONS.1 {
         let middle = (good * bad).sqrt();
         *(if at(middle)?.blown { &mut bad } else { &mut good }) = middle;
@@ -240,7 +242,7 @@ pub(super) fn trial(prepared: &Prepared, method: Method, knob: Knob, most: f64) 
     let mut trial = Trial {
         step: if method.adaptive() { 0.0 } else { span / (span / knob).round().max(1.0) },
         tol: method.adaptive().then_some(knob),
-        verdict: Behaviour::Dear,
+        behaviour: Behaviour::Dear,
         error: None,
         blown: false,
         cost: 0.0,
@@ -280,7 +282,7 @@ pub(super) fn trial(prepared: &Prepared, method: Method, knob: Knob, most: f64) 
     trial.blown = look.largest > BLOWN;
     let lost = trial.failure.is_some() || look.largest > 1.0;
     trial.error = (!trial.blown && trial.failure.is_none()).then_some(look.largest);
-    trial.verdict = match () {
+    trial.behaviour = match () {
         () if lost => Behaviour::Lost,
         () if !run.done() => Behaviour::Dear,
         () if look.largest > ROUNDING.max(bounded) && look.drifts() => Behaviour::Drifting,

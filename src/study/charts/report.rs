@@ -147,7 +147,7 @@ fn points(study: &ChartStudy, chart: Chart) -> Table {
         .col("fast_frequency", Hidden, "frequency of the fastest motion", of(|measured| Some(measured.fast)))
         .col("span", Hidden, "length of the runs", of(|measured| Some(measured.span)))
         .col("verdict", Hidden, "at the usual step or tolerance", |point| {
-            point.measured.as_ref().map_or("refused", |measured| measured.usual.verdict.name())
+            point.measured.as_ref().map_or("refused", |measured| measured.usual.behaviour.name())
         })
         .col("energy_error", Hidden, "the same", of(|measured| measured.usual.error))
         .col("step", Hidden, "the usual step", of(|measured| Some(measured.usual.step)))
@@ -186,7 +186,7 @@ fn ladder(study: &ChartStudy, chart: Chart) -> Table {
         .col("step", Hidden, "the mean one for adaptive methods", |row| row.2.step)
         .col("tol", Hidden, "tolerance", |row| row.2.tol)
         .col("h_fast", Hidden, "step times the fast frequency", |row| row.1 * row.2.step)
-        .col("verdict", Hidden, "stable, drifting, lost or dear", |row| row.2.verdict.name())
+        .col("verdict", Hidden, "stable, drifting, lost or dear", |row| row.2.behaviour.name())
         .col("energy_error", Hidden, "largest |H - H(0)|/|H(0)|", |row| row.2.error)
         .col("cost", Hidden, "force evaluations a unit of time", |row| row.2.cost)
         .done()
@@ -372,7 +372,7 @@ fn words(chart: Chart) -> (&'static str, &'static str, &'static [&'static str]) 
 /// The error of a point, with a `d` if it drifts, or a word if there is none.
 fn cell(point: &ChartPoint, refused: &str, number: fn(f64) -> String) -> String {
     let Ok(measured) = &point.measured else { return refused.to_owned() };
-    match (measured.usual.verdict, measured.usual.error) {
+    match (measured.usual.behaviour, measured.usual.error) {
         (Behaviour::Dear, _) => "dear".to_owned(),
         (Behaviour::Lost, _) | (_, None) => "lost".to_owned(),
         (Behaviour::Drifting, Some(error)) => number(error) + "d",
@@ -384,7 +384,7 @@ fn cell(point: &ChartPoint, refused: &str, number: fn(f64) -> String) -> String 
 fn badness(point: &ChartPoint) -> f64 {
     match &point.measured {
         Err(_) => f64::INFINITY,
-        Ok(measured) if measured.usual.verdict == Behaviour::Dear => 1e9,
+        Ok(measured) if measured.usual.behaviour == Behaviour::Dear => 1e9,
         Ok(measured) => measured.usual.error.unwrap_or(1e8),
     }
 }
@@ -417,7 +417,7 @@ fn provenance(study: &ChartStudy, chart: Chart) -> String {
 /// The error as a value on the colour scale, from 1e-16 (rounding) to 10 (lost); 0 (grey) for a run
 /// that was not finished.
 fn shade(trial: &Trial) -> f64 {
-    match (trial.verdict, trial.error) {
+    match (trial.behaviour, trial.error) {
         (Behaviour::Dear, _) => 0.0,
         (Behaviour::Lost, _) | (_, None) => 10.0,
         (_, Some(error)) => error.clamp(1e-16, 10.0),
@@ -463,13 +463,13 @@ const ERROR: &str = "largest |H − H(0)|/|H(0)|";
 
 /// The energy error over mass ratio and step; none for adaptive methods.
 fn step_map(study: &ChartStudy, method: &Method) -> Option<CellMap> {
-    let rung = |h_fast: f64| (2.0 * (12.0 / h_fast).log2()).round() as i32;
+    let level = |h_fast: f64| (2.0 * (12.0 / h_fast).log2()).round() as i32;
     let x: Vec<f64> = study.variants(Chart::Light).iter().filter_map(|variant| variant.rho).collect();
     let y: Vec<f64> = (0..STEP_ROWS).rev().map(|row| 12.0 * f64::powf(2.0, -0.5 * f64::from(row))).collect();
     let error = |rho: f64, h_fast: f64| {
         let variant = Variant { rho: Some(rho), ..Variant::default() };
         let measured = study.point(Chart::Light, &variant, method)?.measured.as_ref().ok()?;
-        measured.ladder.iter().find(|trial| rung(trial.step * measured.fast) == rung(h_fast)).map(shade)
+        measured.ladder.iter().find(|trial| level(trial.step * measured.fast) == level(h_fast)).map(shade)
     };
     let (first, last) = (*x.first()?, *x.last()?);
     let line = |(name, height): &(&str, f64)| Line::new(&format!("hΩ = {name}"), [(first, *height), (last, *height)]);

@@ -1,11 +1,11 @@
-//! Ladders of settings, climbed rung by rung by all methods together.
+//! Ladders of settings that all methods refine together, level by level.
 //!
-//! Rungs go in factors of two for steps and of ten for tolerances. A ladder ends early for one of
+//! Levels go in factors of two for steps and of ten for tolerances. A ladder ends early for one of
 //! three reasons: the reference resolves no smaller error; the time is up; or a run of the next
-//! rung takes more than a 400th of all time and is expected to be dominated: some row of another
+//! level takes more than a 400th of all time and is expected to be dominated: some row of another
 //! method has an error that is not larger in a time that is not longer. The expected error is the
 //! last one times the better of the last two gains of the ladder (the nominal one counts while
-//! there are fewer), and the expected time is that of the last rung. So a rung that is left out
+//! there are fewer), and the expected time is that of the last level. So a level that is left out
 //! would have had to gain more than its ladder did lately.
 
 use super::{
@@ -26,21 +26,21 @@ use crate::{
 use hertzchain_integrators::{Error as Failure, Silent, Stats, drive};
 use std::time::Instant;
 
-/// Contact kicks a period of the fastest motion on the first rung of a method with fixed steps: the
-/// same work for every scheme. Each rung has twice those of the one before.
+/// Contact kicks a period of the fastest motion on the first level of a method with fixed steps:
+/// the same work for every scheme. Each level has twice those of the one before.
 const KICKS: f64 = 16.0;
-/// Tolerances on the rungs of an adaptive method; every ladder has as many rungs.
+/// Tolerances on the levels of an adaptive method; every ladder has as many levels.
 const TOLERANCES: [f64; 11] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13];
-/// A rung whose run takes a smaller share of the time than this is never left out.
+/// A level whose run takes a smaller share of the time than this is never left out.
 const CHEAP: f64 = 1.0 / 400.0;
-/// Approximate cost of a rung in runs: one for its error, and those that are timed.
+/// Approximate cost of a level in runs: one for its error, and those that are timed.
 const RUNS: f64 = 4.0;
-/// Growth of the cost from rung to rung, at most.
+/// Growth of the cost from level to level, at most.
 const GROWTH: f64 = 2.0;
-/// Number of last gains from which the error of the next rung is expected.
+/// Number of last gains from which the error of the next level is expected.
 const GAINS: usize = 2;
 
-/// A rung of a ladder.
+/// A level of a ladder.
 #[derive(Clone, Copy)]
 pub(super) struct Level(usize);
 
@@ -61,8 +61,8 @@ impl Level {
         }
     }
 
-    fn words(self, entrant: &Candidate) -> String {
-        if entrant.adaptive() {
+    fn words(self, candidate: &Candidate) -> String {
+        if candidate.adaptive() {
             format!("tol {:e}", self.tolerance())
         } else {
             format!("{} kicks/period", self.kicks())
@@ -114,16 +114,16 @@ fn median(left: f64, mut run: impl FnMut() -> Result<Stats>) -> Result<(f64, usi
 }
 
 /// A run of a plain loop: the state at the end, and the work.
-fn plain(scene: &Scene, plain: Loop, rung: Level) -> (Vec<f64>, Stats) {
-    let steps = steps(scene, plain.kicks(), rung.kicks());
+fn plain(scene: &Scene, plain: Loop, level: Level) -> (Vec<f64>, Stats) {
+    let steps = steps(scene, plain.kicks(), level.kicks());
     let mut sites = Sites::new(scene.chain(), scene.initial().as_slice());
     plain.run(&mut sites, scene.end() / steps as f64, steps);
     (sites.state(), Stats { steps, force_evaluations: plain.evaluations(steps), rejected: 0 })
 }
 
 /// At least so many seconds of a plain loop: a nanosecond for each kick of a site.
-fn plain_seconds(scene: &Scene, plain: Loop, rung: Level) -> f64 {
-    1e-9 * scene.chain().sites() as f64 * plain.kicks() as f64 * steps(scene, plain.kicks(), rung.kicks()) as f64
+fn plain_seconds(scene: &Scene, plain: Loop, level: Level) -> f64 {
+    1e-9 * scene.chain().sites() as f64 * plain.kicks() as f64 * steps(scene, plain.kicks(), level.kicks()) as f64
 }
 
 /// Why a run has no row.
@@ -131,20 +131,20 @@ const OVER: &str = "--max-time was over, or a signal came, before this run ended
 
 /// The ladder of a method or loop.
 struct Ladder {
-    entrant: Candidate,
+    candidate: Candidate,
     rows: Vec<Row>,
     stopped: Option<String>,
 }
 
 impl Ladder {
-    fn new(entrant: Candidate) -> Self {
-        Self { entrant, rows: Vec::new(), stopped: None }
+    fn new(candidate: Candidate) -> Self {
+        Self { candidate, rows: Vec::new(), stopped: None }
     }
 
-    /// The smallest error that the next rung is expected to have.
+    /// The smallest error that the next level is expected to have.
     fn expected(&self) -> Option<f64> {
         let last = self.rows.last()?.error?;
-        let nominal = match self.entrant {
+        let nominal = match self.candidate {
             Candidate::Method(method) if method.adaptive() => 0.1,
             Candidate::Method(method) => 0.5f64.powi(method.order() as i32),
             Candidate::Plain(_) => 0.25,
@@ -160,7 +160,7 @@ impl Ladder {
     }
 }
 
-/// All ladders, which are climbed together.
+/// All ladders, which are refined together.
 pub(super) struct Refinement<'a> {
     scene: &'a Scene,
     ladders: Vec<Ladder>,
@@ -171,8 +171,8 @@ pub(super) struct Refinement<'a> {
 
 impl<'a> Refinement<'a> {
     /// The clock of the budget starts here.
-    pub(super) fn new(scene: &'a Scene, entrants: Vec<Candidate>, budget: f64, progress: Progress<'a>) -> Self {
-        let ladders = entrants.into_iter().map(Ladder::new).collect();
+    pub(super) fn new(scene: &'a Scene, candidates: Vec<Candidate>, budget: f64, progress: Progress<'a>) -> Self {
+        let ladders = candidates.into_iter().map(Ladder::new).collect();
         Self { scene, ladders, budget, clock: Instant::now(), progress }
     }
 
@@ -180,33 +180,33 @@ impl<'a> Refinement<'a> {
         self.clock.elapsed().as_secs_f64()
     }
 
-    pub(super) fn run(&mut self, truth: &ReferenceState) {
-        for rung in (0..TOLERANCES.len()).map(Level) {
-            let going = self.going(truth);
-            if going.is_empty() || (rung.0 > 0 && interrupt::asked()) {
+    pub(super) fn run(&mut self, reference: &ReferenceState) {
+        for level in (0..TOLERANCES.len()).map(Level) {
+            let going = self.going(reference);
+            if going.is_empty() || (level.0 > 0 && interrupt::asked()) {
                 break;
             }
-            let entrants: Vec<Candidate> = going.iter().map(|&index| self.ladders[index].entrant).collect();
-            // The first rung of a long run may take longer than all of the time.
+            let candidates: Vec<Candidate> = going.iter().map(|&index| self.ladders[index].candidate).collect();
+            // The first level of a long run may take longer than all of the time.
             let left = self.budget - self.spent();
-            let rows =
-                Token::timed(left).within(|| map(&entrants, |entrant| truth.row(self.scene, *entrant, rung, left)));
+            let rows = Token::timed(left)
+                .within(|| map(&candidates, |candidate| reference.row(self.scene, *candidate, level, left)));
             for (index, row) in going.into_iter().zip(rows) {
-                (self.progress)(self.spent() / self.budget, &format!("{} at {}", row.entrant.name(), row.setting));
-                let row = self.timed(row, rung);
+                (self.progress)(self.spent() / self.budget, &format!("{} at {}", row.candidate.name(), row.setting));
+                let row = self.timed(row, level);
                 self.ladders[index].rows.push(row);
             }
         }
     }
 
     pub(super) fn finish(self) -> (Vec<Row>, Vec<(Candidate, String)>) {
-        let stopped = |ladder: &Ladder| Some((ladder.entrant, ladder.stopped.clone()?));
+        let stopped = |ladder: &Ladder| Some((ladder.candidate, ladder.stopped.clone()?));
         let stopped = self.ladders.iter().filter_map(stopped).collect();
         (self.ladders.into_iter().flat_map(|ladder| ladder.rows).collect(), stopped)
     }
 
-    /// The indices of the ladders that have a next rung. The others store why they have none.
-    fn going(&mut self, truth: &ReferenceState) -> Vec<usize> {
+    /// The indices of the ladders that have a next level. The others store why they have none.
+    fn going(&mut self, reference: &ReferenceState) -> Vec<usize> {
         let mut left = self.budget - self.spent();
         let mut going = Vec::new();
         for index in 0..self.ladders.len() {
@@ -214,9 +214,9 @@ impl<'a> Refinement<'a> {
                 continue;
             }
             let cost = RUNS * GROWTH * self.ladders[index].last_wall().unwrap_or(0.0);
-            let stopped = self.dominated(index, truth).or_else(|| {
+            let stopped = self.dominated(index, reference).or_else(|| {
                 let over = !self.ladders[index].rows.is_empty() && cost > left;
-                over.then(|| "--max-time leaves no time for the next rung".to_owned())
+                over.then(|| "--max-time leaves no time for the next level".to_owned())
             });
             if stopped.is_none() {
                 left -= cost;
@@ -227,9 +227,9 @@ impl<'a> Refinement<'a> {
         going
     }
 
-    /// Why the next rung of a ladder is left out; `None` if it takes little time or may show
+    /// Why the next level of a ladder is left out; `None` if it takes little time or may show
     /// something.
-    fn dominated(&self, index: usize, truth: &ReferenceState) -> Option<String> {
+    fn dominated(&self, index: usize, reference: &ReferenceState) -> Option<String> {
         let ladder = &self.ladders[index];
         let (expected, wall) = (ladder.expected()?, ladder.last_wall()?);
         if GROWTH * wall < CHEAP * self.budget {
@@ -238,22 +238,22 @@ impl<'a> Refinement<'a> {
         if ladder.rows.last()?.below_reference {
             return Some("the reference resolves no smaller error".to_owned());
         }
-        let floor = TRUSTED * truth.error_estimate;
+        let floor = TRUSTED * reference.error_estimate;
         let better = |row: &&Row| {
             row.error.is_some_and(|error| error.max(floor) <= expected.max(floor))
                 && row.wall.is_some_and(|other| other <= wall)
         };
-        let others = self.ladders.iter().filter(|other| other.entrant != ladder.entrant);
+        let others = self.ladders.iter().filter(|other| other.candidate != ladder.candidate);
         let best =
             others.flat_map(|other| &other.rows).filter(better).min_by(|a, b| a.wall.partial_cmp(&b.wall).unwrap())?;
         Some(format!(
-            "the next rung, {expected:.1e} at best, is dominated by {} at {}",
-            best.entrant.name(),
+            "the next level, {expected:.1e} at best, is dominated by {} at {}",
+            best.candidate.name(),
             best.setting
         ))
     }
 
-    fn timed(&self, mut row: Row, rung: Level) -> Row {
+    fn timed(&self, mut row: Row, level: Level) -> Row {
         if row.failure.is_none() && interrupt::asked() {
             row.failure = Some("stopped by a signal before it was timed".to_owned());
         }
@@ -261,9 +261,9 @@ impl<'a> Refinement<'a> {
             return row;
         }
         let (scene, left) = (self.scene, self.budget - self.spent());
-        let timed = match row.entrant {
-            Candidate::Method(method) => time(scene, method, rung.setting(scene, &method), left),
-            Candidate::Plain(of) => median(left, || Ok(plain(scene, of, rung).1)),
+        let timed = match row.candidate {
+            Candidate::Method(method) => time(scene, method, level.setting(scene, &method), left),
+            Candidate::Plain(of) => median(left, || Ok(plain(scene, of, level).1)),
         };
         match timed {
             Ok((wall, repeats, stats)) => Row { wall: Some(wall), repeats, stats, ..row },
@@ -274,18 +274,18 @@ impl<'a> Refinement<'a> {
 
 impl ReferenceState {
     /// The row of a method or loop, also of one that cannot even start; not yet timed.
-    fn row(&self, scene: &Scene, entrant: Candidate, rung: Level, left: f64) -> Row {
-        match entrant {
-            Candidate::Plain(of) if plain_seconds(scene, of, rung) > left => {
-                Row::failed(entrant, rung.words(&entrant), OVER.to_owned())
+    fn row(&self, scene: &Scene, candidate: Candidate, level: Level, left: f64) -> Row {
+        match candidate {
+            Candidate::Plain(of) if plain_seconds(scene, of, level) > left => {
+                Row::failed(candidate, level.words(&candidate), OVER.to_owned())
             }
-            Candidate::Method(method) => self.row_of_method(scene, method, rung),
+            Candidate::Method(method) => self.row_of_method(scene, method, level),
             Candidate::Plain(of) => {
-                let (state, stats) = plain(scene, of, rung);
-                let row = Row::failed(entrant, rung.words(&entrant), String::new());
+                let (state, stats) = plain(scene, of, level);
+                let row = Row::failed(candidate, level.words(&candidate), String::new());
                 let row = Row { step: scene.end() / stats.steps as f64, stats, ..row };
                 if state.iter().all(|value| value.is_finite()) {
-                    self.judged(row, self.error(scene, &entrant, &state))
+                    self.judged(row, self.error(scene, &candidate, &state))
                 } else {
                     Row { failure: Some("the state is not finite: the step is too long".to_owned()), ..row }
                 }
@@ -293,24 +293,27 @@ impl ReferenceState {
         }
     }
 
-    fn row_of_method(&self, scene: &Scene, method: Method, rung: Level) -> Row {
-        let entrant = Candidate::Method(method);
-        let run = scene.run().method(method).setting(rung.setting(scene, &method));
+    fn row_of_method(&self, scene: &Scene, method: Method, level: Level) -> Row {
+        let candidate = Candidate::Method(method);
+        let run = scene.run().method(method).setting(level.setting(scene, &method));
         let outcome = match run.start() {
             Ok(outcome) => outcome,
-            Err(why) => return Row::failed(entrant, rung.words(&entrant), why.to_string()),
+            Err(why) => return Row::failed(candidate, level.words(&candidate), why.to_string()),
         };
         let Trajectory { t, state, energy_error, stats, failure, .. } = outcome;
         let words = failure.as_ref().map_or(String::new(), |failure| match failure.cause {
             Failure::Stopped { .. } => OVER.to_owned(),
             _ => failure.to_string(),
         });
-        let row =
-            Row { step: t / stats.steps.max(1) as f64, stats, ..Row::failed(entrant, rung.words(&entrant), words) };
+        let row = Row {
+            step: t / stats.steps.max(1) as f64,
+            stats,
+            ..Row::failed(candidate, level.words(&candidate), words)
+        };
         if failure.is_some() {
             return row;
         }
-        self.judged(Row { energy_error, ..row }, self.error(scene, &entrant, &state))
+        self.judged(Row { energy_error, ..row }, self.error(scene, &candidate, &state))
     }
 
     fn judged(&self, row: Row, error: f64) -> Row {
@@ -322,16 +325,16 @@ impl ReferenceState {
 mod tests {
     use super::*;
 
-    /// A ladder with rungs of these errors, each of which took as many seconds as its number.
+    /// A ladder with levels of these errors, each of which took as many seconds as its number.
     fn ladder(name: &str, errors: &[f64]) -> Ladder {
-        let entrant = Candidate::Method(Method::named(name).unwrap());
+        let candidate = Candidate::Method(Method::named(name).unwrap());
         let row = |(i, &error): (usize, &f64)| Row {
             error: Some(error),
             wall: Some((i + 1) as f64),
             failure: None,
-            ..Row::failed(entrant, String::new(), String::new())
+            ..Row::failed(candidate, String::new(), String::new())
         };
-        Ladder { entrant, rows: errors.iter().enumerate().map(row).collect(), stopped: None }
+        Ladder { candidate, rows: errors.iter().enumerate().map(row).collect(), stopped: None }
     }
 
     #[test]
@@ -351,19 +354,19 @@ mod tests {
     }
 
     #[test]
-    fn a_rung_is_left_out_if_another_method_is_as_exact_in_less_time() {
+    fn a_level_is_left_out_if_another_method_is_as_exact_in_less_time() {
         let scene = Scene::load("impact").unwrap();
-        let truth = ReferenceState::find(&scene, 1.0, &|_| ()).unwrap();
+        let reference = ReferenceState::find(&scene, 1.0, &|_| ()).unwrap();
         let reason = |budget: f64, other: &[f64]| {
-            let mut climb = Refinement::new(&scene, Vec::new(), budget, &|_, _| ());
-            climb.ladders = vec![ladder("verlet", &[1.0, 0.25, 0.0625]), ladder("corrected", other)];
-            climb.dominated(0, &truth)
+            let mut refinement = Refinement::new(&scene, Vec::new(), budget, &|_, _| ());
+            refinement.ladders = vec![ladder("verlet", &[1.0, 0.25, 0.0625]), ladder("corrected", other)];
+            refinement.dominated(0, &reference)
         };
-        // The next rung promises 1.6e-2 after at least 3 s.
+        // The next level promises 1.6e-2 after at least 3 s.
         assert!(reason(10.0, &[0.1, 0.02]).is_none());
         assert!(reason(10.0, &[0.1, 0.01]).unwrap().contains("dominated by corrected"));
         assert!(reason(10.0, &[0.1, 0.1, 0.1, 0.01]).is_none(), "a slower one");
-        // A rung that costs next to nothing is never left out.
+        // A level that costs next to nothing is never left out.
         assert!(reason(1e4, &[0.1, 0.01]).is_none());
     }
 }

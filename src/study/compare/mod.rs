@@ -72,7 +72,7 @@ impl CompareOptions {
     }
 
     /// The methods that can run the scene, then the plain loops that can.
-    fn entrants(methods: Vec<Method>, scene: &Scene) -> Vec<Candidate> {
+    fn candidates(methods: Vec<Method>, scene: &Scene) -> Vec<Candidate> {
         // Plain loops exist for uniform chains only. Without resonators nothing rotates, and both
         // loops are the same.
         let loops = match (scene.chain().details(), scene.chain().params().resonators()) {
@@ -133,7 +133,7 @@ impl Candidate {
         }
     }
 
-    /// Whether its rungs are tolerances, and not steps.
+    /// Whether its levels are tolerances, and not steps.
     pub fn adaptive(&self) -> bool {
         matches!(self, Self::Method(method) if method.adaptive())
     }
@@ -143,7 +143,7 @@ impl Candidate {
 #[derive(Clone, Debug)]
 pub struct Row {
     /// The method or loop.
-    pub entrant: Candidate,
+    pub candidate: Candidate,
     /// The setting, in words.
     pub setting: String,
     /// Step size; the mean one for adaptive methods.
@@ -167,9 +167,9 @@ pub struct Row {
 
 impl Row {
     /// The row of a run that did not begin.
-    fn failed(entrant: Candidate, setting: String, why: String) -> Self {
+    fn failed(candidate: Candidate, setting: String, why: String) -> Self {
         Self {
-            entrant,
+            candidate,
             setting,
             step: f64::NAN,
             error: None,
@@ -199,7 +199,7 @@ pub struct Comparison {
     pub reference: Reference,
     /// Rows, method by method, coarse to fine.
     pub rows: Vec<Row>,
-    /// Methods and loops whose ladders ended before the last rung, and why.
+    /// Methods and loops whose ladders ended before the last level, and why.
     pub stopped: Vec<(Candidate, String)>,
     /// Methods that cannot run the scene. They have no rows.
     pub left_out: Vec<LeftOut>,
@@ -207,39 +207,39 @@ pub struct Comparison {
 
 impl Comparison {
     /// The rows of one method or loop.
-    pub fn rows_of(&self, entrant: &Candidate) -> Vec<&Row> {
-        self.rows.iter().filter(|row| row.entrant == *entrant).collect()
+    pub fn rows_of(&self, candidate: &Candidate) -> Vec<&Row> {
+        self.rows.iter().filter(|row| row.candidate == *candidate).collect()
     }
 
     /// The methods and loops, in the order of their first rows.
-    pub fn entrants(&self) -> Vec<Candidate> {
-        let mut entrants: Vec<Candidate> = Vec::new();
+    pub fn candidates(&self) -> Vec<Candidate> {
+        let mut candidates: Vec<Candidate> = Vec::new();
         for row in &self.rows {
-            if !entrants.contains(&row.entrant) {
-                entrants.push(row.entrant);
+            if !candidates.contains(&row.candidate) {
+                candidates.push(row.candidate);
             }
         }
-        entrants
+        candidates
     }
 
     /// Wall time of a step of a row over that of a step of plain Verlet. The latter is taken from
-    /// Verlet's row of the same rung, which was timed just after, or else from its last row.
+    /// Verlet's row of the same level, which was timed just after, or else from its last row.
     pub fn step_cost(&self, row: &Row) -> Option<f64> {
-        let rung = self.rows_of(&row.entrant).iter().position(|other| std::ptr::eq(*other, row))?;
+        let level = self.rows_of(&row.candidate).iter().position(|other| std::ptr::eq(*other, row))?;
         let verlet = self.rows_of(&Candidate::Plain(Loop::VERLET));
-        let verlet = verlet.get(rung).or(verlet.last())?.wall_of_step()?;
+        let verlet = verlet.get(level).or(verlet.last())?.wall_of_step()?;
         row.wall_of_step().map(|wall| wall / verlet)
     }
 
     /// The order that a method shows: the slope of log error against log step over its finest rows
     /// between the trusted floor and 1e-2, three to five of them, if they lie on a line (within
     /// a factor of 1.5). Adaptive methods have none.
-    pub fn slope(&self, entrant: &Candidate) -> Option<f64> {
-        if entrant.adaptive() {
+    pub fn slope(&self, candidate: &Candidate) -> Option<f64> {
+        if candidate.adaptive() {
             return None;
         }
         let points: Vec<(f64, f64)> = self
-            .rows_of(entrant)
+            .rows_of(candidate)
             .into_iter()
             .filter(|row| !row.below_reference)
             .filter_map(|row| {
@@ -253,18 +253,18 @@ impl Comparison {
     /// The fastest row of a method whose error, together with the error estimate of the reference,
     /// is at most `error`.
     pub fn fastest(&self, error: f64) -> Option<&Row> {
-        self.fastest_of(error, |entrant| matches!(entrant, Candidate::Method(_)))
+        self.fastest_of(error, |candidate| matches!(candidate, Candidate::Method(_)))
     }
 
     /// [`fastest`](Self::fastest) of the plain loops.
     pub fn fastest_plain(&self, error: f64) -> Option<&Row> {
-        self.fastest_of(error, |entrant| matches!(entrant, Candidate::Plain(_)))
+        self.fastest_of(error, |candidate| matches!(candidate, Candidate::Plain(_)))
     }
 
     fn fastest_of(&self, error: f64, of: impl Fn(&Candidate) -> bool) -> Option<&Row> {
         let reaches = |row: &&Row| row.error.is_some_and(|e| e + self.reference.error_estimate <= error);
         let wall = |row: &Row| row.wall.unwrap_or(f64::MAX);
-        least_by(self.rows.iter().filter(|row| of(&row.entrant)).filter(reaches), |row| wall(row))
+        least_by(self.rows.iter().filter(|row| of(&row.candidate)).filter(reaches), |row| wall(row))
     }
 }
 
@@ -279,18 +279,18 @@ impl Comparison {
 /// other.
 pub fn compare(scene: &Scene, options: &CompareOptions, progress: Progress<'_>) -> Result<Comparison> {
     let (methods, left_out) = options.methods(scene)?;
-    let entrants = CompareOptions::entrants(methods, scene);
+    let candidates = CompareOptions::candidates(methods, scene);
     let budget = options.max_time;
     options.within_ranges()?;
-    let mut climb = Refinement::new(scene, entrants, budget, progress);
-    let truth = ReferenceState::find(scene, budget * REFERENCE_SHARE, &|words| progress(0.0, words))?;
-    truth.good()?;
-    climb.run(&truth);
-    let (rows, stopped) = climb.finish();
+    let mut refinement = Refinement::new(scene, candidates, budget, progress);
+    let reference = ReferenceState::find(scene, budget * REFERENCE_SHARE, &|words| progress(0.0, words))?;
+    reference.good()?;
+    refinement.run(&reference);
+    let (rows, stopped) = refinement.finish();
     Ok(Comparison {
         scene: scene.clone(),
-        amplitude: truth.amplitude,
-        reference: Reference { method: truth.method, error_estimate: truth.error_estimate },
+        amplitude: reference.amplitude,
+        reference: Reference { method: reference.method, error_estimate: reference.error_estimate },
         rows,
         stopped,
         left_out,

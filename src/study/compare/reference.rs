@@ -186,8 +186,8 @@ impl ReferenceState {
     }
 
     /// The error of a state at the end.
-    pub(super) fn error(&self, scene: &Scene, entrant: &Candidate, state: &[f64]) -> f64 {
-        let name = entrant.name();
+    pub(super) fn error(&self, scene: &Scene, candidate: &Candidate, state: &[f64]) -> f64 {
+        let name = candidate.name();
         let reference = self.ends.iter().find(|end| end.method != name).unwrap_or(&self.ends[0]);
         distance(&scene.strains(state), &reference.strains) / self.amplitude
     }

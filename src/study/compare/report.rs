@@ -33,15 +33,16 @@ impl Comparison {
     pub fn report(&self) -> Report {
         let Self { scene, amplitude, reference, stopped, left_out, .. } = self;
         let map = |entries: Vec<(String, Value)>| entries.into_iter().collect::<Map<String, Value>>();
-        let slopes = self.entrants().iter().map(|entrant| (entrant.name(), json!(self.slope(entrant)))).collect();
-        let ended = stopped.iter().map(|(entrant, why)| (entrant.name(), json!(why))).collect();
+        let slopes =
+            self.candidates().iter().map(|candidate| (candidate.name(), json!(self.slope(candidate)))).collect();
+        let ended = stopped.iter().map(|(candidate, why)| (candidate.name(), json!(why))).collect();
         let missing = left_out.iter().map(|(method, why)| (method.name(), json!(why))).collect();
         let list = |names: Vec<(String, String)>| {
             names.iter().map(|(name, why)| format!("{name}: {why}")).collect::<Vec<_>>().join("; ")
         };
-        let ended_words = list(stopped.iter().map(|(entrant, why)| (entrant.name(), why.clone())).collect());
+        let ended_words = list(stopped.iter().map(|(candidate, why)| (candidate.name(), why.clone())).collect());
         let missing_words = list(left_out.iter().map(|(method, why)| (method.name(), (*why).to_owned())).collect());
-        let told = |what: &str, list: String| if list.is_empty() { list } else { format!("{what}: {list}.") };
+        let listed = |what: &str, list: String| if list.is_empty() { list } else { format!("{what}: {list}.") };
         Report::new("compare")
             .fact("scene", scene.name())
             .fact("period", scene.fast_period())
@@ -60,9 +61,9 @@ impl Comparison {
             ))
             .fact("slopes", map(slopes))
             .fact("stopped", map(ended))
-            .words(told("ladders of steps or tolerances that ended early (a larger --max-time makes them longer)", ended_words))
+            .words(listed("ladders of steps or tolerances that ended early (a larger --max-time makes them longer)", ended_words))
             .fact("left_out", map(missing))
-            .words(told("left out", missing_words))
+            .words(listed("left out", missing_words))
             .words("fastest to reach an error (its own and that of the reference together):")
             .table(self.fastest_table())
             .fact("scene_file", scene_json(scene))
@@ -74,7 +75,7 @@ impl Comparison {
     fn table(&self) -> Table {
         let below = "whether the error is below 3 times the error estimate of the reference: an upper bound at best";
         Table::of("compare", &self.rows)
-            .col("integrator", Short, "", |row| row.entrant.name())
+            .col("integrator", Short, "", |row| row.candidate.name())
             .col("setting", Short, "", |row| row.setting.clone())
             .col("step", Power(3), "", |row| row.step)
             .col("error", Power(1), "", |row| row.error)
@@ -90,7 +91,7 @@ impl Comparison {
             .col("failure", Short, "", |row| row.failure.clone())
             .col("step_cost", Fixed(1), "wall time of a step, in steps of plain Verlet", |row| self.step_cost(row))
             .head("cost")
-            .col("order", Fixed(2), "slope of log error against log step", |row| self.slope(&row.entrant))
+            .col("order", Fixed(2), "slope of log error against log step", |row| self.slope(&row.candidate))
             .done()
     }
 
@@ -102,10 +103,10 @@ impl Comparison {
         Table::of("fastest", &rows)
             .key("fastest")
             .col("error", Power(0), "", |row| row.0)
-            .col("integrator", Short, "", |row| row.1.entrant.name())
+            .col("integrator", Short, "", |row| row.1.candidate.name())
             .col("setting", Short, "", |row| row.1.setting.clone())
             .col("wall_s", Power(2), "wall time, in seconds", |row| row.1.wall)
-            .col("plain_loop", Short, "fastest plain loop", |row| row.2.map(|plain| plain.entrant.name()))
+            .col("plain_loop", Short, "fastest plain loop", |row| row.2.map(|plain| plain.candidate.name()))
             .col("plain_wall_s", Power(2), "its wall time", |row| row.2.and_then(|plain| plain.wall))
             .col("ratio", Fixed(1), "of the two times", |row| {
                 row.2.and_then(|plain| plain.wall).zip(row.1.wall).map(|(plain, ours)| plain / ours)
@@ -116,10 +117,10 @@ impl Comparison {
     /// The work-precision diagram.
     fn picture(&self) -> WorkPrecision {
         let (mut methods, mut loops) = (Vec::new(), Vec::new());
-        for entrant in self.entrants() {
-            match entrant {
+        for candidate in self.candidates() {
+            match candidate {
                 Candidate::Method(method) => methods.push(method),
-                Candidate::Plain(_) => loops.push(entrant),
+                Candidate::Plain(_) => loops.push(candidate),
             }
         }
         let all = methods.len();
@@ -131,11 +132,11 @@ impl Comparison {
         let grey = families.len();
         families.push("plain loops".to_owned());
         family_of.resize(methods.len() + loops.len(), grey);
-        let curve = |(entrant, family): (Candidate, usize)| {
-            let points = self.rows_of(&entrant).into_iter().filter_map(|row| {
+        let curve = |(candidate, family): (Candidate, usize)| {
+            let points = self.rows_of(&candidate).into_iter().filter_map(|row| {
                 Some(Point { work: row.wall?, error: row.error?, below_reference: row.below_reference })
             });
-            Curve { name: entrant.name(), family, points: points.collect(), slope: self.slope(&entrant) }
+            Curve { name: candidate.name(), family, points: points.collect(), slope: self.slope(&candidate) }
         };
         let how = format!(
             "{chosen}t = {:.6}. Reference: {}, good to {:.1e} (grey line); hollow points are too near to it to be trusted.",

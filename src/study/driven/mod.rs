@@ -144,7 +144,7 @@ options! {
     /// A branch of orbits of a driven scene.
     pub struct DrivenContinue {
         /// The scene.
-        told: Driven = Driven::default(), [command(flatten)];
+        driven: Driven = Driven::default(), [command(flatten)];
         /// The way.
         way: DrivenWay = DrivenWay::default(), [command(flatten)];
         /// Go on with what this file, or the file in this folder, has kept.
@@ -167,11 +167,9 @@ options! {
         /// Value of the parameter at which the branch ends.
         ///
         /// It begins with the scene's own value (with 1 for `damping`).
-        to: Option<f64> = None, "P", [arg(required_unless_present = "resume")];
-        /// Largest change of the parameter from point to point.
-        ///
-        /// [default: a twentieth of the range]
-        step: Option<f64> = None, "DP";
+        to: Option<f64> = None, "P", (finite), [arg(required_unless_present = "resume")];
+        /// Largest change of the parameter from point to point [default: a twentieth of the range].
+        step: Option<f64> = None, "DP", (positive);
         /// What every branch asks for.
         branch: BranchOptions = BranchOptions::default(), [command(flatten)];
     }
@@ -206,8 +204,8 @@ impl Study for DrivenContinue {
     fn begin(&self) -> Result<Work<'_>> {
         self.way.branch.within_ranges()?;
         let Some(path) = &self.resume else {
-            let scene = self.told.load()?;
-            let Driven { search, si, .. } = &self.told;
+            let scene = self.driven.load()?;
+            let Driven { search, si, .. } = &self.driven;
             self.way.for_scene(&scene, search, *si)?;
             return Ok(Box::new(move |engine, progress| {
                 driven_branch(scene, search, &self.way, *si, engine, progress)?.report()
@@ -215,14 +213,14 @@ impl Study for DrivenContinue {
         };
         let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
         let (scene, branch) = load_driven_branch(&file)?;
-        let si = self.told.si.units(&scene)?;
+        let si = self.driven.si.units(&scene)?;
         let parameter = branch.continuation.parameter;
         let way = self.way.read(Scale(si.as_ref()), parameter, &branch.setting);
         let branch = self.way.as_given(si, branch.onward(way.to, way.step, way.branch.max_points))?;
         Ok(Box::new(move |engine, progress| followed(scene, branch, si, way.branch.switch, engine, progress)?.report()))
     }
 
-    fn beside(&self) -> Option<PathBuf> {
+    fn default_folder(&self) -> Option<PathBuf> {
         let path = self.resume.as_deref()?;
         (path.is_dir() || path.ends_with(BRANCH_FILE)).then(|| super::folder_of(path))
     }
@@ -251,7 +249,7 @@ impl DrivenWay {
         Scale(si.as_ref()).given(result, &[("to", to), ("step", step)])
     }
 
-    /// The continuation from a scene, and the units in which it was given and is told.
+    /// The continuation from a scene, and the units in which it was given and is reported.
     fn for_scene(
         &self,
         scene: &Scene,
@@ -283,8 +281,8 @@ impl DrivenWay {
 const SETTLING: f64 = 0.2;
 
 /// The branch, in one parameter, that begins with the orbit to which a driven scene leads. In SI
-/// units, `to` and `step` of the way are read, and the report is told, in these. `progress` is told
-/// the share done.
+/// units, `to` and `step` of the way are read, and the report is written, in these. `progress` is
+/// told the share done.
 ///
 /// # Errors
 /// A scene without a periodic drive, or without the units that are asked for; a number outside its

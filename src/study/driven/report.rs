@@ -80,7 +80,7 @@ fn bifurcations<'a>(
         .col("re", Fixed(6), "real part of the multiplier", |one| one.critical.multiplier.re)
         .col("im", Fixed(6), "imaginary part", |one| one.critical.multiplier.im)
         .col("multiplier", Json, "", |one| json!(one.critical.multiplier))
-        .col("parameter", Json, "", |one| Scale(si).told(kind, one.parameter))
+        .col("parameter", Json, "", |one| Scale(si).reported(kind, one.parameter))
         .col("omega", Json, "", |one| one.orbit.setting.omega())
         .kind(Quantity::Omega)
 }
@@ -143,11 +143,11 @@ impl DrivenStudy {
             .fact("v", numbers(Quantity::Length, |state| state.v().unwrap_or_default()))
             .fact("u_dot", numbers(Quantity::Velocity, |state| state.u_dot()))
             .fact("v_dot", numbers(Quantity::Velocity, |state| state.v_dot().unwrap_or_default()))
-            .fact("response", scale.told(Quantity::Length, point.measures.amplitude))
+            .fact("response", scale.reported(Quantity::Length, point.measures.amplitude))
             .fact("bead_ranges", beads)
             .fact("strain_ranges", strains)
-            .fact("driven", scale.told(Quantity::Energy, *driven))
-            .fact("dissipated", scale.told(Quantity::Energy, *dissipated))
+            .fact("driven", scale.reported(Quantity::Energy, *driven))
+            .fact("dissipated", scale.reported(Quantity::Energy, *dissipated))
             .fact("residual", point.orbit.residual)
             .fact("newton", &point.orbit.newton)
             .fact("multipliers", &point.spectrum.multipliers)
@@ -175,8 +175,8 @@ impl DrivenStudy {
             ("dissipated", Quantity::Energy, self.dissipated),
         ];
         let hertz = self.si.map(|_| ("drive frequency", Quantity::Frequency, setting.omega()));
-        let told = |(name, kind, x)| format!("{} {:.9e}", scale.label(name, kind), scale.told(kind, x));
-        let numbers: Vec<String> = numbers.into_iter().chain(hertz).map(told).collect();
+        let words = |(name, kind, x)| format!("{} {:.9e}", scale.label(name, kind), scale.reported(kind, x));
+        let numbers: Vec<String> = numbers.into_iter().chain(hertz).map(words).collect();
         let least = match point.measures.least_turns {
             least if least == setting.turns() => String::new(),
             least => format!("; its least period: {least}"),
@@ -204,7 +204,7 @@ impl DrivenBranchStudy {
     /// Adds points, bifurcations and file of a branch.
     fn tell(&self, report: Report, at: Option<usize>, branch: &DrivenBranch) -> Result<Report> {
         let (varied, si) = (branch.continuation.parameter, self.si.as_ref());
-        let (rows, turns) = (branches::told(branch), branch.setting.turns());
+        let (rows, turns) = (branches::rows(branch), branch.setting.turns());
         let (names, file, words) = match at {
             None => (BRANCH, BRANCH_FILE, String::new()),
             Some(_) => (SWITCHED, SWITCHED_FILE, format!("Periods of the drive in one of its orbits: {turns}.")),
@@ -255,7 +255,7 @@ fn drive_words(setting: &DrivenSetting, scale: Scale<'_>) -> String {
     }
     let kind = quantity(DriveParameter::Amplitude, setting);
     let [a, frequency] = [(kind, amplitude), (Quantity::Frequency, setting.omega())]
-        .map(|(kind, value)| format!("{} {}", format_short(scale.told(kind, value)), kind.unit()));
+        .map(|(kind, value)| format!("{} {}", format_short(scale.reported(kind, value)), kind.unit()));
     format!("a = {a}, ω/2π = {frequency}")
 }
 
@@ -264,7 +264,7 @@ fn orbit_picture(study: &DrivenStudy) -> Panels {
     let [beads, strains] = point.orbit.ranges(samples);
     let scale = study.scale();
     let sites = |label: &str, values: &[f64], first: f64| {
-        let values = values.iter().map(|value| scale.told(Quantity::Length, *value));
+        let values = values.iter().map(|value| scale.reported(Quantity::Length, *value));
         let points = values.enumerate().map(|(i, value)| (i as f64 + first, value));
         Panel::new(Kind::Sites, ["site n", &scale.label(label, Quantity::Length)], vec![Line::new(label, points)])
     };
@@ -291,14 +291,14 @@ fn branch_picture(study: &DrivenBranchStudy) -> Panels {
         kind => kind,
     };
     let symbol = if kind == Quantity::Frequency { "drive frequency ω/2π" } else { parameter.symbol() };
-    let place = |point: &DrivenPoint| scale.told(kind, point.orbit.setting.get(parameter));
-    let response = |amplitude: f64| scale.told(Quantity::Length, amplitude);
+    let place = |point: &DrivenPoint| scale.reported(kind, point.orbit.setting.get(parameter));
+    let response = |amplitude: f64| scale.reported(Quantity::Length, amplitude);
     let lines = branches::lines(
         branch,
         &study.switched,
         |point| (place(point), response(point.measures.amplitude)),
         DrivenPoint::stable,
-        |one| (scale.told(kind, one.parameter), response(one.critical.amplitude)),
+        |one| (scale.reported(kind, one.parameter), response(one.critical.amplitude)),
     );
     let other = crossed(&study.switched).map(|(_, other)| ("switched", other));
     let moduli = |(name, branch): (&str, &DrivenBranch)| {

@@ -45,15 +45,15 @@ options! {
         /// Number of the point of the branch, from 0; -1 is the last one.
         point: Option<i64> = None, "K", [arg(conflicts_with = "at")];
         /// Take the point of the branch whose parameter is nearest to this value.
-        at: Option<f64> = None, "P";
+        at: Option<f64> = None, "P", (finite);
         /// End time, in units of time.
         ///
-        /// Rounded down to whole periods of the orbit.
+        /// Rounded down to whole periods of the orbit. From one period to 10^6 of them.
         until: f64 = 1200.0, "T";
         /// Size of a kick along one mode, in units of the orbit's amplitude [default: none].
         ///
-        /// The largest change of an entry of the initial state; of either sign, at most 1 in
-        /// modulus.
+        /// The largest change of an entry of the initial state; of either sign, not zero, at most
+        /// 1 in modulus.
         kick: Option<f64> = None, "SIZE";
         /// Number of the multiplier along whose eigenvector the chain is kicked.
         ///

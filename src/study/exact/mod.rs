@@ -46,27 +46,24 @@ options! {
         /// Changes to it.
         set: Changes = Changes::default(), [command(flatten)];
         /// Wave number over pi, with a whole number of waves on the ring.
-        ///
-        /// Above 0 and at most 1.
-        q_over_pi: Option<f64> = None, "Q";
+        q_over_pi: Option<f64> = None, "Q", (above 0 to 1);
         /// Frequency of the wave, in radians per unit of time.
         ///
         /// Above omega = sqrt(kappa (1 + 1/rho)).
         omega_tw: Option<f64> = None, "W", [arg(conflicts_with = "amplitude")];
         /// Height of the crest above the mean strain, in place of the frequency.
-        amplitude: Option<f64> = None, "A";
+        amplitude: Option<f64> = None, "A", (positive);
         /// Mean strain [default: in proportion to the amplitude, as in the scene].
         mean: Option<f64> = None, "M", (finite);
-        /// Mass ratio resonator to bead, positive.
+        /// Mass ratio resonator to bead [default: the scene's].
         ///
-        /// In place of the scene's. Here also 0 (no resonators) and inf (fixed resonators, Newton's
+        /// At least 0; also 0 (no resonators) and inf (fixed resonators, Newton's
         /// cradle). Unless a frequency is given, the wave has the amplitude of the scene's wave.
         /// With fixed resonators its mean strain is 0.
         rho: Option<f64> = None, "R";
-        /// Number of sites.
+        /// Number of sites [default: the scene's].
         ///
-        /// The multipliers are computed for a ring of this length, from 3 to 256 [default: the
-        /// scene's].
+        /// The multipliers are computed for a ring of this length, from 3 to 256.
         sites: Option<usize> = None, "N";
         /// Tolerance.
         tol: f64 = Search::default().tol, "T", (WAVE), [arg(long_help = OF_WAVE)];
@@ -265,11 +262,10 @@ options! {
         /// Value of the varied parameter at which the branch ends.
         ///
         /// The first value is that of the scene or of the other flags.
-        to: Option<f64> = None, "P", [arg(required = true)];
-        /// Largest change of the varied parameter from wave to wave.
-        ///
-        /// [default: a twentieth of the range]
-        step: Option<f64> = None, "DP";
+        to: Option<f64> = None, "P", (finite), [arg(required = true)];
+        /// Largest change of the varied parameter from wave to wave [default: a twentieth of the
+        /// range].
+        step: Option<f64> = None, "DP", (positive);
         /// Points of the branch at most.
         max_points: usize = 200, "N", (2 or more);
     }
@@ -313,6 +309,7 @@ impl ContinueWave {
 
     /// The first wave and the continuation, checked as far as possible before the wave is known.
     fn checked(&self) -> Result<(Numbers, WaveContinuation)> {
+        self.within_ranges()?;
         let mut numbers = self.wanted.numbers()?;
         // Waves of a branch keep their shape, unless the mean strain is given or varies.
         if self.wanted.mean.is_none()

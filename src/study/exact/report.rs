@@ -24,7 +24,7 @@ use std::f64::consts::PI;
 pub(super) const STATES: &str = "states.npz";
 
 /// What determines a wave, and how well it is solved.
-fn told<'a, T>(rows: Rows<'a, T>, of: impl Fn(&T) -> &ExactWave + Copy + 'a) -> Rows<'a, T> {
+fn wave_columns<'a, T>(rows: Rows<'a, T>, of: impl Fn(&T) -> &ExactWave + Copy + 'a) -> Rows<'a, T> {
     rows.col("q_over_pi", Hidden, "wave number over pi", move |one| of(one).setting.q.q() / PI)
         .col("alpha", Hidden, "", move |one| of(one).setting.params.alpha)
         .col("kappa", Hidden, "", move |one| of(one).setting.params.kappa)
@@ -68,7 +68,7 @@ impl ExactStudy {
                 "mean_strain": ansatz.epsilon() * ansatz.shape().b,
             })
         });
-        let row = told(Table::of("exact", std::slice::from_ref(wave)), |wave| wave).key("").done();
+        let row = wave_columns(Table::of("exact", std::slice::from_ref(wave)), |wave| wave).key("").done();
         let title = format!("Exact travelling wave, q = {}", of_pi(wave.setting.q.q()));
         let report = self.tables().into_iter().fold(
             Report::new("exact")
@@ -190,7 +190,7 @@ impl ExactStudy {
 /// The tables of exact waves without rows.
 pub(super) fn outline() -> Report {
     let tables = [
-        told(Table::of("exact", &[]), |wave| wave).done(),
+        wave_columns(Table::of("exact", &[]), |wave| wave).done(),
         profile_table(&[]),
         fourier_table(&[]),
         growth_table(&[], 0.0),
@@ -293,7 +293,7 @@ impl WaveBranchStudy {
 
     /// A row for each wave.
     pub(super) fn table(&self) -> Table {
-        waves(&branches::told(&self.branch), self.branch.continuation.parameter)
+        waves(&branches::rows(&self.branch), self.branch.continuation.parameter)
     }
 
     /// Amplitude, and largest growth beside that of the modulation equations.
@@ -318,7 +318,7 @@ fn waves(rows: &[BranchRow<'_, WaveContinuation>], parameter: WaveParameter) -> 
         .col("parameter", if beside { Fixed(9) } else { Hidden }, "what varies", move |row| parameter.of(row.0))
         .head(parameter.name());
     let fastest = |point: Option<&WavePoint>| point?.spectrum.fastest().copied();
-    told(rows, |row| row.0)
+    wave_columns(rows, |row| row.0)
         .col("growth", Power(4), "largest growth, per unit of time", move |&(_, point)| {
             point.map(|_| fastest(point).map_or(0.0, |one| one.growth))
         })

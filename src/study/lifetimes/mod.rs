@@ -122,9 +122,7 @@ options! {
         /// Criterion that ends the life of a breather.
         criterion: Criterion = Criterion::Energy, "C";
         /// Exponent of the contact force; 1.5 for spheres.
-        ///
-        /// From 1.01 to 10.
-        alpha: f64 = 1.5, "A";
+        alpha: f64 = 1.5, "A", (1.01 to 10);
         /// What the profile is symmetric about.
         center: Center = Center::Bond, "C";
         /// Number of sites.
@@ -132,10 +130,10 @@ options! {
         /// Length of every chain. By default it is doubled from 100 on, up to 25600, until no wave
         /// comes back from the ends.
         sites: Option<usize> = None, "N", (20 to 100_000);
-        /// End time, in units of time.
-        ///
-        /// No breather is followed longer [default: for each breather 25 times the theorem's time
+        /// End time, in units of time [default: for each breather 25 times the theorem's time
         /// scale, T epsilon^(1-alpha)].
+        ///
+        /// No breather is followed longer.
         until: Option<f64> = None, "T", (positive);
         /// How the chains are run.
         solver: Adaptive = Adaptive { tol: 1e-9, ..Adaptive::default() }, [arg(skip = Self::default().solver)];
@@ -485,7 +483,7 @@ impl<'a> Watch<'a> {
         }
         if before.stretch.0 < 0.0 && now.stretch.0 >= 0.0 {
             let zero = self.zero(before, now, run)?;
-            self.swung(zero);
+            self.add_oscillation(zero);
         }
         if self.life.ends_felt.is_none() && now.ends > REACHED {
             // Waves from the ends take at least as long as they took to the ends.
@@ -523,9 +521,9 @@ impl<'a> Watch<'a> {
         Ok(t)
     }
 
-    /// Takes the time `t` at which an oscillation of the central bead is complete, and with it the
+    /// Adds an oscillation of the central bead, which is complete at the time `t`, and updates the
     /// frequency over the last four.
-    fn swung(&mut self, t: f64) {
+    fn add_oscillation(&mut self, t: f64) {
         self.upward.push_back(t);
         if self.upward.len() <= FREQUENCY_PERIODS {
             return;

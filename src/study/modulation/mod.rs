@@ -50,23 +50,21 @@ options! {
         /// Changes to it.
         set: Changes = Changes::default(), [command(flatten)];
         /// Exponent of the contact force; 1.5 for spheres.
+        alpha: f64 = 1.5, "A", (above 0 to 10);
+        /// Spring constant of the resonators.
+        kappa: f64 = 1.0, "K", (positive);
+        /// Mass ratio resonator to bead.
         ///
-        /// Above 0 and at most 10.
-        alpha: f64 = 1.5, "A";
-        /// Spring constant of the resonators, positive.
-        kappa: f64 = 1.0, "K";
-        /// Mass ratio resonator to bead, positive.
-        ///
-        /// inf for Newton's cradle (its DpS equation), with --b 0.
+        /// Above 0; inf for Newton's cradle (its DpS equation), with --b 0.
         rho: f64 = 1.0 / 3.0, "R";
-        /// Amplitude of the wave, positive.
-        a: f64 = 1.0, "A";
+        /// Amplitude of the wave.
+        a: f64 = 1.0, "A", (positive);
         /// Mean strain.
         ///
         /// Mean strain b of the wave, in the units of the modulation equations; below 2 kappa a.
         b: f64 = 1.0, "B";
         /// Wave number over pi, with a whole number of waves on the ring.
-        q_over_pi: f64 = 0.2, "Q";
+        q_over_pi: f64 = 0.2, "Q", (-1 to 1);
         /// Sizes of the wave, separated by commas.
         ///
         /// Rates per unit of time are computed for the first size. With --measure, growth is
@@ -90,6 +88,7 @@ options! {
 impl ModulationStudy {
     /// The wave of the scene, or that of the numbers.
     fn options(&self) -> Result<StabilityOptions> {
+        self.within_ranges()?;
         let &Self { alpha, kappa, rho, a, b, q_over_pi, sites, measure, modes, chart, .. } = self;
         let modes = measure.then_some(modes);
         let Some(name) = &self.scene else {

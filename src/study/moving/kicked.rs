@@ -74,8 +74,8 @@ impl KickedRun {
         let along = rest.spectrum(&shooting)?.direction(0);
         let by = options.kick * rest.amplitude();
         let start: Vec<f64> = rest.start().iter().zip(along).map(|(z, along)| z + by * along).collect();
-        let step_control = StepControl::Tolerance(shooting.tol);
-        let mut run = rest.setting.chain()?.collocation(&start, (0.0, periods * period), step_control)?;
+        let (chain, span) = (rest.setting.chain()?, (0.0, periods * period));
+        let mut run = chain.collocation(&start, span, StepControl::Tolerance(shooting.tol))?;
         let mut local: Vec<Local> = Vec::new();
         for m in 0..periods as u64 {
             let mut a = vec![Complex::from(0.0); n];

@@ -37,9 +37,9 @@ const KICKED: f64 = 0.1;
 options! {
     /// Moving dark breathers as relative periodic orbits, and a kicked one.
     pub struct Moving {
-        /// Frequencies of the background, in radians per unit of time.
+        /// Frequencies of the background, in radians per unit of time [default: 1.025 omega].
         ///
-        /// Separated by commas, each above omega = sqrt(kappa (1 + 1/rho)) [default: 1.025 omega].
+        /// Separated by commas, each above omega = sqrt(kappa (1 + 1/rho)).
         omega_b: Vec<f64> = vec![], "W,..";
         /// Whole periods of the background for each site that the kink moves on.
         ///
@@ -55,13 +55,14 @@ options! {
         params: ChainParams = ChainParams::default(), [command(flatten)];
         /// End time, in units of time.
         ///
-        /// End of the run of the kicked breather; 0 for no such run. It starts from the
-        /// bond-centred breather at rest with the first frequency.
+        /// End of the run of the kicked breather, from one period of the background to 10^5 of
+        /// them; 0 for no such run. It starts from the bond-centred breather at rest with the first
+        /// frequency.
         until: f64 = 1200.0, "T";
         /// Size of a kick along one mode, in units of the orbit's amplitude.
         ///
         /// The largest change of an entry of the initial state, along the mode that grows most; of
-        /// either sign, at most 1 in modulus.
+        /// either sign, not zero, at most 1 in modulus.
         kick: f64 = 1e-2, "SIZE";
         /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
         ///

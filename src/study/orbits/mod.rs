@@ -48,7 +48,7 @@ options! {
         /// The chain.
         params: ChainParams = ChainParams::default(), [command(flatten)];
         /// Vertical centre C_x of the background, a strain (eq:center).
-        c_x: f64 = 0.0, "C";
+        c_x: f64 = 0.0, "C", (finite);
         /// Equations of Newton's method.
         formulation: Formulation = Formulation::HalfPeriod, "F", [arg(default_value = "half-period")];
         /// Tolerance.
@@ -76,9 +76,9 @@ options! {
         ///
         /// The kink is on the site 0, or on the bond between the sites 0 and 1.
         center: Center = Center::Site, "C";
-        /// Frequency of the breather, in radians per unit of time.
+        /// Frequency of the breather, in radians per unit of time [default: 1.025 omega].
         ///
-        /// Above omega = sqrt(kappa (1 + 1/rho)) [default: 1.025 omega].
+        /// Above omega = sqrt(kappa (1 + 1/rho)).
         omega_b: Option<f64> = None, "W";
         /// The ring.
         ring: Ring = Ring::default(), [command(flatten)];
@@ -135,13 +135,11 @@ options! {
         /// Varied parameter: omega_b, rho, kappa, alpha or c_x.
         parameter: String = "omega_b".to_owned(), "P";
         /// First value of the parameter [default for omega_b: 1.005 omega].
-        from: Option<f64> = None, "P";
+        from: Option<f64> = None, "P", (finite);
         /// Last value of the parameter [default for omega_b: 1.05 omega].
-        to: Option<f64> = None, "P";
-        /// Largest change of the parameter from point to point.
-        ///
-        /// [default: a hundredth of the range]
-        step: Option<f64> = None, "DP";
+        to: Option<f64> = None, "P", (finite);
+        /// Largest change of the parameter from point to point [default: a hundredth of the range].
+        step: Option<f64> = None, "DP", (positive);
         /// Points of the branch at most.
         ///
         /// With those of a branch that is resumed.
@@ -153,10 +151,10 @@ options! {
         /// Do not locate collisions of multipliers that stay below 1 + WEAK.
         ///
         /// The moduli of the multipliers are compared with 1 + WEAK.
-        weak: f64 = 0.01, "WEAK";
-        /// Frequency of the breather, in radians per unit of time.
+        weak: f64 = 0.01, "WEAK", (from 0);
+        /// Frequency of the breather, in radians per unit of time [default: 1.025 omega].
         ///
-        /// For branches in another parameter [default: 1.025 omega].
+        /// For branches in another parameter. Above omega = sqrt(kappa (1 + 1/rho)).
         omega_b: Option<f64> = None, "W";
         /// Go on with what this file, or the file in this folder, has kept.
         ///
@@ -235,7 +233,7 @@ impl Study for Continue {
         }))
     }
 
-    fn beside(&self) -> Option<PathBuf> {
+    fn default_folder(&self) -> Option<PathBuf> {
         self.resume.as_deref().map(folder_of)
     }
 }
@@ -248,14 +246,14 @@ options! {
         /// The frequency at which the branch of doubled period ends: that of the whole period,
         /// about half of the frequency of the main branch.
         omega_b: f64 = 1.056, "W", (positive);
-        /// Frequency up to which a period doubling is searched for.
+        /// Frequency up to which a period doubling is searched for [default: 1.05 omega].
         ///
-        /// The main branch is followed no further without one [default: 1.05 omega].
+        /// The main branch is followed no further without one.
         most: Option<f64> = None, "W", (positive);
         /// Largest change of the frequency from point to point.
         ///
         /// On the main branch; on the doubled one half of it.
-        step: f64 = 0.002, "DW";
+        step: f64 = 0.002, "DW", (positive);
         /// File branch.npz of the main branch [default: it is computed here].
         ///
         /// A file that `breather continue --center bond` has written.
@@ -414,7 +412,7 @@ pub fn branch(
 /// As [`branch`].
 pub fn begin(breather: &DarkBreather, continuation: &Continuation, weak: f64) -> Result<Branch> {
     if !(weak.is_finite() && weak >= 0.0) {
-        return Err(Error::parameter("weak", weak, "finite and at least zero"));
+        return Err(Error::parameter("weak", weak, "finite and at least 0"));
     }
     stays_dark(&breather.setting(), continuation)?;
     let branch = Branch::new(*continuation, breather.setting(), breather.orbit(&continuation.shooting)?)?;

@@ -14,7 +14,7 @@ use crate::{
         Line, Panel, Panels, Report, Table,
     },
     study::{
-        branches::{BranchRow, ended, gaps, lines, told},
+        branches::{BranchRow, ended, gaps, lines, rows},
         dps::center_word,
         exact::{bounds, newton_kantorovich_bound},
         params_words,
@@ -161,7 +161,7 @@ impl DoubledStudy {
             0.5 * birth.parameter
         );
         let report = Report::new("branch").fact("birth", &bifurcations("", std::slice::from_ref(birth)).json()[0]);
-        let report = self.branch.told(report.words(words))?;
+        let report = self.branch.reported(report.words(words))?;
         let orbit = self.last.as_ref().map(|last| last.facts(Report::new("")).json());
         let report = report.fact("orbit", orbit);
         Ok(match &self.last {
@@ -233,12 +233,12 @@ impl Branch {
     /// # Errors
     /// Errors of the archive writer.
     pub fn report(&self) -> Result<Report> {
-        self.told(Report::new("branch"))
+        self.reported(Report::new("branch"))
     }
 
     /// Adds the branch to a report. `branch.npz` is what
     /// [`Branch::load`] reads back, and all multipliers of every point.
-    fn told(&self, report: Report) -> Result<Report> {
+    fn reported(&self, report: Report) -> Result<Report> {
         let parts = |part: &dyn Fn(&Multiplier) -> f64| -> Vec<Vec<f64>> {
             self.points.iter().map(|point| point.spectrum.multipliers.iter().map(part).collect()).collect()
         };
@@ -253,8 +253,8 @@ impl Branch {
             true => format!(" {}", bounds(self.points.iter().map(|point| point.measures.kantorovich))),
             false => String::new(),
         };
-        let table = points(parameter, &told(self));
-        let end = ended(told(self).len(), self.bifurcations.len(), self.ended());
+        let table = points(parameter, &rows(self));
+        let end = ended(rows(self).len(), self.bifurcations.len(), self.ended());
         let picture = self.picture(&table);
         let report = report
             .fact("parameter", parameter.name())

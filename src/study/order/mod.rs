@@ -41,23 +41,23 @@ const END: f64 = 12.0;
 /// Spring constant and mass ratio.
 const KAPPA: f64 = 1.0;
 const RHO: f64 = 1.0 / 3.0;
-/// Force evaluations on the rungs of the ladder, over the whole run.
+/// Force evaluations on the levels of the ladder, over the whole run.
 const EVALUATIONS: [f64; 8] = [480.0, 960.0, 1920.0, 3840.0, 7680.0, 15_360.0, 30_720.0, 61_440.0];
 /// The same for corrected kicks, which reach the floor of the tangent with fewer evaluations than
 /// other methods.
 const CORRECTED_EVALUATIONS: [f64; 8] = [60.0, 120.0, 240.0, 480.0, 960.0, 1920.0, 3840.0, 7680.0];
-/// Factors of the number of steps of a rung. Its error is the root mean square over these runs, so
+/// Factors of the number of steps of a level. Its error is the root mean square over these runs, so
 /// that a slope does not depend on where in a step events happen to lie. For corrected kicks it is
 /// the median.
 const NEIGHBOURS: [f64; 7] = [1.0, 1.015, 1.031, 1.046, 1.062, 1.079, 1.095];
-/// Steps a leg, from event to event, on the rungs of the regularised mode.
+/// Steps a leg, from event to event, on the levels of the regularised mode.
 const STEPS_A_LEG: [u64; 11] = [2, 3, 4, 6, 8, 11, 16, 22, 32, 45, 64];
 /// Steps a leg of the reference, and of the run from which its error is estimated.
 const REFERENCE_STEPS: [u64; 2] = [120, 90];
 /// Errors above this many times that of the reference are fitted.
 const RESOLVED: f64 = 20.0;
-/// Rungs that a slope is fitted to: the finest, where the order has set in.
-const RUNGS_FITTED: usize = 6;
+/// Levels that a slope is fitted to: the finest, where the order has set in.
+const LEVELS_FITTED: usize = 6;
 /// Half the distance of initial states whose difference gives the tangent.
 const TANGENT_STEP: f64 = 1e-5;
 
@@ -200,20 +200,20 @@ pub fn order(options: &OrderOptions, engine: &Engine, progress: Progress<'_>) ->
     let &OrderOptions { alpha, beads, .. } = options;
     let cases = options.cases()?;
     let problem = Problem::new(alpha, beads)?;
-    let truth = problem.truth()?;
+    let reference = problem.reference()?;
     let grid = Grid { store: OrderOptions::STORE, study: "order", settings: json!({"alpha": alpha, "beads": beads}) };
-    let swept = engine.sweep(&grid, &cases, progress, |&case| Ok(problem.ladder(case, &truth)))?;
+    let swept = engine.sweep(&grid, &cases, progress, |&case| Ok(problem.ladder(case, &reference)))?;
     let ladders = swept.all(&cases, |case| case.0.name())?;
-    let rows = cases.iter().zip(ladders).flat_map(|(&case, ladder)| problem.rows(case, &ladder, &truth)).collect();
+    let rows = cases.iter().zip(ladders).flat_map(|(&case, ladder)| problem.rows(case, &ladder, &reference)).collect();
     Ok(OrderStudy {
         alpha,
         beads,
         params: Params { alpha, kappa: KAPPA, rho: RHO },
         end: END,
         q: power(alpha, 8),
-        floor: truth.floor,
+        floor: reference.floor,
         rows,
-        events: truth.events,
+        events: reference.events,
     })
 }
 
@@ -306,7 +306,7 @@ impl Problem {
         Ok(equal_steps(field, &overlaps, &self.starts[k], (0.0, END), division, itinerary)?)
     }
 
-    fn truth(&self) -> Result<Reference> {
+    fn reference(&self) -> Result<Reference> {
         let [events, ahead, behind] = [0, 1, 2].map(|k| self.events(&self.starts[k]));
         let events = events?;
         let itineraries = [&events, &ahead?, &behind?].map(|events| Itinerary::new(events, 1e-9));
@@ -323,10 +323,10 @@ impl Problem {
     }
 
     /// The state at the end of a run from start `k`, and its steps.
-    fn end(&self, case: (Method, Mode), work: Level, truth: &Reference, k: usize) -> Result<(Vec<f64>, u64)> {
+    fn end(&self, case: (Method, Mode), work: Level, reference: &Reference, k: usize) -> Result<(Vec<f64>, u64)> {
         let (start, span) = (&self.starts[k], (0.0, END));
         let steps = match work {
-            Level::Divided(division) => return self.divided(k, division, &truth.itineraries[k]),
+            Level::Divided(division) => return self.divided(k, division, &reference.itineraries[k]),
             Level::Steps(steps) => steps,
         };
         let method = match case {
@@ -346,19 +346,19 @@ impl Problem {
     }
 
     /// Errors of the state and of the tangent, and steps; errors are infinite if a run fails.
-    fn errors(&self, case: (Method, Mode), work: Level, truth: &Reference) -> ([f64; 2], u64) {
-        match [0, 1, 2].map(|k| self.end(case, work, truth, k)) {
+    fn errors(&self, case: (Method, Mode), work: Level, reference: &Reference) -> ([f64; 2], u64) {
+        match [0, 1, 2].map(|k| self.end(case, work, reference, k)) {
             [Ok((state, steps)), Ok((ahead, _)), Ok((behind, _))] => {
-                ([distance(&state, &truth.state), distance(&tangent(&ahead, &behind), &truth.tangent)], steps)
+                ([distance(&state, &reference.state), distance(&tangent(&ahead, &behind), &reference.tangent)], steps)
             }
             _ => ([f64::INFINITY; 2], 0),
         }
     }
 
     /// Errors and steps of a method in a mode, coarse to fine.
-    fn ladder(&self, (method, mode): (Method, Mode), truth: &Reference) -> Vec<Errors> {
-        let rung = |rung: Vec<Level>| {
-            let runs: Vec<_> = rung.iter().map(|&work| self.errors((method, mode), work, truth)).collect();
+    fn ladder(&self, (method, mode): (Method, Mode), reference: &Reference) -> Vec<Errors> {
+        let level = |level: Vec<Level>| {
+            let runs: Vec<_> = level.iter().map(|&work| self.errors((method, mode), work, reference)).collect();
             let error = |k: usize| {
                 let errors: Vec<f64> = runs.iter().map(|(errors, _)| errors[k]).collect();
                 let error = if mode == Mode::Corrected { median(errors) } else { root_mean_square(&errors) };
@@ -366,12 +366,12 @@ impl Problem {
             };
             ([error(0), error(1)], runs[0].1)
         };
-        self.rungs(method, mode).into_iter().map(rung).collect()
+        self.levels(method, mode).into_iter().map(level).collect()
     }
 
     /// The rows of a method in a mode: of the state and of the tangent.
-    fn rows(&self, (method, mode): (Method, Mode), ladder: &[Errors], truth: &Reference) -> [OrderRow; 2] {
-        [(Quantity::State, truth.floor.0), (Quantity::Tangent, truth.floor.1)].map(|(quantity, floor)| {
+    fn rows(&self, (method, mode): (Method, Mode), ladder: &[Errors], reference: &Reference) -> [OrderRow; 2] {
+        [(Quantity::State, reference.floor.0), (Quantity::Tangent, reference.floor.1)].map(|(quantity, floor)| {
             let error = |(errors, _): &Errors| errors[quantity as usize].unwrap_or(f64::INFINITY);
             let errors = ladder.iter().map(error).collect();
             let steps = ladder.iter().map(|(_, steps)| *steps).collect();
@@ -381,8 +381,8 @@ impl Problem {
         })
     }
 
-    /// The ladder of a method in a mode; the runs of a rung are averaged.
-    fn rungs(&self, method: Method, mode: Mode) -> Vec<Vec<Level>> {
+    /// The ladder of a method in a mode; the runs of a level are averaged.
+    fn levels(&self, method: Method, mode: Mode) -> Vec<Vec<Level>> {
         if mode == Mode::Regularised {
             let q = power(self.alpha, method.order());
             return STEPS_A_LEG.iter().map(|&steps| vec![Level::Divided(Division::Count { steps, q })]).collect();
@@ -392,9 +392,9 @@ impl Problem {
             (Method::Dop853(_), Mode::Landed) => Level::Divided(Division::Length(END / steps)),
             _ => Level::Steps(steps as u64),
         };
-        let rung = |rung: f64| NEIGHBOURS.iter().map(|&share| work(steps(rung, share))).collect();
+        let level = |level: f64| NEIGHBOURS.iter().map(|&share| work(steps(level, share))).collect();
         let ladder = if mode == Mode::Corrected { CORRECTED_EVALUATIONS } else { EVALUATIONS };
-        ladder.iter().map(|&evaluations| rung(evaluations)).collect()
+        ladder.iter().map(|&evaluations| level(evaluations)).collect()
     }
 }
 
@@ -419,7 +419,7 @@ enum Level {
     Divided(Division<f64>),
 }
 
-/// The order that a row shows: the slope over its finest rungs whose errors lie well above the
+/// The order that a row shows: the slope over its finest levels whose errors lie well above the
 /// floor and below one, at least three and over at least a decade of errors.
 fn slope(row: &OrderRow, floor: f64) -> Option<f64> {
     let resolved = |error: f64| error > RESOLVED * floor && error < 0.1;
@@ -430,7 +430,7 @@ fn slope(row: &OrderRow, floor: f64) -> Option<f64> {
         .filter(|(error, _)| resolved(**error))
         .map(|(error, &steps)| (-(steps as f64).log10(), error.log10()))
         .collect();
-    let points = &points[points.len().saturating_sub(RUNGS_FITTED)..];
+    let points = &points[points.len().saturating_sub(LEVELS_FITTED)..];
     let decades = points.first()?.1 - points.last()?.1;
     let (slope, _) = fit_line(points)?;
     (points.len() >= 3 && decades >= 1.0).then_some(slope)

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 const PICTURED: [&str; 7] =
     ["verlet", "strang-linear", "yoshida4-linear", "aba1064-linear", "kahan-li8-linear", "corrected", "dop853"];
 
-/// The slopes, with the error at the finest rung.
+/// The slopes, with the error at the finest level.
 pub(super) fn orders(rows: &[OrderRow]) -> Table {
     Table::of("slopes", rows)
         .col("mode", Short, "", |row| row.mode.name())

@@ -48,9 +48,7 @@ options! {
 }
 
 impl Study for PlanFile {
-    const FILES: &'static str = "Files: sweep.csv, sweep.ndjson (a line a point, also failures), sweep.npz (a column a quantity), sweep.json, sweep.png (one or \
-                                 two axes), and sweep.store, where every point is kept once it was run: the same sweep in the same folder \
-                                 resumes from it.";
+    const FILES: &'static str = "Files: sweep.csv, sweep.ndjson (a line a point, also failures), sweep.npz (a column a quantity), sweep.json, and sweep.png (one or two axes).";
     const STORE: &'static str = "sweep.store";
 
     fn optional_files() -> Vec<String> {

@@ -55,13 +55,13 @@ options! {
         ///
         /// By default 512 steps per period of the fastest motion: of resonators, drives or
         /// contacts.
-        steps_per_period: Option<f64> = None, "N", [arg(conflicts_with_all = ["step", "tol"])];
+        steps_per_period: Option<f64> = None, "N", (positive), [arg(conflicts_with_all = ["step", "tol"])];
         /// Step size, in units of time, for splitting schemes.
         ///
         /// Made smaller where a whole number of steps must fit the span.
-        step: Option<f64> = None, "H", [arg(conflicts_with = "tol")];
+        step: Option<f64> = None, "H", (positive), [arg(conflicts_with = "tol")];
         /// Equal windows per period, for collocation without error control.
-        windows_per_period: Option<f64> = None, "N", [arg(conflicts_with_all = ["step", "tol", "steps_per_period"])];
+        windows_per_period: Option<f64> = None, "N", (positive), [arg(conflicts_with_all = ["step", "tol", "steps_per_period"])];
         /// Nodes per panel: 4, 6, 8, 10 or 12 [default: 10].
         ///
         /// For collocation with --windows-per-period.
@@ -224,16 +224,13 @@ impl MethodChoice {
 
 /// The setting that `args` mean for a method on a scene, and the setting in words.
 fn setting(args: &MethodRequest, method: Method, scene: &Scene) -> Result<(Setting, String)> {
-    let positive = |name, value: f64| {
-        let good = value.is_finite() && value > 0.0;
-        if good { Ok(value) } else { Err(Error::parameter(name, value, "finite and positive")) }
-    };
+    args.within_ranges()?;
     if let Some(per_period) = args.windows_per_period {
         if method != Method::Collocation {
             return Err(Error::parameter("windows-per-period", per_period, "only collocation takes windows"));
         }
         let nodes = args.nodes.unwrap_or(DEFAULT_NODES);
-        let windows = (scene.end() / scene.period() * positive("windows-per-period", per_period)?).ceil().max(1.0);
+        let windows = (scene.end() / scene.period() * per_period).ceil().max(1.0);
         if windows > MOST_STEPS {
             return Err(Error::parameter("windows", windows, "at most 1e15 windows"));
         }
@@ -251,9 +248,9 @@ fn setting(args: &MethodRequest, method: Method, scene: &Scene) -> Result<(Setti
         return Err(Error::parameter("tol", tol, NO_TOLERANCE));
     }
     let steps = match args.step {
-        Some(step) => scene.end() / positive("step", step)?,
+        Some(step) => scene.end() / step,
         None => match args.steps_per_period {
-            Some(per_period) => scene.end() / scene.period() * positive("steps-per-period", per_period)?,
+            Some(per_period) => scene.end() / scene.period() * per_period,
             None => scene.end() / scene.fast_period() * DEFAULT_STEPS_PER_PERIOD,
         },
     };

@@ -154,10 +154,10 @@ options! {
         ///
         /// In any order.
         epsilons: Vec<f64> = vec![1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6], "E,F,..", (above 0 below 1), [arg(hide_default_value = true)];
-        /// Number of sites.
-        ///
-        /// Up to 1000 [default: the sites where A(0) is above 1e-16 of its largest value; for
+        /// Number of sites [default: the sites where A(0) is above 1e-16 of its largest value; for
         /// generic: 21].
+        ///
+        /// At least the default, up to 1000.
         sites: Option<usize> = None, "N";
         /// The times at which errors are sampled for the suprema.
         sampling: Sampling = Sampling::default(), [arg(skip)];

@@ -56,7 +56,7 @@ options! {
         /// How it is run and looked at.
         options: WaveOptions = WaveOptions::default(), [command(flatten)];
         /// End time, in units of time [default: the scene's].
-        until: Option<f64> = None, "T";
+        until: Option<f64> = None, "T", (end);
     }
 }
 

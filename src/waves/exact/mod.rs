@@ -38,7 +38,7 @@ pub use spectrum::{WaveKind, WaveMultiplier, WaveQuality, WaveSpectrum};
 
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, max_norm},
-    error::{Error, Result},
+    error::{Error, Result, finite, positive},
     orbits::Orbit,
 };
 use std::f64::consts::PI;
@@ -181,12 +181,8 @@ impl WaveSetting {
         if params.alpha <= 1.0 {
             return Err(Error::parameter("alpha", params.alpha, "tangent maps need alpha > 1"));
         }
-        if !(omega_tw.is_finite() && omega_tw > 0.0) {
-            return Err(Error::parameter("omega_tw", omega_tw, "finite and positive"));
-        }
-        if !mean.value().is_finite() {
-            return Err(Error::parameter("mean", mean.value(), "a finite number"));
-        }
+        positive("omega_tw", omega_tw)?;
+        finite("mean", mean.value())?;
         Chain::new(params, Boundary::StrainRing, cells * q.cell)
     }
 

@@ -33,7 +33,7 @@ pub use line::LinePulse;
 use super::{ExactWave, Given, MeanStrain, Search, WaveNumber, WaveSetting};
 use crate::{
     chain::{Params, Resonators},
-    error::{Error, Result},
+    error::{Error, Result, positive},
     numerics::largest_by,
 };
 use std::f64::consts::PI;
@@ -147,9 +147,7 @@ fn ring(params: Params, speed: f64, sites: usize) -> Result<WaveSetting> {
     if !EXPONENTS.contains(&params.alpha) {
         return Err(Error::parameter("alpha", params.alpha, "from 1.2 to 5 for a solitary wave"));
     }
-    if !(speed.is_finite() && speed > 0.0) {
-        return Err(Error::parameter("speed", speed, "finite and positive"));
-    }
+    positive("speed", speed)?;
     if !SITES.contains(&sites) {
         return Err(Error::parameter("sites", sites, "from 8 to 64 for a solitary wave"));
     }

@@ -1,6 +1,6 @@
 //! Drives, which move or push a bead by a signal: a sum of harmonics times an envelope.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, finite, positive};
 use hertzchain_integrators::Real;
 use serde::{Deserialize, Serialize};
 
@@ -130,23 +130,15 @@ impl Signal {
             return Err(Error::parameter("drive.amplitude", "[]", "a drive has at least one harmonic"));
         }
         for &Harmonic { amplitude, omega, phase } in &self.harmonics {
-            if !amplitude.is_finite() {
-                return Err(Error::parameter("drive.amplitude", amplitude, "a finite number"));
-            }
+            finite("drive.amplitude", amplitude)?;
             if !(omega.is_finite() && omega >= 0.0) {
                 return Err(Error::parameter("drive.omega", omega, "a frequency is finite and at least zero"));
             }
-            if !phase.is_finite() {
-                return Err(Error::parameter("drive.phase", phase, "a finite number"));
-            }
+            finite("drive.phase", phase)?;
         }
-        let positive = |name, value: f64| {
-            let good = value.is_finite() && value > 0.0;
-            if good { Ok(()) } else { Err(Error::parameter(name, value, "finite and positive")) }
-        };
         match self.envelope {
             Envelope::None => Ok(()),
-            Envelope::Ramp(ramp) => positive("drive.ramp", ramp),
+            Envelope::Ramp(ramp) => positive("drive.ramp", ramp).map(drop),
             Envelope::Burst { start, length } => {
                 if !(start.is_finite() && start >= 0.0) {
                     return Err(Error::parameter("drive.start", start, "finite and at least zero"));
@@ -155,7 +147,7 @@ impl Signal {
                     let rule = "a burst is longer than 1e-11 of its start: times have sixteen digits";
                     return Err(Error::parameter("drive.length", length, rule));
                 }
-                positive("drive.length", length)
+                positive("drive.length", length).map(drop)
             }
         }
     }
