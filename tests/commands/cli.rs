@@ -71,7 +71,7 @@ fn maxima_are_written_on_request_beside_the_same_contacts() {
 
 #[test]
 fn compare_says_what_is_the_fastest() {
-    let text = stdout("compare cradle --integrators verlet,strang-linear --max-time 2 --set span.until=2");
+    let text = stdout("compare cradle --integrators verlet,strang-linear --max-time 2 --set span.periods=1");
     assert!(text.contains("strang-linear") && text.contains("fastest to reach"), "{text}");
 }
 
