@@ -1,6 +1,6 @@
 //! Branches that cross others: of doubled period, and at branch points.
 
-use crate::numbers::distance;
+use crate::numbers::distance as apart;
 use hertzchain::{
     chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, State, Variations},
     orbits::{
@@ -102,7 +102,7 @@ fn a_doubled_branch_begins_as_the_normal_form_of_a_period_doubling_does() {
         let once = shooting.solve(&setting, &main.bifurcations[birth].orbit.z).unwrap();
         let mu = -1.0 - once.spectrum(&shooting).unwrap().multipliers[0].re;
         let largest = orbit.spectrum(&shooting).unwrap().multipliers[0].re;
-        ((1.0 - largest) / (4.0 * mu) - 1.0, distance(&orbit.z, &once.z) / distance.sqrt())
+        ((1.0 - largest) / (4.0 * mu) - 1.0, apart(&orbit.z, &once.z) / distance.sqrt())
     });
     println!("{errors:?}");
     let [(far, wide), (near, narrow)] = errors;
@@ -123,8 +123,8 @@ fn orbits_of_doubled_period_return_after_two_periods_by_another_method_and_not_a
         assert_eq!((point.orbit.setting.turns(), point.measures.least_turns), (2, 2));
         let [start, end] = after(&point.orbit, 2.0);
         let [_, middle] = after(&point.orbit, 1.0);
-        println!("{} {:e} {:e}", amplitude(&point.orbit), distance(&start, &end), distance(&start, &middle));
-        assert!(distance(&start, &end) < 1e-9 && distance(&start, &middle) > 1e-2);
+        println!("{} {:e} {:e}", amplitude(&point.orbit), apart(&start, &end), apart(&start, &middle));
+        assert!(apart(&start, &end) < 1e-9 && apart(&start, &middle) > 1e-2);
     }
 }
 
@@ -147,7 +147,7 @@ fn a_run_settles_onto_the_orbit_of_doubled_period_where_that_is_stable() {
     let later = flow(&state, 0.5 * orbit.setting.period());
     // Which half of the orbit a run is in depends on where it began.
     let start = orbit.start().unwrap();
-    let off = [&state, &later].map(|state| distance(&state[..2], &start.as_slice()[..2]));
+    let off = [&state, &later].map(|state| apart(&state[..2], &start.as_slice()[..2]));
     println!("{off:?}");
     assert!(off[0].min(off[1]) < 1e-9 && off[0].max(off[1]) > 1e-2, "{off:?}");
 }
@@ -174,7 +174,7 @@ fn at_a_branch_point_the_symmetry_is_broken_as_by_a_pitchfork() {
     let [start, end] = after(orbit, 1.0);
     let [_, middle] = after(orbit, 0.5);
     let mirrored: Vec<f64> = middle.iter().map(|q| -q).collect();
-    assert!(distance(&start, &end) < 1e-9 && distance(&start, &mirrored) > 1e-2);
+    assert!(apart(&start, &end) < 1e-9 && apart(&start, &mirrored) > 1e-2);
 }
 
 #[test]
@@ -329,8 +329,8 @@ fn modes_of_doubled_period_come_back_after_two_periods_and_not_after_one() {
             let start = modes.state(&point.orbit);
             let [end, middle] = by_collocation(&chain, &start, 2.0 * PI / point.orbit.omega);
             let start = start.as_slice();
-            println!("{} {:e} {:e}", point.orbit.amplitude, distance(start, &end), distance(start, &middle));
-            assert!(distance(start, &end) < 1e-10 && distance(start, &middle) > 1e-3);
+            println!("{} {:e} {:e}", point.orbit.amplitude, apart(start, &end), apart(start, &middle));
+            assert!(apart(start, &end) < 1e-10 && apart(start, &middle) > 1e-3);
         }
     }
 }
