@@ -1,15 +1,12 @@
 //! Multipliers and bifurcations of branches as points: threads, shards, kills, signals, branches
 //! that changed.
 
-use super::shards::{command, files, in_shards, lines, output};
-use serde_json::Value;
-use std::{
-    fs,
-    path::Path,
-    process::{Child, Command, Stdio},
-    thread::sleep,
-    time::Duration,
+use super::{
+    program::{lines, printed, read_json, terminate, wait},
+    shards::{command, files, in_shards, output},
 };
+use serde_json::Value;
+use std::{fs, path::Path, process::Stdio};
 
 /// A branch with period doublings and a collision, in six segments.
 pub(crate) const DARK: &str = "breather continue --center bond --sites 9 --from 2.03 --to 2.1 --step 0.004 --bound";
@@ -31,20 +28,12 @@ pub(crate) const MODE: &str = concat!(
 );
 
 fn run(line: &str, out: &Path, more: &[&str]) -> String {
-    let ended = output(line, out, more);
-    assert!(ended.status.success(), "{line}: {}", String::from_utf8_lossy(&ended.stderr));
-    String::from_utf8(ended.stdout).unwrap()
+    printed(output(line, out, more))
 }
 
 /// All files but the store, which may have rows of other branches.
 fn results(folder: &Path) -> Vec<(String, Vec<u8>)> {
     files(folder).into_iter().filter(|(name, _)| !name.ends_with(".store")).collect()
-}
-
-fn wait(process: &mut Child, store: &Path, count: usize) {
-    while lines(store) < count && process.try_wait().unwrap().is_none() {
-        sleep(Duration::from_millis(1));
-    }
 }
 
 #[test]
@@ -100,7 +89,7 @@ fn multipliers_that_are_asked_to_end_go_on_with_and_without_resume() {
     let process = command(LONG, parts.path(), &[]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
     let mut process = process.unwrap();
     wait(&mut process, &store, 4);
-    assert!(Command::new("kill").args(["-TERM", &process.id().to_string()]).status().unwrap().success());
+    terminate(&process);
     let ended = process.wait_with_output().unwrap();
     let told = String::from_utf8(ended.stderr).unwrap();
     assert_eq!(ended.status.code(), Some(143), "{told}");
@@ -108,8 +97,7 @@ fn multipliers_that_are_asked_to_end_go_on_with_and_without_resume() {
     assert!(kept >= 3 && told.contains("the process was asked to end"), "{told}");
     // All orbits are told, not all with multipliers.
     let [told, all] = [&parts, &whole].map(|folder| -> Vec<Value> {
-        let branch: Value = serde_json::from_slice(&fs::read(folder.path().join("branch.json")).unwrap()).unwrap();
-        branch["points"].as_array().unwrap().clone()
+        read_json(&folder.path().join("branch.json"))["points"].as_array().unwrap().clone()
     });
     let known = told.iter().filter(|point| point["max_modulus"].is_number()).count();
     assert!(told.len() == all.len() && known < all.len() && !ended.stdout.is_empty(), "{known}: {told:?}");

@@ -9,8 +9,9 @@
 //! what a change has changed. `HERTZCHAIN_GOLDEN=bytes` compares every digit, as one does on one
 //! machine before and after a change that must change nothing. By default numbers may differ by
 //! 1e-6, since the last bits depend on the system's library of functions.
-#![cfg(all(feature = "cli", feature = "plot", target_os = "linux", target_arch = "x86_64"))]
+#![cfg(all(feature = "plot", target_os = "linux", target_arch = "x86_64"))]
 
+use super::help::help;
 use std::{
     collections::BTreeMap,
     env, fs,
@@ -235,18 +236,28 @@ fn difference(old: &str, new: &str) -> Option<String> {
     (a.len() != b.len()).then(|| format!("{} words and numbers instead of {}", b.len(), a.len()))
 }
 
+/// The command lines of the net.
+fn commands() -> Vec<String> {
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/commands.txt")).unwrap();
+    text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')).map(str::to_owned).collect()
+}
+
+/// The file of the answer to a line.
+fn stored(line: &str) -> PathBuf {
+    let name: String = line.chars().map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' }).collect();
+    let answers = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/answers");
+    answers.join(format!("{}-{}.txt", &name[..name.len().min(40)], name.len()))
+}
+
 // Truth: regression only; other tests hold the numbers against independent truths.
 #[test]
 fn every_command_answers_as_stored() {
     let mode = env::var("HERTZCHAIN_GOLDEN").unwrap_or_default();
-    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
-    let text = fs::read_to_string(golden.join("commands.txt")).unwrap();
-    let lines: Vec<&str> = text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')).collect();
+    let lines = commands();
     let (next, scratch) = (AtomicUsize::new(0), Path::new(env!("CARGO_TARGET_TMPDIR")).join("golden"));
     let check = |k: usize| -> Option<String> {
-        let line = lines[k];
-        let name: String = line.chars().map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' }).collect();
-        let stored = golden.join("answers").join(format!("{}-{}.txt", &name[..name.len().min(40)], name.len()));
+        let line = &lines[k];
+        let stored = stored(line);
         let new = answer(line, &scratch.join(k.to_string()));
         if mode == "update" {
             fs::create_dir_all(stored.parent().unwrap()).unwrap();
@@ -269,6 +280,33 @@ fn every_command_answers_as_stored() {
         workers.into_iter().flat_map(|worker| worker.join().unwrap()).collect()
     });
     assert!(failures.is_empty(), "{} of {} answers differ:\n\n{}", failures.len(), lines.len(), failures.join("\n\n"));
+}
+
+// Truth: the help itself, in its sentence about files.
+#[test]
+fn studies_write_the_pictures_that_their_help_names() {
+    let lines = commands();
+    for study in [
+        "study theorem",
+        "study lifetimes",
+        "wave tw-q15",
+        "wave modulation",
+        "breather bright",
+        "breather trivial",
+        "breather dark",
+        "breather continue",
+        "dps dark",
+    ] {
+        let line = lines.iter().find(|line| line.starts_with(study) && line.ends_with("--out OUT")).unwrap();
+        let path: Vec<String> = study.split(' ').filter(|word| *word != "tw-q15").map(str::to_owned).collect();
+        let help = help(&path, "--help");
+        let files = help.split("Files: ").nth(1).unwrap().split("--json").next().unwrap();
+        let names = files.split_whitespace().map(|word| word.trim_matches([',', '.', ';']));
+        let pictures: Vec<&str> = names.filter(|name| name.ends_with(".png")).collect();
+        let answer = fs::read_to_string(stored(line)).unwrap();
+        assert!(!pictures.is_empty(), "{line}: {files}");
+        assert!(pictures.iter().all(|name| answer.contains(&format!("\n{name}: "))), "{line}: {pictures:?}");
+    }
 }
 
 #[test]

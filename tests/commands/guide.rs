@@ -1,7 +1,7 @@
 //! The guide: links lead somewhere, commands do what they are shown for, every chapter is in the
 //! book.
-#![cfg(feature = "cli")]
 
+use super::program::{command, printed};
 use std::{
     env,
     ffi::OsString,
@@ -248,12 +248,7 @@ fn the_table_of_formats_has_the_versions_that_are_written() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("guide-formats");
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).unwrap();
-    let run = |words: &str| {
-        let done = Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(words.split(' ')).current_dir(&folder).output();
-        let done = done.unwrap();
-        assert!(done.status.success(), "{words}: {}", String::from_utf8_lossy(&done.stderr));
-        String::from_utf8(done.stdout).unwrap()
-    };
+    let run = |line: &str| printed(command(line).current_dir(&folder).output().unwrap());
     run("run impact --until 2 --checkpoint 1 --out a");
     run("breather continue --from 2.01 --to 2.011 --step 0.001 --sites 5 --out a");
     run("wave continue --sites 10 --to 2.002 --out a");

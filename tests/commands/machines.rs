@@ -1,9 +1,10 @@
 //! What another machine changes: vector instructions nothing, the system's `sin`, `cos` and `powf`
 //! the last bits.
 
+use super::program::{command, printed, refused};
 use hertzchain::run::method::Method;
 use hertzchain_integrators::Instructions;
-use std::{fs, path::Path, process::Command};
+use std::{fs, path::Path};
 
 /// Makes the system's library take its code for processors without fused multiplication; systems
 /// without GNU's library ignore it.
@@ -31,10 +32,9 @@ fn scene(alpha: f64, rho: &str) -> String {
 fn end(scene: &Path, method: Method, more: &[&str], environment: Option<(&str, &str)>) -> String {
     let out = tempfile::tempdir().unwrap();
     let accuracy = if method.adaptive() { ["--tol", "1e-10"] } else { ["--steps-per-period", "64"] };
-    let mut command = Command::new(env!("CARGO_BIN_EXE_hertzchain"));
-    command.arg("run").arg(scene).args(["--integrator", &method.name()]).args(accuracy).args(more);
-    let output = command.arg("--out").arg(out.path()).envs(environment).output().unwrap();
-    assert!(output.status.success(), "{method:?}: {}", String::from_utf8_lossy(&output.stderr));
+    let mut command = command("run");
+    command.arg(scene).args(["--integrator", &method.name()]).args(accuracy).args(more);
+    printed(command.arg("--out").arg(out.path()).envs(environment).output().unwrap());
     fs::read_to_string(out.path().join("final.csv")).unwrap()
 }
 
@@ -73,15 +73,10 @@ fn every_set_of_instructions_has_the_same_bits_and_another_library_changes_the_l
 
 #[test]
 fn a_set_that_is_not_there_is_refused() {
-    let run = |set: &str| {
-        let output =
-            Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(["scenes", "--instructions", set]).output().unwrap();
-        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
-    };
-    let (code, message) = run("sse9");
-    assert!(code == Some(2) && message.contains("sse9") && message.contains("portable, avx2, avx512"), "{message}");
+    let message = refused("scenes --instructions sse9", 2);
+    assert!(message.contains("sse9") && message.contains("portable, avx2, avx512"), "{message}");
     for set in Instructions::ALL.into_iter().filter(|set| !set.available()) {
-        let (code, message) = run(&set.to_string());
-        assert!(code == Some(2) && message.contains("this machine does not have them"), "{message}");
+        let message = refused(&format!("scenes --instructions {set}"), 2);
+        assert!(message.contains("this machine does not have them"), "{message}");
     }
 }

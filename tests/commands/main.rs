@@ -1,5 +1,9 @@
 //! The command line, its files and its figures. One binary for all of them: what is generic is
 //! compiled once.
+#![cfg(feature = "cli")]
+
+#[path = "../common/program.rs"]
+mod program;
 
 mod bad_files;
 mod branch_points;
@@ -18,9 +22,9 @@ mod paper_figures;
 mod paper_points;
 mod parts;
 mod provenance;
+mod refusals;
 mod scenes;
 mod shards;
 mod si;
-mod stored;
 mod studies;
 mod tolerances;

@@ -2,7 +2,8 @@
 
 use super::{
     branch_points, parts,
-    shards::{LIFETIMES, WAVES, files, lines, output, plan, random},
+    program::{PROGRAM, lines},
+    shards::{LIFETIMES, WAVES, files, output, plan, random},
 };
 use hertzchain::sweep::{Engine, Grid, Mpi};
 use std::{
@@ -13,8 +14,6 @@ use std::{
     thread::sleep,
     time::{Duration, Instant},
 };
-
-const PROGRAM: &str = env!("CARGO_BIN_EXE_hertzchain");
 
 /// A program on so many ranks.
 fn job(count: usize, program: impl AsRef<OsStr>) -> Command {

@@ -1,27 +1,14 @@
 //! `paper figures` and `paper verify` as sweeps: shards, kills, signals, files that were changed.
 
-use super::shards::{command, files, in_shards, lines, output};
+use super::{
+    program::{lines, terminate, wait},
+    shards::{command, files, in_shards, output},
+};
 use hertzchain::{breathers::MovingBreather, chain::Params, error::Error, interrupt::Token};
 use serde_json::Value;
-use std::{
-    fs,
-    path::Path,
-    process::{Child, Command, Stdio},
-    thread::sleep,
-    time::Duration,
-};
+use std::{fs, path::Path, process::Stdio, thread::sleep, time::Duration};
 
 const FIGURES: &str = "paper figures --only homoclinics,dps-dark,dark-profiles,exact-wave,exact-limits";
-const VERIFY: &str = "paper verify --section 5";
-/// Groups of numbers of this section.
-const GROUPS: usize = 7;
-
-/// Waits until a store has so many lines, or its process has ended.
-fn wait(process: &mut Child, store: &Path, count: usize) {
-    while lines(store) < count && process.try_wait().unwrap().is_none() {
-        sleep(Duration::from_millis(1));
-    }
-}
 
 fn said(line: &str, out: &Path) -> String {
     let output = output(line, out, &[]);
@@ -80,7 +67,7 @@ fn figures_that_are_asked_to_end_keep_what_is_finished_and_no_part_of_the_rest()
     wait(&mut process, &store, 2);
     // The map takes seconds, and gives what it has of its points when it is asked to end.
     sleep(Duration::from_millis(200));
-    assert!(Command::new("kill").args(["-TERM", &process.id().to_string()]).status().unwrap().success());
+    terminate(&process);
     let ended = process.wait_with_output().unwrap();
     let told = String::from_utf8(ended.stderr).unwrap();
     assert_eq!((ended.status.code(), lines(&store)), (Some(143), 2), "{told}");
@@ -151,28 +138,6 @@ fn a_figure_in_another_format_is_another_point() {
 }
 
 #[test]
-fn verdicts_that_are_killed_repeat_what_was_in_flight_only() {
-    let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let (whole, parts) = (whole.path(), parts.path());
-    said(VERIFY, whole);
-    let store = parts.join("verify.shard-1-of-1.store");
-    let shard = ["--shard", "1/1", "--json"];
-    for count in [2, 4] {
-        let mut process = command(VERIFY, parts, &shard).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        wait(&mut process, &store, count);
-        process.kill().unwrap();
-        assert!(!process.wait().unwrap().success(), "killed too late, at {count} lines");
-    }
-    let there = lines(&store) - 1;
-    assert!((3..GROUPS).contains(&there), "{there}");
-    let part: Value = serde_json::from_slice(&output(VERIFY, parts, &shard).stdout).unwrap();
-    assert_eq!((&part["points"], &part["kept"]), (&GROUPS.into(), &GROUPS.into()));
-    assert_eq!(part["computed"].as_u64(), Some((GROUPS - there) as u64));
-    said(VERIFY, parts);
-    assert!(files(whole) == files(parts));
-}
-
-#[test]
 fn verdicts_that_are_asked_to_end_say_what_is_kept() {
     let folder = tempfile::tempdir().unwrap();
     let (out, line) = (folder.path(), "paper verify --section 4");
@@ -180,7 +145,7 @@ fn verdicts_that_are_asked_to_end_say_what_is_kept() {
     let mut process = command(line, out, &[]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     wait(&mut process, &store, 1);
     sleep(Duration::from_millis(500));
-    assert!(Command::new("kill").args(["-TERM", &process.id().to_string()]).status().unwrap().success());
+    terminate(&process);
     let ended = process.wait_with_output().unwrap();
     let told = String::from_utf8(ended.stderr).unwrap();
     let there = lines(&store) - 1;

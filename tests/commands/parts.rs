@@ -1,7 +1,7 @@
 //! One long chain in parts: the files of one thread, for any number of them, also where a run goes
 //! on in another number; and what is refused.
-#![cfg(feature = "cli")]
 
+use super::program::{command, refusals, stdout};
 use hertzchain::{
     output::Folder,
     parts::Decomposition,
@@ -13,10 +13,8 @@ use std::{
     fs,
     panic::{AssertUnwindSafe, catch_unwind},
     path::Path,
-    process::{Command, Output},
+    process::Output,
 };
-
-const PROGRAM: &str = env!("CARGO_BIN_EXE_hertzchain");
 
 /// Chains with ends and rings, with resonators and without, on both splits; and seven blocks of
 /// bonds by contact collocation.
@@ -44,7 +42,7 @@ pub(crate) fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
 
 /// Runs a command line with a folder and more flags.
 pub(crate) fn output(line: &str, folder: &Path, more: &[&str]) -> Output {
-    Command::new(PROGRAM).args(line.split(' ')).arg("--out").arg(folder).args(more).output().unwrap()
+    command(line).arg("--out").arg(folder).args(more).output().unwrap()
 }
 
 #[test]
@@ -92,42 +90,44 @@ fn a_run_goes_on_in_another_number_of_parts() {
 
 #[test]
 fn what_cannot_run_in_parts_is_refused() {
-    let impact = "run impact --until 1 --threads 2";
-    for (line, words) in [
-        ("run impact --until 1 --integrator verlet --threads 0", "threads = 0 is not valid: from 1 to 1024 threads"),
-        ("run impact --until 1 --integrator verlet --threads 101", "at most as many parts as sites"),
-        ("run impact --until 1 --tol 1e-6 --threads 2", "threads = 2 > 1 is not valid: a part has at least one site"),
-        ("run impact --until 1 --integrator dop853 --threads 2", "integrator = dop853 is not valid: only splitting"),
-        ("run dimer --until 1 --tol 1e-6 --set chain.sites=600 --threads 2", "run in one part"),
-        ("run impact --until 1 --step 0.01 --integrator corrected --threads 2", "only splitting schemes"),
-        ("run trivial-breather --threads 2", "an exact solution has no parts"),
-        ("run impact --plan --ranks 0 --integrator verlet", "from 1 to the number of sites"),
-        ("run impact --plan --ranks 2 --integrator dop853", "only splitting schemes"),
-        ("run impact --plan --ranks 2 --integrator collocation", "ranks = 2 > 1"),
-        ("run impact --ranks 2", "--plan"),
-        (&format!("{impact} --checkpoint 0.5 --out nowhere --tol 1e-6"), "2 > 1"),
-    ] {
-        let ended = Command::new(PROGRAM).args(line.split(' ')).output().unwrap();
-        let said = String::from_utf8(ended.stderr).unwrap();
-        assert!(ended.status.code() == Some(2) && said.contains(words), "{line}: {said}");
-    }
+    refusals(
+        2,
+        &[
+            (
+                "run impact --until 1 --integrator verlet --threads 0",
+                "threads = 0 is not valid: from 1 to 1024 threads",
+            ),
+            ("run impact --until 1 --integrator verlet --threads 101", "at most as many parts as sites"),
+            (
+                "run impact --until 1 --tol 1e-6 --threads 2",
+                "threads = 2 > 1 is not valid: a part has at least one site",
+            ),
+            (
+                "run impact --until 1 --integrator dop853 --threads 2",
+                "integrator = dop853 is not valid: only splitting",
+            ),
+            ("run dimer --until 1 --tol 1e-6 --set chain.sites=600 --threads 2", "run in one part"),
+            ("run impact --until 1 --step 0.01 --integrator corrected --threads 2", "only splitting schemes"),
+            ("run trivial-breather --threads 2", "an exact solution has no parts"),
+            ("run impact --plan --ranks 0 --integrator verlet", "from 1 to the number of sites"),
+            ("run impact --plan --ranks 2 --integrator dop853", "only splitting schemes"),
+            ("run impact --plan --ranks 2 --integrator collocation", "ranks = 2 > 1"),
+            ("run impact --ranks 2", "--plan"),
+            ("run impact --until 1 --threads 2 --checkpoint 0.5 --out nowhere --tol 1e-6", "2 > 1"),
+        ],
+    );
     assert!(fs::metadata("nowhere").is_err(), "nothing is written for what is refused");
 }
 
 #[test]
 fn a_plan_says_what_parts_need() {
-    let said = |line: &str| {
-        let ended = Command::new(PROGRAM).args(line.split(' ')).output().unwrap();
-        assert!(ended.status.success(), "{line}: {}", String::from_utf8_lossy(&ended.stderr));
-        String::from_utf8(ended.stdout).unwrap()
-    };
     // More sites than memory: from the numbers of the scene alone.
-    let large = said("run tw-q15 --plan --ranks 1024 --set chain.sites=1000000000");
+    let large = stdout("run tw-q15 --plan --ranks 1024 --set chain.sites=1000000000");
     assert!(large.contains("at most 976563 each") && large.contains("refused if run"), "{large}");
-    let windows = said("run impact --plan --ranks 3 --set chain.sites=1000 --integrator collocation");
+    let windows = stdout("run impact --plan --ranks 3 --set chain.sites=1000 --integrator collocation");
     assert!(windows.contains("1000 sites in 3 parts: at most 487 each, and 13 bonds of each"), "{windows}");
     assert!(windows.contains("every window an order of 136 B goes to all; a part sends 728 B"), "{windows}");
-    let own = said("run impact --integrator strang-linear --plan --threads 3");
+    let own = stdout("run impact --integrator strang-linear --plan --threads 3");
     assert!(own.contains("100 sites in 3 parts: at most 34 each, and 33 of each neighbour"), "{own}");
     assert!(own.contains("t from 0 to 100"), "what is said of any run is there too: {own}");
 }

@@ -1,20 +1,18 @@
 //! Every folder of results says what made them: program and version, scene or parameters,
 //! integrator and settings, seed.
 
+use super::program::{command, printed, read_json};
 use hertzchain::output::Archive;
 use serde_json::Value;
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::Command,
 };
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 fn hertzchain(args: &[&str], out: &Path) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_hertzchain"));
-    let output = command.args(args).arg("--out").arg(out).output().unwrap();
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    printed(command(args).arg("--out").arg(out).output().unwrap());
 }
 
 fn of_kind(folder: &Path, kind: &str) -> Vec<PathBuf> {
@@ -29,7 +27,7 @@ fn contains(bytes: &[u8], text: &str) -> bool {
 /// The one JSON of a folder, after looks at all that lies beside it.
 fn checked(folder: &Path) -> Value {
     let [path] = &of_kind(folder, "json")[..] else { panic!("a JSON in {}", folder.display()) };
-    let json: Value = serde_json::from_slice(&fs::read(path).unwrap()).unwrap();
+    let json = read_json(path);
     assert_eq!(json["version"], VERSION, "{}", path.display());
     // Arrays of a run lie beside its summary; a branch, which is gone on with, says it itself.
     for path in of_kind(folder, "npz") {
@@ -89,40 +87,20 @@ fn results_of_scenes_hold_the_whole_scene_the_integrator_its_setting_and_the_see
     assert_eq!((&json["scene_file"]["chain"]["rho"], &json["scene_file"]["name"]), (&"inf".into(), &"cradle".into()));
 }
 
+// Their keys are those of the golden net.
 #[test]
-fn results_without_a_scene_hold_their_parameters() {
+fn results_without_a_scene_hold_their_program() {
     let folder = tempfile::tempdir().unwrap();
-    let out = |name: &str| folder.path().join(name);
-    let holds = |name: &str, args: &[&str], keys: &[&str]| {
-        hertzchain(args, &out(name));
-        let json = checked(&out(name));
-        for key in keys {
-            assert!(json.pointer(key).is_some_and(|value| !value.is_null()), "{name} lacks {key}");
-        }
-    };
-    let ring = ["--center", "bond", "--sites", "5"];
-    let of_orbit = ["/alpha", "/kappa", "/rho", "/sites", "/omega_b", "/integrator"];
-    holds(
-        "dark",
-        &[&["breather", "dark", "--omega-b", "2.03"], &ring[..]].concat(),
-        &[&of_orbit[..], &["/center", "/c_x_asked", "/shooting/tol"]].concat(),
-    );
-    let orbit = out("dark").join("dark-breather.json").display().to_string();
-    holds("evolve", &["breather", "evolve", &orbit, "--until", "10"], &[&of_orbit[..], &["/tol"]].concat());
-    holds(
-        "continue",
-        &[&["breather", "continue", "--from", "2.03", "--to", "2.04", "--step", "5e-3"], &ring[..]].concat(),
-        &["/settings/setting/params/rho", "/settings/continuation/shooting/tol", "/settings/weak", "/integrator"],
-    );
-    holds(
-        "profile",
-        &["dps", "dark", "--sites", "5"],
-        &["/alpha", "/kappa", "/rho", "/sites", "/center", "/c", "/omega_b"],
-    );
-    holds("stability", &["wave", "modulation"], &["/params/alpha", "/params/rho", "/params/b", "/params/sites"]);
-    holds(
-        "scaling",
-        &["study", "scaling", "--sites", "10", "--tol", "1e-3"],
-        &["/scene", "/seed", "/tol", "/rows/0/integrator"],
-    );
+    for (name, line) in [
+        ("dark", "breather dark --omega-b 2.03 --center bond --sites 5"),
+        ("evolve", "breather evolve tests/golden/orbit.json --until 10"),
+        ("continue", "breather continue --from 2.03 --to 2.04 --step 5e-3 --center bond --sites 5"),
+        ("profile", "dps dark --sites 5"),
+        ("stability", "wave modulation"),
+        ("scaling", "study scaling --sites 10 --tol 1e-3"),
+    ] {
+        let out = folder.path().join(name);
+        hertzchain(&line.split(' ').collect::<Vec<_>>(), &out);
+        checked(&out);
+    }
 }

@@ -1,20 +1,13 @@
 //! Shared by the tests of contact collocation: the run under test, and a reference run by another
 //! method.
 
+pub(crate) use crate::numbers::{distance, largest};
 use hertzchain::{
     chain::{Chain, Field, Overlaps},
     integrators::{
         Regularised, Silent, Stats, Stepper, collocation::StepControl, dop853::Options, drive, regularised::power,
     },
 };
-
-pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |a, b| b.abs().max(a))
-}
-
-pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
-    largest(a.iter().zip(b).map(|(a, b)| a - b))
-}
 
 /// The state at the end of a regularised run, whose variables and steps differ from those of
 /// collocation.

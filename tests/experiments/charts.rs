@@ -194,82 +194,16 @@ fn a_run_takes_collocation_unless_resonators_are_light_and_keeps_the_error_it_sa
 }
 
 #[cfg(feature = "cli")]
-mod command {
-    use std::process::{Command, Output};
-
-    fn hertzchain(args: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args).output().unwrap()
-    }
-
-    #[test]
-    fn the_command_writes_charts_resumes_and_refuses() {
-        let folder = tempfile::tempdir().unwrap();
-        let out = folder.path().to_str().unwrap();
-        let args = [
-            "study",
-            "stability",
-            "--charts",
-            "light,stiffness,alpha,length,time,resonances",
-            "--integrators",
-            "strang-linear,collocation",
-            "--work",
-            "1e4",
-            "--sites",
-            "10",
-            "--periods",
-            "10",
-            "--quick",
-            "--json",
-            "--out",
-            out,
-        ];
-        let first: serde_json::Value = serde_json::from_slice(&hertzchain(&args).stdout).unwrap();
-        let second: serde_json::Value = serde_json::from_slice(&hertzchain(&args).stdout).unwrap();
-        assert_eq!((first["computed"].as_u64(), second["computed"].as_u64()), (Some(68), Some(0)));
-        assert_eq!(first["points"], second["points"]);
-        let mut points = first["points"].as_array().unwrap().iter();
-        let point = points.find(|point| point["chart"] == "alpha").unwrap();
-        for key in ["chart", "integrator", "alpha", "verdict", "energy_error", "limits", "ladder"] {
-            assert!(!point[key].is_null(), "{key}");
-        }
-        let charts = ["light", "stiffness", "alpha", "length", "time"];
-        let tables = charts.iter().flat_map(|chart| [format!("{chart}.csv"), format!("{chart}-ladder.csv")]);
-        let maps = ["light-strang-linear", "stiffness-strang-linear", "stiffness-collocation", "resonances"];
-        let pictures = charts.iter().chain(&maps).map(|name| format!("{name}.png"));
-        let others = ["stability.json", "resonances.csv", "regimes.csv", "stability.store"];
-        let others = others.map(str::to_owned);
-        let files = tables.chain(pictures.filter(|_| cfg!(feature = "plot"))).chain(others);
-        for file in files {
-            let bytes = std::fs::read(folder.path().join(&file)).unwrap();
-            assert!(bytes.len() > 60 && (!file.ends_with("png") || bytes.starts_with(b"\x89PNG")), "{file}");
-        }
-        // The table of the stored points.
-        let people: Vec<&str> = args.into_iter().filter(|arg| *arg != "--json").collect();
-        let table = String::from_utf8(hertzchain(&people).stdout).unwrap();
-        let told = ["0 points computed, 68 resumed", "strang-linear", "collocation"];
-        assert!(told.iter().all(|words| table.contains(words)), "{table}");
-        for (args, message) in [
-            (vec!["study", "stability", "--charts", "lihgt"], "did you mean \"light\"?"),
-            (vec!["study", "stability", "--charts", "xyz"], "one of light, stiffness, alpha, length, time, resonances"),
-            (vec!["study", "stability", "--sites", "0"], "sites = 0 is not valid"),
-            (vec!["study", "stability", "--periods", "1e7"], "periods = 1e7 is not valid: from 1 to 1e6"),
-            (vec!["study", "stability", "--work", "1"], "work = 1 is not valid"),
-        ] {
-            let output = hertzchain(&args);
-            let text = String::from_utf8(output.stderr).unwrap();
-            assert!(!output.status.success() && text.contains(message), "{args:?}: {text}");
-        }
-    }
-
-    #[test]
-    fn a_run_says_what_it_chose_and_why() {
-        let output = hertzchain(&["run", "impact", "--until", "3"]);
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert!(
-            output.status.success() && said.starts_with("method: collocation (tolerance 1e-10); --integrator"),
-            "{said}"
-        );
-        let output = hertzchain(&["run", "impact", "--until", "3", "--integrator", "verlet"]);
-        assert!(output.status.success() && output.stderr.is_empty());
-    }
+#[test]
+fn a_chart_is_resumed_point_by_point() {
+    use crate::program::json;
+    let folder = tempfile::tempdir().unwrap();
+    let line = format!(
+        "study stability --charts light,stiffness,alpha,length,time,resonances --integrators strang-linear,collocation \
+         --work 1e4 --sites 10 --periods 10 --quick --out {}",
+        folder.path().display()
+    );
+    let [first, second] = [json(&line), json(&line)];
+    assert_eq!((first["computed"].as_u64(), second["computed"].as_u64()), (Some(68), Some(0)));
+    assert_eq!(first["points"], second["points"]);
 }

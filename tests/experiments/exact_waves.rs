@@ -1,6 +1,7 @@
 //! Exact travelling waves: against another integrator, a solution by Fourier series, closed forms,
 //! the whole monodromy matrix, and the modulation equations.
 
+use crate::numbers::largest;
 use hertzchain::{
     Run, State,
     chain::{Chain, Params, Site},
@@ -20,10 +21,6 @@ use std::{
 fn companions() -> &'static [ExactStudy; 2] {
     static BOTH: OnceLock<[ExactStudy; 2]> = OnceLock::new();
     BOTH.get_or_init(|| ["tw-q15", "tw-q45"].map(|scene| Wanted::of(scene).study().unwrap()))
-}
-
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |largest, value| if value.is_nan() { value } else { largest.max(value.abs()) })
 }
 
 fn setting(rho: f64, q_over_pi: f64, sites: usize, omega_tw: f64, mean: MeanStrain) -> WaveSetting {

@@ -1,8 +1,9 @@
 //! Lifetimes of bright breathers: the measured values, two methods, and the command
-//! `study lifetimes` killed and resumed.
+//! `study lifetimes` resumed.
 
 #![cfg(feature = "cli")]
 
+use crate::program::{json, refused};
 use hertzchain::{
     breathers::BrightBreather,
     chain::{Boundary, Chain, Params, State},
@@ -13,14 +14,7 @@ use hertzchain::{
     sweep::Engine,
 };
 use num_complex::Complex64;
-use serde_json::Value;
-use std::{
-    fs,
-    path::Path,
-    process::{Command, Stdio},
-    thread::sleep,
-    time::Duration,
-};
+use std::fs;
 
 const CRITERIA: [Criterion; 3] = [Criterion::Energy, Criterion::Distance, Criterion::Frequency];
 
@@ -162,128 +156,28 @@ fn energy_lifetimes_go_like_a_third_power_of_both_and_are_no_function_of_one_var
 
 // --- The command ---
 
-fn hertzchain(threads: &str, args: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_hertzchain"));
-    command.args(["study", "lifetimes"]).args(args).env("RAYON_NUM_THREADS", threads);
-    command
-}
-
-fn json(threads: &str, args: &[&str]) -> Value {
-    let output = hertzchain(threads, args).arg("--json").output().unwrap();
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn refusal(args: &[&str]) -> String {
-    let output = hertzchain("1", args).output().unwrap();
-    let text = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.code() == Some(2) && output.stdout.is_empty(), "{args:?} must be refused: {text}");
-    text
-}
-
-fn files(folder: &Path) -> [Vec<u8>; 3] {
-    ["lifetimes.json", "lifetimes.csv", "lifetimes.store"].map(|name| fs::read(folder.join(name)).unwrap())
-}
-
-/// Number of points in a store that may be written at the same time.
-fn kept(folder: &Path) -> usize {
-    let lines = fs::read(folder.join("lifetimes.store")).unwrap_or_default();
-    lines.iter().filter(|&&byte| byte == b'\n').count().saturating_sub(1)
-}
-
-#[test]
-fn a_run_that_is_killed_again_and_again_repeats_nothing_and_ends_with_the_same_bytes() {
-    let (whole, killed) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let [whole, killed] = [whole.path(), killed.path()];
-    let args = |folder: &Path| {
-        let map = ["--epsilons", "0.1,0.2,0.05", "--rhos", "30,100,300,50", "--sites", "30", "--until", "400"];
-        map.into_iter().map(str::to_owned).chain(["--out".to_owned(), folder.display().to_string()]).collect::<Vec<_>>()
-    };
-    let at_once = args(whole);
-    let study = json("1", &at_once.iter().map(String::as_str).collect::<Vec<_>>());
-    assert_eq!((&study["computed"], &study["resumed"]), (&12.into(), &0.into()));
-
-    let args = args(killed);
-    let args: Vec<&str> = args.iter().map(String::as_str).collect();
-    let mut seed = 7u64;
-    for round in 0..5 {
-        let before = kept(killed);
-        let mut run = hertzchain(if round % 2 == 0 { "2" } else { "1" }, &args)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        // Any time after the first new point.
-        while kept(killed) == before && run.try_wait().unwrap().is_none() {
-            sleep(Duration::from_millis(1));
-        }
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        sleep(Duration::from_micros(seed >> 50));
-        run.kill().unwrap();
-        run.wait().unwrap();
-        assert!(kept(killed) > before, "what was done is kept");
-    }
-    let before = kept(killed);
-    let study = json("2", &args);
-    println!("{before} points before the last run");
-    assert_eq!(study["resumed"].as_u64(), Some(before as u64));
-    assert_eq!(study["computed"].as_u64(), Some(12 - before as u64));
-    assert!(files(whole) == files(killed));
-    // Run once more: nothing is computed and nothing is changed.
-    assert_eq!(json("2", &args)["computed"], 0);
-    assert!(files(whole) == files(killed));
-}
-
 #[test]
 fn another_criterion_and_a_larger_map_use_what_is_there_and_another_study_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
-    let map = |rhos, more: &[&'static str]| {
-        let args = ["--epsilons", "0.1", "--sites", "30", "--until", "90", "--out", out, "--rhos", rhos];
-        args.into_iter().chain(more.iter().copied()).map(str::to_owned).collect::<Vec<_>>()
-    };
-    let run = |rhos, more: &[&'static str]| json("2", &map(rhos, more).iter().map(String::as_str).collect::<Vec<_>>());
-    let first = run("100,1e4", &[]);
+    let map = |more: &str| format!("study lifetimes --epsilons 0.1 --sites 30 --until 90 --out {out} --rhos {more}");
+    let run = |more: &str| json(&map(more));
+    let first = run("100,1e4");
     assert_eq!((&first["computed"], first["criterion"].as_str()), (&2.into(), Some("energy")));
     let point = &first["points"][1];
     assert!(point["lifetime"].is_null() && point["not_before"] == 90.0 && point["fate"] == "persists");
-    let second = run("100,1e4,1e3", &["--criterion", "distance"]);
+    let second = run("100,1e4,1e3 --criterion distance");
     assert_eq!((&second["computed"], &second["resumed"]), (&1.into(), &2.into()));
     for k in 0..2 {
         assert_eq!(second["points"][k]["lifetime"], first["points"][k]["distance"]);
     }
 
-    let refused = |more: &[&'static str]| refusal(&map("100", more).iter().map(String::as_str).collect::<Vec<_>>());
-    let text = refused(&["--alpha", "2"]);
+    let text = refused(&map("100 --alpha 2"), 2);
     assert!(text.contains("lifetimes.store, line 1: of another study: alpha is 1.5 there and 2.0 here"), "{text}");
     let path = folder.path().join("lifetimes.store");
     let altered = fs::read_to_string(&path).unwrap().replacen("radiates", "persists", 1);
     fs::write(&path, &altered).unwrap();
-    let text = refused(&[]);
+    let text = refused(&map("100"), 2);
     assert!(text.contains("lifetimes.store, line 2: not as it was written"), "{text}");
     assert_eq!(fs::read_to_string(&path).unwrap(), altered);
-}
-
-#[test]
-fn the_table_says_what_happened_and_bad_input_is_refused_with_the_value_and_the_rule() {
-    let args = ["--epsilons", "0.1,0.01", "--rhos", "1,300", "--sites", "40", "--until", "150"];
-    let output = hertzchain("2", &args).output().unwrap();
-    let text = String::from_utf8(output.stdout).unwrap();
-    assert!(output.status.success() && output.stderr.is_empty(), "no bar off a terminal");
-    for part in ["by energy", "radiates", "decouples", "150.0", "no power law", "4 points computed, 0 resumed"] {
-        assert!(text.contains(part), "{part}: {text}");
-    }
-    for (args, expected) in [
-        (["--epsilons", "0.1,-1"], "epsilons = -1 is not valid: above 0 and below 1"),
-        (["--epsilons", "0.1,0.1"], "--epsilons: 0.1 is there twice"),
-        (["--rhos", "inf"], "rhos = inf is not valid: finite and positive"),
-        (["--rhos", "0"], "rhos = 0 is not valid"),
-        (["--alpha", "1"], "alpha = 1 is not valid: from 1.01 to 10"),
-        (["--sites", "19"], "sites = 19 is not valid: from 20 to 100000"),
-        (["--until", "nan"], "until = NaN is not valid: finite and positive"),
-        (["--until", "1e9"], "at most 10^6 periods"),
-    ] {
-        let text = refusal(&args);
-        assert!(text.contains(expected), "{args:?}: {text}");
-    }
 }

@@ -2,6 +2,11 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/numbers.rs"]
+mod numbers;
+#[cfg(feature = "cli")]
+#[path = "../common/program.rs"]
+mod program;
 #[path = "../common/properties.rs"]
 mod properties;
 

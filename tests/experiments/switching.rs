@@ -1,5 +1,6 @@
 //! Branches that cross others: of doubled period, and at branch points.
 
+use crate::numbers::distance as apart;
 use hertzchain::{
     chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, State, Variations},
     orbits::{
@@ -71,11 +72,6 @@ fn at(branch: &DrivenBranch, distance: f64) -> DrivenOrbit {
     let seed: Vec<f64> = start.iter().zip(&near.z).map(|(z, w)| z + scale * (w - z)).collect();
     let setting = near.setting.with(DriveParameter::Amplitude, crossing + distance);
     DrivenShooting::default().solve(&setting, &seed).unwrap()
-}
-
-/// The largest distance of two lists of numbers.
-fn apart(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).fold(0.0, |far: f64, (a, b)| far.max((a - b).abs()))
 }
 
 /// The state of an orbit after so many periods of its drive, by a splitting scheme, which shares no

@@ -1,6 +1,7 @@
 //! Theorem 1 (th:dps): its suprema by other integrators, slopes compared with the theorem and its
 //! proof, and options that are refused.
 
+use crate::numbers::largest;
 use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params, Site, State},
     dps::{Center, Dps, Ends, Form, Homoclinic, Layout},
@@ -8,10 +9,6 @@ use hertzchain::{
     study::{Bound, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremStudy, theorem},
     sweep::Engine,
 };
-
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |a, b| b.abs().max(a))
-}
 
 fn study(options: &TheoremOptions) -> TheoremStudy {
     theorem(options, &Engine::threads(), &|_, _| {}).unwrap()
@@ -289,124 +286,4 @@ fn bad_input_is_refused_with_its_value_and_its_rule() {
     // Sizes may be given in any order.
     let study = study(&TheoremOptions { epsilons: vec![0.01, 0.1], ..good() });
     assert_eq!((study.runs[0].epsilon, study.runs[1].epsilon), (0.1, 0.01));
-}
-
-#[cfg(feature = "cli")]
-mod command {
-    use serde_json::Value;
-    use std::process::{Command, Output};
-
-    fn hertzchain(args: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(["study", "theorem"]).args(args).output().unwrap()
-    }
-
-    #[test]
-    fn json_keeps_its_contract() {
-        let output = hertzchain(&[
-            "--epsilons",
-            "1e-2,1e-1,1e-3",
-            "--initial",
-            "generic",
-            "--seed",
-            "3",
-            "--rho-law",
-            "eps^-(alpha-1)",
-            "--json",
-        ]);
-        assert!(output.status.success() && output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
-        let study: Value = serde_json::from_slice(&output.stdout).unwrap();
-        assert_eq!((study["alpha"].as_f64(), study["horizon"].as_f64()), (Some(1.5), Some(1.0)));
-        assert_eq!(
-            (&study["rho_law"], &study["initial"], &study["seed"]),
-            (&"eps^-(alpha-1)".into(), &"generic".into(), &3.into())
-        );
-        let rows = study["rows"].as_array().unwrap();
-        let norms: Vec<&str> = rows.iter().map(|row| row["norm"].as_str().unwrap()).collect();
-        assert_eq!(norms, ["1", "2", "inf"].repeat(3));
-        for row in rows {
-            let number = |name: &str| row[name].as_f64().unwrap();
-            let epsilon = number("epsilon");
-            assert!((number("rho") * epsilon.sqrt() - 1.0).abs() < 1e-12);
-            for (quantity, power) in [("u", 1.5), ("v", 1.5), ("vdot", 2.0)] {
-                let [error, scaled] = ["error", "scaled"].map(|kind| number(&format!("{quantity}_{kind}")));
-                assert!(error > 0.0 && (scaled * epsilon.powf(power) / error - 1.0).abs() < 1e-12);
-            }
-        }
-        assert_eq!(rows[0]["epsilon"].as_f64(), Some(0.1));
-        let slopes = study["slopes"].as_array().unwrap();
-        assert_eq!(slopes.len(), 9);
-        for slope in slopes {
-            let (quantity, norm) = (slope["quantity"].as_str().unwrap(), slope["norm"].as_str().unwrap());
-            assert_eq!(slope["theory"].as_f64(), Some(if quantity == "vdot" { 2.0 } else { 1.5 }));
-            let errors: Vec<f64> = rows
-                .iter()
-                .filter(|row| row["norm"] == norm)
-                .map(|row| row[format!("{quantity}_error")].as_f64().unwrap())
-                .collect();
-            for (local, pair) in slope["local"].as_array().unwrap().iter().zip(errors.windows(2)) {
-                assert!((local.as_f64().unwrap() - (pair[0] / pair[1]).log10()).abs() < 1e-12);
-            }
-        }
-        for quantity in ["u", "v", "vdot"] {
-            assert!(study["bounded"][quantity].is_boolean() || study["bounded"][quantity].is_null());
-        }
-        assert!(["violated", "undecided"].contains(&study["verdict"].as_str().unwrap()));
-    }
-
-    #[test]
-    fn tables_and_files_are_written() {
-        let folder = tempfile::tempdir().unwrap();
-        let out = folder.path().join("deep/er");
-        let output = hertzchain(&[
-            "--epsilons",
-            "1e-2,1e-3,1e-4",
-            "--alpha",
-            "2",
-            "--c-i",
-            "0.1",
-            "--out",
-            out.to_str().unwrap(),
-        ]);
-        let text = String::from_utf8(output.stdout).unwrap();
-        assert!(
-            output.status.success() && text.contains("\nbounded: as Theorem 1 says.") && text.contains("seed 1"),
-            "{text}"
-        );
-        let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
-        assert_eq!(read("theorem.txt"), text);
-        assert_eq!((read("theorem.csv").lines().count(), read("slopes.csv").lines().count()), (10, 3));
-        for name in ["theorem.csv", "slopes.csv"] {
-            let csv = read(name);
-            let columns = csv.lines().next().unwrap().split(',').count();
-            assert!(csv.lines().all(|line| line.split(',').count() == columns));
-        }
-        let json: Value = serde_json::from_str(&read("theorem.json")).unwrap();
-        assert_eq!((&json["verdict"], &json["bounded"]["u"]), (&"bounded".into(), &true.into()));
-    }
-
-    #[test]
-    fn bad_flags_are_refused_with_their_value_and_their_rule() {
-        for (args, named) in [
-            (&["--seed", "3"][..], "seed = 3 is not valid: a seed needs something random"),
-            (&["--rho-law", "eps^-3"], "rho-law = eps^-3 is not valid: the laws are eps^-2(alpha-1), eps^-(alpha-1)"),
-            (&["--rho-law", "-1"], "rho-law = -1"),
-            (&["--alpha", "1"], "alpha = 1 is not valid"),
-            (&["--horizon", "-1"], "horizon = -1 is not valid"),
-            (&["--epsilons", "0.1,2"], "epsilons = 2 is not valid"),
-            (&["--epsilons", "0.1,nan"], "epsilons = NaN is not valid"),
-            (&["--c-i", "inf"], "c-i = inf is not valid"),
-        ] {
-            let output = hertzchain(args);
-            let text = String::from_utf8(output.stderr).unwrap();
-            assert!(
-                output.status.code() == Some(2) && output.stdout.is_empty() && text.contains(named),
-                "{args:?}: {text}"
-            );
-        }
-        let help = String::from_utf8(hertzchain(&["--help"]).stdout).unwrap();
-        assert!(
-            help.contains("Undecided: otherwise") && help.contains("Example") && help.contains("[default: 1.5]"),
-            "{help}"
-        );
-    }
 }

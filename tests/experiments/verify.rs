@@ -327,72 +327,15 @@ fn a_section_alone_has_the_items_it_has_in_all() {
 }
 
 #[cfg(feature = "cli")]
-mod command {
-    use serde_json::Value;
-    use std::process::{Command, Output};
-
-    fn hertzchain(args: &[&str], threads: &str) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args).env("RAYON_NUM_THREADS", threads).output().unwrap()
-    }
-
-    #[test]
-    fn json_csv_and_table_hold_the_same_items() {
-        let folder = tempfile::tempdir().unwrap();
-        let out = folder.path().join("deep/er");
-        let output = hertzchain(&["paper", "verify", "--section", "3", "--json", "--out", out.to_str().unwrap()], "2");
-        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-        let printed: Value = serde_json::from_slice(&output.stdout).unwrap();
-        let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
-        assert_eq!(serde_json::from_str::<Value>(&read("verify.json")).unwrap(), printed);
-        let items = printed["items"].as_array().unwrap();
-        assert!(printed["as_expected"] == true && printed["wall_s"].is_f64() && printed["version"].is_string());
-        let words = ["agrees", "differs", "holds", "fails", "not decidable"];
-        let counted: u64 = words.iter().map(|word| printed["counts"][word].as_u64().unwrap()).sum();
-        assert_eq!(counted as usize, items.len());
-        let (csv, table) = (read("verify.csv"), read("verify.txt"));
-        assert_eq!(csv.lines().count(), items.len() + 1);
-        for (item, line) in items.iter().zip(csv.lines().skip(1)) {
-            for name in ["id", "label", "quantity", "paper", "rule", "shown", "verdict", "expected", "why"] {
-                assert!(item[name].is_string(), "{name}: {item}");
-            }
-            assert!(item["value"].is_f64() && item["section"] == 3 && item["as_expected"] == true, "{item}");
-            let (id, verdict) = (item["id"].as_str().unwrap(), item["verdict"].as_str().unwrap());
-            assert!(words.contains(&verdict));
-            assert!(line.starts_with(&format!("{id},3,")) && line.contains(verdict), "{line}");
-            assert!(table.contains(id) && table.contains(item["shown"].as_str().unwrap()), "{id}");
-        }
-        assert!(table.ends_with("all as known.\n"), "{table}");
-    }
-
-    #[test]
-    fn numbers_are_the_same_on_one_thread_and_on_three() {
-        // The runs of Sec. 4 are those of `wave`, which has a test of the same kind.
-        let on = |threads| {
-            let mut value: Value =
-                serde_json::from_slice(&hertzchain(&["paper", "verify", "--section", "6", "--json"], threads).stdout)
-                    .unwrap();
-            value["wall_s"] = Value::Null;
-            value
-        };
-        assert_eq!(on("1"), on("3"));
-    }
-
-    #[test]
-    fn refusals_name_value_and_rule() {
-        for (args, message) in [
-            (
-                ["paper", "verify", "--section", "9"],
-                "section = 9 is not valid: a section of the paper that has items: 2, 3, 4, 5, 6, 7 or 8",
-            ),
-            (["paper", "verify", "--section", "-3"], "invalid value '-3'"),
-            (["paper", "verify", "--section", "4.1"], "invalid value '4.1'"),
-        ] {
-            let output = hertzchain(&args, "1");
-            let text = String::from_utf8(output.stderr).unwrap();
-            assert!(!output.status.success() && output.stdout.is_empty(), "{args:?}");
-            assert!(text.contains(message) && !text.contains("panicked"), "{args:?}: {text}");
-        }
-        let help = String::from_utf8(hertzchain(&["paper", "verify", "--help"], "1").stdout).unwrap();
-        assert!(help.contains("Exit code 0") && help.contains("Exit code 1"), "{help}");
-    }
+#[test]
+fn numbers_are_the_same_on_one_thread_and_on_three() {
+    // The runs of Sec. 4 are those of `wave`, which has a test of the same kind.
+    let on = |threads| {
+        let mut command = crate::program::command("paper verify --section 6 --json");
+        let output = command.env("RAYON_NUM_THREADS", threads).output().unwrap();
+        let mut value: serde_json::Value = serde_json::from_str(&crate::program::printed(output)).unwrap();
+        value["wall_s"] = serde_json::Value::Null;
+        value
+    };
+    assert_eq!(on("1"), on("3"));
 }

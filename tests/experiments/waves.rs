@@ -1,6 +1,7 @@
 //! Travelling waves: ansatz and chain in both directions, frequencies, perturbed waves, and the
 //! command `wave`.
 
+use crate::numbers::largest;
 use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
     dps::{Ansatz, Averages, Constraint, Dps, Ends, Envelope, Form, Layout, project},
@@ -42,10 +43,6 @@ fn flowing(dps: Dps, z: &[f64], end: f64) -> Dop853<f64, Dps> {
 
 fn numbers(site: &Site<f64>) -> [f64; 4] {
     [site.u, site.v, site.u_dot, site.v_dot]
-}
-
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |largest, value| if value.is_nan() { value } else { largest.max(value.abs()) })
 }
 
 fn rings(sites: usize, form: Form) -> Layout {
@@ -574,42 +571,27 @@ fn bad_waves_are_refused_with_value_and_rule() {
 
 #[cfg(feature = "cli")]
 mod command {
+    use crate::program::{command, json, printed, stdout};
     use serde_json::Value;
-    use std::process::{Command, Output};
-
-    fn hertzchain(args: &[&str], threads: &str) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args).env("RAYON_NUM_THREADS", threads).output().unwrap()
-    }
-
-    fn json(args: &[&str], threads: &str) -> Value {
-        let output = hertzchain(args, threads);
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        serde_json::from_slice(&output.stdout).unwrap()
-    }
 
     #[test]
-    fn wave_json_keeps_its_contract_and_its_bits_on_any_number_of_threads() {
-        let short = ["wave", "tw-q15", "--until", "30", "--json"];
-        let wave = json(&short, "1");
-        let names = ["epsilon", "omega", "omega_tw", "period", "e_x_final", "e_y_final", "e_x_max", "e_y_max"];
-        for name in names {
-            assert!(wave[name].is_f64(), "{name}");
-        }
-        assert!(wave["growth"].is_null());
-        let perturbed = [&short[..], &["--zeta", "0.01", "--seed", "3", "--seeds", "6"]].concat();
+    fn a_perturbed_wave_has_the_numbers_of_the_wave_and_the_same_bits_on_any_number_of_threads() {
+        let short = "wave tw-q15 --until 30 --json";
+        let wave = json(short);
         let on = |threads| {
-            let mut value = json(&perturbed, threads);
+            let line = format!("{short} --zeta 0.01 --seed 3 --seeds 6");
+            let output = command(&line).env("RAYON_NUM_THREADS", threads).output().unwrap();
+            let mut value: Value = serde_json::from_str(&printed(output)).unwrap();
             value["wall_s"] = Value::Null;
             value
         };
         let (one, three) = (on("1"), on("3"));
         assert_eq!(one, three);
-        for name in names {
-            assert_eq!(one[name], wave[name], "of the unperturbed wave: {name}");
+        for name in ["epsilon", "omega", "omega_tw", "period", "e_x_final", "e_y_final", "e_x_max", "e_y_max"] {
+            assert!(wave[name].is_f64() && one[name] == wave[name], "of the unperturbed wave: {name}");
         }
         let growth = |name: &str| one["growth"][name].as_f64().unwrap();
         assert!(growth("low") < growth("median") && growth("median") < growth("high"));
-        assert_eq!(one["seeds"].as_array().unwrap().len(), 6);
         let energy = one["perturbed"]["flow_energy_change"].as_f64().unwrap();
         // Measured: a rounding error.
         assert!(energy.abs() < 1e-15, "{energy:e}");
@@ -617,78 +599,25 @@ mod command {
     }
 
     #[test]
-    fn files_hold_what_their_names_say() {
-        let folder = tempfile::tempdir().unwrap();
-        let out = folder.path().to_str().unwrap();
-        let args = ["wave", "tw-rho3", "--until", "30", "--zeta", "0.05", "--seeds", "3", "--out", out];
-        assert!(hertzchain(&args, "2").status.success());
-        let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
-        for (name, head, lines) in [
-            ("errors.csv", "t,e_x,e_y,e_x_perturbed,e_y_perturbed,tilde_e_x,tilde_e_y", 279),
-            (
-                "profile.csv",
-                "n,x,y,x_ansatz,y_ansatz,x_perturbed,y_perturbed,x_perturbed_ansatz,y_perturbed_ansatz",
-                51,
-            ),
-            ("envelope.csv", "n,re_chain,im_chain,b_chain,re_flow,im_flow,b_flow", 51),
-            ("ensemble.csv", "seed,growth_x,growth_y,rate,rate_residual", 4),
-            ("spread.csv", "t,x_low,x_lower,x_median,x_upper,x_high,y_low,y_lower,y_median,y_upper,y_high", 279),
-        ] {
-            let text = read(name);
-            assert_eq!(text.lines().next().unwrap(), head);
-            assert_eq!(text.lines().count(), lines, "{name}");
-        }
-        assert!(read("wave.json").contains("\"growth\""));
-    }
-
-    #[test]
     fn a_scene_may_hold_its_perturbation() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene.toml");
-        let text = String::from_utf8(hertzchain(&["scenes", "show", "tw-q15"], "1").stdout).unwrap();
+        let text = stdout("scenes show tw-q15");
         std::fs::write(&path, text.replace("detuning = 0.001", "detuning = 0.001\nzeta = 0.02\nseed = 7")).unwrap();
         let scene = path.to_str().unwrap();
-        let by_scene = json(&["wave", scene, "--until", "10", "--json"], "1");
-        let by_flags = json(&["wave", "tw-q15", "--zeta", "0.02", "--seed", "7", "--until", "10", "--json"], "1");
+        let by_scene = json(&["wave", scene, "--until", "10"]);
+        let by_flags = json("wave tw-q15 --zeta 0.02 --seed 7 --until 10");
         assert_eq!(by_scene["perturbed"], by_flags["perturbed"]);
         assert_eq!(by_scene["perturbed"]["seed"], 7);
         // `run` starts from the same state.
-        let run = json(&["run", scene, "--tol", "1e-10", "--until", "10", "--json"], "1");
+        let run = json(&["run", scene, "--tol", "1e-10", "--until", "10"]);
         assert!(run["e_x_final"].is_null(), "the unperturbed ansatz is not that of a perturbed wave");
-        let quiet = json(&["run", "tw-q15", "--tol", "1e-10", "--until", "10", "--json"], "1");
+        let quiet = json("run tw-q15 --tol 1e-10 --until 10");
         let amplitude = 2.0 * by_flags["epsilon"].as_f64().unwrap();
         let apart = (0..50).map(|n| (run["x"][n].as_f64().unwrap() - quiet["x"][n].as_f64().unwrap()).abs());
         let tilde = by_flags["perturbed"]["tilde_e_x_final"].as_f64().unwrap();
         assert!((apart.fold(0.0, f64::max) / amplitude - tilde).abs() < 1e-8);
-        let plan = String::from_utf8(hertzchain(&["run", scene, "--plan"], "1").stdout).unwrap();
+        let plan = stdout(&["run", scene, "--plan"]);
         assert!(plan.contains("perturbed by zeta = 0.02, seed 7"), "{plan}");
-    }
-
-    #[test]
-    fn wave_refuses_with_value_and_rule() {
-        for (args, message) in [
-            (&["impact"][..], "scene = impact is not valid: a scene whose initial state is of kind travelling-wave"),
-            (&["tw-q15", "--zeta", "-0.1"], "zeta = -0.1 is not valid"),
-            (&["tw-q15", "--zeta", "1"], "zeta = 1 is not valid"),
-            (&["tw-q15", "--zeta", "nan"], "zeta = NaN is not valid"),
-            (&["tw-q15", "--zeta", "0.1", "--seeds", "0"], "seeds = 0 is not valid: from 1 to 10000"),
-            (&["tw-q15", "--seeds", "3"], "seeds = 3 is not valid: an ensemble needs a perturbation"),
-            (&["tw-q15", "--zeta", "0", "--seeds", "3"], "an ensemble needs a perturbation"),
-            (&["tw-q15", "--seed", "3"], "seed = 3 is not valid: a seed needs a perturbation"),
-            (&["tw-q15", "--zeta", "0.1", "--seed", "18446744073709551615", "--seeds", "2"], "below 2^64"),
-            (&["tw-q15", "--tol", "0"], "tol"),
-            (&["tw-q15", "--until", "-1"], "until = -1 is not valid"),
-            (&["tw-q15", "--samples-per-period", "1"], "samples-per-period = 1 is not valid: from 2 to 1000"),
-            (&["tw-q15", "--until", "1e9"], "at most 2^27 strains are kept"),
-            (
-                &["tw-q15", "--integrator", "verlet"],
-                "integrator = verlet is not valid: an adaptive method: collocation or a dop853",
-            ),
-        ] {
-            let output = hertzchain(&[&["wave"], args].concat(), "1");
-            let text = String::from_utf8(output.stderr).unwrap();
-            assert_eq!(output.status.code(), Some(2), "{args:?}: {text}");
-            assert!(text.contains(message) && !text.contains("panicked"), "{args:?}: {text}");
-        }
     }
 }

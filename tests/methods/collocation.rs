@@ -2,6 +2,8 @@
 
 use crate::{
     common::{collocated, distance, largest, truth},
+    heterogeneous::apart,
+    numbers::random,
     properties::properties,
     windows,
 };
@@ -18,15 +20,6 @@ use proptest::{
     test_runner::{TestError, TestRunner},
 };
 use std::{cell::RefCell, ops::ControlFlow};
-
-fn random(mut seed: u64) -> impl FnMut() -> f64 {
-    move || {
-        seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (seed ^ (seed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
 
 /// Errors of a scene at its end, by tolerance, relative to the largest strain or the theoretical
 /// amplitude.
@@ -311,19 +304,12 @@ fn contacts_are_those_that_a_search_of_every_step_finds() {
     };
     let found = log(Method::Collocation, 1e-12);
     let expected = log(Method::named("dop853-regularised").unwrap(), 1e-14);
-    assert_eq!(found.len(), expected.len());
     assert!(found.len() > 40);
     // Measured: times 2.3e-11; speeds, from a quotient extrapolated to its end, 1.3e-7; impulses
     // 5.7e-12, overlaps 1.9e-11.
-    let close = |a: Option<f64>, b: Option<f64>, bound: f64| match (a, b) {
-        (Some(a), Some(b)) => (a - b).abs() < bound,
-        (a, b) => a == b,
-    };
+    let worst = apart(&found, &expected);
+    assert!(worst.iter().zip([7e-11, 7e-11, 1.8e-11, 4e-7]).all(|(off, bound)| *off < bound), "{worst:?}");
     for (a, b) in found.iter().zip(&expected) {
-        assert_eq!(a.bond, b.bond);
-        assert!(close(a.onset, b.onset, 7e-11) && close(a.release, b.release, 7e-11), "{a:?} {b:?}");
-        assert!(close(a.approach, b.approach, 4e-7) && close(a.separation, b.separation, 4e-7), "{a:#?} {b:#?}");
-        assert!((a.impulse - b.impulse).abs() < 1.8e-11, "{a:#?} {b:#?}");
         assert!((a.largest_overlap - b.largest_overlap).abs() < 5e-11, "{a:#?} {b:#?}");
     }
 }

@@ -1,5 +1,6 @@
 //! Schemes that conserve an energy: what they conserve, their order, what they err.
 
+use crate::numbers::distance;
 use hertzchain::chain::{Boundary, Chain, Params};
 use hertzchain::integrators::{Silent, Stepper, collocation::StepControl, conserving::DiscreteGradient, drive};
 
@@ -16,10 +17,6 @@ fn end(mut run: impl Stepper<f64>) -> Vec<f64> {
     let mut y = vec![0.0; run.dim()];
     drive(&mut run, &mut Silent, &mut y).unwrap();
     y
-}
-
-fn distance(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
 }
 
 #[test]

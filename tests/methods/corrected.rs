@@ -1,6 +1,7 @@
 //! Contact-corrected splitting: order four through contacts, against quadruple precision and
 //! collocation.
 
+use crate::numbers::{distance, random_signed};
 use hertzchain::{
     chain::{Boundary, Chain, Contact, CorrectedSplit, KineticFlow, LinearFlow, Params, Site, SiteFlow, State},
     error::Error,
@@ -16,16 +17,6 @@ use hertzchain::{
 };
 use serde_json::Value;
 use std::{fs, path::PathBuf};
-
-/// Numbers in (-1, 1) that look random: splitmix64.
-fn random(mut seed: u64) -> impl FnMut() -> f64 {
-    move || {
-        seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (seed ^ (seed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-}
 
 fn stepper(chain: &Chain<f64>, y: &[f64], end: f64, steps: u64, parts: Parts, split: Split) -> Box<dyn Stepper<f64>> {
     fn boxed<F: SiteFlow + 'static>(
@@ -67,15 +58,11 @@ fn by_collocation(chain: &Chain<f64>, y: &[f64], end: f64, tol: f64) -> Vec<f64>
     y
 }
 
-fn gap(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).fold(0.0, |max, (a, b)| if (a - b).is_nan() { f64::INFINITY } else { (a - b).abs().max(max) })
-}
-
 /// The largest relative difference of a column of the state.
 fn relative(chain: &Chain<f64>, a: &[f64], b: &[f64]) -> f64 {
     let size = |b: &[f64]| b.iter().fold(0.0, |max: f64, b| max.max(b.abs()));
     let n = chain.sites();
-    a.chunks(n).zip(b.chunks(n)).fold(0.0, |max: f64, (a, b)| max.max(gap(a, b) / size(b)))
+    a.chunks(n).zip(b.chunks(n)).fold(0.0, |max: f64, (a, b)| max.max(distance(a, b) / size(b)))
 }
 
 /// The slope of errors over steps, the first over the last.
@@ -116,7 +103,7 @@ fn order_four_through_contacts_for_every_exponent_and_both_splits() {
         let (chain, y) = six(alpha);
         let truth = if alpha >= 1.5 { stored(alpha) } else { by_collocation(&chain, &y, 12.0, 1e-14) };
         for split in [Split::Linear, Split::Kinetic] {
-            let run = |n| gap(&finish(stepper(&chain, &y, 12.0, n, Parts::ALL, split)), &truth);
+            let run = |n| distance(&finish(stepper(&chain, &y, 12.0, n, Parts::ALL, split)), &truth);
             let errors = ladder(run, &[60, 120, 240, 480, 960, 1920, 3840]);
             println!("{alpha} {split:?}: {:.2} {errors:?}", slope(&errors));
             assert!(slope(&errors) > 3.9, "{alpha} {split:?}: {errors:?}");
@@ -130,7 +117,7 @@ fn either_part_alone_meets_the_wall_of_contacts_or_keeps_order_two() {
     let (chain, y) = six(1.5);
     let truth = stored(1.5);
     let errors = |parts| {
-        let run = |n| gap(&finish(stepper(&chain, &y, 12.0, n, parts, Split::Linear)), &truth);
+        let run = |n| distance(&finish(stepper(&chain, &y, 12.0, n, parts, Split::Linear)), &truth);
         ladder(run, &[480, 960, 1920, 3840, 7680])
     };
     let (processed, corrected) = (errors(Parts::PROCESSED), errors(Parts::CORRECTED));
@@ -146,7 +133,7 @@ fn the_travelling_wave_has_the_errors_that_were_asked_for() {
     let amplitude = scene.amplitude().unwrap();
     let (chain, y, end) = (scene.chain(), scene.initial().as_slice(), scene.end());
     let truth = by_collocation(chain, y, end, 1e-14);
-    let error = |kicks: u64| gap(&corrected(chain, y, end, 100 * kicks)[..50], &truth[..50]) / amplitude;
+    let error = |kicks: u64| distance(&corrected(chain, y, end, 100 * kicks)[..50], &truth[..50]) / amplitude;
     let bounds =
         [(32, 3.5e-5), (64, 1.3e-6), (128, 2.5e-8), (256, 7.8e-10), (512, 5.2e-11), (1024, 4e-12), (16_384, 2e-12)];
     for (kicks, bound) in bounds {
@@ -162,7 +149,7 @@ fn beads_that_touch_at_rest_keep_the_order() {
     let (chain, y, end) = (scene.chain(), scene.initial().as_slice(), scene.end());
     let truth = by_collocation(chain, y, end, 1e-14);
     for (kicks, bound) in [(16, 5.2e-6), (64, 2e-8), (256, 8.2e-11)] {
-        let error = gap(&corrected(chain, y, end, 100 * kicks)[100..], &truth[100..]);
+        let error = distance(&corrected(chain, y, end, 100 * kicks)[100..], &truth[100..]);
         println!("{kicks}: {error:.1e}");
         assert!(error < bound, "{kicks}: {error:e}");
     }
@@ -171,7 +158,7 @@ fn beads_that_touch_at_rest_keep_the_order() {
 /// A chain of some boundary, model, exponent, spring constant and mass ratio, with a state that
 /// opens and closes contacts.
 fn random_chain(seed: u64) -> (Chain<f64>, Vec<f64>, String) {
-    let mut next = random(seed);
+    let mut next = random_signed(seed);
     let mut share = move || 0.5 * (next() + 1.0);
     let pick = |share: f64, n: usize| ((share * n as f64) as usize).min(n - 1);
     let boundary = [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing][pick(share(), 4)];
@@ -248,9 +235,9 @@ fn states_near_events_and_between_kicks_are_as_good_as_others() {
                     }
                     run.sample(t, &mut inside);
                     [
-                        gap(&corrected(&chain, &y, t, k as u64), &truth),
-                        gap(&corrected(&chain, &truth, 1.0, steps as u64), &far),
-                        gap(&inside, &truth),
+                        distance(&corrected(&chain, &y, t, k as u64), &truth),
+                        distance(&corrected(&chain, &truth, 1.0, steps as u64), &far),
+                        distance(&inside, &truth),
                     ]
                 })
                 .to_vec();
@@ -270,7 +257,7 @@ fn states_near_events_and_between_kicks_are_as_good_as_others() {
 fn energy_does_not_drift_and_the_way_back_leads_to_the_start() {
     let (chain, y, _) = {
         let chain = Chain::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), Boundary::Ring, 20).unwrap();
-        let mut next = random(7);
+        let mut next = random_signed(7);
         let site = |_| Site { u: next(), v: next(), u_dot: next(), v_dot: next() };
         let y = State::from_fn(&chain, site).unwrap().as_slice().to_vec();
         (chain, y, ())
@@ -303,7 +290,7 @@ fn energy_does_not_drift_and_the_way_back_leads_to_the_start() {
     };
     let there = corrected(&chain, &y, 5.0, 160);
     let back = turned(&corrected(&chain, &turned(&there), 5.0, 160));
-    let (returned, error) = (gap(&back, &y), gap(&there, &by_collocation(&chain, &y, 5.0, 1e-13)));
+    let (returned, error) = (distance(&back, &y), distance(&there, &by_collocation(&chain, &y, 5.0, 1e-13)));
     println!("back to {returned:.1e}, error {error:.1e}");
     assert!(returned < 0.3 * error, "{returned:e} {error:e}");
 }
@@ -394,7 +381,7 @@ fn no_run_of_a_family_that_passes_through_grazing_contacts_stands_out() {
     // to a kick. Truth: collocation at 1e-13. Without what turning points are given, and with kicks
     // worth their modified force next to events, the largest error is 74 and 8 times the median.
     for seed in [1, 4] {
-        let mut next = random(seed);
+        let mut next = random_signed(seed);
         let sites: Vec<[f64; 4]> = (0..5).map(|_| [next(), next(), next(), next()]).collect();
         let chain = Chain::new(Params::new(1.1, 1.0, 1.0 / 3.0).unwrap(), Boundary::Free, 5).unwrap();
         let mut errors: Vec<f64> = (0..400)
@@ -405,7 +392,7 @@ fn no_run_of_a_family_that_passes_through_grazing_contacts_stands_out() {
                     Site { u: u + half * u_dot, v, u_dot: more, v_dot: half * u }
                 };
                 let y = State::from_fn(&chain, site).unwrap().as_slice().to_vec();
-                gap(&corrected(&chain, &y, 12.0, 1920), &by_collocation(&chain, &y, 12.0, 1e-13))
+                distance(&corrected(&chain, &y, 12.0, 1920), &by_collocation(&chain, &y, 12.0, 1e-13))
             })
             .collect();
         errors.sort_by(f64::total_cmp);

@@ -1,6 +1,7 @@
 //! Chains whose beads differ, are damped and driven: against the uniform chain, a program of its
 //! own with 34 digits (`tests/reference/details.py`), closed forms and balances.
 
+use crate::numbers::distance;
 use hertzchain::{
     chain::{
         Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal, Site, State,
@@ -18,10 +19,6 @@ pub(crate) fn run(chain: &Chain<f64>, state: &State<f64>, end: f64, method: &str
     let run = Run::new(chain.clone(), state.clone()).until(end).unwrap();
     let run = run.method(Method::named(method).unwrap()).setting(setting);
     run.start().unwrap().complete().unwrap()
-}
-
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).fold(0.0, |largest: f64, (a, b)| largest.max((a - b).abs()))
 }
 
 /// Ten beads that meet and part.

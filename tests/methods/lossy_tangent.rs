@@ -2,7 +2,8 @@
 
 use crate::{
     lossy::held,
-    variations::{STRENGTHS, applied, difference, direction, error, free, lossy, monodromy, start, struck},
+    numbers::{direction, error},
+    variations::{STRENGTHS, applied, difference, free, lossy, monodromy, start, struck},
 };
 use hertzchain::{
     chain::{Boundary, Chain, Details, Dissipation, Kind, Params, Variations},

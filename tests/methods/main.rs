@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/numbers.rs"]
+mod numbers;
 #[path = "../common/properties.rs"]
 mod properties;
 

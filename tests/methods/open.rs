@@ -1,17 +1,18 @@
 //! Contact collocation of chains that are damped and driven.
 
 use crate::{
-    common::{distance, largest},
+    common::distance,
     details::{run, stored},
     heterogeneous::{
-        BOUNDARIES, balance, collocation, list, lively, of, order, random, regularised, same_for_every_set,
+        BOUNDARIES, balance, collocation, contacts_are_found, errors_in_tolerances, list, lively, of, order, random,
+        same_for_every_set,
     },
     windows,
 };
 use hertzchain::{
     chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal},
     integrators::{Silent, collocation::StepControl, drive},
-    run::{Method, Records, Setting},
+    run::{Method, Setting},
 };
 use std::f64::consts::TAU;
 
@@ -88,25 +89,8 @@ fn two_hundred_contacts_of_damped_and_driven_beads_are_those_of_another_program(
 
 #[test]
 fn tolerances_are_kept_over_seven_decades() {
-    // Truth: regularised DOP853 at 3e-15 a step. The tolerance is relative to the size of
-    // velocities, at the start or of the drives. What is dissipated and driven is held to it too.
-    let mut table = vec![Vec::new(); 8];
-    for seed in 0..6 {
-        let (chain, y0) = varied(seed, BOUNDARIES[seed as usize % 3], 12);
-        let want = regularised(&chain, &y0, 8.0);
-        let half = chain.layout().half();
-        let size = largest(y0[half..2 * half].iter().copied());
-        for (k, row) in table.iter_mut().enumerate() {
-            let tol = 10f64.powi(-4 - k as i32);
-            row.push(distance(&collocation(&chain, &y0, 8.0, StepControl::Tolerance(tol)), &want) / (tol * size));
-        }
-    }
-    for (k, row) in table.iter().enumerate() {
-        println!("1e-{}: at most {:.1e}", k + 4, largest(row.iter().copied()));
-    }
-    for row in table {
-        assert!(row.iter().all(|error| *error < 1.0), "{row:?}");
-    }
+    let errors = errors_in_tolerances(|seed, boundary| varied(seed, boundary, 12), 8);
+    assert!(errors.iter().all(|error| *error < 1.0), "{errors:?}");
 }
 
 #[test]
@@ -222,38 +206,13 @@ fn strong_damping_is_resolved() {
 
 #[test]
 fn contacts_are_those_that_a_search_of_every_step_finds() {
-    // Truth: the regularised run, sampled and searched for events.
-    let (chain, y0) = varied(4, Boundary::Fixed, 12);
-    let log = |method: Method, tol: f64| {
-        let run = of(&chain, &y0, 24.0).method(method).setting(Setting::Tolerance(tol));
-        run.records(Records::End).contacts().start().unwrap().contacts.unwrap()
-    };
-    let found = log(Method::Collocation, 1e-12);
-    let expected = log(Method::named("dop853-regularised").unwrap(), 1e-14);
-    assert!(found.len() == expected.len() && found.len() > 30, "{} {}", found.len(), expected.len());
-    let off = |a: Option<f64>, b: Option<f64>| match (a, b) {
-        (Some(a), Some(b)) => (a - b).abs(),
-        (a, b) => f64::from(u8::from(a != b)) * 1e300,
-    };
-    let mut worst = [0.0f64; 2];
-    for (a, b) in found.iter().zip(&expected) {
-        assert_eq!(a.bond, b.bond);
-        let here = [off(a.onset, b.onset).max(off(a.release, b.release)), (a.impulse - b.impulse).abs()];
-        worst = std::array::from_fn(|k| worst[k].max(here[k]));
-    }
-    println!("{} contacts; times, impulses: {worst:?}", found.len());
-    assert!(worst[0] < 5e-11 && worst[1] < 5e-12, "{worst:?}");
+    contacts_are_found(varied(4, Boundary::Fixed, 12), 30, [5e-11, 5e-11, 5e-12, f64::INFINITY]);
 }
 
 #[test]
 fn instruction_sets_and_samples_do_not_change_bits() {
     let (chain, y0) = varied(3, Boundary::Ring, 12);
     same_for_every_set(&chain, &y0, 6.0);
-    // Samples are as accurate as the end, the ledger too: the balance is checked at each of them.
-    let run = of(&chain, &y0, 6.0).method(Method::Collocation).tolerance(1e-8).unwrap().samples(100).unwrap();
-    let error = run.start().unwrap().complete().unwrap().energy_error.unwrap();
-    println!("{error:e}");
-    assert!(error < 1e-8, "{error:e}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Every scheme on both flows of the chain: structure, order with and without events, exactness,
 //! counts.
 
+use crate::numbers::{assert_below, distance, random_signed};
 use hertzchain::chain::{Boundary, Chain, Field, KineticFlow, LinearFlow, Params, Site, State};
 use hertzchain::integrators::{
     Dop853, DoubleDouble, Error, Observer, Scheme, Silent, SplitFlow, Splitting, Stats, Stepper, Stop, VectorField,
@@ -22,28 +23,13 @@ enum Flow {
     Linear,
 }
 
-fn assert_below(value: f64, bound: f64, what: &str) {
-    println!("{what}: {value:.2e}, bound {bound:.1e}");
-    assert!(value <= bound, "{what}: {value:e} > {bound:e}");
-}
-
 fn assert_near(value: f64, want: f64, tolerance: f64, what: &str) {
     println!("{what}: {value:.3}, want {want} +- {tolerance}");
     assert!((value - want).abs() <= tolerance, "{what}: {value}, not {want} +- {tolerance}");
 }
 
-/// Pseudo-random numbers in (-1, 1): splitmix64.
-fn random(mut seed: u64) -> impl FnMut() -> f64 {
-    move || {
-        seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (seed ^ (seed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-}
-
 fn random_state(chain: &Chain<f64>, seed: u64, size: f64) -> Vec<f64> {
-    let mut next = random(seed);
+    let mut next = random_signed(seed);
     (0..chain.layout().dim()).map(|_| size * next()).collect()
 }
 
@@ -100,11 +86,6 @@ fn integrate(chain: &Chain<f64>, flow: Flow, scheme: &Scheme, y: &[f64], end: f6
 fn by_dop853(chain: &Chain<f64>, y: &[f64], end: f64) -> Vec<f64> {
     let options = Options { atol: 1e-15, max_step: Some(1e-3), ..Options::new(1e-14) };
     finish(&mut Dop853::new(Field::new(chain.clone()), y, (0.0, end), options).unwrap())
-}
-
-fn gap(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    a.iter().zip(b).fold(0.0, |max, (a, b)| if (a - b).is_nan() { f64::NAN } else { (a - b).abs().max(max) })
 }
 
 /// `-d log(errors) / d log(steps)` by least squares.
@@ -212,9 +193,9 @@ fn a_run_with_reversed_velocities_leads_back_to_its_start() {
         for flow in FLOWS {
             for scheme in ALL {
                 let there = integrate(&chain, flow, scheme, &y, 6.0, 120);
-                assert!(gap(&there, &y) > 0.1);
+                assert!(distance(&there, &y) > 0.1);
                 let back = backwards(integrate(&chain, flow, scheme, &backwards(there), 6.0, 120));
-                worst = worst.max(gap(&back, &y) / EPS);
+                worst = worst.max(distance(&back, &y) / EPS);
             }
         }
     }
@@ -255,7 +236,7 @@ fn looking_at_a_run_does_not_change_it() {
                 assert_eq!(end, unseen, "{} {flow:?} {first:?}", scheme.name);
                 assert_eq!((looks.seen.len(), &looks.seen[8]), (9, &end));
                 assert_eq!(looks.seen[2], looks.seen[3]);
-                assert!(gap(&looks.seen[0], &y) < 4.0 * EPS);
+                assert!(distance(&looks.seen[0], &y) < 4.0 * EPS);
             }
         }
     }
@@ -304,7 +285,7 @@ fn every_scheme_has_its_order_and_no_more_while_no_contact_opens() {
         for scheme in ALL {
             for first in [First::Drift, First::Kick] {
                 let order = measured_order(|steps| {
-                    gap(&finish(&mut *stepper(&chain, flow, scheme, first, &y, end, steps)), &truth)
+                    distance(&finish(&mut *stepper(&chain, flow, scheme, first, &y, end, steps)), &truth)
                 });
                 assert_near(order, f64::from(scheme.order), 0.25, &format!("{} {flow:?} {first:?}", scheme.name));
             }
@@ -324,7 +305,7 @@ fn a_look_inside_a_step_is_as_accurate_as_the_run() {
                 let mut looks = Looks { times: vec![t], seen: Vec::new() };
                 let mut run = stepper(&chain, flow, scheme, natural(flow), &y, 4.0, steps);
                 drive(&mut *run, &mut looks, &mut y.clone()).unwrap();
-                gap(&looks.seen[0], &truth)
+                distance(&looks.seen[0], &truth)
             });
             assert_near(order, f64::from(scheme.order), 0.5, &format!("look, {} {flow:?}", scheme.name));
         }
@@ -348,7 +329,8 @@ fn orders_with_events(alpha: f64, schemes: &[Scheme], steps: &[u64], want: impl 
         assert!((15..50).contains(&events), "{events} events");
     }
     let typical = |flow, scheme, steps| {
-        let error = |(truth, y): &(Vec<f64>, Vec<f64>)| gap(&integrate(&chain, flow, scheme, y, end, steps), truth);
+        let error =
+            |(truth, y): &(Vec<f64>, Vec<f64>)| distance(&integrate(&chain, flow, scheme, y, end, steps), truth);
         let mut errors: Vec<f64> = motions.iter().map(error).collect();
         errors.sort_by(f64::total_cmp);
         (errors[3] * errors[4]).sqrt()
@@ -388,7 +370,7 @@ struct Breather {
 impl Breather {
     fn new() -> Self {
         let chain = Chain::new(Params::new(1.5, 1.0, 0.25).unwrap(), Boundary::Free, 5).unwrap();
-        let mut next = random(6);
+        let mut next = random_signed(6);
         // omega = sqrt 5.
         let omega = DoubleDouble::decimal("2.236067977499789696409173668731276235441");
         Self { chain, sites: (0..5).map(|_| (0.6 + 0.4 * next(), 3.0 * next())).collect(), omega }
@@ -424,7 +406,7 @@ fn beads_that_never_touch_move_exactly_with_any_step() {
             for steps in [1, 7, 300] {
                 let end = steps as f64 * periods * breather.period();
                 let got = integrate(&breather.chain, Flow::Linear, scheme, &y, end, steps);
-                worst = worst.max(gap(&got, &breather.at(end)));
+                worst = worst.max(distance(&got, &breather.at(end)));
             }
         }
     }
@@ -432,7 +414,7 @@ fn beads_that_never_touch_move_exactly_with_any_step() {
     // The other split has to resolve the oscillation, which this one solves exactly.
     let end = breather.period();
     let verlet = integrate(&breather.chain, Flow::Kinetic, &STRANG, &y, end, 20);
-    assert!(gap(&verlet, &breather.at(end)) > 0.01);
+    assert!(distance(&verlet, &breather.at(end)) > 0.01);
 }
 
 #[test]
@@ -440,7 +422,7 @@ fn a_million_steps_lose_nothing_where_no_contact_acts() {
     // Truth: the closed form. The flow stores no rotated state, so that errors do not accumulate.
     let breather = Breather::new();
     let got = integrate(&breather.chain, Flow::Linear, &STRANG, &breather.at(0.0), 1e5, 1_000_000);
-    assert_below(gap(&got, &breather.at(1e5)) / EPS, 16.0, "a million steps, in eps");
+    assert_below(distance(&got, &breather.at(1e5)) / EPS, 16.0, "a million steps, in eps");
 }
 
 #[test]
@@ -452,7 +434,7 @@ fn a_million_steps_of_free_flight_end_where_one_does() {
     for (end, steps) in [(1e5, 1_000_000), (12_345.678, 1_000_000), (1e5, 999_983)] {
         let got = integrate(&chain, Flow::Linear, &STRANG, &y, end, steps);
         let want: Vec<f64> = (0..6).map(|i| if i < 3 { y[i] + y[i + 3] * end } else { y[i] }).collect();
-        assert_below(gap(&got, &want) / (0.5 * end) / EPS, 2400.0, "free flight, in eps of the way");
+        assert_below(distance(&got, &want) / (0.5 * end) / EPS, 2400.0, "free flight, in eps of the way");
     }
 }
 

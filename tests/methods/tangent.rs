@@ -1,6 +1,9 @@
 //! The tangent map of contact collocation.
 
-use crate::common::collocated;
+use crate::{
+    common::collocated,
+    numbers::{direction, error},
+};
 use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params},
     integrators::{
@@ -56,10 +59,6 @@ fn flow<R: Real>((alpha, rho, boundary, beads): Case, y0: &[R], t: f64, tol: f64
     y
 }
 
-fn direction(dim: usize, k: usize) -> Vec<f64> {
-    (0..dim).map(|i| ((2.399_963 + 0.618 * k as f64) * i as f64 + 1.0).sin()).collect()
-}
-
 /// `(y(t; y0 + size w) - y(t; y0 - size w))/(2 size)`.
 fn difference<R: Real>(case: Case, w: &[f64], t: f64, size: f64, tol: f64) -> Vec<f64> {
     let y0 = start(&chain(case.0, case.1, case.2, case.3));
@@ -71,11 +70,6 @@ fn difference<R: Real>(case: Case, w: &[f64], t: f64, size: f64, tol: f64) -> Ve
         [run(size), run(-size)].map(|run| run.join().unwrap()).into()
     });
     ends[0].iter().zip(&ends[1]).map(|(&a, &b)| (a - b).f64() / (2.0 * size)).collect()
-}
-
-fn error(a: &[f64], b: &[f64]) -> f64 {
-    let largest = |x: &mut dyn Iterator<Item = f64>| x.fold(0.0, |m: f64, x| m.max(x.abs()));
-    largest(&mut a.iter().zip(b).map(|(a, b)| a - b)) / largest(&mut b.iter().copied())
 }
 
 fn times(m: &DMatrix<f64>, w: &[f64]) -> Vec<f64> {

@@ -1,5 +1,6 @@
 //! The tangent map of chains whose beads differ, are damped and driven.
 
+use crate::numbers::{direction, error};
 use hertzchain::chain::{
     Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal, Site, State,
     Variations,
@@ -74,10 +75,6 @@ fn collocated(chain: &Chain<f64>, y: &[f64], t: f64, windows: u64) -> DMatrix<f6
     DMatrix::from_fn(free.len(), free.len(), |i, j| columns[free[j] * dim + free[i]])
 }
 
-pub(crate) fn direction(dim: usize, k: usize) -> Vec<f64> {
-    (0..dim).map(|i| ((2.399_963 + 0.618 * k as f64) * i as f64 + 1.0).sin()).collect()
-}
-
 /// `dy(t)/dy(0) w` by central differences of this step in 32 digits, from runs under a tolerance.
 pub(crate) fn difference(chain: &Chain<TwoFloat>, w: &[f64], t: f64, (size, tol): (f64, f64)) -> Vec<f64> {
     let entries = free(&self::chain::<f64>());
@@ -90,11 +87,6 @@ pub(crate) fn difference(chain: &Chain<TwoFloat>, w: &[f64], t: f64, (size, tol)
     };
     let (plus, minus) = (end(1.0), end(-1.0));
     entries.iter().map(|&i| Real::f64(plus[i] - minus[i]) / (2.0 * size)).collect()
-}
-
-pub(crate) fn error(a: &[f64], b: &[f64]) -> f64 {
-    let size = b.iter().fold(0.0, |size: f64, b| size.max(b.abs()));
-    a.iter().zip(b).fold(0.0, |largest: f64, (a, b)| largest.max((a - b).abs())) / size
 }
 
 pub(crate) fn applied(m: &DMatrix<f64>, w: &[f64]) -> Vec<f64> {

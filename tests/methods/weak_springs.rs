@@ -1,6 +1,7 @@
 //! Springs that are weak for the time of a run, and resonators that are very light or very heavy:
 //! every method and every tangent map goes over into what it is without them.
 
+use crate::numbers::distance;
 use hertzchain::{
     Run,
     chain::{Boundary, Chain, Details, Drive, DriveKind, Params, Signal, Site, State},
@@ -54,8 +55,7 @@ fn end(chain: &Chain<f64>, units: [f64; 2], method: Method, setting: Setting) ->
 }
 
 fn gap(a: [f64; 4], b: [f64; 4]) -> f64 {
-    // A NaN counts as large.
-    a.iter().zip(b).fold(0.0, |most, (a, b)| if (a - b).abs() <= most { most } else { (a - b).abs() })
+    distance(&a, &b)
 }
 
 /// The beads have exchanged their velocities, and fly on from where they met.

@@ -1,6 +1,7 @@
 //! The chain: forces against the energy, sweeps against naive loops, the linear flow against its
 //! closed form.
 
+use crate::numbers::{assert_below, distance, largest, random_signed};
 use hertzchain::chain::{Boundary, Chain, Field, KineticFlow, LinearFlow, Params, Resonators, Site, State};
 use hertzchain::integrators::{
     DoubleDouble, Rotation, SplitFlow, Splitting, Stepper, VectorField,
@@ -16,21 +17,6 @@ const ALPHAS: [f64; 5] = [1.5, 2.0, 3.0, 5.0, 1.2];
 const RHOS: [f64; 3] = [0.0, 0.5, f64::INFINITY];
 /// Around one, two and three times the block of 128 sites of a sweep, and the shortest chains.
 const SIZES: [usize; 12] = [1, 2, 3, 4, 127, 128, 129, 255, 256, 257, 300, 385];
-
-fn assert_below(value: f64, bound: f64, what: &str) {
-    println!("{what}: {value:.2e}, bound {bound:.1e}");
-    assert!(value <= bound, "{what}: {value:e} > {bound:e}");
-}
-
-/// Pseudo-random numbers in (-1, 1): splitmix64.
-fn random(mut seed: u64) -> impl FnMut() -> f64 {
-    move || {
-        seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (seed ^ (seed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-}
 
 /// A chain, precompressed where its boundary allows it.
 fn chain(alpha: f64, rho: f64, boundary: Boundary, sites: usize) -> Chain<f64> {
@@ -57,7 +43,7 @@ fn every_chain(sizes: &[usize]) -> Vec<Chain<f64>> {
 /// beads and resonators.
 fn state(chain: &Chain<f64>) -> Vec<f64> {
     let n = chain.sites();
-    let mut next = random(n as u64);
+    let mut next = random_signed(n as u64);
     let mut y: Vec<f64> = (0..chain.layout().dim()).map(|_| next()).collect();
     if chain.boundary() == Boundary::StrainRing {
         for array in y.chunks_mut(n) {
@@ -70,7 +56,7 @@ fn state(chain: &Chain<f64>) -> Vec<f64> {
 
 /// A random state without overlaps near zero, where the force has a kink.
 fn state_off_the_kinks(chain: &Chain<f64>) -> Vec<f64> {
-    let (mut y, mut next) = (state(chain), random(0));
+    let (mut y, mut next) = (state(chain), random_signed(0));
     while let Some(bond) = chain.overlaps(chain.layout().u(&y)).iter().position(|g| g.abs() < 0.02) {
         y[bond % chain.sites()] = next();
     }
@@ -119,13 +105,9 @@ fn accelerations(chain: &Chain<f64>, y: &[f64]) -> Vec<f64> {
     dy.split_off(y.len() / 2)
 }
 
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |max: f64, value| if value.is_nan() { value } else { max.max(value.abs()) })
-}
-
 fn largest_gap(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
-    largest(a.iter().zip(b).map(|(a, b)| a - b))
+    distance(a, b)
 }
 
 #[test]

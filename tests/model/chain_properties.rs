@@ -1,6 +1,6 @@
 //! Conservation and symmetry for random parameters: energy, momentum, reflection, scaling.
 
-use crate::properties::properties;
+use crate::{numbers::largest, properties::properties};
 use hertzchain::chain::{Boundary, Chain, KineticFlow, LinearFlow, Params};
 use hertzchain::integrators::{
     Silent, SplitFlow, Splitting, drive,
@@ -81,10 +81,6 @@ fn run(mut flow: impl SplitFlow<f64>, y: &[f64], end: f64) -> Vec<f64> {
     let mut y = y.to_vec();
     drive(&mut run, &mut Silent, &mut y).unwrap();
     y
-}
-
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |max: f64, value| max.max(value.abs()))
 }
 
 proptest! {

@@ -6,11 +6,7 @@ use hertzchain::{
     dps::{Averages, Center, Constraint, DarkProfile, Dps, Ends, Form, Layout, project},
 };
 use hertzchain_integrators::{Dop853, Silent, Stepper, collocation::StepControl, dop853::Options, drive};
-#[cfg(feature = "cli")]
-use serde_json::Value;
 use std::f64::consts::PI;
-#[cfg(feature = "cli")]
-use std::process::Command;
 
 const BOTH: [Center; 2] = [Center::Site, Center::Bond];
 
@@ -424,82 +420,5 @@ fn long_rings_and_far_exponents_hold_the_same_kink() {
             println!("{alpha} {center:?}: {:e}", long.residual());
             assert!(long.residual() < 7e-15, "{alpha}: {:e}", long.residual());
         }
-    }
-}
-
-#[cfg(feature = "cli")]
-#[test]
-fn the_command_keeps_its_contract_and_refuses() {
-    let run = |args: &[&str]| {
-        Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(["dps", "dark"]).args(args).output().unwrap()
-    };
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("deep/er");
-    let flags = [
-        "--center",
-        "bond",
-        "--sites",
-        "21",
-        "--rho",
-        "3",
-        "--kappa",
-        "2",
-        "--alpha",
-        "1.7",
-        "--c",
-        "0.01",
-        "--omega-b",
-        "1.7",
-    ];
-    let output = run(&[&flags[..], &["--json", "--out", out.to_str().unwrap()]].concat());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
-    let numbers = |value: &Value| value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect::<Vec<_>>();
-    // Equal up to the rounding of the reader.
-    let near = |x: f64, y: f64| (x - y).abs() <= 2.0 * f64::EPSILON * y.abs();
-    let params = Params::new(1.7, 2.0, 3.0).unwrap();
-    let profile = DarkProfile::new(params, Center::Bond, 21, 0.01).unwrap();
-    let (x, y) = profile.seed(1.7).unwrap();
-    for (name, value) in [
-        ("alpha", 1.7),
-        ("kappa", 2.0),
-        ("rho", 3.0),
-        ("c", 0.01),
-        ("omega", params.omega()),
-        ("omega_b", 1.7),
-        ("mu", profile.mu(1.7).unwrap()),
-        ("residual", profile.residual()),
-    ] {
-        assert!(near(json[name].as_f64().unwrap(), value), "{name}");
-    }
-    assert!(json["center"] == "bond" && json["sites"] == 21);
-    assert!(near(json["background"]["a"].as_f64().unwrap(), profile.background().0) && json["background"]["b"] == 0.01);
-    assert_eq!(numbers(&json["newton"]).len(), profile.newton().len());
-    let a = profile.sites().map(|n| profile.a(n)).collect();
-    let b = profile.sites().map(|n| profile.b(n)).collect();
-    let csv = std::fs::read_to_string(out.join("dark.csv")).unwrap();
-    assert_eq!(csv.lines().next(), Some("n,a,b,x,y"));
-    for (column, (name, values)) in
-        [("n", (-10..=10).map(f64::from).collect()), ("a", a), ("b", b), ("x", x), ("y", y)].into_iter().enumerate()
-    {
-        assert!(numbers(&json[name]).iter().zip(&values).all(|(x, y)| near(*x, *y)), "{name}");
-        let read: Vec<f64> =
-            csv.lines().skip(1).map(|line| line.split(',').nth(column).unwrap().parse().unwrap()).collect();
-        assert_eq!(read, values, "{name}");
-    }
-    assert_eq!(serde_json::from_str::<Value>(&std::fs::read_to_string(out.join("dark.json")).unwrap()).unwrap(), json);
-
-    let table = String::from_utf8(run(&[]).stdout).unwrap();
-    let rows = table.lines().skip(2).take_while(|line| !line.is_empty()).count();
-    assert!(table.contains("omega = 2, omega_b = 2.01") && rows == 41, "{table}");
-    for (args, message) in [
-        (["--sites", "40"], "error: --sites = 40 is not valid: a ring with one kink has an odd number of sites"),
-        (["--omega-b", "2"], "error: --omega-b = 2 is not valid: a dark breather is faster"),
-        (["--rho", "inf"], "error: --rho = inf is not valid"),
-        (["--sites", "-3"], "invalid value '-3'"),
-    ] {
-        let output = run(&args);
-        let text = String::from_utf8(output.stderr).unwrap();
-        assert!(!output.status.success() && output.stdout.is_empty() && text.contains(message), "{args:?}: {text}");
     }
 }

@@ -1,6 +1,7 @@
 //! The modulation flows against the exact travelling wave, the full chain, their invariants, and a
 //! second method.
 
+use crate::numbers::distance;
 use hertzchain::{
     chain::Params,
     dps::{Averages, Constraint, Dps, Ends, Form, Layout},
@@ -16,11 +17,6 @@ const FREE: Layout = Layout { ends: Ends::Free, ..RING };
 fn state(z: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
     let (re, im): (Vec<_>, Vec<_>) = z.unzip();
     [re, im].concat()
-}
-
-fn distance(x: &[f64], y: &[f64]) -> f64 {
-    assert_eq!(x.len(), y.len());
-    x.iter().zip(y).fold(0.0, |most, (x, y)| if (x - y).abs() <= most { most } else { (x - y).abs() })
 }
 
 fn dop853(dps: impl VectorField<f64>, y: &[f64], end: f64, tolerance: f64) -> Vec<f64> {

@@ -2,8 +2,6 @@
 //! against the theory.
 
 use hertzchain::dps::{Center, Homoclinic};
-use serde_json::Value;
-use std::process::Command;
 
 const BOTH: [Center; 2] = [Center::Site, Center::Bond];
 
@@ -76,27 +74,4 @@ fn the_two_of_one_exponent_are_nearly_degenerate() {
     });
     println!("{:e}", site / bond - 1.0);
     assert!(((site / bond - 1.0).abs() / 7e-7 - 1.0).abs() < 0.1);
-}
-
-#[test]
-fn the_command_keeps_its_contract_and_refuses() {
-    let run = |args: &[&str]| Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args).output().unwrap();
-    let out = run(&["dps", "homoclinic", "--center", "bond", "--json"]);
-    let json: Value = serde_json::from_slice(&out.stdout).unwrap();
-    let numbers = |name: &str| json[name].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect::<Vec<_>>();
-    assert_eq!(json["alpha"], 1.5);
-    // T = 2 pi/omega_0 = 19.4158 (Sec. 5).
-    assert!((2.0 * std::f64::consts::PI / json["omega_0"].as_f64().unwrap() - 19.4158).abs() < 5e-5);
-    let bond = Homoclinic::new(1.5, Center::Bond).unwrap();
-    assert_eq!(numbers("n"), bond.sites().map(|n| n as f64).collect::<Vec<_>>());
-    // serde_json reads a number to within one unit in the last place.
-    for (read, n) in numbers("a").into_iter().zip(bond.sites()) {
-        assert!((read / bond.a(n) - 1.0).abs() <= f64::EPSILON);
-    }
-    assert!(json["residual"].as_f64().unwrap() < 5e-16);
-    for alpha in ["1", "0.5", "-2", "nan", "inf", "11"] {
-        let out = run(&["dps", "homoclinic", "--alpha", alpha]);
-        let message = String::from_utf8(out.stderr).unwrap();
-        assert!(!out.status.success() && message.contains("alpha") && message.contains("from 1.01 to 10"), "{message}");
-    }
 }

@@ -1,6 +1,11 @@
 //! The chain, its modulation equations and their solutions. All tests are in one binary, so that
 //! generic code is compiled once.
 
+#[path = "../common/numbers.rs"]
+mod numbers;
+#[cfg(feature = "cli")]
+#[path = "../common/program.rs"]
+mod program;
 #[path = "../common/properties.rs"]
 mod properties;
 

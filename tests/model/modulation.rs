@@ -1,6 +1,7 @@
 //! Modulational stability of travelling waves: the closed form against the flow, its integration,
 //! quadrature, and the full chain.
 
+use crate::numbers::largest;
 use hertzchain::{
     chain::{Params, Site},
     dps::{Constraint, Dps, Ends, Form, Layout},
@@ -13,10 +14,6 @@ use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
 
 type C = Complex<f64>;
-
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |most, value| if value.abs() <= most { most } else { value.abs() })
-}
 
 fn shape(q: f64, a: f64, b: f64) -> Shape {
     Shape { q, a, b, phi: 0.0 }
@@ -307,100 +304,35 @@ fn nothing_grows_on_the_wave_that_is_neutral() {
     assert!(error < 5e-3);
 }
 
-/// The command: its JSON and its messages.
+// Truth: epsilon^{alpha-1} and the period turn rates into one another; theory; the factor of rho is
+// one at rho = 3 and the ratio of (1 + 1/rho)^{-3/2} at 1/3.
 #[cfg(feature = "cli")]
-mod program {
+#[test]
+fn the_command_has_rates_of_one_another_and_the_same_bits_on_any_number_of_threads() {
+    use crate::program::{command, printed};
     use serde_json::Value;
-    use std::process::{Command, Output};
-
-    fn dps_stability(args: &[&str], threads: &str) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_hertzchain"));
-        command.args(["wave", "modulation"]).args(args).env("RAYON_NUM_THREADS", threads).output().unwrap()
+    let on = |threads: &str| -> Value {
+        let line = "wave modulation --sites 10 --rho 3 --epsilon 0.01,0.04 --measure --modes 2 --chart --json";
+        let output = command(line).env("RAYON_NUM_THREADS", threads).output().unwrap();
+        serde_json::from_str(&printed(output)).unwrap()
+    };
+    let study = on("1");
+    assert_eq!(study, on("3"));
+    let number = |value: &Value| value.as_f64().unwrap();
+    let rows = study["rows"].as_array().unwrap();
+    assert_eq!((rows.len(), study["measured"].as_array().unwrap().len()), (6, 4));
+    for row in rows.iter().chain([&study["fastest_on_ring"]]) {
+        // epsilon^{alpha-1} = 0.1.
+        assert!((number(&row["growth_t"]) - 0.1 * number(&row["growth"])).abs() < 1e-16);
+        let period = 2.0 * PI / number(&study["omega_tw"]);
+        assert!((number(&row["growth_period"]) - period * number(&row["growth_t"])).abs() < 1e-15);
     }
-
-    fn json(args: &[&str], threads: &str) -> Value {
-        let output = dps_stability(&[args, &["--json"]].concat(), threads);
-        assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-        serde_json::from_slice(&output.stdout).unwrap()
+    assert!((number(&study["fastest"]["p"]) - PI).abs() < 1e-15);
+    assert!((number(&study["Omega"]) - 0.021_742_724_644_560_45).abs() < 1e-15);
+    assert!((number(&study["lag"]) - 0.4).abs() < 1e-15);
+    for at in study["measured"].as_array().unwrap() {
+        assert!((number(&at["growth"]) / number(&at["growth_theory"]) - 1.0).abs() < 0.1, "{at}");
     }
-
-    #[test]
-    fn json_keeps_its_contract_and_threads_change_no_bit() {
-        let args = ["--sites", "10", "--rho", "3", "--epsilon", "0.01,0.04", "--measure", "--modes", "2", "--chart"];
-        let study = json(&args, "1");
-        assert_eq!(study, json(&args, "3"));
-        let number = |value: &Value| value.as_f64().unwrap();
-        let rows = study["rows"].as_array().unwrap();
-        assert_eq!((rows.len(), study["measured"].as_array().unwrap().len()), (6, 4));
-        for row in rows.iter().chain([&study["fastest_on_ring"]]) {
-            // epsilon^{alpha-1} = 0.1.
-            assert!((number(&row["growth_t"]) - 0.1 * number(&row["growth"])).abs() < 1e-16);
-            let period = 2.0 * std::f64::consts::PI / number(&study["omega_tw"]);
-            assert!((number(&row["growth_period"]) - period * number(&row["growth_t"])).abs() < 1e-15);
-            assert!(row["p"].is_f64() && row["frequency"].is_f64());
-        }
-        assert!((number(&study["fastest"]["p"]) - std::f64::consts::PI).abs() < 1e-15);
-        assert!((number(&study["Omega"]) - 0.021_742_724_644_560_45).abs() < 1e-15);
-        assert!((number(&study["lag"]) - 0.4).abs() < 1e-15);
-        for at in study["measured"].as_array().unwrap() {
-            assert!((number(&at["growth"]) / number(&at["growth_theory"]) - 1.0).abs() < 0.1, "{at}");
-        }
-        let chart = &study["chart"];
-        assert_eq!(chart["growth"].as_array().unwrap().len(), chart["b"].as_array().unwrap().len());
-        // rho = 3 itself has the factor one, rho = 1/3 the ratio of (1 + 1/rho)^{-3/2}.
-        assert!((number(&chart["rho"][2]["factor"]) - 1.0).abs() < 1e-15);
-        assert!((number(&chart["rho"][0]["factor"]) - (1.0_f64 / 3.0).powf(1.5)).abs() < 1e-12);
-        // Not computed unless asked for.
-        let theory = json(&["tw-q45"], "1");
-        assert!(theory["chart"].is_null() && theory["fastest"].is_null() && theory["verdict"] == "neutrally stable");
-        assert_eq!(theory["measured"].as_array().unwrap().len(), 0);
-        assert!(json(&["--rho", "inf", "--b", "0", "--q-over-pi", "0.8"], "1")["fastest"].is_object());
-    }
-
-    #[test]
-    fn files_are_written() {
-        let folder = tempfile::tempdir().unwrap();
-        let out = folder.path().to_str().unwrap();
-        let run =
-            dps_stability(&["--sites", "10", "--measure", "--modes", "1", "--rho", "3", "--chart", "--out", out], "2");
-        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-        let head = |name: &str| {
-            let text = std::fs::read_to_string(folder.path().join(name)).unwrap();
-            (text.lines().next().unwrap().to_owned(), text.lines().count())
-        };
-        assert_eq!(head("stability.csv"), ("p,p_over_pi,growth,frequency,growth_t,growth_period".to_owned(), 7));
-        assert_eq!(head("chart.csv"), ("q,b,growth".to_owned(), 1 + 120 * 120));
-        let names = "epsilon,p,p_over_pi,growth,growth_theory,deviation,frequency,frequency_theory,residual";
-        assert_eq!(head("measured.csv"), (names.to_owned(), 2));
-        assert!(folder.path().join("stability.json").exists());
-        assert_eq!(folder.path().join("dps-growth.png").exists(), cfg!(feature = "plot"));
-    }
-
-    #[test]
-    fn what_is_wrong_is_named() {
-        for (args, words) in [
-            (&["--q-over-pi", "0.31"][..], "a whole number of waves"),
-            (&["--b", "2"], "b = 2 is not valid"),
-            (&["--a", "-1"], "a = -1 is not valid"),
-            (&["--alpha", "11"], "alpha = 11 is not valid"),
-            (&["--kappa", "0"], "rho = "),
-            (&["--rho", "inf"], "b = 1 is not valid"),
-            (&["--rho", "inf", "--b", "0", "--chart"], "rho = inf is not valid"),
-            (&["--epsilon", "nan"], "epsilon = NaN is not valid"),
-            (&["--epsilon", "0.01,-2"], "epsilon = -2 is not valid"),
-            (&["--sites", "1"], "sites = 1 is not valid"),
-            (&["--sites", "2000", "--measure"], "sites = 2000 is not valid"),
-            (&["--measure", "--modes", "0"], "modes = 0 is not valid"),
-            (&["--measure", "--epsilon", "1e-12"], "10^5 periods"),
-            (&["cradle"], "scene = cradle is not valid"),
-            (&["tw-q51"], "did you mean"),
-            (&["tw-q15", "--rho", "3"], "cannot be used with"),
-            (&["--modes", "3"], "--measure"),
-        ] {
-            let output = dps_stability(args, "1");
-            let text = String::from_utf8(output.stderr).unwrap();
-            assert!(!output.status.success() && output.stdout.is_empty(), "{args:?} must be refused");
-            assert!(text.contains(words) && !text.contains("panicked"), "{args:?}: {text}");
-        }
-    }
+    let factor = |k: usize| number(&study["chart"]["rho"][k]["factor"]);
+    assert!((factor(2) - 1.0).abs() < 1e-15 && (factor(0) - (1.0_f64 / 3.0).powf(1.5)).abs() < 1e-12);
 }

@@ -1,0 +1,42 @@
+//! Differences of numbers, and numbers that look random.
+#![allow(dead_code, reason = "each binary of tests uses some of it")]
+
+/// The largest size of some numbers; what is no number is the largest, and violates every bound.
+pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |a: f64, b| if a.is_nan() || b.abs() <= a { a } else { b.abs() })
+}
+
+pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
+    largest(a.iter().zip(b).map(|(a, b)| a - b))
+}
+
+/// The distance as a share of the largest of `b`.
+pub(crate) fn error(a: &[f64], b: &[f64]) -> f64 {
+    distance(a, b) / largest(b.iter().copied())
+}
+
+/// Numbers in [0, 1), the same in every run: splitmix64.
+pub(crate) fn random(mut seed: u64) -> impl FnMut() -> f64 {
+    move || {
+        seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (seed ^ (seed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Numbers in [-1, 1).
+pub(crate) fn random_signed(seed: u64) -> impl FnMut() -> f64 {
+    let mut next = random(seed);
+    move || 2.0 * next() - 1.0
+}
+
+/// A unit-sized vector without symmetries, another for each `k`.
+pub(crate) fn direction(dim: usize, k: usize) -> Vec<f64> {
+    (0..dim).map(|i| ((2.399_963 + 0.618 * k as f64) * i as f64 + 1.0).sin()).collect()
+}
+
+pub(crate) fn assert_below(value: f64, bound: f64, what: &str) {
+    println!("{what}: {value:.2e}, bound {bound:.1e}");
+    assert!(value <= bound, "{what}: {value:e} > {bound:e}");
+}
