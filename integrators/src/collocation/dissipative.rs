@@ -13,7 +13,7 @@ use super::{
     panels::Panels,
     predict::{AHEAD, Drive, FreeMotion, ROUNDING, exact_turn, overlap_at, predicted, turn},
     prescribed::Prescribed,
-    system::{Link, Path},
+    system::{Link, Path, sort_by_time},
 };
 use crate::events::root::bracketed;
 
@@ -217,7 +217,7 @@ fn looks(h: f64, look: &impl Fn(f64) -> Look, of: &impl Fn(Look) -> [f64; 2]) ->
     };
     let more: Vec<f64> = (1..PARTS).flat_map(|k| [turns(k, 0), turns(k, 1)]).flatten().collect();
     looks.extend(more.into_iter().map(|t| (t, look(t))));
-    looks.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_time(&mut looks);
     looks
 }
 

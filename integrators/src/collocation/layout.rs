@@ -5,7 +5,7 @@ use super::{
     bond::{Beside, Bond, Contact, known},
     panel::{Frame, Origin},
     panels::Panels,
-    system::Link,
+    system::{Link, sort_by_time},
 };
 use crate::kernel;
 
@@ -128,7 +128,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
         let points = &mut points[..count];
         if count > 1 {
-            points.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            sort_by_time(points);
         }
         let mut from = start;
         for i in 0..=count {

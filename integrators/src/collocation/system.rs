@@ -367,3 +367,9 @@ pub trait ContactChain<const S: usize = 1>: Send + Sync {
     /// Writes the ledger, and the sites that are moved, into a state.
     fn complete(&self, _ledger: Path, _t: f64, _y: &mut [f64]) {}
 }
+
+/// Sorts by time. Not inlined, so that it is compiled once for all numbers of nodes.
+#[inline(never)]
+pub(super) fn sort_by_time<T>(list: &mut [(f64, T)]) {
+    list.sort_by(|a, b| a.0.total_cmp(&b.0));
+}
