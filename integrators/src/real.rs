@@ -35,9 +35,19 @@ impl<T, F: FnOnce() -> T> Kernel for F {
 #[macro_export]
 macro_rules! kernel {
     ($body:expr) => {
-        #[inline(always)]
-        move || $body
+        $crate::real::kernel(
+            #[inline(always)]
+            move || $body,
+        )
     };
+}
+
+/// The closure itself, of a kind that is called once: the call of another kind is a function of its
+/// own, which is compiled without the instruction set.
+#[doc(hidden)]
+#[inline(always)]
+pub fn kernel<T, F: FnOnce() -> T>(body: F) -> F {
+    body
 }
 
 /// Computes `$body` with the widest registers in use, see [`Instructions`](crate::Instructions):
@@ -69,11 +79,10 @@ macro_rules! with_registers {
         }
     };
     (($($V:tt)+) = $register:ty, $body:expr) => {
-        // Only as an argument may a closure have an attribute.
-        ::std::convert::identity($crate::kernel!({
+        $crate::kernel!({
             type $($V)+ = $register;
             $body
-        }))
+        })
     };
 }
 

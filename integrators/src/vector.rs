@@ -194,7 +194,7 @@ macro_rules! operations {
     };
 }
 
-/// `each` by way of an array.
+/// What is the same for all registers; `each` by way of an array.
 macro_rules! each_lane {
     () => {
         #[inline(always)]
@@ -211,6 +211,11 @@ macro_rules! each_lane {
         #[inline(always)]
         fn inverse(self) -> Self {
             Self::one() / self
+        }
+
+        #[inline(always)]
+        fn positive(self) -> u64 {
+            self.exceeds(Self::all(0.0))
         }
     };
 }
@@ -257,10 +262,10 @@ impl Vector<f64> for Pair {
         fn larger(self, other: Self) -> Self { Self(pairwise(self.0, other.0, f64::larger)) }
         fn root(self) -> Self { Self([self.0[0].root(), self.0[1].root()]) }
         fn floor(self) -> Self { Self(self.0.map(f64::floor)) }
+        fn size(self) -> Self { Self([self.0[0].size(), self.0[1].size()]) }
         fn above(self, bound: f64, then: Self) -> Self {
             Self(pairwise(self.0, then.0, |x, then| x.above(bound, then)))
         }
-        fn positive(self) -> u64 { self.0[0].positive() | self.0[1].positive() << 1 }
         fn exceeds(self, other: Self) -> u64 {
             self.0[0].exceeds(other.0[0]) | self.0[1].exceeds(other.0[1]) << 1
         }
@@ -270,7 +275,6 @@ impl Vector<f64> for Pair {
         fn or(self, bits: u64, others: Self) -> Self {
             Self([self.0[0].or(bits, others.0[0]), self.0[1].or(bits >> 1, others.0[1])])
         }
-        fn size(self) -> Self { Self([self.0[0].size(), self.0[1].size()]) }
         fn before(self, next: Self) -> Self { Self([self.0[1], next.0[0]]) }
         fn after(self, previous: Self) -> Self { Self([previous.0[1], self.0[0]]) }
         fn first(self, n: usize, others: Self) -> Self {
@@ -298,126 +302,98 @@ mod wide {
 
     operations!(Four: Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
 
-    impl Vector<f64> for Four {
-        const LANES: usize = 4;
-        each_lane!();
-
-        #[inline(always)]
-        unsafe fn load(start: *const f64) -> Self {
-            // SAFETY: as in `inlined!`; the address is the caller's promise.
-            unsafe { Self(_mm256_loadu_pd(start)) }
-        }
-
-        #[inline(always)]
-        unsafe fn store(self, start: *mut f64) {
-            // SAFETY: as in `inlined!`; the address is the caller's promise.
-            unsafe { _mm256_storeu_pd(start, self.0) }
-        }
-
-        inlined! { unsafe
-            fn all(x: f64) -> Self { Self(_mm256_set1_pd(x)) }
-            fn by_lane(number: impl Fn(usize) -> f64) -> Self {
-                Self(_mm256_setr_pd(number(0), number(1), number(2), number(3)))
-            }
-            fn fused(self, by: Self, plus: Self) -> Self { Self(_mm256_fmadd_pd(self.0, by.0, plus.0)) }
-            fn larger(self, other: Self) -> Self { Self(_mm256_max_pd(other.0, self.0)) }
-            fn root(self) -> Self { Self(_mm256_sqrt_pd(self.0)) }
-            fn floor(self) -> Self { Self(_mm256_floor_pd(self.0)) }
-            fn above(self, bound: f64, then: Self) -> Self {
-                Self(_mm256_and_pd(then.0, _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_set1_pd(bound))))
-            }
-            fn positive(self) -> u64 {
-                _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_setzero_pd())) as u64
-            }
-            fn exceeds(self, other: Self) -> u64 {
-                _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.0, other.0)) as u64
-            }
-            fn at_most(self, other: Self) -> u64 {
-                _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0)) as u64
-            }
-            fn or(self, bits: u64, others: Self) -> Self {
-                let lane = _mm256_set_epi64x(8, 4, 2, 1);
-                let mask = _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(bits as i64), lane), lane);
-                Self(_mm256_blendv_pd(others.0, self.0, _mm256_castsi256_pd(mask)))
-            }
-            fn size(self) -> Self { Self(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)) }
-            fn before(self, next: Self) -> Self {
-                Self(_mm256_shuffle_pd::<0b0101>(self.0, _mm256_permute2f128_pd::<0x21>(self.0, next.0)))
-            }
-            fn after(self, previous: Self) -> Self {
-                Self(_mm256_shuffle_pd::<0b0101>(_mm256_permute2f128_pd::<0x21>(previous.0, self.0), self.0))
-            }
-            fn first(self, n: usize, others: Self) -> Self {
-                let lane = _mm256_set_epi64x(3, 2, 1, 0);
-                let mask = _mm256_cmpgt_epi64(_mm256_set1_epi64x(n as i64), lane);
-                Self(_mm256_blendv_pd(others.0, self.0, _mm256_castsi256_pd(mask)))
-            }
-            fn spread(self, lane: usize) -> Self {
-                // Both halves of the number, as there is no such instruction for whole ones.
-                let halves = ((2 * lane + 1) << 32) | (2 * lane);
-                let lanes = _mm256_set1_epi64x(halves as i64);
-                Self(_mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), lanes)))
-            }
-        }
-    }
-
     /// Eight numbers, for AVX-512.
     #[derive(Clone, Copy)]
     pub struct Eight(__m512d);
 
     operations!(Eight: Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd);
 
-    impl Vector<f64> for Eight {
-        const LANES: usize = 8;
-        each_lane!();
+    /// Both registers from a table: for each function of [`Vector`] its body for AVX2, then that for
+    /// AVX-512.
+    macro_rules! registers {
+        ($(fn $name:ident($($argument:tt)*) -> $to:ty $four:block $eight:block)*) => {
+            registers!(Four 4 _mm256_loadu_pd _mm256_storeu_pd $(fn $name($($argument)*) -> $to $four)*);
+            registers!(Eight 8 _mm512_loadu_pd _mm512_storeu_pd $(fn $name($($argument)*) -> $to $eight)*);
+        };
+        ($register:ident $lanes:literal $load:ident $store:ident $($functions:tt)*) => {
+            impl Vector<f64> for $register {
+                const LANES: usize = $lanes;
+                each_lane!();
 
-        #[inline(always)]
-        unsafe fn load(start: *const f64) -> Self {
-            // SAFETY: as in `inlined!`; the address is the caller's promise.
-            unsafe { Self(_mm512_loadu_pd(start)) }
-        }
+                #[inline(always)]
+                unsafe fn load(start: *const f64) -> Self {
+                    // SAFETY: as in `inlined!`; the address is the caller's promise.
+                    unsafe { Self($load(start)) }
+                }
 
-        #[inline(always)]
-        unsafe fn store(self, start: *mut f64) {
-            // SAFETY: as in `inlined!`; the address is the caller's promise.
-            unsafe { _mm512_storeu_pd(start, self.0) }
-        }
+                #[inline(always)]
+                unsafe fn store(self, start: *mut f64) {
+                    // SAFETY: as in `inlined!`; the address is the caller's promise.
+                    unsafe { $store(start, self.0) }
+                }
 
-        inlined! { unsafe
-            fn all(x: f64) -> Self { Self(_mm512_set1_pd(x)) }
-            fn by_lane(n: impl Fn(usize) -> f64) -> Self {
-                Self(_mm512_setr_pd(n(0), n(1), n(2), n(3), n(4), n(5), n(6), n(7)))
+                inlined! { unsafe $($functions)* }
             }
-            fn fused(self, by: Self, plus: Self) -> Self { Self(_mm512_fmadd_pd(self.0, by.0, plus.0)) }
-            fn larger(self, other: Self) -> Self { Self(_mm512_max_pd(other.0, self.0)) }
-            fn root(self) -> Self { Self(_mm512_sqrt_pd(self.0)) }
-            fn floor(self) -> Self {
-                Self(_mm512_roundscale_pd::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(self.0))
+        };
+    }
+
+    registers! {
+        fn all(x: f64) -> Self { Self(_mm256_set1_pd(x)) } { Self(_mm512_set1_pd(x)) }
+        fn by_lane(n: impl Fn(usize) -> f64) -> Self
+            { Self(_mm256_setr_pd(n(0), n(1), n(2), n(3))) }
+            { Self(_mm512_setr_pd(n(0), n(1), n(2), n(3), n(4), n(5), n(6), n(7))) }
+        fn fused(self, by: Self, plus: Self) -> Self
+            { Self(_mm256_fmadd_pd(self.0, by.0, plus.0)) }
+            { Self(_mm512_fmadd_pd(self.0, by.0, plus.0)) }
+        fn larger(self, other: Self) -> Self
+            { Self(_mm256_max_pd(other.0, self.0)) }
+            { Self(_mm512_max_pd(other.0, self.0)) }
+        fn root(self) -> Self { Self(_mm256_sqrt_pd(self.0)) } { Self(_mm512_sqrt_pd(self.0)) }
+        fn floor(self) -> Self
+            { Self(_mm256_floor_pd(self.0)) }
+            { Self(_mm512_roundscale_pd::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(self.0)) }
+        fn above(self, bound: f64, then: Self) -> Self
+            { Self(_mm256_and_pd(then.0, _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_set1_pd(bound)))) }
+            { Self(_mm512_maskz_mov_pd(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, _mm512_set1_pd(bound)), then.0)) }
+        fn exceeds(self, other: Self) -> u64
+            { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.0, other.0)) as u64 }
+            { u64::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, other.0)) }
+        fn at_most(self, other: Self) -> u64
+            { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0)) as u64 }
+            { u64::from(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0)) }
+        fn or(self, bits: u64, others: Self) -> Self
+            {
+                let lane = _mm256_set_epi64x(8, 4, 2, 1);
+                let mask = _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(bits as i64), lane), lane);
+                Self(_mm256_blendv_pd(others.0, self.0, _mm256_castsi256_pd(mask)))
             }
-            fn above(self, bound: f64, then: Self) -> Self {
-                let mask = _mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, _mm512_set1_pd(bound));
-                Self(_mm512_maskz_mov_pd(mask, then.0))
-            }
-            fn positive(self) -> u64 { u64::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, _mm512_setzero_pd())) }
-            fn exceeds(self, other: Self) -> u64 { u64::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, other.0)) }
-            fn at_most(self, other: Self) -> u64 { u64::from(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0)) }
-            fn or(self, bits: u64, others: Self) -> Self { Self(_mm512_mask_mov_pd(others.0, bits as u8, self.0)) }
-            fn size(self) -> Self { Self(_mm512_abs_pd(self.0)) }
-            fn before(self, next: Self) -> Self {
+            { Self(_mm512_mask_mov_pd(others.0, bits as u8, self.0)) }
+        fn size(self) -> Self { Self(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)) } { Self(_mm512_abs_pd(self.0)) }
+        fn before(self, next: Self) -> Self
+            { Self(_mm256_shuffle_pd::<0b0101>(self.0, _mm256_permute2f128_pd::<0x21>(self.0, next.0))) }
+            {
                 let (now, next) = (_mm512_castpd_si512(self.0), _mm512_castpd_si512(next.0));
                 Self(_mm512_castsi512_pd(_mm512_alignr_epi64::<1>(next, now)))
             }
-            fn after(self, previous: Self) -> Self {
+        fn after(self, previous: Self) -> Self
+            { Self(_mm256_shuffle_pd::<0b0101>(_mm256_permute2f128_pd::<0x21>(previous.0, self.0), self.0)) }
+            {
                 let (previous, now) = (_mm512_castpd_si512(previous.0), _mm512_castpd_si512(self.0));
                 Self(_mm512_castsi512_pd(_mm512_alignr_epi64::<7>(now, previous)))
             }
-            fn first(self, n: usize, others: Self) -> Self {
-                Self(_mm512_mask_mov_pd(others.0, ((1u32 << n.min(8)) - 1) as u8, self.0))
+        fn first(self, n: usize, others: Self) -> Self
+            {
+                let mask = _mm256_cmpgt_epi64(_mm256_set1_epi64x(n as i64), _mm256_set_epi64x(3, 2, 1, 0));
+                Self(_mm256_blendv_pd(others.0, self.0, _mm256_castsi256_pd(mask)))
             }
-            fn spread(self, lane: usize) -> Self {
-                Self(_mm512_permutexvar_pd(_mm512_set1_epi64(lane as i64), self.0))
+            { Self(_mm512_mask_mov_pd(others.0, ((1u32 << n.min(8)) - 1) as u8, self.0)) }
+        fn spread(self, lane: usize) -> Self
+            {
+                // Both halves of the number, as there is no such instruction for whole ones.
+                let lanes = _mm256_set1_epi64x((((2 * lane + 1) << 32) | (2 * lane)) as i64);
+                Self(_mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), lanes)))
             }
-        }
+            { Self(_mm512_permutexvar_pd(_mm512_set1_epi64(lane as i64), self.0)) }
     }
 }
 

@@ -113,3 +113,9 @@ impl<'a, G: FnMut(f64) -> f64, K: Fn(f64) -> f64> Search<'a, G, K> {
         self.part((middle, value), b, depth + 1);
     }
 }
+
+/// Sorts by time. Not inlined, so that it is compiled once for all numbers of nodes.
+#[inline(never)]
+pub(super) fn sort_by_time<T>(list: &mut [(f64, T)]) {
+    list.sort_by(|a, b| a.0.total_cmp(&b.0));
+}

@@ -10,6 +10,7 @@
 use super::{
     bond::{Beside, Bond, Contact, known},
     chain::Path,
+    detect::sort_by_time,
     link::Link,
     motion::{AHEAD, ROUNDING, just_after, overlap_at, predicted, predicted_rate, rate_at},
     panel::Frame,
@@ -217,6 +218,6 @@ fn looks(h: f64, look: &impl Fn(f64) -> Look, of: &impl Fn(Look) -> [f64; 2]) ->
     };
     let more: Vec<f64> = (1..PARTS).flat_map(|k| [turns(k, 0), turns(k, 1)]).flatten().collect();
     looks.extend(more.into_iter().map(|t| (t, look(t))));
-    looks.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_time(&mut looks);
     looks
 }

@@ -3,6 +3,7 @@
 use super::{
     bond::{Beside, Bond, Contact, known},
     chain::beside,
+    detect::sort_by_time,
     kernels::apart,
     panel::{Frame, Origin},
     panels::Panels,
@@ -87,7 +88,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
         let points = &mut points[..count];
         if count > 1 {
-            points.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            sort_by_time(points);
         }
         let mut from = start;
         for i in 0..=count {

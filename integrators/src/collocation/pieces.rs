@@ -8,6 +8,7 @@
 
 use super::{
     bond::{Beside, Bond, Initial, known},
+    detect::sort_by_time,
     motion::{ROUNDING, overlap_at, rate_at},
     panel::{Frame, Panel},
     panels::Panels,
@@ -214,11 +215,12 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
         let nodes = self.of.panels.as_slice().iter().flat_map(|panel| panel.tau.into_iter().zip(panel.overlap));
         let inner = (1..PARTS).map(|k| h * k as f64 / PARTS as f64).map(|t| (t, self.overlap(t)));
         let mut samples: Vec<(f64, f64)> = nodes.chain(inner).chain([(h, self.end)]).collect();
-        samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_time(&mut samples);
         samples
     }
 
-    /// The overlap by all forces as a curve.
+    /// The overlap by all forces as a curve. Not inlined: it is called in four places.
+    #[inline(never)]
     fn through(&self, (origin, sign, q): (f64, f64, u32), [from, to]: [f64; 2]) -> Curve {
         let at = |t: f64| match t {
             0.0 => self.of.initial.overlap[0],
