@@ -39,8 +39,8 @@ fn bare(sites: usize) -> Work {
     let mut f = vec![0.0; sites];
     let once = move || {
         // The bare loop, compiled with the same vector instructions as the sweeps.
-        let (x, f) = (black_box(&x), &mut f);
-        f64::run(kernel!(for (f, &x) in f.iter_mut().zip(x) {
+        let (x, out) = (black_box(&x), &mut f[..]);
+        f64::run(kernel!(for (f, &x) in out.iter_mut().zip(x) {
             *f = x * x.max(0.0).sqrt();
         }));
         let (i, force) = (sites / 3, black_box(&f)[sites / 3]);
