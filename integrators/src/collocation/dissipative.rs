@@ -72,7 +72,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         };
         let slope = (self.prediction.at_end - pushes(h * (1.0 - STEP))) / (STEP * h);
         let t = h - self.prediction.at_end / slope;
-        if slope < 0.0 && t < (1.0 + AHEAD) * h {
+        if slope < 0.0 && t > 0.5 * h && t < (1.0 + AHEAD) * h {
             (contact.release, contact.slopes[1]) = (t.max(just_after(h)), slope);
             self.initial.singular_after = frame.link.singular_after(rate);
         }

@@ -268,12 +268,13 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let (mut b, mut slope) = ((h, end), rate);
         for _ in 0..2 {
             let t = b.0 - b.1 / slope;
+            // Earlier only if the overlap counts as zero in the whole window.
+            if !(t > 0.5 * h && t < (1.0 + AHEAD) * h) {
+                return;
+            }
             // A shorter chord is rounding; and an overlap that counts as zero may be below it.
             if t <= h || (t - b.0).abs() <= CHORD * h {
                 break;
-            }
-            if t >= (1.0 + AHEAD) * h {
-                return;
             }
             let c = (t, predicted(frame, motion, drive, t));
             slope = (c.1 - b.1) / (c.0 - b.0);
