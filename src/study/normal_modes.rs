@@ -73,6 +73,8 @@ impl ModeWay {
 
     /// The modes of a scene, the continuation, and the units in which it was given and is reported.
     fn for_scene(&self, scene: &Scene, si: InSi) -> Result<(NormalModes, ModeContinuation, Option<Units>)> {
+        self.within_ranges()?;
+        self.branch.within_ranges()?;
         let si = si.units(scene)?;
         let (modes, scale) = (NormalModes::new(scene.chain())?, Scale(si.as_ref()));
         let &Self { to, step, .. } = self;
@@ -81,8 +83,6 @@ impl ModeWay {
     }
 
     fn continuation(&self, modes: &NormalModes) -> Result<ModeContinuation> {
-        self.within_ranges()?;
-        self.branch.within_ranges()?;
         let &Self { to, step, branch, .. } = self;
         let mode = self.linear_mode.map_or(modes.most_localised(), |number| number - 1);
         let (step, most_points) = (step.unwrap_or(0.05 * to), branch.max_points);

@@ -202,6 +202,7 @@ impl Study for DrivenContinue {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
+        self.way.within_ranges()?;
         self.way.branch.within_ranges()?;
         let Some(path) = &self.resume else {
             let scene = self.driven.load()?;
@@ -256,6 +257,7 @@ impl DrivenWay {
         search: &DrivenSearch,
         si: InSi,
     ) -> Result<(DrivenSetting, DrivenContinuation, Option<Units>)> {
+        self.within_ranges()?;
         self.branch.within_ranges()?;
         let si = si.units(scene)?;
         let setting = search.setting(scene)?;

@@ -63,6 +63,7 @@ impl Ring {
 
     /// A breather of this frequency, by default `omega` times `ratio`.
     pub(super) fn breather(&self, center: Center, omega_b: Option<f64>, ratio: f64) -> Result<DarkBreather> {
+        self.within_ranges()?;
         let params = self.params.checked()?;
         let omega_b = omega_b.unwrap_or(ratio * params.omega());
         Ok(DarkBreather { params, center, sites: self.sites, omega_b, c_x: self.c_x })
@@ -201,7 +202,7 @@ impl Continue {
             natural: self.natural,
             shooting: self.ring.shooting(),
         };
-        let of_from = |why: &Error| varies && matches!(why, Error::Parameter { name: "omega_b", .. });
+        let of_from = |why: &Error| matches!(why, Error::Parameter { name, .. } if *name == parameter.name());
         begin(&breather, &continuation, self.weak).map_err(|why| if of_from(&why) { why.named("from") } else { why })
     }
 }
@@ -219,6 +220,7 @@ impl Study for Continue {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
+        self.within_ranges()?;
         let branch = match &self.resume {
             Some(path) => {
                 let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
