@@ -106,7 +106,7 @@ fn laid_out<const M: usize, const S: usize>(
                 let value = if !frame.link.lossy() || end == 0 && !contact.overlaps_at_onset {
                     dot(&frames.rule.ends[end], &panel.overlap)
                 } else {
-                    panel.pushes_at(frame, &panel.pushes(frame.link), end)
+                    panel.pushes(frame, end).0
                 };
                 let known = frame.link.lossy() && end == 0 && contact.onset == 0.0 && !contact.overlaps_at_onset;
                 let by = -(if known { start } else { value }) / contact.slopes[end];

@@ -20,7 +20,8 @@ use crate::events::root::bracketed;
 
 /// Number of equal parts of a window at whose ends `g` and `P` are evaluated. Chosen.
 const PARTS: usize = 12;
-/// Distance of the points of difference quotients of `P`, as a share of the window. Chosen.
+/// A short time: the distance of the points of difference quotients of `P`, as a share of the
+/// window. Chosen.
 const STEP: f64 = 1e-4;
 
 /// `[g, g']` at a time.
@@ -97,9 +98,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let [g, rate] = look(t);
             frame.link.law.overlap_that_pushes(g, rate)
         };
-        let (overlap, end) = (look(h)[0], pushes(h));
-        let by = end / slope(pushes, h, h);
-        overlap.abs() <= band || frame.cuts.negligible(frame.link, end.abs(), by, Some(overlap))
+        let ([overlap, rate], by) = (look(h), pushes(h) / slope(pushes, h, h));
+        let impulse = frame.link.law.push(overlap, rate) * by;
+        overlap.abs() <= band || frame.cuts.negligible_impulse(frame.link, impulse)
     }
 
     /// Energy dissipated while beads overlap without a force: the decrease of the elastic energy of
@@ -133,7 +134,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let (h, link) = (frame.h, frame.link);
         let of = |[g, rate]: Look| [g, link.law.overlap_that_pushes(g, rate)];
         let at = |t: f64| of(look(t));
-        let mut looks = looks(h, &look, &of);
+        let mut looks = looks(h, link.law.dashpot(), &look, &of);
         // At the start both are known, which tells the error of values by series.
         let start = self.initial.overlap;
         let by_series = std::mem::replace(&mut looks[0].1, start);
@@ -172,17 +173,20 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             };
             // At the start without the error of a series, of which `P` of a dashpot takes the power
             // 1/alpha.
-            let [g, pushes] = if event == 0.0 { of(start) } else { at(event) };
-            // Whether `P` vanishes there, and not the overlap: it is less than without the rate.
-            let overlaps_at_onset = g > 0.0 && pushes < 0.5 * link.law.overlap_that_pushes(g, 0.0);
+            let [g, rate] = if event == 0.0 { start } else { look(event) };
+            // Whether `P` vanishes there, and not the overlap: it is less than without the rate, or
+            // jumps to this value, where the rate of a dashpot comes to zero.
+            let jumps = event > 0.0 && g > STEP * rate.abs() * (t - last.0);
+            let below = || of([g, rate])[1] < 0.5 * link.law.overlap_that_pushes(g, 0.0);
+            let overlaps_at_onset = g > 0.0 && (jumps || below());
             match open.take() {
                 None => {
-                    let slope = if overlaps_at_onset { slope(|t| at(t)[1], event, h) } else { look(event)[1] };
+                    let slope = if overlaps_at_onset { slope(|t| at(t)[1], event, h) } else { rate };
                     open = Some(Contact { overlaps_at_onset, ..Contact::new(event, f64::INFINITY, [slope, 0.0]) });
                 }
                 Some(contact) => {
                     let slopes = [contact.slopes[0], slope(|t| at(t)[1], event, h)];
-                    self.initial.singular_after = link.singular_after(look(event)[1]);
+                    self.initial.singular_after = link.singular_after(rate);
                     found.push(Contact { release: event, slopes, ..contact });
                 }
             }
@@ -201,7 +205,7 @@ fn slope(of: impl Fn(f64) -> f64, t: f64, h: f64) -> f64 {
 
 /// Overlaps and rates at equally spaced times, and at the vertices of parabolas through three
 /// values of `g` or of `P`, as `of` gives them, that lie on the other side of zero.
-fn looks(h: f64, look: &impl Fn(f64) -> Look, of: &impl Fn(Look) -> [f64; 2]) -> Vec<(f64, Look)> {
+fn looks(h: f64, dashpot: bool, look: &impl Fn(f64) -> Look, of: &impl Fn(Look) -> [f64; 2]) -> Vec<(f64, Look)> {
     let step = h / PARTS as f64;
     let mut looks: Vec<(f64, Look)> = (0..=PARTS)
         .map(|k| {
@@ -216,7 +220,14 @@ fn looks(h: f64, look: &impl Fn(f64) -> Look, of: &impl Fn(Look) -> [f64; 2]) ->
         let beyond = (b > 0.0) != (b + 0.5 * slope * by > 0.0);
         (by.abs() < 1.0 && beyond).then(|| looks[k].0 + by * step)
     };
-    let more: Vec<f64> = (1..PARTS).flat_map(|k| [turns(k, 0), turns(k, 1)]).flatten().collect();
+    // `P` of a dashpot falls abruptly where the overlap is largest: the last time before it.
+    let peak = |k: usize| {
+        let [(a, [_, before]), (b, [_, after])] = [looks[k], looks[k + 1]];
+        let largest = || bracketed(|t| look(t)[1], (a, before), (b, after));
+        (dashpot && before > 0.0 && after < 0.0).then(|| (largest() - STEP * step).max(a))
+    };
+    let turns = (1..PARTS).flat_map(|k| [turns(k, 0), turns(k, 1)]);
+    let more: Vec<f64> = turns.chain((0..PARTS).map(peak)).flatten().collect();
     looks.extend(more.into_iter().map(|t| (t, look(t))));
     sort_by_time(&mut looks);
     looks

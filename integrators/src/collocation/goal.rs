@@ -78,6 +78,12 @@ impl Cuts {
         } else {
             link.elastic_force(overlap.abs()) * by.abs()
         };
-        impulse * link.lightest() <= self.event_impulse
+        self.negligible_impulse(link, impulse)
+    }
+
+    /// Whether an error of the impulse of a contact is negligible.
+    #[inline(always)]
+    pub(super) fn negligible_impulse<const S: usize>(&self, link: &Link<S>, impulse: f64) -> bool {
+        impulse.abs() * link.lightest() <= self.event_impulse
     }
 }

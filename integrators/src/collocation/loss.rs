@@ -21,7 +21,8 @@
 //! power `alpha - 1` of time (viscoelastic), or with a jump (dashpot).
 //!
 //! `P` is an overlap. For a dashpot the force itself has the same sign, but with a small `gamma` it
-//! ends with next to no slope, and Newton's method for its zero diverges.
+//! ends with next to no slope, and Newton's method for its zero diverges; with a large one that for
+//! the zero of `P` does.
 
 use super::{
     bond::{Beside, Bond},
@@ -169,24 +170,28 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         }))
     }
 
-    /// `P` at the nodes.
-    pub(super) fn pushes(&self, link: &Link<S>) -> [f64; M] {
+    /// `P` at the start (`end = 0`) or the end of the panel, from its values at the nodes, and its
+    /// slope there. That of a dashpot has a kink where the rate is zero, so that overlap and rate
+    /// are extrapolated instead. Where the resistance changes faster than the elastic force, `P`
+    /// goes like a root of the time from its zero, and the force is the function that is nearly
+    /// linear: then it is taken, over a stiffness.
+    #[inline(never)]
+    pub(super) fn pushes(&self, frame: &Frame<'_, M, S>, end: usize) -> (f64, f64) {
         let rates = self.rates.as_deref().expect("a panel of a contact that dissipates has rates");
-        std::array::from_fn(|j| link.law.overlap_that_pushes(self.overlap[j], rates.overlap[j]))
-    }
-
-    /// `P` at the start (`end = 0`) or the end of the panel, from its values at the nodes. That of
-    /// a dashpot has a kink where the rate is zero, so that overlap and rate are extrapolated
-    /// instead.
-    #[inline(always)]
-    pub(super) fn pushes_at(&self, frame: &Frame<'_, M, S>, pushes: &[f64; M], end: usize) -> f64 {
-        let ends = &frame.rule.ends[end];
-        match &self.rates {
-            Some(rates) if S != 1 && frame.link.law.dashpot() => {
-                frame.link.law.overlap_that_pushes(dot(ends, &self.overlap), dot(ends, &rates.overlap))
-            }
-            _ => dot(ends, pushes),
+        let (law, ends) = (&frame.link.law, &frame.rule.ends[end]);
+        let from = |k: usize| if end == 0 { k } else { M - 1 - k };
+        let chord = |values: &[f64; M]| self.chord(values, from(0), (1..M).map(from));
+        let pushes: [f64; M] = std::array::from_fn(|j| law.overlap_that_pushes(self.overlap[j], rates.overlap[j]));
+        if !law.dashpot() {
+            return (dot(ends, &pushes), chord(&pushes));
         }
+        let (g, rate) = (dot(ends, &self.overlap), dot(ends, &rates.overlap));
+        let resists = law.resistance(g) * chord(&rates.overlap).abs();
+        let per = 1.0 / law.stiffness(self.overlap.into_iter().fold(0.0, f64::max));
+        if resists > law.stiffness(g) * rate.abs() && per.is_finite() {
+            return (dot(ends, &self.force) * per, chord(&self.force) * per);
+        }
+        (law.overlap_that_pushes(g, rate), chord(&pushes))
     }
 
     /// The predicted forces at the nodes, from predicted overlaps `g`: these are a path plus a

@@ -283,19 +283,21 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 panel.force = force;
                 panel.before = before;
                 before = panel.integrate(frame);
-                let pushes = if frame.link.lossy() { panel.pushes(frame.link) } else { g };
                 if k == first {
-                    let on_pushing = self.contacts.found[c].overlaps_at_onset;
-                    let by = if on_pushing { &pushes } else { &g };
-                    let at_start =
-                        if on_pushing { panel.pushes_at(frame, by, 0) } else { dot(&frame.rule.ends[0], by) };
-                    let slope = panel.chord(by, 0, 1..M);
+                    let (at_start, slope) = if S != 1 && self.contacts.found[c].overlaps_at_onset {
+                        panel.pushes(frame, 0)
+                    } else {
+                        (dot(&frame.rule.ends[0], &g), panel.chord(&g, 0, 1..M))
+                    };
                     change.moved = change.moved.max(self.shift_onset(frame, c, (at_start, slope)));
                 }
                 if k + 1 == last {
                     let panel = &self.panels.list[k];
-                    let at_end = panel.pushes_at(frame, &pushes, 1);
-                    let slope = panel.chord(&pushes, M - 1, (0..M - 1).rev());
+                    let (at_end, slope) = if frame.link.lossy() {
+                        panel.pushes(frame, 1)
+                    } else {
+                        (dot(&frame.rule.ends[1], &g), panel.chord(&g, M - 1, (0..M - 1).rev()))
+                    };
                     change.moved = change.moved.max(self.shift_release(frame, c, (at_end, slope)));
                 }
             }
