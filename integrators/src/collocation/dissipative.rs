@@ -20,8 +20,7 @@ use crate::events::root::bracketed;
 
 /// Number of equal parts of a window at whose ends `g` and `P` are evaluated. Chosen.
 const PARTS: usize = 12;
-/// A short time: the distance of the points of difference quotients of `P`, as a share of the
-/// window. Chosen.
+/// Distance of the points of difference quotients of `P`, as a share of the window. Chosen.
 const STEP: f64 = 1e-4;
 
 /// `[g, g']` at a time.
@@ -176,7 +175,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let [g, rate] = if event == 0.0 { start } else { look(event) };
             // Whether `P` vanishes there, and not the overlap: it is less than without the rate, or
             // jumps to this value, where the rate of a dashpot comes to zero.
-            let jumps = event > 0.0 && g > STEP * rate.abs() * (t - last.0);
+            let jumps = event > 0.0 && g > rate * h / PARTS as f64;
             let below = || of([g, rate])[1] < 0.5 * link.law.overlap_that_pushes(g, 0.0);
             let overlaps_at_onset = g > 0.0 && (jumps || below());
             match open.take() {
@@ -220,7 +219,7 @@ fn looks(h: f64, dashpot: bool, look: &impl Fn(f64) -> Look, of: &impl Fn(Look) 
         let beyond = (b > 0.0) != (b + 0.5 * slope * by > 0.0);
         (by.abs() < 1.0 && beyond).then(|| looks[k].0 + by * step)
     };
-    // `P` of a dashpot falls abruptly where the overlap is largest: the last time before it.
+    // `P` of a dashpot falls abruptly where the overlap is largest: a time shortly before.
     let peak = |k: usize| {
         let [(a, [_, before]), (b, [_, after])] = [looks[k], looks[k + 1]];
         let largest = || bracketed(|t| look(t)[1], (a, before), (b, after));
