@@ -138,13 +138,17 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let start = self.initial.overlap;
         let by_series = std::mem::replace(&mut looks[0].1, start);
         let off = |k: usize, least: f64| least.max((by_series[k] - start[k]).abs());
-        let off = [off(0, band), off(1, self.rounding(link))];
+        let off = [off(0, self.initial.band), off(1, self.rounding(link))];
         // A bound of the error of the overlap, over the window, that does not change whether the
         // bond pushes.
         let harmless = |[g, pushes]: [f64; 2]| g.abs().min(link.law.harmless(pushes.abs(), h));
-        // `P` ascends with the overlap and with its rate.
+        // `P` ascends with the overlap and with its rate. Overlaps up to `band` make next to no
+        // force; where beads overlap, a `P` of this size makes more.
         let side = |[g, rate]: Look| {
-            let by = |sign: f64| least(of([g + sign * off[0], rate + sign * off[1]]));
+            let by = |sign: f64| {
+                let pushes = of([g + sign * off[0], rate + sign * off[1]])[1];
+                least([g + sign * off[0].max(band), pushes])
+            };
             if by(1.0) < 0.0 { Some(false) } else { (by(-1.0) > 0.0).then_some(true) }
         };
         // Beads that touch at the start, and push later, count as pushing from the start: their
