@@ -354,6 +354,10 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         // At the start the overlap is known without the error of a series.
         let known = frame.link.lossy() && contact.onset == 0.0 && !contact.overlaps_at_onset;
         let overlap = if known { self.initial.overlap[0] } else { overlap };
+        // What pushes at the start has begun before: also where `P` falls.
+        if contact.onset == 0.0 && overlap >= 0.0 {
+            return 0.0;
+        }
         let by = not_before(contact.onset, -overlap / contact.slopes[0]);
         // The impulse of a force that jumps is of first order in the error of its onset, so that a
         // step may be rounding and not negligible.
