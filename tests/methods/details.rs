@@ -202,7 +202,11 @@ fn splittings_keep_their_order_with_damping_and_drives() {
         let errors = [steps, 2 * steps].map(|steps| {
             let end = run(&chain, &state, 12.0, method, Setting::Steps(steps));
             let (motion, ledger) = end.state.split_at(2 * half);
-            [distance(motion, &truth.state[..2 * half]), distance(ledger, &truth.state[2 * half..]), end.energy_error.unwrap()]
+            [
+                distance(motion, &truth.state[..2 * half]),
+                distance(ledger, &truth.state[2 * half..]),
+                end.energy_error.unwrap(),
+            ]
         });
         for (k, (coarse, fine)) in errors[0].into_iter().zip(errors[1]).enumerate() {
             let slope = (coarse / fine).log2();
