@@ -386,10 +386,10 @@ const FINER: f64 = 1e-2;
 const EIGEN: f64 = 4.0;
 /// Largest change of the unknowns over a period of an orbit, in units of the largest displacement
 /// or scaled velocity, for which the orbit counts as one of that period.
-const RETURNED: f64 = 1e-8;
+pub(super) const RETURNED: f64 = 1e-8;
 /// Largest rate of contacts, resonators, damping and drives of an orbit in a file, in units of its
 /// frequency.
-const FASTEST: f64 = 1e5;
+pub(super) const FASTEST: f64 = 1e5;
 /// A run has settled if a period changes the unknowns by at most this, in units of the largest.
 const SETTLED: f64 = 1e-8;
 /// Tolerance of a step of the run that settles.

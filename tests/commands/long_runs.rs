@@ -4,12 +4,13 @@
 use hertzchain::{
     Error,
     chain::Contact,
+    orbits::DrivenContinuation,
     output::{Archive, Folder, npz_with},
     parts::Decomposition,
     run::method::{Method, Setting},
     run::{Records, Trajectory},
     scene::Scene,
-    study::{LongRun, load_driven_branch},
+    study::{LongRun, load_branch},
 };
 use std::{
     fs,
@@ -386,7 +387,7 @@ mod processes {
     fn driven_points(out: &Path) -> Option<f64> {
         let path = out.join("driven-branch.npz");
         path.exists().then(|| {
-            let (_, trail) = load_driven_branch(&path).expect("a branch is whole at any moment");
+            let (_, trail) = load_branch::<DrivenContinuation>(&path).expect("a branch is whole at any moment");
             trail.orbits.len() as f64
         })
     }

@@ -18,10 +18,11 @@ use super::{
     swing,
 };
 use crate::{
-    chain::{Params, Resonators},
+    chain::{Params, Resonators, max_norm},
     error::{Error, Result},
     named::named,
-    orbits::{Branch, End, Equations, Kantorovich, MOST_CORRECTIONS, Point, Problem, Range, Solution, check},
+    orbits::{Branch, End, Equations, Kantorovich, MOST_CORRECTIONS, Point, Problem, Range, Solution, Stored, check},
+    output::FileFormat,
     waves::Modulation,
 };
 use serde::{Deserialize, Serialize};
@@ -107,7 +108,8 @@ impl WaveParameter {
 }
 
 /// Settings of a continuation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct WaveContinuation {
     /// The parameter that varies.
     pub parameter: WaveParameter,
@@ -204,6 +206,10 @@ impl Problem for WaveContinuation {
         Self { to, step, most_points, ..self }
     }
 
+    fn check_value(&self, base: &WaveBase, p: f64) -> Result<()> {
+        self.parameter.with(&base.setting, p).chain(base.setting.least_cells()).map(|_| ())
+    }
+
     fn equations(&self, base: &WaveBase, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
         let (setting, state) = self.at(base, z, p);
         let row = amplitude_row(&setting);
@@ -289,6 +295,51 @@ impl Problem for WaveContinuation {
             closed: profile.closed(),
             kantorovich: self.search.kantorovich(wave)?,
         })
+    }
+}
+
+/// Largest frequency of contacts and resonators of a wave in a file, in units of its own.
+const FASTEST: f64 = 1e5;
+/// Largest residual of a wave in a file.
+const RETURNED: f64 = 1e-8;
+
+impl Stored for WaveContinuation {
+    const FORMAT: FileFormat = FileFormat("hertzchain wave branch", 1);
+
+    /// The state of a cell, and the number of the setting that differs from wave to wave.
+    fn arrays(base: &WaveBase) -> Vec<(&'static str, usize)> {
+        let m = base.setting.q.cell();
+        let arrays: &[_] = if base.setting.numbers() == 4 * m { &["x", "y", "vx", "vy"] } else { &["x", "vx"] };
+        arrays.iter().map(|name| (*name, m)).chain([("setting", 1)]).collect()
+    }
+
+    fn numbers(&self, base: &WaveBase, wave: &ExactWave) -> Solution {
+        let z = wave.z.iter().copied().chain([self.parameter.free(&wave.setting)]).collect();
+        Solution { z, ..self.solution(base, wave) }
+    }
+
+    fn restored(&self, base: &WaveBase, mut numbers: Solution) -> ExactWave {
+        let free = numbers.z.pop().unwrap_or(f64::NAN);
+        numbers.orbit(self.parameter.with(&base.setting, free))
+    }
+
+    fn multipliers(spectrum: &WaveSpectrum) -> Vec<[f64; 3]> {
+        spectrum.multipliers.iter().map(|one| [one.re, one.im, one.error]).collect()
+    }
+
+    fn verify(&self, base: &WaveBase, wave: &ExactWave) -> Result<()> {
+        let setting = &wave.setting;
+        setting.chain(setting.least_cells())?;
+        let contacts = 4.0 * setting.params.alpha * max_norm(wave.z.iter().copied()).powf(setting.params.alpha - 1.0);
+        let rate = contacts.sqrt().max(setting.params.omega()) / setting.omega_tw;
+        // The integration of such numbers may take too long.
+        if !rate.is_finite() || rate > FASTEST {
+            let rule = "contacts and resonators of a wave are at most 10^5 times as fast as it is";
+            return Err(Error::parameter("rates", format!("up to {rate:.1e}"), rule));
+        }
+        let Solution { z, p, .. } = self.solution(base, wave);
+        let off = self.equations(base, &z, p, false)?.residual.amax() / swing(&wave.z, setting);
+        if off <= RETURNED { Ok(()) } else { Err(Error::parameter("residual", off, "a wave returns to 1e-8")) }
     }
 }
 

@@ -41,6 +41,7 @@ use crate::{
     error::{Error, Result},
     orbits::Orbit,
 };
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Largest ring for which the tangent map of contact collocation is made.
@@ -112,7 +113,8 @@ fn gcd(a: usize, b: usize) -> usize {
 }
 
 /// The condition that determines the mean of `X`, which is also that of `Y`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum MeanStrain {
     /// The mean is this number.
     Value(f64),
