@@ -369,7 +369,8 @@ impl<P: Problem> Branch<P> {
 }
 
 impl Orbit {
-    /// Reads an orbit that `breather dark` has written, or the picked orbit of a branch file.
+    /// Reads an orbit that `breather dark` has written, or the picked orbit of a branch file; none
+    /// is picked where there is only one.
     ///
     /// The numbers are checked, and the residual is measured again.
     ///
@@ -384,7 +385,10 @@ impl Orbit {
         File::open(path).map_err(fail)?.take(ZIP.len() as u64).read_to_end(&mut start).map_err(fail)?;
         let rule = match (start == ZIP, pick) {
             (true, Some(pick)) => return Branch::load(path)?.pick(pick).cloned(),
-            (true, None) => "it is a branch: say which of its orbits, by --point or --at".to_owned(),
+            (true, None) => match &Branch::load(path)?.orbits[..] {
+                [orbit] => return Ok(orbit.clone()),
+                _ => "it is a branch: say which of its orbits, by --point or --at".to_owned(),
+            },
             (false, Some(_)) => "it is no branch.npz: only a branch has points".to_owned(),
             (false, None) => match Self::from_json(&read(path, MOST_BYTES)?).map(|orbit| orbit.measured(shooting)) {
                 Ok(Ok(orbit)) => return Ok(orbit),

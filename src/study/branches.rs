@@ -24,8 +24,6 @@ use std::{
 pub(super) const ORBITS: f64 = 0.4;
 /// Largest step as a share of the range of the parameter, if none is given.
 pub(super) const STEP: f64 = 0.05;
-/// What is found about a branch unless something else is asked for.
-pub(super) const USUAL: Asked = Asked::Bifurcations;
 
 /// The tables of a branch that crosses the one that was asked for: points and bifurcations.
 pub(super) const SWITCHED: [&str; 2] = ["switched-branch", "switched-bifurcations"];
@@ -66,6 +64,8 @@ options! {
     #[derive(Copy, PartialEq, Eq)]
     pub struct BifurcationOptions {
         /// Locate bifurcations, for which multipliers are needed.
+        ///
+        /// On by default where they take less time than the orbits: not of normal modes.
         bifurcations: Option<bool> = None, "BOOL", [arg(require_equals = true, num_args = 0..=1, default_missing_value = "true")];
         /// Follow the branch that crosses at bifurcation K, too.
         ///
@@ -81,21 +81,23 @@ pub(super) fn without_end() -> Error {
     Error::parameter("to", "nothing", "a branch needs a value at which it ends")
 }
 
+impl BifurcationOptions {
+    /// Whether bifurcations are asked for, if the options say so.
+    pub(super) fn wanted(self) -> Option<bool> {
+        self.bifurcations.or(self.switch.map(|_| true))
+    }
+}
+
 impl BranchOptions {
     /// What is asked for, of a kind of branches for which one of these is usual.
     pub(super) fn asked(&self, bifurcations: Option<bool>, usual: Asked) -> Result<Asked> {
-        Ok(match (self.multipliers, bifurcations) {
-            (Some(false), Some(true)) => {
-                return Err(Error::parameter("bifurcations", true, "they need --multipliers"));
-            }
-            (Some(false), _) => Asked::Orbits,
-            (_, Some(true)) => Asked::Bifurcations,
-            (Some(true), None) if usual == Asked::Orbits => Asked::Multipliers,
-            (_, None) => usual,
-            (Some(true), Some(false)) => Asked::Multipliers,
-            (None, Some(false)) if usual == Asked::Orbits => Asked::Orbits,
-            (None, Some(false)) => Asked::Multipliers,
-        })
+        match (self.multipliers, bifurcations) {
+            (Some(false), Some(true)) => Err(Error::parameter("bifurcations", true, "they need --multipliers")),
+            (Some(false), _) => Ok(Asked::Orbits),
+            (_, Some(true)) => Ok(Asked::Bifurcations),
+            (_, Some(false)) => Ok(Asked::Multipliers),
+            (_, None) => Ok(usual),
+        }
     }
 
     /// The options in the units of the chain, if `to` and `step` are of this quantity.
@@ -132,7 +134,7 @@ impl BranchOptions {
         let si = si.units(&scene)?;
         let read = self.read(Scale(si.as_ref()), branch.continuation.quantity(&branch.setting));
         let branch = self.as_given(si.as_ref(), branch.onward(read.to, read.step, read.max_points))?;
-        let branch = Branch { asked: self.asked(more.bifurcations, USUAL)?, ..branch };
+        let branch = Branch { asked: self.asked(more.wanted(), P::USUAL)?, ..branch };
         Ok(Box::new(move |engine, progress| report(&of_scene(scene, branch, si, more.switch, engine, progress)?)))
     }
 
@@ -173,6 +175,16 @@ pub fn branch_npz<P: Kept>(about: &P::About, branch: &Branch<P>) -> Result<Vec<u
     branch.npz_of(source, more)
 }
 
+/// A single orbit as a branch, which `--resume` may continue to another end.
+pub(super) fn alone<P: Kept>(continuation: P, setting: &P::Setting, point: Point<P>) -> Result<Branch<P>> {
+    let (p, range) = (continuation.solution(setting, &point.orbit).p, continuation.range());
+    // The branch has ended, as near as it can.
+    let continuation =
+        continuation.with_range(Range { to: p.next_up(), step: STEP * p.abs(), most_points: 2, ..range });
+    let branch = Branch::new(continuation, setting.clone(), point.orbit.clone())?;
+    Ok(Branch { end: Some(End::Reached), points: vec![point], ..branch })
+}
+
 /// Reads a branch: the orbits have the bits they had when written; their Newton steps are not in
 /// the file.
 ///
@@ -200,6 +212,8 @@ pub trait OfScene: Stored {
     const NAMES: [&'static str; 3];
     /// As in [`Kept`].
     const CROSSING: [&'static str; 3];
+    /// What is found about a branch unless something else is asked for.
+    const USUAL: Asked = Asked::Bifurcations;
 
     /// The setting of a chain, for orbits of so many periods of its drive.
     ///

@@ -16,7 +16,8 @@ use crate::{
     chain::{Chain, State},
     error::Result,
     orbits::{
-        Bifurcation, BifurcationKind, LinearMode, ModeBranch, ModeContinuation, ModeOrbit, Multiplier, NormalModes,
+        Asked, Bifurcation, BifurcationKind, LinearMode, ModeBranch, ModeContinuation, ModeOrbit, Multiplier,
+        NormalModes,
     },
     report::{
         Column,
@@ -82,6 +83,8 @@ pub type ModeStudy = BranchStudy<ModeContinuation>;
 impl OfScene for ModeContinuation {
     const NAMES: [&'static str; 3] = ["mode-branch.npz", "mode-bifurcations.store", "orbit mode"];
     const CROSSING: [&'static str; 3] = [SWITCHED_FILE, "switched-bifurcations.store", "orbit mode"];
+    /// At large amplitudes bifurcations take ten times as long as the orbits.
+    const USUAL: Asked = Asked::Multipliers;
 
     fn setting(chain: &Chain<f64>, _turns: u32, _birth: Option<BifurcationKind>) -> Result<NormalModes> {
         NormalModes::new(chain)
@@ -171,7 +174,7 @@ pub fn follow_mode(
     progress: Progress<'_>,
 ) -> Result<ModeStudy> {
     let (modes, continuation, si) = way.for_scene(&scene, si)?;
-    let asked = way.branch.asked(way.more.bifurcations, branches::USUAL)?;
+    let asked = way.branch.asked(way.more.wanted(), ModeContinuation::USUAL)?;
     let branch = ModeBranch { asked, ..continuation.begin(&modes)? };
     branches::of_scene(scene, branch, si, way.more.switch, engine, progress)
 }

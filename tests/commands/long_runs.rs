@@ -628,9 +628,10 @@ mod processes {
         let later = || clock.elapsed() > Duration::from_millis(1500);
         let mode =
             ["orbit", "mode", scene.to_str().unwrap(), "--to", "0.09", "--step", "1e-6", "--max-points", "90000"];
-        let (mode, said) = told(&[&mode[..], &["--json"]].concat(), &later);
+        let out = folder.path().join("mode");
+        let (mode, said) = told(&[&mode[..], &["--json", "--out", out.to_str().unwrap()]].concat(), &later);
         assert!(mode["end"] == "stopped" && !mode["points"].as_array().unwrap().is_empty(), "{mode}");
-        assert!(said.contains("the process was asked to end"), "{said}");
+        assert!(said.contains("the process was asked to end") && out.join("mode-branch.npz").exists(), "{said}");
         let out = folder.path().join("driven");
         let line = "orbit continue granular-crystal --settle 20 --to 2e-6 --step 2e-8 --json --out";
         let args: Vec<&str> = line.split(' ').chain([out.to_str().unwrap()]).collect();

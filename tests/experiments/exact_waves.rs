@@ -33,7 +33,9 @@ fn setting(rho: f64, q_over_pi: f64, sites: usize, omega_tw: f64, mean: MeanStra
 
 fn branch(wanted: Wanted, vary: WaveParameter, to: f64) -> WaveBranchStudy {
     let wanted = Wanted { sites: Some(10), ..wanted };
-    ContinueWave { wanted, vary, branch: BranchOptions { to: Some(to), ..BranchOptions::default() } }.branch(&|_, _| {}).unwrap()
+    ContinueWave { wanted, vary, branch: BranchOptions { to: Some(to), ..BranchOptions::default() } }
+        .branch(&|_, _| {})
+        .unwrap()
 }
 
 // Truth: the definition, x_{n+1}(t + q/omega_tw) = x_n(t), by an integrator that shares no code

@@ -253,7 +253,7 @@ fn bifurcations_of_modes_in_segments_are_those_of_the_whole_branch() {
         let way = ModeWay {
             linear_mode: Some(mode),
             branch: BranchOptions { to: Some(to), step: Some(step), ..BranchOptions::default() },
-            more: BifurcationOptions { switch, ..BifurcationOptions::default() },
+            more: BifurcationOptions { switch, bifurcations: Some(true) },
         };
         let found = follow_mode(scene, &way, InSi::default(), &Engine::threads(), &|_, _| {}).unwrap();
         assert!(!whole.bifurcations.is_empty());

@@ -5,7 +5,9 @@ mod report;
 
 use super::{
     Changes, InSi, Progress, Study, Work,
-    branches::{self, BifurcationOptions, BranchOptions, BranchStudy, OfScene, STEP, SWITCHED, SWITCHED_FILE},
+    branches::{
+        self, BifurcationOptions, BranchOptions, BranchStudy, OfScene, STEP, SWITCHED, SWITCHED_FILE, branch_npz,
+    },
     options::options,
     si::Scale,
 };
@@ -95,7 +97,8 @@ pub struct DrivenStudy {
 }
 
 impl Study for Driven {
-    const FILES: &'static str = "driven-orbit.csv has the displacements of all beads over a period.";
+    const FILES: &'static str = "driven-orbit.csv has the displacements of all beads over a period; driven-orbit.npz has the orbit, from which \
+                                 `orbit continue --resume` goes on.";
     const INTERRUPTIBLE: bool = true;
 
     fn outline() -> Option<Report> {
@@ -106,7 +109,10 @@ impl Study for Driven {
         let scene = self.load()?;
         self.si.units(&scene)?;
         self.search.setting(&scene)?;
-        Ok(Box::new(move |_, progress| Ok(driven_orbit(scene, &self.search, self.si, progress)?.report())))
+        Ok(Box::new(move |_, progress| {
+            let study = driven_orbit(scene, &self.search, self.si, progress)?;
+            Ok(study.report().file("driven-orbit.npz", study.npz()?))
+        }))
     }
 }
 
@@ -122,6 +128,14 @@ pub fn driven_orbit(scene: Scene, search: &DrivenSearch, si: InSi, progress: Pro
 }
 
 impl DrivenStudy {
+    /// The file of the orbit, which may go on as a branch in the amplitude of the drive.
+    fn npz(&self) -> Result<Vec<u8>> {
+        let (parameter, shooting) = (DriveParameter::Amplitude, DrivenShooting::default());
+        let continuation = DrivenContinuation { parameter, to: 0.0, step: 0.0, most_points: 0, shooting };
+        let branch = branches::alone(continuation, &self.point.orbit.setting, self.point.clone())?;
+        branch_npz(&self.scene, &branch)
+    }
+
     /// Computes multipliers, samples and energy balance of an orbit.
     ///
     /// # Errors
@@ -289,7 +303,7 @@ pub fn driven_branch(
 ) -> Result<DrivenBranchStudy> {
     let (setting, continuation, si) = way.for_scene(&scene, search, si)?;
     let orbit = search.orbit(&scene, &setting, &|share, what| progress(SETTLING * share, what))?;
-    let asked = way.branch.asked(way.more.bifurcations, branches::USUAL)?;
+    let asked = way.branch.asked(way.more.wanted(), DrivenContinuation::USUAL)?;
     let branch = DrivenBranch { asked, ..DrivenBranch::new(continuation, setting, orbit)? };
     let rest = |share: f64, what: &str| progress(SETTLING + (1.0 - SETTLING) * share, what);
     branches::of_scene(scene, branch, si, way.more.switch, engine, &rest)

@@ -9,7 +9,7 @@ pub(super) use report::{bounds, newton_kantorovich_bound};
 use super::OF_WAVE;
 use super::{
     Changes, Progress, Study, Work,
-    branches::{self, BranchOptions, Kept, USUAL},
+    branches::{self, BranchOptions, Kept},
     options::options,
 };
 use crate::{
@@ -293,7 +293,7 @@ impl Study for ContinueWave {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        let asked = self.branch.asked(Some(false), USUAL)?;
+        let asked = self.branch.asked(Some(false), Asked::Multipliers)?;
         if let Some(resumed) = self.branch.resumed() {
             let (scene, branch) = resumed?;
             let &BranchOptions { to, step, max_points, .. } = &self.branch;
@@ -321,7 +321,7 @@ impl ContinueWave {
     /// first wave.
     pub fn branch(&self, progress: Progress<'_>) -> Result<WaveBranchStudy> {
         let (numbers, continuation) = self.checked()?;
-        let asked = self.branch.asked(Some(false), USUAL)?;
+        let asked = self.branch.asked(Some(false), Asked::Multipliers)?;
         branch_from(&numbers, &continuation, asked, &Engine::threads(), progress)
     }
 

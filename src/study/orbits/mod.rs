@@ -9,7 +9,7 @@ pub(crate) use report::KINDS;
 use super::OF_WINDOWS;
 use super::{
     ChainParams, Progress, Study, Work,
-    branches::{self, BranchOptions, Kept, USUAL},
+    branches::{self, BranchOptions, Kept},
     options::options,
 };
 use crate::{
@@ -19,8 +19,8 @@ use crate::{
     error::{Error, Result},
     interrupt,
     orbits::{
-        Bifurcation, BifurcationKind, Branch, Continuation, End, Extent, Formulation, Kantorovich, Orbit, Parameter,
-        Setting, Shooting, Spectrum,
+        Asked, Bifurcation, BifurcationKind, Branch, Continuation, End, Extent, Formulation, Kantorovich, Orbit,
+        OrbitMeasures, OrbitPoint, Parameter, Setting, Shooting, Spectrum,
     },
     output::Array,
     report::Report,
@@ -98,13 +98,36 @@ pub struct DarkStudy {
 }
 
 impl Study for Dark {
+    const FILES: &'static str =
+        "dark-breather.npz has the orbit, for `breather evolve` and `breather continue --resume`.";
+
     fn outline() -> Option<Report> {
         Some(Report::new("dark-breather").table(report::outside(&[])))
     }
 
     fn begin(&self) -> Result<Work<'_>> {
         let breather = self.breather()?;
-        Ok(Box::new(move |_, _| Ok(self.study(&breather)?.report())))
+        Ok(Box::new(move |_, _| {
+            let study = self.study(&breather)?;
+            Ok(study.report().file("dark-breather.npz", study.npz()?))
+        }))
+    }
+}
+
+impl DarkStudy {
+    /// The file of the orbit, which may go on as a branch in its frequency.
+    ///
+    /// # Errors
+    /// Errors of the archive writer.
+    pub fn npz(&self) -> Result<Vec<u8>> {
+        let OrbitStudy { orbit, spectrum, extent, kantorovich, shooting, .. } = &self.study;
+        let (parameter, shooting) = (Parameter::OmegaB, *shooting);
+        let continuation = Continuation { parameter, to: 0.0, step: 0.0, most_points: 0, natural: false, shooting };
+        let measures = OrbitMeasures { extent: *extent, kantorovich: *kantorovich };
+        let point = OrbitPoint { orbit: orbit.clone(), spectrum: spectrum.clone(), measures };
+        let branch = branches::alone(continuation, &orbit.setting, point)?;
+        let (center, weak) = (Some(self.center), Some(Continue::default().weak));
+        branches::branch_npz(&(), &Branch { center, weak, ..branch })
     }
 }
 
@@ -222,7 +245,7 @@ impl Study for Continue {
             Some(resumed) => resumed?.1.onward(to, step, max_points)?,
             None => self.first()?,
         };
-        let asked = self.branch.asked(self.bifurcations, USUAL)?;
+        let asked = self.branch.asked(self.bifurcations, Asked::Bifurcations)?;
         let branch = Branch { bounded: self.bound, asked, ..branch };
         Ok(Box::new(move |engine, progress| go_on(branch, engine, progress)?.report()))
     }
