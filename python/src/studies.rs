@@ -111,7 +111,7 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
         let (to, step, max_points) = (given!("to"), given!("step"), points.unwrap_or(default.max_points));
         PyResult::Ok(BranchOptions { to, step, max_points, ..default })
     };
-    let more = || PyResult::Ok(BifurcationOptions { switch: given!("switch"), ..BifurcationOptions::default() });
+    let more = || PyResult::Ok(BifurcationOptions { switch: given!("switch"), bifurcations: Some(true) });
     Ok(match name {
         "compare" => {
             let (scene, integrators, max_time) = (scene()?, given!("integrators"), given!("max_time"));
@@ -152,6 +152,7 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
                     vary: parameter,
                     from,
                     branch,
+                    bifurcations: Some(true),
                     natural,
                     weak,
                     bound,

@@ -418,6 +418,7 @@ impl<P: Problem> Branch<P> {
                 *before = now;
             }
             let end = end.or(continuation.ends(&orbit));
+            *solution = continuation.solution(&setting, &orbit);
             self.orbits.push(orbit);
             // `end` is set before the call, so that a branch saved by `seen` has it.
             (self.ds, self.end) = (ds, end);

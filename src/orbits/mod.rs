@@ -33,6 +33,7 @@ pub use bifurcation::{BifurcationKind, CriticalPair};
 pub(crate) use branch::Spectra;
 pub use branch::{Asked, At, Bifurcation, Branch, Located, Point, Problem, Range};
 pub use continuation::{Continuation, OrbitMeasures};
+pub(crate) use driven::returns;
 pub use driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum};
 pub use driven_branch::{DrivenContinuation, DrivenCritical, DrivenMeasures, DrivenPoint};
 pub(crate) use eigen::{Eigenpair, eigen, hessenberg};

@@ -20,7 +20,7 @@ use super::{
     arclength::{self, Solution},
     bifurcation::{self, BifurcationKind, CriticalPair},
     branch::{At, Branch, Located, Point, Problem, Range},
-    driven::{FASTEST, RETURNED},
+    driven::returns,
     floquet::{Frame, Kind, Spectrum},
     shooting::{Equations, NewtonStep, least_squares},
 };
@@ -234,14 +234,9 @@ impl NormalModes {
         let reach = 1.0 + 2.0 * orbit.amplitude.abs() * max_norm(orbit.shape.iter().copied()) / self.overlap;
         let highest = self.linear.last().map_or(0.0, |mode| mode.omega);
         let rate = highest * reach.powf(0.5 * (alpha - 1.0)) / orbit.omega;
-        // The integration of such numbers may take too long.
-        if !rate.is_finite() || rate > FASTEST {
-            let rule = "contacts and resonators of an orbit are at most 10^5 times as fast as it is";
-            return Err(Error::parameter("rates", format!("up to {rate:.1e}"), rule));
-        }
         let Solution { z, p, .. } = continuation.solution(self, orbit);
-        let off = continuation.equations(self, &z, p, false)?.residual.amax() / continuation.size(self, &z, p);
-        if off <= RETURNED { Ok(()) } else { Err(Error::parameter("residual", off, "an orbit returns to 1e-8")) }
+        let off = |residual: DVector<f64>| residual.amax() / continuation.size(self, &z, p);
+        returns(rate, || Ok(off(continuation.equations(self, &z, p, false)?.residual)))
     }
 
     /// The state at rest with the displacements `a shape`.

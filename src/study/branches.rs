@@ -5,11 +5,11 @@ use super::{
     InSi, Progress, Work, folder_of, keeper::Autosave, options::options, run::state_arrays, segments, si::Scale,
 };
 use crate::{
-    chain::{Chain, State},
+    chain::State,
     error::{Error, Result},
     orbits::{Asked, Bifurcation, BifurcationKind, Branch, End, Point, Problem, Range, Stored},
     output::{Archive, Array, SETTINGS},
-    report::{Digits::Short, Line, Report, Rows},
+    report::{Digits::Short, Line, Panel, Report, Rows},
     scene::{Quantity, Scene, SceneFile, Units},
     sweep::Engine,
 };
@@ -39,6 +39,8 @@ options! {
     #[derive(PartialEq)]
     pub struct BranchOptions {
         /// Value of the parameter at which the branch ends.
+        ///
+        /// It begins with that of the scene or of other options.
         to: Option<f64> = None, "P";
         /// Largest change of the parameter from point to point.
         ///
@@ -49,6 +51,8 @@ options! {
         /// With those of a branch that is resumed.
         max_points: usize = 1000, "N", (2 or more);
         /// Compute the multipliers of all orbits; with =false orbits alone.
+        ///
+        /// On by default where they take less time than the orbits: not of dark breathers.
         multipliers: Option<bool> = None, "BOOL", [arg(require_equals = true, num_args = 0..=1, default_missing_value = "true")];
         /// Go on with what this file, or the file in this folder, has kept.
         ///
@@ -95,8 +99,9 @@ impl BranchOptions {
             (Some(false), Some(true)) => Err(Error::parameter("bifurcations", true, "they need --multipliers")),
             (Some(false), _) => Ok(Asked::Orbits),
             (_, Some(true)) => Ok(Asked::Bifurcations),
-            (_, Some(false)) => Ok(Asked::Multipliers),
-            (_, None) => Ok(usual),
+            (None, _) if usual == Asked::Orbits => Ok(usual),
+            (_, None) if usual == Asked::Bifurcations => Ok(usual),
+            _ => Ok(Asked::Multipliers),
         }
     }
 
@@ -154,6 +159,8 @@ pub trait Kept: Stored {
     const NAMES: [&'static str; 3];
     /// The same of a branch that crosses another one.
     const CROSSING: [&'static str; 3] = Self::NAMES;
+    /// What is found about a branch unless something else is asked for.
+    const USUAL: Asked = Asked::Bifurcations;
 
     /// What the file has of a branch, and arrays for the readers of the file.
     fn source(about: &Self::About, branch: &Branch<Self>) -> (Self::Source, Vec<Array<'static>>);
@@ -207,30 +214,9 @@ pub fn branch_from_archive<P: Kept>(file: &Archive) -> Result<(P::About, Branch<
 }
 
 /// A kind of orbits of a scene.
-pub trait OfScene: Stored {
-    /// As in [`Kept`].
-    const NAMES: [&'static str; 3];
-    /// As in [`Kept`].
-    const CROSSING: [&'static str; 3];
-    /// What is found about a branch unless something else is asked for.
-    const USUAL: Asked = Asked::Bifurcations;
-
-    /// The setting of a chain, for orbits of so many periods of its drive.
-    ///
-    /// # Errors
-    /// A chain without such orbits.
-    fn setting(chain: &Chain<f64>, turns: u32, birth: Option<BifurcationKind>) -> Result<Self::Setting>;
-    /// Periods of the drive in one of an orbit.
-    fn turns(setting: &Self::Setting) -> u32;
-    /// The state at the start of an orbit.
-    ///
-    /// # Errors
-    /// A number outside its rule.
-    fn start(setting: &Self::Setting, orbit: &Self::Orbit) -> Result<State<f64>>;
+pub trait OfScene: Kept<About = Scene, Source = SceneSource> {
     /// The kind of number that the parameter is.
     fn quantity(&self, setting: &Self::Setting) -> Quantity;
-    /// The report without rows.
-    fn outline() -> Report;
 }
 
 /// What the file of a branch has of its scene.
@@ -239,33 +225,28 @@ pub trait OfScene: Stored {
 pub struct SceneSource {
     /// The scene as TOML.
     scene: String,
-    turns: u32,
+    /// Periods of the drive in one of an orbit.
+    pub(super) turns: u32,
 }
 
-impl<P: OfScene> Kept for P {
-    type About = Scene;
-    type Source = SceneSource;
-    const NAMES: [&'static str; 3] = P::NAMES;
-    const CROSSING: [&'static str; 3] = P::CROSSING;
-
-    fn source(scene: &Scene, branch: &Branch<P>) -> (SceneSource, Vec<Array<'static>>) {
-        let states = branch.orbits.iter().filter_map(|orbit| P::start(&branch.setting, orbit).ok());
-        let states: Vec<_> = states.map(|state| state_arrays(scene, state.as_slice(), None)).collect();
+impl SceneSource {
+    /// What the file has of a scene, and the arrays of the states at the start of the orbits.
+    pub(super) fn of(
+        scene: &Scene,
+        turns: u32,
+        starts: impl Iterator<Item = State<f64>>,
+    ) -> (Self, Vec<Array<'static>>) {
+        let states: Vec<_> = starts.map(|state| state_arrays(scene, state.as_slice(), None)).collect();
         let named = states.first().into_iter().flatten().enumerate().filter(|(_, (_, values))| !values.is_empty());
         let arrays =
             named.map(|(k, (name, _))| Array::matrix(name, states.iter().map(|arrays| arrays[k].1.as_slice())));
         let arrays = arrays.collect();
-        (SceneSource { scene: scene.file().to_toml(), turns: P::turns(&branch.setting) }, arrays)
+        (Self { scene: scene.file().to_toml(), turns }, arrays)
     }
 
-    fn made(source: SceneSource, birth: Option<BifurcationKind>) -> Result<(Scene, P::Setting)> {
-        let scene = SceneFile::parse(&source.scene, SETTINGS).and_then(Scene::build)?;
-        let setting = P::setting(scene.chain(), source.turns, birth)?;
-        Ok((scene, setting))
-    }
-
-    fn outline() -> Report {
-        P::outline()
+    /// The scene.
+    pub(super) fn scene(&self) -> Result<Scene> {
+        SceneFile::parse(&self.scene, SETTINGS).and_then(Scene::build)
     }
 }
 
@@ -459,7 +440,7 @@ pub(super) fn tell<P: OfScene>(
         }
     };
     let heading = at.map_or(String::new(), |at| format!("The branch that crosses at bifurcation {at}:"));
-    let [file, ..] = if at.is_some() { <P as OfScene>::CROSSING } else { <P as OfScene>::NAMES };
+    let [file, ..] = if at.is_some() { P::CROSSING } else { P::NAMES };
     let file = (file, branch_npz(scene, branch)?);
     Ok(report.words(heading).table(points).table(bifurcations).words(words).file(file.0, file.1))
 }
@@ -512,6 +493,12 @@ pub(super) fn stability_lines<T>(
     let lines = [("stable", Some(true)), ("unstable", Some(false)), ("orbits", None)];
     let lines = lines.map(|(name, wanted)| Line::new(name, chosen(wanted))).into_iter();
     lines.filter(|line| line.name != "orbits" || !line.points.is_empty()).collect()
+}
+
+/// The panels that have a point.
+pub(super) fn filled(panels: impl IntoIterator<Item = Panel>) -> Vec<Panel> {
+    let point = |line: &Line| line.points.iter().any(|(x, y)| x.is_finite() && y.is_finite());
+    panels.into_iter().filter(|panel| panel.lines.iter().any(point)).collect()
 }
 
 /// The branch that crosses, with its bifurcation, number of orbits and end, for a caption.

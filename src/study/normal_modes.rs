@@ -4,8 +4,8 @@
 use super::{
     Changes, InSi, Progress, Study, Work,
     branches::{
-        self, BifurcationOptions, BranchOptions, BranchRow, BranchStudy, OfScene, STEP, SWITCHED, SWITCHED_FILE,
-        crossed,
+        self, BifurcationOptions, BranchOptions, BranchRow, BranchStudy, Kept, OfScene, STEP, SWITCHED, SWITCHED_FILE,
+        SceneSource, crossed,
     },
     format_short,
     options::options,
@@ -13,12 +13,12 @@ use super::{
     si::Scale,
 };
 use crate::{
-    chain::{Chain, State},
     error::Result,
     orbits::{
         Asked, Bifurcation, BifurcationKind, LinearMode, ModeBranch, ModeContinuation, ModeOrbit, Multiplier,
         NormalModes,
     },
+    output::Array,
     report::{
         Column,
         Digits::{Fixed, Json, Power, Short},
@@ -80,31 +80,33 @@ options! {
 /// The branch of a mode of a scene, whose setting has the equilibrium and the linear modes.
 pub type ModeStudy = BranchStudy<ModeContinuation>;
 
-impl OfScene for ModeContinuation {
+impl Kept for ModeContinuation {
+    type About = Scene;
+    type Source = SceneSource;
     const NAMES: [&'static str; 3] = ["mode-branch.npz", "mode-bifurcations.store", "orbit mode"];
     const CROSSING: [&'static str; 3] = [SWITCHED_FILE, "switched-bifurcations.store", "orbit mode"];
     /// At large amplitudes bifurcations take ten times as long as the orbits.
     const USUAL: Asked = Asked::Multipliers;
 
-    fn setting(chain: &Chain<f64>, _turns: u32, _birth: Option<BifurcationKind>) -> Result<NormalModes> {
-        NormalModes::new(chain)
+    fn source(scene: &Scene, branch: &ModeBranch) -> (SceneSource, Vec<Array<'static>>) {
+        SceneSource::of(scene, 1, branch.orbits.iter().map(|orbit| branch.setting.state(orbit)))
     }
 
-    fn turns(_setting: &NormalModes) -> u32 {
-        1
-    }
-
-    fn start(modes: &NormalModes, orbit: &ModeOrbit) -> Result<State<f64>> {
-        Ok(modes.state(orbit))
-    }
-
-    fn quantity(&self, _setting: &NormalModes) -> Quantity {
-        Quantity::Length
+    fn made(source: SceneSource, _birth: Option<BifurcationKind>) -> Result<(Scene, NormalModes)> {
+        let scene = source.scene()?;
+        let modes = NormalModes::new(scene.chain())?;
+        Ok((scene, modes))
     }
 
     fn outline() -> Report {
         let report = Report::new("mode").table(linear_modes(&[], 0, None));
         report.table(points(BRANCH[0], &[], None)).table(bifurcations(BRANCH[1], &[], None))
+    }
+}
+
+impl OfScene for ModeContinuation {
+    fn quantity(&self, _setting: &NormalModes) -> Quantity {
+        Quantity::Length
     }
 }
 
@@ -141,7 +143,7 @@ impl Study for FollowMode {
     }
 
     fn outline() -> Option<Report> {
-        Some(<ModeContinuation as OfScene>::outline())
+        Some(ModeContinuation::outline())
     }
 
     fn begin(&self) -> Result<Work<'_>> {
@@ -358,7 +360,7 @@ impl ModeStudy {
         );
         Panels {
             title: format!("A nonlinear normal mode of {}", self.scene.name()),
-            columns: vec![Column::new("", left), Column::new("", right)],
+            columns: [left, right].map(|panels| Column::new("", branches::filled(panels))).into(),
             caption: scene_caption(&self.scene, &how),
         }
     }

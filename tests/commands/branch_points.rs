@@ -12,9 +12,10 @@ use std::{
 };
 
 /// A branch with period doublings and a collision, in six segments.
-pub(crate) const DARK: &str = "breather continue --center bond --sites 9 --from 2.03 --to 2.1 --step 0.004 --bound";
+pub(crate) const DARK: &str =
+    "breather continue --center bond --sites 9 --from 2.03 --to 2.1 --step 0.004 --bifurcations --bound";
 /// One that takes seconds.
-const LONG: &str = "breather continue --center bond --sites 21 --from 2.03 --to 2.1 --step 0.001";
+const LONG: &str = "breather continue --center bond --sites 21 --from 2.03 --to 2.1 --step 0.001 --bifurcations";
 const STORE: &str = "spectra.store";
 
 /// A branch with a period doubling; the branch that crosses there has two folds and one more.
@@ -79,7 +80,7 @@ fn orbits_alone_of_every_family_go_on_from_their_file_to_the_same_bytes() {
         let (whole, parts) = (whole.path(), parts.path());
         run(line, whole, &[]);
         // Orbits alone, up to the fourth.
-        let alone = line.replace(" --switch 1", "");
+        let alone = line.replace(" --switch 1", "").replace(" --bifurcations", "");
         let ended = output(&alone, parts, &["--multipliers=false", "--max-points", "4"]);
         assert_eq!(ended.status.code(), Some(1), "{line}: {}", String::from_utf8_lossy(&ended.stderr));
         let (some, all) = (points(parts, json), points(whole, json));
@@ -93,8 +94,9 @@ fn orbits_alone_of_every_family_go_on_from_their_file_to_the_same_bytes() {
         let command: Vec<&str> = line.split(' ').take(2).collect();
         let mut again = vec![command[0].to_owned(), command[1].to_owned(), "--resume".to_owned()];
         again.push(parts.display().to_string());
-        let switch: &[&str] = if line.contains("--switch") { &["--switch", "1"] } else { &[] };
-        run(&again.join(" "), parts, switch);
+        let more = [["--switch", "1"].as_slice(), &["--bifurcations"]];
+        let more = more.into_iter().find(|more| line.contains(&more.join(" "))).unwrap_or_default();
+        run(&again.join(" "), parts, more);
         assert!(results(whole) == results(parts), "{line}");
     }
 }
@@ -109,11 +111,12 @@ fn what_is_found_about_a_branch_is_what_is_asked_for() {
         (told["bifurcations"].as_array().unwrap().len(), known)
     };
     let (driven, mode) = (DRIVEN.replace(" --switch 1", ""), MODE.replace(" --switch 1", ""));
-    for (line, usual) in [(DARK, 3), (&*driven, 1), (&*mode, 0)] {
-        assert_eq!(found(line, &[]), (usual, true), "{line}");
-        let all = if usual == 0 { 2 } else { usual };
+    let dark = DARK.replace(" --bifurcations", "");
+    for (line, usual, all) in [(&dark, (0, false), 3), (&driven, (1, true), 1), (&mode, (0, true), 2)] {
+        assert_eq!(found(line, &[]), usual, "{line}");
         assert_eq!(found(line, &["--bifurcations"]), (all, true), "{line}");
-        assert_eq!(found(line, &["--bifurcations=false"]), (0, true), "{line}");
+        assert_eq!(found(line, &["--bifurcations=false"]), (0, usual.1), "{line}");
+        assert_eq!(found(line, &["--multipliers", "--bifurcations=false"]), (0, true), "{line}");
         assert_eq!(found(line, &["--multipliers=false"]), (0, false), "{line}");
         let refused = output(line, folder, &["--multipliers=false", "--bifurcations"]);
         let told = String::from_utf8(refused.stderr).unwrap();
@@ -133,7 +136,7 @@ fn a_single_orbit_is_a_branch_of_one_that_runs_and_goes_on() {
     });
     assert_eq!(evolved[0], evolved[1]);
     let line = format!("breather continue --resume {}/dark-breather.npz --to 2.1 --step 0.004", out.display());
-    let branch: Value = serde_json::from_str(&run(&line, &out.join("branch"), &["--json"])).unwrap();
+    let branch: Value = serde_json::from_str(&run(&line, &out.join("branch"), &["--bifurcations", "--json"])).unwrap();
     assert!(branch["points"].as_array().unwrap().len() > 15 && branch["end"] == "reached", "{branch}");
     assert_eq!(branch["bifurcations"].as_array().unwrap().len(), 3);
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/pushed-bead.toml");
@@ -209,7 +212,7 @@ fn multipliers_that_are_asked_to_end_go_on_with_and_without_resume() {
         fs::copy(parts.path().join(name), other.path().join(name)).unwrap();
     }
     run(LONG, parts.path(), &[]);
-    run(&format!("breather continue --resume {}", other.path().display()), other.path(), &[]);
+    run(&format!("breather continue --bifurcations --resume {}", other.path().display()), other.path(), &[]);
     for folder in [parts.path(), other.path()] {
         let now = fs::read_to_string(folder.join(STORE)).unwrap();
         assert!(there.lines().all(|line| now.contains(line)), "{}", folder.display());

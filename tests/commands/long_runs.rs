@@ -433,10 +433,23 @@ mod processes {
         let kept = |out: &Path| lines(&out.join("lifetimes.store"));
         Study { args: &args, resume: None, kept: &kept, kills: 6, intervals: None }.survives(&mut random);
         let args = [
-            "breather", "continue", "--center", "bond", "--sites", "5", "--from", "2.01", "--to", "2.02", "--step",
-            "2.5e-4", "--weak", "1",
+            "breather",
+            "continue",
+            "--center",
+            "bond",
+            "--sites",
+            "5",
+            "--from",
+            "2.01",
+            "--to",
+            "2.02",
+            "--step",
+            "2.5e-4",
+            "--bifurcations",
+            "--weak",
+            "1",
         ];
-        let resume = Some((&["breather", "continue"][..], "branch.npz"));
+        let resume = Some((&["breather", "continue", "--bifurcations"][..], "branch.npz"));
         Study { args: &args, resume, kept: &points, kills: 6, intervals: None }.survives(&mut random);
         let line = "orbit continue granular-crystal --settle 20 --to 2e-6 --step 2e-8";
         let args: Vec<&str> = line.split(' ').collect();
@@ -780,6 +793,7 @@ mod processes {
             "2.06",
             "--step",
             "2e-4",
+            "--bifurcations",
             "--weak",
             "1",
             "--out",

@@ -32,7 +32,7 @@ const SET: [(&str, &str); 26] = [
     ("dark", "breather dark --sites 9 --omega-b 2.02"),
     ("bright", "breather bright --sites 10 --epsilon 0.05 --rho 100 --until 60"),
     ("trivial", "breather trivial --until 20"),
-    ("continue", "breather continue --sites 9 --from 2.01 --to 2.03"),
+    ("continue", "breather continue --sites 9 --from 2.01 --to 2.03 --bifurcations"),
     ("barrier", "breather barrier --sites 9 --from 2.02 --to 2.04 --frequencies 2"),
     ("theorem", "study theorem --epsilons 0.1,0.05"),
     ("lifetimes", "study lifetimes --epsilons 0.05,0.1 --rhos 10,100 --sites 20 --until 300"),

@@ -377,8 +377,20 @@ fn a_branch_is_written_and_says_what_happens_on_it() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
     let args = [
-        "breather", "continue", "--center", "bond", "--from", "2.062", "--to", "2.064", "--step", "1e-3", "--json",
-        "--out", out,
+        "breather",
+        "continue",
+        "--center",
+        "bond",
+        "--from",
+        "2.062",
+        "--to",
+        "2.064",
+        "--step",
+        "1e-3",
+        "--bifurcations",
+        "--json",
+        "--out",
+        out,
     ];
     let branch: Value = serde_json::from_slice(&hertzchain(&args).stdout).unwrap();
     let points = branch["points"].as_array().unwrap();
@@ -396,8 +408,22 @@ fn a_branch_is_written_and_says_what_happens_on_it() {
 fn branches_are_the_same_to_the_last_bit_on_any_number_of_threads() {
     let doubling = ["--from", "2.062", "--to", "2.064"];
     for args in [
-        &[&["breather", "continue", "--center", "bond", "--step", "1e-3", "--sites", "21", "--json"], &doubling[..]]
-            .concat()[..],
+        &[
+            &[
+                "breather",
+                "continue",
+                "--center",
+                "bond",
+                "--step",
+                "1e-3",
+                "--sites",
+                "21",
+                "--bifurcations",
+                "--json",
+            ],
+            &doubling[..],
+        ]
+        .concat()[..],
         &["breather", "doubled", "--sites", "21", "--step", "0.02", "--most", "2.066", "--omega-b", "1.0325", "--json"],
     ] {
         let on = |threads: &str| {

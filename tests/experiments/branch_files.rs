@@ -270,10 +270,10 @@ fn what_cannot_be_a_branch_of_a_mode_or_of_waves_is_refused_with_file_place_and_
         &waves.branch,
         &arrays,
         &[
-            (|s, _| s["setting"]["q_over_pi"] = json!(0.21), "settings.json", "the nearest is 0.2"),
-            (|s, _| s["setting"]["sites"] = json!(300), "settings.json", "sites = 300"),
-            (|s, _| s["setting"]["size"] = json!(0.0), "settings.json", "size = 0"),
-            (|s, _| s["setting"]["rho"] = json!(-1.0), "settings.json", "rho = -1"),
+            (|s, _| s["setting"]["wave"]["setting"]["q"]["turns"] = json!(0), "settings.json", "above 0 and at most 1"),
+            (|s, _| s["setting"]["wave"]["sites"] = json!(300), "settings.json", "sites = 300"),
+            (|s, _| s["setting"]["wave"]["size"] = json!(0.0), "settings.json", "size = 0"),
+            (|s, _| s["setting"]["wave"]["setting"]["params"]["rho"] = json!(-1.0), "settings.json", "rho = -1"),
             (|_, x| x[1] = f64::INFINITY, "x", "inf at point 0, entry 1: numbers of an orbit are finite"),
             (|_, x| x[1] += 1e-4, "x", "point 0: residual = "),
             (|_, x| x[1] = 1e30, "x", "point 0: rates = up to"),
@@ -465,14 +465,28 @@ fn refusal(args: &[&str]) -> String {
 fn a_branch_whose_run_is_killed_is_gone_on_with_and_ends_with_the_same_bytes() {
     let (whole, killed) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let [whole, killed] = [whole.path(), killed.path()];
-    let args = ["--center", "bond", "--sites", "11", "--from", "2.01", "--to", "2.06", "--step", "5e-4", "--weak", "1"];
+    let args = [
+        "--center",
+        "bond",
+        "--sites",
+        "11",
+        "--from",
+        "2.01",
+        "--to",
+        "2.06",
+        "--step",
+        "5e-4",
+        "--bifurcations",
+        "--weak",
+        "1",
+    ];
     let begin =
         |out: &Path| hertzchain(&[&["breather", "continue"], &args[..], &["--out", out.to_str().unwrap()]].concat());
     assert!(begin(whole).status().unwrap().success());
     let path = killed.join("branch.npz");
     let kept = || Branch::load(&path).map_or(0, |trail| trail.orbits.len());
     let count = Branch::load(&whole.join("branch.npz")).unwrap().orbits.len();
-    let resume = || hertzchain(&["breather", "continue", "--resume", path.to_str().unwrap()]);
+    let resume = || hertzchain(&["breather", "continue", "--bifurcations", "--resume", path.to_str().unwrap()]);
     for round in 0..3 {
         let before = kept();
         let mut run = if round == 0 { begin(killed) } else { resume() }.spawn().unwrap();

@@ -6,18 +6,20 @@ mod report;
 use super::{
     Changes, InSi, Progress, Study, Work,
     branches::{
-        self, BifurcationOptions, BranchOptions, BranchStudy, OfScene, STEP, SWITCHED, SWITCHED_FILE, branch_npz,
+        self, BifurcationOptions, BranchOptions, BranchStudy, Kept, OfScene, STEP, SWITCHED, SWITCHED_FILE,
+        SceneSource, branch_npz,
     },
     options::options,
     si::Scale,
 };
 use crate::{
-    chain::{Chain, DriveKind, State},
+    chain::DriveKind,
     error::{Error, Result},
     orbits::{
         BifurcationKind, DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting,
         DrivenShooting, Problem,
     },
+    output::Array,
     report::Report,
     scene::{Quantity, Scene, Units},
     sweep::Engine,
@@ -152,7 +154,7 @@ impl DrivenStudy {
 options! {
     /// A branch of orbits of a driven scene.
     #[cfg_attr(feature = "cli", command(
-        mut_arg("to", |arg| arg.required_unless_present("resume").long_help(TO)),
+        mut_arg("to", |arg| arg.required_unless_present("resume")),
         mut_arg("resume", |arg| arg.conflicts_with_all(["scene", "set", "turns", "settle", "vary"]))
     ))]
     pub struct DrivenContinue {
@@ -162,11 +164,6 @@ options! {
         way: DrivenWay = DrivenWay::default(), [command(flatten)];
     }
 }
-
-/// The help of the last value of a branch.
-#[cfg(feature = "cli")]
-const TO: &str = "Value of the parameter at which the branch ends.\n\n\
-    It begins with the scene's own value (with 1 for `damping`).";
 
 options! {
     /// The way of a branch of driven orbits.
@@ -184,31 +181,34 @@ options! {
 /// A branch of a driven scene.
 pub type DrivenBranchStudy = BranchStudy<DrivenContinuation>;
 
-impl OfScene for DrivenContinuation {
+impl Kept for DrivenContinuation {
+    type About = Scene;
+    type Source = SceneSource;
     const NAMES: [&'static str; 3] = ["driven-branch.npz", "driven-spectra.store", "orbit continue"];
     const CROSSING: [&'static str; 3] = [SWITCHED_FILE, "switched-spectra.store", "orbit continue"];
 
-    fn setting(chain: &Chain<f64>, turns: u32, birth: Option<BifurcationKind>) -> Result<DrivenSetting> {
+    fn source(scene: &Scene, branch: &DrivenBranch) -> (SceneSource, Vec<Array<'static>>) {
+        let starts = branch.orbits.iter().filter_map(|orbit| orbit.start().ok());
+        SceneSource::of(scene, branch.setting.turns(), starts)
+    }
+
+    fn made(source: SceneSource, birth: Option<BifurcationKind>) -> Result<(Scene, DrivenSetting)> {
+        let (scene, turns) = (source.scene()?, source.turns);
         if birth == Some(BifurcationKind::PeriodDoubling) && !turns.is_multiple_of(2) {
             return Err(Error::parameter("turns", turns, "even after a period doubling"));
         }
-        DrivenSetting::new(chain, turns)
-    }
-
-    fn turns(setting: &DrivenSetting) -> u32 {
-        setting.turns()
-    }
-
-    fn start(_setting: &DrivenSetting, orbit: &DrivenOrbit) -> Result<State<f64>> {
-        orbit.start()
-    }
-
-    fn quantity(&self, setting: &DrivenSetting) -> Quantity {
-        quantity(self.parameter, setting)
+        let setting = DrivenSetting::new(scene.chain(), turns)?;
+        Ok((scene, setting))
     }
 
     fn outline() -> Report {
         report::outline()
+    }
+}
+
+impl OfScene for DrivenContinuation {
+    fn quantity(&self, setting: &DrivenSetting) -> Quantity {
+        quantity(self.parameter, setting)
     }
 }
 

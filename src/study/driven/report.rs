@@ -310,10 +310,10 @@ fn branch_picture(study: &DrivenBranchStudy) -> Panels {
     let how = format!("{count} orbits; {end}.{from}");
     let along = scale.label(symbol, kind);
     let range = scale.label("largest half range of a bead", Quantity::Length);
-    let plots = vec![
+    let plots = branches::filled([
         Panel::new(Kind::Cloud, [&*along, &*range], lines),
         Panel::new(Kind::Cloud, [&*along, "largest |λ|"], moduli),
-    ];
+    ]);
     let title = format!("Driven orbits of {} over the {symbol}", scene.name());
     Panels::column(title, plots, scene_caption(scene, &how))
 }

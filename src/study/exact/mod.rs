@@ -259,7 +259,7 @@ pub fn exact_study(
 options! {
     /// A branch of exact travelling waves.
     #[cfg_attr(feature = "cli", command(
-        mut_arg("to", |arg| arg.required_unless_present("resume").long_help(TO)),
+        mut_arg("to", |arg| arg.required_unless_present("resume")),
         mut_arg("resume", |arg| arg.conflicts_with_all([
             "scene", "set", "q_over_pi", "omega_tw", "amplitude", "mean", "rho", "sites", "tol", "vary",
         ]))
@@ -275,11 +275,6 @@ options! {
         branch: BranchOptions = BranchOptions::default(), [command(flatten)];
     }
 }
-
-/// The help of the last value of a branch.
-#[cfg(feature = "cli")]
-const TO: &str = "Value of the parameter at which the branch ends.\n\n\
-    The first value is that of the scene or of the other flags.";
 
 impl Study for ContinueWave {
     const FILES: &'static str = "wave-branch.npz has every wave, and is written every 20 points or 10 s as well; stalled.json, in place of \
@@ -373,15 +368,9 @@ fn followed(scene: String, branch: WaveBranch, engine: &Engine, progress: Progre
 #[serde(deny_unknown_fields)]
 pub struct WaveSource {
     scene: String,
-    alpha: f64,
-    kappa: f64,
-    /// `None`: infinite, which JSON has no number for.
-    rho: Option<f64>,
-    q_over_pi: f64,
-    omega_tw: f64,
-    mean: MeanStrain,
-    size: f64,
-    sites: usize,
+    wave: WaveBase,
+    /// Whether the mass ratio is infinite, which JSON has no number for.
+    fixed: bool,
 }
 
 impl Kept for WaveContinuation {
@@ -398,21 +387,25 @@ impl Kept for WaveContinuation {
             Array::vector("kappa", of(|one| one.params.kappa)),
             Array::vector("rho", of(|one| one.params.rho)),
         ];
-        let WaveBase { setting: WaveSetting { params, q, omega_tw, mean }, size, sites } = branch.setting;
-        let Params { alpha, kappa, rho } = params;
-        let (scene, rho, q_over_pi) = (scene.clone(), Some(rho).filter(|rho| rho.is_finite()), q.q() / PI);
-        (WaveSource { scene, alpha, kappa, rho, q_over_pi, omega_tw, mean, size, sites }, arrays)
+        let (mut wave, fixed) = (branch.setting, branch.setting.setting.params.rho.is_infinite());
+        if fixed {
+            wave.setting.params.rho = 0.0;
+        }
+        (WaveSource { scene: scene.clone(), wave, fixed }, arrays)
     }
 
     fn made(source: WaveSource, _birth: Option<BifurcationKind>) -> Result<(String, WaveBase)> {
-        let WaveSource { scene, alpha, kappa, rho, q_over_pi, omega_tw, mean, size, sites } = source;
-        let params = Params { alpha, kappa, rho: rho.unwrap_or(f64::INFINITY) };
-        let setting = WaveSetting { params, q: WaveNumber::on_ring(q_over_pi, sites)?, omega_tw, mean };
-        setting.chain(sites / setting.q.cell())?;
-        if !(size.is_finite() && size > 0.0) {
-            return Err(Error::parameter("size", size, "finite and positive"));
+        let WaveSource { scene, mut wave, fixed } = source;
+        let WaveBase { setting, size, sites } = &mut wave;
+        if fixed {
+            setting.params.rho = f64::INFINITY;
         }
-        Ok((scene, WaveBase { setting, size, sites }))
+        setting.q = WaveNumber::on_ring(setting.q.q() / PI, *sites)?;
+        setting.chain(*sites / setting.q.cell())?;
+        if !(size.is_finite() && *size > 0.0) {
+            return Err(Error::parameter("size", *size, "finite and positive"));
+        }
+        Ok((scene, wave))
     }
 
     fn outline() -> Report {

@@ -304,11 +304,11 @@ impl WaveBranchStudy {
         let panel = |kind, label, lines: &[(&str, &str)]| table.panel(kind, [symbol, label], "parameter", lines);
         let mut growth = panel(Kind::LogParameter, "largest growth", &[("exact", "growth"), ("DpS", "modulation")]);
         growth.lines.iter_mut().for_each(|line| line.points.retain(|point| point.1 > 0.0));
-        vec![
+        branches::filled([
             panel(Kind::Parameter, "amplitude", &[("amplitude", "amplitude")]),
             filled(growth),
             panel(Kind::LogParameter, "error of the ansatz", &[("E_x", "e_x_ansatz"), ("E_y", "e_y_ansatz")]),
-        ]
+        ])
     }
 }
 

@@ -181,7 +181,7 @@ options! {
         /// Do not locate collisions of multipliers that stay below 1 + WEAK.
         ///
         /// The moduli of the multipliers are compared with 1 + WEAK.
-        weak: f64 = 0.01, "WEAK";
+        weak: f64 = 0.01, "WEAK", [arg(requires = "bifurcations")];
         /// Frequency of the breather, in radians per unit of time.
         ///
         /// For branches in another parameter [default: 1.025 omega].
@@ -245,7 +245,7 @@ impl Study for Continue {
             Some(resumed) => resumed?.1.onward(to, step, max_points)?,
             None => self.first()?,
         };
-        let asked = self.branch.asked(self.bifurcations, Asked::Bifurcations)?;
+        let asked = self.branch.asked(self.bifurcations, Asked::Orbits)?;
         let branch = Branch { bounded: self.bound, asked, ..branch };
         Ok(Box::new(move |engine, progress| go_on(branch, engine, progress)?.report()))
     }

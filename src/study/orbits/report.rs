@@ -4,9 +4,7 @@ use super::{DarkStudy, DoubledStudy, OrbitStudy};
 use crate::{
     error::Result,
     numerics::least_by,
-    orbits::{
-        Asked, Bifurcation, Branch, Continuation, Extent, Kind, Multiplier, ORBIT_FORMAT, Parameter, Setting, Spectrum,
-    },
+    orbits::{Bifurcation, Branch, Continuation, Extent, Kind, Multiplier, ORBIT_FORMAT, Parameter, Setting, Spectrum},
     output::FileFormat,
     report::{
         self, Column,
@@ -14,7 +12,7 @@ use crate::{
         Line, Panel, Panels, Report, Table,
     },
     study::{
-        branches::{BranchRow, ended, gaps, lines, shows, told},
+        branches::{BranchRow, ended, filled, gaps, lines, shows, told},
         dps::center_word,
         exact::{bounds, newton_kantorovich_bound},
         params_words,
@@ -276,11 +274,10 @@ impl Branch {
         let lines = lines(self, &None, place, |spectrum| spectrum.largest() <= UNSTABLE, mark);
         let symbol = parameter.symbol();
         let moduli = [("largest |λ|", "max_modulus")];
-        let mut plots = vec![
+        let plots = filled([
             Panel::new(report::Kind::Cloud, [symbol, "amplitude K_x"], lines),
             table.panel(report::Kind::Parameter, [symbol, "largest modulus |λ|"], parameter.name(), &moduli),
-        ];
-        plots.truncate(if self.asked == Asked::Orbits { 1 } else { 2 });
+        ]);
         let ring = rows.first().map_or(String::new(), |row| {
             let Setting { params, sites, .. } = row.orbit.setting;
             format!(" N = {sites}, {} at its first point.", params_words(params))

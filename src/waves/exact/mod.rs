@@ -58,7 +58,7 @@ const WHOLE: f64 = 1e-9;
 /// assert!(WaveNumber::on_ring(0.21, 50).unwrap_err().to_string().contains("the nearest is 0.2"));
 /// # Ok::<(), hertzchain::Error>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WaveNumber {
     turns: usize,
     cell: usize,
@@ -154,7 +154,7 @@ impl MeanStrain {
 }
 
 /// The numbers that determine a wave, except for the choice of a branch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WaveSetting {
     /// Exponent, spring constant, mass ratio.
     pub params: Params,
