@@ -50,10 +50,10 @@ options! {
         ///
         /// With those of a branch that is resumed.
         max_points: usize = 1000, "N", (2 or more);
-        /// Compute the multipliers of all orbits; with =false orbits alone.
+        /// Compute multipliers, or not (=false).
         ///
         /// On by default where they take less time than the orbits: not of dark breathers.
-        multipliers: Option<bool> = None, "BOOL", [arg(require_equals = true, num_args = 0..=1, default_missing_value = "true")];
+        multipliers: Option<bool> = None, "BOOL", [arg(require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true)];
         /// Go on with what this file, or the file in this folder, has kept.
         ///
         /// A file of a branch, from its last point: to another --to, by another --step; then
@@ -67,10 +67,11 @@ options! {
     /// What a branch with bifurcations asks for.
     #[derive(Copy, PartialEq, Eq)]
     pub struct BifurcationOptions {
-        /// Locate bifurcations, for which multipliers are needed.
+        /// Locate bifurcations, or not (=false).
         ///
-        /// On by default where they take less time than the orbits: not of normal modes.
-        bifurcations: Option<bool> = None, "BOOL", [arg(require_equals = true, num_args = 0..=1, default_missing_value = "true")];
+        /// They need multipliers. On by default where they take less time than the orbits: not of
+        /// normal modes.
+        bifurcations: Option<bool> = None, "BOOL", [arg(require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true)];
         /// Follow the branch that crosses at bifurcation K, too.
         ///
         /// A period doubling, for orbits of the doubled period, or a branch point; bifurcations are
@@ -136,6 +137,7 @@ impl BranchOptions {
     where
         P: 'static,
     {
+        more.within_ranges()?;
         let si = si.units(&scene)?;
         let read = self.read(Scale(si.as_ref()), branch.continuation.quantity(&branch.setting));
         let branch = self.as_given(si.as_ref(), branch.onward(read.to, read.step, read.max_points))?;

@@ -122,6 +122,7 @@ impl ModeWay {
     fn continuation(&self, read: &BranchOptions, modes: &NormalModes) -> Result<ModeContinuation> {
         self.within_ranges()?;
         self.branch.within_ranges()?;
+        self.more.within_ranges()?;
         let mode = self.linear_mode.map_or(modes.most_localised(), |number| number - 1);
         let to = read.to.ok_or_else(branches::without_end)?;
         let (step, most_points) = (read.step.unwrap_or(STEP * to), read.max_points);

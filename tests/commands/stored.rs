@@ -25,7 +25,7 @@ const SET: [(&str, &str); 26] = [
     ("wave-continue", "wave continue tw-q45 --sites 10 --to 2.002"),
     ("wave-solitary", "wave solitary --sites 14 --rhos 0.02,0.04"),
     ("wave-modulation", "wave modulation --sites 10 --q-over-pi 0.2 --epsilon 0.01"),
-    ("mode", "orbit mode defect --to 1 --step 0.2"),
+    ("mode", "orbit mode defect --to 1 --step 0.2 --bifurcations"),
     ("dps-integrals", "dps integrals --b 0.3 --r 1.2"),
     ("dps-homoclinic", "dps homoclinic --center bond"),
     ("dps-dark", "dps dark --sites 11 --omega-b 2.02"),

@@ -264,6 +264,7 @@ impl DrivenWay {
         si: InSi,
     ) -> Result<(DrivenSetting, DrivenContinuation, Option<Units>)> {
         self.branch.within_ranges()?;
+        self.more.within_ranges()?;
         let si = si.units(scene)?;
         let setting = search.setting(scene)?;
         let read = self.branch.read(Scale(si.as_ref()), quantity(self.vary, &setting));

@@ -280,7 +280,8 @@ fn orbit_picture(study: &DrivenStudy) -> Panels {
         point.orbit.residual
     );
     let caption = scene_caption(scene, &how);
-    let columns = vec![Column::new("", profile), Column::new("", [multipliers_panel(&point.spectrum)])];
+    let columns =
+        vec![Column::new("", branches::filled(profile)), Column::new("", [multipliers_panel(&point.spectrum)])];
     Panels { title: format!("Driven orbit of {}", scene.name()), columns, caption }
 }
 

@@ -172,24 +172,26 @@ options! {
         from: Option<f64> = None, "P";
         /// What every branch asks for.
         branch: BranchOptions = BranchOptions::default(), [command(flatten)];
-        /// Locate bifurcations, for which multipliers are needed.
-        bifurcations: Option<bool> = None, "BOOL", [arg(require_equals = true, num_args = 0..=1, default_missing_value = "true")];
+        /// Locate bifurcations, or not (=false).
+        ///
+        /// They need multipliers. Not by default.
+        bifurcations: Option<bool> = None, "BOOL", [arg(require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true)];
         /// Take steps in the parameter, not in the arclength.
         ///
         /// Such a branch ends at a fold.
-        natural: bool = false, [arg(long)];
+        natural: bool = false, [arg(long, hide_short_help = true)];
         /// Do not locate collisions of multipliers that stay below 1 + WEAK.
         ///
         /// The moduli of the multipliers are compared with 1 + WEAK.
-        weak: f64 = 0.01, "WEAK", [arg(requires = "bifurcations")];
+        weak: f64 = 0.01, "WEAK", [arg(requires = "bifurcations", hide_short_help = true)];
         /// Frequency of the breather, in radians per unit of time.
         ///
         /// For branches in another parameter [default: 1.025 omega].
-        omega_b: Option<f64> = None, "W";
+        omega_b: Option<f64> = None, "W", [arg(hide_short_help = true)];
         /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
         ///
         /// For each point of the branch.
-        bound: bool = false, [arg(long)];
+        bound: bool = false, [arg(long, hide_short_help = true)];
         /// The ring.
         ring: Ring = Ring::default(), [command(flatten)];
     }
