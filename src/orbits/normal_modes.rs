@@ -341,7 +341,8 @@ impl ModeContinuation {
     /// # Errors
     /// No such mode; amplitudes that are not positive; fewer than two points.
     pub fn check(&self, modes: &NormalModes) -> Result<()> {
-        self.check_value(modes, self.to)?;
+        // Any amplitude: the rule for the last one is below.
+        self.check_value(modes, 1.0)?;
         if !(self.to.is_finite() && self.to > 0.0) {
             return Err(Error::parameter("to", self.to, "an amplitude is finite and positive"));
         }

@@ -127,16 +127,13 @@ impl BranchOptions {
     }
 
     /// Goes on with a branch of a scene.
-    pub(super) fn go_on<P: OfScene>(
+    pub(super) fn go_on<P: OfScene + 'static>(
         &self,
         (scene, branch): (Scene, Branch<P>),
         more: BifurcationOptions,
         si: InSi,
         report: impl FnOnce(&BranchStudy<P>) -> Result<Report> + 'static,
-    ) -> Result<Work<'static>>
-    where
-        P: 'static,
-    {
+    ) -> Result<Work<'static>> {
         more.within_ranges()?;
         let si = si.units(&scene)?;
         let read = self.read(Scale(si.as_ref()), branch.continuation.quantity(&branch.setting));
