@@ -57,7 +57,7 @@ fuzz_target!(|bytes: &[u8]| {
                 assert!(orbit.z.len() == 2 * orbit.setting.sites && orbit.z.iter().all(|z| z.is_finite()));
             }
             // The branch, written and read again, is the same.
-            let again = trail.npz(Vec::new()).expect("what was read can be written");
+            let again = trail.npz().expect("what was read can be written");
             let again = Branch::from_archive(&Archive::from_bytes(path, &again).expect("an archive")).expect("a branch");
             assert_eq!(format!("{trail:?}"), format!("{again:?}"));
         }

@@ -9,7 +9,7 @@ use hertzchain::{
     output::Folder,
     report::Report,
     study::{
-        BranchOptions, ChainParams, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi, ModeWay,
+        BifurcationOptions, BranchOptions, ChainParams, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi, ModeWay,
         NumberColumn, Plan, Ring, Study, compare, driven_branch, driven_orbit, follow_mode, planned,
         study as branch_study,
     },
@@ -108,10 +108,11 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
     let scene = || PyResult::Ok(of.extract::<PyRef<'_, Scene>>()?.0.clone());
     let search = || PyResult::Ok(DrivenSearch { turns: given!("turns"), settle: given!("settle") });
     let branch = || {
-        let points: Option<usize> = given!("points");
-        let max_points = points.unwrap_or_else(|| BranchOptions::default().max_points);
-        PyResult::Ok(BranchOptions { max_points, switch: given!("switch") })
+        let (points, default): (Option<usize>, _) = (given!("points"), BranchOptions::default());
+        let (to, step, max_points) = (given!("to"), given!("step"), points.unwrap_or(default.max_points));
+        PyResult::Ok(BranchOptions { to, step, max_points, ..default })
     };
+    let more = || PyResult::Ok(BifurcationOptions { switch: given!("switch"), bifurcations: Some(true) });
     Ok(match name {
         "compare" => {
             let (scene, integrators, max_time) = (scene()?, given!("integrators"), given!("max_time"));
@@ -123,17 +124,16 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
         }
         "driven-branch" => {
             let (scene, search, si, branch) = (scene()?, search()?, InSi { si: given!("si") }, branch()?);
-            let (parameter, to, step): (String, _, _) = (given!("parameter"), Some(given!("to")), given!("step"));
+            let (parameter, more): (String, _) = (given!("parameter"), more()?);
             Box::new(move |tell| {
-                let way = DrivenWay { vary: DriveParameter::named(&parameter)?, to, step, branch };
+                let way = DrivenWay { vary: DriveParameter::named(&parameter)?, branch, more };
                 driven_branch(scene, &search, &way, si, &Engine::threads(), tell)?.report()
             })
         }
         "normal-mode" => {
             let (scene, si) = (scene()?, InSi { si: given!("si") });
-            let way =
-                ModeWay { linear_mode: given!("mode"), to: given!("to"), step: given!("step"), branch: branch()? };
-            Box::new(move |tell| Ok(follow_mode(scene, &way, si, &Engine::threads(), tell)?.report()))
+            let way = ModeWay { linear_mode: given!("mode"), branch: branch()?, more: more()? };
+            Box::new(move |tell| follow_mode(scene, &way, si, &Engine::threads(), tell)?.report())
         }
         "dark-file" => {
             let path: PathBuf = of.extract()?;
@@ -141,21 +141,18 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
         }
         "dark-branch" => {
             let (breather, parameter): (Breather, String) = (of.extract()?, given!("parameter"));
-            let (from, to, step) = (given!("from_"), given!("to"), given!("step"));
-            let (points, natural): (Option<usize>, _) = (given!("points"), given!("natural"));
+            let (from, natural, branch) = (given!("from_"), given!("natural"), branch()?);
             let (weak, bound) = (given!("weak"), given!("bound"));
             Box::new(move |tell| {
                 let (center, ring, default) = (center(&breather.center)?, breather.ring(), Continue::default());
                 let omega_b = if parameter == "omega_b" { None } else { breather.omega_b };
-                let points = points.unwrap_or(default.points);
                 let study = Continue {
                     center,
                     omega_b,
-                    parameter,
+                    vary: parameter,
                     from,
-                    to,
-                    step,
-                    points,
+                    branch,
+                    bifurcations: Some(true),
                     natural,
                     weak,
                     bound,

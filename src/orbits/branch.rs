@@ -16,6 +16,7 @@ use crate::{
     chain::max_norm,
     dps::Center,
     error::{Error, Result},
+    named::named,
 };
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -32,6 +33,19 @@ pub struct Range {
     pub most_points: usize,
     /// Whether steps are taken in the parameter, not in the arclength.
     pub natural: bool,
+}
+
+named! {
+    /// What is found about the orbits of a branch; each includes those before it.
+    #[derive(PartialOrd)]
+    pub enum Asked {
+        /// Only what is measured without multipliers.
+        Orbits = "orbits",
+        /// Multipliers.
+        Multipliers = "multipliers",
+        /// Bifurcations.
+        Bifurcations = "bifurcations",
+    }
 }
 
 /// An orbit with its multipliers.
@@ -266,6 +280,8 @@ pub struct Branch<P: Problem = Continuation> {
     /// Bound for collisions of multipliers: those that lead to no modulus above `1 + weak` are not
     /// located. `None`: no bifurcations are located.
     pub weak: Option<f64>,
+    /// What is found about the orbits.
+    pub asked: Asked,
     /// The orbits, at least one, in their order along the branch.
     pub orbits: Vec<P::Orbit>,
     /// Length of the next predictor.
@@ -274,6 +290,9 @@ pub struct Branch<P: Problem = Continuation> {
     pub end: Option<End>,
     /// The orbits whose multipliers are known, with these.
     pub points: Vec<Point<P>>,
+    /// What was measured of the first orbits, if no multipliers are asked for; `None` where that
+    /// failed.
+    pub measured: Vec<Option<P::Measures>>,
     /// Values of the parameter of orbits whose multipliers could not be computed.
     pub gaps: Vec<f64>,
     /// Whether the multipliers of the last orbit are known.
@@ -301,10 +320,12 @@ impl<P: Problem> Branch<P> {
             birth: None,
             center: None,
             weak: P::WEAK,
+            asked: Asked::Bifurcations,
             orbits: vec![start],
             ds: step / (to - back).abs(),
             end: None,
             points: Vec::new(),
+            measured: Vec::new(),
             gaps: Vec::new(),
             whole: false,
             bifurcations: Vec::new(),
@@ -397,6 +418,7 @@ impl<P: Problem> Branch<P> {
                 *before = now;
             }
             let end = end.or(continuation.ends(&orbit));
+            *solution = continuation.solution(&setting, &orbit);
             self.orbits.push(orbit);
             // `end` is set before the call, so that a branch saved by `seen` has it.
             (self.ds, self.end) = (ds, end);
@@ -420,11 +442,13 @@ impl<P: Problem> Branch<P> {
         })
     }
 
+    /// Whether bifurcations are located, for which the multipliers of the orbit before are needed.
+    pub(crate) fn joined(&self) -> bool {
+        self.asked == Asked::Bifurcations && self.weak.is_some()
+    }
+
     /// The branch with points and bifurcations.
-    ///
-    /// # Errors
-    /// No point with multipliers.
-    pub fn analysed(self) -> Result<Self> {
+    pub fn analysed(self) -> Self {
         let spectra = Spectra::new(&self);
         let rows = (0..self.orbits.len()).map(|k| spectra.analysis(k)).collect();
         self.with(rows)
@@ -432,30 +456,26 @@ impl<P: Problem> Branch<P> {
 
     /// The branch with what was found about its first orbits. An orbit without multipliers is no
     /// point; its parameter is among the gaps.
-    pub(crate) fn with(mut self, rows: Vec<Analysis<P>>) -> Result<Self> {
-        (self.points, self.gaps, self.bifurcations, self.unresolved) = Default::default();
-        let (mut folds, mut failure, whole) = (Vec::new(), None, rows.len() == self.orbits.len());
+    pub(crate) fn with(mut self, rows: Vec<Analysis<P>>) -> Self {
+        (self.points, self.measured, self.gaps, self.bifurcations, self.unresolved) = Default::default();
+        self.whole = rows.len() == self.orbits.len() && rows.last().is_none_or(|row| row.measured.is_ok());
+        let mut folds = Vec::new();
         for (k, Analysis { measured, found, fold, unresolved }) in rows.into_iter().enumerate() {
             let found: Vec<_> = found.into_iter().map(|one| self.bifurcation(one)).collect();
             self.bifurcations.extend(found);
             folds.extend(fold.map(|one| self.bifurcation(one)));
             self.unresolved += unresolved;
-            failure = measured.as_ref().err().cloned();
             match measured {
-                Ok((spectrum, measures)) => {
+                Ok((Some(spectrum), measures)) => {
                     self.points.push(Point { orbit: self.orbits[k].clone(), spectrum, measures });
                 }
+                Ok((None, measures)) => self.measured.push(Some(measures)),
+                Err(_) if self.asked == Asked::Orbits => self.measured.push(None),
                 Err(_) => self.gaps.push(self.parameter(&self.orbits[k])),
             }
         }
         self.bifurcations.extend(folds);
-        self.whole = whole && failure.is_none();
-        match failure {
-            Some(why) if self.points.is_empty() => {
-                Err(Error::Point { point: "the last orbit of the branch".to_owned(), why })
-            }
-            _ => Ok(self),
-        }
+        self
     }
 
     /// Why the branch ended, with its multipliers.
@@ -502,8 +522,8 @@ impl<P: Problem> Branch<P> {
             let orbits = orbits.map(|one| self.continuation.orbit(&setting, &one)).to_vec();
             let continuation = self.continuation.with_range(Range { to: sign * range.to, ..range });
             let branch = Self::new(continuation, setting, orbits[0].clone())?;
-            let (back, weak, birth) = (sign * self.back, self.weak, Some(birth.kind));
-            return Ok(Self { back, weak, birth, orbits, ds, ..branch });
+            let (back, weak, asked, birth) = (sign * self.back, self.weak, self.asked, Some(birth.kind));
+            return Ok(Self { back, weak, asked, birth, orbits, ds, ..branch });
         }
         refused("not exactly one other branch crosses there, of orbits that this search finds")
     }
@@ -513,8 +533,8 @@ impl<P: Problem> Branch<P> {
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(crate) struct Analysis<P: Problem> {
-    /// Multipliers and measures, or why there are none.
-    measured: std::result::Result<(P::Spectrum, P::Measures), String>,
+    /// Multipliers, if they are asked for, and measures, or why there are none.
+    measured: std::result::Result<(Option<P::Spectrum>, P::Measures), String>,
     /// Bifurcations between the nearest orbit before that has multipliers and this one.
     found: Vec<Located<P>>,
     /// The fold at that orbit, if the branch turns there.
@@ -556,7 +576,7 @@ impl<'a, P: Problem> Spectra<'a, P> {
     /// places that were not resolved.
     fn bifurcations(&self, k: usize) -> (Vec<Located<P>>, Option<Located<P>>, usize) {
         let branch = self.branch;
-        let (Some(_), Ok(spectrum), Some((j, before))) = (branch.weak, self.at(k), self.before(k)) else {
+        let (true, Ok(spectrum), Some((j, before))) = (branch.joined(), self.at(k), self.before(k)) else {
             return (Vec::new(), None, 0);
         };
         let here = (&branch.orbits[k], spectrum);
@@ -570,10 +590,11 @@ impl<'a, P: Problem> Spectra<'a, P> {
 
     /// All that is found about orbit `k`.
     pub(crate) fn analysis(&self, k: usize) -> Analysis<P> {
-        let Branch { continuation, setting, orbits, bounded, .. } = self.branch;
-        let measured = self.at(k).map_err(String::clone).and_then(|spectrum| {
+        let Branch { continuation, setting, orbits, bounded, asked, .. } = self.branch;
+        let spectrum = (*asked > Asked::Orbits).then(|| self.at(k)).transpose().map_err(String::clone);
+        let measured = spectrum.and_then(|spectrum| {
             let measures = continuation.measures(setting, &orbits[k], *bounded).map_err(|why| why.to_string())?;
-            Ok((spectrum.clone(), measures))
+            Ok((spectrum.cloned(), measures))
         });
         let (found, fold, unresolved) = self.bifurcations(k);
         Analysis { measured, found, fold, unresolved }

@@ -12,7 +12,6 @@ use super::{
     arclength::{End, FARTHEST, MOST_CORRECTIONS, Solution},
     bifurcation::{self, CriticalPair},
     branch::{At, Branch, Located, Problem, Range},
-    file::checked,
     floquet::Spectrum,
     kantorovich::Kantorovich,
     orbit::Extent,
@@ -74,7 +73,7 @@ impl Problem for Continuation {
     }
 
     fn check_value(&self, setting: &Setting, p: f64) -> Result<()> {
-        checked(&setting.with(self.parameter, p))
+        setting.with(self.parameter, p).checked()
     }
 
     fn equations(&self, setting: &Setting, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {

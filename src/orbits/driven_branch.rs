@@ -185,11 +185,11 @@ impl DrivenContinuation {
     /// the branch has turned back, passes its first; `seen` is called after every new orbit.
     ///
     /// # Errors
-    /// Numbers outside their rules; no multipliers of any orbit; a signal.
+    /// Numbers outside their rules; a signal.
     pub fn follow(&self, start: DrivenOrbit, seen: impl FnMut(&Branch<Self>)) -> Result<Branch<Self>> {
         let mut branch = Branch::new(*self, start.setting.clone(), start)?;
         branch.extend(seen)?;
-        branch.analysed()
+        Ok(branch.analysed())
     }
 }
 

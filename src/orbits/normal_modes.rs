@@ -20,6 +20,7 @@ use super::{
     arclength::{self, Solution},
     bifurcation::{self, BifurcationKind, CriticalPair},
     branch::{At, Branch, Located, Point, Problem, Range},
+    driven::returns,
     floquet::{Frame, Kind, Spectrum},
     shooting::{Equations, NewtonStep, least_squares},
 };
@@ -221,6 +222,23 @@ impl NormalModes {
         state
     }
 
+    /// Number of unknowns of an orbit.
+    pub(super) fn unknowns(&self) -> usize {
+        self.free.len()
+    }
+
+    /// Refuses numbers that are not those of an orbit.
+    pub(super) fn verify(&self, continuation: &ModeContinuation, orbit: &ModeOrbit) -> Result<()> {
+        let alpha = self.chain.details().map_or(Vec::new(), |details| details.alpha.clone());
+        let alpha = alpha.into_iter().fold(self.chain.params().alpha, f64::max);
+        let reach = 1.0 + 2.0 * orbit.amplitude.abs() * max_norm(orbit.shape.iter().copied()) / self.overlap;
+        let highest = self.linear.last().map_or(0.0, |mode| mode.omega);
+        let rate = highest * reach.powf(0.5 * (alpha - 1.0)) / orbit.omega;
+        let Solution { z, p, .. } = continuation.solution(self, orbit);
+        let off = |residual: DVector<f64>| residual.amax() / continuation.size(self, &z, p);
+        returns(rate, || Ok(off(continuation.equations(self, &z, p, false)?.residual)))
+    }
+
     /// The state at rest with the displacements `a shape`.
     fn start(&self, a: f64, shape: &[f64]) -> Vec<f64> {
         let mut state = self.rest.clone();
@@ -294,15 +312,16 @@ pub struct ModeMeasures {
 /// An orbit of a branch with its multipliers.
 pub type ModePoint = Point<ModeContinuation>;
 
-impl ModePoint {
+impl Spectrum {
     /// Number of multipliers that lie outside the unit circle by more than their error.
     pub fn unstable(&self) -> usize {
-        self.spectrum.multipliers.iter().filter(|one| one.modulus - one.error > 1.0).count()
+        self.multipliers.iter().filter(|one| one.modulus - one.error > 1.0).count()
     }
 }
 
 /// Settings of a branch of orbits that begins as a linear mode.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ModeContinuation {
     /// Number of the linear mode.
     pub mode: usize,
@@ -322,11 +341,8 @@ impl ModeContinuation {
     /// # Errors
     /// No such mode; amplitudes that are not positive; fewer than two points.
     pub fn check(&self, modes: &NormalModes) -> Result<()> {
-        let count = modes.linear.len();
-        if self.mode >= count {
-            let value = format!("{} of {count}", self.mode.wrapping_add(1));
-            return Err(Error::parameter("linear_mode", value, "linear modes are numbered from 1, by frequency"));
-        }
+        // Any amplitude: the rule for the last one is below.
+        self.check_value(modes, 1.0)?;
         if !(self.to.is_finite() && self.to > 0.0) {
             return Err(Error::parameter("to", self.to, "an amplitude is finite and positive"));
         }
@@ -346,12 +362,11 @@ impl ModeContinuation {
     /// of the linear mode, in the space of the unknowns, the amplitude is halved.
     ///
     /// # Errors
-    /// Numbers outside their rules; a first orbit that is not found; no multipliers of any orbit; a
-    /// signal.
+    /// Numbers outside their rules; a first orbit that is not found; a signal.
     pub fn follow(&self, modes: &NormalModes, seen: impl FnMut(&Branch<Self>)) -> Result<Branch<Self>> {
         let mut branch = self.begin(modes)?;
         branch.extend(seen)?;
-        branch.analysed()
+        Ok(branch.analysed())
     }
 
     /// The branch of [`follow`](Self::follow) with its first orbit only.
@@ -452,6 +467,18 @@ impl Problem for ModeContinuation {
 
     fn with_range(self, Range { to, step, most_points, .. }: Range) -> Self {
         Self { to, step, most_points, ..self }
+    }
+
+    fn check_value(&self, modes: &NormalModes, a: f64) -> Result<()> {
+        let count = modes.linear.len();
+        if self.mode >= count {
+            let value = format!("{} of {count}", self.mode.wrapping_add(1));
+            return Err(Error::parameter("linear_mode", value, "linear modes are numbered from 1, by frequency"));
+        }
+        if !(a.is_finite() && a != 0.0) {
+            return Err(Error::parameter("amplitude", a, "finite and not zero"));
+        }
+        Ok(())
     }
 
     fn equations(&self, modes: &NormalModes, z: &[f64], a: f64, derivative: bool) -> Result<Equations> {

@@ -7,31 +7,34 @@ pub(super) use report::{bounds, newton_kantorovich_bound};
 
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
-use super::{Changes, Progress, Study, Work, branches, keeper::Autosave, options::options, segments};
+use super::{
+    Changes, Progress, Study, Work,
+    branches::{self, BranchOptions, Kept},
+    options::options,
+};
 use crate::{
     chain::{Params, Resonators},
     error::{Error, Iterate, Result},
     number::format_short,
-    orbits::Kantorovich,
-    output::{Folder, to_json},
+    orbits::{Asked, BifurcationKind, Kantorovich},
+    output::{Array, Folder, to_json},
     report::Report,
     scene::Scene,
     sweep::Engine,
     waves::{
-        ExactWave, Given, MeanStrain, Modulation, Profile, Search, Start, TravellingWave, WaveBranch, WaveContinuation,
-        WaveNumber, WaveParameter, WaveSetting, WaveSpectrum,
+        ExactWave, Given, MeanStrain, Modulation, Profile, Search, Start, TravellingWave, WaveBase, WaveBranch,
+        WaveContinuation, WaveNumber, WaveParameter, WaveSetting, WaveSpectrum,
     },
 };
+use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::f64::consts::PI;
+use std::{f64::consts::PI, path::PathBuf};
 
 /// Samples of a profile. Coefficients of `X` fall like `k^{-(alpha+3)}`, so at `alpha = 3/2` those
 /// beyond the samples change a coefficient by 1e-15 of the first.
 const SAMPLES: usize = 2048;
 /// The default scene.
 const SCENE: &str = "tw-q15";
-/// Name of the store of the multipliers of a branch.
-const STORE: &str = "wave-spectra.store";
 /// File with the best iterate of a search that did not converge.
 const STALLED: &str = "stalled.json";
 
@@ -178,7 +181,7 @@ fn keep_iterate(folder: Option<&Folder>, resonators: bool, why: &Error) {
     let results = [report::outline(), report::branch_outline()].map(|outline| outline.files().unwrap_or_default());
     let results = results.iter().flatten().map(|(name, _)| name.as_str());
     // An error of writing is ignored: the command reports that of the search.
-    let _ = folder.remove(results.chain(["exact.png", "waves.png", report::STATES]));
+    let _ = folder.remove(results.chain(["exact.png", "waves.png", WaveContinuation::NAMES[0]]));
     let _ = folder.write(STALLED, to_json(&kept).as_bytes());
 }
 
@@ -252,6 +255,12 @@ pub fn exact_study(
 
 options! {
     /// A branch of exact travelling waves.
+    #[cfg_attr(feature = "cli", command(
+        mut_arg("to", |arg| arg.required_unless_present("resume")),
+        mut_arg("resume", |arg| arg.conflicts_with_all([
+            "scene", "set", "q_over_pi", "omega_tw", "amplitude", "mean", "rho", "sites", "tol", "vary",
+        ]))
+    ))]
     pub struct ContinueWave {
         /// The wave.
         wanted: Wanted = Wanted::default(), [command(flatten)];
@@ -259,20 +268,13 @@ options! {
         ///
         /// A parameter of the wave or of the chain.
         vary: WaveParameter = WaveParameter::OmegaTw, "P", [arg(default_value = "omega_tw")];
-        /// Value of the varied parameter at which the branch ends.
-        ///
-        /// The first value is that of the scene or of the other flags.
-        to: Option<f64> = None, "P", (finite), [arg(required = true)];
-        /// Largest change of the varied parameter from wave to wave [default: a twentieth of the
-        /// range].
-        step: Option<f64> = None, "DP", (positive);
-        /// Points of the branch at most.
-        max_points: usize = 200, "N", (2 or more);
+        /// What every branch asks for.
+        branch: BranchOptions = BranchOptions::default(), [command(flatten)];
     }
 }
 
 impl Study for ContinueWave {
-    const FILES: &'static str = "states.npz has the states of a cell, and is written every 20 waves or 10 s as well; stalled.json, in place of \
+    const FILES: &'static str = "wave-branch.npz has every wave, and is written every 20 points or 10 s as well; stalled.json, in place of \
                                  all of them, if there is no first wave. wave-spectra.store has multipliers, from which the same command goes on. \
                                  Each part of --shard follows the branch itself and computes its share of these.";
     const INTERRUPTIBLE: bool = true;
@@ -283,12 +285,19 @@ impl Study for ContinueWave {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
+        let asked = self.branch.asked(Some(false), Asked::Multipliers)?;
+        if let Some(resumed) = self.branch.resumed() {
+            let (scene, branch) = resumed?;
+            let &BranchOptions { to, step, max_points, .. } = &self.branch;
+            let branch = WaveBranch { asked, ..branch.onward(to, step, max_points)? };
+            return Ok(Box::new(move |engine, progress| followed(scene, branch, engine, progress)?.report()));
+        }
         let (numbers, continuation) = self.checked()?;
-        Ok(Box::new(move |engine, progress| {
-            let study = branch_from(&numbers, &continuation, engine, progress)?;
-            let states = report::states_npz(&study.branch.orbits)?;
-            Ok(study.report().file(report::STATES, states))
-        }))
+        Ok(Box::new(move |engine, progress| branch_from(&numbers, &continuation, asked, engine, progress)?.report()))
+    }
+
+    fn default_folder(&self) -> Option<PathBuf> {
+        self.branch.default_folder()
     }
 
     fn outline() -> Option<Report> {
@@ -304,12 +313,13 @@ impl ContinueWave {
     /// first wave.
     pub fn branch(&self, progress: Progress<'_>) -> Result<WaveBranchStudy> {
         let (numbers, continuation) = self.checked()?;
-        branch_from(&numbers, &continuation, &Engine::threads(), progress)
+        let asked = self.branch.asked(Some(false), Asked::Multipliers)?;
+        branch_from(&numbers, &continuation, asked, &Engine::threads(), progress)
     }
 
     /// The first wave and the continuation, checked as far as possible before the wave is known.
     fn checked(&self) -> Result<(Numbers, WaveContinuation)> {
-        self.within_ranges()?;
+        self.branch.within_ranges()?;
         let mut numbers = self.wanted.numbers()?;
         // Waves of a branch keep their shape, unless the mean strain is given or varies.
         if self.wanted.mean.is_none()
@@ -321,9 +331,9 @@ impl ContinueWave {
         }
         let continuation = WaveContinuation {
             parameter: self.vary,
-            to: self.to.unwrap_or(f64::NAN),
-            step: self.step.unwrap_or(f64::INFINITY),
-            most_points: self.max_points,
+            to: self.branch.to.ok_or_else(branches::without_end)?,
+            step: self.branch.step.unwrap_or(f64::INFINITY),
+            most_points: self.branch.max_points,
             search: numbers.search,
         };
         // The value at the first wave is not known yet.
@@ -335,21 +345,69 @@ impl ContinueWave {
 fn branch_from(
     numbers: &Numbers,
     continuation: &WaveContinuation,
+    asked: Asked,
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<WaveBranchStudy> {
     let found = numbers.search.wave(&numbers.setting, numbers.given);
     let (wave, _) = found.inspect_err(|why| keep_iterate(engine.folder(), numbers.moving(), why))?;
-    let branch = continuation.begin(wave, numbers.sites)?;
-    let mut keeper = Autosave::new(segments::folder(engine), report::STATES, Vec::new());
-    let mut keep = |branch: &WaveBranch| {
-        keeper.keep(branch.orbits.len(), branch.end.is_some(), || report::states_npz(&branch.orbits));
-    };
-    let branch = branches::followed(branch, &mut keep, |_, p| format_short(p), progress)?;
-    let (first, WaveContinuation { parameter, search, .. }) = (&branch.setting, branch.continuation);
-    let settings = json!([format!("{:?}", first.setting), first.sites, parameter, format!("{search:?}")]);
-    let branch = segments::analysed(branch, [STORE, "wave continue"], &settings, engine, progress)?;
-    Ok(WaveBranchStudy { scene: numbers.scene.clone(), branch })
+    let branch = WaveBranch { asked, ..continuation.begin(wave, numbers.sites)? };
+    followed(numbers.scene.clone(), branch, engine, progress)
+}
+
+fn followed(scene: String, branch: WaveBranch, engine: &Engine, progress: Progress<'_>) -> Result<WaveBranchStudy> {
+    let branch = branches::followed(&scene, branch, false, |_, p| format_short(p), engine, progress)?;
+    Ok(WaveBranchStudy { scene, branch })
+}
+
+/// What the file of a branch has of its first wave.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WaveSource {
+    scene: String,
+    wave: WaveBase,
+    /// Whether the mass ratio is infinite, which JSON has no number for.
+    fixed: bool,
+}
+
+impl Kept for WaveContinuation {
+    /// Name of the scene.
+    type About = String;
+    type Source = WaveSource;
+    const NAMES: [&'static str; 3] = ["wave-branch.npz", "wave-spectra.store", "wave continue"];
+
+    fn source(scene: &String, branch: &WaveBranch) -> (WaveSource, Vec<Array<'static>>) {
+        let of = |value: fn(&WaveSetting) -> f64| branch.orbits.iter().map(|wave| value(&wave.setting)).collect();
+        let arrays = vec![
+            Array::vector("omega_tw", of(|one| one.omega_tw)),
+            Array::vector("alpha", of(|one| one.params.alpha)),
+            Array::vector("kappa", of(|one| one.params.kappa)),
+            Array::vector("rho", of(|one| one.params.rho)),
+        ];
+        let (mut wave, fixed) = (branch.setting, branch.setting.setting.params.rho.is_infinite());
+        if fixed {
+            wave.setting.params.rho = 0.0;
+        }
+        (WaveSource { scene: scene.clone(), wave, fixed }, arrays)
+    }
+
+    fn made(source: WaveSource, _birth: Option<BifurcationKind>) -> Result<(String, WaveBase)> {
+        let WaveSource { scene, mut wave, fixed } = source;
+        let WaveBase { setting, size, sites } = &mut wave;
+        if fixed {
+            setting.params.rho = f64::INFINITY;
+        }
+        setting.q = WaveNumber::on_ring(setting.q.q() / PI, *sites)?;
+        setting.chain(*sites / setting.q.cell())?;
+        if !(size.is_finite() && *size > 0.0) {
+            return Err(Error::parameter("size", *size, "finite and positive"));
+        }
+        Ok((scene, wave))
+    }
+
+    fn outline() -> Report {
+        report::branch_outline()
+    }
 }
 
 /// A branch of exact waves of a scene.

@@ -18,10 +18,13 @@ use super::{
     swing,
 };
 use crate::{
-    chain::{Params, Resonators},
+    chain::{Params, Resonators, max_norm},
     error::{Error, Result},
     named::named,
-    orbits::{Branch, End, Equations, Kantorovich, MOST_CORRECTIONS, Point, Problem, Range, Solution, check},
+    orbits::{
+        Branch, End, Equations, Kantorovich, MOST_CORRECTIONS, Point, Problem, Range, Solution, Stored, check, returns,
+    },
+    output::FileFormat,
     waves::Modulation,
 };
 use serde::{Deserialize, Serialize};
@@ -107,7 +110,8 @@ impl WaveParameter {
 }
 
 /// Settings of a continuation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct WaveContinuation {
     /// The parameter that varies.
     pub parameter: WaveParameter,
@@ -130,7 +134,8 @@ impl ExactWave {
 }
 
 /// What does not vary along a branch of waves.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct WaveBase {
     /// The setting of the first wave.
     pub setting: WaveSetting,
@@ -202,6 +207,10 @@ impl Problem for WaveContinuation {
 
     fn with_range(self, Range { to, step, most_points, .. }: Range) -> Self {
         Self { to, step, most_points, ..self }
+    }
+
+    fn check_value(&self, base: &WaveBase, p: f64) -> Result<()> {
+        self.parameter.with(&base.setting, p).chain(base.setting.least_cells()).map(|_| ())
     }
 
     fn equations(&self, base: &WaveBase, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
@@ -289,6 +298,40 @@ impl Problem for WaveContinuation {
             closed: profile.closed(),
             kantorovich: self.search.kantorovich(wave)?,
         })
+    }
+}
+
+impl Stored for WaveContinuation {
+    const FORMAT: FileFormat = FileFormat("hertzchain wave branch", 1);
+
+    /// The state of a cell, and the number of the setting that differs from wave to wave.
+    fn arrays(base: &WaveBase) -> Vec<(&'static str, usize)> {
+        let m = base.setting.q.cell();
+        let arrays: &[_] = if base.setting.numbers() == 4 * m { &["x", "y", "vx", "vy"] } else { &["x", "vx"] };
+        arrays.iter().map(|name| (*name, m)).chain([("setting", 1)]).collect()
+    }
+
+    fn numbers(&self, base: &WaveBase, wave: &ExactWave) -> Solution {
+        let z = wave.z.iter().copied().chain([self.parameter.free(&wave.setting)]).collect();
+        Solution { z, ..self.solution(base, wave) }
+    }
+
+    fn restored(&self, base: &WaveBase, mut numbers: Solution) -> ExactWave {
+        let free = numbers.z.pop().unwrap_or(f64::NAN);
+        numbers.orbit(self.parameter.with(&base.setting, free))
+    }
+
+    fn multipliers(spectrum: &WaveSpectrum) -> Vec<[f64; 3]> {
+        spectrum.multipliers.iter().map(|one| [one.re, one.im, one.error]).collect()
+    }
+
+    fn verify(&self, base: &WaveBase, wave: &ExactWave) -> Result<()> {
+        let setting = &wave.setting;
+        setting.chain(setting.least_cells())?;
+        let contacts = 4.0 * setting.params.alpha * max_norm(wave.z.iter().copied()).powf(setting.params.alpha - 1.0);
+        let rate = contacts.sqrt().max(setting.params.omega()) / setting.omega_tw;
+        let Solution { z, p, .. } = self.solution(base, wave);
+        returns(rate, || Ok(self.equations(base, &z, p, false)?.residual.amax() / swing(&wave.z, setting)))
     }
 }
 
