@@ -1,5 +1,5 @@
 //! One long chain over the ranks of an MPI job: each rank has one part, see
-//! [`parts`](crate::parts).
+//! [`parts`].
 
 use crate::{
     error::{Error, Result},

@@ -290,7 +290,8 @@ pub(crate) use wide::{Eight, Four};
 /// Registers of four and of eight numbers.
 ///
 /// Their functions are inlined into kernels that are compiled for these instructions, and are
-/// called where the machine has been asked for them, see [`with_registers!`](crate::with_registers).
+/// called where the machine has been asked for them, see
+/// [`with_registers!`](crate::with_registers).
 #[cfg(target_arch = "x86_64")]
 mod wide {
     use super::{Add, Div, Mul, One, Sub, Vector};
@@ -308,8 +309,8 @@ mod wide {
 
     operations!(Eight: Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd);
 
-    /// Both registers from a table: for each function of [`Vector`] its body for AVX2, then that for
-    /// AVX-512.
+    /// Both registers from a table: for each function of [`Vector`] its body for AVX2, then that
+    /// for AVX-512.
     macro_rules! registers {
         ($(fn $name:ident($($argument:tt)*) -> $to:ty $four:block $eight:block)*) => {
             registers!(Four 4 _mm256_loadu_pd _mm256_storeu_pd $(fn $name($($argument)*) -> $to $four)*);

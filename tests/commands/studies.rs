@@ -180,7 +180,8 @@ fn a_branch_tells_how_near_exact_orbits_are_if_asked() {
     assert!(json(branch)["points"][0]["kantorovich"].is_null());
 }
 
-// Truth: what the numbers are: the velocity is 1/T_m, half a period and 11 whole ones. A kick that is not asked for leaves no file of an earlier one.
+// Truth: what the numbers are: the velocity is 1/T_m, half a period and 11 whole ones. A kick that
+// is not asked for leaves no file of an earlier one.
 #[test]
 fn moving_breathers_have_their_velocity_and_fail_where_none_is_found() {
     let folder = tempfile::tempdir().unwrap();

@@ -163,7 +163,8 @@ fn a_contact_that_lets_go_may_push_again_before_beads_part() {
 
 #[test]
 fn contacts_that_dissipate_are_those_that_a_search_of_every_step_finds() {
-    // From overlap to overlap, also while beads do not push. Measured: 5.0e-11, 3.3e-11 and 2.9e-12.
+    // From overlap to overlap, also while beads do not push. Measured: 5.0e-11, 3.3e-11 and
+    // 2.9e-12.
     let lossy = varied(2, Boundary::Ring, 12, (Kind::Viscoelastic, 0.3), true);
     contacts_are_found(lossy, 30, [1e-10, 1e-10, 6e-12, f64::INFINITY]);
 }

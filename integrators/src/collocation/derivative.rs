@@ -37,8 +37,8 @@ struct Row<const M: usize> {
 }
 
 /// Replaces the changes of the linear paths of the bonds of a solved window by those of the paths
-/// by the bonds' forces. Returns the part of [`Tangent::contraction`] in the window; if the sweeps
-/// do not converge, a bond and its residual.
+/// by the bonds' forces. Returns the part of [`Tangent::contraction`](super::Tangent::contraction)
+/// in the window; if the sweeps do not converge, a bond and its residual.
 #[inline(always)]
 pub(crate) fn window<const M: usize, const S: usize>(
     frames: &Frames<'_, M, S>,
@@ -71,7 +71,7 @@ pub(super) fn add(to: &mut Lanes, by: f64, values: &Lanes) {
     }
 }
 
-/// The part of [`Tangent::contraction`] in a window.
+/// The part of [`Tangent::contraction`](super::Tangent::contraction) in a window.
 fn contraction<const M: usize, const S: usize>(frames: &Frames<'_, M, S>, bonds: &[Bond<M, S>]) -> f64 {
     let mut sum = 0.0;
     if frames.links.lossy() {

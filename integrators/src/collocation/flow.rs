@@ -65,7 +65,8 @@ pub(crate) struct Flow {
     ahead: Series<8>,
     /// `K'`, `K''` and `K'''` at zero.
     slopes: [f64; 3],
-    /// For `b` and `A b`, the coefficients of `1` and `h` in [`curvature`](Self::curvature).
+    /// For `b` and `A b`, the coefficients of `1` and `h` in
+    /// [`curvature_bound`](Self::curvature_bound).
     curvature_bounds: [[f64; 2]; 2],
 }
 
@@ -355,7 +356,7 @@ impl Flow {
         now + h * per_time
     }
 
-    /// The coefficients of `1` and `h` in [`curvature`](Self::curvature).
+    /// The coefficients of `1` and `h` in [`curvature_bound`](Self::curvature_bound).
     fn bound_over(&self, [_, v, c, s]: &Path) -> [f64; 2] {
         let Self { drag, slip, response: Response { m, mu, .. }, .. } = *self;
         let omega = self.a[2][3];

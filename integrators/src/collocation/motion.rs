@@ -17,8 +17,8 @@ use crate::kernel;
 /// measured: a later release does not matter for the accuracy of the panels.
 pub(super) const AHEAD: f64 = 1.5;
 
-/// The earliest release after a window of length `h`: that of a contact which the search sees closed
-/// at the end, though the overlap there is zero but for rounding.
+/// The earliest release after a window of length `h`: that of a contact which the search sees
+/// closed at the end, though the overlap there is zero but for rounding.
 pub(super) fn just_after(h: f64) -> f64 {
     h * (1.0 + f64::EPSILON)
 }

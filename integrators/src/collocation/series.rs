@@ -33,7 +33,7 @@ pub(crate) fn dot<const M: usize>(a: &[f64; M], b: &[f64; M]) -> f64 {
     sum(&terms)
 }
 
-/// The value of a series whose coefficients come from [`Rule::series`].
+/// The value of a series whose coefficients come from [`Rule::series`](super::Rule::series).
 #[inline(always)]
 pub(super) fn value<const M: usize, const L: usize>(series: &[f64; M], x: &[f64; L]) -> [f64; L] {
     if M <= MONOMIAL { horner(series, x) } else { clenshaw(series, x) }

@@ -36,7 +36,8 @@ pub(crate) trait Solver<const S: usize>: Send {
     ) -> Result<f64, (usize, f64)>;
 }
 
-/// A solver with `nodes` nodes a panel, one of [`NODES`], on at most `threads` threads.
+/// A solver with `nodes` nodes a panel, one of [`NODES`](super::rule::NODES), on at most `threads`
+/// threads.
 ///
 /// # Panics
 /// For `S` other than 1 and 2.

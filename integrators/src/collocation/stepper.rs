@@ -125,9 +125,10 @@ impl<W: Windows> Collocation<W> {
         }
     }
 
-    /// For a run that a [`Tangent`] follows: panels keep at least the number of nodes with which
-    /// the run begins. That number resolves the linear motion of a window to the tolerance. The
-    /// state of a chain that is all but at rest needs fewer nodes, its changes do not.
+    /// For a run that a [`Tangent`](super::Tangent) follows: panels keep at least the number of
+    /// nodes with which the run begins. That number resolves the linear motion of a window to the
+    /// tolerance. The state of a chain that is all but at rest needs fewer nodes, its changes do
+    /// not.
     #[must_use]
     pub fn differentiated(mut self) -> Self {
         self.control.keep_nodes();

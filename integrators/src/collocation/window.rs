@@ -141,7 +141,7 @@ pub struct Piece {
 pub struct WindowOutcome {
     /// Number of sweeps; the largest number of a block.
     pub(crate) sweeps: u64,
-    /// Cost, in the units of [`BOND`].
+    /// Cost, in the units of [`BOND`](super::sweep::BOND).
     pub(crate) work: u64,
     /// The largest stiffness `f'(g) h^2/m` of a bond.
     pub(crate) stiffness: f64,

@@ -29,8 +29,8 @@ impl<R: Real> Steps<R> {
         if steps == total {
             return start + span;
         }
-        // A kernel: a product of `DoubleDouble`s needs a fused product, which is a call to a library
-        // in code that is not compiled for the machine's own.
+        // A kernel: a product of `DoubleDouble`s needs a fused product, which is a call to a
+        // library in code that is not compiled for the machine's own.
         let after = DoubleDouble::new(R::of(steps as f64));
         R::run(kernel!(start + h * after))
     }

@@ -167,7 +167,8 @@ impl<R: Real> Loops<R> {
                         let [r, p, r_dot, s]: [V<R>; 4] = four(&z, i);
                         let [cos, cos_low, sin, sin_low]: [V<R>; 4] = four(&turns, i);
                         store(z[0], i, r + V::<R>::all(dt) * r_dot);
-                        // The low parts keep the rotation from growing or shrinking over many steps.
+                        // The low parts keep the rotation from growing or shrinking over many
+                        // steps.
                         store(z[1], i, (cos * p + sin * s) + (cos_low * p + sin_low * s));
                         store(z[3], i, (cos * s - sin * p) + (cos_low * s - sin_low * p));
                     });
