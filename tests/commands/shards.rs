@@ -29,7 +29,7 @@ pub(crate) fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut files: Vec<(String, Vec<u8>)> = entries
         .filter(|entry| entry.file_type().unwrap().is_file())
         .map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap()))
-        .filter(|(name, _)| !["wave.json", "verify.json", "drift.json", "figures.store"].contains(&name.as_str()))
+        .filter(|(name, _)| !["wave.json", "verify.json", "figures.store"].contains(&name.as_str()))
         .collect();
     files.sort();
     files
@@ -62,7 +62,6 @@ fn short_studies_over_a_grid_in_three_shards_have_the_files_of_one_process() {
     in_shards("study dimer --from 0.5 --to 0.6 --points 3 --cells 4");
     in_shards("study taper --from 0.95 --to 1.05 --points 3 --spheres 10");
     in_shards("breather barrier --frequencies 3 --sites 5");
-    in_shards("study drift --periods 30 --samples 12 --integrators verlet,strang-linear,dop853");
     in_shards("wave modulation --sites 10 --rho 3 --measure --modes 1 --epsilon 0.01,0.02,0.04");
 }
 
@@ -254,4 +253,25 @@ fn shards_that_cannot_be_are_refused_with_what_to_do() {
         let said = refused(&format!("{LIFETIMES} --out {out} --engine mpi"), 2);
         assert!(said.contains("cargo build --release --features mpi"), "{said}");
     }
+}
+
+/// Truth: the same study in one process. Wall times are in the JSON only.
+#[test]
+fn the_drift_of_methods_is_a_sweep() {
+    let line = "study drift --periods 30 --samples 12 --integrators verlet,strang-linear,dop853";
+    let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let (whole, parts) = (whole.path(), parts.path());
+    assert!(output(line, whole, &[]).status.success());
+    for shard in ["1/2", "2/2"] {
+        assert!(output(line, parts, &["--shard", shard]).status.success());
+    }
+    let stores: usize = files(parts).iter().map(|(name, _)| lines(&parts.join(name)) - 1).sum();
+    assert_eq!(stores, 3, "each integrator once");
+    assert!(output(line, parts, &[]).status.success());
+    for name in ["drift.csv", "drift.png"] {
+        assert!(fs::read(whole.join(name)).unwrap() == fs::read(parts.join(name)).unwrap(), "{name}");
+    }
+    // Another length is another study.
+    let other = output(&line.replace("30", "40"), parts, &[]);
+    assert!(String::from_utf8(other.stderr).unwrap().contains("drift.store"));
 }
