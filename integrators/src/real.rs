@@ -64,13 +64,13 @@ macro_rules! with_registers {
     ($R:ty, $V:tt, $body:expr) => {
         match $crate::Instructions::used() {
             #[cfg(target_arch = "x86_64")]
-            $crate::Instructions::Avx512 if const { <$R as $crate::Real>::IN_REGISTERS } => {
+            $crate::Instructions::Avx512 if const { <<$R as $crate::Real>::Pair as $crate::Vector<$R>>::LANES > 1 } => {
                 let kernel = $crate::with_registers!($V = <$R as $crate::Real>::Eight, $body);
                 // SAFETY: `used` returns a set that this machine has.
                 unsafe { $crate::real::avx512(kernel) }
             }
             #[cfg(target_arch = "x86_64")]
-            $crate::Instructions::Avx2 if const { <$R as $crate::Real>::IN_REGISTERS } => {
+            $crate::Instructions::Avx2 if const { <<$R as $crate::Real>::Pair as $crate::Vector<$R>>::LANES > 1 } => {
                 let kernel = $crate::with_registers!($V = <$R as $crate::Real>::Four, $body);
                 // SAFETY: as above.
                 unsafe { $crate::real::avx2(kernel) }
@@ -119,9 +119,6 @@ pub trait Real: Float + FloatConst + NumAssign + std::fmt::Debug + std::fmt::Dis
     /// The nearest `f64`.
     fn f64(self) -> f64;
 
-    /// Whether numbers lie side by side in registers.
-    #[doc(hidden)]
-    const IN_REGISTERS: bool;
     /// The register of each instruction set. They are for
     /// [`with_registers!`](crate::with_registers): their functions may be called only where the
     /// machine has their instructions.
@@ -141,7 +138,6 @@ pub trait Real: Float + FloatConst + NumAssign + std::fmt::Debug + std::fmt::Dis
 }
 
 impl Real for f64 {
-    const IN_REGISTERS: bool = true;
     type Pair = Pair;
     #[cfg(target_arch = "x86_64")]
     type Four = Four;
@@ -185,7 +181,6 @@ pub(crate) fn run_narrow<K: Kernel>(kernel: K) -> K::Output {
 }
 
 impl Real for twofloat::TwoFloat {
-    const IN_REGISTERS: bool = false;
     type Pair = Self;
     type Four = Self;
     type Eight = Self;

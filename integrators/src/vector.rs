@@ -71,8 +71,8 @@ pub trait Vector<R>:
     fn each(self, f: impl Fn(R) -> R) -> Self;
 }
 
-/// Functions that are inlined into kernels. An `unsafe` body is one whose instructions exist: a
-/// value of the type, or a kernel run with it, exists only where `Real` has found them.
+/// Functions that are inlined into kernels. An `unsafe` body is one whose instructions exist: only
+/// [`with_registers!`](crate::with_registers) names the type, where the machine has them.
 macro_rules! inlined {
     ($(fn $name:ident($($argument:tt)*) -> $to:ty $body:block)*) => {$(
         #[inline(always)]
@@ -81,6 +81,7 @@ macro_rules! inlined {
     (unsafe $(fn $name:ident($($argument:tt)*) -> $to:ty $body:block)*) => {$(
         #[inline(always)]
         fn $name($($argument)*) -> $to {
+            debug_assert!(Self::SET.available());
             // SAFETY: as above.
             unsafe { $body }
         }
@@ -295,6 +296,7 @@ pub(crate) use wide::{Eight, Four};
 #[cfg(target_arch = "x86_64")]
 mod wide {
     use super::{Add, Div, Mul, One, Sub, Vector};
+    use crate::instructions::Instructions;
     use std::arch::x86_64::*;
 
     /// Four numbers, for AVX2.
@@ -317,6 +319,10 @@ mod wide {
             registers!(Eight 8 _mm512_loadu_pd _mm512_storeu_pd $(fn $name($($argument)*) -> $to $eight)*);
         };
         ($register:ident $lanes:literal $load:ident $store:ident $($functions:tt)*) => {
+            impl $register {
+                const SET: Instructions = if $lanes == 4 { Instructions::Avx2 } else { Instructions::Avx512 };
+            }
+
             impl Vector<f64> for $register {
                 const LANES: usize = $lanes;
                 each_lane!();

@@ -106,7 +106,7 @@ def normal_mode(
     to: float,
     mode: int | None = None,
     step: float | None = None,
-    points: int = 200,
+    points: int | None = None,
     switch: int | None = None,
     si: bool = False,
     progress: Progress = False,
@@ -175,7 +175,7 @@ def normal_mode(
             mode=None if mode is None else whole("mode", mode),
             to=number("to", to),
             step=optional("step", step),
-            points=whole("points", points),
+            points=None if points is None else whole("points", points),
             switch=None if switch is None else whole("switch", switch),
             si=si,
         )

@@ -25,7 +25,6 @@ import hertzchain as hc
         (hc.DarkBreather, "breather dark", ["center", "rho", "sites", "alpha", "kappa", "c_x", "tol"]),
         (hc.continue_branch, "breather continue", ["weak"]),
         (hc.driven_orbit, "orbit driven", ["turns", "settle"]),
-        (hc.normal_mode, "orbit mode", ["points"]),
         (hc.compare, "compare", ["max_time"]),
     ],
 )
@@ -33,7 +32,7 @@ def test_defaults_are_those_of_the_program(function: Callable[..., Any], command
     line = [sys.executable, "-m", "hertzchain", *command.split(), "--help"]
     told = subprocess.run(line, capture_output=True, text=True, check=True).stdout
     for option in options:
-        flag = {"points": "max-points"}.get(option, option.replace("_", "-"))
+        flag = option.replace("_", "-")
         _, _, block = told.partition(f"\n      --{flag} ")
         printed = re.search(r"\[default: ([^]]+)\]", block.partition("\n      --")[0])
         default = inspect.signature(function).parameters[option].default

@@ -128,7 +128,7 @@ impl Report {
         self
     }
 
-    /// A remark beside the results, such as what is missing. An error: the command fails.
+    /// Why the study has not done what it was asked for: the command fails.
     #[must_use]
     pub fn failure(mut self, words: Option<String>) -> Self {
         self.failure = words.or(self.failure);

@@ -114,6 +114,7 @@ impl Homoclinics {
     /// # Errors
     /// As of [`Homoclinic::new`].
     pub fn report(&self) -> Result<Report> {
+        self.within_ranges()?;
         let one = Homoclinic::new(self.alpha, self.center)?;
         let sites: Vec<i64> = one.sites().collect();
         let table = profile(&sites.iter().map(|&n| (n, one.a(n))).collect::<Vec<_>>());
@@ -222,6 +223,7 @@ impl DarkProfiles {
     /// # Errors
     /// As of [`DarkProfile::new`] and [`DarkProfile::mu`].
     pub fn report(&self) -> Result<Report> {
+        self.within_ranges()?;
         let profile = DarkProfile::new(self.params.checked()?, self.center, self.sites, self.c)?;
         let omega_b = self.omega_b.unwrap_or(FREQUENCY * profile.params().omega());
         let (mu, (x, y)) = (profile.mu(omega_b)?, profile.seed(omega_b)?);

@@ -111,6 +111,9 @@ impl OfScene for ModeContinuation {
 impl ModeWay {
     /// The modes of a scene, the continuation, and the units in which it was given and is reported.
     fn for_scene(&self, scene: &Scene, si: InSi) -> Result<(NormalModes, ModeContinuation, Option<Units>)> {
+        self.within_ranges()?;
+        self.branch.within_ranges()?;
+        self.more.within_ranges()?;
         let si = si.units(scene)?;
         let (modes, read) = (NormalModes::new(scene.chain())?, self.branch.read(Scale(si.as_ref()), Quantity::Length));
         let continuation = self.branch.as_given(si.as_ref(), self.continuation(&read, &modes))?;
@@ -118,9 +121,6 @@ impl ModeWay {
     }
 
     fn continuation(&self, read: &BranchOptions, modes: &NormalModes) -> Result<ModeContinuation> {
-        self.within_ranges()?;
-        self.branch.within_ranges()?;
-        self.more.within_ranges()?;
         let mode = self.linear_mode.map_or(modes.most_localised(), |number| number - 1);
         let to = read.to.ok_or_else(branches::without_end)?;
         let (step, most_points) = (read.step.unwrap_or(STEP * to), read.max_points);

@@ -111,7 +111,11 @@ fn masked(text: &str, folder: &Path) -> String {
     words.join(" ")
 }
 
-/// Words and two weighted sums of the numbers of a text, without the masked columns of a CSV file.
+/// Numbers of a text that share two sums of a fingerprint.
+const TOGETHER: u32 = 64;
+
+/// Words and two weighted sums of each `TOGETHER` numbers of a text, without the masked columns of a
+/// CSV file.
 fn fingerprint(name: &str, text: &str) -> String {
     if name.ends_with(".store") {
         return format!("{} lines", text.lines().count());
@@ -126,7 +130,7 @@ fn fingerprint(name: &str, text: &str) -> String {
         kept = text.lines().map(keep).collect::<Vec<_>>().join("\n");
     }
     // Fowler, Noll & Vo's hash.
-    let (mut words, mut sums, mut count) = (0xcbf2_9ce4_8422_2325_u64, [0.0; 2], 0u32);
+    let (mut words, mut sums, mut count) = (0xcbf2_9ce4_8422_2325_u64, Vec::new(), 0u32);
     for token in tokens(&kept) {
         match token {
             Token::Words(text) => {
@@ -136,15 +140,19 @@ fn fingerprint(name: &str, text: &str) -> String {
             }
             // Pages have a date.
             Token::Number(x) if !name.ends_with(".html") => {
+                if count.is_multiple_of(TOGETHER) {
+                    sums.push([0.0; 2]);
+                }
                 count += 1;
                 let y = (1.0 + x.abs() / ROUNDING).ln().copysign(x);
                 let weight = (f64::from(count) * 0.618_033_988_749_894_9).fract();
-                (sums[0], sums[1]) = (sums[0] + y.abs(), sums[1] + (1.0 + weight) * y);
+                let last = sums.last_mut().unwrap();
+                (last[0], last[1]) = (last[0] + y.abs(), last[1] + (1.0 + weight) * y);
             }
             Token::Number(_) => {}
         }
     }
-    format!("{:x} {count} {:e} {:e}", words, sums[0], sums[1])
+    sums.iter().fold(format!("{words:x} {count}"), |text, [a, b]| text + &format!(" {a:e} {b:e}"))
 }
 
 /// Size and a coarse image of a picture: mean brightness of eight by eight fields, from 0 to 15.
@@ -179,6 +187,9 @@ fn files(folder: &Path, timed: bool) -> BTreeMap<String, String> {
             let (name, bytes) =
                 (path.strip_prefix(folder).unwrap().to_string_lossy().into_owned(), fs::read(&path).unwrap());
             let told = match std::str::from_utf8(&bytes) {
+                Ok(text) if timed && name.ends_with(".csv") => {
+                    format!("timed, {}", text.lines().next().unwrap_or_default())
+                }
                 Ok(_) if timed && !name.ends_with(".json") => "timed".to_owned(),
                 Ok(text) => fingerprint(&name, &masked(text, folder)),
                 Err(_) if timed => "timed".to_owned(),

@@ -99,6 +99,8 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             ("wave modulation --set chain.rho=3", "it changes a scene: name one"),
             ("breather bright --until 1e300", "the end of a run is from 1e-100 to 1e100"),
             ("breather bright --integrator xx", "`hertzchain integrators` lists all"),
+            ("breather bright --rho 0", "rho = 0 is not valid: a bright breather needs resonators"),
+            ("breather bright --sites 4", "sites = 4 is not valid: the chain holds the breather"),
             ("breather bright --center bead", "invalid value 'bead'"),
             ("breather bright --boundary strain-ring", "invalid value 'strain-ring'"),
             ("breather trivial bright-breather", "a scene of kind trivial-breather, or a state that is one"),

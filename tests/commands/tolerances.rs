@@ -73,6 +73,7 @@ fn outside(help: &str) -> Option<(String, Vec<String>)> {
             let below = if whole { least - 1.0 } else { 0.5 * least };
             [(least > 0.0).then_some(below), Some(if whole { most + 1.0 } else { 1.5 * most })]
         }
+        ["a", "finite", "number"] => [Some(f64::INFINITY), Some(f64::NAN)],
         ["finite", "and", "positive"] => [Some(0.0), Some(f64::INFINITY)],
         ["finite", "and", "at", "least", _] => [Some(number(4)? - 1.0), Some(f64::INFINITY)],
         ["at", "least", _] => [Some(number(2)? - 1.0), None],

@@ -7,6 +7,7 @@ pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
     largest(a.iter().zip(b).map(|(a, b)| a - b))
 }
 

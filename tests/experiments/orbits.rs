@@ -182,6 +182,10 @@ fn the_background_is_a_two_degree_of_freedom_oscillator() {
     assert!(defect < 1e-12);
     let (x, y) = (orbit.x()[0].abs(), orbit.y()[0].abs());
     assert!((extent.k_x - x).abs() < 1e-15 && (extent.k_y - y).abs() < 1e-15 && extent.c_x.abs() < 1e-15);
+    // The number of the guide, and that of the breather centred on a bond.
+    assert!((extent.k_x - 0.149_644_582_321).abs() < 1e-12);
+    let bond = breather(Center::Bond, 2.05).orbit(&Shooting::default()).unwrap();
+    assert!((bond.spectrum(&Shooting::default()).unwrap().largest() - 1.075_209_459_199).abs() < 1e-9);
 }
 
 #[test]

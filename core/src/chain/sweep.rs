@@ -250,8 +250,8 @@ fn go_on<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
     // Positions and forces of the last register, which is updated next; forces of the register
     // before it.
     let (mut q, mut f, mut before);
-    // SAFETY: a register of sites that begins before `n` ends within the columns,
-    // by the check of `run`.
+    // SAFETY: a register of sites that begins before `n` ends within the columns, by the check of
+    // `Piece::go_on`.
     if at > pass.began {
         // SAFETY: as above.
         (q, f, before) = (V::all(pass.q), unsafe { V::load(pass.f.as_ptr()) }, V::all(pass.before));

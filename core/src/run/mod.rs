@@ -32,7 +32,7 @@ pub use warning::Warning;
 
 use crate::{
     chain::{Chain, Contact, Contacts, State},
-    error::{Error, Result},
+    error::{Error, Result, positive},
     parts::{Decomposition, ONE_PART},
 };
 use hertzchain_integrators::Stepper;
@@ -176,9 +176,7 @@ impl Run {
     /// A step that is not finite or not positive, or that fits the span more than 10^15 times; no
     /// end given before.
     pub fn step(self, h: f64) -> Result<Self> {
-        if !(h.is_finite() && h > 0.0) {
-            return Err(Error::parameter("step", h, "finite and positive"));
-        }
+        positive("step", h)?;
         let steps = Setting::steps(self.end()? / h)?;
         Ok(self.setting(steps))
     }

@@ -32,6 +32,7 @@ const LEVELS: usize = 5;
 const MOST_ROUNDS: u32 = 10;
 /// Number of times that the panels of a bond may be halved. Chosen, not measured.
 const MOST_HALVINGS: u32 = 4;
+
 /// The memory of a thread, for one block at a time.
 pub(crate) struct Workspace<const M: usize, const S: usize> {
     pub(crate) bonds: Vec<Bond<M, S>>,
@@ -86,28 +87,28 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
             };
         }
         let ring = whole && share.ring && all > 1;
-        let mut verdict =
+        let mut outcome =
             Work { interval: Interval { bonds: &mut *bonds, ring }, old: &mut self.old, frames, goal }.run();
-        verdict.failure = verdict.failure.map(|(b, residual)| (share.number(first + b), residual));
+        outcome.failure = outcome.failure.map(|(b, residual)| (share.number(first + b), residual));
         let mine = offset..offset + own.len();
-        verdict.work += BOND * len as u64;
-        verdict.count(&bonds[mine.clone()]);
+        outcome.work += BOND * len as u64;
+        outcome.count(&bonds[mine.clone()]);
         for (left, bond) in left.iter_mut().zip(&bonds[mine.clone()]) {
             *left = Left { path: bond.panels.total, ongoing: bond.outlasting(frames.h), ledger: [0.0; 4] };
         }
-        if verdict.failure.is_none() {
+        if outcome.failure.is_none() {
             let found = bonds[mine.clone()].iter().map(|bond| bond.sweeps.stiffness);
-            verdict.failure = too_stiff(found, goal).map(|(b, stiffness)| (share.number(own.start + b), stiffness));
+            outcome.failure = too_stiff(found, goal).map(|(b, stiffness)| (share.number(own.start + b), stiffness));
         }
-        if const { S != 1 } && verdict.failure.is_none() {
+        if const { S != 1 } && outcome.failure.is_none() {
             keep_ledger(start, frames, (&*bonds, mine.start, ring), left);
         }
-        if log && verdict.failure.is_none() {
+        if log && outcome.failure.is_none() {
             for i in mine {
                 log_contacts(share, frames, (&*bonds, i, ring), &mut self.pieces);
             }
         }
-        verdict
+        outcome
     }
 }
 
@@ -200,7 +201,7 @@ fn too_stiff(stiffness: impl Iterator<Item = f64>, goal: &Goal) -> Option<(usize
     stiffness.enumerate().find(|(_, stiffness)| *stiffness > goal.stiffest)
 }
 
-/// The bonds of a block over a window, from the prediction to a verdict.
+/// The bonds of a block over a window, from the prediction to an outcome.
 struct Work<'a, const M: usize, const S: usize> {
     interval: Interval<'a, M, S>,
     old: &'a mut Panels<M, S>,
@@ -211,33 +212,33 @@ struct Work<'a, const M: usize, const S: usize> {
 impl<const M: usize, const S: usize> Work<'_, M, S> {
     fn run(self) -> WindowOutcome {
         let Self { mut interval, old, frames, goal } = self;
-        let mut verdict = WindowOutcome::default();
+        let mut outcome = WindowOutcome::default();
         let bonds = interval.again();
         if !run::<S, _>(kernel!(predict(bonds, frames))) {
-            verdict.failure = Some((0, f64::INFINITY));
-            return verdict;
+            outcome.failure = Some((0, f64::INFINITY));
+            return outcome;
         }
         let mut levels = 0..=LEVELS;
         let mut rounds = 0;
         loop {
             let done = run::<S, _>(Pass { interval: interval.again(), old: &mut *old, frames, goal, levels });
             levels = 1..=1;
-            verdict.sweeps += done.deepest as u64;
-            verdict.work += done.work;
-            verdict.failure = done.failure;
-            if verdict.failure.is_some() {
-                return verdict;
+            outcome.sweeps += done.deepest as u64;
+            outcome.work += done.work;
+            outcome.failure = done.failure;
+            if outcome.failure.is_some() {
+                return outcome;
             }
             if done.deepest == 0 {
-                let Some(b) = unsettled(&mut interval, frames, goal, &mut verdict) else { return verdict };
+                let Some(b) = unsettled(&mut interval, frames, goal, &mut outcome) else { return outcome };
                 rounds += 1;
                 if rounds > MOST_ROUNDS {
-                    verdict.failure = Some((b, f64::INFINITY));
-                    return verdict;
+                    outcome.failure = Some((b, f64::INFINITY));
+                    return outcome;
                 }
-            } else if verdict.sweeps >= MOST_SWEEPS {
-                verdict.failure = busiest(interval.bonds);
-                return verdict;
+            } else if outcome.sweeps >= MOST_SWEEPS {
+                outcome.failure = busiest(interval.bonds);
+                return outcome;
             }
         }
     }
@@ -382,10 +383,10 @@ fn unsettled<const M: usize, const S: usize>(
     interval: &mut Interval<'_, M, S>,
     frames: &Frames<'_, M, S>,
     goal: &Goal,
-    verdict: &mut WindowOutcome,
+    outcome: &mut WindowOutcome,
 ) -> Option<usize> {
     let mut anew = None;
-    verdict.tail = 0.0;
+    outcome.tail = 0.0;
     let bonds = &mut *interval.bonds;
     run::<S, _>(kernel!(judge(bonds, frames, goal)));
     let per = 0.5 * frames.h * frames.h;
@@ -397,7 +398,7 @@ fn unsettled<const M: usize, const S: usize>(
         let off = per * (others + me.initial.mobility * me.prediction.predictor_error);
         if off > me.prediction.margin || me.pending.search || me.pending.diverged {
             match me.verify(frame, beside) {
-                None => verdict.failure = Some((b, f64::INFINITY)),
+                None => outcome.failure = Some((b, f64::INFINITY)),
                 Some(true) => {
                     (me.pending.layout, anew) = (true, Some(b));
                     // As where an event moves far, see [`Pass::tell`].
@@ -411,14 +412,14 @@ fn unsettled<const M: usize, const S: usize>(
         }
         let me = &mut interval.bonds[b];
         let tail = me.resolution.tail;
-        verdict.tail = if tail > verdict.tail { tail } else { verdict.tail };
+        outcome.tail = if tail > outcome.tail { tail } else { outcome.tail };
         if tail > 1.0 {
             me.resolution.halvings += 1;
             (me.pending.layout, anew) = (true, Some(b));
             if me.resolution.halvings > MOST_HALVINGS {
-                verdict.failure = Some((b, f64::INFINITY));
+                outcome.failure = Some((b, f64::INFINITY));
             }
         }
     }
-    anew.filter(|_| verdict.failure.is_none())
+    anew.filter(|_| outcome.failure.is_none())
 }

@@ -1,4 +1,4 @@
-//! A bond in a window: its contacts, their panels, and one sweep over them.
+//! A bond in a window: its contacts and their panels.
 
 use super::{chain::Path, detect::Crossing, panels::Panels, prescribed::Prescribed};
 

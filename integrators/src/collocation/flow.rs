@@ -19,7 +19,6 @@
 //! digits by cancellation. Windows are short enough for the series, see [`Flow::longest`].
 
 use super::chain::{Path, Response};
-
 use crate::{
     vector::{MOST_LANES, Vector},
     with_registers,

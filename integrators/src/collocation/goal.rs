@@ -1,4 +1,4 @@
-//! A window to be solved, and the accuracy at which it counts as solved.
+//! The accuracy at which a window counts as solved.
 
 use super::link::Link;
 

@@ -1,5 +1,5 @@
-//! Contacts that dissipate: what windows need of their law, see [`BondLaw`](crate::law::BondLaw),
-//! and the rates of overlaps that their forces depend on.
+//! Contacts that dissipate: the rates of overlaps that their forces depend on. Their laws are those
+//! of [`BondLaw`](crate::law::BondLaw).
 //!
 //! | symbol | meaning |
 //! |---|---|

@@ -121,7 +121,7 @@
 //!
 //! # Files
 //!
-//! A file uses only files that come before it here:
+//! A file imports only from files that come before it here:
 //!
 //! | | |
 //! |---|---|

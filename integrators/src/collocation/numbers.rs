@@ -41,14 +41,14 @@ impl WindowOutcome {
     /// Length of the array.
     pub const NUMBERS: usize = 8;
 
-    /// The verdict as an array; counts are exact up to 2^53.
+    /// The outcome as an array; counts are exact up to 2^53.
     pub fn numbers(&self) -> [f64; Self::NUMBERS] {
         let Self { sweeps, work, stiffness, tail, touching, halved, failure } = *self;
         let (bond, residual) = failure.map_or((f64::NAN, 0.0), |(bond, residual)| (bond as f64, residual));
         [sweeps as f64, work as f64, stiffness, tail, touching as f64, halved as f64, bond, residual]
     }
 
-    /// The verdict of an array.
+    /// The outcome of an array.
     pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Self {
         let [sweeps, work, stiffness, tail, touching, halved, bond, residual] = *numbers;
         let (sweeps, work) = (sweeps as u64, work as u64);
@@ -139,9 +139,9 @@ mod tests {
         let window = Window { h: 5.0, nodes: 6, log: true, goal };
         same(window, Window::of_numbers(&window.numbers()));
         let (sweeps, work) = (7, 1 << 52);
-        let verdict = WindowOutcome { sweeps, work, stiffness: 0.1, tail: 0.2, touching: 8, halved: 9, failure: None };
-        let failed = WindowOutcome { failure: Some((0, f64::INFINITY)), ..verdict };
-        [verdict, failed].into_iter().for_each(|verdict| same(verdict, WindowOutcome::of_numbers(&verdict.numbers())));
+        let outcome = WindowOutcome { sweeps, work, stiffness: 0.1, tail: 0.2, touching: 8, halved: 9, failure: None };
+        let failed = WindowOutcome { failure: Some((0, f64::INFINITY)), ..outcome };
+        [outcome, failed].into_iter().for_each(|outcome| same(outcome, WindowOutcome::of_numbers(&outcome.numbers())));
         let lasting = Contact::new(f64::NEG_INFINITY, f64::INFINITY, [0.1, -0.2]);
         for ongoing in [None, Some(lasting)] {
             let (left, mut numbers) =

@@ -18,6 +18,14 @@ use super::{
 };
 use crate::{events::Curve, kernel};
 
+/// The shortest chord for a slope, as a share of the panel's length: rounding spoils the slope of a
+/// shorter one, curvature that of a longer one. Chosen; `methods
+/// short_contacts_are_found_in_few_sweeps` counts the sweeps that it takes.
+const CHORD: f64 = 1e-3;
+/// Ratio of the smallest to the largest overlap on a panel below which the force counts as nearly
+/// going out. Chosen; held by `methods contacts_that_nearly_open_keep_the_tolerance`.
+const FADING: f64 = 0.15;
+
 /// The parameters of a window, for all bonds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frames<'a, const M: usize, const S: usize> {
@@ -570,11 +578,3 @@ fn last_terms<const M: usize>(rule: &Rule<M>, values: &[f64; M]) -> f64 {
     let (a, b) = (dot(&rule.tail[0], values).abs(), dot(&rule.tail[1], values).abs());
     if a > b { a } else { b }
 }
-
-/// The shortest chord for a slope, as a share of the panel's length: rounding spoils the slope of a
-/// shorter one, curvature that of a longer one. Chosen; `methods
-/// short_contacts_are_found_in_few_sweeps` counts the sweeps that it takes.
-const CHORD: f64 = 1e-3;
-/// Ratio of the smallest to the largest overlap on a panel below which the force counts as nearly
-/// going out. Chosen; held by `methods contacts_that_nearly_open_keep_the_tolerance`.
-const FADING: f64 = 0.15;

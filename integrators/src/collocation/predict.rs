@@ -17,6 +17,7 @@ const SHARE: f64 = 1e3;
 /// The shortest chord by which a release after the window is estimated, as a share of the window.
 /// Chosen: a step of Newton's method errs by about its square.
 const CHORD: f64 = 1e-6;
+
 /// The zero of a function with values of both signs at the two `ends` of a window of length `h`,
 /// and its slope there, by a few steps of the Illinois method. They are enough for a prediction,
 /// which is not exact itself.

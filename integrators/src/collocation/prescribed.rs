@@ -11,7 +11,7 @@ use super::{
     flow::Flow,
     kernels::apart,
     rule::Rule,
-    series::clenshaw,
+    series::{clenshaw, dot, product, times as by_node},
 };
 use crate::kernel;
 
@@ -57,7 +57,7 @@ fn size(series: &[f64; TERMS]) -> f64 {
 
 impl Prescribed {
     fn new(values: &[f64; TERMS], h: f64, ends: [[f64; 2]; 2]) -> Self {
-        let series = super::series::product(&Rule::<TERMS>::shared().series, values);
+        let series = product(&Rule::<TERMS>::shared().series, values);
         let second = derivative(&derivative(&series, h), h);
         let fourth = derivative(&derivative(&second, h), h);
         Self { series, h, ends, curvature_bounds: [size(&second), size(&fourth)] }
@@ -138,7 +138,7 @@ impl Driven {
             let rule = Rule::<TERMS>::shared();
             let times = rule.nodes.map(|x| 0.5 * h * (1.0 + x));
             let values = times.map(|t| signal(t)[0]);
-            let last = rule.tail.iter().map(|row| super::series::dot(row, &values).abs()).fold(0.0, f64::max);
+            let last = rule.tail.iter().map(|row| dot(row, &values).abs()).fold(0.0, f64::max);
             let allowed = (SHARE * tol).max(ROUNDING) * drive.size + OF_TIME * t.abs() * drive.rate;
             let shorter = 0.9 * h * (allowed / last).powf(1.0 / TERMS as f64);
             let longest = if last <= allowed { f64::INFINITY } else { shorter };
@@ -151,9 +151,9 @@ impl Driven {
             };
             let impulses = values.map(|value| 0.5 * h * value);
             let ([lag, cos, sin], answer) = flow.position_and_answer(&times);
-            let parts = answer.map(|part| super::series::times(&part, &impulses));
-            let left = parts.map(|part| super::series::dot(&rule.weights, &part));
-            let [r, v, c, s] = parts.map(|part| super::series::product(&rule.integral, &part));
+            let parts = answer.map(|part| by_node(&part, &impulses));
+            let left = parts.map(|part| dot(&rule.weights, &part));
+            let [r, v, c, s] = parts.map(|part| product(&rule.integral, &part));
             let position =
                 std::array::from_fn(|j| (r[j] + v[j] * times[j]) + (v[j] * lag[j] + c[j] * cos[j] + s[j] * sin[j]));
             let end = flow.moved(&left, h);

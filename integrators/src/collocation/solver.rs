@@ -90,14 +90,14 @@ impl<const M: usize, const S: usize> Solver<S> for Nodes<M, S> {
         let work = |(k, (workspace, left)): (usize, (&mut Workspace<M, S>, &mut [Left<S>]))| {
             workspace.pieces.clear();
             let mut rest = left;
-            let mut verdict = WindowOutcome::default();
+            let mut outcome = WindowOutcome::default();
             for block in k * each..((k + 1) * each).min(count) {
                 let own = share.own(block);
                 let (mine, others) = rest.split_at_mut(own.len());
-                verdict = verdict.and(workspace.solve(start, &frames, goal, own, mine, log));
+                outcome = outcome.and(workspace.solve(start, &frames, goal, own, mine, log));
                 rest = others;
             }
-            verdict
+            outcome
         };
         if self.workspaces.len() == 1 {
             return work((0, (&mut self.workspaces[0], left)));

@@ -210,10 +210,10 @@ impl<W: Windows> Stepper<f64> for Collocation<W> {
                 return Err(Error::StepUnderflow { t: self.t.value(), h });
             }
             let window = self.window(h, self.log);
-            let verdict = self.windows.solve(&window);
-            self.stats.force_evaluations += verdict.sweeps * self.nodes as u64;
-            let Some((bond, residual)) = verdict.failure else {
-                self.control.accept(&verdict, h, h >= left_to_go);
+            let outcome = self.windows.solve(&window);
+            self.stats.force_evaluations += outcome.sweeps * self.nodes as u64;
+            let Some((bond, residual)) = outcome.failure else {
+                self.control.accept(&outcome, h, h >= left_to_go);
                 self.h = h;
                 self.stats.steps += 1;
                 return Ok(());

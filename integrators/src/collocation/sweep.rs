@@ -74,6 +74,12 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     }
 }
 
+/// A step of an event at `t` that does not lead it before the window. Not a number stays so.
+#[inline(always)]
+fn not_before(t: f64, by: f64) -> f64 {
+    if by < -t { -t } else { by }
+}
+
 impl<const M: usize, const S: usize> Bond<M, S> {
     /// Begins a new window: takes the linear path in it and the contact that continues into it.
     pub(crate) fn begin(
@@ -266,7 +272,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                     by[j] = (force[j] - panel.force[j]).abs();
                 }
                 if !anew {
-                    change.impulse = change.impulse.max(dot(&by, &panel.rate));
+                    // Not a number counts as large.
+                    let by = dot(&by, &panel.rate);
+                    change.impulse = if by <= change.impulse { change.impulse } else { by };
                 }
                 for j in 0..M {
                     largest = if g[j] > largest { g[j] } else { largest };
@@ -344,7 +352,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         // At the start the overlap is known without the error of a series.
         let known = frame.link.lossy() && contact.onset == 0.0 && !contact.overlaps_at_onset;
         let overlap = if known { self.initial.overlap[0] } else { overlap };
-        let by = (-overlap / contact.slopes[0]).max(-contact.onset);
+        let by = not_before(contact.onset, -overlap / contact.slopes[0]);
         // The impulse of a force that jumps is of first order in the error of its onset, so that a
         // step may be rounding and not negligible.
         let rounding = overlap.abs() <= self.initial.band && by.abs() >= 0.5 * contact.step;
@@ -377,7 +385,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
         let by = if inside {
             // A release does not move before the window, where the overlap is already known.
-            (-overlap / contact.slopes[1]).max(-contact.release)
+            not_before(contact.release, -overlap / contact.slopes[1])
         } else if ahead < 0.1 * h {
             -overlap / contact.slopes[1] - ahead
         } else {
@@ -386,6 +394,10 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         // A release after the window must be known the better the nearer it is.
         let deepest = frame.link.lossy().then_some(self.sweeps.largest);
         if by.abs() <= 0.01 * ahead || frame.cuts.negligible(frame.link, contact.slopes[1] * by, by, deepest) {
+            return 0.0;
+        }
+        if by.is_nan() {
+            self.pending.diverged = true;
             return 0.0;
         }
         self.prediction.at_end = overlap;

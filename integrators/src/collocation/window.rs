@@ -17,7 +17,7 @@ pub struct Window {
     pub(crate) h: f64,
     /// Nodes a panel.
     pub(crate) nodes: usize,
-    /// Whether to keep a [`Piece`](super::Piece) for each panel.
+    /// Whether to keep a [`Piece`] for each panel.
     pub(crate) log: bool,
     pub(crate) goal: Goal,
 }
@@ -156,7 +156,7 @@ pub struct WindowOutcome {
 }
 
 impl WindowOutcome {
-    /// The verdict of two groups of bonds, `other` after `self`. Only sums of integers and maxima
+    /// The outcome of two groups of bonds, `other` after `self`. Only sums of integers and maxima
     /// are taken, so that the result does not depend on how bonds are grouped.
     #[must_use]
     pub fn and(self, other: Self) -> Self {

@@ -229,6 +229,9 @@ impl Study for DrivenContinue {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
+        self.way.within_ranges()?;
+        self.way.branch.within_ranges()?;
+        self.way.more.within_ranges()?;
         let Driven { search, si, .. } = &self.driven;
         let Some(resumed) = self.way.branch.resumed() else {
             let scene = self.driven.load()?;
@@ -263,6 +266,7 @@ impl DrivenWay {
         search: &DrivenSearch,
         si: InSi,
     ) -> Result<(DrivenSetting, DrivenContinuation, Option<Units>)> {
+        self.within_ranges()?;
         self.branch.within_ranges()?;
         self.more.within_ranges()?;
         let si = si.units(scene)?;

@@ -75,6 +75,7 @@ impl Study for Evolve {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
+        self.within_ranges()?;
         let shooting = Shooting { tol: self.tol, ..Shooting::default() };
         let pick = self.point.map(Pick::Point).or(self.at.map(Pick::At));
         let orbit = Orbit::load(&self.orbit, pick, &shooting)?;

@@ -66,6 +66,7 @@ impl Ring {
 
     /// A breather of this frequency, by default `omega` times `ratio`.
     pub(super) fn breather(&self, center: Center, omega_b: Option<f64>, ratio: f64) -> Result<DarkBreather> {
+        self.within_ranges()?;
         let params = self.params.checked()?;
         let omega_b = omega_b.unwrap_or(ratio * params.omega());
         Ok(DarkBreather { params, center, sites: self.sites, omega_b, c_x: self.c_x })
@@ -224,7 +225,7 @@ impl Continue {
             natural: self.natural,
             shooting: self.ring.shooting(),
         };
-        let of_from = |why: &Error| varies && matches!(why, Error::Parameter { name: "omega_b", .. });
+        let of_from = |why: &Error| matches!(why, Error::Parameter { name, .. } if *name == parameter.name());
         begin(&breather, &continuation, self.weak).map_err(|why| if of_from(&why) { why.named("from") } else { why })
     }
 }
@@ -242,6 +243,8 @@ impl Study for Continue {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
+        self.within_ranges()?;
+        self.branch.within_ranges()?;
         let &BranchOptions { to, step, max_points, .. } = &self.branch;
         let branch = match self.branch.resumed() {
             Some(resumed) => resumed?.1.onward(to, step, max_points)?,

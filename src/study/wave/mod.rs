@@ -82,6 +82,7 @@ options! {
 impl Wave {
     /// The scene with all changes.
     fn scene(&self) -> Result<Scene> {
+        self.within_ranges()?;
         let mut scene = super::scene(self.scene.as_deref().unwrap_or_default(), &self.set)?;
         if let Some(until) = self.until {
             scene = scene.until(until)?;

@@ -232,9 +232,8 @@ impl Modified<'_> {
         assert!(sites.room() >= n.next_multiple_of(V::LANES));
         assert!(self.force.len() >= room && self.slope.len() >= room);
         assert!(self.spring.as_ref().is_none_or(|spring| spring.len() >= room));
-        // SAFETY: registers begin at most at the last bond, and one follows it in
-        // the columns, as asserted.
-        // SAFETY: as above.
+        // SAFETY: registers begin at most at the last bond, and one follows it in the columns, as
+        // asserted.
         let around = |b: usize| unsafe { [PAD + b - 1, PAD + b, PAD + b + 1].map(|at| self.force.load::<f64>(at)) };
         // On a ring of strains the last bond pushes the first strain.
         // SAFETY: as above.

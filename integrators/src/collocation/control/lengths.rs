@@ -85,19 +85,19 @@ impl Lengths {
     }
 
     /// Counts the work of a window that was solved.
-    pub(super) fn count(&mut self, verdict: &WindowOutcome, h: f64) {
+    pub(super) fn count(&mut self, outcome: &WindowOutcome, h: f64) {
         // A window that is given up for one bond says little about the windows after it.
         self.h = self.h.max(0.9 * self.given_up);
         self.given_up = 0.0;
-        self.stiffness.count(verdict, h);
+        self.stiffness.count(outcome, h);
     }
 
     /// Chooses the next length after a window of length `h`, with the mean share of contacts whose
     /// panels were halved.
-    pub(super) fn adapt(&mut self, verdict: &WindowOutcome, h: f64, halved: f64) {
-        self.h *= if verdict.touching == 0 {
+    pub(super) fn adapt(&mut self, outcome: &WindowOutcome, h: f64, halved: f64) {
+        self.h *= if outcome.touching == 0 {
             2.0
-        } else if verdict.sweeps > GOOD_SWEEPS || halved > MOST_HALVED {
+        } else if outcome.sweeps > GOOD_SWEEPS || halved > MOST_HALVED {
             0.9
         } else if halved < 0.5 * MOST_HALVED {
             1.06
@@ -105,8 +105,8 @@ impl Lengths {
             1.0
         };
         // The limit of the stiffness makes sweeps contract.
-        if verdict.stiffness > 0.0 {
-            self.h = self.h.min(h * (self.stiffness.value / verdict.stiffness).sqrt());
+        if outcome.stiffness > 0.0 {
+            self.h = self.h.min(h * (self.stiffness.value / outcome.stiffness).sqrt());
         }
     }
 }
@@ -116,10 +116,10 @@ impl Stiffness {
         Self { value: STIFFNESS, trial: TRIAL, windows: 0, time: 0.0, work: 0.0, cost: f64::INFINITY }
     }
 
-    fn count(&mut self, verdict: &WindowOutcome, h: f64) {
+    fn count(&mut self, outcome: &WindowOutcome, h: f64) {
         self.windows += 1;
         self.time += h;
-        self.work += verdict.work as f64;
+        self.work += outcome.work as f64;
         if self.windows == PATIENCE {
             let cost = self.work / self.time;
             if cost > self.cost {

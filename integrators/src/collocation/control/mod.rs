@@ -131,11 +131,11 @@ impl Control {
     }
 
     /// Takes note of a window that was solved; `last` if it reached the end of the span.
-    pub(crate) fn accept(&mut self, verdict: &WindowOutcome, h: f64, last: bool) {
+    pub(crate) fn accept(&mut self, outcome: &WindowOutcome, h: f64, last: bool) {
         match &mut self.plan {
             Plan::Equal(equal) => self.finished = equal.accept(h),
             Plan::Adapted(adapted) => {
-                adapted.accept(verdict, h);
+                adapted.accept(outcome, h);
                 self.finished = last;
             }
         }
@@ -168,13 +168,13 @@ impl Equal {
 }
 
 impl Adapted {
-    fn accept(&mut self, verdict: &WindowOutcome, h: f64) {
-        let halved = verdict.halved as f64 / verdict.touching.max(1) as f64;
+    fn accept(&mut self, outcome: &WindowOutcome, h: f64) {
+        let halved = outcome.halved as f64 / outcome.touching.max(1) as f64;
         self.halved += RECENT * (halved - self.halved);
-        self.lengths.count(verdict, h);
-        if self.nodes.choose(verdict.tail, self.halved) {
+        self.lengths.count(outcome, h);
+        if self.nodes.choose(outcome.tail, self.halved) {
             self.halved = 0.0;
         }
-        self.lengths.adapt(verdict, h, self.halved);
+        self.lengths.adapt(outcome, h, self.halved);
     }
 }
