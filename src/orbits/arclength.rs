@@ -122,6 +122,8 @@ pub enum End {
     /// No contact of a wave closes any more: every wave of frequency `omega` without contacts
     /// follows.
     NoContact,
+    /// The waves vanish: contacts no longer change their frequency `omega`.
+    Vanished,
     /// The multipliers of the last orbit are not known.
     NoMultipliers,
     /// The process was asked to end.
@@ -131,7 +133,7 @@ pub enum End {
 impl End {
     /// Whether the branch was followed as far as it goes.
     pub fn is_complete(self) -> bool {
-        matches!(self, Self::Reached | Self::TurnedBack | Self::Rejoined | Self::NoContact)
+        matches!(self, Self::Reached | Self::TurnedBack | Self::Rejoined | Self::NoContact | Self::Vanished)
     }
 
     /// The end of a branch with multipliers, from that of its orbits, `None` while they can go on;
@@ -155,6 +157,7 @@ impl End {
             Self::Jumped => "Newton's method leads to another branch, also with the shortest step",
             Self::Rejoined => "it came back to the branch of half its period",
             Self::NoContact => "no contact closes any more, and the frequency is omega",
+            Self::Vanished => "its waves vanish where their frequency is omega",
             Self::NoMultipliers => "the multipliers of its last orbit are not known",
             Self::Stopped => "the process was asked to end",
         }

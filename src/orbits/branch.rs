@@ -17,6 +17,7 @@ use crate::{
     dps::Center,
     error::{Error, Result},
     named::named,
+    output::FileFormat,
 };
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -38,7 +39,7 @@ pub struct Range {
 named! {
     /// What is found about the orbits of a branch; each includes those before it.
     #[derive(PartialOrd)]
-    pub enum Asked {
+    pub enum AnalysisLevel {
         /// Only what is measured without multipliers.
         Orbits = "orbits",
         /// Multipliers.
@@ -53,7 +54,7 @@ pub type At<'a, P> = (&'a <P as Problem>::Orbit, &'a <P as Problem>::Spectrum);
 
 /// A kind of orbits that make branches in one parameter. The type has the numbers of a
 /// continuation.
-pub trait Problem: Copy + Debug + Send + Sync {
+pub trait Problem: Copy + Debug + Serialize + DeserializeOwned + Send + Sync {
     /// The numbers that do not vary, and for those that do the values at one orbit.
     type Setting: Clone + Debug + Send + Sync;
     /// An orbit, with its parameter.
@@ -70,6 +71,8 @@ pub trait Problem: Copy + Debug + Send + Sync {
     const NEAR: f64 = 0.0;
     /// What [`Branch::weak`] is at first.
     const WEAK: Option<f64> = None;
+    /// Format and version of the file of a branch.
+    const FORMAT: FileFormat;
 
     /// The name of the parameter.
     fn name(&self) -> &'static str;
@@ -122,7 +125,7 @@ pub trait Problem: Copy + Debug + Send + Sync {
     /// The solution of an orbit.
     fn solution(&self, setting: &Self::Setting, orbit: &Self::Orbit) -> Solution;
     /// Why a branch ends with this orbit, if it does.
-    fn ends(&self, _orbit: &Self::Orbit) -> Option<End> {
+    fn ends(&self, _setting: &Self::Setting, _orbit: &Self::Orbit) -> Option<End> {
         None
     }
 
@@ -140,6 +143,24 @@ pub trait Problem: Copy + Debug + Send + Sync {
     /// # Errors
     /// An integration that fails.
     fn measures(&self, setting: &Self::Setting, orbit: &Self::Orbit, bounded: bool) -> Result<Self::Measures>;
+
+    /// Names and lengths of the arrays into which the numbers of an orbit are divided in a file.
+    fn arrays(setting: &Self::Setting) -> Vec<(&'static str, usize)>;
+    /// The numbers of an orbit that are kept, its unknowns, with its parameter and residual.
+    fn numbers(&self, setting: &Self::Setting, orbit: &Self::Orbit) -> Solution {
+        self.solution(setting, orbit)
+    }
+    /// The orbit of these numbers, to the bit.
+    fn restored(&self, setting: &Self::Setting, numbers: Solution) -> Self::Orbit {
+        self.orbit(setting, &numbers)
+    }
+    /// Real part, imaginary part and error of the modulus of each multiplier.
+    fn multipliers(spectrum: &Self::Spectrum) -> Vec<[f64; 3]>;
+    /// Refuses numbers that are not those of an orbit, by an integration.
+    ///
+    /// # Errors
+    /// The rule that they break.
+    fn verify(&self, setting: &Self::Setting, orbit: &Self::Orbit) -> Result<()>;
 
     /// Least unit of the parameter between two orbits, of which the first has the parameter `p`:
     /// beside a fold both have nearly the same.
@@ -281,7 +302,7 @@ pub struct Branch<P: Problem = Continuation> {
     /// located. `None`: no bifurcations are located.
     pub weak: Option<f64>,
     /// What is found about the orbits.
-    pub asked: Asked,
+    pub level: AnalysisLevel,
     /// The orbits, at least one, in their order along the branch.
     pub orbits: Vec<P::Orbit>,
     /// Length of the next predictor.
@@ -320,7 +341,7 @@ impl<P: Problem> Branch<P> {
             birth: None,
             center: None,
             weak: P::WEAK,
-            asked: Asked::Bifurcations,
+            level: AnalysisLevel::Bifurcations,
             orbits: vec![start],
             ds: step / (to - back).abs(),
             end: None,
@@ -417,7 +438,7 @@ impl<P: Problem> Branch<P> {
                 }
                 *before = now;
             }
-            let end = end.or(continuation.ends(&orbit));
+            let end = end.or(continuation.ends(&setting, &orbit));
             *solution = continuation.solution(&setting, &orbit);
             self.orbits.push(orbit);
             // `end` is set before the call, so that a branch saved by `seen` has it.
@@ -444,7 +465,7 @@ impl<P: Problem> Branch<P> {
 
     /// Whether bifurcations are located, for which the multipliers of the orbit before are needed.
     pub(crate) fn joined(&self) -> bool {
-        self.asked == Asked::Bifurcations && self.weak.is_some()
+        self.level == AnalysisLevel::Bifurcations && self.weak.is_some()
     }
 
     /// The branch with points and bifurcations.
@@ -470,7 +491,7 @@ impl<P: Problem> Branch<P> {
                     self.points.push(Point { orbit: self.orbits[k].clone(), spectrum, measures });
                 }
                 Ok((None, measures)) => self.measured.push(Some(measures)),
-                Err(_) if self.asked == Asked::Orbits => self.measured.push(None),
+                Err(_) if self.level == AnalysisLevel::Orbits => self.measured.push(None),
                 Err(_) => self.gaps.push(self.parameter(&self.orbits[k])),
             }
         }
@@ -522,8 +543,8 @@ impl<P: Problem> Branch<P> {
             let orbits = orbits.map(|one| self.continuation.orbit(&setting, &one)).to_vec();
             let continuation = self.continuation.with_range(Range { to: sign * range.to, ..range });
             let branch = Self::new(continuation, setting, orbits[0].clone())?;
-            let (back, weak, asked, birth) = (sign * self.back, self.weak, self.asked, Some(birth.kind));
-            return Ok(Self { back, weak, asked, birth, orbits, ds, ..branch });
+            let (back, weak, level, birth) = (sign * self.back, self.weak, self.level, Some(birth.kind));
+            return Ok(Self { back, weak, level, birth, orbits, ds, ..branch });
         }
         refused("not exactly one other branch crosses there, of orbits that this search finds")
     }
@@ -590,8 +611,8 @@ impl<'a, P: Problem> Spectra<'a, P> {
 
     /// All that is found about orbit `k`.
     pub(crate) fn analysis(&self, k: usize) -> Analysis<P> {
-        let Branch { continuation, setting, orbits, bounded, asked, .. } = self.branch;
-        let spectrum = (*asked > Asked::Orbits).then(|| self.at(k)).transpose().map_err(String::clone);
+        let Branch { continuation, setting, orbits, bounded, level, .. } = self.branch;
+        let spectrum = (*level > AnalysisLevel::Orbits).then(|| self.at(k)).transpose().map_err(String::clone);
         let measured = spectrum.and_then(|spectrum| {
             let measures = continuation.measures(setting, &orbits[k], *bounded).map_err(|why| why.to_string())?;
             Ok((spectrum.cloned(), measures))

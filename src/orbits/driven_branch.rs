@@ -19,7 +19,7 @@ use super::{
     driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum, MARGIN},
     shooting::Equations,
 };
-use crate::{error::Result, numerics::least_by};
+use crate::{error::Result, numerics::least_by, output::FileFormat};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
@@ -99,6 +99,7 @@ impl Problem for DrivenContinuation {
     type Spectrum = DrivenSpectrum;
     type Measures = DrivenMeasures;
     type Critical = DrivenCritical;
+    const FORMAT: FileFormat = FileFormat("hertzchain driven branch", 2);
     const NEAR: f64 = 1e-6;
     const WEAK: Option<f64> = Some(0.0);
 
@@ -150,6 +151,18 @@ impl Problem for DrivenContinuation {
 
     fn measures(&self, _setting: &DrivenSetting, orbit: &DrivenOrbit, _bounded: bool) -> Result<DrivenMeasures> {
         DrivenMeasures::of(orbit, &self.shooting)
+    }
+
+    fn arrays(setting: &DrivenSetting) -> Vec<(&'static str, usize)> {
+        vec![("z", setting.unknowns())]
+    }
+
+    fn multipliers(spectrum: &DrivenSpectrum) -> Vec<[f64; 3]> {
+        spectrum.multipliers.iter().map(|one| [one.re, one.im, one.error]).collect()
+    }
+
+    fn verify(&self, _setting: &DrivenSetting, orbit: &DrivenOrbit) -> Result<()> {
+        orbit.verify(&self.shooting)
     }
 
     fn least_change(&self, _p: f64) -> f64 {

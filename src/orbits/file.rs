@@ -9,11 +9,6 @@ use super::{
     arclength::{End, Solution},
     bifurcation::BifurcationKind,
     branch::{Branch, Problem},
-    continuation::Continuation,
-    driven::{DrivenOrbit, DrivenSetting, DrivenSpectrum},
-    driven_branch::DrivenContinuation,
-    floquet::Spectrum,
-    normal_modes::{ModeContinuation, ModeOrbit, NormalModes},
     setting::{Parameter, Setting},
     shooting::{Formulation, Orbit, Shooting},
 };
@@ -59,85 +54,8 @@ struct Settings<P, S> {
     end: Option<End>,
 }
 
-/// A problem whose branches are kept in files.
-pub trait Stored: Problem + Serialize + DeserializeOwned {
-    /// Format and version of the file.
-    const FORMAT: FileFormat;
-    /// Names and lengths of the arrays into which the numbers of an orbit are divided.
-    fn arrays(setting: &Self::Setting) -> Vec<(&'static str, usize)>;
-    /// The numbers of an orbit that are kept, its unknowns, with its parameter and residual.
-    fn numbers(&self, setting: &Self::Setting, orbit: &Self::Orbit) -> Solution {
-        self.solution(setting, orbit)
-    }
-    /// The orbit of these numbers, to the bit.
-    fn restored(&self, setting: &Self::Setting, numbers: Solution) -> Self::Orbit {
-        self.orbit(setting, &numbers)
-    }
-    /// Real part, imaginary part and error of the modulus of each multiplier.
-    fn multipliers(spectrum: &Self::Spectrum) -> Vec<[f64; 3]>;
-    /// Refuses numbers that are not those of an orbit, by an integration.
-    ///
-    /// # Errors
-    /// The rule that they break.
-    fn verify(&self, setting: &Self::Setting, orbit: &Self::Orbit) -> Result<()>;
-}
-
 /// Names of the arrays of multipliers.
 const MULTIPLIERS: [&str; 3] = ["multipliers_re", "multipliers_im", "modulus_error"];
-
-impl Spectrum {
-    fn numbers(&self) -> Vec<[f64; 3]> {
-        self.multipliers.iter().map(|one| [one.re, one.im, one.error]).collect()
-    }
-}
-
-impl Stored for Continuation {
-    const FORMAT: FileFormat = FileFormat("hertzchain branch", 1);
-
-    fn arrays(setting: &Setting) -> Vec<(&'static str, usize)> {
-        vec![("x", setting.sites), ("y", setting.sites)]
-    }
-
-    fn multipliers(spectrum: &Spectrum) -> Vec<[f64; 3]> {
-        spectrum.numbers()
-    }
-
-    fn verify(&self, _setting: &Setting, orbit: &Orbit) -> Result<()> {
-        orbit.clone().measured(&self.shooting).map(|_| ())
-    }
-}
-
-impl Stored for DrivenContinuation {
-    const FORMAT: FileFormat = FileFormat("hertzchain driven branch", 2);
-
-    fn arrays(setting: &DrivenSetting) -> Vec<(&'static str, usize)> {
-        vec![("z", setting.unknowns())]
-    }
-
-    fn multipliers(spectrum: &DrivenSpectrum) -> Vec<[f64; 3]> {
-        spectrum.multipliers.iter().map(|one| [one.re, one.im, one.error]).collect()
-    }
-
-    fn verify(&self, _setting: &DrivenSetting, orbit: &DrivenOrbit) -> Result<()> {
-        orbit.verify(&self.shooting)
-    }
-}
-
-impl Stored for ModeContinuation {
-    const FORMAT: FileFormat = FileFormat("hertzchain mode branch", 1);
-
-    fn arrays(modes: &NormalModes) -> Vec<(&'static str, usize)> {
-        vec![("z", modes.unknowns())]
-    }
-
-    fn multipliers(spectrum: &Spectrum) -> Vec<[f64; 3]> {
-        spectrum.numbers()
-    }
-
-    fn verify(&self, modes: &NormalModes, orbit: &ModeOrbit) -> Result<()> {
-        modes.verify(self, orbit)
-    }
-}
 
 /// Format and version in the JSON of an orbit.
 pub(crate) const ORBIT_FORMAT: FileFormat = FileFormat("hertzchain orbit", 1);
@@ -190,7 +108,7 @@ const ORBIT: f64 = 1e-8;
 /// Largest frequency of contacts and resonators in units of that of the orbit.
 const FASTEST: f64 = 1e3;
 
-impl<P: Stored> Branch<P> {
+impl<P: Problem> Branch<P> {
     /// The settings in the file, of a branch whose setting has this `source`.
     fn settings_of<S: Serialize>(&self, source: S) -> impl Serialize {
         let FileFormat(format, version) = P::FORMAT;
@@ -317,14 +235,6 @@ impl Branch {
         self.orbits.first().map_or(self.setting, |orbit| orbit.setting)
     }
 
-    /// The bytes of the branch's file.
-    ///
-    /// # Errors
-    /// Errors of the archive writer.
-    pub fn npz(&self) -> Result<Vec<u8>> {
-        self.npz_of(self.source(), self.values())
-    }
-
     /// Frequencies and mass ratios, for readers of the file.
     pub(crate) fn values(&self) -> Vec<Array<'static>> {
         let of = |parameter: Parameter| self.orbits.iter().map(|orbit| orbit.setting.get(parameter)).collect();
@@ -339,18 +249,8 @@ impl Branch {
     /// another structure or version, or with numbers outside their rules.
     pub fn load(path: &Path) -> Result<Self> {
         let file = Archive::read(path)?;
-        Self::from_archive(&file)?.verified(&file)
-    }
-
-    /// Reads a branch from an archive, with all checks that need no integration.
-    ///
-    /// [`load`](Self::load) checks in addition that the strains are those of orbits.
-    ///
-    /// # Errors
-    /// As [`load`](Self::load).
-    pub fn from_archive(file: &Archive) -> Result<Self> {
-        Self::read(file, |setting: Setting, _| Ok(((), setting.checked().map(|()| setting)?)))
-            .map(|((), branch)| branch)
+        let made = |setting: Setting, _| setting.checked().map(|()| ((), setting));
+        Self::read(&file, made)?.1.verified(&file)
     }
 }
 
@@ -438,7 +338,7 @@ impl Orbit {
     ///
     /// An orbit that starts at rest is at rest after half a period, so the half-period equations
     /// apply to both formulations.
-    fn measured(self, shooting: &Shooting) -> Result<Self> {
+    pub(super) fn measured(self, shooting: &Shooting) -> Result<Self> {
         // The integration of strains far from any orbit may take too long.
         if self.setting.fastest_rate(&self.z) > FASTEST {
             let rule = "contacts and resonators of an orbit are at most 1000 times as fast as it is";

@@ -28,6 +28,7 @@ use crate::{
     chain::{Chain, State, Variations, max_norm},
     error::{Error, Result},
     numerics::least_by,
+    output::FileFormat,
 };
 use hertzchain_integrators::VectorField;
 use nalgebra::{DMatrix, DVector};
@@ -222,23 +223,6 @@ impl NormalModes {
         state
     }
 
-    /// Number of unknowns of an orbit.
-    pub(super) fn unknowns(&self) -> usize {
-        self.free.len()
-    }
-
-    /// Refuses numbers that are not those of an orbit.
-    pub(super) fn verify(&self, continuation: &ModeContinuation, orbit: &ModeOrbit) -> Result<()> {
-        let alpha = self.chain.details().map_or(Vec::new(), |details| details.alpha.clone());
-        let alpha = alpha.into_iter().fold(self.chain.params().alpha, f64::max);
-        let reach = 1.0 + 2.0 * orbit.amplitude.abs() * max_norm(orbit.shape.iter().copied()) / self.overlap;
-        let highest = self.linear.last().map_or(0.0, |mode| mode.omega);
-        let rate = highest * reach.powf(0.5 * (alpha - 1.0)) / orbit.omega;
-        let Solution { z, p, .. } = continuation.solution(self, orbit);
-        let off = |residual: DVector<f64>| residual.amax() / continuation.size(self, &z, p);
-        returns(rate, || Ok(off(continuation.equations(self, &z, p, false)?.residual)))
-    }
-
     /// The state at rest with the displacements `a shape`.
     fn start(&self, a: f64, shape: &[f64]) -> Vec<f64> {
         let mut state = self.rest.clone();
@@ -313,6 +297,11 @@ pub struct ModeMeasures {
 pub type ModePoint = Point<ModeContinuation>;
 
 impl Spectrum {
+    /// Real part, imaginary part and error of the modulus of each multiplier.
+    pub(super) fn numbers(&self) -> Vec<[f64; 3]> {
+        self.multipliers.iter().map(|one| [one.re, one.im, one.error]).collect()
+    }
+
     /// Number of multipliers that lie outside the unit circle by more than their error.
     pub fn unstable(&self) -> usize {
         self.multipliers.iter().filter(|one| one.modulus - one.error > 1.0).count()
@@ -452,6 +441,7 @@ impl Problem for ModeContinuation {
     type Spectrum = Spectrum;
     type Measures = ModeMeasures;
     type Critical = CriticalPair;
+    const FORMAT: FileFormat = FileFormat("hertzchain mode branch", 1);
     const NEAR: f64 = 5e-8;
     /// Chosen: long chains have many weaker collisions.
     const WEAK: Option<f64> = Some(1e-3);
@@ -568,6 +558,25 @@ impl Problem for ModeContinuation {
             energy: energy(&start) - energy(&modes.rest),
             participation: participation(&orbit.shape, &modes.masses),
             least_overlap: overlaps.copied().fold(f64::INFINITY, f64::min),
+        })
+    }
+
+    fn arrays(modes: &NormalModes) -> Vec<(&'static str, usize)> {
+        vec![("z", modes.free.len())]
+    }
+
+    fn multipliers(spectrum: &Spectrum) -> Vec<[f64; 3]> {
+        spectrum.numbers()
+    }
+
+    fn verify(&self, modes: &NormalModes, orbit: &ModeOrbit) -> Result<()> {
+        let alpha = modes.chain.details().map_or(Vec::new(), |details| details.alpha.clone());
+        let alpha = alpha.into_iter().fold(modes.chain.params().alpha, f64::max);
+        let reach = 1.0 + 2.0 * orbit.amplitude.abs() * max_norm(orbit.shape.iter().copied()) / modes.overlap;
+        let highest = modes.linear.last().map_or(0.0, |mode| mode.omega);
+        let Solution { z, p, .. } = self.solution(modes, orbit);
+        returns(highest * reach.powf(0.5 * (alpha - 1.0)) / orbit.omega, || {
+            Ok(self.equations(modes, &z, p, false)?.residual.amax() / self.size(modes, &z, p))
         })
     }
 

@@ -2,12 +2,12 @@
 //! bifurcations, the end, and the branch that crosses.
 
 use super::{
-    InSi, Progress, Work, folder_of, keeper::Autosave, options::options, run::state_arrays, segments, si::Scale,
+    InSi, Progress, Study, Work, folder_of, keeper::Autosave, options::options, run::state_arrays, segments, si::Scale,
 };
 use crate::{
     chain::State,
     error::{Error, Result},
-    orbits::{Asked, Bifurcation, BifurcationKind, Branch, End, Point, Problem, Range, Stored},
+    orbits::{AnalysisLevel, Bifurcation, BifurcationKind, Branch, End, Point, Problem, Range},
     output::{Archive, Array, SETTINGS},
     report::{Digits::Short, Line, Panel, Report, Rows},
     scene::{Quantity, Scene, SceneFile, Units},
@@ -16,6 +16,7 @@ use crate::{
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::{Value, json};
 use std::{
+    fmt::Debug,
     iter::repeat,
     path::{Path, PathBuf},
 };
@@ -23,12 +24,29 @@ use std::{
 /// Share of the progress of a branch for its orbits; the rest is for multipliers and bifurcations.
 pub(super) const ORBITS: f64 = 0.4;
 /// Largest step as a share of the range of the parameter, if none is given.
-pub(super) const STEP: f64 = 0.05;
+const STEP: f64 = 0.05;
 
 /// The tables of a branch that crosses the one that was asked for: points and bifurcations.
 pub(super) const SWITCHED: [&str; 2] = ["switched-branch", "switched-bifurcations"];
-/// The file of such a branch.
-pub(super) const SWITCHED_FILE: &str = "switched-branch.npz";
+/// The file and the store of such a branch.
+const SWITCHED_NAMES: [&str; 2] = ["switched-branch.npz", "switched-spectra.store"];
+/// All files of such a branch but its store.
+pub(super) const SWITCHED_FILES: [&str; 3] = ["switched-branch.csv", "switched-bifurcations.csv", SWITCHED_NAMES[0]];
+
+/// Words on the file and the store of a branch, and on further files.
+macro_rules! files_of_branch {
+    ($file:literal, $store:literal, $more:literal) => {
+        concat!(
+            $file,
+            " has every orbit, and is written every 20 points or 10 s as well. ",
+            $more,
+            $store,
+            " has what was found about them, from which the same command goes on. Each part of --shard follows the \
+             branch itself and computes its share of this."
+        )
+    };
+}
+pub(super) use files_of_branch;
 
 /// A branch that crosses another one at the bifurcation of a number or, in words, why none was
 /// followed.
@@ -42,7 +60,9 @@ options! {
         ///
         /// It begins with that of the scene or of other options.
         to: Option<f64> = None, "P", (finite);
-        /// Largest change of the parameter from point to point [default: a twentieth of the range].
+        /// Largest change of the parameter from point to point.
+        ///
+        /// By default a twentieth of the range, of dark breathers a hundredth.
         step: Option<f64> = None, "DP", (positive);
         /// Points of the branch at most.
         ///
@@ -62,7 +82,7 @@ options! {
 }
 
 options! {
-    /// What a branch with bifurcations asks for.
+    /// What a branch of a scene asks for about its bifurcations.
     #[derive(Copy, PartialEq, Eq)]
     pub struct BifurcationOptions {
         /// Locate bifurcations, or not (=false).
@@ -74,90 +94,141 @@ options! {
         ///
         /// A period doubling, for orbits of the doubled period, or a branch point; bifurcations are
         /// numbered from 1 as they are printed. It ends as the first branch does, or where orbits
-        /// of doubled period come back to those of half the period.
+        /// of doubled period come back to those of half the period. Its files are
+        /// switched-branch.csv, switched-bifurcations.csv and switched-branch.npz.
         switch: Option<usize> = None, "K", (1 or more);
     }
 }
 
-/// The value of the parameter at which the branch ends was not given.
-pub(super) fn without_end() -> Error {
-    Error::parameter("to", "nothing", "a branch needs a value at which it ends")
-}
-
-impl BifurcationOptions {
-    /// Whether bifurcations are asked for, if the options say so.
-    pub(super) fn wanted(self) -> Option<bool> {
-        self.bifurcations.or(self.switch.map(|_| true))
-    }
-}
-
 impl BranchOptions {
-    /// What is asked for, of a kind of branches for which one of these is usual.
-    pub(super) fn asked(&self, bifurcations: Option<bool>, usual: Asked) -> Result<Asked> {
+    /// What is found about a branch.
+    ///
+    /// # Errors
+    /// Bifurcations without multipliers; a number outside its range.
+    pub(super) fn level<P: Kept>(&self, more: BifurcationOptions) -> Result<AnalysisLevel> {
+        more.within_ranges()?;
+        let bifurcations = more.bifurcations.or(more.switch.map(|_| true));
         match (self.multipliers, bifurcations) {
             (Some(false), Some(true)) => Err(Error::parameter("bifurcations", true, "they need --multipliers")),
-            (Some(false), _) => Ok(Asked::Orbits),
-            (_, Some(true)) => Ok(Asked::Bifurcations),
-            (None, _) if usual == Asked::Orbits => Ok(usual),
-            (_, None) if usual == Asked::Bifurcations => Ok(usual),
-            _ => Ok(Asked::Multipliers),
+            (Some(false), _) => Ok(AnalysisLevel::Orbits),
+            (_, Some(true)) => Ok(AnalysisLevel::Bifurcations),
+            (None, _) if P::USUAL == AnalysisLevel::Orbits => Ok(P::USUAL),
+            (_, None) if P::USUAL == AnalysisLevel::Bifurcations => Ok(P::USUAL),
+            _ => Ok(AnalysisLevel::Multipliers),
         }
     }
 
-    /// The options in the units of the chain, if `to` and `step` are of this quantity.
-    pub(super) fn read(&self, scale: Scale<'_>, quantity: Quantity) -> Self {
-        let read = |value: f64| scale.read(quantity, value);
-        Self { to: self.to.map(read), step: self.step.map(read), ..self.clone() }
-    }
-
-    /// A refusal of a number with its value as it was given.
-    pub(super) fn as_given<T>(&self, si: Option<&Units>, result: Result<T>) -> Result<T> {
-        Scale(si).given(result, &[("to", self.to), ("step", self.step)])
-    }
-
-    /// The branch that is gone on with, and what its file has of its setting.
-    pub(super) fn resumed<P: Kept>(&self) -> Option<Result<(P::About, Branch<P>)>> {
-        let path = self.resume.as_ref()?;
-        if let Err(why) = self.within_ranges() {
-            return Some(Err(why));
-        }
-        Some(load_branch(&if path.is_dir() { path.join(P::NAMES[0]) } else { path.clone() }))
-    }
-
-    /// Goes on with a branch of a scene.
-    pub(super) fn go_on<P: OfScene + 'static>(
+    /// What `make` makes of the last value and the largest step, of this quantity, in the units of
+    /// the chain. A refusal has them as they were given.
+    fn read<T>(
         &self,
-        (scene, branch): (Scene, Branch<P>),
-        more: BifurcationOptions,
-        si: InSi,
-        report: impl FnOnce(&BranchStudy<P>) -> Result<Report> + 'static,
-    ) -> Result<Work<'static>> {
-        more.within_ranges()?;
-        let si = si.units(&scene)?;
-        let read = self.read(Scale(si.as_ref()), branch.continuation.quantity(&branch.setting));
-        let branch = self.as_given(si.as_ref(), branch.onward(read.to, read.step, read.max_points))?;
-        let branch = Branch { asked: self.asked(more.wanted(), P::USUAL)?, ..branch };
-        Ok(Box::new(move |engine, progress| report(&of_scene(scene, branch, si, more.switch, engine, progress)?)))
+        (si, quantity): (Option<&Units>, Quantity),
+        make: impl FnOnce(Option<f64>, Option<f64>) -> Result<T>,
+    ) -> Result<T> {
+        let (scale, &Self { to, step, .. }) = (Scale(si), self);
+        let [a, b] = [to, step].map(|given| given.map(|value| scale.read(quantity, value)));
+        scale.given(make(a, b), &[("to", to), ("step", step)])
+    }
+
+    /// The same for a branch that begins with the value `from`.
+    pub(super) fn continuation<P>(
+        &self,
+        units: (Option<&Units>, Quantity),
+        from: f64,
+        make: impl FnOnce(f64, f64) -> Result<P>,
+    ) -> Result<P> {
+        self.within_ranges()?;
+        self.read(units, |to, step| {
+            let to = to.ok_or_else(|| Error::parameter("to", "nothing", "a branch needs a value at which it ends"))?;
+            make(to, step.unwrap_or(STEP * (to - from).abs()))
+        })
+    }
+
+    /// The branch of a file that goes on.
+    fn resumed<P: Kept>(&self, path: &Path, si: InSi) -> Result<Begun<P>> {
+        let path = if path.is_dir() { &*path.join(P::NAMES[0]) } else { path };
+        let (about, branch) = load_branch::<P>(path)?;
+        let si = P::units(&about, si)?;
+        let quantity = branch.continuation.quantity(&branch.setting);
+        let branch = self.read((si.as_ref(), quantity), |to, step| branch.onward(to, step, self.max_points))?;
+        Ok((about, branch, si))
+    }
+}
+
+/// A branch with what a report needs of its scene, and the units of the report.
+pub(super) type Begun<P> = (<P as Kept>::About, Branch<P>, Option<Units>);
+/// Finds the first orbit of a branch, after its options were checked.
+pub(super) type First<'a, P> = Box<dyn FnOnce(&Engine, Progress<'_>) -> Result<Begun<P>> + 'a>;
+
+/// A command that follows a branch.
+pub(super) trait FollowCommand {
+    /// The kind of orbits.
+    type Problem: Kept;
+
+    /// The options of the branch, of its bifurcations and of units.
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi);
+    /// A new branch.
+    fn first(&self) -> Result<First<'_, Self::Problem>>;
+    /// A branch from a file as further options say.
+    ///
+    /// # Errors
+    /// An end outside its rule.
+    fn with_options(&self, branch: Branch<Self::Problem>) -> Result<Branch<Self::Problem>> {
+        Ok(branch)
+    }
+}
+
+impl<C: FollowCommand> Study for C {
+    const FILES: &'static str = C::Problem::FILES;
+    const INTERRUPTIBLE: bool = true;
+    const SWEEPS: bool = true;
+
+    fn optional_files() -> Vec<String> {
+        C::Problem::OPTIONAL.iter().map(ToString::to_string).collect()
+    }
+
+    fn outline() -> Option<Report> {
+        Some(C::Problem::outline())
+    }
+
+    fn begin(&self) -> Result<Work<'_>> {
+        let (options, more, si) = self.options();
+        options.within_ranges()?;
+        let level = options.level::<C::Problem>(more)?;
+        let first = match &options.resume {
+            None => self.first()?,
+            Some(path) => {
+                let (about, branch, si) = options.resumed(path, si)?;
+                let branch = self.with_options(branch)?;
+                Box::new(move |_: &Engine, _: Progress<'_>| Ok((about, branch, si)))
+            }
+        };
+        Ok(Box::new(move |engine, progress| begun(first, level, more.switch, engine, progress)?.report()))
     }
 
     /// The folder of the branch that is gone on with, unless it is one that crosses another.
-    pub(super) fn default_folder(&self) -> Option<PathBuf> {
-        self.resume.as_deref().filter(|path| !path.ends_with(SWITCHED_FILE)).map(folder_of)
+    fn default_folder(&self) -> Option<PathBuf> {
+        let path = self.options().0.resume.as_deref()?;
+        (!path.ends_with(SWITCHED_NAMES[0])).then(|| folder_of(path))
     }
 }
 
 /// A kind of orbits whose branches are kept while they are followed.
-pub trait Kept: Stored {
-    /// What a report needs besides the branch.
-    type About;
+pub trait Kept: Problem {
+    /// What a report needs of the scene.
+    type About: Clone + Debug;
     /// What the file has of the setting and of this.
     type Source: Serialize + DeserializeOwned;
-    /// Names of the file, of the store of multipliers, and of the study.
+    /// Names of the file, of the store of multipliers, and of the command.
     const NAMES: [&'static str; 3];
-    /// The same of a branch that crosses another one.
-    const CROSSING: [&'static str; 3] = Self::NAMES;
+    /// Words on these and on further files, for the help.
+    const FILES: &'static str;
+    /// Names of files that only some branches have.
+    const OPTIONAL: &'static [&'static str] = &[];
     /// What is found about a branch unless something else is asked for.
-    const USUAL: Asked = Asked::Bifurcations;
+    const USUAL: AnalysisLevel = AnalysisLevel::Bifurcations;
+    /// Share of the progress after which the first orbit is found.
+    const FIRST: f64 = 0.0;
 
     /// What the file has of a branch, and arrays for the readers of the file.
     fn source(about: &Self::About, branch: &Branch<Self>) -> (Self::Source, Vec<Array<'static>>);
@@ -166,8 +237,24 @@ pub trait Kept: Stored {
     /// # Errors
     /// The rule that a number breaks.
     fn made(source: Self::Source, birth: Option<BifurcationKind>) -> Result<(Self::About, Self::Setting)>;
+    /// The units of the scene, if they are asked for.
+    ///
+    /// # Errors
+    /// A scene without units.
+    fn units(_about: &Self::About, _si: InSi) -> Result<Option<Units>> {
+        Ok(None)
+    }
+    /// The kind of number that the parameter is.
+    fn quantity(&self, _setting: &Self::Setting) -> Quantity {
+        Quantity::Number
+    }
     /// The report without rows.
     fn outline() -> Report;
+    /// The report.
+    ///
+    /// # Errors
+    /// Errors of the archive writer.
+    fn report(study: &BranchStudy<Self>) -> Result<Report>;
 }
 
 /// The bytes of the file of a branch.
@@ -210,12 +297,6 @@ pub fn branch_from_archive<P: Kept>(file: &Archive) -> Result<(P::About, Branch<
     Branch::read(file, P::made)
 }
 
-/// A kind of orbits of a scene.
-pub trait OfScene: Kept<About = Scene, Source = SceneSource> {
-    /// The kind of number that the parameter is.
-    fn quantity(&self, setting: &Self::Setting) -> Quantity;
-}
-
 /// What the file of a branch has of its scene.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -248,34 +329,38 @@ impl SceneSource {
 }
 
 /// Continues a branch, unless it has ended, keeps it meanwhile, and finds what is asked for about
-/// it. `second`: whether it crosses another one; `shown` is the parameter of an orbit as it is
-/// told. The orbits are a result also if the process was asked to end meanwhile.
+/// it. `second`: whether it crosses another one. The orbits are a result also if the process was
+/// asked to end meanwhile.
 pub(super) fn followed<P: Kept>(
-    about: &P::About,
+    (about, si): (&P::About, Option<&Units>),
     mut branch: Branch<P>,
     second: bool,
-    shown: impl Fn(&P::Orbit, f64) -> String,
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<Branch<P>> {
-    let [file, ..] = if second { P::CROSSING } else { P::NAMES };
+    let [file, _] = names::<P>(second);
     // Files that an earlier run may have left: they belong to another branch.
     let stale = if second { Vec::new() } else { stale::<P>()? };
     let mut keeper = Autosave::new(segments::folder(engine), file, stale);
     if branch.end.is_none() {
         let (back, to) = (branch.back, branch.continuation.range().to);
+        let quantity = branch.continuation.quantity(&branch.setting);
         let extended = branch.extend(|branch| {
             keeper.keep(branch.orbits.len(), branch.end.is_some(), || branch_npz(about, branch));
-            let Some(last) = branch.orbits.last() else { return };
-            let p = branch.parameter(last);
+            let Some(p) = branch.orbits.last().map(|last| branch.parameter(last)) else { return };
             let share = ((p - back) / (to - back)).clamp(0.0, 1.0);
-            let (count, name) = (branch.orbits.len(), branch.continuation.name());
-            progress(ORBITS * share, &format!("point {count}, {name} = {}", shown(last, p)));
+            let (count, name, p) = (branch.orbits.len(), branch.continuation.name(), Scale(si).shown(quantity, p, 6));
+            progress(ORBITS * share, &format!("point {count}, {name} = {p}"));
         });
         keeper.keep(branch.orbits.len(), branch.end.is_some(), || branch_npz(about, &branch));
         extended.map(drop).or_else(|why| if matches!(why, Error::Stopped { .. }) { Ok(()) } else { Err(why) })?;
     }
     analysed(about, branch, second, engine, progress)
+}
+
+/// Names of the file and of the store of a branch, or of one that crosses it.
+fn names<P: Kept>(second: bool) -> [&'static str; 2] {
+    if second { SWITCHED_NAMES } else { [P::NAMES[0], P::NAMES[1]] }
 }
 
 /// Finds what is asked for about a branch.
@@ -286,37 +371,37 @@ pub(super) fn analysed<P: Kept>(
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<Branch<P>> {
-    let [_, store, study] = if second { P::CROSSING } else { P::NAMES };
+    let [_, store] = names::<P>(second);
     // The largest number of points has no influence on those that there are.
     let range = Range { most_points: 0, ..branch.continuation.range() };
-    let Branch { weak, birth, bounded, asked, .. } = branch;
+    let Branch { weak, birth, bounded, level, .. } = branch;
     let source = P::source(about, &branch).0;
-    let settings = json!([source, branch.continuation.with_range(range), weak, birth, bounded, asked]);
-    segments::analysed(branch, [store, study], &settings, engine, progress)
+    let settings = json!([source, branch.continuation.with_range(range), weak, birth, bounded, level]);
+    segments::analysed(branch, [store, P::NAMES[2]], &settings, engine, progress)
 }
 
 /// Names of the files of a branch and of one that crosses it, but for its own file.
 fn stale<P: Kept>() -> Result<Vec<String>> {
     let names: Vec<String> = P::outline().files()?.into_iter().map(|(name, _)| name).collect();
     let pictures = names.iter().filter_map(|name| Some(format!("{}.png", name.strip_suffix(".json")?)));
-    let crossing = SWITCHED.map(|name| format!("{name}.csv")).into_iter().chain([SWITCHED_FILE.to_owned()]);
-    Ok(pictures.chain(crossing).chain(names.clone()).filter(|name| name != P::NAMES[0]).collect())
+    let optional = P::OPTIONAL.iter().map(ToString::to_string);
+    Ok(pictures.chain(optional).chain(names.clone()).filter(|name| name != P::NAMES[0]).collect())
 }
 
-/// A branch of orbits of a scene, and the one that crosses it at bifurcation number `switch`, if
-/// one is asked for.
-pub(super) fn of_scene<P: OfScene>(
-    scene: Scene,
-    branch: Branch<P>,
-    si: Option<Units>,
+/// A branch of which `first` finds the first orbit, and the one that crosses it at bifurcation
+/// number `switch`, if one is asked for.
+pub(super) fn begun<P: Kept>(
+    first: First<'_, P>,
+    level: AnalysisLevel,
     switch: Option<usize>,
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<BranchStudy<P>> {
-    let quantity = branch.continuation.quantity(&branch.setting);
-    let shown = |_: &P::Orbit, p: f64| Scale(si.as_ref()).shown(quantity, p, 6);
-    let work = |branch, second, progress: Progress<'_>| followed(&scene, branch, second, shown, engine, progress);
-    let (branch, switched) = with_switched(branch, switch, work, progress)?;
+    let (scene, branch, si) = first(engine, &|share, what| progress(P::FIRST * share, what))?;
+    let rest = |share: f64, what: &str| progress(P::FIRST + (1.0 - P::FIRST) * share, what);
+    let work =
+        |branch, second, progress: Progress<'_>| followed((&scene, si.as_ref()), branch, second, engine, progress);
+    let (branch, switched) = with_switched(Branch { level, ..branch }, switch, work, &rest)?;
     Ok(BranchStudy { scene, branch, switched, si })
 }
 
@@ -339,11 +424,11 @@ pub(super) fn with_switched<P: Problem>(
     }
 }
 
-/// A branch of orbits of a scene. All of its numbers are dimensionless; `si` is for its report.
+/// A branch of orbits. All of its numbers are dimensionless; `si` is for its report.
 #[derive(Clone, Debug)]
-pub struct BranchStudy<P: Problem> {
-    /// The scene.
-    pub scene: Scene,
+pub struct BranchStudy<P: Kept> {
+    /// The scene, or what a report needs of it.
+    pub scene: P::About,
     /// The branch.
     pub branch: Branch<P>,
     /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there or, in
@@ -351,6 +436,16 @@ pub struct BranchStudy<P: Problem> {
     pub switched: Switched<Branch<P>>,
     /// The units of the scene, if the report is in SI units.
     pub si: Option<Units>,
+}
+
+impl<P: Kept> BranchStudy<P> {
+    /// The report.
+    ///
+    /// # Errors
+    /// Errors of the archive writer.
+    pub fn report(&self) -> Result<Report> {
+        P::report(self)
+    }
 }
 
 /// The branch that crosses, if one was followed, and the number of its bifurcation.
@@ -398,7 +493,7 @@ pub(super) fn shows<P: Problem>(branch: &Branch<P>) -> bool {
 pub(super) fn ended<P: Problem>(branch: &Branch<P>) -> String {
     let (end, points) = (branch.ended(), rows(branch).len());
     let none = match (branch.bifurcations.is_empty(), end) {
-        _ if branch.asked < Asked::Bifurcations => "",
+        _ if branch.level < AnalysisLevel::Bifurcations => "",
         (true, End::Stopped) => ", bifurcations were not located",
         (false, End::Stopped) => ", further bifurcations were not located",
         (true, _) => ", no bifurcation",
@@ -409,9 +504,9 @@ pub(super) fn ended<P: Problem>(branch: &Branch<P>) -> String {
 
 /// Adds a branch of a scene, whose fields are those of the report, and its file. One that crosses
 /// another at its bifurcation `at` has the field `switched` for them.
-pub(super) fn tell<P: OfScene>(
+pub(super) fn tell<P: Kept>(
     report: Report,
-    scene: &Scene,
+    scene: &P::About,
     (at, branch): (Option<usize>, &Branch<P>),
     (points, bifurcations): (Rows<'_, BranchRow<'_, P>>, Rows<'_, Bifurcation<P>>),
     mut facts: Value,
@@ -437,9 +532,8 @@ pub(super) fn tell<P: OfScene>(
         }
     };
     let heading = at.map_or(String::new(), |at| format!("The branch that crosses at bifurcation {at}:"));
-    let [file, ..] = if at.is_some() { P::CROSSING } else { P::NAMES };
-    let file = (file, branch_npz(scene, branch)?);
-    Ok(report.words(heading).table(points).table(bifurcations).words(words).file(file.0, file.1))
+    let ([file, _], bytes) = (names::<P>(at.is_some()), branch_npz(scene, branch)?);
+    Ok(report.words(heading).table(points).table(bifurcations).words(words).file(file, bytes))
 }
 
 /// Orbits without multipliers, in words.

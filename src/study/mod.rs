@@ -37,8 +37,7 @@ mod wave;
 pub use barrier::*;
 pub use boundary_wave::*;
 pub use branches::{
-    BifurcationOptions, BranchOptions, BranchStudy, Kept, OfScene, SceneSource, branch_from_archive, branch_npz,
-    load_branch,
+    BifurcationOptions, BranchOptions, BranchStudy, Kept, SceneSource, branch_from_archive, branch_npz, load_branch,
 };
 pub use breather::*;
 pub use charts::{

@@ -2,10 +2,10 @@
 //! mode.
 
 use super::{
-    Changes, InSi, Progress, Study, Work,
+    Changes, InSi, Progress,
     branches::{
-        self, BifurcationOptions, BranchOptions, BranchRow, BranchStudy, Kept, OfScene, STEP, SWITCHED, SWITCHED_FILE,
-        SceneSource, crossed,
+        self, BifurcationOptions, BranchOptions, BranchRow, BranchStudy, First, FollowCommand, Kept, SWITCHED,
+        SWITCHED_FILES, SceneSource, crossed, files_of_branch,
     },
     format_short,
     options::options,
@@ -15,7 +15,7 @@ use super::{
 use crate::{
     error::Result,
     orbits::{
-        Asked, Bifurcation, BifurcationKind, LinearMode, ModeBranch, ModeContinuation, ModeOrbit, Multiplier,
+        AnalysisLevel, Bifurcation, BifurcationKind, LinearMode, ModeBranch, ModeContinuation, ModeOrbit, Multiplier,
         NormalModes,
     },
     output::Array,
@@ -28,13 +28,10 @@ use crate::{
     sweep::Engine,
 };
 use serde_json::json;
-use std::path::PathBuf;
 
 options! {
     /// A conservative scene, and a mode of it that is followed.
     #[cfg_attr(feature = "cli", command(
-        mut_arg("to", |arg| arg.required_unless_present("resume").long_help(TO)),
-        mut_arg("step", |arg| arg.long_help(STEP_HELP)),
         mut_arg("resume", |arg| arg.conflicts_with_all(["scene", "set", "linear_mode"]))
     ))]
     pub struct FollowMode {
@@ -52,21 +49,15 @@ options! {
     }
 }
 
-/// The help of the last amplitude and of the step.
-#[cfg(feature = "cli")]
-const TO: &str = "Amplitude at which the branch ends.\n\n\
-    The amplitude is the displacement, at the start of the period, of the bead or resonator that moves most in the \
-    linear mode.";
-#[cfg(feature = "cli")]
-const STEP_HELP: &str = "Largest change of the amplitude from point to point.\n\n\
-    The branch begins at this amplitude, or at a smaller one if the orbit found there is not near the linear mode \
-    [default: a twentieth of the last one].";
-
 options! {
     /// The branch of a mode.
     #[derive(PartialEq)]
     pub struct ModeWay {
         /// Number of the linear mode, the lowest frequency first [default: the most localised one].
+        ///
+        /// The parameter of the branch is the amplitude: the displacement, at the start of the
+        /// period, of the bead or resonator that moves most in this mode. The first amplitude is
+        /// --step, or a smaller one if the orbit found there is not near the mode.
         linear_mode: Option<usize> = None, "K", (1 or more);
         /// What every branch asks for.
         branch: BranchOptions = BranchOptions::default(), [command(flatten)];
@@ -81,10 +72,11 @@ pub type ModeStudy = BranchStudy<ModeContinuation>;
 impl Kept for ModeContinuation {
     type About = Scene;
     type Source = SceneSource;
-    const NAMES: [&'static str; 3] = ["mode-branch.npz", "mode-bifurcations.store", "orbit mode"];
-    const CROSSING: [&'static str; 3] = [SWITCHED_FILE, "switched-bifurcations.store", "orbit mode"];
+    const NAMES: [&'static str; 3] = ["mode-branch.npz", "mode-spectra.store", "orbit mode"];
+    const FILES: &'static str = files_of_branch!("mode-branch.npz", "mode-spectra.store", "");
+    const OPTIONAL: &'static [&'static str] = &SWITCHED_FILES;
     /// At large amplitudes bifurcations take ten times as long as the orbits.
-    const USUAL: Asked = Asked::Multipliers;
+    const USUAL: AnalysisLevel = AnalysisLevel::Multipliers;
 
     fn source(scene: &Scene, branch: &ModeBranch) -> (SceneSource, Vec<Array<'static>>) {
         SceneSource::of(scene, 1, branch.orbits.iter().map(|orbit| branch.setting.state(orbit)))
@@ -96,68 +88,60 @@ impl Kept for ModeContinuation {
         Ok((scene, modes))
     }
 
+    fn units(scene: &Scene, si: InSi) -> Result<Option<Units>> {
+        si.units(scene)
+    }
+
+    fn quantity(&self, _setting: &NormalModes) -> Quantity {
+        Quantity::Length
+    }
+
     fn outline() -> Report {
         let report = Report::new("mode").table(linear_modes(&[], 0, None));
         report.table(points(BRANCH[0], &[], None)).table(bifurcations(BRANCH[1], &[], None))
     }
+
+    fn report(study: &ModeStudy) -> Result<Report> {
+        let ModeStudy { scene, branch, switched, si } = study;
+        let (chosen, modes) = (branch.continuation.mode, &branch.setting);
+        let numbered = (1..).zip(modes.linear()).map(|(k, mode)| (k, mode, modes.place(mode.leading)));
+        let numbered: Vec<Numbered<'_>> = numbered.collect();
+        let report = Report::new("mode").si(si.as_ref()).fact("scene", scene.name()).fact("mode", chosen + 1);
+        let report = report.table(linear_modes(&numbered, chosen, si.as_ref()));
+        let report = report.words(format!("Mode {} of {} linear modes is followed.", chosen + 1, numbered.len()));
+        let mut both = branches::both(branch, switched);
+        let report = both.try_fold(report, |report, (at, branch)| study.tell(report, at, branch))?;
+        let report = branches::checked(report, branch, switched).fact("scene_file", scene_json(scene));
+        let rows = branches::rows(branch);
+        Ok(match rows.iter().rfind(|row| row.measures.is_some()) {
+            Some(last) => report.picture(study.panels(last)),
+            None => report,
+        })
+    }
 }
 
-impl OfScene for ModeContinuation {
-    fn quantity(&self, _setting: &NormalModes) -> Quantity {
-        Quantity::Length
+impl FollowCommand for FollowMode {
+    type Problem = ModeContinuation;
+
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
+        (&self.way.branch, self.way.more, self.si)
+    }
+
+    fn first(&self) -> Result<First<'_, ModeContinuation>> {
+        self.way.first(Scene::load_with(&self.scene, &self.changes.set)?, self.si)
     }
 }
 
 impl ModeWay {
-    /// The modes of a scene, the continuation, and the units in which it was given and is reported.
-    fn for_scene(&self, scene: &Scene, si: InSi) -> Result<(NormalModes, ModeContinuation, Option<Units>)> {
+    fn first(&self, scene: Scene, si: InSi) -> Result<First<'static, ModeContinuation>> {
         self.within_ranges()?;
-        self.branch.within_ranges()?;
-        self.more.within_ranges()?;
-        let si = si.units(scene)?;
-        let (modes, read) = (NormalModes::new(scene.chain())?, self.branch.read(Scale(si.as_ref()), Quantity::Length));
-        let continuation = self.branch.as_given(si.as_ref(), self.continuation(&read, &modes))?;
-        Ok((modes, continuation, si))
-    }
-
-    fn continuation(&self, read: &BranchOptions, modes: &NormalModes) -> Result<ModeContinuation> {
+        let (si, modes) = (si.units(&scene)?, NormalModes::new(scene.chain())?);
         let mode = self.linear_mode.map_or(modes.most_localised(), |number| number - 1);
-        let to = read.to.ok_or_else(branches::without_end)?;
-        let (step, most_points) = (read.step.unwrap_or(STEP * to), read.max_points);
-        let continuation = ModeContinuation { mode, to, step, most_points };
-        continuation.check(modes).map(|()| continuation)
-    }
-}
-
-impl Study for FollowMode {
-    const FILES: &'static str = "mode-branch.npz has every orbit. With --switch also switched-branch.csv, switched-bifurcations.csv and \
-                                 switched-branch.npz; the npz files are written every 20 points or 10 s as well. \
-                                 mode-bifurcations.store and switched-bifurcations.store have bifurcations, from which the same command goes on. \
-                                 Each part of --shard follows the first branch itself and locates its share of these.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
-
-    fn optional_files() -> Vec<String> {
-        SWITCHED.map(|name| format!("{name}.csv")).into_iter().chain([SWITCHED_FILE.to_owned()]).collect()
-    }
-
-    fn outline() -> Option<Report> {
-        Some(ModeContinuation::outline())
-    }
-
-    fn begin(&self) -> Result<Work<'_>> {
-        let Some(resumed) = self.way.branch.resumed() else {
-            let scene = Scene::load_with(&self.scene, &self.changes.set)?;
-            self.way.for_scene(&scene, self.si)?;
-            return Ok(Box::new(move |engine, progress| {
-                follow_mode(scene, &self.way, self.si, engine, progress)?.report()
-            }));
-        };
-        self.way.branch.go_on(resumed?, self.way.more, self.si, ModeStudy::report)
-    }
-
-    fn default_folder(&self) -> Option<PathBuf> {
-        self.way.branch.default_folder()
+        let continuation = self.branch.continuation((si.as_ref(), Quantity::Length), 0.0, |to, step| {
+            let continuation = ModeContinuation { mode, to, step, most_points: self.branch.max_points };
+            continuation.check(&modes).map(|()| continuation)
+        })?;
+        Ok(Box::new(move |_, _| Ok((scene, continuation.begin(&modes)?, si))))
     }
 }
 
@@ -174,10 +158,8 @@ pub fn follow_mode(
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<ModeStudy> {
-    let (modes, continuation, si) = way.for_scene(&scene, si)?;
-    let asked = way.branch.asked(way.more.wanted(), ModeContinuation::USUAL)?;
-    let branch = ModeBranch { asked, ..continuation.begin(&modes)? };
-    branches::of_scene(scene, branch, si, way.more.switch, engine, progress)
+    let level = way.branch.level::<ModeContinuation>(way.more)?;
+    branches::begun(way.first(scene, si)?, level, way.more.switch, engine, progress)
 }
 
 /// The tables of the branch: points and bifurcations.
@@ -275,28 +257,6 @@ impl ModeStudy {
         let names = if at.is_some() { SWITCHED } else { BRANCH };
         let tables = (points(names[0], &rows, si), bifurcations(names[1], &branch.bifurcations, si));
         branches::tell(report, &self.scene, (at, branch), tables, json!({ "last": last }))
-    }
-
-    /// The report.
-    ///
-    /// # Errors
-    /// Errors of the archive writer.
-    pub fn report(&self) -> Result<Report> {
-        let Self { scene, branch, switched, si } = self;
-        let (chosen, modes) = (branch.continuation.mode, &branch.setting);
-        let numbered = (1..).zip(modes.linear()).map(|(k, mode)| (k, mode, modes.place(mode.leading)));
-        let numbered: Vec<Numbered<'_>> = numbered.collect();
-        let report = Report::new("mode").si(si.as_ref()).fact("scene", scene.name()).fact("mode", chosen + 1);
-        let report = report.table(linear_modes(&numbered, chosen, si.as_ref()));
-        let report = report.words(format!("Mode {} of {} linear modes is followed.", chosen + 1, numbered.len()));
-        let mut both = branches::both(branch, switched);
-        let report = both.try_fold(report, |report, (at, branch)| self.tell(report, at, branch))?;
-        let report = branches::checked(report, branch, switched).fact("scene_file", scene_json(scene));
-        let rows = branches::rows(branch);
-        Ok(match rows.iter().rfind(|row| row.measures.is_some()) {
-            Some(last) => report.picture(self.panels(last)),
-            None => report,
-        })
     }
 
     fn panels(&self, last: &BranchRow<'_, ModeContinuation>) -> Panels {

@@ -16,7 +16,7 @@ use super::{Progress, branches};
 use crate::{
     error::{Error, Result},
     interrupt,
-    orbits::{Asked, Branch, Problem, Spectra},
+    orbits::{AnalysisLevel, Branch, Problem, Spectra},
     output::Folder,
     sweep::{Engine, Grid, digest, map},
 };
@@ -63,7 +63,7 @@ pub(super) fn analysed<P: Problem>(
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<Branch<P>> {
-    let (spectra, joined, needed) = (Spectra::new(&branch), branch.joined(), branch.asked > Asked::Orbits);
+    let (spectra, joined, needed) = (Spectra::new(&branch), branch.joined(), branch.level > AnalysisLevel::Orbits);
     let orbits: Vec<_> = branch.orbits.iter().map(|orbit| branch.numbers(orbit)).collect();
     let points = segments(&orbits, if joined { ORBITS } else { 1 }, settings);
     let grid = Grid { store, study, settings: json!({}) };

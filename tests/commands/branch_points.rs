@@ -113,6 +113,15 @@ fn what_is_found_about_a_branch_is_what_is_asked_for() {
     }
 }
 
+#[test]
+fn a_branch_in_the_mass_ratio_begins_with_the_usual_frequency_at_its_first_value() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = "breather continue --vary rho --from 3 --to 3.001 --step 0.001 --sites 5 --json";
+    let told: Value = serde_json::from_str(&run(line, folder.path(), &[])).unwrap();
+    let omega_b = told["points"][0]["omega_b"].as_f64().unwrap();
+    assert!((omega_b / (1.025 * (1.0_f64 + 1.0 / 3.0).sqrt()) - 1.0).abs() < 1e-15, "{omega_b}");
+}
+
 // Truth: the JSON of the same orbit.
 #[test]
 fn a_single_orbit_is_a_branch_of_one_that_runs_and_goes_on() {
@@ -246,7 +255,7 @@ fn another_branch_in_the_same_folder_reads_no_rows_of_the_first() {
 fn another_scene_in_the_same_folder_reads_no_rows_of_the_first() {
     for (line, change, stores) in [
         (DRIVEN, "beads.drag=0.16", ["driven-spectra.store", "switched-spectra.store"]),
-        (MODE, "bonds.contact=[1.0, 2.01, 1.0]", ["mode-bifurcations.store", "switched-bifurcations.store"]),
+        (MODE, "bonds.contact=[1.0, 2.01, 1.0]", ["mode-spectra.store", "switched-spectra.store"]),
     ] {
         let (shared, alone) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let (shared, alone) = (shared.path(), alone.path());

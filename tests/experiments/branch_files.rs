@@ -42,7 +42,7 @@ fn trail(continuation: Continuation) -> Branch {
 
 fn saved(folder: &Path, trail: &Branch) -> PathBuf {
     let path = folder.join("branch.npz");
-    fs::write(&path, trail.npz().unwrap()).unwrap();
+    fs::write(&path, branch_npz(&(), trail).unwrap()).unwrap();
     path
 }
 

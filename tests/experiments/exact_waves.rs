@@ -302,6 +302,19 @@ fn branches_in_the_amplitude_end_at_the_wave_of_this_amplitude() {
     }
 }
 
+// Truth: contacts of exponent 3/2 raise the frequency by the square root of the amplitude.
+#[test]
+fn a_branch_towards_the_linear_waves_ends_where_its_waves_vanish() {
+    let study = branch(Wanted::of("tw-q15"), WaveParameter::OmegaTw, 1.9);
+    assert_eq!(study.branch.ended(), End::Vanished);
+    let curvature = |k: usize| {
+        let wave = &study.branch.orbits[k];
+        wave.amplitude() / (wave.setting.omega_tw - 2.0).powi(2)
+    };
+    let last = study.branch.orbits.len() - 1;
+    assert!((curvature(last) / curvature(last - 3) - 1.0).abs() < 1e-3, "{} {}", curvature(last), curvature(last - 3));
+}
+
 #[test]
 fn the_end_of_a_branch_is_in_the_range_of_its_parameter() {
     for (vary, to) in [

@@ -6,11 +6,10 @@ mod report;
 use super::{
     Changes, InSi, Progress, Study, Work,
     branches::{
-        self, BifurcationOptions, BranchOptions, BranchStudy, Kept, OfScene, STEP, SWITCHED, SWITCHED_FILE,
-        SceneSource, branch_npz,
+        self, BifurcationOptions, BranchOptions, BranchStudy, First, FollowCommand, Kept, SWITCHED_FILES, SceneSource,
+        branch_npz, files_of_branch,
     },
     options::options,
-    si::Scale,
 };
 use crate::{
     chain::DriveKind,
@@ -25,7 +24,6 @@ use crate::{
     sweep::Engine,
 };
 pub(crate) use report::multipliers_panel;
-use std::path::PathBuf;
 
 options! {
     /// The orbit of a driven scene.
@@ -154,7 +152,6 @@ impl DrivenStudy {
 options! {
     /// A branch of orbits of a driven scene.
     #[cfg_attr(feature = "cli", command(
-        mut_arg("to", |arg| arg.required_unless_present("resume")),
         mut_arg("resume", |arg| arg.conflicts_with_all(["scene", "set", "turns", "settle", "vary"]))
     ))]
     pub struct DrivenContinue {
@@ -185,7 +182,10 @@ impl Kept for DrivenContinuation {
     type About = Scene;
     type Source = SceneSource;
     const NAMES: [&'static str; 3] = ["driven-branch.npz", "driven-spectra.store", "orbit continue"];
-    const CROSSING: [&'static str; 3] = [SWITCHED_FILE, "switched-spectra.store", "orbit continue"];
+    const FILES: &'static str = files_of_branch!("driven-branch.npz", "driven-spectra.store", "");
+    const OPTIONAL: &'static [&'static str] = &SWITCHED_FILES;
+    /// The scene settles first.
+    const FIRST: f64 = 0.2;
 
     fn source(scene: &Scene, branch: &DrivenBranch) -> (SceneSource, Vec<Array<'static>>) {
         let starts = branch.orbits.iter().filter_map(|orbit| orbit.start().ok());
@@ -201,50 +201,32 @@ impl Kept for DrivenContinuation {
         Ok((scene, setting))
     }
 
-    fn outline() -> Report {
-        report::outline()
+    fn units(scene: &Scene, si: InSi) -> Result<Option<Units>> {
+        si.units(scene)
     }
-}
 
-impl OfScene for DrivenContinuation {
     fn quantity(&self, setting: &DrivenSetting) -> Quantity {
         quantity(self.parameter, setting)
     }
+
+    fn outline() -> Report {
+        report::outline()
+    }
+
+    fn report(study: &DrivenBranchStudy) -> Result<Report> {
+        report::branch(study)
+    }
 }
 
-impl Study for DrivenContinue {
-    const FILES: &'static str = "driven-branch.npz has every orbit. With --switch also switched-branch.csv, switched-bifurcations.csv and \
-                                 switched-branch.npz; the npz files are written every 20 points or 10 s as well. \
-                                 driven-spectra.store and switched-spectra.store have multipliers and bifurcations, from which the same command goes on. \
-                                 Each part of --shard follows the first branch itself and computes its share of these.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
+impl FollowCommand for DrivenContinue {
+    type Problem = DrivenContinuation;
 
-    fn optional_files() -> Vec<String> {
-        SWITCHED.map(|name| format!("{name}.csv")).into_iter().chain([SWITCHED_FILE.to_owned()]).collect()
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
+        (&self.way.branch, self.way.more, self.driven.si)
     }
 
-    fn outline() -> Option<Report> {
-        Some(report::outline())
-    }
-
-    fn begin(&self) -> Result<Work<'_>> {
-        self.way.within_ranges()?;
-        self.way.branch.within_ranges()?;
-        self.way.more.within_ranges()?;
-        let Driven { search, si, .. } = &self.driven;
-        let Some(resumed) = self.way.branch.resumed() else {
-            let scene = self.driven.load()?;
-            self.way.for_scene(&scene, search, *si)?;
-            return Ok(Box::new(move |engine, progress| {
-                driven_branch(scene, search, &self.way, *si, engine, progress)?.report()
-            }));
-        };
-        self.way.branch.go_on(resumed?, self.way.more, *si, DrivenBranchStudy::report)
-    }
-
-    fn default_folder(&self) -> Option<PathBuf> {
-        self.way.branch.default_folder()
+    fn first(&self) -> Result<First<'_, DrivenContinuation>> {
+        self.way.first(self.driven.load()?, self.driven.search, self.driven.si)
     }
 }
 
@@ -259,37 +241,20 @@ fn quantity(parameter: DriveParameter, setting: &DrivenSetting) -> Quantity {
 }
 
 impl DrivenWay {
-    /// The continuation from a scene, and the units in which it was given and is reported.
-    fn for_scene(
-        &self,
-        scene: &Scene,
-        search: &DrivenSearch,
-        si: InSi,
-    ) -> Result<(DrivenSetting, DrivenContinuation, Option<Units>)> {
-        self.within_ranges()?;
-        self.branch.within_ranges()?;
-        self.more.within_ranges()?;
-        let si = si.units(scene)?;
-        let setting = search.setting(scene)?;
-        let read = self.branch.read(Scale(si.as_ref()), quantity(self.vary, &setting));
-        let continuation = self.branch.as_given(si.as_ref(), self.continuation(&read, &setting))?;
-        Ok((setting, continuation, si))
-    }
-
-    /// The continuation from the scene's own value.
-    fn continuation(&self, read: &BranchOptions, setting: &DrivenSetting) -> Result<DrivenContinuation> {
-        let parameter = self.vary;
-        let (from, to) = (setting.get(parameter), read.to.ok_or_else(branches::without_end)?);
-        let step = read.step.unwrap_or(STEP * (to - from).abs());
-        let (most_points, shooting) = (read.max_points, DrivenShooting::default());
-        let continuation = DrivenContinuation { parameter, to, step, most_points, shooting };
-        continuation.check_range(setting, from)?;
-        Ok(continuation)
+    fn first(&self, scene: Scene, search: DrivenSearch, si: InSi) -> Result<First<'static, DrivenContinuation>> {
+        let (parameter, si, setting) = (self.vary, si.units(&scene)?, search.setting(&scene)?);
+        let (kind, from) = (quantity(parameter, &setting), setting.get(parameter));
+        let continuation = self.branch.continuation((si.as_ref(), kind), from, |to, step| {
+            let (most_points, shooting) = (self.branch.max_points, DrivenShooting::default());
+            let continuation = DrivenContinuation { parameter, to, step, most_points, shooting };
+            continuation.check_range(&setting, from).map(|()| continuation)
+        })?;
+        Ok(Box::new(move |_, progress| {
+            let orbit = search.orbit(&scene, &setting, progress)?;
+            Ok((scene, DrivenBranch::new(continuation, setting, orbit)?, si))
+        }))
     }
 }
-
-/// Share of the progress at which the scene has settled.
-const SETTLING: f64 = 0.2;
 
 /// The branch, in one parameter, that begins with the orbit to which a driven scene leads. In SI
 /// units, `to` and `step` of the way are read, and the report is written, in these. `progress` is
@@ -306,10 +271,6 @@ pub fn driven_branch(
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<DrivenBranchStudy> {
-    let (setting, continuation, si) = way.for_scene(&scene, search, si)?;
-    let orbit = search.orbit(&scene, &setting, &|share, what| progress(SETTLING * share, what))?;
-    let asked = way.branch.asked(way.more.wanted(), DrivenContinuation::USUAL)?;
-    let branch = DrivenBranch { asked, ..DrivenBranch::new(continuation, setting, orbit)? };
-    let rest = |share: f64, what: &str| progress(SETTLING + (1.0 - SETTLING) * share, what);
-    branches::of_scene(scene, branch, si, way.more.switch, engine, &rest)
+    let level = way.branch.level::<DrivenContinuation>(way.more)?;
+    branches::begun(way.first(scene, *search, si)?, level, way.more.switch, engine, progress)
 }

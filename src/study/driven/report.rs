@@ -215,24 +215,20 @@ impl DrivenBranchStudy {
         let points = points(names[0], &rows, varied, si);
         Ok(branches::tell(report, &self.scene, (at, branch), (points, bifurcations), json!({}))?.words(words))
     }
+}
 
-    /// The report.
-    ///
-    /// # Errors
-    /// Errors of the archive writer.
-    pub fn report(&self) -> Result<Report> {
-        let Self { scene, branch, switched, si } = self;
-        let mut report = Report::new("driven-branch")
-            .fact("scene", scene.name())
-            .fact("parameter", branch.continuation.parameter.name())
-            .fact("integrator", METHOD)
-            .fact("scene_file", scene_json(scene));
-        for (at, branch) in branches::both(branch, switched) {
-            report = self.tell(report, at, branch)?;
-        }
-        let report = branches::checked(report, branch, switched).si(si.as_ref());
-        Ok(if !branches::shows(branch) { report } else { report.picture(branch_picture(self)) })
-    }
+/// The report of a branch.
+pub(super) fn branch(study: &DrivenBranchStudy) -> Result<Report> {
+    let DrivenBranchStudy { scene, branch, switched, si } = study;
+    let report = Report::new("driven-branch")
+        .fact("scene", scene.name())
+        .fact("parameter", branch.continuation.parameter.name())
+        .fact("integrator", METHOD)
+        .fact("scene_file", scene_json(scene));
+    let mut both = branches::both(branch, switched);
+    let report = both.try_fold(report, |report, (at, branch)| study.tell(report, at, branch))?;
+    let report = branches::checked(report, branch, switched).si(si.as_ref());
+    Ok(if !branches::shows(branch) { report } else { report.picture(branch_picture(study)) })
 }
 
 /// The multipliers in the complex plane, with a line each for those inside or on the circle, and

@@ -8,18 +8,17 @@ pub(super) use report::{bounds, newton_kantorovich_bound};
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
 use super::{
-    Changes, Progress, Study, Work,
-    branches::{self, BranchOptions, Kept},
+    Changes, InSi, Progress, Study, Work,
+    branches::{self, BifurcationOptions, BranchOptions, BranchStudy, First, FollowCommand, Kept, files_of_branch},
     options::options,
 };
 use crate::{
     chain::{Params, Resonators},
     error::{Error, Iterate, Result},
-    number::format_short,
-    orbits::{Asked, BifurcationKind, Kantorovich},
+    orbits::{AnalysisLevel, BifurcationKind, Kantorovich},
     output::{Array, Folder, to_json},
     report::Report,
-    scene::Scene,
+    scene::{Quantity, Scene},
     sweep::Engine,
     waves::{
         ExactWave, Given, MeanStrain, Modulation, Profile, Search, Start, TravellingWave, WaveBase, WaveBranch,
@@ -28,7 +27,7 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::{f64::consts::PI, path::PathBuf};
+use std::f64::consts::PI;
 
 /// Samples of a profile. Coefficients of `X` fall like `k^{-(alpha+3)}`, so at `alpha = 3/2` those
 /// beyond the samples change a coefficient by 1e-15 of the first.
@@ -52,7 +51,7 @@ options! {
         q_over_pi: Option<f64> = None, "Q", (above 0 to 1);
         /// Frequency of the wave, in radians per unit of time.
         ///
-        /// Above omega = sqrt(kappa (1 + 1/rho)).
+        /// Above omega = sqrt(kappa (1 + 1/rho)), or below sqrt(kappa/rho).
         omega_tw: Option<f64> = None, "W", [arg(conflicts_with = "amplitude")];
         /// Height of the crest above the mean strain, in place of the frequency.
         amplitude: Option<f64> = None, "A", (positive);
@@ -256,7 +255,6 @@ pub fn exact_study(
 options! {
     /// A branch of exact travelling waves.
     #[cfg_attr(feature = "cli", command(
-        mut_arg("to", |arg| arg.required_unless_present("resume")),
         mut_arg("resume", |arg| arg.conflicts_with_all([
             "scene", "set", "q_over_pi", "omega_tw", "amplitude", "mean", "rho", "sites", "tol", "vary",
         ]))
@@ -273,35 +271,34 @@ options! {
     }
 }
 
-impl Study for ContinueWave {
-    const FILES: &'static str = "wave-branch.npz has every wave, and is written every 20 points or 10 s as well; stalled.json, in place of \
-                                 all of them, if there is no first wave. wave-spectra.store has multipliers, from which the same command goes on. \
-                                 Each part of --shard follows the branch itself and computes its share of these.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
+impl FollowCommand for ContinueWave {
+    type Problem = WaveContinuation;
 
-    fn optional_files() -> Vec<String> {
-        vec![STALLED.to_owned()]
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
+        (&self.branch, BifurcationOptions::default(), InSi::default())
     }
 
-    fn begin(&self) -> Result<Work<'_>> {
-        let asked = self.branch.asked(Some(false), Asked::Multipliers)?;
-        if let Some(resumed) = self.branch.resumed() {
-            let (scene, branch) = resumed?;
-            let &BranchOptions { to, step, max_points, .. } = &self.branch;
-            let branch = WaveBranch { asked, ..branch.onward(to, step, max_points)? };
-            return Ok(Box::new(move |engine, progress| followed(scene, branch, engine, progress)?.report()));
+    fn first(&self) -> Result<First<'_, WaveContinuation>> {
+        let mut numbers = self.wanted.numbers()?;
+        // Waves of a branch keep their shape, unless the mean strain is given or varies.
+        if self.wanted.mean.is_none()
+            && self.vary != WaveParameter::Mean
+            && let Some(ansatz) = Start::new(&numbers.setting, numbers.given)?.ansatz()
+        {
+            let (shape, kappa) = (ansatz.shape(), numbers.setting.params.kappa);
+            numbers.setting.mean = MeanStrain::OfAmplitude(0.5 * shape.b / (kappa * shape.a));
         }
-        let (numbers, continuation) = self.checked()?;
-        Ok(Box::new(move |engine, progress| branch_from(&numbers, &continuation, asked, engine, progress)?.report()))
-    }
-
-    fn default_folder(&self) -> Option<PathBuf> {
-        self.branch.default_folder()
-    }
-
-    fn outline() -> Option<Report> {
-        Some(report::branch_outline())
+        // The value at the first wave is not known yet: a default step is infinite.
+        let continuation = self.branch.continuation((None, Quantity::Number), f64::INFINITY, |to, step| {
+            let (parameter, most_points, search) = (self.vary, self.branch.max_points, numbers.search);
+            let continuation = WaveContinuation { parameter, to, step, most_points, search };
+            continuation.check(f64::NAN, &numbers.setting).map(|()| continuation)
+        })?;
+        Ok(Box::new(move |engine, _| {
+            let found = numbers.search.wave(&numbers.setting, numbers.given);
+            let (wave, _) = found.inspect_err(|why| keep_iterate(engine.folder(), numbers.moving(), why))?;
+            Ok((numbers.scene, continuation.begin(wave, numbers.sites)?, None))
+        }))
     }
 }
 
@@ -312,53 +309,13 @@ impl ContinueWave {
     /// Numbers outside their rules; an integration that fails; [`Error::Stalled`] where there is no
     /// first wave.
     pub fn branch(&self, progress: Progress<'_>) -> Result<WaveBranchStudy> {
-        let (numbers, continuation) = self.checked()?;
-        let asked = self.branch.asked(Some(false), Asked::Multipliers)?;
-        branch_from(&numbers, &continuation, asked, &Engine::threads(), progress)
-    }
-
-    /// The first wave and the continuation, checked as far as possible before the wave is known.
-    fn checked(&self) -> Result<(Numbers, WaveContinuation)> {
-        self.branch.within_ranges()?;
-        let mut numbers = self.wanted.numbers()?;
-        // Waves of a branch keep their shape, unless the mean strain is given or varies.
-        if self.wanted.mean.is_none()
-            && self.vary != WaveParameter::Mean
-            && let Some(ansatz) = Start::new(&numbers.setting, numbers.given)?.ansatz()
-        {
-            let (shape, kappa) = (ansatz.shape(), numbers.setting.params.kappa);
-            numbers.setting.mean = MeanStrain::OfAmplitude(0.5 * shape.b / (kappa * shape.a));
-        }
-        let continuation = WaveContinuation {
-            parameter: self.vary,
-            to: self.branch.to.ok_or_else(branches::without_end)?,
-            step: self.branch.step.unwrap_or(f64::INFINITY),
-            most_points: self.branch.max_points,
-            search: numbers.search,
-        };
-        // The value at the first wave is not known yet.
-        continuation.check(f64::NAN, &numbers.setting)?;
-        Ok((numbers, continuation))
+        let level = self.branch.level::<WaveContinuation>(BifurcationOptions::default())?;
+        branches::begun(self.first()?, level, None, &Engine::threads(), progress)
     }
 }
 
-fn branch_from(
-    numbers: &Numbers,
-    continuation: &WaveContinuation,
-    asked: Asked,
-    engine: &Engine,
-    progress: Progress<'_>,
-) -> Result<WaveBranchStudy> {
-    let found = numbers.search.wave(&numbers.setting, numbers.given);
-    let (wave, _) = found.inspect_err(|why| keep_iterate(engine.folder(), numbers.moving(), why))?;
-    let branch = WaveBranch { asked, ..continuation.begin(wave, numbers.sites)? };
-    followed(numbers.scene.clone(), branch, engine, progress)
-}
-
-fn followed(scene: String, branch: WaveBranch, engine: &Engine, progress: Progress<'_>) -> Result<WaveBranchStudy> {
-    let branch = branches::followed(&scene, branch, false, |_, p| format_short(p), engine, progress)?;
-    Ok(WaveBranchStudy { scene, branch })
-}
+/// A branch of exact waves of a scene, of which the name is known.
+pub type WaveBranchStudy = BranchStudy<WaveContinuation>;
 
 /// What the file of a branch has of its first wave.
 #[derive(Serialize, Deserialize)]
@@ -375,6 +332,14 @@ impl Kept for WaveContinuation {
     type About = String;
     type Source = WaveSource;
     const NAMES: [&'static str; 3] = ["wave-branch.npz", "wave-spectra.store", "wave continue"];
+    const FILES: &'static str = files_of_branch!(
+        "wave-branch.npz",
+        "wave-spectra.store",
+        "stalled.json is there, in place of all files, if there is no first wave. "
+    );
+    const OPTIONAL: &'static [&'static str] = &[STALLED];
+    /// Waves have no test functions of bifurcations.
+    const USUAL: AnalysisLevel = AnalysisLevel::Multipliers;
 
     fn source(scene: &String, branch: &WaveBranch) -> (WaveSource, Vec<Array<'static>>) {
         let of = |value: fn(&WaveSetting) -> f64| branch.orbits.iter().map(|wave| value(&wave.setting)).collect();
@@ -408,13 +373,8 @@ impl Kept for WaveContinuation {
     fn outline() -> Report {
         report::branch_outline()
     }
-}
 
-/// A branch of exact waves of a scene.
-#[derive(Clone, Debug)]
-pub struct WaveBranchStudy {
-    /// Name of the scene.
-    pub scene: String,
-    /// The branch.
-    pub branch: WaveBranch,
+    fn report(study: &WaveBranchStudy) -> Result<Report> {
+        report::branch(study)
+    }
 }

@@ -249,50 +249,47 @@ fn multipliers(rows: &[WaveMultiplier]) -> Table {
         .done()
 }
 
-impl WaveBranchStudy {
-    /// The report.
-    ///
-    /// # Errors
-    /// Errors of the archive writer.
-    pub fn report(&self) -> Result<Report> {
-        let Self { scene, branch } = self;
-        let (continuation, base, end) = (branch.continuation, branch.setting, branch.ended());
-        let fast = |point: &WavePoint| {
-            let (growth, modulation) = (point.spectrum.fastest()?.growth, point.measures.modulation?);
-            let words = || {
-                let (omega_tw, amplitude) = (point.orbit.setting.omega_tw, format_short(point.orbit.amplitude()));
-                let (growth, modulation) = (format_short(growth), format_short(modulation));
-                format!(
-                    " The first growth of more than twice that of DpS is {growth}, that of DpS {modulation}, at ω_tw = \
+/// The report of a branch.
+pub(super) fn branch(study: &WaveBranchStudy) -> Result<Report> {
+    let WaveBranchStudy { scene, branch, .. } = study;
+    let (continuation, base, end) = (branch.continuation, branch.setting, branch.ended());
+    let fast = |point: &WavePoint| {
+        let (growth, modulation) = (point.spectrum.fastest()?.growth, point.measures.modulation?);
+        let words = || {
+            let (omega_tw, amplitude) = (point.orbit.setting.omega_tw, format_short(point.orbit.amplitude()));
+            let (growth, modulation) = (format_short(growth), format_short(modulation));
+            format!(
+                " The first growth of more than twice that of DpS is {growth}, that of DpS {modulation}, at ω_tw = \
                      {omega_tw:.5}, amplitude {amplitude}."
-                )
-            };
-            (growth > 2.0 * modulation).then(words)
+            )
         };
-        let grows = branch.points.iter().find_map(fast).unwrap_or_default();
-        let about = format!(
-            "{} at the first wave, N = {}. {} waves; the branch ends because {}.{}{grows}",
-            params_words(base.setting.params),
-            base.sites,
-            branches::rows(branch).len(),
-            end.words(),
-            branches::gaps(branch),
-        );
-        let title = format!("Branch of exact travelling waves in {}", continuation.parameter.symbol());
-        let report = Report::new("waves")
-            .fact("scene", scene)
-            .fact("parameter", continuation.parameter)
-            .fact("to", continuation.to)
-            .fact("sites", base.sites)
-            .table(self.table())
-            .words(&about)
-            .words(bounds(branches::rows(branch).iter().map(|row| row.measures?.kantorovich)))
-            .fact("end", end)
-            .picture(Panels::column(title, self.panels(), about));
-        let report = report.file(WaveContinuation::NAMES[0], branch_npz(scene, branch)?);
-        Ok(branches::checked(report, branch, &None))
-    }
+        (growth > 2.0 * modulation).then(words)
+    };
+    let grows = branch.points.iter().find_map(fast).unwrap_or_default();
+    let about = format!(
+        "{} at the first wave, N = {}. {} waves; the branch ends because {}.{}{grows}",
+        params_words(base.setting.params),
+        base.sites,
+        branches::rows(branch).len(),
+        end.words(),
+        branches::gaps(branch),
+    );
+    let title = format!("Branch of exact travelling waves in {}", continuation.parameter.symbol());
+    let report = Report::new("waves")
+        .fact("scene", scene)
+        .fact("parameter", continuation.parameter)
+        .fact("to", continuation.to)
+        .fact("sites", base.sites)
+        .table(study.table())
+        .words(&about)
+        .words(bounds(branches::rows(branch).iter().map(|row| row.measures?.kantorovich)))
+        .fact("end", end)
+        .picture(Panels::column(title, study.panels(), about));
+    let report = report.file(WaveContinuation::NAMES[0], branch_npz(scene, branch)?);
+    Ok(branches::checked(report, branch, &None))
+}
 
+impl WaveBranchStudy {
     /// A row for each wave.
     pub(super) fn table(&self) -> Table {
         waves(&branches::rows(&self.branch), self.branch.continuation.parameter)

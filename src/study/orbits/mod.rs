@@ -8,8 +8,8 @@ pub(crate) use report::KINDS;
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
 use super::{
-    ChainParams, Progress, Study, Work,
-    branches::{self, BranchOptions, Kept},
+    ChainParams, InSi, Progress, Study, Work,
+    branches::{self, BifurcationOptions, BranchOptions, BranchStudy, First, FollowCommand, Kept, files_of_branch},
     options::options,
 };
 use crate::{
@@ -19,8 +19,8 @@ use crate::{
     error::{Error, Result},
     interrupt,
     orbits::{
-        Asked, Bifurcation, BifurcationKind, Branch, Continuation, End, Extent, Formulation, Kantorovich, Orbit,
-        OrbitMeasures, OrbitPoint, Parameter, Setting, Shooting, Spectrum,
+        AnalysisLevel, Bifurcation, BifurcationKind, Branch, Continuation, End, Extent, Formulation, Kantorovich,
+        Orbit, OrbitMeasures, OrbitPoint, Parameter, Setting, Shooting, Spectrum,
     },
     output::Array,
     report::Report,
@@ -36,18 +36,15 @@ const RANGE: [f64; 2] = [1.005, 1.05];
 /// Largest step as a share of the range of the parameter, if none is given: bifurcations of dark
 /// breathers lie near each other.
 const STEP: f64 = 0.01;
-/// Its help.
-#[cfg(feature = "cli")]
-const STEP_HELP: &str = "Largest change of the parameter from point to point.\n\n[default: a hundredth of the range]";
 
 options! {
     /// The ring and the breather on it.
     pub struct Ring {
         /// Number of sites.
         ///
-        /// The ring has an odd number of sites, n = -N .. N, from 3 to 255. Weak quartets of
-        /// multipliers, and their number, depend on it.
-        sites: usize = 41, "N";
+        /// The ring has an odd number of sites, n = -N .. N; about a site at least 5. Weak quartets
+        /// of multipliers, and their number, depend on it.
+        sites: usize = 41, "N", (3 to 255);
         /// The chain.
         params: ChainParams = ChainParams::default(), [command(flatten)];
         /// Vertical centre C_x of the background, a strain (eq:center).
@@ -67,6 +64,9 @@ impl Ring {
     /// A breather of this frequency, by default `omega` times `ratio`.
     pub(super) fn breather(&self, center: Center, omega_b: Option<f64>, ratio: f64) -> Result<DarkBreather> {
         self.within_ranges()?;
+        if (center, self.sites) == (Center::Site, 3) {
+            return Err(Error::parameter("sites", 3, "a breather about a site needs 5 sites"));
+        }
         let params = self.params.checked()?;
         let omega_b = omega_b.unwrap_or(ratio * params.omega());
         Ok(DarkBreather { params, center, sites: self.sites, omega_b, c_x: self.c_x })
@@ -156,7 +156,6 @@ options! {
     /// A branch of dark breathers in one parameter.
     #[cfg_attr(feature = "cli", command(
         mut_arg("to", |arg| arg.help("Last value of the parameter [default for omega_b: 1.05 omega]")),
-        mut_arg("step", |arg| arg.long_help(STEP_HELP)),
         mut_arg("resume", |arg| arg.conflicts_with_all([
             "center", "vary", "from", "natural", "weak", "omega_b",
             "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol",
@@ -200,7 +199,7 @@ options! {
 
 impl Continue {
     /// The branch with its first orbit only.
-    fn first(&self) -> Result<Branch> {
+    fn new_branch(&self) -> Result<Branch> {
         let Some(parameter) = Parameter::ALL.into_iter().find(|one| one.name() == self.vary) else {
             return Err(Error::unknown("vary", &self.vary, Parameter::ALL.map(Parameter::name)));
         };
@@ -217,6 +216,9 @@ impl Continue {
         };
         let (from, to) = (end(self.from, RANGE[0], "from")?, end(self.branch.to, RANGE[1], "to")?);
         breather.set(parameter, from);
+        if !varies {
+            breather.omega_b = self.omega_b.unwrap_or(ONE * breather.params.omega());
+        }
         let continuation = Continuation {
             parameter,
             to,
@@ -230,33 +232,23 @@ impl Continue {
     }
 }
 
-impl Study for Continue {
-    const FILES: &'static str = "branch.npz has every orbit; it is written every 20 points or 10 s as well. \
-                                 With --resume and without --out, the files go to the folder of the file that is gone on with. \
-                                 spectra.store has multipliers and bifurcations, from which the same command goes on. \
-                                 Each part of --shard follows the branch itself and computes its share of these.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
+impl FollowCommand for Continue {
+    type Problem = Continuation;
 
-    fn outline() -> Option<Report> {
-        Some(report::outline())
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
+        let more = BifurcationOptions { bifurcations: self.bifurcations, switch: None };
+        (&self.branch, more, InSi::default())
     }
 
-    fn begin(&self) -> Result<Work<'_>> {
+    fn first(&self) -> Result<First<'_, Continuation>> {
         self.within_ranges()?;
-        self.branch.within_ranges()?;
-        let &BranchOptions { to, step, max_points, .. } = &self.branch;
-        let branch = match self.branch.resumed() {
-            Some(resumed) => resumed?.1.onward(to, step, max_points)?,
-            None => self.first()?,
-        };
-        let asked = self.branch.asked(self.bifurcations, Asked::Orbits)?;
-        let branch = Branch { bounded: self.bound, asked, ..branch };
-        Ok(Box::new(move |engine, progress| go_on(branch, engine, progress)?.report()))
+        let branch = self.with_options(self.new_branch()?)?;
+        Ok(Box::new(|_, _| Ok(((), branch, None))))
     }
 
-    fn default_folder(&self) -> Option<PathBuf> {
-        self.branch.default_folder()
+    fn with_options(&self, branch: Branch) -> Result<Branch> {
+        stays_dark(&branch.setting, &branch.continuation)?;
+        Ok(Branch { bounded: self.bound, ..branch })
     }
 }
 
@@ -347,6 +339,9 @@ impl Kept for Continuation {
     type About = ();
     type Source = Setting;
     const NAMES: [&'static str; 3] = ["branch.npz", "spectra.store", "breather continue"];
+    const FILES: &'static str = files_of_branch!("branch.npz", "spectra.store", "");
+    /// Multipliers take longer than the orbits.
+    const USUAL: AnalysisLevel = AnalysisLevel::Orbits;
 
     fn source((): &(), branch: &Branch) -> (Setting, Vec<Array<'static>>) {
         (branch.source(), branch.values())
@@ -358,6 +353,10 @@ impl Kept for Continuation {
 
     fn outline() -> Report {
         report::outline()
+    }
+
+    fn report(study: &BranchStudy<Self>) -> Result<Report> {
+        study.branch.report()
     }
 }
 
@@ -468,7 +467,7 @@ pub fn go_on(branch: Branch, engine: &Engine, progress: Progress<'_>) -> Result<
     if branch.end.is_none() {
         stays_dark(&branch.setting, &branch.continuation)?;
     }
-    branches::followed(&(), branch, false, |_, p| format!("{p:.5}"), engine, progress)
+    branches::followed((&(), None), branch, false, engine, progress)
 }
 
 /// Computes what is asked for about a branch that was followed.

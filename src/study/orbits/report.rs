@@ -12,7 +12,7 @@ use crate::{
         Line, Panel, Panels, Report, Table,
     },
     study::{
-        branches::{BranchRow, ended, filled, gaps, lines, rows, shows},
+        branches::{BranchRow, branch_npz, ended, filled, gaps, lines, rows, shows},
         dps::center_word,
         exact::{bounds, newton_kantorovich_bound},
         params_words,
@@ -252,7 +252,7 @@ impl Branch {
             .table(table)
             .table(bifurcations("bifurcations", &self.bifurcations))
             .words(end + &gaps(self) + &bounds)
-            .file("branch.npz", self.npz()?)
+            .file("branch.npz", branch_npz(&(), self)?)
             .failure(self.shortfall().map(|why| format!("the branch {why}")));
         Ok(if !shows(self) { report } else { report.picture(picture) })
     }

@@ -21,9 +21,7 @@ use crate::{
     chain::{Params, Resonators, max_norm},
     error::{Error, Result},
     named::named,
-    orbits::{
-        Branch, End, Equations, Kantorovich, MOST_CORRECTIONS, Point, Problem, Range, Solution, Stored, check, returns,
-    },
+    orbits::{Branch, End, Equations, Kantorovich, MOST_CORRECTIONS, Point, Problem, Range, Solution, check, returns},
     output::FileFormat,
     waves::Modulation,
 };
@@ -37,6 +35,9 @@ const STEPS: f64 = 20.0;
 /// Relative distance of `omega_tw` from `omega` below which a wave with a crest no higher than its
 /// mean strain is free of contacts: then both are equal up to roundings.
 const FREE: f64 = 1e-11;
+/// The same distance, and the amplitude over that of the first wave, below which a branch has come
+/// to the linear waves. No Newton-Kantorovich bound is found there for the waves of `tw-q15`.
+const LINEAR: f64 = 1e-8;
 
 named! {
     /// A number of a wave that can vary along a branch.
@@ -125,14 +126,6 @@ pub struct WaveContinuation {
     pub search: Search,
 }
 
-impl ExactWave {
-    /// Whether no contact closes.
-    fn free_of_contacts(&self) -> bool {
-        let omega = self.setting.params.omega();
-        self.amplitude() <= self.mean() && (self.setting.omega_tw / omega - 1.0).abs() <= FREE
-    }
-}
-
 /// What does not vary along a branch of waves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -195,6 +188,7 @@ impl Problem for WaveContinuation {
     type Spectrum = WaveSpectrum;
     type Measures = WaveMeasures;
     type Critical = ();
+    const FORMAT: FileFormat = FileFormat("hertzchain wave branch", 1);
 
     fn name(&self) -> &'static str {
         self.parameter.name()
@@ -275,8 +269,12 @@ impl Problem for WaveContinuation {
         Solution { z, ..wave.solution(self.parameter.of(wave)) }
     }
 
-    fn ends(&self, wave: &ExactWave) -> Option<End> {
-        wave.free_of_contacts().then_some(End::NoContact)
+    fn ends(&self, base: &WaveBase, wave: &ExactWave) -> Option<End> {
+        let off = (wave.setting.omega_tw / wave.setting.params.omega() - 1.0).abs();
+        if wave.amplitude() <= wave.mean() && off <= FREE {
+            return Some(End::NoContact);
+        }
+        (off <= LINEAR && wave.amplitude() <= LINEAR * base.size).then_some(End::Vanished)
     }
 
     fn spectrum(&self, base: &WaveBase, wave: &ExactWave) -> Result<WaveSpectrum> {
@@ -299,11 +297,6 @@ impl Problem for WaveContinuation {
             kantorovich: self.search.kantorovich(wave)?,
         })
     }
-}
-
-impl Stored for WaveContinuation {
-    const FORMAT: FileFormat = FileFormat("hertzchain wave branch", 1);
-
     /// The state of a cell, and the number of the setting that differs from wave to wave.
     fn arrays(base: &WaveBase) -> Vec<(&'static str, usize)> {
         let m = base.setting.q.cell();
@@ -350,7 +343,7 @@ impl WaveContinuation {
         }
         let step = if self.step.is_finite() { self.step } else { (self.to - from).abs() / STEPS };
         let base = WaveBase { setting, size: swing(&start.z, &setting), sites };
-        let end = self.ends(&start);
+        let end = self.ends(&base, &start);
         Ok(WaveBranch { end, ..WaveBranch::new(Self { step, ..*self }, base, start)? })
     }
 
