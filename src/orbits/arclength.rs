@@ -133,7 +133,7 @@ pub enum End {
 impl End {
     /// Whether the branch was followed as far as it goes.
     pub fn is_complete(self) -> bool {
-        matches!(self, Self::Reached | Self::TurnedBack | Self::Rejoined | Self::NoContact | Self::Vanished)
+        matches!(self, Self::Reached | Self::TurnedBack | Self::Rejoined | Self::NoContact)
     }
 
     /// The end of a branch with multipliers, from that of its orbits, `None` while they can go on;
