@@ -9,8 +9,8 @@ use hertzchain::{
     output::Folder,
     report::Report,
     study::{
-        BifurcationOptions, BranchOptions, ChainParams, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi, ModeWay,
-        NumberColumn, Plan, Ring, Study, compare, driven_branch, driven_orbit, follow_mode, planned,
+        BifurcationOptions, BranchOptions, ChainParams, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi,
+        ModeWay, NumberColumn, Plan, Ring, Study, compare, driven_branch, driven_orbit, follow_mode, planned,
         study as branch_study,
     },
     sweep::{Engine, Progress, Shard},
@@ -108,9 +108,9 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
     let scene = || PyResult::Ok(of.extract::<PyRef<'_, Scene>>()?.0.clone());
     let search = || PyResult::Ok(DrivenSearch { turns: given!("turns"), settle: given!("settle") });
     let branch = || {
-        let (points, default): (Option<usize>, _) = (given!("points"), BranchOptions::default());
-        let (to, step, max_points) = (given!("to"), given!("step"), points.unwrap_or(default.max_points));
-        PyResult::Ok(BranchOptions { to, step, max_points, ..default })
+        let default = BranchOptions::default();
+        let (to, step, max_points): (_, _, Option<usize>) = (given!("to"), given!("step"), given!("max_points"));
+        PyResult::Ok(BranchOptions { to, step, max_points: max_points.unwrap_or(default.max_points), ..default })
     };
     let more = || PyResult::Ok(BifurcationOptions { switch: given!("switch"), bifurcations: Some(true) });
     Ok(match name {
@@ -124,9 +124,9 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
         }
         "driven-branch" => {
             let (scene, search, si, branch) = (scene()?, search()?, InSi { si: given!("si") }, branch()?);
-            let (parameter, more): (String, _) = (given!("parameter"), more()?);
+            let (vary, more): (String, _) = (given!("vary"), more()?);
             Box::new(move |tell| {
-                let way = DrivenWay { vary: DriveParameter::named(&parameter)?, branch, more };
+                let way = DrivenWay { vary: DriveParameter::named(&vary)?, branch, more };
                 driven_branch(scene, &search, &way, si, &Engine::threads(), tell)?.report()
             })
         }
@@ -140,16 +140,16 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
             Box::new(move |tell| branch_study(Branch::load(&path)?, &Engine::threads(), tell)?.report())
         }
         "dark-branch" => {
-            let (breather, parameter): (Breather, String) = (of.extract()?, given!("parameter"));
+            let (breather, vary): (Breather, String) = (of.extract()?, given!("vary"));
             let (from, natural, branch) = (given!("from_"), given!("natural"), branch()?);
             let (weak, bound) = (given!("weak"), given!("bound"));
             Box::new(move |tell| {
-                let (center, ring, default) = (center(&breather.center)?, breather.ring(), Continue::default());
-                let omega_b = if parameter == "omega_b" { None } else { breather.omega_b };
+                let (center, ring) = (center(&breather.center)?, breather.ring());
+                let omega_b = if vary == "omega_b" { None } else { breather.omega_b };
                 let study = Continue {
                     center,
                     omega_b,
-                    vary: parameter,
+                    vary,
                     from,
                     branch,
                     bifurcations: Some(true),
@@ -157,7 +157,6 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
                     weak,
                     bound,
                     ring,
-                    ..default
                 };
                 study.begin()?(&Engine::threads(), tell)
             })

@@ -63,7 +63,7 @@ impl DriveParameter {
     /// Another name.
     pub fn named(name: &str) -> Result<Self> {
         let found = Self::ALL.into_iter().find(|one| one.name() == name);
-        found.ok_or_else(|| Error::unknown("parameter", name, Self::ALL.map(Self::name)))
+        found.ok_or_else(|| Error::unknown("vary", name, Self::ALL.map(Self::name)))
     }
 
     /// The rule for its values.

@@ -121,6 +121,8 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             ("breather continue --omega-b 2.05", "--from"),
             ("breather continue --from 2.05 --to 2.05", "to = 2.05"),
             ("breather continue --to 1.9", "to = 1.9"),
+            ("breather continue --multipliers=false --bifurcations", "they need --multipliers"),
+            ("wave continue", "to = nothing is not valid: a branch needs a value at which it ends"),
             ("dps integrals --b 0 --r -1", "r = -1 is not valid: finite and at least 0"),
             ("dps integrals --b 0 --r inf", "r = inf"),
             (
