@@ -9,8 +9,9 @@
 
 use hertzchain::{
     Error,
-    orbits::Branch,
+    orbits::Continuation,
     output::{Archive, Array, npz_with},
+    study::{branch_from_archive, branch_npz},
 };
 use libfuzzer_sys::fuzz_target;
 use std::path::Path;
@@ -49,16 +50,17 @@ fuzz_target!(|bytes: &[u8]| {
         }
     };
     let path = Path::new("fuzz.npz");
-    match Archive::from_bytes(path, bytes).and_then(|archive| Branch::from_archive(&archive)) {
-        Ok(trail) => {
+    match Archive::from_bytes(path, bytes).and_then(|archive| branch_from_archive::<Continuation>(&archive)) {
+        Ok(((), trail)) => {
             assert!(!trail.orbits.is_empty() && trail.ds.is_finite() && trail.ds > 0.0);
             for orbit in &trail.orbits {
                 orbit.setting.chain().expect("a setting within its rules");
                 assert!(orbit.z.len() == 2 * orbit.setting.sites && orbit.z.iter().all(|z| z.is_finite()));
             }
             // The branch, written and read again, is the same.
-            let again = trail.npz(Vec::new()).expect("what was read can be written");
-            let again = Branch::from_archive(&Archive::from_bytes(path, &again).expect("an archive")).expect("a branch");
+            let again = branch_npz(&(), &trail).expect("what was read can be written");
+            let again = Archive::from_bytes(path, &again).and_then(|archive| branch_from_archive::<Continuation>(&archive));
+            let ((), again) = again.expect("a branch");
             assert_eq!(format!("{trail:?}"), format!("{again:?}"));
         }
         Err(error) => {

@@ -9,10 +9,10 @@
 
 use hertzchain::{
     Error,
-    orbits::DrivenSetting,
+    orbits::{DrivenContinuation, DrivenSetting},
     output::{Archive, Array, npz_with},
     scene::{Initial, Scene, SceneFile},
-    study::{driven_branch_from_archive, driven_branch_npz},
+    study::{branch_from_archive, branch_npz},
 };
 use libfuzzer_sys::{Corpus, fuzz_target};
 use serde_json::Value;
@@ -68,7 +68,7 @@ fuzz_target!(|bytes: &[u8]| -> Corpus {
         }
     };
     let path = Path::new("fuzz.npz");
-    match Archive::from_bytes(path, bytes).and_then(|archive| driven_branch_from_archive(&archive)) {
+    match Archive::from_bytes(path, bytes).and_then(|archive| branch_from_archive::<DrivenContinuation>(&archive)) {
         Ok((scene, trail)) => {
             assert!(!trail.orbits.is_empty() && trail.ds.is_finite() && trail.ds > 0.0);
             for orbit in &trail.orbits {
@@ -77,8 +77,8 @@ fuzz_target!(|bytes: &[u8]| -> Corpus {
                 assert!(orbit.setting.period().is_finite() && orbit.setting.period() > 0.0);
             }
             // The branch, written and read again, is the same.
-            let again = driven_branch_npz(&scene, &trail).expect("what was read can be written");
-            let again = Archive::from_bytes(path, &again).and_then(|archive| driven_branch_from_archive(&archive));
+            let again = branch_npz(&scene, &trail).expect("what was read can be written");
+            let again = Archive::from_bytes(path, &again).and_then(|archive| branch_from_archive::<DrivenContinuation>(&archive));
             let (scene_again, trail_again) = again.expect("a branch");
             assert_eq!(scene_again.file(), scene.file());
             assert_eq!(format!("{trail:?}"), format!("{trail_again:?}"));

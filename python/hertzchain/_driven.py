@@ -228,10 +228,10 @@ def crossing(record: dict[str, Any]) -> dict[str, Any] | None:
 
 def continue_driven(
     orbit: DrivenOrbit,
-    parameter: str,
+    vary: str,
     to: float,
     step: float | None,
-    points: int | None,
+    max_points: int | None,
     switch: int | None,
     si: bool | None,
     progress: Progress,
@@ -245,10 +245,10 @@ def continue_driven(
             tell,
             turns=turns,
             settle=settle,
-            parameter=word("parameter", parameter),
+            vary=word("vary", vary),
             to=number("to", to),
             step=optional("step", step),
-            points=None if points is None else whole("points", points),
+            max_points=None if max_points is None else whole("max_points", max_points),
             switch=None if switch is None else whole("switch", switch),
             si=orbit.si if si is None else si,
         )

@@ -106,7 +106,7 @@ def normal_mode(
     to: float,
     mode: int | None = None,
     step: float | None = None,
-    points: int | None = None,
+    max_points: int | None = None,
     switch: int | None = None,
     si: bool = False,
     progress: Progress = False,
@@ -126,8 +126,8 @@ def normal_mode(
         localised mode.
     step : float, optional
         First amplitude, and its largest change from point to point; by default a twentieth of `to`.
-    points : int
-        Largest number of points of the branch.
+    max_points : int
+        Largest number of points of the branch; by default 1000.
     switch : int, optional
         Number of a bifurcation, counted from 1. The branch that crosses there is followed too; it
         is ``switched`` of the result.
@@ -175,7 +175,7 @@ def normal_mode(
             mode=None if mode is None else whole("mode", mode),
             to=number("to", to),
             step=optional("step", step),
-            points=None if points is None else whole("points", points),
+            max_points=None if max_points is None else whole("max_points", max_points),
             switch=None if switch is None else whole("switch", switch),
             si=si,
         )

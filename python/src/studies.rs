@@ -9,8 +9,8 @@ use hertzchain::{
     output::Folder,
     report::Report,
     study::{
-        BranchOptions, ChainParams, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi, ModeWay,
-        NumberColumn, Plan, Ring, Study, compare, driven_branch, driven_orbit, follow_mode, planned,
+        BifurcationOptions, BranchOptions, ChainParams, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, InSi,
+        ModeWay, NumberColumn, Plan, Ring, Study, compare, driven_branch, driven_orbit, follow_mode, planned,
         study as branch_study,
     },
     sweep::{Engine, Progress, Shard},
@@ -108,10 +108,11 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
     let scene = || PyResult::Ok(of.extract::<PyRef<'_, Scene>>()?.0.clone());
     let search = || PyResult::Ok(DrivenSearch { turns: given!("turns"), settle: given!("settle") });
     let branch = || {
-        let points: Option<usize> = given!("points");
-        let max_points = points.unwrap_or_else(|| BranchOptions::default().max_points);
-        PyResult::Ok(BranchOptions { max_points, switch: given!("switch") })
+        let default = BranchOptions::default();
+        let (to, step, max_points): (_, _, Option<usize>) = (given!("to"), given!("step"), given!("max_points"));
+        PyResult::Ok(BranchOptions { to, step, max_points: max_points.unwrap_or(default.max_points), ..default })
     };
+    let more = || PyResult::Ok(BifurcationOptions { switch: given!("switch"), bifurcations: Some(true) });
     Ok(match name {
         "compare" => {
             let (scene, integrators, max_time) = (scene()?, given!("integrators"), given!("max_time"));
@@ -123,44 +124,39 @@ fn begun(name: &str, of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyRe
         }
         "driven-branch" => {
             let (scene, search, si, branch) = (scene()?, search()?, InSi { si: given!("si") }, branch()?);
-            let (parameter, to, step): (String, _, _) = (given!("parameter"), Some(given!("to")), given!("step"));
+            let (vary, more): (String, _) = (given!("vary"), more()?);
             Box::new(move |tell| {
-                let way = DrivenWay { vary: DriveParameter::named(&parameter)?, to, step, branch };
+                let way = DrivenWay { vary: DriveParameter::named(&vary)?, branch, more };
                 driven_branch(scene, &search, &way, si, &Engine::threads(), tell)?.report()
             })
         }
         "normal-mode" => {
             let (scene, si) = (scene()?, InSi { si: given!("si") });
-            let way =
-                ModeWay { linear_mode: given!("mode"), to: given!("to"), step: given!("step"), branch: branch()? };
-            Box::new(move |tell| Ok(follow_mode(scene, &way, si, &Engine::threads(), tell)?.report()))
+            let way = ModeWay { linear_mode: given!("mode"), branch: branch()?, more: more()? };
+            Box::new(move |tell| follow_mode(scene, &way, si, &Engine::threads(), tell)?.report())
         }
         "dark-file" => {
             let path: PathBuf = of.extract()?;
             Box::new(move |tell| branch_study(Branch::load(&path)?, &Engine::threads(), tell)?.report())
         }
         "dark-branch" => {
-            let (breather, parameter): (Breather, String) = (of.extract()?, given!("parameter"));
-            let (from, to, step) = (given!("from_"), given!("to"), given!("step"));
-            let (points, natural): (Option<usize>, _) = (given!("points"), given!("natural"));
+            let (breather, vary): (Breather, String) = (of.extract()?, given!("vary"));
+            let (from, natural, branch) = (given!("from_"), given!("natural"), branch()?);
             let (weak, bound) = (given!("weak"), given!("bound"));
             Box::new(move |tell| {
-                let (center, ring, default) = (center(&breather.center)?, breather.ring(), Continue::default());
-                let omega_b = if parameter == "omega_b" { None } else { breather.omega_b };
-                let points = points.unwrap_or(default.points);
+                let (center, ring) = (center(&breather.center)?, breather.ring());
+                let omega_b = if vary == "omega_b" { None } else { breather.omega_b };
                 let study = Continue {
                     center,
                     omega_b,
-                    parameter,
+                    vary,
                     from,
-                    to,
-                    step,
-                    points,
+                    branch,
+                    bifurcations: Some(true),
                     natural,
                     weak,
                     bound,
                     ring,
-                    ..default
                 };
                 study.begin()?(&Engine::threads(), tell)
             })

@@ -122,6 +122,8 @@ pub enum End {
     /// No contact of a wave closes any more: every wave of frequency `omega` without contacts
     /// follows.
     NoContact,
+    /// The waves vanish: contacts no longer change their frequency `omega`.
+    Vanished,
     /// The multipliers of the last orbit are not known.
     NoMultipliers,
     /// The process was asked to end.
@@ -155,6 +157,7 @@ impl End {
             Self::Jumped => "Newton's method leads to another branch, also with the shortest step",
             Self::Rejoined => "it came back to the branch of half its period",
             Self::NoContact => "no contact closes any more, and the frequency is omega",
+            Self::Vanished => "its waves vanish where their frequency is omega",
             Self::NoMultipliers => "the multipliers of its last orbit are not known",
             Self::Stopped => "the process was asked to end",
         }
@@ -365,8 +368,9 @@ pub(super) struct BranchState {
 }
 
 /// Called with every new solution, the length of the next predictor, and the reason why the branch
-/// ends with this solution, if it does. A reason that is returned ends the branch.
-pub(super) type Keep<'a> = &'a mut dyn FnMut(&Solution, f64, Option<End>) -> Result<Option<End>>;
+/// ends with this solution, if it does. A reason that is returned ends the branch. The branch goes
+/// on from the solution as it is left, which is that of the orbit that is kept, to the bit.
+pub(super) type Keep<'a> = &'a mut dyn FnMut(&mut Solution, f64, Option<End>) -> Result<Option<End>>;
 
 /// Continues a branch past folds until the parameter reaches its final value or, if the branch has
 /// turned back, passes `back`. The branch gets at most `most_points` points, those in `state`
@@ -399,14 +403,14 @@ pub(super) fn follow(
         };
         let Ok(tangent) = tangent(family, (&z, p), scales, &before) else { return lost() };
         let base = BasePoint { z: &z, p, tangent: &tangent };
-        let (solution, longer) = match next(family, base, scales, options, ds) {
+        let (mut solution, longer) = match next(family, base, scales, options, ds) {
             Ok(next) => next,
             Err(End::Lost) => return lost(),
             Err(end) => return Ok(end),
         };
         let gone_back = ((solution.p - back) * direction < 0.0).then_some(End::TurnedBack);
         let end = if (solution.p - to) * direction >= 0.0 { Some(End::Reached) } else { gone_back };
-        if let Some(end) = keep(&solution, longer, end)?.or(end) {
+        if let Some(end) = keep(&mut solution, longer, end)?.or(end) {
             return Ok(end);
         }
         previous = Some((std::mem::replace(&mut z, solution.z), p));

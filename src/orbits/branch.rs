@@ -16,6 +16,8 @@ use crate::{
     chain::max_norm,
     dps::Center,
     error::{Error, Result},
+    named::named,
+    output::FileFormat,
 };
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -34,12 +36,25 @@ pub struct Range {
     pub natural: bool,
 }
 
+named! {
+    /// What is found about the orbits of a branch; each includes those before it.
+    #[derive(PartialOrd)]
+    pub enum AnalysisLevel {
+        /// Only what is measured without multipliers.
+        Orbits = "orbits",
+        /// Multipliers.
+        Multipliers = "multipliers",
+        /// Bifurcations.
+        Bifurcations = "bifurcations",
+    }
+}
+
 /// An orbit with its multipliers.
 pub type At<'a, P> = (&'a <P as Problem>::Orbit, &'a <P as Problem>::Spectrum);
 
 /// A kind of orbits that make branches in one parameter. The type has the numbers of a
 /// continuation.
-pub trait Problem: Copy + Debug + Send + Sync {
+pub trait Problem: Copy + Debug + Serialize + DeserializeOwned + Send + Sync {
     /// The numbers that do not vary, and for those that do the values at one orbit.
     type Setting: Clone + Debug + Send + Sync;
     /// An orbit, with its parameter.
@@ -56,6 +71,8 @@ pub trait Problem: Copy + Debug + Send + Sync {
     const NEAR: f64 = 0.0;
     /// What [`Branch::weak`] is at first.
     const WEAK: Option<f64> = None;
+    /// Format and version of the file of a branch.
+    const FORMAT: FileFormat;
 
     /// The name of the parameter.
     fn name(&self) -> &'static str;
@@ -108,7 +125,7 @@ pub trait Problem: Copy + Debug + Send + Sync {
     /// The solution of an orbit.
     fn solution(&self, setting: &Self::Setting, orbit: &Self::Orbit) -> Solution;
     /// Why a branch ends with this orbit, if it does.
-    fn ends(&self, _orbit: &Self::Orbit) -> Option<End> {
+    fn ends(&self, _setting: &Self::Setting, _orbit: &Self::Orbit) -> Option<End> {
         None
     }
 
@@ -126,6 +143,24 @@ pub trait Problem: Copy + Debug + Send + Sync {
     /// # Errors
     /// An integration that fails.
     fn measures(&self, setting: &Self::Setting, orbit: &Self::Orbit, bounded: bool) -> Result<Self::Measures>;
+
+    /// Names and lengths of the arrays into which the numbers of an orbit are divided in a file.
+    fn arrays(setting: &Self::Setting) -> Vec<(&'static str, usize)>;
+    /// The numbers of an orbit that are kept, its unknowns, with its parameter and residual.
+    fn numbers(&self, setting: &Self::Setting, orbit: &Self::Orbit) -> Solution {
+        self.solution(setting, orbit)
+    }
+    /// The orbit of these numbers, to the bit.
+    fn restored(&self, setting: &Self::Setting, numbers: Solution) -> Self::Orbit {
+        self.orbit(setting, &numbers)
+    }
+    /// Real part, imaginary part and error of the modulus of each multiplier.
+    fn multipliers(spectrum: &Self::Spectrum) -> Vec<[f64; 3]>;
+    /// Refuses numbers that are not those of an orbit, by an integration.
+    ///
+    /// # Errors
+    /// The rule that they break.
+    fn verify(&self, setting: &Self::Setting, orbit: &Self::Orbit) -> Result<()>;
 
     /// Least unit of the parameter between two orbits, of which the first has the parameter `p`:
     /// beside a fold both have nearly the same.
@@ -266,6 +301,8 @@ pub struct Branch<P: Problem = Continuation> {
     /// Bound for collisions of multipliers: those that lead to no modulus above `1 + weak` are not
     /// located. `None`: no bifurcations are located.
     pub weak: Option<f64>,
+    /// What is found about the orbits.
+    pub level: AnalysisLevel,
     /// The orbits, at least one, in their order along the branch.
     pub orbits: Vec<P::Orbit>,
     /// Length of the next predictor.
@@ -274,6 +311,9 @@ pub struct Branch<P: Problem = Continuation> {
     pub end: Option<End>,
     /// The orbits whose multipliers are known, with these.
     pub points: Vec<Point<P>>,
+    /// What was measured of the first orbits, if no multipliers are asked for; `None` where that
+    /// failed.
+    pub measured: Vec<Option<P::Measures>>,
     /// Values of the parameter of orbits whose multipliers could not be computed.
     pub gaps: Vec<f64>,
     /// Whether the multipliers of the last orbit are known.
@@ -301,10 +341,12 @@ impl<P: Problem> Branch<P> {
             birth: None,
             center: None,
             weak: P::WEAK,
+            level: AnalysisLevel::Bifurcations,
             orbits: vec![start],
             ds: step / (to - back).abs(),
             end: None,
             points: Vec::new(),
+            measured: Vec::new(),
             gaps: Vec::new(),
             whole: false,
             bifurcations: Vec::new(),
@@ -396,7 +438,8 @@ impl<P: Problem> Branch<P> {
                 }
                 *before = now;
             }
-            let end = end.or(continuation.ends(&orbit));
+            let end = end.or(continuation.ends(&setting, &orbit));
+            *solution = continuation.solution(&setting, &orbit);
             self.orbits.push(orbit);
             // `end` is set before the call, so that a branch saved by `seen` has it.
             (self.ds, self.end) = (ds, end);
@@ -420,11 +463,13 @@ impl<P: Problem> Branch<P> {
         })
     }
 
+    /// Whether bifurcations are located, for which the multipliers of the orbit before are needed.
+    pub(crate) fn joined(&self) -> bool {
+        self.level == AnalysisLevel::Bifurcations && self.weak.is_some()
+    }
+
     /// The branch with points and bifurcations.
-    ///
-    /// # Errors
-    /// No point with multipliers.
-    pub fn analysed(self) -> Result<Self> {
+    pub fn analysed(self) -> Self {
         let spectra = Spectra::new(&self);
         let rows = (0..self.orbits.len()).map(|k| spectra.analysis(k)).collect();
         self.with(rows)
@@ -432,30 +477,26 @@ impl<P: Problem> Branch<P> {
 
     /// The branch with what was found about its first orbits. An orbit without multipliers is no
     /// point; its parameter is among the gaps.
-    pub(crate) fn with(mut self, rows: Vec<Analysis<P>>) -> Result<Self> {
-        (self.points, self.gaps, self.bifurcations, self.unresolved) = Default::default();
-        let (mut folds, mut failure, whole) = (Vec::new(), None, rows.len() == self.orbits.len());
+    pub(crate) fn with(mut self, rows: Vec<Analysis<P>>) -> Self {
+        (self.points, self.measured, self.gaps, self.bifurcations, self.unresolved) = Default::default();
+        self.whole = rows.len() == self.orbits.len() && rows.last().is_none_or(|row| row.measured.is_ok());
+        let mut folds = Vec::new();
         for (k, Analysis { measured, found, fold, unresolved }) in rows.into_iter().enumerate() {
             let found: Vec<_> = found.into_iter().map(|one| self.bifurcation(one)).collect();
             self.bifurcations.extend(found);
             folds.extend(fold.map(|one| self.bifurcation(one)));
             self.unresolved += unresolved;
-            failure = measured.as_ref().err().cloned();
             match measured {
-                Ok((spectrum, measures)) => {
+                Ok((Some(spectrum), measures)) => {
                     self.points.push(Point { orbit: self.orbits[k].clone(), spectrum, measures });
                 }
+                Ok((None, measures)) => self.measured.push(Some(measures)),
+                Err(_) if self.level == AnalysisLevel::Orbits => self.measured.push(None),
                 Err(_) => self.gaps.push(self.parameter(&self.orbits[k])),
             }
         }
         self.bifurcations.extend(folds);
-        self.whole = whole && failure.is_none();
-        match failure {
-            Some(why) if self.points.is_empty() => {
-                Err(Error::Point { point: "the last orbit of the branch".to_owned(), why })
-            }
-            _ => Ok(self),
-        }
+        self
     }
 
     /// Why the branch ended, with its multipliers.
@@ -502,8 +543,8 @@ impl<P: Problem> Branch<P> {
             let orbits = orbits.map(|one| self.continuation.orbit(&setting, &one)).to_vec();
             let continuation = self.continuation.with_range(Range { to: sign * range.to, ..range });
             let branch = Self::new(continuation, setting, orbits[0].clone())?;
-            let (back, weak, birth) = (sign * self.back, self.weak, Some(birth.kind));
-            return Ok(Self { back, weak, birth, orbits, ds, ..branch });
+            let (back, weak, level, birth) = (sign * self.back, self.weak, self.level, Some(birth.kind));
+            return Ok(Self { back, weak, level, birth, orbits, ds, ..branch });
         }
         refused("not exactly one other branch crosses there, of orbits that this search finds")
     }
@@ -513,8 +554,8 @@ impl<P: Problem> Branch<P> {
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(crate) struct Analysis<P: Problem> {
-    /// Multipliers and measures, or why there are none.
-    measured: std::result::Result<(P::Spectrum, P::Measures), String>,
+    /// Multipliers, if they are asked for, and measures, or why there are none.
+    measured: std::result::Result<(Option<P::Spectrum>, P::Measures), String>,
     /// Bifurcations between the nearest orbit before that has multipliers and this one.
     found: Vec<Located<P>>,
     /// The fold at that orbit, if the branch turns there.
@@ -556,7 +597,7 @@ impl<'a, P: Problem> Spectra<'a, P> {
     /// places that were not resolved.
     fn bifurcations(&self, k: usize) -> (Vec<Located<P>>, Option<Located<P>>, usize) {
         let branch = self.branch;
-        let (Some(_), Ok(spectrum), Some((j, before))) = (branch.weak, self.at(k), self.before(k)) else {
+        let (true, Ok(spectrum), Some((j, before))) = (branch.joined(), self.at(k), self.before(k)) else {
             return (Vec::new(), None, 0);
         };
         let here = (&branch.orbits[k], spectrum);
@@ -570,10 +611,11 @@ impl<'a, P: Problem> Spectra<'a, P> {
 
     /// All that is found about orbit `k`.
     pub(crate) fn analysis(&self, k: usize) -> Analysis<P> {
-        let Branch { continuation, setting, orbits, bounded, .. } = self.branch;
-        let measured = self.at(k).map_err(String::clone).and_then(|spectrum| {
+        let Branch { continuation, setting, orbits, bounded, level, .. } = self.branch;
+        let spectrum = (*level > AnalysisLevel::Orbits).then(|| self.at(k)).transpose().map_err(String::clone);
+        let measured = spectrum.and_then(|spectrum| {
             let measures = continuation.measures(setting, &orbits[k], *bounded).map_err(|why| why.to_string())?;
-            Ok((spectrum.clone(), measures))
+            Ok((spectrum.cloned(), measures))
         });
         let (found, fold, unresolved) = self.bifurcations(k);
         Analysis { measured, found, fold, unresolved }

@@ -12,14 +12,13 @@ use super::{
     arclength::{End, FARTHEST, MOST_CORRECTIONS, Solution},
     bifurcation::{self, CriticalPair},
     branch::{At, Branch, Located, Problem, Range},
-    file::checked,
     floquet::Spectrum,
     kantorovich::Kantorovich,
     orbit::Extent,
     setting::{Parameter, Setting},
     shooting::{Equations, NewtonStep, Orbit, Shooting},
 };
-use crate::error::Result;
+use crate::{error::Result, output::FileFormat};
 use serde::{Deserialize, Serialize};
 
 /// Settings of a continuation.
@@ -59,6 +58,7 @@ impl Problem for Continuation {
     type Spectrum = Spectrum;
     type Measures = OrbitMeasures;
     type Critical = CriticalPair;
+    const FORMAT: FileFormat = FileFormat("hertzchain branch", 1);
 
     fn name(&self) -> &'static str {
         self.parameter.name()
@@ -74,7 +74,7 @@ impl Problem for Continuation {
     }
 
     fn check_value(&self, setting: &Setting, p: f64) -> Result<()> {
-        checked(&setting.with(self.parameter, p))
+        setting.with(self.parameter, p).checked()
     }
 
     fn equations(&self, setting: &Setting, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
@@ -115,6 +115,18 @@ impl Problem for Continuation {
     fn measures(&self, _setting: &Setting, orbit: &Orbit, bounded: bool) -> Result<OrbitMeasures> {
         let kantorovich = if bounded { orbit.kantorovich(&self.shooting)? } else { None };
         Ok(OrbitMeasures { extent: orbit.extent(self.shooting.tol)?, kantorovich })
+    }
+
+    fn arrays(setting: &Setting) -> Vec<(&'static str, usize)> {
+        vec![("x", setting.sites), ("y", setting.sites)]
+    }
+
+    fn multipliers(spectrum: &Spectrum) -> Vec<[f64; 3]> {
+        spectrum.numbers()
+    }
+
+    fn verify(&self, _setting: &Setting, orbit: &Orbit) -> Result<()> {
+        orbit.clone().measured(&self.shooting).map(|_| ())
     }
 
     fn least_change(&self, p: f64) -> f64 {

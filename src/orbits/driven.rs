@@ -63,7 +63,7 @@ impl DriveParameter {
     /// Another name.
     pub fn named(name: &str) -> Result<Self> {
         let found = Self::ALL.into_iter().find(|one| one.name() == name);
-        found.ok_or_else(|| Error::unknown("parameter", name, Self::ALL.map(Self::name)))
+        found.ok_or_else(|| Error::unknown("vary", name, Self::ALL.map(Self::name)))
     }
 
     /// The rule for its values.
@@ -387,6 +387,17 @@ const RETURNED: f64 = 1e-8;
 /// Largest rate of contacts, resonators, damping and drives of an orbit in a file, in units of its
 /// frequency.
 const FASTEST: f64 = 1e5;
+
+/// Refuses an orbit from a file whose integration may take too long, by its fastest `rate` in units
+/// of its frequency, or that is `off` by too much after a period.
+pub(crate) fn returns(rate: f64, off: impl FnOnce() -> Result<f64>) -> Result<()> {
+    if !rate.is_finite() || rate > FASTEST {
+        let rule = "contacts, resonators, damping and drives of an orbit are at most 10^5 times as fast as it is";
+        return Err(Error::parameter("rates", format!("up to {rate:.1e}"), rule));
+    }
+    let off = off()?;
+    if off <= RETURNED { Ok(()) } else { Err(Error::parameter("residual", off, "an orbit returns to 1e-8")) }
+}
 /// A run has settled if a period changes the unknowns by at most this, in units of the largest.
 const SETTLED: f64 = 1e-8;
 /// Tolerance of a step of the run that settles.
@@ -655,14 +666,10 @@ impl DrivenOrbit {
     /// Refuses numbers that are not those of an orbit. Rates are checked first, so that the
     /// residual is measured within seconds on a short chain.
     pub(super) fn verify(&self, shooting: &DrivenShooting) -> Result<()> {
-        let rate = self.setting.fastest_rate(&self.z)?;
-        if rate > FASTEST {
-            let rule = "contacts, resonators, damping and drives of an orbit are at most 10^5 times as fast as it is";
-            return Err(Error::parameter("rates", format!("up to {rate:.1e}"), rule));
-        }
-        let Equations { residual, .. } = shooting.equations(&self.setting, &self.z, false)?;
-        let off = residual.amax() / self.setting.size(&self.z).max(self.setting.moved()?);
-        if off <= RETURNED { Ok(()) } else { Err(Error::parameter("residual", off, "an orbit returns to 1e-8")) }
+        let size = self.setting.size(&self.z).max(self.setting.moved()?);
+        returns(self.setting.fastest_rate(&self.z)?, || {
+            Ok(shooting.equations(&self.setting, &self.z, false)?.residual.amax() / size)
+        })
     }
 
     /// Unknowns after half of the orbit's periods of the drive (an even number) less those at

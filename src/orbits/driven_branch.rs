@@ -19,7 +19,7 @@ use super::{
     driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum, MARGIN},
     shooting::Equations,
 };
-use crate::{error::Result, numerics::least_by};
+use crate::{error::Result, numerics::least_by, output::FileFormat};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
@@ -99,6 +99,7 @@ impl Problem for DrivenContinuation {
     type Spectrum = DrivenSpectrum;
     type Measures = DrivenMeasures;
     type Critical = DrivenCritical;
+    const FORMAT: FileFormat = FileFormat("hertzchain driven branch", 2);
     const NEAR: f64 = 1e-6;
     const WEAK: Option<f64> = Some(0.0);
 
@@ -152,6 +153,18 @@ impl Problem for DrivenContinuation {
         DrivenMeasures::of(orbit, &self.shooting)
     }
 
+    fn arrays(setting: &DrivenSetting) -> Vec<(&'static str, usize)> {
+        vec![("z", setting.unknowns())]
+    }
+
+    fn multipliers(spectrum: &DrivenSpectrum) -> Vec<[f64; 3]> {
+        spectrum.multipliers.iter().map(|one| [one.re, one.im, one.error]).collect()
+    }
+
+    fn verify(&self, _setting: &DrivenSetting, orbit: &DrivenOrbit) -> Result<()> {
+        orbit.verify(&self.shooting)
+    }
+
     fn least_change(&self, _p: f64) -> f64 {
         self.step
     }
@@ -185,11 +198,11 @@ impl DrivenContinuation {
     /// the branch has turned back, passes its first; `seen` is called after every new orbit.
     ///
     /// # Errors
-    /// Numbers outside their rules; no multipliers of any orbit; a signal.
+    /// Numbers outside their rules; a signal.
     pub fn follow(&self, start: DrivenOrbit, seen: impl FnMut(&Branch<Self>)) -> Result<Branch<Self>> {
         let mut branch = Branch::new(*self, start.setting.clone(), start)?;
         branch.extend(seen)?;
-        branch.analysed()
+        Ok(branch.analysed())
     }
 }
 

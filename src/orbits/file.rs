@@ -2,16 +2,13 @@
 //!
 //! A branch is an NPZ file: `settings.json` with the numbers that hold for the whole branch, and
 //! arrays with a row for each orbit. The arrays `parameter`, `residual` and those of the unknowns
-//! are read back; other arrays are for readers of the file. A single orbit is the JSON that
-//! `breather dark` writes.
+//! are read back; other arrays, such as `multipliers_re`, are for readers of the file. A single
+//! orbit is the JSON that `breather dark` writes.
 
 use super::{
     arclength::{End, Solution},
     bifurcation::BifurcationKind,
     branch::{Branch, Problem},
-    continuation::Continuation,
-    driven::{DrivenOrbit, DrivenSetting},
-    driven_branch::DrivenContinuation,
     setting::{Parameter, Setting},
     shooting::{Formulation, Orbit, Shooting},
 };
@@ -57,46 +54,8 @@ struct Settings<P, S> {
     end: Option<End>,
 }
 
-/// A problem whose branches are kept in files.
-pub trait Stored: Problem + Serialize + DeserializeOwned {
-    /// Format and version of the file.
-    const FORMAT: FileFormat;
-    /// Names of the arrays into which the unknowns are divided, in equal parts.
-    const ARRAYS: &'static [&'static str];
-    /// Number of unknowns.
-    fn unknowns(setting: &Self::Setting) -> usize;
-    /// Refuses numbers that are not those of an orbit, by an integration.
-    ///
-    /// # Errors
-    /// The rule that they break.
-    fn verify(&self, orbit: &Self::Orbit) -> Result<()>;
-}
-
-impl Stored for Continuation {
-    const FORMAT: FileFormat = FileFormat("hertzchain branch", 1);
-    const ARRAYS: &'static [&'static str] = &["x", "y"];
-
-    fn unknowns(setting: &Setting) -> usize {
-        2 * setting.sites
-    }
-
-    fn verify(&self, orbit: &Orbit) -> Result<()> {
-        orbit.clone().measured(&self.shooting).map(|_| ())
-    }
-}
-
-impl Stored for DrivenContinuation {
-    const FORMAT: FileFormat = FileFormat("hertzchain driven branch", 2);
-    const ARRAYS: &'static [&'static str] = &["z"];
-
-    fn unknowns(setting: &DrivenSetting) -> usize {
-        setting.unknowns()
-    }
-
-    fn verify(&self, orbit: &DrivenOrbit) -> Result<()> {
-        orbit.verify(&self.shooting)
-    }
-}
+/// Names of the arrays of multipliers.
+const MULTIPLIERS: [&str; 3] = ["multipliers_re", "multipliers_im", "modulus_error"];
 
 /// Format and version in the JSON of an orbit.
 pub(crate) const ORBIT_FORMAT: FileFormat = FileFormat("hertzchain orbit", 1);
@@ -149,7 +108,7 @@ const ORBIT: f64 = 1e-8;
 /// Largest frequency of contacts and resonators in units of that of the orbit.
 const FASTEST: f64 = 1e3;
 
-impl<P: Stored> Branch<P> {
+impl<P: Problem> Branch<P> {
     /// The settings in the file, of a branch whose setting has this `source`.
     fn settings_of<S: Serialize>(&self, source: S) -> impl Serialize {
         let FileFormat(format, version) = P::FORMAT;
@@ -172,25 +131,43 @@ impl<P: Stored> Branch<P> {
     /// The bytes of the file of a branch whose setting has this `source`, with the arrays `more`
     /// added.
     pub(crate) fn npz_of(&self, source: impl Serialize, more: Vec<Array<'_>>) -> Result<Vec<u8>> {
-        let all: Vec<Solution> = self.orbits.iter().map(|orbit| self.solution(orbit)).collect();
+        let (continuation, setting) = (&self.continuation, &self.setting);
+        let all: Vec<Solution> = self.orbits.iter().map(|orbit| continuation.numbers(setting, orbit)).collect();
         let mut arrays = vec![
             Array::vector("parameter", all.iter().map(|one| one.p).collect()),
             Array::vector("residual", all.iter().map(|one| one.residual).collect()),
         ];
-        let width = P::unknowns(&self.setting) / P::ARRAYS.len();
-        for (k, name) in P::ARRAYS.iter().enumerate() {
-            arrays.push(Array::matrix(name, all.iter().map(|one| &one.z[k * width..(k + 1) * width])));
+        let mut from = 0;
+        for (name, width) in P::arrays(setting) {
+            arrays.push(Array::matrix(name, all.iter().map(|one| &one.z[from..from + width])));
+            from += width;
         }
         arrays.extend(more);
+        arrays.extend(self.multipliers());
         npz_with(SETTINGS, &to_json(&self.settings_of(source)), &arrays)
     }
 
-    /// Reads a branch from an archive, with all checks that need no integration; `setting` makes
-    /// the setting from its source.
-    pub(crate) fn read<S: DeserializeOwned>(
+    /// The arrays of multipliers, with rows of NaN for orbits without them; none if no multipliers
+    /// are known.
+    fn multipliers(&self) -> Vec<Array<'static>> {
+        let Some(first) = self.points.first() else { return Vec::new() };
+        let unknown = vec![[f64::NAN; 3]; P::multipliers(&first.spectrum).len()];
+        let mut points = self.points.iter().peekable();
+        let rows: Vec<Vec<[f64; 3]>> = (self.orbits.iter().map(|orbit| self.parameter(orbit)))
+            .map(|p| points.next_if(|point| self.parameter(&point.orbit) == p))
+            .map(|point| point.map_or(unknown.clone(), |point| P::multipliers(&point.spectrum)))
+            .collect();
+        let part = |k: usize| rows.iter().map(|row| row.iter().map(|one| one[k]).collect()).collect::<Vec<Vec<f64>>>();
+        let arrays = MULTIPLIERS.iter().enumerate();
+        arrays.map(|(k, name)| Array::matrix(name, part(k).iter().map(Vec::as_slice))).collect()
+    }
+
+    /// Reads a branch from an archive, with all checks that need no integration; `made` makes the
+    /// setting from its source, for a branch that begins at such a bifurcation.
+    pub(crate) fn read<S: DeserializeOwned, A>(
         file: &Archive,
-        setting: impl Fn(&S) -> Result<P::Setting>,
-    ) -> Result<(S, Self)> {
+        made: impl Fn(S, Option<BifurcationKind>) -> Result<(A, P::Setting)>,
+    ) -> Result<(A, Self)> {
         let refused = |why: &dyn std::fmt::Display| file.refused(SETTINGS, why.to_string());
         let settings: Settings<P, S> = P::FORMAT.read(file)?;
         let Settings { center, setting: source, continuation, weak, back, birth, points, ds, end, .. } = settings;
@@ -208,8 +185,7 @@ impl<P: Stored> Branch<P> {
                 return Err(refused(&Error::parameter(name, value, rule)));
             }
         }
-        let setting = setting(&source).map_err(|why| refused(&why))?;
-        let width = P::unknowns(&setting) / P::ARRAYS.len();
+        let (about, setting) = made(source, birth).map_err(|why| refused(&why))?;
         let numbers = |name: &str, shape: &[u64]| {
             let (values, width) = (file.array(name, shape)?, shape.get(1).map_or(1, |width| *width as usize));
             match values.iter().position(|value| !value.is_finite()) {
@@ -221,26 +197,28 @@ impl<P: Stored> Branch<P> {
             }
         };
         let (parameter, residual) = (file.array("parameter", &[points])?, numbers("residual", &[points])?);
-        let z = P::ARRAYS.iter().map(|name| numbers(name, &[points, width as u64])).collect::<Result<Vec<_>>>()?;
+        let arrays = P::arrays(&setting);
+        let read = |&(name, width): &(_, usize)| Ok((width, numbers(name, &[points, width as u64])?));
+        let z = arrays.iter().map(read).collect::<Result<Vec<_>>>()?;
         let mut orbits = Vec::new();
         for (k, (&p, &residual)) in parameter.iter().zip(&residual).enumerate() {
             let value = continuation.check_value(&setting, p);
             value.map_err(|why| file.refused("parameter", format!("point {k}: {why}")))?;
-            let z = z.iter().flat_map(|all| &all[k * width..(k + 1) * width]).copied().collect();
-            orbits.push(continuation.orbit(&setting, &Solution { z, p, residual, newton: Vec::new() }));
+            let z = z.iter().flat_map(|(width, all)| &all[k * width..(k + 1) * width]).copied().collect();
+            orbits.push(continuation.restored(&setting, Solution { z, p, residual, newton: Vec::new() }));
         }
         let branch = Self::new(continuation, setting, orbits[0].clone()).map_err(|why| refused(&why))?;
         let back = back.unwrap_or(branch.back);
         let branch = Self { back, birth, center, weak, orbits, ds, end, ..branch };
         branch.check().map_err(|why| refused(&why))?;
-        Ok((source, branch))
+        Ok((about, branch))
     }
 
     /// Refuses a branch from a file if its numbers are not those of orbits.
     pub(crate) fn verified(self, file: &Archive) -> Result<Self> {
         for (k, orbit) in self.orbits.iter().enumerate() {
-            let verified = self.continuation.verify(orbit);
-            verified.map_err(|why| file.refused(P::ARRAYS[0], format!("point {k}: {why}")))?;
+            let verified = self.continuation.verify(&self.setting, orbit);
+            verified.map_err(|why| file.refused(P::arrays(&self.setting)[0].0, format!("point {k}: {why}")))?;
         }
         Ok(self)
     }
@@ -253,18 +231,14 @@ impl Branch {
     }
 
     /// The setting of the first orbit.
-    fn source(&self) -> Setting {
+    pub(crate) fn source(&self) -> Setting {
         self.orbits.first().map_or(self.setting, |orbit| orbit.setting)
     }
 
-    /// The bytes of the branch's file, with the arrays `more` added.
-    ///
-    /// # Errors
-    /// Errors of the archive writer.
-    pub fn npz(&self, more: Vec<Array<'_>>) -> Result<Vec<u8>> {
+    /// Frequencies and mass ratios, for readers of the file.
+    pub(crate) fn values(&self) -> Vec<Array<'static>> {
         let of = |parameter: Parameter| self.orbits.iter().map(|orbit| orbit.setting.get(parameter)).collect();
-        let values = [Parameter::OmegaB, Parameter::Rho].map(|one| Array::vector(one.name(), of(one)));
-        self.npz_of(self.source(), values.into_iter().chain(more).collect())
+        [Parameter::OmegaB, Parameter::Rho].map(|one| Array::vector(one.name(), of(one))).to_vec()
     }
 
     /// Reads a branch: the orbits have the bits they had when written; their Newton steps are not
@@ -275,17 +249,8 @@ impl Branch {
     /// another structure or version, or with numbers outside their rules.
     pub fn load(path: &Path) -> Result<Self> {
         let file = Archive::read(path)?;
-        Self::from_archive(&file)?.verified(&file)
-    }
-
-    /// Reads a branch from an archive, with all checks that need no integration.
-    ///
-    /// [`load`](Self::load) checks in addition that the strains are those of orbits.
-    ///
-    /// # Errors
-    /// As [`load`](Self::load).
-    pub fn from_archive(file: &Archive) -> Result<Self> {
-        Self::read(file, |setting| checked(setting).map(|()| *setting)).map(|(_, branch)| branch)
+        let made = |setting: Setting, _| setting.checked().map(|()| ((), setting));
+        Self::read(&file, made)?.1.verified(&file)
     }
 }
 
@@ -321,7 +286,8 @@ impl<P: Problem> Branch<P> {
 }
 
 impl Orbit {
-    /// Reads an orbit that `breather dark` has written, or the picked orbit of a branch file.
+    /// Reads an orbit that `breather dark` has written, or the picked orbit of a branch file; none
+    /// is picked where there is only one.
     ///
     /// The numbers are checked, and the residual is measured again.
     ///
@@ -336,7 +302,10 @@ impl Orbit {
         File::open(path).map_err(fail)?.take(ZIP.len() as u64).read_to_end(&mut start).map_err(fail)?;
         let rule = match (start == ZIP, pick) {
             (true, Some(pick)) => return Branch::load(path)?.pick(pick).cloned(),
-            (true, None) => "it is a branch: say which of its orbits, by --point or --at".to_owned(),
+            (true, None) => match &Branch::load(path)?.orbits[..] {
+                [orbit] => return Ok(orbit.clone()),
+                _ => "it is a branch: say which of its orbits, by --point or --at".to_owned(),
+            },
             (false, Some(_)) => "it is no branch.npz: only a branch has points".to_owned(),
             (false, None) => match Self::from_json(&read(path, MOST_BYTES)?).map(|orbit| orbit.measured(shooting)) {
                 Ok(Ok(orbit)) => return Ok(orbit),
@@ -369,7 +338,7 @@ impl Orbit {
     ///
     /// An orbit that starts at rest is at rest after half a period, so the half-period equations
     /// apply to both formulations.
-    fn measured(self, shooting: &Shooting) -> Result<Self> {
+    pub(super) fn measured(self, shooting: &Shooting) -> Result<Self> {
         // The integration of strains far from any orbit may take too long.
         if self.setting.fastest_rate(&self.z) > FASTEST {
             let rule = "contacts and resonators of an orbit are at most 1000 times as fast as it is";
@@ -391,7 +360,7 @@ impl OrbitFile {
         let Self { alpha, kappa, rho, sites, omega_b, turns, c_x, c_x_asked, x, y, .. } = self;
         let params = Params { alpha, kappa, rho };
         let setting = Setting { params, sites, omega_b, c_x: c_x_asked.unwrap_or(c_x), turns };
-        checked(&setting)?;
+        setting.checked()?;
         for (name, strains) in [("x", &x), ("y", &y)] {
             if strains.len() != sites {
                 let value = format!("{} numbers for {sites} sites", strains.len());
@@ -402,11 +371,13 @@ impl OrbitFile {
     }
 }
 
-/// Refuses a setting outside its rules; a ring for orbits has an odd number of sites.
-pub(super) fn checked(setting: &Setting) -> Result<()> {
-    setting.chain()?;
-    if setting.sites.is_multiple_of(2) {
-        return Err(Error::parameter("sites", setting.sites, "an odd number: n = -N .. N"));
+impl Setting {
+    /// Refuses a setting outside its rules; a ring for orbits has an odd number of sites.
+    pub(crate) fn checked(&self) -> Result<()> {
+        self.chain()?;
+        if self.sites.is_multiple_of(2) {
+            return Err(Error::parameter("sites", self.sites, "an odd number: n = -N .. N"));
+        }
+        Ok(())
     }
-    Ok(())
 }

@@ -20,6 +20,7 @@ use super::{
     arclength::{self, Solution},
     bifurcation::{self, BifurcationKind, CriticalPair},
     branch::{At, Branch, Located, Point, Problem, Range},
+    driven::returns,
     floquet::{Frame, Kind, Spectrum},
     shooting::{Equations, NewtonStep, least_squares},
 };
@@ -27,6 +28,7 @@ use crate::{
     chain::{Chain, State, Variations, max_norm},
     error::{Error, Result},
     numerics::least_by,
+    output::FileFormat,
 };
 use hertzchain_integrators::VectorField;
 use nalgebra::{DMatrix, DVector};
@@ -294,15 +296,21 @@ pub struct ModeMeasures {
 /// An orbit of a branch with its multipliers.
 pub type ModePoint = Point<ModeContinuation>;
 
-impl ModePoint {
+impl Spectrum {
+    /// Real part, imaginary part and error of the modulus of each multiplier.
+    pub(super) fn numbers(&self) -> Vec<[f64; 3]> {
+        self.multipliers.iter().map(|one| [one.re, one.im, one.error]).collect()
+    }
+
     /// Number of multipliers that lie outside the unit circle by more than their error.
     pub fn unstable(&self) -> usize {
-        self.spectrum.multipliers.iter().filter(|one| one.modulus - one.error > 1.0).count()
+        self.multipliers.iter().filter(|one| one.modulus - one.error > 1.0).count()
     }
 }
 
 /// Settings of a branch of orbits that begins as a linear mode.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ModeContinuation {
     /// Number of the linear mode.
     pub mode: usize,
@@ -322,11 +330,8 @@ impl ModeContinuation {
     /// # Errors
     /// No such mode; amplitudes that are not positive; fewer than two points.
     pub fn check(&self, modes: &NormalModes) -> Result<()> {
-        let count = modes.linear.len();
-        if self.mode >= count {
-            let value = format!("{} of {count}", self.mode.wrapping_add(1));
-            return Err(Error::parameter("linear_mode", value, "linear modes are numbered from 1, by frequency"));
-        }
+        // Any amplitude: the rule for the last one is below.
+        self.check_value(modes, 1.0)?;
         if !(self.to.is_finite() && self.to > 0.0) {
             return Err(Error::parameter("to", self.to, "an amplitude is finite and positive"));
         }
@@ -346,12 +351,11 @@ impl ModeContinuation {
     /// of the linear mode, in the space of the unknowns, the amplitude is halved.
     ///
     /// # Errors
-    /// Numbers outside their rules; a first orbit that is not found; no multipliers of any orbit; a
-    /// signal.
+    /// Numbers outside their rules; a first orbit that is not found; a signal.
     pub fn follow(&self, modes: &NormalModes, seen: impl FnMut(&Branch<Self>)) -> Result<Branch<Self>> {
         let mut branch = self.begin(modes)?;
         branch.extend(seen)?;
-        branch.analysed()
+        Ok(branch.analysed())
     }
 
     /// The branch of [`follow`](Self::follow) with its first orbit only.
@@ -437,6 +441,7 @@ impl Problem for ModeContinuation {
     type Spectrum = Spectrum;
     type Measures = ModeMeasures;
     type Critical = CriticalPair;
+    const FORMAT: FileFormat = FileFormat("hertzchain mode branch", 1);
     const NEAR: f64 = 5e-8;
     /// Chosen: long chains have many weaker collisions.
     const WEAK: Option<f64> = Some(1e-3);
@@ -452,6 +457,18 @@ impl Problem for ModeContinuation {
 
     fn with_range(self, Range { to, step, most_points, .. }: Range) -> Self {
         Self { to, step, most_points, ..self }
+    }
+
+    fn check_value(&self, modes: &NormalModes, a: f64) -> Result<()> {
+        let count = modes.linear.len();
+        if self.mode >= count {
+            let value = format!("{} of {count}", self.mode.wrapping_add(1));
+            return Err(Error::parameter("linear_mode", value, "linear modes are numbered from 1, by frequency"));
+        }
+        if !(a.is_finite() && a != 0.0) {
+            return Err(Error::parameter("amplitude", a, "finite and not zero"));
+        }
+        Ok(())
     }
 
     fn equations(&self, modes: &NormalModes, z: &[f64], a: f64, derivative: bool) -> Result<Equations> {
@@ -541,6 +558,25 @@ impl Problem for ModeContinuation {
             energy: energy(&start) - energy(&modes.rest),
             participation: participation(&orbit.shape, &modes.masses),
             least_overlap: overlaps.copied().fold(f64::INFINITY, f64::min),
+        })
+    }
+
+    fn arrays(modes: &NormalModes) -> Vec<(&'static str, usize)> {
+        vec![("z", modes.free.len())]
+    }
+
+    fn multipliers(spectrum: &Spectrum) -> Vec<[f64; 3]> {
+        spectrum.numbers()
+    }
+
+    fn verify(&self, modes: &NormalModes, orbit: &ModeOrbit) -> Result<()> {
+        let alpha = modes.chain.details().map_or(Vec::new(), |details| details.alpha.clone());
+        let alpha = alpha.into_iter().fold(modes.chain.params().alpha, f64::max);
+        let reach = 1.0 + 2.0 * orbit.amplitude.abs() * max_norm(orbit.shape.iter().copied()) / modes.overlap;
+        let highest = modes.linear.last().map_or(0.0, |mode| mode.omega);
+        let Solution { z, p, .. } = self.solution(modes, orbit);
+        returns(highest * reach.powf(0.5 * (alpha - 1.0)) / orbit.omega, || {
+            Ok(self.equations(modes, &z, p, false)?.residual.amax() / self.size(modes, &z, p))
         })
     }
 

@@ -1,67 +1,408 @@
-//! Branches of orbits in reports: points, bifurcations, the end, and the branch that crosses.
+//! Branches of orbits: their options, files and work, and what reports have of them: points,
+//! bifurcations, the end, and the branch that crosses.
 
-use super::{Progress, options::options};
-use crate::{
-    error::{Error, Result},
-    orbits::{Bifurcation, Branch, End, Point, Problem},
-    report::{Digits::Short, Line, Report, Rows},
-    scene::{Scene, Units},
+use super::{
+    InSi, Progress, Study, Work, folder_of, keeper::Autosave, options::options, run::state_arrays, segments, si::Scale,
 };
+use crate::{
+    chain::State,
+    error::{Error, Result},
+    orbits::{AnalysisLevel, Bifurcation, BifurcationKind, Branch, End, Point, Problem, Range},
+    output::{Archive, Array, SETTINGS},
+    report::{Digits::Short, Line, Panel, Report, Rows},
+    scene::{Quantity, Scene, SceneFile, Units},
+    sweep::Engine,
+};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::{Value, json};
+use std::{
+    fmt::Debug,
+    iter::repeat,
+    path::{Path, PathBuf},
+};
 
 /// Share of the progress of a branch for its orbits; the rest is for multipliers and bifurcations.
 pub(super) const ORBITS: f64 = 0.4;
+/// Largest step as a share of the range of the parameter, if none is given.
+const STEP: f64 = 0.05;
 
 /// The tables of a branch that crosses the one that was asked for: points and bifurcations.
 pub(super) const SWITCHED: [&str; 2] = ["switched-branch", "switched-bifurcations"];
+/// The file and the store of such a branch.
+const SWITCHED_NAMES: [&str; 2] = ["switched-branch.npz", "switched-spectra.store"];
+/// All files of such a branch but its store.
+pub(super) const SWITCHED_FILES: [&str; 3] = ["switched-branch.csv", "switched-bifurcations.csv", SWITCHED_NAMES[0]];
 
-/// Called with the branch so far after every new point, to write it to a file.
-pub(super) type Keep<'a, P> = &'a mut dyn FnMut(&Branch<P>);
+/// Words on the file and the store of a branch, and on further files.
+macro_rules! files_of_branch {
+    ($file:literal, $store:literal, $more:literal) => {
+        concat!(
+            $file,
+            " has every orbit, and is written every 20 points or 10 s as well. ",
+            $more,
+            $store,
+            " has what was found about them, from which the same command goes on. Each part of --shard follows the \
+             branch itself and computes its share of this."
+        )
+    };
+}
+pub(super) use files_of_branch;
 
 /// A branch that crosses another one at the bifurcation of a number or, in words, why none was
 /// followed.
 pub(super) type Switched<B> = Option<(usize, std::result::Result<B, String>)>;
 
 options! {
-    /// How long a branch is, and the one that crosses it.
-    #[derive(Copy, PartialEq, Eq)]
+    /// What every branch asks for.
+    #[derive(PartialEq)]
     pub struct BranchOptions {
+        /// Value of the parameter at which the branch ends.
+        ///
+        /// It begins with that of the scene or of other options.
+        to: Option<f64> = None, "P", (finite);
+        /// Largest change of the parameter from point to point.
+        ///
+        /// By default a twentieth of the range, of dark breathers a hundredth.
+        step: Option<f64> = None, "DP", (positive);
         /// Points of the branch at most.
-        max_points: usize = 200, "N", (2 or more);
+        ///
+        /// With those of a branch that is resumed.
+        max_points: usize = 1000, "N", (2 or more);
+        /// Compute multipliers, or not (=false).
+        ///
+        /// On by default where they take less time than the orbits: not of dark breathers.
+        multipliers: Option<bool> = None, "BOOL", [arg(require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true)];
+        /// Go on with what this file, or the file in this folder, has kept.
+        ///
+        /// A file of a branch, from its last point: to another --to, by another --step; then
+        /// multipliers and bifurcations are computed anew. The results are written beside it unless
+        /// --out says where.
+        resume: Option<PathBuf> = None, "PATH";
+    }
+}
+
+options! {
+    /// What a branch of a scene asks for about its bifurcations.
+    #[derive(Copy, PartialEq, Eq)]
+    pub struct BifurcationOptions {
+        /// Locate bifurcations, or not (=false).
+        ///
+        /// They need multipliers. On by default where they take less time than the orbits: not of
+        /// normal modes.
+        bifurcations: Option<bool> = None, "BOOL", [arg(require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true)];
         /// Follow the branch that crosses at bifurcation K, too.
         ///
         /// A period doubling, for orbits of the doubled period, or a branch point; bifurcations are
         /// numbered from 1 as they are printed. It ends as the first branch does, or where orbits
-        /// of doubled period come back to those of half the period.
+        /// of doubled period come back to those of half the period. Its files are
+        /// switched-branch.csv, switched-bifurcations.csv and switched-branch.npz.
         switch: Option<usize> = None, "K", (1 or more);
     }
 }
 
-/// Continues a branch, unless it has ended. The orbits are a result also if the process was asked
-/// to end meanwhile. `shown` is the parameter of an orbit as it is told.
-pub(super) fn followed<P: Problem>(
+impl BranchOptions {
+    /// What is found about a branch.
+    ///
+    /// # Errors
+    /// Bifurcations without multipliers; a number outside its range.
+    pub(super) fn level<P: Kept>(&self, more: BifurcationOptions) -> Result<AnalysisLevel> {
+        more.within_ranges()?;
+        let bifurcations = more.bifurcations.or(more.switch.map(|_| true));
+        match (self.multipliers, bifurcations) {
+            (Some(false), Some(true)) => Err(Error::parameter("bifurcations", true, "they need --multipliers")),
+            (Some(false), _) => Ok(AnalysisLevel::Orbits),
+            (_, Some(true)) => Ok(AnalysisLevel::Bifurcations),
+            (None, _) if P::USUAL == AnalysisLevel::Orbits => Ok(P::USUAL),
+            (_, None) if P::USUAL == AnalysisLevel::Bifurcations => Ok(P::USUAL),
+            _ => Ok(AnalysisLevel::Multipliers),
+        }
+    }
+
+    /// What `make` makes of the last value and the largest step, of this quantity, in the units of
+    /// the chain. A refusal has them as they were given.
+    fn read<T>(
+        &self,
+        (si, quantity): (Option<&Units>, Quantity),
+        make: impl FnOnce(Option<f64>, Option<f64>) -> Result<T>,
+    ) -> Result<T> {
+        let (scale, &Self { to, step, .. }) = (Scale(si), self);
+        let [a, b] = [to, step].map(|given| given.map(|value| scale.read(quantity, value)));
+        scale.given(make(a, b), &[("to", to), ("step", step)])
+    }
+
+    /// The same for a branch that begins with the value `from`.
+    pub(super) fn continuation<P>(
+        &self,
+        units: (Option<&Units>, Quantity),
+        from: f64,
+        make: impl FnOnce(f64, f64) -> Result<P>,
+    ) -> Result<P> {
+        self.within_ranges()?;
+        self.read(units, |to, step| {
+            let to = to.ok_or_else(|| Error::parameter("to", "nothing", "a branch needs a value at which it ends"))?;
+            make(to, step.unwrap_or(STEP * (to - from).abs()))
+        })
+    }
+
+    /// The branch of a file that goes on.
+    fn resumed<P: Kept>(&self, path: &Path, si: InSi) -> Result<Begun<P>> {
+        let path = if path.is_dir() { &*path.join(P::NAMES[0]) } else { path };
+        let (about, branch) = load_branch::<P>(path)?;
+        let si = P::units(&about, si)?;
+        let quantity = branch.continuation.quantity(&branch.setting);
+        let branch = self.read((si.as_ref(), quantity), |to, step| branch.onward(to, step, self.max_points))?;
+        Ok((about, branch, si))
+    }
+}
+
+/// A branch with what a report needs of its scene, and the units of the report.
+pub(super) type Begun<P> = (<P as Kept>::About, Branch<P>, Option<Units>);
+/// Finds the first orbit of a branch, after its options were checked.
+pub(super) type First<'a, P> = Box<dyn FnOnce(&Engine, Progress<'_>) -> Result<Begun<P>> + 'a>;
+
+/// A command that follows a branch.
+pub(super) trait FollowCommand {
+    /// The kind of orbits.
+    type Problem: Kept;
+
+    /// The options of the branch, of its bifurcations and of units.
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi);
+    /// A new branch.
+    fn first(&self) -> Result<First<'_, Self::Problem>>;
+    /// A branch from a file as further options say.
+    ///
+    /// # Errors
+    /// An end outside its rule.
+    fn with_options(&self, branch: Branch<Self::Problem>) -> Result<Branch<Self::Problem>> {
+        Ok(branch)
+    }
+}
+
+impl<C: FollowCommand> Study for C {
+    const FILES: &'static str = C::Problem::FILES;
+    const INTERRUPTIBLE: bool = true;
+    const SWEEPS: bool = true;
+
+    fn optional_files() -> Vec<String> {
+        C::Problem::OPTIONAL.iter().map(ToString::to_string).collect()
+    }
+
+    fn outline() -> Option<Report> {
+        Some(C::Problem::outline())
+    }
+
+    fn begin(&self) -> Result<Work<'_>> {
+        let (options, more, si) = self.options();
+        options.within_ranges()?;
+        let level = options.level::<C::Problem>(more)?;
+        let first = match &options.resume {
+            None => self.first()?,
+            Some(path) => {
+                let (about, branch, si) = options.resumed(path, si)?;
+                let branch = self.with_options(branch)?;
+                Box::new(move |_: &Engine, _: Progress<'_>| Ok((about, branch, si)))
+            }
+        };
+        Ok(Box::new(move |engine, progress| begun(first, level, more.switch, engine, progress)?.report()))
+    }
+
+    /// The folder of the branch that is gone on with, unless it is one that crosses another.
+    fn default_folder(&self) -> Option<PathBuf> {
+        let path = self.options().0.resume.as_deref()?;
+        (!path.ends_with(SWITCHED_NAMES[0])).then(|| folder_of(path))
+    }
+}
+
+/// A kind of orbits whose branches are kept while they are followed.
+pub trait Kept: Problem {
+    /// What a report needs of the scene.
+    type About: Clone + Debug;
+    /// What the file has of the setting and of this.
+    type Source: Serialize + DeserializeOwned;
+    /// Names of the file, of the store of multipliers, and of the command.
+    const NAMES: [&'static str; 3];
+    /// Words on these and on further files, for the help.
+    const FILES: &'static str;
+    /// Names of files that only some branches have.
+    const OPTIONAL: &'static [&'static str] = &[];
+    /// What is found about a branch unless something else is asked for.
+    const USUAL: AnalysisLevel = AnalysisLevel::Bifurcations;
+    /// Share of the progress after which the first orbit is found.
+    const FIRST: f64 = 0.0;
+
+    /// What the file has of a branch, and arrays for the readers of the file.
+    fn source(about: &Self::About, branch: &Branch<Self>) -> (Self::Source, Vec<Array<'static>>);
+    /// What a report needs, and the setting, of a branch that begins at such a bifurcation.
+    ///
+    /// # Errors
+    /// The rule that a number breaks.
+    fn made(source: Self::Source, birth: Option<BifurcationKind>) -> Result<(Self::About, Self::Setting)>;
+    /// The units of the scene, if they are asked for.
+    ///
+    /// # Errors
+    /// A scene without units.
+    fn units(_about: &Self::About, _si: InSi) -> Result<Option<Units>> {
+        Ok(None)
+    }
+    /// The kind of number that the parameter is.
+    fn quantity(&self, _setting: &Self::Setting) -> Quantity {
+        Quantity::Number
+    }
+    /// The report without rows.
+    fn outline() -> Report;
+    /// The report.
+    ///
+    /// # Errors
+    /// Errors of the archive writer.
+    fn report(study: &BranchStudy<Self>) -> Result<Report>;
+}
+
+/// The bytes of the file of a branch.
+///
+/// # Errors
+/// Errors of the archive writer.
+pub fn branch_npz<P: Kept>(about: &P::About, branch: &Branch<P>) -> Result<Vec<u8>> {
+    let (source, more) = P::source(about, branch);
+    branch.npz_of(source, more)
+}
+
+/// A single orbit as a branch, which `--resume` may continue to another end.
+pub(super) fn alone<P: Kept>(continuation: P, setting: &P::Setting, point: Point<P>) -> Result<Branch<P>> {
+    let (p, range) = (continuation.solution(setting, &point.orbit).p, continuation.range());
+    // The branch has ended, as near as it can.
+    let continuation =
+        continuation.with_range(Range { to: p.next_up(), step: STEP * p.abs(), most_points: 2, ..range });
+    let branch = Branch::new(continuation, setting.clone(), point.orbit.clone())?;
+    Ok(Branch { end: Some(End::Reached), points: vec![point], ..branch })
+}
+
+/// Reads a branch: the orbits have the bits they had when written; their Newton steps are not in
+/// the file.
+///
+/// # Errors
+/// A file that cannot be read; [`Error::Content`], with the place and the rule, for a file with
+/// another structure or version, or with numbers outside their rules.
+pub fn load_branch<P: Kept>(path: &Path) -> Result<(P::About, Branch<P>)> {
+    let file = Archive::read(path)?;
+    let (about, branch) = branch_from_archive(&file)?;
+    Ok((about, branch.verified(&file)?))
+}
+
+/// Reads a branch from an archive, with all checks that need no integration; [`load_branch`] checks
+/// in addition that the orbits return.
+///
+/// # Errors
+/// As [`load_branch`].
+pub fn branch_from_archive<P: Kept>(file: &Archive) -> Result<(P::About, Branch<P>)> {
+    Branch::read(file, P::made)
+}
+
+/// What the file of a branch has of its scene.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneSource {
+    /// The scene as TOML.
+    scene: String,
+    /// Periods of the drive in one of an orbit.
+    pub(super) turns: u32,
+}
+
+impl SceneSource {
+    /// What the file has of a scene, and the arrays of the states at the start of the orbits.
+    pub(super) fn of(
+        scene: &Scene,
+        turns: u32,
+        starts: impl Iterator<Item = State<f64>>,
+    ) -> (Self, Vec<Array<'static>>) {
+        let states: Vec<_> = starts.map(|state| state_arrays(scene, state.as_slice(), None)).collect();
+        let named = states.first().into_iter().flatten().enumerate().filter(|(_, (_, values))| !values.is_empty());
+        let arrays =
+            named.map(|(k, (name, _))| Array::matrix(name, states.iter().map(|arrays| arrays[k].1.as_slice())));
+        let arrays = arrays.collect();
+        (Self { scene: scene.file().to_toml(), turns }, arrays)
+    }
+
+    /// The scene.
+    pub(super) fn scene(&self) -> Result<Scene> {
+        SceneFile::parse(&self.scene, SETTINGS).and_then(Scene::build)
+    }
+}
+
+/// Continues a branch, unless it has ended, keeps it meanwhile, and finds what is asked for about
+/// it. `second`: whether it crosses another one. The orbits are a result also if the process was
+/// asked to end meanwhile.
+pub(super) fn followed<P: Kept>(
+    (about, si): (&P::About, Option<&Units>),
     mut branch: Branch<P>,
-    keep: Keep<'_, P>,
-    shown: impl Fn(&P::Orbit, f64) -> String,
+    second: bool,
+    engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<Branch<P>> {
-    if branch.end.is_some() {
-        return Ok(branch);
+    let [file, _] = names::<P>(second);
+    // Files that an earlier run may have left: they belong to another branch.
+    let stale = if second { Vec::new() } else { stale::<P>()? };
+    let mut keeper = Autosave::new(segments::folder(engine), file, stale);
+    if branch.end.is_none() {
+        let (back, to) = (branch.back, branch.continuation.range().to);
+        let quantity = branch.continuation.quantity(&branch.setting);
+        let extended = branch.extend(|branch| {
+            keeper.keep(branch.orbits.len(), branch.end.is_some(), || branch_npz(about, branch));
+            let Some(p) = branch.orbits.last().map(|last| branch.parameter(last)) else { return };
+            let share = ((p - back) / (to - back)).clamp(0.0, 1.0);
+            let (count, name, p) = (branch.orbits.len(), branch.continuation.name(), Scale(si).shown(quantity, p, 6));
+            progress(ORBITS * share, &format!("point {count}, {name} = {p}"));
+        });
+        keeper.keep(branch.orbits.len(), branch.end.is_some(), || branch_npz(about, &branch));
+        extended.map(drop).or_else(|why| if matches!(why, Error::Stopped { .. }) { Ok(()) } else { Err(why) })?;
     }
-    let (back, to) = (branch.back, branch.continuation.range().to);
-    let extended = branch.extend(|branch| {
-        keep(branch);
-        let Some(last) = branch.orbits.last() else { return };
-        let p = branch.parameter(last);
-        let share = ((p - back) / (to - back)).clamp(0.0, 1.0);
-        let (count, name) = (branch.orbits.len(), branch.continuation.name());
-        progress(ORBITS * share, &format!("point {count}, {name} = {}", shown(last, p)));
-    });
-    keep(&branch);
-    match extended {
-        Err(Error::Stopped { .. }) => Ok(branch),
-        extended => extended.map(|_| branch),
-    }
+    analysed(about, branch, second, engine, progress)
+}
+
+/// Names of the file and of the store of a branch, or of one that crosses it.
+fn names<P: Kept>(second: bool) -> [&'static str; 2] {
+    if second { SWITCHED_NAMES } else { [P::NAMES[0], P::NAMES[1]] }
+}
+
+/// Finds what is asked for about a branch.
+pub(super) fn analysed<P: Kept>(
+    about: &P::About,
+    branch: Branch<P>,
+    second: bool,
+    engine: &Engine,
+    progress: Progress<'_>,
+) -> Result<Branch<P>> {
+    let [_, store] = names::<P>(second);
+    // The largest number of points has no influence on those that there are.
+    let range = Range { most_points: 0, ..branch.continuation.range() };
+    let Branch { weak, birth, bounded, level, .. } = branch;
+    let source = P::source(about, &branch).0;
+    let settings = json!([source, branch.continuation.with_range(range), weak, birth, bounded, level]);
+    segments::analysed(branch, [store, P::NAMES[2]], &settings, engine, progress)
+}
+
+/// Names of the files of a branch and of one that crosses it, but for its own file.
+fn stale<P: Kept>() -> Result<Vec<String>> {
+    let names: Vec<String> = P::outline().files()?.into_iter().map(|(name, _)| name).collect();
+    let pictures = names.iter().filter_map(|name| Some(format!("{}.png", name.strip_suffix(".json")?)));
+    let optional = P::OPTIONAL.iter().map(ToString::to_string);
+    Ok(pictures.chain(optional).chain(names.clone()).filter(|name| name != P::NAMES[0]).collect())
+}
+
+/// A branch of which `first` finds the first orbit, and the one that crosses it at bifurcation
+/// number `switch`, if one is asked for.
+pub(super) fn begun<P: Kept>(
+    first: First<'_, P>,
+    level: AnalysisLevel,
+    switch: Option<usize>,
+    engine: &Engine,
+    progress: Progress<'_>,
+) -> Result<BranchStudy<P>> {
+    let (scene, branch, si) = first(engine, &|share, what| progress(P::FIRST * share, what))?;
+    let rest = |share: f64, what: &str| progress(P::FIRST + (1.0 - P::FIRST) * share, what);
+    let work =
+        |branch, second, progress: Progress<'_>| followed((&scene, si.as_ref()), branch, second, engine, progress);
+    let (branch, switched) = with_switched(Branch { level, ..branch }, switch, work, &rest)?;
+    Ok(BranchStudy { scene, branch, switched, si })
 }
 
 /// A branch and the one that crosses it at bifurcation number `switch`, if one is asked for, each
@@ -83,11 +424,11 @@ pub(super) fn with_switched<P: Problem>(
     }
 }
 
-/// A branch of orbits of a scene. All of its numbers are dimensionless; `si` is for its report.
+/// A branch of orbits. All of its numbers are dimensionless; `si` is for its report.
 #[derive(Clone, Debug)]
-pub struct BranchStudy<P: Problem> {
-    /// The scene.
-    pub scene: Scene,
+pub struct BranchStudy<P: Kept> {
+    /// The scene, or what a report needs of it.
+    pub scene: P::About,
     /// The branch.
     pub branch: Branch<P>,
     /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there or, in
@@ -95,6 +436,16 @@ pub struct BranchStudy<P: Problem> {
     pub switched: Switched<Branch<P>>,
     /// The units of the scene, if the report is in SI units.
     pub si: Option<Units>,
+}
+
+impl<P: Kept> BranchStudy<P> {
+    /// The report.
+    ///
+    /// # Errors
+    /// Errors of the archive writer.
+    pub fn report(&self) -> Result<Report> {
+        P::report(self)
+    }
 }
 
 /// The branch that crosses, if one was followed, and the number of its bifurcation.
@@ -112,42 +463,58 @@ pub(super) fn numbered<P: Problem>(table: Rows<'_, Bifurcation<P>>) -> Rows<'_, 
     table.counted("number", Short, "")
 }
 
-/// An orbit of a branch, and the point with its multipliers if these are known.
-pub(super) type BranchRow<'a, P> = (&'a <P as Problem>::Orbit, Option<&'a Point<P>>);
+/// An orbit of a branch, with what is known about it.
+pub(super) struct BranchRow<'a, P: Problem> {
+    pub(super) orbit: &'a P::Orbit,
+    pub(super) measures: Option<&'a P::Measures>,
+    pub(super) spectrum: Option<&'a P::Spectrum>,
+}
 
-/// The rows of a branch: its points and, if the process was asked to end before their multipliers
-/// were known, also its other orbits.
+/// The rows of a branch: its points and, if their multipliers were not asked for or are not known
+/// yet, also its other orbits.
 pub(super) fn rows<P: Problem>(branch: &Branch<P>) -> Vec<BranchRow<'_, P>> {
-    let later = &branch.orbits[branch.points.len() + branch.gaps.len()..];
-    let later = if branch.ended() == End::Stopped { later } else { &[] };
-    let points = branch.points.iter().map(|point| (&point.orbit, Some(point)));
-    points.chain(later.iter().map(|orbit| (orbit, None))).collect()
+    let known = if branch.points.is_empty() { 0 } else { branch.points.len() + branch.gaps.len() };
+    let points = branch.points.iter().map(|Point { orbit, spectrum, measures }| BranchRow {
+        orbit,
+        measures: Some(measures),
+        spectrum: Some(spectrum),
+    });
+    let measured = branch.measured.iter().map(Option::as_ref).chain(repeat(None));
+    let later = branch.orbits[known..].iter().zip(measured);
+    points.chain(later.map(|(orbit, measures)| BranchRow { orbit, measures, spectrum: None })).collect()
+}
+
+/// Whether anything was measured of the orbits, so that there is a picture.
+pub(super) fn shows<P: Problem>(branch: &Branch<P>) -> bool {
+    rows(branch).iter().any(|row| row.measures.is_some())
 }
 
 /// How a branch ended, in words.
-pub(super) fn ended(points: usize, bifurcations: usize, end: End) -> String {
-    let none = match (end, bifurcations) {
-        (End::Stopped, 0) => ", bifurcations were not located",
-        (End::Stopped, _) => ", further bifurcations were not located",
-        (_, 0) => ", no bifurcation",
+pub(super) fn ended<P: Problem>(branch: &Branch<P>) -> String {
+    let (end, points) = (branch.ended(), rows(branch).len());
+    let none = match (branch.bifurcations.is_empty(), end) {
+        _ if branch.level < AnalysisLevel::Bifurcations => "",
+        (true, End::Stopped) => ", bifurcations were not located",
+        (false, End::Stopped) => ", further bifurcations were not located",
+        (true, _) => ", no bifurcation",
         _ => "",
     };
     format!("{points} points{none}; the branch ended: {}.", end.words())
 }
 
-/// Adds a branch, whose fields are those of the report. One that crosses another at its bifurcation
-/// `at` has the field `switched` for them.
-pub(super) fn tell<P: Problem>(
+/// Adds a branch of a scene, whose fields are those of the report, and its file. One that crosses
+/// another at its bifurcation `at` has the field `switched` for them.
+pub(super) fn tell<P: Kept>(
     report: Report,
-    at: Option<usize>,
-    branch: &Branch<P>,
+    scene: &P::About,
+    (at, branch): (Option<usize>, &Branch<P>),
     (points, bifurcations): (Rows<'_, BranchRow<'_, P>>, Rows<'_, Bifurcation<P>>),
     mut facts: Value,
-) -> Report {
+) -> Result<Report> {
     let (end, unresolved) = (branch.ended(), branch.unresolved);
     let [points, bifurcations] = [points.key("").done(), bifurcations.key("").done()];
     let [all, found] = [&points, &bifurcations].map(|table| table.json());
-    let mut words = ended(all.len(), found.len(), end);
+    let mut words = ended(branch);
     if unresolved > 0 {
         words += &format!(" Places with bifurcations that were not located one by one: {unresolved}.");
     }
@@ -165,7 +532,8 @@ pub(super) fn tell<P: Problem>(
         }
     };
     let heading = at.map_or(String::new(), |at| format!("The branch that crosses at bifurcation {at}:"));
-    report.words(heading).table(points).table(bifurcations).words(words)
+    let ([file, _], bytes) = (names::<P>(at.is_some()), branch_npz(scene, branch)?);
+    Ok(report.words(heading).table(points).table(bifurcations).words(words).file(file, bytes))
 }
 
 /// Orbits without multipliers, in words.
@@ -192,26 +560,36 @@ pub(super) fn checked<P: Problem>(report: Report, branch: &Branch<P>, switched: 
 pub(super) fn lines<'a, P: Problem>(
     branch: &'a Branch<P>,
     switched: &'a Switched<Branch<P>>,
-    place: impl Fn(&'a Point<P>) -> (f64, f64),
-    stable: impl Fn(&'a Point<P>) -> bool,
+    place: impl Fn(&BranchRow<'a, P>) -> (f64, f64),
+    stable: impl Fn(&P::Spectrum) -> bool,
     mark: impl Fn(&'a Bifurcation<P>) -> (f64, f64),
 ) -> Vec<Line> {
-    let mut lines = stability_lines(&branch.points, &place, &stable);
+    let of = |branch| stability_lines(&rows(branch), &place, |row| row.spectrum.map(&stable));
+    let mut lines = of(branch);
     let marks = both(branch, switched).flat_map(|(_, branch)| &branch.bifurcations);
-    lines.push(Line::new("bifurcation", marks.map(mark)));
-    let other = crossed(switched).map(|(_, other)| stability_lines(&other.points, &place, &stable));
+    lines.insert(2, Line::new("bifurcation", marks.map(mark)));
+    let other = crossed(switched).map(|(_, other)| of(other));
     lines.extend(other.into_iter().flatten().map(|line| Line { name: line.name + ", switched", ..line }));
     lines
 }
 
-/// Points as two lines of a picture, one for stable and one for unstable ones.
-pub(super) fn stability_lines<'a, P: 'a>(
-    points: &'a [P],
-    place: impl Fn(&'a P) -> (f64, f64),
-    stable: impl Fn(&'a P) -> bool,
+/// Points as lines of a picture: stable and unstable ones and, if there are any, those of which
+/// neither is known.
+pub(super) fn stability_lines<T>(
+    points: &[T],
+    place: impl Fn(&T) -> (f64, f64),
+    stable: impl Fn(&T) -> Option<bool>,
 ) -> Vec<Line> {
-    let chosen = |wanted: bool| points.iter().filter(|point| stable(point) == wanted).map(&place).collect::<Vec<_>>();
-    [("stable", true), ("unstable", false)].map(|(name, wanted)| Line::new(name, chosen(wanted))).to_vec()
+    let chosen = |wanted| points.iter().filter(|point| stable(point) == wanted).map(&place).collect::<Vec<_>>();
+    let lines = [("stable", Some(true)), ("unstable", Some(false)), ("orbits", None)];
+    let lines = lines.map(|(name, wanted)| Line::new(name, chosen(wanted))).into_iter();
+    lines.filter(|line| line.name != "orbits" || !line.points.is_empty()).collect()
+}
+
+/// The panels that have a point.
+pub(super) fn filled(panels: impl IntoIterator<Item = Panel>) -> Vec<Panel> {
+    let point = |line: &Line| line.points.iter().any(|(x, y)| x.is_finite() && y.is_finite());
+    panels.into_iter().filter(|panel| panel.lines.iter().any(point)).collect()
 }
 
 /// The branch that crosses, with its bifurcation, number of orbits and end, for a caption.

@@ -492,7 +492,7 @@ impl EndDrivenStudy {
             if kinked.is_empty() {
                 continue;
             }
-            let mut lines = stability_lines(&kinked, |(case, one)| relative(case, one), |(_, one)| one.stable());
+            let mut lines = stability_lines(&kinked, |(case, one)| relative(case, one), |(_, one)| Some(one.stable()));
             for line in &mut lines {
                 line.name = format!("N = {sites}, {}", line.name);
             }

@@ -36,7 +36,9 @@ mod wave;
 
 pub use barrier::*;
 pub use boundary_wave::*;
-pub use branches::{BranchOptions, BranchStudy};
+pub use branches::{
+    BifurcationOptions, BranchOptions, BranchStudy, Kept, SceneSource, branch_from_archive, branch_npz, load_branch,
+};
 pub use breather::*;
 pub use charts::{
     BOUNDS, Behaviour, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance,

@@ -2,16 +2,23 @@
 //! mode.
 
 use super::{
-    Changes, InSi, Progress, Study, Work,
-    branches::{self, BranchOptions, BranchRow, BranchStudy, SWITCHED, crossed},
+    Changes, InSi, Progress,
+    branches::{
+        self, BifurcationOptions, BranchOptions, BranchRow, BranchStudy, First, FollowCommand, Kept, SWITCHED,
+        SWITCHED_FILES, SceneSource, crossed, files_of_branch,
+    },
     format_short,
     options::options,
-    scene_caption, scene_json, segments,
+    scene_caption, scene_json,
     si::Scale,
 };
 use crate::{
     error::Result,
-    orbits::{Bifurcation, LinearMode, ModeBranch, ModeContinuation, ModeOrbit, ModePoint, Multiplier, NormalModes},
+    orbits::{
+        AnalysisLevel, Bifurcation, BifurcationKind, LinearMode, ModeBranch, ModeContinuation, ModeOrbit, Multiplier,
+        NormalModes,
+    },
+    output::Array,
     report::{
         Column,
         Digits::{Fixed, Json, Power, Short},
@@ -24,6 +31,9 @@ use serde_json::json;
 
 options! {
     /// A conservative scene, and a mode of it that is followed.
+    #[cfg_attr(feature = "cli", command(
+        mut_arg("resume", |arg| arg.conflicts_with_all(["scene", "set", "linear_mode"]))
+    ))]
     pub struct FollowMode {
         /// Name of a built-in scene, or a TOML file.
         ///
@@ -41,82 +51,99 @@ options! {
 
 options! {
     /// The branch of a mode.
-    #[derive(Copy, PartialEq)]
+    #[derive(PartialEq)]
     pub struct ModeWay {
         /// Number of the linear mode, the lowest frequency first [default: the most localised one].
+        ///
+        /// The parameter of the branch is the amplitude: the displacement, at the start of the
+        /// period, of the bead or resonator that moves most in this mode. The first amplitude is
+        /// --step, or a smaller one if the orbit found there is not near the mode.
         linear_mode: Option<usize> = None, "K", (1 or more);
-        /// Amplitude at which the branch ends.
-        ///
-        /// The amplitude is the displacement, at the start of the period, of the bead or resonator
-        /// that moves most in the linear mode.
-        to: f64 = f64::NAN, "A", (positive);
-        /// Largest change of the amplitude from point to point [default: a twentieth of the last
-        /// one].
-        ///
-        /// The branch begins at this amplitude, or at a smaller one if the orbit found there is not
-        /// near the linear mode. At most the last amplitude.
-        step: Option<f64> = None, "DA", (positive);
         /// What every branch asks for.
         branch: BranchOptions = BranchOptions::default(), [command(flatten)];
+        /// What is asked for about its bifurcations.
+        more: BifurcationOptions = BifurcationOptions::default(), [command(flatten)];
     }
 }
 
 /// The branch of a mode of a scene, whose setting has the equilibrium and the linear modes.
 pub type ModeStudy = BranchStudy<ModeContinuation>;
 
-impl ModeWay {
-    /// The way in the units of the chain.
-    fn read(&self, scale: Scale<'_>) -> Self {
-        let read = |amplitude: f64| scale.read(Quantity::Length, amplitude);
-        Self { to: read(self.to), step: self.step.map(read), ..*self }
+impl Kept for ModeContinuation {
+    type About = Scene;
+    type Source = SceneSource;
+    const NAMES: [&'static str; 3] = ["mode-branch.npz", "mode-spectra.store", "orbit mode"];
+    const FILES: &'static str = files_of_branch!("mode-branch.npz", "mode-spectra.store", "");
+    const OPTIONAL: &'static [&'static str] = &SWITCHED_FILES;
+    /// At large amplitudes bifurcations take ten times as long as the orbits.
+    const USUAL: AnalysisLevel = AnalysisLevel::Multipliers;
+
+    fn source(scene: &Scene, branch: &ModeBranch) -> (SceneSource, Vec<Array<'static>>) {
+        SceneSource::of(scene, 1, branch.orbits.iter().map(|orbit| branch.setting.state(orbit)))
     }
 
-    /// The modes of a scene, the continuation, and the units in which it was given and is reported.
-    fn for_scene(&self, scene: &Scene, si: InSi) -> Result<(NormalModes, ModeContinuation, Option<Units>)> {
-        self.within_ranges()?;
-        self.branch.within_ranges()?;
-        let si = si.units(scene)?;
-        let (modes, scale) = (NormalModes::new(scene.chain())?, Scale(si.as_ref()));
-        let &Self { to, step, .. } = self;
-        let continuation = scale.given(self.read(scale).continuation(&modes), &[("to", Some(to)), ("step", step)])?;
-        Ok((modes, continuation, si))
+    fn made(source: SceneSource, _birth: Option<BifurcationKind>) -> Result<(Scene, NormalModes)> {
+        let scene = source.scene()?;
+        let modes = NormalModes::new(scene.chain())?;
+        Ok((scene, modes))
     }
 
-    fn continuation(&self, modes: &NormalModes) -> Result<ModeContinuation> {
-        let &Self { to, step, branch, .. } = self;
-        let mode = self.linear_mode.map_or(modes.most_localised(), |number| number - 1);
-        let (step, most_points) = (step.unwrap_or(0.05 * to), branch.max_points);
-        let continuation = ModeContinuation { mode, to, step, most_points };
-        continuation.check(modes).map(|()| continuation)
-    }
-}
-
-impl Study for FollowMode {
-    const FILES: &'static str = "With --switch also switched-branch.csv and switched-bifurcations.csv. \
-                                 mode-bifurcations.store and switched-bifurcations.store have bifurcations, from which the same command goes on. \
-                                 Each part of --shard follows the first branch itself and locates its share of these.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
-
-    fn optional_files() -> Vec<String> {
-        SWITCHED.map(|name| format!("{name}.csv")).into()
+    fn units(scene: &Scene, si: InSi) -> Result<Option<Units>> {
+        si.units(scene)
     }
 
-    fn outline() -> Option<Report> {
+    fn quantity(&self, _setting: &NormalModes) -> Quantity {
+        Quantity::Length
+    }
+
+    fn outline() -> Report {
         let report = Report::new("mode").table(linear_modes(&[], 0, None));
-        Some(report.table(points(BRANCH[0], &[], None)).table(bifurcations(BRANCH[1], &[], None)))
+        report.table(points(BRANCH[0], &[], None)).table(bifurcations(BRANCH[1], &[], None))
     }
 
-    fn begin(&self) -> Result<Work<'_>> {
-        let scene = Scene::load_with(&self.scene, &self.changes.set)?;
-        self.way.for_scene(&scene, self.si)?;
-        Ok(Box::new(move |engine, progress| Ok(follow_mode(scene, &self.way, self.si, engine, progress)?.report())))
+    fn report(study: &ModeStudy) -> Result<Report> {
+        let ModeStudy { scene, branch, switched, si } = study;
+        let (chosen, modes) = (branch.continuation.mode, &branch.setting);
+        let numbered = (1..).zip(modes.linear()).map(|(k, mode)| (k, mode, modes.place(mode.leading)));
+        let numbered: Vec<Numbered<'_>> = numbered.collect();
+        let report = Report::new("mode").si(si.as_ref()).fact("scene", scene.name()).fact("mode", chosen + 1);
+        let report = report.table(linear_modes(&numbered, chosen, si.as_ref()));
+        let report = report.words(format!("Mode {} of {} linear modes is followed.", chosen + 1, numbered.len()));
+        let mut both = branches::both(branch, switched);
+        let report = both.try_fold(report, |report, (at, branch)| study.tell(report, at, branch))?;
+        let report = branches::checked(report, branch, switched).fact("scene_file", scene_json(scene));
+        let rows = branches::rows(branch);
+        Ok(match rows.iter().rfind(|row| row.measures.is_some()) {
+            Some(last) => report.picture(study.panels(last)),
+            None => report,
+        })
     }
 }
 
-/// Names of the stores of bifurcations.
-const STORE: &str = "mode-bifurcations.store";
-const SWITCHED_STORE: &str = "switched-bifurcations.store";
+impl FollowCommand for FollowMode {
+    type Problem = ModeContinuation;
+
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
+        (&self.way.branch, self.way.more, self.si)
+    }
+
+    fn first(&self) -> Result<First<'_, ModeContinuation>> {
+        self.way.first(Scene::load_with(&self.scene, &self.changes.set)?, self.si)
+    }
+}
+
+impl ModeWay {
+    fn first(&self, scene: Scene, si: InSi) -> Result<First<'static, ModeContinuation>> {
+        self.within_ranges()?;
+        let (si, modes) = (si.units(&scene)?, NormalModes::new(scene.chain())?);
+        let mode = self.linear_mode.map_or(modes.most_localised(), |number| number - 1);
+        let continuation = self.branch.continuation((si.as_ref(), Quantity::Length), 0.0, |to, step| {
+            let continuation = ModeContinuation { mode, to, step, most_points: self.branch.max_points };
+            continuation.check(&modes).map(|()| continuation)
+        })?;
+        Ok(Box::new(move |_, _| Ok((scene, continuation.begin(&modes)?, si))))
+    }
+}
 
 /// The branch of a normal mode of a conservative scene. In SI units, `to` and `step` of the way are
 /// read, and the report is written, in these. `progress` is told the share done.
@@ -131,18 +158,8 @@ pub fn follow_mode(
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<ModeStudy> {
-    let (modes, continuation, si) = way.for_scene(&scene, si)?;
-    let (scale, toml) = (Scale(si.as_ref()), scene.file().to_toml());
-    let work = |branch: ModeBranch, second: bool, progress: Progress<'_>| {
-        let shown = |_: &ModeOrbit, a: f64| scale.shown(Quantity::Length, a, 6);
-        let branch = branches::followed(branch, &mut |_| {}, shown, progress)?;
-        let ModeContinuation { mode, to, step, .. } = branch.continuation;
-        let settings = json!([toml, mode, to, step, branch.birth]);
-        let names = [if second { SWITCHED_STORE } else { STORE }, "orbit mode"];
-        segments::analysed(branch, names, &settings, engine, progress)
-    };
-    let (branch, switched) = branches::with_switched(continuation.begin(&modes)?, way.branch.switch, work, progress)?;
-    Ok(ModeStudy { scene, branch, switched, si })
+    let level = way.branch.level::<ModeContinuation>(way.more)?;
+    branches::begun(way.first(scene, si)?, level, way.more.switch, engine, progress)
 }
 
 /// The tables of the branch: points and bifurcations.
@@ -176,24 +193,22 @@ fn points<'a>(
 ) -> Rows<'a, BranchRow<'a, ModeContinuation>> {
     Table::of(name, points)
         .si(si)
-        .col("amplitude", Fixed(6), "", |(orbit, _)| orbit.amplitude)
+        .col("amplitude", Fixed(6), "", |row| row.orbit.amplitude)
         .kind(Quantity::Length)
-        .col("omega", Fixed(10), "frequency", |(orbit, _)| orbit.omega)
+        .col("omega", Fixed(10), "frequency", |row| row.orbit.omega)
         .kind(Quantity::Omega)
-        .col("energy", Power(6), "above that of the equilibrium", |&(_, point)| Some(point?.measures.energy))
+        .col("energy", Power(6), "above that of the equilibrium", |row| Some(row.measures?.energy))
         .kind(Quantity::Energy)
-        .col("participation", Fixed(4), "number of sites that take part", |&(_, point)| {
-            Some(point?.measures.participation)
-        })
-        .col("least_overlap", Fixed(4), "of all contacts at the two times of rest", |&(_, point)| {
-            Some(point?.measures.least_overlap)
+        .col("participation", Fixed(4), "number of sites that take part", |row| Some(row.measures?.participation))
+        .col("least_overlap", Fixed(4), "of all contacts at the two times of rest", |row| {
+            Some(row.measures?.least_overlap)
         })
         .kind(Quantity::Length)
-        .col("max_modulus", Fixed(8), "largest |lambda|", |&(_, point)| Some(point?.spectrum.largest()))
-        .col("unstable", Short, "multipliers outside the unit circle by more than their error", |&(_, point)| {
-            Some(point?.unstable())
+        .col("max_modulus", Fixed(8), "largest |lambda|", |row| Some(row.spectrum?.largest()))
+        .col("unstable", Short, "multipliers outside the unit circle by more than their error", |row| {
+            Some(row.spectrum?.unstable())
         })
-        .col("residual", Json, "", |(orbit, _)| orbit.residual)
+        .col("residual", Json, "", |row| row.orbit.residual)
 }
 
 fn bifurcations<'a>(
@@ -213,56 +228,38 @@ fn bifurcations<'a>(
 impl ModeStudy {
     /// Displacements of beads and of resonators at the start of an orbit, from the equilibrium, as
     /// they are reported; zero where no resonator moves.
-    fn displacements(&self, point: &ModePoint) -> [Vec<f64>; 2] {
+    fn displacements(&self, orbit: &ModeOrbit) -> [Vec<f64>; 2] {
         let n = self.scene.chain().sites();
         let mut both = [vec![0.0; n], vec![0.0; n]];
-        for (k, xi) in point.orbit.shape.iter().enumerate() {
+        for (k, xi) in orbit.shape.iter().enumerate() {
             let (site, resonator) = self.branch.setting.place(k);
-            both[usize::from(resonator)][site] = point.orbit.amplitude * xi;
+            both[usize::from(resonator)][site] = orbit.amplitude * xi;
         }
         both.map(|values| Scale(self.si.as_ref()).all(Quantity::Length, &values))
     }
 
     /// Adds points, bifurcations and the last orbit of a branch.
-    fn tell(&self, report: Report, at: Option<usize>, branch: &ModeBranch) -> Report {
-        let (si, last, rows) = (self.si.as_ref(), branch.points.last(), branches::rows(branch));
-        let last = last.map(|last| {
-            let [u, v] = self.displacements(last);
-            let start = branch.setting.state(&last.orbit);
+    fn tell(&self, report: Report, at: Option<usize>, branch: &ModeBranch) -> Result<Report> {
+        let (si, rows) = (self.si.as_ref(), branches::rows(branch));
+        let last = rows.last().map(|last| {
+            let [u, v] = self.displacements(last.orbit);
+            let start = branch.setting.state(last.orbit);
             let start = [Some(start.u()), start.v()].map(|all| all.map(|all| Scale(si).all(Quantity::Length, all)));
             json!({
                 "u": u,
                 "v": v,
                 "start": { "u": start[0], "v": start[1] },
                 "newton": last.orbit.newton,
-                "multipliers": last.spectrum.multipliers,
-                "quality": last.spectrum.quality,
+                "multipliers": last.spectrum.map(|spectrum| &spectrum.multipliers),
+                "quality": last.spectrum.map(|spectrum| spectrum.quality),
             })
         });
         let names = if at.is_some() { SWITCHED } else { BRANCH };
         let tables = (points(names[0], &rows, si), bifurcations(names[1], &branch.bifurcations, si));
-        branches::tell(report, at, branch, tables, json!({ "last": last }))
+        branches::tell(report, &self.scene, (at, branch), tables, json!({ "last": last }))
     }
 
-    /// The report.
-    pub fn report(&self) -> Report {
-        let Self { scene, branch, switched, si } = self;
-        let (chosen, modes) = (branch.continuation.mode, &branch.setting);
-        let numbered = (1..).zip(modes.linear()).map(|(k, mode)| (k, mode, modes.place(mode.leading)));
-        let numbered: Vec<Numbered<'_>> = numbered.collect();
-        let report = Report::new("mode").si(si.as_ref()).fact("scene", scene.name()).fact("mode", chosen + 1);
-        let report = report.table(linear_modes(&numbered, chosen, si.as_ref()));
-        let report = report.words(format!("Mode {} of {} linear modes is followed.", chosen + 1, numbered.len()));
-        let both = branches::both(branch, switched);
-        let report = both.fold(report, |report, (at, branch)| self.tell(report, at, branch));
-        let report = branches::checked(report, branch, switched).fact("scene_file", scene_json(scene));
-        match branch.points.last() {
-            Some(last) => report.picture(self.panels(last)),
-            None => report,
-        }
-    }
-
-    fn panels(&self, point: &ModePoint) -> Panels {
+    fn panels(&self, last: &BranchRow<'_, ModeContinuation>) -> Panels {
         let (branch, scale) = (&self.branch, Scale(self.si.as_ref()));
         let (linear, other) = (branch.setting.linear(), crossed(&self.switched));
         let (frequency, symbol) = match self.si {
@@ -274,22 +271,25 @@ impl ModeStudy {
         let mut lines = branches::lines(
             branch,
             &self.switched,
-            |point| place(&point.orbit),
-            |point| point.unstable() == 0,
+            |row| place(row.orbit),
+            |spectrum| spectrum.unstable() == 0,
             |one| place(&one.orbit),
         );
         let near = linear.iter().map(|mode| (0.0, scale.reported(frequency, mode.omega)));
         lines.insert(2, Line::new("linear modes", near));
         let share = |(name, branch): (&str, &ModeBranch)| {
-            Line::new(name, branch.points.iter().map(|point| (amplitude(&point.orbit), point.measures.participation)))
+            let rows = branches::rows(branch).into_iter();
+            let rows = rows.filter_map(|row| Some((amplitude(row.orbit), row.measures?.participation)));
+            Line::new(name, rows)
         };
         let both = [("orbits", branch)].into_iter().chain(other.map(|(_, other)| ("switched", other)));
-        let [u, v] = self.displacements(point).map(|all| (0..).map(f64::from).zip(all).collect::<Vec<_>>());
+        let [u, v] = self.displacements(last.orbit).map(|all| (0..).map(f64::from).zip(all).collect::<Vec<_>>());
         let moved = v.iter().any(|(_, v)| *v != 0.0);
         let profile = [("beads", u)].into_iter().chain(moved.then_some(("resonators", v)));
         let profile = profile.map(|(name, points)| Line::new(name, points)).collect();
         let at = |one: &Multiplier| (one.re, one.im);
-        let multipliers = Line::new("multipliers", point.spectrum.multipliers.iter().map(at));
+        let multipliers = last.spectrum.iter().flat_map(|spectrum| &spectrum.multipliers);
+        let multipliers = Line::new("multipliers", multipliers.map(at));
         let labels = [("amplitude a", Quantity::Length), (symbol, frequency), ("displacement at a", Quantity::Length)];
         let [a, omega, displacement] = labels.map(|(name, kind)| scale.label(name, kind));
         let left = [
@@ -301,7 +301,7 @@ impl ModeStudy {
             Panel::new(Kind::Plane, ["Re λ", "Im λ"], vec![multipliers]),
         ];
         let mode = branch.continuation.mode;
-        let (omega, a) = (linear[mode].omega, point.orbit.amplitude);
+        let (omega, a) = (linear[mode].omega, last.orbit.amplitude);
         let frequency = match self.si {
             None => format!("ω₀ = {omega:.6}; on the right a = {a}"),
             Some(_) => {
@@ -312,15 +312,15 @@ impl ModeStudy {
         };
         let how = format!(
             "{} orbits; mode {} of {}, {frequency}, residual {:.1e}.{}",
-            branch.points.len(),
+            branches::rows(branch).len(),
             mode + 1,
             linear.len(),
-            point.orbit.residual,
+            last.orbit.residual,
             branches::from(&self.switched)
         );
         Panels {
             title: format!("A nonlinear normal mode of {}", self.scene.name()),
-            columns: vec![Column::new("", left), Column::new("", right)],
+            columns: [left, right].map(|panels| Column::new("", branches::filled(panels))).into(),
             caption: scene_caption(&self.scene, &how),
         }
     }

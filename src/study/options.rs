@@ -145,9 +145,9 @@ macro_rules! options {
         $($(#[$about:meta])* $field:ident: $type:ty = $default:expr
             $(, $value:literal)? $(, ($($range:tt)*))? $(, [$flag:meta])?;)*
     }) => {
-        $(#[$attribute])*
         #[derive(Clone, Debug)]
         #[cfg_attr(feature = "cli", derive(clap::Args))]
+        $(#[$attribute])*
         #[cfg_attr(feature = "cli", command(mut_args(|arg| {
             let default = Self::default();
             match arg.get_id().as_str() {

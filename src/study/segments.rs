@@ -16,7 +16,7 @@ use super::{Progress, branches};
 use crate::{
     error::{Error, Result},
     interrupt,
-    orbits::{Branch, Problem, Spectra},
+    orbits::{AnalysisLevel, Branch, Problem, Spectra},
     output::Folder,
     sweep::{Engine, Grid, digest, map},
 };
@@ -55,7 +55,7 @@ fn segments<O: Serialize>(orbits: &[O], length: usize, settings: &Value) -> Vec<
 /// asked to end, there are those before the first segment that is missing.
 ///
 /// # Errors
-/// No point with multipliers; [`Error::Stopped`] in a shard; as [`Engine::sweep`].
+/// [`Error::Stopped`] in a shard; as [`Engine::sweep`].
 pub(super) fn analysed<P: Problem>(
     branch: Branch<P>,
     [store, study]: [&'static str; 2],
@@ -63,7 +63,7 @@ pub(super) fn analysed<P: Problem>(
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<Branch<P>> {
-    let (spectra, joined) = (Spectra::new(&branch), branch.weak.is_some());
+    let (spectra, joined, needed) = (Spectra::new(&branch), branch.joined(), branch.level > AnalysisLevel::Orbits);
     let orbits: Vec<_> = branch.orbits.iter().map(|orbit| branch.numbers(orbit)).collect();
     let points = segments(&orbits, if joined { ORBITS } else { 1 }, settings);
     let grid = Grid { store, study, settings: json!({}) };
@@ -73,7 +73,7 @@ pub(super) fn analysed<P: Problem>(
         let Range { start, end } = segment.orbits;
         // Several threads may want the orbit before: all multipliers come first.
         map(&(start.saturating_sub(usize::from(joined))..end).collect::<Vec<_>>(), |&k| {
-            unless_asked(|| Ok(spectra.at(k).is_ok()))
+            unless_asked(|| Ok(needed && spectra.at(k).is_ok()))
         });
         let rows = map(&(start..end).collect::<Vec<_>>(), |&k| unless_asked(|| Ok(spectra.analysis(k))));
         rows.into_iter().collect::<Result<Vec<_>>>()
@@ -96,7 +96,7 @@ pub(super) fn analysed<P: Problem>(
         }
         rows.extend(row.map_err(|why| Error::Point { point: point(), why })?);
     }
-    branch.with(rows)
+    Ok(branch.with(rows))
 }
 
 /// The result of `work`, unless the process was asked to end before or meanwhile: what was computed

@@ -9,9 +9,10 @@ use serde_json::Value;
 use std::{fs, path::Path, process::Stdio};
 
 /// A branch with period doublings and a collision, in six segments.
-pub(crate) const DARK: &str = "breather continue --center bond --sites 9 --from 2.03 --to 2.1 --step 0.004 --bound";
+pub(crate) const DARK: &str =
+    "breather continue --center bond --sites 9 --from 2.03 --to 2.1 --step 0.004 --bifurcations --bound";
 /// One that takes seconds.
-const LONG: &str = "breather continue --center bond --sites 21 --from 2.03 --to 2.1 --step 0.001";
+const LONG: &str = "breather continue --center bond --sites 21 --from 2.03 --to 2.1 --step 0.001 --bifurcations";
 const STORE: &str = "spectra.store";
 
 /// A branch with a period doubling; the branch that crosses there has two folds and one more.
@@ -27,6 +28,12 @@ pub(crate) const MODE: &str = concat!(
     "/tests/reference/two-beads.toml --linear-mode 2 --to 0.32 --step 0.02 --switch 1"
 );
 
+/// A branch of exact waves, and one in a cradle, whose mass ratio is infinite.
+const WAVES: [&str; 2] = [
+    "wave continue --sites 10 --to 2.02 --step 0.004",
+    "wave continue --sites 10 --rho inf --vary amplitude --amplitude 0.1 --to 0.12 --step 0.004",
+];
+
 fn run(line: &str, out: &Path, more: &[&str]) -> String {
     printed(output(line, out, more))
 }
@@ -39,6 +46,113 @@ fn results(folder: &Path) -> Vec<(String, Vec<u8>)> {
 #[test]
 fn branches_in_three_shards_have_the_files_of_one_process() {
     [DARK, DRIVEN, MODE].into_iter().for_each(in_shards);
+}
+
+fn points(folder: &Path, name: &str) -> Vec<Value> {
+    let told: Value = serde_json::from_slice(&fs::read(folder.join(name)).unwrap()).unwrap();
+    let points = if name == "waves.json" { "waves" } else { "points" };
+    told[points].as_array().unwrap().clone()
+}
+
+// Truth: the branch that was followed at once, with its multipliers.
+#[test]
+fn orbits_of_modes_and_waves_alone_go_on_from_their_file_to_the_same_bytes() {
+    let mode = MODE.replace("0.32 --step 0.02 --switch 1", "0.14 --step 0.02");
+    go_on_to_the_same_bytes(&[(&mode, "mode.json", "max_modulus"), (WAVES[1], "waves.json", "growth")]);
+}
+
+#[test]
+#[ignore = "nightly: twenty seconds"]
+fn orbits_alone_of_every_family_go_on_from_their_file_to_the_same_bytes() {
+    go_on_to_the_same_bytes(&[
+        (&DARK.replace(" --bound", ""), "branch.json", "max_modulus"),
+        (DRIVEN, "driven-branch.json", "max_modulus"),
+        (MODE, "mode.json", "max_modulus"),
+        (WAVES[0], "waves.json", "growth"),
+    ]);
+}
+
+/// Each command line with the JSON of its branch, and a column that needs multipliers.
+fn go_on_to_the_same_bytes(lines: &[(&str, &str, &str)]) {
+    for &(line, json, growth) in lines {
+        let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let (whole, parts) = (whole.path(), parts.path());
+        run(line, whole, &[]);
+        // Orbits alone, up to the fourth.
+        let alone = line.replace(" --switch 1", "").replace(" --bifurcations", "");
+        let ended = output(&alone, parts, &["--multipliers=false", "--max-points", "4"]);
+        assert_eq!(ended.status.code(), Some(1), "{line}: {}", String::from_utf8_lossy(&ended.stderr));
+        let (some, all) = (points(parts, json), points(whole, json));
+        assert!(some.len() == 4 && all.len() > 5 && all[0][growth].is_number(), "{line}: {some:?}");
+        for (one, other) in some.iter().zip(&all) {
+            assert!(one[growth].is_null() && one["residual"] == other["residual"], "{line}: {one}");
+            for measured in ["k_x", "response", "energy", "closed", "parameter", "amplitude"] {
+                assert_eq!(one[measured], other[measured], "{line}: {measured}");
+            }
+        }
+        let command: Vec<&str> = line.split(' ').take(2).collect();
+        let mut again = vec![command[0].to_owned(), command[1].to_owned(), "--resume".to_owned()];
+        again.push(parts.display().to_string());
+        let more = [["--switch", "1"].as_slice(), &["--bifurcations"]];
+        let more = more.into_iter().find(|more| line.contains(&more.join(" "))).unwrap_or_default();
+        run(&again.join(" "), parts, more);
+        assert!(results(whole) == results(parts), "{line}");
+    }
+}
+
+#[test]
+#[ignore = "nightly: nine seconds"]
+fn what_is_found_about_a_branch_is_what_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let found = |line: &str, more: &[&str]| -> (usize, bool) {
+        let told: Value = serde_json::from_str(&run(line, folder, &[&["--json"], more].concat())).unwrap();
+        let known = told["points"][1]["max_modulus"].is_number();
+        (told["bifurcations"].as_array().unwrap().len(), known)
+    };
+    let (driven, mode) = (DRIVEN.replace(" --switch 1", ""), MODE.replace(" --switch 1", ""));
+    let dark = DARK.replace(" --bifurcations", "");
+    for (line, usual, all) in [(&dark, (0, false), 3), (&driven, (1, true), 1), (&mode, (0, true), 2)] {
+        assert_eq!(found(line, &[]), usual, "{line}");
+        assert_eq!(found(line, &["--bifurcations"]), (all, true), "{line}");
+        assert_eq!(found(line, &["--bifurcations=false"]), (0, usual.1), "{line}");
+        assert_eq!(found(line, &["--multipliers", "--bifurcations=false"]), (0, true), "{line}");
+        assert_eq!(found(line, &["--multipliers=false"]), (0, false), "{line}");
+        let refused = output(line, folder, &["--multipliers=false", "--bifurcations"]);
+        let told = String::from_utf8(refused.stderr).unwrap();
+        assert!(refused.status.code() == Some(2) && told.contains("they need --multipliers"), "{told}");
+    }
+}
+
+#[test]
+fn a_branch_in_the_mass_ratio_begins_with_the_usual_frequency_at_its_first_value() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = "breather continue --vary rho --from 3 --to 3.001 --step 0.001 --sites 5 --json";
+    let told: Value = serde_json::from_str(&run(line, folder.path(), &[])).unwrap();
+    let omega_b = told["points"][0]["omega_b"].as_f64().unwrap();
+    assert!((omega_b / (1.025 * (1.0_f64 + 1.0 / 3.0).sqrt()) - 1.0).abs() < 1e-15, "{omega_b}");
+}
+
+// Truth: the JSON of the same orbit.
+#[test]
+fn a_single_orbit_is_a_branch_of_one_that_runs_and_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path();
+    run("breather dark --center bond --sites 9 --omega-b 2.03", out, &[]);
+    let evolved = ["json", "npz"].map(|kind| {
+        let line = format!("breather evolve {}/dark-breather.{kind} --until 20 --json", out.display());
+        run(&line, &out.join(kind), &[])
+    });
+    assert_eq!(evolved[0], evolved[1]);
+    let line = format!("breather continue --resume {}/dark-breather.npz --to 2.1 --step 0.004", out.display());
+    let branch: Value = serde_json::from_str(&run(&line, &out.join("branch"), &["--bifurcations", "--json"])).unwrap();
+    assert!(branch["points"].as_array().unwrap().len() > 15 && branch["end"] == "reached", "{branch}");
+    assert_eq!(branch["bifurcations"].as_array().unwrap().len(), 3);
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/pushed-bead.toml");
+    run(&format!("orbit driven {scene}"), out, &[]);
+    let line = format!("orbit continue --resume {}/driven-orbit.npz --to 2 --step 0.1", out.display());
+    let branch: Value = serde_json::from_str(&run(&line, &out.join("driven"), &["--json"])).unwrap();
+    assert!(branch["bifurcations"][0]["kind"] == "period-doubling" && branch["end"] == "reached", "{branch}");
 }
 
 #[test]
@@ -106,7 +220,7 @@ fn multipliers_that_are_asked_to_end_go_on_with_and_without_resume() {
         fs::copy(parts.path().join(name), other.path().join(name)).unwrap();
     }
     run(LONG, parts.path(), &[]);
-    run(&format!("breather continue --resume {}", other.path().display()), other.path(), &[]);
+    run(&format!("breather continue --bifurcations --resume {}", other.path().display()), other.path(), &[]);
     for folder in [parts.path(), other.path()] {
         let now = fs::read_to_string(folder.join(STORE)).unwrap();
         assert!(there.lines().all(|line| now.contains(line)), "{}", folder.display());
@@ -152,7 +266,7 @@ fn another_branch_in_the_same_folder_reads_no_rows_of_the_first() {
 fn another_scene_in_the_same_folder_reads_no_rows_of_the_first() {
     for (line, change, stores) in [
         (DRIVEN, "beads.drag=0.16", ["driven-spectra.store", "switched-spectra.store"]),
-        (MODE, "bonds.contact=[1.0, 2.01, 1.0]", ["mode-bifurcations.store", "switched-bifurcations.store"]),
+        (MODE, "bonds.contact=[1.0, 2.01, 1.0]", ["mode-spectra.store", "switched-spectra.store"]),
     ] {
         let (shared, alone) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let (shared, alone) = (shared.path(), alone.path());

@@ -252,6 +252,7 @@ fn the_table_of_formats_has_the_versions_that_are_written() {
     run("run impact --until 2 --checkpoint 1 --out a");
     run("breather continue --from 2.01 --to 2.011 --step 0.001 --sites 5 --out a");
     run("wave continue --sites 10 --to 2.002 --out a");
+    run("orbit mode defect --step 0.006 --to 0.01 --out a");
     run("breather dark --sites 5 --out a");
     fs::write(folder.join("plan.toml"), run("sweep --template")).unwrap();
     run("sweep plan.toml --out a");
@@ -261,7 +262,7 @@ fn the_table_of_formats_has_the_versions_that_are_written() {
         assert!(found.ends_with(&format!("| {format} | {version} |")), "{file}: {format}, {version}: {found}");
     };
     let of = Folder::create(folder.join("a")).unwrap();
-    for file in ["checkpoint.npz", "branch.npz", "states.npz"] {
+    for file in ["checkpoint.npz", "branch.npz", "wave-branch.npz", "mode-branch.npz"] {
         let archive = Archive::read(&of.path().join(file)).unwrap();
         let settings: serde_json::Value = serde_json::from_str(archive.text("settings.json").unwrap()).unwrap();
         row(&format!("`{file}`"), &format!("`{}`", settings["format"].as_str().unwrap()), &settings["version"]);

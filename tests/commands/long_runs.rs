@@ -4,12 +4,13 @@
 use hertzchain::{
     Error,
     chain::Contact,
+    orbits::DrivenContinuation,
     output::{Archive, Folder, npz_with},
     parts::Decomposition,
     run::method::{Method, Setting},
     run::{Records, Trajectory},
     scene::Scene,
-    study::{LongRun, load_driven_branch},
+    study::{LongRun, load_branch},
 };
 use std::{
     fs,
@@ -380,7 +381,7 @@ mod processes {
     fn driven_points(out: &Path) -> Option<f64> {
         let path = out.join("driven-branch.npz");
         path.exists().then(|| {
-            let (_, trail) = load_driven_branch(&path).expect("a branch is whole at any moment");
+            let (_, trail) = load_branch::<DrivenContinuation>(&path).expect("a branch is whole at any moment");
             trail.orbits.len() as f64
         })
     }
@@ -419,9 +420,10 @@ mod processes {
             ["study", "lifetimes", "--epsilons", "0.2,0.3,0.4", "--rhos", "5,10,20", "--sites", "20", "--until", "12"];
         let kept = |out: &Path| kept_lines(&out.join("lifetimes.store"));
         Study { args: &args, resume: None, kept: &kept, kills: 6, intervals: None }.survives(&mut random);
-        let line = "breather continue --center bond --sites 5 --from 2.01 --to 2.02 --step 2.5e-4 --weak 1";
+        let line =
+            "breather continue --center bond --sites 5 --from 2.01 --to 2.02 --step 2.5e-4 --bifurcations --weak 1";
         let args: Vec<&str> = line.split(' ').collect();
-        let resume = Some((&["breather", "continue"][..], "branch.npz"));
+        let resume = Some((&["breather", "continue", "--bifurcations"][..], "branch.npz"));
         Study { args: &args, resume, kept: &points, kills: 6, intervals: None }.survives(&mut random);
         let line = "orbit continue granular-crystal --settle 20 --to 2e-6 --step 2e-8";
         let args: Vec<&str> = line.split(' ').collect();
@@ -611,10 +613,15 @@ mod processes {
         fs::write(&scene, text).unwrap();
         let clock = Instant::now();
         let later = || clock.elapsed() > Duration::from_millis(1500);
-        let mode = format!("orbit mode {} --to 0.09 --step 1e-6 --max-points 90000 --json", scene.display());
+        let out = folder.path().join("mode");
+        let mode = format!(
+            "orbit mode {} --to 0.09 --step 1e-6 --max-points 90000 --json --out {}",
+            scene.display(),
+            out.display()
+        );
         let (mode, said) = told(&mode, &later);
         assert!(mode["end"] == "stopped" && !mode["points"].as_array().unwrap().is_empty(), "{mode}");
-        assert!(said.contains("the process was asked to end"), "{said}");
+        assert!(said.contains("the process was asked to end") && out.join("mode-branch.npz").exists(), "{said}");
         let out = folder.path().join("driven");
         let line = "orbit continue granular-crystal --settle 20 --to 2e-6 --step 2e-8 --json --out";
         let (branch, said) = told(&format!("{line} {}", out.display()), &|| out.join("driven-branch.npz").exists());
@@ -712,7 +719,8 @@ mod processes {
         let kept = lines(&at("l/lifetimes.store")) - 1;
         assert!(rows.len() == 32 && missing + kept == 32 && missing > 0, "{missing} missing, {kept} kept");
 
-        let line = "breather continue --center bond --sites 5 --from 2.01 --to 2.06 --step 2e-4 --weak 1 --out";
+        let line =
+            "breather continue --center bond --sites 5 --from 2.01 --to 2.06 --step 2e-4 --bifurcations --weak 1 --out";
         let (code, said) = asked(&format!("{line} {}", text("b")), "INT", &|| at("b/branch.npz").exists());
         assert!(code == Some(130) && said.contains("the process was asked to end"), "{code:?} {said}");
         // All points are kept and told, not only every twentieth.

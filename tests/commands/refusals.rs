@@ -111,6 +111,8 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             ("breather trivial --amplitudes 0.1,0.2 --means 0", "b = 1 numbers for 2 amplitudes"),
             ("breather trivial --amplitudes -0.1,0.2", "amplitudes = -0.1 is not valid"),
             ("breather dark --sites 40", "sites = 40"),
+            ("breather dark --sites 257", "--sites = 257 is not valid: from 3 to 255"),
+            ("breather dark --sites 3", "--sites = 3 is not valid: a breather about a site needs 5 sites"),
             ("breather dark --omega-b 2", "--omega-b = 2"),
             ("breather dark --rho inf", "rho = inf"),
             ("breather doubled --most 2.02 --step 0.01", "no period doubling"),
@@ -119,6 +121,8 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             ("breather continue --omega-b 2.05", "--from"),
             ("breather continue --from 2.05 --to 2.05", "to = 2.05"),
             ("breather continue --to 1.9", "to = 1.9"),
+            ("breather continue --multipliers=false --bifurcations", "they need --multipliers"),
+            ("wave continue", "to = nothing is not valid: a branch needs a value at which it ends"),
             ("dps integrals --b 0 --r -1", "r = -1 is not valid: finite and at least 0"),
             ("dps integrals --b 0 --r inf", "r = inf"),
             (

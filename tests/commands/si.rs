@@ -368,13 +368,19 @@ fn si_units_of_orbits_need_spheres_and_refusals_name_what_was_given() {
             ),
             (&["orbit", "continue", "--si", "--to", "0"], "to = 0 is not valid"),
             (&["orbit", "continue", "--si", "--to", "-3e4", "--vary", "omega"], "to = -30000 is not valid"),
-            (&["orbit", "continue", "--si", "--to", "2e-8", "--step=-1e-9"], "step = -0.000000001 is not valid"),
+            (
+                &["orbit", "continue", "--si", "--to", "2e-8", "--step=-1e-9"],
+                "step = -1e-9 is not valid: finite and positive",
+            ),
             (
                 &["orbit", "continue", "--si", "--resume", &begun, "--to", "1.5e-8"],
                 "to = 0.000000015 is not valid: a bran",
             ),
             (&["orbit", "mode", &ring, "--si", "--to=-1e-6"], "to = -0.000001 is not valid"),
-            (&["orbit", "mode", &ring, "--si", "--to", "1e-6", "--step=-1e-7"], "step = -0.0000001 is not valid"),
+            (
+                &["orbit", "mode", &ring, "--si", "--to", "1e-6", "--step=-1e-7"],
+                "step = -1e-7 is not valid: finite and positive",
+            ),
         ],
     );
 }

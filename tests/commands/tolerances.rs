@@ -19,6 +19,7 @@ fn operands(command: &str) -> &'static [&'static str] {
         "wave continue" => &["tw-q15", "--to", "2.01"],
         "breather evolve" => &["dark-breather.json"],
         "compare" => &["impact"],
+        "breather continue" => &["--bifurcations"],
         "orbit mode" | "orbit continue" => &["--to", "0.01"],
         "wave modulation" => &["--measure"],
         "dps integrals" => &["--b", "0.5", "--r", "1"],

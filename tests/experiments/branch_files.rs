@@ -8,10 +8,15 @@ use hertzchain::{
     breathers::DarkBreather,
     chain::Params,
     dps::Center,
-    orbits::{Bifurcation, Branch, Continuation, End, Formulation, Orbit, Parameter, Pick, Shooting},
+    orbits::{
+        Bifurcation, Branch, Continuation, End, Formulation, ModeContinuation, NormalModes, Orbit, Parameter, Pick,
+        Shooting,
+    },
     output::{Archive, Array, npz, npz_with, to_json},
-    study::{DarkStudy, orbit_study, study},
+    scene::Scene,
+    study::{BranchOptions, ContinueWave, DarkStudy, Kept, Wanted, branch_npz, load_branch, orbit_study, study},
     sweep::Engine,
+    waves::WaveParameter,
 };
 use serde_json::{Value, json};
 use std::{
@@ -37,7 +42,7 @@ fn trail(continuation: Continuation) -> Branch {
 
 fn saved(folder: &Path, trail: &Branch) -> PathBuf {
     let path = folder.join("branch.npz");
-    fs::write(&path, trail.npz(Vec::new()).unwrap()).unwrap();
+    fs::write(&path, branch_npz(&(), trail).unwrap()).unwrap();
     path
 }
 
@@ -194,7 +199,88 @@ fn orbits_without_multipliers_are_gaps() {
     let why = branch.reached().unwrap_err().to_string();
     assert!(why.contains("is at omega_b = 2.04, but") && why.contains("the multipliers of its last orbit"), "{why}");
     broken.orbits.iter_mut().for_each(|orbit| orbit.setting.turns = 7);
-    assert!(study(broken, &Engine::threads(), &|_, _| {}).is_err());
+    // Without any multipliers there is the table of the orbits, and the error.
+    let report = study(broken, &Engine::threads(), &|_, _| {}).unwrap().report().unwrap();
+    assert_eq!((report.json()["points"].as_array().unwrap().len(), report.error().is_some()), (count, true));
+}
+
+/// An alteration of the settings, or of the first orbit's numbers.
+type Altered = (fn(&mut Value, &mut [f64]), &'static str, &'static str);
+
+/// Reads the files of altered branches, each with its first array of numbers, and compares the
+/// refusals.
+fn refused<P: Kept>(about: &P::About, branch: &Branch<P>, arrays: &[(&str, u64)], cases: &[Altered]) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("altered.npz");
+    let bytes = branch_npz(about, branch).unwrap();
+    let file = Archive::from_bytes(&path, &bytes).unwrap();
+    let settings: Value = serde_json::from_str(file.text("settings.json").unwrap()).unwrap();
+    let points = branch.orbits.len() as u64;
+    let shapes: Vec<(&str, Vec<u64>)> = [("parameter", vec![points]), ("residual", vec![points])]
+        .into_iter()
+        .chain(arrays.iter().map(|(name, width)| (*name, vec![points, *width])))
+        .collect();
+    for (alter, place, rule) in cases {
+        let mut settings = settings.clone();
+        let mut numbers: Vec<Vec<f64>> = shapes.iter().map(|(name, shape)| file.array(name, shape).unwrap()).collect();
+        alter(&mut settings, &mut numbers[2]);
+        let arrays = shapes.iter().zip(numbers);
+        let arrays: Vec<Array<'_>> =
+            arrays.map(|((name, shape), values)| Array { name, shape: shape.clone(), values }).collect();
+        fs::write(&path, npz_with("settings.json", &settings.to_string(), &arrays).unwrap()).unwrap();
+        let Err(error) = load_branch::<P>(&path) else { panic!("{rule}: read") };
+        let text = error.to_string();
+        assert!(matches!(error, Error::Content { .. }), "{text}");
+        assert!(text.starts_with(&format!("{}, {place}: ", path.display())) && text.contains(rule), "{rule}: {text}");
+    }
+}
+
+#[test]
+fn what_cannot_be_a_branch_of_a_mode_or_of_waves_is_refused_with_file_place_and_rule() {
+    let scene = Scene::load("defect").unwrap();
+    let modes = NormalModes::new(scene.chain()).unwrap();
+    let way = ModeContinuation { mode: 20, to: 0.02, step: 0.01, most_points: 10 };
+    let mut mode = way.begin(&modes).unwrap();
+    mode.extend(|_| {}).unwrap();
+    let unknowns = modes.linear().len() as u64;
+    refused(
+        &scene,
+        &mode,
+        &[("z", unknowns)],
+        &[
+            (
+                |s, _| s["format"] = json!("hertzchain branch"),
+                "settings.json",
+                "read is hertzchain mode branch, version 1",
+            ),
+            (|s, _| s["continuation"]["mode"] = json!(99), "parameter", "point 0: linear_mode = 100 of 21"),
+            (|s, _| s["continuation"]["to"] = json!(0.0), "settings.json", "to = 0"),
+            (|s, _| s["setting"]["scene"] = json!("[chain]"), "settings.json", "missing field"),
+            (|_, z| z[0] = f64::NAN, "z", "NaN at point 0, entry 0: numbers of an orbit are finite"),
+            (|_, z| z[0] += 1e-3, "z", "point 0: residual = "),
+            // The flow over a period of these would take hours.
+            (|_, z| z[20] = -30.0, "z", "point 0: rates = up to"),
+            (|_, z| z[0] = 1e30, "z", "point 0: rates = up to"),
+        ],
+    );
+    let wanted = Wanted { sites: Some(10), ..Wanted::of("tw-q15") };
+    let branch = BranchOptions { to: Some(2.002), ..BranchOptions::default() };
+    let waves = ContinueWave { wanted, vary: WaveParameter::OmegaTw, branch }.branch(&|_, _| {}).unwrap();
+    let arrays = [("x", 10), ("y", 10), ("vx", 10), ("vy", 10), ("setting", 1)];
+    refused(
+        &waves.scene,
+        &waves.branch,
+        &arrays,
+        &[
+            (|s, _| s["setting"]["wave"]["setting"]["q"]["turns"] = json!(0), "settings.json", "above 0 and at most 1"),
+            (|s, _| s["setting"]["wave"]["sites"] = json!(300), "settings.json", "sites = 300"),
+            (|s, _| s["setting"]["wave"]["size"] = json!(0.0), "settings.json", "size = 0"),
+            (|s, _| s["setting"]["wave"]["setting"]["params"]["rho"] = json!(-1.0), "settings.json", "rho = -1"),
+            (|_, x| x[1] = f64::INFINITY, "x", "inf at point 0, entry 1: numbers of an orbit are finite"),
+            (|_, x| x[1] += 1e-4, "x", "point 0: residual = "),
+            (|_, x| x[1] = 1e30, "x", "point 0: rates = up to"),
+        ],
+    );
 }
 
 // Truth: the search over all points at once, with spectra computed here. A gap at the end of a
@@ -210,7 +296,7 @@ fn bifurcations_of_a_branch_in_segments_are_those_of_the_whole_branch() {
         let branch = study(broken.clone(), &Engine::threads(), &|_, _| {}).unwrap();
         broken.orbits.retain(|orbit| orbit.setting.turns == 1);
         let spectra: Vec<_> = broken.orbits.iter().map(|orbit| orbit.spectrum(&Shooting::default()).unwrap()).collect();
-        let want = broken.analysed().unwrap().bifurcations;
+        let want = broken.analysed().bifurcations;
         // Numbers of orbits differ by the gaps.
         assert_eq!(branch.bifurcations.len(), want.len());
         let found =

@@ -6,7 +6,7 @@ use hertzchain::{
     orbits::{Branch, DriveParameter, DrivenBranch, DrivenContinuation, DrivenSetting, DrivenShooting, End},
     output::{Archive, Array, npz_with},
     scene::Scene,
-    study::{DrivenBranchStudy, load_driven_branch},
+    study::{DrivenBranchStudy, load_branch},
 };
 use serde_json::{Value, json};
 use std::{
@@ -89,7 +89,7 @@ fn a_driven_branch_stopped_anywhere_and_gone_on_with_has_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let scene = scene(folder.path());
     let main = begun(&scene, 200);
-    let mut doubled = main.clone().analysed().unwrap().switched(0).unwrap();
+    let mut doubled = main.clone().analysed().switched(0).unwrap();
     let crossing = doubled.clone();
     doubled.continuation.most_points = 12;
     doubled.extend(|_| {}).unwrap();
@@ -98,7 +98,7 @@ fn a_driven_branch_stopped_anywhere_and_gone_on_with_has_the_same_bits() {
         assert!(count >= 5, "{count}");
         for points in stopped.orbits.len() + 1..=count {
             let path = saved(folder.path(), &scene, &stopped);
-            let (again, read) = load_driven_branch(&path).unwrap();
+            let (again, read): (Scene, DrivenBranch) = load_branch(&path).unwrap();
             assert_eq!((again.file(), bits(&read)), (scene.file(), bits(&stopped)));
             stopped = read.onward(None, None, points).unwrap();
             stopped.extend(|_| {}).unwrap();
@@ -111,7 +111,8 @@ fn a_driven_branch_stopped_anywhere_and_gone_on_with_has_the_same_bits() {
 fn a_driven_branch_goes_on_beyond_its_end_and_not_back() {
     let folder = tempfile::tempdir().unwrap();
     let scene = scene(folder.path());
-    let (_, read) = load_driven_branch(&saved(folder.path(), &scene, &begun(&scene, 200))).unwrap();
+    let path = saved(folder.path(), &scene, &begun(&scene, 200));
+    let (_, read): (Scene, DrivenBranch) = load_branch(&path).unwrap();
     assert_eq!(read.end, Some(End::Reached));
     let mut further = read.clone().onward(Some(2.0), None, 200).unwrap();
     assert_eq!(further.extend(|_| {}).unwrap(), End::Reached);
@@ -169,7 +170,7 @@ fn what_cannot_be_a_driven_branch_is_refused_with_file_place_and_rule() {
         let arrays: Vec<Array<'_>> =
             arrays.map(|((name, shape), values)| Array { name, shape: shape.clone(), values }).collect();
         fs::write(&path, npz_with("settings.json", &settings.to_string(), &arrays).unwrap()).unwrap();
-        let error = load_driven_branch(&path).unwrap_err();
+        let error = load_branch::<DrivenContinuation>(&path).unwrap_err();
         let text = error.to_string();
         println!("{text}");
         assert!(matches!(error, Error::Content { .. }), "{text}");

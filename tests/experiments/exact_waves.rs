@@ -8,7 +8,7 @@ use hertzchain::{
     integrators::collocation::{StepControl, monodromy},
     orbits::End,
     run::Method,
-    study::{ContinueWave, ExactStudy, Wanted, WaveBranchStudy},
+    study::{BranchOptions, ContinueWave, ExactStudy, Wanted, WaveBranchStudy},
     waves::{ExactWave, Given, MeanStrain, Search, WaveKind, WaveNumber, WaveParameter, WavePoint, WaveSetting},
 };
 use nalgebra::{Complex, DMatrix};
@@ -30,7 +30,9 @@ fn setting(rho: f64, q_over_pi: f64, sites: usize, omega_tw: f64, mean: MeanStra
 
 fn branch(wanted: Wanted, vary: WaveParameter, to: f64) -> WaveBranchStudy {
     let wanted = Wanted { sites: Some(10), ..wanted };
-    ContinueWave { wanted, vary, to: Some(to), step: None, max_points: 200 }.branch(&|_, _| {}).unwrap()
+    ContinueWave { wanted, vary, branch: BranchOptions { to: Some(to), ..BranchOptions::default() } }
+        .branch(&|_, _| {})
+        .unwrap()
 }
 
 // Truth: the definition, x_{n+1}(t + q/omega_tw) = x_n(t), by an integrator that shares no code
@@ -300,6 +302,19 @@ fn branches_in_the_amplitude_end_at_the_wave_of_this_amplitude() {
     }
 }
 
+// Truth: contacts of exponent 3/2 raise the frequency by the square root of the amplitude.
+#[test]
+fn a_branch_towards_the_linear_waves_ends_where_its_waves_vanish() {
+    let study = branch(Wanted::of("tw-q15"), WaveParameter::OmegaTw, 1.9);
+    assert_eq!(study.branch.ended(), End::Vanished);
+    let curvature = |k: usize| {
+        let wave = &study.branch.orbits[k];
+        wave.amplitude() / (wave.setting.omega_tw - 2.0).powi(2)
+    };
+    let last = study.branch.orbits.len() - 1;
+    assert!((curvature(last) / curvature(last - 3) - 1.0).abs() < 1e-3, "{} {}", curvature(last), curvature(last - 3));
+}
+
 #[test]
 fn the_end_of_a_branch_is_in_the_range_of_its_parameter() {
     for (vary, to) in [
@@ -309,7 +324,8 @@ fn the_end_of_a_branch_is_in_the_range_of_its_parameter() {
         (WaveParameter::Kappa, 0.0),
         (WaveParameter::Alpha, 1.0),
     ] {
-        let one = ContinueWave { wanted: Wanted::of("tw-q15"), vary, to: Some(to), step: None, max_points: 200 };
+        let branch = BranchOptions { to: Some(to), ..BranchOptions::default() };
+        let one = ContinueWave { wanted: Wanted::of("tw-q15"), vary, branch };
         let text = one.branch(&|_, _| {}).unwrap_err().to_string();
         assert!(text.contains(&format!("to = {to} is not valid")), "{vary:?}: {text}");
     }
@@ -477,7 +493,8 @@ fn refusals_name_value_and_rule() {
         (f64::INFINITY, WaveParameter::Mean, "hold the mean strain of a wave at 0"),
     ] {
         let wanted = Wanted { rho: Some(rho), ..Wanted::of("tw-q15") };
-        let one = ContinueWave { wanted, vary, to: Some(0.5), step: None, max_points: 200 };
+        let branch = BranchOptions { to: Some(0.5), ..BranchOptions::default() };
+        let one = ContinueWave { wanted, vary, branch };
         let text = one.branch(&|_, _| {}).unwrap_err().to_string();
         assert!(text.contains(words), "{text}");
     }

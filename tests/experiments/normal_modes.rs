@@ -135,7 +135,7 @@ fn multipliers_of_small_orbits_are_those_of_the_other_linear_modes() {
     let worst = |a: f64| {
         let branch = branch(&modes, 20, a, 2.0 * a);
         let point = &branch.points[0];
-        assert_eq!(point.unstable(), 0);
+        assert_eq!(point.spectrum.unstable(), 0);
         let cosines: Vec<f64> = point.spectrum.tau.iter().map(|tau| tau.re).collect();
         let nearest = |wanted: f64| cosines.iter().map(|tau| (tau - wanted).abs()).fold(f64::INFINITY, f64::min);
         let others = modes.linear()[..20].iter().map(|mode| (2.0 * PI * mode.omega / point.orbit.omega).cos());
@@ -233,7 +233,7 @@ fn a_mode_of_a_ring_loses_its_stability_where_collocation_has_two_more_multiplie
     println!("{} {:e}", one.orbit.amplitude, one.critical.tau - 1.0);
     assert_eq!((one.kind, at_one(&scene, &modes, &one.orbit)), (BifurcationKind::PlusOne, 4));
     for point in &branch.points {
-        assert_eq!(point.unstable() > 0, point.orbit.amplitude > one.orbit.amplitude);
+        assert_eq!(point.spectrum.unstable() > 0, point.orbit.amplitude > one.orbit.amplitude);
         assert_eq!(at_one(&scene, &modes, &point.orbit), 2, "{}", point.orbit.amplitude);
     }
 }

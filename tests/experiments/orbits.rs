@@ -374,7 +374,7 @@ fn bifurcations(center: Center, sites: usize, (from, to): (f64, f64)) -> Vec<Bif
     let branch = Branch::new(continuation, breather.setting(), breather.orbit(&shooting).unwrap()).unwrap();
     let mut branch = Branch { weak: Some(0.01), ..branch };
     assert_eq!(branch.extend(|_| {}).unwrap(), End::Reached);
-    branch.analysed().unwrap().bifurcations
+    branch.analysed().bifurcations
 }
 
 /// The bifurcation near a value, found in another way: from all eigenvalues of the tangent map over

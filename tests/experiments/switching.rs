@@ -9,7 +9,7 @@ use hertzchain::{
     },
     run::{Method, Run, Setting},
     scene::Scene,
-    study::{BranchOptions, DrivenSearch, DrivenWay, InSi, ModeWay, driven_branch, follow_mode},
+    study::{BifurcationOptions, BranchOptions, DrivenSearch, DrivenWay, InSi, ModeWay, driven_branch, follow_mode},
     sweep::Engine,
 };
 use std::f64::consts::PI;
@@ -56,7 +56,7 @@ fn number(branch: &DrivenBranch, kind: BifurcationKind) -> usize {
 
 fn followed<P: Problem>(mut branch: Branch<P>) -> Branch<P> {
     branch.extend(|_| {}).unwrap();
-    branch.analysed().unwrap()
+    branch.analysed()
 }
 
 fn amplitude(orbit: &DrivenOrbit) -> f64 {
@@ -213,14 +213,13 @@ fn bifurcations_of_driven_branches_in_segments_are_those_of_the_whole_branch() {
     let search = DrivenSearch::default();
     let way = DrivenWay {
         vary: parameter,
-        to: Some(2.0),
-        step: Some(0.1),
-        branch: BranchOptions { max_points: 200, switch: Some(1) },
+        branch: BranchOptions { to: Some(2.0), step: Some(0.1), ..BranchOptions::default() },
+        more: BifurcationOptions { switch: Some(1), ..BifurcationOptions::default() },
     };
     let found = driven_branch(scene, &search, &way, InSi::default(), &Engine::threads(), &|_, _| {}).unwrap();
     let switched = found.switched.unwrap().1.unwrap();
     for (divided, count) in [(found.branch, 1), (switched, 3)] {
-        let whole = divided.clone().analysed().unwrap();
+        let whole = divided.clone().analysed();
         assert_eq!((whole.bifurcations.len(), divided.bifurcations.len()), (count, count));
         assert_eq!((whole.points.len(), whole.unresolved), (divided.points.len(), divided.unresolved));
         for (one, other) in whole.points.iter().zip(&divided.points) {
@@ -249,9 +248,8 @@ fn bifurcations_of_modes_in_segments_are_those_of_the_whole_branch() {
         let crossed = switch.map(|number| followed(whole.switched(number - 1).unwrap()));
         let way = ModeWay {
             linear_mode: Some(mode),
-            to,
-            step: Some(step),
-            branch: BranchOptions { max_points: 200, switch },
+            branch: BranchOptions { to: Some(to), step: Some(step), ..BranchOptions::default() },
+            more: BifurcationOptions { switch, bifurcations: Some(true) },
         };
         let found = follow_mode(scene, &way, InSi::default(), &Engine::threads(), &|_, _| {}).unwrap();
         assert!(!whole.bifurcations.is_empty());

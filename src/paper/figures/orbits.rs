@@ -16,7 +16,7 @@ use crate::{
         Line, Panel, Panels, Report, Table,
     },
     study::{DarkStudy, KINDS, Kick, Progress, center_word, doubled_from, evolve, format_short, go_on, orbit_study},
-    sweep::map,
+    sweep::{Engine, map},
 };
 
 const THIRD: f64 = 1.0 / 3.0;
@@ -50,7 +50,7 @@ fn follow(
 ) -> Result<Branch> {
     let shooting = Shooting::default();
     let continuation = Continuation { parameter, to, step, most_points: 2000, natural: false, shooting };
-    go_on(Branch { weak, ..Branch::new(continuation, start.setting, start)? }, &mut |_| {}, tell)?.reached()
+    go_on(Branch { weak, ..Branch::new(continuation, start.setting, start)? }, &Engine::threads(), tell)?.reached()
 }
 
 /// The branch of a family between two frequencies, with about so many points.
@@ -317,7 +317,7 @@ pub(super) fn doubled(omega_b: f64) -> Result<Report> {
 /// # Errors
 /// As of [`family`].
 pub fn doubled_branch(to: f64, tell: Progress<'_>) -> Result<Report> {
-    let (_, doubled) = doubled_from(&about_doubling()?, to, 1e-3, &mut |_| {}, tell)?;
+    let (_, doubled) = doubled_from(&about_doubling()?, to, 1e-3, &Engine::threads(), tell)?;
     of_branch(&doubled.reached()?, "moduli along the branch")
 }
 

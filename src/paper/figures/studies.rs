@@ -7,8 +7,9 @@ use crate::{
     report::{Column, Digits::Hidden, Kind, Line, Panel, Panels, Report, Table},
     scene::{Initial, Scene},
     study::{
-        Adaptive, ContinueWave, LifetimeOptions, Norm, Progress, RhoLaw, StabilityOptions, TheoremOptions,
-        TheoremStudy, Wanted, WaveOptions, WaveStudy, exact_study, fit_line, lifetimes, stability, theorem, wave,
+        Adaptive, BranchOptions, ContinueWave, LifetimeOptions, Norm, Progress, RhoLaw, StabilityOptions,
+        TheoremOptions, TheoremStudy, Wanted, WaveOptions, WaveStudy, exact_study, fit_line, lifetimes, stability,
+        theorem, wave,
     },
     sweep::Engine,
     waves::{Given, MeanStrain, Search, Shape, Size, TravellingWave, WaveNumber, WaveParameter, WaveSetting},
@@ -102,8 +103,8 @@ pub(super) fn branch(scene: &str, [from, to]: [f64; 2], tell: Progress<'_>) -> R
     let omega = Scene::load(scene)?.chain().params().omega();
     let wanted = Wanted { omega_tw: Some(omega + from), ..Wanted::of(scene) };
     let (to, step) = (Some(omega + to), Some((to - from) / 100.0));
-    let branch = ContinueWave { wanted, vary: WaveParameter::OmegaTw, to, step, max_points: 500 };
-    Ok(branch.branch(tell)?.report())
+    let branch = BranchOptions { to, step, ..BranchOptions::default() };
+    ContinueWave { wanted, vary: WaveParameter::OmegaTw, branch }.branch(tell)?.report()
 }
 
 /// An exact wave against the modulation equations.

@@ -67,7 +67,7 @@ options! {
         /// End time, in units of time [default: 80 T].
         ///
         /// T = 2 pi/omega_0 in units of 1/sqrt(kappa) is the period of the envelope in slow time.
-        /// From one to 10^7 periods T_b of the breather.
+        /// The run has at most 10^7 samples.
         until: Option<f64> = None, "T";
         /// Samples per period, from which largest values are taken.
         ///

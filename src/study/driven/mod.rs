@@ -1,32 +1,29 @@
 //! Orbits of a driven scene under the stroboscopic map: one with its multipliers, or a branch with
 //! its bifurcations.
 
-mod file;
 mod report;
 
 use super::{
     Changes, InSi, Progress, Study, Work,
-    branches::{self, BranchOptions, BranchStudy, SWITCHED},
-    keeper::Autosave,
+    branches::{
+        self, BifurcationOptions, BranchOptions, BranchStudy, First, FollowCommand, Kept, SWITCHED_FILES, SceneSource,
+        branch_npz, files_of_branch,
+    },
     options::options,
-    segments,
-    si::Scale,
 };
 use crate::{
     chain::DriveKind,
     error::{Error, Result},
     orbits::{
-        DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
-        Problem,
+        BifurcationKind, DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting,
+        DrivenShooting, Problem,
     },
+    output::Array,
     report::Report,
     scene::{Quantity, Scene, Units},
     sweep::Engine,
 };
-pub use file::{driven_branch_from_archive, driven_branch_npz, load_driven_branch};
 pub(crate) use report::multipliers_panel;
-use serde_json::json;
-use std::path::PathBuf;
 
 options! {
     /// The orbit of a driven scene.
@@ -100,7 +97,8 @@ pub struct DrivenStudy {
 }
 
 impl Study for Driven {
-    const FILES: &'static str = "driven-orbit.csv has the displacements of all beads over a period.";
+    const FILES: &'static str = "driven-orbit.csv has the displacements of all beads over a period; driven-orbit.npz has the orbit, from which \
+                                 `orbit continue --resume` goes on.";
     const INTERRUPTIBLE: bool = true;
 
     fn outline() -> Option<Report> {
@@ -111,7 +109,10 @@ impl Study for Driven {
         let scene = self.load()?;
         self.si.units(&scene)?;
         self.search.setting(&scene)?;
-        Ok(Box::new(move |_, progress| Ok(driven_orbit(scene, &self.search, self.si, progress)?.report())))
+        Ok(Box::new(move |_, progress| {
+            let study = driven_orbit(scene, &self.search, self.si, progress)?;
+            Ok(study.report().file("driven-orbit.npz", study.npz()?))
+        }))
     }
 }
 
@@ -127,6 +128,14 @@ pub fn driven_orbit(scene: Scene, search: &DrivenSearch, si: InSi, progress: Pro
 }
 
 impl DrivenStudy {
+    /// The file of the orbit, which may go on as a branch in the amplitude of the drive.
+    fn npz(&self) -> Result<Vec<u8>> {
+        let (parameter, shooting) = (DriveParameter::Amplitude, DrivenShooting::default());
+        let continuation = DrivenContinuation { parameter, to: 0.0, step: 0.0, most_points: 0, shooting };
+        let branch = branches::alone(continuation, &self.point.orbit.setting, self.point.clone())?;
+        branch_npz(&self.scene, &branch)
+    }
+
     /// Computes multipliers, samples and energy balance of an orbit.
     ///
     /// # Errors
@@ -142,88 +151,82 @@ impl DrivenStudy {
 
 options! {
     /// A branch of orbits of a driven scene.
+    #[cfg_attr(feature = "cli", command(
+        mut_arg("resume", |arg| arg.conflicts_with_all(["scene", "set", "turns", "settle", "vary"]))
+    ))]
     pub struct DrivenContinue {
         /// The scene.
         driven: Driven = Driven::default(), [command(flatten)];
         /// The way.
         way: DrivenWay = DrivenWay::default(), [command(flatten)];
-        /// Go on with what this file, or the file in this folder, has kept.
-        ///
-        /// A file driven-branch.npz or switched-branch.npz, from its last point: to another --to,
-        /// by another --step; then multipliers and bifurcations are computed anew. Results of a
-        /// file driven-branch.npz are written beside it unless --out says where. The file is the
-        /// same with and without --si, and goes on with either.
-        resume: Option<PathBuf> = None, "PATH",
-            [arg(conflicts_with_all = ["scene", "set", "turns", "settle", "vary"])];
     }
 }
 
 options! {
     /// The way of a branch of driven orbits.
-    #[derive(Copy, PartialEq)]
+    #[derive(PartialEq)]
     pub struct DrivenWay {
         /// What varies along the branch.
         vary: DriveParameter = DriveParameter::Amplitude, "P";
-        /// Value of the parameter at which the branch ends.
-        ///
-        /// It begins with the scene's own value (with 1 for `damping`).
-        to: Option<f64> = None, "P", (finite), [arg(required_unless_present = "resume")];
-        /// Largest change of the parameter from point to point [default: a twentieth of the range].
-        step: Option<f64> = None, "DP", (positive);
         /// What every branch asks for.
         branch: BranchOptions = BranchOptions::default(), [command(flatten)];
+        /// What is asked for about its bifurcations.
+        more: BifurcationOptions = BifurcationOptions::default(), [command(flatten)];
     }
 }
 
 /// A branch of a driven scene.
 pub type DrivenBranchStudy = BranchStudy<DrivenContinuation>;
 
-/// Names of the files in which branches are kept, and from which they are continued.
-const BRANCH_FILE: &str = "driven-branch.npz";
-const SWITCHED_FILE: &str = "switched-branch.npz";
-/// Names of the stores of their multipliers.
-const STORE: &str = "driven-spectra.store";
-const SWITCHED_STORE: &str = "switched-spectra.store";
+impl Kept for DrivenContinuation {
+    type About = Scene;
+    type Source = SceneSource;
+    const NAMES: [&'static str; 3] = ["driven-branch.npz", "driven-spectra.store", "orbit continue"];
+    const FILES: &'static str = files_of_branch!("driven-branch.npz", "driven-spectra.store", "");
+    const OPTIONAL: &'static [&'static str] = &SWITCHED_FILES;
+    /// The scene settles first.
+    const FIRST: f64 = 0.2;
 
-impl Study for DrivenContinue {
-    const FILES: &'static str = "driven-branch.npz has every orbit. With --switch also switched-branch.csv, switched-bifurcations.csv and \
-                                 switched-branch.npz; the npz files are written every 20 points or 10 s as well. \
-                                 driven-spectra.store and switched-spectra.store have multipliers and bifurcations, from which the same command goes on. \
-                                 Each part of --shard follows the first branch itself and computes its share of these.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
-
-    fn optional_files() -> Vec<String> {
-        SWITCHED.map(|name| format!("{name}.csv")).into_iter().chain([SWITCHED_FILE.to_owned()]).collect()
+    fn source(scene: &Scene, branch: &DrivenBranch) -> (SceneSource, Vec<Array<'static>>) {
+        let starts = branch.orbits.iter().filter_map(|orbit| orbit.start().ok());
+        SceneSource::of(scene, branch.setting.turns(), starts)
     }
 
-    fn outline() -> Option<Report> {
-        Some(report::outline())
+    fn made(source: SceneSource, birth: Option<BifurcationKind>) -> Result<(Scene, DrivenSetting)> {
+        let (scene, turns) = (source.scene()?, source.turns);
+        if birth == Some(BifurcationKind::PeriodDoubling) && !turns.is_multiple_of(2) {
+            return Err(Error::parameter("turns", turns, "even after a period doubling"));
+        }
+        let setting = DrivenSetting::new(scene.chain(), turns)?;
+        Ok((scene, setting))
     }
 
-    fn begin(&self) -> Result<Work<'_>> {
-        self.way.within_ranges()?;
-        self.way.branch.within_ranges()?;
-        let Some(path) = &self.resume else {
-            let scene = self.driven.load()?;
-            let Driven { search, si, .. } = &self.driven;
-            self.way.for_scene(&scene, search, *si)?;
-            return Ok(Box::new(move |engine, progress| {
-                driven_branch(scene, search, &self.way, *si, engine, progress)?.report()
-            }));
-        };
-        let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
-        let (scene, branch) = load_driven_branch(&file)?;
-        let si = self.driven.si.units(&scene)?;
-        let parameter = branch.continuation.parameter;
-        let way = self.way.read(Scale(si.as_ref()), parameter, &branch.setting);
-        let branch = self.way.as_given(si, branch.onward(way.to, way.step, way.branch.max_points))?;
-        Ok(Box::new(move |engine, progress| followed(scene, branch, si, way.branch.switch, engine, progress)?.report()))
+    fn units(scene: &Scene, si: InSi) -> Result<Option<Units>> {
+        si.units(scene)
     }
 
-    fn default_folder(&self) -> Option<PathBuf> {
-        let path = self.resume.as_deref()?;
-        (path.is_dir() || path.ends_with(BRANCH_FILE)).then(|| super::folder_of(path))
+    fn quantity(&self, setting: &DrivenSetting) -> Quantity {
+        quantity(self.parameter, setting)
+    }
+
+    fn outline() -> Report {
+        report::outline()
+    }
+
+    fn report(study: &DrivenBranchStudy) -> Result<Report> {
+        report::branch(study)
+    }
+}
+
+impl FollowCommand for DrivenContinue {
+    type Problem = DrivenContinuation;
+
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
+        (&self.way.branch, self.way.more, self.driven.si)
+    }
+
+    fn first(&self) -> Result<First<'_, DrivenContinuation>> {
+        self.way.first(self.driven.load()?, self.driven.search, self.driven.si)
     }
 }
 
@@ -238,49 +241,20 @@ fn quantity(parameter: DriveParameter, setting: &DrivenSetting) -> Quantity {
 }
 
 impl DrivenWay {
-    /// The way in the units of the chain, of one that was given for a branch in `parameter`.
-    fn read(&self, scale: Scale<'_>, parameter: DriveParameter, setting: &DrivenSetting) -> Self {
-        let read = |value: f64| scale.read(quantity(parameter, setting), value);
-        Self { to: self.to.map(read), step: self.step.map(read), ..*self }
-    }
-
-    /// A refusal of a number with its value as it was given.
-    fn as_given<T>(&self, si: Option<Units>, result: Result<T>) -> Result<T> {
-        let &Self { to, step, .. } = self;
-        Scale(si.as_ref()).given(result, &[("to", to), ("step", step)])
-    }
-
-    /// The continuation from a scene, and the units in which it was given and is reported.
-    fn for_scene(
-        &self,
-        scene: &Scene,
-        search: &DrivenSearch,
-        si: InSi,
-    ) -> Result<(DrivenSetting, DrivenContinuation, Option<Units>)> {
-        self.within_ranges()?;
-        self.branch.within_ranges()?;
-        let si = si.units(scene)?;
-        let setting = search.setting(scene)?;
-        let read = self.read(Scale(si.as_ref()), self.vary, &setting);
-        let continuation = self.as_given(si, read.continuation(&setting))?;
-        Ok((setting, continuation, si))
-    }
-
-    /// The continuation from the scene's own value.
-    fn continuation(&self, setting: &DrivenSetting) -> Result<DrivenContinuation> {
-        let &Self { vary: parameter, to, step, branch, .. } = self;
-        let to = to.ok_or_else(|| Error::parameter("to", "nothing", "a branch needs a value at which it ends"))?;
-        let from = setting.get(parameter);
-        let step = step.unwrap_or(0.05 * (to - from).abs());
-        let (most_points, shooting) = (branch.max_points, DrivenShooting::default());
-        let continuation = DrivenContinuation { parameter, to, step, most_points, shooting };
-        continuation.check_range(setting, from)?;
-        Ok(continuation)
+    fn first(&self, scene: Scene, search: DrivenSearch, si: InSi) -> Result<First<'static, DrivenContinuation>> {
+        let (parameter, si, setting) = (self.vary, si.units(&scene)?, search.setting(&scene)?);
+        let (kind, from) = (quantity(parameter, &setting), setting.get(parameter));
+        let continuation = self.branch.continuation((si.as_ref(), kind), from, |to, step| {
+            let (most_points, shooting) = (self.branch.max_points, DrivenShooting::default());
+            let continuation = DrivenContinuation { parameter, to, step, most_points, shooting };
+            continuation.check_range(&setting, from).map(|()| continuation)
+        })?;
+        Ok(Box::new(move |_, progress| {
+            let orbit = search.orbit(&scene, &setting, progress)?;
+            Ok((scene, DrivenBranch::new(continuation, setting, orbit)?, si))
+        }))
     }
 }
-
-/// Share of the progress at which the scene has settled.
-const SETTLING: f64 = 0.2;
 
 /// The branch, in one parameter, that begins with the orbit to which a driven scene leads. In SI
 /// units, `to` and `step` of the way are read, and the report is written, in these. `progress` is
@@ -297,42 +271,6 @@ pub fn driven_branch(
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<DrivenBranchStudy> {
-    let (setting, continuation, si) = way.for_scene(&scene, search, si)?;
-    let orbit = search.orbit(&scene, &setting, &|share, what| progress(SETTLING * share, what))?;
-    let branch = DrivenBranch::new(continuation, setting, orbit)?;
-    let rest = |share: f64, what: &str| progress(SETTLING + (1.0 - SETTLING) * share, what);
-    followed(scene, branch, si, way.branch.switch, engine, &rest)
-}
-
-/// Continues and studies a branch, and the one that crosses it at bifurcation `switch`, if given.
-fn followed(
-    scene: Scene,
-    branch: DrivenBranch,
-    si: Option<Units>,
-    switch: Option<usize>,
-    engine: &Engine,
-    progress: Progress<'_>,
-) -> Result<DrivenBranchStudy> {
-    let stale = ["driven-branch.json", "driven-branch.csv", "bifurcations.csv", "driven-branch.png"].map(str::to_owned);
-    let stale: Vec<String> = stale.into_iter().chain(DrivenContinue::optional_files()).collect();
-    let (scale, toml) = (Scale(si.as_ref()), scene.file().to_toml());
-    let work = |branch: DrivenBranch, second: bool, progress: Progress<'_>| {
-        let (file, store, stale) = match second {
-            false => (BRANCH_FILE, STORE, stale.clone()),
-            true => (SWITCHED_FILE, SWITCHED_STORE, Vec::new()),
-        };
-        let mut keeper = Autosave::new(segments::folder(engine), file, stale);
-        let mut keep = |branch: &DrivenBranch| {
-            keeper.keep(branch.orbits.len(), branch.end.is_some(), || driven_branch_npz(&scene, branch));
-        };
-        let parameter = branch.continuation.parameter;
-        let shown = |orbit: &DrivenOrbit, p: f64| scale.shown(quantity(parameter, &orbit.setting), p, 6);
-        let branch = branches::followed(branch, &mut keep, shown, progress)?;
-        // The largest number of points has no influence on those that there are.
-        let continuation = DrivenContinuation { most_points: 0, ..branch.continuation };
-        let settings = json!([toml, branch.setting.turns(), continuation, branch.birth]);
-        segments::analysed(branch, [store, "orbit continue"], &settings, engine, progress)
-    };
-    let (branch, switched) = branches::with_switched(branch, switch, work, progress)?;
-    Ok(DrivenBranchStudy { scene, branch, switched, si })
+    let level = way.branch.level::<DrivenContinuation>(way.more)?;
+    branches::begun(way.first(scene, *search, si)?, level, way.more.switch, engine, progress)
 }

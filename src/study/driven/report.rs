@@ -1,10 +1,10 @@
 //! What orbits of driven scenes and their branches report.
 
-use super::{BRANCH_FILE, DrivenBranchStudy, DrivenStudy, SWITCHED_FILE, driven_branch_npz, quantity};
+use super::{DrivenBranchStudy, DrivenStudy, quantity};
 use crate::{
     error::Result,
     orbits::{
-        Bifurcation, DriveParameter, DrivenBranch, DrivenContinuation, DrivenMultiplier, DrivenPoint, DrivenSetting,
+        Bifurcation, DriveParameter, DrivenBranch, DrivenContinuation, DrivenMultiplier, DrivenOrbit, DrivenSetting,
         DrivenSpectrum,
     },
     report::{
@@ -32,8 +32,8 @@ const VARIED: &str = "what varies along the branch";
 /// Name of the integrator of driven orbits.
 const METHOD: &str = "dop853-regularised";
 
-fn leading(point: &DrivenPoint) -> Vec<&DrivenMultiplier> {
-    point.spectrum.multipliers.iter().filter(|one| one.im >= 0.0).take(LEADING).collect()
+fn leading(spectrum: &DrivenSpectrum) -> Vec<&DrivenMultiplier> {
+    spectrum.multipliers.iter().filter(|one| one.im >= 0.0).take(LEADING).collect()
 }
 
 /// The table of some orbits of a branch in a parameter.
@@ -47,21 +47,21 @@ fn points<'a>(
     let all = [DriveParameter::Amplitude, DriveParameter::Omega, DriveParameter::Damping];
     for parameter in std::iter::once(varied).chain(all.into_iter().filter(|one| *one != varied)) {
         let (digits, about) = if parameter == varied { (Fixed(8), VARIED) } else { (Json, "") };
-        let kind = points.first().map_or(Quantity::Number, |(orbit, _)| quantity(parameter, &orbit.setting));
-        table = table.col(parameter.name(), digits, about, |(orbit, _)| orbit.setting.get(parameter)).kind(kind);
+        let kind = points.first().map_or(Quantity::Number, |row| quantity(parameter, &row.orbit.setting));
+        table = table.col(parameter.name(), digits, about, |row| row.orbit.setting.get(parameter)).kind(kind);
     }
     table
-        .col("response", Power(6), "largest half range of a free bead", |&(_, point)| Some(point?.measures.amplitude))
+        .col("response", Power(6), "largest half range of a free bead", |row| Some(row.measures?.amplitude))
         .kind(Quantity::Length)
-        .col("max_modulus", Fixed(8), "largest modulus of a multiplier", |&(_, point)| Some(point?.spectrum.largest()))
-        .col("unstable", Short, "multipliers outside the unit circle", |&(_, point)| Some(point?.spectrum.unstable()))
-        .col("turns", Json, "", |(orbit, _)| u64::from(orbit.setting.turns()))
-        .col("least_turns", Json, "", |&(_, point)| json!(point.map(|point| point.measures.least_turns)))
-        .col("period", Json, "", |(orbit, _)| orbit.setting.period())
+        .col("max_modulus", Fixed(8), "largest modulus of a multiplier", |row| Some(row.spectrum?.largest()))
+        .col("unstable", Short, "multipliers outside the unit circle", |row| Some(row.spectrum?.unstable()))
+        .col("turns", Json, "", |row| u64::from(row.orbit.setting.turns()))
+        .col("least_turns", Json, "", |row| json!(row.measures.map(|measures| measures.least_turns)))
+        .col("period", Json, "", |row| row.orbit.setting.period())
         .kind(Quantity::Time)
-        .col("residual", Json, "", |(orbit, _)| orbit.residual)
-        .col("leading", Json, "", |&(_, point)| json!(point.map(leading)))
-        .col("liouville", Json, "", |&(_, point)| Some(point?.spectrum.liouville))
+        .col("residual", Json, "", |row| row.orbit.residual)
+        .col("leading", Json, "", |row| json!(row.spectrum.map(leading)))
+        .col("liouville", Json, "", |row| Some(row.spectrum?.liouville))
 }
 
 /// The bifurcations of a branch in a parameter, whose values are of a kind.
@@ -125,7 +125,9 @@ impl DrivenStudy {
         let numbers = |quantity: Quantity, of: fn(&crate::chain::State<f64>) -> &[f64]| {
             start.as_ref().map(|state| scale.all(quantity, of(state)))
         };
-        let drive = points("", &[(&point.orbit, Some(point))], DriveParameter::Amplitude, si).done().json();
+        let (measures, spectrum) = (Some(&point.measures), Some(&point.spectrum));
+        let row = BranchRow { orbit: &point.orbit, measures, spectrum };
+        let drive = points("", &[row], DriveParameter::Amplitude, si).done().json();
         let rows: Vec<(usize, &Vec<f64>)> = samples.iter().enumerate().collect();
         let (period, count) = (point.orbit.setting.period(), samples.len() - 1);
         let mut table = Table::of("driven-orbit", &rows)
@@ -157,7 +159,7 @@ impl DrivenStudy {
             .fact("integrator", METHOD)
             .fact("scene_file", scene_json(scene))
             .words(self.words())
-            .table(multipliers(&leading(point)))
+            .table(multipliers(&leading(&point.spectrum)))
             .table(table)
             .si(si)
             .picture(orbit_picture(self))
@@ -205,33 +207,28 @@ impl DrivenBranchStudy {
     fn tell(&self, report: Report, at: Option<usize>, branch: &DrivenBranch) -> Result<Report> {
         let (varied, si) = (branch.continuation.parameter, self.si.as_ref());
         let (rows, turns) = (branches::rows(branch), branch.setting.turns());
-        let (names, file, words) = match at {
-            None => (BRANCH, BRANCH_FILE, String::new()),
-            Some(_) => (SWITCHED, SWITCHED_FILE, format!("Periods of the drive in one of its orbits: {turns}.")),
+        let (names, words) = match at {
+            None => (BRANCH, String::new()),
+            Some(_) => (SWITCHED, format!("Periods of the drive in one of its orbits: {turns}.")),
         };
         let bifurcations = bifurcations(names[1], &branch.bifurcations, (varied, self.kind()), si);
         let points = points(names[0], &rows, varied, si);
-        let report = branches::tell(report, at, branch, (points, bifurcations), json!({})).words(words);
-        Ok(report.file(file, driven_branch_npz(&self.scene, branch)?))
+        Ok(branches::tell(report, &self.scene, (at, branch), (points, bifurcations), json!({}))?.words(words))
     }
+}
 
-    /// The report.
-    ///
-    /// # Errors
-    /// Errors of the archive writer.
-    pub fn report(&self) -> Result<Report> {
-        let Self { scene, branch, switched, si } = self;
-        let mut report = Report::new("driven-branch")
-            .fact("scene", scene.name())
-            .fact("parameter", branch.continuation.parameter.name())
-            .fact("integrator", METHOD)
-            .fact("scene_file", scene_json(scene));
-        for (at, branch) in branches::both(branch, switched) {
-            report = self.tell(report, at, branch)?;
-        }
-        let report = branches::checked(report, branch, switched).si(si.as_ref());
-        Ok(if branch.points.is_empty() { report } else { report.picture(branch_picture(self)) })
-    }
+/// The report of a branch.
+pub(super) fn branch(study: &DrivenBranchStudy) -> Result<Report> {
+    let DrivenBranchStudy { scene, branch, switched, si } = study;
+    let report = Report::new("driven-branch")
+        .fact("scene", scene.name())
+        .fact("parameter", branch.continuation.parameter.name())
+        .fact("integrator", METHOD)
+        .fact("scene_file", scene_json(scene));
+    let mut both = branches::both(branch, switched);
+    let report = both.try_fold(report, |report, (at, branch)| study.tell(report, at, branch))?;
+    let report = branches::checked(report, branch, switched).si(si.as_ref());
+    Ok(if !branches::shows(branch) { report } else { report.picture(branch_picture(study)) })
 }
 
 /// The multipliers in the complex plane, with a line each for those inside or on the circle, and
@@ -279,7 +276,8 @@ fn orbit_picture(study: &DrivenStudy) -> Panels {
         point.orbit.residual
     );
     let caption = scene_caption(scene, &how);
-    let columns = vec![Column::new("", profile), Column::new("", [multipliers_panel(&point.spectrum)])];
+    let columns =
+        vec![Column::new("", branches::filled(profile)), Column::new("", [multipliers_panel(&point.spectrum)])];
     Panels { title: format!("Driven orbit of {}", scene.name()), columns, caption }
 }
 
@@ -291,28 +289,28 @@ fn branch_picture(study: &DrivenBranchStudy) -> Panels {
         kind => kind,
     };
     let symbol = if kind == Quantity::Frequency { "drive frequency ω/2π" } else { parameter.symbol() };
-    let place = |point: &DrivenPoint| scale.reported(kind, point.orbit.setting.get(parameter));
+    let place = |orbit: &DrivenOrbit| scale.reported(kind, orbit.setting.get(parameter));
     let response = |amplitude: f64| scale.reported(Quantity::Length, amplitude);
     let lines = branches::lines(
         branch,
         &study.switched,
-        |point| (place(point), response(point.measures.amplitude)),
-        DrivenPoint::stable,
+        |row| (place(row.orbit), row.measures.map_or(f64::NAN, |measures| response(measures.amplitude))),
+        |spectrum| spectrum.unstable() == 0,
         |one| (scale.reported(kind, one.parameter), response(one.critical.amplitude)),
     );
     let other = crossed(&study.switched).map(|(_, other)| ("switched", other));
     let moduli = |(name, branch): (&str, &DrivenBranch)| {
-        Line::new(name, branch.points.iter().map(|point| (place(point), point.spectrum.largest())))
+        Line::new(name, branch.points.iter().map(|point| (place(&point.orbit), point.spectrum.largest())))
     };
     let moduli = [("largest |λ|", branch)].into_iter().chain(other).map(moduli).collect();
-    let (count, end, from) = (branch.points.len(), branch.ended().words(), branches::from(&study.switched));
+    let (count, end, from) = (branches::rows(branch).len(), branch.ended().words(), branches::from(&study.switched));
     let how = format!("{count} orbits; {end}.{from}");
     let along = scale.label(symbol, kind);
     let range = scale.label("largest half range of a bead", Quantity::Length);
-    let plots = vec![
+    let plots = branches::filled([
         Panel::new(Kind::Cloud, [&*along, &*range], lines),
         Panel::new(Kind::Cloud, [&*along, "largest |λ|"], moduli),
-    ];
+    ]);
     let title = format!("Driven orbits of {} over the {symbol}", scene.name());
     Panels::column(title, plots, scene_caption(scene, &how))
 }

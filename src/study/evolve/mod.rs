@@ -37,9 +37,10 @@ pub struct Kick {
 options! {
     /// An orbit that is let go, from a file.
     pub struct Evolve {
-        /// File dark-breather.json or branch.npz, with the orbit to start from.
+        /// File dark-breather.npz or branch.npz, with the orbit to start from.
         ///
-        /// dark-breather.json is written by `breather dark`; branch.npz by `breather continue` and
+        /// dark-breather.npz is written by `breather dark`, with the same numbers as
+        /// dark-breather.json, which is read, too; branch.npz by `breather continue` and
         /// `breather doubled`, and needs --point or --at.
         orbit: PathBuf = PathBuf::new();
         /// Number of the point of the branch, from 0; -1 is the last one.

@@ -7,21 +7,25 @@ pub(super) use report::{bounds, newton_kantorovich_bound};
 
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
-use super::{Changes, Progress, Study, Work, branches, keeper::Autosave, options::options, segments};
+use super::{
+    Changes, InSi, Progress, Study, Work,
+    branches::{self, BifurcationOptions, BranchOptions, BranchStudy, First, FollowCommand, Kept, files_of_branch},
+    options::options,
+};
 use crate::{
     chain::{Params, Resonators},
     error::{Error, Iterate, Result},
-    number::format_short,
-    orbits::Kantorovich,
-    output::{Folder, to_json},
+    orbits::{AnalysisLevel, BifurcationKind, Kantorovich},
+    output::{Array, Folder, to_json},
     report::Report,
-    scene::Scene,
+    scene::{Quantity, Scene},
     sweep::Engine,
     waves::{
-        ExactWave, Given, MeanStrain, Modulation, Profile, Search, Start, TravellingWave, WaveBranch, WaveContinuation,
-        WaveNumber, WaveParameter, WaveSetting, WaveSpectrum,
+        ExactWave, Given, MeanStrain, Modulation, Profile, Search, Start, TravellingWave, WaveBase, WaveBranch,
+        WaveContinuation, WaveNumber, WaveParameter, WaveSetting, WaveSpectrum,
     },
 };
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::f64::consts::PI;
 
@@ -30,8 +34,6 @@ use std::f64::consts::PI;
 const SAMPLES: usize = 2048;
 /// The default scene.
 const SCENE: &str = "tw-q15";
-/// Name of the store of the multipliers of a branch.
-const STORE: &str = "wave-spectra.store";
 /// File with the best iterate of a search that did not converge.
 const STALLED: &str = "stalled.json";
 
@@ -49,7 +51,7 @@ options! {
         q_over_pi: Option<f64> = None, "Q", (above 0 to 1);
         /// Frequency of the wave, in radians per unit of time.
         ///
-        /// Above omega = sqrt(kappa (1 + 1/rho)).
+        /// Above omega = sqrt(kappa (1 + 1/rho)), or below sqrt(kappa/rho).
         omega_tw: Option<f64> = None, "W", [arg(conflicts_with = "amplitude")];
         /// Height of the crest above the mean strain, in place of the frequency.
         amplitude: Option<f64> = None, "A", (positive);
@@ -178,7 +180,7 @@ fn keep_iterate(folder: Option<&Folder>, resonators: bool, why: &Error) {
     let results = [report::outline(), report::branch_outline()].map(|outline| outline.files().unwrap_or_default());
     let results = results.iter().flatten().map(|(name, _)| name.as_str());
     // An error of writing is ignored: the command reports that of the search.
-    let _ = folder.remove(results.chain(["exact.png", "waves.png", report::STATES]));
+    let _ = folder.remove(results.chain(["exact.png", "waves.png", WaveContinuation::NAMES[0]]));
     let _ = folder.write(STALLED, to_json(&kept).as_bytes());
 }
 
@@ -252,6 +254,11 @@ pub fn exact_study(
 
 options! {
     /// A branch of exact travelling waves.
+    #[cfg_attr(feature = "cli", command(
+        mut_arg("resume", |arg| arg.conflicts_with_all([
+            "scene", "set", "q_over_pi", "omega_tw", "amplitude", "mean", "rho", "sites", "tol", "vary",
+        ]))
+    ))]
     pub struct ContinueWave {
         /// The wave.
         wanted: Wanted = Wanted::default(), [command(flatten)];
@@ -259,40 +266,39 @@ options! {
         ///
         /// A parameter of the wave or of the chain.
         vary: WaveParameter = WaveParameter::OmegaTw, "P", [arg(default_value = "omega_tw")];
-        /// Value of the varied parameter at which the branch ends.
-        ///
-        /// The first value is that of the scene or of the other flags.
-        to: Option<f64> = None, "P", (finite), [arg(required = true)];
-        /// Largest change of the varied parameter from wave to wave [default: a twentieth of the
-        /// range].
-        step: Option<f64> = None, "DP", (positive);
-        /// Points of the branch at most.
-        max_points: usize = 200, "N", (2 or more);
+        /// What every branch asks for.
+        branch: BranchOptions = BranchOptions::default(), [command(flatten)];
     }
 }
 
-impl Study for ContinueWave {
-    const FILES: &'static str = "states.npz has the states of a cell, and is written every 20 waves or 10 s as well; stalled.json, in place of \
-                                 all of them, if there is no first wave. wave-spectra.store has multipliers, from which the same command goes on. \
-                                 Each part of --shard follows the branch itself and computes its share of these.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
+impl FollowCommand for ContinueWave {
+    type Problem = WaveContinuation;
 
-    fn optional_files() -> Vec<String> {
-        vec![STALLED.to_owned()]
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
+        (&self.branch, BifurcationOptions::default(), InSi::default())
     }
 
-    fn begin(&self) -> Result<Work<'_>> {
-        let (numbers, continuation) = self.checked()?;
-        Ok(Box::new(move |engine, progress| {
-            let study = branch_from(&numbers, &continuation, engine, progress)?;
-            let states = report::states_npz(&study.branch.orbits)?;
-            Ok(study.report().file(report::STATES, states))
+    fn first(&self) -> Result<First<'_, WaveContinuation>> {
+        let mut numbers = self.wanted.numbers()?;
+        // Waves of a branch keep their shape, unless the mean strain is given or varies.
+        if self.wanted.mean.is_none()
+            && self.vary != WaveParameter::Mean
+            && let Some(ansatz) = Start::new(&numbers.setting, numbers.given)?.ansatz()
+        {
+            let (shape, kappa) = (ansatz.shape(), numbers.setting.params.kappa);
+            numbers.setting.mean = MeanStrain::OfAmplitude(0.5 * shape.b / (kappa * shape.a));
+        }
+        // The value at the first wave is not known yet: a default step is infinite.
+        let continuation = self.branch.continuation((None, Quantity::Number), f64::INFINITY, |to, step| {
+            let (parameter, most_points, search) = (self.vary, self.branch.max_points, numbers.search);
+            let continuation = WaveContinuation { parameter, to, step, most_points, search };
+            continuation.check(f64::NAN, &numbers.setting).map(|()| continuation)
+        })?;
+        Ok(Box::new(move |engine, _| {
+            let found = numbers.search.wave(&numbers.setting, numbers.given);
+            let (wave, _) = found.inspect_err(|why| keep_iterate(engine.folder(), numbers.moving(), why))?;
+            Ok((numbers.scene, continuation.begin(wave, numbers.sites)?, None))
         }))
-    }
-
-    fn outline() -> Option<Report> {
-        Some(report::branch_outline())
     }
 }
 
@@ -303,60 +309,72 @@ impl ContinueWave {
     /// Numbers outside their rules; an integration that fails; [`Error::Stalled`] where there is no
     /// first wave.
     pub fn branch(&self, progress: Progress<'_>) -> Result<WaveBranchStudy> {
-        let (numbers, continuation) = self.checked()?;
-        branch_from(&numbers, &continuation, &Engine::threads(), progress)
-    }
-
-    /// The first wave and the continuation, checked as far as possible before the wave is known.
-    fn checked(&self) -> Result<(Numbers, WaveContinuation)> {
-        self.within_ranges()?;
-        let mut numbers = self.wanted.numbers()?;
-        // Waves of a branch keep their shape, unless the mean strain is given or varies.
-        if self.wanted.mean.is_none()
-            && self.vary != WaveParameter::Mean
-            && let Some(ansatz) = Start::new(&numbers.setting, numbers.given)?.ansatz()
-        {
-            let (shape, kappa) = (ansatz.shape(), numbers.setting.params.kappa);
-            numbers.setting.mean = MeanStrain::OfAmplitude(0.5 * shape.b / (kappa * shape.a));
-        }
-        let continuation = WaveContinuation {
-            parameter: self.vary,
-            to: self.to.unwrap_or(f64::NAN),
-            step: self.step.unwrap_or(f64::INFINITY),
-            most_points: self.max_points,
-            search: numbers.search,
-        };
-        // The value at the first wave is not known yet.
-        continuation.check(f64::NAN, &numbers.setting)?;
-        Ok((numbers, continuation))
+        let level = self.branch.level::<WaveContinuation>(BifurcationOptions::default())?;
+        branches::begun(self.first()?, level, None, &Engine::threads(), progress)
     }
 }
 
-fn branch_from(
-    numbers: &Numbers,
-    continuation: &WaveContinuation,
-    engine: &Engine,
-    progress: Progress<'_>,
-) -> Result<WaveBranchStudy> {
-    let found = numbers.search.wave(&numbers.setting, numbers.given);
-    let (wave, _) = found.inspect_err(|why| keep_iterate(engine.folder(), numbers.moving(), why))?;
-    let branch = continuation.begin(wave, numbers.sites)?;
-    let mut keeper = Autosave::new(segments::folder(engine), report::STATES, Vec::new());
-    let mut keep = |branch: &WaveBranch| {
-        keeper.keep(branch.orbits.len(), branch.end.is_some(), || report::states_npz(&branch.orbits));
-    };
-    let branch = branches::followed(branch, &mut keep, |_, p| format_short(p), progress)?;
-    let (first, WaveContinuation { parameter, search, .. }) = (&branch.setting, branch.continuation);
-    let settings = json!([format!("{:?}", first.setting), first.sites, parameter, format!("{search:?}")]);
-    let branch = segments::analysed(branch, [STORE, "wave continue"], &settings, engine, progress)?;
-    Ok(WaveBranchStudy { scene: numbers.scene.clone(), branch })
+/// A branch of exact waves of a scene, of which the name is known.
+pub type WaveBranchStudy = BranchStudy<WaveContinuation>;
+
+/// What the file of a branch has of its first wave.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WaveSource {
+    scene: String,
+    wave: WaveBase,
+    /// Whether the mass ratio is infinite, which JSON has no number for.
+    fixed: bool,
 }
 
-/// A branch of exact waves of a scene.
-#[derive(Clone, Debug)]
-pub struct WaveBranchStudy {
+impl Kept for WaveContinuation {
     /// Name of the scene.
-    pub scene: String,
-    /// The branch.
-    pub branch: WaveBranch,
+    type About = String;
+    type Source = WaveSource;
+    const NAMES: [&'static str; 3] = ["wave-branch.npz", "wave-spectra.store", "wave continue"];
+    const FILES: &'static str = files_of_branch!(
+        "wave-branch.npz",
+        "wave-spectra.store",
+        "stalled.json is there, in place of all files, if there is no first wave. "
+    );
+    const OPTIONAL: &'static [&'static str] = &[STALLED];
+    /// Waves have no test functions of bifurcations.
+    const USUAL: AnalysisLevel = AnalysisLevel::Multipliers;
+
+    fn source(scene: &String, branch: &WaveBranch) -> (WaveSource, Vec<Array<'static>>) {
+        let of = |value: fn(&WaveSetting) -> f64| branch.orbits.iter().map(|wave| value(&wave.setting)).collect();
+        let arrays = vec![
+            Array::vector("omega_tw", of(|one| one.omega_tw)),
+            Array::vector("alpha", of(|one| one.params.alpha)),
+            Array::vector("kappa", of(|one| one.params.kappa)),
+            Array::vector("rho", of(|one| one.params.rho)),
+        ];
+        let (mut wave, fixed) = (branch.setting, branch.setting.setting.params.rho.is_infinite());
+        if fixed {
+            wave.setting.params.rho = 0.0;
+        }
+        (WaveSource { scene: scene.clone(), wave, fixed }, arrays)
+    }
+
+    fn made(source: WaveSource, _birth: Option<BifurcationKind>) -> Result<(String, WaveBase)> {
+        let WaveSource { scene, mut wave, fixed } = source;
+        let WaveBase { setting, size, sites } = &mut wave;
+        if fixed {
+            setting.params.rho = f64::INFINITY;
+        }
+        setting.q = WaveNumber::on_ring(setting.q.q() / PI, *sites)?;
+        setting.chain(*sites / setting.q.cell())?;
+        if !(size.is_finite() && *size > 0.0) {
+            return Err(Error::parameter("size", *size, "finite and positive"));
+        }
+        Ok((scene, wave))
+    }
+
+    fn outline() -> Report {
+        report::branch_outline()
+    }
+
+    fn report(study: &WaveBranchStudy) -> Result<Report> {
+        report::branch(study)
+    }
 }

@@ -5,23 +5,21 @@ use crate::{
     error::Result,
     number::{format_short, of_pi},
     orbits::Kantorovich,
-    output::{Array, npz_with, to_json},
     report::{
         Column,
         Digits::{Fixed, Hidden, Json, Power},
         Kind, Panel, Panels, Report, Rows, Table,
     },
     study::{
-        branches::{self, BranchRow},
+        branches::{self, BranchRow, Kept, branch_npz},
         params_words,
     },
-    waves::{ExactWave, Profile, TravellingWave, WaveContinuation, WaveMultiplier, WaveParameter, WavePoint},
+    waves::{
+        ExactWave, Profile, TravellingWave, WaveContinuation, WaveMultiplier, WaveParameter, WavePoint, WaveSpectrum,
+    },
 };
 use serde_json::json;
 use std::f64::consts::PI;
-
-/// States of a cell along a branch.
-pub(super) const STATES: &str = "states.npz";
 
 /// What determines a wave, and how well it is solved.
 fn wave_columns<'a, T>(rows: Rows<'a, T>, of: impl Fn(&T) -> &ExactWave + Copy + 'a) -> Rows<'a, T> {
@@ -251,46 +249,47 @@ fn multipliers(rows: &[WaveMultiplier]) -> Table {
         .done()
 }
 
-impl WaveBranchStudy {
-    /// The report.
-    pub fn report(&self) -> Report {
-        let Self { scene, branch } = self;
-        let (continuation, base, end) = (branch.continuation, branch.setting, branch.ended());
-        let fast = |point: &WavePoint| {
-            let (growth, modulation) = (point.spectrum.fastest()?.growth, point.measures.modulation?);
-            let words = || {
-                let (omega_tw, amplitude) = (point.orbit.setting.omega_tw, format_short(point.orbit.amplitude()));
-                let (growth, modulation) = (format_short(growth), format_short(modulation));
-                format!(
-                    " The first growth of more than twice that of DpS is {growth}, that of DpS {modulation}, at ω_tw = \
+/// The report of a branch.
+pub(super) fn branch(study: &WaveBranchStudy) -> Result<Report> {
+    let WaveBranchStudy { scene, branch, .. } = study;
+    let (continuation, base, end) = (branch.continuation, branch.setting, branch.ended());
+    let fast = |point: &WavePoint| {
+        let (growth, modulation) = (point.spectrum.fastest()?.growth, point.measures.modulation?);
+        let words = || {
+            let (omega_tw, amplitude) = (point.orbit.setting.omega_tw, format_short(point.orbit.amplitude()));
+            let (growth, modulation) = (format_short(growth), format_short(modulation));
+            format!(
+                " The first growth of more than twice that of DpS is {growth}, that of DpS {modulation}, at ω_tw = \
                      {omega_tw:.5}, amplitude {amplitude}."
-                )
-            };
-            (growth > 2.0 * modulation).then(words)
+            )
         };
-        let grows = branch.points.iter().find_map(fast).unwrap_or_default();
-        let about = format!(
-            "{} at the first wave, N = {}. {} waves; the branch ends because {}.{}{grows}",
-            params_words(base.setting.params),
-            base.sites,
-            branch.points.len(),
-            end.words(),
-            branches::gaps(branch),
-        );
-        let title = format!("Branch of exact travelling waves in {}", continuation.parameter.symbol());
-        let report = Report::new("waves")
-            .fact("scene", scene)
-            .fact("parameter", continuation.parameter)
-            .fact("to", continuation.to)
-            .fact("sites", base.sites)
-            .table(self.table())
-            .words(&about)
-            .words(bounds(branch.points.iter().map(|point| point.measures.kantorovich)))
-            .fact("end", end)
-            .picture(Panels::column(title, self.panels(), about));
-        branches::checked(report, branch, &None)
-    }
+        (growth > 2.0 * modulation).then(words)
+    };
+    let grows = branch.points.iter().find_map(fast).unwrap_or_default();
+    let about = format!(
+        "{} at the first wave, N = {}. {} waves; the branch ends because {}.{}{grows}",
+        params_words(base.setting.params),
+        base.sites,
+        branches::rows(branch).len(),
+        end.words(),
+        branches::gaps(branch),
+    );
+    let title = format!("Branch of exact travelling waves in {}", continuation.parameter.symbol());
+    let report = Report::new("waves")
+        .fact("scene", scene)
+        .fact("parameter", continuation.parameter)
+        .fact("to", continuation.to)
+        .fact("sites", base.sites)
+        .table(study.table())
+        .words(&about)
+        .words(bounds(branches::rows(branch).iter().map(|row| row.measures?.kantorovich)))
+        .fact("end", end)
+        .picture(Panels::column(title, study.panels(), about));
+    let report = report.file(WaveContinuation::NAMES[0], branch_npz(scene, branch)?);
+    Ok(branches::checked(report, branch, &None))
+}
 
+impl WaveBranchStudy {
     /// A row for each wave.
     pub(super) fn table(&self) -> Table {
         waves(&branches::rows(&self.branch), self.branch.continuation.parameter)
@@ -302,11 +301,11 @@ impl WaveBranchStudy {
         let panel = |kind, label, lines: &[(&str, &str)]| table.panel(kind, [symbol, label], "parameter", lines);
         let mut growth = panel(Kind::LogParameter, "largest growth", &[("exact", "growth"), ("DpS", "modulation")]);
         growth.lines.iter_mut().for_each(|line| line.points.retain(|point| point.1 > 0.0));
-        vec![
+        branches::filled([
             panel(Kind::Parameter, "amplitude", &[("amplitude", "amplitude")]),
             filled(growth),
             panel(Kind::LogParameter, "error of the ansatz", &[("E_x", "e_x_ansatz"), ("E_y", "e_y_ansatz")]),
-        ]
+        ])
     }
 }
 
@@ -315,26 +314,24 @@ fn waves(rows: &[BranchRow<'_, WaveContinuation>], parameter: WaveParameter) -> 
     let beside = matches!(parameter, WaveParameter::Rho | WaveParameter::Kappa | WaveParameter::Alpha);
     let rows = Table::of("waves", rows)
         .key("waves")
-        .col("parameter", if beside { Fixed(9) } else { Hidden }, "what varies", move |row| parameter.of(row.0))
+        .col("parameter", if beside { Fixed(9) } else { Hidden }, "what varies", move |row| parameter.of(row.orbit))
         .head(parameter.name());
-    let fastest = |point: Option<&WavePoint>| point?.spectrum.fastest().copied();
-    wave_columns(rows, |row| row.0)
-        .col("growth", Power(4), "largest growth, per unit of time", move |&(_, point)| {
-            point.map(|_| fastest(point).map_or(0.0, |one| one.growth))
+    let fastest = |spectrum: Option<&WaveSpectrum>| spectrum?.fastest().copied();
+    wave_columns(rows, |row| row.orbit)
+        .col("growth", Power(4), "largest growth, per unit of time", move |row| {
+            row.spectrum.map(|_| fastest(row.spectrum).map_or(0.0, |one| one.growth))
         })
-        .col("bloch", Hidden, "its Bloch wave number", move |&(_, point)| Some(fastest(point)?.bloch))
-        .col("growing", Hidden, "multipliers that grow", |&(_, point)| Some(point?.spectrum.growing()))
-        .col("modulation", Power(3), "largest growth by the linearised modulation equations", |&(_, point)| {
-            point?.measures.modulation
+        .col("bloch", Hidden, "its Bloch wave number", move |row| Some(fastest(row.spectrum)?.bloch))
+        .col("growing", Hidden, "multipliers that grow", |row| Some(row.spectrum?.growing()))
+        .col("modulation", Power(3), "largest growth by the linearised modulation equations", |row| {
+            row.measures?.modulation
         })
-        .col("e_x_ansatz", Power(3), "error of the ansatz, beads", |&(_, point)| Some(point?.measures.errors?[0]))
-        .col("e_y_ansatz", Hidden, "error of the ansatz, resonators", |&(_, point)| Some(point?.measures.errors?[1]))
-        .col("closed", Fixed(4), "share of the period in which a contact is closed", |&(_, point)| {
-            Some(point?.measures.closed)
-        })
-        .col("radius", Hidden, "bound of the distance to a solution", |&(_, point)| point?.measures.kantorovich?.radius)
-        .col("quality", Json, "", |&(_, point)| json!(point.map(|point| point.spectrum.quality)))
-        .col("kantorovich", Json, "", |&(_, point)| json!(point.and_then(|point| point.measures.kantorovich)))
+        .col("e_x_ansatz", Power(3), "error of the ansatz, beads", |row| Some(row.measures?.errors?[0]))
+        .col("e_y_ansatz", Hidden, "error of the ansatz, resonators", |row| Some(row.measures?.errors?[1]))
+        .col("closed", Fixed(4), "share of the period in which a contact is closed", |row| Some(row.measures?.closed))
+        .col("radius", Hidden, "bound of the distance to a solution", |row| row.measures?.kantorovich?.radius)
+        .col("quality", Json, "", |row| json!(row.spectrum.map(|spectrum| spectrum.quality)))
+        .col("kantorovich", Json, "", |row| json!(row.measures.and_then(|measures| measures.kantorovich)))
         .done()
 }
 
@@ -363,23 +360,4 @@ pub(crate) fn bounds(found: impl Iterator<Item = Option<Kantorovich>>) -> String
     let largest = radii.iter().flatten().fold(0.0, |most: f64, radius| most.max(*radius));
     let within = if known > 0 { format!(", within {largest:.1e} of the amplitude") } else { String::new() };
     format!("Newton-Kantorovich: a solution is near {known} of {} points{within}.", radii.len())
-}
-
-/// `states.npz`: settings and states of a cell, a row for each wave.
-pub(super) fn states_npz(waves: &[ExactWave]) -> Result<Vec<u8>> {
-    let of = |value: fn(&ExactWave) -> f64| waves.iter().map(value).collect::<Vec<f64>>();
-    let arrays = [
-        Array::vector("omega_tw", of(|wave| wave.setting.omega_tw)),
-        Array::vector("alpha", of(|wave| wave.setting.params.alpha)),
-        Array::vector("kappa", of(|wave| wave.setting.params.kappa)),
-        Array::vector("rho", of(|wave| wave.setting.params.rho)),
-        Array::vector("residual", of(|wave| wave.residual)),
-        Array::matrix("z", waves.iter().map(|wave| wave.z.as_slice())),
-    ];
-    let cell = waves.first().map_or(0, |wave| wave.setting.q.cell());
-    let turns = waves.first().map_or(0, |wave| wave.setting.q.turns());
-    let moving = waves.first().is_none_or(|wave| wave.z.len() == 4 * cell);
-    let order = if moving { "x, y, vx, vy" } else { "x, vx" };
-    let what = json!({ "format": "hertzchain waves", "version": 1, "cell": cell, "turns": turns, "z": order });
-    npz_with(crate::output::SETTINGS, &to_json(&what), &arrays)
 }

@@ -8,11 +8,9 @@ pub(crate) use report::KINDS;
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
 use super::{
-    ChainParams, Progress, Study, Work,
-    branches::{self, Keep},
-    keeper::Autosave,
+    ChainParams, InSi, Progress, Study, Work,
+    branches::{self, BifurcationOptions, BranchOptions, BranchStudy, First, FollowCommand, Kept, files_of_branch},
     options::options,
-    segments,
 };
 use crate::{
     breathers::DarkBreather,
@@ -21,30 +19,32 @@ use crate::{
     error::{Error, Result},
     interrupt,
     orbits::{
-        Bifurcation, BifurcationKind, Branch, Continuation, End, Extent, Formulation, Kantorovich, Orbit, Parameter,
-        Setting, Shooting, Spectrum,
+        AnalysisLevel, Bifurcation, BifurcationKind, Branch, Continuation, End, Extent, Formulation, Kantorovich,
+        Orbit, OrbitMeasures, OrbitPoint, Parameter, Setting, Shooting, Spectrum,
     },
-    output::Folder,
+    output::Array,
     report::Report,
     sweep::Engine,
 };
 use hertzchain_integrators::collocation::StepControl;
-use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Default frequencies in units of `omega`: of a single breather, as in the paper, and at the ends
 /// of a branch.
 const ONE: f64 = 1.025;
 const RANGE: [f64; 2] = [1.005, 1.05];
+/// Largest step as a share of the range of the parameter, if none is given: bifurcations of dark
+/// breathers lie near each other.
+const STEP: f64 = 0.01;
 
 options! {
     /// The ring and the breather on it.
     pub struct Ring {
         /// Number of sites.
         ///
-        /// The ring has an odd number of sites, n = -N .. N, from 3 to 255. Weak quartets of
-        /// multipliers, and their number, depend on it.
-        sites: usize = 41, "N";
+        /// The ring has an odd number of sites, n = -N .. N; about a site at least 5. Weak quartets
+        /// of multipliers, and their number, depend on it.
+        sites: usize = 41, "N", (3 to 255);
         /// The chain.
         params: ChainParams = ChainParams::default(), [command(flatten)];
         /// Vertical centre C_x of the background, a strain (eq:center).
@@ -64,6 +64,9 @@ impl Ring {
     /// A breather of this frequency, by default `omega` times `ratio`.
     pub(super) fn breather(&self, center: Center, omega_b: Option<f64>, ratio: f64) -> Result<DarkBreather> {
         self.within_ranges()?;
+        if (center, self.sites) == (Center::Site, 3) {
+            return Err(Error::parameter("sites", 3, "a breather about a site needs 5 sites"));
+        }
         let params = self.params.checked()?;
         let omega_b = omega_b.unwrap_or(ratio * params.omega());
         Ok(DarkBreather { params, center, sites: self.sites, omega_b, c_x: self.c_x })
@@ -96,13 +99,36 @@ pub struct DarkStudy {
 }
 
 impl Study for Dark {
+    const FILES: &'static str =
+        "dark-breather.npz has the orbit, for `breather evolve` and `breather continue --resume`.";
+
     fn outline() -> Option<Report> {
         Some(Report::new("dark-breather").table(report::outside(&[])))
     }
 
     fn begin(&self) -> Result<Work<'_>> {
         let breather = self.breather()?;
-        Ok(Box::new(move |_, _| Ok(self.study(&breather)?.report())))
+        Ok(Box::new(move |_, _| {
+            let study = self.study(&breather)?;
+            Ok(study.report().file("dark-breather.npz", study.npz()?))
+        }))
+    }
+}
+
+impl DarkStudy {
+    /// The file of the orbit, which may go on as a branch in its frequency.
+    ///
+    /// # Errors
+    /// Errors of the archive writer.
+    pub fn npz(&self) -> Result<Vec<u8>> {
+        let OrbitStudy { orbit, spectrum, extent, kantorovich, shooting, .. } = &self.study;
+        let (parameter, shooting) = (Parameter::OmegaB, *shooting);
+        let continuation = Continuation { parameter, to: 0.0, step: 0.0, most_points: 0, natural: false, shooting };
+        let measures = OrbitMeasures { extent: *extent, kantorovich: *kantorovich };
+        let point = OrbitPoint { orbit: orbit.clone(), spectrum: spectrum.clone(), measures };
+        let branch = branches::alone(continuation, &orbit.setting, point)?;
+        let (center, weak) = (Some(self.center), Some(Continue::default().weak));
+        branches::branch_npz(&(), &Branch { center, weak, ..branch })
     }
 }
 
@@ -128,48 +154,44 @@ impl Dark {
 
 options! {
     /// A branch of dark breathers in one parameter.
+    #[cfg_attr(feature = "cli", command(
+        mut_arg("to", |arg| arg.help("Last value of the parameter [default for omega_b: 1.05 omega]")),
+        mut_arg("resume", |arg| arg.conflicts_with_all([
+            "center", "vary", "from", "natural", "weak", "omega_b",
+            "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol",
+        ]))
+    ))]
     pub struct Continue {
         /// What the profile is symmetric about.
         ///
         /// The kink is on the site 0, or on the bond between the sites 0 and 1.
         center: Center = Center::Site, "C";
         /// Varied parameter: omega_b, rho, kappa, alpha or c_x.
-        parameter: String = "omega_b".to_owned(), "P";
+        vary: String = "omega_b".to_owned(), "P", [arg(alias = "parameter")];
         /// First value of the parameter [default for omega_b: 1.005 omega].
         from: Option<f64> = None, "P", (finite);
-        /// Last value of the parameter [default for omega_b: 1.05 omega].
-        to: Option<f64> = None, "P", (finite);
-        /// Largest change of the parameter from point to point [default: a hundredth of the range].
-        step: Option<f64> = None, "DP", (positive);
-        /// Points of the branch at most.
+        /// What every branch asks for.
+        branch: BranchOptions = BranchOptions::default(), [command(flatten)];
+        /// Locate bifurcations, or not (=false).
         ///
-        /// With those of a branch that is resumed.
-        points: usize = 1000, "N", (2 or more), [arg(long = "max-points")];
+        /// They need multipliers. Not by default.
+        bifurcations: Option<bool> = None, "BOOL", [arg(require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true)];
         /// Take steps in the parameter, not in the arclength.
         ///
         /// Such a branch ends at a fold.
-        natural: bool = false, [arg(long)];
+        natural: bool = false, [arg(long, hide_short_help = true)];
         /// Do not locate collisions of multipliers that stay below 1 + WEAK.
         ///
         /// The moduli of the multipliers are compared with 1 + WEAK.
-        weak: f64 = 0.01, "WEAK", (from 0);
+        weak: f64 = 0.01, "WEAK", (from 0), [arg(requires = "bifurcations", hide_short_help = true)];
         /// Frequency of the breather, in radians per unit of time [default: 1.025 omega].
         ///
         /// For branches in another parameter. Above omega = sqrt(kappa (1 + 1/rho)).
-        omega_b: Option<f64> = None, "W";
-        /// Go on with what this file, or the file in this folder, has kept.
-        ///
-        /// A file branch.npz, from its last point: to another --to, by another --step; then
-        /// multipliers and bifurcations are computed anew. The results are written beside it unless
-        /// --out says where.
-        resume: Option<PathBuf> = None, "PATH", [arg(conflicts_with_all = [
-            "center", "parameter", "from", "natural", "weak", "omega_b",
-            "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol",
-        ])];
+        omega_b: Option<f64> = None, "W", [arg(hide_short_help = true)];
         /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
         ///
         /// For each point of the branch.
-        bound: bool = false, [arg(long)];
+        bound: bool = false, [arg(long, hide_short_help = true)];
         /// The ring.
         ring: Ring = Ring::default(), [command(flatten)];
     }
@@ -177,9 +199,9 @@ options! {
 
 impl Continue {
     /// The branch with its first orbit only.
-    fn first(&self) -> Result<Branch> {
-        let Some(parameter) = Parameter::ALL.into_iter().find(|one| one.name() == self.parameter) else {
-            return Err(Error::unknown("parameter", &self.parameter, Parameter::ALL.map(Parameter::name)));
+    fn new_branch(&self) -> Result<Branch> {
+        let Some(parameter) = Parameter::ALL.into_iter().find(|one| one.name() == self.vary) else {
+            return Err(Error::unknown("vary", &self.vary, Parameter::ALL.map(Parameter::name)));
         };
         let mut breather = self.ring.breather(self.center, self.omega_b, ONE)?;
         let varies = parameter == Parameter::OmegaB;
@@ -192,13 +214,16 @@ impl Continue {
             None if varies => Ok(ratio * breather.params.omega()),
             None => Err(Error::parameter(name, "nothing", "a parameter other than omega_b needs --from and --to")),
         };
-        let (from, to) = (end(self.from, RANGE[0], "from")?, end(self.to, RANGE[1], "to")?);
+        let (from, to) = (end(self.from, RANGE[0], "from")?, end(self.branch.to, RANGE[1], "to")?);
         breather.set(parameter, from);
+        if !varies {
+            breather.omega_b = self.omega_b.unwrap_or(ONE * breather.params.omega());
+        }
         let continuation = Continuation {
             parameter,
             to,
-            step: self.step.unwrap_or(0.01 * (to - from).abs()),
-            most_points: self.points,
+            step: self.branch.step.unwrap_or(STEP * (to - from).abs()),
+            most_points: self.branch.max_points,
             natural: self.natural,
             shooting: self.ring.shooting(),
         };
@@ -207,36 +232,23 @@ impl Continue {
     }
 }
 
-impl Study for Continue {
-    const FILES: &'static str = "branch.npz has every orbit; it is written every 20 points or 10 s as well. \
-                                 With --resume and without --out, the files go to the folder of the file that is gone on with. \
-                                 spectra.store has multipliers and bifurcations, from which the same command goes on. \
-                                 Each part of --shard follows the branch itself and computes its share of these.";
-    const INTERRUPTIBLE: bool = true;
-    const SWEEPS: bool = true;
+impl FollowCommand for Continue {
+    type Problem = Continuation;
 
-    fn outline() -> Option<Report> {
-        Some(report::outline())
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
+        let more = BifurcationOptions { bifurcations: self.bifurcations, switch: None };
+        (&self.branch, more, InSi::default())
     }
 
-    fn begin(&self) -> Result<Work<'_>> {
+    fn first(&self) -> Result<First<'_, Continuation>> {
         self.within_ranges()?;
-        let branch = match &self.resume {
-            Some(path) => {
-                let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
-                Branch::load(&file)?.onward(self.to, self.step, self.points)?
-            }
-            None => self.first()?,
-        };
-        let branch = Branch { bounded: self.bound, ..branch };
-        Ok(Box::new(move |engine, progress| {
-            let branch = followed(branch, &mut keeper(segments::folder(engine)), progress)?;
-            study(branch, engine, progress)?.report()
-        }))
+        let branch = self.with_options(self.new_branch()?)?;
+        Ok(Box::new(|_, _| Ok(((), branch, None))))
     }
 
-    fn default_folder(&self) -> Option<PathBuf> {
-        self.resume.as_deref().map(folder_of)
+    fn with_options(&self, branch: Branch) -> Result<Branch> {
+        stays_dark(&branch.setting, &branch.continuation)?;
+        Ok(Branch { bounded: self.bound, ..branch })
     }
 }
 
@@ -279,7 +291,8 @@ pub struct DoubledStudy {
 }
 
 impl Study for Doubled {
-    const FILES: &'static str = "branch.npz has every orbit.";
+    const FILES: &'static str = "branch.npz has every orbit; it is written every 20 points or 10 s as well. \
+                                 spectra.store has multipliers, from which the same command goes on.";
     const INTERRUPTIBLE: bool = true;
 
     fn outline() -> Option<Report> {
@@ -303,20 +316,16 @@ impl Study for Doubled {
                 }
             };
             let half = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
-            let (birth, branch) =
-                match doubled_from(&main, self.omega_b, self.step, &mut keeper(engine.folder()), &half) {
-                    Err(_) if interrupt::asked() => return main.report(),
-                    doubled => doubled?,
-                };
+            let (birth, branch) = match doubled_from(&main, self.omega_b, self.step, engine, &half) {
+                Err(_) if interrupt::asked() => return main.report(),
+                doubled => doubled?,
+            };
             let last = branch.points.last().map(|point| orbit_study(point.orbit.clone(), &shooting));
             let last = last.filter(|last| last.is_ok() || !interrupt::asked()).transpose()?;
             DoubledStudy { birth, branch, last }.report()
         }))
     }
 }
-
-/// Name of the file in which a branch is kept, and from which it is continued.
-const BRANCH_FILE: &str = "branch.npz";
 
 /// The folder `path` or, if `path` is a file, the folder that has it.
 pub(crate) fn folder_of(path: &Path) -> PathBuf {
@@ -326,11 +335,29 @@ pub(crate) fn folder_of(path: &Path) -> PathBuf {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned()
 }
 
-/// A function that writes the file of a branch from time to time while the branch is followed.
-fn keeper(folder: Option<&Folder>) -> impl FnMut(&Branch) {
-    let stale = ["branch.json", "branch.csv", "bifurcations.csv", "branch.png"].map(str::to_owned);
-    let mut keeper = Autosave::new(folder, BRANCH_FILE, stale.into());
-    move |branch| keeper.keep(branch.orbits.len(), branch.end.is_some(), || branch.npz(Vec::new()))
+impl Kept for Continuation {
+    type About = ();
+    type Source = Setting;
+    const NAMES: [&'static str; 3] = ["branch.npz", "spectra.store", "breather continue"];
+    const FILES: &'static str = files_of_branch!("branch.npz", "spectra.store", "");
+    /// Multipliers take longer than the orbits.
+    const USUAL: AnalysisLevel = AnalysisLevel::Orbits;
+
+    fn source((): &(), branch: &Branch) -> (Setting, Vec<Array<'static>>) {
+        (branch.source(), branch.values())
+    }
+
+    fn made(setting: Setting, _birth: Option<BifurcationKind>) -> Result<((), Setting)> {
+        setting.checked().map(|()| ((), setting))
+    }
+
+    fn outline() -> Report {
+        report::outline()
+    }
+
+    fn report(study: &BranchStudy<Self>) -> Result<Report> {
+        study.branch.report()
+    }
 }
 
 /// An orbit with its multipliers and measurements.
@@ -405,7 +432,7 @@ pub fn branch(
     weak: f64,
     progress: Progress<'_>,
 ) -> Result<Branch> {
-    go_on(begin(breather, continuation, weak)?, &mut |_| {}, progress)
+    go_on(begin(breather, continuation, weak)?, &Engine::threads(), progress)
 }
 
 /// The branch of [`branch`] with its first orbit only.
@@ -431,32 +458,24 @@ fn stays_dark(setting: &Setting, continuation: &Continuation) -> Result<()> {
     Ok(())
 }
 
-/// Continues a branch, unless it has ended, and computes what [`study`] does.
+/// Continues a branch, unless it has ended, keeps it in the folder of the engine meanwhile, and
+/// computes what is asked for about it.
 ///
 /// # Errors
-/// Numbers outside their rules; no point with multipliers, after `keep` was called with the orbits.
-pub fn go_on(branch: Branch, keep: Keep<'_, Continuation>, progress: Progress<'_>) -> Result<Branch> {
-    study(followed(branch, keep, progress)?, &Engine::threads(), progress)
-}
-
-/// Continues a branch, unless it has ended.
-fn followed(branch: Branch, keep: Keep<'_, Continuation>, progress: Progress<'_>) -> Result<Branch> {
+/// Numbers outside their rules.
+pub fn go_on(branch: Branch, engine: &Engine, progress: Progress<'_>) -> Result<Branch> {
     if branch.end.is_none() {
         stays_dark(&branch.setting, &branch.continuation)?;
     }
-    branches::followed(branch, keep, |_, p| format!("{p:.5}"), progress)
+    branches::followed((&(), None), branch, false, engine, progress)
 }
 
-/// Computes multipliers, extents and bifurcations of a branch that was followed.
+/// Computes what is asked for about a branch that was followed.
 ///
 /// # Errors
-/// No point with multipliers.
+/// As [`Engine::sweep`].
 pub fn study(branch: Branch, engine: &Engine, progress: Progress<'_>) -> Result<Branch> {
-    // The largest number of points has no influence on those that there are.
-    let continuation = Continuation { most_points: 0, ..branch.continuation };
-    let settings = json!([branch.setting, continuation, branch.weak, branch.bounded]);
-    let names = ["spectra.store", "breather continue"];
-    segments::analysed(branch, names, &settings, engine, progress)
+    branches::analysed(&(), branch, false, engine, progress)
 }
 
 /// Distance of the first orbit of doubled period from the period doubling, along the mode that
@@ -475,7 +494,7 @@ pub fn doubled_from(
     main: &Branch,
     omega_b: f64,
     step: f64,
-    keep: Keep<'_, Continuation>,
+    engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<(Bifurcation, Branch)> {
     if main.center == Some(Center::Site) {
@@ -500,5 +519,5 @@ pub fn doubled_from(
         Continuation { parameter: Parameter::OmegaB, to: omega_b, step: 0.5 * step, ..main.continuation };
     let start = birth.doubled(shooting, FIRST_SIZE)?;
     let branch = Branch { center: main.center, ..Branch::new(continuation, start.setting, start)? };
-    Ok((birth, go_on(branch, keep, progress)?))
+    Ok((birth, go_on(branch, engine, progress)?))
 }

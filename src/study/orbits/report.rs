@@ -4,17 +4,15 @@ use super::{DarkStudy, DoubledStudy, OrbitStudy};
 use crate::{
     error::Result,
     numerics::least_by,
-    orbits::{
-        Bifurcation, Branch, Continuation, Extent, Kind, Multiplier, ORBIT_FORMAT, OrbitPoint, Parameter, Setting,
-    },
-    output::{Array, FileFormat},
+    orbits::{Bifurcation, Branch, Continuation, Extent, Kind, Multiplier, ORBIT_FORMAT, Parameter, Setting, Spectrum},
+    output::FileFormat,
     report::{
         self, Column,
         Digits::{Fixed, Hidden, Json, Power, Short},
         Line, Panel, Panels, Report, Table,
     },
     study::{
-        branches::{BranchRow, ended, gaps, lines, rows},
+        branches::{BranchRow, branch_npz, ended, filled, gaps, lines, rows, shows},
         dps::center_word,
         exact::{bounds, newton_kantorovich_bound},
         params_words,
@@ -188,37 +186,35 @@ fn bifurcations(name: &str, all: &[Bifurcation]) -> Table {
 /// The points of a branch in a parameter.
 fn points(parameter: Parameter, rows: &[BranchRow<'_, Continuation>]) -> Table {
     let off = |kind: Kind| {
-        move |(_, point): &BranchRow<'_, Continuation>| {
-            let strongest = (*point)?.spectrum.multipliers.iter().find(|one| one.kind == kind && one.modulus > 1.0);
+        move |row: &BranchRow<'_, Continuation>| {
+            let strongest = row.spectrum?.multipliers.iter().find(|one| one.kind == kind && one.modulus > 1.0);
             strongest.map(|one| one.modulus)
         }
     };
-    let leading = |point: &OrbitPoint| -> Vec<Multiplier> {
-        let all = point.spectrum.multipliers.iter().filter(|one| one.modulus > 1.0 && one.im >= 0.0);
+    let leading = |spectrum: &Spectrum| -> Vec<Multiplier> {
+        let all = spectrum.multipliers.iter().filter(|one| one.modulus > 1.0 && one.im >= 0.0);
         all.take(LEADING).copied().collect()
     };
-    let place = |row: &BranchRow<'_, Continuation>| row.0.setting.get(parameter);
+    let place = |row: &BranchRow<'_, Continuation>| row.orbit.setting.get(parameter);
     Table::of("branch", rows)
         .key("points")
         .col(parameter.name(), Fixed(8), "", place)
-        .col("k_x", Power(8), "amplitude of the background, of beads", |&(_, point)| Some(point?.measures.extent.k_x))
-        .col("k_y", Power(8), "and of resonators", |&(_, point)| Some(point?.measures.extent.k_y))
-        .col("c_x", Hidden, "centre of the background, of beads", |&(_, point)| Some(point?.measures.extent.c_x))
-        .col("c_y", Hidden, "and of resonators", |&(_, point)| Some(point?.measures.extent.c_y))
-        .col("max_modulus", Hidden, "largest modulus of a multiplier", |&(_, point)| Some(point?.spectrum.largest()))
-        .col("radius", Hidden, "bound for the distance to an exact orbit", |&(_, point)| {
-            point?.measures.kantorovich?.radius
-        })
+        .col("k_x", Power(8), "amplitude of the background, of beads", |row| Some(row.measures?.extent.k_x))
+        .col("k_y", Power(8), "and of resonators", |row| Some(row.measures?.extent.k_y))
+        .col("c_x", Hidden, "centre of the background, of beads", |row| Some(row.measures?.extent.c_x))
+        .col("c_y", Hidden, "and of resonators", |row| Some(row.measures?.extent.c_y))
+        .col("max_modulus", Hidden, "largest modulus of a multiplier", |row| Some(row.spectrum?.largest()))
+        .col("radius", Hidden, "bound for the distance to an exact orbit", |row| row.measures?.kantorovich?.radius)
         .col("real", Fixed(8), "largest modulus of the real multipliers above 1", off(Kind::Real))
         .col("negative", Fixed(8), "of those below -1", off(Kind::Negative))
         .col("quartet", Fixed(8), "of quartets", off(Kind::Quartet))
         .col("parameter", Json, "", place)
-        .col("omega_b", Json, "", |(orbit, _)| orbit.setting.omega_b)
-        .col("rho", Json, "", |(orbit, _)| orbit.setting.params.rho)
-        .col("residual", Json, "", |(orbit, _)| orbit.residual)
-        .col("leading", Json, "", |&(_, point)| json!(point.map(leading)))
-        .col("symplectic_defect", Json, "", |&(_, point)| Some(point?.spectrum.quality.symplectic_defect))
-        .col("kantorovich", Json, "", |&(_, point)| json!(point.and_then(|point| point.measures.kantorovich)))
+        .col("omega_b", Json, "", |row| row.orbit.setting.omega_b)
+        .col("rho", Json, "", |row| row.orbit.setting.params.rho)
+        .col("residual", Json, "", |row| row.orbit.residual)
+        .col("leading", Json, "", |row| json!(row.spectrum.map(leading)))
+        .col("symplectic_defect", Json, "", |row| Some(row.spectrum?.quality.symplectic_defect))
+        .col("kantorovich", Json, "", |row| json!(row.measures.and_then(|measures| measures.kantorovich)))
         .done()
 }
 
@@ -239,22 +235,13 @@ impl Branch {
     /// Adds the branch to a report. `branch.npz` is what
     /// [`Branch::load`] reads back, and all multipliers of every point.
     fn reported(&self, report: Report) -> Result<Report> {
-        let parts = |part: &dyn Fn(&Multiplier) -> f64| -> Vec<Vec<f64>> {
-            self.points.iter().map(|point| point.spectrum.multipliers.iter().map(part).collect()).collect()
-        };
-        let (re, im, error) = (parts(&|one| one.re), parts(&|one| one.im), parts(&|one| one.error));
-        let npz = self.npz(vec![
-            Array::matrix("multipliers_re", re.iter().map(Vec::as_slice)),
-            Array::matrix("multipliers_im", im.iter().map(Vec::as_slice)),
-            Array::matrix("modulus_error", error.iter().map(Vec::as_slice)),
-        ])?;
         let parameter = self.continuation.parameter;
         let bounds = match self.bounded {
-            true => format!(" {}", bounds(self.points.iter().map(|point| point.measures.kantorovich))),
+            true => format!(" {}", bounds(rows(self).iter().map(|row| row.measures?.kantorovich))),
             false => String::new(),
         };
         let table = points(parameter, &rows(self));
-        let end = ended(rows(self).len(), self.bifurcations.len(), self.ended());
+        let end = ended(self);
         let picture = self.picture(&table);
         let report = report
             .fact("parameter", parameter.name())
@@ -265,35 +252,37 @@ impl Branch {
             .table(table)
             .table(bifurcations("bifurcations", &self.bifurcations))
             .words(end + &gaps(self) + &bounds)
-            .file("branch.npz", npz)
+            .file("branch.npz", branch_npz(&(), self)?)
             .failure(self.shortfall().map(|why| format!("the branch {why}")));
-        Ok(if self.points.is_empty() { report } else { report.picture(picture) })
+        Ok(if !shows(self) { report } else { report.picture(picture) })
     }
 
     /// The amplitude along the branch, with stability and bifurcations marked, and the largest
     /// modulus.
     fn picture(&self, table: &Table) -> Panels {
         let parameter = self.continuation.parameter;
-        let place = |point: &OrbitPoint| point.orbit.setting.get(parameter);
+        let rows: Vec<_> = rows(self).into_iter().filter(|row| row.measures.is_some()).collect();
+        let place = |row: &BranchRow<'_, Continuation>| {
+            let amplitude = row.measures.map_or(f64::NAN, |measures| measures.extent.k_x);
+            (row.orbit.setting.get(parameter), amplitude)
+        };
         // A bifurcation is drawn at the height of the nearest point.
         let mark = |one: &Bifurcation| {
-            let apart = |point: &OrbitPoint| (place(point) - one.parameter).abs();
-            let nearest = least_by(&self.points, |point| apart(point));
-            (one.parameter, nearest.map_or(f64::NAN, |point| point.measures.extent.k_x))
+            let nearest = least_by(rows.iter().map(place), |(p, _)| (p - one.parameter).abs());
+            (one.parameter, nearest.map_or(f64::NAN, |(_, amplitude)| amplitude))
         };
-        let stable = |point: &OrbitPoint| point.spectrum.largest() <= UNSTABLE;
-        let lines = lines(self, &None, |point| (place(point), point.measures.extent.k_x), stable, mark);
+        let lines = lines(self, &None, place, |spectrum| spectrum.largest() <= UNSTABLE, mark);
         let symbol = parameter.symbol();
         let moduli = [("largest |λ|", "max_modulus")];
-        let plots = vec![
+        let plots = filled([
             Panel::new(report::Kind::Cloud, [symbol, "amplitude K_x"], lines),
             table.panel(report::Kind::Parameter, [symbol, "largest modulus |λ|"], parameter.name(), &moduli),
-        ];
-        let ring = self.points.first().map_or(String::new(), |point| {
-            let Setting { params, sites, .. } = point.orbit.setting;
+        ]);
+        let ring = rows.first().map_or(String::new(), |row| {
+            let Setting { params, sites, .. } = row.orbit.setting;
             format!(" N = {sites}, {} at its first point.", params_words(params))
         });
-        let caption = format!("{} orbits; unstable: a multiplier with |λ| > 1 + 10⁻⁶.{ring}", self.points.len());
+        let caption = format!("{} orbits; unstable: a multiplier with |λ| > 1 + 10⁻⁶.{ring}", rows.len());
         Panels::column(format!("Branch of periodic orbits in {symbol}"), plots, caption)
     }
 }

@@ -15,5 +15,6 @@ pub use contacts::{CONTACT_COLUMNS, ContactTotals, contact_lines, contact_totals
 pub use parts::parts_plan;
 #[cfg(feature = "plot")]
 pub use report::run_pictures;
+pub(super) use report::state_arrays;
 pub use report::{RUN_FILES, RunView, run_files, run_json, run_summary};
 pub use si::in_si;

@@ -28,7 +28,11 @@ use std::{
 /// displacements and momenta `u, v, pu, pv`.
 ///
 /// Arrays of resonators are empty where none moves. `si`: the units of a state in SI units.
-fn state_arrays(scene: &Scene, state: &[f64], si: Option<&Units>) -> [(&'static str, Vec<f64>); 4] {
+pub(in crate::study) fn state_arrays(
+    scene: &Scene,
+    state: &[f64],
+    si: Option<&Units>,
+) -> [(&'static str, Vec<f64>); 4] {
     [0, 1, 2, 3].map(|i| state_array(scene, state, i, si))
 }
 

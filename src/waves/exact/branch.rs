@@ -18,10 +18,11 @@ use super::{
     swing,
 };
 use crate::{
-    chain::{Params, Resonators},
+    chain::{Params, Resonators, max_norm},
     error::{Error, Result},
     named::named,
-    orbits::{Branch, End, Equations, Kantorovich, MOST_CORRECTIONS, Point, Problem, Range, Solution, check},
+    orbits::{Branch, End, Equations, Kantorovich, MOST_CORRECTIONS, Point, Problem, Range, Solution, check, returns},
+    output::FileFormat,
     waves::Modulation,
 };
 use serde::{Deserialize, Serialize};
@@ -34,6 +35,9 @@ const STEPS: f64 = 20.0;
 /// Relative distance of `omega_tw` from `omega` below which a wave with a crest no higher than its
 /// mean strain is free of contacts: then both are equal up to roundings.
 const FREE: f64 = 1e-11;
+/// The same distance, and the amplitude over that of the first wave, below which a branch has come
+/// to the linear waves. No Newton-Kantorovich bound is found there for the waves of `tw-q15`.
+const LINEAR: f64 = 1e-8;
 
 named! {
     /// A number of a wave that can vary along a branch.
@@ -107,7 +111,8 @@ impl WaveParameter {
 }
 
 /// Settings of a continuation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct WaveContinuation {
     /// The parameter that varies.
     pub parameter: WaveParameter,
@@ -121,16 +126,9 @@ pub struct WaveContinuation {
     pub search: Search,
 }
 
-impl ExactWave {
-    /// Whether no contact closes.
-    fn free_of_contacts(&self) -> bool {
-        let omega = self.setting.params.omega();
-        self.amplitude() <= self.mean() && (self.setting.omega_tw / omega - 1.0).abs() <= FREE
-    }
-}
-
 /// What does not vary along a branch of waves.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct WaveBase {
     /// The setting of the first wave.
     pub setting: WaveSetting,
@@ -190,6 +188,7 @@ impl Problem for WaveContinuation {
     type Spectrum = WaveSpectrum;
     type Measures = WaveMeasures;
     type Critical = ();
+    const FORMAT: FileFormat = FileFormat("hertzchain wave branch", 1);
 
     fn name(&self) -> &'static str {
         self.parameter.name()
@@ -202,6 +201,10 @@ impl Problem for WaveContinuation {
 
     fn with_range(self, Range { to, step, most_points, .. }: Range) -> Self {
         Self { to, step, most_points, ..self }
+    }
+
+    fn check_value(&self, base: &WaveBase, p: f64) -> Result<()> {
+        self.parameter.with(&base.setting, p).chain(base.setting.least_cells()).map(|_| ())
     }
 
     fn equations(&self, base: &WaveBase, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
@@ -266,8 +269,12 @@ impl Problem for WaveContinuation {
         Solution { z, ..wave.solution(self.parameter.of(wave)) }
     }
 
-    fn ends(&self, wave: &ExactWave) -> Option<End> {
-        wave.free_of_contacts().then_some(End::NoContact)
+    fn ends(&self, base: &WaveBase, wave: &ExactWave) -> Option<End> {
+        let off = (wave.setting.omega_tw / wave.setting.params.omega() - 1.0).abs();
+        if wave.amplitude() <= wave.mean() && off <= FREE {
+            return Some(End::NoContact);
+        }
+        (off <= LINEAR && wave.amplitude() <= LINEAR * base.size).then_some(End::Vanished)
     }
 
     fn spectrum(&self, base: &WaveBase, wave: &ExactWave) -> Result<WaveSpectrum> {
@@ -290,6 +297,35 @@ impl Problem for WaveContinuation {
             kantorovich: self.search.kantorovich(wave)?,
         })
     }
+    /// The state of a cell, and the number of the setting that differs from wave to wave.
+    fn arrays(base: &WaveBase) -> Vec<(&'static str, usize)> {
+        let m = base.setting.q.cell();
+        let arrays: &[_] = if base.setting.numbers() == 4 * m { &["x", "y", "vx", "vy"] } else { &["x", "vx"] };
+        arrays.iter().map(|name| (*name, m)).chain([("setting", 1)]).collect()
+    }
+
+    fn numbers(&self, base: &WaveBase, wave: &ExactWave) -> Solution {
+        let z = wave.z.iter().copied().chain([self.parameter.free(&wave.setting)]).collect();
+        Solution { z, ..self.solution(base, wave) }
+    }
+
+    fn restored(&self, base: &WaveBase, mut numbers: Solution) -> ExactWave {
+        let free = numbers.z.pop().unwrap_or(f64::NAN);
+        numbers.orbit(self.parameter.with(&base.setting, free))
+    }
+
+    fn multipliers(spectrum: &WaveSpectrum) -> Vec<[f64; 3]> {
+        spectrum.multipliers.iter().map(|one| [one.re, one.im, one.error]).collect()
+    }
+
+    fn verify(&self, base: &WaveBase, wave: &ExactWave) -> Result<()> {
+        let setting = &wave.setting;
+        setting.chain(setting.least_cells())?;
+        let contacts = 4.0 * setting.params.alpha * max_norm(wave.z.iter().copied()).powf(setting.params.alpha - 1.0);
+        let rate = contacts.sqrt().max(setting.params.omega()) / setting.omega_tw;
+        let Solution { z, p, .. } = self.solution(base, wave);
+        returns(rate, || Ok(self.equations(base, &z, p, false)?.residual.amax() / swing(&wave.z, setting)))
+    }
 }
 
 impl WaveContinuation {
@@ -307,7 +343,7 @@ impl WaveContinuation {
         }
         let step = if self.step.is_finite() { self.step } else { (self.to - from).abs() / STEPS };
         let base = WaveBase { setting, size: swing(&start.z, &setting), sites };
-        let end = self.ends(&start);
+        let end = self.ends(&base, &start);
         Ok(WaveBranch { end, ..WaveBranch::new(Self { step, ..*self }, base, start)? })
     }
 

@@ -41,6 +41,7 @@ use crate::{
     error::{Error, Result, finite, positive},
     orbits::Orbit,
 };
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Largest ring for which the tangent map of contact collocation is made.
@@ -57,7 +58,7 @@ const WHOLE: f64 = 1e-9;
 /// assert!(WaveNumber::on_ring(0.21, 50).unwrap_err().to_string().contains("the nearest is 0.2"));
 /// # Ok::<(), hertzchain::Error>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WaveNumber {
     turns: usize,
     cell: usize,
@@ -112,7 +113,8 @@ fn gcd(a: usize, b: usize) -> usize {
 }
 
 /// The condition that determines the mean of `X`, which is also that of `Y`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum MeanStrain {
     /// The mean is this number.
     Value(f64),
@@ -152,7 +154,7 @@ impl MeanStrain {
 }
 
 /// The numbers that determine a wave, except for the choice of a branch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WaveSetting {
     /// Exponent, spring constant, mass ratio.
     pub params: Params,

@@ -7,6 +7,7 @@ use crate::{
     orbits::{Equations, Kantorovich, Moment, NewtonStep, Shot, flow, least_squares},
 };
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
 /// A step of at most this length, in units of the amplitude, is the last: by quadratic convergence
 /// the next one would be below rounding.
@@ -32,7 +33,7 @@ pub enum Given {
 }
 
 /// Settings of the search for a wave.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Search {
     /// Tolerance of the flow over `T/m`, relative to the size of the state.
     pub tol: f64,
