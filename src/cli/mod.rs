@@ -2,10 +2,12 @@
 //! flags of a study are the options that it declares itself.
 
 mod args;
+mod door;
 mod figures;
 #[cfg(feature = "plot")]
 mod formats;
 mod integrators;
+mod python;
 mod reference;
 mod report;
 mod run;
@@ -22,7 +24,10 @@ use crate::{
 use args::Cli;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, builder::ValueParser, error::ErrorKind, value_parser};
 use hertzchain_integrators::Error as Failure;
+pub use door::{in_python, study};
+pub use python::studies;
 pub use reference::{columns, options};
+use runner::Runs;
 use std::{env, ffi::OsString};
 use terminal::{print, print_help, progress_bar};
 
@@ -76,14 +81,20 @@ pub fn understood(arguments: impl IntoIterator<Item = OsString>) -> std::result:
 
 /// Runs the command.
 fn begun(cli: &Cli) -> Exit {
-    threads_checked()?;
+    prepare(cli)?;
     signals::outlive_file_limits();
+    signals::ask()?;
+    cli.command.run()
+}
+
+/// Settings of the whole process.
+fn prepare(cli: &Cli) -> Result<()> {
+    threads_checked()?;
     if let Some(set) = cli.instructions {
         // The flag's parser has refused sets that the machine lacks.
         let _ = set.select();
     }
-    signals::ask()?;
-    cli.command.run()
+    Ok(())
 }
 
 /// Refuses a number of threads that is none, for which the thread pool would take all cores.

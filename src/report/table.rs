@@ -8,8 +8,8 @@ use std::io::{self, Seek, Write};
 
 /// Width of a text table from which it is cut into two, in characters.
 const WIDE: usize = 120;
-/// Width of the legend below a text table.
-const LEGEND: usize = 100;
+/// Width of paragraphs, and of the legend below a text table.
+pub(super) const LEGEND: usize = 100;
 
 /// A value of a column.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +24,18 @@ pub enum Cell {
     Word(Option<String>),
     /// A list or a table of its own, which only JSON shows.
     Nested(Value),
+}
+
+impl Cell {
+    /// The value as a number: not-a-number for words and lists.
+    pub fn number(&self) -> f64 {
+        match self {
+            Self::Number(x) => *x,
+            Self::Count(n) => *n as f64,
+            Self::Flag(holds) => f64::from(u8::from(*holds)),
+            Self::Word(_) | Self::Nested(_) => f64::NAN,
+        }
+    }
 }
 
 macro_rules! cells {
@@ -73,6 +85,12 @@ struct Column {
     quantity: Quantity,
     digits: Digits,
     cells: Vec<Cell>,
+}
+
+impl Column {
+    fn numbers(&self) -> Vec<f64> {
+        self.cells.iter().map(Cell::number).collect()
+    }
 }
 
 /// Rows and their columns.
@@ -191,7 +209,7 @@ impl<T> Rows<'_, T> {
     /// The table.
     pub fn done(self) -> Table {
         let mut table = self.table;
-        if table.units.is_some() {
+        if let Some(units) = table.units {
             let omegas = table.columns.iter().filter(|column| column.quantity == Quantity::Omega);
             let hertz = |column: &Column| Column {
                 name: column.name.replace("omega", "frequency"),
@@ -202,6 +220,13 @@ impl<T> Rows<'_, T> {
             };
             let hertz: Vec<Column> = omegas.map(hertz).collect();
             table.columns.extend(hertz);
+            for column in &mut table.columns {
+                for cell in &mut column.cells {
+                    if let Cell::Number(x) = cell {
+                        *x = units.to_si(column.quantity, *x);
+                    }
+                }
+            }
         }
         table
     }
@@ -240,10 +265,6 @@ impl Table {
         &self.key
     }
 
-    fn told(&self, column: &Column, x: f64) -> f64 {
-        self.units.map_or(x, |units| units.to_si(column.quantity, x))
-    }
-
     /// The heading of a column, with its unit in SI units.
     fn head(&self, column: &Column) -> String {
         let unit = column.quantity.unit();
@@ -259,7 +280,7 @@ impl Table {
         let mut object = Map::new();
         for column in &self.columns {
             let value = match &column.cells[row] {
-                Cell::Number(x) => super::number(self.told(column, *x)),
+                Cell::Number(x) => super::number(*x),
                 Cell::Count(n) => json!(n),
                 Cell::Flag(holds) => json!(holds),
                 Cell::Word(word) => json!(word),
@@ -285,7 +306,7 @@ impl Table {
         let columns: Vec<&Column> = self.flat().collect();
         let cell = |column: &Column, row: usize| match &column.cells[row] {
             Cell::Number(x) if x.is_nan() => "nan".to_owned(),
-            Cell::Number(x) => format!("{:e}", self.told(column, *x)),
+            Cell::Number(x) => format!("{x:e}"),
             Cell::Count(n) => n.to_string(),
             Cell::Flag(holds) => u8::from(*holds).to_string(),
             Cell::Word(word) => word.clone().unwrap_or_default().replace(',', ";").replace('\n', " "),
@@ -305,20 +326,10 @@ impl Table {
                 let word = |cell: &Cell| if let Cell::Word(Some(word)) = cell { word.clone() } else { String::new() };
                 archive.words(&name, &column.cells.iter().map(word).collect::<Vec<_>>())?;
             } else {
-                archive.vector(&name, &self.numbers(column))?;
+                archive.vector(&name, &column.numbers())?;
             }
         }
         Ok(())
-    }
-
-    fn numbers(&self, column: &Column) -> Vec<f64> {
-        let number = |cell: &Cell| match cell {
-            Cell::Number(x) => self.told(column, *x),
-            Cell::Count(n) => *n as f64,
-            Cell::Flag(holds) => f64::from(u8::from(*holds)),
-            _ => f64::NAN,
-        };
-        column.cells.iter().map(number).collect()
     }
 
     /// The columns of the text; of a frequency in SI units the one in hertz.
@@ -333,7 +344,7 @@ impl Table {
         let cell = |column: &Column, row: usize| match &column.cells[row] {
             Cell::Number(x) if x.is_nan() => "–".to_owned(),
             Cell::Number(x) => {
-                let (x, si) = (self.told(column, *x), self.units.is_some() && column.quantity != Quantity::Number);
+                let si = self.units.is_some() && column.quantity != Quantity::Number;
                 match column.digits {
                     Digits::Fixed(digits) if !si => format!("{x:.digits$}"),
                     Digits::Fixed(digits) | Digits::Power(digits) => format!("{x:.digits$e}"),
@@ -384,7 +395,12 @@ impl Table {
         };
         let tables = parts.iter().map(part).collect::<Vec<_>>().join("\n");
         let legend = self.legend();
-        if legend.is_empty() { tables } else { format!("{tables}\n{}", filled(&legend)) }
+        if legend.is_empty() { tables } else { format!("{tables}\n{}", filled(&legend, LEGEND)) }
+    }
+
+    /// Names of its columns in files, and their values.
+    pub fn values(&self) -> impl Iterator<Item = (String, &[Cell])> {
+        self.flat().map(|column| (file_name(&column.name), column.cells.as_slice()))
     }
 
     /// Names of its columns in files, and what they are.
@@ -399,7 +415,7 @@ impl Table {
 
     /// A line through the points of two columns, `y` over `x`, without those that do not exist.
     pub fn line(&self, name: &str, [x, y]: [&str; 2]) -> Line {
-        let points = self.numbers(self.column(x)).into_iter().zip(self.numbers(self.column(y)));
+        let points = self.column(x).numbers().into_iter().zip(self.column(y).numbers());
         Line::new(name, points.filter(|(x, y)| !(x.is_nan() || y.is_nan())))
     }
 
@@ -461,14 +477,14 @@ pub(crate) fn told(doc: &str) -> String {
     }
 }
 
-/// A paragraph in lines that are not too long.
-pub(super) fn filled(words: &str) -> String {
+/// A paragraph in lines of so many characters at most.
+pub(crate) fn filled(words: &str, width: usize) -> String {
     let mut lines = vec![String::new()];
     for word in words.split_whitespace() {
         let line = lines.last_mut().expect("at least one line");
         if line.is_empty() {
             line.push_str(word);
-        } else if line.chars().count() + 1 + word.chars().count() > LEGEND {
+        } else if line.chars().count() + 1 + word.chars().count() > width {
             lines.push(word.to_owned());
         } else {
             *line += " ";
