@@ -64,9 +64,8 @@ def test_branch_has_the_bits_of_the_program_and_comes_back_from_its_file(program
     told: list[float] = []
     start = hc.DarkBreather("bond", omega_b=2.02, sites=11).solve()
     branch = hc.continue_branch(start, "omega_b", to=2.04, step=0.005, progress=told.append)
-    printed = program(
-        "breather", "continue", "--center", "bond", "--sites", "11", "--from", "2.02", "--to", "2.04", "--step", "0.005"
-    )
+    flags = ["--center", "bond", "--sites", "11", "--from", "2.02", "--to", "2.04", "--step", "0.005", "--bifurcations"]
+    printed = program("breather", "continue", *flags)
     assert branch.record["points"] == printed["points"]
     assert branch[0].kantorovich is None
     bounded = hc.continue_branch(start, "omega_b", to=2.04, step=0.01, bound=True)
@@ -294,7 +293,7 @@ def test_normal_modes_are_those_of_chains_that_contacts_hold() -> None:
     assert alone.switched is None and np.array_equal(alone.omega, mode.omega)
     with pytest.raises(hc.ParameterError, match="held"):
         hc.normal_mode(hc.Chain(sites=2), to=0.1)
-    with pytest.raises(hc.ParameterError, match="linear-mode = 0 is not valid: at least 1"):
+    with pytest.raises(hc.ParameterError, match="linear_mode = 0 is not valid: at least 1"):
         hc.normal_mode(held, to=0.1, mode=0)
     with pytest.raises(hc.ParameterError, match="driven|dissipat"):
         hc.normal_mode(bead(), to=0.1)

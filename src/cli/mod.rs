@@ -2,7 +2,6 @@
 //! flags of a study are the options that it declares itself.
 
 mod args;
-mod door;
 mod figures;
 #[cfg(feature = "plot")]
 mod formats;
@@ -20,12 +19,18 @@ mod terminal;
 use crate::{
     error::{Error, Result},
     output::say,
+    report::Report,
+    study::Progress,
 };
 use args::Cli;
-use clap::{ArgMatches, CommandFactory, FromArgMatches, builder::ValueParser, error::ErrorKind, value_parser};
+use clap::{
+    ArgMatches, CommandFactory, FromArgMatches,
+    builder::ValueParser,
+    error::{ContextKind, ContextValue, ErrorKind},
+    value_parser,
+};
 use hertzchain_integrators::Error as Failure;
-pub use door::{in_python, study};
-pub use python::studies;
+pub use python::{in_python, studies};
 pub use reference::{columns, options};
 use runner::Runs;
 use std::{env, ffi::OsString};
@@ -77,6 +82,42 @@ pub fn understood(arguments: impl IntoIterator<Item = OsString>) -> std::result:
         Err(error) if error.use_stderr() => Err(error.to_string()),
         _ => Ok(()),
     }
+}
+
+/// Does the study of a command line, the name of the program first, and returns its report. Files
+/// go to the folder of --out, as those of the command do, and to no other; nothing is printed. A
+/// scene may be named by its TOML.
+///
+/// ```
+/// let line = ["hertzchain", "dps", "integrals", "--b", "0.5", "--r", "0"].map(Into::into);
+/// assert_eq!(hertzchain::cli::study(line, &|_, _| ())?.json()["g"], 0.0);
+/// # Ok::<(), hertzchain::Error>(())
+/// ```
+///
+/// # Errors
+/// A command line that is refused, or that is no study; the errors of the study.
+pub fn study(arguments: impl IntoIterator<Item = OsString>, progress: Progress<'_>) -> Result<Report> {
+    let cli = parsed(arguments).map_err(|error| refused(&error))?;
+    prepare(&cli)?;
+    cli.command.report(progress)
+}
+
+/// What clap refuses, as an error of the library.
+fn refused(error: &clap::Error) -> Error {
+    if let Some(Error::Unknown { kind, name, hint }) = refusal(error) {
+        return Error::Unknown { kind, name: name.clone(), hint: hint.clone() };
+    }
+    let told =
+        [ContextKind::InvalidArg, ContextKind::InvalidValue, ContextKind::ValidValue].map(|kind| error.get(kind));
+    if let [Some(ContextValue::String(arg)), Some(ContextValue::String(value)), Some(ContextValue::Strings(known))] =
+        told
+    {
+        let name = arg.trim_start_matches('-').split(' ').next().unwrap_or_default();
+        return Error::unknown(name.to_owned().leak(), value, known.iter().map(String::as_str));
+    }
+    let text = refusal(error).map_or_else(|| error.to_string(), ToString::to_string);
+    let words = text.trim_start_matches("error: ").split("\n\n").next().unwrap_or_default();
+    Error::Options(words.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
 /// Runs the command.

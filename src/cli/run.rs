@@ -1,6 +1,12 @@
 //! `hertzchain run`.
 
-use super::{DONE, Exit, args::RunArgs, print, progress_bar, runner::{MPI, Runs}, say};
+use super::{
+    DONE, Exit,
+    args::RunArgs,
+    print, progress_bar,
+    runner::{MPI, Runs},
+    say,
+};
 use crate::{
     error::{Error, Result},
     output::{Folder, to_json},

@@ -109,10 +109,11 @@ pub(super) struct StudyCommand<S> {
 }
 
 impl<S: Study> StudyCommand<S> {
-    /// The engine with the folder for the results, and the work, once the options are checked.
-    fn begun(&self, engine: Engine) -> Result<(Engine, Work<'_>)> {
+    /// The engine with the folder for the results, the one of --out or another one, and the work,
+    /// once the options are checked.
+    fn begun(&self, engine: Engine, otherwise: Option<PathBuf>) -> Result<(Engine, Work<'_>)> {
         let work = self.study.begin()?;
-        let out = self.out.clone().or_else(|| self.study.default_folder());
+        let out = self.out.clone().or(otherwise);
         let folder = out.map(|out| self.engine_args.own(out)).transpose()?;
         Ok((self.engine_args.keeping(engine, folder.as_ref())?, work))
     }
@@ -168,7 +169,7 @@ impl<S: Study> Runs for StudyCommand<S> {
             let _ = self.study.begin().and_then(|work| work(&engine, &|_, _| ()));
             return Ok(DONE);
         }
-        let (engine, work) = self.begun(engine)?;
+        let (engine, work) = self.begun(engine, self.study.default_folder())?;
         let bar = progress_bar();
         let report = done::<S>(work, &engine, &|share, what| {
             bar.set_position((1000.0 * share.min(1.0)) as u64);
@@ -200,7 +201,7 @@ impl<S: Study> Runs for StudyCommand<S> {
         if engine.serves() {
             return self.study.begin()?(&engine, progress);
         }
-        let (engine, work) = self.begun(engine)?;
+        let (engine, work) = self.begun(engine, None)?;
         let report = done::<S>(work, &engine, progress)?;
         self.write(&engine, &report)?;
         Ok(report)

@@ -26,18 +26,6 @@ pub enum Cell {
     Nested(Value),
 }
 
-impl Cell {
-    /// The value as a number: not-a-number for words and lists.
-    pub fn number(&self) -> f64 {
-        match self {
-            Self::Number(x) => *x,
-            Self::Count(n) => *n as f64,
-            Self::Flag(holds) => f64::from(u8::from(*holds)),
-            Self::Word(_) | Self::Nested(_) => f64::NAN,
-        }
-    }
-}
-
 macro_rules! cells {
     ($($kind:ty: $value:ident => $cell:expr;)*) => {$(
         impl From<$kind> for Cell {
@@ -85,12 +73,6 @@ struct Column {
     quantity: Quantity,
     digits: Digits,
     cells: Vec<Cell>,
-}
-
-impl Column {
-    fn numbers(&self) -> Vec<f64> {
-        self.cells.iter().map(Cell::number).collect()
-    }
 }
 
 /// Rows and their columns.
@@ -209,7 +191,7 @@ impl<T> Rows<'_, T> {
     /// The table.
     pub fn done(self) -> Table {
         let mut table = self.table;
-        if let Some(units) = table.units {
+        if table.units.is_some() {
             let omegas = table.columns.iter().filter(|column| column.quantity == Quantity::Omega);
             let hertz = |column: &Column| Column {
                 name: column.name.replace("omega", "frequency"),
@@ -220,13 +202,6 @@ impl<T> Rows<'_, T> {
             };
             let hertz: Vec<Column> = omegas.map(hertz).collect();
             table.columns.extend(hertz);
-            for column in &mut table.columns {
-                for cell in &mut column.cells {
-                    if let Cell::Number(x) = cell {
-                        *x = units.to_si(column.quantity, *x);
-                    }
-                }
-            }
         }
         table
     }
@@ -265,6 +240,10 @@ impl Table {
         &self.key
     }
 
+    fn told(&self, column: &Column, x: f64) -> f64 {
+        self.units.map_or(x, |units| units.to_si(column.quantity, x))
+    }
+
     /// The heading of a column, with its unit in SI units.
     fn head(&self, column: &Column) -> String {
         let unit = column.quantity.unit();
@@ -280,7 +259,7 @@ impl Table {
         let mut object = Map::new();
         for column in &self.columns {
             let value = match &column.cells[row] {
-                Cell::Number(x) => super::number(*x),
+                Cell::Number(x) => super::number(self.told(column, *x)),
                 Cell::Count(n) => json!(n),
                 Cell::Flag(holds) => json!(holds),
                 Cell::Word(word) => json!(word),
@@ -306,7 +285,7 @@ impl Table {
         let columns: Vec<&Column> = self.flat().collect();
         let cell = |column: &Column, row: usize| match &column.cells[row] {
             Cell::Number(x) if x.is_nan() => "nan".to_owned(),
-            Cell::Number(x) => format!("{x:e}"),
+            Cell::Number(x) => format!("{:e}", self.told(column, *x)),
             Cell::Count(n) => n.to_string(),
             Cell::Flag(holds) => u8::from(*holds).to_string(),
             Cell::Word(word) => word.clone().unwrap_or_default().replace(',', ";").replace('\n', " "),
@@ -326,10 +305,20 @@ impl Table {
                 let word = |cell: &Cell| if let Cell::Word(Some(word)) = cell { word.clone() } else { String::new() };
                 archive.words(&name, &column.cells.iter().map(word).collect::<Vec<_>>())?;
             } else {
-                archive.vector(&name, &column.numbers())?;
+                archive.vector(&name, &self.numbers(column))?;
             }
         }
         Ok(())
+    }
+
+    fn numbers(&self, column: &Column) -> Vec<f64> {
+        let number = |cell: &Cell| match cell {
+            Cell::Number(x) => self.told(column, *x),
+            Cell::Count(n) => *n as f64,
+            Cell::Flag(holds) => f64::from(u8::from(*holds)),
+            _ => f64::NAN,
+        };
+        column.cells.iter().map(number).collect()
     }
 
     /// The columns of the text; of a frequency in SI units the one in hertz.
@@ -344,7 +333,7 @@ impl Table {
         let cell = |column: &Column, row: usize| match &column.cells[row] {
             Cell::Number(x) if x.is_nan() => "–".to_owned(),
             Cell::Number(x) => {
-                let si = self.units.is_some() && column.quantity != Quantity::Number;
+                let (x, si) = (self.told(column, *x), self.units.is_some() && column.quantity != Quantity::Number);
                 match column.digits {
                     Digits::Fixed(digits) if !si => format!("{x:.digits$}"),
                     Digits::Fixed(digits) | Digits::Power(digits) => format!("{x:.digits$e}"),
@@ -399,8 +388,13 @@ impl Table {
     }
 
     /// Names of its columns in files, and their values.
-    pub fn values(&self) -> impl Iterator<Item = (String, &[Cell])> {
-        self.flat().map(|column| (file_name(&column.name), column.cells.as_slice()))
+    pub fn values(&self) -> impl Iterator<Item = (String, Vec<Cell>)> {
+        let told = |column: &Column, cell: &Cell| match cell {
+            Cell::Number(x) => Cell::Number(self.told(column, *x)),
+            cell => cell.clone(),
+        };
+        self.flat()
+            .map(move |column| (file_name(&column.name), column.cells.iter().map(|cell| told(column, cell)).collect()))
     }
 
     /// Names of its columns in files, and what they are.
@@ -415,7 +409,7 @@ impl Table {
 
     /// A line through the points of two columns, `y` over `x`, without those that do not exist.
     pub fn line(&self, name: &str, [x, y]: [&str; 2]) -> Line {
-        let points = self.column(x).numbers().into_iter().zip(self.column(y).numbers());
+        let points = self.numbers(self.column(x)).into_iter().zip(self.numbers(self.column(y)));
         Line::new(name, points.filter(|(x, y)| !(x.is_nan() || y.is_nan())))
     }
 

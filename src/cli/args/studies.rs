@@ -1,14 +1,18 @@
 //! Commands that run studies.
 
 use crate::{
-    cli::{Exit, args::commands, runner::{Runs, StudyCommand}},
+    cli::{
+        Exit,
+        args::commands,
+        runner::{Runs, StudyCommand},
+    },
     error::Result,
     report::Report,
     study::{
         Barrier, Bound, BoundaryWave, Bright, Charts, Continue, ContinueWave, Dark, DarkProfiles, DimerOptions,
         DisorderOptions, Doubled, Drift, Driven, DrivenContinue, EndDriven, Evolve, FollowMode, Homoclinics,
-        ImpurityOptions, Integrals, LifetimeOptions, ModulationStudy, Moving, OrderOptions, Progress, ScalingOptions, Solitary,
-        TaperOptions, TheoremOptions, Trivial, Wanted, Wave,
+        ImpurityOptions, Integrals, LifetimeOptions, ModulationStudy, Moving, OrderOptions, Progress, ScalingOptions,
+        Solitary, TaperOptions, TheoremOptions, Trivial, Wanted, Wave,
     },
 };
 use clap::Args;
