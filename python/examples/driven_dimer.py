@@ -43,7 +43,7 @@ def strobed(force, omega):
 if __name__ == "__main__":
     forces = (1e-4, 0.4, 1.0)
     start = [hc.driven_orbit(chain(force, FIRST)) for force in forces]
-    branches = [hc.continue_branch(orbit, "omega", to=LAST, step=0.02, points=400) for orbit in start]
+    branches = [hc.continue_branch(orbit, "omega", to=LAST, step=0.02, max_points=400) for orbit in start]
     for force, branch in zip(forces, branches):
         peak = branch.response.argmax()
         print(f"force {force:6g}: largest response {branch.response[peak] / force:.4f} at {branch.values[peak]:.3f}")

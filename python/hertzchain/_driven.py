@@ -222,10 +222,10 @@ def crossing(record: dict[str, Any]) -> dict[str, Any] | None:
 
 def continue_driven(
     orbit: DrivenOrbit,
-    parameter: str,
+    vary: str,
     to: float,
     step: float | None,
-    points: int | None,
+    max_points: int | None,
     switch: int | None,
     si: bool | None,
     progress: Progress,
@@ -236,10 +236,10 @@ def continue_driven(
         orbit.scene,
         turns=turns,
         settle=settle,
-        vary=word("parameter", parameter),  # type: ignore[arg-type]
+        vary=word("vary", vary),  # type: ignore[arg-type]
         to=number("to", to),
         step=optional("step", step),
-        max_points=whole("points", 1000 if points is None else points),
+        max_points=whole("max_points", 1000 if max_points is None else max_points),
         bifurcations=True,
         switch=None if switch is None else whole("switch", switch),
         si=orbit.si if si is None else si,

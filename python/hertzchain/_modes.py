@@ -105,7 +105,7 @@ def normal_mode(
     to: float,
     mode: int | None = None,
     step: float | None = None,
-    points: int | None = None,
+    max_points: int | None = None,
     switch: int | None = None,
     si: bool = False,
     progress: Progress = False,
@@ -125,8 +125,8 @@ def normal_mode(
         localised mode.
     step : float, optional
         First amplitude, and its largest change from point to point; by default a twentieth of `to`.
-    points : int
-        Largest number of points of the branch.
+    max_points : int
+        Largest number of points of the branch; by default 1000.
     switch : int, optional
         Number of a bifurcation, counted from 1. The branch that crosses there is followed too; it
         is ``switched`` of the result.
@@ -171,7 +171,7 @@ def normal_mode(
         linear_mode=None if mode is None else whole("mode", mode),
         to=number("to", to),
         step=optional("step", step),
-        max_points=whole("points", 1000 if points is None else points),
+        max_points=whole("max_points", 1000 if max_points is None else max_points),
         bifurcations=True,
         switch=None if switch is None else whole("switch", switch),
         si=si,

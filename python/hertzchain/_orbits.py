@@ -262,11 +262,11 @@ def _point(row: dict[str, Any]) -> BranchPoint:
 @overload
 def continue_branch(
     orbit: Orbit | DarkBreather,
-    parameter: str = "omega_b",
+    vary: str = "omega_b",
     *,
     to: float,
     step: float | None = None,
-    points: int | None = None,
+    max_points: int | None = None,
     natural: bool = False,
     weak: float = 0.01,
     bound: bool = False,
@@ -275,22 +275,22 @@ def continue_branch(
 @overload
 def continue_branch(
     orbit: DrivenOrbit,
-    parameter: str,
+    vary: str,
     *,
     to: float,
     step: float | None = None,
-    points: int | None = None,
+    max_points: int | None = None,
     switch: int | None = None,
     si: bool | None = None,
     progress: Progress = False,
 ) -> DrivenBranch: ...
 def continue_branch(
     orbit: Orbit | DarkBreather | DrivenOrbit,
-    parameter: str = "omega_b",
+    vary: str = "omega_b",
     *,
     to: float,
     step: float | None = None,
-    points: int | None = None,
+    max_points: int | None = None,
     natural: bool = False,
     weak: float = 0.01,
     bound: bool = False,
@@ -304,7 +304,7 @@ def continue_branch(
     ----------
     orbit : Orbit, DarkBreather or DrivenOrbit
         Orbit at which the branch begins.
-    parameter : str
+    vary : str
         The parameter that varies: ``"omega_b", "rho", "kappa", "alpha"`` or ``"c_x"`` of a dark
         breather;
         ``"amplitude", "omega"`` or ``"damping"`` (a factor, 1 at the start) of a driven orbit.
@@ -313,7 +313,7 @@ def continue_branch(
     step : float, optional
         Largest change of the parameter from point to point; by default a hundredth of the range,
         for driven orbits a twentieth.
-    points : int, optional
+    max_points : int, optional
         Largest number of points; by default 1000.
     natural : bool
         Follow the branch in the parameter itself, not in arclength; it then ends at a fold. For
@@ -350,27 +350,27 @@ def continue_branch(
     if isinstance(orbit, DrivenOrbit):
         if natural or bound or weak != 0.01:
             raise ParameterError("natural, weak and bound are not valid: they are for dark breathers")
-        return continue_driven(orbit, parameter, to, step, points, switch, si, progress)
+        return continue_driven(orbit, vary, to, step, max_points, switch, si, progress)
     for name, value in (("switch", switch), ("si", si)):
         if value is not None:
             raise ParameterError(f"{name} is not valid: it is for driven orbits")
     breather = orbit.breather if isinstance(orbit, Orbit) else orbit
     if not isinstance(breather, DarkBreather):
         raise ParameterError(f"orbit = {orbit!r} is not valid: an Orbit, a DarkBreather or a DrivenOrbit")
-    if parameter not in PARAMETERS:
-        raise ParameterError(f"parameter = {parameter!r} is not valid: one of {', '.join(PARAMETERS)}")
-    start = getattr(breather, parameter)
+    if vary not in PARAMETERS:
+        raise ParameterError(f"vary = {vary!r} is not valid: one of {', '.join(PARAMETERS)}")
+    start = getattr(breather, vary)
     if start is None:
         raise ParameterError("omega_b = None is not valid: a branch in omega_b needs its first value")
-    options = {**asdict(breather), "omega_b": None if parameter == "omega_b" else breather.omega_b}
+    options = {**asdict(breather), "omega_b": None if vary == "omega_b" else breather.omega_b}
     return Branch(
         studies.breather_continue(
             **options,
-            vary=parameter,
+            vary=vary,
             from_=start,
             to=number("to", to),
             step=optional("step", step),
-            max_points=whole("points", 1000 if points is None else points),
+            max_points=whole("max_points", 1000 if max_points is None else max_points),
             bifurcations=True,
             natural=natural,
             weak=number("weak", weak),

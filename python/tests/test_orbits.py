@@ -64,8 +64,8 @@ def test_branch_has_the_bits_of_the_program_and_comes_back_from_its_file(program
     told: list[float] = []
     start = hc.DarkBreather("bond", omega_b=2.02, sites=11).solve()
     branch = hc.continue_branch(start, "omega_b", to=2.04, step=0.005, progress=told.append)
-    flags = ["--center", "bond", "--sites", "11", "--from", "2.02", "--to", "2.04", "--step", "0.005", "--bifurcations"]
-    printed = program("breather", "continue", *flags)
+    line = "breather continue --center bond --sites 11 --from 2.02 --to 2.04 --step 0.005 --bifurcations"
+    printed = program(*line.split())
     assert branch.record["points"] == printed["points"]
     assert branch[0].kantorovich is None
     bounded = hc.continue_branch(start, "omega_b", to=2.04, step=0.01, bound=True)
@@ -275,7 +275,7 @@ def test_pictures() -> None:
 
 def test_normal_mode_has_the_bits_of_the_program_and_returns(program: Any) -> None:
     mode = hc.normal_mode(hc.Scene.load("defect"), to=0.2, step=0.1)
-    printed = program("orbit", "mode", "defect", "--to", "0.2", "--step", "0.1")
+    printed = program("orbit", "mode", "defect", "--to", "0.2", "--step", "0.1", "--bifurcations")
     assert mode.record == printed and mode.mode == len(mode.linear) == 21 and len(mode.stable) == len(mode)
     assert mode.amplitude[[0, -1]].tolist() == [0.1, 0.2] and abs(np.prod(mode.multipliers) - 1) < 1e-10
     chain = hc.Scene.load("defect").chain
@@ -366,7 +366,7 @@ def test_normal_modes_in_si_units_are_those_of_the_program(program: Any, tmp_pat
     assert mode.period == pytest.approx(2 * math.pi / waves[-1], rel=1e-3)
     file = tmp_path / "ring.toml"
     file.write_text(ring.scene({}, 1.0).to_toml())
-    flags = ["--linear-mode", "5", "--to", "2e-9", "--step", "1e-9", "--si"]
+    flags = ["--linear-mode", "5", "--to", "2e-9", "--step", "1e-9", "--si", "--bifurcations"]
     printed = program("orbit", "mode", str(file), *flags)
     assert mode.record == printed | {"scene": mode.record["scene"], "scene_file": mode.record["scene_file"]}
     units = ring.scene({}, 1.0).units

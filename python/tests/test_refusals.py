@@ -146,7 +146,7 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: hc.DarkBreather(sites=10).solve(), "sites = 10"),
     (lambda: hc.DarkBreather(omega_b=1.9).solve(), "omega_b = 1.9"),
     (lambda: hc.continue_branch(hc.DarkBreather(), to=2.1), "omega_b = None"),
-    (lambda: hc.continue_branch(hc.DarkBreather(omega_b=2.05), "q", to=2.1), "parameter = 'q'"),
+    (lambda: hc.continue_branch(hc.DarkBreather(omega_b=2.05), "q", to=2.1), "vary = 'q'"),
     (lambda: hc.continue_branch(hc.DarkBreather(omega_b=2.05), to=1.0), "to = 1"),
     (lambda: hc.continue_branch(3, to=1.0), "orbit = 3"),  # type: ignore[arg-type]
     (lambda: hc.Branch.load("no-such-branch.npz"), "no-such-branch.npz"),
