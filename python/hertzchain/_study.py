@@ -155,7 +155,7 @@ def called(command: str, function: Callable[..., Study], given: Mapping[str, Any
             flags.append(flag)
         elif words != ["false"] or parameter.default is not False:
             flags.append(f"{flag}={','.join(words)}")
-    with shown(given["progress"], command.split()[-1]) as tell:
+    with shown(given["progress"], command) as tell:
         report, raised = _native.study(flags + operands, tell)
     if raised is not None:
         if report is not None:
