@@ -88,6 +88,9 @@ pub enum Error {
         /// The rule that the content broke.
         rule: String,
     },
+    /// Options that a study does not take, in words.
+    #[error("{0}")]
+    Options(String),
     /// A figure that could not be drawn.
     #[error("figure: {0}")]
     Figure(Box<dyn std::error::Error + Send + Sync>),

@@ -12,7 +12,7 @@ A bead strikes a chain of twenty beads with resonators.
 ((401, 20), True)
 """
 
-from . import dps
+from . import dps, studies
 from ._chain import Chain, Scene
 from ._compare import Comparison, compare
 from ._driven import DrivenBranch, DrivenOrbit, driven_orbit
@@ -30,6 +30,7 @@ from ._modes import NormalMode, normal_mode
 from ._native import __version__
 from ._orbits import Branch, BranchPoint, DarkBreather, Orbit, continue_branch, monodromy
 from ._run import Interrupted, Trajectory, integrators, run
+from ._study import Study, study
 from ._sweep import Table, sweep, sweep_plan
 from ._waves import BrightBreather, TravellingWave
 
@@ -53,6 +54,7 @@ __all__ = [
     "RunError",
     "Scene",
     "SceneError",
+    "Study",
     "Table",
     "Trajectory",
     "TravellingWave",
@@ -66,6 +68,8 @@ __all__ = [
     "monodromy",
     "normal_mode",
     "run",
+    "studies",
+    "study",
     "sweep",
     "sweep_plan",
 ]

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from typing import Any
 
-from . import _native
+from . import studies
 from ._arrays import number, word
 from ._chain import Scene
 from ._errors import ParameterError
-from ._progress import Progress, shown
+from ._progress import Progress
+from ._study import Study
 
 
 class Comparison:
@@ -24,8 +24,8 @@ class Comparison:
         All that ``hertzchain compare --json`` prints.
     """
 
-    def __init__(self, text: str) -> None:
-        self.record: dict[str, Any] = json.loads(text)
+    def __init__(self, study: Study) -> None:
+        self.record: dict[str, Any] = study.record
         self.rows: list[dict[str, Any]] = self.record["rows"]
 
     def __repr__(self) -> str:
@@ -66,6 +66,5 @@ def compare(
     if isinstance(methods, str):
         raise ParameterError(f"methods = {methods!r} is not valid: a list of names")
     names = [word("methods", name) for name in methods or ()]
-    with shown(progress, "compare") as tell:
-        limit = number("max_time", max_time)
-        return Comparison(_native.study("compare", scene._scene, tell, integrators=names, max_time=limit)[0])
+    limit = number("max_time", max_time)
+    return Comparison(studies.compare(scene, integrators=names or None, max_time=limit, progress=progress))

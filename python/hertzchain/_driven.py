@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
-import warnings
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _native
+from . import studies
 from ._arrays import Vector, number, optional, whole, word
 from ._chain import Chain, Scene
 from ._errors import ParameterError
-from ._progress import Progress, shown
+from ._progress import Progress
 from ._run import scene_of
 
 
@@ -210,18 +208,14 @@ def driven_orbit(
     else:
         scene = scene_of(scene, y0, None)
     turns, settle = whole("turns", turns), whole("settle", settle)
-    with shown(progress, "orbit") as tell:
-        text, _ = _native.study("driven-orbit", scene._scene, tell, turns=turns, settle=settle, si=si)
-    return DrivenOrbit(scene, turns, settle, json.loads(text))
+    done = studies.orbit_driven(scene, turns=turns, settle=settle, si=si, progress=progress)
+    return DrivenOrbit(scene, turns, settle, done.record)
 
 
 def crossing(record: dict[str, Any]) -> dict[str, Any] | None:
-    """The record of the branch that crosses; ``None``, with a warning if one was asked for, without it."""
+    """The record of the branch that crosses, if there is one."""
     other = record.get("switched")
-    if other is None:
-        return None
-    if "failure" in other:
-        warnings.warn(f"no branch was followed at the bifurcation: {other['failure']}", RuntimeWarning, stacklevel=4)
+    if other is None or "failure" in other:
         return None
     return {**{name: value for name, value in record.items() if name != "switched"}, **other}
 
@@ -238,18 +232,17 @@ def continue_driven(
 ) -> DrivenBranch:
     """The branch of a driven orbit; :func:`continue_branch` describes the parameters."""
     turns, settle = orbit._search
-    with shown(progress, "branch") as tell:
-        text, _ = _native.study(
-            "driven-branch",
-            orbit.scene._scene,
-            tell,
-            turns=turns,
-            settle=settle,
-            vary=word("vary", vary),
-            to=number("to", to),
-            step=optional("step", step),
-            max_points=None if max_points is None else whole("max_points", max_points),
-            switch=None if switch is None else whole("switch", switch),
-            si=orbit.si if si is None else si,
-        )
-    return DrivenBranch(json.loads(text))
+    done = studies.orbit_continue(
+        orbit.scene,
+        turns=turns,
+        settle=settle,
+        vary=word("vary", vary),  # type: ignore[arg-type]
+        to=number("to", to),
+        step=optional("step", step),
+        max_points=whole("max_points", 1000 if max_points is None else max_points),
+        bifurcations=True,
+        switch=None if switch is None else whole("switch", switch),
+        si=orbit.si if si is None else si,
+        progress=progress,
+    )
+    return DrivenBranch(done.record)

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _native
+from . import studies
 from ._arrays import Vector, number, optional, whole
 from ._chain import Chain, Scene
 from ._driven import chain_units, crossing, stretches
-from ._progress import Progress, shown
+from ._progress import Progress
 from ._run import scene_of
 
 
@@ -167,16 +166,15 @@ def normal_mode(
         scene = scene_of(scene, {}, 1.0)
     elif not isinstance(scene, Scene):
         scene = scene_of(scene, None, None)
-    with shown(progress, "mode") as tell:
-        text, _ = _native.study(
-            "normal-mode",
-            scene._scene,
-            tell,
-            mode=None if mode is None else whole("mode", mode),
-            to=number("to", to),
-            step=optional("step", step),
-            max_points=None if max_points is None else whole("max_points", max_points),
-            switch=None if switch is None else whole("switch", switch),
-            si=si,
-        )
-    return NormalMode(json.loads(text))
+    done = studies.orbit_mode(
+        scene,
+        linear_mode=None if mode is None else whole("mode", mode),
+        to=number("to", to),
+        step=optional("step", step),
+        max_points=whole("max_points", 1000 if max_points is None else max_points),
+        bifurcations=True,
+        switch=None if switch is None else whole("switch", switch),
+        si=si,
+        progress=progress,
+    )
+    return NormalMode(done.record)

@@ -11,22 +11,21 @@ _Numbers = tuple[int, float, float, float, str, float, str]
 __all__ = [
     "Bright",
     "CONTACT_COLUMNS",
+    "Report",
     "Scene",
     "Wave",
     "__version__",
     "averages",
     "check_chain",
-    "dark",
-    "dark_profile",
     "flow",
-    "homoclinic",
     "integrators",
+    "load_branch",
+    "modes",
     "monodromy",
     "program",
     "run",
     "scenes",
     "study",
-    "sweep_plan",
     "wave_of",
 ]
 
@@ -61,6 +60,19 @@ class Scene:
     def samples(self) -> int: ...
     def initial(self) -> list[_V | None]: ...
     def plan(self, events: bool) -> list[str]: ...
+
+@final
+class Report:
+    @property
+    def json(self) -> str: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def failure(self) -> str | None: ...
+    @property
+    def remark(self) -> str | None: ...
+    def tables(self) -> list[tuple[str, list[tuple[str, list[Any]]]]]: ...
+    def files(self, formats: list[str]) -> list[tuple[str, bytes]]: ...
 
 @final
 class Wave:
@@ -102,20 +114,14 @@ def run(
     seen: Callable[[float, _V], Any] | None,
     told: Callable[[float, _V], Any] | None,
 ) -> tuple[dict[str, Any], BaseException | None]: ...
-def dark(breather: Any) -> tuple[str, _V]: ...
-def study(name: str, of: Any, progress: Callable[[float], Any] | None, **options: Any) -> tuple[str, bytes]: ...
-def sweep_plan(
-    path: str,
-    out: str | None,
-    formats: list[str],
-    shard: str | None,
-    progress: Callable[[float], Any] | None,
-) -> tuple[str, list[tuple[str, _V, int]], list[tuple[int, str]]]: ...
+def study(
+    line: list[str], progress: Callable[[float], Any] | None
+) -> tuple[Report | None, BaseException | None]: ...
+def load_branch(path: str) -> Report: ...
+def modes(npz: bytes) -> _V: ...
 def monodromy(scene: Scene, tol: float) -> _V: ...
 def wave_of(scene: Scene) -> Wave: ...
 def averages(alpha: float, kappa: float, b: _V, r: _V) -> list[_V]: ...
-def homoclinic(alpha: float, about: str) -> tuple[NDArray[np.int64], _V]: ...
-def dark_profile(chain: list[float], about: str, sites: int, c: float) -> tuple[NDArray[np.int64], _V, _V, float]: ...
 def flow(
     chain: list[float],
     start: _V,

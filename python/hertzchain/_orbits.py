@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _native
+from . import _native, studies
 from ._arrays import Vector, number, optional, whole, word
 from ._chain import STRAIN_RING, Chain, Scene
 from ._driven import DrivenBranch, DrivenOrbit, continue_driven
 from ._errors import ParameterError
-from ._progress import Progress, shown
+from ._progress import Progress
 from ._run import scene_of
+from ._study import Study, written
 
 PARAMETERS = ("omega_b", "rho", "kappa", "alpha", "c_x")
 
@@ -75,8 +76,7 @@ class DarkBreather:
         ConvergenceError
             If Newton's method does not converge.
         """
-        text, directions = _native.dark(self)
-        return Orbit(self, json.loads(text), directions)
+        return Orbit(self, studies.breather_dark(**asdict(self)))
 
 
 class Orbit:
@@ -94,9 +94,6 @@ class Orbit:
         Kind of each multiplier: trivial, linear, circle, real, negative, quartet.
     errors : ndarray, shape (4 sites,)
         Estimated errors of the moduli.
-    modes : ndarray, shape (4 sites, 4 sites)
-        A direction ``[x, y, x', y']`` for each multiplier, a row each: the real part of its
-        eigenvector, with the largest entry 1.
     quality : dict
         Measured errors of the multipliers.
     residual, period, omega_b, e_b : float
@@ -105,8 +102,10 @@ class Orbit:
         All that ``hertzchain breather dark --json`` prints.
     """
 
-    def __init__(self, breather: DarkBreather, record: dict[str, Any], directions: Vector) -> None:
-        self.record = record
+    def __init__(self, breather: DarkBreather, study: Study) -> None:
+        self._study = study
+        self.record: dict[str, Any] = study.record
+        record = self.record
         self.breather = replace(breather, omega_b=record["omega_b"])
         self.x: Vector = np.array(record["x"], dtype=np.float64)
         self.y: Vector = np.array(record["y"], dtype=np.float64)
@@ -115,7 +114,6 @@ class Orbit:
         self.krein = np.array([row["krein"] for row in rows], dtype=np.int64)
         self.kinds: list[str] = [row["kind"] for row in rows]
         self.errors: Vector = np.array([row["error"] for row in rows], dtype=np.float64)
-        self.modes: Vector = directions
         self.quality: dict[str, Any] = record["quality"]
         self.residual: float = record["residual"]
         self.period: float = record["period"]
@@ -124,6 +122,14 @@ class Orbit:
 
     def __repr__(self) -> str:
         return f"Orbit(omega_b={self.omega_b:g}, sites={len(self.x)}, largest |lambda|={abs(self.multipliers).max():.9f})"
+
+    @cached_property
+    def modes(self) -> Vector:
+        """A direction ``[x, y, x', y']`` for each multiplier, a row each.
+
+        The real part of its eigenvector, with the largest entry 1; shape (4 sites, 4 sites).
+        """
+        return _native.modes(self._study.file("dark-breather.npz"))
 
     @property
     def y0(self) -> dict[str, Vector]:
@@ -189,9 +195,9 @@ class Branch:
         All that ``hertzchain breather continue --json`` prints.
     """
 
-    def __init__(self, text: str, archive: bytes) -> None:
-        self.record: dict[str, Any] = json.loads(text)
-        self._archive = archive
+    def __init__(self, study: Study) -> None:
+        self._study = study
+        self.record: dict[str, Any] = study.record
         self.parameter: str = self.record["parameter"]
         self.end: str = self.record["end"]
         self.bifurcations: list[dict[str, Any]] = self.record["bifurcations"]
@@ -204,14 +210,11 @@ class Branch:
 
         Multipliers and bifurcations are computed anew.
         """
-        return Branch(*_native.study("dark-file", os.fspath(path), None))
+        return Branch(Study(_native.load_branch(os.fspath(path))))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write ``branch.npz``, whole or not at all."""
-        file = Path(path)
-        part = file.with_name(file.name + ".part")
-        part.write_bytes(self._archive)
-        part.replace(file)
+        written(Path(path), self._study.file("branch.npz"))
 
     def __len__(self) -> int:
         return len(self._points)
@@ -359,22 +362,22 @@ def continue_branch(
     start = getattr(breather, vary)
     if start is None:
         raise ParameterError("omega_b = None is not valid: a branch in omega_b needs its first value")
-    with shown(progress, "branch") as tell:
-        return Branch(
-            *_native.study(
-                "dark-branch",
-                breather,
-                tell,
-                vary=vary,
-                from_=start,
-                to=number("to", to),
-                step=optional("step", step),
-                max_points=None if max_points is None else whole("max_points", max_points),
-                natural=natural,
-                weak=number("weak", weak),
-                bound=bound,
-            )
+    options = {**asdict(breather), "omega_b": None if vary == "omega_b" else breather.omega_b}
+    return Branch(
+        studies.breather_continue(
+            **options,
+            vary=vary,
+            from_=start,
+            to=number("to", to),
+            step=optional("step", step),
+            max_points=whole("max_points", 1000 if max_points is None else max_points),
+            bifurcations=True,
+            natural=natural,
+            weak=number("weak", weak),
+            bound=bound,
+            progress=progress,
         )
+    )
 
 
 def monodromy(scene: Scene | Chain, *, y0: Any = None, until: float | None = None, tol: float = 1e-10) -> Vector:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import re
@@ -10,10 +11,13 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from . import _native
+import numpy as np
+
+from . import studies
 from ._arrays import Vector, word
 from ._errors import FileError, ParameterError
 from ._progress import Progress, shown
+from ._study import Study
 
 
 class Table:
@@ -29,11 +33,15 @@ class Table:
         All that ``hertzchain sweep --json`` prints; for a shard ``{"shard": words}``.
     """
 
-    def __init__(self, text: str, columns: list[tuple[str, Vector, int]], failures: list[tuple[int, str]]) -> None:
-        self.record: dict[str, Any] = json.loads(text) if text.startswith("{") else {"shard": text}
-        wide = {name: numbers.reshape(-1, max(width, 1)) for name, numbers, width in columns}
-        self.columns: dict[str, Vector] = {name: rows[:, 0] if rows.shape[1] == 1 else rows for name, rows in wide.items()}
-        self.failures = dict(failures)
+    def __init__(self, study: Study) -> None:
+        self.record: dict[str, Any] = study.record
+        self.columns: dict[str, Vector] = {}
+        if "shard" in self.record:
+            self.record = {"shard": study.text.partition(": ")[2].strip()}
+        else:
+            with np.load(io.BytesIO(study.file("sweep.npz"))) as arrays:
+                self.columns = dict(arrays)
+        self.failures: dict[int, str] = {one["row"]: one["failure"] for one in self.record.get("failed", [])}
 
     def __getitem__(self, name: str) -> Vector:
         return self.columns[name]
@@ -60,7 +68,7 @@ def sweep_plan(
         A folder for tables and for the store. The same sweep with the same folder resumes: it
         computes only what is missing.
     format : str or list of str, optional
-        Draw the pictures of ``hertzchain sweep`` into `out`: ``"png"``, ``"svg"`` or both.
+        Formats of the pictures in `out`: ``"png"``, which is the default, ``"svg"`` or both.
     shard : str, optional
         ``"K/N"``: compute the K-th part of N, counted from 1, into a store of its own in `out`; a
         sweep without a shard merges them.
@@ -71,8 +79,7 @@ def sweep_plan(
     formats = [word("format", name) for name in ([format] if isinstance(format, str) else format)]
     if formats and folder is None:
         raise ParameterError(f"format = {format!r} is not valid: pictures need a folder, out")
-    with shown(progress, "sweep") as tell:
-        return Table(*_native.sweep_plan(os.fspath(plan), folder, formats, shard, tell))
+    return Table(studies.sweep(plan, out=folder, format=formats or ("png",), shard=shard, progress=progress))
 
 
 def sweep(

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _native
+from . import _native, studies
 from ._arrays import Vector, number, optional, vector, whole, word
 from ._errors import ParameterError
 
@@ -76,7 +76,9 @@ def homoclinic(center: str = "bond", alpha: float = 1.5) -> Profile:
     >>> bool(a[n == 1] == a[n == -1])
     True
     """
-    return Profile(*_native.homoclinic(number("alpha", alpha), word("center", center)))
+    about = word("center", center)
+    of = studies.dps_homoclinic(center=about, alpha=number("alpha", alpha)).record  # type: ignore[arg-type]
+    return Profile(np.array(of["n"], dtype=np.int64), np.array(of["a"], dtype=np.float64))
 
 
 def dark_profile(
@@ -88,8 +90,16 @@ def dark_profile(
     alpha: float = 1.5,
 ) -> DarkProfile:
     """The dark profile of the generalised DpS equations on a ring of an odd number of sites."""
-    chain = [number("alpha", alpha), number("kappa", kappa), number("rho", rho)]
-    return DarkProfile(*_native.dark_profile(chain, word("center", center), whole("sites", sites), number("c", c)))
+    of = studies.dps_dark(
+        center=word("center", center),  # type: ignore[arg-type]
+        sites=whole("sites", sites),
+        alpha=number("alpha", alpha),
+        kappa=number("kappa", kappa),
+        rho=number("rho", rho),
+        c=number("c", c),
+    ).record
+    a, b = (np.array(of[name], dtype=np.float64) for name in "ab")
+    return DarkProfile(np.array(of["n"], dtype=np.int64), a, b, of["residual"])
 
 
 def flow(

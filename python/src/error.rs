@@ -7,7 +7,9 @@ use std::any::Any;
 /// The exception for an error.
 pub(crate) fn exception(py: Python<'_>, error: &Error) -> PyErr {
     let class = match error {
-        Error::Parameter { .. } | Error::Integration(integrators::Error::Argument { .. }) => "ParameterError",
+        Error::Parameter { .. } | Error::Options(_) | Error::Integration(integrators::Error::Argument { .. }) => {
+            "ParameterError"
+        }
         Error::Unknown { .. } => "UnknownNameError",
         Error::Scene { .. } => "SceneError",
         Error::Integration(_) | Error::Run(_) | Error::Doubtful(_) | Error::Point { .. } => "RunError",
@@ -15,7 +17,7 @@ pub(crate) fn exception(py: Python<'_>, error: &Error) -> PyErr {
         Error::File { .. } | Error::Content { .. } => "FileError",
         _ => "Error",
     };
-    named(py, class, &error.to_string())
+    named(py, class, &hertzchain::cli::in_python(&error.to_string()))
 }
 
 /// The exception of a panic: no input may lead to one.

@@ -30,8 +30,8 @@ mod _native {
         integrators, program,
         run::run,
         scene::{Scene, check_chain, scenes},
-        studies::{dark, monodromy, study, sweep_plan},
-        theory::{Bright, Wave, averages, dark_profile, flow, homoclinic, wave_of},
+        studies::{Report, load_branch, modes, monodromy, study},
+        theory::{Bright, Wave, averages, flow, wave_of},
     };
     use pyo3::prelude::*;
 

@@ -1,10 +1,10 @@
 //! Closed forms and modulation theory.
 
-use crate::{error::OrRaise, scene::Scene, studies::center, work::finished};
+use crate::{error::OrRaise, scene::Scene, work::finished};
 use hertzchain::{
     Params, breathers,
     chain::Site,
-    dps::{Averages, Constraint, DarkProfile, Dps, Ends, Form, Homoclinic, Layout},
+    dps::{Averages, Center, Constraint, Dps, Ends, Form, Layout},
     integrators::{Dop853, Tolerance, dop853::Options},
     run::state_at,
     waves::{self, Shape, Size},
@@ -77,7 +77,11 @@ pub(crate) struct Bright(breathers::BrightBreather);
 impl Bright {
     #[new]
     fn new(py: Python<'_>, chain: [f64; 3], about: &str, epsilon: f64, sites: usize) -> PyResult<Self> {
-        let about = center(about).or_raise(py)?;
+        let about = match about {
+            "site" => Center::Site,
+            "bond" => Center::Bond,
+            _ => return Err(hertzchain::Error::unknown("center", about, ["site", "bond"])).or_raise(py),
+        };
         breathers::BrightBreather::new(params(py, chain)?, about, epsilon, sites).or_raise(py).map(Self)
     }
 
@@ -116,38 +120,6 @@ pub(crate) fn averages<'py>(
     let values = values.or_raise(py)?;
     let column = |of: fn(&hertzchain::dps::Values) -> f64| PyArray1::from_vec(py, values.iter().map(of).collect());
     Ok([column(|values| values.g), column(|values| values.h)])
-}
-
-/// Sites `n` and amplitudes `a_n` of the homoclinic solution.
-#[pyfunction]
-pub(crate) fn homoclinic<'py>(
-    py: Python<'py>,
-    alpha: f64,
-    about: &str,
-) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>)> {
-    let about = center(about).or_raise(py)?;
-    let profile = finished(py, None, |_| Homoclinic::new(alpha, about))?;
-    let sites: Vec<i64> = profile.sites().collect();
-    let values = sites.iter().map(|&n| profile.a(n)).collect();
-    Ok((PyArray1::from_vec(py, sites), PyArray1::from_vec(py, values)))
-}
-
-/// Sites `n`, amplitudes `a_n` and mean strains `b_n` of a dark profile, and its residual.
-#[pyfunction]
-#[allow(clippy::type_complexity)]
-pub(crate) fn dark_profile<'py>(
-    py: Python<'py>,
-    chain: [f64; 3],
-    about: &str,
-    sites: usize,
-    c: f64,
-) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, f64)> {
-    let (params, about) = (params(py, chain)?, center(about).or_raise(py)?);
-    let profile = finished(py, None, |_| DarkProfile::new(params, about, sites, c))?;
-    let n: Vec<i64> = profile.sites().collect();
-    let a = n.iter().map(|&n| profile.a(n)).collect();
-    let b = n.iter().map(|&n| profile.b(n)).collect();
-    Ok((PyArray1::from_vec(py, n), PyArray1::from_vec(py, a), PyArray1::from_vec(py, b), profile.residual()))
 }
 
 /// The flow of a modulation equation: the `M` complex amplitudes, as real and imaginary parts in

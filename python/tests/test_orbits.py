@@ -293,7 +293,7 @@ def test_normal_modes_are_those_of_chains_that_contacts_hold() -> None:
     assert alone.switched is None and np.array_equal(alone.omega, mode.omega)
     with pytest.raises(hc.ParameterError, match="held"):
         hc.normal_mode(hc.Chain(sites=2), to=0.1)
-    with pytest.raises(hc.ParameterError, match="linear-mode = 0 is not valid: at least 1"):
+    with pytest.raises(hc.ParameterError, match="linear_mode = 0 is not valid: at least 1"):
         hc.normal_mode(held, to=0.1, mode=0)
     with pytest.raises(hc.ParameterError, match="driven|dissipat"):
         hc.normal_mode(bead(), to=0.1)

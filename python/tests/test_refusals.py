@@ -126,7 +126,7 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: run(method="verlet", tol=1e-9), "equal steps"),
     (lambda: run(method="verlet", step=-0.1), "step = -0.1"),
     (lambda: run(method="verlet", step=1e-30), "steps"),
-    (lambda: run(method="dop853", step=0.1), "--tol"),
+    (lambda: run(method="dop853", step=0.1), "tol"),
     (lambda: run(at=[0.5, 0.2]), "ascending"),
     (lambda: run(at=[2.0]), "from zero to the end"),
     (lambda: run(at=[NAN]), "times = NaN"),
@@ -171,7 +171,7 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: hc.sweep(abs, [1], format="png"), "a function has no pictures"),
     (lambda: hc.sweep("no-plan.toml", format="png"), "pictures need a folder"),
     (lambda: hc.sweep("no-plan.toml"), "no-plan.toml"),
-    (lambda: hc.sweep_plan("no-plan.toml", shard="0/2"), "no-plan.toml"),
+    (lambda: hc.sweep_plan("no-plan.toml", shard="0/2"), "shard = 0/2"),
 ]
 
 

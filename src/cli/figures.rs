@@ -6,7 +6,7 @@
 
 use super::{
     DONE, Exit, FAILED, print, progress_bar,
-    runner::{EngineArgs, part_text},
+    runner::{EngineArgs, Runs, part_report},
     say,
 };
 use crate::{
@@ -105,8 +105,8 @@ enum Content {
     Base64(String),
 }
 
-impl FiguresArgs {
-    pub(super) fn run(&self) -> Exit {
+impl Runs for FiguresArgs {
+    fn run(&self) -> Exit {
         let engine = self.engine_args.engine(|| Engine::new(Box::new(InTurn)))?;
         if engine.serves() {
             // Rank 0 reports errors.
@@ -121,7 +121,10 @@ impl FiguresArgs {
         let swept = sweep(&chosen, self, &engine, &bar, &made);
         bar.finish_and_clear();
         match engine.part() {
-            Some(part) if part.kept == part.points => print(&part_text(&part, self.json)).map(|()| DONE),
+            Some(part) if part.kept == part.points => {
+                let report = part_report(&part);
+                print(&if self.json { to_json(&report.json()) + "\n" } else { report.text() }).map(|()| DONE)
+            }
             _ => swept.and_then(|(drawn, resumed)| told(&drawn, resumed, self, &folder)),
         }
     }

@@ -1,6 +1,6 @@
 //! `hertzchain integrators`.
 
-use super::{DONE, Exit, print};
+use super::{DONE, Exit, print, runner::Runs};
 use crate::{output::to_json, present::table, run::Method};
 use clap::Args;
 use serde_json::json;
@@ -12,8 +12,8 @@ pub(crate) struct IntegratorsArgs {
     json: bool,
 }
 
-impl IntegratorsArgs {
-    pub(super) fn run(&self) -> Exit {
+impl Runs for IntegratorsArgs {
+    fn run(&self) -> Exit {
         let all = Method::all();
         if self.json {
             let list: Vec<_> = all

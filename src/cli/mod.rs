@@ -6,6 +6,7 @@ mod figures;
 #[cfg(feature = "plot")]
 mod formats;
 mod integrators;
+mod python;
 mod reference;
 mod report;
 mod run;
@@ -18,11 +19,20 @@ mod terminal;
 use crate::{
     error::{Error, Result},
     output::say,
+    report::Report,
+    study::Progress,
 };
 use args::Cli;
-use clap::{ArgMatches, CommandFactory, FromArgMatches, builder::ValueParser, error::ErrorKind, value_parser};
+use clap::{
+    ArgMatches, CommandFactory, FromArgMatches,
+    builder::ValueParser,
+    error::{ContextKind, ContextValue, ErrorKind},
+    value_parser,
+};
 use hertzchain_integrators::Error as Failure;
+pub use python::{in_python, studies};
 pub use reference::{columns, options};
+use runner::Runs;
 use std::{env, ffi::OsString};
 use terminal::{print, print_help, progress_bar};
 
@@ -74,16 +84,58 @@ pub fn understood(arguments: impl IntoIterator<Item = OsString>) -> std::result:
     }
 }
 
+/// Does the study of a command line, the name of the program first, and returns its report. Files
+/// go to the folder of --out, as those of the command do, and to no other; nothing is printed. A
+/// scene may be named by its TOML.
+///
+/// ```
+/// let line = ["hertzchain", "dps", "integrals", "--b", "0.5", "--r", "0"].map(Into::into);
+/// assert_eq!(hertzchain::cli::study(line, &|_, _| ())?.json()["g"], 0.0);
+/// # Ok::<(), hertzchain::Error>(())
+/// ```
+///
+/// # Errors
+/// A command line that is refused, or that is no study; the errors of the study.
+pub fn study(arguments: impl IntoIterator<Item = OsString>, progress: Progress<'_>) -> Result<Report> {
+    let cli = parsed(arguments).map_err(|error| refused(&error))?;
+    prepare(&cli)?;
+    cli.command.report(progress)
+}
+
+/// What clap refuses, as an error of the library.
+fn refused(error: &clap::Error) -> Error {
+    if let Some(Error::Unknown { kind, name, hint }) = refusal(error) {
+        return Error::Unknown { kind, name: name.clone(), hint: hint.clone() };
+    }
+    let told =
+        [ContextKind::InvalidArg, ContextKind::InvalidValue, ContextKind::ValidValue].map(|kind| error.get(kind));
+    if let [Some(ContextValue::String(arg)), Some(ContextValue::String(value)), Some(ContextValue::Strings(known))] =
+        told
+    {
+        let name = arg.trim_start_matches('-').split(' ').next().unwrap_or_default();
+        return Error::unknown(name.to_owned().leak(), value, known.iter().map(String::as_str));
+    }
+    let text = refusal(error).map_or_else(|| error.to_string(), ToString::to_string);
+    let words = text.trim_start_matches("error: ").split("\n\n").next().unwrap_or_default();
+    Error::Options(words.split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
 /// Runs the command.
 fn begun(cli: &Cli) -> Exit {
-    threads_checked()?;
+    prepare(cli)?;
     signals::outlive_file_limits();
+    signals::ask()?;
+    cli.command.run()
+}
+
+/// Settings of the whole process.
+fn prepare(cli: &Cli) -> Result<()> {
+    threads_checked()?;
     if let Some(set) = cli.instructions {
         // The flag's parser has refused sets that the machine lacks.
         let _ = set.select();
     }
-    signals::ask()?;
-    cli.command.run()
+    Ok(())
 }
 
 /// Refuses a number of threads that is none, for which the thread pool would take all cores.

@@ -14,7 +14,7 @@ Generated: what `--help` says of the flags of each command. Every command has `-
 ";
 
 /// Calls `tell` with the name of each command, and the command.
-fn each(command: &Command, path: &str, tell: &mut dyn FnMut(&str, &Command)) {
+pub(super) fn each<'a>(command: &'a Command, path: &str, tell: &mut dyn FnMut(&str, &'a Command)) {
     for below in command.get_subcommands() {
         let path = format!("{path} {}", below.get_name());
         tell(path.trim_start(), below);
@@ -37,11 +37,16 @@ pub fn columns() -> String {
     text
 }
 
+/// The program without the flags that clap adds; its commands have the global flags of those above.
+pub(super) fn built() -> Command {
+    let mut command = Cli::command().disable_help_flag(true).disable_help_subcommand(true).disable_version_flag(true);
+    command.build();
+    command
+}
+
 /// The flags of all commands with defaults and ranges, as `docs/options.md` has them.
 pub fn options() -> String {
-    let mut command = Cli::command().disable_help_flag(true).disable_help_subcommand(true).disable_version_flag(true);
-    // After this commands have the global flags of those above them.
-    command.build();
+    let command = built();
     let name = |arg: &Arg| format!("--{}", arg.get_long().unwrap_or_default());
     let sweep = command.find_subcommand("sweep").into_iter().flat_map(Command::get_arguments);
     let rows: Vec<String> = sweep.filter(|arg| COMMON.contains(&&*name(arg))).map(|arg| row(arg, false)).collect();

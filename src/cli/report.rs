@@ -1,6 +1,6 @@
 //! `hertzchain paper report`.
 
-use super::{DONE, Exit, FAILED, print, progress_bar, say};
+use super::{DONE, Exit, FAILED, print, progress_bar, runner::Runs, say};
 use crate::{
     error::{Error, Result},
     interrupt,
@@ -98,8 +98,8 @@ const WORK: f64 = 1e6;
 /// Sizes of Theorem 1.
 const EPSILONS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
-impl ReportArgs {
-    pub(super) fn run(&self) -> Exit {
+impl Runs for ReportArgs {
+    fn run(&self) -> Exit {
         let parts = chosen(&self.only)?;
         let folder = Folder::own(&self.out, None)?;
         let bar = progress_bar();

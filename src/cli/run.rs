@@ -1,6 +1,12 @@
 //! `hertzchain run`.
 
-use super::{DONE, Exit, args::RunArgs, print, progress_bar, runner::MPI, say};
+use super::{
+    DONE, Exit,
+    args::RunArgs,
+    print, progress_bar,
+    runner::{MPI, Runs},
+    say,
+};
 use crate::{
     error::{Error, Result},
     output::{Folder, to_json},
@@ -15,8 +21,8 @@ use std::sync::Arc;
 
 const NO_EVENTS: &str = "this run was begun without --events: its first contacts are not known";
 
-impl RunArgs {
-    pub(super) fn run(&self) -> Exit {
+impl Runs for RunArgs {
+    fn run(&self) -> Exit {
         let Some(parts) = parts(self)? else { return Ok(DONE) };
         if let Some(path) = &self.resume {
             return resume(self, path, parts);

@@ -7,11 +7,11 @@ use crate::{
     interrupt,
     output::{Folder, to_json},
     report::Report,
-    study::{Study, Work},
+    study::{Progress, Study, Work},
     sweep::{Engine, Part, Shard},
 };
 use clap::{
-    Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches,
+    Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, FromArgMatches,
     builder::{PossibleValuesParser, TypedValueParser},
     value_parser,
 };
@@ -84,6 +84,20 @@ fn over_ranks() -> Result<Engine> {
     Err(Error::parameter("engine", MPI, rule))
 }
 
+/// The name of a group of flags that only studies have.
+pub(super) const STUDY: &str = "study";
+
+/// A command.
+pub(super) trait Runs {
+    /// Runs it: prints, writes files, and returns the exit code.
+    fn run(&self) -> Exit;
+
+    /// Does the work of a study, writes the files to the folder that it names, and prints nothing.
+    fn report(&self, _: Progress<'_>) -> Result<Report> {
+        Err(Error::Options("it is a command, but no study".to_owned()))
+    }
+}
+
 /// A study as a command: its options, and the flags that say where it runs and where results go.
 pub(super) struct StudyCommand<S> {
     study: S,
@@ -95,66 +109,18 @@ pub(super) struct StudyCommand<S> {
 }
 
 impl<S: Study> StudyCommand<S> {
-    pub(super) fn run(&self) -> Exit {
-        let engine = self.engine_args.engine(Engine::threads)?;
-        if engine.serves() {
-            // Rank 0 reports errors.
-            let _ = self.study.begin().and_then(|work| work(&engine, &|_, _| ()));
-            return Ok(DONE);
-        }
+    /// The engine with the folder for the results, the one of --out or another one, and the work,
+    /// once the options are checked.
+    fn begun(&self, engine: Engine, otherwise: Option<PathBuf>) -> Result<(Engine, Work<'_>)> {
         let work = self.study.begin()?;
-        let folder = self
-            .out
-            .clone()
-            .or_else(|| self.study.default_folder())
-            .map(|out| self.engine_args.own(out))
-            .transpose()?;
-        self.carry_out(work, &self.engine_args.keeping(engine, folder.as_ref())?)
+        let out = self.out.clone().or(otherwise);
+        let folder = out.map(|out| self.engine_args.own(out)).transpose()?;
+        Ok((self.engine_args.keeping(engine, folder.as_ref())?, work))
     }
 
-    /// Does the work, prints its report and writes its files, in place of those that an earlier run
-    /// may have left.
-    fn carry_out(&self, work: Work<'_>, engine: &Engine) -> Exit {
-        let bar = progress_bar();
-        let report = work(engine, &|share, what| {
-            bar.set_position((1000.0 * share.min(1.0)) as u64);
-            bar.set_message(what.to_owned());
-        });
-        bar.finish_and_clear();
-        let asked = interrupt::asked();
-        let report = match engine.part() {
-            Some(part) if part.kept == part.points => return print(&part_text(&part, self.json)).map(|()| DONE),
-            Some(_) => report,
-            None => report.and_then(|report| whole(report, engine)),
-        };
-        if asked {
-            say(&stopped(S::SWEEPS, engine));
-        }
-        let report = match report {
-            // Parts of this study may have failed since it was asked to end, and it does not know.
-            Ok(_) if asked && !S::INTERRUPTIBLE => return Err(nothing()),
-            Err(Error::Parameter { .. } | Error::Integration(_) | Error::Stalled { .. } | Error::Run(_)) if asked => {
-                return Err(nothing());
-            }
-            report => report?,
-        };
-        if let Some(remark) = report.remarks() {
-            say(remark);
-        }
-        if let Some(why) = report.error() {
-            say(&format!("error: {why}"));
-        }
-        let text = to_json(&report.json());
-        // Results are printed before files are written, and files are written even if printing
-        // fails: a failure of one does not lose the other.
-        let printed = print(&if self.json { format!("{text}\n") } else { report.text() });
-        if let Some(folder) = engine.folder() {
-            self.write(folder, &report)?;
-        }
-        printed.map(|()| if report.error().is_none() { DONE } else { FAILED })
-    }
-
-    fn write(&self, folder: &Folder, report: &Report) -> Result<()> {
+    /// Writes the files of a report, in place of those that an earlier run may have left.
+    fn write(&self, engine: &Engine, report: &Report) -> Result<()> {
+        let Some(folder) = engine.folder().filter(|_| finished_part(engine).is_none()) else { return Ok(()) };
         let left = S::optional_files();
         #[cfg(feature = "plot")]
         let left: Vec<String> = left.iter().flat_map(|name| super::formats::names(name)).collect();
@@ -166,8 +132,79 @@ impl<S: Study> StudyCommand<S> {
         if let Some(formats) = &self.formats {
             formats.write(folder, &report.drawn()?)?;
         }
-        say(&format!("written to {}", folder.path().display()));
         Ok(())
+    }
+}
+
+/// Does the work of a study. Of a shard, the report says what it has done.
+fn done<S: Study>(work: Work<'_>, engine: &Engine, progress: Progress<'_>) -> Result<Report> {
+    let report = work(engine, progress);
+    let report = match (engine.part(), finished_part(engine)) {
+        (_, Some(part)) => return Ok(part_report(&part)),
+        (Some(_), None) => report,
+        (None, _) => report.and_then(|report| whole(report, engine)),
+    };
+    match report {
+        // Parts of this study may have failed since it was asked to end, and it does not know.
+        Ok(_) if interrupt::asked() && !S::INTERRUPTIBLE => Err(nothing()),
+        Err(Error::Parameter { .. } | Error::Integration(_) | Error::Stalled { .. } | Error::Run(_))
+            if interrupt::asked() =>
+        {
+            Err(nothing())
+        }
+        report => report,
+    }
+}
+
+/// What a shard has done, once it has all of its points.
+fn finished_part(engine: &Engine) -> Option<Part> {
+    engine.part().filter(|part| part.kept == part.points)
+}
+
+impl<S: Study> Runs for StudyCommand<S> {
+    fn run(&self) -> Exit {
+        let engine = self.engine_args.engine(Engine::threads)?;
+        if engine.serves() {
+            // Rank 0 reports errors.
+            let _ = self.study.begin().and_then(|work| work(&engine, &|_, _| ()));
+            return Ok(DONE);
+        }
+        let (engine, work) = self.begun(engine, self.study.default_folder())?;
+        let bar = progress_bar();
+        let report = done::<S>(work, &engine, &|share, what| {
+            bar.set_position((1000.0 * share.min(1.0)) as u64);
+            bar.set_message(what.to_owned());
+        });
+        bar.finish_and_clear();
+        if interrupt::asked() && finished_part(&engine).is_none() {
+            say(&stopped(S::SWEEPS, &engine));
+        }
+        let report = report?;
+        if let Some(remark) = report.remarks() {
+            say(remark);
+        }
+        if let Some(why) = report.error() {
+            say(&format!("error: {why}"));
+        }
+        // Results are printed before files are written, and files are written even if printing
+        // fails: a failure of one does not lose the other.
+        let printed = print(&if self.json { to_json(&report.json()) + "\n" } else { report.text() });
+        self.write(&engine, &report)?;
+        if let Some(folder) = engine.folder().filter(|_| finished_part(&engine).is_none()) {
+            say(&format!("written to {}", folder.path().display()));
+        }
+        printed.map(|()| if report.error().is_none() { DONE } else { FAILED })
+    }
+
+    fn report(&self, progress: Progress<'_>) -> Result<Report> {
+        let engine = self.engine_args.engine(Engine::threads)?;
+        if engine.serves() {
+            return self.study.begin()?(&engine, progress);
+        }
+        let (engine, work) = self.begun(engine, None)?;
+        let report = done::<S>(work, &engine, progress)?;
+        self.write(&engine, &report)?;
+        Ok(report)
     }
 }
 
@@ -208,6 +245,7 @@ fn with_outputs(command: Command, files: &str) -> Command {
     let out = Arg::new("out").long("out").value_name("DIR").value_parser(value_parser!(PathBuf));
     let help = "Write the results to this folder";
     let json = Arg::new("json").long("json").action(ArgAction::SetTrue).help("Print JSON instead of text");
+    let command = command.group(ArgGroup::new(STUDY));
     if files.is_empty() {
         return command.arg(json);
     }
@@ -254,18 +292,9 @@ fn nothing() -> Error {
     Error::Stopped { kept: "nothing of this study was finished".to_owned() }
 }
 
-/// What a shard has done, as text or as JSON.
-pub(super) fn part_text(part: &Part, json: bool) -> String {
+/// What a shard has done.
+pub(super) fn part_report(part: &Part) -> Report {
     let Part { shard, points, kept, computed, store } = part;
-    if !json {
-        return format!("shard {shard}: {}\n", part.words());
-    }
-    let value = serde_json::json!({
-        "shard": shard.to_string(),
-        "points": points,
-        "kept": kept,
-        "computed": computed,
-        "store": store,
-    });
-    to_json(&value) + "\n"
+    let report = Report::new("shard").fact("shard", shard.to_string()).fact("points", points).fact("kept", kept);
+    report.fact("computed", computed).fact("store", store).lines(format!("shard {shard}: {}\n", part.words()))
 }

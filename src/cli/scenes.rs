@@ -1,6 +1,6 @@
 //! `hertzchain scenes`.
 
-use super::{DONE, Exit, print};
+use super::{DONE, Exit, print, runner::Runs};
 use crate::{output::to_json, present::table, scene::Scene, study::scene_json};
 use clap::{Args, Subcommand};
 use serde_json::json;
@@ -27,8 +27,8 @@ pub(crate) enum ScenesAction {
     Template,
 }
 
-impl ScenesArgs {
-    pub(super) fn run(&self) -> Exit {
+impl Runs for ScenesArgs {
+    fn run(&self) -> Exit {
         let text = match &self.action {
             Some(ScenesAction::Show { name }) => {
                 let text = Scene::source(name)?;

@@ -1,6 +1,6 @@
 //! `hertzchain shell`: what a shell and `man` can be given.
 
-use super::{DONE, Exit, args::Cli, print, say};
+use super::{DONE, Exit, args::Cli, print, runner::Runs, say};
 use crate::output::Folder;
 use clap::{Command, CommandFactory, Subcommand};
 use clap_complete::Shell;
@@ -32,8 +32,8 @@ pub(crate) enum ShellAction {
     },
 }
 
-impl ShellAction {
-    pub(super) fn run(&self) -> Exit {
+impl Runs for ShellAction {
+    fn run(&self) -> Exit {
         match self {
             Self::Completions { shell } => {
                 let mut script = Vec::new();

@@ -57,15 +57,6 @@ impl DriveParameter {
         }
     }
 
-    /// The parameter with this name.
-    ///
-    /// # Errors
-    /// Another name.
-    pub fn named(name: &str) -> Result<Self> {
-        let found = Self::ALL.into_iter().find(|one| one.name() == name);
-        found.ok_or_else(|| Error::unknown("vary", name, Self::ALL.map(Self::name)))
-    }
-
     /// The rule for its values.
     fn check(self, value: f64) -> Result<()> {
         let (good, rule) = match self {

@@ -10,7 +10,7 @@ pub use figure::{
     Point, Raster, SpaceTime, WorkPrecision,
 };
 pub use table::{Cell, Digits, Rows, Table};
-pub(crate) use table::{rows, told};
+pub(crate) use table::{filled, rows, told};
 pub use units::{Quantity, Units};
 
 use crate::{
@@ -93,7 +93,7 @@ impl Report {
     #[must_use]
     pub fn words(mut self, words: impl AsRef<str>) -> Self {
         if !words.as_ref().is_empty() {
-            self.blocks.push(Block::Words(table::filled(words.as_ref())));
+            self.blocks.push(Block::Words(filled(words.as_ref(), table::LEGEND)));
         }
         self
     }

@@ -8,8 +8,8 @@ use std::io::{self, Seek, Write};
 
 /// Width of a text table from which it is cut into two, in characters.
 const WIDE: usize = 120;
-/// Width of the legend below a text table.
-const LEGEND: usize = 100;
+/// Width of paragraphs, and of the legend below a text table.
+pub(super) const LEGEND: usize = 100;
 
 /// A value of a column.
 #[derive(Clone, Debug, PartialEq)]
@@ -384,7 +384,17 @@ impl Table {
         };
         let tables = parts.iter().map(part).collect::<Vec<_>>().join("\n");
         let legend = self.legend();
-        if legend.is_empty() { tables } else { format!("{tables}\n{}", filled(&legend)) }
+        if legend.is_empty() { tables } else { format!("{tables}\n{}", filled(&legend, LEGEND)) }
+    }
+
+    /// Names of its columns in files, and their values.
+    pub fn values(&self) -> impl Iterator<Item = (String, Vec<Cell>)> {
+        let told = |column: &Column, cell: &Cell| match cell {
+            Cell::Number(x) => Cell::Number(self.told(column, *x)),
+            cell => cell.clone(),
+        };
+        self.flat()
+            .map(move |column| (file_name(&column.name), column.cells.iter().map(|cell| told(column, cell)).collect()))
     }
 
     /// Names of its columns in files, and what they are.
@@ -461,14 +471,14 @@ pub(crate) fn told(doc: &str) -> String {
     }
 }
 
-/// A paragraph in lines that are not too long.
-pub(super) fn filled(words: &str) -> String {
+/// A paragraph in lines of so many characters at most.
+pub(crate) fn filled(words: &str, width: usize) -> String {
     let mut lines = vec![String::new()];
     for word in words.split_whitespace() {
         let line = lines.last_mut().expect("at least one line");
         if line.is_empty() {
             line.push_str(word);
-        } else if line.chars().count() + 1 + word.chars().count() > LEGEND {
+        } else if line.chars().count() + 1 + word.chars().count() > width {
             lines.push(word.to_owned());
         } else {
             *line += " ";

@@ -95,11 +95,14 @@ impl Scene {
             .collect()
     }
 
-    /// The TOML of a built-in scene or of a file.
+    /// The TOML of a built-in scene or of a file; a text of several lines is the TOML itself.
     ///
     /// # Errors
     /// An unknown name (with the nearest one), or a file that cannot be read.
     pub fn source(name_or_file: &str) -> Result<String> {
+        if name_or_file.contains('\n') {
+            return Ok(name_or_file.to_owned());
+        }
         if let Some((_, text)) = BUILTIN.iter().find(|(name, _)| *name == name_or_file) {
             return Ok((*text).to_owned());
         }
@@ -163,6 +166,7 @@ impl Scene {
     }
 
     fn parse_as(text: &str, file: &str, changes: &[String], by_sites: bool) -> Result<Self> {
+        let file = file.split_once('\n').map_or(file, |(name, _)| name.trim_start_matches("name = ").trim_matches('"'));
         let refused = |error: Error| {
             let place = match &error {
                 Error::Parameter { name, .. } | Error::Integration(Failure::Argument { name, .. }) => {

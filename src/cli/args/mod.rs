@@ -31,10 +31,16 @@ macro_rules! commands {
             $command($args),)*
         }
 
-        impl $name {
-            pub(crate) fn run(&self) -> $crate::cli::Exit {
+        impl $crate::cli::runner::Runs for $name {
+            fn run(&self) -> $crate::cli::Exit {
                 match self {
                     $(Self::$command(args) => args.run(),)*
+                }
+            }
+
+            fn report(&self, progress: $crate::study::Progress<'_>) -> $crate::error::Result<$crate::report::Report> {
+                match self {
+                    $(Self::$command(args) => args.report(progress),)*
                 }
             }
         }

@@ -1,12 +1,18 @@
 //! Commands that run studies.
 
 use crate::{
-    cli::{Exit, args::commands, runner::StudyCommand},
+    cli::{
+        Exit,
+        args::commands,
+        runner::{Runs, StudyCommand},
+    },
+    error::Result,
+    report::Report,
     study::{
         Barrier, Bound, BoundaryWave, Bright, Charts, Continue, ContinueWave, Dark, DarkProfiles, DimerOptions,
         DisorderOptions, Doubled, Drift, Driven, DrivenContinue, EndDriven, Evolve, FollowMode, Homoclinics,
-        ImpurityOptions, Integrals, LifetimeOptions, ModulationStudy, Moving, OrderOptions, ScalingOptions, Solitary,
-        TaperOptions, TheoremOptions, Trivial, Wanted, Wave,
+        ImpurityOptions, Integrals, LifetimeOptions, ModulationStudy, Moving, OrderOptions, Progress, ScalingOptions,
+        Solitary, TaperOptions, TheoremOptions, Trivial, Wanted, Wave,
     },
 };
 use clap::Args;
@@ -125,9 +131,13 @@ pub(crate) struct WaveArgs {
     study: StudyCommand<Wave>,
 }
 
-impl WaveArgs {
-    pub(crate) fn run(&self) -> Exit {
-        self.action.as_ref().map_or_else(|| self.study.run(), WaveAction::run)
+impl Runs for WaveArgs {
+    fn run(&self) -> Exit {
+        self.action.as_ref().map_or_else(|| self.study.run(), Runs::run)
+    }
+
+    fn report(&self, progress: Progress<'_>) -> Result<Report> {
+        self.action.as_ref().map_or_else(|| self.study.report(progress), |action| action.report(progress))
     }
 }
 

@@ -62,7 +62,7 @@ impl PlanStudy {
         };
         let columns = self.columns.iter().map(|one| (one.name.clone(), column(one))).collect();
         let axis = |axis: &super::Axis| json!({"keys": axis.keys, "places": axis.values.len()});
-        let failed = |(k, why): &(usize, String)| json!({"point": self.plan.point(*k), "failure": why});
+        let failed = |(k, why): &(usize, String)| json!({"row": k, "point": self.plan.point(*k), "failure": why});
         Report::new("sweep")
             .fact("name", &self.plan.name)
             .fact("points", self.plan.points())

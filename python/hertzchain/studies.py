@@ -1,0 +1,2249 @@
+"""The studies of the program, a function for each, with its options as arguments.
+
+Generated: what ``--help`` says. What is not given has the default of the program. Files are written
+to the folder ``out`` only.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+from ._chain import Chain, Scene
+from ._progress import Progress
+from ._study import Study, called
+
+
+def compare(
+    scene: Scene | Chain | str,
+    *,
+    set: Mapping[str, Any] | Sequence[str] | None = None,
+    integrators: str | Sequence[str] | None = None,
+    max_time: float = 10,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Compare integrators on a scene: error against run time.
+
+    Every integrator runs with smaller and smaller steps or tolerances until the time of `max_time`
+    is used up. Errors are those of the strains at the end, against a reference that a second method
+    checks. The table ends with the fastest run at each error.
+
+    Parameters
+    ----------
+    scene : Scene | Chain | str
+        Name of a built-in scene, or a TOML file.
+    set : Mapping[str, Any] | Sequence[str]
+        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
+        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+        needs no quotation marks, as in chain.boundary=ring.
+    integrators : str | Sequence[str]
+        Integrators, separated by commas, or all. By default integrators that are the fastest at
+        some error on a built-in scene, and those that serve as a standard of comparison: verlet,
+        yoshida4, aba864, srkn14-6, strang-linear, aba1064-linear, aba1064-linear-landed, corrected,
+        corrected-kinetic, takahashi-imada-linear, dop853, dop853-regularised, collocation.
+    max_time : float
+        Wall time for all runs, in seconds; what would not fit is left out. Runs are also left out
+        if they take more than a 400th of this time and are expected to be beaten in error and in
+        time. Finite and positive.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: compare.json, compare.png; compare.npz with an
+        array TABLE.COLUMN for each column of compare.csv: integrator, setting, step, error,
+        energy_error, wall_s (median wall time of a run, in seconds), runs (runs whose median it
+        is), force_evaluations, steps, rejected, below_reference (whether the error is below 3 times
+        the error estimate of the reference: an upper bound at best), failure, step_cost (wall time
+        of a step, in steps of plain Verlet), order (slope of log error against log step).
+        fastest.csv: error, integrator, setting, wall_s (wall time, in seconds), plain_loop (fastest
+        plain loop), plain_wall_s (its wall time), ratio (of the two times).
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("compare", compare, locals())
+
+
+def sweep(
+    plan: str | os.PathLike[str] | None = None,
+    *,
+    template: bool = False,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Run a scene at every point of a grid that a file describes.
+
+    The file names a scene, axes (any keys of the scene: lists, ranges, seeds) and the quantities to
+    keep of each run. Prints a table; with `out` also writes a picture, and a store from which an
+    interrupted sweep resumes.
+
+    Parameters
+    ----------
+    plan : str | os.PathLike[str]
+        TOML file with the plan; `hertzchain sweep --template` prints one.
+    template : bool
+        Print a plan with every key, each explained: a start for your own.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. sweep.store keeps every point as soon as it is computed;
+        the same command resumes from it. Files: sweep.csv, sweep.ndjson (a line a point, also
+        failures), sweep.npz (a column a quantity), sweep.json, and sweep.png (one or two axes).
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("sweep", sweep, locals())
+
+
+def order(
+    *,
+    alpha: float = 1.5,
+    beads: int = 6,
+    integrators: str | Sequence[str] | None = None,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Measure the order of every method through contacts.
+
+    Compares methods that step across contacts, land on them, correct for them, or integrate in a
+    regularised variable. Measures errors of the state and of its derivative with respect to the
+    initial state, and prints their slopes beside the orders of theory.
+
+    Parameters
+    ----------
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. From 0.5 to 10.
+    beads : int
+        Number of beads of the chain. From 2 to 1000.
+    integrators : str | Sequence[str]
+        Integrators, separated by commas, or all [default: all]. Each is run in all modes that it
+        has.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: order.json, order-state.png, order-tangent.png;
+        order.npz with an array TABLE.COLUMN for each column of slopes.csv: mode, method, quantity,
+        slope (of log error against log steps), slope_theory (the slope by theory), most_steps (of
+        the finest run), least_error (of the finest run, the largest of a component at the end).
+        order.csv: method, mode (how it meets contacts), quantity (state, or tangent: its derivative
+        by the initial state), slope (order that it shows), slope_theory (the slope by theory),
+        steps, error (largest error of a component at the end). order.store keeps every point as
+        soon as it is computed; the same command resumes from it. The pictures are order-state.png
+        and order-tangent.png.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study order", order, locals())
+
+
+def scaling(
+    *,
+    sites: int | Sequence[int] = (50, 100, 200, 500, 1000, 5000, 50000),
+    tol: float = 1e-9,
+    seed: int = 1,
+    max_time: float = 60,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Measure run time per bond and period against the number of sites.
+
+    Parameters
+    ----------
+    sites : int | Sequence[int]
+        Numbers of sites, separated by commas. Each a multiple of 10. Each is from 10 to 1000000.
+    tol : float
+        Tolerance. The same tolerance for every method. From 2.3e-15 to 0.1 for dop853.
+    seed : int
+        Seed of the random numbers. They perturb the wave.
+    max_time : float
+        Wall time for all runs, in seconds; what would not fit is left out. Only runs of dop853 are
+        left out. Finite and positive.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: scaling.json, scaling.png; scaling.npz with an
+        array TABLE.COLUMN for each column of scaling.csv: integrator (name of the method), sites
+        (number of sites, and of bonds), wall (median wall time of several runs, in seconds),
+        per_bond_period (wall time for each bond and period, in seconds), runs (runs whose median is
+        the wall time), steps (steps of a run), rejected (rejected steps), force_evaluations (force
+        evaluations of the whole chain; each bond makes at most this many), failure (why there is no
+        time: the run failed, or was left out).
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study scaling", scaling, locals())
+
+
+def drift(
+    scene: Scene | Chain | str = "bright-breather-16",
+    *,
+    set: Mapping[str, Any] | Sequence[str] | None = None,
+    periods: float = 1e4,
+    integrators: str | Sequence[str] = ("collocation", "corrected", "strang-linear", "yoshida4-linear"),
+    samples: int = 200,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Measure how the energy error grows with time.
+
+    Parameters
+    ----------
+    scene : Scene | Chain | str
+        Name of a built-in scene, or a TOML file.
+    set : Mapping[str, Any] | Sequence[str]
+        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
+        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+        needs no quotation marks, as in chain.boundary=ring.
+    periods : float
+        Length of the longest run, in periods. All runs have this length, in periods of the scene.
+        From 1 to 1e9.
+    integrators : str | Sequence[str]
+        Integrators, separated by commas, or all.
+    samples : int
+        Number of sample times. Spaced evenly in the logarithm of time. From 2 to 100000.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: drift.json, drift.png; drift.npz with an array
+        TABLE.COLUMN for each column of methods.csv: integrator, setting, early_error (largest |E(t)
+        - E(0)| / |E(0)| up to 1 % of the time), last_error (the same up to the end), slope (of the
+        logarithm of the error against that of t), wall (wall time, in seconds), steps, rejected
+        (rejected steps), force_evaluations, failure. drift.csv: integrator, setting, t (time),
+        energy_error (largest |E - E(0)| / |E(0)| up to t). drift.store keeps every point as soon as
+        it is computed; the same command resumes from it.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study drift", drift, locals())
+
+
+def stability(
+    scene: Scene | Chain | str | None = None,
+    *,
+    set: Mapping[str, Any] | Sequence[str] | None = None,
+    charts: str | Sequence[str] | None = None,
+    integrators: str | Sequence[str] | None = None,
+    periods: float = 1e4,
+    work: float = 4e6,
+    sites: int = 100000,
+    quick: bool = False,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Chart the stability of the integrators over extreme chains.
+
+    Varies the mass ratio, the stiffness and the exponent of contacts, and the length of the chain
+    and of the run; also charts resonances. A point is one method on one variant of the chain:
+    stable, drifting or lost (its energy error exceeds 1, or the run failed), its energy error, the
+    largest steps that keep the error below 1e-3 and below 1e-6, and their cost.
+
+    Parameters
+    ----------
+    scene : Scene | Chain | str
+        Name of a built-in scene, or a TOML file. The chain and the state that are varied [default:
+        four spheres between walls, kappa = 1, rho = 1/3, amplitude 1].
+    set : Mapping[str, Any] | Sequence[str]
+        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
+        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+        needs no quotation marks, as in chain.boundary=ring.
+    charts : str | Sequence[str]
+        Charts, separated by commas [default: all]. The charts are light (mass ratios), stiffness
+        (amplitudes and spring constants), alpha (exponents), length (numbers of beads), time
+        (lengths of runs) and resonances (of the exact linear flow).
+    integrators : str | Sequence[str]
+        Integrators, separated by commas, or all [default: all].
+    periods : float
+        Length of the longest run, in periods. For the chart `time`, in contact periods 2 pi/sqrt(2
+        alpha A^(alpha-1)). From 1 to 1e6.
+    work : float
+        Largest work of a run while a step is searched for. In force evaluations times sites. From
+        1e4 to 1e12.
+    sites : int
+        Number of sites. Length of the longest chain in the chart `length`. From 1 to 1000000.
+    quick : bool
+        Compute fewer points. At most a third of the points of light, stiffness and alpha.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: stability.json, light.png, stiffness.png,
+        alpha.png, length.png, time.png; stability.npz with an array TABLE.COLUMN for each column of
+        light-errors.csv: integrator, h_omega (step above which the energy has no bound, at the
+        lightest), h_contact (the same times Omega_c over the fast frequency). light.csv:
+        integrator, rho, contact_frequency (Omega_c), fast_frequency (frequency of the fastest
+        motion), span (length of the runs), verdict (at the usual step or tolerance), energy_error
+        (the same), step (the usual step), cost (force evaluations a unit of time), step_1e-3
+        (largest step with an energy error below 1e-3), cost_1e-3 (its cost), step_1e-6 (largest
+        step with an energy error below 1e-6), cost_1e-6 (its cost), stability_limit (limit of
+        stability of the step times the fast frequency), why (why nothing was measured, or why the
+        run failed). light-ladder.csv: integrator, rho, step (the mean one for adaptive methods),
+        tol (tolerance), h_fast (step times the fast frequency), verdict (stable, drifting, lost or
+        dear), energy_error (largest |H - H(0)|/|H(0)|), cost (force evaluations a unit of time).
+        stiffness-errors.csv: integrator. stiffness.csv: integrator, amplitude, kappa,
+        contact_frequency (Omega_c), fast_frequency (frequency of the fastest motion), span (length
+        of the runs), verdict (at the usual step or tolerance), energy_error (the same), step (the
+        usual step), cost (force evaluations a unit of time), step_1e-3 (largest step with an energy
+        error below 1e-3), cost_1e-3 (its cost), step_1e-6 (largest step with an energy error below
+        1e-6), cost_1e-6 (its cost), stability_limit (limit of stability of the step times the fast
+        frequency), why (why nothing was measured, or why the run failed). stiffness-ladder.csv:
+        integrator, amplitude, kappa, step (the mean one for adaptive methods), tol (tolerance),
+        h_fast (step times the fast frequency), verdict (stable, drifting, lost or dear),
+        energy_error (largest |H - H(0)|/|H(0)|), cost (force evaluations a unit of time).
+        alpha-errors.csv: integrator. alpha.csv: integrator, alpha, contact_frequency (Omega_c),
+        fast_frequency (frequency of the fastest motion), span (length of the runs), verdict (at the
+        usual step or tolerance), energy_error (the same), step (the usual step), cost (force
+        evaluations a unit of time), step_1e-3 (largest step with an energy error below 1e-3),
+        cost_1e-3 (its cost), step_1e-6 (largest step with an energy error below 1e-6), cost_1e-6
+        (its cost), stability_limit (limit of stability of the step times the fast frequency), why
+        (why nothing was measured, or why the run failed). alpha-ladder.csv: integrator, alpha, step
+        (the mean one for adaptive methods), tol (tolerance), h_fast (step times the fast
+        frequency), verdict (stable, drifting, lost or dear), energy_error (largest |H -
+        H(0)|/|H(0)|), cost (force evaluations a unit of time). length-errors.csv: integrator.
+        length.csv: integrator, sites, contact_frequency (Omega_c), fast_frequency (frequency of the
+        fastest motion), span (length of the runs), verdict (at the usual step or tolerance),
+        energy_error (the same), step (the usual step), cost (force evaluations a unit of time),
+        step_1e-3 (largest step with an energy error below 1e-3), cost_1e-3 (its cost), step_1e-6
+        (largest step with an energy error below 1e-6), cost_1e-6 (its cost), stability_limit (limit
+        of stability of the step times the fast frequency), why (why nothing was measured, or why
+        the run failed). length-ladder.csv: integrator, sites, step (the mean one for adaptive
+        methods), tol (tolerance), h_fast (step times the fast frequency), verdict (stable,
+        drifting, lost or dear), energy_error (largest |H - H(0)|/|H(0)|), cost (force evaluations a
+        unit of time). time-errors.csv: integrator. time.csv: integrator, periods, contact_frequency
+        (Omega_c), fast_frequency (frequency of the fastest motion), span (length of the runs),
+        verdict (at the usual step or tolerance), energy_error (the same), step (the usual step),
+        cost (force evaluations a unit of time), step_1e-3 (largest step with an energy error below
+        1e-3), cost_1e-3 (its cost), step_1e-6 (largest step with an energy error below 1e-6),
+        cost_1e-6 (its cost), stability_limit (limit of stability of the step times the fast
+        frequency), why (why nothing was measured, or why the run failed). time-ladder.csv:
+        integrator, periods, step (the mean one for adaptive methods), tol (tolerance), h_fast (step
+        times the fast frequency), verdict (stable, drifting, lost or dear), energy_error (largest
+        |H - H(0)|/|H(0)|), cost (force evaluations a unit of time). resonances.csv: integrator, k
+        (multiple of pi), amplitude (static overlap), kick_sum (|S_k|, the sum of the kicks b_j e^(2
+        pi i k c_j)), lower (lower edge in h omega), upper (upper edge), centre (where it grows
+        most), width (upper less lower edge), growth (growth a step, ln |lambda|), error_inside
+        (energy error at the centre), error_beside (energy error at h omega = (k - 1/2) pi), why
+        (why there is none). resonances-widths.csv: integrator, k (multiple of pi), kick_sum (sum of
+        the kicks b_j e^(2 pi i k c_j)). regimes.csv: chart, regime, integrator_1e-3, h_fast_1e-3,
+        cost_1e-3, integrator_1e-6, h_fast_1e-6, cost_1e-6. stability.store keeps every point as
+        soon as it is computed; the same command resumes from it. A chart has pictures of its own,
+        CHART.png.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study stability", stability, locals())
+
+
+def theorem(
+    *,
+    alpha: float = 1.5,
+    horizon: float = 1,
+    rho_law: str = "eps^-2(alpha-1)",
+    initial: Literal["site", "bond", "generic"] = "bond",
+    c_i: float = 0,
+    seed: int | None = None,
+    epsilons: float | Sequence[float] = (0.1, 0.01, 0.001, 1e-4, 1e-5, 1e-6),
+    sites: int | None = None,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Test Theorem 1 of the paper by numerical experiment.
+
+    Does the DpS equation describe the chain with heavy resonators as well, and for as long, as the
+    theorem says? Runs the chain with kappa = 1 and free ends at each epsilon, takes the suprema
+    over 0 <= t <= T epsilon^(1-alpha) of the four errors (estimu), (estimv) in l_1, l_2 and l_inf
+    over samples, divides them by epsilon^alpha (u with u', v) and epsilon^(2 alpha-1) (v'), and
+    gives the local slopes d ln sup / d ln epsilon. Exit code 1 if the outcome contradicts the
+    theorem: its law of rho, and the verdict "violated".
+
+    Parameters
+    ----------
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. For breathers from 1.01. Above 1 and at most
+        10.
+    horizon : float
+        T: runs end at t = T epsilon^(1-alpha), at most 1e8. The horizon of the theorem in units of
+        the slow time. Above 0 and at most 1000.
+    rho_law : str
+        Law of the mass ratio, or a number for all epsilon. eps^-2(alpha-1), the smallest ratio that
+        the theorem allows; eps^-(alpha-1), which is smaller; or one number for all epsilon, inf for
+        Newton's cradle.
+    initial : Literal["site", "bond", "generic"]
+        Initial amplitudes A(0) of the DpS equation. A breather about a bond or a site, or (xi_n + i
+        eta_n) e^(-n^2/4) with random xi_n, eta_n in (-1, 1).
+    c_i : float
+        C_i: departure of the initial state from the ansatz. The departure has a random direction
+        and lies on the boundary of the set (condciu), (condciv) in l_1, and so inside it in all
+        norms. 0: the run starts exactly on the ansatz. Finite and at least 0.
+    seed : int
+        Seed of the random numbers [default: 1]. They give a generic A(0) and the direction of the
+        departure from the ansatz.
+    epsilons : float | Sequence[float]
+        Sizes epsilon of the oscillation, separated by commas [default: decades from 0.1 to 1e-6].
+        In any order. Each is above 0 and below 1.
+    sites : int
+        Number of sites [default: the sites where A(0) is above 1e-16 of its largest value; for
+        generic: 21]. At least the default, up to 1000.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: theorem.json, theorem.png; theorem.npz with an
+        array TABLE.COLUMN for each column of theorem.csv: epsilon, rho, norm, u_error (supremum of
+        the error of u over 0 <= t <= T epsilon^(1-alpha)), v_error (supremum of the error of v over
+        0 <= t <= T epsilon^(1-alpha)), vdot_error (supremum of the error of vdot over 0 <= t <= T
+        epsilon^(1-alpha)), u_scaled (supremum over 0 <= t <= T epsilon^(1-alpha) of the error of u,
+        over epsilon^1.5), v_scaled (supremum over 0 <= t <= T epsilon^(1-alpha) of the error of v,
+        over epsilon^1.5), vdot_scaled (supremum over 0 <= t <= T epsilon^(1-alpha) of the error of
+        vdot, over epsilon^2), sampling_error (largest share of a supremum that samples may miss), t
+        (end of the run), samples (number of samples), windows (windows of the integrator).
+        slopes.csv: from, to (local slope between two sizes), u_1, u_2, u_inf, v_1, v_2, v_inf,
+        vdot_1, vdot_2, vdot_inf. limits.csv: norm, quantity, theory (power of the theorem),
+        expected (power of its proof at this law of rho), limit (limit of the local slopes),
+        limit_uncertainty (its uncertainty), verdict. theorem.store keeps every point as soon as it
+        is computed; the same command resumes from it. theorem.txt has what is printed.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study theorem", theorem, locals())
+
+
+def lifetimes(
+    *,
+    epsilons: float | Sequence[float] = (0.001, 0.003, 0.01, 0.03, 0.1),
+    rhos: float | Sequence[float] = (10, 100, 1000, 1e4, 1e5),
+    criterion: Literal["energy", "distance", "frequency"] = "energy",
+    alpha: float = 1.5,
+    center: Literal["site", "bond"] = "bond",
+    sites: int | None = None,
+    until: float | None = None,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Measure how long bright breathers live, over size and mass ratio.
+
+    Runs the chain from the breather u(0) = 2 epsilon a at every size epsilon and every mass ratio
+    rho.
+
+    Three criteria give one lifetime each; a run ends when all three are met, or at the cap
+    (`until`). `energy`: the core, the fewest sites that hold 0.999 of the sum of a_n^2, has less
+    than 0.9 of the energy. `distance`: |A - A~|_1/|A~|_1 is above 0.5, where A = u + i u' is that
+    of the chain, and A~ that of the ansatz u~ = 2 epsilon a cos(Omega_b t). The phase counts: a
+    drift of it by half a radian suffices, long before anything is radiated. `frequency`: over four
+    periods, the central bead oscillates against its resonator with a frequency nearer to omega =
+    sqrt(1 + 1/rho) than to Omega_b. Where a run does not meet a criterion, the table says: not
+    before t.
+
+    Each point has a fate. `radiates`: the core falls below 0.9 of the energy while its bonds are
+    closed at least 1/3 of the time. `decouples`: before that, bonds of the core come to be closed
+    less than 1/3 of the time: gaps open, each site oscillates on its own, and the energy stays.
+    `persists`: neither before the cap.
+
+    Another criterion or a larger map computes only what is new.
+
+    Parameters
+    ----------
+    epsilons : float | Sequence[float]
+        Sizes epsilon of the oscillation, separated by commas. Displacements start at 2 epsilon a_n.
+        Each is named once. Each is above 0 and below 1.
+    rhos : float | Sequence[float]
+        Mass ratios resonator to bead, separated by commas. Each is named once. Each is finite and
+        positive.
+    criterion : Literal["energy", "distance", "frequency"]
+        Criterion that ends the life of a breather.
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
+    center : Literal["site", "bond"]
+        What the profile is symmetric about.
+    sites : int
+        Number of sites. Length of every chain. By default it is doubled from 100 on, up to 25600,
+        until no wave comes back from the ends. From 20 to 100000.
+    until : float
+        End time, in units of time [default: for each breather 25 times the theorem's time scale, T
+        epsilon^(1-alpha)]. No breather is followed longer. Finite and positive.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: lifetimes.json, lifetimes.png; lifetimes.npz with
+        an array TABLE.COLUMN for each column of lifetimes.csv: epsilon, rho, lifetime (by the
+        criterion), not_before (end of the run, where it lives longer), fate, energy (lifetime by
+        energy), distance (lifetime by distance), frequency (lifetime by frequency), end (time until
+        which it was followed), decoupled (time at which contact fell below 1/3), core_share (share
+        of the energy in the core, at the end), contact (share of the last ten periods in which a
+        bond of the core is closed), x (rho epsilon^(2(alpha-1))), horizon (T epsilon^(1-alpha)),
+        omega_b (frequency of the ansatz), sites (sites of the chain), ends_felt (time from which
+        the ends of the chain may be felt), failure. lifetimes.store keeps every point as soon as it
+        is computed; the same command resumes from it.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study lifetimes", lifetimes, locals())
+
+
+def dimer(
+    *,
+    from_: float = 0.07,
+    to: float = 1,
+    points: int = 120,
+    cells: int = 24,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Measure how a pulse decays in dimers, over the mass ratio.
+
+    A chain of alternating heavy and light beads is struck at one end. The transmission is the
+    largest contact force far from that end, divided by the one near it. A mass ratio at which it
+    has a maximum of 1 has a solitary wave.
+
+    Parameters
+    ----------
+    from_ : float
+        Smallest mass ratio. Mass of the light beads over that of the heavy ones. From 0.02 to 1.
+    to : float
+        Largest mass ratio. Mass of the light beads over that of the heavy ones. From 0.02 to 1.
+    points : int
+        Number of points. Mass ratios, evenly spaced in their logarithm. From 3 to 10000.
+    cells : int
+        Distance of the two bonds whose forces are compared, in cells. A cell is a heavy and a light
+        bead. From 4 to 1000.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: dimer.json, dimer.png; dimer.npz with an array
+        TABLE.COLUMN for each column of dimer.csv: ratio (mass of the light beads over that of the
+        heavy ones), first (largest contact force near the struck end), last (the same, the cells
+        farther on), transmission (last over first, 1 for a solitary wave). maxima.csv: ratio (mass
+        of the light beads over that of the heavy ones), first (largest contact force near the
+        struck end), last (the same, the cells farther on), transmission (last over first, 1 for a
+        solitary wave), published (Jayaprakash, Starosvetsky & Vakakis 2011). dimer.store keeps
+        every point as soon as it is computed; the same command resumes from it. dimer-maxima.store
+        keeps the maxima.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study dimer", dimer, locals())
+
+
+def impurity(
+    *,
+    from_: float = 0.01,
+    to: float = 20,
+    points: int = 67,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Measure how one bead of another mass scatters a solitary wave.
+
+    For every mass of the bead: the shares of the energy that are behind the bead, before it and in
+    it long after the wave has passed, and the frequency at which a light bead oscillates between
+    its neighbours.
+
+    Parameters
+    ----------
+    from_ : float
+        Smallest mass ratio. Mass of the impurity over that of the other beads. From 1e-3 to 20.
+    to : float
+        Largest mass ratio. Mass of the impurity over that of the other beads. From 1e-3 to 20.
+    points : int
+        Number of points. Mass ratios, evenly spaced in their logarithm. From 3 to 10000.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: impurity.json, impurity.png; impurity.npz with an
+        array TABLE.COLUMN for each column of impurity.csv: ratio (mass ratio M), transmitted (share
+        T of the energy behind the impurity at the end of the run, t = 200 + 20 (M - 1)_+),
+        reflected (share R of the energy before the impurity), localised (share L of the energy of
+        the impurity itself), late_change (the most by which one of these shares changed in the last
+        quarter of the run), binary ((4 M/(1 + M)^2)^2, the share T of two collisions, one after the
+        other), heavy (2 p^2/(M E), the share T of a heavy bead), changes (changes of the sign of
+        w'' until a contact of the impurity first opens), frequency (Omega from the times between
+        them, if there are at least four), frequency_law (the mean of (f'(G/2) (2/M + 1))^{1/2} over
+        the same time). impurity.store keeps every point as soon as it is computed; the same command
+        resumes from it.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study impurity", impurity, locals())
+
+
+def taper(
+    *,
+    from_: float = 0.92,
+    to: float = 1.08,
+    points: int = 33,
+    spheres: int = 40,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Measure how a pulse grows in tapered chains.
+
+    Spheres of one material whose radii are a geometric sequence, shrinking or growing: the growth
+    of the velocity from sphere to sphere, and the share of its energy that the pulse keeps.
+
+    Parameters
+    ----------
+    from_ : float
+        Smallest ratio of a radius to the one before it. Below 1 spheres shrink. From 0.8 to 1.25.
+    to : float
+        Largest ratio of a radius to the one before it. From 0.8 to 1.25.
+    points : int
+        Number of points. Ratios of radii, evenly spaced. From 2 to 1000.
+    spheres : int
+        Number of tapered spheres whose velocity is measured. So few that all radii stay between
+        0.001 and 1000 times the first one. From 10 to 200.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: taper.json, taper.png; taper.npz with an array
+        TABLE.COLUMN for each column of taper.csv: ratio (radius over that of the sphere before it,
+        s), growth (growth of ln V_n a sphere), binary (ln(2/(1 + s^3)), the growth by a sequence of
+        collisions of two spheres), adiabatic (-3/2 ln s, the growth of a pulse that keeps its
+        energy), energy (share of the energy that the pulse has at the last sphere that is
+        measured). velocities.csv: ratio (ratio of radii), sphere (number of the tapered sphere,
+        from 1), velocity (largest velocity over that in the uniform chain). taper.store keeps every
+        point as soon as it is computed; the same command resumes from it.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study taper", taper, locals())
+
+
+def disorder(
+    *,
+    strengths: float | Sequence[float] = (0.1, 0.2, 0.4, 0.8),
+    chains: int = 100,
+    drawn: int = 100,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Measure how a pulse decays in chains with masses drawn at random.
+
+    The energy of a solitary wave against distance, over many chains, for several strengths of the
+    disorder.
+
+    Parameters
+    ----------
+    strengths : float | Sequence[float]
+        Strengths of the disorder, separated by commas. With the strength E, masses are drawn evenly
+        from 1 - E to 1 + E. Each is from 0 to 0.9.
+    chains : int
+        Number of chains for each strength. Their seeds are 1, 2, 3, and so on. From 2 to 100000.
+    drawn : int
+        Number of beads whose masses are drawn. From 20 to 2000.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: disorder.json, disorder.png; disorder.npz with an
+        array TABLE.COLUMN for each column of disorder.csv: strength (strength eps: masses are drawn
+        from 1 - eps to 1 + eps), rate (rate of decay of the energy of the pulse from bead to bead,
+        mean of all chains), error (its standard error, from the spread of the rates of single
+        chains), binary (eps^2/6, the rate of a sequence of collisions of two beads), rate/eps^2.
+        energies.csv: strength (masses are drawn from 1 - eps to 1 + eps), bond (number of the bead,
+        from 0), log_energy (mean of the logarithm of the energy of the pulse there), spread (its
+        standard deviation). disorder.store keeps every point as soon as it is computed; the same
+        command resumes from it.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study disorder", disorder, locals())
+
+
+def end_driven(
+    *,
+    lengths: int | Sequence[int] = (10, 11),
+    omegas: float | Sequence[float] = (2.03, 2.05),
+    rho: float = 0.3333333333333333,
+    drag: float = 0.01,
+    dashpot: float = 0.001,
+    to: float = 0.2,
+    step: float = 0.01,
+    max_points: int = 30,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Search for dark breathers in damped chains driven at both ends.
+
+    Chains with resonators, drag and dashpots, whose end beads move in phase or in antiphase, at
+    frequencies above omega. The periodic orbit of each is followed from small drive amplitudes on,
+    past folds. The table says from which amplitude on orbits are dark breathers, from which on they
+    are stable, and whether a chain that starts at rest reaches them.
+
+    Parameters
+    ----------
+    lengths : int | Sequence[int]
+        Numbers of sites, ends included. Separated by commas. A chain with an even number has a kink
+        about a bond if its ends move in phase; one with an odd number has a kink about a bead if
+        they move in antiphase. Each is from 10 to 60.
+    omegas : float | Sequence[float]
+        Drive frequencies. Separated by commas, in radians per unit of time; above omega = sqrt(1 +
+        1/rho).
+    rho : float
+        Mass ratio resonator to bead. Finite and positive.
+    drag : float
+        Drag on beads: force per velocity of a bead. Finite and at least 0.
+    dashpot : float
+        Dashpots beside the springs of resonators: force per relative velocity. Finite and at least
+        0.
+    to : float
+        Largest drive amplitude. The displacement amplitude of the end beads at which a branch ends.
+        Finite and positive.
+    step : float
+        Largest change of the drive amplitude from point to point. Finite and positive.
+    max_points : int
+        Points of the branch at most. From 2 to 10000.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: end-driven.json, end-driven.png; end-driven.npz
+        with an array TABLE.COLUMN for each column of end-driven-branches.csv: sites, ends (how they
+        move), omega (frequency of the drive), orbits (points of the branch), first_dark (least
+        drive amplitude of a dark breather), first_stable_dark (of a stable one), best_amplitude (of
+        the stable one with the largest background B), best_share (its B over K_x, that of the
+        conservative breather of the same frequency), reached (stable ones with the strongest
+        background that a chain at rest comes to by a ramp), k_x (K_x). end-driven.csv: sites, ends
+        (1 in phase, -1 in antiphase), omega (frequency of the drive), amplitude (of the ends),
+        background (B), k_x (B of the conservative breather), cosine (of the angle between the
+        backgrounds of the two halves), centre (amplitude in the middle), dark (whether it is a dark
+        breather), max_modulus (largest modulus of a multiplier), unstable (multipliers outside the
+        unit circle), residual (of the orbit). end-driven.store keeps every point as soon as it is
+        computed; the same command resumes from it.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study end-driven", end_driven, locals())
+
+
+def boundary_wave(
+    *,
+    sites: int = 90,
+    omegas: float | Sequence[float] = (2.002, 2.004, 2.006, 2.008, 2.01, 2.015, 2.02),
+    drive: float = 0.05,
+    overlap: float = 0.05,
+    rho: float = 0.3333333333333333,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Launch travelling waves into a chain from one end.
+
+    The first bead of a chain under static overlap is moved at frequencies above omega. The wave
+    number measured along the chain is compared with that of the first-order wave of the paper with
+    the same frequency, amplitude and mean strain.
+
+    Parameters
+    ----------
+    sites : int
+        Number of sites. The first bead is moved; the last 40 absorb the wave. From 80 to 1000.
+    omegas : float | Sequence[float]
+        Drive frequencies. Separated by commas, in radians per unit of time; above omega = sqrt(1 +
+        1/rho), and below the end of the band of weak waves.
+    drive : float
+        Displacement amplitude of the first bead. From 1e-10 to 1e6.
+    overlap : float
+        Static overlap of all contacts. Finite and positive.
+    rho : float
+        Mass ratio resonator to bead. Finite and positive.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: boundary-wave.json, boundary-wave.png;
+        boundary-wave.npz with an array TABLE.COLUMN for each column of boundary-wave.csv: omega
+        (frequency of the drive), q (wave number, measured, in radians per site), q_theory (that of
+        the first-order wave, if the frequency is in its band), amplitude (amplitude of the strain),
+        mean_strain (mean strain), spread (standard deviation of the amplitude over the measured
+        bonds, weighted, in its units), opens (whether a measured contact opens during the
+        measurement), end (time at which the run ends). strains.csv: omega (frequency of the drive),
+        bond (between the sites bond - 1 and bond), mean (mean of the strain), amplitude (amplitude
+        of its first harmonic), angle (angle from this harmonic to that of the next bond, in
+        radians). boundary-wave.store keeps every point as soon as it is computed; the same command
+        resumes from it.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study boundary-wave", boundary_wave, locals())
+
+
+def wave(
+    scene: Scene | Chain | str,
+    *,
+    set: Mapping[str, Any] | Sequence[str] | None = None,
+    zeta: float | None = None,
+    seed: int | None = None,
+    seeds: int | None = None,
+    integrator: str = "collocation",
+    tol: float = 1e-10,
+    samples_per_period: int = 50,
+    until: float | None = None,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Travelling waves, their stability, exact waves and solitary waves.
+
+    Without a subcommand: runs the travelling wave of a scene on the chain and compares it with its
+    first-order ansatz; with a perturbation (`zeta`) it shows whether the wave is stable. `wave
+    modulation` computes how fast modulations of the wave grow, `wave exact` the exact wave beside
+    the ansatz.
+
+    Parameters
+    ----------
+    scene : Scene | Chain | str
+        Name of a built-in scene, or a TOML file. The scene must have an initial state of kind
+        travelling-wave.
+    set : Mapping[str, Any] | Sequence[str]
+        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
+        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+        needs no quotation marks, as in chain.boundary=ring.
+    zeta : float
+        Perturb each amplitude by up to this share [default: the scene's]. The share bounds the
+        changes of the real and of the imaginary part of each amplitude. From 0 (no perturbation) to
+        below 1.
+    seed : int
+        Seed of the random numbers [default: the scene's, else 1]. They perturb the wave.
+    seeds : int
+        Number of perturbed waves, from that seed on [default: 1]. They run on all cores and give
+        the spread of the growth. From 1 to 10000.
+    integrator : str
+        Integrator; `hertzchain integrators` lists all. Only integrators that take a tolerance.
+    tol : float
+        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
+        state. Where small changes grow, the error at the end is larger by the same factor. This is
+        for collocation; for dop853 it bounds the error of a step. From 1e-15 to 0.1.
+    samples_per_period : int
+        Samples per period, from which largest values are taken. Per period of the wave; the end of
+        the run is one of them. From 2 to 1000.
+    until : float
+        End time, in units of time [default: the scene's]. From 1e-100 to 1e100.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: wave.json, wave.png; wave.npz with an array
+        TABLE.COLUMN for each column of summary.csv: error, at_the_end (in percent of the
+        amplitude), largest (of all samples, in percent of the amplitude). errors.csv: t, e_x (E_x),
+        e_y (E_y), e_x_perturbed (E_x of the perturbed wave), e_y_perturbed (E_y of it), tilde_e_x
+        (tilde E_x), tilde_e_y (tilde E_y). profile.csv: n (site), x (strain of the bead at the
+        end), y (of the resonator), x_ansatz (strains of beads by the ansatz), y_ansatz (of
+        resonators), x_perturbed (strains of beads of the perturbed wave), y_perturbed (of its
+        resonators), x_perturbed_ansatz (strains of beads by its ansatz), y_perturbed_ansatz (of
+        resonators). ensemble.csv: seed (the seed), growth_x (growth of tilde E_x; none for runs
+        shorter than two periods), growth_y (growth of tilde E_y), rate (exponential rate of tilde
+        E_x, per unit of time; none for runs shorter than eight periods), rate_residual (largest
+        distance of the logarithms from the line of that slope: well below the rise along the line
+        where growth is exponential). spread.csv: t, x_low (least tilde E_x of the seeds), x_lower
+        (quartile), x_median, x_upper (quartile), x_high (largest), y_low (least tilde E_y of the
+        seeds), y_lower (quartile), y_median, y_upper (quartile), y_high (largest). growth.csv:
+        quantity (growth: largest of the last period over largest of the first; rate: slope of
+        ln(largest of each period) over the second half, per unit of time; misfit: its largest
+        distance from the line), lowest, lower_quartile, median, upper_quartile, highest.
+        ensemble.store keeps every point as soon as it is computed; the same command resumes from
+        it. envelope.csv, ensemble.csv, spread.csv and growth.csv are those of perturbed waves. The
+        points of the store are the seeds of `seeds`.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("wave", wave, locals())
+
+
+def wave_modulation(
+    scene: Scene | Chain | str | None = None,
+    *,
+    set: Mapping[str, Any] | Sequence[str] | None = None,
+    alpha: float = 1.5,
+    kappa: float = 1,
+    rho: float = 0.3333333333333333,
+    a: float = 1,
+    b: float = 1,
+    q_over_pi: float = 0.2,
+    epsilon: float | Sequence[float] = (0.01,),
+    sites: int = 50,
+    measure: bool = False,
+    modes: int = 12,
+    chart: bool = False,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Compute which modulations of a wave grow, and how fast.
+
+    Growth rates against the wave number of the modulation, in closed form; with `measure` also
+    those measured on the full chain.
+
+    Parameters
+    ----------
+    scene : Scene | Chain | str
+        Name of a built-in scene, or a TOML file. The scene must have an initial state of kind
+        travelling-wave. All numbers of the wave are taken from it, in place of the flags.
+    set : Mapping[str, Any] | Sequence[str]
+        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
+        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+        needs no quotation marks, as in chain.boundary=ring.
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. Above 0 and at most 10.
+    kappa : float
+        Spring constant of the resonators. Finite and positive.
+    rho : float
+        Mass ratio resonator to bead. Above 0; inf for Newton's cradle (its DpS equation), with `b`
+        0.
+    a : float
+        Amplitude of the wave. Finite and positive.
+    b : float
+        Mean strain. Mean strain b of the wave, in the units of the modulation equations; below 2
+        kappa a.
+    q_over_pi : float
+        Wave number over pi, with a whole number of waves on the ring. From -1 to 1.
+    epsilon : float | Sequence[float]
+        Sizes of the wave, separated by commas. Rates per unit of time are computed for the first
+        size. With `measure`, growth is measured at each of them. Each is above 0 and below 1.
+    sites : int
+        Number of sites. Length of the ring; with `measure` at most 1000. From 2 to 10000.
+    measure : bool
+        Measure the growth on the full chain as well.
+    modes : int
+        Number of wave numbers at which growth is measured. They are spread over the wave numbers of
+        the ring; that of the fastest growth is added. At least 1.
+    chart : bool
+        Chart the fastest growth over wave number and mean strain as well.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: stability.json, dps-growth.png; stability.npz with
+        an array TABLE.COLUMN for each column of stability.csv: p (wave number of the modulation),
+        p_over_pi (wave number of the modulation, over pi), growth (Re lambda), frequency (Im
+        lambda), growth_t (growth per unit of time), growth_period (growth per period of the wave).
+        measured.csv: epsilon (size of the wave), p (wave number of the modulation), p_over_pi,
+        growth (Re lambda, measured on the full chain), growth_theory (of the linearised modulation
+        equations), deviation (of the growth from theory, in percent), frequency (Im lambda,
+        measured), frequency_theory (of the linearised modulation equations), residual (largest
+        deviation of the logarithm of the mode from the line). chart.csv: q (wave number of the
+        wave), b (its mean strain), growth (growth of the fastest mode, per slow time). growth.store
+        keeps every point as soon as it is computed; the same command resumes from it. The picture
+        is dps-growth.png. measured.csv and the store come with `measure`, chart.csv with `chart`.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("wave modulation", wave_modulation, locals())
+
+
+def wave_exact(
+    scene: Scene | Chain | str | None = None,
+    *,
+    set: Mapping[str, Any] | Sequence[str] | None = None,
+    q_over_pi: float | None = None,
+    omega_tw: float | None = None,
+    amplitude: float | None = None,
+    mean: float | None = None,
+    rho: float | None = None,
+    sites: int | None = None,
+    tol: float = 1e-14,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Compute an exact periodic travelling wave.
+
+    It has the frequency (or the amplitude) and the mean strain of a wave of the modulation
+    equations. Prints its profile, its Fourier coefficients, its distance from that first-order
+    ansatz, and its relative multipliers for each Bloch wave number.
+
+    Parameters
+    ----------
+    scene : Scene | Chain | str
+        Name of a built-in scene, or a TOML file. The scene must have an initial state of kind
+        travelling-wave. Numbers of the wave that no flag gives are taken from it [default: tw-q15].
+    set : Mapping[str, Any] | Sequence[str]
+        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
+        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+        needs no quotation marks, as in chain.boundary=ring.
+    q_over_pi : float
+        Wave number over pi, with a whole number of waves on the ring. Above 0 and at most 1.
+    omega_tw : float
+        Frequency of the wave, in radians per unit of time. Above omega = sqrt(kappa (1 + 1/rho)).
+    amplitude : float
+        Height of the crest above the mean strain, in place of the frequency. Finite and positive.
+    mean : float
+        Mean strain [default: in proportion to the amplitude, as in the scene]. A finite number.
+    rho : float
+        Mass ratio resonator to bead [default: the scene's]. At least 0: 0 for no resonators, inf
+        for fixed ones (Newton's cradle). Unless a frequency is given, the wave has the amplitude of
+        the scene's wave. With fixed resonators its mean strain is 0.
+    sites : int
+        Number of sites [default: the scene's]. The multipliers are computed for a ring of this
+        length, from 3 to 256.
+    tol : float
+        Tolerance. It bounds the sum of the errors of the flow over a relative period. From 1e-15 to
+        1e-12 for an exact wave.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: exact.json, exact.png; exact.npz with an array
+        TABLE.COLUMN for each column of exact.csv: q_over_pi (wave number over pi), alpha, kappa,
+        rho, omega_tw (frequency), period (2 pi/omega_tw), amplitude (height of the crest above the
+        mean strain), mean_strain (mean of the strains over a period), residual (of Newton's method,
+        over the amplitude). profile.csv: phi (phase), phi_over_pi (the same over pi), x (strain X
+        of beads), y (strain Y of resonators), x_apart (X less that of the ansatz, in percent of its
+        amplitude), y_apart (the same of Y). fourier.csv: k (harmonic), x (coefficient f_k of X), y
+        (the same of Y), share (|f_k|/f_1 of X), law (k^-(alpha + 3)). growth.csv: bloch (Bloch wave
+        number), bloch_over_pi (Bloch wave number over pi), exact (largest growth of the wave, per
+        unit of time), modulation (the same by the linearised modulation equations), factor (growth
+        of the wave in a period). multipliers.csv: bloch (Bloch wave number), re (real part of the
+        multiplier), im (imaginary part), modulus (absolute value), error (estimated error of the
+        modulus), krein (Krein signature on the circle, 0 elsewhere), growth (per unit of time),
+        frequency (in radians per unit of time), kind (where it lies). stalled.json, in place of all
+        of them, with the best iterate of a search that did not converge.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("wave exact", wave_exact, locals())
+
+
+def wave_continue(
+    scene: Scene | Chain | str | None = None,
+    *,
+    set: Mapping[str, Any] | Sequence[str] | None = None,
+    q_over_pi: float | None = None,
+    omega_tw: float | None = None,
+    amplitude: float | None = None,
+    mean: float | None = None,
+    rho: float | None = None,
+    sites: int | None = None,
+    tol: float = 1e-14,
+    vary: Literal["omega_tw", "amplitude", "mean", "rho", "kappa", "alpha"] = "omega_tw",
+    step: float | None = None,
+    max_points: int = 1000,
+    multipliers: bool | None = None,
+    to: float | None = None,
+    resume: str | os.PathLike[str] | None = None,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Follow a branch of exact travelling waves.
+
+    Varies one parameter of the wave or of the chain, past folds. Waves keep their ratio of mean
+    strain to amplitude unless a mean strain is given. Exit code 1 if the branch is lost before its
+    end.
+
+    Parameters
+    ----------
+    scene : Scene | Chain | str
+        Name of a built-in scene, or a TOML file. The scene must have an initial state of kind
+        travelling-wave. Numbers of the wave that no flag gives are taken from it [default: tw-q15].
+    set : Mapping[str, Any] | Sequence[str]
+        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
+        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+        needs no quotation marks, as in chain.boundary=ring.
+    q_over_pi : float
+        Wave number over pi, with a whole number of waves on the ring. Above 0 and at most 1.
+    omega_tw : float
+        Frequency of the wave, in radians per unit of time. Above omega = sqrt(kappa (1 + 1/rho)).
+    amplitude : float
+        Height of the crest above the mean strain, in place of the frequency. Finite and positive.
+    mean : float
+        Mean strain [default: in proportion to the amplitude, as in the scene]. A finite number.
+    rho : float
+        Mass ratio resonator to bead [default: the scene's]. At least 0: 0 for no resonators, inf
+        for fixed ones (Newton's cradle). Unless a frequency is given, the wave has the amplitude of
+        the scene's wave. With fixed resonators its mean strain is 0.
+    sites : int
+        Number of sites [default: the scene's]. The multipliers are computed for a ring of this
+        length, from 3 to 256.
+    tol : float
+        Tolerance. It bounds the sum of the errors of the flow over a relative period. From 1e-15 to
+        1e-12 for an exact wave.
+    vary : Literal["omega_tw", "amplitude", "mean", "rho", "kappa", "alpha"]
+        What varies along the branch. A parameter of the wave or of the chain.
+    step : float
+        Largest change of the parameter from point to point [default: a twentieth of the range].
+        Finite and positive.
+    max_points : int
+        Points of the branch at most. With those of a branch that is resumed. At least 2.
+    multipliers : bool
+        Compute multipliers, or not (=false). On by default where they take less time than the
+        orbits: not of dark breathers.
+    to : float
+        Value of the parameter at which the branch ends. It begins with that of the scene or of
+        other options. A finite number.
+    resume : str | os.PathLike[str]
+        Go on with what this file, or the file in this folder, has kept. A file of a branch, from
+        its last point: to another `to`, by another `step`; then multipliers and bifurcations are
+        computed anew. The results are written beside it unless `out` says where.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: waves.json, waves.png; waves.npz with an array
+        TABLE.COLUMN for each column of waves.csv: parameter (what varies), q_over_pi (wave number
+        over pi), alpha, kappa, rho, omega_tw (frequency), period (2 pi/omega_tw), amplitude (height
+        of the crest above the mean strain), mean_strain (mean of the strains over a period),
+        residual (of Newton's method, over the amplitude), growth (largest growth, per unit of
+        time), bloch (its Bloch wave number), growing (multipliers that grow), modulation (largest
+        growth by the linearised modulation equations), e_x_ansatz (error of the ansatz, beads),
+        e_y_ansatz (error of the ansatz, resonators), closed (share of the period in which a contact
+        is closed), radius (bound of the distance to a solution). wave-branch.npz has every wave,
+        and is written every 20 points or 10 s as well; stalled.json, in place of all of them, if
+        there is no first wave. wave-spectra.store has multipliers, from which the same command goes
+        on. Each part of `shard` follows the branch itself and computes its share of these.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("wave continue", wave_continue, locals())
+
+
+def wave_solitary(
+    *,
+    alpha: float = 1.5,
+    kappa: float = 1,
+    speed: float | None = None,
+    rhos: float | Sequence[float] | None = None,
+    sites: int = 20,
+    tol: float = 1e-14,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Compute solitary waves, and their tails where resonators move.
+
+    The pulse of the chain without resonators, as an exact wave of a ring and on the infinite line,
+    and how its overlap decays from the crest; and how strong a wake a pulse leaves in chains with
+    light resonators. Exit code 1 if a wave is not found.
+
+    Parameters
+    ----------
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. From 1.2 to 5.
+    kappa : float
+        Spring constant of the resonators. Finite and positive.
+    speed : float
+        Speed of the pulses, in sites per unit of time [default: that of the pulse of overlap 1
+        without resonators]. From 1e-3 to 1e3.
+    rhos : float | Sequence[float]
+        Mass ratios resonator to bead, separated by commas [default: ratios with omega/speed from
+        1.5 pi to 3.6 pi]. Each is from 1e-6 to 100.
+    sites : int
+        Number of sites. Length of the ring. A pulse with tails is computed on a ring that is up to
+        three sites longer, the one that is farthest from resonance with the tails. From 8 to 60.
+    tol : float
+        Tolerance. It bounds the sum of the errors of the flow over a relative period. From 1e-15 to
+        1e-12 for an exact wave.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: solitary.json, solitary.png; solitary.npz with an
+        array TABLE.COLUMN for each column of pulse.csv: n (sites from the crest), g (overlap over
+        that of the crest), double_log (ln|ln g|). tails.csv: rho (mass ratio), k_over_2pi (phase of
+        a resonator from site to site, k = omega/c), k (k = omega/c), sites (length of the ring),
+        crest (largest overlap g), residual (of the search), tail (amplitude of the tail), wake
+        (amplitude W that a passage leaves behind), wake_of_line (the same of the pulse whose
+        resonators follow their beads), wake_share (wake over crest), wake_share_of_line (wake of
+        the line over crest). solitary.store keeps every point as soon as it is computed; the same
+        command resumes from it.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("wave solitary", wave_solitary, locals())
+
+
+def breather_bright(
+    *,
+    center: Literal["site", "bond"] = "bond",
+    epsilon: float = 0.01,
+    rho: float = 1000,
+    alpha: float = 1.5,
+    kappa: float = 1,
+    sites: int = 40,
+    boundary: Literal["free", "fixed", "ring"] = "free",
+    until: float | None = None,
+    samples_per_period: int = 20,
+    integrator: str = "collocation",
+    tol: float = 1e-10,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Run a long-lived bright breather and compare it with its ansatz.
+
+    The chain starts from a breather of the modulation (DpS) equation. Prints how far the chain
+    departs from this ansatz, and how much of the energy stays in the core.
+
+    Parameters
+    ----------
+    center : Literal["site", "bond"]
+        What the profile is symmetric about. A site (solution a^1), or a bond (solution a^2), as in
+        the paper's run.
+    epsilon : float
+        Size of the breather: beads start at 2 epsilon a_n. Finite and positive.
+    rho : float
+        Mass ratio resonator to bead. Above 0; inf for resonators that stay at rest.
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
+    kappa : float
+        Spring constant of the resonators. Finite and positive.
+    sites : int
+        Number of sites. At most a share of 10^-6 of the breather may lie beyond the ends. The
+        middle of the chain is a bond if the number is even, a site if it is odd.
+    boundary : Literal["free", "fixed", "ring"]
+        Boundary condition at the ends of the chain.
+    until : float
+        End time, in units of time [default: 80 T]. T = 2 pi/omega_0 in units of 1/sqrt(kappa) is
+        the period of the envelope in slow time. From one to 10^7 periods T_b of the breather.
+    samples_per_period : int
+        Samples per period, from which largest values are taken. Per period T_b of the breather. The
+        time at which energy has left the core is also found from them. From 1 to 1000.
+    integrator : str
+        Integrator; `hertzchain integrators` lists all. Only integrators that take a tolerance.
+    tol : float
+        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
+        state. Where small changes grow, the error at the end is larger by the same factor. This is
+        for collocation; for dop853 it bounds the error of a step. From 1e-15 to 0.1.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: breather.json, breather.png; breather.npz with an
+        array TABLE.COLUMN for each column of norms.csv: t (time), e_u (l_1 distances from the
+        ansatz (diff_u_l1norm), (diff_v_l1norm), rescaled), e_udot, e_v, e_vdot, participation ((sum
+        e_n)^2 / sum e_n^2 of site energies, half of a contact's at either bead), core_share (share
+        of the energy in the core), energy (of the chain). periods.csv: t (time), e_u (l_1 distances
+        from the ansatz (diff_u_l1norm), (diff_v_l1norm), rescaled), e_udot, e_v, e_vdot,
+        participation ((sum e_n)^2 / sum e_n^2 of site energies, half of a contact's at either
+        bead), core_share (share of the energy in the core), energy (of the chain), e_u_max (largest
+        since the row before), e_udot_max, e_v_max, e_vdot_max. profiles.csv: t (0, 30 T_b and the
+        end), n (site), u (position of the bead), v (and of its resonator), u_ansatz (by the
+        ansatz). forces.csv: bond, first_period (mean contact force over the first period),
+        after_end (and over a period that begins at the end).
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("breather bright", breather_bright, locals())
+
+
+def breather_trivial(
+    scene: Scene | Chain | str = "trivial-breather",
+    *,
+    set: Mapping[str, Any] | Sequence[str] | None = None,
+    amplitudes: float | Sequence[float] | None = None,
+    phases: float | Sequence[float] | None = None,
+    phase_step_over_pi: float | None = None,
+    offsets: float | Sequence[float] | None = None,
+    means: float | Sequence[float] | None = None,
+    gap: float | None = None,
+    until: float | None = None,
+    integrator: str = "collocation",
+    tol: float = 1e-10,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Run an exact breather whose beads never touch.
+
+    Compares the closed form with an integrator; prints gaps and mean contact forces.
+
+    Parameters
+    ----------
+    scene : Scene | Chain | str
+        Name of a built-in scene, or a TOML file. The scene must have an initial state of kind
+        trivial-breather, or one of another kind that is such a breather.
+    set : Mapping[str, Any] | Sequence[str]
+        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
+        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+        needs no quotation marks, as in chain.boundary=ring.
+    amplitudes : float | Sequence[float]
+        Amplitudes a_n, separated by commas [default: the scene's]. The chain has as many sites as
+        there are amplitudes. Each is finite and at least 0.
+    phases : float | Sequence[float]
+        Phases phi_n, separated by commas [default: the scene's]. In radians. Each is a finite
+        number.
+    phase_step_over_pi : float
+        Phase difference of neighbours over pi, for all sites [default: the scene's]. (phi_n -
+        phi_{n-1})/pi, the same for all n; 1 for neighbours in antiphase. A finite number.
+    offsets : float | Sequence[float]
+        Offsets d_n, separated by commas [default: the scene's]. How much the mean positions rise
+        along the chain beyond what keeps contacts open; they must not decrease. Each is a finite
+        number.
+    means : float | Sequence[float]
+        Mean positions b_n, separated by commas [default: the scene's]. Refused if beads would press
+        on each other. Each is a finite number.
+    gap : float
+        Gap of all bonds, the same for each [default: the scene's]. In addition to what keeps
+        contacts open. Finite and at least 0.
+    until : float
+        End time, in units of time [default: the scene's]. From 1e-100 to 1e100.
+    integrator : str
+        Integrator; `hertzchain integrators` lists all. Only integrators that take a tolerance.
+    tol : float
+        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
+        state. Where small changes grow, the error at the end is larger by the same factor. This is
+        for collocation; for dop853 it bounds the error of a step. From 1e-15 to 0.1.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: breather.json, breather.png; breather.npz with an
+        array TABLE.COLUMN for each column of sites.csv: n (site), a (amplitude), phi (phase), b
+        (mean position), slack (gap to the site before beyond what is needed). deviation.csv: t
+        (time), deviation (distance from the closed form, over the amplitude).
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("breather trivial", breather_trivial, locals())
+
+
+def breather_dark(
+    *,
+    center: Literal["site", "bond"] = "site",
+    omega_b: float | None = None,
+    sites: int = 41,
+    alpha: float = 1.5,
+    kappa: float = 1,
+    rho: float = 0.3333333333333333,
+    c_x: float = 0,
+    formulation: Literal["half-period", "full-period"] = "half-period",
+    tol: float = 1e-13,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Compute a dark breather as an exact periodic orbit.
+
+    Newton's method finds the orbit on a ring; its Floquet multipliers tell whether it is stable.
+
+    Parameters
+    ----------
+    center : Literal["site", "bond"]
+        What the profile is symmetric about. The kink is on the site 0, or on the bond between the
+        sites 0 and 1.
+    omega_b : float
+        Frequency of the breather, in radians per unit of time [default: 1.025 omega]. Above omega =
+        sqrt(kappa (1 + 1/rho)).
+    sites : int
+        Number of sites. The ring has an odd number of sites, n = -N .. N, from 3 to 255. Weak
+        quartets of multipliers, and their number, depend on it.
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
+    kappa : float
+        Spring constant of the resonators. Finite and positive.
+    rho : float
+        Mass ratio resonator to bead. Finite and positive.
+    c_x : float
+        Vertical centre C_x of the background, a strain (eq:center). A finite number.
+    formulation : Literal["half-period", "full-period"]
+        Equations of Newton's method.
+    tol : float
+        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
+        state. Where small changes grow, the error at the end is larger by the same factor. From
+        1e-15 to 0.1.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: dark-breather.json, dark-breather.png, and tables
+        with their columns: multipliers-outside.csv: re (real part), im (imaginary part), modulus,
+        error (of the modulus), kind. dark-breather.npz has the orbit, for `breather evolve` and
+        `breather continue --resume`.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("breather dark", breather_dark, locals())
+
+
+def breather_continue(
+    *,
+    center: Literal["site", "bond"] = "site",
+    vary: str = "omega_b",
+    from_: float | None = None,
+    max_points: int = 1000,
+    multipliers: bool | None = None,
+    bifurcations: bool | None = None,
+    natural: bool = False,
+    weak: float = 0.01,
+    omega_b: float | None = None,
+    bound: bool = False,
+    sites: int = 41,
+    alpha: float = 1.5,
+    kappa: float = 1,
+    rho: float = 0.3333333333333333,
+    c_x: float = 0,
+    formulation: Literal["half-period", "full-period"] = "half-period",
+    tol: float = 1e-13,
+    to: float | None = None,
+    step: float | None = None,
+    resume: str | os.PathLike[str] | None = None,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Follow a branch of dark breathers in one parameter.
+
+    Computes the Floquet multipliers of each orbit, and the bifurcations between them.
+
+    Parameters
+    ----------
+    center : Literal["site", "bond"]
+        What the profile is symmetric about. The kink is on the site 0, or on the bond between the
+        sites 0 and 1.
+    vary : str
+        Varied parameter: omega_b, rho, kappa, alpha or c_x.
+    from_ : float
+        First value of the parameter [default for omega_b: 1.005 omega]. A finite number.
+    max_points : int
+        Points of the branch at most. With those of a branch that is resumed. At least 2.
+    multipliers : bool
+        Compute multipliers, or not (=false). On by default where they take less time than the
+        orbits: not of dark breathers.
+    bifurcations : bool
+        Locate bifurcations, or not (=false). They need multipliers. Not by default.
+    natural : bool
+        Take steps in the parameter, not in the arclength. Such a branch ends at a fold.
+    weak : float
+        Do not locate collisions of multipliers that stay below 1 + WEAK. The moduli of the
+        multipliers are compared with 1 + WEAK. Finite and at least 0.
+    omega_b : float
+        Frequency of the breather, in radians per unit of time [default: 1.025 omega]. For branches
+        in another parameter. Above omega = sqrt(kappa (1 + 1/rho)).
+    bound : bool
+        Bound the distance to an exact solution by the theorem of Newton and Kantorovich. For each
+        point of the branch.
+    sites : int
+        Number of sites. The ring has an odd number of sites, n = -N .. N, from 3 to 255. Weak
+        quartets of multipliers, and their number, depend on it.
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
+    kappa : float
+        Spring constant of the resonators. Finite and positive.
+    rho : float
+        Mass ratio resonator to bead. Finite and positive.
+    c_x : float
+        Vertical centre C_x of the background, a strain (eq:center). A finite number.
+    formulation : Literal["half-period", "full-period"]
+        Equations of Newton's method.
+    tol : float
+        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
+        state. Where small changes grow, the error at the end is larger by the same factor. From
+        1e-15 to 0.1.
+    to : float
+        Value of the parameter at which the branch ends. It begins with that of the scene or of
+        other options. A finite number.
+    step : float
+        Largest change of the parameter from point to point. [default: a hundredth of the range].
+    resume : str | os.PathLike[str]
+        Go on with what this file, or the file in this folder, has kept. A file of a branch, from
+        its last point: to another `to`, by another `step`; then multipliers and bifurcations are
+        computed anew. The results are written beside it unless `out` says where.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: branch.json, branch.png, and tables with their
+        columns: branch.csv: omega_b, k_x (amplitude of the background, of beads), k_y (and of
+        resonators), c_x (centre of the background, of beads), c_y (and of resonators), max_modulus
+        (largest modulus of a multiplier), radius (bound for the distance to an exact orbit), real
+        (largest modulus of the real multipliers above 1), negative (of those below -1), quartet (of
+        quartets). bifurcations.csv: kind, parameter, period, tau (half trace of the two multipliers
+        that meet), omega_b. branch.npz has every orbit; it is written every 20 points or 10 s as
+        well. With `resume` and without `out`, the files go to the folder of the file that is gone
+        on with. spectra.store has multipliers and bifurcations, from which the same command goes
+        on. Each part of `shard` follows the branch itself and computes its share of these.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("breather continue", breather_continue, locals())
+
+
+def breather_doubled(
+    *,
+    omega_b: float = 1.056,
+    most: float | None = None,
+    step: float = 0.002,
+    branch: str | os.PathLike[str] | None = None,
+    sites: int = 41,
+    alpha: float = 1.5,
+    kappa: float = 1,
+    rho: float = 0.3333333333333333,
+    c_x: float = 0,
+    formulation: Literal["half-period", "full-period"] = "half-period",
+    tol: float = 1e-13,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Follow the branch of doubled period of dark breathers.
+
+    The branch starts at the period doubling of the bond-centred dark breathers.
+
+    Parameters
+    ----------
+    omega_b : float
+        Frequency of the breather, in radians per unit of time. The frequency at which the branch of
+        doubled period ends: that of the whole period, about half of the frequency of the main
+        branch. Finite and positive.
+    most : float
+        Frequency up to which a period doubling is searched for [default: 1.05 omega]. The main
+        branch is followed no further without one. Finite and positive.
+    step : float
+        Largest change of the frequency from point to point. On the main branch; on the doubled one
+        half of it. Finite and positive.
+    branch : str | os.PathLike[str]
+        File branch.npz of the main branch [default: it is computed here]. A file that `breather
+        continue --center bond` has written.
+    sites : int
+        Number of sites. The ring has an odd number of sites, n = -N .. N, from 3 to 255. Weak
+        quartets of multipliers, and their number, depend on it.
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
+    kappa : float
+        Spring constant of the resonators. Finite and positive.
+    rho : float
+        Mass ratio resonator to bead. Finite and positive.
+    c_x : float
+        Vertical centre C_x of the background, a strain (eq:center). A finite number.
+    formulation : Literal["half-period", "full-period"]
+        Equations of Newton's method.
+    tol : float
+        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
+        state. Where small changes grow, the error at the end is larger by the same factor. From
+        1e-15 to 0.1.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: branch.json, branch.png, and tables with their
+        columns: branch.csv: omega_b, k_x (amplitude of the background, of beads), k_y (and of
+        resonators), c_x (centre of the background, of beads), c_y (and of resonators), max_modulus
+        (largest modulus of a multiplier), radius (bound for the distance to an exact orbit), real
+        (largest modulus of the real multipliers above 1), negative (of those below -1), quartet (of
+        quartets). bifurcations.csv: kind, parameter, period, tau (half trace of the two multipliers
+        that meet), omega_b. multipliers-outside.csv: re (real part), im (imaginary part), modulus,
+        error (of the modulus), kind. branch.npz has every orbit; it is written every 20 points or
+        10 s as well. spectra.store has multipliers, from which the same command goes on.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("breather doubled", breather_doubled, locals())
+
+
+def breather_evolve(
+    orbit: str | os.PathLike[str],
+    *,
+    point: int | None = None,
+    at: float | None = None,
+    until: float = 1200,
+    kick: float | None = None,
+    mode: int = 0,
+    tol: float = 1e-13,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Run the chain from a dark breather, with or without a kick.
+
+    A kick is along one of the modes of the orbit. After every period the run measures the return
+    error, which is the distance from the orbit, and the position of the kink.
+
+    Parameters
+    ----------
+    orbit : str | os.PathLike[str]
+        File dark-breather.npz or branch.npz, with the orbit to start from. dark-breather.npz is
+        written by `breather dark`, with the same numbers as dark-breather.json, which is read, too;
+        branch.npz by `breather continue` and `breather doubled`, and needs `point` or `at`.
+    point : int
+        Number of the point of the branch, from 0; -1 is the last one.
+    at : float
+        Take the point of the branch whose parameter is nearest to this value. A finite number.
+    until : float
+        End time, in units of time. Rounded down to whole periods of the orbit. From one period to
+        10^6 of them.
+    kick : float
+        Size of a kick along one mode, in units of the orbit's amplitude [default: none]. The
+        largest change of an entry of the initial state; of either sign, not zero, at most 1 in
+        modulus.
+    mode : int
+        Number of the multiplier along whose eigenvector the chain is kicked. Counted from 0 in the
+        order of `breather dark --json`: the largest modulus first.
+    tol : float
+        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
+        state. Where small changes grow, the error at the end is larger by the same factor. From
+        1e-15 to 0.1.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: evolution.json, evolution.png; evolution.npz with
+        an array TABLE.COLUMN for each column of evolution.csv: t (time), e_b (largest change of a
+        strain over the largest strain (eq:relerr)), position (site of the kink), period (number of
+        periods from the start). motion.csv: from, to, velocity (sites per unit of time, of a line
+        fitted to the positions), misfit (largest distance of a position from the line, in sites).
+        evolution-x.csv and evolution-y.csv have the largest strains in time, a column a site.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("breather evolve", breather_evolve, locals())
+
+
+def breather_barrier(
+    *,
+    from_: float | None = None,
+    to: float | None = None,
+    frequencies: int = 19,
+    sites: int = 41,
+    alpha: float = 1.5,
+    kappa: float = 1,
+    rho: float = 0.3333333333333333,
+    c_x: float = 0,
+    formulation: Literal["half-period", "full-period"] = "half-period",
+    tol: float = 1e-13,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Compute the energy barrier between site- and bond-centred dark breathers.
+
+    The Peierls-Nabarro barrier: energies of the two kinks relative to their common background, at
+    the same frequency, and at the same action and length; also their largest multipliers. Exit code
+    1 if an orbit is not found.
+
+    Parameters
+    ----------
+    from_ : float
+        Smallest frequency of the breathers [default: 1.005 omega]. In radians per unit of time,
+        above omega = sqrt(kappa (1 + 1/rho)).
+    to : float
+        Largest frequency of the breathers [default: 1.05 omega]. In radians per unit of time, above
+        `from_`.
+    frequencies : int
+        Number of frequencies, equally spaced. At least 2.
+    sites : int
+        Number of sites. The ring has an odd number of sites, n = -N .. N, from 3 to 255. Weak
+        quartets of multipliers, and their number, depend on it.
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
+    kappa : float
+        Spring constant of the resonators. Finite and positive.
+    rho : float
+        Mass ratio resonator to bead. Finite and positive.
+    c_x : float
+        Vertical centre C_x of the background, a strain (eq:center). A finite number.
+    formulation : Literal["half-period", "full-period"]
+        Equations of Newton's method.
+    tol : float
+        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
+        state. Where small changes grow, the error at the end is larger by the same factor. From
+        1e-15 to 0.1.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: barrier.json, barrier.png; barrier.npz with an
+        array TABLE.COLUMN for each column of barrier.csv: omega_b, background_energy (energy of the
+        background, per site), background_action (its action), background_length (its length),
+        background_force (its mean contact force), site_energy (of the kink about a site, less the
+        background), site_action (its action, less that of the background), site_length (its length,
+        less that of the background), site_ring_energy (with the background), site_ring_action (with
+        the background), site_ring_length (with the background), site_real (largest real multiplier;
+        1 if none is above 1), site_largest (largest modulus of a multiplier), site_residual (of the
+        orbit), bond_energy (of the kink about a bond, less the background), bond_action (its
+        action, less that of the background), bond_length (its length, less that of the background),
+        bond_ring_energy (with the background), bond_ring_action (with the background),
+        bond_ring_length (with the background), bond_real (largest real multiplier; 1 if none is
+        above 1), bond_largest (largest modulus of a multiplier), bond_residual (of the orbit),
+        at_frequency (energy about a bond less that about a site), at_action_and_length (the same at
+        the same action and length). barrier.store keeps every point as soon as it is computed; the
+        same command resumes from it.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("breather barrier", breather_barrier, locals())
+
+
+def breather_moving(
+    *,
+    omega_b: float | Sequence[float] | None = None,
+    turns: int | Sequence[int] = (18, 22, 26),
+    sites: int = 41,
+    alpha: float = 1.5,
+    kappa: float = 1,
+    rho: float = 0.3333333333333333,
+    until: float = 1200,
+    kick: float = 0.01,
+    bound: bool = False,
+    tol: float = 1e-14,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Compute moving dark breathers as exact orbits, and run a kicked one.
+
+    A moving breather is a relative periodic orbit: after K + 1/2 periods of the background (see
+    `turns`) the chain has its initial state again, moved on by a site. Prints its tails and
+    relative multipliers, and for comparison the motion of a breather at rest that is kicked. Exit
+    code 1 if an orbit is not found.
+
+    Parameters
+    ----------
+    omega_b : float | Sequence[float]
+        Frequencies of the background, in radians per unit of time [default: 1.025 omega]. Separated
+        by commas, each above omega = sqrt(kappa (1 + 1/rho)).
+    turns : int | Sequence[int]
+        Whole periods of the background for each site that the kink moves on. Separated by commas.
+        With K the kink needs K + 1/2 periods for a site, so that its velocity is omega_b/(2 pi (K +
+        1/2)). Each is from 1 to 100.
+    sites : int
+        Number of sites. The ring has an odd number of sites, from 9 to 255. The tails of the
+        breather depend on it.
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
+    kappa : float
+        Spring constant of the resonators. Finite and positive.
+    rho : float
+        Mass ratio resonator to bead. Finite and positive.
+    until : float
+        End time, in units of time. End of the run of the kicked breather, from one period of the
+        background to 10^5 of them; 0 for no such run. It starts from the bond-centred breather at
+        rest with the first frequency.
+    kick : float
+        Size of a kick along one mode, in units of the orbit's amplitude. The largest change of an
+        entry of the initial state, along the mode that grows most; of either sign, not zero, at
+        most 1 in modulus.
+    bound : bool
+        Bound the distance to an exact solution by the theorem of Newton and Kantorovich. For rings
+        of at most 61 sites.
+    tol : float
+        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
+        state. Where small changes grow, the error at the end is larger by the same factor. From
+        1e-15 to 0.1.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: moving.json, moving.png; moving.npz with an array
+        TABLE.COLUMN for each column of moving.csv: omega_b (frequency of the background), turns
+        (its whole periods for a site that the kink moves on), passage (time for a site), velocity
+        (in sites per unit of time), residual (of the equations of the orbit), return_error
+        (distance from the orbit after a passage), background (amplitude of the background), depth
+        (local amplitude at the kink, in its units), tail (range of the local amplitude far from the
+        kink, in its units), max_modulus (largest modulus of a multiplier), real (largest real
+        multiplier; 1 if none is above 1), growth (of the largest multiplier, per unit of time),
+        twist (change of the phase along the ring), tail_wave (wave number of the tail), tail_share
+        (share of the tail that this wave explains), tail_amplitude (amplitude of this wave),
+        resonant_wave (that of the modulation of the background which keeps its phase in the frame
+        of the kink), energy (E of the kink), free_energy (its E - omega J - v P), radius (bound of
+        the distance to an exact orbit). envelope.csv: omega_b, turns, n (site), amplitude (local
+        amplitude), phase (its phase), mean (mean strain). passages.csv: t (time of the passage of
+        the kicked breather), bond (bond that its kink passes), velocity, depth, depth_of_moving
+        (depth of the moving breather of this velocity).
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("breather moving", breather_moving, locals())
+
+
+def orbit_driven(
+    scene: Scene | Chain | str = "granular-crystal",
+    *,
+    set: Mapping[str, Any] | Sequence[str] | None = None,
+    turns: int = 1,
+    settle: int = 300,
+    si: bool = False,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Compute the periodic orbit to which a driven scene leads.
+
+    The orbit is a fixed point of the stroboscopic map. Newton's method starts from the state that
+    the scene has after some periods. Prints the Floquet multipliers, which may lie inside and
+    outside the unit circle, and compares their product with Liouville's formula. Exit code 1 if no
+    orbit is found.
+
+    Parameters
+    ----------
+    scene : Scene | Chain | str
+        Name of a built-in scene, or a TOML file. The scene must have a `[[drive]]`: harmonics of
+        one frequency, with or without a ramp. The orbit is that of the drive at its full height.
+    set : Mapping[str, Any] | Sequence[str]
+        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
+        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+        needs no quotation marks, as in chain.boundary=ring.
+    turns : int
+        Periods of the drive in a period of the orbit. 2 for orbits of doubled period. From 1 to 64.
+    settle : int
+        Periods of the orbit for which the scene runs before the search. After its ramp. The search
+        starts from the state that the scene has then; it starts earlier if the scene has become
+        periodic. From 0 to 1000000.
+    si : bool
+        Results in SI units, for scenes with a table `[units]`. Results are in metres, seconds,
+        newtons and joules, except files for `resume` and messages of failures. A branch takes `to`
+        and `step` in these units, too. The amplitude of a drive is in m if it moves a bead, in N if
+        it pushes one. `omega` is in rad/s, as in the scene; `frequency`, in Hz, stands beside it.
+        Names of fields and columns do not change.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: driven-orbit.json, driven-orbit.png, and tables
+        with their columns: leading-multipliers.csv: re (real part of leading multipliers, one of
+        each conjugate pair, without those below their error), im (imaginary part), modulus, error
+        (of the modulus). driven-orbit.csv has the displacements of all beads over a period;
+        driven-orbit.npz has the orbit, from which `orbit continue --resume` goes on.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("orbit driven", orbit_driven, locals())
+
+
+def orbit_continue(
+    scene: Scene | Chain | str = "granular-crystal",
+    *,
+    set: Mapping[str, Any] | Sequence[str] | None = None,
+    turns: int = 1,
+    settle: int = 300,
+    si: bool = False,
+    vary: Literal["amplitude", "omega", "damping"] = "amplitude",
+    step: float | None = None,
+    max_points: int = 1000,
+    multipliers: bool | None = None,
+    bifurcations: bool | None = None,
+    switch: int | None = None,
+    to: float | None = None,
+    resume: str | os.PathLike[str] | None = None,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Follow the orbit of a driven scene in one parameter.
+
+    In the drive's amplitude or frequency, or in the damping, past folds; with multipliers, folds,
+    period doublings and torus bifurcations, and with the branch that crosses at one of them. It
+    begins with the scene's own value. Exit code 1 if a branch is lost on its way.
+
+    Parameters
+    ----------
+    scene : Scene | Chain | str
+        Name of a built-in scene, or a TOML file. The scene must have a `[[drive]]`: harmonics of
+        one frequency, with or without a ramp. The orbit is that of the drive at its full height.
+    set : Mapping[str, Any] | Sequence[str]
+        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
+        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+        needs no quotation marks, as in chain.boundary=ring.
+    turns : int
+        Periods of the drive in a period of the orbit. 2 for orbits of doubled period. From 1 to 64.
+    settle : int
+        Periods of the orbit for which the scene runs before the search. After its ramp. The search
+        starts from the state that the scene has then; it starts earlier if the scene has become
+        periodic. From 0 to 1000000.
+    si : bool
+        Results in SI units, for scenes with a table `[units]`. Results are in metres, seconds,
+        newtons and joules, except files for `resume` and messages of failures. A branch takes `to`
+        and `step` in these units, too. The amplitude of a drive is in m if it moves a bead, in N if
+        it pushes one. `omega` is in rad/s, as in the scene; `frequency`, in Hz, stands beside it.
+        Names of fields and columns do not change.
+    vary : Literal["amplitude", "omega", "damping"]
+        What varies along the branch.
+    step : float
+        Largest change of the parameter from point to point [default: a twentieth of the range].
+        Finite and positive.
+    max_points : int
+        Points of the branch at most. With those of a branch that is resumed. At least 2.
+    multipliers : bool
+        Compute multipliers, or not (=false). On by default where they take less time than the
+        orbits: not of dark breathers.
+    bifurcations : bool
+        Locate bifurcations, or not (=false). They need multipliers. On by default where they take
+        less time than the orbits: not of normal modes.
+    switch : int
+        Follow the branch that crosses at bifurcation K, too. A period doubling, for orbits of the
+        doubled period, or a branch point; bifurcations are numbered from 1 as they are printed. It
+        ends as the first branch does, or where orbits of doubled period come back to those of half
+        the period. At least 1.
+    to : float
+        Value of the parameter at which the branch ends. It begins with that of the scene or of
+        other options. A finite number.
+    resume : str | os.PathLike[str]
+        Go on with what this file, or the file in this folder, has kept. A file of a branch, from
+        its last point: to another `to`, by another `step`; then multipliers and bifurcations are
+        computed anew. The results are written beside it unless `out` says where.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: driven-branch.json, driven-branch.png, and tables
+        with their columns: driven-branch.csv: amplitude (what varies along the branch), response
+        (largest half range of a free bead), max_modulus (largest modulus of a multiplier), unstable
+        (multipliers outside the unit circle). bifurcations.csv: number, kind, amplitude (what
+        varies along the branch), response (largest half range of a free bead), re (real part of the
+        multiplier), im (imaginary part). driven-branch.npz has every orbit. With `switch` also
+        switched-branch.csv, switched-bifurcations.csv and switched-branch.npz; the npz files are
+        written every 20 points or 10 s as well. driven-spectra.store and switched-spectra.store
+        have multipliers and bifurcations, from which the same command goes on. Each part of `shard`
+        follows the first branch itself and computes its share of these.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("orbit continue", orbit_continue, locals())
+
+
+def orbit_mode(
+    scene: Scene | Chain | str = "defect",
+    *,
+    set: Mapping[str, Any] | Sequence[str] | None = None,
+    linear_mode: int | None = None,
+    max_points: int = 1000,
+    multipliers: bool | None = None,
+    bifurcations: bool | None = None,
+    switch: int | None = None,
+    si: bool = False,
+    to: float | None = None,
+    step: float | None = None,
+    resume: str | os.PathLike[str] | None = None,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Follow a normal mode of a conservative scene from its linear mode on.
+
+    Computes the linear modes about the equilibrium, and follows the periodic orbits that begin as
+    one of them to larger amplitudes, also beyond the amplitude at which contacts open: frequency,
+    energy, participation number, Floquet multipliers. Exit code 1 if the branch is lost on its way.
+
+    Parameters
+    ----------
+    scene : Scene | Chain | str
+        Name of a built-in scene, or a TOML file. All contacts of the scene must be closed at rest:
+        a static overlap, between walls or on a ring. Beads may differ. The initial state of the
+        scene does not matter.
+    set : Mapping[str, Any] | Sequence[str]
+        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
+        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+        needs no quotation marks, as in chain.boundary=ring.
+    linear_mode : int
+        Number of the linear mode, the lowest frequency first [default: the most localised one]. At
+        least 1.
+    max_points : int
+        Points of the branch at most. With those of a branch that is resumed. At least 2.
+    multipliers : bool
+        Compute multipliers, or not (=false). On by default where they take less time than the
+        orbits: not of dark breathers.
+    bifurcations : bool
+        Locate bifurcations, or not (=false). They need multipliers. On by default where they take
+        less time than the orbits: not of normal modes.
+    switch : int
+        Follow the branch that crosses at bifurcation K, too. A period doubling, for orbits of the
+        doubled period, or a branch point; bifurcations are numbered from 1 as they are printed. It
+        ends as the first branch does, or where orbits of doubled period come back to those of half
+        the period. At least 1.
+    si : bool
+        Results in SI units, for scenes with a table `[units]`. Results are in metres, seconds,
+        newtons and joules, except files for `resume` and messages of failures. A branch takes `to`
+        and `step` in these units, too. The amplitude of a drive is in m if it moves a bead, in N if
+        it pushes one. `omega` is in rad/s, as in the scene; `frequency`, in Hz, stands beside it.
+        Names of fields and columns do not change.
+    to : float
+        Amplitude at which the branch ends. The amplitude is the displacement, at the start of the
+        period, of the bead or resonator that moves most in the linear mode.
+    step : float
+        Largest change of the amplitude from point to point. The branch begins at this amplitude, or
+        at a smaller one if the orbit found there is not near the linear mode [default: a twentieth
+        of the last one].
+    resume : str | os.PathLike[str]
+        Go on with what this file, or the file in this folder, has kept. A file of a branch, from
+        its last point: to another `to`, by another `step`; then multipliers and bifurcations are
+        computed anew. The results are written beside it unless `out` says where.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: mode.json, mode.png; mode.npz with an array
+        TABLE.COLUMN for each column of linear-modes.csv: mode (number by frequency), omega
+        (frequency), participation (number of sites that take part), site (of the bead or resonator
+        that moves most), resonator (whether that is a resonator). mode-branch.csv: amplitude, omega
+        (frequency), energy (above that of the equilibrium), participation (number of sites that
+        take part), least_overlap (of all contacts at the two times of rest), max_modulus (largest
+        |lambda|), unstable (multipliers outside the unit circle by more than their error).
+        mode-bifurcations.csv: number, kind, amplitude, omega (frequency), tau ((lambda +
+        1/lambda)/2 of the multipliers that meet). mode-branch.npz has every orbit. With `switch`
+        also switched-branch.csv, switched-bifurcations.csv and switched-branch.npz; the npz files
+        are written every 20 points or 10 s as well. mode-bifurcations.store and
+        switched-bifurcations.store have bifurcations, from which the same command goes on. Each
+        part of `shard` follows the first branch itself and locates its share of these.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("orbit mode", orbit_mode, locals())
+
+
+def dps_integrals(
+    *,
+    alpha: float = 1.5,
+    kappa: float = 1,
+    b: float,
+    r: float,
+    progress: Progress = False,
+) -> Study:
+    """Averages of the contact force over an oscillation, and their derivatives.
+
+    g_alpha(b, r) of (eq:aux1), the mean, and h_alpha(b, r) of (eq:aux2), the first harmonic divided
+    by r.
+
+    Parameters
+    ----------
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. Above 0 and at most 10.
+    kappa : float
+        Spring constant of the resonators. Finite and positive.
+    b : float
+        Mean strain. The overlap of the bond is -b + 2 kappa r cos t; all values are zero for b >= 2
+        kappa r. A finite number.
+    r : float
+        Amplitude r of the oscillation. Finite and at least 0.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("dps integrals", dps_integrals, locals())
+
+
+def dps_homoclinic(
+    *,
+    alpha: float = 1.5,
+    center: Literal["site", "bond"] = "site",
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Homoclinic solutions: profiles of bright breathers.
+
+    They solve the stationary DpS equation.
+
+    Parameters
+    ----------
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
+    center : Literal["site", "bond"]
+        What the profile is symmetric about.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: homoclinic.json, homoclinic.png; homoclinic.npz
+        with an array TABLE.COLUMN for each column of homoclinic.csv: n, a, ln_ln (ln|ln|a||: a line
+        of slope ln alpha in the tails).
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("dps homoclinic", dps_homoclinic, locals())
+
+
+def dps_dark(
+    *,
+    center: Literal["site", "bond"] = "site",
+    sites: int = 41,
+    alpha: float = 1.5,
+    kappa: float = 1,
+    rho: float = 0.3333333333333333,
+    c: float = 0,
+    omega_b: float | None = None,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Standing waves with a kink: profiles of dark breathers.
+
+    They solve the generalised DpS equations. Also gives the strains from which a dark breather
+    starts on the chain, to first order.
+
+    Parameters
+    ----------
+    center : Literal["site", "bond"]
+        What the profile is symmetric about. The kink is on the site 0, or on the bond between the
+        sites 0 and 1.
+    sites : int
+        Number of sites. Length of the ring, an odd number from 3 to 100001.
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
+    kappa : float
+        Spring constant of the resonators. Finite and positive.
+    rho : float
+        Mass ratio resonator to bead. Finite and positive.
+    c : float
+        Mean strain of the background at mu = 1. A finite number.
+    omega_b : float
+        Frequency of the breather, in radians per unit of time [default: 1.005 omega]. Above omega =
+        sqrt(kappa (1 + 1/rho)).
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: dark.json, dark.png; dark.npz with an array
+        TABLE.COLUMN for each column of dark.csv: n, a (delta^- of the standing wave (eq:DpSsw2) at
+        mu = 1), b (the same of its mean), x (strains of the breather at rest (eq:xy_sw)), y.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("dps dark", dps_dark, locals())
+
+
+def paper_verify(
+    *,
+    section: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Compare every number in the text of the paper with ours.
+
+    For every number in Sec. 2 to 8: what the paper says, what we get, the verdict, and why if they
+    differ. Exit code 0: every verdict is the known one, and where the paper is known to differ our
+    numbers have not changed. Exit code 1: a verdict or such a number is another one, or a run
+    failed.
+
+    Parameters
+    ----------
+    section : int
+        One section of the paper: 2, 3, 4, 5, 6, 7 or 8 [default: all].
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: verify.txt, verify.csv, verify.npz and verify.json;
+        verify.store, which keeps what was computed for the next run.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("paper verify", paper_verify, locals())
