@@ -1065,7 +1065,8 @@ def wave_exact(
     q_over_pi : float
         Wave number over pi, with a whole number of waves on the ring. Above 0 and at most 1.
     omega_tw : float
-        Frequency of the wave, in radians per unit of time. Above omega = sqrt(kappa (1 + 1/rho)).
+        Frequency of the wave, in radians per unit of time. Above omega = sqrt(kappa (1 + 1/rho)),
+        or below sqrt(kappa/rho).
     amplitude : float
         Height of the crest above the mean strain, in place of the frequency. Finite and positive.
     mean : float
@@ -1116,10 +1117,10 @@ def wave_continue(
     sites: int | None = None,
     tol: float = 1e-14,
     vary: Literal["omega_tw", "amplitude", "mean", "rho", "kappa", "alpha"] = "omega_tw",
+    to: float | None = None,
     step: float | None = None,
     max_points: int = 1000,
     multipliers: bool | None = None,
-    to: float | None = None,
     resume: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
@@ -1144,7 +1145,8 @@ def wave_continue(
     q_over_pi : float
         Wave number over pi, with a whole number of waves on the ring. Above 0 and at most 1.
     omega_tw : float
-        Frequency of the wave, in radians per unit of time. Above omega = sqrt(kappa (1 + 1/rho)).
+        Frequency of the wave, in radians per unit of time. Above omega = sqrt(kappa (1 + 1/rho)),
+        or below sqrt(kappa/rho).
     amplitude : float
         Height of the crest above the mean strain, in place of the frequency. Finite and positive.
     mean : float
@@ -1161,17 +1163,17 @@ def wave_continue(
         1e-12 for an exact wave.
     vary : Literal["omega_tw", "amplitude", "mean", "rho", "kappa", "alpha"]
         What varies along the branch. A parameter of the wave or of the chain.
+    to : float
+        Value of the parameter at which the branch ends. It begins with that of the scene or of
+        other options. A finite number.
     step : float
-        Largest change of the parameter from point to point [default: a twentieth of the range].
-        Finite and positive.
+        Largest change of the parameter from point to point. By default a twentieth of the range, of
+        dark breathers a hundredth. Finite and positive.
     max_points : int
         Points of the branch at most. With those of a branch that is resumed. At least 2.
     multipliers : bool
         Compute multipliers, or not (=false). On by default where they take less time than the
         orbits: not of dark breathers.
-    to : float
-        Value of the parameter at which the branch ends. It begins with that of the scene or of
-        other options. A finite number.
     resume : str | os.PathLike[str]
         Go on with what this file, or the file in this folder, has kept. A file of a branch, from
         its last point: to another `to`, by another `step`; then multipliers and bifurcations are
@@ -1187,10 +1189,11 @@ def wave_continue(
         time), bloch (its Bloch wave number), growing (multipliers that grow), modulation (largest
         growth by the linearised modulation equations), e_x_ansatz (error of the ansatz, beads),
         e_y_ansatz (error of the ansatz, resonators), closed (share of the period in which a contact
-        is closed), radius (bound of the distance to a solution). wave-branch.npz has every wave,
-        and is written every 20 points or 10 s as well; stalled.json, in place of all of them, if
-        there is no first wave. wave-spectra.store has multipliers, from which the same command goes
-        on. Each part of `shard` follows the branch itself and computes its share of these.
+        is closed), radius (bound of the distance to a solution). wave-branch.npz has every orbit,
+        and is written every 20 points or 10 s as well. stalled.json is there, in place of all
+        files, if there is no first wave. wave-spectra.store has what was found about them, from
+        which the same command goes on. Each part of `shard` follows the branch itself and computes
+        its share of this.
     shard : str
         Compute only part K of N of the points; needs `out`. The points are kept in a store of their
         own in the folder of `out`. Parts may run at any time and on any machine that has this
@@ -1306,7 +1309,7 @@ def breather_bright(
         Boundary condition at the ends of the chain.
     until : float
         End time, in units of time [default: 80 T]. T = 2 pi/omega_0 in units of 1/sqrt(kappa) is
-        the period of the envelope in slow time. From one to 10^7 periods T_b of the breather.
+        the period of the envelope in slow time. The run has at most 10^7 samples.
     samples_per_period : int
         Samples per period, from which largest values are taken. Per period T_b of the breather. The
         time at which energy has left the core is also found from them. From 1 to 1000.
@@ -1435,8 +1438,8 @@ def breather_dark(
         Frequency of the breather, in radians per unit of time [default: 1.025 omega]. Above omega =
         sqrt(kappa (1 + 1/rho)).
     sites : int
-        Number of sites. The ring has an odd number of sites, n = -N .. N, from 3 to 255. Weak
-        quartets of multipliers, and their number, depend on it.
+        Number of sites. The ring has an odd number of sites, n = -N .. N; about a site at least 5.
+        Weak quartets of multipliers, and their number, depend on it. From 3 to 255.
     alpha : float
         Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
     kappa : float
@@ -1469,6 +1472,7 @@ def breather_continue(
     center: Literal["site", "bond"] = "site",
     vary: str = "omega_b",
     from_: float | None = None,
+    step: float | None = None,
     max_points: int = 1000,
     multipliers: bool | None = None,
     bifurcations: bool | None = None,
@@ -1484,7 +1488,6 @@ def breather_continue(
     formulation: Literal["half-period", "full-period"] = "half-period",
     tol: float = 1e-13,
     to: float | None = None,
-    step: float | None = None,
     resume: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
@@ -1504,6 +1507,9 @@ def breather_continue(
         Varied parameter: omega_b, rho, kappa, alpha or c_x.
     from_ : float
         First value of the parameter [default for omega_b: 1.005 omega]. A finite number.
+    step : float
+        Largest change of the parameter from point to point. By default a twentieth of the range, of
+        dark breathers a hundredth. Finite and positive.
     max_points : int
         Points of the branch at most. With those of a branch that is resumed. At least 2.
     multipliers : bool
@@ -1523,8 +1529,8 @@ def breather_continue(
         Bound the distance to an exact solution by the theorem of Newton and Kantorovich. For each
         point of the branch.
     sites : int
-        Number of sites. The ring has an odd number of sites, n = -N .. N, from 3 to 255. Weak
-        quartets of multipliers, and their number, depend on it.
+        Number of sites. The ring has an odd number of sites, n = -N .. N; about a site at least 5.
+        Weak quartets of multipliers, and their number, depend on it. From 3 to 255.
     alpha : float
         Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
     kappa : float
@@ -1542,8 +1548,6 @@ def breather_continue(
     to : float
         Value of the parameter at which the branch ends. It begins with that of the scene or of
         other options. A finite number.
-    step : float
-        Largest change of the parameter from point to point. [default: a hundredth of the range].
     resume : str | os.PathLike[str]
         Go on with what this file, or the file in this folder, has kept. A file of a branch, from
         its last point: to another `to`, by another `step`; then multipliers and bifurcations are
@@ -1557,10 +1561,9 @@ def breather_continue(
         (largest modulus of a multiplier), radius (bound for the distance to an exact orbit), real
         (largest modulus of the real multipliers above 1), negative (of those below -1), quartet (of
         quartets). bifurcations.csv: kind, parameter, period, tau (half trace of the two multipliers
-        that meet), omega_b. branch.npz has every orbit; it is written every 20 points or 10 s as
-        well. With `resume` and without `out`, the files go to the folder of the file that is gone
-        on with. spectra.store has multipliers and bifurcations, from which the same command goes
-        on. Each part of `shard` follows the branch itself and computes its share of these.
+        that meet), omega_b. branch.npz has every orbit, and is written every 20 points or 10 s as
+        well. spectra.store has what was found about them, from which the same command goes on. Each
+        part of `shard` follows the branch itself and computes its share of this.
     shard : str
         Compute only part K of N of the points; needs `out`. The points are kept in a store of their
         own in the folder of `out`. Parts may run at any time and on any machine that has this
@@ -1610,8 +1613,8 @@ def breather_doubled(
         File branch.npz of the main branch [default: it is computed here]. A file that `breather
         continue --center bond` has written.
     sites : int
-        Number of sites. The ring has an odd number of sites, n = -N .. N, from 3 to 255. Weak
-        quartets of multipliers, and their number, depend on it.
+        Number of sites. The ring has an odd number of sites, n = -N .. N; about a site at least 5.
+        Weak quartets of multipliers, and their number, depend on it. From 3 to 255.
     alpha : float
         Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
     kappa : float
@@ -1735,8 +1738,8 @@ def breather_barrier(
     frequencies : int
         Number of frequencies, equally spaced. At least 2.
     sites : int
-        Number of sites. The ring has an odd number of sites, n = -N .. N, from 3 to 255. Weak
-        quartets of multipliers, and their number, depend on it.
+        Number of sites. The ring has an odd number of sites, n = -N .. N; about a site at least 5.
+        Weak quartets of multipliers, and their number, depend on it. From 3 to 255.
     alpha : float
         Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
     kappa : float
@@ -1924,12 +1927,12 @@ def orbit_continue(
     settle: int = 300,
     si: bool = False,
     vary: Literal["amplitude", "omega", "damping"] = "amplitude",
+    to: float | None = None,
     step: float | None = None,
     max_points: int = 1000,
     multipliers: bool | None = None,
     bifurcations: bool | None = None,
     switch: int | None = None,
-    to: float | None = None,
     resume: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
@@ -1965,9 +1968,12 @@ def orbit_continue(
         Names of fields and columns do not change.
     vary : Literal["amplitude", "omega", "damping"]
         What varies along the branch.
+    to : float
+        Value of the parameter at which the branch ends. It begins with that of the scene or of
+        other options. A finite number.
     step : float
-        Largest change of the parameter from point to point [default: a twentieth of the range].
-        Finite and positive.
+        Largest change of the parameter from point to point. By default a twentieth of the range, of
+        dark breathers a hundredth. Finite and positive.
     max_points : int
         Points of the branch at most. With those of a branch that is resumed. At least 2.
     multipliers : bool
@@ -1980,10 +1986,8 @@ def orbit_continue(
         Follow the branch that crosses at bifurcation K, too. A period doubling, for orbits of the
         doubled period, or a branch point; bifurcations are numbered from 1 as they are printed. It
         ends as the first branch does, or where orbits of doubled period come back to those of half
-        the period. At least 1.
-    to : float
-        Value of the parameter at which the branch ends. It begins with that of the scene or of
-        other options. A finite number.
+        the period. Its files are switched-branch.csv, switched-bifurcations.csv and
+        switched-branch.npz. At least 1.
     resume : str | os.PathLike[str]
         Go on with what this file, or the file in this folder, has kept. A file of a branch, from
         its last point: to another `to`, by another `step`; then multipliers and bifurcations are
@@ -1996,11 +2000,10 @@ def orbit_continue(
         (largest half range of a free bead), max_modulus (largest modulus of a multiplier), unstable
         (multipliers outside the unit circle). bifurcations.csv: number, kind, amplitude (what
         varies along the branch), response (largest half range of a free bead), re (real part of the
-        multiplier), im (imaginary part). driven-branch.npz has every orbit. With `switch` also
-        switched-branch.csv, switched-bifurcations.csv and switched-branch.npz; the npz files are
-        written every 20 points or 10 s as well. driven-spectra.store and switched-spectra.store
-        have multipliers and bifurcations, from which the same command goes on. Each part of `shard`
-        follows the first branch itself and computes its share of these.
+        multiplier), im (imaginary part). driven-branch.npz has every orbit, and is written every 20
+        points or 10 s as well. driven-spectra.store has what was found about them, from which the
+        same command goes on. Each part of `shard` follows the branch itself and computes its share
+        of this.
     shard : str
         Compute only part K of N of the points; needs `out`. The points are kept in a store of their
         own in the folder of `out`. Parts may run at any time and on any machine that has this
@@ -2018,13 +2021,13 @@ def orbit_mode(
     *,
     set: Mapping[str, Any] | Sequence[str] | None = None,
     linear_mode: int | None = None,
+    to: float | None = None,
+    step: float | None = None,
     max_points: int = 1000,
     multipliers: bool | None = None,
     bifurcations: bool | None = None,
     switch: int | None = None,
     si: bool = False,
-    to: float | None = None,
-    step: float | None = None,
     resume: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
@@ -2048,8 +2051,16 @@ def orbit_mode(
         TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
         needs no quotation marks, as in chain.boundary=ring.
     linear_mode : int
-        Number of the linear mode, the lowest frequency first [default: the most localised one]. At
-        least 1.
+        Number of the linear mode, the lowest frequency first [default: the most localised one]. The
+        parameter of the branch is the amplitude: the displacement, at the start of the period, of
+        the bead or resonator that moves most in this mode. The first amplitude is `step`, or a
+        smaller one if the orbit found there is not near the mode. At least 1.
+    to : float
+        Value of the parameter at which the branch ends. It begins with that of the scene or of
+        other options. A finite number.
+    step : float
+        Largest change of the parameter from point to point. By default a twentieth of the range, of
+        dark breathers a hundredth. Finite and positive.
     max_points : int
         Points of the branch at most. With those of a branch that is resumed. At least 2.
     multipliers : bool
@@ -2062,20 +2073,14 @@ def orbit_mode(
         Follow the branch that crosses at bifurcation K, too. A period doubling, for orbits of the
         doubled period, or a branch point; bifurcations are numbered from 1 as they are printed. It
         ends as the first branch does, or where orbits of doubled period come back to those of half
-        the period. At least 1.
+        the period. Its files are switched-branch.csv, switched-bifurcations.csv and
+        switched-branch.npz. At least 1.
     si : bool
         Results in SI units, for scenes with a table `[units]`. Results are in metres, seconds,
         newtons and joules, except files for `resume` and messages of failures. A branch takes `to`
         and `step` in these units, too. The amplitude of a drive is in m if it moves a bead, in N if
         it pushes one. `omega` is in rad/s, as in the scene; `frequency`, in Hz, stands beside it.
         Names of fields and columns do not change.
-    to : float
-        Amplitude at which the branch ends. The amplitude is the displacement, at the start of the
-        period, of the bead or resonator that moves most in the linear mode.
-    step : float
-        Largest change of the amplitude from point to point. The branch begins at this amplitude, or
-        at a smaller one if the orbit found there is not near the linear mode [default: a twentieth
-        of the last one].
     resume : str | os.PathLike[str]
         Go on with what this file, or the file in this folder, has kept. A file of a branch, from
         its last point: to another `to`, by another `step`; then multipliers and bifurcations are
@@ -2091,11 +2096,10 @@ def orbit_mode(
         take part), least_overlap (of all contacts at the two times of rest), max_modulus (largest
         |lambda|), unstable (multipliers outside the unit circle by more than their error).
         mode-bifurcations.csv: number, kind, amplitude, omega (frequency), tau ((lambda +
-        1/lambda)/2 of the multipliers that meet). mode-branch.npz has every orbit. With `switch`
-        also switched-branch.csv, switched-bifurcations.csv and switched-branch.npz; the npz files
-        are written every 20 points or 10 s as well. mode-bifurcations.store and
-        switched-bifurcations.store have bifurcations, from which the same command goes on. Each
-        part of `shard` follows the first branch itself and locates its share of these.
+        1/lambda)/2 of the multipliers that meet). mode-branch.npz has every orbit, and is written
+        every 20 points or 10 s as well. mode-spectra.store has what was found about them, from
+        which the same command goes on. Each part of `shard` follows the branch itself and computes
+        its share of this.
     shard : str
         Compute only part K of N of the points; needs `out`. The points are kept in a store of their
         own in the folder of `out`. Parts may run at any time and on any machine that has this
