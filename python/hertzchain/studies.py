@@ -1504,7 +1504,7 @@ def breather_continue(
         What the profile is symmetric about. The kink is on the site 0, or on the bond between the
         sites 0 and 1.
     vary : str
-        Varied parameter: omega_b, rho, kappa, alpha or c_x.
+        What varies along the branch. omega_b, rho, kappa, alpha or c_x.
     from_ : float
         First value of the parameter [default for omega_b: 1.005 omega]. A finite number.
     step : float

@@ -166,7 +166,9 @@ options! {
         ///
         /// The kink is on the site 0, or on the bond between the sites 0 and 1.
         center: Center = Center::Site, "C";
-        /// Varied parameter: omega_b, rho, kappa, alpha or c_x.
+        /// What varies along the branch.
+        ///
+        /// omega_b, rho, kappa, alpha or c_x.
         vary: String = "omega_b".to_owned(), "P", [arg(alias = "parameter")];
         /// First value of the parameter [default for omega_b: 1.005 omega].
         from: Option<f64> = None, "P", (finite);
