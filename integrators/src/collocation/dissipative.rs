@@ -3,9 +3,10 @@
 //!
 //! No bound of the second derivative of `P` is known where forces of neighbours begin like a root
 //! of time. So `g` and `P` are evaluated at equally spaced times, and where the parabola through
-//! three of them has its vertex on the other side of zero. A contact, or a pause of one, that is
-//! missed is shorter than a fraction of this spacing. The sweeps and the last terms of their series
-//! still see it if it has begun.
+//! three of them has its vertex on the other side of zero; after the sweeps also where a contact of
+//! a neighbour begins or ends, since a force that jumps there turns `P`. A contact, or a pause of
+//! one, that is missed is shorter than a fraction of this spacing. The sweeps and the last terms of
+//! their series still see it if it has begun.
 
 use super::{
     bond::{Beside, Bond, Contact, known},
@@ -63,7 +64,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             self.prediction.margin = -most;
             return;
         }
-        self.gather(frame, self.initial.band, look);
+        self.gather(frame, self.initial.band, look, []);
         let Some(contact) = self.contacts.found.last_mut().filter(|contact| contact.release > h) else { return };
         // A release soon after the window's end.
         let pushes = |t: f64| {
@@ -92,7 +93,13 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let look = |t: f64| {
             [overlap_at(motion, (panels, own), frame, beside, t), rate_at(motion, (panels, own), frame, beside, t)]
         };
-        self.gather(frame, band, look);
+        let kinks = beside
+            .into_iter()
+            .flatten()
+            .flat_map(|bond| &bond.contacts.found)
+            .flat_map(|contact| [contact.onset, contact.release])
+            .filter(|t| (0.0..h).contains(t));
+        self.gather(frame, band, look, kinks);
         let pushes = |t: f64| {
             let [g, rate] = look(t);
             frame.link.law.overlap_that_pushes(g, rate)
@@ -128,12 +135,19 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     }
 
     /// Finds the time intervals in which the bond pushes, from the function `look` that gives
-    /// overlap and rate at a time; overlaps up to `band` count as zero.
-    fn gather(&mut self, frame: &Frame<'_, M, S>, band: f64, look: impl Fn(f64) -> Look) {
+    /// overlap and rate at a time; overlaps up to `band` count as zero. The rate has `kinks` where
+    /// forces of neighbours jump.
+    fn gather(
+        &mut self,
+        frame: &Frame<'_, M, S>,
+        band: f64,
+        look: impl Fn(f64) -> Look,
+        kinks: impl IntoIterator<Item = f64>,
+    ) {
         let (h, link) = (frame.h, frame.link);
         let of = |[g, rate]: Look| [g, link.law.overlap_that_pushes(g, rate)];
         let at = |t: f64| of(look(t));
-        let mut looks = looks(h, link.law.dashpot(), &look, &of);
+        let mut looks = looks(h, link.law.dashpot(), &look, &of, kinks);
         // At the start both are known, which tells the error of values by series.
         let start = self.initial.overlap;
         let by_series = std::mem::replace(&mut looks[0].1, start);
@@ -207,8 +221,14 @@ fn slope(of: impl Fn(f64) -> f64, t: f64, h: f64) -> f64 {
 }
 
 /// Overlaps and rates at equally spaced times, and at the vertices of parabolas through three
-/// values of `g` or of `P`, as `of` gives them, that lie on the other side of zero.
-fn looks(h: f64, dashpot: bool, look: &impl Fn(f64) -> Look, of: &impl Fn(Look) -> [f64; 2]) -> Vec<(f64, Look)> {
+/// values of `g` or of `P`, as `of` gives them, that lie on the other side of zero; and at `kinks`.
+fn looks(
+    h: f64,
+    dashpot: bool,
+    look: &impl Fn(f64) -> Look,
+    of: &impl Fn(Look) -> [f64; 2],
+    kinks: impl IntoIterator<Item = f64>,
+) -> Vec<(f64, Look)> {
     let step = h / PARTS as f64;
     let mut looks: Vec<(f64, Look)> = (0..=PARTS)
         .map(|k| {
@@ -230,7 +250,7 @@ fn looks(h: f64, dashpot: bool, look: &impl Fn(f64) -> Look, of: &impl Fn(Look) 
         (dashpot && before > 0.0 && after < 0.0).then(|| (largest() - STEP * step).max(a))
     };
     let turns = (1..PARTS).flat_map(|k| [turns(k, 0), turns(k, 1)]);
-    let more: Vec<f64> = turns.chain((0..PARTS).map(peak)).flatten().collect();
+    let more: Vec<f64> = turns.chain((0..PARTS).map(peak)).flatten().chain(kinks).collect();
     looks.extend(more.into_iter().map(|t| (t, look(t))));
     sort_by_time(&mut looks);
     looks
