@@ -127,10 +127,7 @@ impl<T> Rows<'_, T> {
         about: impl Into<String>,
         value: impl Fn(&T) -> C,
     ) -> Self {
-        let (name, about, quantity) = (name.into(), about.into(), Quantity::Number);
-        let head = nested(&name).map_or_else(|| name.replace('_', " "), |_| name.replace(['_', '.'], " "));
-        let cells = self.rows.iter().map(|row| value(row).into()).collect();
-        self.table.columns.push(Column { name, head, about, quantity, digits, cells });
+        self.table.push(name.into(), digits, about.into(), &|row| value(&self.rows[row]).into());
         self
     }
 
@@ -190,20 +187,7 @@ impl<T> Rows<'_, T> {
 
     /// The table.
     pub fn done(self) -> Table {
-        let mut table = self.table;
-        if table.units.is_some() {
-            let omegas = table.columns.iter().filter(|column| column.quantity == Quantity::Omega);
-            let hertz = |column: &Column| Column {
-                name: column.name.replace("omega", "frequency"),
-                head: "frequency".to_owned(),
-                about: "the same in Hz".to_owned(),
-                quantity: Quantity::Frequency,
-                ..column.clone()
-            };
-            let hertz: Vec<Column> = omegas.map(hertz).collect();
-            table.columns.extend(hertz);
-        }
-        table
+        self.table.with_frequencies()
     }
 }
 
@@ -214,6 +198,31 @@ impl<T> From<Rows<'_, T>> for Table {
 }
 
 impl Table {
+    /// Adds a column. Not generic, so that it is compiled once and not for each column of the
+    /// program.
+    fn push(&mut self, name: String, digits: Digits, about: String, cell: &dyn Fn(usize) -> Cell) {
+        let head = nested(&name).map_or_else(|| name.replace('_', " "), |_| name.replace(['_', '.'], " "));
+        let cells = (0..self.rows).map(cell).collect();
+        self.columns.push(Column { name, head, about, quantity: Quantity::Number, digits, cells });
+    }
+
+    /// With SI units, a column in Hz for each angular frequency.
+    fn with_frequencies(mut self) -> Self {
+        if self.units.is_some() {
+            let omegas = self.columns.iter().filter(|column| column.quantity == Quantity::Omega);
+            let hertz = |column: &Column| Column {
+                name: column.name.replace("omega", "frequency"),
+                head: "frequency".to_owned(),
+                about: "the same in Hz".to_owned(),
+                quantity: Quantity::Frequency,
+                ..column.clone()
+            };
+            let hertz: Vec<Column> = omegas.map(hertz).collect();
+            self.columns.extend(hertz);
+        }
+        self
+    }
+
     /// Its name, that of its CSV file.
     pub fn name(&self) -> &str {
         &self.name
