@@ -21,10 +21,11 @@ CONTACTS = np.dtype([(name, np.int64 if name == "bond" else np.float64) for name
 DEFAULT_SAMPLES = 400
 # The units whose product is the unit of a column of the log of contacts; the bond has none.
 CONTACT_UNITS = {
-    **dict.fromkeys(("onset", "release", "t_largest", "force_end"), ("time_s",)),
+    **dict.fromkeys(("onset", "release", "t_largest", "force_end", "t_peak"), ("time_s",)),
     **dict.fromkeys(("approach", "separation"), ("velocity_m_per_s",)),
     **dict.fromkeys(("largest_overlap", "onset_overlap", "release_overlap"), ("length_m",)),
     "impulse": ("force_n", "time_s"),
+    "peak_force": ("force_n",),
 }
 
 

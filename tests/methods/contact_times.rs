@@ -157,7 +157,9 @@ fn the_log_of_two_beads_is_the_closed_form_for_every_exponent_method_and_toleran
             let off = largest(ends.into_iter().chain(speeds).chain([c.largest_overlap - most]));
             let late = c.t_largest - 0.5 - 0.5 * duration;
             assert!(off < bound && late.abs() < at_largest, "{name} {setting:?} {alpha}: {off:e} {late:e}");
-            assert_eq!(c.force_end, c.release);
+            assert_eq!((c.force_end, c.t_peak), (c.release, c.t_largest));
+            let force = c.peak_force / most.powf(alpha) - 1.0;
+            assert!(force.abs() < 2.0 * (alpha + 1.0) * bound, "{name} {setting:?} {alpha}: {force:e}");
         };
         for tol in TOLERANCES {
             check("collocation", Setting::Tolerance(tol), [10.0 * tol, 100.0 * tol]);
@@ -174,7 +176,8 @@ fn the_log_of_two_beads_is_the_closed_form_for_every_exponent_method_and_toleran
 #[test]
 fn the_force_of_a_dashpot_ends_before_the_overlap_by_every_method() {
     // Truth: closed form. With alpha = 1, g'' = -2 (g + c g'), which pushes until the bracket is
-    // zero: omega t = pi - atan(c omega/(1 - c^2)), omega^2 = 2 - c^2. Then beads part freely.
+    // zero: omega t = pi - atan(c omega/(1 - c^2)), omega^2 = 2 - c^2. Then beads part freely. The
+    // bracket is largest where cot(omega t) = (c + 2 c/(1 - 2 c^2))/omega.
     // Collocation knows the end of the force as well as the impulse needs it.
     let c = 0.3_f64;
     let omega = (2.0 - c * c).sqrt();
@@ -182,6 +185,9 @@ fn the_force_of_a_dashpot_ends_before_the_overlap_by_every_method() {
     let (sin, cos) = (omega * last).sin_cos();
     let [g, rate] = [sin / omega, cos - c / omega * sin].map(|x| x * (-c * last).exp());
     let ends = [0.5 + last, 0.5 + last - g / rate];
+    let peak = (omega / (c + 2.0 * c / (1.0 - 2.0 * c * c))).atan() / omega;
+    let (sin, cos) = (omega * peak).sin_cos();
+    let force = (sin / omega + c * (cos - c / omega * sin)) * (-c * peak).exp();
     let scene = two_beads(1.0, &format!(", dashpot = {c:?}"));
     for (name, setting, bound) in [
         ("collocation", Setting::Tolerance(1e-12), 1e-8),
@@ -192,8 +198,11 @@ fn the_force_of_a_dashpot_ends_before_the_overlap_by_every_method() {
         let [contact] = contacts[..] else { panic!("{name}: {contacts:?}") };
         let off = [contact.force_end, contact.release].map(Option::unwrap);
         let off = [off[0] - ends[0], off[1] - ends[1]];
-        println!("{name}: {off:?}");
+        let at_peak = [contact.peak_force - force, contact.t_peak - 0.5 - peak];
+        println!("{name}: {off:?} {at_peak:?}");
         assert!(largest(off) < bound, "{name}: {off:?}");
+        // The rate is that of the polynomial through eight samples of a step.
+        assert!(at_peak[0].abs() < 1e-9 && at_peak[1].abs() < 1e-5, "{name}: {at_peak:?}");
     }
 }
 

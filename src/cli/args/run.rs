@@ -33,8 +33,10 @@ pub(crate) struct RunArgs {
     pub(crate) samples: Option<usize>,
     /// Record every contact, from its onset to its release.
     ///
-    /// Onset, release, speeds, largest overlap with its time, and impulse. The summary has totals;
-    /// with --out the contacts are in contacts.csv, contacts.npz and contacts.png.
+    /// Onset, release, speeds, largest overlap and largest force with their times, and impulse. The
+    /// summary has totals, and the speed and force of the pulse that runs over most bonds; with
+    /// --out the contacts are in contacts.csv, contacts.npz and contacts.png, and a line for each
+    /// bond in bonds.csv.
     #[arg(long)]
     pub(crate) events: bool,
     /// As --events, and record every maximum of the overlap of a closed bond, as of each pulse.

@@ -25,7 +25,7 @@ const MOST_VALUES: usize = 1 << 22;
 /// Quantities that are kept if the plan names none.
 const KEPT: [&str; 2] = ["energy_error", "force_evaluations"];
 /// What a run reports as a number, or as a table or an array of numbers.
-const REPORTED: [&str; 19] = [
+const REPORTED: [&str; 21] = [
     "t",
     "period",
     "u",
@@ -42,10 +42,15 @@ const REPORTED: [&str; 19] = [
     "e_x_final",
     "e_y_final",
     "contacts",
+    "bonds",
+    SPEED,
     "force_evaluations",
     "steps",
     "rejected",
 ];
+
+/// The quantity that is computed from two bonds.
+const SPEED: &str = "speed";
 
 /// A sweep over a scene, as a file says it.
 #[derive(Clone, Debug)]
@@ -252,7 +257,7 @@ impl Plan {
 
     /// Whether contacts are logged.
     pub(super) fn contacts(&self) -> bool {
-        self.keep.iter().any(|kept| kept.root() == "contacts")
+        self.keep.iter().any(|kept| ["contacts", "bonds", SPEED].contains(&kept.root()))
     }
 }
 
@@ -279,6 +284,9 @@ impl Reported {
     /// # Errors
     /// A report that does not have it.
     pub(super) fn of(&self, report: &Json) -> Result<Json> {
+        if self.root() == SPEED {
+            return self.speed(report).map(|speed| json!(speed));
+        }
         match report.pointer(&self.pointer) {
             Some(value) if !value.is_object() => Ok(value.clone()),
             found => {
@@ -291,6 +299,23 @@ impl Reported {
                 Err(Error::Point { point: self.name.clone(), why })
             }
         }
+    }
+}
+
+impl Reported {
+    /// The speed of the largest force from a bond to another, `speed[20..30]`; none where it has not
+    /// arrived.
+    fn speed(&self, report: &Json) -> Result<Option<f64>> {
+        // The name as a pointer: /speed/20//30.
+        let bonds = self.pointer.split_once("d/").and_then(|(_, range)| range.split_once("//"));
+        let bonds = bonds.filter(|(from, to)| from != to);
+        let number = |bond: &str, name: &str| report.pointer(&format!("/bonds/{bond}/{name}")).map(Json::as_f64);
+        let of = |name: &str| bonds.and_then(|(from, to)| Some((number(from, name)?, number(to, name)?)));
+        let Some(((x0, x1), (t0, t1))) = of("position").zip(of("t_peak")) else {
+            let why = "a speed is that from a bond of the chain to another, such as speed[20..30]".to_owned();
+            return Err(Error::Point { point: self.name.clone(), why });
+        };
+        Ok((|| Some((x1? - x0?) / (t1? - t0?)))().filter(|speed| speed.is_finite()))
     }
 }
 

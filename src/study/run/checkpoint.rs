@@ -34,7 +34,7 @@ use std::{
 
 /// Name of the checkpoint in the folder of a run.
 pub(super) const FILE: &str = "checkpoint.npz";
-const FORMAT: FileFormat = FileFormat("hertzchain checkpoint", 3);
+const FORMAT: FileFormat = FileFormat("hertzchain checkpoint", 4);
 /// Most intervals of a run.
 const MOST_LEGS: f64 = 1e6;
 

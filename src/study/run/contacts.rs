@@ -4,6 +4,7 @@ use crate::{
     chain::Contact,
     error::Result,
     output::{Array, npz},
+    report::{Digits::Short, Table},
 };
 use serde::Serialize;
 
@@ -20,7 +21,12 @@ pub const CONTACT_COLUMNS: [&str; Contact::NUMBERS] = [
     "onset_overlap",
     "release_overlap",
     "force_end",
+    "peak_force",
+    "t_peak",
 ];
+
+/// Least number of bonds that a pulse runs over, for its speed to be told.
+const PULSE: usize = 8;
 
 /// The contacts as CSV, a line for each; `nan` stands for what a contact does not have, such as a
 /// release after the end.
@@ -88,6 +94,82 @@ pub fn contact_totals(contacts: &[Contact]) -> ContactTotals {
         // An empty sum of floats is -0.
         impulse: contacts.iter().fold(0.0, |sum, contact| sum + contact.impulse),
     }
+}
+
+/// What a bond has seen in a run.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    position: f64,
+    contacts: usize,
+    impulse: f64,
+    /// The contact with the largest force.
+    strongest: Option<Contact>,
+}
+
+/// What the bonds of a chain have seen, by their index; `positions` are those of the bonds.
+fn seen(positions: &[f64], contacts: &[Contact]) -> Vec<Seen> {
+    let mut all: Vec<_> = positions.iter().map(|&position| Seen { position, ..Seen::default() }).collect();
+    for contact in contacts {
+        let Seen { contacts, impulse, strongest, .. } = &mut all[contact.bond];
+        (*contacts, *impulse) = (*contacts + 1, *impulse + contact.impulse);
+        if strongest.is_none_or(|other| contact.peak_force > other.peak_force) {
+            *strongest = Some(*contact);
+        }
+    }
+    all
+}
+
+/// A row for each bond, by its index: its position at rest, the number of its contacts and their
+/// impulse; and of the contact with the largest force its onset, this force, its time, and how long
+/// it pushed.
+pub(in crate::study) fn bond_table(positions: &[f64], contacts: &[Contact]) -> Table {
+    let rows: Vec<_> = seen(positions, contacts).into_iter().enumerate().collect();
+    let lasted = |one: Contact| Some(one.force_end? - one.onset?);
+    Table::of("bonds", &rows)
+        .col("bond", Short, "", |(bond, _)| *bond)
+        .col("position", Short, "", |(_, seen)| seen.position)
+        .col("contacts", Short, "", |(_, seen)| seen.contacts)
+        .col("impulse", Short, "", |(_, seen)| seen.impulse)
+        .col("onset", Short, "", |(_, seen)| seen.strongest.and_then(|one| one.onset))
+        .col("t_peak", Short, "", |(_, seen)| seen.strongest.map(|one| one.t_peak))
+        .col("peak_force", Short, "", |(_, seen)| seen.strongest.map(|one| one.peak_force))
+        .col("duration", Short, "", |(_, seen)| seen.strongest.and_then(lasted))
+        .done()
+}
+
+/// The bonds at which the largest force arrives one after the other, the first and the last: of
+/// those that follow each other so the most, and at least [`PULSE`]. A contact that has not ended
+/// may have its largest force yet to come and does not count.
+fn pulse(bonds: &[Seen]) -> Option<[usize; 2]> {
+    let arrival = |n: usize| bonds[n].strongest.filter(|one| one.release.is_some()).map(|one| one.t_peak);
+    let (mut longest, mut starts) = ([0_usize; 2], [0_usize; 2]);
+    for n in 1..bonds.len() {
+        let later = arrival(n - 1).zip(arrival(n)).map_or(0.0, |(before, here)| here - before);
+        for (start, sign) in starts.iter_mut().zip([1.0, -1.0]) {
+            if sign * later <= 0.0 {
+                *start = n;
+            }
+            if n - *start > longest[0].abs_diff(longest[1]) {
+                longest = if sign > 0.0 { [*start, n] } else { [n, *start] };
+            }
+        }
+    }
+    (longest[0].abs_diff(longest[1]) + 1 >= PULSE).then_some(longest)
+}
+
+/// The speed and the force of a pulse in the second half of its way, in a line; `unit` is that of
+/// the speed.
+pub(in crate::study) fn pulse_line(positions: &[f64], unit: &str, contacts: &[Contact]) -> Option<String> {
+    let bonds = seen(positions, contacts);
+    let [first, last] = pulse(&bonds)?;
+    let middle = first.midpoint(last);
+    let [from, to] = [middle, last].map(|bond| bonds[bond]);
+    let [before, here] = [from.strongest?, to.strongest?];
+    let speed = (to.position - from.position).abs() / (here.t_peak - before.t_peak);
+    Some(format!(
+        "pulse       from bond {middle} to bond {last} at {speed:.6e} {unit}, largest force {:.6e} and {:.6e}",
+        before.peak_force, here.peak_force
+    ))
 }
 
 /// The [totals](contact_totals) in one or two lines for people.
@@ -171,6 +253,8 @@ mod tests {
             onset_overlap: Some(0.0),
             release_overlap: Some(2e-8),
             force_end: Some(0.35),
+            peak_force: 4e-6,
+            t_peak: 0.15,
         };
         let early = Contact { bond: 3, onset: None, approach: None, release: Some(7.0), impulse: 0.5, ..whole };
         let early = Contact { onset_overlap: None, ..early };
@@ -184,8 +268,8 @@ mod tests {
         let text = String::from_utf8(contacts_csv(&three())).unwrap();
         let lines: Vec<&str> = text.lines().collect();
         let columns = "bond,onset,release,approach,separation,largest_overlap,impulse,t_largest";
-        assert_eq!(lines[0], format!("{columns},onset_overlap,release_overlap,force_end"));
-        assert_eq!(lines[1], "3,nan,7e0,nan,3e-1,2e-5,5e-1,2e-1,nan,2e-8,3.5e-1");
+        assert_eq!(lines[0], format!("{columns},onset_overlap,release_overlap,force_end,peak_force,t_peak"));
+        assert_eq!(lines[1], "3,nan,7e0,nan,3e-1,2e-5,5e-1,2e-1,nan,2e-8,3.5e-1,4e-6,1.5e-1");
         assert_eq!(lines.len(), 4);
         for (line, contact) in lines[1..].iter().zip(&three()) {
             let numbers: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
@@ -228,6 +312,31 @@ mod tests {
         assert_eq!((totals.shortest, totals.longest), (Some(0.4 - 0.1), Some(9.0 - 0.1)));
         let json = serde_json::to_value(contact_totals(&[])).unwrap();
         assert!(json["largest_overlap"].is_null() && json["impulse"] == 0.0 && json["contacts"] == 0);
+    }
+
+    #[test]
+    fn a_pulse_is_seen_where_the_largest_force_arrives_at_one_bond_after_the_other() {
+        let [_, whole, _] = three();
+        // A pulse of speed 2 from bond 3 to bond 12 and a weaker one back, which is over before it
+        // has come to the last bonds.
+        let at = |bond: usize, t_peak: f64, peak_force: f64| Contact { bond, t_peak, peak_force, ..whole };
+        let there = (3..=12).map(|n| at(n, n as f64 / 2.0, 1.0));
+        let back = (6..=12).map(|n| at(n, 20.0 - n as f64 / 2.0, 0.5));
+        let contacts: Vec<_> = there.chain(back).collect();
+        let positions: Vec<f64> = (0..=13).map(f64::from).collect();
+        let line = pulse_line(&positions, "m/s", &contacts).unwrap();
+        assert!(line.contains("from bond 7 to bond 12 at 2.000000e0 m/s, largest force 1.000000e0"), "{line}");
+        assert_eq!(pulse(&seen(&positions, &contacts)), Some([3, 12]));
+        // The other way round.
+        let left = |contact: &Contact| Contact { bond: 15 - contact.bond, ..*contact };
+        assert_eq!(pulse(&seen(&positions, &contacts.iter().map(left).collect::<Vec<_>>())), Some([12, 3]));
+        assert_eq!(pulse_line(&positions, "m/s", &contacts[..PULSE - 1]), None);
+        let rows = bond_table(&positions, &contacts).json();
+        assert_eq!(
+            (&rows[6]["contacts"], &rows[6]["t_peak"], &rows[6]["impulse"]),
+            (&2.into(), &3.0.into(), &0.5.into())
+        );
+        assert!(rows[2]["peak_force"].is_null() && rows.len() == 14);
     }
 
     #[test]

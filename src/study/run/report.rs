@@ -2,7 +2,7 @@
 
 use super::{
     checkpoint::FILE as CHECKPOINT,
-    contacts::{contact_lines, contact_totals, contacts_csv, contacts_npz},
+    contacts::{bond_table, contact_lines, contact_totals, contacts_csv, contacts_npz, pulse_line},
 };
 use crate::{
     chain::{Boundary, Energy, Ledger, Maximum, Overlaps},
@@ -156,6 +156,7 @@ fn entries(ran: &RunView<'_>) -> Entries {
     }
     if let Some(contacts) = &outcome.contacts {
         put("contacts", json!(contact_totals(contacts)));
+        put("bonds", json!(bond_table(&positions(ran), contacts).json()));
     }
     put("force_evaluations", json!(outcome.stats.force_evaluations));
     put("steps", json!(outcome.stats.steps));
@@ -175,6 +176,11 @@ fn entries(ran: &RunView<'_>) -> Entries {
 /// The period of the scene, in the units of the run.
 fn period(RunView { scene, si, .. }: &RunView<'_>) -> f64 {
     scene.period() * si.map_or(1.0, |si| si.time_s)
+}
+
+/// The positions of the bonds at rest, in bonds.
+fn positions(RunView { scene, .. }: &RunView<'_>) -> Vec<f64> {
+    (0..=scene.chain().sites()).map(|bond| bond as f64).collect()
 }
 
 /// The run in a few readable lines.
@@ -217,6 +223,7 @@ pub fn run_summary(ran: &RunView<'_>) -> String {
     }
     if let Some(contacts) = &outcome.contacts {
         lines.extend(contact_lines(contacts));
+        lines.extend(pulse_line(&positions(ran), "bonds per unit of time", contacts));
     }
     let stats = outcome.stats;
     lines.push(format!(
@@ -244,7 +251,7 @@ pub fn run_summary(ran: &RunView<'_>) -> String {
 const SUMMARY: &str = "summary.json";
 
 /// Every file that a run may write, but for the checkpoint.
-pub const RUN_FILES: [&str; 18] = [
+pub const RUN_FILES: [&str; 19] = [
     SUMMARY,
     "scene.toml",
     "final.csv",
@@ -253,6 +260,7 @@ pub const RUN_FILES: [&str; 18] = [
     "profiles.csv",
     "contacts.csv",
     "contacts.npz",
+    "bonds.csv",
     "maxima.csv",
     "maxima.npz",
     "profile.png",
@@ -266,7 +274,7 @@ pub const RUN_FILES: [&str; 18] = [
 ];
 
 /// Writes the run: `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, and the
-/// pictures; with a contact log also `contacts.csv` and `contacts.npz`, with maxima `maxima.csv`
+/// pictures; with a contact log also `contacts.csv`, `contacts.npz` and `bonds.csv`, with maxima `maxima.csv`
 /// and `maxima.npz`; last `summary.json`, which is the JSON with the names of all files. Other
 /// files of an earlier run are removed, and its checkpoint as well unless this run was `in_legs`.
 /// If the parts of the chain keep the states, only `summary.json`, without the state, `scene.toml`
@@ -281,7 +289,7 @@ pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::F
         CHECKPOINT => in_legs,
         _ if name.ends_with(".png") || name.ends_with(".svg") => pictures.iter().any(|picture| picture.0 == name),
         _ if name.starts_with("maxima") => outcome.maxima.is_some(),
-        _ => logged || !name.starts_with("contacts"),
+        _ => logged || !(name.starts_with("contacts") || name == "bonds.csv"),
     };
     let (files, left): (Vec<&str>, Vec<&str>) =
         RUN_FILES.into_iter().chain([CHECKPOINT]).partition(|name| written(name));
@@ -302,6 +310,7 @@ pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::F
     if let Some(contacts) = &outcome.contacts {
         folder.write("contacts.csv", &contacts_csv(contacts))?;
         folder.write("contacts.npz", &contacts_npz(contacts)?)?;
+        folder.write("bonds.csv", bond_table(&positions(ran), contacts).csv().as_bytes())?;
     }
     if let Some(maxima) = &outcome.maxima {
         let table = Table::of("maxima", maxima)

@@ -63,5 +63,7 @@ fn of_contact(contact: &Contact, units: &Units) -> Contact {
         onset_overlap: length(contact.onset_overlap),
         release_overlap: length(contact.release_overlap),
         force_end: time(contact.force_end),
+        peak_force: contact.peak_force * units.force_n,
+        t_peak: contact.t_peak * units.time_s,
     }
 }

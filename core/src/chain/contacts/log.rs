@@ -6,14 +6,15 @@ use super::{
     impulse::Quadrature,
     in_order,
     maxima::{Maxima, Maximum},
-    pending::Pending,
+    pending::{Pending, Push},
 };
+use crate::numerics::{golden, largest_by};
 use hertzchain_integrators::{
     Event, EventFunctions,
     collocation::Piece,
     events::{Curve, Listener, Part},
 };
-use std::ops::ControlFlow;
+use std::{convert::Infallible, ops::ControlFlow};
 
 /// The contacts of a run so far: those that have ended, and those under way, with the data that a
 /// later leg of the run needs to continue them.
@@ -153,8 +154,8 @@ impl ContactLog {
         }
         if let Some(curve) = &piece.curve {
             let curve = curve.later(start);
-            let pushed = (self.dissipates && piece.impulse > 0.0).then(|| curve.end()[0]);
-            self.press(piece.bond, &curve, (piece.impulse, pushed));
+            let last = (self.dissipates && piece.impulse > 0.0).then(|| curve.end()[0]);
+            self.press(piece.bond, &curve, (piece.impulse, last));
         }
         if let Some((t, rate)) = piece.release {
             self.part(piece.bond, (start + t, rate));
@@ -188,12 +189,15 @@ impl ContactLog {
 
     /// Adds a stretch of overlap, its impulse and the last time at which it pushes to the contact
     /// of a closed bond.
-    fn press(&mut self, index: usize, curve: &Curve, push: (f64, Option<f64>)) {
+    fn press(&mut self, index: usize, curve: &Curve, (impulse, last): (f64, Option<f64>)) {
         // A contact without an event at its start was there at the start of the run, or began
         // between two legs.
-        let (bond, leg) = (self.overlaps.bond(index), self.leg);
+        let (bond, leg, chain, dissipates) = (self.overlaps.bond(index), self.leg, &self.chain, self.dissipates);
+        let peak =
+            if dissipates { largest_force(curve, |g, rate| chain.bond_force(bond, g, rate)) } else { (0.0, 0.0) };
+        let elastic = |g: f64| if dissipates { 0.0 } else { chain.bond_force(bond, g, 0.0) };
         let contact = self.open[index].get_or_insert_with(|| Pending::new(bond, leg.map(|t| (t, 0.0))));
-        self.ended.extend(contact.press(curve, push));
+        self.ended.extend(contact.press(curve, Push { impulse, last, peak }, &elastic));
         if let Some(maxima) = &mut self.maxima {
             maxima.press(bond, curve);
         }
@@ -208,6 +212,19 @@ impl ContactLog {
             self.ended.push(contact.finish(Some(zero)));
         }
     }
+}
+
+/// Time and value of the largest force on a stretch of overlap, by golden sections about the largest
+/// of nine values.
+fn largest_force(curve: &Curve, force: impl Fn(f64, f64) -> f64) -> (f64, f64) {
+    let at = |x: f64| {
+        let [t, g, rate] = curve.at(x);
+        (t, force(g, rate))
+    };
+    let x = largest_by((0..=8).map(|k| f64::from(k) / 8.0), |&x| at(x).1).unwrap_or(0.0);
+    let around = [(x - 0.125).max(0.0), (x + 0.125).min(1.0)];
+    let Ok((_, inside)) = golden(around, |apart| apart > 1e-8, |x| Ok::<_, Infallible>(at(x)), |peak| peak.1);
+    if inside.1 > at(x).1 { inside } else { at(x) }
 }
 
 /// The last point of `[0, 1]` at which something holds, where it has held for an eighth or longer.

@@ -153,45 +153,58 @@ pub struct Contact {
     /// Time at which the force ends: the release of an elastic contact. A contact that dissipates
     /// never pulls, and its force ends while the beads still overlap. `None` without a release.
     pub force_end: Option<f64>,
+    /// The largest force, `f`, dissipation included.
+    pub peak_force: f64,
+    /// Time of the largest force: that of the largest overlap, of an elastic contact.
+    pub t_peak: f64,
 }
 
 impl Contact {
     /// Length of the array of [`numbers`](Self::numbers).
-    pub const NUMBERS: usize = 11;
+    pub const NUMBERS: usize = 13;
 
     /// The contact as plain numbers, in the order of the fields; NaN for `None`.
     pub fn numbers(&self) -> [f64; Self::NUMBERS] {
-        let Self { bond, onset, release, approach, separation, largest_overlap, impulse, t_largest, .. } = *self;
         let number = |number: Option<f64>| number.unwrap_or(f64::NAN);
-        let [onset, release, approach, separation] = [onset, release, approach, separation].map(number);
-        let [start, end, last] = [self.onset_overlap, self.release_overlap, self.force_end].map(number);
-        [bond as f64, onset, release, approach, separation, largest_overlap, impulse, t_largest, start, end, last]
+        [
+            self.bond as f64,
+            number(self.onset),
+            number(self.release),
+            number(self.approach),
+            number(self.separation),
+            self.largest_overlap,
+            self.impulse,
+            self.t_largest,
+            number(self.onset_overlap),
+            number(self.release_overlap),
+            number(self.force_end),
+            self.peak_force,
+            self.t_peak,
+        ]
     }
 
     /// The contact with these [`numbers`](Self::numbers); `None` if they are not those of a
     /// contact.
     pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Option<Self> {
-        let [bond, onset, release, approach, separation, largest_overlap, impulse, t_largest, start, end, last] =
-            *numbers;
-        let sound = bond.fract() == 0.0 && bond >= 0.0;
-        let finite = [largest_overlap, impulse, t_largest].iter().all(|number| number.is_finite());
-        let may_lack = [onset, release, approach, separation, start, end, last];
-        let known = may_lack.iter().all(|number| !number.is_infinite());
-        let [onset, release, approach, separation, onset_overlap, release_overlap, force_end] =
-            may_lack.map(|number| (!number.is_nan()).then_some(number));
-        (sound && finite && known).then_some(Self {
-            bond: bond as usize,
-            onset,
-            release,
-            approach,
-            separation,
-            largest_overlap,
-            impulse,
-            t_largest,
-            onset_overlap,
-            release_overlap,
-            force_end,
-        })
+        let number = |k: usize| Some(numbers[k]).filter(|number| !number.is_nan());
+        let contact = Self {
+            bond: numbers[0] as usize,
+            onset: number(1),
+            release: number(2),
+            approach: number(3),
+            separation: number(4),
+            largest_overlap: numbers[5],
+            impulse: numbers[6],
+            t_largest: numbers[7],
+            onset_overlap: number(8),
+            release_overlap: number(9),
+            force_end: number(10),
+            peak_force: numbers[11],
+            t_peak: numbers[12],
+        };
+        let sound =
+            numbers[0].fract() == 0.0 && numbers[0] >= 0.0 && !numbers.iter().any(|number| number.is_infinite());
+        (sound && [5, 6, 7, 11, 12].iter().all(|&k| numbers[k].is_finite())).then_some(contact)
     }
 }
 

@@ -6,8 +6,27 @@ use hertzchain_integrators::events::Curve;
 /// A time, and the rate of the overlap at that time.
 type Instant = (f64, f64);
 
-/// The impulse of a stretch; and, of a contact that dissipates, the last time at which it pushes.
-type Push = (f64, Option<f64>);
+/// The force in a stretch of a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Push {
+    /// `int f dt`.
+    pub(super) impulse: f64,
+    /// The last time at which it pushes, of a contact that dissipates.
+    pub(super) last: Option<f64>,
+    /// Time and value of the largest force.
+    pub(super) peak: (f64, f64),
+}
+
+impl Push {
+    /// The push of two stretches, `later` after `self`.
+    fn and(self, later: Self) -> Self {
+        Self {
+            impulse: self.impulse + later.impulse,
+            last: later.last.or(self.last),
+            peak: if later.peak.1 > self.peak.1 { later.peak } else { self.peak },
+        }
+    }
+}
 
 /// A contact under way, with the data that give its onset once its largest overlap is known.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,9 +34,7 @@ pub(super) struct Pending {
     pub(super) bond: usize,
     /// The zero of the overlap from which it came; `None` if it was there at the start of the run.
     began: Option<Instant>,
-    impulse: f64,
-    /// The last time at which it has pushed, for contacts that dissipate.
-    pushed: Option<f64>,
+    push: Push,
     /// Time and value of the largest overlap so far.
     largest: (f64, f64),
     /// The stretches in which the overlap reached new largest values, from [`TOUCH`] of its largest
@@ -50,7 +67,7 @@ fn through(zero: Instant, t: f64, level: f64) -> bool {
 impl Pending {
     pub(super) fn new(bond: usize, began: Option<Instant>) -> Self {
         let largest = (began.map_or(0.0, |zero| zero.0), 0.0);
-        Self { bond, began, impulse: 0.0, pushed: None, largest, rise: Vec::new(), lull: None, seen: true }
+        Self { bond, began, push: Push::default(), largest, rise: Vec::new(), lull: None, seen: true }
     }
 
     /// Becomes the contact that may follow a stretch in which the overlap had its least value. The
@@ -70,15 +87,15 @@ impl Pending {
         }
     }
 
-    /// Takes the next stretch of the overlap, the impulse in it and, if the contact dissipates, the
-    /// last time at which it pushes in it. Returns the contact under way if it turns out to have
-    /// ended; the next one then takes its place.
-    pub(super) fn press(&mut self, curve: &Curve, push: Push) -> Option<Contact> {
+    /// Takes the next stretch of the overlap and the push in it, and the force as a function of the
+    /// overlap, for its peak; zero of a contact that dissipates, whose push has the peak. Returns the
+    /// contact under way if it turns out to have ended; the next one then takes its place.
+    pub(super) fn press(&mut self, curve: &Curve, push: Push, elastic: &dyn Fn(f64) -> f64) -> Option<Contact> {
         self.seen = true;
         // The rate of an overlap that is a rounding error is not known, nor whether it pushes.
-        let push = (push.0, push.1.filter(|_| curve.range().1 > ROUNDING * self.largest.1));
+        let push = Push { last: push.last.filter(|_| curve.range().1 > ROUNDING * self.largest.1), ..push };
         let Some(lull) = &mut self.lull else {
-            self.grow(curve, push);
+            self.grow(curve, push, elastic);
             self.fall(curve);
             return None;
         };
@@ -86,17 +103,17 @@ impl Pending {
         lull.end = curve.end();
         if least < lull.least {
             lull.least = least;
-            let before = lull.next.push();
+            let before = lull.next.push;
             lull.next.rise_after(curve);
-            // The impulse is that of the side on which the overlap is larger.
+            // The push is that of the side on which the overlap is larger.
             if curve.end()[1] > curve.values()[0] {
-                lull.next.add(push);
-                self.add(before);
+                lull.next.push = push;
+                self.push = self.push.and(before);
             } else {
-                self.add((before.0 + push.0, push.1.or(before.1)));
+                self.push = self.push.and(before.and(push));
             }
         } else {
-            lull.next.grow(curve, push);
+            lull.next.grow(curve, push, elastic);
         }
         let Some(lull) = &self.lull else { return None };
         let (largest, second) = (self.largest.1, lull.next.largest.1);
@@ -108,27 +125,17 @@ impl Pending {
         }
         if curve.falls_to(TOUCH * largest).is_some() {
             // The rise in between is a part of this contact.
-            let risen = lull.next.push();
-            self.add(risen);
+            self.push = self.push.and(lull.next.push);
             self.lull = None;
             self.fall(curve);
         }
         None
     }
 
-    fn push(&self) -> Push {
-        (self.impulse, self.pushed)
-    }
-
-    fn add(&mut self, (impulse, pushed): Push) {
-        self.impulse += impulse;
-        self.pushed = pushed.or(self.pushed);
-    }
-
     /// Adds the push of a stretch, and keeps the stretch if the overlap reaches a new largest
     /// value in it.
-    fn grow(&mut self, curve: &Curve, push: Push) {
-        self.add(push);
+    fn grow(&mut self, curve: &Curve, push: Push, elastic: &dyn Fn(f64) -> f64) {
+        self.push = self.push.and(push);
         // Between nodes the overlap may be larger than at all nodes.
         if curve.range().1 < (1.0 - 1e-3) * self.largest.1 {
             return;
@@ -136,6 +143,7 @@ impl Pending {
         let largest = curve.largest();
         if largest.1 > self.largest.1 {
             self.largest = largest;
+            self.push = self.push.and(Push { peak: (largest.0, elastic(largest.1)), ..Push::default() });
             if self.began.is_some() {
                 let level = TOUCH * largest.1;
                 let early = self.rise.iter().take_while(|curve| curve.range().1 < level).count();
@@ -184,7 +192,7 @@ impl Pending {
         let start = onset.map_or(f64::NEG_INFINITY, |[t, ..]| t);
         // The events of a contact that is a rounding error may be in any order.
         let end = release.map(|[t, ..]| t.max(start));
-        let risen = self.lull.as_ref().map_or((0.0, None), |lull| lull.next.push());
+        let push = self.lull.as_ref().map_or(self.push, |lull| self.push.and(lull.next.push));
         Contact {
             bond: self.bond,
             onset: onset.map(|[t, ..]| t),
@@ -192,19 +200,22 @@ impl Pending {
             approach: onset.map(|[_, rate, _]| rate),
             separation: release.map(|[_, rate, _]| -rate),
             largest_overlap: self.largest.1,
-            impulse: self.impulse + risen.0,
+            impulse: push.impulse,
             t_largest: self.largest.0,
             onset_overlap: onset.map(|[.., overlap]| overlap),
             release_overlap: release.map(|[.., overlap]| overlap),
-            force_end: end.map(|t| risen.1.or(self.pushed).map_or(t, |pushed| pushed.min(t))),
+            force_end: end.map(|t| push.last.map_or(t, |last| last.min(t))),
+            peak_force: push.peak.1,
+            t_peak: push.peak.0,
         }
     }
 
     /// Appends the contact as numbers.
     pub(super) fn store(&self, out: &mut Vec<f64>) {
         let began = self.began.unwrap_or((f64::NAN, f64::NAN));
-        let pushed = self.pushed.unwrap_or(f64::NAN);
-        out.extend([self.bond as f64, began.0, began.1, self.impulse, pushed, self.largest.0, self.largest.1]);
+        let Push { impulse, last, peak } = self.push;
+        out.extend([self.bond as f64, began.0, began.1, impulse, last.unwrap_or(f64::NAN), peak.0, peak.1]);
+        out.extend([self.largest.0, self.largest.1]);
         out.push(self.rise.len() as f64);
         out.extend(self.rise.iter().flat_map(Curve::numbers));
         out.push(f64::from(u8::from(self.lull.is_some())));
@@ -224,8 +235,9 @@ impl Pending {
         let began = (next()?, next()?);
         let began = if began.0.is_nan() { None } else { Some((finite(began.0)?, finite(began.1)?)) };
         let impulse = finite(next()?)?;
-        let pushed = next()?;
-        let pushed = if pushed.is_nan() { None } else { Some(finite(pushed)?) };
+        let last = next()?;
+        let last = if last.is_nan() { None } else { Some(finite(last)?) };
+        let push = Push { impulse, last, peak: (finite(next()?)?, finite(next()?)?) };
         let largest = (finite(next()?)?, finite(next()?)?);
         let rise = (0..count(next()?)?).map(|_| {
             let mut curve = [0.0; Curve::NUMBERS];
@@ -245,7 +257,7 @@ impl Pending {
             }
             _ => return None,
         };
-        Some(Self { bond, began, impulse, pushed, largest, rise, lull, seen: false })
+        Some(Self { bond, began, push, largest, rise, lull, seen: false })
     }
 }
 
@@ -261,6 +273,10 @@ impl Lull {
 mod tests {
     use super::*;
 
+    fn push(impulse: f64, last: Option<f64>) -> Push {
+        Push { impulse, last, ..Push::default() }
+    }
+
     /// The contacts of an overlap that is given in stretches of length `h`: those that end on the
     /// way, and the one under way at the end. `rates` are those at its zeros at start and end, if
     /// there are any.
@@ -271,7 +287,7 @@ mod tests {
         for k in 0..count {
             let [from, to] = [k, k + 1].map(|k| start + (end - start) * k as f64 / count as f64);
             let points = (0..8).map(|k| f64::from(k) / 7.0).map(|x| (x, g(from + (to - from) * x)));
-            all.extend(pending.press(&Curve::over((from, to), points), (0.25, None)));
+            all.extend(pending.press(&Curve::over((from, to), points), push(0.25, None), &f64::sqrt));
         }
         all.push(pending.finish(rates[1].map(|rate| (end, rate))));
         assert!((all.iter().map(|contact| contact.impulse).sum::<f64>() - 0.25 * count as f64).abs() < 1e-12);
@@ -286,6 +302,7 @@ mod tests {
             assert_eq!([onset, release, approach, separation], [Some(0.0), Some(3.0), Some(3.0), Some(3.0)]);
             assert_eq!([contact.onset_overlap, contact.release_overlap], [Some(0.0); 2]);
             assert!((t_largest - 1.5).abs() < 1e-13 && (contact.largest_overlap - 2.25).abs() < 1e-14);
+            assert!(contact.t_peak == t_largest && (contact.peak_force - 1.5).abs() < 1e-14);
         }
     }
 
@@ -352,8 +369,8 @@ mod tests {
         let stretch =
             |from: f64, to: f64, values: [f64; 3]| Curve::over((from, to), [0.0, 0.5, 1.0].into_iter().zip(values));
         let mut pending = Pending::new(3, Some((0.0, 1.0)));
-        assert!(pending.press(&stretch(0.0, 0.1, [1e-9, 2e-10, 1e-13]), (1e-13, None)).is_none());
-        let over = pending.press(&stretch(0.1, 5.0, [1e-14, 0.1, 1.0]), (0.4, None)).unwrap();
+        assert!(pending.press(&stretch(0.0, 0.1, [1e-9, 2e-10, 1e-13]), push(1e-13, None), &f64::sqrt).is_none());
+        let over = pending.press(&stretch(0.1, 5.0, [1e-14, 0.1, 1.0]), push(0.4, None), &f64::sqrt).unwrap();
         assert_eq!([over.impulse, pending.finish(None).impulse], [1e-13, 0.4]);
     }
 
@@ -369,14 +386,14 @@ mod tests {
         for k in 0..75 {
             let from = -4.0 + 0.1 * f64::from(k);
             let points = [0.0, 0.3, 0.7, 1.0].map(|x| (x, f64::exp(-(from + 0.1 * x).cosh())));
-            pending.press(&Curve::over((from, from + 0.1), points), (0.1, Some(from)));
+            pending.press(&Curve::over((from, from + 0.1), points), push(0.1, Some(from)), &f64::sqrt);
             let mut numbers = Vec::new();
             pending.store(&mut numbers);
             let mut iterator = numbers.iter().copied();
             let read = Pending::read(&mut iterator, true).unwrap();
             assert_eq!(read, unseen(pending.clone()));
             assert!(iterator.next().is_none());
-            for cut in [0, 1, 6, 7, 20, numbers.len() - 1] {
+            for cut in [0, 1, 6, 7, 9, 20, numbers.len() - 1] {
                 assert!(Pending::read(&mut numbers[..cut].iter().copied(), true).is_none());
             }
         }
