@@ -39,6 +39,31 @@ fn collocation_works_no_more_a_bond_on_a_longer_ring() {
 }
 
 #[test]
+fn a_pulse_has_the_speed_of_the_exact_wave_with_its_force() {
+    // Truth: the solitary wave of Newton's method, c = C F^((alpha - 1)/(2 alpha)), printed with ten
+    // digits and more. A pulse becomes one within a few bonds of the strike.
+    let folder = tempfile::tempdir().unwrap();
+    let plan = folder.path().join("plan.toml");
+    let keep = "[\"speed[20..40]\", \"bonds[30].peak_force\", \"bonds[30].contacts\"]";
+    let axis = "[[axis]]\nkey = \"chain.alpha\"\nvalues = [1.5, 2.0]\n";
+    fs::write(&plan, format!("scene = \"impact\"\nkeep = {keep}\n{axis}")).unwrap();
+    let swept = json(&format!("sweep {}", plan.display()));
+    for (point, (alpha, constant)) in [(1.5, 0.905_515_776_419), (2.0, 0.845_853_642_350)].into_iter().enumerate() {
+        let of = |name: &str| numbers(&swept["columns"][name])[point];
+        let speed = constant * of("bonds[30].peak_force").powf((alpha - 1.0) / (2.0 * alpha));
+        assert!((of("speed[20..40]") / speed - 1.0).abs() < 1e-7, "{alpha}");
+        assert_eq!(of("bonds[30].contacts"), 1.0);
+    }
+    let text = stdout("run impact --events");
+    assert!(text.contains("pulse       from bond 40 to bond 80 at 8.405088e-1 bonds per unit of time"), "{text}");
+    for bad in ["speed[20]", "speed[20..20]", "speed[20..999]", "bonds[999].impulse"] {
+        fs::write(&plan, format!("scene = \"impact\"\nkeep = [\"{bad}\"]\n")).unwrap();
+        let said = refused(&format!("sweep {}", plan.display()), 2);
+        assert!(said.contains(bad) && said.contains("`keep`"), "{said}");
+    }
+}
+
+#[test]
 fn the_largest_energy_error_so_far_never_falls_and_is_that_of_the_method() {
     let study = json("study drift --periods 150 --samples 40");
     let period = study["period"].as_f64().unwrap();
