@@ -11,6 +11,7 @@
 //! | `R` | time reversal, `diag(1, -1)` on `(Z, Z')` |
 
 mod arclength;
+mod bands;
 mod bifurcation;
 mod branch;
 mod continuation;
@@ -29,6 +30,7 @@ mod switching;
 
 pub use arclength::{End, Solution};
 pub(crate) use arclength::{MOST_CORRECTIONS, check};
+pub use bands::Bands;
 pub use bifurcation::{BifurcationKind, CriticalPair};
 pub(crate) use branch::Spectra;
 pub use branch::{AnalysisLevel, At, Bifurcation, Branch, Located, Point, Problem, Range};

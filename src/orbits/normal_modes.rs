@@ -191,12 +191,17 @@ impl NormalModes {
         Err(not_held())
     }
 
-    fn linear_modes(&self) -> Result<Vec<LinearMode>> {
+    /// `M^{-1/2} K M^{-1/2}` at the equilibrium, which is symmetric.
+    pub(super) fn stiffness(&self) -> Result<DMatrix<f64>> {
         let (_, slope) = self.linearised(&self.rest)?;
         let root: Vec<f64> = self.masses.iter().map(|m| m.sqrt()).collect();
         let scaled = |i: usize, j: usize| -slope[(i, j)] * root[i] / root[j];
-        let stiffness = DMatrix::from_fn(root.len(), root.len(), |i, j| 0.5 * (scaled(i, j) + scaled(j, i)));
-        let eigen = stiffness.symmetric_eigen();
+        Ok(DMatrix::from_fn(root.len(), root.len(), |i, j| 0.5 * (scaled(i, j) + scaled(j, i))))
+    }
+
+    fn linear_modes(&self) -> Result<Vec<LinearMode>> {
+        let root: Vec<f64> = self.masses.iter().map(|m| m.sqrt()).collect();
+        let eigen = self.stiffness()?.symmetric_eigen();
         let largest = eigen.eigenvalues.amax();
         let mut order: Vec<usize> = (0..root.len()).filter(|&k| eigen.eigenvalues[k] > ZERO * largest).collect();
         if order.len() + usize::from(self.translates) < root.len() {

@@ -212,7 +212,7 @@ impl Table {
             let omegas = self.columns.iter().filter(|column| column.quantity == Quantity::Omega);
             let hertz = |column: &Column| Column {
                 name: column.name.replace("omega", "frequency"),
-                head: "frequency".to_owned(),
+                head: column.head.replace("omega", "frequency"),
                 about: "the same in Hz".to_owned(),
                 quantity: Quantity::Frequency,
                 ..column.clone()

@@ -4,6 +4,7 @@
 //! [`Report`], which has the text that is printed, the files and the pictures. The command line
 //! runs all studies in one way.
 
+mod bands;
 mod barrier;
 mod boundary_wave;
 mod branches;
@@ -34,6 +35,7 @@ mod solitary;
 mod theorem;
 mod wave;
 
+pub use bands::Bands;
 pub use barrier::*;
 pub use boundary_wave::*;
 pub use branches::{

@@ -10,6 +10,7 @@ mod program;
 #[path = "../common/properties.rs"]
 mod properties;
 
+mod bands;
 mod barrier;
 mod boundary_wave;
 mod branch_files;

@@ -9,7 +9,7 @@ use crate::{
     error::Result,
     report::Report,
     study::{
-        Barrier, Bound, BoundaryWave, Bright, Charts, Continue, ContinueWave, Dark, DarkProfiles, DimerOptions,
+        Bands, Barrier, Bound, BoundaryWave, Bright, Charts, Continue, ContinueWave, Dark, DarkProfiles, DimerOptions,
         DisorderOptions, Doubled, Drift, Driven, DrivenContinue, EndDriven, Evolve, FollowMode, Homoclinics,
         ImpurityOptions, Integrals, LifetimeOptions, ModulationStudy, Moving, OrderOptions, Progress, ScalingOptions,
         Solitary, TaperOptions, TheoremOptions, Trivial, Wanted, Wave,
@@ -26,6 +26,12 @@ commands! {
     /// a regularised variable. Measures errors of the state and of its derivative with respect to
     /// the initial state, and prints their slopes beside the orders of theory.
     Order(StudyCommand<OrderOptions>) => "study order --alpha 2 --out out/order";
+    /// Compute the bands of a scene: the frequencies of its linear waves.
+    ///
+    /// Finds the cell of beads that repeats along the chain, and computes the frequencies of the
+    /// waves of the infinite chain, resonators included, about its equilibrium: over the phase
+    /// theta from a cell to the next, the edges of the bands and the gaps between them.
+    Bands(StudyCommand<Bands>) => "study bands granular-crystal --out out/bands";
     /// Measure run time per bond and period against the number of sites.
     Scaling(StudyCommand<ScalingOptions>) => "study scaling --sites 50,500 --out out/scaling";
     /// Measure how the energy error grows with time.

@@ -1,0 +1,111 @@
+//! Bands: the frequencies of linear waves on the infinite periodic chain.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `p` | beads of a cell |
+//! | `theta` | phase of a wave from a cell to the next, in radians; the wave number is `theta/p` |
+//! | `S_j` | stiffness over root masses, `M^{-1/2} K M^{-1/2}`, between a cell and the `j`-th after it |
+//! | `omega` | frequency: `omega^2` is an eigenvalue of `S_0 + S_1 e^{i theta} + S_{-1} e^{-i theta}` |
+//!
+//! The blocks are those of a ring of three cells at its equilibrium, with the exact derivatives of
+//! the contact law. L. Brillouin, *Wave Propagation in Periodic Structures*, Dover 1953.
+
+use super::normal_modes::NormalModes;
+use crate::{
+    chain::{Boundary, Chain, Details},
+    error::{Error, Result},
+};
+use nalgebra::{Complex, DMatrix};
+use std::f64::consts::PI;
+
+/// Most beads of a cell: a ring of three has at most 256 sites.
+const MOST_CELL: usize = 85;
+
+/// The bands of a periodic chain.
+#[derive(Clone, Debug)]
+pub struct Bands {
+    /// Blocks `S_0`, `S_1` and `S_{-1}`.
+    blocks: [DMatrix<f64>; 3],
+    cell: usize,
+}
+
+impl Bands {
+    /// The bands of the infinite chain whose cell repeats along `chain`; walls, damping and drives
+    /// are left out.
+    ///
+    /// ```
+    /// use hertzchain::{chain::{Boundary, Chain, Params}, orbits::Bands};
+    /// // Equal beads: omega = 2 sqrt(k) sin(theta/2), with the stiffness k = 2 d of their contacts.
+    /// let params = Params::new(2.0, 0.0, 0.0)?;
+    /// let chain = Chain::new(params, Boundary::Fixed, 40)?.precompressed(0.5)?;
+    /// let bands = Bands::new(&chain)?;
+    /// assert_eq!(bands.cell(), 1);
+    /// assert!((bands.at(1.0)[0] - 2.0 * 0.5_f64.sin()).abs() < 1e-14);
+    /// # Ok::<(), hertzchain::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// No cell of at most 85 beads repeats; contacts that do not hold the beads at rest.
+    pub fn new(chain: &Chain<f64>) -> Result<Self> {
+        let details = chain.details().cloned().unwrap_or_default();
+        let (start, ends) = match chain.boundary() {
+            Boundary::Fixed => (1, 1),
+            _ => (0, 0),
+        };
+        let sites = [&details.mass, &details.kappa, &details.rho];
+        let bonds = [&details.contact, &details.alpha, &details.overlap];
+        let inner = bonds.map(|list| list.get(start..list.len().saturating_sub(ends)).unwrap_or_default());
+        let repeats = |list: &[f64], p: usize| list.iter().zip(list.iter().skip(p)).all(|(a, b)| a == b);
+        let all = || sites.map(Vec::as_slice).into_iter().chain(inner);
+        let cell = (1..=MOST_CELL.min(chain.sites() / 2)).find(|&p| all().all(|list| repeats(list, p)));
+        let Some(cell) = cell else {
+            let rule = "bands are those of a periodic chain: a cell of at most 85 beads repeats";
+            return Err(Error::parameter("chain", "no cell that repeats", rule));
+        };
+        // Bond `n` of a ring lies before site `n`; the first inner bond of a chain with ends after site 0.
+        let shift = usize::from(!chain.topology().ring());
+        let ring = |list: &[f64], shift: usize| -> Vec<f64> {
+            let cells = (0..3 * cell).filter(|_| !list.is_empty());
+            cells.map(|n| list[(n + cell - shift) % cell]).collect()
+        };
+        let [mass, kappa, rho] = sites.map(|list| ring(list, 0));
+        let [contact, alpha, overlap] = inner.map(|list| ring(list, shift));
+        let ring = Chain::new(chain.params(), Boundary::Ring, 3 * cell)?.precompressed(chain.precompression())?;
+        let ring = ring.with(&Details { mass, kappa, rho, contact, alpha, overlap, ..Details::default() })?;
+        let modes = NormalModes::new(&ring)?;
+        let stiffness = modes.stiffness()?;
+        let places: [Vec<usize>; 3] =
+            [0, 1, 2].map(|j| (0..stiffness.nrows()).filter(|&c| modes.place(c).0 / cell == j).collect());
+        let n = places[0].len();
+        let blocks = [0, 1, 2].map(|j| DMatrix::from_fn(n, n, |a, b| stiffness[(places[0][a], places[j][b])]));
+        Ok(Self { blocks, cell })
+    }
+
+    /// Beads of a cell.
+    pub fn cell(&self) -> usize {
+        self.cell
+    }
+
+    /// The frequencies of waves with the phase `theta` from cell to cell, in ascending order, one a
+    /// band.
+    ///
+    /// Squares of frequencies have the error of a few roundings of the largest; those below zero are
+    /// zero.
+    pub fn at(&self, theta: f64) -> Vec<f64> {
+        let [here, after, before] = &self.blocks;
+        let turn = Complex::from_polar(1.0, theta);
+        let sum = here.map(Complex::from) + after.map(Complex::from) * turn + before.map(Complex::from) * turn.conj();
+        let mut frequencies: Vec<f64> =
+            sum.symmetric_eigenvalues().iter().map(|square| square.max(0.0).sqrt()).collect();
+        frequencies.sort_by(f64::total_cmp);
+        frequencies
+    }
+
+    /// The lowest and the highest frequency of each band.
+    ///
+    /// With contacts between neighbours only, both are at `theta = 0` and `theta = pi`.
+    pub fn edges(&self) -> Vec<[f64; 2]> {
+        let [long, short] = [0.0, PI].map(|theta| self.at(theta));
+        long.into_iter().zip(short).map(|(a, b)| [a.min(b), a.max(b)]).collect()
+    }
+}

@@ -1,0 +1,115 @@
+//! Bands of a scene: the frequencies of linear waves on the infinite chain of its cell.
+
+use super::{Changes, InSi, Study, Work, options::options, scene_caption, scene_json, si::Scale};
+use crate::{
+    error::Result,
+    orbits,
+    report::{
+        Digits::{Fixed, Power, Short},
+        Kind, Line, Panel, Panels, Report, Table,
+    },
+    scene::{Quantity, Scene, Units},
+};
+use std::f64::consts::PI;
+
+options! {
+    /// The bands of a scene.
+    pub struct Bands {
+        /// Name of a built-in scene, or a TOML file.
+        ///
+        /// A cell of beads, found by the program, repeats between the ends, and contacts have a
+        /// static overlap. Damping, drives and the initial state do not matter.
+        scene: String = "precompressed".to_owned();
+        /// Changes to the scene.
+        changes: Changes = Changes::default(), [command(flatten)];
+        /// Number of wave numbers, equally spaced from 0 to the edge of the zone.
+        points: usize = 101, "K", (2 to 100_000);
+        /// The units of results.
+        si: InSi = InSi::default(), [command(flatten)];
+    }
+}
+
+/// A band.
+#[derive(Clone, Copy, Debug)]
+struct Band {
+    number: usize,
+    edges: [f64; 2],
+    /// Width of the gap to the next band, zero if they overlap or touch.
+    gap: f64,
+}
+
+impl Study for Bands {
+    fn outline() -> Option<Report> {
+        Some(Report::new("bands").table(edges(&[], None)).table(waves(&[], 0, None)))
+    }
+
+    fn begin(&self) -> Result<Work<'_>> {
+        self.within_ranges()?;
+        let scene = Scene::load_with(&self.scene, &self.changes.set)?;
+        let (si, bands) = (self.si.units(&scene)?, orbits::Bands::new(scene.chain())?);
+        Ok(Box::new(move |_, _| Ok(self.report(&scene, &bands, si.as_ref()))))
+    }
+}
+
+/// The edges of bands.
+fn edges(bands: &[Band], si: Option<&Units>) -> Table {
+    Table::of("band-edges", bands)
+        .key("bands")
+        .si(si)
+        .col("band", Short, "", |band| band.number)
+        .col("omega_from", Power(9), "lowest frequency", |band| band.edges[0])
+        .kind(Quantity::Omega)
+        .col("omega_to", Power(9), "highest frequency", |band| band.edges[1])
+        .kind(Quantity::Omega)
+        .col("omega_gap", Power(3), "width of the gap above, to the next band", |band| band.gap)
+        .kind(Quantity::Omega)
+        .done()
+}
+
+/// The frequencies of waves, each with its phase from cell to cell; the text has about ten.
+fn waves(waves: &[(f64, Vec<f64>)], bands: usize, si: Option<&Units>) -> Table {
+    let mut table = Table::of("bands", waves).si(si).few(10).col(
+        "theta_over_pi",
+        Fixed(4),
+        "phase from a cell to the next, over pi",
+        |wave| wave.0 / PI,
+    );
+    for k in 0..bands {
+        table = table.col(format!("omega_{}", k + 1), Power(6), "", |wave| wave.1[k]).kind(Quantity::Omega);
+    }
+    table.done()
+}
+
+impl Bands {
+    fn report(&self, scene: &Scene, bands: &orbits::Bands, si: Option<&Units>) -> Report {
+        let thetas = (0..self.points).map(|k| PI * k as f64 / (self.points - 1) as f64);
+        let all: Vec<(f64, Vec<f64>)> = thetas.map(|theta| (theta, bands.at(theta))).collect();
+        let ends = bands.edges();
+        let above = |k: usize| ends.get(k + 1).map_or(f64::NAN, |next| (next[0] - ends[k][1]).max(0.0));
+        let rows: Vec<Band> = (0..ends.len()).map(|k| Band { number: k + 1, edges: ends[k], gap: above(k) }).collect();
+        let (kind, symbol) = match si {
+            None => (Quantity::Omega, "frequency ω"),
+            Some(_) => (Quantity::Frequency, "frequency ω/2π"),
+        };
+        let scale = Scale(si);
+        let line = |k: usize| {
+            let points = all.iter().map(|(theta, omegas)| (theta / PI, scale.reported(kind, omegas[k])));
+            Line::new(&format!("band {}", k + 1), points)
+        };
+        let panel = Panel::new(Kind::Time, ["θ/π", &scale.label(symbol, kind)], (0..ends.len()).map(line).collect());
+        let how = format!(
+            "Linear waves with the phase θ from cell to cell, on the infinite chain; beads of a cell: {}.",
+            bands.cell()
+        );
+        let title = format!("Bands of {}", scene.name());
+        Report::new("bands")
+            .si(si)
+            .fact("scene", scene.name())
+            .fact("cell", bands.cell())
+            .words(format!("Beads of a cell: {}; bands: {}.", bands.cell(), ends.len()))
+            .table(edges(&rows, si))
+            .table(waves(&all, ends.len(), si))
+            .fact("scene_file", scene_json(scene))
+            .picture(Panels::column(title, vec![panel], scene_caption(scene, &how)))
+    }
+}
