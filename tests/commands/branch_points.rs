@@ -133,17 +133,11 @@ fn a_branch_in_the_mass_ratio_begins_with_the_usual_frequency_at_its_first_value
     assert!((omega_b / (1.025 * (1.0_f64 + 1.0 / 3.0).sqrt()) - 1.0).abs() < 1e-15, "{omega_b}");
 }
 
-// Truth: the JSON of the same orbit.
 #[test]
-fn a_single_orbit_is_a_branch_of_one_that_runs_and_goes_on() {
+fn a_single_orbit_is_a_branch_of_one_that_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path();
     run("breather dark --center bond --sites 9 --omega-b 2.03", out, &[]);
-    let evolved = ["json", "npz"].map(|kind| {
-        let line = format!("breather evolve {}/dark-breather.{kind} --until 20 --json", out.display());
-        run(&line, &out.join(kind), &[])
-    });
-    assert_eq!(evolved[0], evolved[1]);
     let line = format!("breather continue --resume {}/dark-breather.npz --to 2.1 --step 0.004", out.display());
     let branch: Value = serde_json::from_str(&run(&line, &out.join("branch"), &["--bifurcations", "--json"])).unwrap();
     assert!(branch["points"].as_array().unwrap().len() > 15 && branch["end"] == "reached", "{branch}");

@@ -491,7 +491,7 @@ mod processes {
         "breather dark --sites 201",
         "breather continue --center bond --sites 41 --from 2.01 --to 2.06 --step 2e-4",
         "breather doubled",
-        "breather evolve tests/golden/orbit.json --until 1e6",
+        "breather evolve tests/golden/orbit.npz --until 1e6",
         "breather barrier --frequencies 500",
         "breather moving",
         "orbit driven end-driven --turns 64",
@@ -629,7 +629,7 @@ mod processes {
         assert!(said.contains("the same command goes on") && out.join("driven-branch.csv").exists(), "{said}");
         let clock = Instant::now();
         let later = || clock.elapsed() > Duration::from_millis(700);
-        let (run, _) = told("breather evolve tests/golden/orbit.json --until 1e6 --json", &later);
+        let (run, _) = told("breather evolve tests/golden/orbit.npz --until 1e6 --json", &later);
         assert!(run["failure"].as_str().unwrap().starts_with("stopped by a signal at t = "), "{}", run["failure"]);
         assert!(run["e_b"].as_array().unwrap().len() > 2, "{run}");
     }

@@ -39,8 +39,7 @@ options! {
     pub struct Evolve {
         /// File dark-breather.npz or branch.npz, with the orbit to start from.
         ///
-        /// dark-breather.npz is written by `breather dark`, with the same numbers as
-        /// dark-breather.json, which is read, too; branch.npz by `breather continue` and
+        /// dark-breather.npz is written by `breather dark`; branch.npz by `breather continue` and
         /// `breather doubled`, and needs --point or --at.
         orbit: PathBuf = PathBuf::new();
         /// Number of the point of the branch, from 0; -1 is the last one.
@@ -78,7 +77,7 @@ impl Study for Evolve {
         self.within_ranges()?;
         let shooting = Shooting { tol: self.tol, ..Shooting::default() };
         let pick = self.point.map(Pick::Point).or(self.at.map(Pick::At));
-        let orbit = Orbit::load(&self.orbit, pick, &shooting)?;
+        let orbit = Orbit::load(&self.orbit, pick)?;
         let kick = self.kick.map(|size| Kick { size, mode: self.mode });
         Ok(Box::new(move |_, progress| Ok(evolve(&orbit, self.until, kick, &shooting, progress)?.report())))
     }
