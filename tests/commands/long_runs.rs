@@ -213,6 +213,7 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
 mod processes {
     use super::*;
     use crate::help::{commands, help};
+    use crate::numbers::random;
     use crate::program::{PROGRAM, command, hertzchain, lines, read_json, refusals, refused, stdout};
     use serde_json::Value;
     use std::{
@@ -248,17 +249,6 @@ mod processes {
             }
         };
         paths.map(|path| (name(&path), content(&path))).collect()
-    }
-
-    /// Numbers in [0, 1), the same in every run of the test.
-    fn random() -> impl FnMut() -> f64 {
-        let mut state = 0x9e37_79b9_7f4a_7c15u64;
-        move || {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        }
     }
 
     /// A command with a folder that takes `--out`; how to go on, and whether there is something to
@@ -399,12 +389,12 @@ mod processes {
     #[test]
     #[ignore = "nightly: it compares CPU times, alone"]
     fn a_kill_costs_less_than_an_interval() {
-        killed_in_six_intervals(Some(6.0), &mut random());
+        killed_in_six_intervals(Some(6.0), &mut random(1));
     }
 
     #[test]
     fn more_than_fifty_kills_at_random_moments_lose_nothing_that_was_kept() {
-        let mut random = random();
+        let mut random = random(1);
         killed_in_six_intervals(None, &mut random);
         for line in ["--integrator dop853 --tol 1e-11", "--tol 1e-9"] {
             let args = ["run", "tw-q15", "--until", "12", "--checkpoint", "0.75"];

@@ -1,6 +1,9 @@
 //! Sweeps in shards: the files of one process, also after kills and signals.
 
-use super::program::{self, PROGRAM, lines, refused, stdout, terminate, wait};
+use super::{
+    numbers::random,
+    program::{self, PROGRAM, lines, refused, stdout, terminate, wait},
+};
 use std::{
     fs,
     path::Path,
@@ -167,15 +170,6 @@ fn a_plan_that_cannot_be_is_refused_with_file_key_and_rule() {
     stdout(&line);
 }
 
-/// Numbers from 0 to 1, the same in every run.
-pub(crate) fn random() -> impl FnMut() -> f64 {
-    let mut seed = 11u64;
-    move || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
 /// Kills a shard at random moments, each after it has kept something new; nothing that was kept is
 /// computed again, and the merge has the files of one process.
 fn killed(kills: usize) {
@@ -183,7 +177,7 @@ fn killed(kills: usize) {
     let (whole, parts) = (whole.path(), parts.path());
     assert!(output(WAVES, whole, &[]).status.success());
     let store = parts.join("ensemble.shard-1-of-2.store");
-    let mut random = random();
+    let mut random = random(11);
     for nth in 0..kills {
         let before = lines(&store);
         let mut process =

@@ -14,7 +14,7 @@ use hertzchain::{
     },
     output::{Archive, Array, npz, npz_with},
     scene::Scene,
-    study::{BranchOptions, ContinueWave, Kept, Wanted, branch_npz, load_branch, study},
+    study::{BranchOptions, ContinueWave, FollowCommand, Kept, Wanted, branch_npz, load_branch, study},
     sweep::Engine,
     waves::WaveParameter,
 };
@@ -259,7 +259,8 @@ fn what_cannot_be_a_branch_of_a_mode_or_of_waves_is_refused_with_file_place_and_
     );
     let wanted = Wanted { sites: Some(10), ..Wanted::of("tw-q15") };
     let branch = BranchOptions { to: Some(2.002), ..BranchOptions::default() };
-    let waves = ContinueWave { wanted, vary: WaveParameter::OmegaTw, branch }.branch(&|_, _| {}).unwrap();
+    let waves = ContinueWave { wanted, vary: WaveParameter::OmegaTw, branch };
+    let waves = waves.follow().unwrap()(&Engine::threads(), &|_, _| {}).unwrap();
     let arrays = [("x", 10), ("y", 10), ("vx", 10), ("vy", 10), ("setting", 1)];
     refused(
         &waves.scene,

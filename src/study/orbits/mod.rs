@@ -9,8 +9,9 @@ pub(crate) use report::KINDS;
 use super::OF_WINDOWS;
 use super::{
     ChainParams, InSi, Progress, Study, Work,
-    branches::{self, BifurcationOptions, BranchOptions, BranchStudy, First, FollowCommand, Kept, files_of_branch},
+    branches::{self, Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, files_of_branch},
     options::options,
+    part,
 };
 use crate::{
     breathers::DarkBreather,
@@ -242,7 +243,7 @@ impl FollowCommand for Continue {
         (&self.branch, more, InSi::default())
     }
 
-    fn first(&self) -> Result<First<'_, Continuation>> {
+    fn first(&self) -> Result<Work<'_, Begun<Continuation>>> {
         self.within_ranges()?;
         let branch = self.with_options(self.new_branch()?)?;
         Ok(Box::new(|_, _| Ok(((), branch, None))))
@@ -307,7 +308,7 @@ impl Study for Doubled {
         // Before the main branch is followed, which takes long.
         self.within_ranges()?;
         Ok(Box::new(move |engine, progress| {
-            let half = |share: f64, what: &str| progress(0.5 * share, what);
+            let half = part(progress, 0.0, 0.5);
             let main = match &self.branch {
                 Some(file) => study(Branch::load(file)?, &Engine::threads(), &half)?,
                 None => {
@@ -317,7 +318,7 @@ impl Study for Doubled {
                     branch(&breather, &continuation, 0.01, &half)?
                 }
             };
-            let half = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
+            let half = part(progress, 0.5, 1.0);
             let (birth, branch) = match doubled_from(&main, self.omega_b, self.step, engine, &half) {
                 Err(_) if interrupt::asked() => return main.report(),
                 doubled => doubled?,
