@@ -58,6 +58,19 @@ impl Driven {
         Ok((scene, setting, si))
     }
 
+    /// The study of the orbit to which the scene leads. All options are checked before the work.
+    ///
+    /// # Errors
+    /// A scene without a periodic drive, or without the units that are asked for; a number outside
+    /// its rule.
+    pub fn study(&self) -> Result<Work<'_, DrivenStudy>> {
+        let (scene, setting, si) = self.load()?;
+        Ok(Box::new(move |_, progress| {
+            let orbit = self.orbit(&scene, &setting, progress)?;
+            Ok(DrivenStudy { si, ..DrivenStudy::new(scene, orbit)? })
+        }))
+    }
+
     /// The orbit to which the scene leads.
     fn orbit(&self, scene: &Scene, setting: &DrivenSetting, progress: Progress<'_>) -> Result<DrivenOrbit> {
         let shooting = DrivenShooting::default();
@@ -95,10 +108,9 @@ impl Study for Driven {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        let (scene, setting, si) = self.load()?;
-        Ok(Box::new(move |_, progress| {
-            let orbit = self.orbit(&scene, &setting, progress)?;
-            let study = DrivenStudy { si, ..DrivenStudy::new(scene, orbit)? };
+        let work = self.study()?;
+        Ok(Box::new(move |engine, progress| {
+            let study = work(engine, progress)?;
             Ok(study.report().file("driven-orbit.npz", study.npz()?))
         }))
     }
