@@ -245,7 +245,7 @@ impl Orbit {
             (Some(pick), _) => branch.pick(pick).cloned(),
             (None, [orbit]) => Ok(orbit.clone()),
             (None, _) => {
-                let rule = "it has several orbits: say which one, by --point or --at".to_owned();
+                let rule = "it is a branch: say which of its orbits, by --point or --at".to_owned();
                 Err(Error::Content { path: path.to_owned(), place: "orbit".to_owned(), rule })
             }
         }

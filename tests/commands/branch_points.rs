@@ -3,7 +3,7 @@
 
 use super::{
     program::{lines, printed, read_json, terminate, wait},
-    shards::{command, files, in_shards, output},
+    shards::{command, files, in_shards, killed_at, output},
 };
 use serde_json::Value;
 use std::{fs, path::Path, process::Stdio};
@@ -168,17 +168,8 @@ fn multipliers_that_are_killed_repeat_what_was_in_flight_only() {
     let (whole, parts) = (whole.path(), parts.path());
     run(LONG, whole, &[]);
     let store = parts.join(STORE);
-    let mut before = Vec::new();
-    for count in [3, 8] {
-        let mut process = command(LONG, parts, &[]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        wait(&mut process, &store, count);
-        process.kill().unwrap();
-        assert!(!process.wait().unwrap().success(), "killed too late, at {count} lines");
-        let now = fs::read_to_string(&store).unwrap();
-        assert!(before.iter().all(|line: &String| now.contains(line.as_str())), "{count}");
-        before = now.split_inclusive('\n').skip(1).filter(|line| line.ends_with('\n')).map(str::to_owned).collect();
-        assert!(before.len() >= count - 1 && !parts.join("branch.csv").exists());
-    }
+    let before = killed_at(LONG, parts, &store, &[3, 8]);
+    assert!(!parts.join("branch.csv").exists());
     // The shard that is the whole grid says how much it computes.
     let part: Value = serde_json::from_slice(run(LONG, parts, &["--shard", "1/1", "--json"]).as_bytes()).unwrap();
     let points = part["points"].as_u64().unwrap();

@@ -170,6 +170,23 @@ fn a_plan_that_cannot_be_is_refused_with_file_key_and_rule() {
     stdout(&line);
 }
 
+/// Kills a command each time that its store has at least so many lines; nothing that was kept is
+/// lost. Returns the lines of points at the end.
+pub(crate) fn killed_at(line: &str, out: &Path, store: &Path, counts: &[usize]) -> Vec<String> {
+    let mut before = Vec::new();
+    for &count in counts {
+        let mut process = command(line, out, &[]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        wait(&mut process, store, count);
+        process.kill().unwrap();
+        assert!(!process.wait().unwrap().success(), "killed too late, at {count} lines");
+        let now = fs::read_to_string(store).unwrap();
+        assert!(before.iter().all(|line: &String| now.contains(line.as_str())), "{count}");
+        before = now.split_inclusive('\n').skip(1).filter(|line| line.ends_with('\n')).map(str::to_owned).collect();
+        assert!(before.len() >= count - 1);
+    }
+    before
+}
+
 /// Kills a shard at random moments, each after it has kept something new; nothing that was kept is
 /// computed again, and the merge has the files of one process.
 fn killed(kills: usize) {
