@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     dps::Center,
-    error::{Error, Result},
+    error::{Error, Result, require},
     numerics::{extremes, least_by},
     output::{Archive, Array, FileFormat, PROGRAM, SETTINGS, npz_with, to_json},
 };
@@ -256,9 +256,7 @@ impl Setting {
     /// Refuses a setting outside its rules; a ring for orbits has an odd number of sites.
     pub(crate) fn checked(&self) -> Result<()> {
         self.chain()?;
-        if self.sites.is_multiple_of(2) {
-            return Err(Error::parameter("sites", self.sites, "an odd number: n = -N .. N"));
-        }
+        require(!self.sites.is_multiple_of(2), "sites", self.sites, "an odd number: n = -N .. N")?;
         Ok(())
     }
 }

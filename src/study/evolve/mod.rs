@@ -16,7 +16,7 @@ use super::{Progress, Study, Work, fit_line, options::options};
 use crate::{
     breathers::centre,
     chain::max_norm,
-    error::{Error, Result},
+    error::{Error, Result, require},
     orbits::{Orbit, Pick, Shooting, Spectrum},
     report::Report,
     run::state_at,
@@ -156,9 +156,7 @@ pub fn evolve(
 ) -> Result<Evolution> {
     let period = orbit.setting.period();
     let periods = (until / period * (1.0 + 1e-12)).floor();
-    if !(1.0..=MOST_PERIODS).contains(&periods) {
-        return Err(Error::parameter("until", until, "from one period of the orbit to 10^6"));
-    }
+    require((1.0..=MOST_PERIODS).contains(&periods), "until", until, "from one period of the orbit to 10^6")?;
     let spectrum = orbit.spectrum(shooting)?;
     let mut start = orbit.start();
     let kick = kick.map(|kick| pushed(&mut start, kick, orbit, &spectrum).map(|lambda| (kick, lambda))).transpose()?;
@@ -223,9 +221,8 @@ impl Swing {
 /// Adds the kick to a state, and returns the multiplier whose eigenvector it is along.
 fn pushed(start: &mut [f64], kick: Kick, orbit: &Orbit, spectrum: &Spectrum) -> Result<Complex<f64>> {
     let Kick { size, mode } = kick;
-    if !(size.is_finite() && size != 0.0 && size.abs() <= 1.0) {
-        return Err(Error::parameter("kick", size, "a share of the amplitude, not zero and at most 1"));
-    }
+    let rule = "a share of the amplitude, not zero and at most 1";
+    require(size.is_finite() && size != 0.0 && size.abs() <= 1.0, "kick", size, rule)?;
     let Some(one) = spectrum.multipliers.get(mode) else {
         return Err(Error::parameter(
             "mode",

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     chain::{Params, Resonators},
-    error::{Error, Iterate, Result},
+    error::{Error, Iterate, Result, positive},
     orbits::{AnalysisLevel, BifurcationKind, Kantorovich},
     output::{Array, Folder, to_json},
     report::Report,
@@ -351,9 +351,7 @@ impl Kept for WaveContinuation {
         }
         setting.q = WaveNumber::on_ring(setting.q.q() / PI, *sites)?;
         setting.chain(*sites / setting.q.cell())?;
-        if !(size.is_finite() && *size > 0.0) {
-            return Err(Error::parameter("size", *size, "finite and positive"));
-        }
+        positive("size", *size)?;
         Ok((scene, wave))
     }
 
