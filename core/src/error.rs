@@ -152,13 +152,20 @@ pub fn in_words(message: &str) -> String {
 /// A result whose error is an [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
+/// Refuses a parameter unless it keeps its rule.
+///
+/// # Errors
+/// [`Error::Parameter`], with the value and the rule.
+pub fn require(keeps: bool, name: &'static str, value: impl ToString, rule: &'static str) -> Result<()> {
+    if keeps { Ok(()) } else { Err(Error::parameter(name, value, rule)) }
+}
+
 /// A value that must be finite and positive.
 ///
 /// # Errors
 /// Another value, by its name.
 pub fn positive(name: &'static str, value: f64) -> Result<f64> {
-    let good = value.is_finite() && value > 0.0;
-    if good { Ok(value) } else { Err(Error::parameter(name, value, "finite and positive")) }
+    require(value.is_finite() && value > 0.0, name, value, "finite and positive").map(|()| value)
 }
 
 /// A value that must be finite.
@@ -166,7 +173,7 @@ pub fn positive(name: &'static str, value: f64) -> Result<f64> {
 /// # Errors
 /// Another value, by its name.
 pub fn finite(name: &'static str, value: f64) -> Result<f64> {
-    if value.is_finite() { Ok(value) } else { Err(Error::parameter(name, value, "a finite number")) }
+    require(value.is_finite(), name, value, "a finite number").map(|()| value)
 }
 
 fn best_residual(best: Option<&Iterate>) -> String {

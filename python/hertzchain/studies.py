@@ -1669,8 +1669,8 @@ def breather_evolve(
     ----------
     orbit : str | os.PathLike[str]
         File dark-breather.npz or branch.npz, with the orbit to start from. dark-breather.npz is
-        written by `breather dark`, with the same numbers as dark-breather.json, which is read, too;
-        branch.npz by `breather continue` and `breather doubled`, and needs `point` or `at`.
+        written by `breather dark`; branch.npz by `breather continue` and `breather doubled`, and
+        needs `point` or `at`.
     point : int
         Number of the point of the branch, from 0; -1 is the last one.
     at : float

@@ -17,7 +17,7 @@
 use crate::{
     chain::{Chain, Layout, Params, Resonators, Site},
     dps::{Center, Homoclinic},
-    error::{Error, Result},
+    error::{Error, Result, require},
 };
 use std::{f64::consts::PI, ops::Range};
 
@@ -93,15 +93,12 @@ impl BrightBreather {
             let (name, value) = if params.rho == 0.0 { ("rho", params.rho) } else { ("kappa", params.kappa) };
             return Err(Error::parameter(name, value, "a bright breather needs resonators: rho > 0 and kappa > 0"));
         }
-        if !(epsilon.is_finite() && epsilon > 0.0) {
-            return Err(Error::parameter("epsilon", epsilon, "the size of the breather is finite and positive"));
-        }
+        let rule = "the size of the breather is finite and positive";
+        require(epsilon.is_finite() && epsilon > 0.0, "epsilon", epsilon, rule)?;
         let breather = Self { params, epsilon, profile: Homoclinic::new(params.alpha, center)?, sites };
         let mu = breather.mu();
-        if !(mu.is_finite() && mu * mu > 0.0) {
-            let rule = "epsilon^{alpha-1}/kappa and its square are finite and positive numbers";
-            return Err(Error::parameter("epsilon", epsilon, rule));
-        }
+        let rule = "epsilon^{alpha-1}/kappa and its square are finite and positive numbers";
+        require(mu.is_finite() && mu * mu > 0.0, "epsilon", epsilon, rule)?;
         let share = |n: i64| breather.profile.a(n).abs();
         let on_chain = |n: &i64| u64::try_from(n + breather.origin() as i64).is_ok_and(|i| i < sites as u64);
         let held: f64 = breather.profile.sites().filter(on_chain).map(share).sum();

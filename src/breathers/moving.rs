@@ -46,7 +46,7 @@ use super::DarkBreather;
 use crate::{
     chain::{Boundary, Chain, Params, max_norm},
     dps::Center,
-    error::{Error, Iterate, Result},
+    error::{Error, Iterate, Result, require},
     interrupt,
     orbits::{
         self, Equations, Frame, Kantorovich, Moment, NewtonStep, Orbit, Shooting, Spectrum, flow, known, least_squares,
@@ -228,12 +228,8 @@ impl MovingBreather {
     pub fn chain(&self) -> Result<Chain<f64>> {
         let Self { params, sites, omega_b, turns } = *self;
         self.at_rest().setting().chain()?;
-        if sites < 9 || sites.is_multiple_of(2) {
-            return Err(Error::parameter("sites", sites, "an odd number, at least 9"));
-        }
-        if !(1..=MOST_TURNS).contains(&turns) {
-            return Err(Error::parameter("turns", turns, "from 1 to 100 whole periods"));
-        }
+        require(sites >= 9 && !sites.is_multiple_of(2), "sites", sites, "an odd number, at least 9")?;
+        require((1..=MOST_TURNS).contains(&turns), "turns", turns, "from 1 to 100 whole periods")?;
         if omega_b <= params.omega() {
             let value = format!("{omega_b}, where omega = {}", params.omega());
             return Err(Error::parameter("omega_b", value, "a dark breather has a frequency above omega"));
@@ -297,14 +293,11 @@ impl MovingBreather {
     /// [`Error::Stopped`] if the work was asked to end.
     pub fn solve(&self, start: &[f64], tol: f64) -> Result<MovingOrbit> {
         let shot = self.shot(tol)?;
-        if start.len() != 4 * self.sites {
-            let rule = "four numbers a site: x, y, x', y'";
-            return Err(Error::parameter("start", format!("{} numbers", start.len()), rule));
-        }
+        let rule = "four numbers a site: x, y, x', y'";
+        require(start.len() == 4 * self.sites, "start", format!("{} numbers", start.len()), rule)?;
         let size = max_norm(start[..self.sites].iter().copied());
-        if !(size > 0.0 && start.iter().all(|z| z.is_finite())) {
-            return Err(Error::parameter("start", size, "strains are finite, and not all zero"));
-        }
+        let rule = "strains are finite, and not all zero";
+        require(size > 0.0 && start.iter().all(|z| z.is_finite()), "start", size, rule)?;
         let mut at = shot.start.transpose() * DVector::from_column_slice(start);
         // Flows fail when they are asked to end.
         let stopped = || Err(Error::Stopped { kept: "nothing of this breather".to_owned() });
@@ -450,9 +443,7 @@ impl MovingOrbit {
     /// machine; an integration that fails.
     pub fn kantorovich(&self, tol: f64) -> Result<Option<Kantorovich>> {
         let (breather, n) = (&self.setting, self.setting.sites);
-        if n > Self::MOST_BOUNDED {
-            return Err(Error::parameter("sites", n, "at most 61 where the distance to an exact orbit is bounded"));
-        }
+        require(n <= Self::MOST_BOUNDED, "sites", n, "at most 61 where the distance to an exact orbit is bounded")?;
         let (shot, size) = (breather.shot(tol)?, max_norm(self.z[..n].iter().copied()));
         let at = shot.start.transpose() * DVector::from_column_slice(&self.z);
         let Equations { residual, mut jacobian } = shot.equations(&at, true)?;

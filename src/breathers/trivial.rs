@@ -10,7 +10,7 @@
 
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, Site},
-    error::{Error, Result, finite},
+    error::{Error, Result, finite, require},
 };
 use hertzchain_integrators::{DoubleDouble, Stats, Stepper};
 
@@ -51,9 +51,7 @@ impl TrivialBreather {
     /// No moving resonators; arrays of different lengths; negative amplitudes, decreasing offsets,
     /// numbers that are not finite.
     pub fn new(params: Params, amplitudes: Vec<f64>, phases: Vec<f64>, offsets: &[f64]) -> Result<Self> {
-        if offsets.len() != amplitudes.len() {
-            return Err(Error::parameter("d", counts(offsets, &amplitudes), "as many offsets as amplitudes"));
-        }
+        require(offsets.len() == amplitudes.len(), "d", counts(offsets, &amplitudes), "as many offsets as amplitudes")?;
         offsets.iter().try_for_each(|&d| finite("d", d).map(drop))?;
         if let Some(n) = (1..offsets.len()).find(|&n| offsets[n] < offsets[n - 1]) {
             let values = format!("{} after {} at site {n}", offsets[n], offsets[n - 1]);
@@ -74,9 +72,7 @@ impl TrivialBreather {
     /// As [`new`](Self::new); a bond at which `b_n - b_{n-1}` is less than `l_n` by more than
     /// rounding errors.
     pub fn with_means(params: Params, amplitudes: Vec<f64>, phases: Vec<f64>, means: Vec<f64>) -> Result<Self> {
-        if means.len() != amplitudes.len() {
-            return Err(Error::parameter("b", counts(&means, &amplitudes), "as many means as amplitudes"));
-        }
+        require(means.len() == amplitudes.len(), "b", counts(&means, &amplitudes), "as many means as amplitudes")?;
         means.iter().try_for_each(|&b| finite("b", b).map(drop))?;
         let breather = Self { means, ..Self::oscillating(params, amplitudes, phases)? };
         let rounding = |n: usize| ROUNDINGS * f64::EPSILON * breather.means[n - 1].abs().max(breather.means[n].abs());
@@ -113,13 +109,10 @@ impl TrivialBreather {
     /// Checks amplitudes and phases; the mean positions are zero.
     fn oscillating(params: Params, amplitudes: Vec<f64>, phases: Vec<f64>) -> Result<Self> {
         params.validate()?;
-        if params.resonators() != Resonators::Moving {
-            let rule = "a trivial breather needs moving resonators: 0 < rho < inf and kappa > 0";
-            return Err(Error::parameter("rho", params.rho, rule));
-        }
-        if amplitudes.len() != phases.len() {
-            return Err(Error::parameter("phases", counts(&phases, &amplitudes), "as many phases as amplitudes"));
-        }
+        let rule = "a trivial breather needs moving resonators: 0 < rho < inf and kappa > 0";
+        require(params.resonators() == Resonators::Moving, "rho", params.rho, rule)?;
+        let rule = "as many phases as amplitudes";
+        require(amplitudes.len() == phases.len(), "phases", counts(&phases, &amplitudes), rule)?;
         if let Some(&a) = amplitudes.iter().find(|a| !(a.is_finite() && **a >= 0.0)) {
             return Err(Error::parameter("amplitude", a, "finite and at least zero"));
         }

@@ -14,7 +14,7 @@
 use super::shooting::{Equations, NewtonStep, Orbit, least_squares};
 use crate::{
     chain::max_norm,
-    error::{Error, Result},
+    error::{Error, Result, positive, require},
     interrupt,
 };
 use nalgebra::DVector;
@@ -207,12 +207,8 @@ pub(crate) fn check([from, to]: [f64; 2], step: f64, most_points: usize) -> Resu
     if !to.is_finite() || to == from {
         return Err(Error::parameter("to", to, "a finite number, not where the branch begins"));
     }
-    if !(step.is_finite() && step > 0.0) {
-        return Err(Error::parameter("step", step, "finite and positive"));
-    }
-    if most_points < 2 {
-        return Err(Error::parameter("max-points", most_points, "at least 2"));
-    }
+    positive("step", step)?;
+    require(most_points >= 2, "max-points", most_points, "at least 2")?;
     Ok(())
 }
 

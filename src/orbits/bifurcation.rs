@@ -21,7 +21,7 @@ use super::{
     shooting::{Orbit, Shooting},
 };
 use crate::{
-    error::{Error, Result},
+    error::{Error, Result, require},
     named::named,
     numerics::least_by,
 };
@@ -302,9 +302,7 @@ impl Bifurcation {
                 "the period doubles at a period doubling only",
             ));
         }
-        if !(size > 0.0 && size <= 1.0) {
-            return Err(Error::parameter("size", size, "a share of the amplitude in (0, 1]"));
-        }
+        require(size > 0.0 && size <= 1.0, "size", size, "a share of the amplitude in (0, 1]")?;
         let omega_b = 0.5 * self.orbit.setting.omega_b;
         let orbit = Orbit { setting: Setting { omega_b, turns: 2, ..self.orbit.setting }, ..self.orbit.clone() };
         // Near a pitchfork the frequency changes with the square of the amplitude, so the scale of

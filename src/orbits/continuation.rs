@@ -16,9 +16,12 @@ use super::{
     kantorovich::Kantorovich,
     orbit::Extent,
     setting::{Parameter, Setting},
-    shooting::{Equations, NewtonStep, Orbit, Shooting},
+    shooting::{Equations, Formulation, NewtonStep, Orbit, Shooting},
 };
-use crate::{error::Result, output::FileFormat};
+use crate::{
+    error::{Error, Result},
+    output::FileFormat,
+};
 use serde::{Deserialize, Serialize};
 
 /// Settings of a continuation.
@@ -41,6 +44,13 @@ pub struct Continuation {
 
 /// Largest residual of an orbit, in units of the largest strain.
 const SOLVED: f64 = 1e-12;
+
+/// Largest residual, in the same units, of an orbit from a file, which may have been computed on
+/// another machine.
+const RESTORED: f64 = 1e-8;
+/// Largest frequency of contacts and resonators of such an orbit, in units of that of the orbit.
+/// The integration of strains far from any orbit may take too long.
+const FASTEST: f64 = 1e3;
 
 /// Measurements of a point of a branch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -125,8 +135,21 @@ impl Problem for Continuation {
         spectrum.numbers()
     }
 
+    /// An orbit that starts at rest is at rest after half a period, so the half-period equations
+    /// apply to both formulations.
     fn verify(&self, _setting: &Setting, orbit: &Orbit) -> Result<()> {
-        orbit.clone().measured(&self.shooting).map(|_| ())
+        if orbit.setting.fastest_rate(&orbit.z) > FASTEST {
+            let rule = "contacts and resonators of an orbit are at most 1000 times as fast as it is";
+            return Err(Error::parameter("strains", orbit.amplitude(), rule));
+        }
+        let shooting = Shooting { formulation: Formulation::HalfPeriod, ..self.shooting };
+        let velocities = shooting.equations(&orbit.setting, &orbit.z, false)?.residual;
+        let residual = velocities.rows(0, orbit.z.len()).amax() / orbit.amplitude();
+        if residual <= RESTORED {
+            return Ok(());
+        }
+        let rule = "the velocities of an orbit vanish after half a period, to 1e-8: this is none";
+        Err(Error::parameter("residual", residual, rule))
     }
 
     fn least_change(&self, p: f64) -> f64 {

@@ -22,7 +22,7 @@ use super::{
 };
 use crate::{
     chain::{Chain, Details, Drive, DriveKind, Envelope, State, Variations, max_norm},
-    error::{Error, Result},
+    error::{Error, Result, require},
     interrupt,
     named::named,
     numerics::extremes,
@@ -116,13 +116,9 @@ impl DrivenSetting {
         let Some(details) = chain.details().filter(|details| !details.drives.is_empty()) else {
             return Err(refused("none"));
         };
-        if !(1..=MOST_TURNS).contains(&turns) {
-            return Err(Error::parameter("turns", turns, "from 1 to 64 periods of the drive"));
-        }
+        require((1..=MOST_TURNS).contains(&turns), "turns", turns, "from 1 to 64 periods of the drive")?;
         let contacts = chain.touching().len();
-        if contacts > MOST_CONTACTS {
-            return Err(Error::parameter("contacts", contacts, "at most 256 contacts for a tangent map"));
-        }
+        require(contacts <= MOST_CONTACTS, "contacts", contacts, "at most 256 contacts for a tangent map")?;
         let mut details = details.clone();
         for drive in &mut details.drives {
             if let Envelope::Burst { .. } = drive.signal.envelope {
@@ -149,9 +145,7 @@ impl DrivenSetting {
         let beads = (0..n).filter(|&i| !moved(i));
         let resonators = (0..n).filter(|&i| chain.resonator_moves(i)).map(|i| n + i);
         let free: Vec<usize> = beads.chain(resonators).collect();
-        if free.is_empty() {
-            return Err(Error::parameter("drive", "moves every bead", "an orbit needs a bead that is free"));
-        }
+        require(!free.is_empty(), "drive", "moves every bead", "an orbit needs a bead that is free")?;
         let setting =
             Self { bare, details, reference: [amplitude, omega], values: [amplitude, omega, 1.0], turns, free };
         Variations::new(&setting.chain()?, 0)?;
@@ -210,9 +204,7 @@ impl DrivenSetting {
     /// More than 64 periods of the drive.
     pub fn doubled(&self) -> Result<Self> {
         let turns = 2 * self.turns;
-        if turns > MOST_TURNS {
-            return Err(Error::parameter("turns", turns, "from 1 to 64 periods of the drive"));
-        }
+        require(turns <= MOST_TURNS, "turns", turns, "from 1 to 64 periods of the drive")?;
         Ok(Self { turns, ..self.clone() })
     }
 
@@ -506,13 +498,9 @@ impl DrivenShooting {
     /// best iterate where the residual of Newton's method does not fall to 1e-11 or, if that is
     /// larger, to a step's tolerance for each radian of the fastest motion over the period.
     pub fn solve(&self, setting: &DrivenSetting, seed: &[f64]) -> Result<DrivenOrbit> {
-        if seed.len() != setting.unknowns() {
-            let rule = "a displacement and a velocity for each free bead and resonator";
-            return Err(Error::parameter("seed", format!("{} numbers", seed.len()), rule));
-        }
-        if !seed.iter().all(|z| z.is_finite()) {
-            return Err(Error::parameter("seed", "not finite", "a seed is finite"));
-        }
+        let rule = "a displacement and a velocity for each free bead and resonator";
+        require(seed.len() == setting.unknowns(), "seed", format!("{} numbers", seed.len()), rule)?;
+        require(seed.iter().all(|z| z.is_finite()), "seed", "not finite", "a seed is finite")?;
         let drives = setting.moved()?;
         // All these sizes can be zero where the chain is at rest; the unit is then the residual.
         let size = |z: &DVector<f64>, residual: &DVector<f64>| match setting.size(z.as_slice()).max(drives) {

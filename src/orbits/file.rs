@@ -2,32 +2,23 @@
 //!
 //! A branch is an NPZ file: `settings.json` with the numbers that hold for the whole branch, and
 //! arrays with a row for each orbit. The arrays `parameter`, `residual` and those of the unknowns
-//! are read back; other arrays, such as `multipliers_re`, are for readers of the file. A single
-//! orbit is the JSON that `breather dark` writes.
+//! are read back; other arrays, such as `multipliers_re`, are for readers of the file.
 
 use super::{
     arclength::{End, Solution},
     bifurcation::BifurcationKind,
     branch::{Branch, Problem},
     setting::{Parameter, Setting},
-    shooting::{Formulation, Orbit, Shooting},
+    shooting::Orbit,
 };
 use crate::{
-    chain::Params,
     dps::Center,
-    error::{Error, Result},
+    error::{Error, Result, require},
     numerics::{extremes, least_by},
-    output::{Archive, Array, FileFormat, PROGRAM, SETTINGS, npz_with, read, to_json},
+    output::{Archive, Array, FileFormat, PROGRAM, SETTINGS, npz_with, to_json},
 };
-use hertzchain_integrators::Tolerance;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use serde_json::error::Category;
-use std::{fs::File, io::Read, path::Path};
-
-/// Longest file of one orbit, in bytes.
-const MOST_BYTES: u64 = 1 << 26;
-/// First bytes of a zip archive that has a member.
-const ZIP: &[u8] = b"PK\x03\x04";
+use std::path::Path;
 
 /// The settings of a branch.
 #[derive(Serialize, Deserialize)]
@@ -57,41 +48,6 @@ struct Settings<P, S> {
 /// Names of the arrays of multipliers.
 const MULTIPLIERS: [&str; 3] = ["multipliers_re", "multipliers_im", "modulus_error"];
 
-/// Format and version in the JSON of an orbit.
-pub(crate) const ORBIT_FORMAT: FileFormat = FileFormat("hertzchain orbit", 1);
-
-/// The keys of the JSON of an orbit that determine it.
-#[derive(Deserialize)]
-#[serde(expecting = "an orbit")]
-struct OrbitFile {
-    #[serde(default = "orbit_format")]
-    format: String,
-    #[serde(default = "orbit_version")]
-    format_version: u64,
-    alpha: f64,
-    kappa: f64,
-    rho: f64,
-    sites: usize,
-    omega_b: f64,
-    turns: u32,
-    c_x: f64,
-    /// The centre that the orbit was solved for; the measured centre `c_x` is near it.
-    c_x_asked: Option<f64>,
-    x: Vec<f64>,
-    y: Vec<f64>,
-}
-
-fn orbit_format() -> String {
-    ORBIT_FORMAT.0.to_owned()
-}
-
-fn orbit_version() -> u64 {
-    ORBIT_FORMAT.1
-}
-
-/// The rule that a file breaks if it holds anything else than an orbit or a branch.
-const NO_ORBIT: &str = "neither an orbit of `breather dark` nor a branch.npz";
-
 /// Choice of an orbit on a branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pick {
@@ -100,13 +56,6 @@ pub enum Pick {
     /// The orbit with the parameter nearest to this value, within the range of the branch.
     At(f64),
 }
-
-/// Largest residual, relative to the strains, of an orbit in a file. The rounding of printed
-/// numbers leaves a smaller one.
-const ORBIT: f64 = 1e-8;
-
-/// Largest frequency of contacts and resonators in units of that of the orbit.
-const FASTEST: f64 = 1e3;
 
 impl<P: Problem> Branch<P> {
     /// The settings in the file, of a branch whose setting has this `source`.
@@ -286,88 +235,20 @@ impl<P: Problem> Branch<P> {
 }
 
 impl Orbit {
-    /// Reads an orbit that `breather dark` has written, or the picked orbit of a branch file; none
-    /// is picked where there is only one.
-    ///
-    /// The numbers are checked, and the residual is measured again.
+    /// Reads the picked orbit of a branch file; none is picked where there is only one.
     ///
     /// # Errors
-    /// A file that cannot be read; [`Error::Content`] for a missing or wrong key, numbers outside
-    /// their rules, and strains that are not those of an orbit; a branch without a pick, or a pick
-    /// that is not on the branch.
-    pub fn load(path: &Path, pick: Option<Pick>, shooting: &Shooting) -> Result<Self> {
-        Tolerance::RUN.check(shooting.tol)?;
-        let fail = |source| Error::File { path: path.to_owned(), source };
-        let mut start = Vec::new();
-        File::open(path).map_err(fail)?.take(ZIP.len() as u64).read_to_end(&mut start).map_err(fail)?;
-        let rule = match (start == ZIP, pick) {
-            (true, Some(pick)) => return Branch::load(path)?.pick(pick).cloned(),
-            (true, None) => match &Branch::load(path)?.orbits[..] {
-                [orbit] => return Ok(orbit.clone()),
-                _ => "it is a branch: say which of its orbits, by --point or --at".to_owned(),
-            },
-            (false, Some(_)) => "it is no branch.npz: only a branch has points".to_owned(),
-            (false, None) => match Self::from_json(&read(path, MOST_BYTES)?).map(|orbit| orbit.measured(shooting)) {
-                Ok(Ok(orbit)) => return Ok(orbit),
-                Ok(Err(rule)) => rule.to_string(),
-                Err(rule) => rule,
-            },
-        };
-        Err(Error::Content { path: path.to_owned(), place: "orbit".to_owned(), rule })
-    }
-
-    /// Reads the JSON of an orbit, with all checks that need no integration.
-    ///
-    /// The residual is unknown and set to infinity; [`load`](Self::load) measures it.
-    ///
-    /// # Errors
-    /// The key, and the rule that it breaks.
-    pub fn from_json(text: &[u8]) -> std::result::Result<Self, String> {
-        let read: OrbitFile = serde_json::from_slice(text).map_err(|why| match why.classify() {
-            Category::Data if String::from_utf8_lossy(text).contains("\"bifurcations\"") => {
-                format!("{why}; the orbits of a branch are in branch.npz")
-            }
-            Category::Data => why.to_string(),
-            _ => format!("{NO_ORBIT}: no JSON, {why}"),
-        })?;
-        ORBIT_FORMAT.check(&read.format, read.format_version)?;
-        read.orbit().map_err(|why| why.to_string())
-    }
-
-    /// The orbit with its residual measured again.
-    ///
-    /// An orbit that starts at rest is at rest after half a period, so the half-period equations
-    /// apply to both formulations.
-    pub(super) fn measured(self, shooting: &Shooting) -> Result<Self> {
-        // The integration of strains far from any orbit may take too long.
-        if self.setting.fastest_rate(&self.z) > FASTEST {
-            let rule = "contacts and resonators of an orbit are at most 1000 times as fast as it is";
-            return Err(Error::parameter("strains", self.amplitude(), rule));
-        }
-        let shooting = Shooting { formulation: Formulation::HalfPeriod, ..*shooting };
-        let velocities = shooting.equations(&self.setting, &self.z, false)?.residual;
-        let residual = velocities.rows(0, self.z.len()).amax() / self.amplitude();
-        if residual <= ORBIT {
-            return Ok(Self { residual, ..self });
-        }
-        let rule = "the velocities of an orbit vanish after half a period, to 1e-8: this is none";
-        Err(Error::parameter("residual", residual, rule))
-    }
-}
-
-impl OrbitFile {
-    fn orbit(self) -> Result<Orbit> {
-        let Self { alpha, kappa, rho, sites, omega_b, turns, c_x, c_x_asked, x, y, .. } = self;
-        let params = Params { alpha, kappa, rho };
-        let setting = Setting { params, sites, omega_b, c_x: c_x_asked.unwrap_or(c_x), turns };
-        setting.checked()?;
-        for (name, strains) in [("x", &x), ("y", &y)] {
-            if strains.len() != sites {
-                let value = format!("{} numbers for {sites} sites", strains.len());
-                return Err(Error::parameter(name, value, "a number for every site"));
+    /// As [`Branch::load`]; several orbits without a pick, or a pick that is not on the branch.
+    pub fn load(path: &Path, pick: Option<Pick>) -> Result<Self> {
+        let branch = Branch::load(path)?;
+        match (pick, &branch.orbits[..]) {
+            (Some(pick), _) => branch.pick(pick).cloned(),
+            (None, [orbit]) => Ok(orbit.clone()),
+            (None, _) => {
+                let rule = "it is a branch: say which of its orbits, by --point or --at".to_owned();
+                Err(Error::Content { path: path.to_owned(), place: "orbit".to_owned(), rule })
             }
         }
-        Ok(Orbit { setting, z: [x, y].concat(), residual: f64::INFINITY, newton: Vec::new() })
     }
 }
 
@@ -375,9 +256,7 @@ impl Setting {
     /// Refuses a setting outside its rules; a ring for orbits has an odd number of sites.
     pub(crate) fn checked(&self) -> Result<()> {
         self.chain()?;
-        if self.sites.is_multiple_of(2) {
-            return Err(Error::parameter("sites", self.sites, "an odd number: n = -N .. N"));
-        }
+        require(!self.sites.is_multiple_of(2), "sites", self.sites, "an odd number: n = -N .. N")?;
         Ok(())
     }
 }

@@ -39,7 +39,6 @@ pub(crate) use driven::returns;
 pub use driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum};
 pub use driven_branch::{DrivenContinuation, DrivenCritical, DrivenMeasures, DrivenPoint};
 pub(crate) use eigen::{Eigenpair, eigen, hessenberg};
-pub(crate) use file::ORBIT_FORMAT;
 pub use file::Pick;
 pub(crate) use floquet::{Frame, known};
 pub use floquet::{Kind, Multiplier, Quality, Spectrum};

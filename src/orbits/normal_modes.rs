@@ -26,7 +26,7 @@ use super::{
 };
 use crate::{
     chain::{Chain, State, Variations, max_norm},
-    error::{Error, Result},
+    error::{Error, Result, require},
     numerics::least_by,
     output::FileFormat,
 };
@@ -108,13 +108,9 @@ impl NormalModes {
     /// A chain that dissipates or is driven; a strain ring; `alpha <= 1`; more than 256 sites; no
     /// equilibrium near, or one in which contacts do not hold all beads.
     pub fn new(chain: &Chain<f64>) -> Result<Self> {
-        if chain.open() {
-            return Err(Error::parameter("chain", "damped or driven", "normal modes need a conservative chain"));
-        }
+        require(!chain.open(), "chain", "damped or driven", "normal modes need a conservative chain")?;
         let n = chain.sites();
-        if n > MOST_SITES {
-            return Err(Error::parameter("sites", n, "at most 256 sites for a tangent map"));
-        }
+        require(n <= MOST_SITES, "sites", n, "at most 256 sites for a tangent map")?;
         let resonators = (0..n).filter(|&i| chain.resonator_moves(i));
         let free: Vec<usize> = (0..n).chain(resonators.clone().map(|i| n + i)).collect();
         let beads = (0..n).map(|i| chain.masses(i)[0]);
@@ -337,9 +333,7 @@ impl ModeContinuation {
     pub fn check(&self, modes: &NormalModes) -> Result<()> {
         // Any amplitude: the rule for the last one is below.
         self.check_value(modes, 1.0)?;
-        if !(self.to.is_finite() && self.to > 0.0) {
-            return Err(Error::parameter("to", self.to, "an amplitude is finite and positive"));
-        }
+        require(self.to.is_finite() && self.to > 0.0, "to", self.to, "an amplitude is finite and positive")?;
         arclength::check([self.step, self.to], self.step, self.most_points)?;
         if self.step > self.to {
             return Err(Error::parameter("step", self.step, "at most the last amplitude"));
@@ -470,9 +464,7 @@ impl Problem for ModeContinuation {
             let value = format!("{} of {count}", self.mode.wrapping_add(1));
             return Err(Error::parameter("linear_mode", value, "linear modes are numbered from 1, by frequency"));
         }
-        if !(a.is_finite() && a != 0.0) {
-            return Err(Error::parameter("amplitude", a, "finite and not zero"));
-        }
+        require(a.is_finite() && a != 0.0, "amplitude", a, "finite and not zero")?;
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     chain::{Boundary, Chain, Params, Resonators},
-    error::{Error, Result},
+    error::{Error, Result, positive, require},
     named::named,
 };
 use serde::{Deserialize, Serialize};
@@ -65,25 +65,15 @@ impl Setting {
     pub fn chain(&self) -> Result<Chain<f64>> {
         let Self { params, sites, omega_b, c_x, turns } = *self;
         params.validate()?;
-        if params.resonators() != Resonators::Moving {
-            let rule = "an orbit of this kind needs moving resonators: 0 < rho < inf and kappa > 0";
-            return Err(Error::parameter("rho", params.rho, rule));
-        }
+        let rule = "an orbit of this kind needs moving resonators: 0 < rho < inf and kappa > 0";
+        require(params.resonators() == Resonators::Moving, "rho", params.rho, rule)?;
         if params.alpha <= 1.0 {
             return Err(Error::parameter("alpha", params.alpha, "tangent maps need alpha > 1"));
         }
-        if !(3..=MOST_SITES).contains(&sites) {
-            return Err(Error::parameter("sites", sites, "from 3 to 256 sites"));
-        }
-        if !(omega_b.is_finite() && omega_b > 0.0) {
-            return Err(Error::parameter("omega_b", omega_b, "finite and positive"));
-        }
-        if !c_x.is_finite() {
-            return Err(Error::parameter("c_x", c_x, "a finite number"));
-        }
-        if !(1..=2).contains(&turns) {
-            return Err(Error::parameter("turns", turns, "1, or 2 for a doubled period"));
-        }
+        require((3..=MOST_SITES).contains(&sites), "sites", sites, "from 3 to 256 sites")?;
+        positive("omega_b", omega_b)?;
+        require(c_x.is_finite(), "c_x", c_x, "a finite number")?;
+        require((1..=2).contains(&turns), "turns", turns, "1, or 2 for a doubled period")?;
         Chain::new(params, Boundary::StrainRing, sites)
     }
 

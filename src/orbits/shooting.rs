@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     chain::{Chain, max_norm},
-    error::{Error, Iterate, Result},
+    error::{Error, Iterate, Result, require},
     run::state_at,
 };
 use hertzchain_integrators::collocation::StepControl;
@@ -155,13 +155,11 @@ impl Shooting {
     /// fails; and [`Error::Stalled`] with the best iterate where the residual of Newton's method
     /// does not fall to 1e-12.
     pub fn solve(&self, setting: &Setting, seed: &[f64]) -> Result<Orbit> {
-        if seed.len() != 2 * setting.sites {
-            return Err(Error::parameter("seed", format!("{} numbers", seed.len()), "two strains a site: x, then y"));
-        }
+        let rule = "two strains a site: x, then y";
+        require(seed.len() == 2 * setting.sites, "seed", format!("{} numbers", seed.len()), rule)?;
         let size = max_norm(seed.iter().copied());
-        if !(size > 0.0 && seed.iter().all(|z| z.is_finite())) {
-            return Err(Error::parameter("seed", size, "strains are finite, and not all zero"));
-        }
+        let rule = "strains are finite, and not all zero";
+        require(size > 0.0 && seed.iter().all(|z| z.is_finite()), "seed", size, rule)?;
         let Setting { omega_b, params, .. } = setting;
         Newton {
             most_steps: self.most_steps,

@@ -4,7 +4,7 @@
 use super::{Units, UnitsSection, values::Values};
 use crate::{
     chain::{Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Signal},
-    error::{Error, Result},
+    error::{Error, Result, require},
     number::format_short,
     random::uniform,
 };
@@ -140,9 +140,7 @@ impl BondsSection {
         details.alpha = list("bonds.alpha", &self.alpha)?;
         details.overlap = list("bonds.overlap", &self.overlap)?;
         if let Some(wall) = self.wall {
-            if chain.boundary() != Boundary::Fixed {
-                return Err(Error::parameter("bonds.wall", wall, "only boundary = \"fixed\" has walls"));
-            }
+            require(chain.boundary() == Boundary::Fixed, "bonds.wall", wall, "only boundary = \"fixed\" has walls")?;
             details.contact.resize(touching, 1.0);
             (details.contact[0], details.contact[touching - 1]) = (wall, wall);
         }
@@ -175,9 +173,7 @@ impl UnitsSection {
         for (name, list) in
             [("beads.mass", &details.mass), ("bonds.contact", &details.contact), ("bonds.overlap", &details.overlap)]
         {
-            if !list.is_empty() {
-                return Err(Error::parameter(name, "given", "it follows from [units]: leave it out"));
-            }
+            require(list.is_empty(), name, "given", "it follows from [units]: leave it out")?;
         }
         let ends: Vec<_> = chain.touching().map(|bond| chain.topology().ends(bond)).collect();
         let material = self.material(chain.sites(), &ends)?;
@@ -246,9 +242,8 @@ impl DriveSection {
         let &[amplitude] = amplitudes else {
             return Err(Error::parameter("drive.amplitude", "a list", "noise has one amplitude"));
         };
-        if self.omega.is_some() || self.phase.is_some() {
-            return Err(Error::parameter("drive.band", "beside omega or phase", "noise has a `band` only"));
-        }
+        let rule = "noise has a `band` only";
+        require(self.omega.is_none() && self.phase.is_none(), "drive.band", "beside omega or phase", rule)?;
         if !(low.is_finite() && high.is_finite() && 0.0 <= low && low < high) {
             let rule = "a band is from its least to its largest frequency, at least zero";
             return Err(Error::parameter("drive.band", format!("[{low}, {high}]"), rule));

@@ -8,7 +8,7 @@ use crate::{
     breathers::{BrightBreather, TrivialBreather},
     chain::{Boundary, Chain, Site, State},
     dps::Center,
-    error::{Error, Result, finite, positive},
+    error::{Error, Result, finite, positive, require},
     run::{Initial as Start, Measure},
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
@@ -92,14 +92,10 @@ fn driven(chain: &Chain<f64>, state: State<f64>) -> Result<State<f64>> {
 /// Refuses a chain that is no strain ring, and a wave number with which no whole number of waves
 /// fits the ring or that is outside [-pi, pi].
 fn on_the_ring(chain: &Chain<f64>, q_over_pi: f64) -> Result<()> {
-    if chain.boundary() != Boundary::StrainRing {
-        let rule = "a travelling wave lives on a strain-ring";
-        return Err(Error::parameter("boundary", chain.boundary(), rule));
-    }
-    if !(-1.0..=1.0).contains(&q_over_pi) {
-        let rule = "the wave number is from -pi to pi: a lattice knows no other";
-        return Err(Error::parameter("q_over_pi", q_over_pi, rule));
-    }
+    let rule = "a travelling wave lives on a strain-ring";
+    require(chain.boundary() == Boundary::StrainRing, "boundary", chain.boundary(), rule)?;
+    let rule = "the wave number is from -pi to pi: a lattice knows no other";
+    require((-1.0..=1.0).contains(&q_over_pi), "q_over_pi", q_over_pi, rule)?;
     let waves = 0.5 * q_over_pi * chain.sites() as f64;
     if (waves - waves.round()).abs() > 1e-9 * waves.abs().max(1.0) {
         let rule = "a whole number of waves fits the ring: q sites / (2 pi) is an integer";
@@ -135,9 +131,7 @@ fn travelling_wave(
 }
 
 fn single_bead(chain: &Chain<f64>, site: usize, bead: Site<f64>) -> Result<Start> {
-    if site >= chain.sites() {
-        return Err(Error::parameter("site", site, "a site of the chain, counted from 0"));
-    }
+    require(site < chain.sites(), "site", site, "a site of the chain, counted from 0")?;
     finite("displacement", bead.u)?;
     finite("velocity", bead.u_dot)?;
     by_sites(chain, move |i| if i == site { bead } else { REST })
@@ -156,10 +150,8 @@ fn normal_mode(chain: &Chain<f64>, mode: u32, amplitude: f64) -> Result<Start> {
 
 fn bright_breather(chain: &Chain<f64>, center: Center, epsilon: f64) -> Result<BrightBreather> {
     chain.uniform("a bright breather")?;
-    if chain.boundary() == Boundary::StrainRing {
-        let rule = "a bright breather is a state of displacements: free, fixed or ring";
-        return Err(Error::parameter("boundary", "strain-ring", rule));
-    }
+    let rule = "a bright breather is a state of displacements: free, fixed or ring";
+    require(chain.boundary() != Boundary::StrainRing, "boundary", "strain-ring", rule)?;
     if chain.precompression() > 0.0 {
         let rule = "a bright breather lives on a chain without precompression";
         return Err(Error::parameter("precompression", chain.precompression(), rule));
@@ -193,10 +185,8 @@ fn given(chain: &Chain<f64>, arrays: [&[f64]; 4]) -> Result<State<f64>> {
 }
 
 fn trivial_breather(chain: &Chain<f64>, section: &TrivialSection) -> Result<TrivialBreather> {
-    if chain.boundary() != Boundary::Free {
-        let rule = "a trivial breather has free ends";
-        return Err(Error::parameter("boundary", chain.boundary(), rule));
-    }
+    let rule = "a trivial breather has free ends";
+    require(chain.boundary() == Boundary::Free, "boundary", chain.boundary(), rule)?;
     let (params, amplitudes, phases) =
         (chain.params(), amplitudes(chain.sites(), section)?, phases(chain.sites(), section)?);
     match (&section.b, &section.d, section.gap) {
@@ -204,9 +194,7 @@ fn trivial_breather(chain: &Chain<f64>, section: &TrivialSection) -> Result<Triv
         (None, Some(d), None) => TrivialBreather::new(params, amplitudes, phases, d),
         (None, None, gap) => {
             let gap = gap.unwrap_or(0.0);
-            if !(gap.is_finite() && gap >= 0.0 && gap.is_sign_positive()) {
-                return Err(Error::parameter("gap", gap, "finite and at least zero"));
-            }
+            require(gap.is_finite() && gap >= 0.0 && gap.is_sign_positive(), "gap", gap, "finite and at least zero")?;
             let even: Vec<f64> = (0..amplitudes.len()).map(|n| gap * n as f64).collect();
             Ok(TrivialBreather::new(params, amplitudes, phases, &even)?.centred())
         }

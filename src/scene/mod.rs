@@ -34,7 +34,7 @@ pub use values::{Rule, Values};
 use crate::{
     breathers::{BrightBreather, TrivialBreather},
     chain::{Chain, Resonators, State},
-    error::{Error, Result, positive},
+    error::{Error, Result, positive, require},
     memory::lacking,
     output::read,
     run::{Initial as Start, Method, Run, Setting, checked_end},
@@ -190,9 +190,7 @@ impl Scene {
 
     fn build_as(mut file: SceneFile, by_sites: bool) -> Result<Self> {
         let section = &file.chain;
-        if section.sites > MOST_SITES {
-            return Err(Error::parameter("sites", section.sites, "at most 10^8"));
-        }
+        require(section.sites <= MOST_SITES, "sites", section.sites, "at most 10^8")?;
         if let Some(samples) = file.record.samples.filter(|samples| *samples > MOST_SAMPLES) {
             return Err(Error::parameter("samples", samples, "at most 10^6"));
         }

@@ -14,7 +14,7 @@
 
 use super::values::Values;
 use crate::{
-    error::{Error, Result},
+    error::{Error, Result, require},
     report::Units,
 };
 use serde::{Deserialize, Serialize};
@@ -95,9 +95,7 @@ impl UnitsSection {
             energy_j: mass * (length / time).powi(2),
         };
         let load = self.static_load.unwrap_or(0.0);
-        if !(load.is_finite() && load >= 0.0) {
-            return Err(Error::parameter("units.static_load", load, "a load is finite and at least zero"));
-        }
+        require(load.is_finite() && load >= 0.0, "units.static_load", load, "a load is finite and at least zero")?;
         let of = |ends: &[Option<usize>; 2]| match *ends {
             [Some(a), Some(b)] => bodies[a].hertz(&bodies[b]),
             [Some(a), None] | [None, Some(a)] => bodies[a].hertz(&self.wall(bodies[a])),

@@ -2,7 +2,8 @@
 //! bifurcations, the end, and the branch that crosses.
 
 use super::{
-    InSi, Progress, Study, Work, folder_of, keeper::Autosave, options::options, run::state_arrays, segments, si::Scale,
+    InSi, Progress, Study, Work, folder_of, keeper::Autosave, options::options, part, run::state_arrays, segments,
+    si::Scale,
 };
 use crate::{
     chain::State,
@@ -156,25 +157,45 @@ impl BranchOptions {
 }
 
 /// A branch with what a report needs of its scene, and the units of the report.
-pub(super) type Begun<P> = (<P as Kept>::About, Branch<P>, Option<Units>);
-/// Finds the first orbit of a branch, after its options were checked.
-pub(super) type First<'a, P> = Box<dyn FnOnce(&Engine, Progress<'_>) -> Result<Begun<P>> + 'a>;
+pub type Begun<P> = (<P as Kept>::About, Branch<P>, Option<Units>);
 
 /// A command that follows a branch.
-pub(super) trait FollowCommand {
+pub trait FollowCommand {
     /// The kind of orbits.
     type Problem: Kept;
 
     /// The options of the branch, of its bifurcations and of units.
     fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi);
-    /// A new branch.
-    fn first(&self) -> Result<First<'_, Self::Problem>>;
+    /// A new branch, of which the work finds the first orbit.
+    ///
+    /// # Errors
+    /// Numbers outside their rules.
+    fn first(&self) -> Result<Work<'_, Begun<Self::Problem>>>;
     /// A branch from a file as further options say.
     ///
     /// # Errors
     /// An end outside its rule.
     fn with_options(&self, branch: Branch<Self::Problem>) -> Result<Branch<Self::Problem>> {
         Ok(branch)
+    }
+    /// The branch, and the one that crosses it if it is asked for. All options are checked before
+    /// the work.
+    ///
+    /// # Errors
+    /// Numbers outside their rules; a file that is no branch.
+    fn follow(&self) -> Result<Work<'_, BranchStudy<Self::Problem>>> {
+        let (options, more, si) = self.options();
+        options.within_ranges()?;
+        let level = options.level::<Self::Problem>(more)?;
+        let first = match &options.resume {
+            None => self.first()?,
+            Some(path) => {
+                let (about, branch, si) = options.resumed(path, si)?;
+                let branch = self.with_options(branch)?;
+                Box::new(move |_: &Engine, _: Progress<'_>| Ok((about, branch, si)))
+            }
+        };
+        Ok(Box::new(move |engine, progress| begun(first, level, more.switch, engine, progress)))
     }
 }
 
@@ -192,18 +213,8 @@ impl<C: FollowCommand> Study for C {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        let (options, more, si) = self.options();
-        options.within_ranges()?;
-        let level = options.level::<C::Problem>(more)?;
-        let first = match &options.resume {
-            None => self.first()?,
-            Some(path) => {
-                let (about, branch, si) = options.resumed(path, si)?;
-                let branch = self.with_options(branch)?;
-                Box::new(move |_: &Engine, _: Progress<'_>| Ok((about, branch, si)))
-            }
-        };
-        Ok(Box::new(move |engine, progress| begun(first, level, more.switch, engine, progress)?.report()))
+        let work = self.follow()?;
+        Ok(Box::new(move |engine, progress| work(engine, progress)?.report()))
     }
 
     /// The folder of the branch that is gone on with, unless it is one that crosses another.
@@ -389,39 +400,31 @@ fn stale<P: Kept>() -> Result<Vec<String>> {
 }
 
 /// A branch of which `first` finds the first orbit, and the one that crosses it at bifurcation
-/// number `switch`, if one is asked for.
-pub(super) fn begun<P: Kept>(
-    first: First<'_, P>,
+/// number `switch`, if one is asked for. Without such a branch there is the reason in words: the
+/// branch that is known is a result all the same.
+fn begun<P: Kept>(
+    first: Work<'_, Begun<P>>,
     level: AnalysisLevel,
     switch: Option<usize>,
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<BranchStudy<P>> {
-    let (scene, branch, si) = first(engine, &|share, what| progress(P::FIRST * share, what))?;
-    let rest = |share: f64, what: &str| progress(P::FIRST + (1.0 - P::FIRST) * share, what);
+    let (scene, branch, si) = first(engine, &part(progress, 0.0, P::FIRST))?;
+    let middle = if switch.is_some() { 0.5 * (P::FIRST + 1.0) } else { 1.0 };
     let work =
         |branch, second, progress: Progress<'_>| followed((&scene, si.as_ref()), branch, second, engine, progress);
-    let (branch, switched) = with_switched(Branch { level, ..branch }, switch, work, &rest)?;
+    let branch = work(Branch { level, ..branch }, false, &part(progress, P::FIRST, middle))?;
+    let switched = match switch.filter(|_| branch.ended() != End::Stopped) {
+        None => None,
+        Some(number) => {
+            let crossing = branch.switched(number.wrapping_sub(1));
+            match crossing.and_then(|other| work(other, true, &part(progress, middle, 1.0))) {
+                Err(stopped @ Error::Stopped { .. }) => return Err(stopped),
+                found => Some((number, found.map_err(|error| error.to_string()))),
+            }
+        }
+    };
     Ok(BranchStudy { scene, branch, switched, si })
-}
-
-/// A branch and the one that crosses it at bifurcation number `switch`, if one is asked for, each
-/// made by `work`, which is told whether it is the second one. Without such a branch there is the
-/// reason in words: the branch that is known is a result all the same.
-pub(super) fn with_switched<P: Problem>(
-    branch: Branch<P>,
-    switch: Option<usize>,
-    work: impl Fn(Branch<P>, bool, Progress<'_>) -> Result<Branch<P>>,
-    progress: Progress<'_>,
-) -> Result<(Branch<P>, Switched<Branch<P>>)> {
-    let whole = if switch.is_some() { 0.5 } else { 1.0 };
-    let branch = work(branch, false, &|share, what| progress(whole * share, what))?;
-    let Some(number) = switch.filter(|_| branch.ended() != End::Stopped) else { return Ok((branch, None)) };
-    let second = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
-    match branch.switched(number.wrapping_sub(1)).and_then(|other| work(other, true, &second)) {
-        Err(stopped @ Error::Stopped { .. }) => Err(stopped),
-        found => Ok((branch, Some((number, found.map_err(|error| error.to_string()))))),
-    }
 }
 
 /// A branch of orbits. All of its numbers are dimensionless; `si` is for its report.

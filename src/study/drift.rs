@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     chain::Chain,
-    error::{Error, Result},
+    error::{Error, Result, require},
     report::{
         Curve,
         Digits::{Fixed, Hidden, Json, Power, Short},
@@ -213,10 +213,8 @@ pub fn drift(scene: &Scene, options: &DriftOptions, engine: &Engine, progress: P
     let DriftOptions { periods, samples, .. } = options;
     let methods = methods(&options.integrators, Method::all)?;
     options.within_ranges()?;
-    if !scene.chain().has_energy(scene.initial().as_slice()) {
-        let rule = "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
-        return Err(Error::parameter("scene", scene.name(), rule));
-    }
+    let rule = "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
+    require(scene.chain().has_energy(scene.initial().as_slice()), "scene", scene.name(), rule)?;
     let scene = scene.clone().until(periods * scene.period())?;
     let times = spaced(scene.period(), scene.end(), *samples);
     let settings = json!({"scene": scene_json(&scene), "times": samples, "kicks": KICKS, "tolerance": TOLERANCE});

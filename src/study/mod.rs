@@ -39,7 +39,8 @@ pub use bands::Bands;
 pub use barrier::*;
 pub use boundary_wave::*;
 pub use branches::{
-    BifurcationOptions, BranchOptions, BranchStudy, Kept, SceneSource, branch_from_archive, branch_npz, load_branch,
+    Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, SceneSource, branch_from_archive,
+    branch_npz, load_branch,
 };
 pub use breather::*;
 pub use charts::{
@@ -93,7 +94,12 @@ pub type Drawing = (String, crate::figures::Picture);
 
 /// The computation of a study whose options were checked. It gets the engine for its grid, which
 /// knows the folder for the results, if there is one.
-pub type Work<'a> = Box<dyn FnOnce(&Engine, Progress<'_>) -> Result<Report> + 'a>;
+pub type Work<'a, T = Report> = Box<dyn FnOnce(&Engine, Progress<'_>) -> Result<T> + 'a>;
+
+/// The progress of a part of the work, from one share of it to another.
+fn part<'a>(progress: Progress<'a>, from: f64, to: f64) -> impl Fn(f64, &str) + Sync + 'a {
+    move |share, what| progress(from + (to - from) * share, what)
+}
 
 /// A study by its options.
 pub trait Study {

@@ -2,9 +2,9 @@
 //! mode.
 
 use super::{
-    Changes, InSi, Progress,
+    Changes, InSi, Work,
     branches::{
-        self, BifurcationOptions, BranchOptions, BranchRow, BranchStudy, First, FollowCommand, Kept, SWITCHED,
+        self, Begun, BifurcationOptions, BranchOptions, BranchRow, BranchStudy, FollowCommand, Kept, SWITCHED,
         SWITCHED_FILES, SceneSource, crossed, files_of_branch,
     },
     format_short,
@@ -25,7 +25,6 @@ use crate::{
         Kind, Line, Panel, Panels, Report, Rows, Table,
     },
     scene::{Quantity, Scene, Units},
-    sweep::Engine,
 };
 use serde_json::json;
 
@@ -42,17 +41,6 @@ options! {
         scene: String = "defect".to_owned();
         /// Changes to the scene.
         changes: Changes = Changes::default(), [command(flatten)];
-        /// The branch.
-        way: ModeWay = ModeWay::default(), [command(flatten)];
-        /// The units of options and results.
-        si: InSi = InSi::default(), [command(flatten)];
-    }
-}
-
-options! {
-    /// The branch of a mode.
-    #[derive(PartialEq)]
-    pub struct ModeWay {
         /// Number of the linear mode, the lowest frequency first [default: the most localised one].
         ///
         /// The parameter of the branch is the amplitude: the displacement, at the start of the
@@ -63,6 +51,8 @@ options! {
         branch: BranchOptions = BranchOptions::default(), [command(flatten)];
         /// What is asked for about its bifurcations.
         more: BifurcationOptions = BifurcationOptions::default(), [command(flatten)];
+        /// The units of options and results.
+        si: InSi = InSi::default(), [command(flatten)];
     }
 }
 
@@ -124,18 +114,13 @@ impl FollowCommand for FollowMode {
     type Problem = ModeContinuation;
 
     fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
-        (&self.way.branch, self.way.more, self.si)
+        (&self.branch, self.more, self.si)
     }
 
-    fn first(&self) -> Result<First<'_, ModeContinuation>> {
-        self.way.first(Scene::load_with(&self.scene, &self.changes.set)?, self.si)
-    }
-}
-
-impl ModeWay {
-    fn first(&self, scene: Scene, si: InSi) -> Result<First<'static, ModeContinuation>> {
+    fn first(&self) -> Result<Work<'_, Begun<ModeContinuation>>> {
+        let scene = Scene::load_with(&self.scene, &self.changes.set)?;
         self.within_ranges()?;
-        let (si, modes) = (si.units(&scene)?, NormalModes::new(scene.chain())?);
+        let (si, modes) = (self.si.units(&scene)?, NormalModes::new(scene.chain())?);
         let mode = self.linear_mode.map_or(modes.most_localised(), |number| number - 1);
         let continuation = self.branch.continuation((si.as_ref(), Quantity::Length), 0.0, |to, step| {
             let continuation = ModeContinuation { mode, to, step, most_points: self.branch.max_points };
@@ -143,23 +128,6 @@ impl ModeWay {
         })?;
         Ok(Box::new(move |_, _| Ok((scene, continuation.begin(&modes)?, si))))
     }
-}
-
-/// The branch of a normal mode of a conservative scene. In SI units, `to` and `step` of the way are
-/// read, and the report is written, in these. `progress` is told the share done.
-///
-/// # Errors
-/// A scene that dissipates or is driven, or whose contacts do not hold every bead, or without the
-/// units that are asked for; a number outside its rule; a first orbit that is not found; a signal.
-pub fn follow_mode(
-    scene: Scene,
-    way: &ModeWay,
-    si: InSi,
-    engine: &Engine,
-    progress: Progress<'_>,
-) -> Result<ModeStudy> {
-    let level = way.branch.level::<ModeContinuation>(way.more)?;
-    branches::begun(way.first(scene, si)?, level, way.more.switch, engine, progress)
 }
 
 /// The tables of the branch: points and bifurcations.

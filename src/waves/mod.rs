@@ -26,7 +26,7 @@ pub use stability::{Eigenvalue, Modulation, ModulationStability};
 use crate::{
     chain::{Params, Resonators, Site, max_norm},
     dps::Averages,
-    error::{Error, Result, finite},
+    error::{Error, Result, finite, require},
 };
 use std::f64::consts::PI;
 
@@ -89,9 +89,7 @@ impl TravellingWave {
         if q.abs() > PI {
             return Err(Error::parameter("q", q, "the wave number is from -pi to pi: a lattice knows no other"));
         }
-        if !(a.is_finite() && a > 0.0) {
-            return Err(Error::parameter("a", a, "the amplitude is finite and positive"));
-        }
+        require(a.is_finite() && a > 0.0, "a", a, "the amplitude is finite and positive")?;
         if b >= 2.0 * params.kappa * a {
             return Err(Error::parameter("b", b, "the mean strain is below 2 kappa a, or no contact ever closes"));
         }
@@ -110,9 +108,8 @@ impl TravellingWave {
                 return Err(Error::parameter("detuning", d, rule));
             }
         };
-        if !(epsilon.is_normal() && detuning.is_finite()) {
-            return Err(Error::parameter("epsilon", epsilon, "the size of the wave is a normal number"));
-        }
+        let rule = "the size of the wave is a normal number";
+        require(epsilon.is_normal() && detuning.is_finite(), "epsilon", epsilon, rule)?;
         Ok(Self { params, shape, epsilon, omega_tw: omega + detuning })
     }
 

@@ -25,7 +25,7 @@ use super::{Shape, TravellingWave};
 use crate::{
     chain::Site,
     dps::{Ansatz, Averages, Constraint, Dps, Ends, Form, Layout},
-    error::{Error, Result},
+    error::{Result, require},
     random::uniform,
 };
 
@@ -49,17 +49,11 @@ impl PerturbedWave {
     /// # Errors
     /// `zeta` outside `(0, 1)`, fewer than two sites, a mean force that underflows.
     pub fn new(wave: TravellingWave, sites: usize, zeta: f64, seed: u64) -> Result<Self> {
-        if !(zeta > 0.0 && zeta < 1.0) {
-            return Err(Error::parameter("zeta", zeta, "the relative size of a perturbation is above 0 and below 1"));
-        }
-        if sites < 2 {
-            return Err(Error::parameter("sites", sites, "a perturbed ring has at least two sites"));
-        }
+        require(zeta > 0.0 && zeta < 1.0, "zeta", zeta, "the relative size of a perturbation is above 0 and below 1")?;
+        require(sites >= 2, "sites", sites, "a perturbed ring has at least two sites")?;
         let Shape { q, a, b, phi } = wave.shape;
         let force = Averages::new(wave.params.alpha, wave.params.kappa)?.g(b, a);
-        if !force.is_normal() {
-            return Err(Error::parameter("C", force, "the mean force g_alpha(b, a) is a normal number"));
-        }
+        require(force.is_normal(), "C", force, "the mean force g_alpha(b, a) is a normal number")?;
         let mut random = uniform(seed);
         let mut amplitudes = vec![0.0; 2 * sites];
         for n in 0..sites {

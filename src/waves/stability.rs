@@ -70,7 +70,7 @@ use super::{Shape, Size, TravellingWave};
 use crate::{
     chain::{Params, Resonators},
     dps::Averages,
-    error::{Error, Result},
+    error::{Error, Result, require},
 };
 use std::f64::consts::PI;
 
@@ -148,10 +148,8 @@ impl Modulation {
         let sigma = values.h / (2.0 * params.omega().powi(3));
         let mean_slope = if fixed { 0.0 } else { -values.dg_dr / values.dg_db };
         let slope = a / values.h * (values.dh_dr + values.dh_db * mean_slope);
-        if !(sigma.is_normal() && slope.is_finite() && mean_slope.is_finite()) {
-            let rule = "the slopes of g_alpha and h_alpha at (b, a) are normal numbers: b is not too near 2 kappa a, nor at -2 kappa a for alpha <= 1/2";
-            return Err(Error::parameter("b", b, rule));
-        }
+        let rule = "the slopes of g_alpha and h_alpha at (b, a) are normal numbers: b is not too near 2 kappa a, nor at -2 kappa a for alpha <= 1/2";
+        require(sigma.is_normal() && slope.is_finite() && mean_slope.is_finite(), "b", b, rule)?;
         Ok(Self { shape, sigma, slope, mean_slope, cos_q: cosine(q) })
     }
 

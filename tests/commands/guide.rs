@@ -258,7 +258,6 @@ fn the_table_of_formats_has_the_versions_that_are_written() {
     run("breather continue --from 2.01 --to 2.011 --step 0.001 --sites 5 --out a");
     run("wave continue --sites 10 --to 2.002 --out a");
     run("orbit mode defect --step 0.006 --to 0.01 --out a");
-    run("breather dark --sites 5 --out a");
     fs::write(folder.join("plan.toml"), run("sweep --template")).unwrap();
     run("sweep plan.toml --out a");
     let page = include_str!("../../docs/files.md");
@@ -273,8 +272,6 @@ fn the_table_of_formats_has_the_versions_that_are_written() {
         row(&format!("`{file}`"), &format!("`{}`", settings["format"].as_str().unwrap()), &settings["version"]);
     }
     let read = |file: &str| fs::read_to_string(of.path().join(file)).unwrap();
-    let orbit: serde_json::Value = serde_json::from_str(&read("dark-breather.json")).unwrap();
-    row("`dark-breather.json`", &format!("`{}`", orbit["format"].as_str().unwrap()), &orbit["format_version"]);
     let first = read("sweep.store").lines().next().unwrap().split_once(' ').unwrap().1.to_owned();
     row("stores", "", &serde_json::from_str::<serde_json::Value>(&first).unwrap()["sweep"]);
     fs::remove_dir_all(&folder).unwrap();

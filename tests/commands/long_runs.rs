@@ -213,6 +213,7 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
 mod processes {
     use super::*;
     use crate::help::{commands, help};
+    use crate::numbers::random;
     use crate::program::{PROGRAM, command, hertzchain, lines, read_json, refusals, refused, stdout};
     use serde_json::Value;
     use std::{
@@ -248,17 +249,6 @@ mod processes {
             }
         };
         paths.map(|path| (name(&path), content(&path))).collect()
-    }
-
-    /// Numbers in [0, 1), the same in every run of the test.
-    fn random() -> impl FnMut() -> f64 {
-        let mut state = 0x9e37_79b9_7f4a_7c15u64;
-        move || {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        }
     }
 
     /// A command with a folder that takes `--out`; how to go on, and whether there is something to
@@ -399,12 +389,12 @@ mod processes {
     #[test]
     #[ignore = "nightly: it compares CPU times, alone"]
     fn a_kill_costs_less_than_an_interval() {
-        killed_in_six_intervals(Some(6.0), &mut random());
+        killed_in_six_intervals(Some(6.0), &mut random(1));
     }
 
     #[test]
     fn more_than_fifty_kills_at_random_moments_lose_nothing_that_was_kept() {
-        let mut random = random();
+        let mut random = random(1);
         killed_in_six_intervals(None, &mut random);
         for line in ["--integrator dop853 --tol 1e-11", "--tol 1e-9"] {
             let args = ["run", "tw-q15", "--until", "12", "--checkpoint", "0.75"];
@@ -491,7 +481,7 @@ mod processes {
         "breather dark --sites 201",
         "breather continue --center bond --sites 41 --from 2.01 --to 2.06 --step 2e-4",
         "breather doubled",
-        "breather evolve tests/golden/orbit.json --until 1e6",
+        "breather evolve tests/golden/orbit.npz --until 1e6",
         "breather barrier --frequencies 500",
         "breather moving",
         "orbit driven end-driven --turns 64",
@@ -629,7 +619,7 @@ mod processes {
         assert!(said.contains("the same command goes on") && out.join("driven-branch.csv").exists(), "{said}");
         let clock = Instant::now();
         let later = || clock.elapsed() > Duration::from_millis(700);
-        let (run, _) = told("breather evolve tests/golden/orbit.json --until 1e6 --json", &later);
+        let (run, _) = told("breather evolve tests/golden/orbit.npz --until 1e6 --json", &later);
         assert!(run["failure"].as_str().unwrap().starts_with("stopped by a signal at t = "), "{}", run["failure"]);
         assert!(run["e_b"].as_array().unwrap().len() > 2, "{run}");
     }

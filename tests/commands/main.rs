@@ -2,6 +2,8 @@
 //! compiled once.
 #![cfg(feature = "cli")]
 
+#[path = "../common/numbers.rs"]
+mod numbers;
 #[path = "../common/program.rs"]
 mod program;
 

@@ -1,9 +1,11 @@
 //! Sweeps over the ranks of an MPI job: the files of one process, also after ranks were killed.
 
 use super::{
-    branch_points, parts,
+    branch_points,
+    numbers::random,
+    parts,
     program::{PROGRAM, lines},
-    shards::{LIFETIMES, WAVES, files, output, plan, random},
+    shards::{LIFETIMES, WAVES, files, output, plan},
 };
 use hertzchain::sweep::{Engine, Grid, Mpi};
 use std::{
@@ -84,7 +86,7 @@ fn killed(waves: &str, number: usize, kills: usize) {
     let (whole, parts) = (whole.path(), parts.path());
     assert!(output(waves, whole, &[]).status.success());
     let store = parts.join("ensemble.store");
-    let mut random = random();
+    let mut random = random(11);
     let mut hits = 0;
     while hits < kills {
         let before = lines(&store);

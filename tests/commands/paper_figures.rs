@@ -308,7 +308,7 @@ fn last(report: &Report) -> Orbit {
     let (name, npz) = report.files().unwrap().into_iter().find(|one| one.0 == "branch.npz").unwrap();
     let file = folder.path().join(name);
     std::fs::write(&file, npz).unwrap();
-    Orbit::load(&file, Some(Pick::Point(-1)), &Shooting::default()).unwrap()
+    Orbit::load(&file, Some(Pick::Point(-1))).unwrap()
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::{
     program::{lines, terminate, wait},
-    shards::{command, files, in_shards, output},
+    shards::{command, files, in_shards, killed_at, output},
 };
 use hertzchain::{breathers::MovingBreather, chain::Params, error::Error, interrupt::Token};
 use serde_json::Value;
@@ -38,17 +38,7 @@ fn figures_that_are_killed_repeat_what_was_in_flight_only() {
     let (whole, parts) = (whole.path(), parts.path());
     assert!(!said(FIGURES, whole).contains("remove it to make them anew"));
     let store = parts.join("figures.store");
-    let mut before = Vec::new();
-    for count in 2..=4 {
-        let mut process = command(FIGURES, parts, &[]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        wait(&mut process, &store, count);
-        process.kill().unwrap();
-        assert!(!process.wait().unwrap().success(), "killed too late, at {count} lines");
-        let now = fs::read_to_string(&store).unwrap();
-        assert!(before.iter().all(|line: &String| now.contains(line.as_str())), "{count}");
-        before = now.split_inclusive('\n').skip(1).filter(|line| line.ends_with('\n')).map(str::to_owned).collect();
-        assert!(before.len() >= count - 1);
-    }
+    let before = killed_at(FIGURES, parts, &store, &[2, 3, 4]);
     let told = said(FIGURES, parts);
     assert!(told.contains(&format!("{} of 5 figures are from", before.len())), "{told}");
     let now = fs::read_to_string(&store).unwrap();

@@ -93,7 +93,7 @@ fn results_without_a_scene_hold_their_program() {
     let folder = tempfile::tempdir().unwrap();
     for (name, line) in [
         ("dark", "breather dark --omega-b 2.03 --center bond --sites 5"),
-        ("evolve", "breather evolve tests/golden/orbit.json --until 10"),
+        ("evolve", "breather evolve tests/golden/orbit.npz --until 10"),
         ("continue", "breather continue --from 2.03 --to 2.04 --step 5e-3 --center bond --sites 5"),
         ("profile", "dps dark --sites 5"),
         ("stability", "wave modulation"),

@@ -1,6 +1,9 @@
 //! Sweeps in shards: the files of one process, also after kills and signals.
 
-use super::program::{self, PROGRAM, lines, refused, stdout, terminate, wait};
+use super::{
+    numbers::random,
+    program::{self, PROGRAM, lines, refused, stdout, terminate, wait},
+};
 use std::{
     fs,
     path::Path,
@@ -167,13 +170,21 @@ fn a_plan_that_cannot_be_is_refused_with_file_key_and_rule() {
     stdout(&line);
 }
 
-/// Numbers from 0 to 1, the same in every run.
-pub(crate) fn random() -> impl FnMut() -> f64 {
-    let mut seed = 11u64;
-    move || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1u64 << 53) as f64
+/// Kills a command each time that its store has at least so many lines; nothing that was kept is
+/// lost. Returns the lines of points at the end.
+pub(crate) fn killed_at(line: &str, out: &Path, store: &Path, counts: &[usize]) -> Vec<String> {
+    let mut before = Vec::new();
+    for &count in counts {
+        let mut process = command(line, out, &[]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        wait(&mut process, store, count);
+        process.kill().unwrap();
+        assert!(!process.wait().unwrap().success(), "killed too late, at {count} lines");
+        let now = fs::read_to_string(store).unwrap();
+        assert!(before.iter().all(|line: &String| now.contains(line.as_str())), "{count}");
+        before = now.split_inclusive('\n').skip(1).filter(|line| line.ends_with('\n')).map(str::to_owned).collect();
+        assert!(before.len() >= count - 1);
     }
+    before
 }
 
 /// Kills a shard at random moments, each after it has kept something new; nothing that was kept is
@@ -183,7 +194,7 @@ fn killed(kills: usize) {
     let (whole, parts) = (whole.path(), parts.path());
     assert!(output(WAVES, whole, &[]).status.success());
     let store = parts.join("ensemble.shard-1-of-2.store");
-    let mut random = random();
+    let mut random = random(11);
     for nth in 0..kills {
         let before = lines(&store);
         let mut process =

@@ -17,7 +17,7 @@ fn operands(command: &str) -> &'static [&'static str] {
         "run" => &["impact"],
         "wave" | "wave exact" => &["tw-q15"],
         "wave continue" => &["tw-q15", "--to", "2.01"],
-        "breather evolve" => &["dark-breather.json"],
+        "breather evolve" => &["dark-breather.npz"],
         "compare" => &["impact"],
         "breather continue" => &["--bifurcations"],
         "orbit mode" | "orbit continue" => &["--to", "0.01"],

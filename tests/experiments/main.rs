@@ -17,7 +17,6 @@ mod branch_files;
 mod breathers;
 mod charts;
 mod driven;
-mod driven_files;
 mod exact_waves;
 mod lifetimes;
 mod moving;

@@ -9,7 +9,7 @@ use hertzchain::{
     },
     run::{Method, Run, Setting},
     scene::Scene,
-    study::{BifurcationOptions, BranchOptions, DrivenSearch, DrivenWay, InSi, ModeWay, driven_branch, follow_mode},
+    study::{BifurcationOptions, BranchOptions, Driven, DrivenContinue, FollowCommand, FollowMode},
     sweep::Engine,
 };
 use std::f64::consts::PI;
@@ -209,14 +209,14 @@ fn where_no_periodic_branch_crosses_there_is_nothing_to_switch_to() {
 #[test]
 fn bifurcations_of_driven_branches_in_segments_are_those_of_the_whole_branch() {
     let parameter = DriveParameter::Amplitude;
-    let scene = Scene::parse(include_str!("../reference/pushed-bead.toml"), "pushed-bead.toml").unwrap();
-    let search = DrivenSearch::default();
-    let way = DrivenWay {
+    let scene = include_str!("../reference/pushed-bead.toml").to_owned();
+    let command = DrivenContinue {
+        driven: Driven { scene, ..Driven::default() },
         vary: parameter,
         branch: BranchOptions { to: Some(2.0), step: Some(0.1), ..BranchOptions::default() },
         more: BifurcationOptions { switch: Some(1), ..BifurcationOptions::default() },
     };
-    let found = driven_branch(scene, &search, &way, InSi::default(), &Engine::threads(), &|_, _| {}).unwrap();
+    let found = command.follow().unwrap()(&Engine::threads(), &|_, _| {}).unwrap();
     let switched = found.switched.unwrap().1.unwrap();
     for (divided, count) in [(found.branch, 1), (switched, 3)] {
         let whole = divided.clone().analysed();
@@ -239,19 +239,20 @@ fn bifurcations_of_driven_branches_in_segments_are_those_of_the_whole_branch() {
 // Truth: the search over all points at once.
 #[test]
 fn bifurcations_of_modes_in_segments_are_those_of_the_whole_branch() {
-    for (scene, mode, to, step, switch) in [
-        (Scene::parse(include_str!("../reference/two-beads.toml"), "two-beads.toml").unwrap(), 2, 0.32, 0.02, Some(1)),
-        (Scene::load("defect").unwrap(), 21, 0.5, 0.05, None),
-    ] {
-        let modes = NormalModes::new(scene.chain()).unwrap();
+    for (scene, mode, to, step, switch) in
+        [(include_str!("../reference/two-beads.toml"), 2, 0.32, 0.02, Some(1)), ("defect", 21, 0.5, 0.05, None)]
+    {
+        let modes = NormalModes::new(Scene::load(scene).unwrap().chain()).unwrap();
         let whole = ModeContinuation { mode: mode - 1, to, step, most_points: 200 }.follow(&modes, |_| {}).unwrap();
         let crossed = switch.map(|number| followed(whole.switched(number - 1).unwrap()));
-        let way = ModeWay {
+        let command = FollowMode {
+            scene: scene.to_owned(),
             linear_mode: Some(mode),
             branch: BranchOptions { to: Some(to), step: Some(step), ..BranchOptions::default() },
             more: BifurcationOptions { switch, bifurcations: Some(true) },
+            ..FollowMode::default()
         };
-        let found = follow_mode(scene, &way, InSi::default(), &Engine::threads(), &|_, _| {}).unwrap();
+        let found = command.follow().unwrap()(&Engine::threads(), &|_, _| {}).unwrap();
         assert!(!whole.bifurcations.is_empty());
         let switched = found.switched.map(|(_, branch)| branch.unwrap());
         for (whole, divided) in std::iter::once((whole, found.branch)).chain(crossed.into_iter().zip(switched)) {

@@ -52,7 +52,7 @@ pub use state::max_norm;
 pub use state::{Layout, Site, State};
 pub use topology::{Pushed, Topology};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use details::CheckedDetails;
 use hertzchain_integrators::Real;
 use std::sync::Arc;
@@ -76,9 +76,7 @@ impl<R: Real> Chain<R> {
     /// `sites = 0`, or `params` outside their rules.
     pub fn new(params: Params, boundary: Boundary, sites: usize) -> Result<Self> {
         params.validate()?;
-        if sites == 0 {
-            return Err(Error::parameter("sites", sites, "a chain has at least one bead"));
-        }
+        require(sites > 0, "sites", sites, "a chain has at least one bead")?;
         let layout = Layout::new(sites, params.resonators() == Resonators::Moving);
         let topology = Topology::new(boundary, sites);
         Ok(Self {
@@ -99,9 +97,7 @@ impl<R: Real> Chain<R> {
     /// `delta_0` negative or not finite; or not zero on a free chain (which would fly apart: it is
     /// an initial condition there) or on a strain ring (whose mean strain is an initial condition).
     pub fn precompressed(mut self, delta_0: f64) -> Result<Self> {
-        if !(delta_0.is_finite() && delta_0 >= 0.0) {
-            return Err(Error::parameter("precompression", delta_0, "a finite overlap, at least zero"));
-        }
+        require(delta_0.is_finite() && delta_0 >= 0.0, "precompression", delta_0, "a finite overlap, at least zero")?;
         if delta_0 > 0.0 && !matches!(self.boundary(), Boundary::Fixed | Boundary::Ring) {
             let rule = "only walls or a ring can hold a precompression; elsewhere it is an initial condition";
             return Err(Error::parameter("precompression", delta_0, rule));

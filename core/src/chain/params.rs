@@ -1,6 +1,6 @@
 //! The three parameters of the model.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use hertzchain_integrators::{DoubleDouble, Real};
 use serde::{Deserialize, Serialize};
 
@@ -53,12 +53,10 @@ impl Params {
     /// # Errors
     /// The first value outside its rule.
     pub fn validate(&self) -> Result<()> {
-        if !(self.alpha.is_finite() && self.alpha > 0.0) {
-            return Err(Error::parameter("alpha", self.alpha, "the exponent is finite and positive"));
-        }
-        if !(self.kappa.is_finite() && self.kappa >= 0.0) {
-            return Err(Error::parameter("kappa", self.kappa, "the spring constant is finite and at least zero"));
-        }
+        let rule = "the exponent is finite and positive";
+        require(self.alpha.is_finite() && self.alpha > 0.0, "alpha", self.alpha, rule)?;
+        let rule = "the spring constant is finite and at least zero";
+        require(self.kappa.is_finite() && self.kappa >= 0.0, "kappa", self.kappa, rule)?;
         if self.rho.is_nan() || self.rho < 0.0 {
             return Err(Error::parameter("rho", self.rho, "the mass ratio is in [0, inf]"));
         }

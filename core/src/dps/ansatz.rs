@@ -41,7 +41,7 @@
 use super::{Constraint, Dps, Ends, Form, Layout};
 use crate::{
     chain::{Params, Resonators, Site},
-    error::{Error, Result},
+    error::{Error, Result, require},
 };
 use hertzchain_integrators::VectorField;
 use num_complex::Complex64;
@@ -97,9 +97,8 @@ impl Ansatz {
     }
 
     fn new(params: Params, layout: Layout, epsilon: f64, dps: Dps) -> Result<Self> {
-        if !(epsilon.is_finite() && epsilon > 0.0) {
-            return Err(Error::parameter("epsilon", epsilon, "the size of the oscillations is finite and positive"));
-        }
+        let rule = "the size of the oscillations is finite and positive";
+        require(epsilon.is_finite() && epsilon > 0.0, "epsilon", epsilon, rule)?;
         Ok(Self { params, layout, epsilon, dps })
     }
 
@@ -176,12 +175,10 @@ pub fn project(
     mut state: impl FnMut(f64) -> Result<Vec<f64>>,
 ) -> Result<Envelope> {
     params.validate()?;
-    if params.resonators() != Resonators::Moving {
-        return Err(Error::parameter("rho", params.rho, "an envelope needs resonators: 0 < rho < inf, kappa > 0"));
-    }
-    if !(epsilon.is_finite() && epsilon > 0.0) {
-        return Err(Error::parameter("epsilon", epsilon, "the size of the oscillations is finite and positive"));
-    }
+    let rule = "an envelope needs resonators: 0 < rho < inf, kappa > 0";
+    require(params.resonators() == Resonators::Moving, "rho", params.rho, rule)?;
+    let rule = "the size of the oscillations is finite and positive";
+    require(epsilon.is_finite() && epsilon > 0.0, "epsilon", epsilon, rule)?;
     let (omega, rho) = (params.omega(), params.rho);
     let mut envelope = Envelope { amplitudes: Vec::new(), means: Vec::new() };
     for j in 1 - SAMPLES..SAMPLES {

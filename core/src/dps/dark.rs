@@ -32,7 +32,7 @@
 use super::{Averages, Center, Values};
 use crate::{
     chain::{Params, Resonators},
-    error::{Error, Result},
+    error::{Error, Result, require},
     numerics::least_above,
 };
 
@@ -104,17 +104,11 @@ impl DarkProfile {
                 "dark profiles are computed for alpha from 1.01 to 10",
             ));
         }
-        if params.resonators() != Resonators::Moving {
-            let rule = "dark profiles need resonators: 0 < rho < inf, kappa > 0";
-            return Err(Error::parameter("rho", params.rho, rule));
-        }
-        if !(3..=MOST_SITES).contains(&sites) {
-            return Err(Error::parameter("sites", sites, "a ring for a kink has 3 to 100001 sites"));
-        }
-        if sites.is_multiple_of(2) {
-            let rule = "a ring with one kink has an odd number of sites: round an even one the alternating signs need a second kink, and the background between two is another one";
-            return Err(Error::parameter("sites", sites, rule));
-        }
+        let rule = "dark profiles need resonators: 0 < rho < inf, kappa > 0";
+        require(params.resonators() == Resonators::Moving, "rho", params.rho, rule)?;
+        require((3..=MOST_SITES).contains(&sites), "sites", sites, "a ring for a kink has 3 to 100001 sites")?;
+        let rule = "a ring with one kink has an odd number of sites: round an even one the alternating signs need a second kink, and the background between two is another one";
+        require(!sites.is_multiple_of(2), "sites", sites, rule)?;
         let averages = Averages::new(params.alpha, params.kappa)?;
         let background = background(&averages, c)?;
         let mut half = Half::start(&averages, center, sites, c, background, amplitude.unwrap_or(background));
@@ -201,11 +195,8 @@ impl DarkProfile {
     /// a ring, so `mu` is positive.
     pub fn mu(&self, omega_b: f64) -> Result<f64> {
         let omega = self.params.omega();
-        if !(omega_b.is_finite() && omega_b > omega) {
-            let rule =
-                "a dark breather is faster than the linear oscillation: omega_b > omega = sqrt(kappa (1 + 1/rho))";
-            return Err(Error::parameter("omega_b", omega_b, rule));
-        }
+        let rule = "a dark breather is faster than the linear oscillation: omega_b > omega = sqrt(kappa (1 + 1/rho))";
+        require(omega_b.is_finite() && omega_b > omega, "omega_b", omega_b, rule)?;
         Ok(2.0 * omega.powi(3) * (omega_b - omega))
     }
 
@@ -237,9 +228,7 @@ impl DarkProfile {
 /// and increases later. The smaller amplitude then belongs to a nearly linear chain of contacts
 /// that stay closed.
 fn background(averages: &Averages, c: f64) -> Result<f64> {
-    if !c.is_finite() {
-        return Err(Error::parameter("c", c, "the mean strain of the background is finite"));
-    }
+    require(c.is_finite(), "c", c, "the mean strain of the background is finite")?;
     let (alpha, kappa) = (averages.alpha(), averages.kappa());
     let unstrained = (4.0 * averages.h(0.0, 1.0)).powf((1.0 - alpha).recip());
     if !unstrained.is_normal() {

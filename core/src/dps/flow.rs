@@ -37,7 +37,7 @@
 use super::{Averages, Values};
 use crate::{
     chain::{Params, Resonators},
-    error::{Error, Result},
+    error::{Error, Result, require},
 };
 use hertzchain_integrators::VectorField;
 
@@ -103,9 +103,7 @@ impl Layout {
     }
 
     fn checked(self) -> Result<Self> {
-        if self.sites < 2 {
-            return Err(Error::parameter("sites", self.sites, "at least two sites"));
-        }
+        require(self.sites >= 2, "sites", self.sites, "at least two sites")?;
         Ok(self)
     }
 }
@@ -152,10 +150,8 @@ impl Dps {
     /// ends.
     pub fn generalised(params: Params, constraint: Constraint, layout: Layout) -> Result<Self> {
         params.validate()?;
-        if params.resonators() != Resonators::Moving {
-            let rule = "the generalised DpS equations need resonators: 0 < rho < inf, kappa > 0";
-            return Err(Error::parameter("rho", params.rho, rule));
-        }
+        let rule = "the generalised DpS equations need resonators: 0 < rho < inf, kappa > 0";
+        require(params.resonators() == Resonators::Moving, "rho", params.rho, rule)?;
         match constraint {
             Constraint::Force(c) if !(c.is_finite() && c > 0.0) => {
                 return Err(Error::parameter("C", c, "the mean force is finite and positive"));

@@ -21,7 +21,7 @@
 //! has three diagonals, and in the tail its diagonal is nearly one; the elimination starts there.
 
 use super::Averages;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use dashu_float::{FBig, round::mode::HalfEven};
 use serde::{Deserialize, Serialize};
 
@@ -79,9 +79,7 @@ impl Homoclinic {
     /// # Errors
     /// `alpha` outside `[1.01, 10]`.
     pub fn new(alpha: f64, center: Center) -> Result<Self> {
-        if !ALPHAS.contains(&alpha) {
-            return Err(Error::parameter("alpha", alpha, "homoclinics are computed for alpha from 1.01 to 10"));
-        }
+        require(ALPHAS.contains(&alpha), "alpha", alpha, "homoclinics are computed for alpha from 1.01 to 10")?;
         let middle = middle(alpha, center)?;
         let good = middle.iter().take_while(|b| **b > GOOD * middle[0]);
         let mut b: Vec<Big> = good.map(|b| big(*b)).collect();

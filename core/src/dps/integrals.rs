@@ -23,7 +23,7 @@
 //! `dI_n/dS = alpha (I_{n-1} + I_{n+1}) / 2`.
 
 use super::hypergeometric::{BasePoint, Hypergeometric, Parameters, per_gamma};
-use crate::error::{Error, Result};
+use crate::error::{Result, require};
 use std::f64::consts::PI;
 
 /// `g_alpha` and `h_alpha` of (eq:aux1), (eq:aux2), for one `alpha` and `kappa`:
@@ -134,12 +134,8 @@ impl Averages {
     /// # Errors
     /// `alpha` outside `(0, 10]`; `kappa` not finite and positive.
     pub fn new(alpha: f64, kappa: f64) -> Result<Self> {
-        if !(alpha > 0.0 && alpha <= 10.0) {
-            return Err(Error::parameter("alpha", alpha, "the exponent is positive and at most 10"));
-        }
-        if !(kappa.is_finite() && kappa > 0.0) {
-            return Err(Error::parameter("kappa", kappa, "the spring constant is finite and positive"));
-        }
+        require(alpha > 0.0 && alpha <= 10.0, "alpha", alpha, "the exponent is positive and at most 10")?;
+        require(kappa.is_finite() && kappa > 0.0, "kappa", kappa, "the spring constant is finite and positive")?;
         // alpha + 1/2 = m + epsilon with -3/4 <= epsilon < 1/4, from differences that do not round.
         let m = (alpha + 0.75).round() as usize;
         let epsilon = alpha - (m as f64 - 0.5);
@@ -225,12 +221,8 @@ impl Averages {
     /// # Errors
     /// `b` or `r` not finite; `r < 0`.
     pub fn checked(&self, b: f64, r: f64) -> Result<Values> {
-        if !b.is_finite() {
-            return Err(Error::parameter("b", b, "the mean strain is finite"));
-        }
-        if !(r.is_finite() && r >= 0.0) {
-            return Err(Error::parameter("r", r, "the amplitude is finite and at least zero"));
-        }
+        require(b.is_finite(), "b", b, "the mean strain is finite")?;
+        require(r.is_finite() && r >= 0.0, "r", r, "the amplitude is finite and at least zero")?;
         Ok(self.values(b, r))
     }
 

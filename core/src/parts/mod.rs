@@ -43,7 +43,7 @@ pub use serve::{end, serve};
 
 use crate::{
     chain::{Split, Topology},
-    error::{Error, Result},
+    error::{Error, Result, require},
 };
 use hertzchain_integrators::collocation::{BLOCK, EDGE};
 use std::{fmt::Debug, sync::Arc};
@@ -178,13 +178,9 @@ impl Decomposition {
     pub fn check(&self, sites: usize) -> Result<()> {
         let count = self.count();
         let threads = self.ranks().map_or(count, Ranks::threads);
-        if !(1..=MOST_THREADS).contains(&threads) {
-            return Err(Error::parameter("threads", threads, "from 1 to 1024 threads"));
-        }
-        if count > sites {
-            let rule = "a chain has at most as many parts as sites: ask for fewer";
-            return Err(Error::parameter(self.name(), count, rule));
-        }
+        require((1..=MOST_THREADS).contains(&threads), "threads", threads, "from 1 to 1024 threads")?;
+        let rule = "a chain has at most as many parts as sites: ask for fewer";
+        require(count <= sites, self.name(), count, rule)?;
         Ok(())
     }
 

@@ -32,7 +32,7 @@ pub use warning::Warning;
 
 use crate::{
     chain::{Chain, Contact, Contacts, State},
-    error::{Error, Result, positive},
+    error::{Error, Result, positive, require},
     parts::{Decomposition, ONE_PART},
 };
 use hertzchain_integrators::Stepper;
@@ -201,9 +201,7 @@ impl Run {
     /// # Errors
     /// More than 10^6.
     pub fn samples(mut self, samples: usize) -> Result<Self> {
-        if samples > MOST_SAMPLES {
-            return Err(Error::parameter("samples", samples, "at most 10^6"));
-        }
+        require(samples <= MOST_SAMPLES, "samples", samples, "at most 10^6")?;
         self.sampling = Sampling::Equal(samples);
         Ok(self)
     }
@@ -214,9 +212,7 @@ impl Run {
     /// Times that break these rules; more than 10^6 + 1 of them; no end given before.
     pub fn samples_at(mut self, times: &[f64]) -> Result<Self> {
         self.checked_times(times)?;
-        if times.len() > MOST_SAMPLES + 1 {
-            return Err(Error::parameter("times", times.len(), "at most 10^6 + 1"));
-        }
+        require(times.len() <= MOST_SAMPLES + 1, "times", times.len(), "at most 10^6 + 1")?;
         let end = self.end()?;
         self.sampling = Sampling::At(times.iter().map(|t| t.min(end)).collect());
         Ok(self)
@@ -251,9 +247,8 @@ impl Run {
     /// # Errors
     /// A share outside 2.3e-13 .. 0.5.
     pub fn maxima(mut self, share: f64) -> Result<Self> {
-        if !Contacts::SHARES.contains(&share) {
-            return Err(Error::parameter("maxima", share, "a share of the largest overlap from 2.3e-13 to 0.5"));
-        }
+        let rule = "a share of the largest overlap from 2.3e-13 to 0.5";
+        require(Contacts::SHARES.contains(&share), "maxima", share, rule)?;
         self.maxima = Some(share);
         Ok(self.contacts())
     }
@@ -324,9 +319,7 @@ impl Run {
     /// # Errors
     /// No end was given.
     pub fn end(&self) -> Result<f64> {
-        if self.end.is_nan() {
-            return Err(Error::parameter("until", "nothing", "a run needs an end: Run::until"));
-        }
+        require(!self.end.is_nan(), "until", "nothing", "a run needs an end: Run::until")?;
         Ok(self.end)
     }
 

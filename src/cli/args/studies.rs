@@ -218,7 +218,7 @@ Example, stopped after 20 points and gone on with:
     /// return error, which is the distance from the orbit, and the position of the kink.
     Evolve(StudyCommand<Evolve>) =>
         "breather dark --center bond --omega-b 2.05 --out out/dark",
-        "breather evolve out/dark/dark-breather.json --kick 1e-3";
+        "breather evolve out/dark/dark-breather.npz --kick 1e-3";
     /// Compute the energy barrier between site- and bond-centred dark breathers.
     ///
     /// The Peierls-Nabarro barrier: energies of the two kinks relative to their common background,

@@ -7,7 +7,7 @@ use crate::{
     report::{Column, Digits::Hidden, Kind, Line, Panel, Panels, Report, Table},
     scene::{Initial, Scene},
     study::{
-        Adaptive, BranchOptions, ContinueWave, LifetimeOptions, Norm, Progress, RhoLaw, StabilityOptions,
+        Adaptive, BranchOptions, ContinueWave, LifetimeOptions, Norm, Progress, RhoLaw, StabilityOptions, Study,
         TheoremOptions, TheoremStudy, Wanted, WaveOptions, WaveStudy, exact_study, fit_line, lifetimes, stability,
         theorem, wave,
     },
@@ -104,7 +104,7 @@ pub(super) fn branch(scene: &str, [from, to]: [f64; 2], tell: Progress<'_>) -> R
     let wanted = Wanted { omega_tw: Some(omega + from), ..Wanted::of(scene) };
     let (to, step) = (Some(omega + to), Some((to - from) / 100.0));
     let branch = BranchOptions { to, step, ..BranchOptions::default() };
-    ContinueWave { wanted, vary: WaveParameter::OmegaTw, branch }.branch(tell)?.report()
+    ContinueWave { wanted, vary: WaveParameter::OmegaTw, branch }.begin()?(&Engine::threads(), tell)
 }
 
 /// An exact wave against the modulation equations.

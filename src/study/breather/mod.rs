@@ -17,7 +17,7 @@ use crate::{
     breathers::{BrightBreather, Norms, TrivialBreather},
     chain::{Boundary, Chain, Layout, MeanForces, Params, max_norm},
     dps::Center,
-    error::{Error, Result},
+    error::{Error, Result, require},
     numerics::{extremes, least_by},
     report::Report,
     run::state_at,
@@ -393,9 +393,7 @@ pub fn bright_history(scene: &Scene, options: &Adaptive, progress: Progress<'_>)
     options.check()?;
     let (period, layout, sites) = (breather.period(), scene.chain().layout(), scene.chain().sites());
     let periods = (scene.end() / period).floor();
-    if !(1.0..=MOST_SAMPLES).contains(&periods) {
-        return Err(Error::parameter("until", scene.end(), "from one to 10^7 periods of the breather"));
-    }
+    require((1.0..=MOST_SAMPLES).contains(&periods), "until", scene.end(), "from one to 10^7 periods of the breather")?;
     let mut run = options.run(scene)?.stepper()?;
     let (mut t, mut swing, mut mean) = (Vec::new(), Vec::new(), Vec::new());
     for k in 0..periods as u64 {

@@ -2,7 +2,7 @@
 
 use crate::{
     chain::{Boundary, Chain, Layout},
-    error::{Error, Result},
+    error::{Error, Result, require},
     run::{contact_frequency, overlap_scale},
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span},
 };
@@ -87,11 +87,8 @@ impl Problem {
     /// A state at rest, or without an energy.
     pub fn of(scene: &Scene) -> Result<Self> {
         let (chain, y) = (scene.chain(), scene.initial().as_slice());
-        if !chain.has_energy(y) {
-            let rule =
-                "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
-            return Err(Error::parameter("scene", scene.name(), rule));
-        }
+        let rule = "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
+        require(chain.has_energy(y), "scene", scene.name(), rule)?;
         let amplitude = overlap_scale(chain, y);
         if amplitude == 0.0 {
             return Err(Error::parameter("scene", scene.name(), "a chain at rest has no error to chart"));

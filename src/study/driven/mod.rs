@@ -6,7 +6,7 @@ mod report;
 use super::{
     Changes, InSi, Progress, Study, Work,
     branches::{
-        self, BifurcationOptions, BranchOptions, BranchStudy, First, FollowCommand, Kept, SWITCHED_FILES, SceneSource,
+        self, Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, SWITCHED_FILES, SceneSource,
         branch_npz, files_of_branch,
     },
     options::options,
@@ -21,7 +21,6 @@ use crate::{
     output::Array,
     report::Report,
     scene::{Quantity, Scene, Units},
-    sweep::Engine,
 };
 pub(crate) use report::multipliers_panel;
 
@@ -35,23 +34,6 @@ options! {
         scene: String = "granular-crystal".to_owned();
         /// Changes to the scene.
         changes: Changes = Changes::default(), [command(flatten)];
-        /// The search.
-        search: DrivenSearch = DrivenSearch::default(), [command(flatten)];
-        /// The units of options and results.
-        si: InSi = InSi::default(), [command(flatten)];
-    }
-}
-
-impl Driven {
-    fn load(&self) -> Result<Scene> {
-        Scene::load_with(&self.scene, &self.changes.set)
-    }
-}
-
-options! {
-    /// The search for the orbit to which a driven scene leads.
-    #[derive(Copy, PartialEq, Eq)]
-    pub struct DrivenSearch {
         /// Periods of the drive in a period of the orbit.
         ///
         /// 2 for orbits of doubled period.
@@ -61,15 +43,35 @@ options! {
         /// After its ramp. The search starts from the state that the scene has then; it starts
         /// earlier if the scene has become periodic.
         settle: u32 = 300, "K", (0 to 1_000_000);
+        /// The units of options and results.
+        si: InSi = InSi::default(), [command(flatten)];
     }
 }
 
-impl DrivenSearch {
-    fn setting(&self, scene: &Scene) -> Result<DrivenSetting> {
+impl Driven {
+    /// The scene, the setting of its orbits, and the units of results.
+    fn load(&self) -> Result<(Scene, DrivenSetting, Option<Units>)> {
+        let scene = Scene::load_with(&self.scene, &self.changes.set)?;
+        let si = self.si.units(&scene)?;
         self.within_ranges()?;
-        DrivenSetting::new(scene.chain(), self.turns)
+        let setting = DrivenSetting::new(scene.chain(), self.turns)?;
+        Ok((scene, setting, si))
     }
 
+    /// The study of the orbit to which the scene leads. All options are checked before the work.
+    ///
+    /// # Errors
+    /// A scene without a periodic drive, or without the units that are asked for; a number outside
+    /// its rule.
+    pub fn study(&self) -> Result<Work<'_, DrivenStudy>> {
+        let (scene, setting, si) = self.load()?;
+        Ok(Box::new(move |_, progress| {
+            let orbit = self.orbit(&scene, &setting, progress)?;
+            Ok(DrivenStudy { si, ..DrivenStudy::new(scene, orbit)? })
+        }))
+    }
+
+    /// The orbit to which the scene leads.
     fn orbit(&self, scene: &Scene, setting: &DrivenSetting, progress: Progress<'_>) -> Result<DrivenOrbit> {
         let shooting = DrivenShooting::default();
         let seen = |share: f64| progress(share, "the scene settles");
@@ -106,25 +108,12 @@ impl Study for Driven {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        let scene = self.load()?;
-        self.si.units(&scene)?;
-        self.search.setting(&scene)?;
-        Ok(Box::new(move |_, progress| {
-            let study = driven_orbit(scene, &self.search, self.si, progress)?;
+        let work = self.study()?;
+        Ok(Box::new(move |engine, progress| {
+            let study = work(engine, progress)?;
             Ok(study.report().file("driven-orbit.npz", study.npz()?))
         }))
     }
-}
-
-/// The orbit to which a driven scene leads. `progress` is told the share done.
-///
-/// # Errors
-/// A scene without a periodic drive, or without the units that are asked for; an orbit that is not
-/// found; a signal.
-pub fn driven_orbit(scene: Scene, search: &DrivenSearch, si: InSi, progress: Progress<'_>) -> Result<DrivenStudy> {
-    let si = si.units(&scene)?;
-    let orbit = search.orbit(&scene, &search.setting(&scene)?, progress)?;
-    Ok(DrivenStudy { si, ..DrivenStudy::new(scene, orbit)? })
 }
 
 impl DrivenStudy {
@@ -155,17 +144,8 @@ options! {
         mut_arg("resume", |arg| arg.conflicts_with_all(["scene", "set", "turns", "settle", "vary"]))
     ))]
     pub struct DrivenContinue {
-        /// The scene.
+        /// The scene and the search for its orbit.
         driven: Driven = Driven::default(), [command(flatten)];
-        /// The way.
-        way: DrivenWay = DrivenWay::default(), [command(flatten)];
-    }
-}
-
-options! {
-    /// The way of a branch of driven orbits.
-    #[derive(PartialEq)]
-    pub struct DrivenWay {
         /// What varies along the branch.
         vary: DriveParameter = DriveParameter::Amplitude, "P";
         /// What every branch asks for.
@@ -222,11 +202,21 @@ impl FollowCommand for DrivenContinue {
     type Problem = DrivenContinuation;
 
     fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
-        (&self.way.branch, self.way.more, self.driven.si)
+        (&self.branch, self.more, self.driven.si)
     }
 
-    fn first(&self) -> Result<First<'_, DrivenContinuation>> {
-        self.way.first(self.driven.load()?, self.driven.search, self.driven.si)
+    fn first(&self) -> Result<Work<'_, Begun<DrivenContinuation>>> {
+        let (parameter, (scene, setting, si)) = (self.vary, self.driven.load()?);
+        let (kind, from) = (quantity(parameter, &setting), setting.get(parameter));
+        let continuation = self.branch.continuation((si.as_ref(), kind), from, |to, step| {
+            let (most_points, shooting) = (self.branch.max_points, DrivenShooting::default());
+            let continuation = DrivenContinuation { parameter, to, step, most_points, shooting };
+            continuation.check_range(&setting, from).map(|()| continuation)
+        })?;
+        Ok(Box::new(move |_, progress| {
+            let orbit = self.driven.orbit(&scene, &setting, progress)?;
+            Ok((scene, DrivenBranch::new(continuation, setting, orbit)?, si))
+        }))
     }
 }
 
@@ -238,39 +228,4 @@ fn quantity(parameter: DriveParameter, setting: &DrivenSetting) -> Quantity {
         (DriveParameter::Omega, _) => Quantity::Omega,
         (DriveParameter::Damping, _) => Quantity::Number,
     }
-}
-
-impl DrivenWay {
-    fn first(&self, scene: Scene, search: DrivenSearch, si: InSi) -> Result<First<'static, DrivenContinuation>> {
-        let (parameter, si, setting) = (self.vary, si.units(&scene)?, search.setting(&scene)?);
-        let (kind, from) = (quantity(parameter, &setting), setting.get(parameter));
-        let continuation = self.branch.continuation((si.as_ref(), kind), from, |to, step| {
-            let (most_points, shooting) = (self.branch.max_points, DrivenShooting::default());
-            let continuation = DrivenContinuation { parameter, to, step, most_points, shooting };
-            continuation.check_range(&setting, from).map(|()| continuation)
-        })?;
-        Ok(Box::new(move |_, progress| {
-            let orbit = search.orbit(&scene, &setting, progress)?;
-            Ok((scene, DrivenBranch::new(continuation, setting, orbit)?, si))
-        }))
-    }
-}
-
-/// The branch, in one parameter, that begins with the orbit to which a driven scene leads. In SI
-/// units, `to` and `step` of the way are read, and the report is written, in these. `progress` is
-/// told the share done.
-///
-/// # Errors
-/// A scene without a periodic drive, or without the units that are asked for; a number outside its
-/// rule; a first orbit that is not found; a signal.
-pub fn driven_branch(
-    scene: Scene,
-    search: &DrivenSearch,
-    way: &DrivenWay,
-    si: InSi,
-    engine: &Engine,
-    progress: Progress<'_>,
-) -> Result<DrivenBranchStudy> {
-    let level = way.branch.level::<DrivenContinuation>(way.more)?;
-    branches::begun(way.first(scene, *search, si)?, level, way.more.switch, engine, progress)
 }

@@ -16,7 +16,7 @@ use super::{Progress, Study, Work, fit_line, options::options};
 use crate::{
     breathers::centre,
     chain::max_norm,
-    error::{Error, Result},
+    error::{Error, Result, require},
     orbits::{Orbit, Pick, Shooting, Spectrum},
     report::Report,
     run::state_at,
@@ -39,8 +39,7 @@ options! {
     pub struct Evolve {
         /// File dark-breather.npz or branch.npz, with the orbit to start from.
         ///
-        /// dark-breather.npz is written by `breather dark`, with the same numbers as
-        /// dark-breather.json, which is read, too; branch.npz by `breather continue` and
+        /// dark-breather.npz is written by `breather dark`; branch.npz by `breather continue` and
         /// `breather doubled`, and needs --point or --at.
         orbit: PathBuf = PathBuf::new();
         /// Number of the point of the branch, from 0; -1 is the last one.
@@ -78,7 +77,7 @@ impl Study for Evolve {
         self.within_ranges()?;
         let shooting = Shooting { tol: self.tol, ..Shooting::default() };
         let pick = self.point.map(Pick::Point).or(self.at.map(Pick::At));
-        let orbit = Orbit::load(&self.orbit, pick, &shooting)?;
+        let orbit = Orbit::load(&self.orbit, pick)?;
         let kick = self.kick.map(|size| Kick { size, mode: self.mode });
         Ok(Box::new(move |_, progress| Ok(evolve(&orbit, self.until, kick, &shooting, progress)?.report())))
     }
@@ -157,9 +156,7 @@ pub fn evolve(
 ) -> Result<Evolution> {
     let period = orbit.setting.period();
     let periods = (until / period * (1.0 + 1e-12)).floor();
-    if !(1.0..=MOST_PERIODS).contains(&periods) {
-        return Err(Error::parameter("until", until, "from one period of the orbit to 10^6"));
-    }
+    require((1.0..=MOST_PERIODS).contains(&periods), "until", until, "from one period of the orbit to 10^6")?;
     let spectrum = orbit.spectrum(shooting)?;
     let mut start = orbit.start();
     let kick = kick.map(|kick| pushed(&mut start, kick, orbit, &spectrum).map(|lambda| (kick, lambda))).transpose()?;
@@ -224,9 +221,8 @@ impl Swing {
 /// Adds the kick to a state, and returns the multiplier whose eigenvector it is along.
 fn pushed(start: &mut [f64], kick: Kick, orbit: &Orbit, spectrum: &Spectrum) -> Result<Complex<f64>> {
     let Kick { size, mode } = kick;
-    if !(size.is_finite() && size != 0.0 && size.abs() <= 1.0) {
-        return Err(Error::parameter("kick", size, "a share of the amplitude, not zero and at most 1"));
-    }
+    let rule = "a share of the amplitude, not zero and at most 1";
+    require(size.is_finite() && size != 0.0 && size.abs() <= 1.0, "kick", size, rule)?;
     let Some(one) = spectrum.multipliers.get(mode) else {
         return Err(Error::parameter(
             "mode",

@@ -8,18 +8,17 @@ pub(super) use report::{bounds, newton_kantorovich_bound};
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
 use super::{
-    Changes, InSi, Progress, Study, Work,
-    branches::{self, BifurcationOptions, BranchOptions, BranchStudy, First, FollowCommand, Kept, files_of_branch},
+    Changes, InSi, Study, Work,
+    branches::{Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, files_of_branch},
     options::options,
 };
 use crate::{
     chain::{Params, Resonators},
-    error::{Error, Iterate, Result},
+    error::{Error, Iterate, Result, positive},
     orbits::{AnalysisLevel, BifurcationKind, Kantorovich},
     output::{Array, Folder, to_json},
     report::Report,
     scene::{Quantity, Scene},
-    sweep::Engine,
     waves::{
         ExactWave, Given, MeanStrain, Modulation, Profile, Search, Start, TravellingWave, WaveBase, WaveBranch,
         WaveContinuation, WaveNumber, WaveParameter, WaveSetting, WaveSpectrum,
@@ -278,7 +277,7 @@ impl FollowCommand for ContinueWave {
         (&self.branch, BifurcationOptions::default(), InSi::default())
     }
 
-    fn first(&self) -> Result<First<'_, WaveContinuation>> {
+    fn first(&self) -> Result<Work<'_, Begun<WaveContinuation>>> {
         let mut numbers = self.wanted.numbers()?;
         // Waves of a branch keep their shape, unless the mean strain is given or varies.
         if self.wanted.mean.is_none()
@@ -299,18 +298,6 @@ impl FollowCommand for ContinueWave {
             let (wave, _) = found.inspect_err(|why| keep_iterate(engine.folder(), numbers.moving(), why))?;
             Ok((numbers.scene, continuation.begin(wave, numbers.sites)?, None))
         }))
-    }
-}
-
-impl ContinueWave {
-    /// The branch.
-    ///
-    /// # Errors
-    /// Numbers outside their rules; an integration that fails; [`Error::Stalled`] where there is no
-    /// first wave.
-    pub fn branch(&self, progress: Progress<'_>) -> Result<WaveBranchStudy> {
-        let level = self.branch.level::<WaveContinuation>(BifurcationOptions::default())?;
-        branches::begun(self.first()?, level, None, &Engine::threads(), progress)
     }
 }
 
@@ -364,9 +351,7 @@ impl Kept for WaveContinuation {
         }
         setting.q = WaveNumber::on_ring(setting.q.q() / PI, *sites)?;
         setting.chain(*sites / setting.q.cell())?;
-        if !(size.is_finite() && *size > 0.0) {
-            return Err(Error::parameter("size", *size, "finite and positive"));
-        }
+        positive("size", *size)?;
         Ok((scene, wave))
     }
 

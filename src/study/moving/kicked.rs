@@ -4,7 +4,7 @@
 use super::Moving;
 use crate::{
     breathers::centre,
-    error::{Error, Result},
+    error::{Result, require},
     numerics::least_by,
     orbits::{Orbit, Shooting},
     run::state_at,
@@ -45,12 +45,10 @@ pub struct KickedRun {
 /// Refuses a kick and a time outside their rules.
 pub(super) fn check(options: &Moving, period: f64) -> Result<()> {
     let &Moving { until, kick, .. } = options;
-    if !(period..=MOST_PERIODS * period).contains(&until) {
-        return Err(Error::parameter("until", until, "0, or from one period of the background to 10^5"));
-    }
-    if !(kick.is_finite() && kick != 0.0 && kick.abs() <= 1.0) {
-        return Err(Error::parameter("kick", kick, "a share of the amplitude, not zero and at most 1"));
-    }
+    let rule = "0, or from one period of the background to 10^5";
+    require((period..=MOST_PERIODS * period).contains(&until), "until", until, rule)?;
+    let rule = "a share of the amplitude, not zero and at most 1";
+    require(kick.is_finite() && kick != 0.0 && kick.abs() <= 1.0, "kick", kick, rule)?;
     Ok(())
 }
 

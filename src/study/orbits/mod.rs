@@ -9,14 +9,15 @@ pub(crate) use report::KINDS;
 use super::OF_WINDOWS;
 use super::{
     ChainParams, InSi, Progress, Study, Work,
-    branches::{self, BifurcationOptions, BranchOptions, BranchStudy, First, FollowCommand, Kept, files_of_branch},
+    branches::{self, Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, files_of_branch},
     options::options,
+    part,
 };
 use crate::{
     breathers::DarkBreather,
     chain::MeanForces,
     dps::Center,
-    error::{Error, Result},
+    error::{Error, Result, require},
     interrupt,
     orbits::{
         AnalysisLevel, Bifurcation, BifurcationKind, Branch, Continuation, End, Extent, Formulation, Kantorovich,
@@ -64,9 +65,7 @@ impl Ring {
     /// A breather of this frequency, by default `omega` times `ratio`.
     pub(super) fn breather(&self, center: Center, omega_b: Option<f64>, ratio: f64) -> Result<DarkBreather> {
         self.within_ranges()?;
-        if (center, self.sites) == (Center::Site, 3) {
-            return Err(Error::parameter("sites", 3, "a breather about a site needs 5 sites"));
-        }
+        require((center, self.sites) != (Center::Site, 3), "sites", 3, "a breather about a site needs 5 sites")?;
         let params = self.params.checked()?;
         let omega_b = omega_b.unwrap_or(ratio * params.omega());
         Ok(DarkBreather { params, center, sites: self.sites, omega_b, c_x: self.c_x })
@@ -242,7 +241,7 @@ impl FollowCommand for Continue {
         (&self.branch, more, InSi::default())
     }
 
-    fn first(&self) -> Result<First<'_, Continuation>> {
+    fn first(&self) -> Result<Work<'_, Begun<Continuation>>> {
         self.within_ranges()?;
         let branch = self.with_options(self.new_branch()?)?;
         Ok(Box::new(|_, _| Ok(((), branch, None))))
@@ -307,7 +306,7 @@ impl Study for Doubled {
         // Before the main branch is followed, which takes long.
         self.within_ranges()?;
         Ok(Box::new(move |engine, progress| {
-            let half = |share: f64, what: &str| progress(0.5 * share, what);
+            let half = part(progress, 0.0, 0.5);
             let main = match &self.branch {
                 Some(file) => study(Branch::load(file)?, &Engine::threads(), &half)?,
                 None => {
@@ -317,7 +316,7 @@ impl Study for Doubled {
                     branch(&breather, &continuation, 0.01, &half)?
                 }
             };
-            let half = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
+            let half = part(progress, 0.5, 1.0);
             let (birth, branch) = match doubled_from(&main, self.omega_b, self.step, engine, &half) {
                 Err(_) if interrupt::asked() => return main.report(),
                 doubled => doubled?,
@@ -442,9 +441,7 @@ pub fn branch(
 /// # Errors
 /// As [`branch`].
 pub fn begin(breather: &DarkBreather, continuation: &Continuation, weak: f64) -> Result<Branch> {
-    if !(weak.is_finite() && weak >= 0.0) {
-        return Err(Error::parameter("weak", weak, "finite and at least 0"));
-    }
+    require(weak.is_finite() && weak >= 0.0, "weak", weak, "finite and at least 0")?;
     stays_dark(&breather.setting(), continuation)?;
     let branch = Branch::new(*continuation, breather.setting(), breather.orbit(&continuation.shooting)?)?;
     Ok(Branch { center: Some(breather.center), weak: Some(weak), ..branch })
@@ -499,11 +496,8 @@ pub fn doubled_from(
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<(Bifurcation, Branch)> {
-    if main.center == Some(Center::Site) {
-        let rule =
-            "only bond-centred breathers double their period: a site-centred one is the square of half its period";
-        return Err(Error::parameter("center", "site", rule));
-    }
+    let rule = "only bond-centred breathers double their period: a site-centred one is the square of half its period";
+    require(main.center != Some(Center::Site), "center", "site", rule)?;
     if main.points.iter().any(|point| point.orbit.setting.turns > 1) {
         return Err(Error::parameter("turns", 2, "the main branch has one turn a period: this one is doubled"));
     }

@@ -4,8 +4,7 @@ use super::{DarkStudy, DoubledStudy, OrbitStudy};
 use crate::{
     error::Result,
     numerics::least_by,
-    orbits::{Bifurcation, Branch, Continuation, Extent, Kind, Multiplier, ORBIT_FORMAT, Parameter, Setting, Spectrum},
-    output::FileFormat,
+    orbits::{Bifurcation, Branch, Continuation, Extent, Kind, Multiplier, Parameter, Setting, Spectrum},
     report::{
         self, Column,
         Digits::{Fixed, Hidden, Json, Power, Short},
@@ -57,10 +56,9 @@ impl OrbitStudy {
         let Self { orbit, spectrum, extent, e_b, forces, kantorovich, shooting } = self;
         let Setting { params, sites, omega_b, .. } = orbit.setting;
         let half = (sites / 2) as i64;
-        let FileFormat(format, version) = ORBIT_FORMAT;
         report
-            .fact("format", format)
-            .fact("format_version", version)
+            .fact("format", "hertzchain orbit")
+            .fact("format_version", 1)
             .facts(params)
             .fact("omega", params.omega())
             .fact("omega_b", omega_b)
@@ -253,7 +251,7 @@ impl Branch {
             .table(bifurcations("bifurcations", &self.bifurcations))
             .words(end + &gaps(self) + &bounds)
             .file("branch.npz", branch_npz(&(), self)?)
-            .failure(self.shortfall().map(|why| format!("the branch {why}")));
+            .failure(self.shortfall().filter(|_| !self.ended().is_complete()).map(|why| format!("the branch {why}")));
         Ok(if !shows(self) { report } else { report.picture(picture) })
     }
 

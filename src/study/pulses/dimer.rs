@@ -17,7 +17,7 @@ use crate::{
     error::Result,
     numerics::{golden, least_by},
     report::{Digits::Fixed, Kind, Line, Panel, Panels, Report, rows},
-    study::{Progress, Study, Work, options::options},
+    study::{Progress, Study, Work, options::options, part},
     sweep::{Engine, Grid},
 };
 use serde::{Deserialize, Serialize};
@@ -161,8 +161,7 @@ pub fn dimer(options: &DimerOptions, engine: &Engine, progress: Progress<'_>) ->
     let &DimerOptions { from, to, points, cells } = options;
     let ratios = geometric(from, to, points);
     let grid = Grid { store: DimerOptions::STORE, study: "dimer", settings: json!({"cells": cells, "step": STEP}) };
-    let part = |from: f64, share: f64| move |done: f64, words: &str| progress(from + share * done, words);
-    let swept = engine.sweep(&grid, &ratios, &part(0.0, 0.8), |&ratio| pulse(ratio, cells))?;
+    let swept = engine.sweep(&grid, &ratios, &part(progress, 0.0, 0.8), |&ratio| pulse(ratio, cells))?;
     let rows = swept.all(&ratios, |ratio| format!("mass ratio {ratio}"))?;
     let peaks = rows.windows(3).filter(|row| {
         let [a, b, c] = [0, 1, 2].map(|k| row[k].transmission);
@@ -170,7 +169,7 @@ pub fn dimer(options: &DimerOptions, engine: &Engine, progress: Progress<'_>) ->
     });
     let brackets: Vec<[f64; 2]> = peaks.map(|row| [row[0].ratio, row[2].ratio]).collect();
     let grid = Grid { store: "dimer-maxima.store", ..grid };
-    let swept = engine.sweep(&grid, &brackets, &part(0.8, 0.2), |&bracket| {
+    let swept = engine.sweep(&grid, &brackets, &part(progress, 0.8, 1.0), |&bracket| {
         Ok(golden(bracket, |apart| apart > NEAR, |ratio| pulse(ratio, cells), |row| row.transmission)?.1)
     })?;
     let maxima = swept.all(&brackets, |[low, _]| format!("maximum above the mass ratio {low}"))?;

@@ -20,7 +20,7 @@
 
 use super::{ALPHA, LEAD, METHOD, STEP, ascending, follow, geometric, plain, solitary_wave};
 use crate::{
-    error::{Error, Result},
+    error::{Result, require},
     report::{
         Digits::{Fixed, Power, Short},
         Kind, Line, Panels, Report, rows,
@@ -135,9 +135,7 @@ pub fn impurity(options: &ImpurityOptions, engine: &Engine, progress: Progress<'
 /// # Errors
 /// A mass ratio that is not finite and positive; a run that fails; a signal.
 pub fn scattered(ratio: f64) -> Result<ImpurityRow> {
-    if !(ratio.is_finite() && ratio > 0.0) {
-        return Err(Error::parameter("ratio", ratio, "a mass ratio is finite and positive"));
-    }
+    require(ratio.is_finite() && ratio > 0.0, "ratio", ratio, "a mass ratio is finite and positive")?;
     let heavier = ratio.max(1.0) - 1.0;
     let sites = LEAD + 1 + (BEYOND + BEYOND_A_MASS * heavier) as usize;
     let chain = plain((0..sites).map(|i| if i == LEAD { ratio } else { 1.0 }).collect(), Vec::new())?;

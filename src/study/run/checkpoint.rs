@@ -17,7 +17,7 @@
 
 use crate::{
     chain::{Chain, Contact, Contacts, Energy},
-    error::{Error, Result},
+    error::{Error, Result, require},
     output::{Archive, FileFormat, Folder, NpzWriter, PROGRAM, SETTINGS, in_memory, to_json},
     parts::Decomposition,
     run::method::{Method, Setting},
@@ -96,9 +96,8 @@ impl LongRun {
         interval: f64,
         parts: Decomposition,
     ) -> Result<Self> {
-        if !(interval.is_finite() && interval > 0.0) {
-            return Err(Error::parameter("checkpoint", interval, "an interval of time, finite and positive"));
-        }
+        let rule = "an interval of time, finite and positive";
+        require(interval.is_finite() && interval > 0.0, "checkpoint", interval, rule)?;
         if scene.end() / interval > MOST_LEGS {
             return Err(Error::parameter("checkpoint", interval, "a run has at most 10^6 intervals"));
         }

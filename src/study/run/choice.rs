@@ -5,7 +5,7 @@ use super::{LongRun, parts_plan};
 use crate::{
     breathers::{self, TrivialBreather},
     chain::Contact,
-    error::{Error, Result},
+    error::{Error, Result, require},
     memory,
     parts::Decomposition,
     run::{Method, Regime, Run, Setting, Trajectory, method::NO_TOLERANCE, regime},
@@ -226,9 +226,7 @@ impl MethodChoice {
 fn setting(args: &MethodRequest, method: Method, scene: &Scene) -> Result<(Setting, String)> {
     args.within_ranges()?;
     if let Some(per_period) = args.windows_per_period {
-        if method != Method::Collocation {
-            return Err(Error::parameter("windows-per-period", per_period, "only collocation takes windows"));
-        }
+        require(method == Method::Collocation, "windows-per-period", per_period, "only collocation takes windows")?;
         let nodes = args.nodes.unwrap_or(DEFAULT_NODES);
         let windows = (scene.end() / scene.period() * per_period).ceil().max(1.0);
         if windows > MOST_STEPS {

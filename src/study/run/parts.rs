@@ -2,7 +2,7 @@
 
 use crate::{
     chain::Topology,
-    error::{Error, Result},
+    error::{Result, require},
     memory::bytes,
     parts::{Estimate, Motion},
     run::Method,
@@ -21,9 +21,7 @@ const ORDERED: usize = 64;
 pub fn parts_plan(file: &SceneFile, method: Method, parts: usize) -> Result<Vec<String>> {
     let chain = &file.chain;
     chain.params().validate()?;
-    if !(1..=chain.sites).contains(&parts) {
-        return Err(Error::parameter("ranks", parts, "from 1 to the number of sites"));
-    }
+    require((1..=chain.sites).contains(&parts), "ranks", parts, "from 1 to the number of sites")?;
     let motion = method.motion()?;
     motion.check("ranks", parts, Topology::new(chain.boundary, chain.sites))?;
     let demand = Estimate::new(chain.params(), chain.boundary, chain.sites, parts, motion);

@@ -7,7 +7,7 @@ use super::{
 use crate::{
     chain::{Boundary, Chain, Params, Site, State},
     dps::{Center, Dps, Ends, Form, Homoclinic, Layout},
-    error::{Error, Result},
+    error::{Result, require},
     random::uniform,
     run::state_at,
 };
@@ -154,13 +154,9 @@ fn places(needed: std::ops::RangeInclusive<i64>, sites: Option<usize>) -> Result
     let (first, last) = needed.into_inner();
     let least = (last - first + 1) as usize;
     let sites = sites.unwrap_or(least);
-    if sites > MOST_SITES {
-        return Err(Error::parameter("sites", sites, "at most 1000 sites"));
-    }
-    if sites < least {
-        let rule = "the chain holds the profile: as many sites as it takes without --sites, or more";
-        return Err(Error::parameter("sites", sites, rule));
-    }
+    require(sites <= MOST_SITES, "sites", sites, "at most 1000 sites")?;
+    let rule = "the chain holds the profile: as many sites as it takes without --sites, or more";
+    require(sites >= least, "sites", sites, rule)?;
     let first = first - ((sites - least) / 2) as i64;
     Ok(first..=first + sites as i64 - 1)
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     chain::Layout,
-    error::{Error, Result},
+    error::{Result, require},
     named::named,
 };
 use num_complex::Complex64;
@@ -150,12 +150,8 @@ impl Default for Sampling {
 
 impl Sampling {
     pub(super) fn checked(self) -> Result<()> {
-        if self.points < 4 {
-            return Err(Error::parameter("points", self.points, "at least 4"));
-        }
-        if self.periods < 3 {
-            return Err(Error::parameter("periods", self.periods, "at least 3"));
-        }
+        require(self.points >= 4, "points", self.points, "at least 4")?;
+        require(self.periods >= 3, "periods", self.periods, "at least 3")?;
         Ok(())
     }
 

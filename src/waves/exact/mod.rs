@@ -38,7 +38,7 @@ pub use spectrum::{WaveKind, WaveMultiplier, WaveQuality, WaveSpectrum};
 
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, max_norm},
-    error::{Error, Result, finite, positive},
+    error::{Error, Result, finite, positive, require},
     orbits::Orbit,
 };
 use serde::{Deserialize, Serialize};
@@ -71,12 +71,8 @@ impl WaveNumber {
     /// A ring with fewer than 3 or more than 256 sites; a wave number that is not above 0 and at
     /// most `pi`, or with a part of a wave on the ring: the message has the nearest that fits.
     pub fn on_ring(q_over_pi: f64, sites: usize) -> Result<Self> {
-        if !(3..=MOST_SITES).contains(&sites) {
-            return Err(Error::parameter("sites", sites, "from 3 to 256 sites"));
-        }
-        if !(q_over_pi > 0.0 && q_over_pi <= 1.0) {
-            return Err(Error::parameter("q_over_pi", q_over_pi, "above 0 and at most 1"));
-        }
+        require((3..=MOST_SITES).contains(&sites), "sites", sites, "from 3 to 256 sites")?;
+        require(q_over_pi > 0.0 && q_over_pi <= 1.0, "q_over_pi", q_over_pi, "above 0 and at most 1")?;
         let waves = 0.5 * sites as f64 * q_over_pi;
         let whole = waves.round().clamp(1.0, (sites / 2) as f64);
         if (waves - whole).abs() > WHOLE {

@@ -3,7 +3,7 @@
 use super::{ExactWave, MeanStrain, WaveSetting, mean, repeated, swing};
 use crate::{
     chain::{Resonators, max_norm},
-    error::{Error, Iterate, Result},
+    error::{Error, Iterate, Result, require},
     orbits::{Equations, Kantorovich, Moment, NewtonStep, Shot, flow, least_squares},
 };
 use nalgebra::{DMatrix, DVector};
@@ -123,10 +123,8 @@ impl Search {
     /// flow fails; [`Error::Stalled`] with the best iterate where the residual does not fall to
     /// 1e-12.
     pub fn solve(&self, setting: &WaveSetting, given: Given, seed: &[f64]) -> Result<ExactWave> {
-        if seed.len() != setting.numbers() {
-            let rule = "four numbers a site of the cell, two where no resonator moves";
-            return Err(Error::parameter("seed", format!("{} numbers", seed.len()), rule));
-        }
+        let rule = "four numbers a site of the cell, two where no resonator moves";
+        require(seed.len() == setting.numbers(), "seed", format!("{} numbers", seed.len()), rule)?;
         if !(swing(seed, setting) > 0.0 && seed.iter().all(|z| z.is_finite())) {
             return Err(Error::parameter("seed", max_norm(seed.iter().copied()), "finite, and not uniform"));
         }

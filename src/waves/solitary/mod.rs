@@ -33,7 +33,7 @@ pub use line::LinePulse;
 use super::{ExactWave, Given, MeanStrain, Search, WaveNumber, WaveSetting};
 use crate::{
     chain::{Params, Resonators},
-    error::{Error, Result, positive},
+    error::{Error, Result, positive, require},
     numerics::largest_by,
 };
 use std::f64::consts::PI;
@@ -140,17 +140,11 @@ pub fn best_ring(params: Params, speed: f64, sites: usize) -> usize {
 
 fn ring(params: Params, speed: f64, sites: usize) -> Result<WaveSetting> {
     params.validate()?;
-    if params.resonators() == Resonators::Fixed {
-        let rule = "resonators at rest pull every bead back, and a pulse spreads: take a finite rho";
-        return Err(Error::parameter("rho", params.rho, rule));
-    }
-    if !EXPONENTS.contains(&params.alpha) {
-        return Err(Error::parameter("alpha", params.alpha, "from 1.2 to 5 for a solitary wave"));
-    }
+    let rule = "resonators at rest pull every bead back, and a pulse spreads: take a finite rho";
+    require(params.resonators() != Resonators::Fixed, "rho", params.rho, rule)?;
+    require(EXPONENTS.contains(&params.alpha), "alpha", params.alpha, "from 1.2 to 5 for a solitary wave")?;
     positive("speed", speed)?;
-    if !SITES.contains(&sites) {
-        return Err(Error::parameter("sites", sites, "from 8 to 64 for a solitary wave"));
-    }
+    require(SITES.contains(&sites), "sites", sites, "from 8 to 64 for a solitary wave")?;
     if params.resonators() == Resonators::Moving && ring_phase(params, speed, sites) < OFF_RESONANCE {
         let rule = "a ring that is not in resonance with the tails: omega N/speed is no multiple of 2 pi";
         return Err(Error::parameter("sites", sites, rule));

@@ -1,6 +1,6 @@
 //! Drives, which move or push a bead by a signal: a sum of harmonics times an envelope.
 
-use crate::error::{Error, Result, finite, positive};
+use crate::error::{Error, Result, finite, positive, require};
 use hertzchain_integrators::Real;
 use serde::{Deserialize, Serialize};
 
@@ -126,23 +126,18 @@ impl Signal {
     }
 
     pub(super) fn check(&self) -> Result<()> {
-        if self.harmonics.is_empty() {
-            return Err(Error::parameter("drive.amplitude", "[]", "a drive has at least one harmonic"));
-        }
+        require(!self.harmonics.is_empty(), "drive.amplitude", "[]", "a drive has at least one harmonic")?;
         for &Harmonic { amplitude, omega, phase } in &self.harmonics {
             finite("drive.amplitude", amplitude)?;
-            if !(omega.is_finite() && omega >= 0.0) {
-                return Err(Error::parameter("drive.omega", omega, "a frequency is finite and at least zero"));
-            }
+            let rule = "a frequency is finite and at least zero";
+            require(omega.is_finite() && omega >= 0.0, "drive.omega", omega, rule)?;
             finite("drive.phase", phase)?;
         }
         match self.envelope {
             Envelope::None => Ok(()),
             Envelope::Ramp(ramp) => positive("drive.ramp", ramp).map(drop),
             Envelope::Burst { start, length } => {
-                if !(start.is_finite() && start >= 0.0) {
-                    return Err(Error::parameter("drive.start", start, "finite and at least zero"));
-                }
+                require(start.is_finite() && start >= 0.0, "drive.start", start, "finite and at least zero")?;
                 if start + length <= start * (1.0 + LEAST_BURST) {
                     let rule = "a burst is longer than 1e-11 of its start: times have sixteen digits";
                     return Err(Error::parameter("drive.length", length, rule));

@@ -41,7 +41,7 @@ pub(super) use ledger::LEDGER;
 pub(super) use pushing::{Pushing, Switched};
 
 use super::{Boundary, Chain, Layout, Params, Resonators};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use hertzchain_integrators::{Real, law::BondLaw, regularised::common_power};
 use std::sync::Arc;
 
@@ -248,9 +248,7 @@ impl Details {
         if let Some(Dissipation { kind, strength }) = &self.dissipation {
             let rule = "the dissipation of a contact is finite and at least zero";
             checked("dissipation", strength, bonds, not_negative, rule)?;
-            if strength.is_empty() {
-                return Err(Error::parameter("dissipation", "[]", "one number for each bond that can touch"));
-            }
+            require(!strength.is_empty(), "dissipation", "[]", "one number for each bond that can touch")?;
             let (least, rule) = kind.exponents();
             let alphas = if self.alpha.is_empty() { &[alpha] } else { &self.alpha[..] };
             if let Some(alpha) = alphas.iter().find(|&&alpha| alpha <= least) {
@@ -297,9 +295,7 @@ impl Details {
 
     fn check_drives(&self, sites: usize) -> Result<()> {
         for (k, drive) in self.drives.iter().enumerate() {
-            if drive.site >= sites {
-                return Err(Error::parameter("drive.site", drive.site, "a site of the chain, counted from 0"));
-            }
+            require(drive.site < sites, "drive.site", drive.site, "a site of the chain, counted from 0")?;
             drive.signal.check()?;
             // A force on a moved bead would have no effect: its position is prescribed.
             let also =
@@ -321,10 +317,8 @@ impl<R: Real> Chain<R> {
     /// assume that all beads are equal; a positive static overlap on a free chain, which would fly
     /// apart.
     pub fn with(mut self, details: &Details) -> Result<Self> {
-        if self.topology.strains() {
-            let rule = "details need displacements: free, fixed or ring";
-            return Err(Error::parameter("boundary", "strain-ring", rule));
-        }
+        let rule = "details need displacements: free, fixed or ring";
+        require(!self.topology.strains(), "boundary", "strain-ring", rule)?;
         let (n, touching) = (self.sites(), self.touching());
         details.check(n, touching.len(), self.params.alpha)?;
         details.check_drives(n)?;

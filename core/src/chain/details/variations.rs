@@ -84,7 +84,7 @@ use super::{
     super::{Chain, Field, Overlaps, Resonators},
     CheckedDetails, Pushing, Switched,
 };
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use hertzchain_integrators::{Real, Regularised, Stepper, VectorField, dop853::Options, kernel};
 
 /// A state and the columns `W` that the linearised flow carries along, in one vector: the state,
@@ -180,9 +180,7 @@ impl<R: Real> Variations<R> {
         let chain = field.chain.clone();
         field.field = Field::from_event_to_event(chain.clone());
         let dim = chain.layout().dim();
-        if start.len() != dim {
-            return Err(Error::parameter("state", format!("{} entries", start.len()), "a state of the chain"));
-        }
+        require(start.len() == dim, "state", format!("{} entries", start.len()), "a state of the chain")?;
         let mut y: Vec<R> = start.iter().chain(columns).copied().collect();
         y.resize(field.dim(), R::zero());
         let largest = start.iter().fold(R::zero(), |largest: R, y| largest.max(y.abs()));
