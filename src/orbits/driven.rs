@@ -39,24 +39,17 @@ named! {
     pub enum DriveParameter {
         /// Amplitude of the first harmonic that has a frequency; other such harmonics keep their
         /// ratio to it.
-        Amplitude = "amplitude",
+        Amplitude = "amplitude", "drive amplitude a";
         /// Fundamental frequency; all harmonics keep their ratio to it.
-        Omega = "omega",
+        Omega = "omega", "drive frequency ω";
         /// Common factor of all drags and dashpots, and of the dissipation constants of contacts.
-        Damping = "damping",
+        Damping = "damping", "factor of damping";
     }
+    /// The symbol in pictures.
+    pub fn symbol
 }
 
 impl DriveParameter {
-    /// The symbol in pictures.
-    pub fn symbol(self) -> &'static str {
-        match self {
-            Self::Amplitude => "drive amplitude a",
-            Self::Omega => "drive frequency ω",
-            Self::Damping => "factor of damping",
-        }
-    }
-
     /// The rule for its values.
     fn check(self, value: f64) -> Result<()> {
         let (good, rule) = match self {
