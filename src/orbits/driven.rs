@@ -57,7 +57,7 @@ impl DriveParameter {
             Self::Omega => (value > 0.0, "a frequency is finite and positive"),
             Self::Damping => (value >= 0.0, "a factor is finite and at least zero"),
         };
-        if value.is_finite() && good { Ok(()) } else { Err(Error::parameter(self.name(), value, rule)) }
+        require(value.is_finite() && good, self.name(), value, rule)
     }
 }
 
@@ -372,7 +372,7 @@ pub(crate) fn returns(rate: f64, off: impl FnOnce() -> Result<f64>) -> Result<()
         return Err(Error::parameter("rates", format!("up to {rate:.1e}"), rule));
     }
     let off = off()?;
-    if off <= RETURNED { Ok(()) } else { Err(Error::parameter("residual", off, "an orbit returns to 1e-8")) }
+    require(off <= RETURNED, "residual", off, "an orbit returns to 1e-8")
 }
 /// A run has settled if a period changes the unknowns by at most this, in units of the largest.
 const SETTLED: f64 = 1e-8;
