@@ -1,7 +1,28 @@
 //! Enumerations whose variants have names.
 
-/// An enumeration with a name for each variant: in JSON, in tables and in messages.
+/// An enumeration with a name for each variant: in JSON, in tables and in messages; and, if a
+/// function for them is named, other words.
 macro_rules! named {
+    ($(#[$attribute:meta])* pub enum $type:ident {
+        $($(#[$about:meta])* $variant:ident = $name:literal, $words:literal;)*
+    }
+    $(#[$said:meta])* $visible:vis fn $function:ident) => {
+        $crate::named::named! {
+            $(#[$attribute])*
+            pub enum $type {
+                $($(#[$about])* $variant = $name,)*
+            }
+        }
+
+        impl $type {
+            $(#[$said])*
+            $visible fn $function(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $words,)*
+                }
+            }
+        }
+    };
     ($(#[$attribute:meta])* pub enum $type:ident {
         $($(#[$about:meta])* $variant:ident = $name:literal,)*
     }) => {

@@ -16,6 +16,7 @@ use crate::{
     chain::max_norm,
     error::{Error, Result, positive, require},
     interrupt,
+    named::named,
 };
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -102,32 +103,34 @@ pub(super) struct BasePoint<'a> {
     pub(super) tangent: &'a DVector<f64>,
 }
 
-/// The reason why a branch ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum End {
-    /// The parameter has its final value.
-    Reached,
-    /// The branch has the largest number of points.
-    MostPoints,
-    /// The branch turned back and the parameter passed its first value. For a branch that was
-    /// begun where it crosses another one, that is the first value of the other branch.
-    TurnedBack,
-    /// No orbit was found with the shortest step.
-    Lost,
-    /// Newton's method leads to an orbit of another branch, also with the shortest step.
-    Jumped,
-    /// The branch of doubled period came back to the branch of half its period.
-    Rejoined,
-    /// No contact of a wave closes any more: every wave of frequency `omega` without contacts
-    /// follows.
-    NoContact,
-    /// The waves vanish: contacts no longer change their frequency `omega`.
-    Vanished,
-    /// The multipliers of the last orbit are not known.
-    NoMultipliers,
-    /// The process was asked to end.
-    Stopped,
+named! {
+    /// The reason why a branch ended.
+    pub enum End {
+        /// The parameter has its final value.
+        Reached = "reached", "the parameter has its final value";
+        /// The branch has the largest number of points.
+        MostPoints = "most-points", "it has the largest number of points";
+        /// The branch turned back and the parameter passed its first value. For a branch that was
+        /// begun where it crosses another one, that is the first value of the other branch.
+        TurnedBack = "turned-back", "it turned back and passed the first value";
+        /// No orbit was found with the shortest step.
+        Lost = "lost", "no orbit was found with the shortest step";
+        /// Newton's method leads to an orbit of another branch, also with the shortest step.
+        Jumped = "jumped", "Newton's method leads to another branch, also with the shortest step";
+        /// The branch of doubled period came back to the branch of half its period.
+        Rejoined = "rejoined", "it came back to the branch of half its period";
+        /// No contact of a wave closes any more: every wave of frequency `omega` without contacts
+        /// follows.
+        NoContact = "no-contact", "no contact closes any more, and the frequency is omega";
+        /// The waves vanish: contacts no longer change their frequency `omega`.
+        Vanished = "vanished", "its waves vanish where their frequency is omega";
+        /// The multipliers of the last orbit are not known.
+        NoMultipliers = "no-multipliers", "the multipliers of its last orbit are not known";
+        /// The process was asked to end.
+        Stopped = "stopped", "the process was asked to end";
+    }
+    /// The reason in words.
+    pub fn words
 }
 
 impl End {
@@ -144,22 +147,6 @@ impl End {
             _ if interrupt::asked() => Self::Stopped,
             None if whole => Self::MostPoints,
             _ => Self::NoMultipliers,
-        }
-    }
-
-    /// The reason in words.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Reached => "the parameter has its final value",
-            Self::MostPoints => "it has the largest number of points",
-            Self::TurnedBack => "it turned back and passed the first value",
-            Self::Lost => "no orbit was found with the shortest step",
-            Self::Jumped => "Newton's method leads to another branch, also with the shortest step",
-            Self::Rejoined => "it came back to the branch of half its period",
-            Self::NoContact => "no contact closes any more, and the frequency is omega",
-            Self::Vanished => "its waves vanish where their frequency is omega",
-            Self::NoMultipliers => "the multipliers of its last orbit are not known",
-            Self::Stopped => "the process was asked to end",
         }
     }
 }

@@ -32,33 +32,21 @@ named! {
     /// The kinds of bifurcation that are located.
     pub enum BifurcationKind {
         /// A pair of multipliers crosses -1; of driven orbits, one multiplier.
-        PeriodDoubling = "period-doubling",
+        PeriodDoubling = "period-doubling", "a period doubling";
         /// A pair crosses 1; of driven orbits, one multiplier, and the branch does not turn.
-        PlusOne = "plus-one",
+        PlusOne = "plus-one", "a branch point";
         /// Two pairs meet on the circle and leave it, or the other way round.
-        KreinCollision = "krein-collision",
+        KreinCollision = "krein-collision", "a Krein collision";
         /// Two pairs meet on the real axis and leave it, or the other way round.
-        RealCollision = "real-collision",
+        RealCollision = "real-collision", "a collision on the real axis";
         /// The branch turns back.
-        Fold = "fold",
+        Fold = "fold", "a fold";
         /// A pair leaves the circle elsewhere than at 1 and -1, or enters it: Neimark-Sacker, of
         /// driven orbits only.
-        Torus = "torus",
+        Torus = "torus", "a torus bifurcation";
     }
-}
-
-impl BifurcationKind {
     /// The kind in words.
-    pub(super) fn words(self) -> &'static str {
-        match self {
-            Self::PeriodDoubling => "a period doubling",
-            Self::PlusOne => "a branch point",
-            Self::KreinCollision => "a Krein collision",
-            Self::RealCollision => "a collision on the real axis",
-            Self::Fold => "a fold",
-            Self::Torus => "a torus bifurcation",
-        }
-    }
+    pub(super) fn words
 }
 
 /// The multipliers that meet at a bifurcation of reversible orbits.

@@ -19,7 +19,7 @@ use super::{
     shooting::{Equations, Formulation, NewtonStep, Orbit, Shooting},
 };
 use crate::{
-    error::{Error, Result},
+    error::{Result, require},
     output::FileFormat,
 };
 use serde::{Deserialize, Serialize};
@@ -138,18 +138,13 @@ impl Problem for Continuation {
     /// An orbit that starts at rest is at rest after half a period, so the half-period equations
     /// apply to both formulations.
     fn verify(&self, _setting: &Setting, orbit: &Orbit) -> Result<()> {
-        if orbit.setting.fastest_rate(&orbit.z) > FASTEST {
-            let rule = "contacts and resonators of an orbit are at most 1000 times as fast as it is";
-            return Err(Error::parameter("strains", orbit.amplitude(), rule));
-        }
+        let rule = "contacts and resonators of an orbit are at most 1000 times as fast as it is";
+        require(orbit.setting.fastest_rate(&orbit.z) <= FASTEST, "strains", orbit.amplitude(), rule)?;
         let shooting = Shooting { formulation: Formulation::HalfPeriod, ..self.shooting };
         let velocities = shooting.equations(&orbit.setting, &orbit.z, false)?.residual;
         let residual = velocities.rows(0, orbit.z.len()).amax() / orbit.amplitude();
-        if residual <= RESTORED {
-            return Ok(());
-        }
         let rule = "the velocities of an orbit vanish after half a period, to 1e-8: this is none";
-        Err(Error::parameter("residual", residual, rule))
+        require(residual <= RESTORED, "residual", residual, rule)
     }
 
     fn least_change(&self, p: f64) -> f64 {

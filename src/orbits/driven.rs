@@ -39,24 +39,17 @@ named! {
     pub enum DriveParameter {
         /// Amplitude of the first harmonic that has a frequency; other such harmonics keep their
         /// ratio to it.
-        Amplitude = "amplitude",
+        Amplitude = "amplitude", "drive amplitude a";
         /// Fundamental frequency; all harmonics keep their ratio to it.
-        Omega = "omega",
+        Omega = "omega", "drive frequency ω";
         /// Common factor of all drags and dashpots, and of the dissipation constants of contacts.
-        Damping = "damping",
+        Damping = "damping", "factor of damping";
     }
+    /// The symbol in pictures.
+    pub fn symbol
 }
 
 impl DriveParameter {
-    /// The symbol in pictures.
-    pub fn symbol(self) -> &'static str {
-        match self {
-            Self::Amplitude => "drive amplitude a",
-            Self::Omega => "drive frequency ω",
-            Self::Damping => "factor of damping",
-        }
-    }
-
     /// The rule for its values.
     fn check(self, value: f64) -> Result<()> {
         let (good, rule) = match self {
@@ -64,7 +57,7 @@ impl DriveParameter {
             Self::Omega => (value > 0.0, "a frequency is finite and positive"),
             Self::Damping => (value >= 0.0, "a factor is finite and at least zero"),
         };
-        if value.is_finite() && good { Ok(()) } else { Err(Error::parameter(self.name(), value, rule)) }
+        require(value.is_finite() && good, self.name(), value, rule)
     }
 }
 
@@ -379,7 +372,7 @@ pub(crate) fn returns(rate: f64, off: impl FnOnce() -> Result<f64>) -> Result<()
         return Err(Error::parameter("rates", format!("up to {rate:.1e}"), rule));
     }
     let off = off()?;
-    if off <= RETURNED { Ok(()) } else { Err(Error::parameter("residual", off, "an orbit returns to 1e-8")) }
+    require(off <= RETURNED, "residual", off, "an orbit returns to 1e-8")
 }
 /// A run has settled if a period changes the unknowns by at most this, in units of the largest.
 const SETTLED: f64 = 1e-8;

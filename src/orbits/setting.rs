@@ -12,29 +12,18 @@ named! {
     /// A number of the setting that can vary along a branch of orbits.
     pub enum Parameter {
         /// Frequency `omega_b`.
-        OmegaB = "omega_b",
+        OmegaB = "omega_b", "ω_b";
         /// Mass ratio `rho`.
-        Rho = "rho",
+        Rho = "rho", "ρ";
         /// Spring constant `kappa`.
-        Kappa = "kappa",
+        Kappa = "kappa", "κ";
         /// Exponent `alpha`.
-        Alpha = "alpha",
+        Alpha = "alpha", "α";
         /// Vertical centre `C_x`.
-        Cx = "c_x",
+        Cx = "c_x", "C_x";
     }
-}
-
-impl Parameter {
     /// The symbol in pictures.
-    pub fn symbol(self) -> &'static str {
-        match self {
-            Self::OmegaB => "ω_b",
-            Self::Rho => "ρ",
-            Self::Kappa => "κ",
-            Self::Alpha => "α",
-            Self::Cx => "C_x",
-        }
-    }
+    pub fn symbol
 }
 
 /// A ring of strains (eq:HertzS), and the frequency and centre of an orbit on it.

@@ -92,10 +92,12 @@ named! {
     /// How the ends move.
     pub enum Ends {
         /// Both `a cos(omega_d t)`.
-        InPhase = "in-phase",
+        InPhase = "in-phase", "in phase";
         /// `a cos(omega_d t)` and `-a cos(omega_d t)`.
-        Antiphase = "antiphase",
+        Antiphase = "antiphase", "antiphase";
     }
+    /// In words.
+    pub fn words
 }
 
 /// A point of a branch, with the background and the kink of its strains.
@@ -189,11 +191,6 @@ impl Ends {
     /// The sign of the right end.
     fn sign(self) -> f64 {
         if self == Self::InPhase { 1.0 } else { -1.0 }
-    }
-
-    /// In words.
-    pub fn words(self) -> &'static str {
-        if self == Self::InPhase { "in phase" } else { "antiphase" }
     }
 }
 

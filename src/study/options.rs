@@ -4,7 +4,7 @@
 use super::tolerance_help;
 use crate::{
     chain::Params,
-    error::{Error, Result},
+    error::{Error, Result, require},
     run::{Method, Run},
     scene::Scene,
 };
@@ -202,7 +202,7 @@ impl Adaptive {
     /// Refuses a method that takes no tolerance.
     pub(super) fn check(&self) -> Result<()> {
         let rule = "an adaptive method: collocation or a dop853";
-        if self.method.adaptive() { Ok(()) } else { Err(Error::parameter("integrator", self.method.name(), rule)) }
+        require(self.method.adaptive(), "integrator", self.method.name(), rule)
     }
 
     /// The run of a scene.

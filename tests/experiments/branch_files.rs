@@ -572,7 +572,7 @@ fn commands_take_branches_and_refuse_what_is_none() {
         (&["breather", "evolve", branch, "--at", "2.06", "--point", "1"], "cannot be used with"),
         (&["breather", "evolve", &json], "branch.json, archive: not an NPZ file"),
         (&["breather", "evolve", &json, "--point", "1"], "branch.json, archive: not an NPZ file"),
-        (&["breather", "evolve", &main], "main: "),
+        (&["breather", "evolve", &main], "main, archive: not an NPZ file"),
         (&["breather", "evolve", "/dev/null"], "/dev/null, archive: not an NPZ file"),
         (&["breather", "doubled", "--branch", doubled], "turns = 2"),
         (&["breather", "doubled", "--branch", &json], "branch.json, archive: not an NPZ file"),

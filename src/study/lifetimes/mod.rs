@@ -85,12 +85,14 @@ named! {
     #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
     pub enum Criterion {
         /// The core has less than 0.9 of the energy.
-        Energy = "energy",
+        Energy = "energy", "the core has less than 0.9 of the energy";
         /// The relative distance to the ansatz is above 1/2.
-        Distance = "distance",
+        Distance = "distance", "|A - A~|_1/|A~|_1 is above 0.5, A = u + i u', phase included";
         /// The frequency of the central bead is nearer to `omega` than to `Omega_b`.
-        Frequency = "frequency",
+        Frequency = "frequency", "the central oscillation is nearer to omega than to Omega_b, over four periods";
     }
+    /// Its meaning in words.
+    fn meaning
 }
 
 named! {

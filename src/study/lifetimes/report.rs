@@ -62,15 +62,6 @@ fn fate(point: &LifetimePoint) -> &'static str {
     }
 }
 
-/// The meaning of a criterion.
-fn meaning(criterion: Criterion) -> &'static str {
-    match criterion {
-        Criterion::Energy => "the core has less than 0.9 of the energy",
-        Criterion::Distance => "|A - A~|_1/|A~|_1 is above 0.5, A = u + i u', phase included",
-        Criterion::Frequency => "the central oscillation is nearer to omega than to Omega_b, over four periods",
-    }
-}
-
 fn fit_words(fit: Option<PowerLaw>) -> String {
     let Some(fit) = fit else {
         return "no power law: it takes four breathers that radiate with rho epsilon^(2(alpha-1)) >= 10, of several sizes and mass ratios".to_owned();
@@ -90,7 +81,7 @@ impl LifetimeStudy {
     /// number of cores.
     pub fn report(&self) -> Report {
         let Self { options, fit, computed, resumed, .. } = self;
-        let (criterion, meaning) = (options.criterion.name(), meaning(options.criterion));
+        let (criterion, meaning) = (options.criterion.name(), options.criterion.meaning());
         let fit_json = |fit: PowerLaw| -> Value {
             let mut value = json!(fit);
             value["holds"] = json!(fit.holds());
@@ -181,7 +172,7 @@ impl LifetimeStudy {
             }
         };
         let maps = vec![map("lifetime", |_| 1.0), map("lifetime / (T ε^(1−α))", |point| point.horizon)];
-        let (criterion, meaning) = (options.criterion.name(), meaning(options.criterion));
+        let (criterion, meaning) = (options.criterion.name(), options.criterion.meaning());
         let caption = format!(
             "Bright breathers u(0) = 2εa about a {}, at rest, α = {}, κ = 1; lifetime by {criterion}: {meaning}. Followed to \
              t = {}; >: it is more. No breather: gaps have opened between the central sites, and what lives on is beads that \

@@ -22,7 +22,7 @@ pub use taper::*;
 
 use crate::{
     chain::{Boundary, Chain, Details, Params, State},
-    error::{Error, Result},
+    error::{Error, Result, require},
     interrupt,
     run::{Method, Run, Setting, state_at},
     waves::LinePulse,
@@ -144,7 +144,7 @@ fn pulse_energy(chain: &Chain<f64>, y: &[f64], bond: usize) -> f64 {
 
 /// Refuses a range that is empty.
 fn ascending(from: f64, to: f64) -> Result<()> {
-    if from < to { Ok(()) } else { Err(Error::parameter("from", from, "below the largest value, --to")) }
+    require(from < to, "from", from, "below the largest value, --to")
 }
 
 /// Values from `from` to `to`, both included, evenly spaced in their logarithm.
