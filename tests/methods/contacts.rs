@@ -75,26 +75,6 @@ fn kinds(events: &[Event<f64>]) -> Vec<(usize, bool)> {
 }
 
 #[test]
-fn the_log_of_one_collision_is_that_of_the_closed_form() {
-    // g'' = -2 g^alpha with g' = w: g_max = (w^2 (alpha+1)/4)^{1/(alpha+1)}; the beads swap
-    // velocities, so the impulse is w; the collision is elastic and symmetric in time.
-    let w = 0.7;
-    for alpha in [1.2, 1.5, 2.0, 3.0] {
-        let chain = chain(alpha, (0.0, 0.0), Boundary::Free, 2);
-        let y0 = state(&chain, &[-0.35, 0.0], &[w, 0.0]);
-        let contacts = watched(&chain, &y0, 5.0, 1e-13);
-        let [contact] = contacts[..] else { panic!("{contacts:?}") };
-        assert_eq!(contact.bond, 1);
-        assert_relative_eq!(contact.onset.unwrap(), 0.5, max_relative = 2e-13);
-        assert_relative_eq!(contact.approach.unwrap(), w, max_relative = 2e-11);
-        assert_relative_eq!(contact.separation.unwrap(), w, max_relative = 3e-11);
-        let g_max = (w * w * (alpha + 1.0) / 4.0).powf(1.0 / (alpha + 1.0));
-        assert_relative_eq!(contact.largest_overlap, g_max, max_relative = 2e-11);
-        assert_relative_eq!(contact.impulse, w, max_relative = 3e-11);
-    }
-}
-
-#[test]
 fn impulses_add_up_to_the_change_of_momentum() {
     // Truth: u_n'(end) - u_n'(0) = J_n - J_{n+1} on a plain chain, for every bead, by every kind of
     // method.
