@@ -2,7 +2,7 @@
 //! mode.
 
 use super::{
-    Changes, InSi, Progress,
+    Changes, Progress, ResultUnits,
     branches::{
         self, BifurcationOptions, BranchOptions, BranchRow, BranchStudy, First, FollowCommand, Kept, SWITCHED,
         SWITCHED_FILES, SceneSource, crossed, files_of_branch,
@@ -44,8 +44,8 @@ options! {
         changes: Changes = Changes::default(), [command(flatten)];
         /// The branch.
         way: ModeWay = ModeWay::default(), [command(flatten)];
-        /// The units of options and results.
-        si: InSi = InSi::default(), [command(flatten)];
+        /// The units of results.
+        results: ResultUnits = ResultUnits::default(), [command(flatten)];
     }
 }
 
@@ -88,8 +88,8 @@ impl Kept for ModeContinuation {
         Ok((scene, modes))
     }
 
-    fn units(scene: &Scene, si: InSi) -> Result<Option<Units>> {
-        si.units(scene)
+    fn units(scene: &Scene) -> Option<Units> {
+        scene.units().copied()
     }
 
     fn quantity(&self, _setting: &NormalModes) -> Quantity {
@@ -123,43 +123,44 @@ impl Kept for ModeContinuation {
 impl FollowCommand for FollowMode {
     type Problem = ModeContinuation;
 
-    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
-        (&self.way.branch, self.way.more, self.si)
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, ResultUnits) {
+        (&self.way.branch, self.way.more, self.results)
     }
 
     fn first(&self) -> Result<First<'_, ModeContinuation>> {
-        self.way.first(Scene::load_with(&self.scene, &self.changes.set)?, self.si)
+        self.way.first(Scene::load_with(&self.scene, &self.changes.set)?, self.results)
     }
 }
 
 impl ModeWay {
-    fn first(&self, scene: Scene, si: InSi) -> Result<First<'static, ModeContinuation>> {
+    fn first(&self, scene: Scene, results: ResultUnits) -> Result<First<'static, ModeContinuation>> {
         self.within_ranges()?;
-        let (si, modes) = (si.units(&scene)?, NormalModes::new(scene.chain())?);
+        let modes = NormalModes::new(scene.chain())?;
         let mode = self.linear_mode.map_or(modes.most_localised(), |number| number - 1);
-        let continuation = self.branch.continuation((si.as_ref(), Quantity::Length), 0.0, |to, step| {
+        let continuation = self.branch.continuation((scene.units(), Quantity::Length), 0.0, |to, step| {
             let continuation = ModeContinuation { mode, to, step, most_points: self.branch.max_points };
             continuation.check(&modes).map(|()| continuation)
         })?;
+        let si = results.of(&scene);
         Ok(Box::new(move |_, _| Ok((scene, continuation.begin(&modes)?, si))))
     }
 }
 
-/// The branch of a normal mode of a conservative scene. In SI units, `to` and `step` of the way are
-/// read, and the report is written, in these. `progress` is told the share done.
+/// The branch of a normal mode of a conservative scene. `to` and `step` of the way are in the units
+/// of the scene. `progress` is told the share done.
 ///
 /// # Errors
-/// A scene that dissipates or is driven, or whose contacts do not hold every bead, or without the
-/// units that are asked for; a number outside its rule; a first orbit that is not found; a signal.
+/// A scene that dissipates or is driven, or whose contacts do not hold every bead; a number outside
+/// its rule; a first orbit that is not found; a signal.
 pub fn follow_mode(
     scene: Scene,
     way: &ModeWay,
-    si: InSi,
+    results: ResultUnits,
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<ModeStudy> {
     let level = way.branch.level::<ModeContinuation>(way.more)?;
-    branches::begun(way.first(scene, si)?, level, way.more.switch, engine, progress)
+    branches::begun(way.first(scene, results)?, level, way.more.switch, engine, progress)
 }
 
 /// The tables of the branch: points and bifurcations.

@@ -9,7 +9,9 @@ use hertzchain::{
     },
     run::{Method, Run, Setting},
     scene::Scene,
-    study::{BifurcationOptions, BranchOptions, DrivenSearch, DrivenWay, InSi, ModeWay, driven_branch, follow_mode},
+    study::{
+        BifurcationOptions, BranchOptions, DrivenSearch, DrivenWay, ModeWay, ResultUnits, driven_branch, follow_mode,
+    },
     sweep::Engine,
 };
 use std::f64::consts::PI;
@@ -216,7 +218,7 @@ fn bifurcations_of_driven_branches_in_segments_are_those_of_the_whole_branch() {
         branch: BranchOptions { to: Some(2.0), step: Some(0.1), ..BranchOptions::default() },
         more: BifurcationOptions { switch: Some(1), ..BifurcationOptions::default() },
     };
-    let found = driven_branch(scene, &search, &way, InSi::default(), &Engine::threads(), &|_, _| {}).unwrap();
+    let found = driven_branch(scene, &search, &way, ResultUnits::default(), &Engine::threads(), &|_, _| {}).unwrap();
     let switched = found.switched.unwrap().1.unwrap();
     for (divided, count) in [(found.branch, 1), (switched, 3)] {
         let whole = divided.clone().analysed();
@@ -251,7 +253,7 @@ fn bifurcations_of_modes_in_segments_are_those_of_the_whole_branch() {
             branch: BranchOptions { to: Some(to), step: Some(step), ..BranchOptions::default() },
             more: BifurcationOptions { switch, bifurcations: Some(true) },
         };
-        let found = follow_mode(scene, &way, InSi::default(), &Engine::threads(), &|_, _| {}).unwrap();
+        let found = follow_mode(scene, &way, ResultUnits::default(), &Engine::threads(), &|_, _| {}).unwrap();
         assert!(!whole.bifurcations.is_empty());
         let switched = found.switched.map(|(_, branch)| branch.unwrap());
         for (whole, divided) in std::iter::once((whole, found.branch)).chain(crossed.into_iter().zip(switched)) {

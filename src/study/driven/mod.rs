@@ -4,7 +4,7 @@
 mod report;
 
 use super::{
-    Changes, InSi, Progress, Study, Work,
+    Changes, Progress, ResultUnits, Study, Work,
     branches::{
         self, BifurcationOptions, BranchOptions, BranchStudy, First, FollowCommand, Kept, SWITCHED_FILES, SceneSource,
         branch_npz, files_of_branch,
@@ -37,8 +37,8 @@ options! {
         changes: Changes = Changes::default(), [command(flatten)];
         /// The search.
         search: DrivenSearch = DrivenSearch::default(), [command(flatten)];
-        /// The units of options and results.
-        si: InSi = InSi::default(), [command(flatten)];
+        /// The units of results.
+        results: ResultUnits = ResultUnits::default(), [command(flatten)];
     }
 }
 
@@ -107,10 +107,9 @@ impl Study for Driven {
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.load()?;
-        self.si.units(&scene)?;
         self.search.setting(&scene)?;
         Ok(Box::new(move |_, progress| {
-            let study = driven_orbit(scene, &self.search, self.si, progress)?;
+            let study = driven_orbit(scene, &self.search, self.results, progress)?;
             Ok(study.report().file("driven-orbit.npz", study.npz()?))
         }))
     }
@@ -119,10 +118,14 @@ impl Study for Driven {
 /// The orbit to which a driven scene leads. `progress` is told the share done.
 ///
 /// # Errors
-/// A scene without a periodic drive, or without the units that are asked for; an orbit that is not
-/// found; a signal.
-pub fn driven_orbit(scene: Scene, search: &DrivenSearch, si: InSi, progress: Progress<'_>) -> Result<DrivenStudy> {
-    let si = si.units(&scene)?;
+/// A scene without a periodic drive; an orbit that is not found; a signal.
+pub fn driven_orbit(
+    scene: Scene,
+    search: &DrivenSearch,
+    results: ResultUnits,
+    progress: Progress<'_>,
+) -> Result<DrivenStudy> {
+    let si = results.of(&scene);
     let orbit = search.orbit(&scene, &search.setting(&scene)?, progress)?;
     Ok(DrivenStudy { si, ..DrivenStudy::new(scene, orbit)? })
 }
@@ -201,8 +204,8 @@ impl Kept for DrivenContinuation {
         Ok((scene, setting))
     }
 
-    fn units(scene: &Scene, si: InSi) -> Result<Option<Units>> {
-        si.units(scene)
+    fn units(scene: &Scene) -> Option<Units> {
+        scene.units().copied()
     }
 
     fn quantity(&self, setting: &DrivenSetting) -> Quantity {
@@ -221,12 +224,12 @@ impl Kept for DrivenContinuation {
 impl FollowCommand for DrivenContinue {
     type Problem = DrivenContinuation;
 
-    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
-        (&self.way.branch, self.way.more, self.driven.si)
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, ResultUnits) {
+        (&self.way.branch, self.way.more, self.driven.results)
     }
 
     fn first(&self) -> Result<First<'_, DrivenContinuation>> {
-        self.way.first(self.driven.load()?, self.driven.search, self.driven.si)
+        self.way.first(self.driven.load()?, self.driven.search, self.driven.results)
     }
 }
 
@@ -241,36 +244,41 @@ fn quantity(parameter: DriveParameter, setting: &DrivenSetting) -> Quantity {
 }
 
 impl DrivenWay {
-    fn first(&self, scene: Scene, search: DrivenSearch, si: InSi) -> Result<First<'static, DrivenContinuation>> {
-        let (parameter, si, setting) = (self.vary, si.units(&scene)?, search.setting(&scene)?);
+    fn first(
+        &self,
+        scene: Scene,
+        search: DrivenSearch,
+        results: ResultUnits,
+    ) -> Result<First<'static, DrivenContinuation>> {
+        let (parameter, setting) = (self.vary, search.setting(&scene)?);
         let (kind, from) = (quantity(parameter, &setting), setting.get(parameter));
-        let continuation = self.branch.continuation((si.as_ref(), kind), from, |to, step| {
+        let continuation = self.branch.continuation((scene.units(), kind), from, |to, step| {
             let (most_points, shooting) = (self.branch.max_points, DrivenShooting::default());
             let continuation = DrivenContinuation { parameter, to, step, most_points, shooting };
             continuation.check_range(&setting, from).map(|()| continuation)
         })?;
         Ok(Box::new(move |_, progress| {
             let orbit = search.orbit(&scene, &setting, progress)?;
+            let si = results.of(&scene);
             Ok((scene, DrivenBranch::new(continuation, setting, orbit)?, si))
         }))
     }
 }
 
-/// The branch, in one parameter, that begins with the orbit to which a driven scene leads. In SI
-/// units, `to` and `step` of the way are read, and the report is written, in these. `progress` is
-/// told the share done.
+/// The branch, in one parameter, that begins with the orbit to which a driven scene leads. `to` and
+/// `step` of the way are in the units of the scene. `progress` is told the share done.
 ///
 /// # Errors
-/// A scene without a periodic drive, or without the units that are asked for; a number outside its
-/// rule; a first orbit that is not found; a signal.
+/// A scene without a periodic drive; a number outside its rule; a first orbit that is not found; a
+/// signal.
 pub fn driven_branch(
     scene: Scene,
     search: &DrivenSearch,
     way: &DrivenWay,
-    si: InSi,
+    results: ResultUnits,
     engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<DrivenBranchStudy> {
     let level = way.branch.level::<DrivenContinuation>(way.more)?;
-    branches::begun(way.first(scene, *search, si)?, level, way.more.switch, engine, progress)
+    branches::begun(way.first(scene, *search, results)?, level, way.more.switch, engine, progress)
 }

@@ -8,7 +8,7 @@ pub(super) use report::{bounds, newton_kantorovich_bound};
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
 use super::{
-    Changes, InSi, Progress, Study, Work,
+    Changes, Progress, ResultUnits, Study, Work,
     branches::{self, BifurcationOptions, BranchOptions, BranchStudy, First, FollowCommand, Kept, files_of_branch},
     options::options,
 };
@@ -274,8 +274,8 @@ options! {
 impl FollowCommand for ContinueWave {
     type Problem = WaveContinuation;
 
-    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
-        (&self.branch, BifurcationOptions::default(), InSi::default())
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, ResultUnits) {
+        (&self.branch, BifurcationOptions::default(), ResultUnits::default())
     }
 
     fn first(&self) -> Result<First<'_, WaveContinuation>> {

@@ -25,7 +25,7 @@ const MOST_VALUES: usize = 1 << 22;
 /// Quantities that are kept if the plan names none.
 const KEPT: [&str; 2] = ["energy_error", "force_evaluations"];
 /// What a run reports as a number, or as a table or an array of numbers.
-const REPORTED: [&str; 19] = [
+const REPORTED: [&str; 21] = [
     "t",
     "period",
     "u",
@@ -42,6 +42,8 @@ const REPORTED: [&str; 19] = [
     "e_x_final",
     "e_y_final",
     "contacts",
+    "largest_force",
+    "largest_speed",
     "force_evaluations",
     "steps",
     "rejected",
@@ -252,7 +254,7 @@ impl Plan {
 
     /// Whether contacts are logged.
     pub(super) fn contacts(&self) -> bool {
-        self.keep.iter().any(|kept| kept.root() == "contacts")
+        self.keep.iter().any(|kept| ["contacts", "largest_force"].contains(&kept.root()))
     }
 }
 
