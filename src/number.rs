@@ -16,6 +16,11 @@ pub(crate) fn double(text: &str) -> Result<f64, String> {
     Ok(value)
 }
 
+/// A number to fifteen digits, without the rounding of a conversion of units.
+pub(crate) fn rounded(x: f64) -> f64 {
+    format!("{x:.14e}").parse().unwrap_or(x)
+}
+
 /// A parameter as a person writes it: all its digits if they are few; else as a fraction with a
 /// denominator up to 12 if it is one (`1/3`); else to four digits.
 pub(crate) fn format_parameter(x: f64) -> String {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
@@ -43,8 +44,8 @@ class Chain:
     precompression : float
         Static overlap of each contact.
     beads : mapping, optional
-        Parameters of the beads: ``mass, kappa, rho, drag, dashpot``. A value is one number for all
-        beads, an array of shape (sites,), or a rule such as ``{"taper": 0.97}``.
+        Parameters of the beads: ``mass, kappa`` or ``stiffness``, ``rho`` or ``resonator``, ``drag``
+        or ``tau``, ``dashpot``. A value is one number for all beads, an array of shape (sites,), or a rule such as ``{"taper": 0.97}``.
     bonds : mapping, optional
         Parameters of the contacts: ``contact, alpha, overlap, viscoelastic, dashpot``, with values
         as for `beads`. An array has one number for each bond that can touch, from left to right:
@@ -53,7 +54,8 @@ class Chain:
     drive : sequence of mappings, optional
         Beads that are moved or pushed: ``site, kind, amplitude, omega, phase, ramp`` and so on.
     units : mapping, optional
-        Spheres in SI units: ``radius, density, young, poisson`` and so on.
+        ``system="SI"``, and spheres: ``radius, density, young, poisson`` and so on. All numbers of
+        the chain, and states and times given for it, are then in SI units.
 
         These four have the keys, rules and meanings of the tables of a scene.
 
@@ -109,8 +111,9 @@ class Chain:
 
     @cached_property
     def masses(self) -> tuple[Vector, Vector]:
-        """Masses of the beads and of the resonators, shape (sites,) each; 0 where nothing moves."""
-        beads, resonators = _native.Scene.of_chain(self._numbers, (None,) * 4, 1e100).masses()
+        """Masses of the beads and of the resonators, shape (sites,) each, in kg with ``units``; 0
+        where nothing moves."""
+        beads, resonators = _native.Scene.of_chain(self._numbers, (None,) * 4, 1e80).masses()
         return beads, resonators
 
     @property
@@ -197,7 +200,7 @@ class Scene:
         return self._scene.to_toml()
 
     def until(self, end: float) -> Scene:
-        """The scene with another end time."""
+        """The scene with another end time, in seconds with ``[units]``."""
         return Scene(self._scene.until(number("until", end)))
 
     def plan(self, events: bool = False) -> list[str]:
@@ -206,9 +209,11 @@ class Scene:
 
     @property
     def chain(self) -> Chain:
-        """The chain, with numbers for each bead in place of the rules and units of the scene."""
+        """The chain, with numbers for each bead in place of rules, unless it is in SI units."""
         if self._chain is None:
-            self._chain = Chain(*self._scene.chain, **(self._scene.tables or {}))
+            in_si = self._scene.tables_in_si
+            tables = self._scene.tables if in_si is None else finite_or_inf(json.loads(in_si))
+            self._chain = Chain(*self._scene.chain, **(tables or {}))
         return self._chain
 
     @property
@@ -231,17 +236,18 @@ class Scene:
 
     @property
     def period(self) -> float:
-        """Time that counts as a period in ``steps_per_period``."""
+        """Time that counts as a period in ``steps_per_period``; in seconds with ``[units]``."""
         return self._scene.period
 
     @property
     def end(self) -> float:
-        """End time; scenes begin at zero."""
+        """End time, in seconds with ``[units]``; scenes begin at zero."""
         return self._scene.end
 
     @property
     def y0(self) -> dict[str, Vector]:
-        """The initial state: ``u, v, pu, pv``, or ``x, y, vx, vy`` on a strain ring."""
+        """The initial state: ``u, v, pu, pv``, or ``x, y, vx, vy`` on a strain ring; in SI units with
+        ``[units]``."""
         strains = self.chain.boundary == STRAIN_RING
         u, v, u_dot, v_dot = self._scene.initial()
         if not strains:
@@ -252,6 +258,15 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"Scene({self.name!r}, sites={self.sites}, end={self.end:g})"
+
+
+def finite_or_inf(value: Any) -> Any:
+    """A value of JSON, in which ``null`` is infinity."""
+    if isinstance(value, dict):
+        return {key: finite_or_inf(one) for key, one in value.items()}
+    if isinstance(value, list):
+        return [finite_or_inf(one) for one in value]
+    return math.inf if value is None else value
 
 
 def names(strains: bool) -> tuple[str, str, str, str]:

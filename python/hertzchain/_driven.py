@@ -22,8 +22,8 @@ class DrivenOrbit:
     ----------
     y0 : dict of ndarray
         Displacements and momenta ``u, v, pu, pv`` at ``t = 0``, for :func:`run`; for a drive with a
-        ramp, those under the drive at its full height. Always dimensionless, as :func:`run` takes
-        them.
+        ramp, those under the drive at its full height. Always in the units of the scene, as
+        :func:`run` takes them.
     period, response, residual : float
         Period of the orbit (s, if in SI units); largest half range of a bead that no drive moves
         (m); residual of Newton's method.
@@ -38,20 +38,23 @@ class DrivenOrbit:
     si : bool
         Whether the numbers are in SI units; otherwise all are dimensionless.
     record : dict
-        All that ``hertzchain orbit driven --json`` prints, with ``--si`` if in SI units.
+        All that ``hertzchain orbit driven --json`` prints, with ``--dimensionless`` if it is so.
     """
 
-    def __init__(self, scene: Scene, turns: int, settle: int, record: dict[str, Any]) -> None:
+    def __init__(
+        self, scene: Scene, turns: int, settle: int, record: dict[str, Any], dimensionless: bool = False
+    ) -> None:
         self.scene = scene
         self.record = record
+        self._dimensionless = dimensionless
         self._search = (turns, settle)
         self.si: bool = record.get("si", False)
-        masses, (length, velocity) = scene._scene.masses(), chain_units(record)
+        masses, (length, velocity) = scene._scene.masses(), scene_units(record, scene)
         self.y0: dict[str, Vector] = {}
         for name, mass in zip("uv", masses):
             if record[name]:
-                self.y0[name] = np.array(record[name], dtype=np.float64) / length
-                self.y0[f"p{name}"] = mass * (np.array(record[f"{name}_dot"], dtype=np.float64) / velocity)
+                self.y0[name] = np.array(record[name], dtype=np.float64) * length
+                self.y0[f"p{name}"] = mass * (np.array(record[f"{name}_dot"], dtype=np.float64) * velocity)
         self.period: float = record["drive"]["period"]
         self.response: float = record["response"]
         self.residual: float = record["residual"]
@@ -67,9 +70,9 @@ class DrivenOrbit:
         return f"DrivenOrbit(period={self.period:g}, response={self.response:g}, {what})"
 
 
-def chain_units(record: dict[str, Any]) -> tuple[float, float]:
-    """The chain's units of length and velocity in those of a record: 1 unless it is in SI units."""
-    units = record["units"] if record.get("si") else {}
+def scene_units(record: dict[str, Any], scene: Scene) -> tuple[float, float]:
+    """The units of length and velocity of a record in those of its scene: 1 if they are the same."""
+    units = {} if record.get("si") else scene.units or {}
     return units.get("length_m", 1.0), units.get("velocity_m_per_s", 1.0)
 
 
@@ -97,7 +100,7 @@ class DrivenBranch:
     si : bool
         Whether the numbers are in SI units; otherwise all are dimensionless.
     record : dict
-        All that ``hertzchain orbit continue --json`` prints, with ``--si`` if in SI units.
+        All that ``hertzchain orbit continue --json`` prints, with ``--dimensionless`` if it is so.
     """
 
     def __init__(self, record: dict[str, Any]) -> None:
@@ -151,7 +154,7 @@ def driven_orbit(
     y0: Any = None,
     turns: int = 1,
     settle: int = 300,
-    si: bool = False,
+    dimensionless: bool = False,
     progress: Progress = False,
 ) -> DrivenOrbit:
     """The periodic orbit to which a driven chain settles.
@@ -170,9 +173,9 @@ def driven_orbit(
     settle : int
         Periods of the orbit for which the chain runs before the search; fewer if its motion
         becomes periodic earlier.
-    si : bool
-        Whether the numbers of the orbit are in SI units, as by ``hertzchain orbit driven --si``;
-        for a scene or chain with ``[units]``. `y0` is dimensionless in any case.
+    dimensionless : bool
+        Whether the numbers of the orbit are dimensionless also for a scene or chain with
+        ``[units]``; `y0` is in SI units in any case.
     progress : bool or callable
         As in :func:`run`.
 
@@ -181,7 +184,7 @@ def driven_orbit(
     ConvergenceError
         If Newton's method does not converge.
     ParameterError
-        For a scene without a periodic drive; for SI units of a scene without ``[units]``.
+        For a scene without a periodic drive.
 
     Examples
     --------
@@ -194,9 +197,9 @@ def driven_orbit(
     >>> bool(abs(orbit.response * abs(1 - 1.3**2 + 0.26j) - 1) < 2e-3), orbit.stable
     (True, True)
 
-    In SI units the period is in seconds, and ``frequency`` in hertz.
+    Of a scene in SI units the period is in seconds, and ``frequency`` in hertz.
 
-    >>> orbit = hc.driven_orbit(hc.Scene.load("granular-crystal"), si=True)
+    >>> orbit = hc.driven_orbit(hc.Scene.load("granular-crystal"))
     >>> bool(abs(orbit.period * orbit.record["drive"]["frequency"] - 1) < 1e-15)
     True
     >>> bool(abs(orbit.record["drive"]["omega"] / 3e4 - 1) < 1e-15)
@@ -208,8 +211,8 @@ def driven_orbit(
     else:
         scene = scene_of(scene, y0, None)
     turns, settle = whole("turns", turns), whole("settle", settle)
-    done = studies.orbit_driven(scene, turns=turns, settle=settle, si=si, progress=progress)
-    return DrivenOrbit(scene, turns, settle, done.record)
+    done = studies.orbit_driven(scene, turns=turns, settle=settle, dimensionless=dimensionless, progress=progress)
+    return DrivenOrbit(scene, turns, settle, done.record, dimensionless)
 
 
 def crossing(record: dict[str, Any]) -> dict[str, Any] | None:
@@ -227,7 +230,7 @@ def continue_driven(
     step: float | None,
     max_points: int | None,
     switch: int | None,
-    si: bool | None,
+    dimensionless: bool | None,
     progress: Progress,
 ) -> DrivenBranch:
     """The branch of a driven orbit; :func:`continue_branch` describes the parameters."""
@@ -242,7 +245,7 @@ def continue_driven(
         max_points=whole("max_points", 1000 if max_points is None else max_points),
         bifurcations=True,
         switch=None if switch is None else whole("switch", switch),
-        si=orbit.si if si is None else si,
+        dimensionless=orbit._dimensionless if dimensionless is None else dimensionless,
         progress=progress,
     )
     return DrivenBranch(done.record)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from . import studies
 from ._arrays import Vector, number, optional, whole
 from ._chain import Chain, Scene
-from ._driven import chain_units, crossing, stretches
+from ._driven import crossing, scene_units, stretches
 from ._progress import Progress
 from ._run import scene_of
 
@@ -36,7 +36,7 @@ class NormalMode:
         ``kind``, ``amplitude`` and ``omega`` of each that was located.
     y0 : dict of ndarray
         The last orbit of the branch when it is at rest, ``u`` and ``v``, for :func:`run`. Always
-        dimensionless, as :func:`run` takes them.
+        in the units of the scene, as :func:`run` takes them.
     period : float
         Period of the last orbit (s).
     multipliers : complex ndarray
@@ -49,15 +49,15 @@ class NormalMode:
     si : bool
         Whether the numbers are in SI units; otherwise all are dimensionless.
     record : dict
-        All that ``hertzchain orbit mode --json`` prints, with ``--si`` if in SI units.
+        All that ``hertzchain orbit mode --json`` prints, with ``--dimensionless`` if it is so.
     """
 
-    def __init__(self, record: dict[str, Any]) -> None:
+    def __init__(self, record: dict[str, Any], scene: Scene) -> None:
         self.record = record
         self.si: bool = record.get("si", False)
         # What belongs to the chain is said once.
         other = crossing(record)
-        self.switched: NormalMode | None = None if other is None else NormalMode(other)
+        self.switched: NormalMode | None = None if other is None else NormalMode(other, scene)
         points, last = self.record["points"], self.record["last"]
         kinds = [("omega", np.float64), ("participation", np.float64), ("site", np.int64), ("resonator", np.bool_)]
         rows = [tuple(one[name] for name, _ in kinds) for one in self.record["linear"]]
@@ -73,8 +73,8 @@ class NormalMode:
         self.max_modulus = column("max_modulus")
         self.stable: NDArray[np.bool_] = np.array([point["unstable"] == 0 for point in points])
         self.bifurcations: list[dict[str, Any]] = self.record["bifurcations"]
-        (length, _), start = chain_units(record), last["start"].items()
-        self.y0: dict[str, Vector] = {name: np.array(array, dtype=np.float64) / length for name, array in start if array}
+        (length, _), start = scene_units(record, scene), last["start"].items()
+        self.y0: dict[str, Vector] = {name: np.array(array, dtype=np.float64) * length for name, array in start if array}
         self.period = float(2.0 * np.pi / self.omega[-1])
         multipliers = [complex(one["re"], one["im"]) for one in last["multipliers"]]
         self.multipliers: NDArray[np.complex128] = np.array(multipliers)
@@ -107,7 +107,7 @@ def normal_mode(
     step: float | None = None,
     max_points: int | None = None,
     switch: int | None = None,
-    si: bool = False,
+    dimensionless: bool = False,
     progress: Progress = False,
 ) -> NormalMode:
     """Follow a nonlinear normal mode of a conservative chain, starting from the linear mode.
@@ -130,17 +130,16 @@ def normal_mode(
     switch : int, optional
         Number of a bifurcation, counted from 1. The branch that crosses there is followed too; it
         is ``switched`` of the result.
-    si : bool
-        Whether `to` and `step` (m) and the numbers of the result are in SI units, as by
-        ``hertzchain orbit mode --si``; for a scene or chain with ``[units]``.
+    dimensionless : bool
+        Whether the numbers of the result are dimensionless also for a scene or chain with
+        ``[units]``; `to` and `step` are in m in any case, and so is `y0`.
     progress : bool or callable
         As in :func:`run`.
 
     Raises
     ------
     ParameterError
-        For a chain that dissipates or is driven, or in which contacts do not hold every bead; for
-        SI units of a chain without ``[units]``.
+        For a chain that dissipates or is driven, or in which contacts do not hold every bead.
     ConvergenceError
         If no first orbit is found.
 
@@ -155,8 +154,8 @@ def normal_mode(
 
     Two steel spheres under 20 N, in SI units: moving in phase, they have the stiffness of one wall.
 
-    >>> steel = {"radius": 9.525e-3, "density": 8027.0, "young": 193e9, "poisson": 0.3, "static_load": 20.0}
-    >>> mode = hc.normal_mode(hc.Chain(sites=2, boundary="fixed", units=steel), to=1e-9, mode=1, si=True)
+    >>> steel = {"system": "SI", "radius": 9.525e-3, "density": 8027.0, "young": 193e9, "poisson": 0.3, "static_load": 20.0}
+    >>> mode = hc.normal_mode(hc.Chain(sites=2, boundary="fixed", units=steel), to=1e-9, mode=1)
     >>> mass, modulus = 4 / 3 * np.pi * 9.525e-3**3 * 8027.0, 193e9 / (1 - 0.3**2) / 2
     >>> wall = 4 / 3 * modulus * 9.525e-3**0.5
     >>> bool(abs(mode.linear["omega"][0] / np.sqrt(1.5 * wall ** (2 / 3) * 20 ** (1 / 3) / mass) - 1) < 1e-13)
@@ -174,7 +173,7 @@ def normal_mode(
         max_points=whole("max_points", 1000 if max_points is None else max_points),
         bifurcations=True,
         switch=None if switch is None else whole("switch", switch),
-        si=si,
+        dimensionless=dimensionless,
         progress=progress,
     )
-    return NormalMode(done.record)
+    return NormalMode(done.record, scene)

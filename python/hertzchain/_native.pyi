@@ -49,6 +49,8 @@ class Scene:
     def chain(self) -> tuple[int, float, float, float, str, float]: ...
     @property
     def tables(self) -> dict[str, Any] | None: ...
+    @property
+    def tables_in_si(self) -> str | None: ...
     def masses(self) -> list[_V]: ...
     @property
     def units(self) -> dict[str, float] | None: ...
@@ -110,6 +112,7 @@ def run(
     times: _V | None,
     states: bool,
     events: bool,
+    dimensionless: bool,
     progress: Callable[[float], Any] | None,
     seen: Callable[[float, _V], Any] | None,
     told: Callable[[float, _V], Any] | None,

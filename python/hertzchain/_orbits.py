@@ -281,7 +281,7 @@ def continue_branch(
     step: float | None = None,
     max_points: int | None = None,
     switch: int | None = None,
-    si: bool | None = None,
+    dimensionless: bool | None = None,
     progress: Progress = False,
 ) -> DrivenBranch: ...
 def continue_branch(
@@ -295,7 +295,7 @@ def continue_branch(
     weak: float = 0.01,
     bound: bool = False,
     switch: int | None = None,
-    si: bool | None = None,
+    dimensionless: bool | None = None,
     progress: Progress = False,
 ) -> Branch | DrivenBranch:
     """Follow a branch from an orbit.
@@ -327,9 +327,10 @@ def continue_branch(
     switch : int, optional
         Number of a bifurcation, counted from 1. The branch that crosses there is followed too; it
         is ``switched`` of the result. For driven orbits only.
-    si : bool, optional
-        Whether `to` and `step`, and the numbers of the branch, are in SI units, as by ``hertzchain
-        orbit continue --si``; by default as those of the orbit. For driven orbits only.
+    dimensionless : bool, optional
+        Whether the numbers of the branch are dimensionless also for a scene with ``[units]``; by
+        default as those of the orbit. `to` and `step` are in SI units in any case. For driven
+        orbits only.
     progress : bool or callable
         As in :func:`run`.
 
@@ -342,7 +343,7 @@ def continue_branch(
 
     A driven orbit in SI units: the first bead is moved by 10 nm at first, and by 12 nm at the end.
 
-    >>> orbit = hc.driven_orbit(hc.Scene.load("granular-crystal"), si=True)
+    >>> orbit = hc.driven_orbit(hc.Scene.load("granular-crystal"))
     >>> driven = hc.continue_branch(orbit, "amplitude", to=12e-9)
     >>> driven.end, bool(np.allclose(driven.values[[0, -1]], [10e-9, 12e-9], rtol=1e-15, atol=0))
     ('reached', True)
@@ -350,8 +351,8 @@ def continue_branch(
     if isinstance(orbit, DrivenOrbit):
         if natural or bound or weak != 0.01:
             raise ParameterError("natural, weak and bound are not valid: they are for dark breathers")
-        return continue_driven(orbit, vary, to, step, max_points, switch, si, progress)
-    for name, value in (("switch", switch), ("si", si)):
+        return continue_driven(orbit, vary, to, step, max_points, switch, dimensionless, progress)
+    for name, value in (("switch", switch), ("dimensionless", dimensionless)):
         if value is not None:
             raise ParameterError(f"{name} is not valid: it is for driven orbits")
     breather = orbit.breather if isinstance(orbit, Orbit) else orbit
@@ -393,7 +394,8 @@ def monodromy(scene: Scene | Chain, *, y0: Any = None, until: float | None = Non
     Returns
     -------
     ndarray, shape (dim, dim)
-        For states ``[u, v, u', v']`` (``[u, u']`` without moving resonators). Rows and columns of
+        For states ``[u, v, u', v']`` (``[u, u']`` without moving resonators), in SI units with
+        ``[units]``. Rows and columns of
         beads that drives move are zero.
 
     Raises

@@ -19,14 +19,6 @@ from ._progress import Progress, shown
 ENERGIES = np.dtype([(name, np.float64) for name in ("beads", "resonators", "springs", "contacts")])
 CONTACTS = np.dtype([(name, np.int64 if name == "bond" else np.float64) for name in _native.CONTACT_COLUMNS])
 DEFAULT_SAMPLES = 400
-# The units whose product is the unit of a column of the log of contacts; the bond has none.
-CONTACT_UNITS = {
-    **dict.fromkeys(("onset", "release", "t_largest", "force_end", "t_peak"), ("time_s",)),
-    **dict.fromkeys(("approach", "separation"), ("velocity_m_per_s",)),
-    **dict.fromkeys(("largest_overlap", "onset_overlap", "release_overlap"), ("length_m",)),
-    "impulse": ("force_n", "time_s"),
-    "peak_force": ("force_n",),
-}
 
 
 class Interrupted(KeyboardInterrupt):
@@ -43,7 +35,8 @@ class Interrupted(KeyboardInterrupt):
 
 
 class Trajectory:
-    """The record of a run.
+    """The record of a run, in SI units for a scene or chain with ``[units]``: metres, seconds,
+    joules, momenta in kg m/s.
 
     Attributes
     ----------
@@ -77,17 +70,22 @@ class Trajectory:
     t_end : float
         Time reached.
     end : dict
-        State at this time; it can be the ``y0`` of another run.
+        State at this time; it can be the ``y0`` of another run, unless it is dimensionless while
+        the scene is in SI units.
     integrator, setting, reason : str
         The method, its accuracy, and why it was chosen if nobody named one.
     units : dict or None
         Value of the unit of each quantity in SI units, for a scene or chain with ``[units]``.
+    si : bool
+        Whether the numbers are in SI units; otherwise all are dimensionless.
     """
 
-    def __init__(self, chain: Chain, record: dict[str, Any], units: dict[str, float] | None = None) -> None:
+    def __init__(
+        self, chain: Chain, record: dict[str, Any], units: dict[str, float] | None = None, si: bool = False
+    ) -> None:
         self.chain = chain
         self.units = units
-        self._record = record
+        self.si = si
         strains = chain.boundary == STRAIN_RING
         self._names = names(strains)
         self.t: Vector = record["t"]
@@ -164,50 +162,6 @@ class Trajectory:
             return np.diff(np.hstack([wall, u, wall]), axis=1)
         return np.diff(u, axis=1)
 
-    def in_si(self) -> Trajectory:
-        """The trajectory in SI units: metres, seconds, joules, momenta in kilogram metres per second.
-
-        Times, states, energies and contacts are those of ``hertzchain run --si``. The message of a
-        failure stays dimensionless, and so does the chain: `end` cannot be the ``y0`` of another
-        run.
-
-        Raises
-        ------
-        ParameterError
-            If the scene or chain has no ``[units]``.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> run = hc.run(hc.Scene.load("granular-crystal"), until=110.0, tol=1e-8)
-        >>> si = run.in_si()
-        >>> bool(si.t[-1] == run.t[-1] * run.units["time_s"])
-        True
-        """
-        units, record = in_units(self.units), self._record
-        length, energy = units["length_m"], units["energy_j"]
-        momentum = units["mass_kg"] * units["velocity_m_per_s"]
-
-        def scaled(name: str, by: float) -> dict[str, Any]:
-            return {} if record.get(name) is None else {name: record[name] * by}
-
-        def states(name: str) -> dict[str, Any]:
-            arrays = zip(record.get(name) or (), (length, length, momentum, momentum))
-            both = [None if array is None else array * by for array, by in arrays]
-            return {name: both} if both else {}
-
-        contacts = {}
-        if self._contacts is not None:
-            table = self._contacts.copy()
-            for k, name in enumerate(_native.CONTACT_COLUMNS):
-                for unit in CONTACT_UNITS.get(name, ()):
-                    table[:, k] *= units[unit]
-            contacts = {"contacts": table}
-        work = {"dissipated": [energy * one for one in record["dissipated"]]} if "dissipated" in record else {}
-        in_si = scaled("t", units["time_s"]) | scaled("t_end", units["time_s"]) | states("states") | states("end")
-        in_si |= scaled("energies", energy) | scaled("driven", energy) | contacts | work
-        return Trajectory(self.chain, record | in_si)
-
     def plot(self, ax: Any = None) -> Any:
         """Strain over space and time, by matplotlib.
 
@@ -229,16 +183,9 @@ class Trajectory:
         picture = ax.pcolormesh(
             np.arange(strains.shape[1]), self.t, strains, cmap="RdBu_r", vmin=-size, vmax=size, shading="nearest"
         )
-        ax.set(xlabel="contact n", ylabel="time t")
-        ax.figure.colorbar(picture, ax=ax, label="strain, negative in contacts", extend="max")
+        ax.set(xlabel="contact n", ylabel="time t" + (" (s)" if self.si else ""))
+        ax.figure.colorbar(picture, ax=ax, label="strain" + (" (m)" if self.si else "") + ", negative in contacts", extend="max")
         return ax
-
-
-def in_units(units: dict[str, float] | None) -> dict[str, float]:
-    """The units of a scene; an error if it has none."""
-    if units is None:
-        raise ParameterError("the scene is not valid: SI units are those of its table [units], which it does not have")
-    return units
 
 
 def scene_of(what: Scene | Chain, y0: Any, until: float | None) -> Scene:
@@ -273,12 +220,13 @@ def run(
     progress: Progress = False,
     on_sample: Callable[[float, Vector], Any] | None = None,
     on_contact: Callable[[dict[str, float]], Any] | None = None,
-    si: bool = False,
+    dimensionless: bool = False,
 ) -> Trajectory:
     """Run a scene, or a chain from a state.
 
     Results have the same bits as those of the program. The interpreter's lock is released, so that
-    runs on several Python threads use several cores.
+    runs on several Python threads use several cores. For a scene or chain with ``[units]`` all that
+    is given, and the result, is in SI units.
 
     Parameters
     ----------
@@ -313,10 +261,9 @@ def run(
         Called with each contact, a dictionary with the columns of the log, after the step in which
         the contact ends. It turns `events` on. An exception in one of the two functions stops the
         run and is raised; its attribute ``partial`` is the trajectory so far.
-    si : bool
-        Whether the trajectory is in SI units, as by :meth:`Trajectory.in_si` and by ``hertzchain
-        run --si``; for a scene or chain with ``[units]``. What is given, and what the functions are
-        called with, stays dimensionless.
+    dimensionless : bool
+        Whether the trajectory, and what the functions are called with, is dimensionless also for a
+        scene or chain with ``[units]``; what is given stays in SI units.
 
     Returns
     -------
@@ -347,10 +294,18 @@ def run(
     >>> bool((end.contacts["onset"][1:] > 0).all())
     True
 
-    In SI units the driven bead of this scene moves by at most 10 nm.
+    This scene is in SI units: the driven bead moves by at most 10 nm.
 
-    >>> si = hc.run(hc.Scene.load("granular-crystal"), until=110.0, tol=1e-8, si=True)
-    >>> bool(9.9e-9 < np.abs(si.u[:, 0]).max() <= 1e-8 * (1 + 1e-15))
+    >>> driven = hc.run(hc.Scene.load("granular-crystal"), until=7e-4, tol=1e-8)
+    >>> bool(9.9e-9 < np.abs(driven.u[:, 0]).max() <= 1e-8 * (1 + 1e-15))
+    True
+
+    Forty steel spheres, of which the first is struck at 0.5 m/s, written in SI units only.
+
+    >>> steel = {"system": "SI", "radius": 9.525e-3, "density": 8027.0, "young": 193e9, "poisson": 0.3}
+    >>> chain = hc.Chain(sites=40, units=steel)
+    >>> struck = hc.run(chain, y0={"pu": 0.5 * chain.masses[0] * np.eye(40)[0]}, until=6e-4, tol=1e-10)
+    >>> bool(abs(struck.energy[-1] / (0.5 * chain.masses[0][0] * 0.5**2) - 1) < 1e-9)
     True
     """
     if on_sample is not None and not callable(on_sample):
@@ -358,8 +313,6 @@ def run(
     if on_contact is not None and not callable(on_contact):
         raise ParameterError(f"on_contact = {on_contact!r} is not valid: a function of a contact")
     whole = scene_of(scene, y0, until)
-    if si:
-        in_units(whole.units)
     if at is None and isinstance(scene, Chain):
         at = DEFAULT_SAMPLES
     with shown(progress, whole.name) as tell:
@@ -372,12 +325,13 @@ def run(
             times=None if at is None else times_of(at, whole.end),
             states=states,
             events=events or on_contact is not None,
+            dimensionless=bool(dimensionless),
             progress=tell,
             seen=on_sample,
             told=None if on_contact is None else lambda _, numbers: on_contact(contact_of(numbers)),
         )
-    trajectory = Trajectory(scene if isinstance(scene, Chain) else whole.chain, record, whole.units)
-    trajectory = trajectory.in_si() if si else trajectory
+    si = whole.units is not None and not dimensionless
+    trajectory = Trajectory(scene if isinstance(scene, Chain) else whole.chain, record, whole.units, si)
     for warning in trajectory.warnings:
         warnings.warn(warning, RuntimeWarning, stacklevel=2)
     if isinstance(raised, KeyboardInterrupt):

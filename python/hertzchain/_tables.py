@@ -14,10 +14,10 @@ from ._errors import ParameterError
 
 Table = Mapping[str, Any]
 
-BEADS = ("mass", "kappa", "rho", "drag", "dashpot")
+BEADS = ("mass", "kappa", "stiffness", "rho", "resonator", "drag", "tau", "dashpot")
 BONDS = ("contact", "wall", "alpha", "overlap", "viscoelastic", "dashpot")
 DRIVE = ("site", "kind", "amplitude", "omega", "phase", "band", "seed", "ramp", "start", "length")
-UNITS = ("radius", "density", "young", "poisson", "wall_young", "wall_poisson", "static_load")
+UNITS = ("system", "radius", "density", "young", "poisson", "wall_young", "wall_poisson", "static_load")
 # Number of bonds that can touch, less the number of sites, by boundary.
 TOUCHING = {"free": -1, "ring": 0, "strain-ring": 0, "fixed": 1}
 

@@ -1872,7 +1872,7 @@ def orbit_driven(
     set: Mapping[str, Any] | Sequence[str] | None = None,
     turns: int = 1,
     settle: int = 300,
-    si: bool = False,
+    dimensionless: bool = False,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
     progress: Progress = False,
@@ -1899,12 +1899,11 @@ def orbit_driven(
         Periods of the orbit for which the scene runs before the search. After its ramp. The search
         starts from the state that the scene has then; it starts earlier if the scene has become
         periodic. From 0 to 1000000.
-    si : bool
-        Results in SI units, for scenes with a table `[units]`. Results are in metres, seconds,
-        newtons and joules, except files for `resume` and messages of failures. A branch takes `to`
-        and `step` in these units, too. The amplitude of a drive is in m if it moves a bead, in N if
-        it pushes one. `omega` is in rad/s, as in the scene; `frequency`, in Hz, stands beside it.
-        Names of fields and columns do not change.
+    dimensionless : bool
+        Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
+        units, and so are options and results, except files for `resume` and messages of failures:
+        metres, seconds, kilograms, newtons, joules. With this option results are dimensionless;
+        what is given stays in SI units.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -1925,7 +1924,7 @@ def orbit_continue(
     set: Mapping[str, Any] | Sequence[str] | None = None,
     turns: int = 1,
     settle: int = 300,
-    si: bool = False,
+    dimensionless: bool = False,
     vary: Literal["amplitude", "omega", "damping"] = "amplitude",
     to: float | None = None,
     step: float | None = None,
@@ -1960,12 +1959,11 @@ def orbit_continue(
         Periods of the orbit for which the scene runs before the search. After its ramp. The search
         starts from the state that the scene has then; it starts earlier if the scene has become
         periodic. From 0 to 1000000.
-    si : bool
-        Results in SI units, for scenes with a table `[units]`. Results are in metres, seconds,
-        newtons and joules, except files for `resume` and messages of failures. A branch takes `to`
-        and `step` in these units, too. The amplitude of a drive is in m if it moves a bead, in N if
-        it pushes one. `omega` is in rad/s, as in the scene; `frequency`, in Hz, stands beside it.
-        Names of fields and columns do not change.
+    dimensionless : bool
+        Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
+        units, and so are options and results, except files for `resume` and messages of failures:
+        metres, seconds, kilograms, newtons, joules. With this option results are dimensionless;
+        what is given stays in SI units.
     vary : Literal["amplitude", "omega", "damping"]
         What varies along the branch.
     to : float
@@ -2027,7 +2025,7 @@ def orbit_mode(
     multipliers: bool | None = None,
     bifurcations: bool | None = None,
     switch: int | None = None,
-    si: bool = False,
+    dimensionless: bool = False,
     resume: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
@@ -2075,12 +2073,11 @@ def orbit_mode(
         ends as the first branch does, or where orbits of doubled period come back to those of half
         the period. Its files are switched-branch.csv, switched-bifurcations.csv and
         switched-branch.npz. At least 1.
-    si : bool
-        Results in SI units, for scenes with a table `[units]`. Results are in metres, seconds,
-        newtons and joules, except files for `resume` and messages of failures. A branch takes `to`
-        and `step` in these units, too. The amplitude of a drive is in m if it moves a bead, in N if
-        it pushes one. `omega` is in rad/s, as in the scene; `frequency`, in Hz, stands beside it.
-        Names of fields and columns do not change.
+    dimensionless : bool
+        Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
+        units, and so are options and results, except files for `resume` and messages of failures:
+        metres, seconds, kilograms, newtons, joules. With this option results are dimensionless;
+        what is given stays in SI units.
     resume : str | os.PathLike[str]
         Go on with what this file, or the file in this folder, has kept. A file of a branch, from
         its last point: to another `to`, by another `step`; then multipliers and bifurcations are

@@ -9,7 +9,8 @@ use hertzchain::{
     Setting, Trajectory,
     chain::{Boundary, Chain, Contact, Energy, Layout},
     run::Records,
-    study::{MethodChoice, MethodRequest},
+    scene::Quantity,
+    study::{MethodChoice, MethodRequest, ResultUnits, contact_in_si, in_units, state_in_si},
 };
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, prelude::*};
 use pyo3::{prelude::*, types::PyDict};
@@ -28,10 +29,13 @@ struct Rows {
 }
 
 impl Rows {
-    /// Room for the states of a chain at some times.
-    fn new(chain: &Chain<f64>, times: usize, states: bool) -> Self {
+    /// Room for the states of a chain at some times; `unit` is that of masses.
+    fn new(chain: &Chain<f64>, times: usize, states: bool, unit: f64) -> Self {
         let strains = chain.boundary() == Boundary::StrainRing;
-        let masses = if strains { [(); 2].map(|()| vec![1.0; chain.sites()]) } else { masses(chain) };
+        let mut masses = if strains { [(); 2].map(|()| vec![1.0; chain.sites()]) } else { masses(chain) };
+        if !strains {
+            masses.iter_mut().flatten().for_each(|mass| *mass *= unit);
+        }
         let (layout, sites) = (chain.layout(), if states { times * chain.sites() } else { 0 });
         let beside = if layout.resonators() { sites } else { 0 };
         let arrays = [sites, beside, sites, beside].map(Vec::with_capacity);
@@ -63,7 +67,7 @@ impl Rows {
 /// did.
 #[pyfunction]
 #[pyo3(signature = (
-    scene, *, integrator, tol, step, steps_per_period, times, states, events, progress, seen, told
+    scene, *, integrator, tol, step, steps_per_period, times, states, events, dimensionless, progress, seen, told
 ))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn run<'py>(
@@ -76,6 +80,7 @@ pub(crate) fn run<'py>(
     times: Option<PyReadonlyArray1<'py, f64>>,
     states: bool,
     events: bool,
+    dimensionless: bool,
     progress: Option<Bound<'py, PyAny>>,
     seen: Option<Py<PyAny>>,
     told: Option<Py<PyAny>>,
@@ -86,14 +91,18 @@ pub(crate) fn run<'py>(
     let run = scene.run().records(Records::Energy);
     let (run, count) = match &times {
         Some(times) => {
-            let times = times.as_array().to_vec();
+            // The end in the units of the scene is that of the run, whatever the rounding.
+            let (end, own) = (scene.end(), scene.in_file(Quantity::Time, scene.end()));
+            let of = |t: &f64| if *t == own { end } else { scene.of_file(Quantity::Time, *t) };
+            let times: Vec<f64> = times.as_array().iter().map(of).collect();
             (run.samples_at(&times).or_raise(py)?, times.len())
         }
         None => (run, scene.samples() + 1),
     };
     let run = if events { run.contacts() } else { run };
-    let mut rows = Rows::new(scene.chain(), count, states);
-    let (end, arrays) = (scene.end(), 2 * scene.chain().layout().half());
+    let units = ResultUnits { dimensionless }.of(scene);
+    let mut rows = Rows::new(scene.chain(), count, states, units.map_or(1.0, |units| units.mass_kg));
+    let (end, layout) = (scene.end(), scene.chain().layout());
     let work = |watched: &Watched| {
         let thrown = RefCell::new(None);
         // Calls a function of Python; once one has thrown, no other is called.
@@ -105,13 +114,20 @@ pub(crate) fn run<'py>(
         };
         let mut seen = |t: f64, y: &[f64]| {
             watched.tell(t / end);
+            let converted = units.map(|units| {
+                let mut y = y.to_vec();
+                state_in_si(&mut y, layout, &units);
+                (t * units.time_s, y)
+            });
+            let (t, y) = converted.as_ref().map_or((t, y), |(t, y)| (*t, &y[..]));
             rows.t.push(t);
             if states {
                 rows.add(y);
             }
-            call(&seen, (t, &y[..arrays]));
+            call(&seen, (t, &y[..2 * layout.half()]));
         };
         let mut told = |contact: &Contact| {
+            let contact = units.map_or_else(|| contact.clone(), |units| contact_in_si(contact, &units));
             call(&told, (contact.release.unwrap_or(f64::NAN), &contact.numbers()));
         };
         let outcome = how.observe(run, &mut seen, &mut told);
@@ -121,15 +137,22 @@ pub(crate) fn run<'py>(
     let ((outcome, thrown, rows), raised) =
         if short { (brief(py, work)?, None) } else { watched(py, progress.as_ref(), work)? };
     let outcome = outcome.or_raise(py)?;
+    let outcome = in_units(outcome, layout, units.as_ref());
     let (name, setting) = how.words();
-    let result = record(py, outcome, rows, states)?;
+    let result = record(py, outcome, rows, states, scene.doubts())?;
     result.set_item("integrator", name)?;
     result.set_item("setting", setting)?;
     result.set_item("reason", how.reason())?;
     Ok((result, thrown.or(raised)))
 }
 
-fn record<'py>(py: Python<'py>, outcome: Trajectory, mut rows: Rows, states: bool) -> PyResult<Bound<'py, PyDict>> {
+fn record<'py>(
+    py: Python<'py>,
+    outcome: Trajectory,
+    mut rows: Rows,
+    states: bool,
+    mut warnings: Vec<String>,
+) -> PyResult<Bound<'py, PyDict>> {
     let result = PyDict::new(py);
     let kinds = |energy: Energy<f64>| [energy.beads, energy.resonators, energy.springs, energy.contacts];
     let energies: Option<Vec<[f64; 4]>> = outcome.samples.iter().map(|sample| sample.energy.map(kinds)).collect();
@@ -148,7 +171,7 @@ fn record<'py>(py: Python<'py>, outcome: Trajectory, mut rows: Rows, states: boo
     result.set_item("force_evaluations", stats.force_evaluations)?;
     result.set_item("wall_s", outcome.wall.as_secs_f64())?;
     result.set_item("energy_error", outcome.energy_error)?;
-    let warnings: Vec<String> = outcome.warnings.iter().map(ToString::to_string).collect();
+    warnings.extend(outcome.warnings.iter().map(ToString::to_string));
     result.set_item("warnings", warnings)?;
     result.set_item("failure", outcome.failure.map(|failure| failure.to_string()))?;
     result.set_item("t_end", outcome.t)?;

@@ -4,7 +4,7 @@ use crate::error::OrRaise;
 use hertzchain::{
     Boundary, Chain, Error, Params,
     chain::{Details, DriveKind, Envelope},
-    scene::{ChainSection, Initial, Record, SceneFile, Span},
+    scene::{ChainSection, Initial, Quantity, Record, SceneFile, Span},
 };
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::{
@@ -94,15 +94,30 @@ impl Scene {
         (sites, alpha, kappa, rho, boundary.to_string(), precompression)
     }
 
-    /// What differs from bead to bead, with one number for each; `None` for a chain of equal beads.
+    /// What differs from bead to bead, with one number for each; `None` for a chain of equal beads
+    /// and for one in SI units.
     #[getter]
     fn tables<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        self.0.chain().details().map(|details| tables(py, details)).transpose()
+        let details = self.0.chain().details().filter(|_| self.0.units().is_none());
+        details.map(|details| tables(py, details)).transpose()
     }
 
-    /// Masses of beads and of resonators, zero where none moves.
+    /// The tables of a scene in SI units, as its file has them, in JSON; infinity is `null`.
+    #[getter]
+    fn tables_in_si(&self) -> Option<String> {
+        let SceneFile { beads, bonds, drives, units, .. } = self.0.file();
+        units.as_ref().map(|units| {
+            let mut all = serde_json::json!({"drive": drives, "units": units});
+            beads.iter().for_each(|beads| all["beads"] = serde_json::json!(beads));
+            bonds.iter().for_each(|bonds| all["bonds"] = serde_json::json!(bonds));
+            all.to_string()
+        })
+    }
+
+    /// Masses of beads and of resonators, zero where none moves, in the units of the scene.
     fn masses<'py>(&self, py: Python<'py>) -> [Bound<'py, PyArray1<f64>>; 2] {
-        masses(self.0.chain()).map(|list| PyArray1::from_vec(py, list))
+        let unit = self.0.units().map_or(1.0, |units| units.mass_kg);
+        masses(self.0.chain()).map(|list| PyArray1::from_vec(py, list.into_iter().map(|mass| mass * unit).collect()))
     }
 
     /// What one of each quantity is in SI units, of a scene with `[units]`.
@@ -113,12 +128,12 @@ impl Scene {
 
     #[getter]
     fn period(&self) -> f64 {
-        self.0.period()
+        self.0.in_file(Quantity::Time, self.0.period())
     }
 
     #[getter]
     fn end(&self) -> f64 {
-        self.0.end()
+        self.0.in_file(Quantity::Time, self.0.end())
     }
 
     #[getter]
@@ -126,11 +141,13 @@ impl Scene {
         self.0.samples()
     }
 
-    /// `u, v, u', v'` at the start; `v` and `v'` only if resonators move.
+    /// `u, v, u', v'` at the start, in the units of the scene; `v` and `v'` only if resonators move.
     fn initial<'py>(&self, py: Python<'py>) -> [Option<Bound<'py, PyArray1<f64>>>; 4] {
         let state = self.0.initial();
         let arrays = [Some(state.u()), state.v(), Some(state.u_dot()), state.v_dot()];
-        arrays.map(|array| array.map(|array| PyArray1::from_slice(py, array)))
+        let quantities = [Quantity::Length, Quantity::Length, Quantity::Velocity, Quantity::Velocity];
+        let of = |(k, array): (usize, &[f64])| array.iter().map(|x| self.0.in_file(quantities[k], *x)).collect();
+        [0, 1, 2, 3].map(|k| arrays[k].map(|array| PyArray1::from_vec(py, of((k, array)))))
     }
 
     /// What a run computes and what it leaves out.
@@ -200,7 +217,7 @@ pub(crate) fn check_chain(py: Python<'_>, chain: Numbers) -> PyResult<()> {
     }
     // At rest, and long enough for every drive.
     let rest = Initial::State { u: Vec::new(), v: Vec::new(), u_dot: Vec::new(), v_dot: Vec::new() };
-    hertzchain::Scene::build(chain.file(py, rest, 1e100)?).map(|_| ()).or_raise(py)
+    hertzchain::Scene::build(chain.file(py, rest, 1e80)?).map(|_| ()).or_raise(py)
 }
 
 /// Names and summaries of the built-in scenes.

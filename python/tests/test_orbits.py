@@ -300,43 +300,39 @@ def test_normal_modes_are_those_of_chains_that_contacts_hold() -> None:
 
 
 # Steel spheres: radius, density, Young's modulus, Poisson's ratio; the load in N.
-STEEL = {"radius": 9.525e-3, "density": 8027.0, "young": 193e9, "poisson": 0.3, "static_load": 20.0}
-MASS = 4 / 3 * math.pi * STEEL["radius"] ** 3 * STEEL["density"]
+SPHERES = {"radius": 9.525e-3, "density": 8027.0, "young": 193e9, "poisson": 0.3, "static_load": 20.0}
+STEEL = {"system": "SI", **SPHERES}
+MASS = 4 / 3 * math.pi * SPHERES["radius"] ** 3 * SPHERES["density"]
 # Hertz's constant of two such spheres, N/m^(3/2).
-CONTACT = 4 / 3 * STEEL["young"] / (1 - STEEL["poisson"] ** 2) / 2 * math.sqrt(STEEL["radius"] / 2)
+CONTACT = 4 / 3 * SPHERES["young"] / (1 - SPHERES["poisson"] ** 2) / 2 * math.sqrt(SPHERES["radius"] / 2)
 
 
 def test_driven_orbits_in_si_units_are_those_of_the_program(program: Any) -> None:
     scene = hc.Scene.load("granular-crystal")
-    orbit, bare = hc.driven_orbit(scene, si=True), hc.driven_orbit(scene)
-    assert orbit.si and not bare.si and orbit.record == program("orbit", "driven", "granular-crystal", "--si")
+    orbit, bare = hc.driven_orbit(scene), hc.driven_orbit(scene, dimensionless=True)
+    assert orbit.si and not bare.si and orbit.record == program("orbit", "driven", "granular-crystal")
     # Two roundings, and one more with the mass.
     for name, array in bare.y0.items():
         assert np.allclose(orbit.y0[name], array, rtol=5e-16, atol=0), name
-    printed = program("orbit", "continue", "granular-crystal", "--si", "--to", "1.2e-8", "--step", "1e-9")
+    printed = program("orbit", "continue", "granular-crystal", "--to", "1.2e-8", "--step", "1e-9")
     branch = hc.continue_branch(orbit, "amplitude", to=1.2e-8, step=1e-9)
     assert branch.si and branch.record == printed
-    assert hc.continue_branch(bare, "amplitude", to=1.2e-8, step=1e-9, si=True).record == printed
-    units = scene.units
-    assert units is not None
-    to, step = 1.2e-8 / units["length_m"], 1e-9 / units["length_m"]
-    assert hc.continue_branch(orbit, "amplitude", to=to, step=step, si=False).record == \
-        hc.continue_branch(bare, "amplitude", to=to, step=step).record
+    assert hc.continue_branch(bare, "amplitude", to=1.2e-8, step=1e-9, dimensionless=False).record == printed
+    assert hc.continue_branch(orbit, "amplitude", to=1.2e-8, step=1e-9, dimensionless=True).record == \
+        hc.continue_branch(bare, "amplitude", to=1.2e-8, step=1e-9).record
 
 
 def test_a_pushed_bead_in_si_units_is_a_linear_oscillator() -> None:
-    # Truth: u'' = -(K u + c u' - F cos)/m, whose drive does the work pi c w u_0^2 in a period. The
-    # spring and the drag of the chain are dimensionless; they are told in Hertz's units here.
+    # Truth: u'' = -(K u + c u' - F cos)/m, whose drive does the work pi c w u_0^2 in a period.
     push = {"site": 0, "kind": "pushed", "amplitude": 2.0, "omega": 5e4}
     units = {**STEEL, "static_load": 0.0}
-    chain = hc.Chain(1, kappa=1e-4, rho=math.inf, beads={"drag": 2e-3}, units=units, drive=[push])
-    spring = 1e-4 * CONTACT * math.sqrt(STEEL["radius"])
-    drag = 2e-3 * math.sqrt(MASS * CONTACT * math.sqrt(STEEL["radius"]))
+    spring, drag = 1e5, 10.0
+    chain = hc.Chain(1, kappa=spring, rho=math.inf, beads={"drag": drag}, units=units, drive=[push])
 
     def work(force: float, omega: float = 5e4) -> float:
         return math.pi * drag * omega * (force / abs(spring - MASS * omega**2 + 1j * drag * omega)) ** 2
 
-    orbit = hc.driven_orbit(chain, si=True)
+    orbit = hc.driven_orbit(chain)
     assert orbit.period == pytest.approx(2 * math.pi / 5e4, rel=1e-14)
     for energy in (orbit.driven, orbit.dissipated):
         assert energy == pytest.approx(work(2.0), rel=1e-8)
@@ -348,34 +344,30 @@ def test_a_pushed_bead_in_si_units_is_a_linear_oscillator() -> None:
     assert np.allclose(branch.response / branch.values, orbit.response / 2.0, rtol=1e-8, atol=0)
     branch = hc.continue_branch(orbit, "omega", to=5.5e4)
     assert np.allclose(branch.values[[0, -1]], [5e4, 5.5e4], rtol=1e-14, atol=0) and branch.end == "reached"
-    with pytest.raises(hc.ParameterError, match="units"):
-        hc.driven_orbit(bead(), si=True)
     with pytest.raises(hc.ParameterError, match="to = -50000 "):
         hc.continue_branch(orbit, "omega", to=-5e4)
     with pytest.raises(hc.ParameterError, match="driven orbits"):
-        hc.continue_branch(hc.DarkBreather("bond", 2.02), to=2.03, si=True)  # type: ignore[call-overload]
+        hc.continue_branch(hc.DarkBreather("bond", 2.02), to=2.03, dimensionless=True)  # type: ignore[call-overload]
 
 
 def test_normal_modes_in_si_units_are_those_of_the_program(program: Any, tmp_path: Any) -> None:
     # Truth: a ring of six spheres under the load F has the stiffness 3/2 A^(2/3) F^(1/3).
     ring = hc.Chain(6, boundary="ring", units=STEEL)
-    mode = hc.normal_mode(ring, mode=5, to=2e-9, step=1e-9, si=True)
+    mode = hc.normal_mode(ring, mode=5, to=2e-9, step=1e-9)
     waves = 2 * np.sqrt(1.5 * CONTACT ** (2 / 3) * 20 ** (1 / 3) / MASS) * np.sin(np.pi * np.array([1, 1, 2, 2, 3]) / 6)
     assert mode.si and np.allclose(mode.linear["omega"], waves, rtol=1e-13, atol=0)
     assert np.allclose(mode.amplitude[[0, -1]], [1e-9, 2e-9], rtol=1e-15, atol=0)
     assert mode.period == pytest.approx(2 * math.pi / waves[-1], rel=1e-3)
     file = tmp_path / "ring.toml"
     file.write_text(ring.scene({}, 1.0).to_toml())
-    flags = ["--linear-mode", "5", "--to", "2e-9", "--step", "1e-9", "--si", "--bifurcations"]
+    flags = ["--linear-mode", "5", "--to", "2e-9", "--step", "1e-9", "--bifurcations"]
     printed = program("orbit", "mode", str(file), *flags)
     assert mode.record == printed | {"scene": mode.record["scene"], "scene_file": mode.record["scene_file"]}
     units = ring.scene({}, 1.0).units
     assert units is not None
-    bare = hc.normal_mode(ring, mode=5, to=2e-9 / units["length_m"], step=1e-9 / units["length_m"])
+    bare = hc.normal_mode(ring, mode=5, to=2e-9, step=1e-9, dimensionless=True)
     assert np.allclose(mode.y0["u"], bare.y0["u"], rtol=3e-16, atol=0)
     assert np.allclose(mode.energy, bare.energy * units["energy_j"], rtol=3e-16, atol=0)
-    with pytest.raises(hc.ParameterError, match="units"):
-        hc.normal_mode(hc.Chain(sites=2, boundary="fixed", precompression=1.0), to=0.1, si=True)
 
 
 def test_tangent_map_of_a_damped_bead_is_its_closed_form() -> None:

@@ -24,7 +24,7 @@ CHEAP: list[tuple[str, dict[str, Any]]] = [
     ("breather dark", {"sites": 7, "omega_b": 2.05}),
     ("breather continue", {"from_": 2.02, "to": 2.04, "sites": 7, "step": 0.01, "bifurcations": True}),
     ("wave exact", {"q_over_pi": 0.8, "sites": 10, "amplitude": 0.1}),
-    ("orbit driven", {"scene": "granular-crystal", "set": {"chain.sites": 6, "initial.site": 1}, "settle": 20, "si": True}),
+    ("orbit driven", {"scene": "granular-crystal", "set": {"chain.sites": 6, "initial.site": 1}, "settle": 20, "dimensionless": True}),
     ("orbit mode", {"scene": "defect", "to": 0.2, "step": 0.1, "multipliers": False}),
 ]
 

@@ -150,52 +150,72 @@ def test_pictures_of_a_sweep_in_both_formats(tmp_path: Any) -> None:
         hc.sweep(plan, out=tmp_path / "other", format="jpg")
 
 
-def test_si_units_are_those_of_the_program(program: Any, tmp_path: Any) -> None:
-    flags = ["--until", "120", "--tol", "1e-9", "--events", "--si", "--out", str(tmp_path)]
+def test_numbers_in_si_units_are_those_of_the_program(program: Any, tmp_path: Any) -> None:
+    flags = ["--until", "6e-4", "--tol", "1e-9", "--events", "--out", str(tmp_path)]
     printed = program("run", "granular-crystal", *flags)
-    run = hc.run(hc.Scene.load("granular-crystal"), until=120.0, tol=1e-9, events=True)
-    si = run.in_si()
-    assert si.t_end == printed["t"] and si.driven == printed["driven"] and si.dissipated == printed["dissipated"]
-    assert si.end["u"].tolist() == printed["u"] and si.t[-1] == si.t_end
+    scene = hc.Scene.load("granular-crystal")
+    told: list[Any] = []
+    si = hc.run(scene, until=6e-4, tol=1e-9, events=True, on_sample=lambda t, y: told.append((t, y)))
+    assert si.si and si.t_end == printed["t"] == 6e-4 and si.driven == printed["driven"]
+    assert si.dissipated == printed["dissipated"] and si.end["u"].tolist() == printed["u"] and si.t[-1] == si.t_end
     contacts = np.genfromtxt(tmp_path / "contacts.csv", delimiter=",", names=True)
     assert si.contacts is not None and si.contacts.dtype.names == contacts.dtype.names
     for name in contacts.dtype.names:
         assert np.array_equal(si.contacts[name], contacts[name], equal_nan=True), name
-    # The program multiplies in another order.
-    assert np.allclose(si.end["pu"], printed["pu"], rtol=4e-16, atol=0)
-    units = run.units
-    assert units is not None and si.energy is not None and run.energy is not None
-    assert np.allclose(si.energy, run.energy * units["energy_j"], rtol=1e-15, atol=0)
+    assert si.end["pu"].tolist() == printed["pu"]
+    # Functions are told the same numbers; the fourth quarter are velocities.
+    assert [t for t, _ in told] == si.t.tolist() and np.array_equal(told[-1][1][:20], si.u[-1])
+    assert np.array_equal(told[-1][1][20:] * scene.chain.masses[0], si.pu[-1])
+    # The old form: the same run in the units of the scene.
+    bare, units = hc.run(scene, until=6e-4, tol=1e-9, events=True, dimensionless=True), si.units
+    assert units is not None and si.energy is not None and bare.energy is not None and not bare.si
+    assert np.array_equal(si.u, bare.u * units["length_m"]) and si.t_end == bare.t_end * units["time_s"]
+    assert np.allclose(si.energy, bare.energy * units["energy_j"], rtol=1e-15, atol=0)
 
 
-def test_a_run_in_si_units_is_the_run_turned_into_them() -> None:
+def test_a_scene_in_si_units_and_its_chain_are_the_same_run() -> None:
     scene = hc.Scene.load("granular-crystal")
-    si = hc.run(scene, until=110.0, tol=1e-6, events=True, si=True)
-    run = hc.run(scene, until=110.0, tol=1e-6, events=True).in_si()
-    assert np.array_equal(si.t, run.t) and np.array_equal(si.u, run.u) and np.array_equal(si.pu, run.pu)
-    assert si.contacts is not None and run.contacts is not None
-    assert si.contacts.tobytes() == run.contacts.tobytes() and si.driven == run.driven
-    times: list[float] = []
-    with pytest.raises(hc.ParameterError, match="units"):
-        # Refused before the run begins.
-        hc.run(hc.Chain(sites=2), y0={"pu": [1.0, 0.0]}, until=1.0, on_sample=lambda t, _: times.append(t), si=True)
-    assert not times
-
-    def stop(t: float, _: Any) -> None:
-        if t > 50.0:
-            raise LookupError("enough")
-
-    with pytest.raises(LookupError) as caught:
-        hc.run(scene, until=110.0, method="verlet", step=1e-2, on_sample=stop, si=True)
-    partial, units = caught.value.partial, scene.units  # type: ignore[attr-defined]
-    assert units is not None and 50.0 < partial.t[-1] / units["time_s"] < 51.0
+    assert scene.end == 2.2e-3 and scene.until(1e-3).end == 1e-3
+    mass = 4 / 3 * np.pi * 9.525e-3**3 * 8027.0
+    assert np.allclose(scene.chain.masses[0], mass, rtol=1e-15, atol=0)
+    run = hc.run(scene, until=7e-4, tol=1e-9, at=[0.0, 3e-4, 7e-4])
+    again = hc.run(scene.chain, y0=scene.y0, until=7e-4, tol=1e-9, at=[0.0, 3e-4, 7e-4])
+    assert np.array_equal(run.u, again.u) and np.allclose(run.t, [0.0, 3e-4, 7e-4], rtol=1e-15, atol=0)
+    # What a run ends with begins another: half and half are the whole, up to the tolerance.
+    undriven = hc.Chain(sites=5, units={"system": "SI", "radius": 0.01, "density": 8e3, "young": 2e11, "poisson": 0.3})
+    strike = {"pu": undriven.masses[0] * [0.5, 0, 0, 0, 0]}
+    half = hc.run(undriven, y0=strike, until=5e-5, tol=1e-12)
+    whole = hc.run(undriven, y0=strike, until=1e-4, tol=1e-12)
+    rest = hc.run(undriven, y0=half.end, until=5e-5, tol=1e-12)
+    assert np.allclose(rest.end["u"], whole.end["u"], rtol=0, atol=1e-9 * np.abs(whole.end["u"]).max())
 
 
-def test_si_units_need_spheres() -> None:
-    run = hc.run(hc.Chain(sites=2), y0={"pu": [1.0, 0.0]}, until=1.0)
-    assert run.units is None
-    with pytest.raises(hc.ParameterError, match="units"):
-        run.in_si()
-    with pytest.raises(hc.ParameterError, match="units"):
-        # What is in SI units has none to be turned into.
-        hc.run(hc.Scene.load("granular-crystal"), until=110.0, tol=1e-6).in_si().in_si()
+def test_struck_steel_spheres_follow_newtons_equations_in_si_units() -> None:
+    # Truth: a Runge-Kutta method in SI units, here.
+    steel = {"system": "SI", "radius": 9.525e-3, "density": 8027.0, "young": 193e9, "poisson": 0.3}
+    mass = 4 / 3 * np.pi * 9.525e-3**3 * 8027.0
+    contact = 193e9 * np.sqrt(2 * 9.525e-3) / (3 * (1 - 0.3**2))
+    tau = 5e-4
+
+    def rate(y: Any) -> Any:
+        force = contact * np.maximum(-np.diff(y[0]), 0.0) ** 1.5
+        return np.array([y[1], (np.append(0.0, force) - np.append(force, 0.0)) / mass - y[1] / tau])
+
+    y, h = np.zeros((2, 40)), 4e-4 / 4000
+    y[1, 0] = 0.5
+    for _ in range(4000):
+        a = rate(y)
+        b = rate(y + h / 2 * a)
+        c = rate(y + h / 2 * b)
+        d = rate(y + h * c)
+        y = y + h / 6 * (a + 2 * b + 2 * c + d)
+    chain = hc.Chain(sites=40, units=steel, beads={"tau": tau})
+    run = hc.run(chain, y0={"pu": mass * 0.5 * np.eye(40)[0]}, until=4e-4, tol=1e-11)
+    assert np.abs(run.u[-1] - y[0]).max() < 1e-6 * np.abs(y[0]).max()
+    assert np.abs(run.pu[-1] / mass - y[1]).max() < 1e-6
+    with pytest.warns(RuntimeWarning, match="faster than sound"):
+        hc.run(chain, y0={"pu": mass * 6e3 * np.eye(40)[0]}, until=1e-8, tol=1e-6)
+    with pytest.raises(hc.ParameterError, match="beside drag"):
+        hc.Chain(sites=3, beads={"tau": 1.0, "drag": 1.0})
+    with pytest.raises(hc.ParameterError, match="system"):
+        hc.Chain(sites=3, units={**steel, "system": "cgs"})

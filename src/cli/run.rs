@@ -68,7 +68,6 @@ impl Runs for RunArgs {
             return print(&text).map(|()| DONE);
         }
         how.takes(&scene, &parts)?;
-        scene.units_if(self.si)?;
         if let Some(interval) = self.checkpoint {
             let long = how.in_legs(scene, self.events, interval, parts)?;
             let folder = Folder::own(self.out.as_deref().unwrap_or(".".as_ref()), None)?;
@@ -138,14 +137,13 @@ fn report(
     args: &RunArgs,
     scene: &Scene,
     (name, wording, reason): (&str, &str, Option<&str>),
-    (mut outcome, amplification): (Trajectory, Option<f64>),
+    (outcome, amplification): (Trajectory, Option<f64>),
     folder: Option<&Folder>,
 ) -> Exit {
-    let si = scene.units_if(args.si)?;
-    if let Some(units) = si {
-        outcome = study::in_si(outcome, scene.chain().layout(), units);
-    }
-    let ran = RunView { scene, integrator: name, setting: wording, reason, outcome: &outcome, amplification, si };
+    let units = args.results.of(scene);
+    let (si, setting) = (units.as_ref(), wording);
+    let outcome = study::in_units(outcome, scene.chain().layout(), si);
+    let ran = RunView { scene, integrator: name, setting, reason, outcome: &outcome, amplification, si };
     // JSON has the whole state. For a long chain it takes more memory than the run, so it is made
     // only if it is asked for.
     let text = if args.json { to_json(&study::run_json(&ran)) + "\n" } else { study::run_summary(&ran) };
@@ -175,7 +173,6 @@ fn report(
 fn resume(args: &RunArgs, path: &Path, parts: Decomposition) -> Exit {
     let folder = Folder::own(folder_of(path), None)?;
     let long = LongRun::load_in(path, parts)?;
-    long.scene().units_if(args.si)?;
     // Only its file is compared.
     let scene = args.scene.as_deref().map(|name| Scene::load_by_sites(name, &[])).transpose()?;
     long.is(path, scene.as_ref(), args.method.integrator.as_deref().map(Method::named).transpose()?)?;

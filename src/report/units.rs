@@ -35,6 +35,12 @@ pub enum Quantity {
     Force,
     /// An energy or work.
     Energy,
+    /// A mass.
+    Mass,
+    /// A spring constant.
+    Stiffness,
+    /// The constant of a drag or a dashpot, force over velocity.
+    Damping,
     /// An angular frequency `omega`, in radians a second.
     Omega,
     /// The frequency `omega/(2 pi)`, in hertz, of an angular frequency `omega` of the chain.
@@ -51,6 +57,9 @@ impl Quantity {
             Self::Velocity => "m/s",
             Self::Force => "N",
             Self::Energy => "J",
+            Self::Mass => "kg",
+            Self::Stiffness => "N/m",
+            Self::Damping => "kg/s",
             Self::Omega => "rad/s",
             Self::Frequency => "Hz",
         }
@@ -58,6 +67,20 @@ impl Quantity {
 }
 
 impl Units {
+    /// The units of a chain with these units of length and mass, from the constant and exponent of
+    /// its contacts, which is 1 in these units.
+    pub(crate) fn new(length: f64, mass: f64, (constant, alpha): (f64, f64)) -> Self {
+        let time = (mass / (constant * length.powf(alpha - 1.0))).sqrt();
+        Self {
+            length_m: length,
+            mass_kg: mass,
+            time_s: time,
+            velocity_m_per_s: length / time,
+            force_n: constant * length.powf(alpha),
+            energy_j: mass * (length / time).powi(2),
+        }
+    }
+
     /// A dimensionless number of the chain in SI units.
     ///
     /// ```
@@ -78,14 +101,16 @@ impl Units {
     }
 
     /// The dimensionless number of the chain for a number in SI units: the inverse of
-    /// [`to_si`](Self::to_si), up to rounding. The drives of a scene are read with the same
-    /// roundings.
+    /// [`to_si`](Self::to_si), which gives the number back where any double does. The numbers of a
+    /// scene are read with the same roundings.
     pub fn from_si(&self, quantity: Quantity, value: f64) -> f64 {
-        match quantity {
+        let near = match quantity {
             Quantity::Omega => value * self.time_s,
             Quantity::Frequency => value * (2.0 * PI) * self.time_s,
             _ => value / self.unit(quantity),
-        }
+        };
+        let back = |x: &f64| self.to_si(quantity, *x) == value;
+        [near, near.next_up(), near.next_down()].into_iter().find(back).unwrap_or(near)
     }
 
     /// The unit of a quantity in SI units.
@@ -97,6 +122,9 @@ impl Units {
             Quantity::Velocity => self.velocity_m_per_s,
             Quantity::Force => self.force_n,
             Quantity::Energy => self.energy_j,
+            Quantity::Mass => self.mass_kg,
+            Quantity::Stiffness => self.force_n / self.length_m,
+            Quantity::Damping => self.mass_kg / self.time_s,
             Quantity::Omega | Quantity::Frequency => self.time_s.recip(),
         }
     }

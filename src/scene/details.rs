@@ -1,7 +1,7 @@
 //! The tables `[beads]`, `[bonds]` and `[[drive]]` of a scene, and the details of a chain that they
 //! and `[units]` give.
 
-use super::{Units, UnitsSection, values::Values};
+use super::{Quantity, values::Values};
 use crate::{
     chain::{Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Signal},
     error::{Error, Result, require},
@@ -18,33 +18,40 @@ sections! {
     /// The section `[beads]`: one number for each site.
     #[derive(Default)]
     pub struct BeadsSection {
-        /// Masses (1 if left out).
+        /// Masses (1, or those of the spheres of `[units]`, if left out).
         mass?: Values,
         /// Spring constants (`chain.kappa` if left out).
-        kappa?: Values,
+        kappa?: Values as Stiffness,
+        /// The same by another name.
+        stiffness?: Values as Stiffness,
         /// Mass ratios resonator to bead (`chain.rho` if left out).
         rho?: Values,
+        /// Masses of resonators, in place of their ratios.
+        resonator?: Values as Mass,
         /// Drag on beads, `-drag u'` (none if left out).
-        drag?: Values,
+        drag?: Values as Damping,
+        /// Damping times, in place of drag: `-mass u'/tau`; `inf` for no drag.
+        tau?: Values as Time,
         /// Dashpots beside the springs of resonators, `-dashpot (u' - v')` (none if left out).
-        dashpot?: Values,
+        dashpot?: Values as Damping,
     }
 
     /// The section `[bonds]`: one number for each bond that can touch, from left to right.
     #[derive(Default)]
     pub struct BondsSection {
-        /// Contact constants (1 if left out); 0: no contact.
+        /// Contact constants (1, or those of Hertz for the spheres of `[units]`, if left out); 0: no
+        /// contact.
         contact?: Values,
         /// Contact constant of the two walls (that of `contact` if left out).
         wall?: f64,
         /// Exponents (`chain.alpha` if left out).
         alpha?: Values,
         /// Static overlaps (`chain.precompression` if left out); negative: beads apart.
-        overlap?: Values,
+        overlap?: Values as Length,
         /// Dissipation constants of viscoelastic contacts, in units of time.
-        viscoelastic?: Values,
+        viscoelastic?: Values as Time,
         /// Dashpot constants of contacts, force over velocity.
-        dashpot?: Values,
+        dashpot?: Values as Damping,
     }
 
     /// One entry of `[[drive]]`.
@@ -56,19 +63,19 @@ sections! {
         /// Amplitudes, one a harmonic; the root mean square of noise.
         amplitude: Values,
         /// Angular frequencies, one a harmonic.
-        omega?: Values,
+        omega?: Values as Omega,
         /// Phases, one a harmonic, in radians (0 if left out).
         phase?: Values,
         /// Noise: the least and the largest angular frequency, in place of `omega` and `phase`.
-        band?: [f64; 2],
+        band?: [f64; 2] as Omega,
         /// Seed of noise (1 if left out).
         seed?: u64,
         /// Time in which the signal rises to its full amplitude (no ramp if left out).
-        ramp?: f64,
+        ramp?: f64 as Time,
         /// Start of a burst (0 if left out).
-        start?: f64,
+        start?: f64 as Time,
         /// Length of a burst.
-        length?: f64,
+        length?: f64 as Time,
     }
 }
 
@@ -78,35 +85,28 @@ pub(super) struct Tables<'a> {
     pub(super) beads: Option<&'a BeadsSection>,
     pub(super) bonds: Option<&'a BondsSection>,
     pub(super) drives: &'a [DriveSection],
-    pub(super) units: Option<&'a UnitsSection>,
 }
 
 impl Tables<'_> {
-    /// The chain with its details, and its units; unchanged without tables.
+    /// The chain with its details; unchanged without tables.
     ///
     /// # Errors
     /// A value outside its rule.
-    pub(super) fn apply(self, chain: Chain<f64>) -> Result<(Chain<f64>, Option<Units>)> {
-        let Self { beads, bonds, drives, units } = self;
-        if beads.is_none() && bonds.is_none() && drives.is_empty() && units.is_none() {
-            return Ok((chain, None));
+    pub(super) fn apply(self, chain: Chain<f64>) -> Result<Chain<f64>> {
+        let Self { beads, bonds, drives } = self;
+        if beads.is_none() && bonds.is_none() && drives.is_empty() {
+            return Ok(chain);
         }
-        let (n, touching) = (chain.sites(), chain.touching().len());
+        let touching = chain.touching().len();
         let mut details = Details::default();
         if let Some(beads) = beads {
-            let list = |name, values: &Option<Values>| list(name, values, n);
-            details.mass = list("beads.mass", &beads.mass)?;
-            details.kappa = list("beads.kappa", &beads.kappa)?;
-            details.rho = list("beads.rho", &beads.rho)?;
-            details.drag = list("beads.drag", &beads.drag)?;
-            details.dashpot = list("beads.dashpot", &beads.dashpot)?;
+            beads.apply(&chain, &mut details)?;
         }
         if let Some(bonds) = bonds {
             bonds.apply(&chain, touching, &mut details)?;
         }
-        let units = units.map(|section| section.apply(&chain, &mut details)).transpose()?;
-        details.drives = drives.iter().map(|drive| drive.build(units.as_ref())).collect::<Result<_>>()?;
-        Ok((chain.with(&details).map_err(|error| named(error, beads, bonds))?, units))
+        details.drives = drives.iter().map(DriveSection::build).collect::<Result<_>>()?;
+        chain.with(&details).map_err(|error| named(error, beads, bonds))
     }
 }
 
@@ -121,6 +121,7 @@ fn named(error: Error, beads: Option<&BeadsSection>, bonds: Option<&BondsSection
     let name = match name {
         "mass" => "beads.mass",
         "drag" => "beads.drag",
+        "kappa" if beads.is_some_and(|beads| beads.stiffness.is_some()) => "beads.stiffness",
         "dashpot" => "beads.dashpot",
         "kappa" if beads.is_some_and(|beads| beads.kappa.is_some()) => "beads.kappa",
         "rho" if beads.is_some_and(|beads| beads.rho.is_some()) => "beads.rho",
@@ -133,16 +134,56 @@ fn named(error: Error, beads: Option<&BeadsSection>, bonds: Option<&BondsSection
     Error::Parameter { name, value, rule }
 }
 
+impl BeadsSection {
+    fn apply(&self, chain: &Chain<f64>, details: &mut Details) -> Result<()> {
+        let list = |name, values: &Option<Values>| list(name, values, chain.sites());
+        let rho = self.rho.is_some() || chain.params().rho != 0.0;
+        for (name, given, beside, other, rule) in [
+            ("beads.stiffness", &self.stiffness, "beside kappa", self.kappa.is_some(), "it is another name of `kappa`"),
+            ("beads.resonator", &self.resonator, "beside rho", rho, "masses of resonators are in place of `rho`"),
+            ("beads.tau", &self.tau, "beside drag", self.drag.is_some(), "damping times are in place of `drag`"),
+        ] {
+            if given.is_some() && other {
+                return Err(Error::parameter(name, beside, rule));
+            }
+        }
+        details.mass = list("beads.mass", &self.mass)?;
+        details.kappa = list("beads.kappa", &self.kappa)?;
+        details.rho = list("beads.rho", &self.rho)?;
+        details.drag = list("beads.drag", &self.drag)?;
+        details.dashpot = list("beads.dashpot", &self.dashpot)?;
+        if self.stiffness.is_some() {
+            details.kappa = list("beads.stiffness", &self.stiffness)?;
+        }
+        let mass = |i: usize| details.mass.get(i).copied().unwrap_or(1.0);
+        let of = |name, values: &Option<Values>, good: fn(f64) -> bool, rule, of: fn(f64, f64) -> f64| {
+            let values = list(name, values)?;
+            match values.iter().find(|value| !good(**value)) {
+                Some(value) => Err(Error::parameter(name, value, rule)),
+                None => Ok(values.iter().enumerate().map(|(i, value)| of(*value, mass(i))).collect()),
+            }
+        };
+        if self.resonator.is_some() {
+            let rule = "the mass of a resonator is in [0, inf]";
+            details.rho = of("beads.resonator", &self.resonator, |x| x >= 0.0, rule, |value, mass| value / mass)?;
+        }
+        if self.tau.is_some() {
+            let rule = "a damping time is positive; inf for no drag";
+            details.drag = of("beads.tau", &self.tau, |x| x > 0.0, rule, |value, mass| mass / value)?;
+        }
+        Ok(())
+    }
+}
+
 impl BondsSection {
     fn apply(&self, chain: &Chain<f64>, touching: usize, details: &mut Details) -> Result<()> {
         let list = |name, values: &Option<Values>| list(name, values, touching);
         details.contact = list("bonds.contact", &self.contact)?;
         details.alpha = list("bonds.alpha", &self.alpha)?;
         details.overlap = list("bonds.overlap", &self.overlap)?;
-        if let Some(wall) = self.wall {
-            require(chain.boundary() == Boundary::Fixed, "bonds.wall", wall, "only boundary = \"fixed\" has walls")?;
+        if self.wall.is_some() {
             details.contact.resize(touching, 1.0);
-            (details.contact[0], details.contact[touching - 1]) = (wall, wall);
+            self.walls(chain.boundary(), &mut details.contact)?;
         }
         let mut losses = self.losses();
         if let Some((key, kind, values)) = losses.next() {
@@ -155,6 +196,20 @@ impl BondsSection {
         Ok(())
     }
 
+    /// Sets the contact constants of the two walls, if they have their own.
+    pub(super) fn walls(&self, boundary: Boundary, contact: &mut [f64]) -> Result<()> {
+        match (self.wall, contact) {
+            (Some(wall), _) if boundary != Boundary::Fixed => {
+                Err(Error::parameter("bonds.wall", wall, "only boundary = \"fixed\" has walls"))
+            }
+            (Some(wall), [first, .., last]) => {
+                (*first, *last) = (wall, wall);
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The laws of dissipation that are given, with their keys and constants.
     fn losses(&self) -> impl Iterator<Item = (&'static str, Kind, &Values)> {
         let all = [
@@ -165,46 +220,24 @@ impl BondsSection {
     }
 }
 
-impl UnitsSection {
-    fn apply(&self, chain: &Chain<f64>, details: &mut Details) -> Result<Units> {
-        if chain.params().alpha != 1.5 || !details.alpha.is_empty() {
-            return Err(Error::parameter("units.radius", "given", "spheres have alpha = 1.5 in all bonds"));
-        }
-        for (name, list) in
-            [("beads.mass", &details.mass), ("bonds.contact", &details.contact), ("bonds.overlap", &details.overlap)]
-        {
-            require(list.is_empty(), name, "given", "it follows from [units]: leave it out")?;
-        }
-        let ends: Vec<_> = chain.touching().map(|bond| chain.topology().ends(bond)).collect();
-        let material = self.material(chain.sites(), &ends)?;
-        (details.mass, details.contact) = (material.mass, material.contact);
-        if self.static_load.is_some() {
-            details.overlap = material.overlap;
-        }
-        Ok(material.units)
-    }
-}
-
 impl DriveSection {
-    /// The drive; with units, amplitude, frequencies and times are in SI.
-    fn build(&self, units: Option<&Units>) -> Result<Drive> {
-        let (height, time) = match (units, self.kind) {
-            (None, _) => (1.0, 1.0),
-            (Some(units), DriveKind::Displacement) => (units.length_m, units.time_s),
-            (Some(units), DriveKind::Force) => (units.force_n, units.time_s),
-        };
-        let mut harmonics = self.harmonics()?;
-        for harmonic in &mut harmonics {
-            harmonic.amplitude /= height;
-            harmonic.omega *= time;
+    /// The quantity of its amplitudes.
+    pub(super) fn quantity(&self) -> Quantity {
+        match self.kind {
+            DriveKind::Displacement => Quantity::Length,
+            DriveKind::Force => Quantity::Force,
         }
+    }
+
+    fn build(&self) -> Result<Drive> {
+        let harmonics = self.harmonics()?;
         let envelope = match (self.ramp, self.length) {
             (None, None) if self.start.is_some() => {
                 return Err(Error::parameter("drive.start", "given", "`start` belongs to a burst with a `length`"));
             }
             (None, None) => Envelope::None,
-            (Some(ramp), None) => Envelope::Ramp(ramp / time),
-            (None, Some(length)) => Envelope::Burst { start: self.start.unwrap_or(0.0) / time, length: length / time },
+            (Some(ramp), None) => Envelope::Ramp(ramp),
+            (None, Some(length)) => Envelope::Burst { start: self.start.unwrap_or(0.0), length },
             (Some(ramp), Some(_)) => {
                 return Err(Error::parameter("drive.ramp", ramp, "a burst has no ramp: `ramp` or `length`"));
             }
@@ -260,14 +293,15 @@ impl DriveSection {
 }
 
 /// Refuses drives that have not come to their full height, or to their end, by the end of a scene.
-pub(super) fn within(chain: &Chain<f64>, end: f64) -> Result<()> {
+/// `told` turns a time into that of the scene.
+pub(super) fn within(chain: &Chain<f64>, end: f64, told: impl Fn(f64) -> f64) -> Result<()> {
     for drive in chain.details().iter().flat_map(|details| &details.drives) {
         if drive.signal.settled() > end {
             let name = match drive.signal.envelope {
                 Envelope::Burst { .. } => "drive.length",
                 _ => "drive.ramp",
             };
-            let value = format!("until t = {}", drive.signal.settled());
+            let value = format!("until t = {}", told(drive.signal.settled()));
             return Err(Error::parameter(
                 name,
                 value,

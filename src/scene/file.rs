@@ -1,6 +1,10 @@
 //! The contents of a scene file in TOML.
 
-use super::{BeadsSection, BondsSection, DriveSection, Scene, UnitsSection, builtin::BUILTIN};
+use super::{
+    BeadsSection, BondsSection, DriveSection, Quantity, Scene, UnitsSection,
+    builtin::BUILTIN,
+    values::{Measured, Numbers, Seen},
+};
 use crate::{
     chain::{Boundary, Params},
     dps::Center,
@@ -36,7 +40,7 @@ sections! {
         /// What moves or pushes beads.
         #[serde(default, rename = "drive", skip_serializing_if = "Vec::is_empty")]
         drives: Vec<DriveSection>,
-        /// Spheres in SI units.
+        /// That all numbers are in SI units, and the spheres.
         units?: UnitsSection,
         /// The initial state.
         initial: Initial,
@@ -58,7 +62,7 @@ sections! {
         alpha: f64,
         /// Spring constant (0, no springs, if left out).
         #[serde(default)]
-        kappa: f64,
+        kappa: f64 as Stiffness,
         /// Mass ratio resonator to bead (0, no resonators, if left out); `inf` for the cradle.
         #[serde(default)]
         rho: f64,
@@ -66,7 +70,7 @@ sections! {
         boundary: Boundary,
         /// Static overlap of each bond.
         #[serde(default)]
-        precompression: f64,
+        precompression: f64 as Length,
     }
 }
 
@@ -161,11 +165,11 @@ sections! {
     pub struct TrivialSection {
         /// `a_n`, site by site; otherwise `a_n = amplitude e^{-|n - center| / decay}` from the next
         /// three keys.
-        amplitudes?: Vec<f64>,
+        amplitudes?: Vec<f64> as Length,
         /// Site of the centre, between sites if fractional.
         center?: f64,
         /// Largest `a_n`.
-        amplitude?: f64,
+        amplitude?: f64 as Length,
         /// Decay length, in sites.
         decay?: f64,
         /// `phi_n`, site by site, in radians.
@@ -173,13 +177,13 @@ sections! {
         /// `(phi_n - phi_{n-1}) / pi`, the same for all bonds (1, antiphase, if left out).
         phase_step_over_pi?: f64,
         /// Mean positions `b_n`, site by site.
-        b?: Vec<f64>,
+        b?: Vec<f64> as Length,
         /// `d_n`, site by site: the mean positions are `b_n = d_n + sum l_k`. Where `d_n` is
         /// constant the beads touch but do not press.
-        d?: Vec<f64>,
+        d?: Vec<f64> as Length,
         /// Increase of `d_n` from site to site, the same for all bonds (0 if left out); the mean of
         /// the `b_n` is then zero.
-        gap?: f64,
+        gap?: f64 as Length,
     }
 
     /// The section `[span]`, with exactly one of `periods` and `until`.
@@ -187,10 +191,10 @@ sections! {
         /// Length in periods of the scene.
         periods?: f64,
         /// End time.
-        until?: f64,
+        until?: f64 as Time,
         /// Unit of time for steps per period, for scenes without a frequency of their own (1 if
         /// left out).
-        period?: f64,
+        period?: f64 as Time,
     }
 
     /// The section `[method]`: an integrator, and at most one of the other keys.
@@ -200,7 +204,7 @@ sections! {
         /// Tolerance, for an integrator that takes one.
         tol?: f64,
         /// Step; it is reduced where a whole number of steps must fit the span.
-        step?: f64,
+        step?: f64 as Time,
         /// Steps per period of the scene.
         steps_per_period?: f64,
     }
@@ -274,6 +278,51 @@ impl Record {
     pub fn by_default(periods: Option<f64>) -> usize {
         let wanted = (Self::PER_PERIOD * periods.unwrap_or(0.0)).ceil().min(Self::MOST_SAMPLES as f64);
         (wanted as usize).max(Self::FEWEST_SAMPLES)
+    }
+}
+
+impl Measured for Initial {
+    fn measured(&mut self, seen: Seen<'_>) {
+        let mut one = |key, quantity, numbers: &mut dyn Numbers| numbers.each(&mut |x| seen(key, quantity, x));
+        match self {
+            // Strain rings are without units.
+            Self::TravellingWave { .. } => {}
+            Self::SingleBead { displacement, velocity, .. } => {
+                one("displacement", Quantity::Length, displacement);
+                one("velocity", Quantity::Velocity, velocity);
+            }
+            Self::NormalMode { amplitude, .. } => one("amplitude", Quantity::Length, amplitude),
+            Self::TrivialBreather(section) => section.measured(seen),
+            Self::BrightBreather { epsilon, .. } => one("epsilon", Quantity::Length, epsilon),
+            Self::State { u, v, u_dot, v_dot } => {
+                one("u", Quantity::Length, u);
+                one("v", Quantity::Length, v);
+                one("u_dot", Quantity::Velocity, u_dot);
+                one("v_dot", Quantity::Velocity, v_dot);
+            }
+        }
+    }
+}
+
+impl SceneFile {
+    /// Shows the numbers that have a unit, but for masses and contact constants, which `[units]`
+    /// gives or lets a scene give.
+    pub(super) fn quantities(&mut self, seen: Seen<'_>) {
+        let Self { chain, beads, bonds, drives, initial, span, method, .. } = self;
+        let tables: [Option<&mut dyn Measured>; 6] = [
+            Some(chain),
+            beads.as_mut().map(|table| table as &mut dyn Measured),
+            bonds.as_mut().map(|table| table as &mut dyn Measured),
+            Some(initial),
+            Some(span),
+            method.as_mut().map(|table| table as &mut dyn Measured),
+        ];
+        tables.into_iter().flatten().for_each(|table| table.measured(&mut *seen));
+        for drive in drives {
+            let quantity = drive.quantity();
+            drive.amplitude.each(&mut |x| seen("amplitude", quantity, x));
+            drive.measured(&mut *seen);
+        }
     }
 }
 

@@ -1,10 +1,11 @@
 //! Scenes: named, complete set-ups with chain, initial state, time span and records.
 
 /// Tables of a scene file; unknown keys are errors. `key?: type` may be left out: it is an
-/// `Option`, and is not written if it is `None`.
+/// `Option`, and is not written if it is `None`. `as` names the quantity of the numbers of a key,
+/// which decides their unit in a scene with `[units]`.
 macro_rules! sections {
     ($($(#[$about:meta])* pub struct $name:ident {
-        $($(#[$key:meta])* $field:ident $(?: $optional:ty)? $(: $type:ty)?,)*
+        $($(#[$key:meta])* $field:ident $(?: $optional:ty $(as $of:ident)?)? $(: $type:ty $(as $quantity:ident)?)?,)*
     })*) => {$(
         $(#[$about])*
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -13,6 +14,16 @@ macro_rules! sections {
             $($(#[$key])*
             $(#[serde(skip_serializing_if = "Option::is_none")] pub $field: Option<$optional>)?
             $(pub $field: $type)?,)*
+        }
+
+        impl $crate::scene::values::Measured for $name {
+            fn measured(&mut self, seen: $crate::scene::values::Seen<'_>) {
+                let mut _all = |key, quantity, numbers: &mut dyn $crate::scene::values::Numbers| {
+                    numbers.each(&mut |x| seen(key, quantity, x));
+                };
+                $($($(_all(stringify!($field), $crate::report::Quantity::$of, &mut self.$field);)?)?
+                $($(_all(stringify!($field), $crate::report::Quantity::$quantity, &mut self.$field);)?)?)*
+            }
         }
     )*};
 }
@@ -36,6 +47,7 @@ use crate::{
     chain::{Chain, Resonators, State},
     error::{Error, Result, positive, require},
     memory::lacking,
+    number::rounded,
     output::read,
     run::{Initial as Start, Method, Run, Setting, checked_end},
     waves::{PerturbedWave, TravellingWave},
@@ -75,6 +87,8 @@ pub struct Scene {
     file: SceneFile,
     chain: Chain<f64>,
     units: Option<Units>,
+    /// The method that the file names, with a dimensionless step.
+    method: Option<MethodSection>,
     initial: Start,
     theory: Option<Theory>,
     period: f64,
@@ -188,9 +202,20 @@ impl Scene {
         Self::build_as(file, false)
     }
 
-    fn build_as(mut file: SceneFile, by_sites: bool) -> Result<Self> {
+    fn build_as(file: SceneFile, by_sites: bool) -> Result<Self> {
+        require(file.chain.sites <= MOST_SITES, "sites", file.chain.sites, "at most 10^8")?;
+        match file.dimensionless()? {
+            None => Self::built(file, None, by_sites),
+            Some(plain) => {
+                Self::built(file.clone(), Some(&plain), by_sites).map_err(|error| file.restated(error, &plain.1))
+            }
+        }
+    }
+
+    /// The scene `given`. In SI units it is `plain` in dimensionless numbers.
+    fn built(mut given: SceneFile, plain: Option<&(SceneFile, Units)>, by_sites: bool) -> Result<Self> {
+        let (file, units) = plain.map_or((&given, None), |(file, units)| (file, Some(*units)));
         let section = &file.chain;
-        require(section.sites <= MOST_SITES, "sites", section.sites, "at most 10^8")?;
         if let Some(samples) = file.record.samples.filter(|samples| *samples > MOST_SAMPLES) {
             return Err(Error::parameter("samples", samples, "at most 10^6"));
         }
@@ -204,13 +229,8 @@ impl Scene {
         }
         let chain =
             Chain::new(section.params(), section.boundary, section.sites)?.precompressed(section.precompression)?;
-        let tables = details::Tables {
-            beads: file.beads.as_ref(),
-            bonds: file.bonds.as_ref(),
-            drives: &file.drives,
-            units: file.units.as_ref(),
-        };
-        let (chain, units) = tables.apply(chain)?;
+        let tables = details::Tables { beads: file.beads.as_ref(), bonds: file.bonds.as_ref(), drives: &file.drives };
+        let chain = tables.apply(chain)?;
         // Beads that differ have no common frequency.
         let has_frequency = chain.params().resonators() != Resonators::None && chain.details().is_none();
         if !by_sites {
@@ -243,13 +263,14 @@ impl Scene {
             (None, Some(until)) => checked_end(until)?,
             _ => return Err(Error::parameter("span", "[span]", "give exactly one of `periods` and `until`")),
         };
-        if let (Some(Theory::PerturbedWave(drawn)), Initial::TravellingWave { seed, .. }) = (&theory, &mut file.initial)
+        let (says_samples, method) = (file.record.samples.is_some(), file.method.clone());
+        if let (Some(Theory::PerturbedWave(drawn)), Initial::TravellingWave { seed, .. }) =
+            (&theory, &mut given.initial)
         {
             *seed = Some(drawn.seed());
         }
-        details::within(&chain, end)?;
-        let says_samples = file.record.samples.is_some();
-        let mut scene = Self { chain, units, initial, theory, period, end, file, says_samples };
+        details::within(&chain, end, |t| units.map_or(t, |units| units.to_si(Quantity::Time, t)))?;
+        let mut scene = Self { chain, units, method, initial, theory, period, end, file: given, says_samples };
         scene.sample();
         scene.checked_run()?;
         Ok(scene)
@@ -268,16 +289,51 @@ impl Scene {
         }
     }
 
-    /// The scene with another end time.
+    /// The scene with another end time, in seconds for a scene with `[units]`.
     ///
     /// # Errors
     /// A time outside 1e-100 .. 1e100.
-    pub fn until(mut self, end: f64) -> Result<Self> {
-        details::within(&self.chain, checked_end(end)?)?;
+    pub fn until(self, end: f64) -> Result<Self> {
+        let dimensionless = self.of_file(Quantity::Time, end);
+        self.ending(end, dimensionless)
+    }
+
+    /// The same with a dimensionless time.
+    pub(crate) fn until_dimensionless(self, end: f64) -> Result<Self> {
+        let own = self.in_file(Quantity::Time, end);
+        self.ending(own, end)
+    }
+
+    fn ending(mut self, given: f64, end: f64) -> Result<Self> {
+        let checked = checked_end(end).map_err(|error| match error {
+            Error::Parameter { name, rule, .. } => Error::parameter(name, given, rule),
+            other => other,
+        });
+        details::within(&self.chain, checked?, |t| self.in_file(Quantity::Time, t))?;
         self.end = end;
-        (self.file.span.periods, self.file.span.until) = (None, Some(end));
+        (self.file.span.periods, self.file.span.until) = (None, Some(given));
         self.sample();
         Ok(self)
+    }
+
+    /// A dimensionless number in the units of the file: SI units with `[units]`.
+    pub fn in_file(&self, quantity: Quantity, value: f64) -> f64 {
+        self.units.map_or(value, |units| units.to_si(quantity, value))
+    }
+
+    /// The dimensionless number of one in the units of the file.
+    pub fn of_file(&self, quantity: Quantity, value: f64) -> f64 {
+        self.units.map_or(value, |units| units.from_si(quantity, value))
+    }
+
+    /// A time for people, in the units of the file.
+    pub(crate) fn in_words(&self, t: f64) -> String {
+        self.units.map_or_else(|| t.to_string(), |units| format!("{} s", rounded(units.to_si(Quantity::Time, t))))
+    }
+
+    /// Sizes of numbers in SI units that are hardly meant, in words, with the unit that is likely.
+    pub fn doubts(&self) -> Vec<String> {
+        self.file.doubts()
     }
 
     /// The scene with another perturbation of the wave's amplitudes; none for `zeta = 0`. The
@@ -298,13 +354,15 @@ impl Scene {
         Self::build(file)
     }
 
-    /// The scene from another state, array by array; an array left out is zero.
+    /// The scene from another state, array by array, in the units of its file; an array left out is
+    /// zero.
     ///
     /// # Errors
     /// Arrays of another length than the chain; a number that is not finite; no moving resonators,
     /// but arrays of them; a number other than 0 for a resonator that does not move.
     pub fn from_state(&self, u: Vec<f64>, v: Vec<f64>, u_dot: Vec<f64>, v_dot: Vec<f64>) -> Result<Self> {
-        let span = Span { periods: None, until: Some(self.end), period: self.file.span.period };
+        let until = self.file.span.until.unwrap_or_else(|| self.in_file(Quantity::Time, self.end));
+        let span = Span { periods: None, until: Some(until), period: self.file.span.period };
         let initial = Initial::State { u, v, u_dot, v_dot };
         Self::build(SceneFile { initial, span, ..self.file.clone() })
     }
@@ -339,17 +397,6 @@ impl Scene {
     /// The unit of each dimensionless quantity in SI units, if the scene has `[units]`.
     pub fn units(&self) -> Option<&Units> {
         self.units.as_ref()
-    }
-
-    /// The units for results in SI units, if `si` asks for them; `None` for dimensionless results.
-    ///
-    /// # Errors
-    /// SI units of a scene without `[units]`.
-    pub fn units_if(&self, si: bool) -> Result<Option<&Units>> {
-        match (si, self.units()) {
-            (true, None) => Err(Error::parameter("si", true, "the scene has no table [units]")),
-            (asked, units) => Ok(units.filter(|_| asked)),
-        }
     }
 
     /// The details of the chain besides its three parameters, in words, if it has any.
@@ -442,7 +489,7 @@ impl Scene {
     fn checked_run(&self) -> Result<Run> {
         let run = Run::new(self.chain.clone(), self.initial.clone()).with_period(self.period);
         let run = run.until(self.end)?.samples(self.samples())?;
-        match &self.file.method {
+        match &self.method {
             Some(method) => method.of(run),
             None => Ok(run),
         }
@@ -456,10 +503,15 @@ impl Scene {
             "closed form (uncpl): evaluated at each time that is asked for, exact at all; no integrator, no steps".to_owned(),
             "contact force: none to compute, beads never press each other (constraint2); a contact log is empty".to_owned(),
             "energy: conserved, checked along the run".to_owned(),
-            format!("t from 0 to {}, period {}", self.end, self.period),
+            self.plan_of_span(),
             self.plan_of_records(),
             "left out: integrator, contact force, search for contacts, tangent map, dense output; --integrator integrates all the same".to_owned(),
         ]
+    }
+
+    fn plan_of_span(&self) -> String {
+        let [end, period] = [self.end, self.period].map(|t| self.in_words(t));
+        format!("t from 0 to {end}, period {period}")
     }
 
     fn plan_of_records(&self) -> String {
@@ -533,7 +585,7 @@ impl Scene {
             ),
             None => "theory: none".to_owned(),
         };
-        let span = format!("t from 0 to {}, period {}", self.end, self.period);
+        let span = self.plan_of_span();
         let (contacts, left_out) = if events {
             (
                 "contacts: logged; collocation knows them, for any other method every step is sampled eight times and searched",

@@ -1,36 +1,48 @@
-//! Spheres in SI units, and the dimensionless chain that follows from them.
+//! Scenes in SI units, and the dimensionless scenes that follow from them.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `R, rho_s, E, nu` | radius, density, Young's modulus, Poisson's ratio of a sphere |
-//! | `A` | contact constant of Hertz's law, `F = A delta^{3/2}`, `A = 4/3 E* sqrt(R*)` |
+//! | `A` | constant of a contact, `F = A delta^alpha`; by Hertz `A = 4/3 E* sqrt(R*)`, `alpha = 3/2` |
 //! | `E*` | `1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2` |
-//! | `R*` | `1/R* = 1/R_1 + 1/R_2`; a flat wall has `1/R = 0` |
+//! | `R*` | `1/R* = 1/R_1 + 1/R_2`; a flat body, such as a wall, has `1/R = 0` |
+//! | `L, M, A_0` | units of length, mass and contact constants |
 //!
-//! Units are the radius `R` and the mass `m` of the first bead, the constant `A` of two such beads,
-//! and the time `(m/(A R^{1/2}))^{1/2}`.
+//! `L` and `M` are the radius and the mass of the first sphere, and `A_0` is the constant of two
+//! such spheres; the unit of time is `(M/(A_0 L^{1/2}))^{1/2}`. Where no bead has a radius, `L` is
+//! 1 mm and `M` the mass of the first bead; where Hertz gives no constant, `A_0` is the first one
+//! that is given, and `(M/(A_0 L^{alpha - 1}))^{1/2}` the unit of time.
 //!
 //! K. L. Johnson, *Contact Mechanics*, Cambridge University Press 1985, section 4.2.
 
-use super::values::Values;
+use super::{Quantity, SceneFile, details::BondsSection, values::Values};
 use crate::{
-    error::{Error, Result, require},
+    chain::{Boundary, Chain},
+    error::{Error, Result},
+    number::format_short,
+    numerics::extremes,
     report::Units,
 };
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
+/// The unit of length where no bead has a radius, in metres.
+const LENGTH: f64 = 1e-3;
+
 sections! {
-    /// The section `[units]`: the material of spheres and walls, in SI units.
+    /// The section `[units]`: all numbers of the scene are in SI units. Spheres give the masses and
+    /// contact constants that `[beads]` and `[bonds]` do not.
     pub struct UnitsSection {
-        /// Radii in metres.
-        radius: Values,
+        /// `"SI"`. It must be given: in scenes without it only drives were in SI units.
+        system?: String,
+        /// Radii in metres; `inf` for a flat body.
+        radius?: Values,
         /// Densities in kilograms per cubic metre.
-        density: Values,
+        density?: Values,
         /// Young's moduli in pascals.
-        young: Values,
+        young?: Values,
         /// Poisson's ratios.
-        poisson: Values,
+        poisson?: Values,
         /// Young's modulus of walls (that of the bead beside it if left out).
         wall_young?: f64,
         /// Poisson's ratio of walls (that of the bead beside it if left out).
@@ -40,7 +52,7 @@ sections! {
     }
 }
 
-/// A sphere or, with an infinite radius, a wall.
+/// A sphere or, with an infinite radius, a flat body; what is not given or known is not-a-number.
 #[derive(Clone, Copy, Debug)]
 struct Body {
     radius: f64,
@@ -51,7 +63,8 @@ struct Body {
 
 impl Body {
     fn mass(&self) -> f64 {
-        4.0 / 3.0 * PI * self.radius.powi(3) * self.density
+        let mass = 4.0 / 3.0 * PI * self.radius.powi(3) * self.density;
+        if self.radius.is_finite() { mass } else { f64::NAN }
     }
 
     /// `(1 - nu^2)/E`.
@@ -59,76 +72,184 @@ impl Body {
         (1.0 - self.poisson * self.poisson) / self.young
     }
 
-    /// The contact constant `A` of two bodies.
+    /// The contact constant `A` of two bodies; not-a-number if both are flat.
     fn hertz(&self, other: &Self) -> f64 {
         let (modulus, radius) =
             ((self.compliance() + other.compliance()).recip(), (self.radius.recip() + other.radius.recip()).recip());
-        4.0 / 3.0 * modulus * radius.sqrt()
+        if radius.is_finite() { 4.0 / 3.0 * modulus * radius.sqrt() } else { f64::NAN }
     }
 }
 
-/// Units, masses, contact constants and static overlaps that follow from `[units]`.
-pub(super) struct Material {
-    pub(super) units: Units,
-    pub(super) mass: Vec<f64>,
-    pub(super) contact: Vec<f64>,
-    pub(super) overlap: Vec<f64>,
+impl SceneFile {
+    /// The scene with dimensionless numbers, and its units, if it has `[units]`.
+    ///
+    /// # Errors
+    /// A value outside its rule; a mass or a contact constant that neither is given nor follows from
+    /// spheres.
+    pub(super) fn dimensionless(&self) -> Result<Option<(Self, Units)>> {
+        let Some(section) = &self.units else { return Ok(None) };
+        section.check()?;
+        let chain = Chain::<f64>::new(self.chain.params(), self.chain.boundary, self.chain.sites)?;
+        if self.chain.boundary == Boundary::StrainRing {
+            let rule = "waves in strains are those of the paper, without units: \"ring\" with [units]";
+            return Err(Error::parameter("boundary", self.chain.boundary, rule));
+        }
+        let mut file = Self { units: None, ..self.clone() };
+        let (beads, bonds) = (file.beads.get_or_insert_default(), file.bonds.get_or_insert_default());
+
+        let bodies = section.bodies(chain.sites())?;
+        let mut masses = bodies.iter().map(Body::mass).collect();
+        if let Some(values) = &beads.mass {
+            masses = values.over("beads.mass", masses)?;
+        }
+        if let Some(i) = masses.iter().position(|mass| !(mass.is_finite() && *mass > 0.0)) {
+            let rule = "a mass is finite and positive: give it, or `radius` and `density` of [units]";
+            return Err(Error::parameter("beads.mass", at(masses[i], i), rule));
+        }
+
+        let touching = chain.touching();
+        let alphas = bonds.alpha.as_ref().map(|values| values.of("bonds.alpha", touching.len())).transpose()?;
+        let alpha = |k: usize| alphas.as_ref().map_or(self.chain.alpha, |alphas| alphas[k]);
+        let hertz = |(k, bond): (usize, usize)| match chain.topology().ends(bond) {
+            _ if alpha(k) != 1.5 => f64::NAN,
+            [Some(a), Some(b)] => bodies[a].hertz(&bodies[b]),
+            [Some(a), None] | [None, Some(a)] => bodies[a].hertz(&section.wall(bodies[a])),
+            [None, None] => f64::NAN,
+        };
+        let mut contacts = touching.clone().enumerate().map(hertz).collect();
+        if let Some(values) = &bonds.contact {
+            contacts = values.over("bonds.contact", contacts)?;
+        }
+        bonds.walls(self.chain.boundary, &mut contacts)?;
+        if let Some(k) = contacts.iter().position(|constant| !(constant.is_finite() && *constant >= 0.0)) {
+            let rule = "a contact constant is finite and at least zero: give it, or `radius`, `young` and `poisson` of \
+                        [units], not of two flat bodies, for alpha = 1.5";
+            return Err(Error::parameter("bonds.contact", at(contacts[k], k), rule));
+        }
+
+        let first = bodies.iter().position(|body| body.radius.is_finite());
+        let length = first.map_or(LENGTH, |i| bodies[i].radius);
+        let sphere = first.map(|i| bodies[i].hertz(&bodies[i])).filter(|constant| constant.is_finite());
+        let given = || contacts.iter().position(|one| *one > 0.0).map(|k| (contacts[k], alpha(k)));
+        let reference = sphere.map(|constant| (constant, 1.5)).or_else(given).unwrap_or((1.0, 1.5));
+        let units = Units::new(length, masses[first.unwrap_or(0)], reference);
+
+        if let Some(load) = section.static_load.filter(|load| *load > 0.0) {
+            if bonds.overlap.is_some() || self.chain.precompression != 0.0 {
+                let rule = "a static load gives the static overlaps: leave `overlap` and `precompression` out";
+                return Err(Error::parameter("units.static_load", load, rule));
+            }
+            if let Some(k) = contacts.iter().position(|constant| *constant == 0.0) {
+                let rule = "no load where beads have no contact: give `overlap` of [bonds]";
+                return Err(Error::parameter("units.static_load", at(load, k), rule));
+            }
+            let overlap = |(k, a): (usize, &f64)| (load / a).powf(alpha(k).recip());
+            bonds.overlap = Some(Values::List(contacts.iter().enumerate().map(overlap).collect()));
+        }
+        let list = |values: Vec<f64>| values.iter().any(|value| *value != 1.0).then_some(Values::List(values));
+        beads.mass = list(masses.iter().map(|mass| mass / units.mass_kg).collect());
+        let scaled = |(k, constant): (usize, &f64)| constant * length.powf(alpha(k)) / units.force_n;
+        (bonds.contact, bonds.wall) = (list(contacts.iter().enumerate().map(scaled).collect()), None);
+        // Equal spheres are a chain of equal beads.
+        file.beads = file.beads.filter(|beads| *beads != Default::default());
+        file.bonds = file.bonds.filter(|bonds| *bonds != BondsSection::default());
+        file.quantities(&mut |_, quantity, x| *x = units.from_si(quantity, *x));
+        Ok(Some((file, units)))
+    }
+
+    /// A refusal of a number of the dimensionless scene, with the number that is given.
+    pub(super) fn restated(&self, error: Error, units: &Units) -> Error {
+        let Error::Parameter { name, value, rule } = error else { return error };
+        let (number, rest) = value.split_once(' ').map_or((&*value, String::new()), |(a, b)| (a, format!(" {b}")));
+        let (Ok(number), mut found) = (number.parse::<f64>(), None) else {
+            return Error::Parameter { name, value, rule };
+        };
+        let of = name.rsplit('.').next().unwrap_or(name);
+        self.clone().quantities(&mut |key, quantity, x| {
+            if key == of && (found.is_none() || units.from_si(quantity, *x) == number) {
+                let own = units.from_si(quantity, *x) == number;
+                found = Some(if own { *x } else { units.to_si(quantity, number) });
+            }
+        });
+        match found {
+            Some(given) => Error::parameter(name, format!("{given}{rest}"), rule),
+            None => Error::Parameter { name, value, rule },
+        }
+    }
+
+    /// Sizes of numbers in SI units that are hardly meant, each with the unit that is likely.
+    pub(super) fn doubts(&self) -> Vec<String> {
+        let Some(UnitsSection { radius, density, young, wall_young, .. }) = &self.units else { return Vec::new() };
+        let n = self.chain.sites;
+        // The least and the largest; infinite if nothing is known, as of a flat body.
+        let range = |values: &Option<Values>| {
+            let list = values.as_ref().and_then(|values| values.of("", n).ok()).unwrap_or_default();
+            if list.is_empty() { [f64::INFINITY; 2] } else { extremes(list).into() }
+        };
+        let mut all = Vec::new();
+        let mut doubt = |name: &str, value: f64, unit: &str, bad: bool, rule: &str, [likely, factor]: [&str; 2]| {
+            if bad {
+                all.push(format!("{name} = {value} {unit}: {rule}; if it is in {likely}, write {value}{factor}"));
+            }
+        };
+        let ([_, size], [lightest, _], [softest, stiffest]) = (range(radius), range(density), range(young));
+        doubt("units.radius", size, "m", size > 1.0 && size.is_finite(), "more than 1 m", ["mm", "e-3"]);
+        doubt("units.density", lightest, "kg/m^3", lightest < 30.0, "lighter than solids", ["g/cm^3", "e3"]);
+        for (name, modulus) in [("units.young", softest), ("units.wall_young", wall_young.unwrap_or(f64::INFINITY))] {
+            doubt(name, modulus, "Pa", modulus < 1e4, "softer than solids", ["GPa", "e9"]);
+        }
+        let sound = if lightest.is_finite() { (stiffest / lightest).sqrt() } else { f64::INFINITY };
+        let rule = format!("faster than sound in the beads, (E/density)^(1/2) = {} m/s", format_short(sound));
+        self.clone().quantities(&mut |key, quantity, x| match quantity {
+            Quantity::Velocity => doubt(key, *x, "m/s", x.abs() > sound, &rule, ["mm/s", "e-3"]),
+            Quantity::Length if ["displacement", "amplitude", "overlap", "precompression"].contains(&key) => {
+                doubt(key, *x, "m", *x > size || key != "overlap" && -*x > size, "more than a radius", ["mm", "e-3"]);
+            }
+            _ => {}
+        });
+        // One sentence for all beads.
+        all.dedup_by(|a, b| a.split(" = ").next() == b.split(" = ").next());
+        all
+    }
+}
+
+/// A value with the place in its list.
+fn at(value: f64, i: usize) -> String {
+    if value.is_nan() { format!("nothing (entry {i})") } else { format!("{value} (entry {i})") }
 }
 
 impl UnitsSection {
-    /// Units, masses, contact constants and static overlaps of a chain of `sites` sites; `ends` are
-    /// the sites on the two sides of each bond that can touch.
-    ///
-    /// # Errors
-    /// A value outside its rule.
-    pub(super) fn material(&self, sites: usize, ends: &[[Option<usize>; 2]]) -> Result<Material> {
-        let bodies = self.bodies(sites)?;
-        let first = bodies[0];
-        let (length, mass, constant) = (first.radius, first.mass(), first.hertz(&first));
-        let time = (mass / (constant * length.sqrt())).sqrt();
-        let units = Units {
-            length_m: length,
-            mass_kg: mass,
-            time_s: time,
-            velocity_m_per_s: length / time,
-            force_n: constant * length.powf(1.5),
-            energy_j: mass * (length / time).powi(2),
-        };
-        let load = self.static_load.unwrap_or(0.0);
-        require(load.is_finite() && load >= 0.0, "units.static_load", load, "a load is finite and at least zero")?;
-        let of = |ends: &[Option<usize>; 2]| match *ends {
-            [Some(a), Some(b)] => bodies[a].hertz(&bodies[b]),
-            [Some(a), None] | [None, Some(a)] => bodies[a].hertz(&self.wall(bodies[a])),
-            [None, None] => 0.0,
-        };
-        let constants: Vec<f64> = ends.iter().map(of).collect();
-        Ok(Material {
-            units,
-            mass: bodies.iter().map(|body| body.mass() / mass).collect(),
-            overlap: constants.iter().map(|a| (load / a).powf(2.0 / 3.0) / length).collect(),
-            contact: constants.iter().map(|a| a / constant).collect(),
-        })
+    fn check(&self) -> Result<()> {
+        if self.system.as_deref() != Some("SI") {
+            let rule = "all numbers of a scene with [units] are in SI units; before version 0.1 only those of [units] and \
+                        [[drive]] were: convert the others (radius, mass and contact of the first sphere are 1 there), \
+                        and write system = \"SI\"";
+            return Err(Error::parameter("units.system", self.system.as_deref().unwrap_or("nothing"), rule));
+        }
+        self.wall_young.map(|young| crate::error::positive("units.wall_young", young)).transpose()?;
+        if let Some(poisson) = self.wall_poisson.filter(|&poisson| !ratio(poisson)) {
+            return Err(Error::parameter("units.wall_poisson", poisson, RATIO));
+        }
+        match self.static_load.filter(|load| !(load.is_finite() && *load >= 0.0)) {
+            Some(load) => Err(Error::parameter("units.static_load", load, "a load is finite and at least zero")),
+            None => Ok(()),
+        }
     }
 
     fn bodies(&self, sites: usize) -> Result<Vec<Body>> {
-        let list = |name, values: &Values, good: fn(f64) -> bool, rule| {
+        let list = |name, values: &Option<Values>, good: fn(f64) -> bool, rule| {
+            let Some(values) = values else { return Ok(vec![f64::NAN; sites]) };
             let values = values.of(name, sites)?;
             match values.iter().find(|&&value| !good(value)) {
                 Some(value) => Err(Error::parameter(name, value, rule)),
                 None => Ok(values),
             }
         };
-        let positive: fn(f64) -> bool = |x| x.is_finite() && x > 0.0;
-        let rule = "finite and positive";
-        let radius = list("units.radius", &self.radius, positive, rule)?;
+        let (positive, rule): (fn(f64) -> bool, _) = (|x| x.is_finite() && x > 0.0, "finite and positive");
+        let radius = list("units.radius", &self.radius, |x| x > 0.0, "positive; inf for a flat body")?;
         let density = list("units.density", &self.density, positive, rule)?;
         let young = list("units.young", &self.young, positive, rule)?;
-        let (ratio, ratios) = (|x: f64| x > -1.0 && x <= 0.5, "Poisson's ratio is above -1 and at most 1/2");
-        let poisson = list("units.poisson", &self.poisson, ratio, ratios)?;
-        self.wall_young.map(|young| crate::error::positive("units.wall_young", young)).transpose()?;
-        if let Some(poisson) = self.wall_poisson.filter(|&poisson| !ratio(poisson)) {
-            return Err(Error::parameter("units.wall_poisson", poisson, ratios));
-        }
+        let poisson = list("units.poisson", &self.poisson, ratio, RATIO)?;
         let body = |i| Body { radius: radius[i], density: density[i], young: young[i], poisson: poisson[i] };
         Ok((0..sites).map(body).collect())
     }
@@ -139,3 +260,9 @@ impl UnitsSection {
         Body { radius: f64::INFINITY, young, poisson, ..beside }
     }
 }
+
+fn ratio(x: f64) -> bool {
+    x > -1.0 && x <= 0.5
+}
+
+const RATIO: &str = "Poisson's ratio is above -1 and at most 1/2";

@@ -1,5 +1,6 @@
 //! One number for each site or bond: as a number, a list, or a rule.
 
+use super::Quantity;
 use crate::{
     error::{Error, Result},
     random::uniform,
@@ -48,6 +49,62 @@ sections! {
     }
 }
 
+/// Is told the key, the quantity and each number of it.
+pub(crate) type Seen<'a> = &'a mut dyn FnMut(&'static str, Quantity, &mut f64);
+
+/// A part of a scene that has numbers with units.
+pub(crate) trait Measured {
+    /// Shows all of them.
+    fn measured(&mut self, seen: Seen<'_>);
+}
+
+/// One number or several of the same quantity.
+pub(crate) trait Numbers {
+    /// Shows each.
+    fn each(&mut self, seen: &mut dyn FnMut(&mut f64));
+}
+
+impl Numbers for f64 {
+    fn each(&mut self, seen: &mut dyn FnMut(&mut f64)) {
+        seen(self);
+    }
+}
+
+impl<T: Numbers> Numbers for Option<T> {
+    fn each(&mut self, seen: &mut dyn FnMut(&mut f64)) {
+        self.iter_mut().for_each(|one| one.each(seen));
+    }
+}
+
+impl Numbers for Vec<f64> {
+    fn each(&mut self, seen: &mut dyn FnMut(&mut f64)) {
+        self.iter_mut().for_each(seen);
+    }
+}
+
+impl Numbers for [f64; 2] {
+    fn each(&mut self, seen: &mut dyn FnMut(&mut f64)) {
+        self.iter_mut().for_each(seen);
+    }
+}
+
+impl Numbers for Values {
+    fn each(&mut self, seen: &mut dyn FnMut(&mut f64)) {
+        match self {
+            Self::Number(number) => seen(number),
+            Self::List(list) => list.each(seen),
+            Self::Rule(rule) => {
+                let Rule { value, pattern, taper, from, to, except, .. } = &mut **rule;
+                // The first number of a taper is 1 if it is left out.
+                *from = from.or(taper.map(|_| 1.0));
+                [value, from, to].into_iter().for_each(|one| one.each(seen));
+                pattern.each(seen);
+                except.iter_mut().flatten().for_each(|(_, value)| seen(value));
+            }
+        }
+    }
+}
+
 impl<'de> Deserialize<'de> for Values {
     fn deserialize<D: Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
         struct Any;
@@ -87,7 +144,7 @@ impl Values {
     ///
     /// # Errors
     /// A list of another length, or a rule that says too much, too little or something unknown.
-    pub(super) fn of(&self, name: &'static str, count: usize) -> Result<Vec<f64>> {
+    pub(crate) fn of(&self, name: &'static str, count: usize) -> Result<Vec<f64>> {
         match self {
             Self::Number(value) => Ok(vec![*value; count]),
             Self::List(values) if values.len() == count => Ok(values.clone()),
@@ -96,6 +153,16 @@ impl Values {
                 Err(Error::parameter(name, format!("{} numbers for {count}", values.len()), rule))
             }
             Self::Rule(rule) => rule.of(name, count),
+        }
+    }
+
+    /// The same; a rule that has only exceptions changes the numbers of `base`.
+    pub(super) fn over(&self, name: &'static str, base: Vec<f64>) -> Result<Vec<f64>> {
+        match self {
+            Self::Rule(rule) if **rule == (Rule { except: rule.except.clone(), ..Rule::default() }) => {
+                rule.with(name, base)
+            }
+            _ => self.of(name, base.len()),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Bands of a scene: the frequencies of linear waves on the infinite chain of its cell.
 
-use super::{Changes, InSi, Study, Work, options::options, scene_caption, scene_json, si::Scale};
+use super::{Changes, ResultUnits, Study, Work, options::options, scene_caption, scene_json, si::Scale};
 use crate::{
     error::Result,
     orbits,
@@ -25,7 +25,7 @@ options! {
         /// Number of wave numbers, equally spaced from 0 to the edge of the zone.
         points: usize = 101, "K", (2 to 100_000);
         /// The units of results.
-        si: InSi = InSi::default(), [command(flatten)];
+        results: ResultUnits = ResultUnits::default(), [command(flatten)];
     }
 }
 
@@ -46,7 +46,7 @@ impl Study for Bands {
     fn begin(&self) -> Result<Work<'_>> {
         self.within_ranges()?;
         let scene = Scene::load_with(&self.scene, &self.changes.set)?;
-        let (si, bands) = (self.si.units(&scene)?, orbits::Bands::new(scene.chain())?);
+        let (si, bands) = (self.results.of(&scene), orbits::Bands::new(scene.chain())?);
         Ok(Box::new(move |_, _| Ok(self.report(&scene, &bands, si.as_ref()))))
     }
 }

@@ -2,8 +2,8 @@
 //! bifurcations, the end, and the branch that crosses.
 
 use super::{
-    InSi, Progress, Study, Work, folder_of, keeper::Autosave, options::options, part, run::state_arrays, segments,
-    si::Scale,
+    Progress, ResultUnits, Study, Work, folder_of, keeper::Autosave, options::options, part, run::state_arrays,
+    segments, si::Scale,
 };
 use crate::{
     chain::State,
@@ -146,13 +146,13 @@ impl BranchOptions {
     }
 
     /// The branch of a file that goes on.
-    fn resumed<P: Kept>(&self, path: &Path, si: InSi) -> Result<Begun<P>> {
+    fn resumed<P: Kept>(&self, path: &Path, results: ResultUnits) -> Result<Begun<P>> {
         let path = if path.is_dir() { &*path.join(P::NAMES[0]) } else { path };
         let (about, branch) = load_branch::<P>(path)?;
-        let si = P::units(&about, si)?;
+        let units = P::units(&about);
         let quantity = branch.continuation.quantity(&branch.setting);
-        let branch = self.read((si.as_ref(), quantity), |to, step| branch.onward(to, step, self.max_points))?;
-        Ok((about, branch, si))
+        let branch = self.read((units.as_ref(), quantity), |to, step| branch.onward(to, step, self.max_points))?;
+        Ok((about, branch, units.filter(|_| !results.dimensionless)))
     }
 }
 
@@ -165,7 +165,7 @@ pub trait FollowCommand {
     type Problem: Kept;
 
     /// The options of the branch, of its bifurcations and of units.
-    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi);
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, ResultUnits);
     /// A new branch, of which the work finds the first orbit.
     ///
     /// # Errors
@@ -248,12 +248,9 @@ pub trait Kept: Problem {
     /// # Errors
     /// The rule that a number breaks.
     fn made(source: Self::Source, birth: Option<BifurcationKind>) -> Result<(Self::About, Self::Setting)>;
-    /// The units of the scene, if they are asked for.
-    ///
-    /// # Errors
-    /// A scene without units.
-    fn units(_about: &Self::About, _si: InSi) -> Result<Option<Units>> {
-        Ok(None)
+    /// The units of the scene, if it has some.
+    fn units(_about: &Self::About) -> Option<Units> {
+        None
     }
     /// The kind of number that the parameter is.
     fn quantity(&self, _setting: &Self::Setting) -> Quantity {

@@ -215,7 +215,7 @@ pub fn drift(scene: &Scene, options: &DriftOptions, engine: &Engine, progress: P
     options.within_ranges()?;
     let rule = "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
     require(scene.chain().has_energy(scene.initial().as_slice()), "scene", scene.name(), rule)?;
-    let scene = scene.clone().until(periods * scene.period())?;
+    let scene = scene.clone().until_dimensionless(periods * scene.period())?;
     let times = spaced(scene.period(), scene.end(), *samples);
     let settings = json!({"scene": scene_json(&scene), "times": samples, "kicks": KICKS, "tolerance": TOLERANCE});
     let grid = Grid { store: Drift::STORE, study: "drift", settings };

@@ -69,7 +69,7 @@ pub use plan::{Axis as PlanAxis, NumberColumn, Plan, PlanFile, PlanStudy, Point 
 pub use pulses::*;
 pub use run::*;
 pub use scaling::*;
-pub use si::InSi;
+pub use si::ResultUnits;
 pub use solitary::*;
 pub use theorem::{
     Bound, Errors as TheoremErrors, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremRun, TheoremSlope,

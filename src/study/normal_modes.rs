@@ -2,7 +2,7 @@
 //! mode.
 
 use super::{
-    Changes, InSi, Work,
+    Changes, ResultUnits, Work,
     branches::{
         self, Begun, BifurcationOptions, BranchOptions, BranchRow, BranchStudy, FollowCommand, Kept, SWITCHED,
         SWITCHED_FILES, SceneSource, crossed, files_of_branch,
@@ -52,7 +52,7 @@ options! {
         /// What is asked for about its bifurcations.
         more: BifurcationOptions = BifurcationOptions::default(), [command(flatten)];
         /// The units of options and results.
-        si: InSi = InSi::default(), [command(flatten)];
+        results: ResultUnits = ResultUnits::default(), [command(flatten)];
     }
 }
 
@@ -78,8 +78,8 @@ impl Kept for ModeContinuation {
         Ok((scene, modes))
     }
 
-    fn units(scene: &Scene, si: InSi) -> Result<Option<Units>> {
-        si.units(scene)
+    fn units(scene: &Scene) -> Option<Units> {
+        scene.units().copied()
     }
 
     fn quantity(&self, _setting: &NormalModes) -> Quantity {
@@ -113,16 +113,16 @@ impl Kept for ModeContinuation {
 impl FollowCommand for FollowMode {
     type Problem = ModeContinuation;
 
-    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
-        (&self.branch, self.more, self.si)
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, ResultUnits) {
+        (&self.branch, self.more, self.results)
     }
 
     fn first(&self) -> Result<Work<'_, Begun<ModeContinuation>>> {
         let scene = Scene::load_with(&self.scene, &self.changes.set)?;
         self.within_ranges()?;
-        let (si, modes) = (self.si.units(&scene)?, NormalModes::new(scene.chain())?);
+        let (si, modes) = (self.results.of(&scene), NormalModes::new(scene.chain())?);
         let mode = self.linear_mode.map_or(modes.most_localised(), |number| number - 1);
-        let continuation = self.branch.continuation((si.as_ref(), Quantity::Length), 0.0, |to, step| {
+        let continuation = self.branch.continuation((scene.units(), Quantity::Length), 0.0, |to, step| {
             let continuation = ModeContinuation { mode, to, step, most_points: self.branch.max_points };
             continuation.check(&modes).map(|()| continuation)
         })?;

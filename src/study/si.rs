@@ -1,6 +1,6 @@
-//! Numbers of studies in SI units: read from options, and of reports.
+//! Numbers of studies in the units of a scene: read from options, and of reports.
 //!
-//! What is computed and what a file keeps for `--resume` stays dimensionless.
+//! What is computed and what a file keeps for `--resume` is dimensionless.
 
 use crate::{
     error::{Error, Result},
@@ -10,27 +10,23 @@ use crate::{
 /// What a report in SI units says of itself.
 pub(super) const ALL_IN_SI: &str = "all numbers here are in SI units";
 
-/// Whether options and results are in SI units.
+/// The units of results of a scene with a table `[units]`; those of other scenes are dimensionless.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct InSi {
-    /// Results in SI units, for scenes with a table `[units]`.
+pub struct ResultUnits {
+    /// Dimensionless results of a scene with `[units]`.
     ///
-    /// Results are in metres, seconds, newtons and joules, except files for --resume and messages
-    /// of failures. A branch takes --to and --step in these units, too. The amplitude of a drive is
-    /// in m if it moves a bead, in N if it pushes one. `omega` is in rad/s, as in the scene;
-    /// `frequency`, in Hz, stands beside it. Names of fields and columns do not change.
+    /// A scene with a table `[units]` is in SI units, and so are options and results, except files
+    /// for --resume and messages of failures: metres, seconds, kilograms, newtons, joules. With this
+    /// option results are dimensionless; what is given stays in SI units.
     #[cfg_attr(feature = "cli", arg(long, hide_short_help = true))]
-    pub si: bool,
+    pub dimensionless: bool,
 }
 
-impl InSi {
-    /// The units of the scene, if SI units are asked for.
-    ///
-    /// # Errors
-    /// SI units of a scene without `[units]`.
-    pub(super) fn units(self, scene: &Scene) -> Result<Option<Units>> {
-        scene.units_if(self.si).map(Option::<&Units>::copied)
+impl ResultUnits {
+    /// The units of results in SI units.
+    pub fn of(self, scene: &Scene) -> Option<Units> {
+        scene.units().filter(|_| !self.dimensionless).copied()
     }
 }
 

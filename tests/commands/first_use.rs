@@ -45,7 +45,7 @@ const PRINTING: [&str; 40] = [
     "breather dark --sites 5 --omega-b 2.03",
     "breather continue --sites 5 --from 2.03 --to 2.04 --step 5e-3",
     "orbit driven granular-crystal --settle 5 --set chain.sites=3 --set initial.site=1",
-    "orbit continue granular-crystal --set chain.sites=3 --set initial.site=1 --settle 5 --to 0.01 --max-points 3",
+    "orbit continue granular-crystal --set chain.sites=3 --set initial.site=1 --settle 5 --to 1e-4 --max-points 3",
     "orbit mode defect --to 0.01 --max-points 3",
     "dps integrals --b 0 --r 1",
     "dps integrals --b 0 --r 1 --json",

@@ -415,7 +415,7 @@ mod processes {
         let args: Vec<&str> = line.split(' ').collect();
         let resume = Some((&["breather", "continue", "--bifurcations"][..], "branch.npz"));
         Study { args: &args, resume, kept: &points, kills: 6, intervals: None }.survives(&mut random);
-        let line = "orbit continue granular-crystal --settle 20 --to 2e-6 --step 2e-8";
+        let line = "orbit continue granular-crystal --settle 20 --to 2e-8 --step 2e-10";
         let args: Vec<&str> = line.split(' ').collect();
         let resume = Some((&["orbit", "continue"][..], "driven-branch.npz"));
         Study { args: &args, resume, kept: &driven_points, kills: 4, intervals: None }.survives(&mut random);
@@ -485,7 +485,7 @@ mod processes {
         "breather barrier --frequencies 500",
         "breather moving",
         "orbit driven end-driven --turns 64",
-        "orbit continue granular-crystal --settle 20 --to 2e-6 --step 2e-8",
+        "orbit continue granular-crystal --settle 20 --to 2e-8 --step 2e-10",
         "orbit mode precompressed --to 1",
         "dps homoclinic --alpha 1.01",
         "dps dark --sites 100001",
@@ -613,7 +613,7 @@ mod processes {
         assert!(mode["end"] == "stopped" && !mode["points"].as_array().unwrap().is_empty(), "{mode}");
         assert!(said.contains("the process was asked to end") && out.join("mode-branch.npz").exists(), "{said}");
         let out = folder.path().join("driven");
-        let line = "orbit continue granular-crystal --settle 20 --to 2e-6 --step 2e-8 --json --out";
+        let line = "orbit continue granular-crystal --settle 20 --to 2e-8 --step 2e-10 --json --out";
         let (branch, said) = told(&format!("{line} {}", out.display()), &|| out.join("driven-branch.npz").exists());
         assert!(branch["end"] == "stopped" && !branch["points"].as_array().unwrap().is_empty(), "{branch}");
         assert!(said.contains("the same command goes on") && out.join("driven-branch.csv").exists(), "{said}");
@@ -675,10 +675,10 @@ mod processes {
     fn a_run_in_si_units_goes_on_in_si_units() {
         let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
         let [out, whole] = folders.each_ref().map(|folder| folder.path().to_str().unwrap());
-        let run = "run granular-crystal --si --until 20000 --checkpoint 200 --out";
+        let run = "run granular-crystal --until 0.11 --checkpoint 1.1e-3 --out";
         let kept = || time(folders[0].path()).is_some_and(|t| t >= 400.0);
         assert_eq!(asked(&format!("{run} {out}"), "TERM", &kept).0, Some(143));
-        stdout(&["run", "--resume", out, "--si"]);
+        stdout(&["run", "--resume", out]);
         stdout(&format!("{run} {whole}"));
         assert!(files(folders[0].path()) == files(folders[1].path()));
     }

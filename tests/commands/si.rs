@@ -1,4 +1,4 @@
-//! Orbits in SI units: `orbit driven`, `orbit continue` and `orbit mode` with `--si`.
+//! Scenes in SI units: runs, sweeps, and `orbit driven`, `orbit continue` and `orbit mode`.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -11,9 +11,9 @@
 //! 4.2. Waves of equal masses and springs: L. Brillouin, *Wave Propagation in Periodic Structures*,
 //! 2nd ed., Dover 1953.
 
-use super::program::{hertzchain, json, refusals, refused, stdout, table};
+use super::program::{json, refusals, refused, stdout, table};
 use serde_json::Value;
-use std::{f64::consts::PI, fs, path::Path};
+use std::{f64::consts::PI, fs};
 
 const RADIUS: f64 = 9.525e-3;
 const LOAD: f64 = 20.0;
@@ -44,7 +44,7 @@ fn time() -> f64 {
 fn spheres(sites: usize, boundary: &str, more: &str) -> String {
     format!(
         "name = \"spheres\"\n[chain]\nsites = {sites}\nalpha = 1.5\nboundary = \"{boundary}\"\n[initial]\n\
-         kind = \"single-bead\"\nsite = 0\nvelocity = 0.0\n[span]\nuntil = 10.0\n[units]\nradius = {RADIUS}\n\
+         kind = \"single-bead\"\nsite = 0\nvelocity = 0.0\n[span]\nuntil = 5e-5\n[units]\nsystem = \"SI\"\nradius = {RADIUS}\n\
          density = 8027.0\nyoung = 193e9\npoisson = 0.3\nstatic_load = {LOAD}\n{more}"
     )
 }
@@ -54,13 +54,13 @@ fn spheres(sites: usize, boundary: &str, more: &str) -> String {
 ///
 /// With `c = (1 - nu^2)/E` two spheres have `(R/2)^{1/2}/(2 c)`, a sphere and a wall
 /// `R^{1/2}/(c + c_w)`: so `c_w = (8^{1/2} - 1) c`.
-fn driven_spheres(drag: f64, amplitude: f64, omega: f64) -> String {
+fn driven_spheres(loss: f64, amplitude: f64, omega: f64) -> String {
     let wall = 193e9 / (8f64.sqrt() - 1.0);
     let drive = format!(
         "[[drive]]\nsite = 0\nkind = \"moved\"\namplitude = {amplitude}\nomega = {omega}\nphase = {}\n",
         PI / 2.0
     );
-    let beads = format!("[beads]\ndrag = {{ value = {drag}, except = [[0, 0.0]] }}\n");
+    let beads = format!("[beads]\ntau = {{ value = {}, except = [[0, inf]] }}\n", loss.recip());
     spheres(4, "fixed", &format!("wall_young = {wall}\nwall_poisson = 0.3\n{beads}{drive}"))
 }
 
@@ -86,14 +86,13 @@ fn a_driven_chain_resonates_in_hertz_where_the_dispersion_says() {
     // frequencies. What contacts add is of the relative order strain/overlap, here up to 3e-5.
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
-    let (drag, amplitude) = (2e-3, 1e-12);
+    let (loss, amplitude) = (360.0, 1e-12);
     let lowest = rate() * (PI / 8.0).sin() / PI;
     assert!((lowest - 3081.0).abs() < 1.0, "{lowest} Hz");
     let from = 2.0 * PI * 0.98 * lowest;
-    let loss = drag / time();
-    fs::write(path("scene.toml"), driven_spheres(drag, amplitude, from)).unwrap();
+    fs::write(path("scene.toml"), driven_spheres(loss, amplitude, from)).unwrap();
 
-    let orbit = json(&["orbit", "driven", &path("scene.toml"), "--si"]);
+    let orbit = json(&["orbit", "driven", &path("scene.toml")]);
     assert!((number(&orbit, "/drive/amplitude") / amplitude - 1.0).abs() < 1e-14);
     assert!((number(&orbit, "/drive/omega") / from - 1.0).abs() < 1e-14);
     assert!((number(&orbit, "/drive/frequency") / (0.98 * lowest) - 1.0).abs() < 1e-13);
@@ -115,7 +114,7 @@ fn a_driven_chain_resonates_in_hertz_where_the_dispersion_says() {
 
     let to = format!("{}", 2.0 * PI * 1.02 * lowest);
     let step = format!("{}", 2.0 * PI * 0.002 * lowest);
-    let args = ["orbit", "continue", &path("scene.toml"), "--vary", "omega", "--to", &to, "--step", &step, "--si"];
+    let args = ["orbit", "continue", &path("scene.toml"), "--vary", "omega", "--to", &to, "--step", &step];
     let text = stdout(&[&args[..], &["--out", &path("out")]].concat());
     assert!(text.ends_with("all numbers here are in SI units\n"), "{text}");
     let (names, rows) = table(&folder.path().join("out/driven-branch.csv"));
@@ -139,7 +138,7 @@ fn modes_of_a_ring_of_spheres_have_the_published_frequencies_in_hertz() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     fs::write(path("ring.toml"), spheres(6, "ring", "")).unwrap();
-    let args = ["orbit", "mode", &path("ring.toml"), "--linear-mode", "5", "--to", "1e-6", "--step", "2e-7", "--si"];
+    let args = ["orbit", "mode", &path("ring.toml"), "--linear-mode", "5", "--to", "1e-6", "--step", "2e-7"];
     let mode = json(&args);
     let truth: Vec<f64> = [1, 1, 2, 2, 3].iter().map(|q| rate() * (PI * f64::from(*q) / 6.0).sin() / PI).collect();
     for (one, truth) in mode["linear"].as_array().unwrap().iter().zip(&truth) {
@@ -228,29 +227,19 @@ fn every_number_in_si_units_is_the_dimensionless_one_times_its_unit() {
     let folder = tempfile::tempdir().unwrap();
     let ring = folder.path().join("ring.toml").display().to_string();
     fs::write(&ring, spheres(6, "ring", "")).unwrap();
-    // A value in SI units, and the number of the chain with the bits that the program reads.
-    let metres = |si: f64| [si, si / RADIUS].map(|value| value.to_string());
-    let rate = |si: f64| [si, si * time()].map(|value| value.to_string());
     let driven: &[&str] = &["continue", "granular-crystal", "--settle", "20"];
     let cases = [
         (&["driven", "granular-crystal", "--settle", "20"][..], None, 1.0),
-        (driven, Some([metres(4e-8), metres(1e-8)]), RADIUS),
-        (&[driven, &["--vary", "omega"]].concat(), Some([rate(3.2e4), rate(5e2)]), time().recip()),
-        (
-            &[driven, &["--vary", "damping"]].concat(),
-            Some([[1.2, 1.2], [0.1, 0.1]].map(|two| two.map(|x: f64| x.to_string()))),
-            1.0,
-        ),
-        (&["mode", &ring], Some([metres(1e-6), metres(2e-7)]), 1.0),
+        (driven, Some(["4e-8", "1e-8"]), RADIUS),
+        (&[driven, &["--vary", "omega"]].concat(), Some(["3.2e4", "5e2"]), time().recip()),
+        (&[driven, &["--vary", "damping"]].concat(), Some(["1.2", "0.1"]), 1.0),
+        (&["mode", &ring], Some(["1e-6", "2e-7"]), 1.0),
     ];
     for (command, way, parameter) in cases {
         let [si, plain] = [0, 1].map(|which| {
-            let way: Vec<&str> = match &way {
-                Some([to, step]) => vec!["--to", &to[which], "--step", &step[which]],
-                None => Vec::new(),
-            };
-            let si: &[&str] = if which == 0 { &["--si"] } else { &[] };
-            json(&[&["orbit"], command, &way, si].concat())
+            let way = way.map_or(Vec::new(), |[to, step]| vec!["--to", to, "--step", step]);
+            let plain: &[&str] = if which == 1 { &["--dimensionless"] } else { &[] };
+            json(&[&["orbit"], command, &way, plain].concat())
         });
         assert!(plain.get("units").is_none() && plain.get("si").is_none() && si["si"] == true, "{command:?}");
         assert!((number(&si, "/units/time_s") / time() - 1.0).abs() < 1e-14);
@@ -260,29 +249,28 @@ fn every_number_in_si_units_is_the_dimensionless_one_times_its_unit() {
     }
     // The force of a drive that pushes is in newtons.
     let pushed = folder.path().join("pushed.toml").display().to_string();
-    let drive = "[beads]\ndrag = 0.01\n[[drive]]\nsite = 0\nkind = \"pushed\"\namplitude = 0.03\nomega = 1e4\n";
+    let drive = "[beads]\ntau = 5.5e-4\n[[drive]]\nsite = 0\nkind = \"pushed\"\namplitude = 0.03\nomega = 1e4\n";
     fs::write(&pushed, spheres(3, "fixed", drive)).unwrap();
-    let branch = json(&["orbit", "continue", &pushed, "--to", "0.05", "--step", "0.01", "--si"]);
+    let branch = json(&["orbit", "continue", &pushed, "--to", "0.05", "--step", "0.01"]);
     let points = branch["points"].as_array().unwrap();
     assert!((number(&points[0], "/amplitude") / 0.03 - 1.0).abs() < 1e-14);
     assert!((number(&points[points.len() - 1], "/amplitude") / 0.05 - 1.0).abs() < 1e-14);
-    let text = stdout(&["orbit", "continue", &pushed, "--to", "0.05", "--step", "0.01", "--si"]);
+    let text = stdout(&["orbit", "continue", &pushed, "--to", "0.05", "--step", "0.01"]);
     assert!(text.starts_with("amplitude (N)  response (m)"), "{text}");
 }
 
 #[test]
-fn a_branch_begun_in_si_units_goes_on_without_them_and_the_other_way_round() {
+fn the_file_of_a_branch_does_not_depend_on_the_units_of_results() {
     // Truth: the bytes of the other order of units.
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
-    let [first, second] = [2e-8, 3e-8].map(|metres| [format!("{metres}"), format!("{}", metres / RADIUS)]);
     let begin = ["orbit", "continue", "granular-crystal", "--settle", "20", "--out"];
-    stdout(&[&begin[..], &[&path("a"), "--to", &first[0], "--si"]].concat());
-    stdout(&[&begin[..], &[&path("b"), "--to", &first[1]]].concat());
+    stdout(&[&begin[..], &[&path("a"), "--to", "2e-8"]].concat());
+    stdout(&[&begin[..], &[&path("b"), "--to", "2e-8", "--dimensionless"]].concat());
     let kept = |name: &str| fs::read(folder.path().join(name).join("driven-branch.npz")).unwrap();
     assert!(kept("a") == kept("b"));
-    stdout(&["orbit", "continue", "--resume", &path("a"), "--to", &second[1]]);
-    stdout(&["orbit", "continue", "--resume", &path("b"), "--to", &second[0], "--si"]);
+    stdout(&["orbit", "continue", "--resume", &path("a"), "--to", "3e-8", "--dimensionless"]);
+    stdout(&["orbit", "continue", "--resume", &path("b"), "--to", "3e-8"]);
     assert!(kept("a") == kept("b"));
     let [(names, plain), (others, si)] =
         ["a", "b"].map(|name| table(&folder.path().join(name).join("driven-branch.csv")));
@@ -294,7 +282,7 @@ fn a_branch_begun_in_si_units_goes_on_without_them_and_the_other_way_round() {
     assert!((si[si.len() - 1][0] / 3e-8 - 1.0).abs() < 1e-15);
     // A whole branch is told in either units without being followed again.
     let before = kept("a");
-    let text = stdout(&["orbit", "continue", "--resume", &path("a"), "--si"]);
+    let text = stdout(&["orbit", "continue", "--resume", &path("a")]);
     assert!(text.contains("amplitude (m)") && kept("a") == before, "{text}");
 }
 
@@ -304,22 +292,20 @@ fn a_branch_that_crosses_is_in_si_units_too() {
     // force.
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
-    let drive = "[beads]\ndrag = 0.01\n[[drive]]\nsite = 0\nkind = \"pushed\"\namplitude = 50.0\nomega = 3e4\n";
+    let drive = "[beads]\ntau = 5.5e-4\n[[drive]]\nsite = 0\nkind = \"pushed\"\namplitude = 50.0\nomega = 3e4\n";
     fs::write(path("pushed.toml"), spheres(2, "fixed", drive)).unwrap();
     let force = hertz() * RADIUS.powf(1.5);
-    let continued = |name: &str, [to, step]: [f64; 2], si: &[&str]| {
-        let way = [to.to_string(), step.to_string()];
-        let args = ["--to", &way[0], "--step", &way[1], "--switch", "1", "--out", &path(name)];
-        let text = stdout(&[&["orbit", "continue", &path("pushed.toml")], &args[..], si].concat());
+    let continued = |name: &str, plain: &[&str]| {
+        let args = ["--to", "60", "--step", "2", "--switch", "1", "--out", &path(name)];
+        let text = stdout(&[&["orbit", "continue", &path("pushed.toml")], &args[..], plain].concat());
         (text, ["driven-branch.csv", "switched-branch.csv"].map(|file| table(&folder.path().join(name).join(file)).1))
     };
-    let (text, si) = continued("si", [60.0, 2.0], &["--si"]);
-    let (_, plain) = continued("plain", [60.0, 2.0].map(|newtons| newtons / force), &[]);
+    let (text, si) = continued("si", &[]);
+    let (_, plain) = continued("plain", &["--dimensionless"]);
     assert!(text.matches("amplitude (N)  response (m)").count() == 2, "{text}");
-    // The two ways differ by a rounding of `--to`.
     for (si, plain) in si.iter().flatten().zip(plain.iter().flatten()) {
         for (k, by) in [(0, force), (1, RADIUS)] {
-            assert!((si[k] / (plain[k] * by) - 1.0).abs() < 1e-9, "{si:?} {plain:?}");
+            assert!((si[k] / (plain[k] * by) - 1.0).abs() < 1e-14, "{si:?} {plain:?}");
         }
         assert_eq!(si[3], plain[3]);
     }
@@ -330,7 +316,7 @@ fn a_branch_that_crosses_is_in_si_units_too() {
 fn the_table_of_a_driven_orbit_is_that_of_a_period_in_si_units() {
     // Truth: the first sphere moves by 10 nm sin(3e4 t), and the table ends after a period.
     let folder = tempfile::tempdir().unwrap();
-    stdout(&format!("orbit driven granular-crystal --settle 20 --si --out {}", folder.path().display()));
+    stdout(&format!("orbit driven granular-crystal --settle 20 --out {}", folder.path().display()));
     let (_, rows) = table(&folder.path().join("driven-orbit.csv"));
     assert_eq!(rows.len(), 65);
     assert!((rows[64][0] * 3e4 / (2.0 * PI) - 1.0).abs() < 1e-14);
@@ -340,47 +326,269 @@ fn the_table_of_a_driven_orbit_is_that_of_a_period_in_si_units() {
 }
 
 #[test]
-fn si_units_of_orbits_need_spheres_and_refusals_name_what_was_given() {
+fn refusals_of_branches_name_what_was_given() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
-    let rule = "error: --si is not valid: the scene has no table [units]\n";
-    let out = path("out");
-    for line in
-        ["orbit driven end-driven", "orbit continue end-driven --to 1", "orbit mode defect --to 1", "run defect"]
-    {
-        assert_eq!(refused(&format!("{line} --si --out {out}"), 2), rule, "{line}");
-    }
-    assert!(!Path::new(&out).exists());
-    let two = hertzchain(&format!("orbit continue end-driven --settle 5 --to 1 --max-points 2 --out {out}"));
-    assert_eq!(two.status.code(), Some(1));
-    assert_eq!(refused(&["orbit", "continue", "--resume", &out, "--si"], 2), rule);
-
     let ring = path("ring.toml");
     fs::write(&ring, spheres(6, "ring", "")).unwrap();
     let begun = path("begun");
-    stdout(&["orbit", "continue", "granular-crystal", "--settle", "20", "--to", "2e-8", "--si", "--out", &begun]);
+    stdout(&["orbit", "continue", "granular-crystal", "--settle", "20", "--to", "2e-8", "--out", &begun]);
     refusals(
         2,
         &[
+            (&["orbit", "continue", "--to", "1e-8"][..], "to = 0.00000001 is not valid: a finite number, not where"),
+            (&["orbit", "continue", "--to", "0"], "to = 0 is not valid"),
+            (&["orbit", "continue", "--to", "-3e4", "--vary", "omega"], "to = -30000 is not valid"),
+            (&["orbit", "continue", "--to", "2e-8", "--step=-1e-9"], "step = -1e-9 is not valid: finite and positive"),
+            (&["orbit", "continue", "--resume", &begun, "--to", "1.5e-8"], "to = 0.000000015 is not valid: a bran"),
+            (&["orbit", "mode", &ring, "--to=-1e-6"], "to = -0.000001 is not valid"),
             (
-                &["orbit", "continue", "--si", "--to", "1e-8"][..],
-                "to = 0.00000001 is not valid: a finite number, not where",
-            ),
-            (&["orbit", "continue", "--si", "--to", "0"], "to = 0 is not valid"),
-            (&["orbit", "continue", "--si", "--to", "-3e4", "--vary", "omega"], "to = -30000 is not valid"),
-            (
-                &["orbit", "continue", "--si", "--to", "2e-8", "--step=-1e-9"],
-                "step = -1e-9 is not valid: finite and positive",
-            ),
-            (
-                &["orbit", "continue", "--si", "--resume", &begun, "--to", "1.5e-8"],
-                "to = 0.000000015 is not valid: a bran",
-            ),
-            (&["orbit", "mode", &ring, "--si", "--to=-1e-6"], "to = -0.000001 is not valid"),
-            (
-                &["orbit", "mode", &ring, "--si", "--to", "1e-6", "--step=-1e-7"],
+                &["orbit", "mode", &ring, "--to", "1e-6", "--step=-1e-7"],
                 "step = -1e-7 is not valid: finite and positive",
             ),
         ],
     );
+}
+
+/// Forty steel spheres in free flight that touch, the first struck at 0.5 m/s.
+const STRUCK: &str = "[chain]\nsites = 40\nalpha = 1.5\nboundary = \"free\"\n[units]\nsystem = \"SI\"\n\
+    radius = 9.525e-3\ndensity = 8027.0\nyoung = 193e9\npoisson = 0.3\n[initial]\nkind = \"single-bead\"\n\
+    site = 0\nvelocity = 0.5\n[span]\nuntil = 6e-4\n";
+
+/// Displacements and velocities at the end, and the largest force, of spheres of one mass in a row
+/// with the contact constant `A`, by the classical Runge-Kutta method in SI units: the first has the
+/// speed `strike`, all lose speed with the time `tau`.
+fn struck(sites: usize, strike: f64, tau: f64, until: f64, steps: usize) -> ([Vec<f64>; 2], f64) {
+    let force = |u: &[f64], k: usize| hertz() * (u[k] - u[k + 1]).max(0.0).powf(1.5);
+    let rate = |y: &[Vec<f64>; 2]| {
+        let push = |k: usize| {
+            let behind = if k > 0 { force(&y[0], k - 1) } else { 0.0 };
+            let ahead = if k + 1 < sites { force(&y[0], k) } else { 0.0 };
+            (behind - ahead) / mass() - y[1][k] / tau
+        };
+        [y[1].clone(), (0..sites).map(push).collect()]
+    };
+    let add = |y: &[Vec<f64>; 2], by: f64, f: &[Vec<f64>; 2]| {
+        [0, 1].map(|i| y[i].iter().zip(&f[i]).map(|(y, f)| y + by * f).collect::<Vec<f64>>())
+    };
+    let mut y = [vec![0.0; sites], vec![0.0; sites]];
+    y[1][0] = strike;
+    let (h, mut largest) = (until / steps as f64, 0.0f64);
+    for _ in 0..steps {
+        let a = rate(&y);
+        let b = rate(&add(&y, 0.5 * h, &a));
+        let c = rate(&add(&y, 0.5 * h, &b));
+        let d = rate(&add(&y, h, &c));
+        y = [(1.0, a), (2.0, b), (2.0, c), (1.0, d)].iter().fold(y, |y, (by, f)| add(&y, by * h / 6.0, f));
+        largest = (0..sites - 1).map(|k| force(&y[0], k)).fold(largest, f64::max);
+    }
+    (y, largest)
+}
+
+#[test]
+fn struck_spheres_have_the_speeds_and_forces_of_newtons_equations_in_si_units() {
+    // Truth: a Runge-Kutta method in SI units, here. Its error is that of the starts of contacts,
+    // h^{5/2}; the largest force is that of a step, off by up to the second order.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("struck.toml").display().to_string();
+    for (more, tau) in [("", f64::INFINITY), ("[beads]\ntau = 4e-4\n", 4e-4)] {
+        fs::write(&path, format!("{STRUCK}{more}")).unwrap();
+        let run = json(&["run", &path, "--events"]);
+        let ([u, v], force) = struck(40, 0.5, tau, 6e-4, 6000);
+        for i in 0..40 {
+            assert!((number(&run, &format!("/u/{i}")) - u[i]).abs() < 1e-6 * u[1].abs(), "{i}");
+            let speed = number(&run, &format!("/pu/{i}")) / mass();
+            assert!((speed - v[i]).abs() < 1e-6, "{i}: {speed} {}", v[i]);
+        }
+        let fastest = v.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        assert!((number(&run, "/largest_speed") / fastest - 1.0).abs() < 1e-5);
+        assert!((number(&run, "/largest_force") / force - 1.0).abs() < 1e-5, "{} {force}", run["largest_force"]);
+        // What was struck was m v^2/2, in joules.
+        let kept =
+            number(&run, "/energy") + run.pointer("/dissipated/total").map_or(0.0, |lost| lost.as_f64().unwrap());
+        assert!((kept / (0.5 * mass() * 0.25) - 1.0).abs() < 1e-9, "{kept}");
+        let text = stdout(&["run", &path, "--events"]);
+        let told = [format!("force of a contact {force:.6e}"), format!("fastest     {fastest:.6e}")];
+        for (told, unit) in told.iter().zip([" N", " m/s at the end, bead"]) {
+            assert!(text.contains(&told[..told.len() - 6]) && text.contains(unit), "{told}: {text}");
+        }
+    }
+    // Equal spheres are the chain of equal beads, with its fast loops.
+    fs::write(&path, STRUCK).unwrap();
+    assert!(stdout(&["run", &path, "--plan"]).contains("contact force as g sqrt(g), vectorised"));
+}
+
+#[test]
+fn two_spheres_touch_for_the_time_of_hertz() {
+    // Truth: with k = 4 A/(5 m'), m' = m/2, the largest overlap is (v^2/k)^{2/5}, and the contact
+    // lasts 2.9432751 times this over v (Johnson 1985, section 11.4: 2.94).
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("two.toml").display().to_string();
+    fs::write(&path, STRUCK.replace("sites = 40", "sites = 2").replace("until = 6e-4", "until = 1.5e-4")).unwrap();
+    let run = json(&["run", &path, "--events"]);
+    let overlap = (0.25 / (0.8 * hertz() / (0.5 * mass()))).powf(0.4);
+    assert!((number(&run, "/contacts/largest_overlap") / overlap - 1.0).abs() < 1e-8);
+    assert!((number(&run, "/contacts/longest") / (2.943_275_1 * overlap / 0.5) - 1.0).abs() < 1e-7);
+    assert!((number(&run, "/largest_force") / (hertz() * overlap.powf(1.5)) - 1.0).abs() < 1e-8);
+    // Equal spheres exchange their speeds.
+    assert!((number(&run, "/pu/1") / mass() - 0.5).abs() < 1e-9);
+    assert_eq!(number(&run, "/t"), 1.5e-4);
+}
+
+#[test]
+fn masses_contacts_springs_and_resonators_are_in_si_units() {
+    // Truth: the frequencies of linear oscillators in hertz. A flat bead of 20 g between walls with
+    // measured contacts, F = A g^{3/2} each under 20 N, has two stiffnesses 3/2 A^{2/3} F^{1/3};
+    // with a spring K to a mass M at rest and in a chain without contacts, (K (1/m + 1/M))^{1/2}.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("one.toml").display().to_string();
+    let scene = |boundary: &str, more: &str| {
+        format!(
+            "[chain]\nsites = 1\nalpha = 1.5\nboundary = \"{boundary}\"\n[initial]\nkind = \"state\"\nu = [1e-9]\n\
+             [span]\nuntil = 1e-4\n{more}"
+        )
+    };
+    let flat =
+        "[units]\nsystem = \"SI\"\nradius = inf\nstatic_load = 20.0\n[beads]\nmass = 0.02\n[bonds]\ncontact = 8e9\n";
+    fs::write(&path, scene("fixed", flat)).unwrap();
+    let mode = json(&["orbit", "mode", &path, "--to", "1e-12"]);
+    let truth = (2.0 * 1.5 * 8e9f64.powf(2.0 / 3.0) * 20f64.cbrt() / 0.02).sqrt() / (2.0 * PI);
+    let found = number(&mode, "/linear/0/frequency");
+    assert!((found / truth - 1.0).abs() < 1e-12, "{found} {truth}");
+
+    let (spring, resonator, bead) = (2e6f64, 0.005f64, 0.02f64);
+    let omega = (spring * (1.0 / bead + 1.0 / resonator)).sqrt();
+    for (springs, at) in [
+        ("[beads]\nmass = 0.02\nstiffness = 2e6\nresonator = 0.005\n", ""),
+        ("[beads]\nmass = 0.02\nkappa = 2e6\nrho = 0.25\n", ""),
+        ("[beads]\nmass = 0.02\n", "kappa = 2e6\nrho = 0.25\n"),
+    ] {
+        let text = scene("free", &format!("[units]\nsystem = \"SI\"\n{springs}"))
+            .replace("[initial]", &format!("{at}[initial]"));
+        fs::write(&path, text).unwrap();
+        let run = json(&["run", &path, "--tol", "1e-12"]);
+        // The bead begins at 1 nm, its resonator at 0; the centre of mass stays.
+        let share = resonator / (bead + resonator);
+        let u = 1e-9 * (1.0 - share + share * (omega * 1e-4).cos());
+        assert!((number(&run, "/u/0") - u).abs() < 1e-18, "{springs}{at}: {} {u}", run["u"]);
+    }
+    // The first sphere is heavier, and the contact of the second bond was measured; all others are
+    // those of spheres.
+    let changed = "[beads]\nmass = { except = [[0, 0.1]] }\n[bonds]\ncontact = { except = [[1, 1e10]] }\n";
+    fs::write(&path, format!("{STRUCK}{changed}").replace("sites = 40", "sites = 4")).unwrap();
+    let scene = hertzchain::scene::Scene::load(&path).unwrap();
+    let (units, details) = (scene.units().unwrap(), scene.chain().details().unwrap());
+    let near = |one: f64, truth: f64| assert!((one / truth - 1.0).abs() < 1e-14, "{one} {truth}");
+    near(details.mass[0] * units.mass_kg, 0.1);
+    near(details.mass[3] * units.mass_kg, mass());
+    let unit = units.force_n / units.length_m.powf(1.5);
+    near(details.contact[1] * unit, 1e10);
+    near(details.contact[0] * unit, hertz());
+    near(details.contact[2] * unit, hertz());
+}
+
+#[test]
+fn steps_samples_checkpoints_and_plans_are_in_si_units() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    fs::write(path("struck.toml"), STRUCK).unwrap();
+    // Truth: 2e-4 s in steps of 1e-7 s are 2000.
+    let run = json(&["run", &path("struck.toml"), "--until", "2e-4", "--step", "1e-7", "--integrator", "verlet"]);
+    assert_eq!((number(&run, "/steps"), number(&run, "/t")), (2000.0, 2e-4));
+    assert!(run["setting"].as_str().unwrap().starts_with("2000 steps of 0.0000001 s"), "{}", run["setting"]);
+    let file = format!("{STRUCK}[method]\nintegrator = \"verlet\"\nstep = 3e-7\n[record]\nsamples = 3\n");
+    fs::write(path("method.toml"), file).unwrap();
+    let run = json(&["run", &path("method.toml"), "--out", &path("out")]);
+    assert_eq!(number(&run, "/steps"), 2000.0);
+    let times: Vec<f64> = table(&folder.path().join("out/energy.csv")).1.iter().map(|row| row[0]).collect();
+    assert!(times.iter().zip([0.0, 2e-4, 4e-4, 6e-4]).all(|(t, truth)| (t - truth).abs() < 1e-18), "{times:?}");
+    // Three legs of 2e-4 s, with the bits of a run in the same legs that does not stop.
+    let legs = ["--checkpoint", "2e-4", "--out"];
+    let long = ["run", &path("struck.toml"), "--events"];
+    stdout(&[&long[..], &legs, &[&path("legs")]].concat());
+    let text = stdout(&["run", "--resume", &path("legs")]);
+    assert!(text.contains("in legs of 0.0002 s") && text.contains("reached     t = 0.0006\n"), "{text}");
+    // A sweep over a speed in m/s: the pulse of n times the strike has n^{6/5} times the force.
+    let plan = "scene = \"struck.toml\"\nkeep = [\"largest_force\", \"contacts.largest_overlap\", \"t\", \"u[0]\"]\n\
+                set = [\"span.until=3e-4\"]\n[[axis]]\nkey = \"initial.velocity\"\nvalues = [0.25, 0.5]\n";
+    fs::write(path("plan.toml"), plan).unwrap();
+    let sweep = json(&["sweep", &path("plan.toml")]);
+    let of = |name: &str, k: usize| sweep["columns"][name][k].as_f64().unwrap();
+    assert!((of("largest_force", 1) / of("largest_force", 0) / 2f64.powf(1.2) - 1.0).abs() < 1e-6);
+    assert_eq!((of("initial.velocity", 1), of("t", 0)), (0.5, 3e-4));
+    let run = json(&["run", &path("struck.toml"), "--until", "3e-4", "--events"]);
+    assert_eq!(number(&run, "/u/0"), of("u[0]", 1));
+    assert!((hertz() * of("contacts.largest_overlap", 1).powf(1.5) / of("largest_force", 1) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn contradictions_are_refused_in_the_numbers_that_were_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    fs::write(path("struck.toml"), STRUCK).unwrap();
+    fs::write(path("old.toml"), STRUCK.replace("system = \"SI\"\n", "")).unwrap();
+    let old = refused(&["run", &path("old.toml")], 2);
+    assert!(
+        old.contains("units.system = nothing is not valid: all numbers") && old.contains("write system = \"SI\""),
+        "{old}"
+    );
+    let mut cases = vec![
+        (vec!["beads.tau=1e-3", "beads.drag=0.1"], "beads.tau = beside drag is not valid"),
+        (vec!["beads.tau=-2e-3"], "beads.tau = -0.002 is not valid: a damping time is positive"),
+        (vec!["beads.kappa=1", "beads.stiffness=1"], "beads.stiffness = beside kappa"),
+        (vec!["chain.rho=0.5", "beads.resonator=0.01"], "beads.resonator = beside rho"),
+        (vec!["beads.resonator=-0.01"], "beads.resonator = -0.01 is not valid"),
+        (vec!["beads.drag=-0.5"], "beads.drag = -0.5 (entry 0) is not valid"),
+        (vec!["beads.mass=0"], "beads.mass = 0 (entry 0) is not valid"),
+        (vec!["units.radius=inf"], "beads.mass = nothing (entry 0) is not valid: a mass is"),
+        (vec!["units.radius=inf", "beads.mass=0.1"], "bonds.contact = nothing (entry 0) is not valid"),
+        (vec!["bonds.contact=-1"], "bonds.contact = -1 (entry 0) is not valid"),
+        (vec!["bonds.wall=1e9"], "bonds.wall = 1000000000 is not valid"),
+        (vec!["chain.alpha=2"], "for alpha = 1.5"),
+        (
+            vec!["units.static_load=20", "bonds.overlap=1e-6", "chain.boundary=fixed"],
+            "units.static_load = 20 is not valid",
+        ),
+        (
+            vec!["units.static_load=20", "bonds.contact=0", "chain.boundary=fixed"],
+            "no load where beads have no contact",
+        ),
+        (vec!["units.system=cgs"], "units.system = cgs is not valid"),
+        (vec!["span.until=1e200"], "until = 1e200 is not valid"),
+    ];
+    // Without [units] as well.
+    cases.push((vec!["beads.tau=1", "beads.drag=1"], "beads.tau = beside drag is not valid"));
+    let last = cases.len() - 1;
+    for (k, (changes, rule)) in cases.iter().enumerate() {
+        let scene = if k == last { "impact".to_owned() } else { path("struck.toml") };
+        let set: Vec<&str> = changes.iter().flat_map(|change| ["--set", change]).collect();
+        let said = refused(&[&["run", &scene][..], &set].concat(), 2);
+        assert!(said.contains(rule), "{changes:?}: {said}");
+    }
+    assert!(refused(&["run", &path("struck.toml"), "--until=-3"], 2).contains("until = -3 is not valid"));
+    let interval = refused(&["run", &path("struck.toml"), "--checkpoint=-1e-4", "--out", &path("no")], 2);
+    assert!(interval.contains("checkpoint = -0.0001 is not valid"), "{interval}");
+    // A word for numbers that another unit explains.
+    let likely = [
+        ("units.radius=9.5", "units.radius = 9.5 m: more than 1 m; if it is in mm, write 9.5e-3"),
+        ("units.young=193", "units.young = 193 Pa: softer than solids; if it is in GPa, write 193e9"),
+        ("units.density=8.027", "if it is in g/cm^3, write 8.027e3"),
+        ("initial.velocity=6000", "faster than sound in the beads, (E/density)^(1/2) = 4903"),
+        ("initial.displacement=-10", "displacement = -10 m: more than a radius; if it is in mm, write -10e-3"),
+    ];
+    for (change, words) in likely {
+        let run = json(&["run", &path("struck.toml"), "--set", change, "--until", "1e-7", "--samples", "0"]);
+        assert!(run["warnings"].to_string().contains(words), "{change}: {}", run["warnings"]);
+    }
+    let run = json(&["run", &path("struck.toml"), "--until", "1e-7", "--samples", "0"]);
+    assert_eq!(run["warnings"], serde_json::json!([]));
+}
+
+#[test]
+fn tau_is_the_drag_of_each_mass() {
+    // Truth: the same chain with drag = mass/tau, bit by bit.
+    let run =
+        |damped: &str| json(&["run", "impact", "--set", "beads.mass=2", "--set", damped, "--until", "5"])["u"].clone();
+    assert_eq!(run("beads.tau=8"), run("beads.drag=0.25"));
+    assert_eq!(run("beads.tau=inf"), run("beads.drag=0"));
 }

@@ -3,6 +3,7 @@
 
 use super::program::{command, hertzchain, json, names, numbers, printed, read_json, refused, stdout};
 use serde_json::Value;
+use std::fs;
 
 /// Equal but for the rounding of who reads it.
 fn near(value: &Value, number: f64) -> bool {

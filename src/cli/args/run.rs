@@ -1,6 +1,6 @@
 //! Flags of a run.
 
-use crate::study::{Changes, MethodRequest};
+use crate::study::{Changes, MethodRequest, ResultUnits};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -22,7 +22,7 @@ pub(crate) struct RunArgs {
     pub(crate) amplification: bool,
     /// End time, in units of time [default: the scene's].
     ///
-    /// From 1e-100 to 1e100.
+    /// In seconds for scenes with `[units]`. From 1e-100 to 1e100.
     #[arg(long, value_name = "T")]
     pub(crate) until: Option<f64>,
     /// Number of sample times [default: the scene's].
@@ -47,13 +47,8 @@ pub(crate) struct RunArgs {
     /// With --out they are in maxima.csv and maxima.npz. Not with --checkpoint or --resume.
     #[arg(long, value_name = "SHARE", hide_short_help = true, conflicts_with_all = ["checkpoint", "resume"])]
     pub(crate) maxima: Option<f64>,
-    /// Results in SI units, for scenes with a table `[units]`.
-    ///
-    /// Metres, seconds, kilograms, newtons and joules in all that is printed and written, except
-    /// checkpoints and messages of failed runs. Momenta are in kg m/s. Names of fields and columns
-    /// do not change.
-    #[arg(long, conflicts_with = "plan", hide_short_help = true)]
-    pub(crate) si: bool,
+    #[command(flatten)]
+    pub(crate) results: ResultUnits,
     /// Threads that move parts of the chain [default: 1].
     ///
     /// For splitting schemes and collocation on long chains: each thread moves neighbouring sites,
@@ -87,7 +82,7 @@ pub(crate) struct RunArgs {
     pub(crate) out: Option<PathBuf>,
     /// Save a checkpoint after every D units of time, as checkpoint.npz.
     ///
-    /// The file is in the folder of --out. A run that was stopped continues with --resume and ends
+    /// Seconds for scenes with `[units]`. The file is in the folder of --out. A run that was stopped continues with --resume and ends
     /// with the same bits. The method starts anew after every checkpoint. Finite and
     /// positive; a run has at most 10^6 checkpoints.
     #[arg(long, value_name = "D", requires = "out")]

@@ -249,7 +249,7 @@ commands! {
     /// 1 if no orbit is found.
     Driven(StudyCommand<Driven>) =>
         "orbit driven granular-crystal",
-        "orbit driven granular-crystal --si",
+        "orbit driven granular-crystal --dimensionless",
         "orbit driven granular-crystal --turns 2 --json";
     /// Follow the orbit of a driven scene in one parameter.
     ///
@@ -257,8 +257,8 @@ commands! {
     /// folds, period doublings and torus bifurcations, and with the branch that crosses at one of
     /// them. It begins with the scene's own value. Exit code 1 if a branch is lost on its way.
     Continue(StudyCommand<DrivenContinue>) =>
-        "orbit continue granular-crystal --to 1e-5 --out out/branch",
-        "orbit continue --resume out/branch --to 2e-5";
+        "orbit continue granular-crystal --to 1e-7 --out out/branch",
+        "orbit continue --resume out/branch --to 2e-7";
     /// Follow a normal mode of a conservative scene from its linear mode on.
     ///
     /// Computes the linear modes about the equilibrium, and follows the periodic orbits that begin

@@ -95,7 +95,10 @@ impl Problem {
         }
         let (name, source) = (scene.name().to_owned(), scene.file().to_toml());
         let state = Some(arrays(chain.layout(), y));
-        Ok(Self { name, source, chain: scene.file().chain.clone(), state, amplitude })
+        // The file may be in SI units.
+        let (kappa, precompression) = (chain.params().kappa, chain.precompression());
+        let chain = ChainSection { kappa, precompression, ..scene.file().chain.clone() };
+        Ok(Self { name, source, chain, state, amplitude })
     }
 
     /// Its name: that of the scene.

@@ -4,7 +4,7 @@
 mod report;
 
 use super::{
-    Changes, InSi, Progress, Study, Work,
+    Changes, Progress, ResultUnits, Study, Work,
     branches::{
         self, Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, SWITCHED_FILES, SceneSource,
         branch_npz, files_of_branch,
@@ -44,7 +44,7 @@ options! {
         /// earlier if the scene has become periodic.
         settle: u32 = 300, "K", (0 to 1_000_000);
         /// The units of options and results.
-        si: InSi = InSi::default(), [command(flatten)];
+        results: ResultUnits = ResultUnits::default(), [command(flatten)];
     }
 }
 
@@ -52,7 +52,7 @@ impl Driven {
     /// The scene, the setting of its orbits, and the units of results.
     fn load(&self) -> Result<(Scene, DrivenSetting, Option<Units>)> {
         let scene = Scene::load_with(&self.scene, &self.changes.set)?;
-        let si = self.si.units(&scene)?;
+        let si = self.results.of(&scene);
         self.within_ranges()?;
         let setting = DrivenSetting::new(scene.chain(), self.turns)?;
         Ok((scene, setting, si))
@@ -181,8 +181,8 @@ impl Kept for DrivenContinuation {
         Ok((scene, setting))
     }
 
-    fn units(scene: &Scene, si: InSi) -> Result<Option<Units>> {
-        si.units(scene)
+    fn units(scene: &Scene) -> Option<Units> {
+        scene.units().copied()
     }
 
     fn quantity(&self, setting: &DrivenSetting) -> Quantity {
@@ -201,14 +201,14 @@ impl Kept for DrivenContinuation {
 impl FollowCommand for DrivenContinue {
     type Problem = DrivenContinuation;
 
-    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
-        (&self.branch, self.more, self.driven.si)
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, ResultUnits) {
+        (&self.branch, self.more, self.driven.results)
     }
 
     fn first(&self) -> Result<Work<'_, Begun<DrivenContinuation>>> {
         let (parameter, (scene, setting, si)) = (self.vary, self.driven.load()?);
         let (kind, from) = (quantity(parameter, &setting), setting.get(parameter));
-        let continuation = self.branch.continuation((si.as_ref(), kind), from, |to, step| {
+        let continuation = self.branch.continuation((scene.units(), kind), from, |to, step| {
             let (most_points, shooting) = (self.branch.max_points, DrivenShooting::default());
             let continuation = DrivenContinuation { parameter, to, step, most_points, shooting };
             continuation.check_range(&setting, from).map(|()| continuation)

@@ -8,7 +8,7 @@ pub(super) use report::{bounds, newton_kantorovich_bound};
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
 use super::{
-    Changes, InSi, Study, Work,
+    Changes, ResultUnits, Study, Work,
     branches::{Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, files_of_branch},
     options::options,
 };
@@ -273,8 +273,8 @@ options! {
 impl FollowCommand for ContinueWave {
     type Problem = WaveContinuation;
 
-    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
-        (&self.branch, BifurcationOptions::default(), InSi::default())
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, ResultUnits) {
+        (&self.branch, BifurcationOptions::default(), ResultUnits::default())
     }
 
     fn first(&self) -> Result<Work<'_, Begun<WaveContinuation>>> {

@@ -8,7 +8,7 @@ pub(crate) use report::KINDS;
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
 use super::{
-    ChainParams, InSi, Progress, Study, Work,
+    ChainParams, Progress, ResultUnits, Study, Work,
     branches::{self, Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, files_of_branch},
     options::options,
     part,
@@ -236,9 +236,9 @@ impl Continue {
 impl FollowCommand for Continue {
     type Problem = Continuation;
 
-    fn options(&self) -> (&BranchOptions, BifurcationOptions, InSi) {
+    fn options(&self) -> (&BranchOptions, BifurcationOptions, ResultUnits) {
         let more = BifurcationOptions { bifurcations: self.bifurcations, switch: None };
-        (&self.branch, more, InSi::default())
+        (&self.branch, more, ResultUnits::default())
     }
 
     fn first(&self) -> Result<Work<'_, Begun<Continuation>>> {

@@ -25,7 +25,7 @@ const MOST_VALUES: usize = 1 << 22;
 /// Quantities that are kept if the plan names none.
 const KEPT: [&str; 2] = ["energy_error", "force_evaluations"];
 /// What a run reports as a number, or as a table or an array of numbers.
-const REPORTED: [&str; 21] = [
+const REPORTED: [&str; 23] = [
     "t",
     "period",
     "u",
@@ -44,6 +44,8 @@ const REPORTED: [&str; 21] = [
     "contacts",
     "bonds",
     SPEED,
+    "largest_force",
+    "largest_speed",
     "force_evaluations",
     "steps",
     "rejected",
@@ -257,7 +259,8 @@ impl Plan {
 
     /// Whether contacts are logged.
     pub(super) fn contacts(&self) -> bool {
-        self.keep.iter().any(|kept| ["contacts", "bonds", SPEED].contains(&kept.root()))
+        let logged = ["contacts", "bonds", "largest_force", SPEED];
+        self.keep.iter().any(|kept| logged.contains(&kept.root()))
     }
 }
 

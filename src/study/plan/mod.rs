@@ -14,7 +14,7 @@ mod report;
 
 pub use file::{Axis, Plan, Point, Reported};
 
-use super::{Progress, RunView, Study, Work, options::options, run_json};
+use super::{Progress, RunView, Study, Work, in_units, options::options, run_json};
 use crate::{
     error::{Error, Result},
     output::Folder,
@@ -147,13 +147,14 @@ pub fn planned(plan: &Plan, engine: &Engine, progress: Progress<'_>) -> Result<P
 fn before_its_first_step(scene: &Scene) -> Value {
     let run = scene.run().records(Records::Energy).contacts();
     let trajectory = Recorder::new(&run, Snapshot::new(&run), &mut |_, _| ()).trajectory(None);
-    reported(scene, &trajectory)
+    reported(scene, trajectory)
 }
 
-/// The report of a run.
-fn reported(scene: &Scene, outcome: &Trajectory) -> Value {
-    let (integrator, setting) = ("", "");
-    run_json(&RunView { scene, integrator, setting, reason: None, outcome, amplification: None, si: None })
+/// The report of a run, in the units of its scene.
+fn reported(scene: &Scene, outcome: Trajectory) -> Value {
+    let (integrator, setting, si) = ("", "", scene.units());
+    let outcome = &in_units(outcome, scene.chain().layout(), si);
+    run_json(&RunView { scene, integrator, setting, reason: None, outcome, amplification: None, si })
 }
 
 /// Runs a point: the quantities that the plan keeps.
@@ -165,7 +166,7 @@ fn run(plan: &Plan, point: &Point) -> Result<Vec<Value>> {
     if let Some(doubt) = trajectory.warnings.iter().find(|warning| warning.fatal()) {
         return Err(doubt.clone().into());
     }
-    let report = reported(&scene, &trajectory);
+    let report = reported(&scene, trajectory);
     plan.keep.iter().map(|quantity| quantity.of(&report)).collect()
 }
 

@@ -9,8 +9,8 @@ use crate::{
     memory,
     parts::Decomposition,
     run::{Method, Regime, Run, Setting, Trajectory, method::NO_TOLERANCE, regime},
-    scene::Scene,
-    study::options::options,
+    scene::{Quantity, Scene},
+    study::{options::options, si::Scale},
 };
 
 /// Default number of steps in a period of the fastest motion.
@@ -58,7 +58,7 @@ options! {
         steps_per_period: Option<f64> = None, "N", (positive), [arg(conflicts_with_all = ["step", "tol"])];
         /// Step size, in units of time, for splitting schemes.
         ///
-        /// Made smaller where a whole number of steps must fit the span.
+        /// In seconds for scenes with `[units]`. Made smaller where a whole number of steps must fit the span.
         step: Option<f64> = None, "H", (positive), [arg(conflicts_with = "tol")];
         /// Equal windows per period, for collocation without error control.
         windows_per_period: Option<f64> = None, "N", (positive), [arg(conflicts_with_all = ["step", "tol", "steps_per_period"])];
@@ -128,15 +128,18 @@ impl MethodChoice {
         }
     }
 
-    /// The run of a scene in legs of length `interval`, with a checkpoint after each.
+    /// The run of a scene in legs of length `interval`, in seconds for a scene with `[units]`, with a
+    /// checkpoint after each.
     ///
     /// # Errors
     /// A closed form, which needs no legs; what [`LongRun::new`] refuses.
     pub fn in_legs(self, scene: Scene, events: bool, interval: f64, parts: Decomposition) -> Result<LongRun> {
         match self {
             Self::Integrated(method, setting, wording, _) => {
-                let wording = format!("{wording}, in legs of {interval}");
-                let long = LongRun::new(scene, method, setting, wording, interval, parts)?;
+                let (units, own) = (scene.units().copied(), scene.of_file(Quantity::Time, interval));
+                let wording = format!("{wording}, in legs of {}", scene.in_words(own));
+                let long = LongRun::new(scene, method, setting, wording, own, parts);
+                let long = Scale(units.as_ref()).given(long, &[("checkpoint", Some(interval))])?;
                 Ok(if events { long.with_contacts() } else { long })
             }
             Self::ClosedForm(_) => {
@@ -246,7 +249,7 @@ fn setting(args: &MethodRequest, method: Method, scene: &Scene) -> Result<(Setti
         return Err(Error::parameter("tol", tol, NO_TOLERANCE));
     }
     let steps = match args.step {
-        Some(step) => scene.end() / step,
+        Some(step) => scene.end() / scene.of_file(Quantity::Time, step),
         None => match args.steps_per_period {
             Some(per_period) => scene.end() / scene.period() * per_period,
             None => scene.end() / scene.fast_period() * DEFAULT_STEPS_PER_PERIOD,
@@ -265,7 +268,11 @@ fn in_words(scene: &Scene, setting: Setting) -> String {
     match setting {
         Setting::Tolerance(tol) => format!("tol {tol:e}"),
         Setting::Steps(steps) => {
-            format!("{steps} steps of {:e}{}", end / steps as f64, per_period(steps))
+            let step = match scene.units() {
+                Some(_) => scene.in_words(end / steps as f64),
+                None => format!("{:e}", end / steps as f64),
+            };
+            format!("{steps} steps of {step}{}", per_period(steps))
         }
         Setting::Windows(windows, nodes) => {
             format!("{windows} windows{}, {nodes} nodes", per_period(windows))

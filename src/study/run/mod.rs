@@ -17,4 +17,4 @@ pub use parts::parts_plan;
 pub use report::run_pictures;
 pub(super) use report::state_arrays;
 pub use report::{RUN_FILES, RunView, run_files, run_json, run_summary};
-pub use si::in_si;
+pub use si::{contact_in_si, in_units, state_in_si};

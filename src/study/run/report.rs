@@ -7,6 +7,7 @@ use super::{
 use crate::{
     chain::{Boundary, Energy, Ledger, Maximum, Overlaps},
     error::Result,
+    number::rounded,
     output::{Array, Folder, NpzWriter, csv, npz, write_csv, write_json},
     report::{Digits::Short, Table},
     run::{Profile, Trajectory},
@@ -48,7 +49,7 @@ fn state_array(scene: &Scene, state: &[f64], i: usize, si: Option<&Units>) -> (&
     };
     let names = if ring { ["x", "y", "vx", "vy"] } else { ["u", "v", "pu", "pv"] };
     let momentum = |site: usize, value: f64| match i {
-        2 | 3 if !ring => chain.masses(site)[i - 2] * value * si.map_or(1.0, |si| si.mass_kg),
+        2 | 3 if !ring => chain.masses(site)[i - 2] * si.map_or(1.0, |si| si.mass_kg) * value,
         _ => value,
     };
     (names[i], values.iter().enumerate().map(|(site, &value)| momentum(site, value)).collect())
@@ -89,7 +90,7 @@ pub struct RunView<'a> {
     /// The factor by which a small change has grown, if it was asked for; see
     /// [`Run::amplification`](crate::run::Run::amplification).
     pub amplification: Option<f64>,
-    /// The units that `outcome` is in, if it is in SI units; see [`in_si`](super::in_si).
+    /// The units that `outcome` is in, if it is in SI units; see [`in_units`](super::in_units).
     pub si: Option<&'a Units>,
 }
 
@@ -150,13 +151,19 @@ fn entries(ran: &RunView<'_>) -> Entries {
         put("units", json!(units));
         put("si", json!(si.is_some()));
     }
+    if let Some((_, speed)) = fastest(ran) {
+        put("largest_speed", json!(speed));
+    }
+    if outcome.contacts.is_some() {
+        put("largest_force", json!(largest_force(ran)));
+    }
     if let Some((e_x, e_y)) = wave_errors(scene, outcome) {
         put("e_x_final", json!(e_x));
         put("e_y_final", json!(e_y));
     }
     if let Some(contacts) = &outcome.contacts {
         put("contacts", json!(contact_totals(contacts)));
-        put("bonds", json!(bond_table(&positions(ran), contacts).json()));
+        put("bonds", json!(bond_table(&positions(ran).0, contacts).json()));
     }
     put("force_evaluations", json!(outcome.stats.force_evaluations));
     put("steps", json!(outcome.stats.steps));
@@ -166,11 +173,28 @@ fn entries(ran: &RunView<'_>) -> Entries {
     if let Some(factor) = amplification {
         put("amplification", json!(factor));
     }
-    put("warnings", json!(outcome.warnings.iter().map(ToString::to_string).collect::<Vec<_>>()));
+    put("warnings", json!(warnings(ran).collect::<Vec<_>>()));
     put("failure", json!(outcome.failure.as_ref().map(ToString::to_string)));
     put("scene_file", crate::study::scene_json(scene));
     put("version", json!(env!("CARGO_PKG_VERSION")));
     Entries(object)
+}
+
+/// The fastest bead at the end, and its speed; none on a strain ring.
+fn fastest(RunView { scene, outcome, .. }: &RunView<'_>) -> Option<(usize, f64)> {
+    let speeds = scene.chain().layout().u_dot(&outcome.state).iter().map(|speed| speed.abs()).enumerate();
+    let largest = speeds.reduce(|a, b| if b.1 > a.1 { b } else { a });
+    largest.filter(|_| scene.chain().boundary() != Boundary::StrainRing)
+}
+
+/// The largest force of the contacts that were logged.
+fn largest_force(RunView { outcome, .. }: &RunView<'_>) -> Option<f64> {
+    outcome.contacts.as_ref()?.iter().map(|contact| contact.peak_force).reduce(f64::max)
+}
+
+/// What makes the run doubtful, in words.
+fn warnings<'a>(&RunView { scene, outcome, .. }: &RunView<'a>) -> impl Iterator<Item = String> + use<'a> {
+    scene.doubts().into_iter().chain(outcome.warnings.iter().map(ToString::to_string))
 }
 
 /// The period of the scene, in the units of the run.
@@ -178,22 +202,35 @@ fn period(RunView { scene, si, .. }: &RunView<'_>) -> f64 {
     scene.period() * si.map_or(1.0, |si| si.time_s)
 }
 
-/// The positions of the bonds at rest, in bonds.
-fn positions(RunView { scene, .. }: &RunView<'_>) -> Vec<f64> {
-    (0..=scene.chain().sites()).map(|bond| bond as f64).collect()
+/// The positions of the bonds of a chain whose beads just touch, and the unit of a speed along it:
+/// in metres in SI units if the radii are known, else in bonds.
+fn positions(RunView { scene, si, .. }: &RunView<'_>) -> (Vec<f64>, &'static str) {
+    let n = scene.chain().sites();
+    let radii = || scene.file().units.as_ref()?.radius.as_ref()?.of("units.radius", n).ok();
+    let radii = si.and_then(|_| radii()).filter(|radii| radii.iter().all(|radius| radius.is_finite()));
+    let ends = radii.iter().flatten().scan(0.0, |end, radius| {
+        *end += 2.0 * radius;
+        Some(*end)
+    });
+    let unit = if si.is_some() { "bonds/s" } else { "bonds per unit of time" };
+    match radii {
+        None => ((0..=n).map(|bond| bond as f64).collect(), unit),
+        Some(_) => ([0.0].into_iter().chain(ends).collect(), "m/s"),
+    }
 }
 
 /// The run in a few readable lines.
 pub fn run_summary(ran: &RunView<'_>) -> String {
     let (&RunView { scene, integrator, setting, outcome, si, .. }, period) = (ran, period(ran));
+    let t = if si.is_some() { rounded(outcome.t) } else { outcome.t };
     let summary = &scene.file().summary;
     let what = if summary.is_empty() { String::new() } else { format!(" ({summary})") };
     let mut lines = vec![
         format!("scene       {}{what}", scene.name()),
         format!("integrator  {integrator}, {setting}"),
         match scene.has_period() {
-            true => format!("reached     t = {} = {:.6} periods of {period}", outcome.t, outcome.t / period),
-            false => format!("reached     t = {}", outcome.t),
+            true => format!("reached     t = {t} = {:.6} periods of {period}", t / period),
+            false => format!("reached     t = {t}"),
         },
     ];
     match outcome.energy {
@@ -216,6 +253,10 @@ pub fn run_summary(ran: &RunView<'_>) -> String {
         lines.push(format!("units       {}", units.words()));
         if si.is_some() {
             lines.push(format!("            {ALL_IN_SI}"));
+            lines.extend(
+                fastest(ran).map(|(bead, speed)| format!("fastest     {speed:.6e} m/s at the end, bead {bead}")),
+            );
+            lines.extend(largest_force(ran).map(|force| format!("largest     force of a contact {force:.6e} N")));
         }
     }
     if let Some((e_x, e_y)) = wave_errors(scene, outcome) {
@@ -223,7 +264,8 @@ pub fn run_summary(ran: &RunView<'_>) -> String {
     }
     if let Some(contacts) = &outcome.contacts {
         lines.extend(contact_lines(contacts));
-        lines.extend(pulse_line(&positions(ran), "bonds per unit of time", contacts));
+        let (positions, unit) = positions(ran);
+        lines.extend(pulse_line(&positions, unit, contacts));
     }
     let stats = outcome.stats;
     lines.push(format!(
@@ -237,7 +279,7 @@ pub fn run_summary(ran: &RunView<'_>) -> String {
     if let Some(factor) = ran.amplification {
         lines.push(format!("amplified   by {factor:.2e}: that much a small change of the initial state has grown"));
     }
-    lines.extend(outcome.warnings.iter().map(|warning| format!("WARNING     {warning}")));
+    lines.extend(warnings(ran).map(|warning| format!("WARNING     {warning}")));
     if let Some(failure) = &outcome.failure {
         lines.push(match failure.cause {
             Failure::Stopped { t } => format!("stopped     by a signal at t = {t}"),
@@ -310,7 +352,7 @@ pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::F
     if let Some(contacts) = &outcome.contacts {
         folder.write("contacts.csv", &contacts_csv(contacts))?;
         folder.write("contacts.npz", &contacts_npz(contacts)?)?;
-        folder.write("bonds.csv", bond_table(&positions(ran), contacts).csv().as_bytes())?;
+        folder.write("bonds.csv", bond_table(&positions(ran).0, contacts).csv().as_bytes())?;
     }
     if let Some(maxima) = &outcome.maxima {
         let table = Table::of("maxima", maxima)

@@ -1,4 +1,4 @@
-//! The result of a run in SI units.
+//! The result of a run in the units of its report.
 
 use crate::{
     chain::{Contact, Energy, Layout},
@@ -8,19 +8,11 @@ use crate::{
 
 /// Converts a trajectory of a scene with `[units]` to metres, seconds, joules and the units made of
 /// them: times, states with their ledger, strains, energies, contacts and maxima. The energy error
-/// and the text of a failure are not converted.
+/// and the text of a failure are not converted, and nothing is without units.
 #[must_use]
-pub fn in_si(mut outcome: Trajectory, layout: Layout, units: &Units) -> Trajectory {
-    let state = |state: &mut Vec<f64>| {
-        let half = layout.half();
-        for (i, entry) in state.iter_mut().enumerate() {
-            *entry *= match i {
-                i if i < half => units.length_m,
-                i if i < 2 * half => units.velocity_m_per_s,
-                _ => units.energy_j,
-            };
-        }
-    };
+pub fn in_units(mut outcome: Trajectory, layout: Layout, units: Option<&Units>) -> Trajectory {
+    let Some(units) = units else { return outcome };
+    let state = |state: &mut [f64]| state_in_si(state, layout, units);
     outcome.t *= units.time_s;
     state(&mut outcome.state);
     outcome.energy = outcome.energy.map(|energy| scaled(energy, units.energy_j));
@@ -33,12 +25,24 @@ pub fn in_si(mut outcome: Trajectory, layout: Layout, units: &Units) -> Trajecto
         profile.x.iter_mut().for_each(|x| *x *= units.length_m);
         state(&mut profile.state);
     }
-    outcome.contacts.iter_mut().flatten().for_each(|contact| *contact = of_contact(contact, units));
+    outcome.contacts.iter_mut().flatten().for_each(|contact| *contact = contact_in_si(contact, units));
     for maximum in outcome.maxima.iter_mut().flatten() {
         maximum.t *= units.time_s;
         maximum.overlap *= units.length_m;
     }
     outcome
+}
+
+/// Converts a state with its ledger: displacements, velocities and energies.
+pub fn state_in_si(state: &mut [f64], layout: Layout, units: &Units) {
+    let half = layout.half();
+    for (i, entry) in state.iter_mut().enumerate() {
+        *entry *= match i {
+            i if i < half => units.length_m,
+            i if i < 2 * half => units.velocity_m_per_s,
+            _ => units.energy_j,
+        };
+    }
 }
 
 fn scaled(energy: Energy<f64>, by: f64) -> Energy<f64> {
@@ -48,7 +52,9 @@ fn scaled(energy: Energy<f64>, by: f64) -> Energy<f64> {
     Energy { beads, resonators, springs, contacts, dissipated, driven }
 }
 
-fn of_contact(contact: &Contact, units: &Units) -> Contact {
+/// A contact in SI units.
+#[must_use]
+pub fn contact_in_si(contact: &Contact, units: &Units) -> Contact {
     let times = |by: f64| move |value: Option<f64>| value.map(|value| value * by);
     let (time, speed, length) = (times(units.time_s), times(units.velocity_m_per_s), times(units.length_m));
     Contact {
