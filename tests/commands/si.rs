@@ -485,6 +485,13 @@ fn masses_contacts_springs_and_resonators_are_in_si_units() {
     near(details.contact[1] * unit, 1e10);
     near(details.contact[0] * unit, hertz());
     near(details.contact[2] * unit, hertz());
+    // The first number of a taper is 1 kg/s if it is left out.
+    fs::write(&path, format!("{STRUCK}[beads]\ndrag = {{ taper = 0.5 }}\n")).unwrap();
+    let scene = hertzchain::scene::Scene::load(&path).unwrap();
+    let drag = &scene.chain().details().unwrap().drag;
+    let unit = mass() / time();
+    near(drag[0] * unit, 1.0);
+    near(drag[2] * unit, 0.25);
 }
 
 #[test]
