@@ -3,25 +3,23 @@
 //! `cargo run --release --example continuation`
 
 use hertzchain::{
-    Params, Result,
-    breathers::DarkBreather,
+    Result,
     dps::Center,
-    orbits::{Continuation, Parameter, Shooting},
-    study::branch,
+    study::{BranchOptions, Continue, FollowCommand, Ring},
+    sweep::Engine,
 };
 
 pub(crate) fn main() -> Result<()> {
-    let params = Params::new(1.5, 1.0, 1.0 / 3.0)?;
-    let breather = DarkBreather { params, center: Center::Bond, sites: 20 + 1, omega_b: 2.02, c_x: 0.0 };
-    let continuation = Continuation {
-        parameter: Parameter::OmegaB,
-        to: 2.08,
-        step: 0.01,
-        most_points: 50,
-        natural: false,
-        shooting: Shooting::default(),
+    let command = Continue {
+        center: Center::Bond,
+        from: Some(2.02),
+        branch: BranchOptions { to: Some(2.08), step: Some(0.01), max_points: 50, ..BranchOptions::default() },
+        bifurcations: Some(true),
+        weak: 1e-3,
+        ring: Ring { sites: 20 + 1, ..Ring::default() },
+        ..Continue::default()
     };
-    let branch = branch(&breather, &continuation, 1e-3, &|_, _| ())?;
+    let branch = command.follow()?(&Engine::threads(), &|_, _| ())?.branch;
     println!("omega_b   amplitude  largest multiplier");
     for point in &branch.points {
         let omega_b = point.orbit.setting.omega_b;

@@ -229,7 +229,11 @@ impl Continue {
             shooting: self.ring.shooting(),
         };
         let of_from = |why: &Error| matches!(why, Error::Parameter { name, .. } if *name == parameter.name());
-        begin(&breather, &continuation, self.weak).map_err(|why| if of_from(&why) { why.named("from") } else { why })
+        stays_dark(&breather.setting(), &continuation)?;
+        let first = breather.orbit(&continuation.shooting);
+        let branch = first.and_then(|first| Branch::new(continuation, breather.setting(), first));
+        let branch = branch.map_err(|why| if of_from(&why) { why.named("from") } else { why })?;
+        Ok(Branch { center: Some(self.center), weak: Some(self.weak), ..branch })
     }
 }
 
@@ -301,19 +305,19 @@ impl Study for Doubled {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        let (breather, shooting) = (self.ring.breather(Center::Bond, None, RANGE[0])?, self.ring.shooting());
-        let most = self.most.unwrap_or(RANGE[1] * breather.params.omega());
         // Before the main branch is followed, which takes long.
+        self.ring.breather(Center::Bond, None, RANGE[0])?;
         self.within_ranges()?;
         Ok(Box::new(move |engine, progress| {
             let half = part(progress, 0.0, 0.5);
             let main = match &self.branch {
                 Some(file) => study(Branch::load(file)?, &Engine::threads(), &half)?,
                 None => {
-                    let (parameter, to, step) = (Parameter::OmegaB, most, self.step);
-                    let continuation =
-                        Continuation { parameter, to, step, most_points: 10_000, natural: false, shooting };
-                    branch(&breather, &continuation, 0.01, &half)?
+                    let (to, step, ring) = (self.most, Some(self.step), self.ring.clone());
+                    let branch = BranchOptions { to, step, max_points: 10_000, ..BranchOptions::default() };
+                    let (center, bifurcations) = (Center::Bond, Some(true));
+                    let main = Continue { center, bifurcations, branch, ring, ..Continue::default() };
+                    main.follow()?(&Engine::threads(), &half)?.branch
                 }
             };
             let half = part(progress, 0.5, 1.0);
@@ -321,7 +325,7 @@ impl Study for Doubled {
                 Err(_) if interrupt::asked() => return main.report(),
                 doubled => doubled?,
             };
-            let last = branch.points.last().map(|point| orbit_study(point.orbit.clone(), &shooting));
+            let last = branch.points.last().map(|point| orbit_study(point.orbit.clone(), &self.ring.shooting()));
             let last = last.filter(|last| last.is_ok() || !interrupt::asked()).transpose()?;
             DoubledStudy { birth, branch, last }.report()
         }))
@@ -420,31 +424,6 @@ impl Branch {
         };
         (end != End::Reached).then(words)
     }
-}
-
-/// The branch of dark breathers that begins with `breather`, followed as `continuation` says.
-/// Collisions of multipliers that lead to no modulus above `1 + weak` are not located.
-///
-/// # Errors
-/// Numbers outside their rules, and no orbit to begin with.
-pub fn branch(
-    breather: &DarkBreather,
-    continuation: &Continuation,
-    weak: f64,
-    progress: Progress<'_>,
-) -> Result<Branch> {
-    go_on(begin(breather, continuation, weak)?, &Engine::threads(), progress)
-}
-
-/// The branch of [`branch`] with its first orbit only.
-///
-/// # Errors
-/// As [`branch`].
-pub fn begin(breather: &DarkBreather, continuation: &Continuation, weak: f64) -> Result<Branch> {
-    require(weak.is_finite() && weak >= 0.0, "weak", weak, "finite and at least 0")?;
-    stays_dark(&breather.setting(), continuation)?;
-    let branch = Branch::new(*continuation, breather.setting(), breather.orbit(&continuation.shooting)?)?;
-    Ok(Branch { center: Some(breather.center), weak: Some(weak), ..branch })
 }
 
 /// Refuses a final value at which there are no dark breathers: their frequency is above `omega`.
