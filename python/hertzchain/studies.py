@@ -153,6 +153,53 @@ def order(
     return called("study order", order, locals())
 
 
+def bands(
+    scene: Scene | Chain | str = "precompressed",
+    *,
+    set: Mapping[str, Any] | Sequence[str] | None = None,
+    points: int = 101,
+    dimensionless: bool = False,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Compute the bands of a scene: the frequencies of its linear waves.
+
+    Finds the cell of beads that repeats along the chain, and computes the frequencies of the waves
+    of the infinite chain, resonators included, about its equilibrium: over the phase theta from a
+    cell to the next, the edges of the bands and the gaps between them.
+
+    Parameters
+    ----------
+    scene : Scene | Chain | str
+        Name of a built-in scene, or a TOML file. A cell of beads, found by the program, repeats
+        between the ends, and contacts have a static overlap. Damping, drives and the initial state
+        do not matter.
+    set : Mapping[str, Any] | Sequence[str]
+        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
+        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+        needs no quotation marks, as in chain.boundary=ring.
+    points : int
+        Number of wave numbers, equally spaced from 0 to the edge of the zone. From 2 to 100000.
+    dimensionless : bool
+        Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
+        units, and so are options and results, except files for `resume` and messages of failures:
+        metres, seconds, kilograms, newtons, joules. With this option results are dimensionless;
+        what is given stays in SI units.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: bands.json, bands.png; bands.npz with an array
+        TABLE.COLUMN for each column of band-edges.csv: band, omega_from (lowest frequency),
+        omega_to (highest frequency), omega_gap (width of the gap above, to the next band).
+        bands.csv: theta_over_pi (phase from a cell to the next, over pi), omega_1 (frequency of the
+        first band, and so on).
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study bands", bands, locals())
+
+
 def scaling(
     *,
     sites: int | Sequence[int] = (50, 100, 200, 500, 1000, 5000, 50000),

@@ -48,12 +48,13 @@ impl Bands {
     /// No cell of at most 85 beads repeats; contacts that do not hold the beads at rest.
     pub fn new(chain: &Chain<f64>) -> Result<Self> {
         let details = chain.details().cloned().unwrap_or_default();
+        let overlaps = chain.overlaps(&vec![0.0; chain.sites()])[chain.touching()].to_vec();
         let (start, ends) = match chain.boundary() {
             Boundary::Fixed => (1, 1),
             _ => (0, 0),
         };
         let sites = [&details.mass, &details.kappa, &details.rho];
-        let bonds = [&details.contact, &details.alpha, &details.overlap];
+        let bonds = [&details.contact, &details.alpha, &overlaps];
         let inner = bonds.map(|list| list.get(start..list.len().saturating_sub(ends)).unwrap_or_default());
         let repeats = |list: &[f64], p: usize| list.iter().zip(list.iter().skip(p)).all(|(a, b)| a == b);
         let all = || sites.map(Vec::as_slice).into_iter().chain(inner);
@@ -70,7 +71,7 @@ impl Bands {
         };
         let [mass, kappa, rho] = sites.map(|list| ring(list, 0));
         let [contact, alpha, overlap] = inner.map(|list| ring(list, shift));
-        let ring = Chain::new(chain.params(), Boundary::Ring, 3 * cell)?.precompressed(chain.precompression())?;
+        let ring = Chain::new(chain.params(), Boundary::Ring, 3 * cell)?;
         let ring = ring.with(&Details { mass, kappa, rho, contact, alpha, overlap, ..Details::default() })?;
         let modes = NormalModes::new(&ring)?;
         let stiffness = modes.stiffness()?;

@@ -40,7 +40,7 @@ struct Band {
 
 impl Study for Bands {
     fn outline() -> Option<Report> {
-        Some(Report::new("bands").table(edges(&[], None)).table(waves(&[], 0, None)))
+        Some(Report::new("bands").table(edges(&[], None)).table(waves(&[], 1, None)))
     }
 
     fn begin(&self) -> Result<Work<'_>> {
@@ -75,7 +75,14 @@ fn waves(waves: &[(f64, Vec<f64>)], bands: usize, si: Option<&Units>) -> Table {
         |wave| wave.0 / PI,
     );
     for k in 0..bands {
-        table = table.col(format!("omega_{}", k + 1), Power(6), "", |wave| wave.1[k]).kind(Quantity::Omega);
+        table = table
+            .col(
+                format!("omega_{}", k + 1),
+                Power(6),
+                if k == 0 { "frequency of the first band, and so on" } else { "" },
+                |wave| wave.1[k],
+            )
+            .kind(Quantity::Omega);
     }
     table.done()
 }

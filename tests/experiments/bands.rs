@@ -56,7 +56,7 @@ fn bands_of_dimers_are_the_closed_form_wherever_the_cell_begins() {
     for (boundary, skip) in [(Boundary::Fixed, 0), (Boundary::Fixed, 1), (Boundary::Ring, 0), (Boundary::Ring, 1)] {
         let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), boundary, 10).unwrap();
         let bonds = chain.touching();
-        let turn = |n: usize| (n + skip) % 2 == 0;
+        let turn = |n: usize| (n + skip).is_multiple_of(2);
         let mass = (0..10).map(|n| if turn(n) { m } else { big }).collect();
         // Overlaps of one force, F = A d^(3/2) = 1; stiffness 3/2 A d^(1/2).
         let a = |k: f64| (k / 1.5).powf(1.5);
@@ -73,6 +73,20 @@ fn bands_of_dimers_are_the_closed_form_wherever_the_cell_begins() {
         assert!(off < 1e-13, "{boundary:?} {skip}: {off:e}");
         let [acoustic, optical] = bands.edges()[..] else { panic!() };
         assert!(acoustic[0] < 1e-6 && acoustic[1] < optical[0] && optical[0] < optical[1]);
+    }
+}
+
+#[test]
+fn a_load_of_the_whole_chain_holds_beads_that_differ() {
+    // Truth: the edges of a dimer with one kind of contacts, w^2 = 0, 2 k/M, 2 k/m, 2 k (1/m + 1/M).
+    let chain =
+        Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Fixed, 9).unwrap().precompressed(0.5).unwrap();
+    let mass = (0..9).map(|n| [1.0, 0.3][n % 2]).collect();
+    let bands = Bands::new(&chain.with(&Details { mass, ..Details::default() }).unwrap()).unwrap();
+    let k = 1.5 * 0.5_f64.sqrt();
+    let want = [[0.0, 2.0 * k], [2.0 * k / 0.3, 2.0 * k * (1.0 + 1.0 / 0.3)]];
+    for (got, want) in bands.edges().into_iter().zip(want) {
+        assert!((0..2).all(|i| (got[i] * got[i] - want[i]).abs() < 1e-13 * want[1]), "{got:?} {want:?}");
     }
 }
 
