@@ -599,3 +599,40 @@ fn tau_is_the_drag_of_each_mass() {
     assert_eq!(run("beads.tau=8"), run("beads.drag=0.25"));
     assert_eq!(run("beads.tau=inf"), run("beads.drag=0"));
 }
+
+#[test]
+fn a_pulse_in_steel_has_the_speed_of_the_exact_wave_and_a_dimer_its_published_bands() {
+    // Truth: the solitary wave of Newton's method (`wave solitary`), c = 0.905515776 F^(1/6) in
+    // units of R, m and A; in SI units V = 2 R c/T, with F in A R^(3/2).
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        fs::write(folder.path().join(name), text).unwrap();
+        folder.path().join(name).display().to_string()
+    };
+    let until = "--set span.until=1.2e-3";
+    let run = json(&format!("run {} --events {until}", file("struck.toml", STRUCK)));
+    let of = |bond: usize, name: &str| number(&run, &format!("/bonds/{bond}/{name}"));
+    let speed = (of(30, "position") - of(20, "position")) / (of(30, "t_peak") - of(20, "t_peak"));
+    let force = of(30, "peak_force") / (hertz() * RADIUS.powf(1.5));
+    let exact = 2.0 * RADIUS * 0.905_515_776 * force.powf(1.0 / 6.0) / time();
+    assert!((speed / exact - 1.0).abs() < 1e-6, "{speed} {exact}");
+    assert!((of(30, "position") - 60.0 * RADIUS).abs() < 1e-14);
+    let plan = format!(
+        "scene = \"{}\"\nset = [\"span.until=1.2e-3\"]\nkeep = [\"speed[20..30]\"]\n",
+        file("struck.toml", STRUCK)
+    );
+    let kept = json(&format!("sweep {}", file("plan.toml", &plan)));
+    assert_eq!(number(&kept, "/columns/speed[20..30]/0"), speed);
+    // Published: 4698, 8086 and 9352 Hz for steel and aluminium of R = 9.53 mm under 20 N. N.
+    // Boechler et al. 2010, Phys. Rev. Lett. 104, 244302. The material constants are of handbooks.
+    let dimer = spheres(40, "fixed", "")
+        .replace(&format!("radius = {RADIUS}"), "radius = 9.53e-3")
+        .replace("density = 8027.0", "density = { pattern = [8027.0, 2700.0], repeat = true }")
+        .replace("young = 193e9", "young = { pattern = [193e9, 73.5e9], repeat = true }")
+        .replace("poisson = 0.3", "poisson = { pattern = [0.3, 0.33], repeat = true }");
+    let bands = json(&format!("study bands {}", file("dimer.toml", &dimer)));
+    let hertz = ["/bands/0/frequency_to", "/bands/1/frequency_from", "/bands/1/frequency_to"];
+    for (path, published) in hertz.into_iter().zip([4698.0, 8086.0, 9352.0]) {
+        assert!((number(&bands, path) / published - 1.0).abs() < 2e-3, "{path}");
+    }
+}
