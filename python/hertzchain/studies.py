@@ -180,7 +180,8 @@ def bands(
         TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
         needs no quotation marks, as in chain.boundary=ring.
     points : int
-        Number of wave numbers, equally spaced from 0 to the edge of the zone. From 2 to 100000.
+        Number of points. Wave numbers, equally spaced from 0 to the edge of the zone. From 2 to
+        10000.
     dimensionless : bool
         Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
         units, and so are options and results, except files for `resume` and messages of failures:

@@ -3,7 +3,7 @@
 use super::{Changes, ResultUnits, Study, Work, options::options, scene_caption, scene_json, si::Scale};
 use crate::{
     error::Result,
-    orbits,
+    interrupt, orbits,
     report::{
         Digits::{Fixed, Power, Short},
         Kind, Line, Panel, Panels, Report, Table,
@@ -22,8 +22,10 @@ options! {
         scene: String = "precompressed".to_owned();
         /// Changes to the scene.
         changes: Changes = Changes::default(), [command(flatten)];
-        /// Number of wave numbers, equally spaced from 0 to the edge of the zone.
-        points: usize = 101, "K", (2 to 100_000);
+        /// Number of points.
+        ///
+        /// Wave numbers, equally spaced from 0 to the edge of the zone.
+        points: usize = 101, "K", (2 to 10_000);
         /// The units of results.
         results: ResultUnits = ResultUnits::default(), [command(flatten)];
     }
@@ -47,7 +49,16 @@ impl Study for Bands {
         self.within_ranges()?;
         let scene = Scene::load_with(&self.scene, &self.changes.set)?;
         let (si, bands) = (self.results.of(&scene), orbits::Bands::new(scene.chain())?);
-        Ok(Box::new(move |_, _| Ok(self.report(&scene, &bands, si.as_ref()))))
+        Ok(Box::new(move |_, progress| {
+            let wave = |k: usize| {
+                interrupt::check(0.0)?;
+                progress(k as f64 / self.points as f64, "waves");
+                let theta = PI * k as f64 / (self.points - 1) as f64;
+                Ok((theta, bands.at(theta)))
+            };
+            let waves = (0..self.points).map(wave).collect::<Result<Vec<_>>>()?;
+            Ok(told(&scene, &bands, &waves, si.as_ref()))
+        }))
     }
 }
 
@@ -87,36 +98,33 @@ fn waves(waves: &[(f64, Vec<f64>)], bands: usize, si: Option<&Units>) -> Table {
     table.done()
 }
 
-impl Bands {
-    fn report(&self, scene: &Scene, bands: &orbits::Bands, si: Option<&Units>) -> Report {
-        let thetas = (0..self.points).map(|k| PI * k as f64 / (self.points - 1) as f64);
-        let all: Vec<(f64, Vec<f64>)> = thetas.map(|theta| (theta, bands.at(theta))).collect();
-        let ends = bands.edges();
-        let above = |k: usize| ends.get(k + 1).map_or(f64::NAN, |next| (next[0] - ends[k][1]).max(0.0));
-        let rows: Vec<Band> = (0..ends.len()).map(|k| Band { number: k + 1, edges: ends[k], gap: above(k) }).collect();
-        let (kind, symbol) = match si {
-            None => (Quantity::Omega, "frequency ω"),
-            Some(_) => (Quantity::Frequency, "frequency ω/2π"),
-        };
-        let scale = Scale(si);
-        let line = |k: usize| {
-            let points = all.iter().map(|(theta, omegas)| (theta / PI, scale.reported(kind, omegas[k])));
-            Line::new(&format!("band {}", k + 1), points)
-        };
-        let panel = Panel::new(Kind::Time, ["θ/π", &scale.label(symbol, kind)], (0..ends.len()).map(line).collect());
-        let how = format!(
-            "Linear waves with the phase θ from cell to cell, on the infinite chain; beads of a cell: {}.",
-            bands.cell()
-        );
-        let title = format!("Bands of {}", scene.name());
-        Report::new("bands")
-            .si(si)
-            .fact("scene", scene.name())
-            .fact("cell", bands.cell())
-            .words(format!("Beads of a cell: {}; bands: {}.", bands.cell(), ends.len()))
-            .table(edges(&rows, si))
-            .table(waves(&all, ends.len(), si))
-            .fact("scene_file", scene_json(scene))
-            .picture(Panels::column(title, vec![panel], scene_caption(scene, &how)))
-    }
+/// The report of waves.
+fn told(scene: &Scene, bands: &orbits::Bands, all: &[(f64, Vec<f64>)], si: Option<&Units>) -> Report {
+    let ends = bands.edges();
+    let above = |k: usize| ends.get(k + 1).map_or(f64::NAN, |next| (next[0] - ends[k][1]).max(0.0));
+    let rows: Vec<Band> = (0..ends.len()).map(|k| Band { number: k + 1, edges: ends[k], gap: above(k) }).collect();
+    let (kind, symbol) = match si {
+        None => (Quantity::Omega, "frequency ω"),
+        Some(_) => (Quantity::Frequency, "frequency ω/2π"),
+    };
+    let scale = Scale(si);
+    let line = |k: usize| {
+        let points = all.iter().map(|(theta, omegas)| (theta / PI, scale.reported(kind, omegas[k])));
+        Line::new(&format!("band {}", k + 1), points)
+    };
+    let panel = Panel::new(Kind::Time, ["θ/π", &scale.label(symbol, kind)], (0..ends.len()).map(line).collect());
+    let how = format!(
+        "Linear waves with the phase θ from cell to cell, on the infinite chain; beads of a cell: {}.",
+        bands.cell()
+    );
+    let title = format!("Bands of {}", scene.name());
+    Report::new("bands")
+        .si(si)
+        .fact("scene", scene.name())
+        .fact("cell", bands.cell())
+        .words(format!("Beads of a cell: {}; bands: {}.", bands.cell(), ends.len()))
+        .table(edges(&rows, si))
+        .table(waves(all, ends.len(), si))
+        .fact("scene_file", scene_json(scene))
+        .picture(Panels::column(title, vec![panel], scene_caption(scene, &how)))
 }

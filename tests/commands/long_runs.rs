@@ -156,8 +156,8 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         refusal(kept.is(&path, None, Some(method)).unwrap_err()).contains("integrator: dop853 there and verlet here")
     );
     for (from, to, key, rule) in [
-        ("\"version\": 3", "\"version\": 4", "", "read is hertzchain checkpoint, version 3"),
-        ("hertzchain checkpoint", "hertzchain branch", "", "hertzchain branch, version 3"),
+        ("\"version\": 4", "\"version\": 3", "", "read is hertzchain checkpoint, version 4"),
+        ("hertzchain checkpoint", "hertzchain branch", "", "hertzchain branch, version 4"),
         ("\"hertzchain 0", "\"hertzchain 99", "program", "only the same program"),
         // Found by fuzzing: lines that a file brings along are not those of a message.
         ("\"hertzchain 0", "\"two\\nlines 0", "program", "only the same program"),
@@ -450,8 +450,16 @@ mod processes {
     }
 
     /// Commands that compute nothing long.
-    const SHORT: &[&str] =
-        &["scenes", "scenes show", "scenes template", "integrators", "dps integrals", "shell completions", "shell man"];
+    const SHORT: &[&str] = &[
+        "scenes",
+        "scenes show",
+        "scenes template",
+        "integrators",
+        "study bands",
+        "dps integrals",
+        "shell completions",
+        "shell man",
+    ];
 
     /// Commands with arguments that make them long; OUT is a folder with a plan.
     const LONG: &[&str] = &[

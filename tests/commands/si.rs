@@ -617,12 +617,10 @@ fn a_pulse_in_steel_has_the_speed_of_the_exact_wave_and_a_dimer_its_published_ba
     let exact = 2.0 * RADIUS * 0.905_515_776 * force.powf(1.0 / 6.0) / time();
     assert!((speed / exact - 1.0).abs() < 1e-6, "{speed} {exact}");
     assert!((of(30, "position") - 60.0 * RADIUS).abs() < 1e-14);
-    let plan = format!(
-        "scene = \"{}\"\nset = [\"span.until=1.2e-3\"]\nkeep = [\"speed[20..30]\"]\n",
-        file("struck.toml", STRUCK)
-    );
-    let kept = json(&format!("sweep {}", file("plan.toml", &plan)));
-    assert_eq!(number(&kept, "/columns/speed[20..30]/0"), speed);
+    let scene = file("struck.toml", STRUCK);
+    let axis = "[[axis]]\nkey = \"span.until\"\nvalues = [1.2e-3]\n";
+    let plan = file("plan.toml", &format!("scene = \"{scene}\"\nkeep = [\"speed[20..30]\"]\n{axis}"));
+    assert_eq!(number(&json(&format!("sweep {plan}")), "/columns/speed[20..30]/0"), speed);
     // Published: 4698, 8086 and 9352 Hz for steel and aluminium of R = 9.53 mm under 20 N. N.
     // Boechler et al. 2010, Phys. Rev. Lett. 104, 244302. The material constants are of handbooks.
     let dimer = spheres(40, "fixed", "")

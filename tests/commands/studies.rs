@@ -57,7 +57,7 @@ fn a_pulse_has_the_speed_of_the_exact_wave_with_its_force() {
     let text = stdout("run impact --events");
     assert!(text.contains("pulse       from bond 40 to bond 80 at 8.405088e-1 bonds per unit of time"), "{text}");
     for bad in ["speed[20]", "speed[20..20]", "speed[20..999]", "bonds[999].impulse"] {
-        fs::write(&plan, format!("scene = \"impact\"\nkeep = [\"{bad}\"]\n")).unwrap();
+        fs::write(&plan, format!("scene = \"impact\"\nkeep = [\"{bad}\"]\n{axis}")).unwrap();
         let said = refused(&format!("sweep {}", plan.display()), 2);
         assert!(said.contains(bad) && said.contains("`keep`"), "{said}");
     }

@@ -349,9 +349,9 @@ fn a_struck_chain_has_one_contact_in_every_bond_that_the_wave_has_reached() {
 #[test]
 fn a_struck_chain_of_steel_has_one_contact_in_every_bond() {
     // Truth: 59 bonds, and the wave has passed all. There were 66 contacts at 1e-6 and 61 at 1e-10.
-    let scene = "chain = { sites = 60, alpha = 1.5, boundary = \"free\" }\nspan = { until = 600.0 }\n\
-                 units = { radius = 4e-3, density = 7650.0, young = 2.26e11, poisson = 0.3 }\n\
-                 initial = { kind = \"single-bead\", site = 0, velocity = 0.0005 }\n";
+    let scene = "chain = { sites = 60, alpha = 1.5, boundary = \"free\" }\nspan = { until = 1.2556e-3 }\n\
+                 units = { system = \"SI\", radius = 4e-3, density = 7650.0, young = 2.26e11, poisson = 0.3 }\n\
+                 initial = { kind = \"single-bead\", site = 0, velocity = 0.9557 }\n";
     for tol in [1e-6, 1e-8, 1e-10, 1e-12] {
         let contacts = logged(scene, "collocation", Setting::Tolerance(tol));
         assert!(contacts.iter().map(|contact| contact.bond).eq(1..=59), "{tol:e}: {contacts:?}");
