@@ -8,7 +8,8 @@
 //! | `omega` | frequency: `omega^2` is an eigenvalue of `S_0 + S_1 e^{i theta} + S_{-1} e^{-i theta}` |
 //!
 //! The blocks are those of a ring of three cells at its equilibrium, with the exact derivatives of
-//! the contact law. L. Brillouin, *Wave Propagation in Periodic Structures*, Dover 1953.
+//! the contact law. There all contacts have one force, and the static overlaps of a cell add up to
+//! those of the chain. L. Brillouin, *Wave Propagation in Periodic Structures*, Dover 1953.
 
 use super::normal_modes::NormalModes;
 use crate::{
@@ -63,7 +64,8 @@ impl Bands {
             let rule = "bands are those of a periodic chain: a cell of at most 85 beads repeats";
             return Err(Error::parameter("chain", "no cell that repeats", rule));
         };
-        // Bond `n` of a ring lies before site `n`; the first inner bond of a chain with ends after site 0.
+        // Bond `n` of a ring lies before site `n`; the first inner bond of a chain with ends lies
+        // after site 0.
         let shift = usize::from(!chain.topology().ring());
         let ring = |list: &[f64], shift: usize| -> Vec<f64> {
             let cells = (0..3 * cell).filter(|_| !list.is_empty());

@@ -53,7 +53,7 @@ pub(crate) fn write_csv(
 ) -> std::io::Result<()> {
     writeln!(to, "{}", names.join(","))?;
     for row in rows {
-        let cells: Vec<String> = row.iter().map(|value| format!("{value:e}")).collect();
+        let cells: Vec<String> = row.iter().map(|value| format!("{value:e}").to_lowercase()).collect();
         writeln!(to, "{}", cells.join(","))?;
     }
     Ok(())

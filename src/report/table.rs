@@ -213,7 +213,7 @@ impl Table {
             let hertz = |column: &Column| Column {
                 name: column.name.replace("omega", "frequency"),
                 head: column.head.replace("omega", "frequency"),
-                about: "the same in Hz".to_owned(),
+                about: column.about.replace("frequency", "frequency omega/(2 pi)"),
                 quantity: Quantity::Frequency,
                 ..column.clone()
             };

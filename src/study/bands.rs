@@ -79,7 +79,7 @@ fn edges(bands: &[Band], si: Option<&Units>) -> Table {
 
 /// The frequencies of waves, each with its phase from cell to cell; the text has about ten.
 fn waves(waves: &[(f64, Vec<f64>)], bands: usize, si: Option<&Units>) -> Table {
-    let mut table = Table::of("bands", waves).si(si).few(10).col(
+    let mut table = Table::of("bands", waves).si(si).few(11).col(
         "theta_over_pi",
         Fixed(4),
         "phase from a cell to the next, over pi",

@@ -611,7 +611,7 @@ fn a_pulse_in_steel_has_the_speed_of_the_exact_wave_and_a_dimer_its_published_ba
     };
     let until = "--set span.until=1.2e-3";
     let run = json(&format!("run {} --events {until}", file("struck.toml", STRUCK)));
-    let of = |bond: usize, name: &str| number(&run, &format!("/bonds/{bond}/{name}"));
+    let of = |bond: usize, name: &str| number(&run, &format!("/bonds/{name}/{bond}"));
     let speed = (of(30, "position") - of(20, "position")) / (of(30, "t_peak") - of(20, "t_peak"));
     let force = of(30, "peak_force") / (hertz() * RADIUS.powf(1.5));
     let exact = 2.0 * RADIUS * 0.905_515_776 * force.powf(1.0 / 6.0) / time();

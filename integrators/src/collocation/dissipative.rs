@@ -64,7 +64,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             self.prediction.margin = -most;
             return;
         }
-        self.gather(frame, self.initial.band, look, []);
+        self.gather(frame, self.initial.band, look, &[]);
         let Some(contact) = self.contacts.found.last_mut().filter(|contact| contact.release > h) else { return };
         // A release soon after the window's end.
         let pushes = |t: f64| {
@@ -93,13 +93,10 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let look = |t: f64| {
             [overlap_at(motion, (panels, own), frame, beside, t), rate_at(motion, (panels, own), frame, beside, t)]
         };
-        let kinks = beside
-            .into_iter()
-            .flatten()
-            .flat_map(|bond| &bond.contacts.found)
-            .flat_map(|contact| [contact.onset, contact.release])
-            .filter(|t| (0.0..h).contains(t));
-        self.gather(frame, band, look, kinks);
+        let contacts = beside.into_iter().flatten().flat_map(|bond| &bond.contacts.found);
+        let events = contacts.flat_map(|contact| [contact.onset, contact.release]);
+        let kinks: Vec<f64> = events.filter(|t| (0.0..h).contains(t)).collect();
+        self.gather(frame, band, look, &kinks);
         let pushes = |t: f64| {
             let [g, rate] = look(t);
             frame.link.law.overlap_that_pushes(g, rate)
@@ -137,13 +134,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// Finds the time intervals in which the bond pushes, from the function `look` that gives
     /// overlap and rate at a time; overlaps up to `band` count as zero. The rate has `kinks` where
     /// forces of neighbours jump.
-    fn gather(
-        &mut self,
-        frame: &Frame<'_, M, S>,
-        band: f64,
-        look: impl Fn(f64) -> Look,
-        kinks: impl IntoIterator<Item = f64>,
-    ) {
+    fn gather(&mut self, frame: &Frame<'_, M, S>, band: f64, look: impl Fn(f64) -> Look, kinks: &[f64]) {
         let (h, link) = (frame.h, frame.link);
         let of = |[g, rate]: Look| [g, link.law.overlap_that_pushes(g, rate)];
         let at = |t: f64| of(look(t));
@@ -227,7 +218,7 @@ fn looks(
     dashpot: bool,
     look: &impl Fn(f64) -> Look,
     of: &impl Fn(Look) -> [f64; 2],
-    kinks: impl IntoIterator<Item = f64>,
+    kinks: &[f64],
 ) -> Vec<(f64, Look)> {
     let step = h / PARTS as f64;
     let mut looks: Vec<(f64, Look)> = (0..=PARTS)
@@ -250,7 +241,7 @@ fn looks(
         (dashpot && before > 0.0 && after < 0.0).then(|| (largest() - STEP * step).max(a))
     };
     let turns = (1..PARTS).flat_map(|k| [turns(k, 0), turns(k, 1)]);
-    let more: Vec<f64> = turns.chain((0..PARTS).map(peak)).flatten().chain(kinks).collect();
+    let more: Vec<f64> = turns.chain((0..PARTS).map(peak)).flatten().chain(kinks.iter().copied()).collect();
     looks.extend(more.into_iter().map(|t| (t, look(t))));
     sort_by_time(&mut looks);
     looks

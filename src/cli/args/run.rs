@@ -82,9 +82,9 @@ pub(crate) struct RunArgs {
     pub(crate) out: Option<PathBuf>,
     /// Save a checkpoint after every D units of time, as checkpoint.npz.
     ///
-    /// Seconds for scenes with `[units]`. The file is in the folder of --out. A run that was stopped continues with --resume and ends
-    /// with the same bits. The method starts anew after every checkpoint. Finite and
-    /// positive; a run has at most 10^6 checkpoints.
+    /// Seconds for scenes with `[units]`. The file is in the folder of --out. A run that was stopped
+    /// continues with --resume and ends with the same bits. The method starts anew after every
+    /// checkpoint. Finite and positive; a run has at most 10^6 checkpoints.
     #[arg(long, value_name = "D", requires = "out")]
     pub(crate) checkpoint: Option<f64>,
     /// Go on with what this file, or the file in this folder, has kept.

@@ -84,11 +84,12 @@ impl Problem {
     /// speeds can make as amplitude.
     ///
     /// # Errors
-    /// A state at rest, or without an energy.
+    /// A chain of beads that differ; a state at rest, or without an energy.
     pub fn of(scene: &Scene) -> Result<Self> {
         let (chain, y) = (scene.chain(), scene.initial().as_slice());
         let rule = "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
         require(chain.has_energy(y), "scene", scene.name(), rule)?;
+        chain.uniform("a chart of stability")?;
         let amplitude = overlap_scale(chain, y);
         if amplitude == 0.0 {
             return Err(Error::parameter("scene", scene.name(), "a chain at rest has no error to chart"));

@@ -61,8 +61,7 @@ impl Driven {
     /// The study of the orbit to which the scene leads. All options are checked before the work.
     ///
     /// # Errors
-    /// A scene without a periodic drive, or without the units that are asked for; a number outside
-    /// its rule.
+    /// A scene without a periodic drive; a number outside its rule.
     pub fn study(&self) -> Result<Work<'_, DrivenStudy>> {
         let (scene, setting, si) = self.load()?;
         Ok(Box::new(move |_, progress| {

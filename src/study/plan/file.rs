@@ -312,7 +312,7 @@ impl Reported {
         // The name as a pointer: /speed/20//30.
         let bonds = self.pointer.split_once("d/").and_then(|(_, range)| range.split_once("//"));
         let bonds = bonds.filter(|(from, to)| from != to);
-        let number = |bond: &str, name: &str| report.pointer(&format!("/bonds/{bond}/{name}")).map(Json::as_f64);
+        let number = |bond: &str, name: &str| report.pointer(&format!("/bonds/{name}/{bond}")).map(Json::as_f64);
         let of = |name: &str| bonds.and_then(|(from, to)| Some((number(from, name)?, number(to, name)?)));
         let Some(((x0, x1), (t0, t1))) = of("position").zip(of("t_peak")) else {
             let why = "a speed is that from a bond of the chain to another, such as speed[20..30]".to_owned();

@@ -58,7 +58,8 @@ options! {
         steps_per_period: Option<f64> = None, "N", (positive), [arg(conflicts_with_all = ["step", "tol"])];
         /// Step size, in units of time, for splitting schemes.
         ///
-        /// In seconds for scenes with `[units]`. Made smaller where a whole number of steps must fit the span.
+        /// In seconds for scenes with `[units]`. Made smaller where a whole number of steps must fit
+        /// the span.
         step: Option<f64> = None, "H", (positive), [arg(conflicts_with = "tol")];
         /// Equal windows per period, for collocation without error control.
         windows_per_period: Option<f64> = None, "N", (positive), [arg(conflicts_with_all = ["step", "tol", "steps_per_period"])];

@@ -4,7 +4,6 @@ use crate::{
     chain::Contact,
     error::Result,
     output::{Array, npz},
-    report::{Digits::Short, Table},
 };
 use serde::Serialize;
 
@@ -96,21 +95,19 @@ pub fn contact_totals(contacts: &[Contact]) -> ContactTotals {
     }
 }
 
-/// What a bond has seen in a run.
+/// What a bond has seen in a run: its contacts, their impulse, and the contact with the largest force.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
-    position: f64,
     contacts: usize,
     impulse: f64,
-    /// The contact with the largest force.
     strongest: Option<Contact>,
 }
 
-/// What the bonds of a chain have seen, by their index; `positions` are those of the bonds.
-fn seen(positions: &[f64], contacts: &[Contact]) -> Vec<Seen> {
-    let mut all: Vec<_> = positions.iter().map(|&position| Seen { position, ..Seen::default() }).collect();
+/// What the first `bonds` bonds of a chain have seen, by their index.
+fn seen(bonds: usize, contacts: &[Contact]) -> Vec<Seen> {
+    let mut all = vec![Seen::default(); bonds];
     for contact in contacts {
-        let Seen { contacts, impulse, strongest, .. } = &mut all[contact.bond];
+        let Seen { contacts, impulse, strongest } = &mut all[contact.bond];
         (*contacts, *impulse) = (*contacts + 1, *impulse + contact.impulse);
         if strongest.is_none_or(|other| contact.peak_force > other.peak_force) {
             *strongest = Some(*contact);
@@ -119,22 +116,23 @@ fn seen(positions: &[f64], contacts: &[Contact]) -> Vec<Seen> {
     all
 }
 
-/// A row for each bond, by its index: its position at rest, the number of its contacts and their
-/// impulse; and of the contact with the largest force its onset, this force, its time, and how long
-/// it pushed.
-pub(in crate::study) fn bond_table(positions: &[f64], contacts: &[Contact]) -> Table {
-    let rows: Vec<_> = seen(positions, contacts).into_iter().enumerate().collect();
-    let lasted = |one: Contact| Some(one.force_end? - one.onset?);
-    Table::of("bonds", &rows)
-        .col("bond", Short, "", |(bond, _)| *bond)
-        .col("position", Short, "", |(_, seen)| seen.position)
-        .col("contacts", Short, "", |(_, seen)| seen.contacts)
-        .col("impulse", Short, "", |(_, seen)| seen.impulse)
-        .col("onset", Short, "", |(_, seen)| seen.strongest.and_then(|one| one.onset))
-        .col("t_peak", Short, "", |(_, seen)| seen.strongest.map(|one| one.t_peak))
-        .col("peak_force", Short, "", |(_, seen)| seen.strongest.map(|one| one.peak_force))
-        .col("duration", Short, "", |(_, seen)| seen.strongest.and_then(lasted))
-        .done()
+/// What each bond has seen, by its index: the number of its contacts and their impulse; and of the
+/// contact with the largest force its onset, this force with its time, and how long it pushed; NaN
+/// for what there is not. `positions` are those of the bonds.
+pub(in crate::study) fn bond_columns(positions: Vec<f64>, contacts: &[Contact]) -> [(&'static str, Vec<f64>); 7] {
+    let all = seen(positions.len(), contacts);
+    let strongest = |value: fn(&Contact) -> Option<f64>| {
+        all.iter().map(|seen| seen.strongest.as_ref().and_then(value).unwrap_or(f64::NAN)).collect()
+    };
+    [
+        ("position", positions),
+        ("contacts", all.iter().map(|seen| seen.contacts as f64).collect()),
+        ("impulse", all.iter().map(|seen| seen.impulse).collect()),
+        ("onset", strongest(|one| one.onset)),
+        ("t_peak", strongest(|one| Some(one.t_peak))),
+        ("peak_force", strongest(|one| Some(one.peak_force))),
+        ("duration", strongest(|one| Some(one.force_end? - one.onset?))),
+    ]
 }
 
 /// The bonds at which the largest force arrives one after the other, the first and the last: of
@@ -160,14 +158,13 @@ fn pulse(bonds: &[Seen]) -> Option<[usize; 2]> {
 /// The speed and the force of a pulse in the second half of its way, in a line; `unit` is that of
 /// the speed.
 pub(in crate::study) fn pulse_line(positions: &[f64], unit: &str, contacts: &[Contact]) -> Option<String> {
-    let bonds = seen(positions, contacts);
+    let bonds = seen(positions.len(), contacts);
     let [first, last] = pulse(&bonds)?;
     let middle = first.midpoint(last);
-    let [from, to] = [middle, last].map(|bond| bonds[bond]);
-    let [before, here] = [from.strongest?, to.strongest?];
-    let speed = (to.position - from.position).abs() / (here.t_peak - before.t_peak);
+    let [before, here] = [bonds[middle].strongest?, bonds[last].strongest?];
+    let speed = (positions[last] - positions[middle]).abs() / (here.t_peak - before.t_peak);
     Some(format!(
-        "pulse       from bond {middle} to bond {last} at {speed:.6e} {unit}, largest force {:.6e} and {:.6e}",
+        "pulse       {speed:.6e} {unit} from bond {middle} to bond {last}; largest force {:.6e} at the first, {:.6e} at the last",
         before.peak_force, here.peak_force
     ))
 }
@@ -325,18 +322,18 @@ mod tests {
         let contacts: Vec<_> = there.chain(back).collect();
         let positions: Vec<f64> = (0..=13).map(f64::from).collect();
         let line = pulse_line(&positions, "m/s", &contacts).unwrap();
-        assert!(line.contains("from bond 7 to bond 12 at 2.000000e0 m/s, largest force 1.000000e0"), "{line}");
-        assert_eq!(pulse(&seen(&positions, &contacts)), Some([3, 12]));
+        assert!(
+            line.contains("2.000000e0 m/s from bond 7 to bond 12; largest force 1.000000e0 at the first"),
+            "{line}"
+        );
+        assert_eq!(pulse(&seen(14, &contacts)), Some([3, 12]));
         // The other way round.
         let left = |contact: &Contact| Contact { bond: 15 - contact.bond, ..*contact };
-        assert_eq!(pulse(&seen(&positions, &contacts.iter().map(left).collect::<Vec<_>>())), Some([12, 3]));
+        assert_eq!(pulse(&seen(14, &contacts.iter().map(left).collect::<Vec<_>>())), Some([12, 3]));
         assert_eq!(pulse_line(&positions, "m/s", &contacts[..PULSE - 1]), None);
-        let rows = bond_table(&positions, &contacts).json();
-        assert_eq!(
-            (&rows[6]["contacts"], &rows[6]["t_peak"], &rows[6]["impulse"]),
-            (&2.into(), &3.0.into(), &0.5.into())
-        );
-        assert!(rows[2]["peak_force"].is_null() && rows.len() == 14);
+        let columns = bond_columns(positions, &contacts);
+        assert_eq!(columns.each_ref().map(|(_, column)| column[6])[..5], [6.0, 2.0, 0.5, 0.1, 3.0]);
+        assert!(columns.iter().all(|(name, column)| column.len() == 14 && (*name != "t_peak" || column[2].is_nan())));
     }
 
     #[test]

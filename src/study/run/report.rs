@@ -2,7 +2,7 @@
 
 use super::{
     checkpoint::FILE as CHECKPOINT,
-    contacts::{bond_table, contact_lines, contact_totals, contacts_csv, contacts_npz, pulse_line},
+    contacts::{bond_columns, contact_lines, contact_totals, contacts_csv, contacts_npz, pulse_line},
 };
 use crate::{
     chain::{Boundary, Energy, Ledger, Maximum, Overlaps},
@@ -116,6 +116,8 @@ impl Serialize for Entries {
 enum Entry {
     /// An array that is as long as the chain. As a `Value` it would take four times the memory.
     Numbers(Vec<f64>),
+    /// Several of them, by name.
+    Columns(BTreeMap<&'static str, Vec<f64>>),
     Value(Value),
 }
 
@@ -163,8 +165,9 @@ fn entries(ran: &RunView<'_>) -> Entries {
     }
     if let Some(contacts) = &outcome.contacts {
         put("contacts", json!(contact_totals(contacts)));
-        put("bonds", json!(bond_table(&positions(ran).0, contacts).json()));
+        object.push(("bonds", Entry::Columns(bond_columns(positions(ran).0, contacts).into())));
     }
+    let mut put = |name, value| object.push((name, Entry::Value(value)));
     put("force_evaluations", json!(outcome.stats.force_evaluations));
     put("steps", json!(outcome.stats.steps));
     put("rejected", json!(outcome.stats.rejected));
@@ -316,8 +319,8 @@ pub const RUN_FILES: [&str; 19] = [
 ];
 
 /// Writes the run: `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, and the
-/// pictures; with a contact log also `contacts.csv`, `contacts.npz` and `bonds.csv`, with maxima `maxima.csv`
-/// and `maxima.npz`; last `summary.json`, which is the JSON with the names of all files. Other
+/// pictures; with a contact log also `contacts.csv`, `contacts.npz` and `bonds.csv`, with maxima
+/// `maxima.csv` and `maxima.npz`; last `summary.json`, which is the JSON with the names of all files. Other
 /// files of an earlier run are removed, and its checkpoint as well unless this run was `in_legs`.
 /// If the parts of the chain keep the states, only `summary.json`, without the state, `scene.toml`
 /// and `energy.csv` are written.
@@ -352,7 +355,10 @@ pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::F
     if let Some(contacts) = &outcome.contacts {
         folder.write("contacts.csv", &contacts_csv(contacts))?;
         folder.write("contacts.npz", &contacts_npz(contacts)?)?;
-        folder.write("bonds.csv", bond_table(&positions(ran).0, contacts).csv().as_bytes())?;
+        let columns = bond_columns(positions(ran).0, contacts);
+        let names: Vec<&str> = ["bond"].into_iter().chain(columns.iter().map(|(name, _)| *name)).collect();
+        let row = |bond: usize| [bond as f64].into_iter().chain(columns.iter().map(|(_, all)| all[bond])).collect();
+        folder.write("bonds.csv", &csv(&names, (0..=scene.chain().sites()).map(row)))?;
     }
     if let Some(maxima) = &outcome.maxima {
         let table = Table::of("maxima", maxima)

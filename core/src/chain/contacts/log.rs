@@ -193,8 +193,13 @@ impl ContactLog {
         // A contact without an event at its start was there at the start of the run, or began
         // between two legs.
         let (bond, leg, chain, dissipates) = (self.overlaps.bond(index), self.leg, &self.chain, self.dissipates);
-        let peak =
-            if dissipates { largest_force(curve, |g, rate| chain.bond_force(bond, g, rate)) } else { (0.0, 0.0) };
+        let peak = match &self.open[index] {
+            _ if !dissipates => (0.0, 0.0),
+            known => {
+                let known = known.as_ref().map_or(0.0, Pending::largest_force);
+                largest_force(curve, known, |g, rate| chain.bond_force(bond, g, rate))
+            }
+        };
         let elastic = |g: f64| if dissipates { 0.0 } else { chain.bond_force(bond, g, 0.0) };
         let contact = self.open[index].get_or_insert_with(|| Pending::new(bond, leg.map(|t| (t, 0.0))));
         self.ended.extend(contact.press(curve, Push { impulse, last, peak }, &elastic));
@@ -214,14 +219,17 @@ impl ContactLog {
     }
 }
 
-/// Time and value of the largest force on a stretch of overlap, by golden sections about the largest
-/// of nine values.
-fn largest_force(curve: &Curve, force: impl Fn(f64, f64) -> f64) -> (f64, f64) {
+/// Time and value of the largest force on a stretch of overlap: the largest of nine values or, if
+/// it may be larger than the force that is `known`, that of golden sections about it.
+fn largest_force(curve: &Curve, known: f64, force: impl Fn(f64, f64) -> f64) -> (f64, f64) {
     let at = |x: f64| {
         let [t, g, rate] = curve.at(x);
         (t, force(g, rate))
     };
     let x = largest_by((0..=8).map(|k| f64::from(k) / 8.0), |&x| at(x).1).unwrap_or(0.0);
+    if at(x).1 < 0.9 * known {
+        return at(x);
+    }
     let around = [(x - 0.125).max(0.0), (x + 0.125).min(1.0)];
     let Ok((_, inside)) = golden(around, |apart| apart > 1e-8, |x| Ok::<_, Infallible>(at(x)), |peak| peak.1);
     if inside.1 > at(x).1 { inside } else { at(x) }

@@ -70,6 +70,11 @@ impl Pending {
         Self { bond, began, push: Push::default(), largest, rise: Vec::new(), lull: None, seen: true }
     }
 
+    /// The largest force so far.
+    pub(super) fn largest_force(&self) -> f64 {
+        self.push.peak.1
+    }
+
     /// Becomes the contact that may follow a stretch in which the overlap had its least value. The
     /// memory is kept: a lull may last for thousands of stretches.
     fn rise_after(&mut self, curve: &Curve) {
@@ -88,8 +93,8 @@ impl Pending {
     }
 
     /// Takes the next stretch of the overlap and the push in it, and the force as a function of the
-    /// overlap, for its peak; zero of a contact that dissipates, whose push has the peak. Returns the
-    /// contact under way if it turns out to have ended; the next one then takes its place.
+    /// overlap, for its peak; zero of a contact that dissipates, whose push has the peak. Returns
+    /// the contact under way if it turns out to have ended; the next one then takes its place.
     pub(super) fn press(&mut self, curve: &Curve, push: Push, elastic: &dyn Fn(f64) -> f64) -> Option<Contact> {
         self.seen = true;
         // The rate of an overlap that is a rounding error is not known, nor whether it pushes.
