@@ -75,7 +75,7 @@ impl Scene {
 
     /// The scene with another end.
     fn until(&self, py: Python<'_>, end: f64) -> PyResult<Self> {
-        self.0.clone().until(end).or_raise(py).map(Self)
+        self.0.clone().until_in_file(end).or_raise(py).map(Self)
     }
 
     fn to_toml(&self) -> String {

@@ -37,7 +37,7 @@ impl Runs for RunArgs {
         let load = if self.plan { Scene::load_by_sites } else { Scene::load_with };
         let mut scene = load(name, &changes)?;
         if let Some(until) = self.until {
-            scene = scene.until(until)?;
+            scene = scene.until_in_file(until)?;
         }
         let how = MethodChoice::new(&self.method, &scene)?;
         let (name, wording) = how.words();

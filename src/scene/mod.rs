@@ -289,19 +289,22 @@ impl Scene {
         }
     }
 
-    /// The scene with another end time, in seconds for a scene with `[units]`.
+    /// The scene with another end time, dimensionless as [`end`](Self::end).
     ///
     /// # Errors
-    /// A time outside 1e-100 .. 1e100.
+    /// A time outside 1e-100 .. 1e100, or at which a drive has not yet acted.
     pub fn until(self, end: f64) -> Result<Self> {
-        let dimensionless = self.of_file(Quantity::Time, end);
-        self.ending(end, dimensionless)
-    }
-
-    /// The same with a dimensionless time.
-    pub(crate) fn until_dimensionless(self, end: f64) -> Result<Self> {
         let own = self.in_file(Quantity::Time, end);
         self.ending(own, end)
+    }
+
+    /// The scene with another end time in the units of its file: seconds with `[units]`.
+    ///
+    /// # Errors
+    /// As [`until`](Self::until).
+    pub fn until_in_file(self, end: f64) -> Result<Self> {
+        let dimensionless = self.of_file(Quantity::Time, end);
+        self.ending(end, dimensionless)
     }
 
     fn ending(mut self, given: f64, end: f64) -> Result<Self> {
@@ -384,6 +387,12 @@ impl Scene {
         &self.file.name
     }
 
+    /// Its name and, if it has one, its summary.
+    pub(crate) fn title(&self) -> String {
+        let SceneFile { name, summary, .. } = &self.file;
+        if summary.is_empty() { name.clone() } else { format!("{name}: {summary}") }
+    }
+
     /// The scene file, with changes and defaults in place.
     pub fn file(&self) -> &SceneFile {
         &self.file
@@ -448,7 +457,7 @@ impl Scene {
         self.run().fast_period()
     }
 
-    /// The end of the time span, which starts at 0.
+    /// The end of the time span, which starts at 0; dimensionless, as all that a scene builds.
     pub fn end(&self) -> f64 {
         self.end
     }

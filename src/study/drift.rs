@@ -6,7 +6,7 @@
 
 use super::{
     Changes, Progress, Study, Work, compare::steps_for_kicks, families, fit_line, methods, options::options, scene,
-    scene_caption, scene_json,
+    scene_caption, scene_json, si::Scale,
 };
 use crate::{
     chain::Chain,
@@ -14,7 +14,7 @@ use crate::{
     report::{
         Curve,
         Digits::{Fixed, Hidden, Json, Power, Short},
-        Point, Report, Table, WorkPrecision,
+        Point, Quantity, Report, Table, Units, WorkPrecision,
     },
     run::method::{Method, Setting},
     scene::Scene,
@@ -72,7 +72,7 @@ impl Study for Drift {
     const STORE: &'static str = "drift.store";
 
     fn outline() -> Option<Report> {
-        Some(tables(Report::new("drift"), &[], 0.0))
+        Some(tables(Report::new("drift"), &[], (0.0, None)))
     }
 
     fn begin(&self) -> Result<Work<'_>> {
@@ -126,10 +126,11 @@ pub struct DriftStudy {
 impl DriftRow {
     /// Every k-th point, with the last one included. Each has the largest error so far, so that
     /// points left out hide no error.
-    fn points(&self) -> Vec<Point> {
+    fn points(&self, scene: &Scene) -> Vec<Point> {
         let stride = self.t.len().div_ceil(MOST_POINTS).max(1);
         let all = self.t.iter().zip(&self.run.energy_error).rev().step_by(stride);
-        let mut points: Vec<_> = all.map(|(&work, &error)| Point { work, error, below_reference: false }).collect();
+        let point = |(&t, &error)| Point { work: scene.in_file(Quantity::Time, t), error, below_reference: false };
+        let mut points: Vec<_> = all.map(point).collect();
         points.reverse();
         points
     }
@@ -139,32 +140,34 @@ impl DriftStudy {
     /// The report.
     pub fn report(&self) -> Report {
         let Self { scene, periods, rows } = self;
+        let (scale, period) = (Scale(scene.units()), scene.in_file(Quantity::Time, scene.period()));
         let (families, family_of) = families(&rows.iter().map(|row| row.method).collect::<Vec<_>>());
         let curve = |(row, family): (&DriftRow, usize)| {
             let failed = if row.run.failure.is_some() { ": failed" } else { "" };
             let name = format!("{}, {}{failed}", row.method.name(), row.setting);
-            Curve { name, family, points: row.points(), slope: None }
+            Curve { name, family, points: row.points(scene), slope: None }
         };
         let how = "The energy is looked at every 0.618 periods, and its largest error so far is shown. One run a method: \
                    the curves say how large errors get, not by which law they grow.";
         let length = if *periods < 1e4 { periods.to_string() } else { format!("{periods:e}") };
         let picture = WorkPrecision {
             title: format!("{}: error of the energy over {length} periods", scene.name()),
-            work_label: format!("time t (dimensionless; a period is {:.4})", scene.period()),
+            work_label: match scale.0 {
+                None => format!("time t (dimensionless; a period is {period:.4})"),
+                Some(_) => format!("{} (a period is {period:.4e} s)", scale.label("time t", Quantity::Time)),
+            },
             error_label: "largest |E − E(0)| / |E(0)| up to t".to_owned(),
             curves: rows.iter().zip(family_of).map(curve).collect(),
             caption: scene_caption(scene, how),
             families,
             ..WorkPrecision::default()
         };
-        let report =
-            Report::new("drift").fact("scene", scene.name()).fact("period", scene.period()).fact("periods", periods);
-        tables(report, rows, scene.end())
+        let report = Report::new("drift").fact("scene", scene.name()).fact("period", period).fact("periods", periods);
+        tables(report.si(scale.0), rows, (scene.end(), scale.0))
             .words(format!(
-                "scene {}: {}; the end is that of {periods} periods of {:.6}",
-                scene.name(),
-                scene.file().summary,
-                scene.period()
+                "scene {}; the end is that of {periods} periods of {}",
+                scene.title(),
+                scale.shown(Quantity::Time, scene.period(), 6)
             ))
             .fact("scene_file", scene_json(scene))
             .picture(picture)
@@ -172,7 +175,7 @@ impl DriftStudy {
 }
 
 /// The table of the methods and that of all times, added to a report.
-fn tables(report: Report, rows: &[DriftRow], end: f64) -> Report {
+fn tables(report: Report, rows: &[DriftRow], (end, si): (f64, Option<&Units>)) -> Report {
     let early = 0.01 * end * (1.0 + 1e-9);
     let points = |row: &DriftRow| {
         let (method, setting) = (row.method.name(), row.setting.clone());
@@ -183,7 +186,7 @@ fn tables(report: Report, rows: &[DriftRow], end: f64) -> Report {
     let methods = Table::of("methods", rows)
         .col("integrator", Short, "", |row| row.method.name())
         .col("setting", Short, "", |row| row.setting.clone())
-        .col("t", Json, "", |row| row.t.clone())
+        .col("t", Json, "", |row| Scale(si).all(Quantity::Time, &row.t))
         .col("energy_error", Json, "", |row| row.run.energy_error.clone())
         .col("early_error", Power(1), "largest |E(t) - E(0)| / |E(0)| up to 1 % of the time", |row| {
             row.t.iter().rposition(|&t| t <= early).map(|k| row.run.energy_error[k])
@@ -197,9 +200,11 @@ fn tables(report: Report, rows: &[DriftRow], end: f64) -> Report {
         .col("failure", Short, "", |row| row.run.failure.clone());
     let all = Table::of("drift", &points)
         .key("")
+        .si(si)
         .col("integrator", Hidden, "", |row| row.0.clone())
         .col("setting", Hidden, "", |row| row.1.clone())
         .col("t", Hidden, "time", |row| row.2)
+        .kind(Quantity::Time)
         .col("energy_error", Hidden, "largest |E - E(0)| / |E(0)| up to t", |row| row.3);
     report.table(methods).table(all)
 }
@@ -215,7 +220,7 @@ pub fn drift(scene: &Scene, options: &DriftOptions, engine: &Engine, progress: P
     options.within_ranges()?;
     let rule = "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
     require(scene.chain().has_energy(scene.initial().as_slice()), "scene", scene.name(), rule)?;
-    let scene = scene.clone().until_dimensionless(periods * scene.period())?;
+    let scene = scene.clone().until(periods * scene.period())?;
     let times = spaced(scene.period(), scene.end(), *samples);
     let settings = json!({"scene": scene_json(&scene), "times": samples, "kicks": KICKS, "tolerance": TOLERANCE});
     let grid = Grid { store: Drift::STORE, study: "drift", settings };

@@ -215,14 +215,7 @@ fn provenance(scene: &Scene, how: &str) -> String {
 fn scene_caption(scene: &Scene, how: &str) -> String {
     let params = scene.chain().params();
     let details = scene.details_in_words().map(|words| format!(" Beads differ: {words}.")).unwrap_or_default();
-    let summary = Some(&scene.file().summary).filter(|summary| !summary.is_empty());
-    format!(
-        "Scene {}{}. N = {}, {}.{details} {how}",
-        scene.name(),
-        summary.map_or(String::new(), |summary| format!(": {summary}")),
-        scene.chain().sites(),
-        params_words(params),
-    )
+    format!("Scene {}. N = {}, {}.{details} {how}", scene.title(), scene.chain().sites(), params_words(params),)
 }
 
 /// Exponent, spring constant and mass ratio, for captions.

@@ -140,6 +140,7 @@ impl Modulation {
         let Shape { q, a, b, .. } = shape;
         let fixed = params.resonators() == Resonators::Fixed;
         // Waves of the cradle have the same rules for the shape.
+        params.validate()?;
         TravellingWave::new(if fixed { Params { rho: 1.0, ..params } } else { params }, shape, Size::Epsilon(1.0))?;
         if fixed && b != 0.0 {
             return Err(Error::parameter("b", b, "the DpS equation of rho = inf has no mean strain: b = 0"));

@@ -634,3 +634,19 @@ fn a_pulse_in_steel_has_the_speed_of_the_exact_wave_and_a_dimer_its_published_ba
         assert!((number(&bands, path) / published - 1.0).abs() < 2e-3, "{path}");
     }
 }
+
+#[test]
+fn studies_of_methods_have_the_times_of_the_scene() {
+    // Truth: steps of equal length fill the span; periods of a chain of spheres without a period
+    // are units of time.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("struck.toml");
+    fs::write(&path, STRUCK).unwrap();
+    let path = path.display();
+    let compared = json(&format!("compare {path} --integrators verlet --max-time 0.1"));
+    let row = |name: &str| number(&compared, &format!("/rows/0/{name}"));
+    assert!((row("step") * row("steps") / 6e-4 - 1.0).abs() < 1e-12);
+    let drift = json(&format!("study drift {path} --integrators verlet --periods 3 --samples 4"));
+    assert!((number(&drift, "/rows/0/t/3") / (3.0 * time()) - 1.0).abs() < 1e-12);
+    assert!((number(&drift, "/period") / time() - 1.0).abs() < 1e-12);
+}

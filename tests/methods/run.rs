@@ -135,6 +135,7 @@ fn a_scene_names_its_method_and_is_refused_where_that_makes_no_sense() {
 fn no_scene_of_the_program_has_a_warning() {
     for (name, _) in Scene::list() {
         let scene = Scene::load(name).unwrap();
+        assert_eq!(scene.clone().until(scene.end()).unwrap().end(), scene.end(), "{name}");
         // Some drives come to their full height later.
         let short = scene.clone().until(scene.end().min(60.0)).unwrap_or(scene);
         let end = short.run().start().unwrap();

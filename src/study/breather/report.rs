@@ -164,10 +164,9 @@ impl BrightStudy {
     fn words(&self) -> String {
         let Self { scene, breather, .. } = self;
         format!(
-            "scene {}: {}; {}; omega_0 = {:.16}, T = {:.6}, horizon = {:.4}, Omega_b = {:.16}, T_b = {:.6}; C_r of the theorem: \
+            "scene {}; {}; omega_0 = {:.16}, T = {:.6}, horizon = {:.4}, Omega_b = {:.16}, T_b = {:.6}; C_r of the theorem: \
              at least 1/(rho mu^2) = {:.6e}, mu = epsilon^(alpha-1)/kappa",
-            scene.name(),
-            scene.file().summary,
+            scene.title(),
             self.setting,
             breather.omega_0(),
             breather.slow_period(),
@@ -373,11 +372,10 @@ impl TrivialStudy {
         });
         let (low, high) = self.forces.range();
         let words = format!(
-            "scene {}: {}; omega = {:.16}, period = {:.16}, {} sites; b rises by {height:.6e} from the first site to the last; {gap}\
+            "scene {}; omega = {:.16}, period = {:.16}, {} sites; b rises by {height:.6e} from the first site to the last; {gap}\
              closed form (uncpl) against {}: {:.3e} of the amplitude at t = {}, at most {most:.3e} on the way; mean contact forces \
              over a period: {low:.3e} to {high:.3e} (zero: Theorem nobreath); energy of the closed form constant to {:.1e} of itself",
-            scene.name(),
-            scene.file().summary,
+            scene.title(),
             params.omega(),
             scene.period(),
             means.len(),

@@ -6,7 +6,7 @@ use crate::{
     report::{
         Curve,
         Digits::{Fixed, Hidden, Power, Short},
-        Point, Report, Table, WorkPrecision,
+        Point, Quantity, Report, Table, WorkPrecision,
     },
     study::{families, scene_caption, scene_json},
 };
@@ -42,22 +42,24 @@ impl Comparison {
         };
         let ended_words = list(stopped.iter().map(|(candidate, why)| (candidate.name(), why.clone())).collect());
         let missing_words = list(left_out.iter().map(|(method, why)| (method.name(), (*why).to_owned())).collect());
+        let [end, period] = [scene.end(), scene.fast_period()].map(|t| scene.in_file(Quantity::Time, t));
+        let amplitude = scene.in_file(Quantity::Length, *amplitude);
         let listed = |what: &str, list: String| if list.is_empty() { list } else { format!("{what}: {list}.") };
         Report::new("compare")
+            .si(scene.units())
             .fact("scene", scene.name())
-            .fact("period", scene.fast_period())
+            .fact("period", period)
             .fact("amplitude", amplitude)
             .fact("reference", json!({"method": reference.method, "error_estimate": reference.error_estimate}))
             .table(self.table())
             .words(format!(
-                "scene {}: {}; errors are max |x - x_ref| / {amplitude:.6e} at t = {}; reference {}, good to {:.1e}; a period \
+                "scene {}; errors are max |x - x_ref| / {amplitude:.6e} at t = {}; reference {}, good to {:.1e}; a period \
                  of the fastest motion is {:.6e}.",
-                scene.name(),
-                scene.file().summary,
-                scene.end(),
+                scene.title(),
+                end,
                 reference.method,
                 reference.error_estimate,
-                scene.fast_period(),
+                period,
             ))
             .fact("slopes", map(slopes))
             .fact("stopped", map(ended))
@@ -75,9 +77,11 @@ impl Comparison {
     fn table(&self) -> Table {
         let below = "whether the error is below 3 times the error estimate of the reference: an upper bound at best";
         Table::of("compare", &self.rows)
+            .si(self.scene.units())
             .col("integrator", Short, "", |row| row.candidate.name())
             .col("setting", Short, "", |row| row.setting.clone())
             .col("step", Power(3), "", |row| row.step)
+            .kind(Quantity::Time)
             .col("error", Power(1), "", |row| row.error)
             .col("energy_error", Power(1), "", |row| row.energy_error)
             .col("wall_s", Power(2), "median wall time of a run, in seconds", |row| row.wall)
@@ -140,7 +144,7 @@ impl Comparison {
         };
         let how = format!(
             "{chosen}t = {:.6}. Reference: {}, good to {:.1e} (grey line); hollow points are too near to it to be trusted.",
-            self.scene.end(),
+            self.scene.in_file(Quantity::Time, self.scene.end()),
             self.reference.method,
             self.reference.error_estimate,
         );

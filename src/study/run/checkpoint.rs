@@ -308,8 +308,7 @@ impl LongRun {
             let rule = format!("{there} there and {here} here: a checkpoint goes on with its own");
             Err(Error::Content { path: path.to_owned(), place: format!("{SETTINGS}, {key}"), rule })
         };
-        let until =
-            |scene: &Scene| scene.clone().until_dimensionless(self.scene.end()).map(|scene| scene.file().clone());
+        let until = |scene: &Scene| scene.clone().until(self.scene.end()).map(|scene| scene.file().clone());
         match (scene, method) {
             (Some(scene), _) if until(scene)? != until(&self.scene)? => {
                 let (there, here) = (self.scene.name(), scene.name());

@@ -67,7 +67,7 @@ impl WaveStudy {
             .fact("force_evaluations", self.stats.force_evaluations)
             .fact("wall_s", self.wall.as_secs_f64())
             .fact("scene_file", scene_json(scene))
-            .words(format!("scene {}: {}", scene.name(), scene.file().summary))
+            .words(format!("scene {}", scene.title()))
             .words(format!(
                 "{}; epsilon = {:.16e}, omega = {:.16}, omega_tw = {:.16}, period = {:.16}",
                 self.setting,
