@@ -401,6 +401,9 @@ pub enum Kind {
     /// A linear dashpot, `c(g) = gamma`, so that `f = (F + gamma g')_+` for `g > 0`; `gamma` is a
     /// force over a velocity.
     Dashpot,
+    /// Hunt & Crossley 1975, J. Appl. Mech. 42, 440: `c(g) = gamma F(g)`, so that
+    /// `f = F (1 + gamma g')_+`. `gamma` is a time over a length.
+    HuntCrossley,
 }
 
 impl Kind {
@@ -409,6 +412,7 @@ impl Kind {
         match self {
             Self::Viscoelastic => "viscoelastic",
             Self::Dashpot => "dashpot",
+            Self::HuntCrossley => "hunt_crossley",
         }
     }
 
@@ -417,6 +421,7 @@ impl Kind {
         match self {
             Self::Viscoelastic => "viscoelastic contacts, gamma",
             Self::Dashpot => "contacts with dashpots, gamma",
+            Self::HuntCrossley => "contacts of Hunt and Crossley, gamma",
         }
     }
 
@@ -424,7 +429,7 @@ impl Kind {
     pub fn exponents(self) -> (f64, &'static str) {
         match self {
             Self::Viscoelastic => (1.0, "viscoelastic contacts have exponents above 1"),
-            Self::Dashpot => (0.0, "an exponent is finite and positive"),
+            Self::Dashpot | Self::HuntCrossley => (0.0, "an exponent is finite and positive"),
         }
     }
 }
@@ -484,6 +489,7 @@ impl<R: Real> BondLaw<R> {
         match self.loss {
             Some((Kind::Viscoelastic, gamma)) => self.stiffness(g) * gamma,
             Some((Kind::Dashpot, gamma)) => gamma,
+            Some((Kind::HuntCrossley, gamma)) => self.elastic(g) * gamma,
             None => R::zero(),
         }
     }
@@ -509,6 +515,7 @@ impl<R: Real> BondLaw<R> {
         self.loss.map(|loss| match loss {
             (Kind::Viscoelastic, gamma) => g + gamma * self.alpha() * rate,
             (Kind::Dashpot, gamma) => self.elastic(g) + gamma * rate,
+            (Kind::HuntCrossley, gamma) => R::one() + gamma * rate,
         })
     }
 
@@ -517,6 +524,7 @@ impl<R: Real> BondLaw<R> {
         self.loss.map(|loss| match loss {
             (Kind::Viscoelastic, gamma) => rate + gamma * self.alpha() * second,
             (Kind::Dashpot, gamma) => self.stiffness(g) * rate + gamma * second,
+            (Kind::HuntCrossley, gamma) => gamma * second,
         })
     }
 
@@ -530,6 +538,7 @@ impl<R: Real> BondLaw<R> {
         self.loss.map(|loss| match loss {
             (Kind::Viscoelastic, _) => self.alpha().f64() - 1.0,
             (Kind::Dashpot, _) => 0.0,
+            (Kind::HuntCrossley, _) => self.alpha().f64(),
         })
     }
 
@@ -541,12 +550,12 @@ impl<R: Real> BondLaw<R> {
 
 /// What the windows of contact collocation need of a law, see `collocation/loss.rs`.
 impl BondLaw<f64> {
-    /// `[a, b]` with `c(g) = a F'(g) + b`.
+    /// `[a, b]` with `c(g) = a F'(g) + b`, up to what vanishes with `F(g)`.
     pub(crate) fn resistance_parts(&self) -> [f64; 2] {
         match self.loss {
             Some((Kind::Viscoelastic, gamma)) => [gamma, 0.0],
             Some((Kind::Dashpot, gamma)) => [0.0, gamma],
-            None => [0.0; 2],
+            Some((Kind::HuntCrossley, _)) | None => [0.0; 2],
         }
     }
 
@@ -560,7 +569,8 @@ impl BondLaw<f64> {
         match self.loss {
             Some((Kind::Viscoelastic, gamma)) => overlap + gamma * self.alpha() * rate,
             Some((Kind::Dashpot, gamma)) => overlap - self.held(gamma * (-rate).max(0.0)),
-            None => overlap,
+            Some((Kind::HuntCrossley, gamma)) if overlap > 0.0 => overlap * (1.0 + gamma * rate),
+            _ => overlap,
         }
     }
 
@@ -569,14 +579,17 @@ impl BondLaw<f64> {
         (force / self.constant).powf(1.0 / self.alpha())
     }
 
-    /// An error of the overlap, in a window of length `h`, by which `P` is off by no more than
-    /// `value`; the rate is then off by `2/h` times this.
-    pub(crate) fn harmless(&self, value: f64, h: f64) -> f64 {
+    /// An error of the overlap, in a window of length `h`, by which `P` is off by no more than its
+    /// absolute `value`; the rate is then off by `2/h` times this.
+    pub(crate) fn harmless(&self, overlap: f64, value: f64, h: f64) -> f64 {
         match self.loss {
             Some((Kind::Viscoelastic, gamma)) => value / (1.0 + gamma * self.alpha() * 2.0 / h),
             // Half for the overlap, half for its rate.
             Some((Kind::Dashpot, gamma)) => (0.5 * value).min(0.5 * h * self.elastic(0.5 * value) / gamma),
-            None => value,
+            Some((Kind::HuntCrossley, gamma)) if value > 0.0 => {
+                value / (value / overlap.abs() + gamma * overlap.abs() * 2.0 / h)
+            }
+            _ => value,
         }
     }
 
@@ -586,18 +599,21 @@ impl BondLaw<f64> {
         match (deepest, self.loss) {
             (None, _) => self.elastic(value) * by + self.resistance(value) * value,
             // With `df/dP` where `P` is zero.
-            (Some(overlap), Some((Kind::Viscoelastic, _))) => self.stiffness(overlap) / self.alpha() * value * by,
+            (Some(overlap), Some((Kind::Viscoelastic | Kind::HuntCrossley, _))) => {
+                self.stiffness(overlap) / self.alpha() * value * by
+            }
             (Some(overlap), _) => self.stiffness(overlap) * value * by,
         }
     }
 
     /// The time from the end of a contact to the singularity of its force, where the overlap would
     /// come to zero if the force went on as the same analytic function: `g/|g'|` at the end, from
-    /// the rate there. Panels before a release have their origin there.
-    pub(crate) fn singular_after(&self, rate: f64) -> f64 {
+    /// overlap and rate there. Panels before a release have their origin there.
+    pub(crate) fn singular_after(&self, overlap: f64, rate: f64) -> f64 {
         match self.loss {
             Some((Kind::Viscoelastic, gamma)) => gamma * self.alpha(),
             Some((Kind::Dashpot, gamma)) if rate < 0.0 => self.held(-gamma * rate) / -rate,
+            Some((Kind::HuntCrossley, _)) if rate < 0.0 => overlap.max(0.0) / -rate,
             _ => 0.0,
         }
     }

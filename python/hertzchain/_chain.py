@@ -47,8 +47,8 @@ class Chain:
         Parameters of the beads: ``mass, kappa`` or ``stiffness``, ``rho`` or ``resonator``, ``drag``
         or ``tau``, ``dashpot``. A value is one number for all beads, an array of shape (sites,), or a rule such as ``{"taper": 0.97}``.
     bonds : mapping, optional
-        Parameters of the contacts: ``contact, alpha, overlap, viscoelastic, dashpot``, with values
-        as for `beads`. An array has one number for each bond that can touch, from left to right:
+        Parameters of the contacts: ``contact, alpha, overlap``, and ``viscoelastic``,
+        ``dashpot`` or ``hunt_crossley``, with values as for `beads`. An array has one number for each bond that can touch, from left to right:
         ``sites - 1`` between free ends, ``sites`` on a ring, ``sites + 1`` between walls. ``wall``,
         the contact constant of both walls, is one number.
     drive : sequence of mappings, optional

@@ -15,7 +15,7 @@ from ._errors import ParameterError
 Table = Mapping[str, Any]
 
 BEADS = ("mass", "kappa", "stiffness", "rho", "resonator", "drag", "tau", "dashpot")
-BONDS = ("contact", "wall", "alpha", "overlap", "viscoelastic", "dashpot")
+BONDS = ("contact", "wall", "alpha", "overlap", "viscoelastic", "dashpot", "hunt_crossley")
 DRIVE = ("site", "kind", "amplitude", "omega", "phase", "band", "seed", "ramp", "start", "length")
 UNITS = ("system", "radius", "density", "young", "poisson", "wall_young", "wall_poisson", "static_load")
 # Number of bonds that can touch, less the number of sites, by boundary.

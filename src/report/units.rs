@@ -41,6 +41,8 @@ pub enum Quantity {
     Stiffness,
     /// The constant of a drag or a dashpot, force over velocity.
     Damping,
+    /// A time over a length, the inverse of a velocity.
+    Slowness,
     /// An angular frequency `omega`, in radians a second.
     Omega,
     /// The frequency `omega/(2 pi)`, in hertz, of an angular frequency `omega` of the chain.
@@ -60,6 +62,7 @@ impl Quantity {
             Self::Mass => "kg",
             Self::Stiffness => "N/m",
             Self::Damping => "kg/s",
+            Self::Slowness => "s/m",
             Self::Omega => "rad/s",
             Self::Frequency => "Hz",
         }
@@ -125,6 +128,7 @@ impl Units {
             Quantity::Mass => self.mass_kg,
             Quantity::Stiffness => self.force_n / self.length_m,
             Quantity::Damping => self.mass_kg / self.time_s,
+            Quantity::Slowness => self.velocity_m_per_s.recip(),
             Quantity::Omega | Quantity::Frequency => self.time_s.recip(),
         }
     }

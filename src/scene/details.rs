@@ -52,6 +52,8 @@ sections! {
         viscoelastic?: Values as Time,
         /// Dashpot constants of contacts, force over velocity.
         dashpot?: Values as Damping,
+        /// Constants of contacts by the law of Hunt and Crossley, time over length.
+        hunt_crossley?: Values as Slowness,
     }
 
     /// One entry of `[[drive]]`.
@@ -188,7 +190,7 @@ impl BondsSection {
         let mut losses = self.losses();
         if let Some((key, kind, values)) = losses.next() {
             if let Some((_, other, _)) = losses.next() {
-                let rule = "contacts dissipate by one law: `viscoelastic` or `dashpot`";
+                let rule = "contacts dissipate by one law: `viscoelastic`, `dashpot` or `hunt_crossley`";
                 return Err(Error::parameter(key, format!("beside {}", other.name()), rule));
             }
             details.dissipation = Some(Dissipation { kind, strength: values.of(key, touching)? });
@@ -215,6 +217,7 @@ impl BondsSection {
         let all = [
             ("bonds.viscoelastic", Kind::Viscoelastic, &self.viscoelastic),
             ("bonds.dashpot", Kind::Dashpot, &self.dashpot),
+            ("bonds.hunt_crossley", Kind::HuntCrossley, &self.hunt_crossley),
         ];
         all.into_iter().filter_map(|(key, kind, values)| values.as_ref().map(|values| (key, kind, values)))
     }

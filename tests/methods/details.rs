@@ -286,6 +286,27 @@ fn beads_with_dashpots_rebound_as_published() {
 }
 
 #[test]
+fn beads_by_the_law_of_hunt_and_crossley_rebound_as_their_energy_says() {
+    // Truth: with v = g' and f = F(g) (1 + gamma v), v dv/(1 + gamma v) = -F dg/m_eff on both ways,
+    // so that H(v) = v/gamma - ln(1 + gamma v)/gamma^2 is the same at both ends of the contact, for
+    // every exponent.
+    for (method, bound) in METHODS.into_iter().zip([1e-11, 1e-14]) {
+        for (alpha, gamma, speed) in [(1.5, 0.05, 1.0), (1.5, 1.5, 0.7), (2.0, 4.0, 1.0), (1.2, 0.6, 0.3)] {
+            let h = |v: f64| v / gamma - (gamma * v).ln_1p() / (gamma * gamma);
+            let (mut least, mut most) = (0.0, speed);
+            for _ in 0..100 {
+                let v = 0.5 * (least + most);
+                if gamma * v < 1.0 && h(-v) < h(speed) { least = v } else { most = v }
+            }
+            let (e, end) = restitution(method, alpha, (Kind::HuntCrossley, gamma), speed, [2.0, 0.5]);
+            let (off, balance) = (e - least / speed, end.energy_error.unwrap());
+            println!("{method} {alpha} {gamma}: {off:e}, balance {balance:e}");
+            assert!(off.abs() < bound && balance < bound, "{method} {alpha} {gamma}: {e} {off:e} {balance:e}");
+        }
+    }
+}
+
+#[test]
 fn a_damped_resonator_is_exact_at_any_step() {
     // Truth: closed form of a damped cradle bead, u = e^{-nu t} (cos w t + nu/w sin w t), and its
     // energy; one step of sixteen periods is as good as short ones.

@@ -78,9 +78,12 @@ fn two_hundred_contacts_that_dissipate_are_those_of_another_program() {
 fn tolerances_are_kept_where_contacts_dissipate() {
     // Viscoelastic contacts, with and without damping and drives, and dashpots, whose forces jump;
     // over seven decades.
-    for (law, driven) in
-        [((Kind::Viscoelastic, 0.3), false), ((Kind::Viscoelastic, 1.0), true), ((Kind::Dashpot, 0.4), false)]
-    {
+    for (law, driven) in [
+        ((Kind::Viscoelastic, 0.3), false),
+        ((Kind::Viscoelastic, 1.0), true),
+        ((Kind::Dashpot, 0.4), false),
+        ((Kind::HuntCrossley, 0.8), true),
+    ] {
         let errors = errors_in_tolerances(|seed, boundary| varied(seed, boundary, 12, law, driven), 7);
         assert!(errors.iter().all(|error| *error < 1.0), "{law:?} {driven}: {errors:?}");
     }
@@ -90,7 +93,7 @@ fn tolerances_are_kept_where_contacts_dissipate() {
 fn what_contacts_dissipate_balances() {
     // Truth: energy + dissipated - driven is constant. Every part is measured on its own. Measured:
     // 4.9e-14.
-    for law in [(Kind::Viscoelastic, 0.3), (Kind::Dashpot, 0.4)] {
+    for law in [(Kind::Viscoelastic, 0.3), (Kind::Dashpot, 0.4), (Kind::HuntCrossley, 0.8)] {
         for (seed, boundary) in BOUNDARIES.into_iter().enumerate() {
             for driven in [false, true] {
                 let (chain, y0) = varied(10 + seed as u64, boundary, 12, law, driven);

@@ -14,7 +14,7 @@ use hertzchain::{
 };
 use nalgebra::DMatrix;
 
-const KINDS: [Kind; 2] = [Kind::Viscoelastic, Kind::Dashpot];
+const KINDS: [Kind; 3] = [Kind::Viscoelastic, Kind::Dashpot, Kind::HuntCrossley];
 /// What is asked of the map, relative to its largest entry; fixed before it was measured.
 const ASKED: f64 = 1e-9;
 

@@ -223,6 +223,7 @@ fn resistance_sampled(chain: &Chain<f64>, y: &[f64], t: f64, samples: u32) -> f6
             let c = match loss.kind {
                 Kind::Viscoelastic => loss.strength[b] * details.contact[b] * a * g.powf(a - 1.0),
                 Kind::Dashpot => loss.strength[b],
+                Kind::HuntCrossley => loss.strength[b] * details.contact[b] * g.powf(a),
             };
             let pushes = details.contact[b] * g.powf(a) + c * rate > 0.0;
             let before = if b == 0 { 0.0 } else { per_mass(b - 1) };

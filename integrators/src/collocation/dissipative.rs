@@ -75,7 +75,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let t = h - self.prediction.at_end / slope;
         if slope < 0.0 && t > 0.5 * h && t < (1.0 + AHEAD) * h {
             (contact.release, contact.slopes[1]) = (t.max(just_after(h)), slope);
-            self.initial.singular_after = frame.link.singular_after(rate);
+            self.initial.singular_after = frame.link.singular_after(end, rate);
         }
     }
 
@@ -146,7 +146,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let off = [off(0, self.initial.band), off(1, self.rounding(link))];
         // A bound of the error of the overlap, over the window, that does not change whether the
         // bond pushes.
-        let harmless = |[g, pushes]: [f64; 2]| g.abs().min(link.law.harmless(pushes.abs(), h));
+        let harmless = |[g, pushes]: [f64; 2]| g.abs().min(link.law.harmless(g, pushes.abs(), h));
         // `P` ascends with the overlap and with its rate. Overlaps up to `band` make next to no
         // force; where beads overlap, a `P` of this size makes more.
         let side = |[g, rate]: Look| {
@@ -194,7 +194,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 }
                 Some(contact) => {
                     let slopes = [contact.slopes[0], slope(|t| at(t)[1], event, h)];
-                    self.initial.singular_after = link.singular_after(rate);
+                    self.initial.singular_after = link.singular_after(g, rate);
                     found.push(Contact { release: event, slopes, ..contact });
                 }
             }

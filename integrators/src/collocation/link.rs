@@ -132,8 +132,8 @@ impl<const S: usize> Link<S> {
 
     /// See [`BondLaw::singular_after`].
     #[inline(always)]
-    pub(crate) fn singular_after(&self, rate: f64) -> f64 {
-        if S == 1 { 0.0 } else { self.law.singular_after(rate) }
+    pub(crate) fn singular_after(&self, overlap: f64, rate: f64) -> f64 {
+        if S == 1 { 0.0 } else { self.law.singular_after(overlap, rate) }
     }
 
     /// The stiffness `f'(g) t^2/m` of an overlap over a time, with the mass `m` of the lighter

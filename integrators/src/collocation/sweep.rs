@@ -110,8 +110,16 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             // forces that follow.
             force = [link.elastic_force(overlap[0]), if link.law.alpha() < 1.0 { 0.0 } else { rate }];
         }
-        self.initial =
-            Initial { bond, mobility, path, band, overlap, force, ongoing, singular_after: link.singular_after(0.0) };
+        self.initial = Initial {
+            bond,
+            mobility,
+            path,
+            band,
+            overlap,
+            force,
+            ongoing,
+            singular_after: link.singular_after(0.0, 0.0),
+        };
         if link.lossy() {
             self.initial.force = self.resisting(frame);
         }
