@@ -24,4 +24,8 @@ pub(super) const BUILTIN: &[(&str, &str)] = &[
     ("end-driven", include_str!("builtin/end-driven.toml")),
     ("boundary-wave", include_str!("builtin/boundary-wave.toml")),
     ("granular-crystal", include_str!("builtin/granular-crystal.toml")),
+    ("daraio-2006", include_str!("builtin/daraio-2006.toml")),
+    ("boechler-2010", include_str!("builtin/boechler-2010.toml")),
+    ("doney-2006", include_str!("builtin/doney-2006.toml")),
+    ("rosas-2007", include_str!("builtin/rosas-2007.toml")),
 ];

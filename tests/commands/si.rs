@@ -601,7 +601,7 @@ fn tau_is_the_drag_of_each_mass() {
 }
 
 #[test]
-fn a_pulse_in_steel_has_the_speed_of_the_exact_wave_and_a_dimer_its_published_bands() {
+fn a_pulse_in_steel_has_the_speed_of_the_exact_wave() {
     // Truth: the solitary wave of Newton's method (`wave solitary`), c = 0.905515776 F^(1/6) in
     // units of R, m and A; in SI units V = 2 R c/T, with F in A R^(3/2).
     let folder = tempfile::tempdir().unwrap();
@@ -621,18 +621,6 @@ fn a_pulse_in_steel_has_the_speed_of_the_exact_wave_and_a_dimer_its_published_ba
     let axis = "[[axis]]\nkey = \"span.until\"\nvalues = [1.2e-3]\n";
     let plan = file("plan.toml", &format!("scene = \"{scene}\"\nkeep = [\"speed[20..30]\"]\n{axis}"));
     assert_eq!(number(&json(&format!("sweep {plan}")), "/columns/speed[20..30]/0"), speed);
-    // Published: 4698, 8086 and 9352 Hz for steel and aluminium of R = 9.53 mm under 20 N. N.
-    // Boechler et al. 2010, Phys. Rev. Lett. 104, 244302. The material constants are of handbooks.
-    let dimer = spheres(40, "fixed", "")
-        .replace(&format!("radius = {RADIUS}"), "radius = 9.53e-3")
-        .replace("density = 8027.0", "density = { pattern = [8027.0, 2700.0], repeat = true }")
-        .replace("young = 193e9", "young = { pattern = [193e9, 73.5e9], repeat = true }")
-        .replace("poisson = 0.3", "poisson = { pattern = [0.3, 0.33], repeat = true }");
-    let bands = json(&format!("study bands {}", file("dimer.toml", &dimer)));
-    let hertz = ["/bands/0/frequency_to", "/bands/1/frequency_from", "/bands/1/frequency_to"];
-    for (path, published) in hertz.into_iter().zip([4698.0, 8086.0, 9352.0]) {
-        assert!((number(&bands, path) / published - 1.0).abs() < 2e-3, "{path}");
-    }
 }
 
 #[test]
