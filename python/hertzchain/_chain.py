@@ -38,8 +38,8 @@ class Chain:
         Spring constant of the resonators; 0 for none.
     rho : float
         Mass ratio resonator to bead; 0 for no resonators, ``math.inf`` for resonators at rest.
-    boundary : {"free", "fixed", "ring", "strain-ring"}
-        Nothing beyond the ends, walls, or a ring. On a strain ring the unknowns are strains
+    boundary : {"free", "fixed", "left-wall", "right-wall", "ring", "strain-ring"}
+        Nothing beyond the ends, walls, one wall, or a ring. On a strain ring the unknowns are strains
         ``x, y``.
     precompression : float
         Static overlap of each contact.
@@ -49,8 +49,8 @@ class Chain:
     bonds : mapping, optional
         Parameters of the contacts: ``contact, alpha, overlap, viscoelastic, dashpot``, with values
         as for `beads`. An array has one number for each bond that can touch, from left to right:
-        ``sites - 1`` between free ends, ``sites`` on a ring, ``sites + 1`` between walls. ``wall``,
-        the contact constant of both walls, is one number.
+        ``sites - 1`` between free ends, ``sites`` with one wall or on a ring, ``sites + 1`` between walls. ``wall``,
+        the contact constant of walls, is one number.
     drive : sequence of mappings, optional
         Beads that are moved or pushed: ``site, kind, amplitude, omega, phase, ramp`` and so on.
     units : mapping, optional

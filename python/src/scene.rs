@@ -157,7 +157,7 @@ impl Scene {
 }
 
 fn boundary_named(py: Python<'_>, name: &str) -> PyResult<Boundary> {
-    let known = ["free", "fixed", "ring", "strain-ring"];
+    let known = Boundary::ALL.map(|boundary| boundary.to_string());
     serde_json::from_value(name.into()).map_err(|_| Error::unknown("boundary", name, known)).or_raise(py)
 }
 

@@ -42,7 +42,7 @@ sections! {
         /// Contact constants (1, or those of Hertz for the spheres of `[units]`, if left out); 0: no
         /// contact.
         contact?: Values,
-        /// Contact constant of the two walls (that of `contact` if left out).
+        /// Contact constant of walls (that of `contact` if left out).
         wall?: f64,
         /// Exponents (`chain.alpha` if left out).
         alpha?: Values,
@@ -196,14 +196,17 @@ impl BondsSection {
         Ok(())
     }
 
-    /// Sets the contact constants of the two walls, if they have their own.
+    /// Sets the contact constants of walls, if they have their own.
     pub(super) fn walls(&self, boundary: Boundary, contact: &mut [f64]) -> Result<()> {
         match (self.wall, contact) {
-            (Some(wall), _) if boundary != Boundary::Fixed => {
-                Err(Error::parameter("bonds.wall", wall, "only boundary = \"fixed\" has walls"))
+            (Some(wall), _) if boundary.walls() == [false; 2] => {
+                let rule = "only boundary = \"fixed\", \"left-wall\" and \"right-wall\" have walls";
+                Err(Error::parameter("bonds.wall", wall, rule))
             }
-            (Some(wall), [first, .., last]) => {
-                (*first, *last) = (wall, wall);
+            (Some(wall), contact) => {
+                let [left, right] = boundary.walls();
+                contact.first_mut().filter(|_| left).into_iter().for_each(|first| *first = wall);
+                contact.last_mut().filter(|_| right).into_iter().for_each(|last| *last = wall);
                 Ok(())
             }
             _ => Ok(()),

@@ -150,7 +150,7 @@ fn normal_mode(chain: &Chain<f64>, mode: u32, amplitude: f64) -> Result<Start> {
 
 fn bright_breather(chain: &Chain<f64>, center: Center, epsilon: f64) -> Result<BrightBreather> {
     chain.uniform("a bright breather")?;
-    let rule = "a bright breather is a state of displacements: free, fixed or ring";
+    let rule = "a bright breather is a state of displacements: any other boundary";
     require(chain.boundary() != Boundary::StrainRing, "boundary", "strain-ring", rule)?;
     if chain.precompression() > 0.0 {
         let rule = "a bright breather lives on a chain without precompression";

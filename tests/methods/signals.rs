@@ -71,7 +71,7 @@ fn methods_that_choose_their_steps_see_every_drive_of_a_chain_at_rest() {
     // one cannot begin where a bead that is pushed touches a neighbour or a wall on the side from
     // which it goes: its overlap grows like t^6 there, and its step underflows, with an error.
     let adaptive = ["dop853", "dop853-landed", "dop853-regularised", "collocation"].map(named);
-    for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring] {
+    for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::LeftWall, Boundary::RightWall] {
         for (k, signal) in signals().into_iter().enumerate() {
             for kind in [DriveKind::Displacement, DriveKind::Force] {
                 let chain = chain(boundary, kind, signal.clone());

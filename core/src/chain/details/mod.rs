@@ -314,19 +314,19 @@ impl<R: Real> Chain<R> {
     ///
     /// # Errors
     /// A list of the wrong length, or a value outside its rule; a strain ring, whose unknowns
-    /// assume that all beads are equal; a positive static overlap on a free chain, which would fly
-    /// apart.
+    /// assume that all beads are equal; a positive static overlap on a chain with a free end, which
+    /// would fly apart.
     pub fn with(mut self, details: &Details) -> Result<Self> {
-        let rule = "details need displacements: free, fixed or ring";
+        let rule = "details need displacements: any other boundary";
         require(!self.topology.strains(), "boundary", "strain-ring", rule)?;
         let (n, touching) = (self.sites(), self.touching());
         details.check(n, touching.len(), self.params.alpha)?;
         details.check_drives(n)?;
         let pushed = details.drives.iter().any(|drive| drive.kind == DriveKind::Force);
-        if self.boundary() == Boundary::Free && !pushed && details.overlap.iter().any(|&overlap| overlap > 0.0) {
+        if matches!(self.boundary(), Boundary::Free | Boundary::LeftWall | Boundary::RightWall) && !pushed && details.overlap.iter().any(|&overlap| overlap > 0.0) {
             let rule =
-                "only walls, a ring or pushed beads can hold a static overlap; elsewhere it is an initial condition";
-            return Err(Error::parameter("overlap", "positive on a free chain", rule));
+                "only two walls, a ring or pushed beads can hold a static overlap; elsewhere it is an initial condition";
+            return Err(Error::parameter("overlap", format!("positive, boundary = \"{}\"", self.boundary()), rule));
         }
         let rest = self.precompression.f64();
         let bond = |bond: usize| match bond.checked_sub(touching.start).filter(|&k| k < touching.len()) {
