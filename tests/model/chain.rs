@@ -22,7 +22,7 @@ fn chain(alpha: f64, rho: f64, boundary: Boundary, sites: usize) -> Chain<f64> {
     let chain = Chain::new(Params::new(alpha, 0.7, rho).unwrap(), boundary, sites).unwrap();
     match boundary {
         Boundary::Fixed | Boundary::Ring => chain.precompressed(0.3).unwrap(),
-        Boundary::Free | Boundary::StrainRing => chain,
+        _ => chain,
     }
 }
 
@@ -79,9 +79,12 @@ fn naive_forces(chain: &Chain<f64>, q: &[f64]) -> Vec<f64> {
     let n = chain.sites() as isize;
     let around = |i: isize| q[i.rem_euclid(n) as usize];
     let position = |i: isize| match chain.boundary() {
-        Boundary::Free => (0..n).contains(&i).then(|| around(i)),
-        Boundary::Fixed => Some(if (0..n).contains(&i) { around(i) } else { 0.0 }),
         Boundary::Ring | Boundary::StrainRing => Some(around(i)),
+        _ if (0..n).contains(&i) => Some(around(i)),
+        Boundary::Fixed => Some(0.0),
+        Boundary::LeftWall => (i < 0).then_some(0.0),
+        Boundary::RightWall => (i >= n).then_some(0.0),
+        Boundary::Free => None,
     };
     let law = |g: f64| if g > 0.0 { power(chain.params().alpha, g) } else { 0.0 };
     let bond = |i: isize| match (position(i - 1), position(i)) {

@@ -27,8 +27,7 @@ pub enum Boundary {
 
 impl Boundary {
     /// All boundary conditions.
-    pub const ALL: [Self; 6] =
-        [Self::Free, Self::Fixed, Self::Ring, Self::StrainRing, Self::LeftWall, Self::RightWall];
+    pub const ALL: [Self; 6] = [Self::Free, Self::Fixed, Self::Ring, Self::StrainRing, Self::LeftWall, Self::RightWall];
 
     /// Whether there is a wall before the first bead, and one after the last.
     #[inline(always)]

@@ -17,6 +17,7 @@ mod contacts;
 mod details;
 mod divisible;
 mod energy;
+mod equilibrium;
 mod field;
 mod gauss;
 mod kinetic;
@@ -36,8 +37,8 @@ pub use bonds::{CorrectedSplit, SiteFlow};
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Maximum, Overlaps, TOUCH};
 pub use details::{
-    Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, HeterogeneousChain, Kind, Ledger, Signal, SitewiseFlow,
-    Variations, Varied,
+    Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, HeterogeneousChain, Kind, Ledger, Signal,
+    SitewiseFlow, Spline, Variations, Varied,
 };
 pub use divisible::{Divisible, Split};
 pub use energy::Energy;
