@@ -84,8 +84,6 @@ impl Sites {
             }
         }
         match self.boundary {
-            Boundary::Free => (f[0], f[n]) = (0.0, 0.0),
-            Boundary::Fixed => (f[0], f[n]) = (law(rest - u[0]), law(rest + u[n - 1])),
             Boundary::Ring => {
                 f[0] = law(rest + (u[n - 1] - u[0]));
                 f[n] = f[0];
@@ -93,6 +91,11 @@ impl Sites {
             Boundary::StrainRing => {
                 f[n] = f[0];
                 self.force[0] = self.force[n];
+            }
+            open => {
+                let [left, right] = open.walls();
+                f[0] = if left { law(rest - u[0]) } else { 0.0 };
+                f[n] = if right { law(rest + u[n - 1]) } else { 0.0 };
             }
         }
     }

@@ -38,8 +38,8 @@ class Chain:
         Spring constant of the resonators; 0 for none.
     rho : float
         Mass ratio resonator to bead; 0 for no resonators, ``math.inf`` for resonators at rest.
-    boundary : {"free", "fixed", "ring", "strain-ring"}
-        Nothing beyond the ends, walls, or a ring. On a strain ring the unknowns are strains
+    boundary : {"free", "fixed", "left-wall", "right-wall", "ring", "strain-ring"}
+        Nothing beyond the ends, walls, one wall, or a ring. On a strain ring the unknowns are strains
         ``x, y``.
     precompression : float
         Static overlap of each contact.
@@ -48,16 +48,22 @@ class Chain:
         or ``tau``, ``dashpot``. A value is one number for all beads, an array of shape (sites,), or a rule such as ``{"taper": 0.97}``.
     bonds : mapping, optional
         Parameters of the contacts: ``contact, alpha, overlap``, and ``viscoelastic``,
-        ``dashpot`` or ``hunt_crossley``, with values as for `beads`. An array has one number for each bond that can touch, from left to right:
-        ``sites - 1`` between free ends, ``sites`` on a ring, ``sites + 1`` between walls. ``wall``,
-        the contact constant of both walls, is one number.
+        ``dashpot`` or ``hunt_crossley``, with values as for `beads`. An array has one number for
+        each bond that can touch, from left to right: ``sites - 1`` between free ends, ``sites`` with
+        one wall or on a ring, ``sites + 1`` between walls. ``wall``, the contact constant of walls,
+        is one number.
     drive : sequence of mappings, optional
-        Beads that are moved or pushed: ``site, kind, amplitude, omega, phase, ramp`` and so on.
+        Beads that are moved or pushed: ``site, kind, amplitude, omega, phase, ramp`` and so on;
+        ``velocity`` for a piston, ``times, values`` or a ``file`` for a recorded signal.
     units : mapping, optional
         ``system="SI"``, and spheres: ``radius, density, young, poisson`` and so on. All numbers of
         the chain, and states and times given for it, are then in SI units.
 
         These four have the keys, rules and meanings of the tables of a scene.
+    gravity : float
+        Acceleration of gravity; 0 for none.
+    tilt : float
+        Angle of the chain below the horizontal in degrees: at 90 its right end is at the bottom.
 
     Examples
     --------
@@ -87,11 +93,13 @@ class Chain:
     bonds: Table | None = field(default=None, compare=False)
     drive: Sequence[Table] = field(default=(), compare=False)
     units: Table | None = field(default=None, compare=False)
+    gravity: float = 0.0
+    tilt: float = 90.0
     _tables: str = field(init=False, default="", repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "sites", whole("sites", self.sites))
-        for name in ("alpha", "kappa", "rho", "precompression"):
+        for name in ("alpha", "kappa", "rho", "precompression", "gravity", "tilt"):
             object.__setattr__(self, name, number(name, getattr(self, name)))
         word("boundary", self.boundary)
         _native.check_chain(self._numbers)
@@ -105,9 +113,9 @@ class Chain:
             _native.check_chain(self._numbers)
 
     @property
-    def _numbers(self) -> tuple[int, float, float, float, str, float, str]:
+    def _numbers(self) -> tuple[int, float, float, float, str, float, str, tuple[float, float]]:
         params = (self.alpha, self.kappa, self.rho)
-        return (self.sites, *params, self.boundary, self.precompression, self._tables)
+        return (self.sites, *params, self.boundary, self.precompression, self._tables, (self.gravity, self.tilt))
 
     @cached_property
     def masses(self) -> tuple[Vector, Vector]:
@@ -213,7 +221,8 @@ class Scene:
         if self._chain is None:
             in_si = self._scene.tables_in_si
             tables = self._scene.tables if in_si is None else finite_or_inf(json.loads(in_si))
-            self._chain = Chain(*self._scene.chain, **(tables or {}))
+            gravity, tilt = self._scene.gravity
+            self._chain = Chain(*self._scene.chain, **(tables or {}), gravity=gravity, tilt=tilt)
         return self._chain
 
     @property

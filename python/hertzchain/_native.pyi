@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 _V = NDArray[np.float64]
 _State = tuple[_V | None, _V | None, _V | None, _V | None]
-_Numbers = tuple[int, float, float, float, str, float, str]
+_Numbers = tuple[int, float, float, float, str, float, str, tuple[float, float]]
 
 __all__ = [
     "Bright",
@@ -47,6 +47,8 @@ class Scene:
     def name(self) -> str: ...
     @property
     def chain(self) -> tuple[int, float, float, float, str, float]: ...
+    @property
+    def gravity(self) -> tuple[float, float]: ...
     @property
     def tables(self) -> dict[str, Any] | None: ...
     @property

@@ -157,10 +157,8 @@ class Trajectory:
         u = self.u
         if self.chain.boundary == "ring":
             return np.asarray(u - np.roll(u, 1, axis=1))
-        if self.chain.boundary == "fixed":
-            wall = np.zeros((len(u), 1))
-            return np.diff(np.hstack([wall, u, wall]), axis=1)
-        return np.diff(u, axis=1)
+        ends = {"fixed": (1, 1), "left-wall": (1, 0), "right-wall": (0, 1)}.get(self.chain.boundary, (0, 0))
+        return np.diff(np.pad(u, ((0, 0), ends)), axis=1)
 
     def plot(self, ax: Any = None) -> Any:
         """Strain over space and time, by matplotlib.

@@ -16,10 +16,13 @@ Table = Mapping[str, Any]
 
 BEADS = ("mass", "kappa", "stiffness", "rho", "resonator", "drag", "tau", "dashpot")
 BONDS = ("contact", "wall", "alpha", "overlap", "viscoelastic", "dashpot", "hunt_crossley")
-DRIVE = ("site", "kind", "amplitude", "omega", "phase", "band", "seed", "ramp", "start", "length")
+DRIVE = (
+    *("site", "kind", "amplitude", "omega", "omega_end", "phase", "band", "seed", "velocity"),
+    *("file", "times", "values", "ramp", "start", "length", "shape"),
+)
 UNITS = ("system", "radius", "density", "young", "poisson", "wall_young", "wall_poisson", "static_load")
 # Number of bonds that can touch, less the number of sites, by boundary.
-TOUCHING = {"free": -1, "ring": 0, "strain-ring": 0, "fixed": 1}
+TOUCHING = {"free": -1, "ring": 0, "strain-ring": 0, "fixed": 1, "left-wall": 0, "right-wall": 0}
 
 
 def table(name: str, given: Any, keys: tuple[str, ...], count: int | None) -> Table:

@@ -3,7 +3,7 @@
 use crate::error::OrRaise;
 use hertzchain::{
     Boundary, Chain, Error, Params,
-    chain::{Details, DriveKind, Envelope},
+    chain::{Course, Details, DriveKind, Envelope},
     scene::{ChainSection, Initial, Quantity, Record, SceneFile, Span},
 };
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -22,22 +22,30 @@ fn numbers(array: Option<&PyReadonlyArray1<'_, f64>>) -> Vec<f64> {
     array.map(|array| array.as_array().to_vec()).unwrap_or_default()
 }
 
+/// The end of a scene that stands for a chain.
+const FOREVER: f64 = 1e80;
+
 /// The numbers of a chain: sites, exponent, spring constant, mass ratio, boundary, static overlap,
-/// and what differs from bead to bead as tables of a scene in TOML.
+/// what differs from bead to bead as tables of a scene in TOML, and gravity with its tilt.
 #[derive(FromPyObject)]
-pub(crate) struct Numbers(usize, f64, f64, f64, String, f64, String);
+pub(crate) struct Numbers(usize, f64, f64, f64, String, f64, String, [f64; 2]);
 
 impl Numbers {
     /// The file of a scene of this chain.
     fn file(&self, py: Python<'_>, initial: Initial, until: f64) -> PyResult<SceneFile> {
-        let &Self(sites, alpha, kappa, rho, ref boundary, precompression, ref tables) = self;
-        let chain = ChainSection { sites, alpha, kappa, rho, boundary: boundary_named(py, boundary)?, precompression };
+        let &Self(sites, alpha, kappa, rho, ref boundary, precompression, ref tables, [gravity, tilt]) = self;
+        let boundary = boundary_named(py, boundary)?;
+        let (gravity, tilt) = ((gravity != 0.0).then_some(gravity), (tilt != 90.0).then_some(tilt));
+        let chain = ChainSection { sites, alpha, kappa, rho, boundary, precompression, gravity, tilt };
         // The chain of this text stands for any: only its tables are read.
         let text = format!(
             "chain = {{ sites = 1, alpha = 1.5, boundary = \"free\" }}\n\
              initial = {{ kind = \"state\" }}\nspan = {{ until = 1.0 }}\n{tables}"
         );
         let read = SceneFile::parse(&text, "chain").or_raise(py)?;
+        // A chain without an end runs as long as its drives have values.
+        let ends = read.drives.iter().filter_map(|drive| drive.times.as_ref()?.last().copied());
+        let until = if until == FOREVER { ends.fold(until, f64::min) } else { until };
         let span = Span { periods: None, until: Some(until), period: None };
         let name = "chain".to_owned();
         Ok(SceneFile { name, summary: String::new(), chain, initial, span, record: Record::default(), ..read })
@@ -90,8 +98,15 @@ impl Scene {
     /// Sites, exponent, spring constant, mass ratio, boundary, precompression.
     #[getter]
     fn chain(&self) -> (usize, f64, f64, f64, String, f64) {
-        let &ChainSection { sites, alpha, kappa, rho, boundary, precompression } = &self.0.file().chain;
+        let &ChainSection { sites, alpha, kappa, rho, boundary, precompression, .. } = &self.0.file().chain;
         (sites, alpha, kappa, rho, boundary.to_string(), precompression)
+    }
+
+    /// Gravity and tilt.
+    #[getter]
+    fn gravity(&self) -> (f64, f64) {
+        let ChainSection { gravity, tilt, .. } = &self.0.file().chain;
+        (gravity.unwrap_or(0.0), tilt.unwrap_or(90.0))
     }
 
     /// What differs from bead to bead, with one number for each; `None` for a chain of equal beads
@@ -157,7 +172,7 @@ impl Scene {
 }
 
 fn boundary_named(py: Python<'_>, name: &str) -> PyResult<Boundary> {
-    let known = ["free", "fixed", "ring", "strain-ring"];
+    let known = Boundary::ALL.map(|boundary| boundary.to_string());
     serde_json::from_value(name.into()).map_err(|_| Error::unknown("boundary", name, known)).or_raise(py)
 }
 
@@ -170,26 +185,44 @@ fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict
         }
         Ok(table)
     };
-    let Details { mass, kappa, rho, drag, dashpot, contact, alpha, overlap, dissipation, drives } = details;
+    let Details { mass, kappa, rho, drag, dashpot, contact, alpha, overlap, dissipation, drives, gravity: _ } = details;
     let beads = [("mass", mass), ("kappa", kappa), ("rho", rho), ("drag", drag), ("dashpot", dashpot)];
     let mut bonds = vec![("contact", contact), ("alpha", alpha), ("overlap", overlap)];
     bonds.extend(dissipation.iter().map(|loss| (loss.kind.name(), &loss.strength)));
     let drive = PyList::empty(py);
     for driven in drives {
         let harmonics = &driven.signal.harmonics;
+        let (times, values) = match &driven.signal.course {
+            Some(Course::Table(spline)) => (spline.times().to_vec(), spline.values().to_vec()),
+            _ => (Vec::new(), Vec::new()),
+        };
         let each = table(&[
             ("amplitude", &harmonics.iter().map(|one| one.amplitude).collect()),
             ("omega", &harmonics.iter().map(|one| one.omega).collect()),
             ("phase", &harmonics.iter().map(|one| one.phase).collect()),
+            ("times", &times),
+            ("values", &values),
         ])?;
+        match driven.signal.course {
+            Some(Course::Steady { velocity }) => each.set_item("velocity", velocity)?,
+            Some(Course::Chirp { amplitude, omega: [first, last], phase, start, length }) => {
+                let all = [amplitude, first, last, phase, start, length];
+                let keys = ["amplitude", "omega", "omega_end", "phase", "start", "length"];
+                keys.into_iter().zip(all).try_for_each(|(key, value)| each.set_item(key, value))?;
+            }
+            Some(Course::Table(_)) | None => {}
+        }
         each.set_item("site", driven.site)?;
         each.set_item("kind", if driven.kind == DriveKind::Displacement { "moved" } else { "pushed" })?;
         match driven.signal.envelope {
             Envelope::None => {}
             Envelope::Ramp(ramp) => each.set_item("ramp", ramp)?,
-            Envelope::Burst { start, length } => {
+            Envelope::Burst { start, length } | Envelope::HalfSine { start, length } => {
                 each.set_item("start", start)?;
                 each.set_item("length", length)?;
+                if matches!(driven.signal.envelope, Envelope::HalfSine { .. }) {
+                    each.set_item("shape", "half-sine")?;
+                }
             }
         }
         drive.append(each)?;
@@ -209,15 +242,15 @@ pub(crate) fn masses(chain: &Chain<f64>) -> [Vec<f64>; 2] {
 /// Refuses numbers of a chain that are outside their rules.
 #[pyfunction]
 pub(crate) fn check_chain(py: Python<'_>, chain: Numbers) -> PyResult<()> {
-    let &Numbers(sites, alpha, kappa, rho, ref boundary, precompression, ref tables) = &chain;
-    if tables.is_empty() {
+    let &Numbers(sites, alpha, kappa, rho, ref boundary, precompression, ref tables, weight) = &chain;
+    if tables.is_empty() && weight == [0.0, 90.0] {
         let boundary = boundary_named(py, boundary)?;
         let chain = Params::new(alpha, kappa, rho).and_then(|params| Chain::<f64>::new(params, boundary, sites));
         return chain.and_then(|chain| chain.precompressed(precompression)).map(|_| ()).or_raise(py);
     }
     // At rest, and long enough for every drive.
     let rest = Initial::State { u: Vec::new(), v: Vec::new(), u_dot: Vec::new(), v_dot: Vec::new() };
-    hertzchain::Scene::build(chain.file(py, rest, 1e80)?).map(|_| ()).or_raise(py)
+    hertzchain::Scene::build(chain.file(py, rest, FOREVER)?).map(|_| ()).or_raise(py)
 }
 
 /// Names and summaries of the built-in scenes.

@@ -50,10 +50,7 @@ impl Bands {
     pub fn new(chain: &Chain<f64>) -> Result<Self> {
         let details = chain.details().cloned().unwrap_or_default();
         let overlaps = chain.overlaps(&vec![0.0; chain.sites()])[chain.touching()].to_vec();
-        let (start, ends) = match chain.boundary() {
-            Boundary::Fixed => (1, 1),
-            _ => (0, 0),
-        };
+        let [start, ends] = chain.boundary().walls().map(usize::from);
         let sites = [&details.mass, &details.kappa, &details.rho];
         let bonds = [&details.contact, &details.alpha, &overlaps];
         let inner = bonds.map(|list| list.get(start..list.len().saturating_sub(ends)).unwrap_or_default());

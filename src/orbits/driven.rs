@@ -114,7 +114,10 @@ impl DrivenSetting {
         require(contacts <= MOST_CONTACTS, "contacts", contacts, "at most 256 contacts for a tangent map")?;
         let mut details = details.clone();
         for drive in &mut details.drives {
-            if let Envelope::Burst { .. } = drive.signal.envelope {
+            if drive.signal.course.is_some() {
+                return Err(refused("a chirp, a steady motion, or values at times"));
+            }
+            if let Envelope::Burst { .. } | Envelope::HalfSine { .. } = drive.signal.envelope {
                 return Err(refused("a burst"));
             }
             drive.signal.envelope = Envelope::None;
@@ -687,7 +690,7 @@ mod tests {
 
     fn fastest_rate(params: (f64, f64), details: Details, turns: u32, z: f64) -> f64 {
         let harmonics = vec![Harmonic { amplitude: 0.1, omega: OMEGA, phase: 0.0 }];
-        let signal = Signal { harmonics, envelope: Envelope::None };
+        let signal = Signal::new(harmonics, Envelope::None);
         let details = Details { drives: vec![Drive { site: 0, kind: DriveKind::Force, signal }], ..details };
         let setting = DrivenSetting::new(&chain(params, &details), turns).unwrap();
         setting.fastest_rate(&vec![z; setting.unknowns()]).unwrap() * OMEGA

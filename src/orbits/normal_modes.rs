@@ -105,17 +105,19 @@ impl NormalModes {
     /// ```
     ///
     /// # Errors
-    /// A chain that dissipates or is driven; a strain ring; `alpha <= 1`; more than 256 sites; no
+    /// A chain that dissipates or is driven, except by gravity and constant forces; a strain ring; `alpha <= 1`; more than 256 sites; no
     /// equilibrium near, or one in which contacts do not hold all beads.
     pub fn new(chain: &Chain<f64>) -> Result<Self> {
-        require(!chain.open(), "chain", "damped or driven", "normal modes need a conservative chain")?;
+        require(chain.conservative(), "chain", "damped or driven", "normal modes need a conservative chain")?;
         let n = chain.sites();
         require(n <= MOST_SITES, "sites", n, "at most 256 sites for a tangent map")?;
         let resonators = (0..n).filter(|&i| chain.resonator_moves(i));
         let free: Vec<usize> = (0..n).chain(resonators.clone().map(|i| n + i)).collect();
         let beads = (0..n).map(|i| chain.masses(i)[0]);
         let masses: Vec<f64> = beads.chain(resonators.map(|i| chain.masses(i)[1])).collect();
-        let rest = State::rest(chain).as_slice().to_vec();
+        // Newton's method finds the equilibrium from the unloaded chain only where this has stiffness.
+        let loaded = chain.open() && !chain.tied();
+        let rest = if loaded { State::equilibrium(chain)? } else { State::rest(chain) }.as_slice().to_vec();
         let mut modes =
             Self { chain: chain.clone(), free, masses, rest, overlap: 0.0, translates: false, linear: Vec::new() };
         modes.settle()?;
@@ -131,6 +133,11 @@ impl NormalModes {
     /// The chain.
     pub fn chain(&self) -> &Chain<f64> {
         &self.chain
+    }
+
+    /// The state at rest in the equilibrium.
+    pub fn rest(&self) -> &[f64] {
+        &self.rest
     }
 
     /// The number, from 0 on, of the linear mode with the least participation number.
@@ -547,7 +554,7 @@ impl Problem for ModeContinuation {
 
     fn measures(&self, modes: &NormalModes, orbit: &ModeOrbit, _bounded: bool) -> Result<ModeMeasures> {
         let (start, end) = (modes.start(orbit.amplitude, &orbit.shape), modes.turning_point(orbit)?);
-        let energy = |state: &[f64]| modes.chain.energy(state).total();
+        let energy = |state: &[f64]| modes.chain.energy(state).total() - modes.chain.work_of_loads(state);
         let bonds = modes.chain.touching();
         let overlaps = [&start, &end].map(|state| modes.chain.overlaps(modes.chain.layout().u(state)));
         let overlaps = overlaps.iter().flat_map(|overlaps| &overlaps[bonds.clone()]);

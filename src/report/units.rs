@@ -31,6 +31,8 @@ pub enum Quantity {
     Time,
     /// A velocity.
     Velocity,
+    /// An acceleration.
+    Acceleration,
     /// A force.
     Force,
     /// An energy or work.
@@ -57,6 +59,7 @@ impl Quantity {
             Self::Length => "m",
             Self::Time => "s",
             Self::Velocity => "m/s",
+            Self::Acceleration => "m/s^2",
             Self::Force => "N",
             Self::Energy => "J",
             Self::Mass => "kg",
@@ -123,6 +126,7 @@ impl Units {
             Quantity::Length => self.length_m,
             Quantity::Time => self.time_s,
             Quantity::Velocity => self.velocity_m_per_s,
+            Quantity::Acceleration => self.velocity_m_per_s / self.time_s,
             Quantity::Force => self.force_n,
             Quantity::Energy => self.energy_j,
             Quantity::Mass => self.mass_kg,

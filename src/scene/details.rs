@@ -3,14 +3,19 @@
 
 use super::{Quantity, values::Values};
 use crate::{
-    chain::{Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Signal},
-    error::{Error, Result, require},
+    chain::{
+        Boundary, Chain, Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Signal, Spline,
+    },
+    error::{Error, Result, one_line, require},
     number::format_short,
+    output::read,
     random::uniform,
 };
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
+use std::{f64::consts::PI, path::Path, sync::Arc};
 
+/// Longest file of a drive in bytes.
+const MOST_BYTES: u64 = 1 << 28;
 /// Number of harmonics in band-limited noise.
 const NOISE: usize = 64;
 
@@ -42,7 +47,7 @@ sections! {
         /// Contact constants (1, or those of Hertz for the spheres of `[units]`, if left out); 0: no
         /// contact.
         contact?: Values,
-        /// Contact constant of the two walls (that of `contact` if left out).
+        /// Contact constant of walls (that of `contact` if left out).
         wall?: f64,
         /// Exponents (`chain.alpha` if left out).
         alpha?: Values,
@@ -62,23 +67,48 @@ sections! {
         site: usize,
         /// Whether the signal is its displacement or a force on it.
         kind: DriveKind,
-        /// Amplitudes, one a harmonic; the root mean square of noise.
-        amplitude: Values,
+        /// Amplitudes, one a harmonic; the root mean square of noise; without frequencies, a
+        /// constant.
+        amplitude?: Values,
         /// Angular frequencies, one a harmonic.
         omega?: Values as Omega,
+        /// Last angular frequency of a chirp, which rises or falls linearly from `omega` over
+        /// `length`.
+        omega_end?: f64 as Omega,
         /// Phases, one a harmonic, in radians (0 if left out).
         phase?: Values,
         /// Noise: the least and the largest angular frequency, in place of `omega` and `phase`.
         band?: [f64; 2] as Omega,
         /// Seed of noise (1 if left out).
         seed?: u64,
+        /// Velocity of a bead that is moved steadily, in place of `amplitude`.
+        velocity?: f64 as Velocity,
+        /// File with lines `time, value`, in place of `amplitude`; relative to the file of the scene.
+        /// A scene that is read has the numbers in `times` and `values` instead.
+        file?: String,
+        /// Times of the values of a signal, which increase.
+        times?: Vec<f64> as Time,
+        /// Values at these times, with a cubic spline between them.
+        values?: Vec<f64>,
         /// Time in which the signal rises to its full amplitude (no ramp if left out).
         ramp?: f64 as Time,
-        /// Start of a burst (0 if left out).
+        /// Start of a burst, or of the change of a chirp (0 if left out).
         start?: f64 as Time,
-        /// Length of a burst.
+        /// Length of a burst, or of the change of a chirp.
         length?: f64 as Time,
+        /// Shape of a burst (`"smooth"` if left out).
+        shape?: Shape,
     }
+}
+
+/// The shape of a burst, `x = (t - start)/length`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shape {
+    /// `(4 x (1 - x))^4`.
+    Smooth,
+    /// `sin(pi x)`.
+    HalfSine,
 }
 
 /// The tables of a scene from which the details of its chain are built.
@@ -87,6 +117,7 @@ pub(super) struct Tables<'a> {
     pub(super) beads: Option<&'a BeadsSection>,
     pub(super) bonds: Option<&'a BondsSection>,
     pub(super) drives: &'a [DriveSection],
+    pub(super) gravity: f64,
 }
 
 impl Tables<'_> {
@@ -95,12 +126,12 @@ impl Tables<'_> {
     /// # Errors
     /// A value outside its rule.
     pub(super) fn apply(self, chain: Chain<f64>) -> Result<Chain<f64>> {
-        let Self { beads, bonds, drives } = self;
-        if beads.is_none() && bonds.is_none() && drives.is_empty() {
+        let Self { beads, bonds, drives, gravity } = self;
+        if beads.is_none() && bonds.is_none() && drives.is_empty() && gravity == 0.0 {
             return Ok(chain);
         }
         let touching = chain.touching().len();
-        let mut details = Details::default();
+        let mut details = Details { gravity, ..Details::default() };
         if let Some(beads) = beads {
             beads.apply(&chain, &mut details)?;
         }
@@ -198,14 +229,17 @@ impl BondsSection {
         Ok(())
     }
 
-    /// Sets the contact constants of the two walls, if they have their own.
+    /// Sets the contact constants of walls, if they have their own.
     pub(super) fn walls(&self, boundary: Boundary, contact: &mut [f64]) -> Result<()> {
         match (self.wall, contact) {
-            (Some(wall), _) if boundary != Boundary::Fixed => {
-                Err(Error::parameter("bonds.wall", wall, "only boundary = \"fixed\" has walls"))
+            (Some(wall), _) if boundary.walls() == [false; 2] => {
+                let rule = "only boundary = \"fixed\", \"left-wall\" and \"right-wall\" have walls";
+                Err(Error::parameter("bonds.wall", wall, rule))
             }
-            (Some(wall), [first, .., last]) => {
-                (*first, *last) = (wall, wall);
+            (Some(wall), contact) => {
+                let [left, right] = boundary.walls();
+                contact.first_mut().filter(|_| left).into_iter().for_each(|first| *first = wall);
+                contact.last_mut().filter(|_| right).into_iter().for_each(|last| *last = wall);
                 Ok(())
             }
             _ => Ok(()),
@@ -233,23 +267,119 @@ impl DriveSection {
     }
 
     fn build(&self) -> Result<Drive> {
-        let harmonics = self.harmonics()?;
-        let envelope = match (self.ramp, self.length) {
-            (None, None) if self.start.is_some() => {
-                return Err(Error::parameter("drive.start", "given", "`start` belongs to a burst with a `length`"));
+        let course = self.course()?;
+        let harmonics = if course.is_some() { Vec::new() } else { self.harmonics()? };
+        let burst = self.length.filter(|_| self.omega_end.is_none());
+        for (name, given, rule) in [
+            (
+                "drive.start",
+                self.start.is_some() && self.length.is_none(),
+                "`start` belongs to a burst with a `length`",
+            ),
+            ("drive.shape", self.shape.is_some() && burst.is_none(), "`shape` belongs to a burst with a `length`"),
+        ] {
+            if given {
+                return Err(Error::parameter(name, "given", rule));
             }
+        }
+        let envelope = match (self.ramp, burst) {
             (None, None) => Envelope::None,
             (Some(ramp), None) => Envelope::Ramp(ramp),
-            (None, Some(length)) => Envelope::Burst { start: self.start.unwrap_or(0.0), length },
+            (None, Some(length)) => {
+                let start = self.start.unwrap_or(0.0);
+                match self.shape {
+                    Some(Shape::HalfSine) => Envelope::HalfSine { start, length },
+                    Some(Shape::Smooth) | None => Envelope::Burst { start, length },
+                }
+            }
             (Some(ramp), Some(_)) => {
                 return Err(Error::parameter("drive.ramp", ramp, "a burst has no ramp: `ramp` or `length`"));
             }
         };
-        Ok(Drive { site: self.site, kind: self.kind, signal: Signal { harmonics, envelope } })
+        Ok(Drive { site: self.site, kind: self.kind, signal: Signal { harmonics, course, envelope } })
+    }
+
+    /// The function that is no sum of harmonics: a steady motion, a chirp, or values at times.
+    fn course(&self) -> Result<Option<Course>> {
+        if self.file.is_some() {
+            return Err(Error::parameter("drive.file", "given", "a scene in memory has `times` and `values`"));
+        }
+        let [tabulated, steady] = [self.times.is_some() || self.values.is_some(), self.velocity.is_some()];
+        let harmonic = self.amplitude.is_some() || self.omega.is_some() || self.phase.is_some();
+        let harmonic = harmonic || self.omega_end.is_some() || self.band.is_some() || self.seed.is_some();
+        if [tabulated, steady, harmonic].into_iter().filter(|given| *given).count() > 1 {
+            let rule = "a drive has one of `velocity`, `file` (or `times` and `values`), and `amplitude` with its keys";
+            return Err(Error::parameter("drive", "[[drive]]", rule));
+        }
+        if tabulated {
+            let list = |list: &Option<Vec<f64>>| list.clone().unwrap_or_default();
+            return Ok(Some(Course::Table(Arc::new(Spline::new(list(&self.times), list(&self.values))?))));
+        }
+        if let Some(velocity) = self.velocity {
+            return Ok(Some(Course::Steady { velocity }));
+        }
+        let Some(last) = self.omega_end else { return Ok(None) };
+        let Some(length) = self.length else {
+            return Err(Error::parameter("drive.omega_end", last, "a chirp changes its frequency over a `length`"));
+        };
+        let harmonics = if self.omega.is_some() { self.harmonics()? } else { Vec::new() };
+        let &[Harmonic { amplitude, omega, phase }] = &harmonics[..] else {
+            return Err(Error::parameter("drive.omega_end", last, "a chirp has one `amplitude` and one `omega`"));
+        };
+        Ok(Some(Course::Chirp { amplitude, omega: [omega, last], phase, start: self.start.unwrap_or(0.0), length }))
+    }
+
+    /// Replaces the file of the drive, in a folder unless its path is absolute, by its numbers.
+    ///
+    /// # Errors
+    /// The file and the line of a number that is not finite, of times that do not increase, of
+    /// another number of columns than two; fewer than two lines.
+    pub(super) fn read(&mut self, folder: &Path) -> Result<()> {
+        let Some(file) = self.file.take() else { return Ok(()) };
+        if self.times.is_some() || self.values.is_some() {
+            return Err(Error::parameter("drive.file", file, "numbers are in a file, or in `times` and `values`"));
+        }
+        let path = folder.join(file);
+        let text = String::from_utf8_lossy(&read(&path, MOST_BYTES)?).into_owned();
+        let (mut times, mut values) = (Vec::new(), Vec::new());
+        let refused =
+            |line: usize, rule: String| Err(Error::Content { path: path.clone(), place: format!("line {line}"), rule });
+        for (line, text) in text.lines().enumerate() {
+            let text = text.split('#').next().unwrap_or_default().trim();
+            let fields: Vec<&str> = text.split([',', ';', '\t', ' ']).filter(|field| !field.is_empty()).collect();
+            let numbers: Vec<f64> = fields.iter().filter_map(|field| field.parse().ok()).collect();
+            match (&numbers[..], fields.len()) {
+                (_, 0) => {}
+                // Names of the columns.
+                ([], 2) if times.is_empty() => {}
+                (&[t, value], 2) if t.is_finite() && value.is_finite() => {
+                    if let Some(last) = times.last().filter(|&&last| t <= last) {
+                        return refused(line + 1, format!("time {t} after {last}: times increase from line to line"));
+                    }
+                    times.push(t);
+                    values.push(value);
+                }
+                _ => {
+                    return refused(
+                        line + 1,
+                        format!("`{}`: a line is a time and a value, both finite", one_line(text)),
+                    );
+                }
+            }
+        }
+        if times.len() < 2 {
+            return refused(text.lines().count(), "at least two lines with a time and a value".to_owned());
+        }
+        (self.times, self.values) = (Some(times), Some(values));
+        Ok(())
     }
 
     fn harmonics(&self) -> Result<Vec<Harmonic>> {
-        let amplitudes = self.amplitude.list("drive.amplitude")?;
+        let Some(amplitude) = &self.amplitude else {
+            let rule = "a drive has an `amplitude`, a `velocity`, or a `file`";
+            return Err(Error::parameter("drive.amplitude", "nothing", rule));
+        };
+        let amplitudes = amplitude.list("drive.amplitude")?;
         if let Some([low, high]) = self.band {
             return self.noise(&amplitudes, low, high);
         }
@@ -257,7 +387,10 @@ impl DriveSection {
             return Err(Error::parameter("drive.seed", seed, "a seed belongs to noise with a `band`"));
         }
         let Some(omega) = &self.omega else {
-            return Err(Error::parameter("drive.omega", "nothing", "a drive has `omega` or a `band`"));
+            if self.phase.is_some() {
+                return Err(Error::parameter("drive.phase", "given", "a phase belongs to an `omega`"));
+            }
+            return Ok(amplitudes.into_iter().flat_map(|value| Signal::constant(value).harmonics).collect());
         };
         let omegas = omega.list("drive.omega")?;
         let phases = match &self.phase {
@@ -299,9 +432,16 @@ impl DriveSection {
 /// `told` turns a time into that of the scene.
 pub(super) fn within(chain: &Chain<f64>, end: f64, told: impl Fn(f64) -> f64) -> Result<()> {
     for drive in chain.details().iter().flat_map(|details| &details.drives) {
+        if let Some(Course::Table(spline)) = &drive.signal.course {
+            let [first, last] = [spline.times()[0], spline.times()[spline.times().len() - 1]];
+            if first > 0.0 || last < end * (1.0 - 1e-12) {
+                let value = format!("from {} to {}", told(first), told(last));
+                return Err(Error::parameter("drive.times", value, "the times of a drive cover the run"));
+            }
+        }
         if drive.signal.settled() > end {
             let name = match drive.signal.envelope {
-                Envelope::Burst { .. } => "drive.length",
+                Envelope::Burst { .. } | Envelope::HalfSine { .. } => "drive.length",
                 _ => "drive.ramp",
             };
             let value = format!("until t = {}", told(drive.signal.settled()));
@@ -343,9 +483,18 @@ pub(super) fn words(chain: &Chain<f64>) -> Option<String> {
         all.extend(range(kind.words(), strength));
     }
     for drive in &details.drives {
-        let count = drive.signal.harmonics.len();
         let how = if drive.kind == DriveKind::Displacement { "moved" } else { "pushed" };
-        all.push(format!("bead {} {how} by {count} harmonic{}", drive.site, if count == 1 { "" } else { "s" }));
+        let by = match (&drive.signal.course, drive.signal.harmonics.len()) {
+            (Some(Course::Steady { velocity }), _) => format!("with velocity {}", format_short(*velocity)),
+            (Some(Course::Chirp { .. }), _) => "by a chirp".to_owned(),
+            (Some(Course::Table(spline)), _) => format!("by {} values", spline.times().len()),
+            (None, 1) => "by 1 harmonic".to_owned(),
+            (None, count) => format!("by {count} harmonics"),
+        };
+        all.push(format!("bead {} {how} {by}", drive.site));
+    }
+    if details.gravity != 0.0 {
+        all.push(format!("gravity {} along the chain", format_short(details.gravity)));
     }
     Some(all.join(", "))
 }

@@ -8,7 +8,7 @@ use super::{
 use crate::{
     chain::{Boundary, Params},
     dps::Center,
-    error::{Error, Result, in_words, nearest, one_line},
+    error::{Error, Result, in_words, nearest, one_line, require},
     number::double,
     run::{Method, Run},
 };
@@ -71,6 +71,11 @@ sections! {
         /// Static overlap of each bond.
         #[serde(default)]
         precompression: f64 as Length,
+        /// Acceleration of gravity (0 if left out).
+        gravity?: f64 as Acceleration,
+        /// Angle of the chain below the horizontal, in degrees: at 90 (if left out) its right end is
+        /// at the bottom, at -90 its left end.
+        tilt?: f64,
     }
 }
 
@@ -78,6 +83,19 @@ impl ChainSection {
     /// The three parameters.
     pub fn params(&self) -> Params {
         Params { alpha: self.alpha, kappa: self.kappa, rho: self.rho }
+    }
+
+    /// The acceleration of gravity along the chain, `gravity sin(tilt)`, towards the right end.
+    ///
+    /// # Errors
+    /// A tilt without gravity, or not from -90 to 90.
+    pub(super) fn along(&self) -> Result<f64> {
+        let tilt = self.tilt.unwrap_or(90.0);
+        require((-90.0..=90.0).contains(&tilt), "tilt", tilt, "an angle in degrees from -90 to 90")?;
+        match (self.gravity, self.tilt) {
+            (None, Some(tilt)) => Err(Error::parameter("tilt", tilt, "a tilt belongs to `gravity`")),
+            (gravity, _) => Ok(gravity.unwrap_or(0.0) * tilt.to_radians().sin()),
+        }
     }
 }
 
@@ -139,6 +157,19 @@ pub enum Initial {
         center: Center,
         /// Size of the breather.
         epsilon: f64,
+    },
+    /// At rest under gravity, constant forces, static overlaps and walls; one bead may be displaced
+    /// from there or struck.
+    Equilibrium {
+        /// The bead, counted from 0.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        site: Option<usize>,
+        /// Displacement of the bead (0 if left out).
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        displacement: Option<f64>,
+        /// Velocity of the bead (0 if left out).
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        velocity: Option<f64>,
     },
     /// Any state, array by array; an array left out is zero. On a strain ring the arrays are
     /// strains and their rates.
@@ -291,6 +322,10 @@ impl Measured for Initial {
                 one("displacement", Quantity::Length, displacement);
                 one("velocity", Quantity::Velocity, velocity);
             }
+            Self::Equilibrium { displacement, velocity, .. } => {
+                one("displacement", Quantity::Length, displacement);
+                one("velocity", Quantity::Velocity, velocity);
+            }
             Self::NormalMode { amplitude, .. } => one("amplitude", Quantity::Length, amplitude),
             Self::TrivialBreather(section) => section.measured(seen),
             Self::BrightBreather { epsilon, .. } => one("epsilon", Quantity::Length, epsilon),
@@ -321,6 +356,7 @@ impl SceneFile {
         for drive in drives {
             let quantity = drive.quantity();
             drive.amplitude.each(&mut |x| seen("amplitude", quantity, x));
+            drive.values.each(&mut |x| seen("values", quantity, x));
             drive.measured(&mut *seen);
         }
     }
@@ -359,6 +395,8 @@ impl SceneFile {
         if scene.name.is_empty() {
             scene.name = Path::new(file).file_stem().map_or("scene".into(), |stem| one_line(&stem.to_string_lossy()));
         }
+        let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+        scene.drives.iter_mut().try_for_each(|drive| drive.read(folder))?;
         Ok(scene)
     }
 

@@ -9,6 +9,7 @@ use crate::{
     chain::{Boundary, Chain, Site, State},
     dps::Center,
     error::{Error, Result, finite, positive, require},
+    orbits::NormalModes,
     run::{Initial as Start, Measure},
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
@@ -49,6 +50,18 @@ pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(St
             let breather = bright_breather(chain, center, epsilon)?;
             let own = breather.clone();
             Ok((by_sites(chain, move |i| own.site(i, 0.0))?, Some(Theory::Bright(breather))))
+        }
+        Initial::Equilibrium { site, displacement, velocity } => {
+            let mut state = equilibrium(chain)?;
+            let Some(site) = site else {
+                let rule = "`displacement` and `velocity` belong to a `site`";
+                require(displacement.is_none() && velocity.is_none(), "initial.site", "nothing", rule)?;
+                return Ok((state.into(), None));
+            };
+            require(site < chain.sites(), "site", site, "a site of the chain, counted from 0")?;
+            state.u_mut()[site] += finite("displacement", displacement.unwrap_or(0.0))?;
+            state.u_dot_mut()[site] += finite("velocity", velocity.unwrap_or(0.0))?;
+            Ok((driven(chain, state)?.into(), None))
         }
         Initial::State { ref u, ref v, ref u_dot, ref v_dot } => {
             let state = driven(chain, given(chain, [u, v, u_dot, v_dot])?)?;
@@ -148,9 +161,19 @@ fn normal_mode(chain: &Chain<f64>, mode: u32, amplitude: f64) -> Result<Start> {
     by_sites(chain, move |i| Site { u: shape(i), v: shape(i), ..REST })
 }
 
+/// The state at rest under all loads.
+fn equilibrium(chain: &Chain<f64>) -> Result<State<f64>> {
+    if !chain.tied() {
+        return State::equilibrium(chain);
+    }
+    let (modes, mut state) = (NormalModes::new(chain)?, State::rest(chain));
+    state.as_mut_slice().copy_from_slice(modes.rest());
+    Ok(state)
+}
+
 fn bright_breather(chain: &Chain<f64>, center: Center, epsilon: f64) -> Result<BrightBreather> {
     chain.uniform("a bright breather")?;
-    let rule = "a bright breather is a state of displacements: free, fixed or ring";
+    let rule = "a bright breather is a state of displacements: any other boundary";
     require(chain.boundary() != Boundary::StrainRing, "boundary", "strain-ring", rule)?;
     if chain.precompression() > 0.0 {
         let rule = "a bright breather lives on a chain without precompression";
@@ -249,8 +272,8 @@ pub(super) fn within_range(chain: &Chain<f64>, state: &Start, initial: &Initial)
         (chain.law(), chain.params().alpha, state.measure(chain));
     let size = far.max(fast);
     let name = match (initial, fast > far) {
-        (Initial::SingleBead { .. }, false) => "displacement",
-        (Initial::SingleBead { .. }, true) => "velocity",
+        (Initial::SingleBead { .. } | Initial::Equilibrium { .. }, false) => "displacement",
+        (Initial::SingleBead { .. } | Initial::Equilibrium { .. }, true) => "velocity",
         (Initial::State { .. }, false) => "u",
         (Initial::State { .. }, true) => "u_dot",
         _ => "amplitude",

@@ -36,7 +36,7 @@ mod units;
 mod values;
 
 pub use crate::report::{Quantity, Units};
-pub use details::{BeadsSection, BondsSection, DriveSection};
+pub use details::{BeadsSection, BondsSection, DriveSection, Shape};
 pub(crate) use file::held;
 pub use file::{ChainSection, Initial, MethodSection, Record, SceneFile, Span, TrivialSection};
 pub use units::UnitsSection;
@@ -229,7 +229,12 @@ impl Scene {
         }
         let chain =
             Chain::new(section.params(), section.boundary, section.sites)?.precompressed(section.precompression)?;
-        let tables = details::Tables { beads: file.beads.as_ref(), bonds: file.bonds.as_ref(), drives: &file.drives };
+        let tables = details::Tables {
+            beads: file.beads.as_ref(),
+            bonds: file.bonds.as_ref(),
+            drives: &file.drives,
+            gravity: section.along()?,
+        };
         let chain = tables.apply(chain)?;
         // Beads that differ have no common frequency.
         let has_frequency = chain.params().resonators() != Resonators::None && chain.details().is_none();

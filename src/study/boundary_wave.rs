@@ -17,7 +17,7 @@
 
 use super::{Progress, Study, Work, options::options};
 use crate::{
-    chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, State},
+    chain::{Boundary, Chain, Details, Drive, DriveKind, Params, Signal, State},
     dps::Averages,
     error::{Error, Result},
     report::{
@@ -187,10 +187,7 @@ impl BoundaryWave {
     /// Numbers outside their rules.
     pub fn chain(&self, omega_d: f64) -> Result<Chain<f64>> {
         let depth = |i: usize| (i + 1 + ABSORBING).saturating_sub(self.sites) as f64 / ABSORBING as f64;
-        let signal = Signal {
-            harmonics: vec![Harmonic { amplitude: self.drive, omega: omega_d, phase: 0.0 }],
-            envelope: Envelope::Ramp(RAMP * TAU / omega_d),
-        };
+        let signal = Signal::sine(self.drive, omega_d, RAMP * TAU / omega_d);
         let details = Details {
             rho: (0..self.sites).map(|i| if i == 0 { 0.0 } else { self.rho }).collect(),
             dashpot: (0..self.sites).map(|i| DASHPOT * depth(i).powi(3)).collect(),

@@ -283,7 +283,7 @@ impl EndDriven {
         let drive = |site: usize, amplitude: f64| Drive {
             site,
             kind: DriveKind::Displacement,
-            signal: Signal { harmonics: vec![Harmonic { amplitude, omega, phase: FRAC_PI_2 }], envelope },
+            signal: Signal::new(vec![Harmonic { amplitude, omega, phase: FRAC_PI_2 }], envelope),
         };
         let details = Details {
             rho: inner(self.rho),

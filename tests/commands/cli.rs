@@ -106,7 +106,7 @@ fn every_scene_is_shown_and_planned() {
 fn chains_of_one_and_two_beads_run_with_every_method() {
     let folder = tempfile::tempdir().unwrap();
     for sites in [1, 2] {
-        for boundary in ["free", "fixed", "ring", "strain-ring"] {
+        for boundary in ["free", "fixed", "ring", "strain-ring", "left-wall", "right-wall"] {
             let path = folder.path().join("short.toml");
             let u = vec!["0.1"; sites].join(", ");
             let text = format!(
@@ -114,7 +114,7 @@ fn chains_of_one_and_two_beads_run_with_every_method() {
                  [initial]\nkind = \"state\"\nu = [{u}]\nv = [{u}]\n[span]\nperiods = 3\n"
             );
             fs::write(&path, text).unwrap();
-            for method in ["verlet", "strang-linear", "dop853"] {
+            for method in ["verlet", "strang-linear", "dop853", "collocation"] {
                 json(&["run", path.to_str().unwrap(), "--integrator", method]);
             }
         }

@@ -16,6 +16,7 @@ mod golden;
 mod guide;
 mod help;
 mod limits;
+mod loads;
 mod long_runs;
 mod machines;
 #[cfg(feature = "mpi")]

@@ -377,14 +377,14 @@ fn shaken(amplitude: f64) -> Chain<f64> {
         drives: vec![Drive {
             site: 0,
             kind: DriveKind::Force,
-            signal: Signal {
-                harmonics: vec![
+            signal: Signal::new(
+                vec![
                     Harmonic { amplitude, omega: 1.8, phase: 0.0 },
                     // Weight, which holds the static overlap.
                     Harmonic { amplitude: -1.0, omega: 0.0, phase: 0.5 * PI },
                 ],
-                envelope: Envelope::None,
-            },
+                Envelope::None,
+            ),
         }],
         ..Details::default()
     };
@@ -530,7 +530,7 @@ fn what_has_no_periodic_drive_is_refused() {
     assert!(said.contains("drive = none") && said.contains("periodic drive"), "{said}");
     let burst = Envelope::Burst { start: 0.0, length: 3.0 };
     let harmonics = vec![Harmonic { amplitude: 0.1, omega: 1.0, phase: 0.0 }];
-    let said = refused(vec![Drive { site: 1, kind: DriveKind::Force, signal: Signal { harmonics, envelope: burst } }]);
+    let said = refused(vec![Drive { site: 1, kind: DriveKind::Force, signal: Signal::new(harmonics, burst) }]);
     assert!(said.contains("burst"), "{said}");
     let said = refused(vec![sine(1, DriveKind::Force, 0.1, 1.0), sine(2, DriveKind::Force, 0.1, 2f64.sqrt())]);
     assert!(said.contains("no multiples of one"), "{said}");

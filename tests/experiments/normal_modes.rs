@@ -74,6 +74,25 @@ fn one_bead_between_walls_has_the_period_of_its_potential() {
 }
 
 #[test]
+fn a_column_oscillates_about_its_overlaps() {
+    // Truth: two beads on the right wall under gravity 0.1. Contacts have the forces 0.1 and 0.2 and
+    // the stiffness 3/2 f^{1/3}; then the eigenvalues of [[a, -a], [-a, a + b]] by hand.
+    let details = Details { gravity: 0.1, ..Details::default() };
+    let modes = NormalModes::new(&chain(Boundary::RightWall, 2, &details)).unwrap();
+    let [a, b] = [0.1f64, 0.2].map(|force| 1.5 * force.cbrt());
+    let root = (a * a + 0.25 * b * b).sqrt();
+    for (mode, square) in modes.linear().iter().zip([a + 0.5 * b - root, a + 0.5 * b + root]) {
+        assert!((mode.omega * mode.omega / square - 1.0).abs() < 1e-13, "{} {square}", mode.omega);
+    }
+    // The energy of small orbits, a^2 omega^2 sum m s^2/2: weights have done their work.
+    let branch = branch(&modes, 0, 1e-4, 2e-4);
+    let (linear, point) = (&modes.linear()[0], &branch.points[0]);
+    let shape: f64 = linear.shape.iter().map(|s| s * s).sum();
+    let want = 0.5 * shape * (point.orbit.amplitude * linear.omega).powi(2);
+    assert!((point.measures.energy / want - 1.0).abs() < 1e-3, "{} {want}", point.measures.energy);
+}
+
+#[test]
 fn a_light_bead_rings_above_the_band_and_softens_with_the_square_of_the_amplitude() {
     let mu = 1.0 / 3.0;
     let mut mass = vec![1.0; 41];

@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 
 /// A bead between walls with these contact constants and static overlaps, with drag, pushed.
 fn bead(drag: f64, contact: [f64; 2], overlap: [f64; 2], harmonics: Vec<Harmonic>) -> Chain<f64> {
-    let signal = Signal { harmonics, envelope: Envelope::None };
+    let signal = Signal::new(harmonics, Envelope::None);
     let details = Details {
         drag: vec![drag],
         overlap: overlap.to_vec(),

@@ -182,7 +182,7 @@ fn motions() -> impl Strategy<Value = Motion> {
     let alpha =
         prop_oneof![0.7..5.0, prop::sample::select(vec![0.7, 1.0, 1.05, 1.2, 1.5, 1.5, 1.5, 2.0, 2.5, 3.0, 5.0])];
     let rho = prop_oneof![1 => Just(0.0), 1 => Just(f64::INFINITY), 4 => log_uniform(1e-6, 1e6)];
-    let boundary = prop::sample::select(vec![Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing]);
+    let boundary = prop::sample::select(Boundary::ALL.to_vec());
     let entry = |still: u32| prop_oneof![still => Just(0.0), 4 => -1.0..1.0];
     let entries = prop_oneof![4 => prop::collection::vec(entry(0), 4 * 9), 1 => prop::collection::vec(entry(4), 4 * 9)];
     (alpha, rho, boundary, 1..=9_usize, log_uniform(1e-3, 1.0), entries).prop_map(
@@ -377,7 +377,7 @@ fn step_controls_outside_their_rules_are_refused() {
 
 #[test]
 fn a_chain_at_rest_and_a_single_bead_cost_nothing_and_stay() {
-    for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
+    for boundary in Boundary::ALL {
         for sites in [1, 2, 5] {
             let chain = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), boundary, sites).unwrap();
             let y0 = vec![0.0; 4 * sites];

@@ -80,7 +80,7 @@ fn amplification(Struck { chain, y0, end }: &Struck) -> f64 {
 fn struck() -> impl Strategy<Value = Struck> {
     let alpha = prop::sample::select(vec![1.2, 1.5, 2.5]);
     let rho = prop_oneof![Just(0.0), Just(f64::INFINITY), (-1.0..1.0_f64).prop_map(|x| 10_f64.powf(x))];
-    let boundary = prop::sample::select(vec![Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing]);
+    let boundary = prop::sample::select(Boundary::ALL.to_vec());
     let pressed = prop::bool::weighted(0.2);
     let velocities =
         prop_oneof![Just(vec![1.0]), Just(vec![-1.0]), prop::collection::vec(prop_oneof![-1.0..-0.1, 0.1..1.0], 5)];

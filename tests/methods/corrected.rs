@@ -161,7 +161,7 @@ fn random_chain(seed: u64) -> (Chain<f64>, Vec<f64>, String) {
     let mut next = random_signed(seed);
     let mut share = move || 0.5 * (next() + 1.0);
     let pick = |share: f64, n: usize| ((share * n as f64) as usize).min(n - 1);
-    let boundary = [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing][pick(share(), 4)];
+    let boundary = Boundary::ALL[pick(share(), 6)];
     let alpha = [1.1, 1.2, 1.5, 1.7, 2.0, 2.5, 3.0][pick(share(), 7)];
     let (kappa, spread) = (10f64.powf(4.0 * share() - 2.0), 10f64.powf(4.0 * share() - 2.0));
     let (kappa, rho) = [(0.0, 0.0), (kappa, f64::INFINITY), (kappa, spread), (kappa, spread)][pick(share(), 4)];

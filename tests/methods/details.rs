@@ -86,7 +86,7 @@ pub(crate) fn stored(name: &str) -> (Chain<f64>, State<f64>, f64, Vec<f64>) {
         let numbers = list(key);
         let &[site, amplitude, omega, phase] = numbers.first_chunk()?;
         let harmonics = vec![Harmonic { amplitude, omega, phase }];
-        Some(Drive { site: site as usize, kind, signal: Signal { harmonics, envelope: Envelope::None } })
+        Some(Drive { site: site as usize, kind, signal: Signal::new(harmonics, Envelope::None) })
     };
     let strength = list("viscoelastic");
     let details = Details {
@@ -103,6 +103,7 @@ pub(crate) fn stored(name: &str) -> (Chain<f64>, State<f64>, f64, Vec<f64>) {
             .into_iter()
             .flatten()
             .collect(),
+        gravity: 0.0,
     };
     let n = details.mass.len();
     let chain = Chain::new(params(1.5, 1.0, 1.0), Boundary::Fixed, n).unwrap().with(&details).unwrap();
@@ -389,7 +390,7 @@ fn wrong_details_are_refused_by_name_and_rule() {
         (Details { rho: vec![1.0, f64::NAN, 1.0], ..none() }, "rho = NaN (entry 1)", "[0, inf]"),
         (Details { contact: vec![1.0; 3], ..none() }, "contact = 3 numbers for 2 bonds", "one number"),
         (Details { contact: vec![1.0, -1.0], ..none() }, "contact = -1", "at least zero"),
-        (Details { overlap: vec![0.1, 0.1], ..none() }, "overlap", "only walls"),
+        (Details { overlap: vec![0.1, 0.1], ..none() }, "overlap", "only two walls"),
         (
             Details { kappa: vec![0.0; 3], dashpot: vec![0.1; 3], ..none() },
             "dashpot = 0.1 at site 0",
@@ -407,7 +408,7 @@ fn wrong_details_are_refused_by_name_and_rule() {
                 ..none()
             },
             "drive.site = 0",
-            "has no other drive",
+            "is not pushed",
         ),
         (drive(0, DriveKind::Force, Signal::sine(f64::INFINITY, 1.0, 0.0)), "drive.amplitude = inf", "a finite number"),
         (drive(0, DriveKind::Force, Signal::sine(1.0, -1.0, 0.0)), "drive.omega = -1", "at least zero"),

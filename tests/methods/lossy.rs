@@ -127,7 +127,7 @@ fn the_order_of_windows_is_that_of_elastic_contacts() {
 /// constant force pushes it against the wall, or against the other bead if it is negative.
 pub(crate) fn held(force: f64, overlap: f64) -> (Chain<f64>, State<f64>) {
     let still = Harmonic { amplitude: force, omega: 0.0, phase: 0.5 * PI };
-    let push = Signal { harmonics: vec![still], envelope: Envelope::None };
+    let push = Signal::new(vec![still], Envelope::None);
     let details = Details {
         kappa: vec![0.0; 2],
         dissipation: Some(Dissipation { kind: Kind::Viscoelastic, strength: vec![0.0, 0.8, 0.4] }),
@@ -445,7 +445,7 @@ fn beads_that_part_and_meet_again_in_one_window_are_two_contacts() {
     // Truth: regularised DOP853. A constant force lets a bead fall on a wall; it rebounds ever
     // lower, and in the end it parts for less than a window, whose length is 2.
     let still = Harmonic { amplitude: 0.1, omega: 0.0, phase: 0.5 * PI };
-    let push = Signal { harmonics: vec![still], envelope: Envelope::None };
+    let push = Signal::new(vec![still], Envelope::None);
     for gamma in [0.01, 0.0126, 0.016] {
         let details = Details {
             contact: vec![0.0, 1.0],

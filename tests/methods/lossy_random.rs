@@ -51,9 +51,9 @@ fn scene_of(next: &mut dyn FnMut() -> f64, law: impl Fn(f64) -> (Kind, f64)) -> 
             (details.rho[i], details.kappa[i], details.dashpot[i]) = (0.0, 0.0, 0.0);
         }
     }
-    let signal = |list: Vec<f64>| Signal {
-        harmonics: list.chunks(3).map(|x| Harmonic { amplitude: x[0], omega: x[1], phase: x[2] }).collect(),
-        envelope: if ramp < 0.7 { Envelope::Ramp(0.3 + 2.0 * ramp) } else { Envelope::None },
+    let signal = |list: Vec<f64>| {
+        let harmonics = list.chunks(3).map(|x| Harmonic { amplitude: x[0], omega: x[1], phase: x[2] }).collect();
+        Signal::new(harmonics, if ramp < 0.7 { Envelope::Ramp(0.3 + 2.0 * ramp) } else { Envelope::None })
     };
     let harmonics = |list: Vec<f64>, most: f64| {
         signal(list.chunks(3).flat_map(|x| [most * x[0], 0.5 + 3.5 * x[1], 2.0 * PI * x[2]]).collect())

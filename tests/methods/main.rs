@@ -16,6 +16,7 @@ mod contacts;
 mod corrected;
 mod details;
 mod heterogeneous;
+mod loads;
 mod lossy;
 mod lossy_random;
 mod lossy_tangent;

@@ -44,7 +44,7 @@ fn varied(seed: u64, boundary: Boundary, sites: usize) -> (Chain<f64>, Vec<f64>)
     (rho[0], kappa[0], drag[0]) = (0.0, 0.0, 0.0);
     let damped = |(dashpot, rho): (f64, &f64)| if *rho == 0.0 { 0.0 } else { dashpot.max(0.0) };
     let dashpot = list(sites, -0.1, 0.4).into_iter().zip(&rho).map(damped);
-    let drive = |site, kind, harmonics, envelope| Drive { site, kind, signal: Signal { harmonics, envelope } };
+    let drive = |site, kind, harmonics, envelope| Drive { site, kind, signal: Signal::new(harmonics, envelope) };
     let details = Details {
         dashpot: dashpot.collect(),
         drag: drag.into_iter().map(|drag| drag.max(0.0)).collect(),

@@ -9,7 +9,7 @@ use hertzchain::{
 /// rounds differently, and 200 steps carry that along: measured at most 4e-14.
 #[test]
 fn a_plain_loop_is_the_scheme_it_stands_beside() {
-    let boundaries = [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing];
+    let boundaries = Boundary::ALL;
     for boundary in boundaries {
         for (alpha, kappa, rho) in [(1.5, 1.0, 0.5), (1.5, 0.0, 0.0), (1.5, 2.0, f64::INFINITY), (2.0, 1.0, 3.0)] {
             let chain = Chain::new(Params::new(alpha, kappa, rho).unwrap(), boundary, 7).unwrap();

@@ -15,7 +15,7 @@ use twofloat::TwoFloat;
 fn chain<R: Real>() -> Chain<R> {
     let drive = |site, kind, amplitude, omega| {
         let harmonics = vec![Harmonic { amplitude, omega, phase: 0.4 }];
-        Drive { site, kind, signal: Signal { harmonics, envelope: Envelope::None } }
+        Drive { site, kind, signal: Signal::new(harmonics, Envelope::None) }
     };
     let details = Details {
         mass: vec![1.0, 0.5, 2.0, 1.5, 0.7, 1.0],

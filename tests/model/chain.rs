@@ -10,7 +10,6 @@ use hertzchain::integrators::{
 use std::{f64::consts::SQRT_2, num::FpCategory};
 
 const EPS: f64 = f64::EPSILON;
-const BOUNDARIES: [Boundary; 4] = [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing];
 /// A law by `sqrt`, two by few multiplications, one by a longer product, one by `powf`.
 const ALPHAS: [f64; 5] = [1.5, 2.0, 3.0, 5.0, 1.2];
 /// No resonators, moving ones, fixed ones.
@@ -23,14 +22,14 @@ fn chain(alpha: f64, rho: f64, boundary: Boundary, sites: usize) -> Chain<f64> {
     let chain = Chain::new(Params::new(alpha, 0.7, rho).unwrap(), boundary, sites).unwrap();
     match boundary {
         Boundary::Fixed | Boundary::Ring => chain.precompressed(0.3).unwrap(),
-        Boundary::Free | Boundary::StrainRing => chain,
+        _ => chain,
     }
 }
 
 fn every_chain(sizes: &[usize]) -> Vec<Chain<f64>> {
     let mut chains = Vec::new();
     for &sites in sizes {
-        for boundary in BOUNDARIES {
+        for boundary in Boundary::ALL {
             for rho in RHOS {
                 chains.extend(ALPHAS.map(|alpha| chain(alpha, rho, boundary, sites)));
             }
@@ -80,9 +79,12 @@ fn naive_forces(chain: &Chain<f64>, q: &[f64]) -> Vec<f64> {
     let n = chain.sites() as isize;
     let around = |i: isize| q[i.rem_euclid(n) as usize];
     let position = |i: isize| match chain.boundary() {
-        Boundary::Free => (0..n).contains(&i).then(|| around(i)),
-        Boundary::Fixed => Some(if (0..n).contains(&i) { around(i) } else { 0.0 }),
         Boundary::Ring | Boundary::StrainRing => Some(around(i)),
+        _ if (0..n).contains(&i) => Some(around(i)),
+        Boundary::Fixed => Some(0.0),
+        Boundary::LeftWall => (i < 0).then_some(0.0),
+        Boundary::RightWall => (i >= n).then_some(0.0),
+        Boundary::Free => None,
     };
     let law = |g: f64| if g > 0.0 { power(chain.params().alpha, g) } else { 0.0 };
     let bond = |i: isize| match (position(i - 1), position(i)) {
@@ -599,7 +601,7 @@ fn parameters_outside_their_rules_are_refused_by_name() {
 fn only_walls_and_rings_hold_a_precompression() {
     // Truth: the rules of the documentation.
     let chain = |boundary| Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), boundary, 4).unwrap();
-    for boundary in BOUNDARIES {
+    for boundary in Boundary::ALL {
         for delta in [f64::NAN, f64::INFINITY, -0.1] {
             assert!(message(chain(boundary).precompressed(delta)).starts_with("precompression = "), "{delta}");
         }

@@ -17,6 +17,7 @@ mod contacts;
 mod details;
 mod divisible;
 mod energy;
+mod equilibrium;
 mod field;
 mod gauss;
 mod kinetic;
@@ -36,8 +37,8 @@ pub use bonds::{CorrectedSplit, SiteFlow};
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Maximum, Overlaps, TOUCH};
 pub use details::{
-    Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, HeterogeneousChain, Kind, Ledger, Signal, SitewiseFlow,
-    Variations, Varied,
+    Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, HeterogeneousChain, Kind, Ledger, Signal,
+    SitewiseFlow, Spline, Variations, Varied,
 };
 pub use divisible::{Divisible, Split};
 pub use energy::Energy;
@@ -94,12 +95,12 @@ impl<R: Real> Chain<R> {
     /// `g_n = delta_0 + u_{n-1} - u_n`.
     ///
     /// # Errors
-    /// `delta_0` negative or not finite; or not zero on a free chain (which would fly apart: it is
-    /// an initial condition there) or on a strain ring (whose mean strain is an initial condition).
+    /// `delta_0` negative or not finite; or not zero on a chain with a free end (which would fly apart:
+    /// it is an initial condition there) or on a strain ring (whose mean strain is an initial condition).
     pub fn precompressed(mut self, delta_0: f64) -> Result<Self> {
         require(delta_0.is_finite() && delta_0 >= 0.0, "precompression", delta_0, "a finite overlap, at least zero")?;
         if delta_0 > 0.0 && !matches!(self.boundary(), Boundary::Fixed | Boundary::Ring) {
-            let rule = "only walls or a ring can hold a precompression; elsewhere it is an initial condition";
+            let rule = "only two walls or a ring can hold a precompression; elsewhere it is an initial condition";
             return Err(Error::parameter("precompression", delta_0, rule));
         }
         self.precompression = R::of(delta_0);
@@ -107,7 +108,7 @@ impl<R: Real> Chain<R> {
     }
 
     /// A part of the chain, `sites` neighbouring sites, as a chain of its own: of displacements
-    /// with free ends, with walls at both ends if the chain has walls, or of strains on a ring.
+    /// with the walls of the chain, or of strains on a ring.
     /// Where the chain was cut, contact forces on the outermost sites are wrong.
     pub(crate) fn cut(&self, sites: usize) -> Self {
         let boundary = match self.boundary() {
@@ -198,7 +199,7 @@ impl<R: Real> Chain<R> {
         self.precompression
     }
 
-    /// The bonds that can ever touch: the outer ones of a free chain cannot.
+    /// The bonds that can ever touch: an outer one can if it joins a wall.
     pub fn touching(&self) -> std::ops::Range<usize> {
         self.topology.touching()
     }
@@ -234,7 +235,7 @@ impl<R: Real> Chain<R> {
     /// The overlaps of all bonds at the positions `q` (displacements, or strains on a strain ring).
     ///
     /// Bond `n` lies to the left of site `n`; on a free or walled chain a last bond, `sites`, lies
-    /// to the right of the last one. The outer bonds of a free chain have overlap `-inf`.
+    /// to the right of the last one. An outer bond without a wall has the overlap `-inf`.
     pub fn overlaps(&self, q: &[R]) -> Vec<R> {
         if let Some(parts) = self.parts() {
             return self.between(q).zip(&parts.bonds).map(|(g, bond)| g + bond.rest).collect();

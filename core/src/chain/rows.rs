@@ -304,7 +304,7 @@ mod tests {
         let used = Instructions::used();
         let pairs: Vec<_> = (0..70).map(|k| (0.01 + 1e-4 * f64::from(k % 3), DoubleDouble::new(0.02))).collect();
         for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
-            for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
+            for boundary in Boundary::ALL {
                 for (n, rho) in (1..36).flat_map(|n| [0.0, 1.0 / 3.0, f64::INFINITY].map(|rho| (n, rho))) {
                     let params = Params::new([1.2, 1.5, 2.0, 2.5][n % 4], 1.0, rho).unwrap();
                     let Ok(chain) = Chain::<f64>::new(params, boundary, n) else { continue };

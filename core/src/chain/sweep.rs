@@ -359,7 +359,7 @@ mod tests {
         // lengths around one register and two, all boundaries, and every way to compute a power.
         let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
-        for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
+        for boundary in Boundary::ALL {
             for (n, alpha) in (1..20).flat_map(|n| [0.5, 1.2, 1.5, 2.0, 3.5, 5.0].map(|alpha| (n, alpha))) {
                 let Ok(chain) = Chain::<f64>::new(Params::new(alpha, 0.0, 0.0).unwrap(), boundary, n) else { continue };
                 let chain = chain.clone().precompressed(0.1).unwrap_or(chain);
@@ -398,7 +398,7 @@ mod tests {
         let used = Instructions::used();
         let pairs: Vec<_> = (0..150).map(|k| (0.01 + 1e-4 * f64::from(k % 3), DoubleDouble::new(0.02))).collect();
         for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
-            for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
+            for boundary in Boundary::ALL {
                 for (rho, n) in [(0.0, LONG), (1.0 / 3.0, LONG + 13), (f64::INFINITY, LONG + PIECE)] {
                     let chain = Chain::<f64>::new(Params::new(1.5, 1.0, rho).unwrap(), boundary, n).unwrap();
                     let y: Vec<f64> = (0..chain.layout().dim()).map(|i| (0.7 * (i * i) as f64).sin()).collect();

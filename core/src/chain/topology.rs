@@ -48,13 +48,13 @@ impl Topology {
         self.boundary == Boundary::StrainRing
     }
 
-    /// The bonds that can ever touch: the outer ones of a free chain cannot.
+    /// The bonds that can ever touch: an outer one can if it joins a wall.
     pub fn touching(self) -> Range<usize> {
-        match self.boundary {
-            Boundary::Free => 1..self.sites,
-            Boundary::Fixed => 0..self.sites + 1,
-            Boundary::Ring | Boundary::StrainRing => 0..self.sites,
+        if self.ring() {
+            return 0..self.sites;
         }
+        let [left, right] = self.boundary.walls();
+        usize::from(!left)..self.sites + usize::from(right)
     }
 
     /// The first bond that can touch.
@@ -78,24 +78,23 @@ impl Topology {
     #[inline(always)]
     pub fn ends(self, bond: usize) -> [Option<usize>; 2] {
         match self.boundary {
-            Boundary::Free | Boundary::Fixed => {
-                [if bond == 0 { None } else { Some(bond - 1) }, if bond < self.sites { Some(bond) } else { None }]
-            }
             Boundary::Ring => [Some(self.previous(bond)), Some(bond)],
             Boundary::StrainRing => [None, Some(bond)],
+            _ => [if bond == 0 { None } else { Some(bond - 1) }, if bond < self.sites { Some(bond) } else { None }],
         }
     }
 
     /// The bonds on the two sides of a site that can touch.
     #[inline(always)]
     pub fn bonds(self, site: usize) -> [Option<usize>; 2] {
-        match self.boundary {
-            Boundary::Free => {
-                [if site == 0 { None } else { Some(site) }, if site + 1 < self.sites { Some(site + 1) } else { None }]
-            }
-            Boundary::Fixed => [Some(site), Some(site + 1)],
-            Boundary::Ring | Boundary::StrainRing => [Some(site), Some(self.next(site))],
+        if self.ring() {
+            return [Some(site), Some(self.next(site))];
         }
+        let [left, right] = self.boundary.walls();
+        [
+            if left || site > 0 { Some(site) } else { None },
+            if right || site + 1 < self.sites { Some(site + 1) } else { None },
+        ]
     }
 
     /// The bonds that can touch and share a site with a bond.
@@ -111,7 +110,8 @@ impl Topology {
     /// Whether a bond joins a site to a wall.
     #[inline(always)]
     pub fn at_wall(self, bond: usize) -> bool {
-        self.boundary == Boundary::Fixed && (bond == 0 || bond == self.sites)
+        let [left, right] = self.boundary.walls();
+        left && bond == 0 || right && bond == self.sites
     }
 
     /// Amount by which a unit force in a bond reduces the second derivative of its own overlap: 2
@@ -155,11 +155,11 @@ impl Topology {
     /// position never touches.
     #[inline(always)]
     pub fn ghosts<R: Real>(self, first: R, last: R) -> (R, R) {
-        match self.boundary {
-            Boundary::Free => (R::neg_infinity(), R::infinity()),
-            Boundary::Fixed => (R::zero(), R::zero()),
-            Boundary::Ring | Boundary::StrainRing => (last, first),
+        if self.ring() {
+            return (last, first);
         }
+        let [left, right] = self.boundary.walls();
+        (if left { R::zero() } else { R::neg_infinity() }, if right { R::zero() } else { R::infinity() })
     }
 }
 
@@ -205,10 +205,8 @@ fn minus<R: Real, const K: usize>(a: [R; K], b: [R; K]) -> [R; K] {
 mod tests {
     use super::*;
 
-    const BOUNDARIES: [Boundary; 4] = [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing];
-
     fn chains() -> impl Iterator<Item = Topology> {
-        BOUNDARIES.into_iter().flat_map(|boundary| (1..6).map(move |sites| Topology::new(boundary, sites)))
+        Boundary::ALL.into_iter().flat_map(|boundary| (1..6).map(move |sites| Topology::new(boundary, sites)))
     }
 
     fn number(n: usize) -> f64 {

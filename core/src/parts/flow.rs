@@ -239,9 +239,6 @@ pub(super) mod tests {
         run::{Records, Run, Setting},
     };
 
-    pub(in super::super) const BOUNDARIES: [Boundary; 4] =
-        [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing];
-
     /// A run that is sampled between its steps, of a chain that moves everywhere.
     pub(in super::super) fn run(boundary: Boundary, (alpha, rho): (f64, f64), sites: usize, name: &str) -> Run {
         let chain = Chain::new(Params::new(alpha, 1.0, rho).unwrap(), boundary, sites).unwrap();
@@ -273,7 +270,7 @@ pub(super) mod tests {
     fn parts_have_the_bits_of_the_whole_chain() {
         // Truth: the same run in one thread, to the bit, with samples inside steps and energies.
         // Parts longer than two zones of ghosts, shorter ones, and those of one or two sites.
-        for boundary in BOUNDARIES {
+        for boundary in Boundary::ALL {
             for model in [(1.5, 1.0 / 3.0), (1.5, 0.0), (2.0, f64::INFINITY)] {
                 for name in ["verlet", "strang-linear", "aba864-linear", "yoshida4"] {
                     holds(&run(boundary, model, 3 * GHOSTS + 41, name), &[1, 2, 3, 7]);
@@ -340,7 +337,7 @@ pub(super) mod tests {
         // Truth: the same run in one process, to the bit: states, samples inside windows, energies,
         // counts, contacts. Contacts are everywhere, also in bonds between parts; the last block of
         // 1283 sites is too short to be a part, that of 1300 is not.
-        for boundary in BOUNDARIES {
+        for boundary in Boundary::ALL {
             windows_hold(&collocation(boundary, (1.5, 1.0 / 3.0), 1283, None), &[2, 5]);
             windows_hold(&collocation(boundary, (2.0, 0.0), 1300, None), &[3, 6]);
         }

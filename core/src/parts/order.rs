@@ -33,7 +33,6 @@ pub(super) enum Order {
     End,
 }
 
-const BOUNDARIES: [Boundary; 4] = [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing];
 const MOTIONS: [Motion; 3] = [Motion::Kicks(Split::Kinetic), Motion::Kicks(Split::Linear), Motion::Windows];
 
 fn place<T: PartialEq>(of: &T, all: &[T]) -> u64 {
@@ -89,7 +88,7 @@ impl Order {
 fn about(head: [u64; 2], motion: Motion, chain: &Chain<f64>) -> Vec<u64> {
     let Params { alpha, kappa, rho } = chain.params();
     let numbers = [alpha, kappa, rho, chain.precompression()].map(f64::to_bits);
-    let chain = [place(&motion, &MOTIONS), place(&chain.boundary(), &BOUNDARIES), chain.sites() as u64];
+    let chain = [place(&motion, &MOTIONS), place(&chain.boundary(), &Boundary::ALL), chain.sites() as u64];
     [&head[..], &chain, &numbers].concat()
 }
 
@@ -97,7 +96,7 @@ fn about(head: [u64; 2], motion: Motion, chain: &Chain<f64>) -> Vec<u64> {
 fn chain(words: &[u64]) -> Option<(Motion, Box<Chain<f64>>)> {
     let &[motion, boundary, sites, alpha, kappa, rho, rest] = words else { return None };
     let [alpha, kappa, rho, rest] = [alpha, kappa, rho, rest].map(f64::from_bits);
-    let boundary = *BOUNDARIES.get(boundary as usize)?;
+    let boundary = *Boundary::ALL.get(boundary as usize)?;
     let chain = || Chain::new(Params::new(alpha, kappa, rho)?, boundary, sites as usize)?.precompressed(rest);
     Some((*MOTIONS.get(motion as usize)?, Box::new(chain().ok()?)))
 }

@@ -55,8 +55,8 @@ fn scales(chain: &Chain<f64>, state: &dyn Blocks<f64>) -> (f64, f64) {
     let (mut strain, mut speed) = (0.0f64, 0.0f64);
     let mut before = match chain.boundary() {
         Boundary::Ring => Some(state.last()),
-        Boundary::Fixed | Boundary::StrainRing => Some(0.0),
-        Boundary::Free => None,
+        Boundary::Fixed | Boundary::LeftWall | Boundary::StrainRing => Some(0.0),
+        Boundary::Free | Boundary::RightWall => None,
     };
     state.each(&mut |_, [u, _, u_dot, _]| {
         speed = speed.max(max_norm(u_dot.iter().copied()));
@@ -66,7 +66,7 @@ fn scales(chain: &Chain<f64>, state: &dyn Blocks<f64>) -> (f64, f64) {
         }
     });
     // The wall at the end.
-    let wall = before.filter(|_| chain.boundary() == Boundary::Fixed);
+    let wall = before.filter(|_| chain.boundary().walls()[1]);
     (strain.max(wall.map_or(0.0, f64::abs)), speed)
 }
 

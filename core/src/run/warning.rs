@@ -1,7 +1,7 @@
 //! What makes the result of a run doubtful, though nothing failed.
 
 use super::{Method, Run, Setting};
-use crate::chain::{Drive, Envelope};
+use crate::chain::{Course, Drive, Envelope};
 use hertzchain_integrators::Stats;
 
 /// An energy error is explained up to this many times the tolerance or the rounding errors.
@@ -37,9 +37,9 @@ pub enum Warning {
         drive: usize,
         /// Its site.
         site: usize,
-        /// `ramp` or `burst`.
+        /// `ramp`, `burst` or `interval of times`.
         kind: &'static str,
-        /// Length of the ramp or the burst.
+        /// Length of the ramp, the burst or the shortest interval.
         length: f64,
         /// Length of a step.
         step: f64,
@@ -85,10 +85,11 @@ fn unresolved(run: &Run) -> Vec<Warning> {
     let step = run.end / steps as f64;
     let drives = run.chain.details().into_iter().flat_map(|details| &details.drives).enumerate();
     let short = drives.filter_map(|(drive, Drive { site, signal, .. })| {
-        let (kind, length) = match signal.envelope {
-            Envelope::Ramp(ramp) => ("ramp", ramp),
-            Envelope::Burst { length, .. } => ("burst", length),
-            Envelope::None => return None,
+        let (kind, length) = match (signal.envelope, &signal.course) {
+            (_, Some(Course::Table(spline))) => ("interval of times", spline.shortest()),
+            (Envelope::Ramp(ramp), _) => ("ramp", ramp),
+            (Envelope::Burst { length, .. } | Envelope::HalfSine { length, .. }, _) => ("burst", length),
+            (Envelope::None, _) => return None,
         };
         (length < step).then_some(Warning::Unresolved { drive, site: *site, kind, length, step })
     });

@@ -41,20 +41,23 @@ pub(crate) fn swing(phase: f64) -> f64 {
 }
 
 /// A drive of a site from outside, see [`ContactChain::signal`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Drive {
     /// Index of the site.
     pub site: usize,
     /// Whether the signal is the position of the site; else it is a force on the site.
     pub moved: bool,
-    /// A bound of the absolute value of the signal.
+    /// A bound of the absolute value of the signal, but where it is linear.
     pub size: f64,
     /// The scale of the time derivative of the signal.
     pub rate: f64,
     /// The scale of the velocities that the drive causes.
     pub speed: f64,
-    /// Start and end of the ramp or burst of the signal; both zero without.
-    pub varies: [f64; 2],
+    /// The time from which the position of a site that is moved is linear in time; infinity if it
+    /// is not, or is no motion.
+    pub linear_from: f64,
+    /// Start and end of each ramp and burst of the signal.
+    pub varies: Vec<[f64; 2]>,
 }
 
 /// The neighbours of bond `b` among `n` bonds in a row, whose ends are neighbours of each other on

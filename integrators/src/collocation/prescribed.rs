@@ -63,6 +63,14 @@ impl Prescribed {
         Self { series, h, ends, curvature_bounds: [size(&second), size(&fourth)] }
     }
 
+    /// A steady motion between two values. Its derivatives have no rounding errors, which grow with
+    /// the distance from the start.
+    fn linear(h: f64, start: [f64; 2], end: [f64; 2]) -> Self {
+        let mut series = [0.0; TERMS];
+        (series[0], series[1]) = (0.5 * (start[0] + end[0]), 0.5 * h * start[1]);
+        Self { series, h, ends: [start, end], curvature_bounds: [0.0; 2] }
+    }
+
     /// The sum of the parts of an overlap that two drives prescribe.
     pub(crate) fn plus(self, other: Self) -> Self {
         let sum = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
@@ -134,6 +142,10 @@ impl Driven {
         signal: &dyn Fn(f64) -> [f64; 3],
         (t, h, tol): (f64, f64, f64),
     ) -> (Self, f64) {
+        if t >= drive.linear_from {
+            let [start, end] = [0.0, h].map(|t| [signal(t)[0], signal(t)[1]]);
+            return (Driven { known: Prescribed::linear(h, start, end), left: [0.0; 4] }, f64::INFINITY);
+        }
         apart(kernel!({
             let rule = Rule::<TERMS>::shared();
             let times = rule.nodes.map(|x| 0.5 * h * (1.0 + x));
@@ -144,8 +156,9 @@ impl Driven {
             let longest = if last <= allowed { f64::INFINITY } else { shorter };
             let Some(flow) = flow else {
                 // In a short ramp a contact does work that is not small, though its impulse is.
-                let ([from, to], quarter) = (drive.varies, 0.25 * (drive.varies[1] - drive.varies[0]));
-                let longest = if from <= t && t < to && h > quarter { longest.min(quarter) } else { longest };
+                let within = drive.varies.iter().filter(|[from, to]| *from <= t && t < *to);
+                let quarter = within.map(|[from, to]| 0.25 * (to - from)).fold(f64::INFINITY, f64::min);
+                let longest = if h > quarter { longest.min(quarter) } else { longest };
                 let [start, end] = [0.0, h].map(|t| [signal(t)[0], signal(t)[1]]);
                 return (Driven { known: Prescribed::new(&values, h, [start, end]), left: [0.0; 4] }, longest);
             };

@@ -95,7 +95,7 @@ impl Bright {
             name: "bright-breather".to_owned(),
             summary: "a long-lived bright breather, from a homoclinic solution of the stationary DpS equation"
                 .to_owned(),
-            chain: ChainSection { sites, alpha, kappa, rho, boundary, precompression: 0.0 },
+            chain: ChainSection { sites, alpha, kappa, rho, boundary, precompression: 0.0, gravity: None, tilt: None },
             beads: None,
             bonds: None,
             drives: Vec::new(),

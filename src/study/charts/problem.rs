@@ -76,7 +76,16 @@ impl Problem {
     /// far from them as beads are displaced.
     pub fn built_in() -> Self {
         let (sites, alpha, kappa, rho) = CHAIN;
-        let chain = ChainSection { sites, alpha, kappa, rho, boundary: Boundary::Fixed, precompression: 0.0 };
+        let chain = ChainSection {
+            sites,
+            alpha,
+            kappa,
+            rho,
+            boundary: Boundary::Fixed,
+            precompression: 0.0,
+            gravity: None,
+            tilt: None,
+        };
         Self { name: "built-in".to_owned(), source: "built-in".to_owned(), chain, state: None, amplitude: 1.0 }
     }
 

@@ -272,7 +272,7 @@ mod tests {
         let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
         for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
-            for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
+            for boundary in Boundary::ALL {
                 let mut chains = [(150, 0.0, 1.5), (128, 1.0 / 3.0, 1.5), (161, 0.0, 2.0), (136, 1000.0, 1.2)]
                     .map(|(n, rho, alpha)| struck(n, boundary, rho, alpha))
                     .to_vec();

@@ -703,7 +703,7 @@ mod tests {
         let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
         for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
-            for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
+            for boundary in Boundary::ALL {
                 for (n, rho) in (1..36).chain([63, 64, 65, 130]).flat_map(|n| [0.0, 1.0 / 3.0].map(|rho| (n, rho))) {
                     let params = Params::new([1.2, 1.5, 2.0, 2.5][n % 4], 1.0, rho).unwrap();
                     let Ok(chain) = Chain::<f64>::new(params, boundary, n) else { continue };
@@ -731,7 +731,7 @@ mod tests {
         let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
         for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
-            for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
+            for boundary in Boundary::ALL {
                 for (n, alpha) in [(5, 1.5), (16, 2.0), (23, 1.5), (50, 1.2), (64, 1.5), (67, 2.5)] {
                     let (chain, y) = ring(n, alpha, boundary);
                     let run = || {

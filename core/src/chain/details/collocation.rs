@@ -3,7 +3,7 @@
 
 use super::{
     super::{Chain, Layout, Modes, Params, Resonators},
-    CheckedDetails, DriveKind, Ledger, SiteData,
+    CheckedDetails, Course, Envelope, Ledger, Signal, SiteData,
 };
 use hertzchain_integrators::{
     DoubleDouble, Error,
@@ -19,6 +19,8 @@ const APART: f64 = -1e100;
 pub struct HeterogeneousChain {
     chain: Chain<f64>,
     sites: Vec<Motion>,
+    /// Weights of beads along the chain; empty without gravity.
+    weights: Vec<f64>,
 }
 
 /// The free motion and the oscillation of a site.
@@ -61,40 +63,62 @@ impl HeterogeneousChain {
             return Err(Error::Argument { name: "sites", value: chain.sites() as f64, rule });
         };
         let sites = parts.sites.iter().map(Motion::new).collect();
-        Ok(Self { chain, sites })
+        let weights = parts.weights().map(|(_, weight)| weight).collect();
+        Ok(Self { chain, sites, weights })
     }
 
     fn parts(&self) -> &CheckedDetails<f64> {
         self.chain.parts().expect("a chain with details")
     }
 
-    /// The drives of a site: the one that moves it, or all that push it.
-    fn drives_of(&self, site: usize) -> impl Iterator<Item = &super::Drive> {
-        let kind = if self.sites[site].moved { DriveKind::Displacement } else { DriveKind::Force };
-        self.parts().drives().iter().filter(move |drive| drive.site == site && drive.kind == kind)
+    /// The signals of the drives of a site.
+    fn signals_of(&self, site: usize) -> impl Iterator<Item = &Signal> {
+        let acting = self.parts().acting().iter().filter(move |acting| acting.site == site);
+        acting.flat_map(|acting| &acting.signals)
     }
 
-    /// The scale of the velocities that a drive causes. If it moves its bead: the speed of the
-    /// bead. If it is a force, the sum over its harmonics: the speed amplitude of the free bead;
+    /// The weight of a site along the chain, for which there is a drive like for a constant force.
+    fn weight(&self, site: usize) -> f64 {
+        self.weights.get(site).copied().unwrap_or(0.0)
+    }
+
+    /// The scale of the velocities that a drive of a site causes. If it moves its bead: the speed of
+    /// the bead. If it is a force, the sum over its harmonics: the speed amplitude of the free bead;
     /// for a constant force, the speed from its work up to the overlap at which a contact balances
-    /// it.
-    fn speed(&self, drive: &super::Drive) -> f64 {
-        if drive.kind == DriveKind::Displacement {
-            return drive.signal.speed();
+    /// it. Other functions count as harmonics of their greatest frequency.
+    fn speed(&self, site: usize, signal: &Signal) -> f64 {
+        if self.sites[site].moved {
+            return signal.speed();
         }
-        let (mass, topology) = (self.parts().sites[drive.site].mass, self.chain.topology());
-        let contacts = topology.bonds(drive.site).into_iter().flatten().map(|bond| &self.parts().bonds[bond]);
+        let (mass, topology) = (self.parts().sites[site].mass, self.chain.topology());
+        let contacts = topology.bonds(site).into_iter().flatten().map(|bond| &self.parts().bonds[bond]);
         let stiff = contacts.filter(|contact| contact.constant > 0.0);
         let depths = |force: f64| stiff.clone().map(move |c| (force / c.constant).powf(1.0 / c.alpha()));
-        let of = |harmonic: &super::Harmonic| {
-            let force = harmonic.amplitude.abs();
-            if harmonic.omega > 0.0 {
-                return force / (mass * harmonic.omega);
+        let of = |force: f64, omega: f64| {
+            if omega > 0.0 {
+                return force / (mass * omega);
             }
             let depth = depths(force).fold(f64::INFINITY, f64::min);
             if depth.is_finite() { (2.0 * force * depth / mass).sqrt() } else { force / mass }
         };
-        drive.signal.harmonics.iter().map(of).sum()
+        let harmonics: f64 = signal.harmonics.iter().map(|one| of(one.amplitude.abs(), one.omega)).sum();
+        let other = Signal { harmonics: Vec::new(), ..signal.clone() };
+        if signal.course.is_some() { harmonics + of(other.size(), other.frequency()) } else { harmonics }
+    }
+
+    /// The time from which a site is moved steadily; infinity if it never is.
+    fn linear_from(&self, site: usize) -> f64 {
+        let steady = |signal: &Signal| matches!(signal.course, Some(Course::Steady { .. }));
+        let linear = |signal: &Signal| {
+            let settles = matches!(signal.envelope, Envelope::None | Envelope::Ramp(_));
+            settles
+                && (steady(signal) || signal.course.is_none())
+                && signal.harmonics.iter().all(|one| one.omega == 0.0)
+        };
+        match self.sites[site].moved && self.signals_of(site).any(steady) && self.signals_of(site).all(linear) {
+            true => self.signals_of(site).map(Signal::settled).fold(0.0, f64::max),
+            false => f64::INFINITY,
+        }
     }
 
     fn layout(&self) -> Layout {
@@ -201,29 +225,30 @@ impl ContactChain<2> for HeterogeneousChain {
     }
 
     fn drives(&self) -> Vec<collocation::Drive> {
-        let mut sites: Vec<usize> = self.parts().drives().iter().map(|drive| drive.site).collect();
+        let mut sites: Vec<usize> = self.parts().acting().iter().map(|acting| acting.site).collect();
+        sites.extend((0..self.weights.len()).filter(|&site| self.weights[site] != 0.0));
         sites.sort_unstable();
         sites.dedup();
         let drive = |site: usize| {
-            let sum = |of: &dyn Fn(&super::Drive) -> f64| self.drives_of(site).map(of).sum();
+            let weight = self.weight(site);
+            let sum = |of: &dyn Fn(&Signal) -> f64| self.signals_of(site).map(of).sum::<f64>();
+            let by_weight = if weight == 0.0 { 0.0 } else { self.speed(site, &Signal::constant(weight)) };
             collocation::Drive {
                 site,
                 moved: self.sites[site].moved,
-                varies: self
-                    .drives_of(site)
-                    .find_map(|drive| drive.signal.breaks().try_into().ok())
-                    .unwrap_or_default(),
-                size: sum(&|drive| drive.signal.size()),
-                rate: sum(&|drive| drive.signal.speed()),
-                speed: sum(&|drive| self.speed(drive)),
+                linear_from: self.linear_from(site),
+                varies: self.signals_of(site).filter_map(|signal| signal.envelope.span()).collect(),
+                size: sum(&Signal::size) + weight.abs(),
+                rate: sum(&Signal::speed).max(f64::MIN_POSITIVE),
+                speed: sum(&|signal| self.speed(site, signal)) + by_weight,
             }
         };
         sites.into_iter().map(drive).collect()
     }
 
     fn signal(&self, site: usize, t: f64) -> [f64; 3] {
-        self.drives_of(site).fold([0.0; 3], |sum, drive| {
-            let by = drive.signal.at(t);
+        self.signals_of(site).fold([self.weight(site), 0.0, 0.0], |sum, signal| {
+            let by = signal.at(t);
             std::array::from_fn(|k| sum[k] + by[k])
         })
     }

@@ -1,8 +1,14 @@
-//! Drives, which move or push a bead by a signal: a sum of harmonics times an envelope.
+//! Drives, which move or push a bead by a signal: a sum of harmonics, and of a [`Course`], times an
+//! envelope.
 
+use super::Spline;
 use crate::error::{Error, Result, finite, positive, require};
 use hertzchain_integrators::Real;
 use serde::{Deserialize, Serialize};
+use std::{
+    f64::consts::{FRAC_PI_2, PI},
+    sync::Arc,
+};
 
 /// Least length of a burst, relative to its start. Methods take times as the same that are nearer
 /// than a tenth of this.
@@ -19,8 +25,34 @@ pub struct Harmonic {
     pub phase: f64,
 }
 
-/// The factor of the sum of harmonics, from 0 to 1. All envelopes have three continuous
-/// derivatives.
+/// A function of time that is no harmonic.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Course {
+    /// `velocity t`, the motion of a piston.
+    Steady {
+        /// Velocity.
+        velocity: f64,
+    },
+    /// `amplitude sin(theta)` with `theta = phase` at time 0. The frequency `theta'` is `omega[0]`
+    /// up to `start`, rises or falls linearly over `length` to `omega[1]`, and stays there.
+    Chirp {
+        /// Amplitude.
+        amplitude: f64,
+        /// First and last angular frequency, at least zero.
+        omega: [f64; 2],
+        /// Phase at time 0, in radians.
+        phase: f64,
+        /// Time at which the frequency begins to change, at least zero.
+        start: f64,
+        /// Duration of the change, positive.
+        length: f64,
+    },
+    /// Values at given times, with a cubic spline between them.
+    Table(Arc<Spline>),
+}
+
+/// The factor of the sum, from 0 to 1. All envelopes but [`HalfSine`](Self::HalfSine) have three
+/// continuous derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Envelope {
     /// 1 at all times.
@@ -34,13 +66,23 @@ pub enum Envelope {
         /// Duration, positive.
         length: f64,
     },
+    /// `sin(pi x)`, `x = (t - start)/length`, for `x` from 0 to 1, and zero elsewhere. Its slope
+    /// jumps at both ends.
+    HalfSine {
+        /// Time at which it begins, at least zero.
+        start: f64,
+        /// Duration, positive.
+        length: f64,
+    },
 }
 
-/// A sum of harmonics times an envelope.
+/// A sum of harmonics, and of a course if there is one, times an envelope.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Signal {
     /// The harmonics.
     pub harmonics: Vec<Harmonic>,
+    /// What is added to them.
+    pub course: Option<Course>,
     /// The envelope.
     pub envelope: Envelope,
 }
@@ -68,11 +110,27 @@ pub struct Drive {
 }
 
 impl Signal {
+    /// A sum of harmonics times an envelope.
+    pub fn new(harmonics: Vec<Harmonic>, envelope: Envelope) -> Self {
+        Self { harmonics, course: None, envelope }
+    }
+
+    /// A constant: a harmonic of frequency zero.
+    pub fn constant(value: f64) -> Self {
+        Self::new(vec![Harmonic { amplitude: value, omega: 0.0, phase: FRAC_PI_2 }], Envelope::None)
+    }
+
+    /// Whether the signal is the same at all times.
+    pub fn is_constant(&self) -> bool {
+        let still = self.harmonics.iter().all(|harmonic| harmonic.omega == 0.0);
+        still && self.course.is_none() && self.envelope == Envelope::None
+    }
+
     /// The harmonic `amplitude sin(omega t)` from time 0 on, switched on by a ramp; by a jump for
     /// `ramp = 0`.
     pub fn sine(amplitude: f64, omega: f64, ramp: f64) -> Self {
         let envelope = if ramp > 0.0 { Envelope::Ramp(ramp) } else { Envelope::None };
-        Self { harmonics: vec![Harmonic { amplitude, omega, phase: 0.0 }], envelope }
+        Self::new(vec![Harmonic { amplitude, omega, phase: 0.0 }], envelope)
     }
 
     /// Value, first and second derivative at a time.
@@ -92,58 +150,138 @@ impl Signal {
             sum[1] += amplitude * omega * cos;
             sum[2] -= amplitude * omega * omega * sin;
         }
+        if let Some(course) = &self.course {
+            sum.iter_mut().zip(course.at(t)).for_each(|(sum, by)| *sum += by);
+        }
         let [e, e1, e2] = self.envelope.at(t);
         [e * sum[0], e1 * sum[0] + e * sum[1], e2 * sum[0] + R::of(2.0) * e1 * sum[1] + e * sum[2]]
     }
 
-    /// A bound of the absolute value of the signal: the sum of the amplitudes.
+    /// A bound of the absolute value of the signal: the sum of the amplitudes; of a steady motion,
+    /// its path in a unit of time.
     pub fn size(&self) -> f64 {
-        self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs()).sum()
+        let own: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs()).sum();
+        self.course.as_ref().map_or(own, |course| own + course.size())
+    }
+
+    /// The largest angular frequency; of a table, its largest slope over its largest value.
+    pub(crate) fn frequency(&self) -> f64 {
+        let own = self.harmonics.iter().map(|harmonic| harmonic.omega).fold(0.0, f64::max);
+        match &self.course {
+            Some(Course::Chirp { omega: [first, last], .. }) => own.max(*first).max(*last),
+            Some(Course::Table(spline)) if spline.size() > 0.0 => own.max(spline.speed() / spline.size()),
+            _ => own,
+        }
     }
 
     /// The scale of the time derivative of the signal; positive.
     pub(crate) fn speed(&self) -> f64 {
         let own: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs() * harmonic.omega).sum();
+        let own = self.course.as_ref().map_or(own, |course| own + course.speed());
         own.max(f64::MIN_POSITIVE) + self.size() * self.envelope.per_time()
     }
 
-    /// Times at which the envelope is not smooth.
+    /// Times at which the signal is not smooth.
     pub(crate) fn breaks(&self) -> Vec<f64> {
-        match self.envelope {
-            Envelope::None => vec![],
-            Envelope::Ramp(ramp) => vec![0.0, ramp],
-            Envelope::Burst { start, length } => vec![start, start + length],
+        let mut breaks = self.envelope.span().map_or(vec![], |span| span.to_vec());
+        match &self.course {
+            Some(Course::Chirp { start, length, .. }) => breaks.extend([*start, start + length]),
+            Some(Course::Table(spline)) => breaks.extend(spline.times()),
+            Some(Course::Steady { .. }) | None => {}
         }
+        breaks
     }
 
     /// The time from which the envelope is constant: the end of a ramp or of a burst.
     pub fn settled(&self) -> f64 {
-        match self.envelope {
-            Envelope::None => 0.0,
-            Envelope::Ramp(ramp) => ramp,
-            Envelope::Burst { start, length } => start + length,
-        }
+        self.envelope.span().map_or(0.0, |[_, end]| end)
     }
 
-    pub(super) fn check(&self) -> Result<()> {
-        require(!self.harmonics.is_empty(), "drive.amplitude", "[]", "a drive has at least one harmonic")?;
+    pub(super) fn check(&self, kind: DriveKind) -> Result<()> {
+        if self.harmonics.is_empty() && self.course.is_none() {
+            return Err(Error::parameter("drive.amplitude", "[]", "a drive has at least one harmonic"));
+        }
+        let frequency = |omega: f64| {
+            let rule = "a frequency is finite and at least zero";
+            require(omega.is_finite() && omega >= 0.0, "drive.omega", omega, rule)
+        };
+        match (&self.course, kind) {
+            (&Some(Course::Steady { velocity }), DriveKind::Displacement) => {
+                finite("drive.velocity", velocity)?;
+            }
+            (&Some(Course::Steady { velocity }), DriveKind::Force) => {
+                return Err(Error::parameter("drive.velocity", velocity, "only a bead that is moved has a velocity"));
+            }
+            (&Some(Course::Chirp { amplitude, omega, phase, start, length }), _) => {
+                finite("drive.amplitude", amplitude)?;
+                omega.into_iter().try_for_each(frequency)?;
+                finite("drive.phase", phase)?;
+                interval(start, length)?;
+            }
+            (Some(Course::Table(_)) | None, _) => {}
+        }
         for &Harmonic { amplitude, omega, phase } in &self.harmonics {
             finite("drive.amplitude", amplitude)?;
-            let rule = "a frequency is finite and at least zero";
-            require(omega.is_finite() && omega >= 0.0, "drive.omega", omega, rule)?;
+            frequency(omega)?;
             finite("drive.phase", phase)?;
         }
         match self.envelope {
             Envelope::None => Ok(()),
             Envelope::Ramp(ramp) => positive("drive.ramp", ramp).map(drop),
-            Envelope::Burst { start, length } => {
-                require(start.is_finite() && start >= 0.0, "drive.start", start, "finite and at least zero")?;
-                if start + length <= start * (1.0 + LEAST_BURST) {
-                    let rule = "a burst is longer than 1e-11 of its start: times have sixteen digits";
-                    return Err(Error::parameter("drive.length", length, rule));
-                }
-                positive("drive.length", length).map(drop)
+            Envelope::Burst { start, length } => interval(start, length),
+            Envelope::HalfSine { start, length } if kind == DriveKind::Force => interval(start, length),
+            Envelope::HalfSine { .. } => {
+                let rule = "the velocity of a bead that is moved would jump: push it, or take a burst";
+                Err(Error::parameter("drive.shape", "half-sine", rule))
             }
+        }
+    }
+}
+
+/// Refuses an interval of time that is too short, or begins before the run.
+fn interval(start: f64, length: f64) -> Result<()> {
+    require(start.is_finite() && start >= 0.0, "drive.start", start, "finite and at least zero")?;
+    if start + length <= start * (1.0 + LEAST_BURST) {
+        let rule = "a burst is longer than 1e-11 of its start: times have sixteen digits";
+        return Err(Error::parameter("drive.length", length, rule));
+    }
+    positive("drive.length", length).map(drop)
+}
+
+impl Course {
+    /// Value, first and second derivative.
+    fn at<R: Real>(&self, t: R) -> [R; 3] {
+        match self {
+            &Self::Steady { velocity } => [R::of(velocity) * t, R::of(velocity), R::zero()],
+            &Self::Chirp { amplitude, omega: [first, last], phase, start, length } => {
+                let [amplitude, first, phase, start, length, last] =
+                    [amplitude, first, phase, start, length, last].map(R::of);
+                let (since, rise) = (t - start, (last - first) / length);
+                let within = since.max(R::zero()).min(length);
+                let theta = phase + first * t + rise * within * (R::of(0.5) * within + (since - within).max(R::zero()));
+                let rate = first + rise * within;
+                let bend = if within > R::zero() && within < length { rise } else { R::zero() };
+                let (sin, cos) = theta.sin_cos();
+                [amplitude * sin, amplitude * rate * cos, amplitude * (bend * cos - rate * rate * sin)]
+            }
+            Self::Table(spline) => spline.at(t),
+        }
+    }
+
+    /// A bound of the absolute value; of a steady motion, its path in a unit of time.
+    fn size(&self) -> f64 {
+        match self {
+            Self::Steady { velocity: size } | Self::Chirp { amplitude: size, .. } => size.abs(),
+            Self::Table(spline) => spline.size(),
+        }
+    }
+
+    /// A bound of the first derivative.
+    fn speed(&self) -> f64 {
+        match self {
+            Self::Steady { velocity } => velocity.abs(),
+            Self::Chirp { amplitude, omega: [first, last], .. } => amplitude.abs() * first.max(*last),
+            Self::Table(spline) => spline.speed(),
         }
     }
 }
@@ -176,6 +314,27 @@ impl Envelope {
                 let second = R::of(12.0) * square * w1 * w1 - R::of(32.0) * square * w;
                 [square * square, first * per, second * per * per]
             }
+            Self::HalfSine { start, length } => {
+                let (per, x) = (R::of(PI) / R::of(length), (t - R::of(start)) / R::of(length));
+                if x < zero || x > one {
+                    return [zero; 3];
+                }
+                let (sin, cos) = (R::of(PI) * x).sin_cos();
+                // At an end: the mean of the slopes on both sides.
+                if x == zero || x == one {
+                    return [zero, R::of(0.5) * per * cos, zero];
+                }
+                [sin, per * cos, -per * per * sin]
+            }
+        }
+    }
+
+    /// The times between which it varies.
+    pub(super) fn span(self) -> Option<[f64; 2]> {
+        match self {
+            Self::None => None,
+            Self::Ramp(ramp) => Some([0.0, ramp]),
+            Self::Burst { start, length } | Self::HalfSine { start, length } => Some([start, start + length]),
         }
     }
 
@@ -183,7 +342,7 @@ impl Envelope {
     fn per_time(self) -> f64 {
         match self {
             Self::None => 0.0,
-            Self::Ramp(length) | Self::Burst { length, .. } => length.recip(),
+            Self::Ramp(length) | Self::Burst { length, .. } | Self::HalfSine { length, .. } => length.recip(),
         }
     }
 }
@@ -199,13 +358,40 @@ mod tests {
             Harmonic { amplitude: 0.5, omega: 0.0, phase: 1.0 },
         ];
         let envelopes = [Envelope::None, Envelope::Ramp(2.0), Envelope::Burst { start: 0.5, length: 3.0 }];
-        envelopes.map(|envelope| Signal { harmonics: harmonics.clone(), envelope }).to_vec()
+        envelopes.map(|envelope| Signal::new(harmonics.clone(), envelope)).to_vec()
+    }
+
+    fn courses() -> [Signal; 4] {
+        let chirp = Course::Chirp { amplitude: -0.4, omega: [3.0, 0.5], phase: 0.7, start: 0.8, length: 1.7 };
+        let values = (0..20).map(|k| (0.31 * f64::from(k)).sin()).collect();
+        let spline = Spline::new((0..20).map(|k| 0.21 * f64::from(k) + 1e-3 * f64::from(k * k)).collect(), values);
+        let [none, ramp, burst] = signals().try_into().unwrap();
+        [
+            Signal { course: Some(Course::Steady { velocity: -0.3 }), ..ramp },
+            Signal { course: Some(chirp), ..none },
+            Signal { course: Some(Course::Table(Arc::new(spline.unwrap()))), ..burst },
+            Signal { envelope: Envelope::HalfSine { start: 0.5, length: 3.0 }, ..Signal::constant(2.0) },
+        ]
+    }
+
+    #[test]
+    fn a_chirp_passes_through_its_frequencies() {
+        // Truth: the integral of the frequency by hand. From 0 to 0.8 it is 3; then it falls to 0.5
+        // over 1.7, mean 1.75; then it is 0.5.
+        let [_, chirp, ..] = courses();
+        let chirp = Signal { harmonics: vec![], ..chirp };
+        for (t, theta) in
+            [(0.4, 0.7 + 1.2_f64), (0.8, 0.7 + 2.4), (2.5, 3.1 + 1.7 * 1.75), (4.5, 3.1 + 1.7 * 1.75 + 1.0)]
+        {
+            assert!((chirp.at(t)[0] + 0.4 * theta.sin()).abs() < 1e-15, "{t}");
+        }
+        assert!((chirp.at(1.65)[1] + 0.4 * 1.75 * (3.1f64 + 0.85 * (3.0 + 1.75) / 2.0).cos()).abs() < 1e-15);
     }
 
     #[test]
     fn derivatives_are_those_of_the_signal() {
         // Truth: central differences, whose error is h^2/6 times a derivative of size 10.
-        for signal in signals() {
+        for signal in signals().into_iter().chain(courses()) {
             for k in 0..80 {
                 let (t, h) = (0.05 * f64::from(k) + 0.013, 1e-5);
                 let [_, first, second] = signal.at(t);

@@ -46,8 +46,12 @@ pub(crate) fn rates<R: Real>(
         ledger.drag += site.drag * u_dot[i] * u_dot[i];
         ledger.dashpots += site.dashpot * sliding * sliding;
     }
-    for drive in parts.drives() {
-        let (i, [value, first, second]) = (drive.site, drive.signal.at(t));
+    for (i, weight) in parts.weights() {
+        dy[half + i] += weight / parts.sites[i].mass;
+        ledger.driven += weight * u_dot[i];
+    }
+    for drive in parts.acting() {
+        let (i, [value, first, second]) = (drive.site, drive.at(t));
         match drive.kind {
             DriveKind::Force => {
                 dy[half + i] += value / parts.sites[i].mass;

@@ -111,11 +111,12 @@ impl<R: Real> SitewiseFlow<R> {
         self.class(i).bead(&self.site(i))
     }
 
-    /// The sum of `F u` and `m s'^2/2` of all drives at the present time.
+    /// The sum of `F u` and `m s'^2/2` of all drives, and of gravity, at the present time.
     fn held_by_drives(&self) -> R {
         let parts = parts(&self.chain);
-        parts.drives().iter().fold(R::zero(), |sum, drive| {
-            let [value, first, _] = drive.signal.at(self.time.value());
+        let by_gravity = parts.weights().fold(R::zero(), |sum, (i, weight)| sum + weight * self.bead(i)[0]);
+        parts.acting().iter().fold(by_gravity, |sum, drive| {
+            let [value, first, _] = drive.at(self.time.value());
             sum + match drive.kind {
                 DriveKind::Force => value * self.bead(drive.site)[0],
                 DriveKind::Displacement => R::of(0.5) * parts.sites[drive.site].mass * first * first,
@@ -128,7 +129,7 @@ impl<R: Real> SitewiseFlow<R> {
         let t = self.time.value();
         let Self { chain, z, .. } = self;
         for drive in chain.movers() {
-            let [s, s_dot, _] = drive.signal.at(t);
+            let [s, s_dot, _] = drive.at(t);
             z.iter_mut().zip([s, R::zero(), s_dot, R::zero()]).for_each(|(z, value)| z[drive.site] = value);
         }
     }
@@ -156,8 +157,9 @@ impl<R: Real> SitewiseFlow<R> {
     fn drives(&mut self, kick: R) {
         let t = self.time.value();
         let Self { chain, u, force, ledger, .. } = self;
-        for drive in parts(chain).drives() {
-            let ([value, first, _], i) = (drive.signal.at(t), drive.site);
+        parts(chain).weights().for_each(|(i, weight)| force[i] += weight);
+        for drive in parts(chain).acting() {
+            let ([value, first, _], i) = (drive.at(t), drive.site);
             match drive.kind {
                 DriveKind::Force => {
                     force[i] += value;

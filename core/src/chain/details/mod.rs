@@ -7,15 +7,16 @@
 //! | `A_b, alpha_b, delta_b` | constant, exponent and static overlap of a contact |
 //! | `gamma_b` | dissipation of a contact, see [`Dissipation`] |
 //! | `s(t), F(t)` | motion of a bead that is moved, force on a bead that is pushed |
+//! | `a` | acceleration of gravity along the chain, towards its right end |
 //!
 //! ```text
-//! m_n u_n'' = f_n - f_{n+1} - kappa_n (u_n - v_n) - c_n u_n' - d_n (u_n' - v_n') + F_n(t)
+//! m_n u_n'' = f_n - f_{n+1} - kappa_n (u_n - v_n) - c_n u_n' - d_n (u_n' - v_n') + m_n a + F_n(t)
 //! rho_n m_n v_n'' = kappa_n (u_n - v_n) + d_n (u_n' - v_n'),     g_b = delta_b + u_{b-1} - u_b
 //! f_b = A_b (g_b)_+^{alpha_b}, or with dissipation at least zero: beads never pull
 //! ```
 //!
-//! The state of a chain with damping, dissipation or drives has four more entries at its end, the
-//! [`Ledger`]: energies dissipated and work of drives since the start. Energy + dissipated - driven
+//! The state of a chain with damping, dissipation, drives or gravity has four more entries at its end, the
+//! [`Ledger`]: energies dissipated and work of drives and of gravity since the start. Energy + dissipated - driven
 //! is constant.
 
 mod collocation;
@@ -27,13 +28,15 @@ mod ledger;
 mod loops;
 mod propagator;
 mod pushing;
+mod spline;
 mod variations;
 
 pub use collocation::HeterogeneousChain;
 pub use contact::{Dissipation, Kind};
-pub use drive::{Drive, DriveKind, Envelope, Harmonic, Signal};
+pub use drive::{Course, Drive, DriveKind, Envelope, Harmonic, Signal};
 pub use flow::SitewiseFlow;
 pub use ledger::Ledger;
+pub use spline::Spline;
 pub use variations::{Variations, Varied};
 
 pub(super) use field::{complete, rates};
@@ -41,9 +44,9 @@ pub(super) use ledger::LEDGER;
 pub(super) use pushing::{Pushing, Switched};
 
 use super::{Boundary, Chain, Layout, Params, Resonators};
-use crate::error::{Error, Result, require};
+use crate::error::{Error, Result, finite, require};
 use hertzchain_integrators::{Real, law::BondLaw, regularised::common_power};
-use std::sync::Arc;
+use std::{collections::HashMap, sync::Arc};
 
 /// Parameters that differ from bead to bead, damping, dissipation and drives, as input of
 /// [`Chain::with`].
@@ -87,6 +90,8 @@ pub struct Details {
     pub dissipation: Option<Dissipation>,
     /// Drives, which move or push beads.
     pub drives: Vec<Drive>,
+    /// Acceleration of gravity along the chain, positive towards its right end.
+    pub gravity: f64,
 }
 
 /// The parameters of a site, in the form that loops over sites need.
@@ -113,6 +118,8 @@ impl<R: Real> SiteData<R> {
 #[derive(Debug)]
 pub(crate) struct CheckedDetails<R> {
     given: Details,
+    /// What acts on beads, in the order of the drives.
+    acting: Vec<Acting>,
     pub(crate) sites: Vec<SiteData<R>>,
     /// Contacts from bond 0 on; bonds that cannot touch have the constant zero.
     pub(crate) bonds: Vec<BondLaw<R>>,
@@ -120,14 +127,59 @@ pub(crate) struct CheckedDetails<R> {
     pub(crate) dissipative: bool,
 }
 
+/// A drive that pushes a bead, or all drives that move one.
+#[derive(Clone, Debug)]
+pub(crate) struct Acting {
+    pub(crate) site: usize,
+    pub(crate) kind: DriveKind,
+    pub(crate) signals: Vec<Signal>,
+}
+
+impl Acting {
+    fn of(drives: &[Drive]) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        let mut moved = HashMap::new();
+        for Drive { site, kind, signal } in drives.iter().cloned() {
+            let next = all.len();
+            match *moved.entry(site).or_insert(next) {
+                first if first < next && kind == DriveKind::Displacement => all[first].signals.push(signal),
+                _ => all.push(Self { site, kind, signals: vec![signal] }),
+            }
+        }
+        all
+    }
+
+    /// Whether it pushes its bead with a constant force.
+    pub(crate) fn pushes_steadily(&self) -> bool {
+        self.kind == DriveKind::Force && self.signals.iter().all(Signal::is_constant)
+    }
+
+    /// The sum of the signals, with its first and second derivative.
+    pub(crate) fn at<R: Real>(&self, t: R) -> [R; 3] {
+        let mut sum = self.signals[0].at(t);
+        for signal in &self.signals[1..] {
+            sum.iter_mut().zip(signal.at(t)).for_each(|(sum, by)| *sum += by);
+        }
+        sum
+    }
+}
+
 impl<R: Real> CheckedDetails<R> {
-    pub(crate) fn drives(&self) -> &[Drive] {
-        &self.given.drives
+    /// What acts on beads, besides gravity.
+    pub(crate) fn acting(&self) -> &[Acting] {
+        &self.acting
+    }
+
+    /// The weight of each bead along the chain, if there is gravity; zero of beads that are moved.
+    pub(crate) fn weights(&self) -> impl Iterator<Item = (usize, R)> + '_ {
+        let heavy: &[SiteData<R>] = if self.given.gravity == 0.0 { &[] } else { &self.sites };
+        let weight = |site: &SiteData<R>| if site.moved { R::zero() } else { site.mass * R::of(self.given.gravity) };
+        heavy.iter().map(weight).enumerate()
     }
 
     /// Whether the state keeps a ledger.
     pub(crate) fn open(&self) -> bool {
-        self.damped || self.dissipative || !self.given.drives.is_empty()
+        self.damped || self.dissipative || !self.acting.is_empty() || self.given.gravity != 0.0
     }
 
     /// The largest static overlap, in absolute value.
@@ -168,11 +220,15 @@ impl CheckedDetails<f64> {
     /// The largest frequency of resonators, harmonics of drives and contacts. Beyond its static
     /// overlap, a contact overlaps by the largest of: `strain`; the greatest overlap of its two
     /// beads if they meet with this `speed` each, or that of a moved bead; the greatest overlap of
-    /// beads that the largest driving force pushes from rest.
+    /// beads that the largest driving force, or the weight of the chain, pushes from rest.
     pub(crate) fn fast_frequency(&self, ring: bool, strain: f64, speed: f64) -> f64 {
-        let drives = |kind| self.drives().iter().filter(move |drive| drive.kind == kind).map(|drive| &drive.signal);
+        let drives = |kind| {
+            let acting = self.acting.iter().filter(move |acting| acting.kind == kind);
+            acting.flat_map(|acting| &acting.signals)
+        };
         let speed = drives(DriveKind::Displacement).map(Signal::speed).fold(speed, f64::max);
-        let push = drives(DriveKind::Force).map(Signal::size).fold(0.0, f64::max);
+        let weight = self.weights().map(|(_, weight)| weight.abs()).sum();
+        let push = drives(DriveKind::Force).map(Signal::size).fold(weight, f64::max);
         let of_site = |site: &SiteData<f64>| {
             let inverse = if site.resonators == Resonators::None { 0.0 } else { 1.0 + 1.0 / site.rho };
             (inverse * site.kappa / site.mass).sqrt()
@@ -188,7 +244,7 @@ impl CheckedDetails<f64> {
             let overlap = bond.rest.max(0.0) + strain.max(met).max((scale * push).powf(1.0 / alpha));
             (bond.stiffness(overlap) * per_mass).sqrt()
         };
-        let of_drives = self.drives().iter().flat_map(|drive| &drive.signal.harmonics).map(|harmonic| harmonic.omega);
+        let of_drives = self.acting.iter().flat_map(|acting| &acting.signals).map(Signal::frequency);
         let sites = self.sites.iter().map(of_site);
         sites.chain(self.bonds.iter().enumerate().map(of_bond)).chain(of_drives).fold(0.0, f64::max)
     }
@@ -259,7 +315,7 @@ impl Details {
     }
 
     /// The largest displacement that a drive prescribes; if no drive moves its bead, the largest
-    /// acceleration by a driving force; zero without drives.
+    /// acceleration by a driving force or by gravity; zero without these.
     pub(crate) fn scale(&self) -> f64 {
         let largest = |kind: DriveKind| {
             let of = |drive: &Drive| match kind {
@@ -269,7 +325,7 @@ impl Details {
             self.drives.iter().filter(|drive| drive.kind == kind).map(of).fold(0.0, f64::max)
         };
         match largest(DriveKind::Displacement) {
-            0.0 => largest(DriveKind::Force),
+            0.0 => largest(DriveKind::Force).max(self.gravity.abs()),
             size => size,
         }
     }
@@ -296,12 +352,11 @@ impl Details {
     fn check_drives(&self, sites: usize) -> Result<()> {
         for (k, drive) in self.drives.iter().enumerate() {
             require(drive.site < sites, "drive.site", drive.site, "a site of the chain, counted from 0")?;
-            drive.signal.check()?;
+            drive.signal.check(drive.kind)?;
             // A force on a moved bead would have no effect: its position is prescribed.
-            let also =
-                |other: &Drive| other.site == drive.site && [drive.kind, other.kind].contains(&DriveKind::Displacement);
-            if self.drives[..k].iter().any(also) {
-                return Err(Error::parameter("drive.site", drive.site, "a bead that is moved has no other drive"));
+            if self.drives[..k].iter().any(|other| other.site == drive.site && other.kind != drive.kind) {
+                let rule = "a bead that is moved is not pushed: its position is prescribed";
+                return Err(Error::parameter("drive.site", drive.site, rule));
             }
         }
         Ok(())
@@ -314,19 +369,22 @@ impl<R: Real> Chain<R> {
     ///
     /// # Errors
     /// A list of the wrong length, or a value outside its rule; a strain ring, whose unknowns
-    /// assume that all beads are equal; a positive static overlap on a free chain, which would fly
-    /// apart.
+    /// assume that all beads are equal; gravity with resonators that move; a positive static overlap on a chain with a free end, which
+    /// would fly apart.
     pub fn with(mut self, details: &Details) -> Result<Self> {
-        let rule = "details need displacements: free, fixed or ring";
+        let rule = "details need displacements: any other boundary";
         require(!self.topology.strains(), "boundary", "strain-ring", rule)?;
         let (n, touching) = (self.sites(), self.touching());
         details.check(n, touching.len(), self.params.alpha)?;
         details.check_drives(n)?;
-        let pushed = details.drives.iter().any(|drive| drive.kind == DriveKind::Force);
-        if self.boundary() == Boundary::Free && !pushed && details.overlap.iter().any(|&overlap| overlap > 0.0) {
-            let rule =
-                "only walls, a ring or pushed beads can hold a static overlap; elsewhere it is an initial condition";
-            return Err(Error::parameter("overlap", "positive on a free chain", rule));
+        finite("gravity", details.gravity)?;
+        let pushed = details.gravity != 0.0 || details.drives.iter().any(|drive| drive.kind == DriveKind::Force);
+        if matches!(self.boundary(), Boundary::Free | Boundary::LeftWall | Boundary::RightWall)
+            && !pushed
+            && details.overlap.iter().any(|&overlap| overlap > 0.0)
+        {
+            let rule = "only two walls, a ring or pushed beads can hold a static overlap; elsewhere it is an initial condition";
+            return Err(Error::parameter("overlap", format!("positive, boundary = \"{}\"", self.boundary()), rule));
         }
         let rest = self.precompression.f64();
         let bond = |bond: usize| match bond.checked_sub(touching.start).filter(|&k| k < touching.len()) {
@@ -343,7 +401,12 @@ impl<R: Real> Chain<R> {
         let damped = sites.iter().any(|site| site.drag + site.dashpot > R::zero());
         let dissipative = bonds.iter().any(BondLaw::dissipates);
         let moving = sites.iter().any(|site| site.resonators == Resonators::Moving);
-        let parts = CheckedDetails { given: details.clone(), sites, bonds, damped, dissipative };
+        if moving && details.gravity != 0.0 {
+            let rule = "gravity acts on chains whose resonators do not move: rho = 0 or inf";
+            return Err(Error::parameter("gravity", details.gravity, rule));
+        }
+        let acting = Acting::of(&details.drives);
+        let parts = CheckedDetails { given: details.clone(), acting, sites, bonds, damped, dissipative };
         self.layout = Layout::new(n, moving).with_ledger(parts.open());
         self.precompression = R::zero();
         self.details = Some(Arc::new(parts));
@@ -358,6 +421,14 @@ impl<R: Real> Chain<R> {
     /// Whether energy is dissipated or driven, so that the state has a [`Ledger`].
     pub fn open(&self) -> bool {
         self.details.as_deref().is_some_and(CheckedDetails::open)
+    }
+
+    /// Whether energy is conserved, but for the work of weights and of constant forces.
+    pub fn conservative(&self) -> bool {
+        let steady = |parts: &CheckedDetails<R>| {
+            !(parts.damped || parts.dissipative) && parts.acting.iter().all(Acting::pushes_steadily)
+        };
+        self.details.as_deref().is_none_or(steady)
     }
 
     /// Bonds whose contacts dissipate.
@@ -393,20 +464,23 @@ impl<R: Real> Chain<R> {
         self.details.as_deref()
     }
 
-    /// Times at which drives are not smooth: ends of ramps, starts and ends of bursts.
+    /// Times at which drives are not smooth: ends of ramps, starts and ends of bursts, times of
+    /// tables.
     pub(crate) fn breaks(&self) -> Vec<f64> {
-        self.parts().into_iter().flat_map(CheckedDetails::drives).flat_map(|drive| drive.signal.breaks()).collect()
+        let acting = self.parts().into_iter().flat_map(CheckedDetails::acting);
+        acting.flat_map(|acting| &acting.signals).flat_map(Signal::breaks).collect()
     }
 
-    /// The drives that move their beads.
-    pub(crate) fn movers(&self) -> impl Iterator<Item = &Drive> {
-        self.parts().into_iter().flat_map(CheckedDetails::drives).filter(|drive| drive.kind == DriveKind::Displacement)
+    /// The drives that move their beads, one for each bead.
+    pub(crate) fn movers(&self) -> impl Iterator<Item = &Acting> {
+        let acting = self.parts().into_iter().flat_map(CheckedDetails::acting);
+        acting.filter(|acting| acting.kind == DriveKind::Displacement)
     }
 
     /// Sets the beads that drives move to their positions and velocities at time `t`.
     pub(crate) fn follow(&self, t: R, y: &mut [R]) {
         for drive in self.movers() {
-            let [s, s_dot, _] = drive.signal.at(t);
+            let [s, s_dot, _] = drive.at(t);
             (y[drive.site], y[self.layout.half() + drive.site]) = (s, s_dot);
         }
     }
@@ -415,7 +489,7 @@ impl<R: Real> Chain<R> {
     /// integrate the rest, which is smaller by many orders where a ramp is short.
     pub(crate) fn kinetic_of_moved(&self, t: R) -> R {
         self.movers().fold(R::zero(), |sum, drive| {
-            let speed = drive.signal.at(t)[1];
+            let speed = drive.at(t)[1];
             sum + R::of(0.5) * self.masses(drive.site)[0] * (speed * speed)
         })
     }
@@ -442,9 +516,10 @@ impl<R: Real> Chain<R> {
     pub fn follows_drives(&self, y: &[R], t: R) -> std::result::Result<(), usize> {
         let (u, u_dot) = (self.layout.u(y), self.layout.u_dot(y));
         for drive in self.movers() {
-            let [s, s_dot, _] = drive.signal.at(t);
-            let scale = R::of(drive.signal.size()).max(R::of(f64::MIN_POSITIVE));
-            let (near, slow) = (R::of(1e-9) * scale, R::of(1e-9) * R::of(drive.signal.speed()));
+            let [s, s_dot, _] = drive.at(t);
+            let sum = |of: fn(&Signal) -> f64| R::of(drive.signals.iter().map(of).sum());
+            let scale = sum(Signal::size).max(R::of(f64::MIN_POSITIVE));
+            let (near, slow) = (R::of(1e-9) * scale, R::of(1e-9) * sum(Signal::speed));
             if (u[drive.site] - s).abs() > near || (u_dot[drive.site] - s_dot).abs() > slow {
                 return Err(drive.site);
             }

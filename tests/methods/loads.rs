@@ -1,0 +1,293 @@
+//! Walls, weights and pushes: one wall, gravity, pistons, half-sines, chirps, tables, equilibria.
+
+use crate::common::{distance, largest};
+use hertzchain::{
+    chain::{Boundary, Chain, Course, Details, Drive, DriveKind, Envelope, Params, Signal, Spline, State},
+    run::{Method, Run, Setting},
+};
+use std::{f64::consts::PI, sync::Arc};
+
+const PLAIN: Params = Params { alpha: 1.5, kappa: 0.0, rho: 0.0 };
+
+fn chain(params: Params, boundary: Boundary, sites: usize, details: &Details) -> Chain<f64> {
+    Chain::new(params, boundary, sites).unwrap().with(details).unwrap()
+}
+
+fn end(chain: &Chain<f64>, start: &State<f64>, method: Method, end: f64, steps: u64) -> Vec<f64> {
+    let setting = if method.adaptive() { Setting::Tolerance(1e-12) } else { Setting::Steps(steps) };
+    let run =
+        Run::new(chain.clone(), start.clone()).until(end).unwrap().method(method).setting(setting).start().unwrap();
+    assert!(run.failure.is_none(), "{}: {:?}", method.name(), run.failure);
+    run.state
+}
+
+fn methods(chain: &Chain<f64>) -> impl Iterator<Item = Method> + '_ {
+    Method::all().into_iter().filter(|method| method.unsupported_reason(chain).is_none())
+}
+
+fn signal(course: Course) -> Signal {
+    Signal { course: Some(course), ..Signal::new(vec![], Envelope::None) }
+}
+
+#[test]
+fn a_wall_is_a_mirror() {
+    // Truth: the chain and its mirror image, without a wall. The contact of bead 0 with its image
+    // overlaps twice as much as that with the wall, so its constant is 2^-alpha. Steps err by some
+    // 1e-4 at contacts, the same on both sides; tolerances by 1e-9.
+    for (params, n) in [(PLAIN, 3), (Params { alpha: 2.0, kappa: 1.0, rho: 0.5 }, 2)] {
+        let mut contact = vec![1.0; 2 * n - 1];
+        contact[n - 1] = 2f64.powf(-params.alpha);
+        let whole = chain(params, Boundary::Free, 2 * n, &Details { contact, ..Details::default() });
+        let right = Chain::new(params, Boundary::LeftWall, n).unwrap();
+        let left = Chain::new(params, Boundary::RightWall, n).unwrap();
+        let mut start = [State::rest(&right), State::rest(&left), State::rest(&whole)];
+        for i in 0..n {
+            let (u, u_dot) = (0.1 * (3.0 * i as f64).cos(), -0.5 * (1.0 + i as f64).sin());
+            for (k, site, sign) in [(0, i, 1.0), (1, n - 1 - i, -1.0), (2, n + i, 1.0), (2, n - 1 - i, -1.0)] {
+                (start[k].u_mut()[site], start[k].u_dot_mut()[site]) = (sign * u, sign * u_dot);
+            }
+        }
+        for method in methods(&whole) {
+            let [a, b, both] =
+                [(&right, 0), (&left, 1), (&whole, 2)].map(|(c, k)| end(c, &start[k], method, 8.0, 4000));
+            let [a, b, both] = [(&right, &a), (&left, &b), (&whole, &both)].map(|(c, y)| c.layout().u(y).to_vec());
+            let mirrored: Vec<f64> = b.iter().rev().map(|u| -u).collect();
+            assert!(largest(both.iter().copied()) > 0.2);
+            assert!(distance(&a, &both[n..]) < 1e-8, "{}: {:e}", method.name(), distance(&a, &both[n..]));
+            assert!(distance(&mirrored, &both[n..]) < 1e-8, "{}", method.name());
+        }
+        for method in methods(&right) {
+            let [a, b] =
+                [(&right, 0), (&left, 1)].map(|(c, k)| c.layout().u(&end(c, &start[k], method, 8.0, 4000)).to_vec());
+            let mirrored: Vec<f64> = b.iter().rev().map(|u| -u).collect();
+            assert!(distance(&a, &mirrored) < 1e-10, "{}: {:e}", method.name(), distance(&a, &mirrored));
+        }
+    }
+}
+
+#[test]
+fn a_piston_is_a_wall_in_a_moving_frame() {
+    // Truth: Galileo. Beads that meet a piston of velocity v move as beads of velocity -v that meet
+    // a wall.
+    let (v, n, time) = (0.3, 4, 12.0);
+    let wall = Chain::new(PLAIN, Boundary::LeftWall, n).unwrap();
+    let mut from = State::rest(&wall);
+    from.u_dot_mut().fill(-v);
+    let drives = |parts: &[f64]| -> Vec<Drive> {
+        let of = |&velocity: &f64| Drive {
+            site: 0,
+            kind: DriveKind::Displacement,
+            signal: signal(Course::Steady { velocity }),
+        };
+        parts.iter().map(of).collect()
+    };
+    // Also as the sum of two drives of one bead.
+    for parts in [&[v][..], &[0.7, v - 0.7]] {
+        let piston = chain(PLAIN, Boundary::Free, n + 1, &Details { drives: drives(parts), ..Details::default() });
+        for method in methods(&piston) {
+            let want = end(&wall, &from, method, time, 6000);
+            let got = end(&piston, &State::rest(&piston).driven(&piston), method, time, 6000);
+            let moving: Vec<f64> = got[1..=n].iter().map(|u| u - v * time).collect();
+            assert!(distance(&moving, &want[..n]) < 1e-8, "{}: {:e}", method.name(), distance(&moving, &want[..n]));
+            assert!((got[0] - v * time).abs() < 1e-14);
+        }
+    }
+}
+
+#[test]
+fn gravity_is_free_fall_and_a_bead_on_a_wall_oscillates_about_its_overlap() {
+    // Truth: a t^2/2, exact for every method; for one bead on a wall, energy less the work of its
+    // weight, which is reported as driven.
+    let details = Details { gravity: -0.7, mass: vec![1.0, 2.0], overlap: vec![-90.0], ..Details::default() };
+    let falling = chain(PLAIN, Boundary::Free, 2, &details);
+    let lonely = chain(PLAIN, Boundary::LeftWall, 1, &Details { gravity: -0.7, ..Details::default() });
+    for method in methods(&falling) {
+        let y = end(&falling, &State::rest(&falling), method, 10.0, 100);
+        for i in 0..2 {
+            assert!((y[i] + 35.0).abs() < 1e-12 && (y[2 + i] + 7.0).abs() < 1e-12, "{}: {y:?}", method.name());
+        }
+        let driven = falling.energy(&y).driven;
+        assert!((driven - 3.0 * 0.7 * 35.0).abs() < 1e-11, "{}: {driven}", method.name());
+        let mut from = State::rest(&lonely);
+        from.u_mut()[0] = 1.0;
+        let y = end(&lonely, &from, method, 5.0, 2000);
+        let energy = lonely.energy(&y);
+        assert!((energy.driven + 0.7 * (y[0] - 1.0)).abs() < 1e-9, "{}: {:e}", method.name(), energy.driven);
+        let bound = if method.adaptive() { 1e-9 } else { 1e-4 };
+        assert!((energy.total() - energy.driven).abs() < bound, "{}: {energy:?}", method.name());
+    }
+}
+
+#[test]
+fn a_free_bead_is_pushed_as_far_as_the_force_says() {
+    // Truth: closed forms of the double integral of the force; of a table, of its cubic. Steps of a
+    // second order err by h^2, at the kinks of a half-sine all equal steps do.
+    let time = 7.3;
+    let half_sine = Signal { envelope: Envelope::HalfSine { start: 1.1, length: 2.0 }, ..Signal::constant(0.4) };
+    // Impulse 2 a L/pi about the middle of the pulse.
+    let by_half_sine = 0.4 * 2.0 * 2.0 / PI * (time - 2.1);
+    let cubic = |t: f64| 0.1 + t * (0.2 - t * (0.3 - 0.03 * t));
+    let times: Vec<f64> = [-1.0, 0.4, 1.0, 3.3, 4.0, 8.0].to_vec();
+    let table = Spline::new(times.clone(), times.iter().map(|&t| cubic(t)).collect()).unwrap();
+    let by_table = time * time * (0.05 + time * (0.2 / 6.0 - time * (0.3 / 12.0 - 0.03 / 20.0 * time)));
+    let constant = Signal::constant(-0.3);
+    for (k, (signal, want)) in
+        [(half_sine, by_half_sine), (signal(Course::Table(Arc::new(table))), by_table), (constant, -0.15 * time * time)]
+            .into_iter()
+            .enumerate()
+    {
+        let drives = vec![Drive { site: 0, kind: DriveKind::Force, signal }];
+        let free = chain(PLAIN, Boundary::Free, 1, &Details { drives, ..Details::default() });
+        for method in methods(&free) {
+            let y = end(&free, &State::rest(&free), method, time, 2000);
+            let bound = if method.adaptive() || k == 2 { 1e-10 } else { 2e-5 };
+            assert!((y[0] - want).abs() < bound, "{k} {}: {:e}", method.name(), y[0] - want);
+            let energy = free.energy(&y);
+            let bound = if method.adaptive() || k == 2 { 1e-9 } else { 2e-3 };
+            assert!((energy.total() - energy.driven).abs() < bound, "{k} {}: {energy:?}", method.name());
+        }
+    }
+}
+
+#[test]
+fn all_methods_meet_chirps_and_tables_in_a_chain() {
+    // Truth: contact collocation, whose windows end at breaks, at a tolerance of 1e-13. A break that
+    // is not known costs dop853 1e-8 and more.
+    let values: Vec<f64> = (0..40).map(|k| 0.2 * (0.7 * f64::from(k)).sin()).collect();
+    let table = Spline::new((0..40).map(|k| 0.25 * f64::from(k)).collect(), values).unwrap();
+    let chirp = Course::Chirp { amplitude: 0.3, omega: [4.0, 0.5], phase: 0.2, start: 1.0, length: 5.0 };
+    let ramped = Signal { envelope: Envelope::Ramp(2.0), ..signal(Course::Steady { velocity: 0.2 }) };
+    for signal in [signal(chirp), signal(Course::Table(Arc::new(table))), ramped] {
+        for kind in [DriveKind::Displacement, DriveKind::Force] {
+            if kind == DriveKind::Force && matches!(signal.course, Some(Course::Steady { .. })) {
+                continue;
+            }
+            let drives = vec![Drive { site: 0, kind, signal: signal.clone() }];
+            let chain = chain(
+                PLAIN,
+                Boundary::RightWall,
+                3,
+                &Details { drives, drag: vec![0.0, 0.1, 0.1], ..Details::default() },
+            );
+            let start = State::rest(&chain).driven(&chain);
+            let run = Run::new(chain.clone(), start.clone()).until(9.0).unwrap().tolerance(1e-13).unwrap();
+            let want = run.start().unwrap().state;
+            for method in methods(&chain) {
+                let got = end(&chain, &start, method, 9.0, 9000);
+                let off = distance(&got[..6], &want[..6]);
+                let bound = if method.name() == "dop853" || !method.adaptive() { 1e-4 } else { 1e-8 };
+                assert!(off < bound, "{:?} {kind:?} {}: {off:e}", signal.course, method.name());
+                assert!(distance(&got, &want) < 100.0 * bound, "{:?} {kind:?} {}", signal.course, method.name());
+            }
+        }
+    }
+}
+
+/// Overlaps of the bonds that can touch, in the equilibrium.
+fn overlaps(chain: &Chain<f64>) -> Vec<f64> {
+    chain.overlaps(&chain.equilibrium().unwrap())[chain.touching()].to_vec()
+}
+
+#[test]
+fn a_column_stands_on_the_weight_above_it() {
+    // Truth: overlap_k = (weight above / A_k)^(1/alpha), with every bead, gap and constant of its
+    // own; standing on either wall.
+    let n = 40;
+    let mass: Vec<f64> = (0..n).map(|i| 1.0 + 0.5 * (i as f64).sin()).collect();
+    let list = |f: fn(f64) -> f64| -> Vec<f64> { (0..n).map(|k| f(k as f64)).collect() };
+    let (contact, alpha) = (list(|k| 2.0 + k.cos()), list(|k| 1.5 + 0.5 * (0.3 * k).sin()));
+    let overlap = list(|k| -0.1 * (1.0 + (2.0 * k).sin()));
+    for (boundary, gravity) in [(Boundary::RightWall, 0.01), (Boundary::LeftWall, -0.01)] {
+        let (mass, contact, alpha, overlap) = (mass.clone(), contact.clone(), alpha.clone(), overlap.clone());
+        let details = Details {
+            mass: mass.clone(),
+            contact: contact.clone(),
+            alpha: alpha.clone(),
+            overlap,
+            gravity,
+            ..Details::default()
+        };
+        let column = chain(PLAIN, boundary, n, &details);
+        for (k, overlap) in overlaps(&column).into_iter().enumerate() {
+            let above: f64 = if gravity > 0.0 { mass[..=k].iter().sum() } else { mass[k..].iter().sum() };
+            let want = (0.01 * above / contact[k]).powf(1.0 / alpha[k]);
+            assert!((overlap - want).abs() < 1e-13, "{boundary} {k}: {overlap} for {want}");
+        }
+        // At rest it stays at rest.
+        let start = State::equilibrium(&column).unwrap();
+        for name in ["collocation", "strang-linear"] {
+            let y = end(&column, &start, Method::named(name).unwrap(), 10.0, 2000);
+            let moved = distance(&y[..2 * n], &start.as_slice()[..2 * n]);
+            assert!(moved < 1e-12, "{boundary} {name}: {moved:e}");
+        }
+    }
+}
+
+#[test]
+fn between_two_walls_forces_balance_and_overlaps_fill_the_room() {
+    // Truth: the two conditions themselves: f_k + F_k = f_{k+1}, and the sum of overlaps is that of
+    // the static ones. With more room than the load closes the upper wall is left.
+    for (rest, closed) in [(0.1, true), (0.0, true), (-0.01, false), (-1.0, false)] {
+        let push = Drive { site: 2, kind: DriveKind::Force, signal: Signal::constant(-0.02) };
+        let details = Details { gravity: 0.01, overlap: vec![rest; 8], drives: vec![push], ..Details::default() };
+        let chain = chain(PLAIN, Boundary::Fixed, 7, &details);
+        let all = overlaps(&chain);
+        let force: Vec<f64> = all.iter().map(|g| g.max(0.0).powf(1.5)).collect();
+        for k in 0..7 {
+            let load = 0.01 - if k == 2 { 0.02 } else { 0.0 };
+            assert!((force[k] + load - force[k + 1]).abs() < 1e-14, "{rest} {k}: {force:?}");
+        }
+        assert!((all.iter().sum::<f64>() - 8.0 * rest).abs() < 1e-13, "{rest}: {all:?}");
+        assert_eq!(all.iter().all(|g| *g > 0.0), closed, "{rest}: {all:?}");
+    }
+}
+
+#[test]
+fn a_ring_a_moved_bead_and_an_unloaded_chain_have_equilibria_too() {
+    let push = |site, force| Drive { site, kind: DriveKind::Force, signal: Signal::constant(force) };
+    // Truth: balance on a ring, whose centre of mass stays.
+    let details = Details { overlap: vec![0.2; 6], drives: vec![push(1, 0.1), push(4, -0.1)], ..Details::default() };
+    let ring = chain(PLAIN, Boundary::Ring, 6, &details);
+    let (u, all) = (ring.equilibrium().unwrap(), overlaps(&ring));
+    let force: Vec<f64> = all.iter().map(|g| g.powf(1.5)).collect();
+    for k in 0..6 {
+        let load = [0.0, 0.1, 0.0, 0.0, -0.1, 0.0][k];
+        assert!((force[k] + load - force[(k + 1) % 6]).abs() < 1e-15, "{force:?}");
+    }
+    assert!(u.iter().sum::<f64>().abs() < 1e-15 && (all.iter().sum::<f64>() - 1.2).abs() < 1e-14);
+    // Truth: a bead that is moved holds what presses against it.
+    let moved = Drive { site: 1, kind: DriveKind::Displacement, signal: Signal::constant(0.05) };
+    let held = chain(PLAIN, Boundary::Free, 3, &Details { drives: vec![moved, push(0, 0.008)], ..Details::default() });
+    let u = held.equilibrium().unwrap();
+    assert!((u[0] - 0.05 - 0.008f64.powf(2.0 / 3.0)).abs() < 1e-15 && u[1..] == [0.05, 0.05], "{u:?}");
+    // Truth: nothing moves without loads, whatever the gaps are.
+    for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::LeftWall, Boundary::RightWall] {
+        let apart = Chain::new(PLAIN, boundary, 3).unwrap();
+        let overlap = [-0.1, -0.2, 0.0, -0.3][..apart.touching().len()].to_vec();
+        let u = apart.with(&Details { overlap, ..Details::default() }).unwrap().equilibrium().unwrap();
+        assert!(u.iter().all(|u| u.abs() < 1e-16), "{boundary}: {u:?}");
+    }
+}
+
+#[test]
+fn a_load_that_nothing_holds_is_refused_with_its_beads() {
+    let push = |site, force| Drive { site, kind: DriveKind::Force, signal: Signal::constant(force) };
+    let refused = |boundary, gravity, drives| {
+        let details = Details { gravity, drives, ..Details::default() };
+        chain(PLAIN, boundary, 4, &details).equilibrium().unwrap_err().to_string()
+    };
+    for (boundary, gravity, drives, words) in [
+        (Boundary::LeftWall, 0.5, vec![], "load = 2e0 on beads 0 to 3"),
+        (Boundary::RightWall, -0.5, vec![], "load = -2e0 on beads 0 to 3"),
+        (Boundary::Free, 0.5, vec![], "load = 2e0 on beads 0 to 3"),
+        (Boundary::Ring, 0.5, vec![], "on a ring nothing holds"),
+        (Boundary::LeftWall, -0.5, vec![push(3, 0.75)], "load = 2.5e-1 on bead 3"),
+        (Boundary::RightWall, 0.5, vec![push(0, -0.75)], "load = -2.5e-1 on bead 0"),
+    ] {
+        let message = refused(boundary, gravity, drives);
+        assert!(message.contains(words), "{boundary}: {message}");
+    }
+    let details = Details { gravity: 1.0, ..Details::default() };
+    let resonators = Chain::<f64>::new(Params { alpha: 1.5, kappa: 1.0, rho: 1.0 }, Boundary::RightWall, 2).unwrap();
+    assert!(resonators.with(&details).unwrap_err().to_string().contains("resonators do not move"));
+}
