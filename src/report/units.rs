@@ -33,6 +33,10 @@ pub enum Quantity {
     Velocity,
     /// A force.
     Force,
+    /// A displacement over a force, or the inverse of a stiffness.
+    Compliance,
+    /// A momentum.
+    Momentum,
     /// An energy or work.
     Energy,
     /// A mass.
@@ -56,6 +60,8 @@ impl Quantity {
             Self::Time => "s",
             Self::Velocity => "m/s",
             Self::Force => "N",
+            Self::Compliance => "m/N",
+            Self::Momentum => "kg m/s",
             Self::Energy => "J",
             Self::Mass => "kg",
             Self::Stiffness => "N/m",
@@ -121,6 +127,8 @@ impl Units {
             Quantity::Time => self.time_s,
             Quantity::Velocity => self.velocity_m_per_s,
             Quantity::Force => self.force_n,
+            Quantity::Compliance => self.length_m / self.force_n,
+            Quantity::Momentum => self.mass_kg * self.velocity_m_per_s,
             Quantity::Energy => self.energy_j,
             Quantity::Mass => self.mass_kg,
             Quantity::Stiffness => self.force_n / self.length_m,

@@ -24,6 +24,7 @@ mod paper_figures;
 mod paper_points;
 mod parts;
 mod provenance;
+mod records;
 mod refusals;
 mod scenes;
 mod shards;
