@@ -27,8 +27,8 @@ use std::f64::consts::TAU;
 /// Periods of the drive at the end of a run from which amplitudes are taken, and samples of each.
 const MEASURED: usize = 10;
 const SAMPLES: usize = 64;
-/// Tolerance of runs.
-const TOL: f64 = 1e-10;
+/// Tolerance of runs, in units of the static overlaps: amplitudes are much smaller.
+const TOL: f64 = 1e-12;
 
 /// The linear response to a drive at one site.
 #[derive(Clone, Debug)]

@@ -138,7 +138,7 @@ impl Signals {
             let unit = if si { format!(" {unit}") } else { String::new() };
             let (name, value, t) = (quantity.name(), peak.value, peak.t);
             Some(format!(
-                "recorded    {name} at {} {what}s: largest {value:.6e}{unit} at {what} {place}, t = {t:.6e}",
+                "recorded    {name} ({what}s {}): largest {value:.6e}{unit} at {what} {place}, t = {t:.6e}",
                 signals().count()
             ))
         };
