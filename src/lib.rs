@@ -22,6 +22,7 @@
 //! | `cli` | the command line (feature `cli`) |
 //! | `figures` | pictures as PNG (feature `plot`) |
 //! | [`interrupt`] | whether the process was asked to end |
+//! | [`fourier`](mod@fourier) | discrete Fourier transforms of any length |
 //! | [`numerics`] | lines and planes through points, bisection, golden sections, extremes |
 //! | [`plain`] | the loops that anybody would write, as a yardstick |
 //! | [`error`] | the error type |
@@ -34,6 +35,7 @@ pub mod breathers;
 pub mod cli;
 #[cfg(feature = "plot")]
 pub mod figures;
+pub mod fourier;
 mod memory;
 mod named;
 mod number;

@@ -201,6 +201,174 @@ def bands(
     return called("study bands", bands, locals())
 
 
+def modes(
+    scene: Scene | Chain | str = "defect",
+    *,
+    set: Mapping[str, Any] | Sequence[str] | None = None,
+    dimensionless: bool = False,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Compute the linear modes of a scene.
+
+    Frequencies, participation numbers and shapes of all linear modes of the finite chain about its
+    static state, resonators included, also of modes with the same frequency.
+
+    Parameters
+    ----------
+    scene : Scene | Chain | str
+        Name of a built-in scene, or a TOML file. Its contacts hold every bead at rest: a static
+        overlap, between walls or on a ring. Damping and the initial state do not matter; a bead
+        that a drive moves is held.
+    set : Mapping[str, Any] | Sequence[str]
+        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
+        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+        needs no quotation marks, as in chain.boundary=ring.
+    dimensionless : bool
+        Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
+        units, and so are options and results, except files for `resume` and messages of failures:
+        metres, seconds, kilograms, newtons, joules. With this option results are dimensionless;
+        what is given stays in SI units.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: modes.json, modes.png; modes.npz with an array
+        TABLE.COLUMN for each column of linear-modes.csv: mode (number by frequency), omega
+        (frequency), participation (number of sites that take part), site (of the bead or resonator
+        that moves most), resonator (whether that is a resonator). mode-shapes.csv: site, resonator
+        (whether the row is that of its resonator), mode_1 (displacement in the first mode, 1 where
+        it moves most, and so on).
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study modes", modes, locals())
+
+
+def response(
+    scene: Scene | Chain | str = "granular-crystal",
+    *,
+    set: Mapping[str, Any] | Sequence[str] | None = None,
+    site: int | None = None,
+    kind: Literal["moved", "pushed"] | None = None,
+    at: int | Sequence[int] | None = None,
+    from_: float = 0,
+    to: float | None = None,
+    points: int = 401,
+    amplitude: float | None = None,
+    settle: int = 200,
+    dimensionless: bool = False,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Compute the linear response of a scene to a drive at one site.
+
+    Gain and phase of chosen beads over the frequency of the drive, with damping, about the static
+    state of the finite chain; with `amplitude` also those of runs of the nonlinear chain.
+
+    Parameters
+    ----------
+    scene : Scene | Chain | str
+        Name of a built-in scene, or a TOML file. Its contacts hold every bead at rest: a static
+        overlap, between walls or on a ring. Damping counts; the initial state does not matter.
+    set : Mapping[str, Any] | Sequence[str]
+        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
+        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+        needs no quotation marks, as in chain.boundary=ring.
+    site : int
+        Site that is driven [default: that of the scene's first drive, or 0].
+    kind : Literal["moved", "pushed"]
+        Whether the site is moved or pushed [default: as by the scene's first drive, or pushed].
+        moved: the response is a displacement over that of the driven bead. pushed: it is a
+        displacement over the force. Other beads that drives of the scene move are held.
+    at : int | Sequence[int]
+        Sites whose responses are computed, separated by commas [default: the last one].
+    from_ : float
+        First frequency omega. Finite and at least 0.
+    to : float
+        Last frequency omega [default: 1.2 times that of the highest mode]. In rad/s for scenes with
+        `[units]`, as `from_`. Finite and positive.
+    points : int
+        Number of frequencies, equally spaced. From 2 to 100000.
+    amplitude : float
+        Amplitude of a drive by which the chain is also run: of the displacement, or of the force.
+        At every frequency above zero the chain starts from its static state, and the drive comes to
+        its full height over the first quarter of `settle`. The response is the Fourier coefficient
+        over the last ten periods of the drive. In metres or newtons for scenes with `[units]`. Take
+        few `points`. Finite and positive.
+    settle : int
+        Length of these runs, in periods of the drive. From 20 to 1000000.
+    dimensionless : bool
+        Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
+        units, and so are options and results, except files for `resume` and messages of failures:
+        metres, seconds, kilograms, newtons, joules. With this option results are dimensionless;
+        what is given stays in SI units.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: response.json, response.png; response.npz with an
+        array TABLE.COLUMN for each column of response.csv: omega, gain_9 (amplitude of the
+        displacement over that of the driven bead, and so on), phase_9 (phase ahead of the drive, in
+        radians), run_gain_9 (the same of the run), run_phase_9.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study response", response, locals())
+
+
+def spectrum(
+    scene: Scene | Chain | str = "granular-crystal",
+    *,
+    set: Mapping[str, Any] | Sequence[str] | None = None,
+    from_: float = 0,
+    window: Literal["hann", "none"] = "hann",
+    dimensionless: bool = False,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Compute the spectra of what a scene records.
+
+    Power spectral densities of the signals that its table record names, of a run; and where they
+    are those of evenly spaced places, the power of waves over wave number and frequency, beside the
+    bands of the infinite chain.
+
+    Parameters
+    ----------
+    scene : Scene | Chain | str
+        Name of a built-in scene, or a TOML file. Signals are what its `[record]` names, such as
+        forces of chosen bonds; the velocities of all beads if it names nothing.
+    set : Mapping[str, Any] | Sequence[str]
+        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
+        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+        needs no quotation marks, as in chain.boundary=ring.
+    from_ : float
+        Time from which signals count. In seconds for scenes with `[units]`. Finite and at least 0.
+    window : Literal["hann", "none"]
+        Window in time, and in space on chains that are no rings: hann or none.
+    dimensionless : bool
+        Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
+        units, and so are options and results, except files for `resume` and messages of failures:
+        metres, seconds, kilograms, newtons, joules. With this option results are dimensionless;
+        what is given stays in SI units.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: spectrum.json, spectrum.png; spectrum.npz with an
+        array TABLE.COLUMN for each column of spectrum-signals.csv: signal (quantity and site or
+        bond, in its unit), mean, mean_square (about the mean), integral (of the density), frequency
+        (of the largest density, omega/(2 pi)), amplitude (of a sine with the power about it).
+        spectrum.csv: frequency (omega/(2 pi)), force_20 (power spectral density of this signal, its
+        unit squared over that of the frequency, and so on). waves.csv: frequency (omega/(2 pi)),
+        power_0 (power of waves with the wave number 2 pi m/(N d), N places d sites apart, with m in
+        the name).
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("study spectrum", spectrum, locals())
+
+
 def scaling(
     *,
     sites: int | Sequence[int] = (50, 100, 200, 500, 1000, 5000, 50000),

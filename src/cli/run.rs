@@ -13,7 +13,7 @@ use crate::{
     parts::Decomposition,
     run::{Method, Records, Trajectory, Warning},
     scene::{Scene, SceneFile},
-    study::{self, LongRun, MethodChoice, RunView, folder_of},
+    study::{self, LongRun, MethodChoice, RunView, Signals, folder_of},
 };
 use std::path::Path;
 #[cfg(feature = "mpi")]
@@ -78,18 +78,24 @@ impl Runs for RunArgs {
         let again = self.amplification.then(|| how.integrated(run.clone())).transpose()?;
         let folder = self.out.as_ref().map(|out| Folder::own(out, None)).transpose()?;
         say_why();
-        let run = run.records(if folder.is_some() { Records::Profiles } else { Records::Energy });
+        let mut signals = Signals::new(&scene);
+        let profiles = folder.is_some() && signals.is_none();
+        let run = run.records(if profiles { Records::Profiles } else { Records::Energy });
         let bar = progress_bar();
         let run = if self.events { run.contacts() } else { run };
         let run = if let Some(share) = self.maxima { run.maxima(share)? } else { run };
-        let outcome = how.observe(run, &mut |t, _| bar.set_position((1000.0 * t / scene.end()) as u64), &mut |_| ());
+        let mut seen = |t: f64, y: &[f64]| {
+            bar.set_position((1000.0 * t / scene.end()) as u64);
+            signals.iter_mut().for_each(|signals| signals.take(&scene, t, y));
+        };
+        let outcome = how.observe(run, &mut seen, &mut |_| ());
         bar.finish_and_clear();
         let outcome = outcome?;
         let again = again.filter(|_| outcome.failure.is_none());
         // The results of the run count, also if the second run fails.
         let unknown = |why: &Error| say(&format!("amplification unknown: {why}"));
         let amplification = again.and_then(|run| run.amplification(&outcome.state).inspect_err(unknown).ok());
-        report(self, &scene, (&name, &wording, reason), (outcome, amplification), folder.as_ref())
+        report(self, &scene, (&name, &wording, reason), (outcome, amplification, signals), folder.as_ref())
     }
 }
 
@@ -137,13 +143,15 @@ fn report(
     args: &RunArgs,
     scene: &Scene,
     (name, wording, reason): (&str, &str, Option<&str>),
-    (outcome, amplification): (Trajectory, Option<f64>),
+    (outcome, amplification, signals): (Trajectory, Option<f64>, Option<Signals>),
     folder: Option<&Folder>,
 ) -> Exit {
     let units = args.results.of(scene);
     let (si, setting) = (units.as_ref(), wording);
     let outcome = study::in_units(outcome, scene.chain().layout(), si);
-    let ran = RunView { scene, integrator: name, setting, reason, outcome: &outcome, amplification, si };
+    let signals = signals.map(|signals| signals.in_units(si));
+    let signals = signals.as_ref();
+    let ran = RunView { scene, integrator: name, setting, reason, outcome: &outcome, amplification, si, signals };
     // JSON has the whole state. For a long chain it takes more memory than the run, so it is made
     // only if it is asked for.
     let text = if args.json { to_json(&study::run_json(&ran)) + "\n" } else { study::run_summary(&ran) };
@@ -190,5 +198,10 @@ fn go_on(args: &RunArgs, long: LongRun, folder: &Folder) -> Exit {
     let bar = progress_bar();
     let outcome = long.run(folder, &mut |t| bar.set_position((1000.0 * t / scene.end()) as u64));
     bar.finish_and_clear();
-    report(args, &scene, (&name, &wording, None), (outcome?, None), Some(folder))
+    let mut outcome = outcome?;
+    let signals = Signals::of(&scene, &outcome.profiles);
+    if signals.is_some() {
+        outcome.profiles.clear();
+    }
+    report(args, &scene, (&name, &wording, None), (outcome, None, signals), Some(folder))
 }

@@ -25,7 +25,7 @@ use super::{
     shooting::{Equations, NewtonStep, least_squares},
 };
 use crate::{
-    chain::{Chain, State, Variations, max_norm},
+    chain::{Chain, Details, Drive, DriveKind, State, Variations, max_norm},
     error::{Error, Result, require},
     numerics::least_by,
     output::FileFormat,
@@ -105,15 +105,32 @@ impl NormalModes {
     /// ```
     ///
     /// # Errors
-    /// A chain that dissipates or is driven, except by gravity and constant forces; a strain ring; `alpha <= 1`; more than 256 sites; no
-    /// equilibrium near, or one in which contacts do not hold all beads.
+    /// A chain that dissipates or is driven, except by gravity and constant forces; a strain ring;
+    /// `alpha <= 1`; more than 256 sites; no equilibrium near, or one in which contacts do not hold
+    /// all beads.
     pub fn new(chain: &Chain<f64>) -> Result<Self> {
         require(chain.conservative(), "chain", "damped or driven", "normal modes need a conservative chain")?;
+        Self::held(chain, &[])
+    }
+
+    /// The linear modes of a chain about its static state, without its damping and those drives that
+    /// vary in time, and with some beads held in their places: those in `held`, and those that drives
+    /// move.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn held(chain: &Chain<f64>, held: &[usize]) -> Result<Self> {
         let n = chain.sites();
         require(n <= MOST_SITES, "sites", n, "at most 256 sites for a tangent map")?;
+        let drives = chain.details().map_or(&[][..], |details| &details.drives);
+        let moved = drives.iter().filter(|drive| drive.kind == DriveKind::Displacement).map(|drive| drive.site);
+        let held: Vec<usize> = held.iter().copied().chain(moved).collect();
+        let chain = &conservative(chain)?;
         let resonators = (0..n).filter(|&i| chain.resonator_moves(i));
-        let free: Vec<usize> = (0..n).chain(resonators.clone().map(|i| n + i)).collect();
-        let beads = (0..n).map(|i| chain.masses(i)[0]);
+        let coordinates = (0..n).filter(|i| !held.contains(i));
+        let free: Vec<usize> = coordinates.clone().chain(resonators.clone().map(|i| n + i)).collect();
+        require(!free.is_empty(), "chain", "all beads are held", "at least one bead that can move")?;
+        let beads = coordinates.map(|i| chain.masses(i)[0]);
         let masses: Vec<f64> = beads.chain(resonators.map(|i| chain.masses(i)[1])).collect();
         // Newton's method finds the equilibrium from the unloaded chain only where this has stiffness.
         let loaded = chain.open() && !chain.tied();
@@ -145,6 +162,11 @@ impl NormalModes {
         least_by(0..self.linear.len(), |&k| self.linear[k].participation).unwrap_or(0)
     }
 
+    /// Number of coordinates.
+    pub fn coordinates(&self) -> usize {
+        self.free.len()
+    }
+
     /// Site of a coordinate, and whether the coordinate is that of a resonator.
     pub fn place(&self, coordinate: usize) -> (usize, bool) {
         let n = self.chain.sites();
@@ -153,21 +175,12 @@ impl NormalModes {
 
     /// Accelerations `q''` at a state, and their derivative by `q`.
     fn linearised(&self, state: &[f64]) -> Result<(DVector<f64>, DMatrix<f64>)> {
-        let (m, half) = (self.free.len(), self.chain.layout().half());
-        let mut field = Variations::new(&self.chain, m)?;
-        let mut y = state.to_vec();
-        y.resize(state.len() + field.rows() * m, 0.0);
-        for (j, &i) in self.free.iter().enumerate() {
-            y[state.len() + i * m + j] = 1.0;
-        }
-        let mut rates = vec![0.0; y.len()];
-        field.eval(0.0, &y, &mut rates);
-        let columns = &rates[state.len()..];
-        let acceleration = self.free.iter().map(|&i| rates[half + i]);
-        Ok((
-            DVector::from_iterator(m, acceleration),
-            DMatrix::from_fn(m, m, |k, j| columns[(half + self.free[k]) * m + j]),
-        ))
+        linearised(&self.chain, &self.free, state, false)
+    }
+
+    /// The state at rest in the equilibrium, in the layout of the chain without a ledger.
+    pub fn at_rest(&self) -> &[f64] {
+        &self.rest
     }
 
     /// Moves the state at rest to the equilibrium, by Newton's method.
@@ -252,6 +265,53 @@ impl NormalModes {
         let end = Variations::flow(&self.chain, start, (0.0, t), &columns, TANGENT_TOL)?.columns;
         Ok(DMatrix::from_fn(2 * self.free.len(), k, |c, j| end[entry(c) * k + j]))
     }
+}
+
+/// The drives that are part of the static state: constant forces.
+pub(super) fn steady(details: &Details) -> Vec<Drive> {
+    let steady = |drive: &&Drive| drive.kind == DriveKind::Force && drive.signal.is_constant();
+    details.drives.iter().filter(steady).cloned().collect()
+}
+
+/// The chain without damping, dissipation and drives that vary; with the same static overlaps.
+pub(super) fn conservative(chain: &Chain<f64>) -> Result<Chain<f64>> {
+    match chain.details().filter(|_| chain.open()) {
+        None => Ok(chain.clone()),
+        Some(details) => {
+            let (drag, dashpot, drives) = (Vec::new(), Vec::new(), steady(details));
+            with(chain, Details { drag, dashpot, dissipation: None, drives, ..details.clone() })
+        }
+    }
+}
+
+/// The chain with other details, and the same static overlaps.
+pub(super) fn with(chain: &Chain<f64>, details: Details) -> Result<Chain<f64>> {
+    let overlap = chain.overlaps(&vec![0.0; chain.sites()])[chain.touching()].to_vec();
+    let details = Details { overlap, ..details };
+    Chain::new(chain.params(), chain.boundary(), chain.sites())?.with(&details)
+}
+
+/// Accelerations `q''` of the coordinates `free` at a state, and their derivative by `q`, or by
+/// `q'`.
+pub(super) fn linearised(
+    chain: &Chain<f64>,
+    free: &[usize],
+    state: &[f64],
+    by_velocities: bool,
+) -> Result<(DVector<f64>, DMatrix<f64>)> {
+    let (m, half) = (free.len(), chain.layout().half());
+    let first = if by_velocities { half } else { 0 };
+    let mut field = Variations::new(chain, m)?;
+    let mut y = state.to_vec();
+    y.resize(state.len() + field.rows() * m, 0.0);
+    for (j, &i) in free.iter().enumerate() {
+        y[state.len() + (first + i) * m + j] = 1.0;
+    }
+    let mut rates = vec![0.0; y.len()];
+    field.eval(0.0, &y, &mut rates);
+    let columns = &rates[state.len()..];
+    let acceleration = free.iter().map(|&i| rates[half + i]);
+    Ok((DVector::from_iterator(m, acceleration), DMatrix::from_fn(m, m, |k, j| columns[(half + free[k]) * m + j])))
 }
 
 fn not_held() -> Error {

@@ -35,6 +35,10 @@ pub enum Quantity {
     Acceleration,
     /// A force.
     Force,
+    /// A displacement over a force, or the inverse of a stiffness.
+    Compliance,
+    /// A momentum.
+    Momentum,
     /// An energy or work.
     Energy,
     /// A mass.
@@ -61,6 +65,8 @@ impl Quantity {
             Self::Velocity => "m/s",
             Self::Acceleration => "m/s^2",
             Self::Force => "N",
+            Self::Compliance => "m/N",
+            Self::Momentum => "kg m/s",
             Self::Energy => "J",
             Self::Mass => "kg",
             Self::Stiffness => "N/m",
@@ -128,6 +134,8 @@ impl Units {
             Quantity::Velocity => self.velocity_m_per_s,
             Quantity::Acceleration => self.velocity_m_per_s / self.time_s,
             Quantity::Force => self.force_n,
+            Quantity::Compliance => self.length_m / self.force_n,
+            Quantity::Momentum => self.mass_kg * self.velocity_m_per_s,
             Quantity::Energy => self.energy_j,
             Quantity::Mass => self.mass_kg,
             Quantity::Stiffness => self.force_n / self.length_m,

@@ -1,7 +1,7 @@
 //! The contents of a scene file in TOML.
 
 use super::{
-    BeadsSection, BondsSection, DriveSection, Quantity, Scene, UnitsSection,
+    BeadsSection, BondsSection, DriveSection, Quantity, Record, Scene, UnitsSection,
     builtin::BUILTIN,
     values::{Measured, Numbers, Seen},
 };
@@ -269,46 +269,6 @@ impl MethodSection {
             }
             _ => Err(Error::parameter("method", "[method]", "give one of `tol`, `step` and `steps_per_period`")),
         }
-    }
-}
-
-sections! {
-    /// The section `[record]`.
-    #[derive(Default)]
-    pub struct Record {
-        /// Number of equally spaced times at which energy and strains are kept; 0: the end only.
-        ///
-        /// If left out, a scene takes [`FEWEST_SAMPLES`](Self::FEWEST_SAMPLES), or more where its
-        /// period is known; see [`by_default`](Self::by_default).
-        samples?: usize,
-    }
-}
-
-impl Record {
-    /// Least default number of samples.
-    pub const FEWEST_SAMPLES: usize = 400;
-    /// Largest default number of samples.
-    pub const MOST_SAMPLES: usize = 10_000;
-    /// Default number of samples per period, up to [`MOST_SAMPLES`](Self::MOST_SAMPLES) in all.
-    pub const PER_PERIOD: f64 = 16.0;
-
-    /// Records with the given number of samples.
-    pub fn of(samples: usize) -> Self {
-        Self { samples: Some(samples) }
-    }
-
-    /// The default number of samples, from the length of the run in periods, if a period is known.
-    ///
-    /// ```
-    /// use hertzchain::scene::Record;
-    /// assert_eq!(Record::by_default(None), 400);
-    /// assert_eq!(Record::by_default(Some(10.0)), 400);
-    /// assert_eq!(Record::by_default(Some(100.0)), 1600);
-    /// assert_eq!(Record::by_default(Some(1e9)), 10_000);
-    /// ```
-    pub fn by_default(periods: Option<f64>) -> usize {
-        let wanted = (Self::PER_PERIOD * periods.unwrap_or(0.0)).ceil().min(Self::MOST_SAMPLES as f64);
-        (wanted as usize).max(Self::FEWEST_SAMPLES)
     }
 }
 

@@ -32,13 +32,15 @@ mod builtin;
 mod details;
 mod file;
 mod initial;
+mod record;
 mod units;
 mod values;
 
 pub use crate::report::{Quantity, Units};
 pub use details::{BeadsSection, BondsSection, DriveSection, Shape};
 pub(crate) use file::held;
-pub use file::{ChainSection, Initial, MethodSection, Record, SceneFile, Span, TrivialSection};
+pub use file::{ChainSection, Initial, MethodSection, SceneFile, Span, TrivialSection};
+pub use record::{PlaceRange, Places, Record, Recorded, Selection};
 pub use units::UnitsSection;
 pub use values::{Rule, Values};
 
@@ -64,6 +66,8 @@ const MOST_BYTES: u64 = 1 << 28;
 /// Bytes of a run that every machine has.
 const NEGLIGIBLE: u64 = 1 << 28;
 const MOST_SAMPLES: usize = 1_000_000;
+/// Most numbers of what `[record]` names: half a gigabyte.
+const MOST_NUMBERS: usize = 1 << 26;
 
 const NO_WAVE: &str = "a scene whose initial state is of kind travelling-wave";
 
@@ -95,6 +99,7 @@ pub struct Scene {
     end: f64,
     /// Whether the number of samples is given, not the default.
     says_samples: bool,
+    selection: Option<Selection>,
 }
 
 impl Scene {
@@ -268,6 +273,13 @@ impl Scene {
             (None, Some(until)) => checked_end(until)?,
             _ => return Err(Error::parameter("span", "[span]", "give exactly one of `periods` and `until`")),
         };
+        let selection = file.record.selection(&chain)?;
+        if let (Some(selection), samples) = (&selection, file.record.samples.unwrap_or(Record::FEWEST_SAMPLES)) {
+            require(samples > 0, "record.samples", samples, "at least 1 where quantities are named")?;
+            let numbers = selection.width().saturating_mul(samples);
+            let rule = "at most 2^26 in all: name fewer quantities, sites or bonds, or take fewer samples";
+            require(numbers <= MOST_NUMBERS, "record", format!("of {numbers} numbers"), rule)?;
+        }
         let (says_samples, method) = (file.record.samples.is_some(), file.method.clone());
         if let (Some(Theory::PerturbedWave(drawn)), Initial::TravellingWave { seed, .. }) =
             (&theory, &mut given.initial)
@@ -275,7 +287,8 @@ impl Scene {
             *seed = Some(drawn.seed());
         }
         details::within(&chain, end, |t| units.map_or(t, |units| units.to_si(Quantity::Time, t)))?;
-        let mut scene = Self { chain, units, method, initial, theory, period, end, file: given, says_samples };
+        let mut scene =
+            Self { chain, units, method, initial, theory, period, end, selection, file: given, says_samples };
         scene.sample();
         scene.checked_run()?;
         Ok(scene)
@@ -290,7 +303,7 @@ impl Scene {
     /// Sets the number of samples to its default if it is not given.
     fn sample(&mut self) {
         if !self.says_samples {
-            self.file.record = Record::of(Record::by_default(self.has_period().then_some(self.end / self.period)));
+            self.file.record.samples = Some(Record::by_default(self.has_period().then_some(self.end / self.period)));
         }
     }
 
@@ -357,7 +370,7 @@ impl Scene {
         };
         (*own_zeta, *own_seed) = (Some(zeta), seed);
         if !self.says_samples {
-            file.record = Record::default();
+            file.record.samples = None;
         }
         Self::build(file)
     }
@@ -472,6 +485,11 @@ impl Scene {
         self.file.record.samples.unwrap_or(0)
     }
 
+    /// What `[record]` selects to be kept in time; none if all is kept.
+    pub fn selection(&self) -> Option<&Selection> {
+        self.selection.as_ref()
+    }
+
     /// The amplitude that errors are divided by, if theory gives one: `2 epsilon kappa a` for
     /// waves, `2 epsilon |a_0|` for bright breathers.
     pub fn amplitude(&self) -> Option<f64> {
@@ -531,9 +549,14 @@ impl Scene {
     fn plan_of_records(&self) -> String {
         match self.samples() {
             0 => "records: the end only; nothing is allocated per step".to_owned(),
-            samples => {
-                format!("records: energy and strains at {samples} times; strains only when an output folder is given")
-            }
+            samples => match &self.selection {
+                Some(named) => {
+                    format!("records: energy and what `record` names, {} numbers, at {samples} times", named.width())
+                }
+                None => format!(
+                    "records: energy and strains at {samples} times; strains only when an output folder is given"
+                ),
+            },
         }
     }
 

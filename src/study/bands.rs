@@ -103,16 +103,13 @@ fn told(scene: &Scene, bands: &orbits::Bands, all: &[(f64, Vec<f64>)], si: Optio
     let ends = bands.edges();
     let above = |k: usize| ends.get(k + 1).map_or(f64::NAN, |next| (next[0] - ends[k][1]).max(0.0));
     let rows: Vec<Band> = (0..ends.len()).map(|k| Band { number: k + 1, edges: ends[k], gap: above(k) }).collect();
-    let (kind, symbol) = match si {
-        None => (Quantity::Omega, "frequency ω"),
-        Some(_) => (Quantity::Frequency, "frequency ω/2π"),
-    };
     let scale = Scale(si);
+    let (kind, label) = scale.frequency();
     let line = |k: usize| {
         let points = all.iter().map(|(theta, omegas)| (theta / PI, scale.reported(kind, omegas[k])));
         Line::new(&format!("band {}", k + 1), points)
     };
-    let panel = Panel::new(Kind::Time, ["θ/π", &scale.label(symbol, kind)], (0..ends.len()).map(line).collect());
+    let panel = Panel::new(Kind::Time, ["θ/π", &label], (0..ends.len()).map(line).collect());
     let how = format!(
         "Linear waves with the phase θ from cell to cell, on the infinite chain; beads of a cell: {}.",
         bands.cell()

@@ -19,6 +19,7 @@ mod evolve;
 mod exact;
 mod keeper;
 mod lifetimes;
+mod modes;
 mod modulation;
 mod moving;
 mod normal_modes;
@@ -27,11 +28,13 @@ mod orbits;
 mod order;
 mod plan;
 mod pulses;
+mod response;
 mod run;
 mod scaling;
 mod segments;
 mod si;
 mod solitary;
+mod spectrum;
 mod theorem;
 mod wave;
 
@@ -57,6 +60,7 @@ pub use end_driven::*;
 pub use evolve::*;
 pub use exact::*;
 pub use lifetimes::*;
+pub use modes::Modes;
 pub use modulation::*;
 pub use moving::*;
 pub use normal_modes::*;
@@ -67,10 +71,12 @@ pub use orbits::*;
 pub use order::*;
 pub use plan::{Axis as PlanAxis, NumberColumn, Plan, PlanFile, PlanStudy, Point as PlanPoint, Reported, planned};
 pub use pulses::*;
+pub use response::Responses;
 pub use run::*;
 pub use scaling::*;
 pub use si::ResultUnits;
 pub use solitary::*;
+pub use spectrum::Spectrum;
 pub use theorem::{
     Bound, Errors as TheoremErrors, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremRun, TheoremSlope,
     TheoremStudy, theorem,

@@ -94,8 +94,7 @@ impl Kept for ModeContinuation {
     fn report(study: &ModeStudy) -> Result<Report> {
         let ModeStudy { scene, branch, switched, si } = study;
         let (chosen, modes) = (branch.continuation.mode, &branch.setting);
-        let numbered = (1..).zip(modes.linear()).map(|(k, mode)| (k, mode, modes.place(mode.leading)));
-        let numbered: Vec<Numbered<'_>> = numbered.collect();
+        let numbered = numbered(modes);
         let report = Report::new("mode").si(si.as_ref()).fact("scene", scene.name()).fact("mode", chosen + 1);
         let report = report.table(linear_modes(&numbered, chosen, si.as_ref()));
         let report = report.words(format!("Mode {} of {} linear modes is followed.", chosen + 1, numbered.len()));
@@ -137,10 +136,15 @@ const NEIGHBOURS: usize = 3;
 
 /// A linear mode with its number, and the site of the coordinate with its largest share; whether
 /// this is that of a resonator.
-type Numbered<'a> = (usize, &'a LinearMode, (usize, bool));
+pub(super) type Numbered<'a> = (usize, &'a LinearMode, (usize, bool));
+
+/// The linear modes of a chain with their numbers.
+pub(super) fn numbered(modes: &NormalModes) -> Vec<Numbered<'_>> {
+    (1..).zip(modes.linear()).map(|(k, mode)| (k, mode, modes.place(mode.leading))).collect()
+}
 
 /// The linear modes; the text has those near the followed one, the `chosen`-th from 0 on.
-fn linear_modes<'a>(modes: &'a [Numbered<'a>], chosen: usize, si: Option<&Units>) -> Rows<'a, Numbered<'a>> {
+pub(super) fn linear_modes<'a>(modes: &'a [Numbered<'a>], chosen: usize, si: Option<&Units>) -> Rows<'a, Numbered<'a>> {
     let first = chosen.saturating_sub(NEIGHBOURS).min(modes.len().saturating_sub(2 * NEIGHBOURS + 1));
     Table::of("linear-modes", modes)
         .key("linear")
@@ -230,10 +234,7 @@ impl ModeStudy {
     fn panels(&self, last: &BranchRow<'_, ModeContinuation>) -> Panels {
         let (branch, scale) = (&self.branch, Scale(self.si.as_ref()));
         let (linear, other) = (branch.setting.linear(), crossed(&self.switched));
-        let (frequency, symbol) = match self.si {
-            None => (Quantity::Omega, "frequency ω"),
-            Some(_) => (Quantity::Frequency, "frequency ω/2π"),
-        };
+        let (frequency, omega) = scale.frequency();
         let amplitude = |orbit: &ModeOrbit| scale.reported(Quantity::Length, orbit.amplitude.abs());
         let place = |orbit: &ModeOrbit| (amplitude(orbit), scale.reported(frequency, orbit.omega));
         let mut lines = branches::lines(
@@ -258,8 +259,7 @@ impl ModeStudy {
         let at = |one: &Multiplier| (one.re, one.im);
         let multipliers = last.spectrum.iter().flat_map(|spectrum| &spectrum.multipliers);
         let multipliers = Line::new("multipliers", multipliers.map(at));
-        let labels = [("amplitude a", Quantity::Length), (symbol, frequency), ("displacement at a", Quantity::Length)];
-        let [a, omega, displacement] = labels.map(|(name, kind)| scale.label(name, kind));
+        let [a, displacement] = ["amplitude a", "displacement at a"].map(|name| scale.label(name, Quantity::Length));
         let left = [
             Panel::new(Kind::Cloud, [&*a, &*omega], lines),
             Panel::new(Kind::Cloud, [&*a, "participation number"], both.map(share).collect()),

@@ -58,6 +58,14 @@ impl Scale<'_> {
         }
     }
 
+    /// The kind of the frequencies that pictures show, and their label.
+    pub(super) fn frequency(self) -> (Quantity, String) {
+        match self.0 {
+            None => (Quantity::Omega, "frequency ω".to_owned()),
+            Some(_) => (Quantity::Frequency, self.label("frequency ω/2π", Quantity::Frequency)),
+        }
+    }
+
     /// A number with so many decimals; in SI units with an exponent, since it may be tiny.
     pub(super) fn shown(self, quantity: Quantity, value: f64, decimals: usize) -> String {
         let value = self.reported(quantity, value);

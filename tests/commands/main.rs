@@ -26,6 +26,7 @@ mod paper_points;
 mod parts;
 mod provenance;
 mod published;
+mod records;
 mod refusals;
 mod scenes;
 mod shards;

@@ -22,6 +22,7 @@ mod lifetimes;
 mod moving;
 mod normal_modes;
 mod orbits;
+mod response;
 mod solitary;
 mod sweep;
 mod switching;

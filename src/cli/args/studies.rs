@@ -11,8 +11,8 @@ use crate::{
     study::{
         Bands, Barrier, Bound, BoundaryWave, Bright, Charts, Continue, ContinueWave, Dark, DarkProfiles, DimerOptions,
         DisorderOptions, Doubled, Drift, Driven, DrivenContinue, EndDriven, Evolve, FollowMode, Homoclinics,
-        ImpurityOptions, Integrals, LifetimeOptions, ModulationStudy, Moving, OrderOptions, Progress, ScalingOptions,
-        Solitary, TaperOptions, TheoremOptions, Trivial, Wanted, Wave,
+        ImpurityOptions, Integrals, LifetimeOptions, Modes, ModulationStudy, Moving, OrderOptions, Progress, Responses,
+        ScalingOptions, Solitary, Spectrum, TaperOptions, TheoremOptions, Trivial, Wanted, Wave,
     },
 };
 use clap::Args;
@@ -32,6 +32,27 @@ commands! {
     /// waves of the infinite chain, resonators included, about its equilibrium: over the phase
     /// theta from a cell to the next, the edges of the bands and the gaps between them.
     Bands(StudyCommand<Bands>) => "study bands granular-crystal --out out/bands";
+    /// Compute the linear modes of a scene.
+    ///
+    /// Frequencies, participation numbers and shapes of all linear modes of the finite chain about
+    /// its static state, resonators included, also of modes with the same frequency.
+    Modes(StudyCommand<Modes>) => "study modes defect --out out/modes";
+    /// Compute the linear response of a scene to a drive at one site.
+    ///
+    /// Gain and phase of chosen beads over the frequency of the drive, with damping, about the
+    /// static state of the finite chain; with --amplitude also those of runs of the nonlinear
+    /// chain.
+    Response(StudyCommand<Responses>) =>
+        "study response granular-crystal --out out/response",
+        "study response granular-crystal --from 2e4 --to 6e4 --points 3 --amplitude 1e-10 --settle 2000";
+    /// Compute the spectra of what a scene records.
+    ///
+    /// Power spectral densities of the signals that its table record names, of a run; and where
+    /// they are those of evenly spaced places, the power of waves over wave number and frequency,
+    /// beside the bands of the infinite chain.
+    Spectrum(StudyCommand<Spectrum>) =>
+        "study spectrum precompressed --set record.bonds=[20] --out out/spectrum",
+        "study spectrum granular-crystal --out out/waves";
     /// Measure run time per bond and period against the number of sites.
     Scaling(StudyCommand<ScalingOptions>) => "study scaling --sites 50,500 --out out/scaling";
     /// Measure how the energy error grows with time.

@@ -25,7 +25,7 @@ const MOST_VALUES: usize = 1 << 22;
 /// Quantities that are kept if the plan names none.
 const KEPT: [&str; 2] = ["energy_error", "force_evaluations"];
 /// What a run reports as a number, or as a table or an array of numbers.
-const REPORTED: [&str; 23] = [
+const REPORTED: [&str; 24] = [
     "t",
     "period",
     "u",
@@ -46,6 +46,7 @@ const REPORTED: [&str; 23] = [
     SPEED,
     "largest_force",
     "largest_speed",
+    "recorded",
     "force_evaluations",
     "steps",
     "rejected",

@@ -14,7 +14,7 @@ mod report;
 
 pub use file::{Axis, Plan, Point, Reported};
 
-use super::{Progress, RunView, Study, Work, in_units, options::options, run_json};
+use super::{Progress, RunView, Signals, Study, Work, in_units, options::options, run_json};
 use crate::{
     error::{Error, Result},
     output::Folder,
@@ -147,14 +147,16 @@ pub fn planned(plan: &Plan, engine: &Engine, progress: Progress<'_>) -> Result<P
 fn before_its_first_step(scene: &Scene) -> Value {
     let run = scene.run().records(Records::Energy).contacts();
     let trajectory = Recorder::new(&run, Snapshot::new(&run), &mut |_, _| ()).trajectory(None);
-    reported(scene, trajectory)
+    reported(scene, trajectory, Signals::new(scene))
 }
 
 /// The report of a run, in the units of its scene.
-fn reported(scene: &Scene, outcome: Trajectory) -> Value {
+fn reported(scene: &Scene, outcome: Trajectory, signals: Option<Signals>) -> Value {
     let (integrator, setting, si) = ("", "", scene.units());
     let outcome = &in_units(outcome, scene.chain().layout(), si);
-    run_json(&RunView { scene, integrator, setting, reason: None, outcome, amplification: None, si })
+    let signals = signals.map(|signals| signals.in_units(si));
+    let signals = signals.as_ref();
+    run_json(&RunView { scene, integrator, setting, reason: None, outcome, amplification: None, si, signals })
 }
 
 /// Runs a point: the quantities that the plan keeps.
@@ -162,11 +164,13 @@ fn run(plan: &Plan, point: &Point) -> Result<Vec<Value>> {
     let scene: Scene = plan.scene(point)?;
     let run = scene.run().records(Records::Energy);
     let run = if plan.contacts() { run.contacts() } else { run };
-    let trajectory = run.start()?.complete()?;
+    let mut signals = Signals::new(&scene);
+    let mut seen = |t: f64, y: &[f64]| signals.iter_mut().for_each(|signals| signals.take(&scene, t, y));
+    let trajectory = run.observe(&mut seen, &mut |_| ())?.complete()?;
     if let Some(doubt) = trajectory.warnings.iter().find(|warning| warning.fatal()) {
         return Err(doubt.clone().into());
     }
-    let report = reported(&scene, trajectory);
+    let report = reported(&scene, trajectory, signals);
     plan.keep.iter().map(|quantity| quantity.of(&report)).collect()
 }
 

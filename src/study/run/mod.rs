@@ -6,6 +6,7 @@ mod contacts;
 mod parts;
 mod report;
 mod si;
+mod signals;
 
 pub use checkpoint::LongRun;
 pub use choice::{MethodChoice, MethodRequest};
@@ -18,3 +19,5 @@ pub use report::run_pictures;
 pub(super) use report::state_arrays;
 pub use report::{RUN_FILES, RunView, run_files, run_json, run_summary};
 pub use si::{contact_in_si, in_units, state_in_si};
+pub(super) use signals::Signal;
+pub use signals::Signals;

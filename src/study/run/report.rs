@@ -1,6 +1,7 @@
 //! Reports of one run.
 
 use super::{
+    Signals,
     checkpoint::FILE as CHECKPOINT,
     contacts::{bond_columns, contact_lines, contact_totals, contacts_csv, contacts_npz, pulse_line},
 };
@@ -92,6 +93,8 @@ pub struct RunView<'a> {
     pub amplification: Option<f64>,
     /// The units that `outcome` is in, if it is in SI units; see [`in_units`](super::in_units).
     pub si: Option<&'a Units>,
+    /// What the scene names to be kept in time, in the same units.
+    pub signals: Option<&'a Signals>,
 }
 
 /// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy;
@@ -123,7 +126,7 @@ enum Entry {
 
 /// The entries of the JSON of a run.
 fn entries(ran: &RunView<'_>) -> Entries {
-    let &RunView { scene, integrator, setting, reason, outcome, amplification, si } = ran;
+    let &RunView { scene, integrator, setting, reason, outcome, amplification, si, signals } = ran;
     let mut object = Vec::new();
     let mut put = |name, value| object.push((name, Entry::Value(value)));
     put("scene", json!(scene.name()));
@@ -168,6 +171,9 @@ fn entries(ran: &RunView<'_>) -> Entries {
         object.push(("bonds", Entry::Columns(bond_columns(positions(ran).0, contacts).into())));
     }
     let mut put = |name, value| object.push((name, Entry::Value(value)));
+    if let Some(signals) = signals {
+        put("recorded", signals.summary());
+    }
     put("force_evaluations", json!(outcome.stats.force_evaluations));
     put("steps", json!(outcome.stats.steps));
     put("rejected", json!(outcome.stats.rejected));
@@ -270,6 +276,7 @@ pub fn run_summary(ran: &RunView<'_>) -> String {
         let (positions, unit) = positions(ran);
         lines.extend(pulse_line(&positions, unit, contacts));
     }
+    lines.extend(ran.signals.iter().flat_map(|signals| signals.lines(si.is_some())));
     let stats = outcome.stats;
     lines.push(format!(
         "work        {} steps, {} rejected, {} force evaluations, {:.3e} s, of which sampling {:.3e} s",
@@ -296,13 +303,16 @@ pub fn run_summary(ran: &RunView<'_>) -> String {
 const SUMMARY: &str = "summary.json";
 
 /// Every file that a run may write, but for the checkpoint.
-pub const RUN_FILES: [&str; 19] = [
+pub const RUN_FILES: [&str; 24] = [
     SUMMARY,
     "scene.toml",
     "final.csv",
     "energy.csv",
     "profiles.npz",
     "profiles.csv",
+    "signals.npz",
+    "signals.csv",
+    "peaks.csv",
     "contacts.csv",
     "contacts.npz",
     "bonds.csv",
@@ -316,10 +326,12 @@ pub const RUN_FILES: [&str; 19] = [
     "energy.svg",
     "contacts.png",
     "contacts.svg",
+    "signals.png",
+    "signals.svg",
 ];
 
-/// Writes the run: `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, and the
-/// pictures; with a contact log also `contacts.csv`, `contacts.npz` and `bonds.csv`, with maxima
+/// Writes the run: `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, or in
+/// their place `signals.npz`, `signals.csv` and `peaks.csv`, and the pictures; with a contact log also `contacts.csv`, `contacts.npz` and `bonds.csv`, with maxima
 /// `maxima.csv` and `maxima.npz`; last `summary.json`, which is the JSON with the names of all files. Other
 /// files of an earlier run are removed, and its checkpoint as well unless this run was `in_legs`.
 /// If the parts of the chain keep the states, only `summary.json`, without the state, `scene.toml`
@@ -328,12 +340,16 @@ pub const RUN_FILES: [&str; 19] = [
 /// # Errors
 /// A file that cannot be written.
 pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::File], in_legs: bool) -> Result<()> {
-    let &RunView { scene, outcome, si, .. } = ran;
+    let &RunView { scene, outcome, si, signals, .. } = ran;
+    let in_csv = signals.and_then(Signals::csv);
     let logged = outcome.contacts.is_some();
     let written = |name: &str| match name {
         CHECKPOINT => in_legs,
         _ if name.ends_with(".png") || name.ends_with(".svg") => pictures.iter().any(|picture| picture.0 == name),
         _ if name.starts_with("maxima") => outcome.maxima.is_some(),
+        "signals.csv" => in_csv.is_some(),
+        "signals.npz" | "peaks.csv" => signals.is_some(),
+        _ if name.starts_with("profiles") => signals.is_none(),
         _ => logged || !(name.starts_with("contacts") || name == "bonds.csv"),
     };
     let (files, left): (Vec<&str>, Vec<&str>) =
@@ -342,8 +358,14 @@ pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::F
     folder.remove(left.into_iter().chain([SUMMARY]))?;
     folder.write("scene.toml", scene.file().to_toml().as_bytes())?;
     folder.write_with("final.csv", |file| buffered(file, |out| last_state(out, ran)))?;
-    folder.write_with("profiles.npz", |file| profiles(file, scene, &outcome.profiles, si))?;
-    folder.write_with("profiles.csv", |file| strains(file, scene, &outcome.profiles))?;
+    if let Some(signals) = signals {
+        folder.write_with("signals.npz", |file| signals.npz(file))?;
+        in_csv.map(|text| folder.write("signals.csv", &text)).transpose()?;
+        folder.write("peaks.csv", signals.peaks().csv().as_bytes())?;
+    } else {
+        folder.write_with("profiles.npz", |file| profiles(file, scene, &outcome.profiles, si))?;
+        folder.write_with("profiles.csv", |file| strains(file, scene, &outcome.profiles))?;
+    }
     let open = scene.chain().open();
     let energies = outcome.samples.iter().filter_map(|sample| {
         let energy = sample.energy?;
@@ -483,6 +505,10 @@ pub fn run_pictures(ran: &RunView<'_>) -> Result<Vec<crate::study::Drawing>> {
         let panel = figures::Panel::new(figures::Kind::LogTime, [time.as_str(), error], lines);
         let title = format!("{}: relative energy error", scene.name());
         pictures.push(("energy.png", figures::panels(&figures::Panels::column(title, vec![panel], caption(what)))?));
+    }
+    if let Some(signals) = ran.signals {
+        let (title, what) = (format!("{}: recorded", scene.name()), "What the scene records, at up to eight places.");
+        pictures.push(("signals.png", figures::panels(&signals.panels(title, caption(what), si))?));
     }
     if let Some(contacts) = &outcome.contacts {
         pictures.push(("contacts.png", super::contacts::contacts_picture(scene, &how, outcome.t, contacts, si)?));

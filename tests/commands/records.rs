@@ -1,0 +1,305 @@
+//! What `[record]` names: forces, sensors and motions in time, their maxima, and their files.
+
+use super::program::{json, refused, stdout, table};
+use hertzchain::waves::LinePulse;
+use serde_json::Value;
+use std::{
+    f64::consts::PI,
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// The scene in a file, and its path.
+fn scene(folder: &Path, name: &str, text: &str) -> String {
+    fs::write(folder.join(name), text).unwrap();
+    folder.join(name).display().to_string()
+}
+
+/// The columns of a CSV file by name.
+fn columns(folder: &Path, name: &str) -> impl Fn(&str) -> Vec<f64> + use<> {
+    let (head, rows) = table(&folder.join(name));
+    move |name| {
+        let column = head.split(',').position(|one| one == name).unwrap_or_else(|| panic!("{name} in {head}"));
+        rows.iter().map(|row| row[column]).collect()
+    }
+}
+
+/// A bead between two walls whose contacts are springs with the constant 1, struck to the right.
+fn bouncing(folder: &Path, more: &str) -> String {
+    let text = format!(
+        "[chain]\nsites = 1\nalpha = 1.0\nboundary = \"fixed\"\n[initial]\nkind = \"single-bead\"\nsite = 0\nvelocity = 0.5\n\
+         [span]\nuntil = 20.0\n[record]\nsamples = 4000\n{more}"
+    );
+    scene(folder, "bouncing.toml", &text)
+}
+
+#[test]
+fn maxima_widths_and_peak_velocities_of_a_bead_between_springs_are_the_closed_form() {
+    // Truth: u = v sin t. The force on the right wall is v sin t where this is positive: maxima v
+    // at pi/2 + 2 pi k, above v/2 from pi/6 to 5 pi/6. The sensor is half of |v sin t|.
+    let folder = tempfile::tempdir().unwrap();
+    let file =
+        bouncing(folder.path(), "bonds = [0, 1]\nsites = [0]\nquantities = [\"force\", \"sensor\", \"u_dot\"]\n");
+    let out = folder.path().join("out");
+    let run = json(&["run", &file, "--out", out.to_str().unwrap()]);
+    let number = |path: &str| run.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}"));
+    let near = |got: f64, want: f64, within: f64| assert!((got - want).abs() < within, "{got} {want}");
+    assert_eq!(run["recorded"]["force"]["places"], serde_json::json!([0, 1]));
+    near(number("/recorded/force/largest/1"), 0.5, 1e-9);
+    near(number("/recorded/force/width/1"), 2.0 * PI / 3.0, 1e-5);
+    near(number("/recorded/u_dot/largest/0").abs(), 0.5, 1e-9);
+    let rows = fs::read_to_string(out.join("peaks.csv")).unwrap();
+    let of = |name: &str| -> Vec<Vec<f64>> {
+        let cells =
+            rows.lines().map(|line| line.split(',').collect::<Vec<_>>()).filter(|cells| cells[..2].join(" ") == name);
+        cells.map(|cells| cells[2..].iter().map(|cell| cell.parse().unwrap()).collect()).collect()
+    };
+    for (name, first, every, value) in
+        [("force 1", 0.5 * PI, 2.0 * PI, 0.5), ("force 0", 1.5 * PI, 2.0 * PI, 0.5), ("sensor 0", 0.5 * PI, PI, 0.25)]
+    {
+        let found = of(name);
+        assert_eq!(found.len() as f64, ((20.0 - first) / every).floor() + 1.0, "{name}");
+        for (k, row) in found.iter().enumerate() {
+            near(row[0], first + every * k as f64, 1e-6);
+            near(row[1], value, 1e-9);
+            near(row[2], 2.0 * PI / 3.0, 1e-5);
+        }
+    }
+    // The same numbers in a sweep.
+    let axis = "[[axis]]\nkey = \"initial.velocity\"\nvalues = [0.5, 0.25]\n";
+    let keep = "keep = [\"recorded.force.largest[1]\", \"recorded.u_dot.largest[0]\"]";
+    let plan = scene(folder.path(), "plan.toml", &format!("scene = \"{file}\"\n{keep}\n{axis}"));
+    let sweep = json(&format!("sweep {plan}"));
+    let kept = |k: usize| sweep["columns"]["recorded.force.largest[1]"][k].as_f64().unwrap();
+    assert_eq!(kept(0), number("/recorded/force/largest/1"));
+    near(kept(1), 0.25, 1e-9);
+}
+
+#[test]
+fn a_pulse_has_the_length_of_the_exact_solitary_wave() {
+    // Truth: the pulse of the infinite line, by its series of cosines. Its force is half of the
+    // largest where the overlap is (1/2)^(2/3) of the largest.
+    let pulse = LinePulse::new(1.5);
+    let (mut low, mut high) = (0.0, 2.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        let above = pulse.at(middle)[0] > pulse.at(0.0)[0] * 0.5_f64.powf(2.0 / 3.0);
+        *(if above { &mut low } else { &mut high }) = middle;
+    }
+    let run = json("run impact --until 60 --samples 6000 --set record.bonds=[38,40,42]");
+    let length = run["recorded"]["force"]["length"][1].as_f64().unwrap();
+    assert!((length / (2.0 * low) - 1.0).abs() < 2e-5, "{length} {}", 2.0 * low);
+}
+
+#[test]
+fn forces_dissipation_included_are_those_of_newtons_law_in_si_units() {
+    // Truth: m u_n' is the integral of f_n - f_(n+1) from the start, by the trapezoidal rule, and
+    // the impulse of the wall at the right is that of the log of contacts.
+    let folder = tempfile::tempdir().unwrap();
+    let (radius, density, dt) = (5e-3_f64, 8000.0, 1e-4 / 20_000.0);
+    let mass = 4.0 / 3.0 * PI * radius.powi(3) * density;
+    let text = format!(
+        "[chain]\nsites = 4\nalpha = 1.5\nboundary = \"fixed\"\n[bonds]\nviscoelastic = 2e-6\n[initial]\nkind = \"single-bead\"\n\
+         site = 0\nvelocity = 0.3\n[span]\nuntil = 1e-4\n[units]\nsystem = \"SI\"\nradius = {radius}\ndensity = {density}\n\
+         young = 200e9\npoisson = 0.3\n[record]\nsamples = 20000\nsites = {{ from = 1, to = 3 }}\n\
+         bonds = {{ from = 0, to = 4 }}\nquantities = [\"force\", \"sensor\", \"u_dot\", \"u\", \"momentum\"]\n"
+    );
+    let file = scene(folder.path(), "steel.toml", &text);
+    let out = folder.path().join("out");
+    json(&["run", &file, "--tol", "1e-11", "--out", out.to_str().unwrap()]);
+    let of = columns(&out, "signals.csv");
+    let largest = of("force_2").into_iter().fold(0.0, f64::max);
+    assert!(largest > 10.0);
+    for n in 1..4 {
+        let [left, right] = [n, n + 1].map(|bond| of(&format!("force_{bond}")));
+        let [speed, sensor] = ["u_dot", "sensor"].map(|name| of(&format!("{name}_{n}")));
+        let mut impulse = 0.0;
+        for k in 1..left.len() {
+            impulse += 0.5 * dt * (left[k] + left[k - 1] - right[k] - right[k - 1]);
+            assert!((impulse - mass * speed[k]).abs() < 1e-5 * mass * 0.3, "{n} {k}: {impulse} {}", mass * speed[k]);
+            assert!((sensor[k] - 0.5 * (left[k] + right[k])).abs() < 1e-13 * largest);
+        }
+        let momentum = of(&format!("momentum_{n}"));
+        assert!(momentum.iter().zip(&speed).all(|(p, v)| (p - mass * v).abs() <= 1e-15 * p.abs()));
+    }
+    let run = json(&["run", &file, "--tol", "1e-11", "--events"]);
+    let impulse: f64 = of("force_4").windows(2).map(|pair| 0.5 * dt * (pair[0] + pair[1])).sum();
+    let logged = run["bonds"]["impulse"][4].as_f64().unwrap();
+    assert!((impulse / logged - 1.0).abs() < 1e-5, "{impulse} {logged}");
+}
+
+/// The numbers of an array of an archive with little-endian numbers of `size` bytes.
+fn array(folder: &Path, name: &str, size: usize) -> Vec<f64> {
+    let mut archive = zip::ZipArchive::new(fs::File::open(folder.join("signals.npz")).unwrap()).unwrap();
+    let mut bytes = Vec::new();
+    std::io::Read::read_to_end(&mut archive.by_name(&format!("{name}.npy")).unwrap(), &mut bytes).unwrap();
+    let head = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    assert!(String::from_utf8_lossy(&bytes[..head]).contains(&format!("<f{size}")), "{name}");
+    let numbers = bytes[head..].chunks_exact(size);
+    numbers
+        .map(|one| match size {
+            4 => f64::from(f32::from_le_bytes(one.try_into().unwrap())),
+            _ => f64::from_le_bytes(one.try_into().unwrap()),
+        })
+        .collect()
+}
+
+#[test]
+fn the_archive_has_what_is_named_in_the_precision_that_is_asked_for_also_of_runs_in_legs() {
+    let folder = tempfile::tempdir().unwrap();
+    let named = "bonds = [1]\nquantities = [\"overlap\", \"force\"]\n";
+    let out = |name: &str| -> (PathBuf, String) {
+        let path = folder.path().join(name);
+        (path.clone(), path.display().to_string())
+    };
+    let (double, single, legs, all) = (out("double"), out("single"), out("legs"), out("all"));
+    let file = bouncing(folder.path(), named);
+    stdout(&format!("run {file} --out {}", double.1));
+    stdout(&format!("run {file} --set record.single=true --out {}", single.1));
+    stdout(&format!("run {file} --checkpoint 7 --until 20 --out {}", legs.1));
+    let [t, force] = ["t", "force"].map(|name| array(&double.0, name, 8));
+    assert_eq!((t.len(), force.len(), t[4000]), (4001, 4001, 20.0));
+    assert_eq!(array(&double.0, "bonds", 8), [1.0]);
+    let rounded: Vec<f64> = force.iter().map(|force| f64::from(*force as f32)).collect();
+    assert_eq!(array(&single.0, "force", 4), rounded);
+    assert_eq!(array(&single.0, "t", 8), t);
+    let apart = |other: &[f64]| force.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart(&array(&legs.0, "force", 8)) < 1e-8);
+    // Truth: the overlap with the right wall is the displacement.
+    let plain = bouncing(folder.path(), "");
+    stdout(&format!("run {plain} --out {}", all.1));
+    let strains = columns(&all.0, "profiles.csv")("x1");
+    assert!(array(&double.0, "overlap", 8).iter().zip(&strains).all(|(overlap, x)| *overlap == -x));
+    assert!(!all.0.join("signals.npz").exists() && !double.0.join("profiles.npz").exists());
+    // A folder that has run without them has no old file.
+    stdout(&format!("run {plain} --out {}", double.1));
+    assert!(!double.0.join("signals.npz").exists() && !double.0.join("peaks.csv").exists());
+}
+
+#[test]
+fn a_sine_has_its_frequency_and_amplitude_and_densities_add_up_to_the_mean_square() {
+    // Truth: u = sin(t)/2: amplitude 1/2 at 1/(2 pi), mean square 1/8 over many periods; Parseval's
+    // equation without a window.
+    let folder = tempfile::tempdir().unwrap();
+    let file = bouncing(folder.path(), "sites = [0]\nquantities = [\"u\", \"energy\"]\n");
+    let line = format!("study spectrum {file} --set span.until=300 --set record.samples=3001");
+    for window in ["hann", "none"] {
+        let spectrum = json(&format!("{line} --window {window} --out {}", folder.path().join(window).display()));
+        let of = |name: &str| spectrum["signals"][0][name].as_f64().unwrap();
+        assert_eq!(spectrum["signals"][0]["signal"], "u_0");
+        assert!((of("frequency") - 0.5 / PI).abs() < 0.5 / 300.0 && (of("mean_square") - 0.125).abs() < 1e-3);
+        let off = (of("integral") / of("mean_square") - 1.0).abs();
+        if window == "none" {
+            assert!(off < 1e-12, "{off:e}");
+        } else {
+            assert!((of("amplitude") - 0.5).abs() < 1e-3 && off < 1e-2, "{} {off:e}", of("amplitude"));
+        }
+        // The table: frequencies up to half of the sampling rate, with the step 1/T.
+        let density = columns(&folder.path().join(window), "spectrum.csv");
+        let f = density("frequency");
+        assert_eq!(f.len(), 1501);
+        assert!((f[1500] - 1500.0 / 300.0).abs() < 1e-12);
+        let sum: f64 = density("u_0").iter().sum::<f64>() / 300.0;
+        assert!((sum / of("integral") - 1.0).abs() < 1e-12);
+    }
+}
+
+/// A small wave on a ring of 32 beads under a static overlap, with five wave lengths on it, for 30
+/// periods; and its frequency.
+fn travelling(amplitude: f64) -> (String, f64) {
+    let (n, m) = (32, 5);
+    let angle = |i: usize| 2.0 * PI * f64::from(m) * i as f64 / n as f64;
+    let omega = 2.0 * 1.5_f64.sqrt() * (PI * f64::from(m) / n as f64).sin();
+    let list = |of: &dyn Fn(usize) -> f64| format!("{:?}", (0..n).map(of).collect::<Vec<f64>>());
+    let u = list(&|i| amplitude * angle(i).cos());
+    let u_dot = list(&|i| amplitude * omega * angle(i).sin());
+    let until = 30.0 * 2.0 * PI / omega;
+    let text = format!(
+        "[chain]\nsites = {n}\nalpha = 1.5\nboundary = \"ring\"\nprecompression = 1.0\n[initial]\nkind = \"state\"\n\
+         u = {u}\nu_dot = {u_dot}\n[span]\nuntil = {until}\n[record]\nsamples = 2000\n"
+    );
+    (text, omega)
+}
+
+#[test]
+fn waves_have_their_wave_number_direction_and_frequency() {
+    // Truth: u = A cos(q n - omega t) with q = 2 pi 5/32 and omega = 2 (3/2)^(1/2) sin(q/2) runs to
+    // the right; the mean square of its velocity is (A omega)^2/2.
+    let folder = tempfile::tempdir().unwrap();
+    let (text, omega) = travelling(1e-6);
+    let file = scene(folder.path(), "ring.toml", &text);
+    let out = folder.path().join("out");
+    stdout(&format!("study spectrum {file} --window none --out {}", out.display()));
+    let power = columns(&out, "waves.csv");
+    let f = power("frequency");
+    let all: Vec<(i64, Vec<f64>)> = (-15..=16).map(|m: i64| (m, power(&format!("power_{m}")))).collect();
+    let total: f64 = all.iter().flat_map(|(_, row)| row).sum();
+    assert!((total / (0.5 * (1e-6 * omega).powi(2)) - 1.0).abs() < 1e-3, "{total:e}");
+    for (m, row) in all {
+        let share = row.iter().sum::<f64>() / total;
+        assert!(if m == 5 { share > 0.999 } else { share < 1e-4 }, "{m}: {share}");
+        if m == 5 {
+            let k = (0..row.len()).reduce(|a, b| if row[b] > row[a] { b } else { a }).unwrap();
+            assert!(k == 30 && (f[k] * 2.0 * PI / omega - 1.0).abs() < 1e-12, "{k} {}", f[k]);
+        }
+    }
+}
+
+#[test]
+fn spectra_modes_and_responses_are_in_si_units() {
+    // Truth: the same numbers without units, times the units of the scene.
+    let number =
+        |value: &Value, path: &str| value.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}"));
+    let both = |line: &str| [json(line), json(&format!("{line} --dimensionless"))];
+    let near = |got: f64, want: f64| assert!((got / want - 1.0).abs() < 1e-9, "{got} {want}");
+    let line = "study spectrum granular-crystal --set record.bonds=[3] --set record.samples=400";
+    let [si, own] = both(line);
+    let unit = |name: &str| number(&si, &format!("/units/{name}"));
+    near(number(&si, "/signals/0/integral"), number(&own, "/signals/0/integral") * unit("force_n").powi(2));
+    near(number(&si, "/signals/0/frequency"), number(&own, "/signals/0/frequency") / unit("time_s"));
+    let [si, own] = both("study modes granular-crystal");
+    near(number(&si, "/linear/0/omega"), number(&own, "/linear/0/omega") / unit("time_s"));
+    let [si, own] = both("study response granular-crystal --kind pushed --site 2 --at 3 --points 3");
+    near(number(&si, "/rows/1/omega"), number(&own, "/rows/1/omega") / unit("time_s"));
+    near(number(&si, "/rows/1/gain_3"), number(&own, "/rows/1/gain_3") * unit("length_m") / unit("force_n"));
+    near(number(&si, "/rows/1/phase_3"), number(&own, "/rows/1/phase_3"));
+}
+
+#[test]
+fn what_cannot_be_recorded_is_refused_with_the_rule() {
+    for (changes, rule) in [
+        ("record.bonds=[0]", "record.bonds = 0 is not valid: bonds that can touch"),
+        ("record.sites=[100]", "record.sites = 100 is not valid: sites of the chain"),
+        ("record.sites=[3,2]", "at least one number, in ascending order"),
+        ("record.sites={from=5,to=4}", "at least one number, in ascending order"),
+        ("record.sites={from=0,to=9,step=0}", "step = 0 is not valid: at least 1"),
+        ("record.sites={from=0,to=18446744073709551615}", "record.sites = 100 is not valid"),
+        ("record.bonds=4", "a list of whole numbers, or { from = 0, to = 100, step = 5 }"),
+        ("record.quantities=[\"forse\"]", "did you mean `force`?"),
+        ("record.quantities=[]", "name at least one quantity"),
+        ("record.quantities=[\"u\",\"u\"]", "name each quantity once"),
+        ("record.quantities=[\"v\"]", "no resonator of this chain moves"),
+        ("record.single=true", "single precision is for what is named"),
+        ("record.samples=0 record.sites=[1]", "record.samples = 0 is not valid: at least 1"),
+        ("record.sites=[1] record.quantities=[\"force\"]", "name a quantity of sites"),
+        ("record.bonds=[1] record.quantities=[\"u\"]", "bonds have force and overlap"),
+        ("record.samples=1000000 record.quantities=[\"u\"]", "at most 2^26 in all"),
+    ] {
+        let set: Vec<&str> = changes.split(' ').flat_map(|change| ["--set", change]).collect();
+        let said = refused(&[&["run", "impact"][..], &set].concat(), 2);
+        assert!(said.contains(rule), "{changes}: {said}");
+    }
+    for (line, rule) in [
+        ("study spectrum impact --from 99.9", "from = 99.9 is not valid: at least 16 samples after it"),
+        ("study response granular-crystal --at 1000", "at = 1000 is not valid"),
+        ("study response granular-crystal --from 5 --to 4", "to = 4 after --from 5 is not valid: above --from"),
+        ("study response granular-crystal --site 0 --kind pushed", "a force on a bead that a drive moves does nothing"),
+        ("study response precompressed --amplitude 1e-3", "runs settle in a chain with drag"),
+        ("study modes impact", "a bead is not held"),
+    ] {
+        let said = refused(line, 2);
+        assert!(said.contains(rule), "{line}: {said}");
+    }
+    let said = refused(&["run", "tw-q15", "--set", "record.quantities=[\"u\"]"], 2);
+    assert!(said.contains("a run of strains keeps all of them"), "{said}");
+}
