@@ -185,6 +185,7 @@ fn rattling(kind: Kind) -> Chain<f64> {
     let strength = match kind {
         Kind::Viscoelastic => vec![0.3, 0.2, 0.4, 0.3, 0.3],
         Kind::Dashpot => vec![0.15, 0.1, 0.2, 0.15, 0.15],
+        Kind::HuntCrossley => vec![0.9, 0.6, 1.2, 0.9, 0.9],
     };
     let details = Details {
         mass: vec![1.0, 0.7, 1.3, 1.0],
@@ -203,7 +204,7 @@ fn an_orbit_whose_contacts_dissipate_and_open_is_that_of_another_method() {
     // the stroboscopic map. Their error is that of the run, 1e-12, over the step 1e-4, and the
     // square of the step times a third derivative; sums of powers of the multipliers are compared,
     // which need no order. The tangent map of collocation has no such error: asked 1e-9.
-    for kind in [Kind::Viscoelastic, Kind::Dashpot] {
+    for kind in [Kind::Viscoelastic, Kind::Dashpot, Kind::HuntCrossley] {
         let chain = rattling(kind);
         let (shooting, setting) = (DrivenShooting::default(), DrivenSetting::new(&chain, 1).unwrap());
         let rest = State::rest(&chain).driven(&chain);
