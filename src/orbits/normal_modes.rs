@@ -105,8 +105,9 @@ impl NormalModes {
     /// ```
     ///
     /// # Errors
-    /// A chain that dissipates or is driven, except by gravity and constant forces; a strain ring; `alpha <= 1`; more than 256 sites; no
-    /// equilibrium near, or one in which contacts do not hold all beads.
+    /// A chain that dissipates or is driven, except by gravity and constant forces; a strain ring;
+    /// `alpha <= 1`; more than 256 sites; no equilibrium near, or one in which contacts do not hold
+    /// all beads.
     pub fn new(chain: &Chain<f64>) -> Result<Self> {
         require(chain.conservative(), "chain", "damped or driven", "normal modes need a conservative chain")?;
         let n = chain.sites();
