@@ -1491,7 +1491,7 @@ def breather_bright(
     alpha: float = 1.5,
     kappa: float = 1,
     sites: int = 40,
-    boundary: Literal["free", "fixed", "ring"] = "free",
+    boundary: Literal["free", "fixed", "left-wall", "right-wall", "ring"] = "free",
     until: float | None = None,
     samples_per_period: int = 20,
     integrator: str = "collocation",
@@ -1521,7 +1521,7 @@ def breather_bright(
     sites : int
         Number of sites. At most a share of 10^-6 of the breather may lie beyond the ends. The
         middle of the chain is a bond if the number is even, a site if it is odd.
-    boundary : Literal["free", "fixed", "ring"]
+    boundary : Literal["free", "fixed", "left-wall", "right-wall", "ring"]
         Boundary condition at the ends of the chain.
     until : float
         End time, in units of time [default: 80 T]. T = 2 pi/omega_0 in units of 1/sqrt(kappa) is

@@ -173,7 +173,9 @@ impl Scene {
 
 fn boundary_named(py: Python<'_>, name: &str) -> PyResult<Boundary> {
     let known = Boundary::ALL.map(|boundary| boundary.to_string());
-    serde_json::from_value(name.into()).map_err(|_| Error::unknown("boundary", name, known)).or_raise(py)
+    serde_json::from_value(name.into())
+        .map_err(|_| Error::unknown("boundary", name, known.iter().map(String::as_str)))
+        .or_raise(py)
 }
 
 /// The tables of a scene that say the same as details.

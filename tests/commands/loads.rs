@@ -69,7 +69,7 @@ fn a_bad_file_of_a_drive_is_refused_with_its_line() {
         assert!(said.contains("drive.csv") && said.contains(words), "{content:?}: {said}");
     }
     fs::remove_file(folder.path().join("drive.csv")).unwrap();
-    assert!(refused(&["run", &path], 2).contains("drive.csv"));
+    assert!(refused(&["run", &path], 1).contains("drive.csv"));
 }
 
 #[test]

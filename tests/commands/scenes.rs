@@ -51,14 +51,14 @@ fn the_template_has_every_key() {
     let chain = "[chain]\nsites = 1\nalpha = 1.5\nboundary = \"free\"\n";
     let (state, span) = ("[initial]\nkind = \"state\"\n", "[span]\nuntil = 1.0\n");
     for (text, fewest) in [
-        (format!("{chain}what = 1\n{state}{span}"), 6),
+        (format!("{chain}what = 1\n{state}{span}"), 8),
         (format!("{chain}{state}{span}what = 1\n"), 3),
         (format!("{chain}{state}{span}[record]\nwhat = 1\n"), 1),
         (format!("{chain}{state}{span}[method]\nintegrator = \"verlet\"\nwhat = 1\n"), 4),
         (format!("{chain}{state}{span}[beads]\nwhat = 1\n"), 8),
         (format!("{chain}{state}{span}[bonds]\nwhat = 1\n"), 6),
         (format!("{chain}{state}{span}[units]\nwhat = 1\n"), 8),
-        (format!("{chain}{state}{span}[[drive]]\nwhat = 1\n"), 10),
+        (format!("{chain}{state}{span}[[drive]]\nwhat = 1\n"), 16),
     ] {
         let keys = keys(&text);
         assert!(keys.len() >= fewest && keys.iter().all(|key| has(&template, key)), "{keys:?}");
@@ -69,7 +69,7 @@ fn the_template_has_every_key() {
     }
     let blocks = kinds(&template);
     let known = keys(&format!("{chain}[initial]\nkind = \"what\"\n{span}"));
-    assert_eq!((blocks.len(), known.len()), (6, 6), "{blocks:?}");
+    assert_eq!((blocks.len(), known.len()), (7, 7), "{blocks:?}");
     for kind in known {
         let block = blocks.iter().find(|block| block.contains(&format!("kind = \"{kind}\""))).unwrap();
         for key in keys(&format!("{chain}[initial]\nkind = \"{kind}\"\nwhat = 1\n{span}")) {

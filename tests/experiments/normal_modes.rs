@@ -78,7 +78,8 @@ fn a_column_oscillates_about_its_overlaps() {
     // Truth: two beads on the right wall under gravity 0.1. Contacts have the forces 0.1 and 0.2 and
     // the stiffness 3/2 f^{1/3}; then the eigenvalues of [[a, -a], [-a, a + b]] by hand.
     let details = Details { gravity: 0.1, ..Details::default() };
-    let modes = NormalModes::new(&chain(Boundary::RightWall, 2, &details)).unwrap();
+    let column = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::RightWall, 2).unwrap();
+    let modes = NormalModes::new(&column.with(&details).unwrap()).unwrap();
     let [a, b] = [0.1f64, 0.2].map(|force| 1.5 * force.cbrt());
     let root = (a * a + 0.25 * b * b).sqrt();
     for (mode, square) in modes.linear().iter().zip([a + 0.5 * b - root, a + 0.5 * b + root]) {

@@ -151,8 +151,8 @@ fn a_free_bead_is_pushed_as_far_as_the_force_says() {
 
 #[test]
 fn all_methods_meet_chirps_and_tables_in_a_chain() {
-    // Truth: contact collocation, whose windows end at breaks, at a tolerance of 1e-13. A break that
-    // is not known costs dop853 1e-8 and more.
+    // Truth: contact collocation at a tolerance of 1e-13. Methods that stop at events meet it to 1e-8.
+    // dop853, which crosses contacts, and equal steps meet it to 1e-4.
     let values: Vec<f64> = (0..40).map(|k| 0.2 * (0.7 * f64::from(k)).sin()).collect();
     let table = Spline::new((0..40).map(|k| 0.25 * f64::from(k)).collect(), values).unwrap();
     let chirp = Course::Chirp { amplitude: 0.3, omega: [4.0, 0.5], phase: 0.2, start: 1.0, length: 5.0 };
@@ -227,7 +227,7 @@ fn a_column_stands_on_the_weight_above_it() {
 fn between_two_walls_forces_balance_and_overlaps_fill_the_room() {
     // Truth: the two conditions themselves: f_k + F_k = f_{k+1}, and the sum of overlaps is that of
     // the static ones. With more room than the load closes the upper wall is left.
-    for (rest, closed) in [(0.1, true), (0.0, true), (-0.01, false), (-1.0, false)] {
+    for (rest, closed) in [(0.1, true), (0.0, false), (-0.01, false), (-1.0, false)] {
         let push = Drive { site: 2, kind: DriveKind::Force, signal: Signal::constant(-0.02) };
         let details = Details { gravity: 0.01, overlap: vec![rest; 8], drives: vec![push], ..Details::default() };
         let chain = chain(PLAIN, Boundary::Fixed, 7, &details);

@@ -520,7 +520,8 @@ fn momentum_is_conserved_where_nothing_outside_pushes() {
         let fixed = chain.params().resonators() == Resonators::Fixed;
         if isolated && !fixed {
             worst = worst.max(drifts[0].max(drifts[1]));
-        } else if chain.boundary() != Boundary::StrainRing {
+        // Beads may fly off before they come to a single wall.
+        } else if chain.boundary() == Boundary::Fixed || fixed && chain.boundary() != Boundary::StrainRing {
             assert!(drifts.iter().all(|&drift| drift > 1e-6), "{chain:?}");
         }
     }
