@@ -54,11 +54,13 @@ fn shapes(places: &[(usize, bool)], modes: &[LinearMode]) -> Table {
         .in_text(None)
         .col("site", Hidden, "", |row| places[*row].0)
         .col("resonator", Hidden, "whether the row is that of its resonator", |row| places[*row].1);
-    let none = modes.is_empty();
-    for k in 0..modes.len().max(1) {
+    // The help has the first column.
+    let columns: Vec<Option<&LinearMode>> =
+        if modes.is_empty() { vec![None] } else { modes.iter().map(Some).collect() };
+    for (k, mode) in columns.into_iter().enumerate() {
         let about = if k == 0 { "displacement in the first mode, 1 where it moves most, and so on" } else { "" };
-        table =
-            table.col(format!("mode_{}", k + 1), Hidden, about, |row| if none { 0.0 } else { modes[k].shape[*row] });
+        let shape = |row: &usize| mode.map_or(0.0, |mode| mode.shape[*row]);
+        table = table.col(format!("mode_{}", k + 1), Hidden, about, shape);
     }
     table.done()
 }
