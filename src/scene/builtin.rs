@@ -25,7 +25,10 @@ pub(super) const BUILTIN: &[(&str, &str)] = &[
     ("boundary-wave", include_str!("builtin/boundary-wave.toml")),
     ("granular-crystal", include_str!("builtin/granular-crystal.toml")),
     ("daraio-2006", include_str!("builtin/daraio-2006.toml")),
+    ("daraio-2006-loaded", include_str!("builtin/daraio-2006-loaded.toml")),
     ("boechler-2010", include_str!("builtin/boechler-2010.toml")),
     ("doney-2006", include_str!("builtin/doney-2006.toml")),
     ("rosas-2007", include_str!("builtin/rosas-2007.toml")),
+    ("job-2007", include_str!("builtin/job-2007.toml")),
+    ("hong-1999", include_str!("builtin/hong-1999.toml")),
 ];
