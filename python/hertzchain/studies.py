@@ -290,7 +290,7 @@ def response(
         Last frequency omega [default: 1.2 times that of the highest mode]. In rad/s for scenes with
         `[units]`, as `from_`. Finite and positive.
     points : int
-        Number of frequencies, equally spaced. From 2 to 100000.
+        Number of points. Frequencies, equally spaced. From 2 to 100000.
     amplitude : float
         Amplitude of a drive by which the chain is also run: of the displacement, or of the force.
         At every frequency above zero the chain starts from its static state, and the drive comes to

@@ -67,7 +67,9 @@ pub struct NormalModes {
 /// Largest number of sites.
 const MOST_SITES: usize = 256;
 /// Steps of Newton's method to the equilibrium.
-const MOST_STEPS: usize = 50;
+const MOST_STEPS: usize = 1000;
+/// Least share of a step of Newton's method to the equilibrium.
+const LEAST_SHARE: f64 = 1e-3;
 /// A step to the equilibrium below this share of the largest overlap is the last one.
 const AT_REST: f64 = 1e-13;
 /// Squares of frequencies below this share of the largest are zero.
@@ -185,10 +187,12 @@ impl NormalModes {
 
     /// Moves the state at rest to the equilibrium, by Newton's method.
     fn settle(&mut self) -> Result<()> {
+        let mut here = self.linearised(&self.rest)?;
         for _ in 0..MOST_STEPS {
             let overlaps = self.chain.overlaps(self.chain.layout().u(&self.rest));
             self.overlap = overlaps.into_iter().fold(0.0, f64::max);
-            let (mut force, mut slope) = self.linearised(&self.rest)?;
+            let (mut force, mut slope) = here;
+            let (size, before) = (force.norm(), self.rest.clone());
             self.translates = slope.column_sum().amax() < ZERO * slope.amax();
             if self.translates {
                 let rows = slope.nrows();
@@ -197,11 +201,20 @@ impl NormalModes {
                 force = force.push(0.0);
             }
             let Some(step) = least_squares(slope, &force) else { return Err(not_held()) };
-            for (&i, step) in self.free.iter().zip(&step) {
-                self.rest[i] -= step;
-            }
-            if step.amax() <= AT_REST * self.overlap {
-                return Ok(());
+            let mut share = 1.0;
+            loop {
+                for (&i, step) in self.free.iter().zip(&step) {
+                    self.rest[i] = before[i] - share * step;
+                }
+                if step.amax() <= AT_REST * self.overlap {
+                    return Ok(());
+                }
+                here = self.linearised(&self.rest)?;
+                // Full steps may go to and fro over overlaps where the stiffness comes to zero.
+                if here.0.norm() < size || share < LEAST_SHARE {
+                    break;
+                }
+                share *= 0.5;
             }
         }
         Err(not_held())

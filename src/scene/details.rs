@@ -368,7 +368,7 @@ impl DriveSection {
             }
         }
         if times.len() < 2 {
-            return refused(text.lines().count(), "at least two lines with a time and a value".to_owned());
+            return refused(text.lines().count().max(1), "at least two lines with a time and a value".to_owned());
         }
         (self.times, self.values) = (Some(times), Some(values));
         Ok(())

@@ -166,8 +166,9 @@ fn equilibrium(chain: &Chain<f64>) -> Result<State<f64>> {
     if !chain.tied() {
         return State::equilibrium(chain);
     }
-    let (modes, mut state) = (NormalModes::new(chain)?, State::rest(chain));
-    state.as_mut_slice().copy_from_slice(modes.rest());
+    let (modes, mut state) = (NormalModes::held(chain, &[])?, State::rest(chain));
+    let coordinates = 2 * chain.layout().half();
+    state.as_mut_slice()[..coordinates].copy_from_slice(&modes.rest()[..coordinates]);
     Ok(state)
 }
 

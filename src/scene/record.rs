@@ -166,7 +166,7 @@ impl Record {
                 Some(_) if !any => {
                     let rule =
                         if of_bonds { "bonds have force and overlap: name one" } else { "name a quantity of sites" };
-                    Err(Error::parameter(key, "without a quantity of theirs", rule))
+                    Err(Error::parameter(key, "places alone", rule))
                 }
                 Some(places) => places.within(key, &all, rule),
                 None => Ok(if any { all.collect() } else { Vec::new() }),

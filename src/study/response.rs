@@ -42,7 +42,9 @@ options! {
         ///
         /// In rad/s for scenes with `[units]`, as --from.
         to: Option<f64> = None, "W", (positive);
-        /// Number of frequencies, equally spaced.
+        /// Number of points.
+        ///
+        /// Frequencies, equally spaced.
         points: usize = 401, "K", (2 to 100_000);
         /// Amplitude of a drive by which the chain is also run: of the displacement, or of the
         /// force.

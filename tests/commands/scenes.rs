@@ -226,7 +226,7 @@ fn details_of_the_template() -> String {
         .filter_map(|line| line.strip_prefix("# "))
         .filter(|line| line.starts_with('[') || line.split_once(" = ").is_some_and(|(key, _)| !key.contains(' ')));
     let ours = code.skip_while(|line| *line != "[beads]").take_while(|line| *line != "[initial]");
-    let beside = ["dashpot = 0.01", "band", "seed", "ramp", "start", "length"];
+    let beside = ["dashpot = 0.01", "hunt_crossley", "band", "seed", "ramp", "start", "length"];
     let kept = ours.filter(|line| !beside.iter().any(|key| line.starts_with(key)));
     kept.map(|line| format!("{line}\n")).collect()
 }

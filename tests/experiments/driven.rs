@@ -185,7 +185,7 @@ fn rattling(kind: Kind) -> Chain<f64> {
     let strength = match kind {
         Kind::Viscoelastic => vec![0.3, 0.2, 0.4, 0.3, 0.3],
         Kind::Dashpot => vec![0.15, 0.1, 0.2, 0.15, 0.15],
-        Kind::HuntCrossley => vec![0.9, 0.6, 1.2, 0.9, 0.9],
+        Kind::HuntCrossley => vec![2.7, 1.8, 3.6, 2.7, 2.7],
     };
     let details = Details {
         mass: vec![1.0, 0.7, 1.3, 1.0],

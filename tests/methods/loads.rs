@@ -4,6 +4,7 @@ use crate::common::{distance, largest};
 use hertzchain::{
     chain::{Boundary, Chain, Course, Details, Drive, DriveKind, Envelope, Params, Signal, Spline, State},
     run::{Method, Run, Setting},
+    scene::Scene,
 };
 use std::{f64::consts::PI, sync::Arc};
 
@@ -290,4 +291,34 @@ fn a_load_that_nothing_holds_is_refused_with_its_beads() {
     let details = Details { gravity: 1.0, ..Details::default() };
     let resonators = Chain::<f64>::new(Params { alpha: 1.5, kappa: 1.0, rho: 1.0 }, Boundary::RightWall, 2).unwrap();
     assert!(resonators.with(&details).unwrap_err().to_string().contains("resonators do not move"));
+}
+
+#[test]
+fn a_table_that_begins_with_rest_leaves_the_chain_at_rest_until_then() {
+    // Truth: the same push from time 3 as a half-sine, whose values the table has; another method.
+    // With splines that fall to 1e-170 before the push DOP853 went on by steps of 1e-8.
+    let t: Vec<f64> = (0..=1000).map(|k| 0.01 * f64::from(k)).collect();
+    let push = |t: f64| if (3.0..3.5).contains(&t) { 0.1 * (PI * (t - 3.0) / 0.5).sin().powi(4) } else { 0.0 };
+    let table = Course::Table(Arc::new(Spline::new(t.clone(), t.iter().map(|&t| push(t)).collect()).unwrap()));
+    let drives = vec![Drive { site: 0, kind: DriveKind::Force, signal: signal(table) }];
+    let pushed = chain(PLAIN, Boundary::RightWall, 5, &Details { drives, ..Details::default() });
+    let start = State::rest(&pushed);
+    let run = |method: &str| end(&pushed, &start, Method::named(method).unwrap(), 10.0, 4000);
+    let [one, other] = ["collocation", "dop853-regularised"].map(run);
+    assert!(largest(one[..5].iter().copied()) > 1e-3 && distance(&one[..10], &other[..10]) < 1e-9);
+}
+
+#[test]
+fn springs_and_contacts_hold_a_column_together() {
+    // Truth: forces balance, k u_n = f_n - f_{n+1} + g, also for a chain that is damped and driven.
+    let params = Params { alpha: 1.5, kappa: 1e-3, rho: f64::INFINITY };
+    let scene = "name = 'column'\n[chain]\nsites = 50\nalpha = 1.5\nboundary = 'right-wall'\nkappa = 1e-3\n\
+                 rho = inf\ngravity = 1e-3\n[beads]\ndrag = 0.1\n[[drive]]\nsite = 0\nkind = 'pushed'\namplitude = 0.1\n\
+                 omega = 1.0\n[initial]\nkind = 'equilibrium'\n[span]\nuntil = 1.0\n";
+    let scene = Scene::parse(&scene.replace('\'', "\""), "column").unwrap();
+    let (u, n) = (&scene.initial().as_slice()[..50], 50);
+    let overlaps = scene.chain().overlaps(u);
+    let force = |b: usize| overlaps[b].max(0.0).powf(1.5);
+    let off = (0..n).map(|i| force(i) - force(i + 1) + 1e-3 - params.kappa * u[i]);
+    assert!(largest(off) < 1e-15 && overlaps[n] > 0.01);
 }

@@ -71,8 +71,14 @@ impl Chain<f64> {
         holders.sort_unstable();
         let laws = &parts.bonds[..];
         if self.topology.ring() {
+            let rule = "on a ring the equilibrium is that of beads that all have contacts and that no drive moves";
             let cut = self.touching().any(|bond| laws[bond].constant == 0.0);
-            require(holders.is_empty() && !cut, "chain", "a ring with an end", "an equilibrium of a closed ring")?;
+            require(
+                holders.is_empty() && !cut,
+                "chain",
+                "a ring with a bead that is moved or without a contact",
+                rule,
+            )?;
             ring(&laws[..n], &loads, &mut u)?;
             let mass: f64 = parts.sites.iter().map(|site| site.mass).sum();
             let mean = parts.sites.iter().zip(&u).map(|(site, u)| site.mass * u).sum::<f64>() / mass;
@@ -243,13 +249,8 @@ fn squeezed(laws: &[BondLaw<f64>], beyond: &[f64], total: f64) -> Vec<f64> {
         let gaps: f64 = loose().map(|k| laws[k].rest.min(0.0)).sum();
         for (j, k) in loose().enumerate() {
             overlaps[k] = match gaps {
-                0.0 => {
-                    if j == 0 {
-                        room
-                    } else {
-                        0.0
-                    }
-                }
+                0.0 if j == 0 => room,
+                0.0 => 0.0,
                 gaps => room * (laws[k].rest.min(0.0) / gaps),
             };
         }

@@ -29,7 +29,7 @@ pub enum Warning {
     /// Steps of a given length that pass over the ramp or the burst of a drive. Methods that choose
     /// their steps, or their windows, end them where a signal is not smooth.
     #[error(
-        "drive {drive}, of bead {site}, has a {kind} of length {length:e}, which steps of {step:e} pass over: take \
+        "drive {drive}, of bead {site}, has {kind} of length {length:e}, which steps of {step:e} pass over: take \
          shorter steps, or --tol"
     )]
     Unresolved {
@@ -37,7 +37,7 @@ pub enum Warning {
         drive: usize,
         /// Its site.
         site: usize,
-        /// `ramp`, `burst` or `interval of times`.
+        /// `a ramp`, `a burst` or `an interval of times`.
         kind: &'static str,
         /// Length of the ramp, the burst or the shortest interval.
         length: f64,
@@ -86,9 +86,9 @@ fn unresolved(run: &Run) -> Vec<Warning> {
     let drives = run.chain.details().into_iter().flat_map(|details| &details.drives).enumerate();
     let short = drives.filter_map(|(drive, Drive { site, signal, .. })| {
         let (kind, length) = match (signal.envelope, &signal.course) {
-            (_, Some(Course::Table(spline))) => ("interval of times", spline.shortest()),
-            (Envelope::Ramp(ramp), _) => ("ramp", ramp),
-            (Envelope::Burst { length, .. } | Envelope::HalfSine { length, .. }, _) => ("burst", length),
+            (_, Some(Course::Table(spline))) => ("an interval of times", spline.shortest()),
+            (Envelope::Ramp(ramp), _) => ("a ramp", ramp),
+            (Envelope::Burst { length, .. } | Envelope::HalfSine { length, .. }, _) => ("a burst", length),
             (Envelope::None, _) => return None,
         };
         (length < step).then_some(Warning::Unresolved { drive, site: *site, kind, length, step })

@@ -24,6 +24,8 @@ use std::fs::File;
 
 /// Least fall after a maximum and least rise before it, as a share of the range of the signal.
 const FALL: f64 = 0.01;
+/// Changes of a signal below this share of its size are rounding: it has no maxima.
+const ROUNDING: f64 = 1e-12;
 /// Most numbers of the CSV file.
 const MOST_IN_CSV: usize = 1_000_000;
 /// Most lines of a panel.
@@ -233,6 +235,9 @@ impl<'a> Signal<'a> {
         let values: Vec<f64> = self.values().collect();
         let (low, high) = crate::numerics::extremes(values.iter().copied());
         let (mut found, mut rises, mut extreme) = (Vec::new(), false, 0);
+        if high - low <= ROUNDING * high.abs().max(low.abs()) {
+            return found;
+        }
         for k in 1..values.len() {
             let ahead = if rises { values[k] - values[extreme] } else { values[extreme] - values[k] };
             if ahead > 0.0 {
@@ -259,7 +264,8 @@ impl<'a> Signal<'a> {
         };
         let before = (0..k).rfind(|&j| below(j)).map(|j| crossing(j, j + 1));
         let after = (k + 1..values.len()).find(|&j| below(j)).map(|j| crossing(j, j - 1));
-        let width = before.zip(after).map_or(f64::NAN, |(before, after)| after - before);
+        let width = before.zip(after).filter(|_| (values[k] - values[0]).abs() > ROUNDING * values[k].abs());
+        let width = width.map_or(f64::NAN, |(before, after)| after - before);
         let (mut t, mut value) = (times[k], values[k]);
         if k > 0 && k + 1 < values.len() {
             let (slope, bend) =

@@ -201,9 +201,8 @@ impl Signal {
         if self.harmonics.is_empty() && self.course.is_none() {
             return Err(Error::parameter("drive.amplitude", "[]", "a drive has at least one harmonic"));
         }
-        let frequency = |omega: f64| {
-            let rule = "a frequency is finite and at least zero";
-            require(omega.is_finite() && omega >= 0.0, "drive.omega", omega, rule)
+        let frequency = |name, omega: f64| {
+            require(omega.is_finite() && omega >= 0.0, name, omega, "a frequency is finite and at least zero")
         };
         match (&self.course, kind) {
             (&Some(Course::Steady { velocity }), DriveKind::Displacement) => {
@@ -214,7 +213,8 @@ impl Signal {
             }
             (&Some(Course::Chirp { amplitude, omega, phase, start, length }), _) => {
                 finite("drive.amplitude", amplitude)?;
-                omega.into_iter().try_for_each(frequency)?;
+                frequency("drive.omega", omega[0])?;
+                frequency("drive.omega_end", omega[1])?;
                 finite("drive.phase", phase)?;
                 interval(start, length)?;
             }
@@ -222,7 +222,7 @@ impl Signal {
         }
         for &Harmonic { amplitude, omega, phase } in &self.harmonics {
             finite("drive.amplitude", amplitude)?;
-            frequency(omega)?;
+            frequency("drive.omega", omega)?;
             finite("drive.phase", phase)?;
         }
         match self.envelope {
