@@ -255,8 +255,8 @@ def response(
     from_: float = 0,
     to: float | None = None,
     points: int = 401,
-    amplitude: float | None = None,
-    settle: int = 200,
+    by_runs: float | None = None,
+    run_periods: int = 200,
     dimensionless: bool = False,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
@@ -291,13 +291,13 @@ def response(
         `[units]`, as `from_`. Finite and positive.
     points : int
         Number of points. Frequencies, equally spaced. From 2 to 100000.
-    amplitude : float
-        Amplitude of a drive by which the chain is also run: of the displacement, or of the force.
+    by_runs : float
+        Run the chain as well, by a drive of this amplitude: of the displacement, or of the force.
         At every frequency above zero the chain starts from its static state, and the drive comes to
-        its full height over the first quarter of `settle`. The response is the Fourier coefficient
-        over the last ten periods of the drive. In metres or newtons for scenes with `[units]`. Take
-        few `points`. Finite and positive.
-    settle : int
+        its full height over the first quarter of `run_periods`. The response is the Fourier
+        coefficient over the last ten periods of the drive. In metres or newtons for scenes with
+        `[units]`. Take few `points`. Finite and positive.
+    run_periods : int
         Length of these runs, in periods of the drive. From 20 to 1000000.
     dimensionless : bool
         Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI

@@ -143,7 +143,7 @@ impl Response {
             let rule = "runs settle in a chain with drag, dashpots or contacts that dissipate";
             return Err(Error::parameter("amplitude", amplitude, rule));
         }
-        require(periods >= 2 * MEASURED, "settle", periods, "at least 20 periods")?;
+        require(periods >= 2 * MEASURED, "run_periods", periods, "at least 20 periods")?;
         let (period, count) = (TAU / omega, MEASURED * SAMPLES);
         let end = periods as f64 * period;
         let still = self.held.iter().map(|&site| (site, DriveKind::Displacement, Signal::sine(0.0, omega, 0.0)));

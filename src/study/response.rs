@@ -46,16 +46,15 @@ options! {
         ///
         /// Frequencies, equally spaced.
         points: usize = 401, "K", (2 to 100_000);
-        /// Amplitude of a drive by which the chain is also run: of the displacement, or of the
-        /// force.
+        /// Run the chain as well, by a drive of this amplitude: of the displacement, or of the force.
         ///
         /// At every frequency above zero the chain starts from its static state, and the drive
-        /// comes to its full height over the first quarter of --settle. The response is the Fourier
-        /// coefficient over the last ten periods of the drive. In metres or newtons for scenes with
-        /// `[units]`. Take few --points.
-        amplitude: Option<f64> = None, "A", (positive);
+        /// comes to its full height over the first quarter of --run-periods. The response is the
+        /// Fourier coefficient over the last ten periods of the drive. In metres or newtons for
+        /// scenes with `[units]`. Take few --points.
+        by_runs: Option<f64> = None, "A", (positive);
         /// Length of these runs, in periods of the drive.
-        settle: usize = 200, "P", (20 to 1_000_000);
+        run_periods: usize = 200, "P", (20 to 1_000_000);
         /// The units of options and results.
         results: ResultUnits = ResultUnits::default(), [command(flatten)];
     }
@@ -114,7 +113,7 @@ impl Study for Responses {
             return Err(Error::parameter("to", least, "above --from"));
         }
         let of = if kind == DriveKind::Force { Quantity::Force } else { Quantity::Length };
-        let amplitude = self.amplitude.map(|amplitude| given.read(of, amplitude));
+        let amplitude = self.by_runs.map(|amplitude| given.read(of, amplitude));
         Ok(Box::new(move |_, progress| {
             let row = |k: usize| {
                 interrupt::check(0.0)?;
@@ -123,7 +122,7 @@ impl Study for Responses {
                 let all = response.at(omega);
                 let exact = setting.at.iter().map(|at| all[*at]).collect();
                 let run = amplitude.filter(|_| omega > 0.0);
-                let run = run.map(|amplitude| response.run(omega, amplitude, self.settle)).transpose()?;
+                let run = run.map(|amplitude| response.run(omega, amplitude, self.run_periods)).transpose()?;
                 let run = run.map(|all| setting.at.iter().map(|at| all[*at]).collect());
                 Ok(Row { omega, exact, run })
             };

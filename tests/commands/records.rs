@@ -294,7 +294,7 @@ fn what_cannot_be_recorded_is_refused_with_the_rule() {
         ("study response granular-crystal --at 1000", "at = 1000 is not valid"),
         ("study response granular-crystal --from 5 --to 4", "to = 4 after --from 5 is not valid: above --from"),
         ("study response granular-crystal --site 0 --kind pushed", "a force on a bead that a drive moves does nothing"),
-        ("study response precompressed --amplitude 1e-3", "runs settle in a chain with drag"),
+        ("study response precompressed --by-runs 1e-3", "runs settle in a chain with drag"),
         ("study modes impact", "a bead is not held"),
     ] {
         let said = refused(line, 2);

@@ -44,7 +44,7 @@ commands! {
     /// chain.
     Response(StudyCommand<Responses>) =>
         "study response granular-crystal --out out/response",
-        "study response granular-crystal --from 2e4 --to 6e4 --points 3 --amplitude 1e-10 --settle 2000";
+        "study response granular-crystal --from 2e4 --to 6e4 --points 3 --by-runs 1e-10 --run-periods 2000";
     /// Compute the spectra of what a scene records.
     ///
     /// Power spectral densities of the signals that its table record names, of a run; and where
