@@ -194,6 +194,7 @@ impl Signals {
     }
 
     /// Each quantity over time, at up to eight of its places.
+    #[cfg_attr(not(feature = "plot"), allow(dead_code))]
     pub(in crate::study) fn panels(&self, title: String, caption: String, si: Option<&Units>) -> Panels {
         let scale = Scale(si);
         let time = scale.label("time t", Quantity::Time);
