@@ -4,8 +4,8 @@ use super::Run;
 pub use crate::chain::Split;
 use crate::{
     chain::{
-        Chain, CorrectedSplit, Details, Field, HeterogeneousChain, KineticFlow, LinearFlow, Overlaps, SitewiseFlow,
-        Topology, max_norm,
+        Chain, CorrectedSplit, Details, Field, HeterogeneousChain, KineticFlow, LinearFlow, Overlaps, SitewiseBonds,
+        SitewiseFlow, Topology, max_norm,
     },
     error::{Error, Result},
     parts::{Decomposition, Motion, Parted},
@@ -346,7 +346,11 @@ impl Method {
             Self::Splitting(..) | Self::Landed(_) => chain
                 .dissipative_contacts()
                 .then_some("its kicks know no velocities, and contacts here dissipate: take dop853-regularised"),
-            Self::Corrected(..) | Self::Conserving => Some(
+            Self::Corrected(..) => (!chain.parts()?.corrects()).then_some(
+                "it needs contacts of one exponent, without damping, dissipation, moved beads or forces that change: \
+                 take dop853-regularised, or strang-linear for equal steps",
+            ),
+            Self::Conserving => Some(
                 "it needs equal beads, without damping or drives: take dop853-regularised, or strang-linear for \
                  equal steps",
             ),
@@ -360,7 +364,7 @@ impl Method {
 
     /// The method for equal steps, where none is named.
     pub fn by_steps(chain: &Chain<f64>) -> Self {
-        match chain.details() {
+        match Self::CORRECTED.unsupported_reason(chain) {
             None => Self::CORRECTED,
             Some(_) => Self::Splitting(&tables::STRANG, Split::Linear),
         }
@@ -521,6 +525,10 @@ fn corrected(
         Setting::Steps(steps) | Setting::Windows(steps, _) => steps,
     };
     let chain = run.chain().clone();
+    if chain.details().is_some() {
+        let flow = SitewiseBonds::new(loaded(SitewiseFlow::new(chain, split, span.0), y));
+        return Ok(boxed(Corrected::new(flow, span, steps, parts)?, log));
+    }
     Ok(match split {
         Split::Kinetic => {
             let flow = CorrectedSplit::new(loaded(KineticFlow::new(chain), y));

@@ -173,7 +173,7 @@ pub(super) unsafe fn mark<V: Vector<f64>>(
 /// a row the middle one, `g_1`, is the largest or the smallest, and `abs(g_1)` is below `reach`
 /// times the size of their second difference.
 #[inline(always)]
-pub(super) fn turning<V: Vector<f64>>(reach: f64, [g0, g1, g2]: [V; 3]) -> u64 {
+pub(in crate::chain) fn turning<V: Vector<f64>>(reach: f64, [g0, g1, g2]: [V; 3]) -> u64 {
     let (before, after) = (g1 - g0, g2 - g1);
     let near = V::all(reach) * (after - before).size() - g1.size();
     (V::all(0.0) - before * after).positive() & near.positive()

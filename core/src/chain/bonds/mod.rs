@@ -16,13 +16,14 @@ mod kinetic;
 mod linear;
 
 use awake::Awake;
+pub(super) use forces::turning;
 use forces::{Forces, Modified};
 use fused::Fused;
 
 use super::{Chain, aligned::Aligned, law::LANES};
 use hertzchain_integrators::{
     DoubleDouble, Error, SplitFlow, Stepper, Vector,
-    collocation::StepControl,
+    collocation::{Collocation, StepControl, Windows},
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
 };
 
@@ -630,33 +631,40 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
         self.shift(-0.5 * share, &start);
     }
 
-    /// By contact collocation, forward in time with velocities reversed: the equations of motion
-    /// are reversible.
     fn back(&self, y: &mut [f64], by: f64) {
-        let half = y.len() / 2;
-        let turn = |y: &mut [f64]| y[half..].iter_mut().for_each(|velocity| *velocity = -*velocity);
-        turn(y);
-        let window = StepControl::Windows { windows: 1, nodes: INSIDE, neighbours: true };
-        // The iteration of a window that is too long for the stiffness of its contacts does not
-        // converge; a run with a tolerance takes shorter windows.
-        let settled = self.run_on(y, by, window).or_else(|_| self.run_on(y, by, StepControl::Tolerance(TOLERANCE)));
-        if settled.is_err() {
-            // The caller gets NaN, not a wrong state.
-            y.fill(f64::NAN);
-        }
-        turn(y);
+        back(self.chain(), y, by);
     }
 }
 
-impl<F: SiteFlow> CorrectedSplit<F> {
-    /// Moves a state on by contact collocation.
-    fn run_on(&self, y: &mut [f64], by: f64, control: StepControl) -> Result<(), Error> {
-        let mut run = self.chain().collocation(y, (0.0, by), control)?;
+/// [`BondFlow::back`] by contact collocation, forward in time with velocities reversed: the
+/// equations of motion are reversible.
+pub(super) fn back(chain: &Chain<f64>, y: &mut [f64], by: f64) {
+    let half = chain.layout().half();
+    let turn = |y: &mut [f64]| y[half..2 * half].iter_mut().for_each(|velocity| *velocity = -*velocity);
+    turn(y);
+    let window = StepControl::Windows { windows: 1, nodes: INSIDE, neighbours: true };
+    // The iteration of a window that is too long for the stiffness of its contacts does not
+    // converge; a run with a tolerance takes shorter windows.
+    let settled = run_on(chain, y, by, window).or_else(|_| run_on(chain, y, by, StepControl::Tolerance(TOLERANCE)));
+    if settled.is_err() {
+        // The caller gets NaN, not a wrong state.
+        y.fill(f64::NAN);
+    }
+    turn(y);
+}
+
+/// Moves a state on by contact collocation.
+fn run_on(chain: &Chain<f64>, y: &mut [f64], by: f64, control: StepControl) -> Result<(), Error> {
+    fn end<W: Windows>(mut run: Collocation<W>, y: &mut [f64], by: f64) -> Result<(), Error> {
         while !run.done() {
             run.step()?;
         }
         run.sample(by, y);
         Ok(())
+    }
+    match chain.details() {
+        None => end(chain.collocation(y, (0.0, by), control)?, y, by),
+        Some(_) => end(chain.heterogeneous_collocation(y, (0.0, by), control)?, y, by),
     }
 }
 

@@ -10,6 +10,10 @@
 //! with its contact force `f` for one that is moved. The work is then `p + F u + m s'^2/2`, and
 //! schemes made for such kicks keep their order.
 
+mod bonds;
+
+pub use bonds::SitewiseBonds;
+
 use super::{
     super::{Chain, Resonators},
     CheckedDetails, DriveKind, Ledger, SiteData,

@@ -58,12 +58,12 @@ pub(super) struct Loops<R> {
     /// Shares of an impulse on the bead that go to `z[2]` and `z[3]`, by site.
     shares: [Vec<R>; 2],
     /// Masses of beads.
-    mass: Vec<R>,
+    pub(super) mass: Vec<R>,
     /// Spring constants, and masses of resonators, infinite where none moves; `None` without
     /// springs.
-    springs: Option<[Vec<R>; 2]>,
+    pub(super) springs: Option<[Vec<R>; 2]>,
     /// The law of all contacts, if they have the same exponent.
-    law: Option<ContactLaw<R>>,
+    pub(super) law: Option<ContactLaw<R>>,
     /// Constants and static overlaps of contacts.
     contacts: [Vec<R>; 2],
 }
@@ -106,14 +106,16 @@ impl<R: Real> Loops<R> {
             let masses = sites.iter().map(|site| if moves(site.resonators) { site.resonator() } else { R::infinity() });
             [kappa.collect(), masses.collect()]
         });
-        let laws: Vec<ContactLaw<R>> = chain.touching().map(|bond| parts.bonds[bond].power).collect();
-        let same = laws.windows(2).all(|pair| pair[0].alpha() == pair[1].alpha());
+        let contacts = parts.bonds.iter().filter(|bond| bond.constant > R::zero());
+        let laws: Vec<ContactLaw<R>> = contacts.map(|bond| bond.power).collect();
+        let law = laws.first().copied().unwrap_or(chain.law());
+        let same = laws.iter().all(|other| other.alpha() == law.alpha());
         Self {
             motions,
             shares: [0, 1].map(|k| (0..class.len()).map(|i| of(i).shares()[k]).collect()),
             mass: sites.iter().map(|site| site.mass).collect(),
             springs,
-            law: laws.first().filter(|_| same).copied(),
+            law: same.then_some(law),
             contacts: [
                 parts.bonds.iter().map(|bond| bond.constant).collect(),
                 parts.bonds.iter().map(|bond| bond.rest).collect(),
@@ -228,6 +230,37 @@ impl<R: Real> Loops<R> {
         }
         for (force, pair) in force.iter_mut().zip(push.windows(2)) {
             *force = pair[0] - pair[1];
+        }
+    }
+
+    /// Of all bonds, from bond 0 on: overlaps times `unit`, forces as the powers of these, and the
+    /// derivatives of the powers; for contacts with the same exponent.
+    pub(super) fn bonds(
+        &self,
+        (chain, parts): (&Chain<R>, &CheckedDetails<R>),
+        unit: &[R],
+        u: &[R],
+        [overlap, force, slope]: [&mut [R]; 3],
+    ) {
+        let (n, law) = (u.len(), self.law.as_ref().expect("one exponent"));
+        let [rest, unit_inside] = [&self.contacts[1][1..], &unit[1..]];
+        let [g, f, by_g] = [&mut *overlap, &mut *force, &mut *slope].map(|all| &mut all[1..n]);
+        // SAFETY: the slices have a number for each bond between beads, and `u` one more.
+        with_hertz!(law, power => over!(n - 1, i, V<R> => unsafe {
+            let strain = load::<R, V<R>>(u, i) - load(u, i + 1);
+            let overlap: V<R> = load::<R, V<R>>(unit_inside, i) * (load::<R, V<R>>(rest, i) + strain);
+            let (force, slope) = law.force_and_slope(power, overlap);
+            store(g, i, overlap);
+            store(f, i, force);
+            store(by_g, i, slope);
+        }));
+        // The first and the last bond, as in `forces`.
+        for bond in [0, n].into_iter().filter(|bond| chain.touching().contains(bond)) {
+            overlap[bond] = unit[bond] * (parts.bonds[bond].rest + chain.across(bond, |i| u[i]));
+            (force[bond], slope[bond]) = law.force_with_slope(overlap[bond]);
+        }
+        if chain.topology().ring() {
+            (overlap[n], force[n], slope[n]) = (overlap[0], force[0], slope[0]);
         }
     }
 

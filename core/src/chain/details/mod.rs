@@ -34,7 +34,7 @@ mod variations;
 pub use collocation::HeterogeneousChain;
 pub use contact::{Dissipation, Kind};
 pub use drive::{Course, Drive, DriveKind, Envelope, Harmonic, Signal};
-pub use flow::SitewiseFlow;
+pub use flow::{SitewiseBonds, SitewiseFlow};
 pub use ledger::Ledger;
 pub use spline::Spline;
 pub use variations::{Variations, Varied};
@@ -217,6 +217,15 @@ impl<R: Real> CheckedDetails<R> {
 }
 
 impl CheckedDetails<f64> {
+    /// Whether contact-corrected splitting can run it: contacts of one exponent, and no energy is
+    /// taken or given but by constant forces.
+    pub(crate) fn corrects(&self) -> bool {
+        let mut exponents = self.exponents();
+        let first = exponents.next();
+        let same = exponents.all(|alpha| Some(alpha) == first);
+        same && !self.damped && !self.dissipative && self.acting.iter().all(Acting::pushes_steadily)
+    }
+
     /// The largest frequency of resonators, harmonics of drives and contacts. Beyond its static
     /// overlap, a contact overlaps by the largest of: `strain`; the greatest overlap of its two
     /// beads if they meet with this `speed` each, or that of a moved bead; the greatest overlap of

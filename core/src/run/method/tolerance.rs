@@ -88,6 +88,7 @@ fn at_samples(run: &Run, span: (f64, f64), steps: u64) -> u64 {
 /// Largest relative difference of a column of the state, see [`steps`].
 fn distance(chain: &Chain<f64>, a: &[f64], b: &[f64]) -> f64 {
     let (n, share, mut beads) = (chain.sites(), 1.0 / (1.0 + chain.params().rho), 0.0);
+    let [a, b] = [a, b].map(|y| &y[..2 * chain.layout().half()]);
     let columns = a.chunks(n).zip(b.chunks(n)).enumerate();
     columns.fold(0.0, |largest, (k, (a, b))| {
         let gap = a

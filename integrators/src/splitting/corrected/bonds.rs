@@ -53,6 +53,10 @@ pub trait BondFlow: SplitFlow<f64> {
     fn turned(&self, out: &mut Vec<(usize, bool)>);
     /// The contact force of a bond, and the acceleration of its overlap by all forces of the kick.
     fn force(&self, bond: usize) -> (f64, f64);
+    /// Overlaps here over those of the problem, of which the log tells.
+    fn unit(&self, _bond: usize) -> f64 {
+        1.0
+    }
     /// The overlap from the evaluated state on, under the present forces of all other bonds.
     fn path(&self, bond: usize) -> BondPath;
     /// The motion of the bond between the last two evaluations, a step `h` apart, before the kick

@@ -115,16 +115,18 @@ impl Log {
             } else {
                 0.0
             };
-            let at = |event: Option<(f64, f64)>| event.map(|(at, rate)| (time + at, rate));
+            let unit = flow.unit(bond);
+            let at = |event: Option<(f64, f64)>| event.map(|(at, rate)| (time + at, rate / unit));
             let (onset, release) = (at(entry.onset.take()), at(entry.release.take()));
             let curve = match (std::mem::take(&mut entry.hidden), onset, release) {
                 (hidden, Some((from, _)), Some((to, _))) if hidden > 0.0 => {
-                    Curve::over((from, to), [(0.0, 0.0), (0.5, hidden), (1.0, 0.0)])
+                    Curve::over((from, to), [(0.0, 0.0), (0.5, hidden / unit), (1.0, 0.0)])
                 }
                 _ => {
                     // Processing moves rates by -(h^2/12) times the rate of the acceleration.
                     let moved = self.h / 12.0 * (entry.acceleration - before.acceleration);
-                    let [start, end] = [before, *entry].map(|entry| (entry.overlap, entry.rate - moved));
+                    let [start, end] =
+                        [before, *entry].map(|entry| (entry.overlap / unit, (entry.rate - moved) / unit));
                     cubic(start, end, (time - self.h, time))
                 }
             };

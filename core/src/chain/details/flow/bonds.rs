@@ -1,0 +1,395 @@
+//! The kicks of contact-corrected splitting on the motion of sites that differ.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `w` | `A^{1/alpha}` of a contact: its force is `(w g)_+^alpha`, so that the formulas for `A = 1` hold for the overlap `w g` |
+//! | `a` | accelerations of beads by the forces of the kick: contacts, constant forces, and springs in the kinetic split |
+//!
+//! With overlaps `w g` a unit force has the mobility `w (1/m + 1/m')`. The potential of a contact is
+//! `(w g)_+^{alpha+1}/((alpha+1) w)`, so that impulses and displacements are those of `A = 1`.
+//!
+//! Frequencies of resonators may differ over a bond. The path of its overlap is therefore a cubic,
+//! in both splits: right to `O(h^4)`, as events need it, where `omega h` is small.
+
+use super::{
+    super::super::{Chain, bonds::turning},
+    Class, SitewiseFlow, Split, parts,
+};
+use hertzchain_integrators::{
+    DoubleDouble, SplitFlow, Vector,
+    splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
+    vector::MOST_LANES,
+};
+use std::sync::Arc;
+
+/// What does not change during a run.
+struct Constants {
+    /// `w`, from bond 0 on.
+    unit: Vec<f64>,
+    /// Constant forces on beads.
+    steady: Vec<f64>,
+    alpha: f64,
+}
+
+/// A [`SitewiseFlow`] with the kicks of contact-corrected splitting, for chains that conserve
+/// energy.
+pub struct SitewiseBonds {
+    flow: SitewiseFlow<f64>,
+    constants: Arc<Constants>,
+    reach: f64,
+    /// Positions of beads at the last evaluation.
+    u: Vec<f64>,
+    /// `w g` of bonds at the last three evaluations, latest first.
+    overlap: [Vec<f64>; 3],
+    /// Forces of bonds, and of springs on beads, at the last two evaluations.
+    force: [Vec<f64>; 2],
+    spring: [Vec<f64>; 2],
+    /// Derivatives of forces by `w g`.
+    slope: Vec<f64>,
+    /// Whether bonds were closed at the last call of [`changed`](BondFlow::changed).
+    told: Vec<bool>,
+    /// Buffers of a kick: `a`, modified forces of bonds, forces on beads.
+    a: Vec<f64>,
+    modified: Vec<f64>,
+    push: Vec<f64>,
+}
+
+impl SitewiseBonds {
+    /// Adds the kicks to `flow`, which holds a state.
+    ///
+    /// # Panics
+    /// A chain that does not conserve energy, or with contacts of different exponents.
+    pub fn new(flow: SitewiseFlow<f64>) -> Self {
+        let parts = parts(&flow.chain);
+        let law = flow.loops.law.expect("contacts with one exponent");
+        assert!(!parts.damped && flow.chain.movers().next().is_none(), "a chain that conserves energy");
+        let alpha = law.alpha();
+        let mut steady: Vec<f64> = vec![0.0; flow.chain.sites()];
+        parts.weights().for_each(|(i, weight)| steady[i] += weight);
+        parts.acting().iter().for_each(|drive| steady[drive.site] += drive.at::<f64>(0.0)[0]);
+        let unit = parts.bonds.iter().map(|bond| bond.constant.powf(alpha.recip())).collect();
+        Self::with(flow, Arc::new(Constants { unit, steady, alpha }))
+    }
+
+    fn with(flow: SitewiseFlow<f64>, constants: Arc<Constants>) -> Self {
+        let n = flow.chain.sites();
+        let (sites, bonds) = (|| vec![0.0; n], || vec![0.0; n + 1]);
+        Self {
+            constants,
+            reach: 0.0,
+            u: sites(),
+            overlap: [bonds(), bonds(), bonds()],
+            force: [bonds(), bonds()],
+            spring: [sites(), sites()],
+            slope: bonds(),
+            told: vec![false; n + 1],
+            a: sites(),
+            modified: bonds(),
+            push: sites(),
+            flow,
+        }
+    }
+
+    fn chain(&self) -> &Chain<f64> {
+        &self.flow.chain
+    }
+
+    fn bond(&self, index: usize) -> usize {
+        self.chain().touching().start + index
+    }
+
+    /// The difference of a quantity of beads over a bond, times `w`.
+    fn across(&self, bond: usize, quantity: impl Fn(usize) -> f64) -> f64 {
+        self.constants.unit[bond] * self.chain().across(bond, quantity)
+    }
+
+    /// The acceleration of a bead by the forces of the kick at the evaluation `before` the last.
+    fn acceleration(&self, i: usize, before: usize) -> f64 {
+        let force = &self.force[before];
+        let contacts = self.chain().topology().push(i, |b| [force[b]])[0];
+        (contacts + self.spring[before][i] + self.constants.steady[i]) / self.flow.loops.mass[i]
+    }
+
+    /// Minus the acceleration of `w g` by a unit force.
+    fn mobility(&self, bond: usize) -> f64 {
+        let pushed = self.chain().topology().pushed(bond);
+        self.constants.unit[bond] * pushed.iter().map(|&(i, _)| 1.0 / self.flow.loops.mass[i]).sum::<f64>()
+    }
+
+    /// The acceleration of `w g` by all other forces.
+    fn pull(&self, bond: usize, before: usize) -> f64 {
+        self.across(bond, |i| self.acceleration(i, before)) + self.mobility(bond) * self.force[before][bond]
+    }
+
+    /// Accelerations and their rates by springs that are part of the drift.
+    fn drifting(&self, i: usize) -> [f64; 2] {
+        match self.flow.class(i) {
+            Class::Modes(modes) => {
+                let ([_, p, _, s], omega) = (self.flow.site(i), modes.omega.value());
+                [-omega * omega * p, -omega * omega * (s * omega)]
+            }
+            _ => [0.0; 2],
+        }
+    }
+
+    /// The path of a bond under two pulls, one a step `h` ago and one now, see
+    /// [`BondFlow::view`].
+    fn path_of(&self, bond: usize, [before, now]: [f64; 2], h: f64) -> BondPath {
+        let change = if h > 0.0 { (now - before) / h } else { 0.0 };
+        let share = h * h / 12.0;
+        BondPath {
+            overlap: self.overlap[0][bond] + share * now,
+            rate: self.across(bond, |i| self.flow.bead(i)[1]) + (0.25 * h * (before + now) + 2.0 * share * change),
+            acceleration: [now + self.across(bond, |i| self.drifting(i)[0]), 0.0],
+            jerk: [change + self.across(bond, |i| self.drifting(i)[1]), 0.0],
+            omega: 0.0,
+        }
+    }
+
+    /// Changes a bead by an impulse over its mass, and by a displacement, at the time `at`.
+    fn give(&mut self, i: usize, [impulse, displacement]: [f64; 2], at: f64) {
+        let SitewiseFlow { z, classes, class, .. } = &mut self.flow;
+        let [r, p, r_dot, s] = z.each_mut().map(|z| &mut z[i]);
+        let (m, mu, omega) = match &classes[class[i] as usize] {
+            Class::Modes(modes) => (modes.m, modes.mu, modes.omega.value()),
+            _ => (1.0, 0.0, 0.0),
+        };
+        *r += m * (displacement - impulse * at);
+        *r_dot += m * impulse;
+        if mu > 0.0 {
+            let (sin, cos) = (omega * at).sin_cos();
+            *p += mu * (displacement * cos - impulse / omega * sin);
+            *s += mu * (displacement * sin + impulse / omega * cos);
+        }
+    }
+
+    /// Computes overlap, force and its derivative of a bond anew.
+    fn refresh(&mut self, bond: usize) {
+        let contact = &parts(&self.flow.chain).bonds[bond];
+        let g = self.constants.unit[bond] * (contact.rest + self.chain().across(bond, |i| self.u[i]));
+        self.overlap[0][bond] = g;
+        (self.force[0][bond], self.slope[bond]) = contact.power.force_with_slope(g);
+    }
+
+    /// Accelerations of beads by the forces of the kick and the rates of these, then both of
+    /// resonators. Forces of bonds that are [`Near`](Side::Near) an event count without their
+    /// rates.
+    fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 4]> {
+        self.evaluate();
+        let first = self.chain().touching().start;
+        let mut rates = vec![0.0; self.told.len()];
+        for (index, side) in sides.iter().enumerate() {
+            let b = first + index;
+            if *side != Side::Near {
+                rates[b] = self.slope[b] * self.across(b, |i| self.flow.bead(i)[1]);
+            }
+        }
+        let (topology, mass) = (self.chain().topology(), &self.flow.loops.mass);
+        let site = |i: usize| {
+            let spring = kicking_springs(&self.flow).map_or([0.0; 4], |[kappa, resonator]| {
+                let [_, _, u_dot, v_dot] = self.flow.site(i);
+                let [force, rate] = [self.spring[0][i], -kappa[i] * (u_dot - v_dot)];
+                [force / mass[i], rate / mass[i], -force / resonator[i], -rate / resonator[i]]
+            });
+            let contacts = topology.push(i, |b| [rates[b]])[0] / mass[i];
+            [self.acceleration(i, 0), contacts + spring[1], spring[2], spring[3]]
+        };
+        (0..mass.len()).map(site).collect()
+    }
+
+    fn shift(&mut self, share: f64, jet: &[[f64; 4]]) {
+        for (i, &[a, rate, b, rate_b]) in jet.iter().enumerate() {
+            self.give(i, [-share * rate, share * a], 0.0);
+            if b != 0.0 || rate_b != 0.0 {
+                self.flow.z[1][i] += share * b;
+                self.flow.z[3][i] -= share * rate_b;
+            }
+        }
+    }
+}
+
+/// Spring constants and masses of resonators, if springs are part of the kick.
+fn kicking_springs(flow: &SitewiseFlow<f64>) -> Option<&[Vec<f64>; 2]> {
+    flow.loops.springs.as_ref().filter(|_| flow.split == Split::Kinetic)
+}
+
+impl SplitFlow<f64> for SitewiseBonds {
+    fn dim(&self) -> usize {
+        self.flow.dim()
+    }
+
+    fn load(&mut self, y: &[f64]) {
+        self.flow.load(y);
+    }
+
+    fn store(&self, y: &mut [f64]) {
+        self.flow.store(y);
+    }
+
+    fn duplicate(&self) -> Self {
+        let mut copy = Self::with(self.flow.duplicate(), Arc::clone(&self.constants));
+        copy.copy_from(self);
+        copy
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        self.flow.copy_from(&other.flow);
+        self.reach = other.reach;
+        let pairs = [(&mut self.u, &other.u), (&mut self.slope, &other.slope)].into_iter();
+        let pairs = pairs.chain(self.overlap.iter_mut().zip(&other.overlap));
+        let pairs =
+            pairs.chain(self.force.iter_mut().zip(&other.force)).chain(self.spring.iter_mut().zip(&other.spring));
+        pairs.for_each(|(to, from)| to.copy_from_slice(from));
+        self.told.copy_from_slice(&other.told);
+    }
+
+    fn drift(&mut self, dt: DoubleDouble<f64>) {
+        self.flow.drift(dt);
+    }
+
+    fn kick_drift(&mut self, kick: f64, drift: DoubleDouble<f64>) {
+        self.evaluate();
+        self.kick(kick, 0.0);
+        self.drift(drift);
+    }
+}
+
+impl BondFlow for SitewiseBonds {
+    fn exponent(&self) -> f64 {
+        self.constants.alpha
+    }
+
+    fn prepare(&mut self, _h: f64, reach: f64) {
+        self.reach = reach;
+    }
+
+    fn bonds(&self) -> usize {
+        self.chain().touching().len()
+    }
+
+    fn evaluate(&mut self) {
+        self.overlap.rotate_right(1);
+        self.force.swap(0, 1);
+        self.spring.swap(0, 1);
+        let Self { flow, constants, u, overlap: [overlap, ..], force: [force, _], spring: [spring, _], slope, .. } =
+            self;
+        flow.loops.positions(&flow.z, u);
+        flow.loops.bonds((&flow.chain, parts(&flow.chain)), &constants.unit, u, [overlap, force, slope]);
+        if let Some([kappa, _]) = kicking_springs(flow) {
+            spring.iter_mut().enumerate().for_each(|(i, force)| *force = -kappa[i] * (flow.z[0][i] - flow.z[1][i]));
+        }
+    }
+
+    fn changed(&mut self, out: &mut Vec<(usize, bool)>) {
+        for (index, bond) in self.chain().touching().enumerate() {
+            let closed = self.overlap[0][bond] > 0.0;
+            if std::mem::replace(&mut self.told[bond], closed) != closed {
+                out.push((index, closed));
+            }
+        }
+    }
+
+    fn turned(&self, out: &mut Vec<(usize, bool)>) {
+        let [g2, g1, g0] = &self.overlap;
+        for (index, b) in self.chain().touching().enumerate() {
+            if turning(self.reach, [g0[b], g1[b], g2[b]]) != 0 {
+                out.push((index, g1[b] > 0.0));
+            }
+        }
+    }
+
+    fn force(&self, bond: usize) -> (f64, f64) {
+        let b = self.bond(bond);
+        (self.force[0][b], self.across(b, |i| self.acceleration(i, 0)))
+    }
+
+    fn unit(&self, bond: usize) -> f64 {
+        self.constants.unit[self.bond(bond)]
+    }
+
+    fn path(&self, bond: usize) -> BondPath {
+        let b = self.bond(bond);
+        self.path_of(b, [self.pull(b, 0); 2], 0.0)
+    }
+
+    fn views<V: Vector<f64>>(&self, bonds: &[(usize, bool)], h: f64) -> BondView<V> {
+        let view = |k: usize| {
+            let b = self.bond(bonds.get(k).unwrap_or(&bonds[0]).0);
+            let pull = [1, 0].map(|before| self.pull(b, before));
+            BondView { path: self.path_of(b, pull, h), mobility: self.mobility(b), pull }
+        };
+        let views: [BondView; MOST_LANES] = std::array::from_fn(view);
+        let lanes = |number: fn(&BondView) -> f64| V::by_lane(|k| number(&views[k]));
+        BondView {
+            path: BondPath {
+                overlap: lanes(|view| view.path.overlap),
+                rate: lanes(|view| view.path.rate),
+                acceleration: [lanes(|view| view.path.acceleration[0]), V::all(0.0)],
+                jerk: [lanes(|view| view.path.jerk[0]), V::all(0.0)],
+                omega: 0.0,
+            },
+            mobility: lanes(|view| view.mobility),
+            pull: [lanes(|view| view.pull[0]), lanes(|view| view.pull[1])],
+        }
+    }
+
+    fn correct<'a>(&mut self, given: impl Iterator<Item = (usize, &'a Correction)>) {
+        for (bond, &Correction { impulse, displacement, at, .. }) in given {
+            let pushed = self.chain().topology().pushed(self.bond(bond));
+            for &(i, weight) in pushed.iter() {
+                let share = weight / self.flow.loops.mass[i];
+                self.give(i, [share * impulse, share * displacement], at);
+                self.u[i] = self.flow.bead(i)[0];
+            }
+            for &(i, _) in pushed.iter() {
+                self.chain().topology().bonds(i).into_iter().flatten().for_each(|b| self.refresh(b));
+            }
+        }
+    }
+
+    fn kick(&mut self, kick: f64, c: f64) {
+        for i in 0..self.u.len() {
+            self.a[i] = self.acceleration(i, 0);
+        }
+        for b in self.chain().touching() {
+            self.modified[b] = self.force[0][b] + c * self.slope[b] * self.across(b, |i| self.a[i]);
+        }
+        for i in 0..self.u.len() {
+            let contacts = self.chain().topology().push(i, |b| [self.modified[b]])[0];
+            self.push[i] = contacts + self.constants.steady[i];
+        }
+        let Self { flow, a, push, .. } = self;
+        let loops = Arc::clone(&flow.loops);
+        if let Some([kappa, resonator]) = loops.springs.as_ref().filter(|_| flow.split == Split::Kinetic) {
+            let z = &mut flow.z;
+            for (i, push) in push.iter_mut().enumerate() {
+                let [kappa, resonator] = [kappa[i], resonator[i]];
+                let d = z[0][i] - z[1][i];
+                let pull = kappa * (d + c * (a[i] - kappa * d / resonator));
+                *push -= pull;
+                z[3][i] += kick * (pull / resonator);
+            }
+        }
+        loops.kick(&mut flow.z, push, kick);
+    }
+
+    fn kicks_and_evaluations(&mut self, pairs: &[(f64, DoubleDouble<f64>)], c: f64, _watched: bool) -> usize {
+        let (kick, drift) = pairs[0];
+        self.kick(kick, c);
+        self.drift(drift);
+        self.evaluate();
+        1
+    }
+
+    fn process(&mut self, share: f64, sides: &[Side]) {
+        let start = self.jet(sides);
+        self.shift(0.5 * share, &start);
+        let middle = self.jet(sides);
+        self.shift(share, &middle);
+        self.shift(-0.5 * share, &start);
+    }
+
+    fn back(&self, y: &mut [f64], by: f64) {
+        super::super::super::bonds::back(self.chain(), y, by);
+    }
+}
