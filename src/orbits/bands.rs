@@ -13,8 +13,9 @@
 
 use super::normal_modes::NormalModes;
 use crate::{
-    chain::{Boundary, Chain, Details},
+    chain::{Boundary, Chain, Details, Params},
     error::{Error, Result},
+    waves::Nls,
 };
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
@@ -28,6 +29,8 @@ pub struct Bands {
     /// Blocks `S_0`, `S_1` and `S_{-1}`.
     blocks: [DMatrix<f64>; 3],
     cell: usize,
+    /// Of a cell of one bead: its parameters over its mass, contact constant and static overlap.
+    alike: Option<(Params, [f64; 2])>,
 }
 
 impl Bands {
@@ -70,7 +73,15 @@ impl Bands {
         };
         let [mass, kappa, rho] = sites.map(|list| ring(list, 0));
         let [contact, alpha, overlap] = inner.map(|list| ring(list, shift));
-        let ring = Chain::new(chain.params(), Boundary::Ring, 3 * cell)?;
+        let params = chain.params();
+        let first = |list: &[f64], otherwise: f64| list.first().copied().unwrap_or(otherwise);
+        let (m, of_bond) = (first(&mass, 1.0), [first(&contact, 1.0), first(&overlap, 0.0)]);
+        let one = Params {
+            alpha: first(&alpha, params.alpha),
+            kappa: first(&kappa, params.kappa) / m,
+            rho: first(&rho, params.rho),
+        };
+        let ring = Chain::new(params, Boundary::Ring, 3 * cell)?;
         let ring = ring.with(&Details { mass, kappa, rho, contact, alpha, overlap, ..Details::default() })?;
         let modes = NormalModes::new(&ring)?;
         let stiffness = modes.stiffness()?;
@@ -78,12 +89,20 @@ impl Bands {
             [0, 1, 2].map(|j| (0..stiffness.nrows()).filter(|&c| modes.place(c).0 / cell == j).collect());
         let n = places[0].len();
         let blocks = [0, 1, 2].map(|j| DMatrix::from_fn(n, n, |a, b| stiffness[(places[0][a], places[j][b])]));
-        Ok(Self { blocks, cell })
+        let alike = (cell == 1).then_some((one, [of_bond[0] / m, of_bond[1]]));
+        Ok(Self { blocks, cell, alike })
     }
 
     /// Beads of a cell.
     pub fn cell(&self) -> usize {
         self.cell
+    }
+
+    /// The nonlinear Schrodinger equation of each band at a phase in `(0, pi]`, and the static
+    /// overlap; `None` for a cell of more than one bead.
+    pub fn envelopes(&self, theta: f64) -> Option<(f64, Vec<Nls>)> {
+        let (params, bond) = self.alike?;
+        Some((bond[1], Nls::new(params, bond, theta).ok()?))
     }
 
     /// The frequencies of waves with the phase `theta` from cell to cell, in ascending order, one a

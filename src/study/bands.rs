@@ -9,6 +9,7 @@ use crate::{
         Kind, Line, Panel, Panels, Report, Table,
     },
     scene::{Quantity, Scene, Units},
+    waves::Nls,
 };
 use std::f64::consts::PI;
 
@@ -42,7 +43,7 @@ struct Band {
 
 impl Study for Bands {
     fn outline() -> Option<Report> {
-        Some(Report::new("bands").table(edges(&[], None)).table(waves(&[], 1, None)))
+        Some(Report::new("bands").table(edges(&[], None)).table(waves(&[], 1, None)).table(envelopes(&[], None)))
     }
 
     fn begin(&self) -> Result<Work<'_>> {
@@ -57,7 +58,13 @@ impl Study for Bands {
                 Ok((theta, bands.at(theta)))
             };
             let waves = (0..self.points).map(wave).collect::<Result<Vec<_>>>()?;
-            Ok(told(&scene, &bands, &waves, si.as_ref()))
+            let of = |wave: &(f64, Vec<f64>)| {
+                let (overlap, all) = bands.envelopes(wave.0)?;
+                Some(all.into_iter().enumerate().map(|(k, nls)| (k + 1, wave.0, overlap, nls)).collect::<Vec<_>>())
+            };
+            let mut all: Vec<Envelope> = waves.iter().filter_map(of).flatten().collect();
+            all.sort_by_key(|envelope| envelope.0);
+            Ok(told(&scene, &bands, &waves, si.as_ref()).table(envelopes(&all, si.as_ref())))
         }))
     }
 }
@@ -96,6 +103,35 @@ fn waves(waves: &[(f64, Vec<f64>)], bands: usize, si: Option<&Units>) -> Table {
             .kind(Quantity::Omega);
     }
     table.done()
+}
+
+/// The nonlinear Schrodinger equation of a wave: its band, its phase, and the static overlap.
+type Envelope = (usize, f64, f64, Nls);
+
+/// The envelopes of small waves on chains of equal beads.
+fn envelopes(all: &[Envelope], si: Option<&Units>) -> Table {
+    Table::of("envelopes", all)
+        .key("envelopes")
+        .si(si)
+        .few(11)
+        .col("band", Short, "", |row| row.0)
+        .col("theta_over_pi", Fixed(4), "", |row| row.1 / PI)
+        .col("group_velocity", Power(6), "of envelopes, in beads per unit of time", |row| row.3.group_velocity)
+        .kind(Quantity::Omega)
+        .col("dispersion", Power(6), "second derivative of the frequency by theta", |row| row.3.dispersion)
+        .kind(Quantity::Omega)
+        .col(
+            "nonlinearity",
+            Power(6),
+            "beta d^2 of i A_t + dispersion/2 A_xx + beta |A|^2 A = 0, with the static overlap d and displacements \
+             2 |A|; minus the shift of the frequency for A = d",
+            |row| row.3.nonlinearity * row.2 * row.2,
+        )
+        .kind(Quantity::Omega)
+        .col("focusing", Short, "whether dispersion times nonlinearity is positive: envelopes are bright", |row| {
+            row.3.focusing()
+        })
+        .done()
 }
 
 /// The report of waves.

@@ -8,6 +8,7 @@
 
 mod exact;
 mod modes;
+mod nls;
 mod perturbed;
 mod solitary;
 mod stability;
@@ -19,6 +20,7 @@ pub use exact::{
 };
 pub use modes::Mode;
 pub(crate) use modes::strains;
+pub use nls::Nls;
 pub use perturbed::PerturbedWave;
 pub use solitary::{LinePulse, SolitaryWave, best_ring, wake_of_line};
 pub use stability::{Eigenvalue, Modulation, ModulationStability};

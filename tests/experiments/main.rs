@@ -20,6 +20,7 @@ mod driven;
 mod exact_waves;
 mod lifetimes;
 mod moving;
+mod nls;
 mod normal_modes;
 mod orbits;
 mod response;

@@ -327,7 +327,8 @@ impl Method {
     }
 
     /// Refuses a chain that the method cannot run: those that can run one with [`Details`] are
-    /// DOP853 and collocation, and splittings unless contacts dissipate.
+    /// DOP853 and collocation, splittings unless contacts dissipate, and contact-corrected ones
+    /// where energy is conserved and all contacts have one exponent.
     ///
     /// # Errors
     /// A chain that the method cannot run; the message names a method that can.

@@ -170,7 +170,8 @@ impl Run {
     }
 
     /// Sets equal steps of length `h`, or slightly shorter so that a whole number of them fits the
-    /// span. Without a [`method`](Self::method), the method is contact-corrected splitting.
+    /// span. Without a [`method`](Self::method), the method is contact-corrected splitting, or
+    /// `strang-linear` for a chain that it cannot run.
     ///
     /// # Errors
     /// A step that is not finite or not positive, or that fits the span more than 10^15 times; no

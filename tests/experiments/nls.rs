@@ -1,0 +1,103 @@
+//! The nonlinear Schrodinger equation of loaded chains, against exact waves and runs.
+
+use hertzchain::{
+    Boundary, Chain, Run,
+    chain::{Params, Site, State},
+    run::method::Method,
+    waves::{Given, MeanStrain, Nls, Search, WaveNumber, WaveSetting},
+};
+use std::f64::consts::PI;
+
+#[test]
+fn the_shift_of_the_frequency_is_that_of_exact_waves() {
+    // Truth: waves by Newton's method at a mean strain of -d, whose frequency is
+    // omega - beta_0 |A|^2 + O(|A|^4); errors of fourth and sixth order are extrapolated away.
+    for (alpha, kappa, rho, overlap) in [(1.5, 0.0, 0.0, 1.0), (1.5, 1.0, 1.0 / 3.0, 1.0), (2.5, 0.4, 3.0, 0.7)] {
+        let params = Params::new(alpha, kappa, rho).unwrap();
+        for turns in [3, 5, 8, 10] {
+            let theta = 2.0 * PI * f64::from(turns) / 20.0;
+            let q = WaveNumber::on_ring(theta / PI, 20).unwrap();
+            for (band, nls) in Nls::new(params, [1.0, overlap], theta).unwrap().into_iter().enumerate() {
+                let of = |share: f64| {
+                    let setting = WaveSetting { params, q, omega_tw: nls.omega, mean: MeanStrain::Value(-overlap) };
+                    // From the linear wave.
+                    let height = share * overlap;
+                    let resonator = kappa / (kappa - rho * nls.omega * nls.omega);
+                    let of_cell = |f: &dyn Fn(f64) -> f64| (0..q.cell()).map(|n| f(theta * n as f64)).collect();
+                    let array = |ratio: f64| -> [Vec<f64>; 2] {
+                        let rate = nls.omega * ratio * height;
+                        [of_cell(&|x| ratio * height * x.cos() - overlap), of_cell(&|x| rate * x.sin())]
+                    };
+                    let [[x, vx], [y, vy]] = [1.0, resonator].map(array);
+                    let seed = if rho > 0.0 { [x, y, vx, vy].concat() } else { [x, vx].concat() };
+                    let wave = Search::default().solve(&setting, Given::Amplitude(height), &seed).unwrap();
+                    let [x, ..] = wave.on_ring(20);
+                    let first = x.iter().enumerate().map(|(n, x)| x * (theta * n as f64).cos()).sum::<f64>();
+                    // At pi all cosines are 1 or -1: the sum of their squares is 20, not 10.
+                    let first = first / if turns == 10 { 20.0 } else { 10.0 };
+                    let square = (first / 2.0).powi(2) / (4.0 * (theta / 2.0).sin().powi(2));
+                    (nls.omega - wave.setting.omega_tw) / square
+                };
+                let [a, b, c] = [0.04, 0.02, 0.01].map(of);
+                let [ab, bc] = [(4.0 * b - a) / 3.0, (4.0 * c - b) / 3.0];
+                let measured = (16.0 * bc - ab) / 15.0;
+                // Without resonators beta_0 is zero at pi/2 for spheres.
+                let size = nls.at_mean_strain.abs().max(nls.nonlinearity.abs());
+                let off = (measured - nls.at_mean_strain).abs() / size;
+                println!("{alpha} {rho} {turns} {band}: {measured} {} {off:.1e}", nls.at_mean_strain);
+                assert!(off < 1e-6, "{alpha} {rho} {turns} {band}: {measured} {}", nls.at_mean_strain);
+            }
+        }
+    }
+}
+
+#[test]
+fn group_velocity_and_dispersion_are_derivatives_of_the_frequency() {
+    let params = Params::new(1.5, 1.0, 1.0 / 3.0).unwrap();
+    let h = 1e-3;
+    for theta in [0.3, 1.0, 2.0, 3.0] {
+        let [before, here, after] = [-h, 0.0, h].map(|by| Nls::new(params, [1.0, 1.0], theta + by).unwrap());
+        for k in 0..2 {
+            let first = (after[k].omega - before[k].omega) / (2.0 * h);
+            let second = (after[k].omega - 2.0 * here[k].omega + before[k].omega) / (h * h);
+            assert!((first - here[k].group_velocity).abs() < 1e-6, "{theta} {k}");
+            assert!((second - here[k].dispersion).abs() < 1e-5, "{theta} {k}: {second} {}", here[k].dispersion);
+        }
+    }
+}
+
+#[test]
+fn bright_envelopes_of_the_optical_band_travel_as_the_equation_says() {
+    // Truth: runs of the chain. Strains at the time 1/epsilon^2 are off by O(epsilon) of their size,
+    // since the start is right to first order.
+    let (params, theta) = (Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), 0.3 * PI);
+    let nls = Nls::new(params, [1.0, 1.0], theta).unwrap()[1];
+    assert!(nls.focusing());
+    let width = (nls.dispersion / nls.nonlinearity).sqrt();
+    let resonator = params.kappa / (params.kappa - params.rho * nls.omega * nls.omega);
+    let off = |epsilon: f64| {
+        let sites = (40.0 * width / epsilon) as usize / 20 * 20;
+        let chain = Chain::new(params, Boundary::Ring, sites).unwrap().precompressed(1.0).unwrap();
+        // u = 2 epsilon sech(X/width) cos(theta n - omega t + beta epsilon^2 t/2) for A of height 1.
+        let phase = 0.5 * nls.nonlinearity * epsilon * epsilon;
+        let wave = |n: usize, t: f64| {
+            let n = (n as f64 - nls.group_velocity * t).rem_euclid(sites as f64) + nls.group_velocity * t;
+            let x = n - nls.group_velocity * t - 0.5 * sites as f64;
+            2.0 * epsilon / (epsilon * x / width).cosh() * (theta * n - (nls.omega - phase) * t).cos()
+        };
+        let rate = |n: usize| (wave(n, 1e-4) - wave(n, -1e-4)) / 2e-4;
+        let site =
+            |n| Site { u: wave(n, 0.0), v: resonator * wave(n, 0.0), u_dot: rate(n), v_dot: resonator * rate(n) };
+        let state = State::from_fn(&chain, site).unwrap();
+        let time = 1.0 / (epsilon * epsilon);
+        let run = Run::new(chain, state).until(time).unwrap().method(Method::named("aba1064-linear").unwrap());
+        let end = run.step(0.1).unwrap().start().unwrap().state;
+        let strain = |n: usize, u: &dyn Fn(usize) -> f64| u(n) - u((n + sites - 1) % sites);
+        let gap = |n| (strain(n, &|n| end[n]) - strain(n, &|n| wave(n, time))).abs() / epsilon;
+        (0..sites).map(gap).fold(0.0, f64::max)
+    };
+    let errors = [0.08, 0.04, 0.02].map(off);
+    println!("{errors:?}");
+    let orders = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
+    assert!(errors[2] < 0.1 && orders.iter().all(|order| (0.8..1.6).contains(order)), "{errors:?} {orders:?}");
+}
