@@ -1,12 +1,23 @@
 //! Dark breathers: exact orbits of the chain of strains, computed from the profiles of the DpS
-//! equations (Sec. 7).
+//! equations (Sec. 7), or, under a precompression `d = -C_x` that keeps contacts closed, from those
+//! of the nonlinear Schrodinger equation at an edge `omega_e` of a band at `theta = pi`,
+//!
+//! ```text
+//! x_n = C_x + b (|A|^2 - a^2) + (-1)^n 4 A cos(omega_b t),   A = a tanh((n - n_0)/w)
+//! omega_b = omega_e - beta_0 a^2,   w = (-omega''/beta)^{1/2}/a,   b = 4 (alpha - 1)/d
+//! ```
+//!
+//! with the coefficients of [`Nls`]; `b` is that of the slow strain. Kinks that are much wider than
+//! a site have no barrier above rounding: an orbit may be off the centre by a small part of a site.
 
 use crate::{
-    chain::{Params, max_norm},
+    chain::{Params, Resonators, max_norm},
     dps::{Center, DarkProfile},
-    error::{Error, Result},
+    error::{Error, Result, require},
     orbits::{Continuation, Orbit, Parameter, Setting, Shooting},
+    waves::Nls,
 };
+use std::f64::consts::PI;
 
 /// Relative distance of `omega_b` from `omega` at which continuation starts; the seed is accurate
 /// enough there.
@@ -14,6 +25,10 @@ const NEAR: f64 = 2.5e-3;
 /// Largest step of the continuation, as a share of the way to `omega_b`.
 const STEP: f64 = 0.1;
 const MOST_POINTS: usize = 500;
+/// Strains that differ by less than this, over their size, are those of a chain at rest.
+const STILL: f64 = 1e-9;
+/// Amplitude of the loaded background at which continuation starts, in units of the precompression.
+const NEAR_EDGE: f64 = 0.5;
 /// Largest frequency of contacts in a seed, in units of `omega_b`. At 6 there is an orbit near the
 /// seed (`rho = 0.01`), at 35 there is none (`rho = 0.001`).
 const FASTEST: f64 = 10.0;
@@ -27,10 +42,18 @@ pub struct DarkBreather {
     pub center: Center,
     /// Sites on the ring of strains: an odd number.
     pub sites: usize,
-    /// Frequency of the breather, above `omega`.
+    /// Frequency of the breather: above `omega`, or near the edge of a band of the loaded chain.
     pub omega_b: f64,
-    /// Vertical centre of the background; 0 in the paper.
+    /// Vertical centre of the background, minus the precompression; 0 in the paper.
     pub c_x: f64,
+}
+
+/// The background of a loaded breather.
+#[derive(Clone, Copy, Debug)]
+struct Loaded {
+    edge: Nls,
+    /// `a`.
+    a: f64,
 }
 
 impl DarkBreather {
@@ -46,12 +69,65 @@ impl DarkBreather {
         (self.params, self.omega_b, self.c_x) = (params, omega_b, c_x);
     }
 
-    /// `[x(0), y(0)]` to first order, (eq:xy_sw).
+    /// The edges of the bands of the loaded chain at `theta = pi` that have dark breathers.
+    fn edges(&self) -> Vec<Nls> {
+        let all = if self.c_x < 0.0 { Nls::new(self.params, [1.0, -self.c_x], PI) } else { Ok(Vec::new()) };
+        all.unwrap_or_default().into_iter().filter(|edge| !edge.focusing()).collect()
+    }
+
+    /// The background near the edge that has breathers of this frequency, the nearest of them.
+    fn loaded(&self) -> Option<Loaded> {
+        let of = |edge: Nls| Loaded { edge, a: ((edge.omega - self.omega_b) / edge.at_mean_strain).sqrt() };
+        let all = self.edges().into_iter().map(of).filter(|background| background.a > 0.0);
+        all.min_by(|a, b| a.a.total_cmp(&b.a))
+    }
+
+    /// The frequency at an edge of a background with this amplitude of strains, in units of the
+    /// precompression.
+    fn under_load(&self, edge: &Nls, share: f64) -> f64 {
+        edge.omega - edge.at_mean_strain * (0.25 * share * self.c_x).powi(2)
+    }
+
+    /// The frequency of a breather if none is given: `ratio` times `omega`; under a precompression
+    /// that of a background at the upper edge of the bands, with an amplitude of `share` of it.
+    pub fn usual_frequency(&self, [ratio, share]: [f64; 2]) -> f64 {
+        self.edges().last().map_or(ratio * self.params.omega(), |edge| self.under_load(edge, share))
+    }
+
+    /// The seed under a precompression that keeps contacts closed.
+    fn loaded_seed(&self) -> Option<Vec<f64>> {
+        let Loaded { edge, a } = self.loaded()?;
+        let Self { params: Params { alpha, kappa, rho, .. }, sites, omega_b, c_x, center } = *self;
+        if 4.0 * a >= -c_x {
+            return None;
+        }
+        let width = (-edge.dispersion / edge.nonlinearity).sqrt() / a;
+        let kink = if center == Center::Site { 0.0 } else { 0.5 };
+        let half = (sites / 2) as i32;
+        let array = |ratio: f64| {
+            (-half..=half).map(move |n| {
+                let share = ((f64::from(n) - kink) / width).tanh();
+                let slow = -4.0 * (alpha - 1.0) / c_x * a * a * (share * share - 1.0);
+                c_x + slow + ratio * if n % 2 == 0 { 4.0 } else { -4.0 } * a * share
+            })
+        };
+        let mut z: Vec<f64> = array(1.0).collect();
+        if self.params.resonators() == Resonators::Moving {
+            z.extend(array(kappa / (kappa - rho * omega_b * omega_b)));
+        }
+        Some(z)
+    }
+
+    /// `[x(0), y(0)]` to first order, (eq:xy_sw), or under a precompression as at the head of this
+    /// module.
     ///
     /// # Errors
     /// As [`DarkProfile::new`] and [`DarkProfile::seed`]; strains so large that contacts are more
     /// than 10 times as fast as the breather.
     pub fn seed(&self) -> Result<Vec<f64>> {
+        if let Some(z) = self.loaded_seed() {
+            return Ok(z);
+        }
         let Self { params, center, sites, omega_b, c_x } = *self;
         let unit = DarkProfile::new(params, center, sites, 0.0)?;
         let size = unit.mu(omega_b)?.powf((params.alpha - 1.0).recip());
@@ -76,23 +152,39 @@ impl DarkBreather {
     /// Numbers outside their rules, and [`Error::Stalled`] with the best iterate where neither way
     /// leads to the orbit.
     pub fn orbit(&self, shooting: &Shooting) -> Result<Orbit> {
-        let stalled = match shooting.solve(&self.setting(), &self.seed()?) {
+        let loaded = self.loaded();
+        let solve = |breather: &Self| {
+            let orbit = shooting.solve(&breather.setting(), &breather.seed()?)?;
+            let moves = orbit.x().iter().any(|x| (x - orbit.x()[0]).abs() > STILL * orbit.amplitude());
+            let rule = "no dark breather of this frequency was found: the chain is at rest";
+            require(moves, "omega_b", breather.omega_b, rule).map(|()| orbit)
+        };
+        let stalled = match solve(self) {
+            Err(_) if loaded.is_some() => {
+                let rule = "no dark breather of this frequency was found from those near the edge of its band";
+                Error::parameter("omega_b", self.omega_b, rule)
+            }
             Err(error @ Error::Stalled { .. }) => error,
             solved => return solved,
         };
-        let near = Self { omega_b: self.params.omega() * (1.0 + NEAR), ..*self };
-        if self.omega_b <= near.omega_b {
+        let omega_b = match &loaded {
+            Some(background) => self.under_load(&background.edge, NEAR_EDGE),
+            None => self.params.omega() * (1.0 + NEAR),
+        };
+        let near = Self { omega_b, ..*self };
+        if loaded.is_none() && self.omega_b <= near.omega_b {
             return Err(stalled);
         }
         let continuation = Continuation {
             parameter: Parameter::OmegaB,
             to: self.omega_b,
-            step: STEP * (self.omega_b - near.omega_b),
+            step: STEP * (self.omega_b - near.omega_b).abs(),
             most_points: MOST_POINTS,
             natural: false,
             shooting: *shooting,
         };
-        let (mut orbits, _) = continuation.follow(shooting.solve(&near.setting(), &near.seed()?)?, |_| {})?;
+        let Ok(first) = solve(&near) else { return Err(stalled) };
+        let (mut orbits, _) = continuation.follow(first, |_| {})?;
         orbits.pop().filter(|orbit| orbit.setting.omega_b == self.omega_b).ok_or(stalled)
     }
 }

@@ -128,7 +128,7 @@ impl Problem for Continuation {
     }
 
     fn arrays(setting: &Setting) -> Vec<(&'static str, usize)> {
-        vec![("x", setting.sites), ("y", setting.sites)]
+        vec![("x", setting.sites), ("y", setting.numbers() - setting.sites)]
     }
 
     fn multipliers(spectrum: &Spectrum) -> Vec<[f64; 3]> {

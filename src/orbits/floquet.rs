@@ -373,8 +373,8 @@ fn metric(chain: &Chain<f64>) -> DMatrix<f64> {
             _ => f64::from(u8::from(d == 0)),
         })
         .collect();
-    let rho = chain.params().rho;
-    DMatrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+    let (rho, half) = (chain.params().rho, chain.layout().half());
+    DMatrix::from_fn(half, half, |i, j| match (i < n, j < n) {
         (true, true) => inverse[(n + i - j) % n],
         (false, false) => rho * inverse[(n + i - j) % n],
         _ => 0.0,

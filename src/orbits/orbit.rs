@@ -40,7 +40,7 @@ impl Orbit {
         &self.z[..self.setting.sites]
     }
 
-    /// Strains of the resonators, `y_n(0)`.
+    /// Strains of the resonators, `y_n(0)`; empty without them.
     pub fn y(&self) -> &[f64] {
         &self.z[self.setting.sites..]
     }
@@ -78,6 +78,9 @@ impl Orbit {
             (0..=SAMPLES / 2).map(|k| self.setting.period() * f64::from(k) / f64::from(SAMPLES)).collect();
         let states = self.states(tol, &times)?;
         let [(k_x, c_x), (k_y, c_y)] = [0, self.setting.sites].map(|entry| {
+            if entry >= self.z.len() {
+                return (0.0, 0.0);
+            }
             let mut values: Vec<f64> = states.iter().map(|state| state[entry]).collect();
             // Strains are even about both ends.
             values.insert(0, values[1]);
@@ -147,7 +150,9 @@ impl Orbit {
         let chain = self.setting.chain()?;
         let half = shooting.flow(&chain, &self.z, 0.5 * self.setting.period(), 2 * self.z.len(), |_| {})?;
         let linear = (self.setting.params.omega() * self.setting.period()).cos();
-        Spectrum::new(&Frame::at_rest(&chain), &half.columns, &known(linear)).ok_or_else(|| {
+        // Without resonators no bead turns against one.
+        let known = &known(linear)[usize::from(self.y().is_empty())..];
+        Spectrum::new(&Frame::at_rest(&chain), &half.columns, known).ok_or_else(|| {
             Error::parameter("omega_b", self.setting.omega_b, "no multipliers: the eigenvalues did not converge")
         })
     }

@@ -49,13 +49,13 @@ impl Setting {
     /// The chain, after all numbers are checked.
     ///
     /// # Errors
-    /// The first number that breaks its rule: moving resonators and `alpha > 1`; 3 to 256 sites;
+    /// The first number that breaks its rule: no fixed resonators, and `alpha > 1`; 3 to 256 sites;
     /// `omega_b` positive; a finite centre; `turns` 1 or 2.
     pub fn chain(&self) -> Result<Chain<f64>> {
         let Self { params, sites, omega_b, c_x, turns } = *self;
         params.validate()?;
-        let rule = "an orbit of this kind needs moving resonators: 0 < rho < inf and kappa > 0";
-        require(params.resonators() == Resonators::Moving, "rho", params.rho, rule)?;
+        let rule = "an orbit of this kind has resonators that move, or none: 0 <= rho < inf";
+        require(params.resonators() != Resonators::Fixed, "rho", params.rho, rule)?;
         if params.alpha <= 1.0 {
             return Err(Error::parameter("alpha", params.alpha, "tangent maps need alpha > 1"));
         }
@@ -64,6 +64,11 @@ impl Setting {
         require(c_x.is_finite(), "c_x", c_x, "a finite number")?;
         require((1..=2).contains(&turns), "turns", turns, "1, or 2 for a doubled period")?;
         Chain::new(params, Boundary::StrainRing, sites)
+    }
+
+    /// Strains of an orbit at `t = 0`: `x`, and `y` where resonators move.
+    pub fn numbers(&self) -> usize {
+        if self.params.resonators() == Resonators::Moving { 2 * self.sites } else { self.sites }
     }
 
     /// Frequency `(alpha |x|^{alpha-1})^{1/2}` of a contact with the largest of the given strains,

@@ -84,6 +84,8 @@ pub struct Orbit<S = Setting> {
 const LAST_STEP: f64 = 1e-9;
 /// Largest residual of an orbit; rounding is near 1e-16.
 const SOLVED: f64 = 1e-12;
+/// Residuals below this are rounding: a step that makes one larger is the last.
+const ROUNDED: f64 = 1e-14;
 /// Longest step, in units of `max |Z|`; seeds are closer than that.
 const LONGEST_STEP: f64 = 1.0;
 
@@ -155,8 +157,8 @@ impl Shooting {
     /// fails; and [`Error::Stalled`] with the best iterate where the residual of Newton's method
     /// does not fall to 1e-12.
     pub fn solve(&self, setting: &Setting, seed: &[f64]) -> Result<Orbit> {
-        let rule = "two strains a site: x, then y";
-        require(seed.len() == 2 * setting.sites, "seed", format!("{} numbers", seed.len()), rule)?;
+        let rule = "two strains a site: x, then y; one where no resonator moves";
+        require(seed.len() == setting.numbers(), "seed", format!("{} numbers", seed.len()), rule)?;
         let size = max_norm(seed.iter().copied());
         let rule = "strains are finite, and not all zero";
         require(size > 0.0 && seed.iter().all(|z| z.is_finite()), "seed", size, rule)?;
@@ -206,8 +208,13 @@ impl Newton<'_> {
             let Ok(Equations { residual, jacobian }) = equations(z.as_slice(), true) else { break };
             let size = unit(&z, &residual);
             let Some(mut by) = least_squares(jacobian, &residual) else { break };
-            newton.push(NewtonStep { residual: residual.amax() / size, step: by.amax() / size });
-            keep(&z, residual.amax() / size, &newton);
+            let now = residual.amax() / size;
+            newton.push(NewtonStep { residual: now, step: by.amax() / size });
+            // Where a shift of the orbit changes it by less than rounding, steps along the shift go
+            // on when the rest is solved.
+            if keep(&z, now, &newton).is_some_and(|best| best.residual < now && best.residual < ROUNDED) {
+                break;
+            }
             if z.amax() > 0.0 {
                 by *= (self.longest * size / by.amax()).min(1.0);
             }

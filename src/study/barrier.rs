@@ -14,7 +14,12 @@
 //! for both kinks. So in the limit of a long ring the energies at the same action and length differ
 //! by the difference of `E - omega_b J + F X` at the same frequency.
 
-use super::{ChainParams, Progress, Study, Work, options::options, orbits::Ring, params_words};
+use super::{
+    ChainParams, Progress, Study, Work,
+    options::options,
+    orbits::{ONE, Ring},
+    params_words,
+};
 use crate::{
     chain::{Energy, Params},
     dps::Center,
@@ -142,7 +147,7 @@ impl Barrier {
     }
 
     fn frequencies(&self) -> Result<Vec<f64>> {
-        let omega = self.ring.breather(Center::Site, None, RANGE[0])?.params.omega();
+        let omega = self.ring.breather(Center::Site, None, ONE)?.params.omega();
         let [from, to] = [self.from.unwrap_or(RANGE[0] * omega), self.to.unwrap_or(RANGE[1] * omega)];
         self.within_ranges()?;
         for (name, value) in [("from", from), ("to", to)] {
@@ -156,7 +161,7 @@ impl Barrier {
         }
         Tolerance::RUN.check(self.ring.tol)?;
         // The seed of the first breather checks the parameters of the ring.
-        self.ring.breather(Center::Site, Some(from), RANGE[0])?.seed()?;
+        self.ring.breather(Center::Site, Some(from), ONE)?.seed()?;
         let step = (to - from) / (self.frequencies - 1) as f64;
         Ok((0..self.frequencies).map(|k| from + step * k as f64).collect())
     }
@@ -187,7 +192,7 @@ impl Barrier {
     }
 
     fn point(&self, omega_b: f64, shooting: &Shooting) -> Result<BarrierPoint> {
-        let orbit = |center| self.ring.breather(center, Some(omega_b), RANGE[0])?.orbit(shooting);
+        let orbit = |center| self.ring.breather(center, Some(omega_b), ONE)?.orbit(shooting);
         let [site, bond] = [orbit(Center::Site)?, orbit(Center::Bond)?];
         let background = background(&site, shooting)?;
         let kink = |orbit: Orbit| -> Result<CenteredKink> {

@@ -226,7 +226,7 @@ options! {
         /// Spring constant of the resonators.
         kappa: f64 = 1.0, "K", (positive);
         /// Mass ratio resonator to bead.
-        rho: f64 = 1.0 / 3.0, "R", (positive);
+        rho: f64 = 1.0 / 3.0, "R", (from 0);
     }
 }
 

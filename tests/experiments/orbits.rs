@@ -12,6 +12,7 @@ use hertzchain::{
     },
     run::state_at,
     study::{Kick, evolve, study},
+    waves::{Given, MeanStrain, Search, WaveNumber, WaveSetting},
 };
 use nalgebra::{Complex, DMatrix, DVector};
 use twofloat::TwoFloat;
@@ -584,4 +585,50 @@ fn an_orbit_has_its_state_where_all_its_contacts_begin_or_end() {
     let worst = pairs.map(|(now, later)| (later - now).abs()).fold(0.0, f64::max);
     println!("{worst:e}");
     assert!(worst < 1e-9, "{worst:e}");
+}
+
+#[test]
+fn loaded_breathers_are_periodic_and_have_the_background_of_exact_waves() {
+    // Truths: DOP853 over a period; the symmetry of the kink; the frequency of the exact wave at pi
+    // with the amplitude and the mean strain of the background. Of acoustic and optical bands, and
+    // without resonators.
+    for (rho, c_x, omega_b) in [(0.0, -1.0, 2.43), (THIRD, -1.0, 2.757), (THIRD, -1.0, 1.53), (THIRD, -0.01, 2.0412)] {
+        let params = Params::new(1.5, 1.0, rho).unwrap();
+        for (center, kink) in [(Center::Site, 0), (Center::Bond, 1)] {
+            let breather = DarkBreather { params, center, sites: 61, omega_b, c_x };
+            let orbit = breather.orbit(&Shooting::default()).unwrap();
+            let defect = defect_by_dop853(&orbit);
+            let x = orbit.x();
+            // Strains are even about a bond, and of opposite phase about a site. Where a kink is wide,
+            // it may be off the centre by a small part of a site without a residual.
+            let image = |n: usize| x[(60 + kink - n) % 61];
+            let odd = (0..61).map(|n| (x[n] - image(n)).abs()).fold(0.0, f64::max);
+            let q = WaveNumber::on_ring(1.0, 10).unwrap();
+            let setting = WaveSetting { params, q, omega_tw: omega_b, mean: MeanStrain::Value(c_x) };
+            // The far end of the ring: a background of this amplitude.
+            let height = (x[0] - c_x).abs();
+            let ratio = 1.0 / (1.0 - rho * omega_b * omega_b);
+            let array = |ratio: f64| [c_x + ratio * height, c_x - ratio * height];
+            let seed = match rho > 0.0 {
+                true => [array(1.0), array(ratio), [0.0; 2], [0.0; 2]].concat(),
+                false => [array(1.0), [0.0; 2]].concat(),
+            };
+            let wave = Search::default().solve(&setting, Given::Amplitude(height), &seed).unwrap();
+            let off = (wave.setting.omega_tw - omega_b).abs();
+            println!("{rho} {c_x} {omega_b} {center:?}: {defect:.1e}, height {height}, odd {odd}, {off:.1e}");
+            assert!(defect < 1e-11 && height > 0.1 * c_x.abs(), "{rho} {omega_b}: {defect:e}");
+            assert!(if kink == 0 { odd > 1.9 * height } else { odd < 1e-2 * height }, "{rho} {omega_b}: {odd}");
+            assert!(off < 1e-5 * omega_b, "{rho} {omega_b} {center:?}: {off:e}");
+        }
+    }
+}
+
+#[test]
+fn a_chain_at_rest_is_no_loaded_breather() {
+    // Above both bands, in the gap, and so far below an edge that contacts open.
+    for omega_b in [2.6, 1.9] {
+        let breather = DarkBreather { c_x: -1.0, ..breather(Center::Site, omega_b) };
+        let why = breather.orbit(&Shooting::default()).unwrap_err().to_string();
+        assert!(why.contains("no dark breather of this frequency") && why.contains(&omega_b.to_string()), "{why}");
+    }
 }

@@ -128,9 +128,9 @@ pub struct Evolution {
 pub struct Swing {
     /// Time that a row covers; the first one begins at 0.
     pub span: f64,
-    /// Largest `|x_n|` of 16 samples a period, a row after the other.
+    /// Largest `|x_n - C_x|` of 16 samples a period, a row after the other.
     pub x: Vec<f64>,
-    /// Largest `|y_n|`.
+    /// Largest `|y_n - C_x|`; empty without resonators.
     pub y: Vec<f64>,
 }
 
@@ -162,7 +162,8 @@ pub fn evolve(
     let kick = kick.map(|kick| pushed(&mut start, kick, orbit, &spectrum).map(|lambda| (kick, lambda))).transpose()?;
     let chain = orbit.setting.chain()?;
     let mut run = chain.collocation(&start, (0.0, periods * period), StepControl::Tolerance(shooting.tol))?;
-    let (background, middle) = (orbit.x()[0].abs(), (orbit.setting.sites / 2) as f64);
+    let crate::orbits::Setting { c_x, omega_b, sites, .. } = orbit.setting;
+    let (background, middle) = ((orbit.x()[0] - c_x).abs(), (sites / 2) as f64);
     let mut out = Evolution {
         amplification: spectrum.largest().powf(periods),
         kick,
@@ -189,13 +190,12 @@ pub fn evolve(
             }
         };
         // The sample at the end of a row belongs to it, not to the next one.
-        out.swing.add(&state[..orbit.z.len()], (k.saturating_sub(1) / (a_row * SAMPLES)) as usize);
+        out.swing.add(&state[..orbit.z.len()], orbit, (k.saturating_sub(1) / (a_row * SAMPLES)) as usize);
         if k % SAMPLES > 0 {
             continue;
         }
         let (x, x_dot) = (&state[..], &state[orbit.z.len()..]);
-        let amplitudes: Vec<f64> =
-            (0..orbit.setting.sites).map(|n| x[n].hypot(x_dot[n] / orbit.setting.omega_b) / background).collect();
+        let amplitudes: Vec<f64> = (0..sites).map(|n| (x[n] - c_x).hypot(x_dot[n] / omega_b) / background).collect();
         out.times.push(t);
         out.e_b.push(max_norm(orbit.z.iter().zip(&state).map(|(a, b)| a - b)) / orbit.amplitude());
         let before = out.position.last().copied().unwrap_or(0.0);
@@ -208,12 +208,12 @@ pub fn evolve(
 }
 
 impl Swing {
-    fn add(&mut self, z: &[f64], row: usize) {
-        let (x, y) = z.split_at(z.len() / 2);
+    fn add(&mut self, z: &[f64], Orbit { setting, .. }: &Orbit, row: usize) {
+        let (x, y) = z.split_at(setting.sites);
         for (rows, strains) in [(&mut self.x, x), (&mut self.y, y)] {
             rows.resize((row + 1) * strains.len(), 0.0);
             let largest = rows[row * strains.len()..].iter_mut();
-            largest.zip(strains).for_each(|(most, strain)| *most = most.max(strain.abs()));
+            largest.zip(strains).for_each(|(most, strain)| *most = most.max((strain - setting.c_x).abs()));
         }
     }
 }

@@ -105,7 +105,8 @@ impl Evolution {
         let rows = self.times.iter().zip(&self.e_b).zip(&self.position).map(|((t, e_b), place)| [*t, *e_b, *place]);
         let t: Vec<f64> = (0..self.swing.x.len() / sites).map(|row| (row as f64 + 0.5) * span).collect();
         let strains = |symbol: &str, values: &[f64]| {
-            Table::matrix(format!("evolution-{symbol}"), (symbol, -((sites / 2) as i64)), &t, values)
+            let t = &t[..values.len() / sites];
+            Table::matrix(format!("evolution-{symbol}"), (symbol, -((sites / 2) as i64)), t, values)
         };
         let rows: Vec<_> = rows.enumerate().collect();
         [periods(&rows), strains("x", &self.swing.x), strains("y", &self.swing.y)]
@@ -113,9 +114,9 @@ impl Evolution {
 
     /// Largest strains over space and time, beads and resonators; the scale of colours ends at
     /// twice the largest of the first row, so that the motion before a break-up stays visible.
-    fn maps(&self) -> [SpaceTime; 2] {
+    fn maps(&self) -> impl Iterator<Item = SpaceTime> {
         let (sites, span) = (self.orbit.setting.sites, self.swing.span);
-        let map = |symbol: &str, values: &[f64]| SpaceTime {
+        let map = move |(symbol, values): (&str, &[f64])| SpaceTime {
             site_label: "site n".into(),
             time_label: "time t".into(),
             value_label: format!("largest |{symbol}|"),
@@ -126,6 +127,7 @@ impl Evolution {
             times: (0.5 * span, ((values.len() / sites) as f64 - 0.5) * span),
             ..Default::default()
         };
-        [map("xₙ", &self.swing.x), map("yₙ", &self.swing.y)]
+        let all = [("xₙ", &self.swing.x[..]), ("yₙ", &self.swing.y[..])];
+        all.into_iter().filter(|(_, values)| !values.is_empty()).map(map)
     }
 }

@@ -31,9 +31,9 @@ use hertzchain_integrators::collocation::StepControl;
 use std::path::{Path, PathBuf};
 
 /// Default frequencies in units of `omega`: of a single breather, as in the paper, and at the ends
-/// of a branch.
-const ONE: f64 = 1.025;
-const RANGE: [f64; 2] = [1.005, 1.05];
+/// of a branch; and amplitudes of backgrounds under a precompression, in units of it.
+pub(super) const ONE: [f64; 2] = [1.025, 0.5];
+const RANGE: [[f64; 2]; 2] = [[1.005, 0.4], [1.05, 0.9]];
 /// Largest step as a share of the range of the parameter, if none is given: bifurcations of dark
 /// breathers lie near each other.
 const STEP: f64 = 0.01;
@@ -49,6 +49,8 @@ options! {
         /// The chain.
         params: ChainParams = ChainParams::default(), [command(flatten)];
         /// Vertical centre C_x of the background, a strain (eq:center).
+        ///
+        /// Below 0 it is a precompression -C_x.
         c_x: f64 = 0.0, "C", (finite);
         /// Equations of Newton's method.
         formulation: Formulation = Formulation::HalfPeriod, "F", [arg(default_value = "half-period")];
@@ -62,13 +64,13 @@ impl Ring {
         Shooting { formulation: self.formulation, tol: self.tol, ..Shooting::default() }
     }
 
-    /// A breather of this frequency, by default `omega` times `ratio`.
-    pub(super) fn breather(&self, center: Center, omega_b: Option<f64>, ratio: f64) -> Result<DarkBreather> {
+    /// A breather of this frequency, by default the [usual](DarkBreather::usual_frequency) one.
+    pub(super) fn breather(&self, center: Center, omega_b: Option<f64>, usual: [f64; 2]) -> Result<DarkBreather> {
         self.within_ranges()?;
         require((center, self.sites) != (Center::Site, 3), "sites", 3, "a breather about a site needs 5 sites")?;
         let params = self.params.checked()?;
-        let omega_b = omega_b.unwrap_or(ratio * params.omega());
-        Ok(DarkBreather { params, center, sites: self.sites, omega_b, c_x: self.c_x })
+        let breather = DarkBreather { params, center, sites: self.sites, omega_b: f64::NAN, c_x: self.c_x };
+        Ok(DarkBreather { omega_b: omega_b.unwrap_or_else(|| breather.usual_frequency(usual)), ..breather })
     }
 }
 
@@ -81,7 +83,8 @@ options! {
         center: Center = Center::Site, "C";
         /// Frequency of the breather, in radians per unit of time [default: 1.025 omega].
         ///
-        /// Above omega = sqrt(kappa (1 + 1/rho)).
+        /// Above omega = sqrt(kappa (1 + 1/rho)). Under a precompression below the upper edge of a
+        /// band, by default that at which the background has half its strain.
         omega_b: Option<f64> = None, "W";
         /// The ring.
         ring: Ring = Ring::default(), [command(flatten)];
@@ -210,15 +213,15 @@ impl Continue {
             let rule = "it is the parameter that varies: give --from and --to";
             return Err(Error::parameter("omega-b", omega_b, rule));
         }
-        let end = |given: Option<f64>, ratio: f64, name: &'static str| match given {
+        let end = |given: Option<f64>, usual: [f64; 2], name: &'static str| match given {
             Some(value) => Ok(value),
-            None if varies => Ok(ratio * breather.params.omega()),
+            None if varies => Ok(breather.usual_frequency(usual)),
             None => Err(Error::parameter(name, "nothing", "a parameter other than omega_b needs --from and --to")),
         };
         let (from, to) = (end(self.from, RANGE[0], "from")?, end(self.branch.to, RANGE[1], "to")?);
         breather.set(parameter, from);
         if !varies {
-            breather.omega_b = self.omega_b.unwrap_or(ONE * breather.params.omega());
+            breather.omega_b = self.omega_b.unwrap_or_else(|| breather.usual_frequency(ONE));
         }
         let continuation = Continuation {
             parameter,
@@ -426,10 +429,11 @@ impl Branch {
     }
 }
 
-/// Refuses a final value at which there are no dark breathers: their frequency is above `omega`.
+/// Refuses a final value at which there are no dark breathers: without a precompression their
+/// frequency is above `omega`.
 fn stays_dark(setting: &Setting, continuation: &Continuation) -> Result<()> {
     let last = setting.with(continuation.parameter, continuation.to);
-    if f64::from(last.turns) * last.omega_b <= last.params.omega() {
+    if last.c_x >= 0.0 && f64::from(last.turns) * last.omega_b <= last.params.omega() {
         let rule = "a branch of dark breathers ends where they vanish: omega_b > omega = sqrt(kappa (1 + 1/rho)) up to its end";
         return Err(Error::parameter("to", continuation.to, rule));
     }

@@ -91,12 +91,16 @@ impl OrbitStudy {
         let (Setting { params, sites, omega_b, .. }, quality) = (orbit.setting, spectrum.quality);
         let newton: Vec<String> = orbit.newton.iter().map(|one| format!("{:.1e}", one.residual)).collect();
         let circle = spectrum.multipliers.iter().filter(|one| one.kind == Kind::Circle).count();
+        let (turning, two) = match orbit.y().is_empty() {
+            true => (String::new(), ""),
+            false => (format!(" |tau - cos(omega T)| of one {:.1e};", quality.linear), ", 2 that are exp(+-i omega T)"),
+        };
         format!(
             "{sites} sites, n = -N .. N; alpha = {}, kappa = {}, rho = {}; omega = {}, omega_b = {omega_b}, period T = {:.15}; \
              K_x = {k_x:.15e}, K_y = {k_y:.15e}, C_x = {c_x:.1e}, C_y = {c_y:.1e}. Residual max |F| / max |Z| {:.1e}, before each step of Newton's \
              method {}; E_b(T) {e_b:.1e}; mean contact force {:e}, its spread {:.1e}. {}. Largest |lambda| {:.12}; \
-             symplectic defect {:.1e}; |tau - 1| of the two that are 1 {:.1e} and {:.1e}; |tau - cos(omega T)| of one {:.1e}; distance to \
-             the eigenvalues of M(T) {:.1e}. {circle} multipliers on the circle, 4 that are 1, 2 that are exp(+-i omega T); \
+             symplectic defect {:.1e}; |tau - 1| of the two that are 1 {:.1e} and {:.1e};{turning} distance to \
+             the eigenvalues of M(T) {:.1e}. {circle} multipliers on the circle, 4 that are 1{two}; \
              of those off it the inverses are left out.",
             params.alpha,
             params.kappa,
@@ -112,7 +116,6 @@ impl OrbitStudy {
             quality.symplectic_defect,
             quality.trivial[0],
             quality.trivial[1],
-            quality.linear,
             quality.pairing,
         )
     }
@@ -138,7 +141,9 @@ impl OrbitStudy {
             params_words(params),
             self.orbit.residual,
         );
-        let strains = [strains("strain xₙ", self.orbit.x()), strains("strain yₙ", self.orbit.y())];
+        let all = [("strain xₙ", self.orbit.x()), ("strain yₙ", self.orbit.y())];
+        let strains =
+            all.into_iter().filter(|(_, values)| !values.is_empty()).map(|(label, values)| strains(label, values));
         let columns = vec![Column::new("", strains), Column::new("", [plane])];
         Panels { title, columns, caption }
     }
