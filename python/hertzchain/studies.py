@@ -194,7 +194,11 @@ def bands(
         TABLE.COLUMN for each column of band-edges.csv: band, omega_from (lowest frequency),
         omega_to (highest frequency), omega_gap (width of the gap above, to the next band).
         bands.csv: theta_over_pi (phase from a cell to the next, over pi), omega_1 (frequency of the
-        first band, and so on).
+        first band, and so on). envelopes.csv: band, theta_over_pi, group_velocity (of envelopes, in
+        beads per unit of time), dispersion (second derivative of the frequency by theta),
+        nonlinearity (beta d^2 of i A_t + dispersion/2 A_xx + beta |A|^2 A = 0, with the static
+        overlap d and displacements 2 |A|; minus the shift of the frequency for A = d), focusing
+        (whether dispersion times nonlinearity is positive: envelopes are bright).
     progress : bool or callable
         As in :func:`hertzchain.run`.
     """
@@ -1652,7 +1656,8 @@ def breather_dark(
         sites 0 and 1.
     omega_b : float
         Frequency of the breather, in radians per unit of time [default: 1.025 omega]. Above omega =
-        sqrt(kappa (1 + 1/rho)).
+        sqrt(kappa (1 + 1/rho)). Under a precompression below the upper edge of a band, by default
+        that at which the background has half its strain.
     sites : int
         Number of sites. The ring has an odd number of sites, n = -N .. N; about a site at least 5.
         Weak quartets of multipliers, and their number, depend on it. From 3 to 255.
@@ -1661,9 +1666,10 @@ def breather_dark(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and positive.
+        Mass ratio resonator to bead. Finite and at least 0.
     c_x : float
-        Vertical centre C_x of the background, a strain (eq:center). A finite number.
+        Vertical centre C_x of the background, a strain (eq:center). Below 0 it is a precompression
+        -C_x. A finite number.
     formulation : Literal["half-period", "full-period"]
         Equations of Newton's method.
     tol : float
@@ -1752,9 +1758,10 @@ def breather_continue(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and positive.
+        Mass ratio resonator to bead. Finite and at least 0.
     c_x : float
-        Vertical centre C_x of the background, a strain (eq:center). A finite number.
+        Vertical centre C_x of the background, a strain (eq:center). Below 0 it is a precompression
+        -C_x. A finite number.
     formulation : Literal["half-period", "full-period"]
         Equations of Newton's method.
     tol : float
@@ -1836,9 +1843,10 @@ def breather_doubled(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and positive.
+        Mass ratio resonator to bead. Finite and at least 0.
     c_x : float
-        Vertical centre C_x of the background, a strain (eq:center). A finite number.
+        Vertical centre C_x of the background, a strain (eq:center). Below 0 it is a precompression
+        -C_x. A finite number.
     formulation : Literal["half-period", "full-period"]
         Equations of Newton's method.
     tol : float
@@ -1961,9 +1969,10 @@ def breather_barrier(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and positive.
+        Mass ratio resonator to bead. Finite and at least 0.
     c_x : float
-        Vertical centre C_x of the background, a strain (eq:center). A finite number.
+        Vertical centre C_x of the background, a strain (eq:center). Below 0 it is a precompression
+        -C_x. A finite number.
     formulation : Literal["half-period", "full-period"]
         Equations of Newton's method.
     tol : float
@@ -2041,7 +2050,7 @@ def breather_moving(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and positive.
+        Mass ratio resonator to bead. Finite and at least 0.
     until : float
         End time, in units of time. End of the run of the kicked breather, from one period of the
         background to 10^5 of them; 0 for no such run. It starts from the bond-centred breather at
@@ -2415,7 +2424,7 @@ def dps_dark(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and positive.
+        Mass ratio resonator to bead. Finite and at least 0.
     c : float
         Mean strain of the background at mu = 1. A finite number.
     omega_b : float

@@ -11,7 +11,7 @@
 //! back; the equations with the arclength stay regular there. Source: Keller 1977, in *Applications
 //! of Bifurcation Theory*, pp. 359-384.
 
-use super::shooting::{Equations, NewtonStep, Orbit, least_squares};
+use super::shooting::{Equations, NewtonStep, Orbit, shortest};
 use crate::{
     chain::max_norm,
     error::{Error, Result, positive, require},
@@ -240,7 +240,7 @@ pub(super) fn tangent(
     bordered.set_row(rows, &before.transpose());
     let mut right = DVector::zeros(rows + 1);
     right[rows] = 1.0;
-    let tangent = least_squares(bordered, &right).ok_or(Error::Stalled { steps: 0, best: None })?;
+    let tangent = shortest(bordered, &right).ok_or(Error::Stalled { steps: 0, best: None })?;
     Ok(tangent.normalize())
 }
 
@@ -260,7 +260,7 @@ pub(super) fn correct(family: &impl Family, base: BasePoint<'_>, scales: Scales,
         let relative = residual.amax() / family.size(z.as_slice(), p);
         let stalled = Error::Stalled { steps: newton.len(), best: None };
         // All iterates are in the hyperplane of the predictor: its equation has the residual zero.
-        let Some(by) = least_squares(bordered, &residual.push(0.0)) else { return Err(stalled) };
+        let Some(by) = shortest(bordered, &residual.push(0.0)) else { return Err(stalled) };
         let step = by.norm();
         newton.push(NewtonStep { residual: relative, step });
         z -= by.rows(0, columns) * scales.state;

@@ -84,8 +84,6 @@ pub struct Orbit<S = Setting> {
 const LAST_STEP: f64 = 1e-9;
 /// Largest residual of an orbit; rounding is near 1e-16.
 const SOLVED: f64 = 1e-12;
-/// Residuals below this are rounding: a step that makes one larger is the last.
-const ROUNDED: f64 = 1e-14;
 /// Longest step, in units of `max |Z|`; seeds are closer than that.
 const LONGEST_STEP: f64 = 1.0;
 
@@ -207,14 +205,9 @@ impl Newton<'_> {
         for _ in 0..self.most_steps {
             let Ok(Equations { residual, jacobian }) = equations(z.as_slice(), true) else { break };
             let size = unit(&z, &residual);
-            let Some(mut by) = least_squares(jacobian, &residual) else { break };
-            let now = residual.amax() / size;
-            newton.push(NewtonStep { residual: now, step: by.amax() / size });
-            // Where a shift of the orbit changes it by less than rounding, steps along the shift go
-            // on when the rest is solved.
-            if keep(&z, now, &newton).is_some_and(|best| best.residual < now && best.residual < ROUNDED) {
-                break;
-            }
+            let Some(mut by) = shortest(jacobian, &residual) else { break };
+            newton.push(NewtonStep { residual: residual.amax() / size, step: by.amax() / size });
+            keep(&z, residual.amax() / size, &newton);
             if z.amax() > 0.0 {
                 by *= (self.longest * size / by.amax()).min(1.0);
             }
@@ -243,11 +236,41 @@ impl Newton<'_> {
 /// The vector `x` with the least `|matrix x - right|`; `None` where the matrix does not have full
 /// rank.
 pub(crate) fn least_squares(matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
+    by_qr(matrix, right).map(|(x, _)| x)
+}
+
+/// A singular value below this, over the largest entry of `R`, counts as zero.
+const SINGULAR: f64 = 1e-13;
+/// Steps of inverse iteration for the least singular value: enough for one that is far below the
+/// others.
+const INVERSE: usize = 3;
+
+/// As [`least_squares`], and the shortest of such vectors where a singular value is zero to
+/// rounding: an orbit that is one wherever it is shifted to stays where it is.
+pub(super) fn shortest(matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
+    let (x, r) = by_qr(matrix, right)?;
+    let mut v = DVector::from_element(x.len(), 1.0).normalize();
+    let mut inverse = 0.0;
+    for _ in 0..INVERSE {
+        // (R^T R)^{-1} v
+        let Some(w) = r.tr_solve_upper_triangular(&v).and_then(|y| r.solve_upper_triangular(&y)) else {
+            return Some(x);
+        };
+        inverse = w.norm().sqrt();
+        v = w.normalize();
+    }
+    let along = v.dot(&x);
+    Some(if inverse * SINGULAR * r.amax() > 1.0 { x - v * along } else { x })
+}
+
+/// The vector, and `R`.
+fn by_qr(matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
     let (columns, qr) = (matrix.ncols(), matrix.qr());
     let mut right = right.clone();
     qr.q_tr_mul(&mut right);
-    let x = qr.r().solve_upper_triangular(&right.rows(0, columns).into_owned())?;
-    x.iter().all(|x| x.is_finite()).then_some(x)
+    let r = qr.r();
+    let x = r.solve_upper_triangular(&right.rows(0, columns).into_owned())?;
+    x.iter().all(|x| x.is_finite()).then_some((x, r))
 }
 
 /// `F = [Z'(T/2) / omega_b, (x_1(0) + x_1(T/(2 turns)))/2 - C_x]`, from the moments `T/2` and

@@ -64,7 +64,8 @@ impl Study for Bands {
             };
             let mut all: Vec<Envelope> = waves.iter().filter_map(of).flatten().collect();
             all.sort_by_key(|envelope| envelope.0);
-            Ok(told(&scene, &bands, &waves, si.as_ref()).table(envelopes(&all, si.as_ref())))
+            let report = told(&scene, &bands, &waves, si.as_ref());
+            Ok(if all.is_empty() { report } else { report.table(envelopes(&all, si.as_ref())) })
         }))
     }
 }
@@ -124,7 +125,7 @@ fn envelopes(all: &[Envelope], si: Option<&Units>) -> Table {
             "nonlinearity",
             Power(6),
             "beta d^2 of i A_t + dispersion/2 A_xx + beta |A|^2 A = 0, with the static overlap d and displacements \
-             2 |A|; minus the shift of the frequency for A = d",
+             2 |A|",
             |row| row.3.nonlinearity * row.2 * row.2,
         )
         .kind(Quantity::Omega)

@@ -456,7 +456,7 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
         (|f| f.settings["setting"]["sites"] = json!(u64::MAX), "settings.json", "from 3 to 256 sites"),
         (|f| f.settings["setting"]["omega_b"] = json!(-2.0), "settings.json", "omega_b = -2"),
         (|f| f.settings["setting"]["turns"] = json!(3), "settings.json", "turns = 3"),
-        (|f| f.settings["setting"]["params"]["rho"] = json!(0.0), "settings.json", "rho = 0"),
+        (|f| f.settings["setting"]["params"]["rho"] = json!(-1.0), "settings.json", "rho = -1"),
         (|f| f.settings["setting"]["params"]["rho"] = json!(0.34), "x", "this is none"),
         (|f| f.settings["setting"]["params"]["alpha"] = Value::Null, "settings.json", "invalid type: null"),
         (|f| f.settings["ds"] = json!(0.0), "settings.json", "ds = 0 is not valid: finite and positive"),
