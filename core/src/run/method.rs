@@ -327,7 +327,8 @@ impl Method {
     }
 
     /// Refuses a chain that the method cannot run: those that can run one with [`Details`] are
-    /// DOP853 and collocation, and splittings unless contacts dissipate.
+    /// DOP853, collocation unless the chain is [beyond it](Chain::beyond_collocation), and splittings
+    /// unless contacts dissipate.
     ///
     /// # Errors
     /// A chain that the method cannot run; the message names a method that can.
@@ -342,7 +343,8 @@ impl Method {
     pub fn unsupported_reason(&self, chain: &Chain<f64>) -> Option<&'static str> {
         chain.details()?;
         match self {
-            Self::Dop853(_) | Self::Collocation => None,
+            Self::Dop853(_) => None,
+            Self::Collocation => chain.beyond_collocation(),
             Self::Splitting(..) | Self::Landed(_) => chain
                 .dissipative_contacts()
                 .then_some("its kicks know no velocities, and contacts here dissipate: take dop853-regularised"),
@@ -354,8 +356,8 @@ impl Method {
     }
 
     /// The method for a given tolerance, where none is named.
-    pub fn by_tolerance() -> Self {
-        Self::Collocation
+    pub fn by_tolerance(chain: &Chain<f64>) -> Self {
+        if Self::Collocation.runs(chain).is_ok() { Self::Collocation } else { Self::Dop853(Contacts::Regularised) }
     }
 
     /// The method for equal steps, where none is named.
