@@ -187,8 +187,16 @@ fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict
         }
         Ok(table)
     };
-    let Details { mass, kappa, rho, onsite, drag, dashpot, contact, alpha, overlap, spring, magnet, distance, .. } = details;
-    let beads = table(&[("mass", mass), ("kappa", kappa), ("rho", rho), ("onsite", onsite), ("drag", drag), ("dashpot", dashpot)])?;
+    let Details { mass, kappa, rho, onsite, drag, dashpot, contact, alpha, overlap, spring, magnet, distance, .. } =
+        details;
+    let beads = table(&[
+        ("mass", mass),
+        ("kappa", kappa),
+        ("rho", rho),
+        ("onsite", onsite),
+        ("drag", drag),
+        ("dashpot", dashpot),
+    ])?;
     let mut bonds = vec![("contact", contact), ("alpha", alpha), ("overlap", overlap), ("spring", spring)];
     bonds.extend([("magnet", magnet), ("distance", distance)]);
     bonds.extend(details.dissipation.iter().map(|loss| (loss.kind.name(), &loss.strength)));

@@ -2,7 +2,7 @@
 
 use crate::{
     details::run,
-    numbers::{direction, distance, error},
+    numbers::{direction, distance, error, random},
     variations::{altered, applied, chain, difference, free, monodromy, start},
 };
 use hertzchain::{
@@ -136,7 +136,16 @@ fn an_on_site_spring_where_no_resonator_moves_is_one_to_a_resonator_at_rest() {
 #[test]
 fn methods_agree_where_springs_are_beside_contacts() {
     // Truth: each other; everything differs, beads are damped and driven, contacts open and close.
-    for (chain, what) in [(springs::<f64>(), "springs"), (magnets(), "magnets")] {
+    let by_chance = |seed: u64| {
+        let mut next = random(seed);
+        let mut list = |count: usize| (0..count).map(|_| (1.5 * next() - 0.3).max(0.0)).collect::<Vec<f64>>();
+        altered(&chain(), |details| {
+            (details.onsite, details.spring) = (list(6), list(7));
+            details.onsite[0] = 0.0;
+        })
+    };
+    let chains = [springs::<f64>(), magnets()].into_iter().chain((0..8).map(by_chance));
+    for (what, chain) in chains.enumerate() {
         let mut state = State::rest(&chain);
         state.as_mut_slice().copy_from_slice(&start(&chain));
         let want = run(&chain, &state, 9.0, "dop853-regularised", Setting::Tolerance(1e-14));
