@@ -185,6 +185,10 @@ fn magnets_repel_along_their_closed_form() {
     let y = (k / (2.0 * energy) + 2.0 * energy * since * since).sqrt();
     let (middle, rate) = (-1.6 + 1.2 * t, 2.0 * energy * since / y);
     let want = [middle + 0.2 * (3.0 - y), middle - 0.8 * (3.0 - y), 1.2 - 0.2 * rate, 1.2 + 0.8 * rate];
+    let mut met = state.clone();
+    met.u_mut()[0] = 3.5;
+    let said = Run::new(chain.clone(), met).until(1.0).unwrap().start().err().unwrap().to_string();
+    assert!(said.contains("nearer by 3.5e0") && said.contains("distance"), "{said}");
     for (method, setting, bound) in [
         ("dop853-regularised", Setting::Tolerance(1e-14), 1e-12),
         ("dop853", Setting::Tolerance(1e-14), 1e-12),

@@ -383,6 +383,7 @@ impl Method {
     ) -> Result<Box<dyn Stepper<f64> + Send>> {
         self.takes(run.parts(), run.chain().topology())?;
         self.runs(run.chain())?;
+        run.chain().magnets_apart(y)?;
         let chain = run.chain().clone();
         let sitewise = |split| loaded(SitewiseFlow::new(run.chain().clone(), split, span.0), y);
         match (self, setting) {

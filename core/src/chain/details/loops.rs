@@ -227,7 +227,7 @@ impl<R: Real> Loops<R> {
         for bond in [0, n] {
             push[bond] = if touching.contains(&bond) { own(bond) } else { R::zero() };
         }
-        for bond in touching {
+        for bond in touching.filter(|_| parts.joined()) {
             if let Some(joint) = parts.joint(bond) {
                 push[bond] += joint.force(chain.across(bond, |i| u[i]));
             }

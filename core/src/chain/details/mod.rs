@@ -542,6 +542,20 @@ impl<R: Real> Chain<R> {
         parts.joined().then_some(rule)
     }
 
+    /// Refuses a state in which the magnets of two beads have met.
+    pub(crate) fn magnets_apart(&self, y: &[R]) -> Result<()> {
+        let strain = |bond: usize| self.across(bond, |i| self.layout.u(y)[i]);
+        let joint = |bond: usize| self.parts().and_then(|parts| parts.joint(bond));
+        let meets = |joint: &Joint<R>, bond| joint.magnet > R::zero() && strain(bond) >= joint.distance;
+        match self.touching().find(|&bond| joint(bond).is_some_and(|joint| meets(joint, bond))) {
+            None => Ok(()),
+            Some(bond) => {
+                let rule = "beads with magnets are nearer by less than the distance of these at rest";
+                Err(Error::parameter("state", format!("at bond {bond}, nearer by {:e}", strain(bond).f64()), rule))
+            }
+        }
+    }
+
     /// Refuses a chain with details, for methods that assume equal beads without damping,
     /// dissipation and drives. `what` names the method in the error message.
     ///
