@@ -398,8 +398,9 @@ pub enum Kind {
     /// Kuwabara & Kono 1987, Jpn. J. Appl. Phys. 26, 1230; Brilliantov, Spahn, Hertzsch & Poeschel
     /// 1996, Phys. Rev. E 53, 5382. `gamma` is a time.
     Viscoelastic,
-    /// A linear dashpot, `c(g) = gamma`, so that `f = (F + gamma g')_+` for `g > 0`; `gamma` is a
-    /// force over a velocity.
+    /// A dashpot, `c(g) = gamma g^beta`, so that `f = (F + gamma g^beta g')_+` for `g > 0`; a linear
+    /// one has `beta = 0`, and `gamma` is a force over a velocity: Tsuji, Tanaka & Ishida 1992,
+    /// Powder Technol. 71, 239, have `beta = 1/4`.
     Dashpot,
     /// Hunt & Crossley 1975, J. Appl. Mech. 42, 440: `c(g) = gamma F(g)`, so that
     /// `f = F (1 + gamma g')_+`. `gamma` is a time over a length.
@@ -435,7 +436,8 @@ impl Kind {
 }
 
 /// The law of one bond: elastic force `F(g) = A (g)_+^alpha`, resistance `c(g)`, and the force
-/// `f = (F(g) + c(g) g')_+` for `g > 0`: beads never pull.
+/// `f = (F(g) + c(g) g')_+` for `g > 0`: beads never pull. Where they may, `f = F(g) + c(g) g'` up to
+/// the zero of the overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct BondLaw<R> {
     /// The power of the overlap.
@@ -446,14 +448,19 @@ pub struct BondLaw<R> {
     pub rest: R,
     /// How it dissipates, and the constant `gamma`, if it does.
     pub loss: Option<(Kind, R)>,
+    /// `beta` of a dashpot.
+    pub beta: R,
+    /// Whether a contact that dissipates may pull.
+    pub pulls: bool,
 }
 
 impl<R: Real> BondLaw<R> {
     /// `A`, `alpha`, the static overlap, and the dissipation, which counts if its `gamma` and `A`
-    /// are positive.
+    /// are positive; with `beta = 0`, and without pull.
     pub fn new(constant: f64, alpha: f64, rest: f64, loss: Option<(Kind, f64)>) -> Self {
         let loss = loss.filter(|&(_, gamma)| constant > 0.0 && gamma > 0.0).map(|(kind, gamma)| (kind, R::of(gamma)));
-        Self { power: ContactLaw::new(alpha), constant: R::of(constant), rest: R::of(rest), loss }
+        let [constant, rest] = [constant, rest].map(R::of);
+        Self { power: ContactLaw::new(alpha), constant, rest, loss, beta: R::zero(), pulls: false }
     }
 
     /// The exponent.
@@ -488,19 +495,21 @@ impl<R: Real> BondLaw<R> {
     pub fn resistance(&self, g: R) -> R {
         match self.loss {
             Some((Kind::Viscoelastic, gamma)) => self.stiffness(g) * gamma,
-            Some((Kind::Dashpot, gamma)) => gamma,
+            Some((Kind::Dashpot, gamma)) if self.beta == R::zero() => gamma,
+            Some((Kind::Dashpot, gamma)) => gamma * g.max(R::zero()).powf(self.beta),
             Some((Kind::HuntCrossley, gamma)) => self.elastic(g) * gamma,
             None => R::zero(),
         }
     }
 
-    /// The force at an overlap and its rate; never negative.
+    /// The force at an overlap and its rate; never negative unless it may pull.
     #[inline]
     pub fn force(&self, g: R, rate: R) -> R {
         if self.loss.is_none() || g <= R::zero() {
             return self.elastic(g);
         }
-        self.push(g, rate).max(R::zero())
+        let force = self.push(g, rate);
+        if self.pulls { force } else { force.max(R::zero()) }
     }
 
     /// The force of a contact that is known to push: smooth through its onset and its end.
@@ -509,12 +518,14 @@ impl<R: Real> BondLaw<R> {
         self.elastic(g) + self.resistance(g) * rate
     }
 
-    /// A function that is positive where a closed contact pushes: `g + gamma alpha g'` for
-    /// viscoelastic ones, `F(g) + gamma g'` for dashpots; `None` without dissipation.
+    /// A function that is positive where a closed contact has a force: `g + gamma alpha g'` for
+    /// viscoelastic ones, `F(g)/g^beta + gamma g'` for dashpots, 1 where beads may pull; `None`
+    /// without dissipation.
     pub fn pushes(&self, g: R, rate: R) -> Option<R> {
         self.loss.map(|loss| match loss {
+            _ if self.pulls => R::one(),
             (Kind::Viscoelastic, gamma) => g + gamma * self.alpha() * rate,
-            (Kind::Dashpot, gamma) => self.elastic(g) + gamma * rate,
+            (Kind::Dashpot, gamma) => self.held_by_rate(g)[0] + gamma * rate,
             (Kind::HuntCrossley, gamma) => R::one() + gamma * rate,
         })
     }
@@ -522,10 +533,20 @@ impl<R: Real> BondLaw<R> {
     /// The rate of [`pushes`](Self::pushes), from overlap, rate and second derivative.
     pub fn pushes_rate(&self, g: R, rate: R, second: R) -> Option<R> {
         self.loss.map(|loss| match loss {
+            _ if self.pulls => R::zero(),
             (Kind::Viscoelastic, gamma) => rate + gamma * self.alpha() * second,
-            (Kind::Dashpot, gamma) => self.stiffness(g) * rate + gamma * second,
+            (Kind::Dashpot, gamma) => self.held_by_rate(g)[1] * rate + gamma * second,
             (Kind::HuntCrossley, gamma) => gamma * second,
         })
+    }
+
+    /// `F(g)/g^beta` and its derivative.
+    fn held_by_rate(&self, g: R) -> [R; 2] {
+        if self.beta == R::zero() {
+            return [self.elastic(g), self.stiffness(g)];
+        }
+        let (g, power) = (g.max(R::zero()), self.alpha() - self.beta);
+        [self.constant * g.powf(power), self.constant * power * g.powf((power - R::one()).max(R::zero()))]
     }
 
     /// The exponent, if beads can touch: the power of time with which `F` begins or ends.
@@ -537,7 +558,7 @@ impl<R: Real> BondLaw<R> {
     pub fn power_of_resistance(&self) -> Option<f64> {
         self.loss.map(|loss| match loss {
             (Kind::Viscoelastic, _) => self.alpha().f64() - 1.0,
-            (Kind::Dashpot, _) => 0.0,
+            (Kind::Dashpot, _) => self.beta.f64(),
             (Kind::HuntCrossley, _) => self.alpha().f64(),
         })
     }
@@ -550,7 +571,7 @@ impl<R: Real> BondLaw<R> {
 
 /// What the windows of contact collocation need of a law, see `collocation/loss.rs`.
 impl BondLaw<f64> {
-    /// `[a, b]` with `c(g) = a F'(g) + b`, up to what vanishes with `F(g)`.
+    /// `[a, b]` with `c(g) = a F'(g) + b g^beta`, up to what vanishes with `F(g)`.
     pub(crate) fn resistance_parts(&self) -> [f64; 2] {
         match self.loss {
             Some((Kind::Viscoelastic, gamma)) => [gamma, 0.0],
@@ -559,14 +580,15 @@ impl BondLaw<f64> {
         }
     }
 
-    /// Whether the contact is a dashpot.
-    pub(crate) fn dashpot(&self) -> bool {
-        matches!(self.loss, Some((Kind::Dashpot, _)))
+    /// Whether `P` has a kink where the rate is zero, as that of a dashpot.
+    pub(crate) fn kinked(&self) -> bool {
+        matches!(self.loss, Some((Kind::Dashpot, _))) && !self.pulls
     }
 
-    /// `P(g, g')`.
+    /// `P(g, g')`; the overlap itself where beads may pull.
     pub(crate) fn overlap_that_pushes(&self, overlap: f64, rate: f64) -> f64 {
         match self.loss {
+            _ if self.pulls => overlap,
             Some((Kind::Viscoelastic, gamma)) => overlap + gamma * self.alpha() * rate,
             Some((Kind::Dashpot, gamma)) => overlap - self.held(gamma * (-rate).max(0.0)),
             Some((Kind::HuntCrossley, gamma)) if overlap > 0.0 => overlap * (1.0 + gamma * rate),
@@ -574,18 +596,22 @@ impl BondLaw<f64> {
         }
     }
 
-    /// The overlap of an elastic force, `F^{-1}`.
+    /// The overlap at which `F(g)/g^beta` has this value.
     fn held(&self, force: f64) -> f64 {
-        (force / self.constant).powf(1.0 / self.alpha())
+        (force / self.constant).powf(1.0 / (self.alpha() - self.beta))
     }
 
     /// An error of the overlap, in a window of length `h`, by which `P` is off by no more than its
     /// absolute `value`; the rate is then off by `2/h` times this.
     pub(crate) fn harmless(&self, overlap: f64, value: f64, h: f64) -> f64 {
         match self.loss {
+            _ if self.pulls => value,
             Some((Kind::Viscoelastic, gamma)) => value / (1.0 + gamma * self.alpha() * 2.0 / h),
             // Half for the overlap, half for its rate.
-            Some((Kind::Dashpot, gamma)) => (0.5 * value).min(0.5 * h * self.elastic(0.5 * value) / gamma),
+            Some((Kind::Dashpot, _)) => {
+                let half = 0.5 * value;
+                half.min(0.5 * h * self.elastic(half) / self.resistance(half))
+            }
             Some((Kind::HuntCrossley, gamma)) if value > 0.0 => {
                 value / (value / overlap.abs() + gamma * overlap.abs() * 2.0 / h)
             }
@@ -596,7 +622,7 @@ impl BondLaw<f64> {
     /// A bound of the error of a contact's impulse if its event is off by the time `by` and the
     /// overlap `value`; or by the value `value` of `P` while beads overlap by at most `deepest`.
     pub(crate) fn impulse_besides(&self, value: f64, by: f64, deepest: Option<f64>) -> f64 {
-        match (deepest, self.loss) {
+        match (deepest.filter(|_| !self.pulls), self.loss) {
             (None, _) => self.elastic(value) * by + self.resistance(value) * value,
             // With `df/dP` where `P` is zero.
             (Some(overlap), Some((Kind::Viscoelastic | Kind::HuntCrossley, _))) => {
@@ -611,6 +637,7 @@ impl BondLaw<f64> {
     /// overlap and rate there. Panels before a release have their origin there.
     pub(crate) fn singular_after(&self, overlap: f64, rate: f64) -> f64 {
         match self.loss {
+            _ if self.pulls => 0.0,
             Some((Kind::Viscoelastic, gamma)) => gamma * self.alpha(),
             Some((Kind::Dashpot, gamma)) if rate < 0.0 => self.held(-gamma * rate) / -rate,
             Some((Kind::HuntCrossley, _)) if rate < 0.0 => overlap.max(0.0) / -rate,

@@ -45,10 +45,12 @@ class Chain:
         Static overlap of each contact.
     beads : mapping, optional
         Parameters of the beads: ``mass, kappa`` or ``stiffness``, ``rho`` or ``resonator``, ``drag``
-        or ``tau``, ``dashpot``. A value is one number for all beads, an array of shape (sites,), or a rule such as ``{"taper": 0.97}``.
+        or ``tau``, ``dashpot``, ``onsite``. A value is one number for all beads, an array of shape (sites,), or a rule such as ``{"taper": 0.97}``.
     bonds : mapping, optional
-        Parameters of the contacts: ``contact, alpha, overlap``, and ``viscoelastic``,
-        ``dashpot`` or ``hunt_crossley``, with values as for `beads`. An array has one number for
+        Parameters of the bonds: ``contact, alpha, overlap, spring, magnet,
+        distance``, and ``viscoelastic``,
+        ``dashpot`` or ``hunt_crossley``, with values as for `beads`; ``beta`` and ``decay``, one number
+        each, and ``pull``, a bool. An array has one number for
         each bond that can touch, from left to right: ``sites - 1`` between free ends, ``sites`` with
         one wall or on a ring, ``sites + 1`` between walls. ``wall``, the contact constant of walls,
         is one number.

@@ -14,8 +14,11 @@ from ._errors import ParameterError
 
 Table = Mapping[str, Any]
 
-BEADS = ("mass", "kappa", "stiffness", "rho", "resonator", "drag", "tau", "dashpot")
-BONDS = ("contact", "wall", "alpha", "overlap", "viscoelastic", "dashpot", "hunt_crossley")
+BEADS = ("mass", "kappa", "stiffness", "rho", "resonator", "onsite", "drag", "tau", "dashpot")
+BONDS = (
+    *("contact", "wall", "alpha", "overlap", "spring", "magnet", "distance", "decay"),
+    *("viscoelastic", "dashpot", "beta", "hunt_crossley", "pull"),
+)
 DRIVE = (
     *("site", "kind", "amplitude", "omega", "omega_end", "phase", "band", "seed", "velocity"),
     *("file", "times", "values", "ramp", "start", "length", "shape"),
@@ -44,7 +47,7 @@ def drives(given: Any) -> tuple[Table, ...]:
 
 def _value(name: str, value: Any, count: int | None) -> Any:
     """A number, a word, a list of numbers, or a rule, which the program checks."""
-    if isinstance(value, str):
+    if isinstance(value, str) or name == "bonds.pull" and isinstance(value, bool):
         return value
     if name in ("drive.site", "drive.seed"):
         return whole(name, value)

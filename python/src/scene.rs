@@ -187,12 +187,28 @@ fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict
         }
         Ok(table)
     };
-    let Details { mass, kappa, rho, drag, dashpot, contact, alpha, overlap, dissipation, drives, gravity: _ } = details;
-    let beads = [("mass", mass), ("kappa", kappa), ("rho", rho), ("drag", drag), ("dashpot", dashpot)];
-    let mut bonds = vec![("contact", contact), ("alpha", alpha), ("overlap", overlap)];
-    bonds.extend(dissipation.iter().map(|loss| (loss.kind.name(), &loss.strength)));
+    let Details { mass, kappa, rho, onsite, drag, dashpot, contact, alpha, overlap, spring, magnet, distance, .. } =
+        details;
+    let beads = table(&[
+        ("mass", mass),
+        ("kappa", kappa),
+        ("rho", rho),
+        ("onsite", onsite),
+        ("drag", drag),
+        ("dashpot", dashpot),
+    ])?;
+    let mut bonds = vec![("contact", contact), ("alpha", alpha), ("overlap", overlap), ("spring", spring)];
+    bonds.extend([("magnet", magnet), ("distance", distance)]);
+    bonds.extend(details.dissipation.iter().map(|loss| (loss.kind.name(), &loss.strength)));
+    let bonds = table(&bonds)?;
+    for (key, number) in [("beta", details.beta), ("decay", details.decay)].into_iter().filter(|one| one.1 != 0.0) {
+        bonds.set_item(key, number)?;
+    }
+    if details.pull {
+        bonds.set_item("pull", true)?;
+    }
     let drive = PyList::empty(py);
-    for driven in drives {
+    for driven in &details.drives {
         let harmonics = &driven.signal.harmonics;
         let (times, values) = match &driven.signal.course {
             Some(Course::Table(spline)) => (spline.times().to_vec(), spline.values().to_vec()),
@@ -230,8 +246,8 @@ fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict
         drive.append(each)?;
     }
     let all = PyDict::new(py);
-    all.set_item("beads", table(&beads)?)?;
-    all.set_item("bonds", table(&bonds)?)?;
+    all.set_item("beads", beads)?;
+    all.set_item("bonds", bonds)?;
     all.set_item("drive", drive)?;
     Ok(all)
 }

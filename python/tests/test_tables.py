@@ -80,6 +80,18 @@ def test_unequal_beads_exchange_momentum() -> None:
     assert np.allclose(run.pu[-1], want, atol=1e-9)
 
 
+# Truth: the scene of the chain, and the chain of the scene; a bead with an on-site spring is a pendulum.
+def test_springs_and_contacts_that_may_pull_go_there_and_back() -> None:
+    bonds = {"dashpot": 0.1, "beta": 0.25, "pull": True, "spring": [0.5, 0.2], "magnet": 0.1, "distance": 2.0, "decay": 3.0}
+    chain = hc.Chain(sites=3, beads={"onsite": [0.0, 0.3, 1.0]}, bonds=bonds)
+    again = hc.Scene.from_toml(chain.scene(y0={"u": [0.1, 0.0, 0.0]}, until=5.0).to_toml()).chain
+    assert again.bonds is not None and again.beads is not None
+    assert again.bonds["pull"] is True and again.bonds["beta"] == 0.25 and again.bonds["spring"].tolist() == [0.5, 0.2]
+    assert again.beads["onsite"].tolist() == [0.0, 0.3, 1.0]
+    run = hc.run(hc.Chain(sites=1, beads={"onsite": 4.0}), y0={"u": [0.5]}, until=1.0, tol=1e-11, at=[1.0])
+    assert np.allclose(run.u[-1], [0.5 * np.cos(2.0)], atol=1e-9)
+
+
 # Truth: a bead on a spring to a resonator at rest is a pendulum of frequency (kappa/mass)^(1/2).
 def test_resonators_at_rest_bead_by_bead() -> None:
     chain = hc.Chain(sites=3, kappa=2.0, beads={"rho": np.inf, "mass": [1.0, 2.0, 4.0], "kappa": [2.0, 2.0, 1.0]})

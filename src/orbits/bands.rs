@@ -54,8 +54,8 @@ impl Bands {
         let details = chain.details().cloned().unwrap_or_default();
         let overlaps = chain.overlaps(&vec![0.0; chain.sites()])[chain.touching()].to_vec();
         let [start, ends] = chain.boundary().walls().map(usize::from);
-        let sites = [&details.mass, &details.kappa, &details.rho];
-        let bonds = [&details.contact, &details.alpha, &overlaps];
+        let sites = [&details.mass, &details.kappa, &details.rho, &details.onsite];
+        let bonds = [&details.contact, &details.alpha, &overlaps, &details.spring, &details.magnet, &details.distance];
         let inner = bonds.map(|list| list.get(start..list.len().saturating_sub(ends)).unwrap_or_default());
         let repeats = |list: &[f64], p: usize| list.iter().zip(list.iter().skip(p)).all(|(a, b)| a == b);
         let all = || sites.map(Vec::as_slice).into_iter().chain(inner);
@@ -71,8 +71,8 @@ impl Bands {
             let cells = (0..3 * cell).filter(|_| !list.is_empty());
             cells.map(|n| list[(n + cell - shift) % cell]).collect()
         };
-        let [mass, kappa, rho] = sites.map(|list| ring(list, 0));
-        let [contact, alpha, overlap] = inner.map(|list| ring(list, shift));
+        let [mass, kappa, rho, onsite] = sites.map(|list| ring(list, 0));
+        let [contact, alpha, overlap, spring, magnet, distance] = inner.map(|list| ring(list, shift));
         let params = chain.params();
         let first = |list: &[f64], otherwise: f64| list.first().copied().unwrap_or(otherwise);
         let (m, of_bond) = (first(&mass, 1.0), [first(&contact, 1.0), first(&overlap, 0.0)]);
@@ -81,15 +81,17 @@ impl Bands {
             kappa: first(&kappa, params.kappa) / m,
             rho: first(&rho, params.rho),
         };
+        let contacts_alone = [&onsite, &spring, &magnet].iter().all(|list| list.iter().all(|&x| x == 0.0));
         let ring = Chain::new(params, Boundary::Ring, 3 * cell)?;
-        let ring = ring.with(&Details { mass, kappa, rho, contact, alpha, overlap, ..Details::default() })?;
+        let cell_of = Details { mass, kappa, rho, onsite, contact, alpha, overlap, spring, ..Details::default() };
+        let ring = ring.with(&Details { magnet, distance, decay: details.decay, ..cell_of })?;
         let modes = NormalModes::new(&ring)?;
         let stiffness = modes.stiffness()?;
         let places: [Vec<usize>; 3] =
             [0, 1, 2].map(|j| (0..stiffness.nrows()).filter(|&c| modes.place(c).0 / cell == j).collect());
         let n = places[0].len();
         let blocks = [0, 1, 2].map(|j| DMatrix::from_fn(n, n, |a, b| stiffness[(places[0][a], places[j][b])]));
-        let alike = (cell == 1).then_some((one, [of_bond[0] / m, of_bond[1]]));
+        let alike = (cell == 1 && contacts_alone).then_some((one, [of_bond[0] / m, of_bond[1]]));
         Ok(Self { blocks, cell, alike })
     }
 

@@ -302,16 +302,16 @@ impl DrivenSetting {
         let inverse = |mass: f64| if mass > 0.0 { 1.0 / mass } else { 0.0 };
         let per_mass = max_norm(self.free_beads().map(|i| inverse(chain.masses(i)[0])));
         // By Gershgorin, as a bead has two contacts.
-        let contacts = details.overlap.iter().enumerate().map(|(k, rest)| {
-            let (constant, alpha) = (of(&details.contact, k, 1.0), of(&details.alpha, k, params.alpha));
-            let loss = details.dissipation.as_ref().map(|loss| (loss.kind, loss.strength[k]));
-            let law = BondLaw::new(constant, alpha, *rest, loss);
-            [law.stiffness(rest + reach), law.resistance(rest + reach)].map(|one| 4.0 * one * per_mass)
+        let contacts = details.overlap.iter().enumerate().map(|(k, &rest)| {
+            let law: BondLaw<f64> = details.law(k, params.alpha, rest);
+            let stiffness = law.stiffness(rest + reach) + details.joint::<f64>(k).stiffness_within(reach);
+            [stiffness, law.resistance(rest + reach)].map(|one| 4.0 * one * per_mass)
         });
         let sites = (0..self.sites()).map(|i| {
             let [bead, both] = [inverse(chain.masses(i)[0]), chain.masses(i).map(inverse).iter().sum()];
             let damping = of(&details.drag, i, 0.0) * bead + of(&details.dashpot, i, 0.0) * both;
-            [of(&details.kappa, i, params.kappa) * both, damping]
+            let springs = of(&details.kappa, i, params.kappa) * both + of(&details.onsite, i, 0.0) * bead;
+            [springs, damping]
         });
         let largest = |[a, b]: [f64; 2], [x, y]: [f64; 2]| [a.max(x), b.max(y)];
         let (contacts, sites) = (contacts.fold([0.0; 2], largest), sites.fold([0.0; 2], largest));
@@ -429,7 +429,7 @@ impl DrivenShooting {
             None => (setting.free[k], 1.0),
             Some(k) => (half + setting.free[k], omega),
         };
-        if chain.dissipative_contacts() {
+        if chain.dissipative_contacts() || chain.beyond_collocation().is_some() {
             let mut unit = vec![0.0; 2 * half * 2 * m];
             for j in 0..2 * m {
                 let (row, per) = place(j);

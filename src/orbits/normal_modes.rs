@@ -191,6 +191,8 @@ impl NormalModes {
         for _ in 0..MOST_STEPS {
             let overlaps = self.chain.overlaps(self.chain.layout().u(&self.rest));
             self.overlap = overlaps.into_iter().fold(0.0, f64::max);
+            // Springs may hold beads apart.
+            let reach = if self.overlap > 0.0 { self.overlap } else { max_norm(self.rest.iter().copied()) };
             let (mut force, mut slope) = here;
             let (size, before) = (force.norm(), self.rest.clone());
             self.translates = slope.column_sum().amax() < ZERO * slope.amax();
@@ -206,7 +208,7 @@ impl NormalModes {
                 for (&i, step) in self.free.iter().zip(&step) {
                     self.rest[i] = before[i] - share * step;
                 }
-                if step.amax() <= AT_REST * self.overlap {
+                if step.amax() <= AT_REST * reach {
                     return Ok(());
                 }
                 here = self.linearised(&self.rest)?;

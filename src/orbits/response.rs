@@ -19,7 +19,7 @@ use super::normal_modes::{NormalModes, linearised, steady, with};
 use crate::{
     chain::{Chain, Details, Drive, DriveKind, Signal, State},
     error::{Error, Result, require},
-    run::{Method, Run},
+    run::Run,
 };
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -152,8 +152,9 @@ impl Response {
         let drives = still.chain([drive]).map(|(site, kind, signal)| Drive { site, kind, signal });
         let drives = details.drives.drain(..).chain(drives).collect();
         if self.kind == DriveKind::Displacement {
-            // A bead whose motion is given feels no drag.
-            details.drag.get_mut(self.site).into_iter().for_each(|drag| *drag = 0.0);
+            // A bead whose motion is given feels no drag and no spring.
+            let felt = [&mut details.drag, &mut details.onsite];
+            felt.into_iter().filter_map(|list| list.get_mut(self.site)).for_each(|one| *one = 0.0);
         }
         let chain = with(&self.chain, Details { drives, ..details })?;
         let rest = self.modes.at_rest();
@@ -162,7 +163,7 @@ impl Response {
         let state = state.driven(&chain);
         let time = |k: usize| end - period * (count - k) as f64 / SAMPLES as f64;
         let times: Vec<f64> = (0..count).map(time).collect();
-        let run = Run::new(chain, state).until(end)?.method(Method::Collocation).tolerance(TOL)?.samples_at(&times)?;
+        let run = Run::new(chain, state).until(end)?.tolerance(TOL)?.samples_at(&times)?;
         let mut sums = vec![Complex::new(0.0, 0.0); self.beads.len()];
         let mut add = |t: f64, y: &[f64]| {
             let turn = Complex::from_polar(1.0, -omega * t);

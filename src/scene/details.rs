@@ -31,6 +31,8 @@ sections! {
         stiffness?: Values as Stiffness,
         /// Mass ratios resonator to bead (`chain.rho` if left out).
         rho?: Values,
+        /// Springs that tie beads to their places at rest, force `-onsite u` (none if left out).
+        onsite?: Values as Stiffness,
         /// Masses of resonators, in place of their ratios.
         resonator?: Values as Mass,
         /// Drag on beads, `-drag u'` (none if left out).
@@ -53,12 +55,25 @@ sections! {
         alpha?: Values,
         /// Static overlaps (`chain.precompression` if left out); negative: beads apart.
         overlap?: Values as Length,
+        /// Constants of linear springs between beads, relaxed at the static overlap (none if left out).
+        spring?: Values as Stiffness,
+        /// Forces at rest of magnets on two beads that repel (none if left out).
+        magnet?: Values as Force,
+        /// Distances of these magnets at rest.
+        distance?: Values as Length,
+        /// Power of the distance with which the force of magnets decays.
+        decay?: f64,
         /// Dissipation constants of viscoelastic contacts, in units of time.
         viscoelastic?: Values as Time,
         /// Dashpot constants of contacts, force over velocity.
         dashpot?: Values as Damping,
+        /// Power of the overlap in the resistance of dashpots, whose constants then are a force over a
+        /// velocity and a length to this power (0 if left out).
+        beta?: f64,
         /// Constants of contacts by the law of Hunt and Crossley, time over length.
         hunt_crossley?: Values as Slowness,
+        /// Whether contacts that dissipate may pull while beads overlap (`false` if left out).
+        pull?: bool,
     }
 
     /// One entry of `[[drive]]`.
@@ -154,12 +169,18 @@ fn named(error: Error, beads: Option<&BeadsSection>, bonds: Option<&BondsSection
     let name = match name {
         "mass" => "beads.mass",
         "drag" => "beads.drag",
+        "onsite" => "beads.onsite",
         "kappa" if beads.is_some_and(|beads| beads.stiffness.is_some()) => "beads.stiffness",
         "dashpot" => "beads.dashpot",
         "kappa" if beads.is_some_and(|beads| beads.kappa.is_some()) => "beads.kappa",
         "rho" if beads.is_some_and(|beads| beads.rho.is_some()) => "beads.rho",
         "contact" => "bonds.contact",
         "overlap" => "bonds.overlap",
+        "spring" => "bonds.spring",
+        "magnet" => "bonds.magnet",
+        "distance" => "bonds.distance",
+        "decay" => "bonds.decay",
+        "beta" => "bonds.beta",
         "alpha" if bonds.is_some_and(|bonds| bonds.alpha.is_some()) => "bonds.alpha",
         "dissipation" => bonds.and_then(|bonds| bonds.losses().next()).map_or(name, |(key, ..)| key),
         other => other,
@@ -183,6 +204,7 @@ impl BeadsSection {
         details.mass = list("beads.mass", &self.mass)?;
         details.kappa = list("beads.kappa", &self.kappa)?;
         details.rho = list("beads.rho", &self.rho)?;
+        details.onsite = list("beads.onsite", &self.onsite)?;
         details.drag = list("beads.drag", &self.drag)?;
         details.dashpot = list("beads.dashpot", &self.dashpot)?;
         if self.stiffness.is_some() {
@@ -214,6 +236,17 @@ impl BondsSection {
         details.contact = list("bonds.contact", &self.contact)?;
         details.alpha = list("bonds.alpha", &self.alpha)?;
         details.overlap = list("bonds.overlap", &self.overlap)?;
+        details.spring = list("bonds.spring", &self.spring)?;
+        details.magnet = list("bonds.magnet", &self.magnet)?;
+        details.distance = list("bonds.distance", &self.distance)?;
+        details.decay = self.decay.unwrap_or(0.0);
+        let whole = self.magnet.is_some() || self.distance.is_none() && self.decay.is_none();
+        require(
+            whole,
+            "bonds.magnet",
+            "nothing",
+            "`distance` and `decay` are those of magnets: give their force at rest",
+        )?;
         if self.wall.is_some() {
             details.contact.resize(touching, 1.0);
             self.walls(chain.boundary(), &mut details.contact)?;
@@ -226,7 +259,12 @@ impl BondsSection {
             }
             details.dissipation = Some(Dissipation { kind, strength: values.of(key, touching)? });
         }
-        Ok(())
+        (details.beta, details.pull) = (self.beta.unwrap_or(0.0), self.pull == Some(true));
+        let rule = "it is the power of the overlap in the resistance of `dashpot`, which is not given";
+        require(self.beta.is_none() || self.dashpot.is_some(), "bonds.beta", details.beta, rule)?;
+        let rule =
+            "what may pull is a contact that dissipates: `dashpot`, `viscoelastic` or `hunt_crossley` is not given";
+        require(!details.pull || details.dissipation.is_some(), "bonds.pull", true, rule)
     }
 
     /// Sets the contact constants of walls, if they have their own.
@@ -470,9 +508,12 @@ pub(super) fn words(chain: &Chain<f64>) -> Option<String> {
         range("masses", &details.mass),
         range("spring constants", &details.kappa),
         range("mass ratios", &details.rho),
+        range("on-site springs", &details.onsite),
         range("contact constants", &details.contact),
         range("exponents", &details.alpha),
         range("static overlaps", &details.overlap),
+        range("springs between beads", &details.spring),
+        range("magnets with forces", &details.magnet),
         range("drag", &details.drag),
         range("dashpots", &details.dashpot),
     ]
@@ -481,6 +522,8 @@ pub(super) fn words(chain: &Chain<f64>) -> Option<String> {
     .collect();
     if let Some(Dissipation { kind, strength }) = &details.dissipation {
         all.extend(range(kind.words(), strength));
+        all.extend((details.beta != 0.0).then(|| format!("beta {}", format_short(details.beta))));
+        all.extend(details.pull.then(|| "contacts may pull".to_owned()));
     }
     for drive in &details.drives {
         let how = if drive.kind == DriveKind::Displacement { "moved" } else { "pushed" };

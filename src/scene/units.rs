@@ -15,7 +15,11 @@
 //!
 //! K. L. Johnson, *Contact Mechanics*, Cambridge University Press 1985, section 4.2.
 
-use super::{Quantity, SceneFile, details::BondsSection, values::Values};
+use super::{
+    Quantity, SceneFile,
+    details::BondsSection,
+    values::{Numbers, Values},
+};
 use crate::{
     chain::{Boundary, Chain},
     error::{Error, Result},
@@ -150,6 +154,8 @@ impl SceneFile {
         beads.mass = list(masses.iter().map(|mass| mass / units.mass_kg).collect());
         let scaled = |(k, constant): (usize, &f64)| constant * length.powf(alpha(k)) / units.force_n;
         (bonds.contact, bonds.wall) = (list(contacts.iter().enumerate().map(scaled).collect()), None);
+        let per_overlap = bonds.per_overlap(&units);
+        bonds.dashpot.each(&mut |x| *x *= per_overlap);
         // Equal spheres are a chain of equal beads.
         file.beads = file.beads.filter(|beads| *beads != Default::default());
         file.bonds = file.bonds.filter(|bonds| *bonds != BondsSection::default());
@@ -165,10 +171,12 @@ impl SceneFile {
             return Error::Parameter { name, value, rule };
         };
         let of = name.rsplit('.').next().unwrap_or(name);
+        let dashpot = self.bonds.as_ref().filter(|_| name == "bonds.dashpot");
+        let per_overlap = dashpot.map_or(1.0, |bonds| bonds.per_overlap(units));
         self.clone().quantities(&mut |key, quantity, x| {
-            if key == of && (found.is_none() || units.from_si(quantity, *x) == number) {
-                let own = units.from_si(quantity, *x) == number;
-                found = Some(if own { *x } else { units.to_si(quantity, number) });
+            let own = units.from_si(quantity, *x * per_overlap) == number;
+            if key == of && (found.is_none() || own) {
+                found = Some(if own { *x } else { units.to_si(quantity, number) / per_overlap });
             }
         });
         match found {
@@ -210,6 +218,13 @@ impl SceneFile {
         // One sentence for all beads.
         all.dedup_by(|a, b| a.split(" = ").next() == b.split(" = ").next());
         all
+    }
+}
+
+impl BondsSection {
+    /// The unit of length to the power `beta`, by which constants of dashpots are multiplied.
+    fn per_overlap(&self, units: &Units) -> f64 {
+        units.length_m.powf(self.beta.unwrap_or(0.0))
     }
 }
 

@@ -436,6 +436,33 @@ fn two_spheres_touch_for_the_time_of_hertz() {
 }
 
 #[test]
+fn spheres_with_dashpots_of_a_power_of_the_overlap_rebound_as_in_si_units() {
+    // Truth: e = exp(-pi nu/omega) with nu = gamma/(2 m'), omega^2 = 5/4 A/m' - nu^2 and gamma in
+    // kg/(s m^{1/4}), at every speed (Antypov & Elliott 2011). The springs are those given.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("two.toml").display().to_string();
+    let (gamma, reduced) = (600.0, 0.5 * mass());
+    let nu = gamma / (2.0 * reduced);
+    let truth = (-PI * nu / (1.25 * hertz() / reduced - nu * nu).sqrt()).exp();
+    let text = STRUCK.replace("sites = 40", "sites = 2").replace("until = 6e-4", "until = 2e-4");
+    fs::write(&path, format!("{text}[bonds]\ndashpot = {gamma}\nbeta = 0.25\npull = true\n")).unwrap();
+    for speed in ["0.5", "0.05"] {
+        let run = json(&["run", &path, "--tol", "1e-12", "--set", &format!("initial.velocity={speed}")]);
+        let e = (number(&run, "/pu/1") - number(&run, "/pu/0")) / (mass() * speed.parse::<f64>().unwrap());
+        assert!((e - truth).abs() < 1e-10 && truth < 0.95, "{speed}: {e} {truth}");
+    }
+    let said = refused(&["run", &path, "--set", "bonds.dashpot=-600"], 2);
+    assert!(said.contains("bonds.dashpot = -600 (entry 0) is not valid"), "{said}");
+    fs::write(&path, format!("{text}[beads]\nonsite = 3e5\n[bonds]\nspring = 7e4\n")).unwrap();
+    let scene = hertzchain::scene::Scene::load(&path).unwrap();
+    let (units, details) = (scene.units().unwrap(), scene.chain().details().unwrap());
+    let unit = units.force_n / units.length_m;
+    for (one, given) in [(details.onsite[1], 3e5), (details.spring[0], 7e4)] {
+        assert!((one * unit / given - 1.0).abs() < 1e-14, "{one} {given}");
+    }
+}
+
+#[test]
 fn masses_contacts_springs_and_resonators_are_in_si_units() {
     // Truth: the frequencies of linear oscillators in hertz. A flat bead of 20 g between walls with
     // measured contacts, F = A g^{3/2} each under 20 N, has two stiffnesses 3/2 A^{2/3} F^{1/3};

@@ -8,7 +8,7 @@ use hertzchain::{
     integrators::collocation::StepControl,
     orbits::{
         BifurcationKind, DriveParameter, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
-        End,
+        End, Response,
     },
     run::{Method, Run, Setting},
     study::{EndDriven, EndDrivenPoint, Ends},
@@ -179,9 +179,37 @@ fn closed_contacts_that_dissipate_are_a_drag_on_weakly_driven_beads() {
     }
 }
 
+#[test]
+fn weakly_driven_beads_with_springs_have_their_linear_response() {
+    // Truth: the response of `Response`, a solved linear system, to which the orbit comes with the
+    // amplitude; on-site springs beside resonators that move, springs between beads.
+    let drives = |a: f64| vec![sine(0, DriveKind::Force, a, 1.1)];
+    let details = |a: f64| Details {
+        onsite: vec![0.3, 0.5, 0.2],
+        spring: vec![0.0, 0.4, 0.7, 0.1],
+        drag: vec![0.1; 3],
+        overlap: vec![1.0; 4],
+        drives: drives(a),
+        ..Details::default()
+    };
+    let chain = |a: f64| {
+        Chain::new(Params::new(1.5, 0.8, 0.6).unwrap(), Boundary::Fixed, 3).unwrap().with(&details(a)).unwrap()
+    };
+    let response = Response::new(&chain(0.0), 0, DriveKind::Force).unwrap().at(1.1);
+    let off = |a: f64| {
+        let orbit = orbit(&chain(a), 1);
+        let spectrum = orbit.spectrum(&DrivenShooting::default()).unwrap();
+        assert!(spectrum.liouville < 1e-9 && spectrum.unstable() == 0, "{:e}", spectrum.liouville);
+        (0..3).map(|i| (orbit.z[i] / a - response[i].im).abs()).fold(0.0, f64::max)
+    };
+    let [coarse, fine] = [0.04, 0.01].map(off);
+    println!("{coarse:e} {fine:e}");
+    assert!(fine < 1e-3 && (coarse / fine - 4.0).abs() < 0.5, "{coarse:e} {fine:e}");
+}
+
 /// Three beads between walls that differ, with contacts that dissipate and open; the first of four
 /// is moved.
-fn rattling(kind: Kind) -> Chain<f64> {
+fn rattling(kind: Kind, pull: bool) -> Chain<f64> {
     let strength = match kind {
         Kind::Viscoelastic => vec![0.3, 0.2, 0.4, 0.3, 0.3],
         Kind::Dashpot => vec![0.15, 0.1, 0.2, 0.15, 0.15],
@@ -192,6 +220,7 @@ fn rattling(kind: Kind) -> Chain<f64> {
         drag: vec![0.0, 0.02, 0.02, 0.02],
         overlap: vec![0.1; 5],
         dissipation: Some(Dissipation { kind, strength }),
+        pull,
         drives: vec![sine(0, DriveKind::Displacement, 0.3, 1.3)],
         ..Details::default()
     };
@@ -204,8 +233,14 @@ fn an_orbit_whose_contacts_dissipate_and_open_is_that_of_another_method() {
     // the stroboscopic map. Their error is that of the run, 1e-12, over the step 1e-4, and the
     // square of the step times a third derivative; sums of powers of the multipliers are compared,
     // which need no order. The tangent map of collocation has no such error: asked 1e-9.
-    for kind in [Kind::Viscoelastic, Kind::Dashpot, Kind::HuntCrossley] {
-        let chain = rattling(kind);
+    for (kind, pull) in [
+        (Kind::Viscoelastic, false),
+        (Kind::Dashpot, false),
+        (Kind::HuntCrossley, false),
+        (Kind::Viscoelastic, true),
+        (Kind::Dashpot, true),
+    ] {
+        let chain = rattling(kind, pull);
         let (shooting, setting) = (DrivenShooting::default(), DrivenSetting::new(&chain, 1).unwrap());
         let rest = State::rest(&chain).driven(&chain);
         let seed = shooting.settle(&setting, &chain, &rest, 200, |_| {}).unwrap();
@@ -253,7 +288,7 @@ fn an_orbit_whose_contacts_dissipate_and_open_is_that_of_another_method() {
         let samples = orbit.samples(&shooting).unwrap();
         let open = samples.iter().any(|y| chain.overlaps(y).iter().any(|g| *g < 0.0));
         println!(
-            "{kind:?}: residual {:e}, back {back:e}, open {open}, largest {}, {off:?}, {off_map:?}, Liouville {:e}",
+            "{kind:?} {pull}: residual {:e}, back {back:e}, open {open}, largest {}, {off:?}, {off_map:?}, Liouville {:e}",
             orbit.residual,
             spectrum.largest(),
             spectrum.liouville

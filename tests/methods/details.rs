@@ -103,7 +103,7 @@ pub(crate) fn stored(name: &str) -> (Chain<f64>, State<f64>, f64, Vec<f64>) {
             .into_iter()
             .flatten()
             .collect(),
-        gravity: 0.0,
+        ..Details::default()
     };
     let n = details.mass.len();
     let chain = Chain::new(params(1.5, 1.0, 1.0), Boundary::Fixed, n).unwrap().with(&details).unwrap();
@@ -164,11 +164,13 @@ fn methods_reach_the_stored_states_of_an_open_chain() {
     assert!(ledger.drag > 0.01 && ledger.dashpots > 0.01 && ledger.contacts > 0.01 && ledger.driven.abs() > 0.01);
 }
 
-/// Beads that differ, with springs, drag, dashpots and drives, so pressed that no contact opens.
+/// Beads that differ, with springs of all kinds, drag, dashpots and drives, so pressed that no contact opens.
 fn smooth() -> (Chain<f64>, State<f64>) {
     let details = Details {
         mass: vec![1.0, 0.5, 2.0, 1.5, 0.7, 1.0],
         rho: vec![0.0, 0.5, f64::INFINITY, 0.0, 2.0, 0.3],
+        onsite: vec![0.0, 0.4, 0.2, 0.3, 0.0, 0.5],
+        spring: vec![0.0, 0.3, 0.0, 0.2, 0.1, 0.0, 0.4],
         drag: vec![0.0, 0.1, 0.0, 0.05, 0.2, 0.0],
         dashpot: vec![0.0, 0.1, 0.2, 0.0, 0.0, 0.05],
         contact: vec![1.0, 2.0, 1.5, 1.0, 0.8, 1.2, 1.0],
@@ -222,10 +224,24 @@ const METHODS: [&str; 2] = ["dop853-regularised", "collocation"];
 
 /// The coefficient of restitution of two beads that meet with a relative speed, by a method.
 fn restitution(method: &str, alpha: f64, law: (Kind, f64), speed: f64, mass: [f64; 2]) -> (f64, Trajectory) {
+    rebound(method, alpha, law, speed, mass, (0.0, false))
+}
+
+/// The same with `beta` of dashpots, and contacts that may pull.
+fn rebound(
+    method: &str,
+    alpha: f64,
+    (kind, gamma): (Kind, f64),
+    speed: f64,
+    mass: [f64; 2],
+    (beta, pull): (f64, bool),
+) -> (f64, Trajectory) {
     let details = Details {
         mass: mass.to_vec(),
         overlap: vec![-0.125],
-        dissipation: Some(Dissipation { kind: law.0, strength: vec![law.1] }),
+        dissipation: Some(Dissipation { kind, strength: vec![gamma] }),
+        beta,
+        pull,
         ..Details::default()
     };
     let chain = Chain::new(params(alpha, 0.0, 0.0), Boundary::Free, 2).unwrap().with(&details).unwrap();
@@ -283,6 +299,60 @@ fn beads_with_dashpots_rebound_as_published() {
         let (e, end) = restitution(method, 1.0, (Kind::Dashpot, gamma), 0.7, [1.0, 1.0]);
         println!("{method} {gamma}: {:e}, balance {:e}", e - want, end.energy_error.unwrap());
         assert!((e - want).abs() < bound && end.energy_error.unwrap() < bound, "{method} {gamma}: {e} {want}");
+    }
+}
+
+#[test]
+fn dashpots_rebound_as_a_damped_oscillator_at_every_exponent() {
+    // Truth: with beta = (alpha - 1)/2 and s = g^{beta+1}/(beta+1) the motion v dv/dg = -(F + gamma
+    // g^beta v)/m_eff is v dv/ds = -(gamma v + A (beta+1) s)/m_eff, a damped oscillator (Antypov &
+    // Elliott 2011, EPL 94, 50004). With nu = gamma/(2 m_eff) and omega beads that may pull have e =
+    // exp(-pi nu/omega), and others that of linear dashpots, see above; at every speed.
+    let mass = [2.0, 0.5];
+    for (method, bound) in METHODS.into_iter().zip([2e-10, 1e-13]) {
+        for (alpha, gamma) in [1.0f64, 1.5, 2.0, 3.0].into_iter().flat_map(|a| [0.05, 0.4].map(|gamma| (a, gamma))) {
+            let (beta, nu) = (0.5 * (alpha - 1.0), gamma / 0.8);
+            let omega = ((beta + 1.0) / 0.4 - nu * nu).sqrt();
+            for pull in [false, true] {
+                let lasts = if pull { 0.0 } else { (2.0 * nu * omega / (omega * omega - nu * nu)).atan() };
+                let want = (-nu / omega * (std::f64::consts::PI - lasts)).exp();
+                for speed in [0.3, 2.0] {
+                    let (e, end) = rebound(method, alpha, (Kind::Dashpot, gamma), speed, mass, (beta, pull));
+                    let (off, balance) = (e - want, end.energy_error.unwrap());
+                    let contact = end.contacts.unwrap()[0];
+                    let early = contact.release.unwrap() - contact.force_end.unwrap();
+                    println!("{method} {alpha} {gamma} {pull} {speed}: {off:e}, balance {balance:e}, {early:e}");
+                    assert!(
+                        off.abs() < bound && balance < bound,
+                        "{method} {alpha} {gamma} {pull}: {off:e} {balance:e}"
+                    );
+                    let late = if pull { early.abs() < 1e-9 } else { early > 1e-3 };
+                    assert!(late, "{method} {alpha} {gamma} {pull}: {early:e}");
+                    let impulse = mass[1] * end.state[3] - contact.impulse;
+                    assert!(impulse.abs() < 10.0 * bound, "{method} {alpha} {gamma} {pull}: {impulse:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn viscoelastic_spheres_that_may_pull_rebound_as_their_series() {
+    // Truth: the series of Ramirez, Poeschel, Brilliantov & Schwager 1999, e = 1 - C_1 x + C_2 x^2,
+    // C_2 = 3/5 C_1^2. It goes on with x^3 for beads that part where the overlap is zero; with
+    // x^{5/2} for those that never pull, see above.
+    let c1 = 1.153_448_858_095_288_4;
+    for method in METHODS {
+        let rests = [0.01, 0.005].map(|gamma| {
+            let speed: f64 = 0.3;
+            let x = 1.5 * gamma * (1.0f64 / 0.4).powf(0.4) * speed.powf(0.2);
+            let (e, end) = rebound(method, 1.5, (Kind::Viscoelastic, gamma), speed, [2.0, 0.5], (0.0, true));
+            assert!(end.energy_error.unwrap() < 6e-12, "{:e}", end.energy_error.unwrap());
+            e - (1.0 - c1 * x + 0.6 * c1 * c1 * x * x)
+        });
+        let slope = (rests[0] / rests[1]).log2();
+        println!("{method}: {rests:?} {slope}");
+        assert!((2.97..3.03).contains(&slope), "{rests:?} {slope}");
     }
 }
 

@@ -8,6 +8,7 @@ use crate::{
         random, regularised, same_for_every_set, unequal,
     },
     lossy_random::not_kept,
+    variations::altered,
     windows,
 };
 use hertzchain::{
@@ -97,11 +98,15 @@ fn what_contacts_dissipate_balances() {
         for (seed, boundary) in BOUNDARIES.into_iter().enumerate() {
             for driven in [false, true] {
                 let (chain, y0) = varied(10 + seed as u64, boundary, 12, law, driven);
-                let end = collocation(&chain, &y0, 40.0, StepControl::Tolerance(1e-13));
-                let ledger = chain.layout().ledger(&end).unwrap();
-                let off = (balance(&chain, &end) - balance(&chain, &y0)).abs();
-                println!("{law:?} {boundary:?} {driven}: {off:e}, {:e}", ledger.contacts);
-                assert!(off < 1e-13 && ledger.contacts > 0.01, "{law:?} {boundary:?} {driven}: {off:e} {ledger:?}");
+                for (beta, pull) in [(0.0, false), (0.0, true), (0.25, true)] {
+                    let chain = altered(&chain, |details| (details.beta, details.pull) = (beta, pull));
+                    let end = collocation(&chain, &y0, 40.0, StepControl::Tolerance(1e-13));
+                    let ledger = chain.layout().ledger(&end).unwrap();
+                    let off = (balance(&chain, &end) - balance(&chain, &y0)).abs();
+                    let words = format!("{law:?} {boundary:?} {driven} {beta} {pull}");
+                    println!("{words}: {off:e}, {:e}", ledger.contacts);
+                    assert!(off < 1e-13 && ledger.contacts > 0.01, "{words}: {off:e} {ledger:?}");
+                }
             }
         }
     }

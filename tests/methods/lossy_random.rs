@@ -3,6 +3,7 @@
 use crate::{
     common::{distance, largest},
     heterogeneous::random,
+    variations::altered,
 };
 use hertzchain::{
     chain::{
@@ -168,6 +169,35 @@ fn random_chains_by_the_law_of_hunt_and_crossley_keep_their_tolerance() {
     // With gamma up to 2.5; of 2000 scenes with gamma up to 10 two are not kept, at tolerances below
     // 1e-12.
     let failed = search(0..40, |next| scene_of(next, |_| (Kind::HuntCrossley, 5.0)));
+    assert!(failed.is_empty(), "{failed:#?}");
+}
+
+/// A scene with a law of dissipation by chance whose contacts may pull, or with a dashpot of a power
+/// of the overlap.
+fn pulling(next: &mut dyn FnMut() -> f64) -> (Chain<f64>, State<f64>, f64) {
+    let laws = [(Kind::Dashpot, 1.0), (Kind::Viscoelastic, 1.0), (Kind::HuntCrossley, 5.0), (Kind::Dashpot, 1.0)];
+    let (chain, state, end) = scene_of(next, |x| laws[(4.0 * x) as usize]);
+    let beta = [0.0, 0.25, 0.5, 1.5][(4.0 * next()) as usize];
+    (altered(&chain, |details| (details.beta, details.pull) = (beta, true)), state, end)
+}
+
+/// A scene with dashpots of a power of the overlap that never pull.
+fn powered(next: &mut dyn FnMut() -> f64) -> (Chain<f64>, State<f64>, f64) {
+    let (chain, state, end) = scene_of(next, |_| (Kind::Dashpot, 1.0));
+    let least = chain.details().unwrap().alpha.iter().copied().fold(f64::INFINITY, f64::min);
+    let share = [0.25, 0.5, 1.0][(3.0 * next()) as usize];
+    (altered(&chain, |details| details.beta = share * (least - 1.0)), state, end)
+}
+
+#[test]
+fn random_chains_whose_contacts_may_pull_keep_their_tolerance() {
+    let failed = search(0..40, pulling);
+    assert!(failed.is_empty(), "{failed:#?}");
+}
+
+#[test]
+fn random_chains_with_dashpots_of_a_power_of_the_overlap_keep_their_tolerance() {
+    let failed = search(0..40, powered);
     assert!(failed.is_empty(), "{failed:#?}");
 }
 

@@ -28,6 +28,7 @@ mod pulses;
 mod run;
 mod signals;
 mod splitting;
+mod springs;
 mod tangent;
 mod variations;
 mod weak_springs;

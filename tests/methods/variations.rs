@@ -12,7 +12,7 @@ use twofloat::TwoFloat;
 
 /// Six beads between walls that differ in everything, with drag, dashpots, a bead that is moved and
 /// one that is pushed; contacts open and close.
-fn chain<R: Real>() -> Chain<R> {
+pub(crate) fn chain<R: Real>() -> Chain<R> {
     let drive = |site, kind, amplitude, omega| {
         let harmonics = vec![Harmonic { amplitude, omega, phase: 0.4 }];
         Drive { site, kind, signal: Signal::new(harmonics, Envelope::None) }
@@ -42,12 +42,33 @@ pub(crate) fn start<R: Real>(chain: &Chain<R>) -> Vec<R> {
     State::from_fn(chain, site).unwrap().driven(chain).as_slice().to_vec()
 }
 
-/// The same with contacts that dissipate, all but one.
-pub(crate) fn lossy<R: Real>(kind: Kind) -> Chain<R> {
+/// The same with other details.
+pub(crate) fn altered<R: Real>(chain: &Chain<R>, change: impl FnOnce(&mut Details)) -> Chain<R> {
+    let mut details = chain.details().cloned().unwrap_or_default();
+    change(&mut details);
+    Chain::new(chain.params(), chain.boundary(), chain.sites()).unwrap().with(&details).unwrap()
+}
+
+/// A law of dissipation: its kind, `beta` of a dashpot, and whether beads may pull.
+pub(crate) type Law = (Kind, f64, bool);
+
+pub(crate) const LAWS: [Law; 8] = [
+    (Kind::Viscoelastic, 0.0, false),
+    (Kind::Dashpot, 0.0, false),
+    (Kind::HuntCrossley, 0.0, false),
+    (Kind::Dashpot, 0.25, false),
+    (Kind::Viscoelastic, 0.0, true),
+    (Kind::Dashpot, 0.0, true),
+    (Kind::HuntCrossley, 0.0, true),
+    (Kind::Dashpot, 0.25, true),
+];
+
+/// The same chain with contacts that dissipate, all but one.
+pub(crate) fn lossy<R: Real>((kind, beta, pull): Law) -> Chain<R> {
     let strength = vec![0.1, 0.3, 0.05, 0.2, 0.0, 0.4, 0.15];
-    let details = chain::<R>().details().unwrap().clone();
-    let details = Details { dissipation: Some(Dissipation { kind, strength }), ..details };
-    Chain::new(Params::new(1.5, 1.0, 1.0).unwrap(), Boundary::Fixed, 6).unwrap().with(&details).unwrap()
+    altered(&chain(), |details| {
+        (details.dissipation, details.beta, details.pull) = (Some(Dissipation { kind, strength }), beta, pull);
+    })
 }
 
 /// Entries of a state that are free: positions, then velocities.
@@ -169,8 +190,9 @@ fn on_a_uniform_chain_it_is_that_of_collocation() {
 fn with_contacts_that_dissipate_it_agrees_with_differences_in_double_double() {
     // Truth: the same differences, with a longer step and a looser tolerance: the resistance of
     // viscoelastic contacts is computed by a division, which has 17 digits in double-double. Errors
-    // of differences are of the order 1e-12 by the step, 1e-11 by the division. Asked: 1e-9.
-    for kind in [Kind::Viscoelastic, Kind::Dashpot] {
+    // of differences are of the order 1e-12 by the step, 1e-11 by the division, 4e-10 by the power 1/4
+    // of an overlap. Asked: 1e-9.
+    for kind in LAWS {
         let (chain, t) = (lossy::<f64>(kind), 9.0);
         let w = direction(free(&chain).len(), 0);
         let truth = difference(&lossy(kind), &w, t, (1e-6, 1e-18));
@@ -179,7 +201,7 @@ fn with_contacts_that_dissipate_it_agrees_with_differences_in_double_double() {
         println!("{kind:?} {errors:?}");
         assert!(errors[3] < 1e-9, "{:e}", errors[3]);
         for pair in errors[..4].windows(2) {
-            assert!(pair[1] < 0.1 * pair[0], "{errors:?}");
+            assert!(pair[1] < (0.1 * pair[0]).max(4e-10), "{errors:?}");
         }
     }
 }
@@ -190,7 +212,7 @@ fn with_contacts_that_dissipate_its_determinant_is_liouvilles() {
     // that of contacts is an integral along the run, here also by the trapezoidal rule over states
     // of contact collocation.
     let resonators = 0.2 / 0.5 + 0.2 / 2.0 + 0.05 / 1.5 + 0.2 / 0.7 + 0.07 + 0.1 / (0.5 * 0.5) + 0.05 / 0.3;
-    for kind in [Kind::Viscoelastic, Kind::Dashpot] {
+    for kind in LAWS {
         let (chain, t) = (lossy::<f64>(kind), 9.0);
         let y = start(&chain);
         let contraction = Variations::flow(&chain, &y, (0.0, t), &[], 1e-12).unwrap().contraction;
@@ -222,10 +244,10 @@ fn resistance_sampled(chain: &Chain<f64>, y: &[f64], t: f64, samples: u32) -> f6
             }
             let c = match loss.kind {
                 Kind::Viscoelastic => loss.strength[b] * details.contact[b] * a * g.powf(a - 1.0),
-                Kind::Dashpot => loss.strength[b],
+                Kind::Dashpot => loss.strength[b] * g.powf(details.beta),
                 Kind::HuntCrossley => loss.strength[b] * details.contact[b] * g.powf(a),
             };
-            let pushes = details.contact[b] * g.powf(a) + c * rate > 0.0;
+            let pushes = details.pull || details.contact[b] * g.powf(a) + c * rate > 0.0;
             let before = if b == 0 { 0.0 } else { per_mass(b - 1) };
             if pushes { c * (before + per_mass(b)) } else { 0.0 }
         };
@@ -245,11 +267,13 @@ fn resistance_sampled(chain: &Chain<f64>, y: &[f64], t: f64, samples: u32) -> f6
 
 /// Two beads that fly, collide and fly on, in relative displacement and velocity: the coefficient
 /// of restitution, and the tangent map.
-fn collision(kind: Kind, gamma: f64, speed: f64, tol: f64) -> (f64, DMatrix<f64>, f64) {
+fn collision((kind, beta, pull): Law, gamma: f64, speed: f64, tol: f64) -> (f64, DMatrix<f64>, f64) {
     let details = Details {
         mass: vec![2.0, 0.5],
         overlap: vec![-0.125],
         dissipation: Some(Dissipation { kind, strength: vec![gamma] }),
+        beta,
+        pull,
         ..Details::default()
     };
     let bare = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 2).unwrap();
@@ -268,7 +292,7 @@ fn collision(kind: Kind, gamma: f64, speed: f64, tol: f64) -> (f64, DMatrix<f64>
 fn a_collision_has_the_tangent_map_of_its_restitution() {
     // Truth: after a collision r(t) = r_0 - e v (t - t_0) with t_0 before by dr/v, so that dr_0
     // becomes -e dr_0, and no velocity. By Liouville the determinant is exp(-contraction).
-    for kind in [Kind::Viscoelastic, Kind::Dashpot] {
+    for kind in LAWS {
         for gamma in [0.02, 0.2] {
             let (e, m, contraction) = collision(kind, gamma, 0.3, 1e-13);
             let off = [m[(0, 0)] + e, m[(1, 0)], m.determinant() / (-contraction).exp() - 1.0];
@@ -289,7 +313,7 @@ fn viscoelastic_spheres_rebound_with_the_published_derivative() {
     let c2 = 0.6 * c1 * c1;
     let rests = [0.01, 0.005, 0.0025].map(|gamma| {
         let x = 1.5 * gamma * (1.0f64 / 0.4).powf(0.4) * speed.powf(0.2);
-        let (_, m, _) = collision(Kind::Viscoelastic, gamma, speed, 1e-13);
+        let (_, m, _) = collision((Kind::Viscoelastic, 0.0, false), gamma, speed, 1e-13);
         let rest = -m[(1, 1)] - (1.0 - 1.2 * c1 * x + 1.4 * c2 * x * x);
         assert!(rest.abs() < x.powf(2.5), "{gamma}: {rest:e}");
         rest

@@ -14,7 +14,8 @@ pub struct Energy<R> {
     pub beads: R,
     /// Kinetic energy of the resonators, `sum rho v'^2 / 2`.
     pub resonators: R,
-    /// Energy of the springs, `sum kappa (u - v)^2 / 2`.
+    /// Energy of the springs, `sum kappa (u - v)^2 / 2`, and of those on sites and between beads, and of
+    /// magnets.
     pub springs: R,
     /// Energy of the contacts, `sum (g)_+^{alpha+1} / (alpha+1)`.
     pub contacts: R,
@@ -184,11 +185,17 @@ impl<R: Real> Chain<R> {
             energy.springs += spring;
         }
         let overlaps = self.overlaps(self.layout.u(y));
+        energy.springs += self.touching().fold(zero, |sum, bond| sum + self.joint_energy(parts, y, bond));
         energy.contacts = overlaps.iter().zip(&parts.bonds).fold(zero, |sum, (&g, bond)| sum + bond.potential(g));
         if let Some(ledger) = self.layout.ledger(y) {
             (energy.dissipated, energy.driven) = (ledger.dissipated(), ledger.driven);
         }
         energy
+    }
+
+    /// Energy of the spring and the magnets of a bond.
+    fn joint_energy(&self, parts: &CheckedDetails<R>, y: &[R], bond: usize) -> R {
+        parts.joint(bond).map_or(R::zero(), |joint| joint.potential(self.across(bond, |i| self.layout.u(y)[i])))
     }
 
     /// Energies of bead, resonator and spring of a site of a chain with details.
@@ -202,7 +209,8 @@ impl<R: Real> Chain<R> {
         };
         let stretch = if site.resonators == Resonators::None { R::zero() } else { u - v };
         let resonator = site.resonator() * v_dot * v_dot;
-        [half * site.mass * u_dot * u_dot, half * resonator, half * site.kappa * stretch * stretch]
+        let springs = site.kappa * stretch * stretch + site.onsite * u * u;
+        [half * site.mass * u_dot * u_dot, half * resonator, half * springs]
     }
 
     /// `sum` plus the potentials of contacts with these overlaps.
@@ -218,7 +226,8 @@ impl<R: Real> Chain<R> {
     pub fn site_energies(&self, y: &[R]) -> Vec<R> {
         if let Some(parts) = self.parts() {
             let overlaps = self.overlaps(self.layout.u(y));
-            let bonds: Vec<R> = overlaps.iter().zip(&parts.bonds).map(|(&g, bond)| bond.potential(g)).collect();
+            let mut bonds: Vec<R> = overlaps.iter().zip(&parts.bonds).map(|(&g, bond)| bond.potential(g)).collect();
+            self.touching().for_each(|bond| bonds[bond] += self.joint_energy(parts, y, bond));
             let own = |i| self.own_energies(parts, y, i).into_iter().fold(R::zero(), |a, b| a + b);
             return (0..self.sites()).map(|i| own(i) + self.share(&bonds, i) + self.share(&bonds, i + 1)).collect();
         }

@@ -12,7 +12,7 @@
 //! Newton's method in a bracket. With one holder the force at the free end is zero, and all others
 //! follow. Where no force is left, beads keep their gaps.
 
-use super::{Boundary, Chain, Resonators, Site, State};
+use super::{Boundary, Chain, Resonators, Site, State, details::CheckedDetails};
 use crate::error::{Error, Result, require};
 use hertzchain_integrators::law::BondLaw;
 use std::ops::Range;
@@ -51,7 +51,7 @@ impl Chain<f64> {
     /// ```
     ///
     /// # Errors
-    /// A load that nothing holds; beads tied to places by springs, `rho = inf`; a strain ring; a
+    /// A load that nothing holds; beads tied by springs to places (`rho = inf`) or to each other; a strain ring; a
     /// ring with beads that are moved or contacts that are left out.
     pub fn equilibrium(&self) -> Result<Vec<f64>> {
         let rule = "an equilibrium of displacements: any other boundary";
@@ -62,7 +62,7 @@ impl Chain<f64> {
         };
         let (n, loads) = (chain.sites(), chain.loads());
         let Some(parts) = chain.parts() else { return Ok(vec![0.0; n]) };
-        require(!chain.tied(), "rho", "inf", "loads are held by contacts, not by springs")?;
+        require(!chain.tied(), "chain", "with springs or magnets that hold beads", "loads are held by contacts alone")?;
         let (mut u, mut holders) = (vec![0.0; n], Vec::new());
         for mover in chain.movers() {
             u[mover.site] = mover.at(0.0)[0];
@@ -110,12 +110,13 @@ impl Chain<f64> {
         Ok(u)
     }
 
-    /// Whether springs tie beads to places.
+    /// Whether springs tie beads to places, or springs or magnets to each other.
     pub fn tied(&self) -> bool {
-        (0..self.sites()).any(|i| match self.parts() {
-            Some(parts) => parts.sites[i].resonators == Resonators::Fixed,
-            None => self.params.resonators() == Resonators::Fixed,
-        })
+        self.parts().is_some_and(CheckedDetails::joined)
+            || (0..self.sites()).any(|i| match self.parts() {
+                Some(parts) => parts.sites[i].resonators == Resonators::Fixed || parts.sites[i].onsite > 0.0,
+                None => self.params.resonators() == Resonators::Fixed,
+            })
     }
 
     /// The loads of beads: weights along the chain, and constant forces of drives.

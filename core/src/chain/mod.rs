@@ -37,8 +37,8 @@ pub use bonds::{CorrectedSplit, SiteFlow};
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Maximum, Overlaps, TOUCH};
 pub use details::{
-    Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, HeterogeneousChain, Kind, Ledger, Signal,
-    SitewiseBonds, SitewiseFlow, Spline, Variations, Varied,
+    Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, HeterogeneousChain, Joint, Kind, Ledger,
+    Signal, SitewiseBonds, SitewiseFlow, Spline, Variations, Varied,
 };
 pub use divisible::{Divisible, Split};
 pub use energy::Energy;

@@ -327,8 +327,9 @@ impl Method {
     }
 
     /// Refuses a chain that the method cannot run: those that can run one with [`Details`] are
-    /// DOP853 and collocation, splittings unless contacts dissipate, and contact-corrected ones
-    /// where energy is conserved and all contacts have one exponent.
+    /// DOP853, collocation unless the chain is [beyond it](Chain::beyond_collocation), splittings
+    /// unless contacts dissipate, and contact-corrected ones where energy is conserved, all contacts
+    /// have one exponent, and nothing else holds beads.
     ///
     /// # Errors
     /// A chain that the method cannot run; the message names a method that can.
@@ -343,13 +344,14 @@ impl Method {
     pub fn unsupported_reason(&self, chain: &Chain<f64>) -> Option<&'static str> {
         chain.details()?;
         match self {
-            Self::Dop853(_) | Self::Collocation => None,
+            Self::Dop853(_) => None,
+            Self::Collocation => chain.beyond_collocation(),
             Self::Splitting(..) | Self::Landed(_) => chain
                 .dissipative_contacts()
                 .then_some("its kicks know no velocities, and contacts here dissipate: take dop853-regularised"),
             Self::Corrected(..) => (!chain.parts()?.corrects()).then_some(
-                "it needs contacts of one exponent, without damping, dissipation, moved beads or forces that change: \
-                 take dop853-regularised, or strang-linear for equal steps",
+                "it needs contacts of one exponent, without damping, dissipation, moved beads, forces that change, \
+                 on-site springs, or springs and magnets between beads: take dop853-regularised, or strang-linear for equal steps",
             ),
             Self::Conserving => Some(
                 "it needs equal beads, without damping or drives: take dop853-regularised, or strang-linear for \
@@ -359,8 +361,8 @@ impl Method {
     }
 
     /// The method for a given tolerance, where none is named.
-    pub fn by_tolerance() -> Self {
-        Self::Collocation
+    pub fn by_tolerance(chain: &Chain<f64>) -> Self {
+        if Self::Collocation.runs(chain).is_ok() { Self::Collocation } else { Self::Dop853(Contacts::Regularised) }
     }
 
     /// The method for equal steps, where none is named.
@@ -386,6 +388,7 @@ impl Method {
     ) -> Result<Box<dyn Stepper<f64> + Send>> {
         self.takes(run.parts(), run.chain().topology())?;
         self.runs(run.chain())?;
+        run.chain().magnets_apart(y)?;
         let chain = run.chain().clone();
         let sitewise = |split| loaded(SitewiseFlow::new(run.chain().clone(), split, span.0), y);
         match (self, setting) {

@@ -160,12 +160,12 @@ impl Run {
 
     /// Sets the tolerance: of the sum of the errors of all windows for [`Method::Collocation`], of
     /// the state at the end for [`Method::CORRECTED`], of a step for the other methods that take
-    /// one. Without a [`method`](Self::method), the method is collocation.
+    /// one. Without a [`method`](Self::method), it is that of [`Method::by_tolerance`].
     ///
     /// # Errors
     /// A tolerance that the method does not accept, see [`Method::tolerances`].
     pub fn tolerance(self, tol: f64) -> Result<Self> {
-        let tol = self.method.unwrap_or(Method::by_tolerance()).tolerances().check(tol)?;
+        let tol = self.method.unwrap_or(Method::by_tolerance(&self.chain)).tolerances().check(tol)?;
         Ok(self.setting(Setting::Tolerance(tol)))
     }
 
@@ -349,7 +349,7 @@ impl Run {
         Ok(match (self.method, self.setting) {
             (Some(method), Some(setting)) => (method, setting),
             (None, Some(setting @ Setting::Steps(_))) => (Method::by_steps(&self.chain), setting),
-            (None, Some(setting)) => (Method::by_tolerance(), setting),
+            (None, Some(setting)) => (Method::by_tolerance(&self.chain), setting),
             (Some(method), None) if method.tolerant() => (method, Setting::Tolerance(regime::TOLERANCE)),
             (Some(method), None) => {
                 (method, Setting::steps(regime::STEPS_PER_PERIOD * self.end()? / self.fast_period())?)

@@ -109,7 +109,7 @@ pub fn contact_frequency(alpha: f64, overlap: f64) -> f64 {
 /// | `omega > 10^4 Omega_c` | `strang-linear` | `h omega = min(2, sqrt(chi)/200)` | below 10^-6 |
 ///
 /// A chain with [`Details`](crate::chain::Details) takes `collocation` too, whatever its
-/// frequencies.
+/// frequencies; `dop853-regularised` if it is [beyond](Chain::beyond_collocation) collocation.
 ///
 /// The second row means light resonators, or weakly compressed contacts.
 ///
@@ -156,7 +156,7 @@ fn of_details(chain: &Chain<f64>) -> Regime {
         "sites differ in beads or bonds"
     };
     Regime {
-        method: Method::by_tolerance(),
+        method: Method::by_tolerance(chain),
         setting: Setting::Tolerance(TOLERANCE),
         wording: format!("tol {TOLERANCE:e}"),
         reason: format!("{sites} {what}: the errors of its windows add up to less than this tolerance"),

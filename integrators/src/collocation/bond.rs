@@ -14,8 +14,9 @@ pub(crate) struct Contact {
     /// Slopes `dg/dt` at onset and release; `dP/dt`, see `loss.rs`, if the contact dissipates and
     /// the event is a zero of `P`.
     pub(crate) slopes: [f64; 2],
-    /// The size of the last step of Newton's method for the onset; infinite before the first.
-    pub(crate) step: f64,
+    /// The sizes of the last steps of Newton's method for onset and release; infinite before the
+    /// first.
+    pub(crate) steps: [f64; 2],
     /// Whether beads overlapped already at the onset, which is then a zero of `P`, see `loss.rs`.
     pub(crate) overlaps_at_onset: bool,
     /// Its panels in this window: index of the first, and one past the last.
@@ -24,7 +25,7 @@ pub(crate) struct Contact {
 
 impl Contact {
     pub(super) fn new(onset: f64, release: f64, slopes: [f64; 2]) -> Self {
-        Self { onset, release, slopes, step: f64::INFINITY, overlaps_at_onset: false, panels: (0, 0) }
+        Self { onset, release, slopes, steps: [f64::INFINITY; 2], overlaps_at_onset: false, panels: (0, 0) }
     }
 
     /// The contact of a bond that is closed when the run begins, with this overlap and its rate.

@@ -187,8 +187,8 @@ fn rows<const M: usize, const S: usize>(
         source.list[0].clone_from(all[q]);
         source.list[0].before = [[0.0; 4]; S];
         if lossy {
-            let impulses = bonds[b].impulses(q - first[b]);
-            source.list[0].respond(&frames.of(b), impulses);
+            let frame = frames.of(b);
+            source.list[0].respond(&frame, bonds[b].impulses(&frame, q - first[b]));
         }
         let start = source.list[0].start;
         let [left, right] = beside(b, n, ring);

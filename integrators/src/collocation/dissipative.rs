@@ -138,7 +138,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let (h, link) = (frame.h, frame.link);
         let of = |[g, rate]: Look| [g, link.law.overlap_that_pushes(g, rate)];
         let at = |t: f64| of(look(t));
-        let mut looks = looks(h, link.law.dashpot(), &look, &of, kinks);
+        let mut looks = looks(h, link.law.kinked(), &look, &of, kinks);
         // At the start both are known, which tells the error of values by series.
         let start = self.initial.overlap;
         let by_series = std::mem::replace(&mut looks[0].1, start);
@@ -186,7 +186,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             // jumps to this value, where the rate of a dashpot comes to zero.
             let jumps = event > 0.0 && g > rate * h / PARTS as f64;
             let below = || of([g, rate])[1] < 0.5 * link.law.overlap_that_pushes(g, 0.0);
-            let overlaps_at_onset = g > 0.0 && (jumps || below());
+            let overlaps_at_onset = g > 0.0 && !link.law.pulls && (jumps || below());
             match open.take() {
                 None => {
                     let slope = if overlaps_at_onset { slope(|t| at(t)[1], event, h) } else { rate };
@@ -215,7 +215,7 @@ fn slope(of: impl Fn(f64) -> f64, t: f64, h: f64) -> f64 {
 /// values of `g` or of `P`, as `of` gives them, that lie on the other side of zero; and at `kinks`.
 fn looks(
     h: f64,
-    dashpot: bool,
+    kinked: bool,
     look: &impl Fn(f64) -> Look,
     of: &impl Fn(Look) -> [f64; 2],
     kinks: &[f64],
@@ -238,7 +238,7 @@ fn looks(
     let peak = |k: usize| {
         let [(a, [_, before]), (b, [_, after])] = [looks[k], looks[k + 1]];
         let largest = || bracketed(|t| look(t)[1], (a, before), (b, after));
-        (dashpot && before > 0.0 && after < 0.0).then(|| (largest() - STEP * step).max(a))
+        (kinked && before > 0.0 && after < 0.0).then(|| (largest() - STEP * step).max(a))
     };
     let turns = (1..PARTS).flat_map(|k| [turns(k, 0), turns(k, 1)]);
     let more: Vec<f64> = turns.chain((0..PARTS).map(peak)).flatten().chain(kinks.iter().copied()).collect();

@@ -4,9 +4,10 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `F(g)` | elastic force, `A (g)_+^alpha` |
-//! | `c(g)` | resistance, `gamma F'(g)` or `gamma` |
+//! | `c(g)` | resistance: `gamma F'(g)`, `gamma g^beta` or `gamma F(g)` |
 //! | `f = (F(g) + c(g) g')_+` | force of a contact: beads never pull |
-//! | `P(g, g')` | positive where a closed contact pushes: `g + gamma alpha g'`, or `g - F^{-1}(-gamma g')` |
+//! | `P(g, g')` | positive where a closed contact pushes: `g + gamma alpha g'`, `g (1 + gamma g')`, or `g` less |
+//! | | `(-gamma g'/A)_+^{1/(alpha - beta)}`; `g` where beads may pull |
 //! | `K'` | velocity of a site by a unit impulse |
 //!
 //! A panel of such a contact needs `g'` at its nodes, `g_lin'(t) + int K'(t - s) [..] ds`, where
@@ -18,7 +19,8 @@
 //! On a panel the force has no `(..)_+`. Where `P` comes to zero the contact ends, with `f = 0` and
 //! `g > 0`, and beads overlap without a force until `P` rises through zero or the overlap is zero
 //! (`dissipative.rs`). So the force is analytic up to the end. Where beads meet it begins with the
-//! power `alpha - 1` of time (viscoelastic), or with a jump (dashpot).
+//! power `alpha - 1` of time (viscoelastic), or with a jump (dashpot). Where beads may pull, it ends as
+//! it begins.
 //!
 //! `P` is an overlap. For a dashpot the force itself has the same sign, but with a small `gamma` it
 //! ends with next to no slope, and Newton's method for its zero diverges; with a large one that for
@@ -182,7 +184,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         let from = |k: usize| if end == 0 { k } else { M - 1 - k };
         let chord = |values: &[f64; M]| self.chord(values, from(0), (1..M).map(from));
         let pushes: [f64; M] = std::array::from_fn(|j| law.overlap_that_pushes(self.overlap[j], rates.overlap[j]));
-        if !law.dashpot() {
+        if !law.kinked() {
             return (dot(ends, &pushes), chord(&pushes));
         }
         let (g, rate) = (dot(ends, &self.overlap), dot(ends, &rates.overlap));
@@ -260,13 +262,14 @@ impl<const M: usize, const S: usize> Panel<M, S> {
 impl<const M: usize, const S: usize> Bond<M, S> {
     /// Whether the impulses `-c dg` at the start and `c dg` at the end of a panel are part of the
     /// change of the contact's force: at the ends of the contact in the window, except where beads
-    /// meet.
-    pub(super) fn impulses(&self, panel: usize) -> [bool; 2] {
+    /// meet, and where beads part that may pull.
+    pub(super) fn impulses(&self, frame: &Frame<'_, M, S>, panel: usize) -> [bool; 2] {
         let contacts = self.contacts.found.iter().enumerate();
         let mut of = contacts.filter(|(_, contact)| (contact.panels.0..contact.panels.1).contains(&panel));
         of.next().map_or([false; 2], |(i, contact)| {
             let meets = !contact.overlaps_at_onset && (i > 0 || self.initial.ongoing.is_none());
-            [panel == contact.panels.0 && !meets, panel + 1 == contact.panels.1]
+            let parts = frame.link.law.pulls && contact.release <= frame.h;
+            [panel == contact.panels.0 && !meets, panel + 1 == contact.panels.1 && !parts]
         })
     }
 }

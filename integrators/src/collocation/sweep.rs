@@ -175,7 +175,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// The contact that outlasts the window, in the time of the next one.
     pub(crate) fn outlasting(&self, h: f64) -> Option<Contact> {
         let contact = self.contacts.found.last().filter(|contact| contact.release > h)?;
-        Some(Contact { onset: contact.onset - h, release: f64::INFINITY, ..*contact })
+        let steps = [contact.steps[0], f64::INFINITY];
+        Some(Contact { onset: contact.onset - h, release: f64::INFINITY, steps, ..*contact })
     }
 
     /// Computes the first forces at the nodes, from the overlaps that the forces at the start of
@@ -369,7 +370,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let by = not_before(contact.onset, -overlap / contact.slopes[0]);
         // The impulse of a force that jumps is of first order in the error of its onset, so that a
         // step may be rounding and not negligible.
-        let rounding = overlap.abs() <= self.initial.band && by.abs() >= 0.5 * contact.step;
+        let rounding = overlap.abs() <= self.initial.band && by.abs() >= 0.5 * contact.steps[0];
         let deepest = contact.overlaps_at_onset.then_some(self.sweeps.largest);
         if rounding || frame.cuts.negligible(frame.link, overlap, by, deepest) {
             return 0.0;
@@ -379,7 +380,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             self.pending.diverged = true;
             return 0.0;
         }
-        (contact.onset, contact.step) = (moved, by.abs());
+        (contact.onset, contact.steps[0]) = (moved, by.abs());
         self.pending.search |= contact.onset > contact.release;
         by.abs()
     }
@@ -405,9 +406,15 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         } else {
             (self.prediction.at_end - overlap) / contact.slopes[1]
         };
+        // A force that jumps at its end as one that jumps at its onset.
+        let rounding =
+            frame.link.law.pulls && inside && overlap.abs() <= self.initial.band && by.abs() >= 0.5 * contact.steps[1];
         // A release after the window must be known the better the nearer it is.
         let deepest = frame.link.lossy().then_some(self.sweeps.largest);
-        if by.abs() <= 0.01 * ahead || frame.cuts.negligible(frame.link, contact.slopes[1] * by, by, deepest) {
+        if rounding
+            || by.abs() <= 0.01 * ahead
+            || frame.cuts.negligible(frame.link, contact.slopes[1] * by, by, deepest)
+        {
             return 0.0;
         }
         if by.is_nan() {
@@ -415,7 +422,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             return 0.0;
         }
         self.prediction.at_end = overlap;
-        contact.release += by;
+        (contact.release, contact.steps[1]) = (contact.release + by, by.abs());
         self.pending.search |= contact.onset > contact.release || inside != (contact.release <= h);
         by.abs()
     }

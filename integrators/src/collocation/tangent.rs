@@ -234,7 +234,7 @@ impl<const S: usize> Tangent<S> {
             if resting && (overlap || rate) {
                 return Err(argument("bond", bond, "beads that touch at rest have their tangent map by `Variations`"));
             }
-            if overlap && self.windows == self.from && section.held.links.link(bond).law.dashpot() {
+            if overlap && self.windows == self.from && section.held.links.link(bond).law.resistance(0.0) > 0.0 {
                 let rule = "a dashpot's derivatives by gap and overlap differ where beads touch, see `Variations`";
                 return Err(argument("bond", bond, rule));
             }

@@ -104,7 +104,7 @@ impl MethodChoice {
         }
         let method = match &args.integrator {
             Some(name) => Method::named(name)?,
-            None if adaptive => Method::by_tolerance(),
+            None if adaptive => Method::by_tolerance(scene.chain()),
             None => Method::named("strang-linear")?,
         };
         method.runs(scene.chain())?;

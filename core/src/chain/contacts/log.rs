@@ -154,7 +154,7 @@ impl ContactLog {
         }
         if let Some(curve) = &piece.curve {
             let curve = curve.later(start);
-            let last = (self.dissipates && piece.impulse > 0.0).then(|| curve.end()[0]);
+            let last = (self.dissipates && piece.impulse != 0.0).then(|| curve.end()[0]);
             self.press(piece.bond, &curve, (piece.impulse, last));
         }
         if let Some((t, rate)) = piece.release {
@@ -253,7 +253,7 @@ impl Listener<f64> for ContactLog {
         let curve = part.curve();
         let pushes = |x: f64| {
             let [_, g, rate] = curve.at(x);
-            self.chain.bond_force(bond, g, rate) > 0.0
+            self.chain.bond_force(bond, g, rate) != 0.0
         };
         let pushed = self.dissipates.then(|| last(pushes)).flatten().map(|x| curve.at(x)[0]);
         self.press(part.index, &curve, (impulse, pushed));

@@ -150,8 +150,9 @@ pub struct Contact {
     pub onset_overlap: Option<f64>,
     /// The overlap at the release: zero, or [`TOUCH`] of the largest for beads that touch after it.
     pub release_overlap: Option<f64>,
-    /// Time at which the force ends: the release of an elastic contact. A contact that dissipates
-    /// never pulls, and its force ends while the beads still overlap. `None` without a release.
+    /// Time at which the force ends: the release of an elastic contact, and of one that may pull. A
+    /// contact that dissipates and never pulls has a force that ends while the beads still overlap.
+    /// `None` without a release.
     pub force_end: Option<f64>,
     /// The largest force, `f`, dissipation included.
     pub peak_force: f64,

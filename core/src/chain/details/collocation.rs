@@ -56,12 +56,15 @@ impl HeterogeneousChain {
     /// The interface to a chain.
     ///
     /// # Errors
-    /// A chain without details.
+    /// A chain without details, or [beyond collocation](Chain::beyond_collocation).
     pub fn new(chain: Chain<f64>) -> Result<Self, Error> {
         let Some(parts) = chain.parts() else {
             let rule = "a chain with details";
             return Err(Error::Argument { name: "sites", value: chain.sites() as f64, rule });
         };
+        if let Some(rule) = chain.beyond_collocation() {
+            return Err(Error::Argument { name: "sites", value: chain.sites() as f64, rule });
+        }
         let sites = parts.sites.iter().map(Motion::new).collect();
         let weights = parts.weights().map(|(_, weight)| weight).collect();
         Ok(Self { chain, sites, weights })

@@ -37,7 +37,7 @@ pub(crate) fn rates<R: Real>(
         let (stretch, sliding) =
             if site.resonators == Resonators::None { (R::zero(), R::zero()) } else { (u[i] - v, u_dot[i] - v_dot) };
         let pull = site.kappa * stretch + site.dashpot * sliding;
-        dy[half + i] = (force[i] - pull - site.drag * u_dot[i]) / site.mass;
+        dy[half + i] = (force[i] - pull - site.onsite * u[i] - site.drag * u_dot[i]) / site.mass;
         if layout.resonators() {
             let moves = site.resonators == Resonators::Moving;
             dy[half + n + i] = if moves { pull / site.resonator() } else { R::zero() };
@@ -84,8 +84,9 @@ fn contacts<R: Real>(
     for bond in chain.touching() {
         let contact = &parts.bonds[bond];
         let told = pushing.filter(|_| contact.dissipates()).map(|pushing| pushing.pushes(bond));
-        let g = contact.rest + chain.across(bond, |i| u[i]);
-        if g <= zero && told != Some(true) {
+        let strain = chain.across(bond, |i| u[i]);
+        let (g, joint) = (contact.rest + strain, parts.joint(bond).map_or(zero, |joint| joint.force(strain)));
+        if g <= zero && told != Some(true) && joint == zero {
             continue;
         }
         let rate = if contact.dissipates() { chain.across(bond, |i| u_dot[i]) } else { zero };
@@ -98,7 +99,7 @@ fn contacts<R: Real>(
             lost += (f - contact.elastic(g)) * rate;
         }
         for &(site, weight) in chain.topology().pushed(bond).iter() {
-            force[site] += R::of(weight) * f;
+            force[site] += R::of(weight) * (f + joint);
         }
     }
     Ledger { drag: zero, dashpots: zero, contacts: lost, driven: zero }

@@ -71,9 +71,10 @@ impl<R: Real> SitewiseFlow<R> {
         };
         let (mut classes, mut class) = (Vec::new(), Vec::new());
         // Classes of sites by their rounded parameters, for a fast search: all sites may differ.
-        let mut known: HashMap<[u64; 5], Vec<(SiteData<R>, u32)>> = HashMap::new();
+        let mut known: HashMap<[u64; 6], Vec<(SiteData<R>, u32)>> = HashMap::new();
         for site in &parts(&chain).sites {
-            let rounded = [site.mass, site.kappa, site.rho, site.drag, site.dashpot].map(|x| x.f64().to_bits());
+            let rounded = [site.mass, site.kappa, site.rho, site.onsite, site.drag, site.dashpot];
+            let rounded = rounded.map(|x| x.f64().to_bits());
             let alike = known.entry(rounded).or_default();
             let found = alike.iter().find(|(kind, _)| kind == site).map(|&(_, index)| index);
             class.push(found.unwrap_or_else(|| {

@@ -46,7 +46,7 @@ enum Motion {
     Turning,
     /// Bead and resonator, if there is one, move freely.
     Straight,
-    /// A damped site, moved by a matrix.
+    /// A site that is damped or has two frequencies, moved by a matrix.
     Damped,
 }
 
@@ -62,6 +62,8 @@ pub(super) struct Loops<R> {
     /// Spring constants, and masses of resonators, infinite where none moves; `None` without
     /// springs.
     pub(super) springs: Option<[Vec<R>; 2]>,
+    /// On-site springs beside resonators that move; empty if there are none.
+    onsite: Vec<R>,
     /// The law of all contacts, if they have the same exponent.
     pub(super) law: Option<ContactLaw<R>>,
     /// Constants and static overlaps of contacts.
@@ -89,7 +91,7 @@ impl<R: Real> Loops<R> {
                 // Of a bead without resonator P is zero.
                 Class::Modes(modes) if modes.mu == R::zero() => Motion::Straight,
                 Class::Modes(_) => Motion::Turning,
-                Class::Linear { damped: false, .. } => Motion::Straight,
+                Class::Linear { straight: true, .. } => Motion::Straight,
                 Class::Linear { .. } => Motion::Damped,
             };
             match motions.last_mut() {
@@ -106,6 +108,7 @@ impl<R: Real> Loops<R> {
             let masses = sites.iter().map(|site| if moves(site.resonators) { site.resonator() } else { R::infinity() });
             [kappa.collect(), masses.collect()]
         });
+        let beside = sites.iter().any(|site| site.onsite > R::zero());
         let contacts = parts.bonds.iter().filter(|bond| bond.constant > R::zero());
         let laws: Vec<ContactLaw<R>> = contacts.map(|bond| bond.power).collect();
         let law = laws.first().copied().unwrap_or(chain.law());
@@ -115,6 +118,7 @@ impl<R: Real> Loops<R> {
             shares: [0, 1].map(|k| (0..class.len()).map(|i| of(i).shares()[k]).collect()),
             mass: sites.iter().map(|site| site.mass).collect(),
             springs,
+            onsite: if beside { sites.iter().map(|site| site.onsite).collect() } else { Vec::new() },
             law: same.then_some(law),
             contacts: [
                 parts.bonds.iter().map(|bond| bond.constant).collect(),
@@ -225,6 +229,11 @@ impl<R: Real> Loops<R> {
         for bond in [0, n] {
             push[bond] = if touching.contains(&bond) { own(bond) } else { R::zero() };
         }
+        for bond in touching.filter(|_| parts.joined()) {
+            if let Some(joint) = parts.joint(bond) {
+                push[bond] += joint.force(chain.across(bond, |i| u[i]));
+            }
+        }
         if chain.topology().ring() {
             push[n] = push[0];
         }
@@ -266,6 +275,9 @@ impl<R: Real> Loops<R> {
 
     /// Adds the pull of springs to the forces on beads, and kicks resonators.
     pub(super) fn springs(&self, z: &mut [Vec<R>; 4], force: &mut [R], kick: R) {
+        for (i, onsite) in self.onsite.iter().enumerate() {
+            force[i] -= *onsite * z[0][i];
+        }
         if let Some(springs) = &self.springs {
             let sites = force.len();
             let (z, springs) = (part(z, &(0..sites)), springs.each_ref().map(|s| &s[..sites]));

@@ -3,16 +3,19 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `m_n, kappa_n, rho_n` | mass of a bead, spring constant, mass of its resonator over `m_n` |
+//! | `k_n` | spring between a bead and its place at rest, `-k_n u_n` |
 //! | `c_n, d_n` | drag on a bead, `-c_n u_n'`; dashpot beside its spring, `-d_n (u_n' - v_n')` |
 //! | `A_b, alpha_b, delta_b` | constant, exponent and static overlap of a contact |
-//! | `gamma_b` | dissipation of a contact, see [`Dissipation`] |
+//! | `h_b(x)` | linear spring and magnets between two beads, see [`Joint`]; on both sides of zero |
+//! | `gamma_b, beta` | dissipation of a contact, see [`Dissipation`]; power of the overlap in that of dashpots |
 //! | `s(t), F(t)` | motion of a bead that is moved, force on a bead that is pushed |
 //! | `a` | acceleration of gravity along the chain, towards its right end |
 //!
 //! ```text
-//! m_n u_n'' = f_n - f_{n+1} - kappa_n (u_n - v_n) - c_n u_n' - d_n (u_n' - v_n') + m_n a + F_n(t)
+//! m_n u_n'' = f_n - f_{n+1} - kappa_n (u_n - v_n) - k_n u_n - c_n u_n' - d_n (u_n' - v_n') + m_n a + F_n(t)
 //! rho_n m_n v_n'' = kappa_n (u_n - v_n) + d_n (u_n' - v_n'),     g_b = delta_b + u_{b-1} - u_b
-//! f_b = A_b (g_b)_+^{alpha_b}, or with dissipation at least zero: beads never pull
+//! f_b = h_b(g_b - delta_b) + A_b (g_b)_+^{alpha_b}, the contact's part with dissipation at least zero: beads
+//!       never pull, unless they may
 //! ```
 //!
 //! The state of a chain with damping, dissipation, drives or gravity has four more entries at its end, the
@@ -24,6 +27,7 @@ mod contact;
 mod drive;
 mod field;
 mod flow;
+mod joint;
 mod ledger;
 mod loops;
 mod propagator;
@@ -35,6 +39,7 @@ pub use collocation::HeterogeneousChain;
 pub use contact::{Dissipation, Kind};
 pub use drive::{Course, Drive, DriveKind, Envelope, Harmonic, Signal};
 pub use flow::{SitewiseBonds, SitewiseFlow};
+pub use joint::Joint;
 pub use ledger::Ledger;
 pub use spline::Spline;
 pub use variations::{Variations, Varied};
@@ -76,6 +81,9 @@ pub struct Details {
     pub kappa: Vec<f64>,
     /// Masses of resonators over those of their beads, in `[0, inf]`.
     pub rho: Vec<f64>,
+    /// Constants of springs that tie beads to their places at rest, at least zero. Where no resonator
+    /// moves, such a spring is one to a resonator of infinite mass.
+    pub onsite: Vec<f64>,
     /// Drag on beads, at least zero.
     pub drag: Vec<f64>,
     /// Dashpots between beads and resonators, at least zero.
@@ -86,8 +94,21 @@ pub struct Details {
     pub alpha: Vec<f64>,
     /// Static overlaps of contacts, finite; negative if there is a gap between the beads.
     pub overlap: Vec<f64>,
+    /// Constants of linear springs between beads, relaxed at the static overlap, at least zero.
+    pub spring: Vec<f64>,
+    /// Forces at rest of magnets on two beads that repel, at least zero; zero for none.
+    pub magnet: Vec<f64>,
+    /// Distances of these magnets at rest, positive.
+    pub distance: Vec<f64>,
+    /// Power of the distance with which the force of magnets decays, above 1.
+    pub decay: f64,
     /// How contacts dissipate, if they do.
     pub dissipation: Option<Dissipation>,
+    /// Power of the overlap in the resistance of dashpots of contacts, `c(g) = gamma g^beta`: at
+    /// least zero, and at most `alpha - 1` unless contacts may pull.
+    pub beta: f64,
+    /// Whether contacts that dissipate may pull while beads overlap.
+    pub pull: bool,
     /// Drives, which move or push beads.
     pub drives: Vec<Drive>,
     /// Acceleration of gravity along the chain, positive towards its right end.
@@ -100,6 +121,8 @@ pub(crate) struct SiteData<R> {
     pub(crate) mass: R,
     pub(crate) kappa: R,
     pub(crate) rho: R,
+    /// On-site spring of a bead whose resonator moves; else it is part of `kappa`.
+    pub(crate) onsite: R,
     pub(crate) drag: R,
     pub(crate) dashpot: R,
     pub(crate) resonators: Resonators,
@@ -123,6 +146,8 @@ pub(crate) struct CheckedDetails<R> {
     pub(crate) sites: Vec<SiteData<R>>,
     /// Contacts from bond 0 on; bonds that cannot touch have the constant zero.
     pub(crate) bonds: Vec<BondLaw<R>>,
+    /// Springs and magnets between beads, by bond; empty if there are none.
+    joints: Vec<Joint<R>>,
     pub(crate) damped: bool,
     pub(crate) dissipative: bool,
 }
@@ -187,6 +212,16 @@ impl<R: Real> CheckedDetails<R> {
         self.bonds.iter().fold(0.0, |largest, bond| largest.max(bond.rest.f64().abs()))
     }
 
+    /// Whether springs or magnets join beads.
+    pub(crate) fn joined(&self) -> bool {
+        !self.joints.is_empty()
+    }
+
+    /// The spring and the magnets of a bond.
+    pub(crate) fn joint(&self, bond: usize) -> Option<&Joint<R>> {
+        self.joints.get(bond)
+    }
+
     /// The exponents of contacts.
     fn exponents(&self) -> impl Iterator<Item = f64> + '_ {
         self.bonds.iter().filter_map(BondLaw::elastic_power)
@@ -217,13 +252,14 @@ impl<R: Real> CheckedDetails<R> {
 }
 
 impl CheckedDetails<f64> {
-    /// Whether contact-corrected splitting can run it: contacts of one exponent, and no energy is
-    /// taken or given but by constant forces.
+    /// Whether contact-corrected splitting can run it: contacts of one exponent, no springs of sites
+    /// or of bonds, and no energy is taken or given but by constant forces.
     pub(crate) fn corrects(&self) -> bool {
         let mut exponents = self.exponents();
         let first = exponents.next();
         let same = exponents.all(|alpha| Some(alpha) == first);
-        same && !self.damped && !self.dissipative && self.acting.iter().all(Acting::pushes_steadily)
+        let held = self.joined() || self.sites.iter().any(|site| site.onsite > 0.0);
+        same && !held && !self.damped && !self.dissipative && self.acting.iter().all(Acting::pushes_steadily)
     }
 
     /// The largest frequency of resonators, harmonics of drives and contacts. Beyond its static
@@ -240,18 +276,19 @@ impl CheckedDetails<f64> {
         let push = drives(DriveKind::Force).map(Signal::size).fold(weight, f64::max);
         let of_site = |site: &SiteData<f64>| {
             let inverse = if site.resonators == Resonators::None { 0.0 } else { 1.0 + 1.0 / site.rho };
-            (inverse * site.kappa / site.mass).sqrt()
+            ((inverse * site.kappa + site.onsite) / site.mass).sqrt()
         };
         // A wall, and a bead that is moved, have the inverse mass zero.
         let inverse = |k: usize| self.sites.get(k).filter(|site| !site.moved).map_or(0.0, |site| 1.0 / site.mass);
         let of_bond = |(k, bond): (usize, &BondLaw<f64>)| {
             let before = k.checked_sub(1).or(ring.then(|| self.sites.len() - 1));
             let per_mass = before.map_or(0.0, inverse) + inverse(k);
-            let Some(alpha) = bond.elastic_power().filter(|_| per_mass > 0.0) else { return 0.0 };
+            let spring = self.joint(k).map_or(0.0, |joint| joint.stiffness_within(strain) * per_mass);
+            let Some(alpha) = bond.elastic_power().filter(|_| per_mass > 0.0) else { return spring.sqrt() };
             let scale = (alpha + 1.0) / bond.constant;
             let met = (scale * 2.0 * speed * speed / per_mass).powf(1.0 / (alpha + 1.0));
             let overlap = bond.rest.max(0.0) + strain.max(met).max((scale * push).powf(1.0 / alpha));
-            (bond.stiffness(overlap) * per_mass).sqrt()
+            (bond.stiffness(overlap) * per_mass + spring).sqrt()
         };
         let of_drives = self.acting.iter().flat_map(|acting| &acting.signals).map(Signal::frequency);
         let sites = self.sites.iter().map(of_site);
@@ -305,11 +342,26 @@ impl Details {
         checked("mass", &self.mass, sites, positive, "a mass is finite and positive")?;
         checked("kappa", &self.kappa, sites, not_negative, "a spring constant is finite and at least zero")?;
         checked("rho", &self.rho, sites, |x| x >= 0.0, "a mass ratio is in [0, inf]")?;
+        checked("onsite", &self.onsite, sites, not_negative, "a spring constant is finite and at least zero")?;
         checked("drag", &self.drag, sites, not_negative, "a drag is finite and at least zero")?;
         checked("dashpot", &self.dashpot, sites, not_negative, "a dashpot is finite and at least zero")?;
         checked("contact", &self.contact, bonds, not_negative, "a contact constant is finite and at least zero")?;
         checked("alpha", &self.alpha, bonds, positive, "an exponent is finite and positive")?;
         checked("overlap", &self.overlap, bonds, f64::is_finite, "a static overlap is finite; negative for a gap")?;
+        checked("spring", &self.spring, bonds, not_negative, "a spring constant is finite and at least zero")?;
+        checked(
+            "magnet",
+            &self.magnet,
+            bonds,
+            not_negative,
+            "the force of magnets at rest is finite and at least zero",
+        )?;
+        checked("distance", &self.distance, bonds, positive, "a distance of magnets is finite and positive")?;
+        if !self.magnet.is_empty() {
+            require(!self.distance.is_empty(), "distance", "[]", "magnets have a distance at rest")?;
+            let good = self.decay.is_finite() && self.decay > 1.0;
+            require(good, "decay", self.decay, "the force of magnets decays with a finite power above 1")?;
+        }
         if let Some(Dissipation { kind, strength }) = &self.dissipation {
             let rule = "the dissipation of a contact is finite and at least zero";
             checked("dissipation", strength, bonds, not_negative, rule)?;
@@ -319,8 +371,31 @@ impl Details {
             if let Some(alpha) = alphas.iter().find(|&&alpha| alpha <= least) {
                 return Err(Error::parameter("alpha", alpha, rule));
             }
+            let (beta, alpha) = (self.beta, alphas.iter().copied().fold(f64::INFINITY, f64::min));
+            let good = beta.is_finite() && beta >= 0.0 && (self.pull || beta + 1.0 <= alpha.max(1.0));
+            let rule = "the power of the overlap in a dashpot is at least zero, and at most alpha - 1 unless contacts may pull";
+            require(*kind != Kind::Dashpot || good, "beta", beta, rule)?;
         }
         Ok(())
+    }
+
+    /// The law of the `k`-th bond that can touch, with exponent and static overlap of the chain
+    /// where it has none of its own.
+    pub fn law<R: Real>(&self, k: usize, alpha: f64, rest: f64) -> BondLaw<R> {
+        let loss = self.dissipation.as_ref().map(|Dissipation { kind, strength }| (*kind, strength[k]));
+        let of = |list: &[f64], otherwise: f64| entry(list, k, otherwise);
+        let law = BondLaw::new(of(&self.contact, 1.0), of(&self.alpha, alpha), of(&self.overlap, rest), loss);
+        BondLaw { beta: R::of(self.beta), pulls: self.pull && law.dissipates(), ..law }
+    }
+
+    /// The spring and the magnets of the `k`-th bond that can touch.
+    pub fn joint<R: Real>(&self, k: usize) -> Joint<R> {
+        let [spring, magnet] = [&self.spring, &self.magnet].map(|list| R::of(entry(list, k, 0.0)));
+        let none = Joint::none();
+        if magnet == R::zero() {
+            return Joint { spring, ..none };
+        }
+        Joint { spring, magnet, distance: R::of(self.distance[k]), decay: R::of(self.decay) }
     }
 
     /// The largest displacement that a drive prescribes; if no drive moves its bead, the largest
@@ -344,18 +419,25 @@ impl Details {
         let (mass, kappa) = (entry(&self.mass, i, 1.0), entry(&self.kappa, i, params.kappa));
         let rho = entry(&self.rho, i, params.rho);
         let own = Params::new(params.alpha, kappa / mass, rho)?;
-        let (drag, dashpot) = (entry(&self.drag, i, 0.0), entry(&self.dashpot, i, 0.0));
+        let [onsite, drag, dashpot] = [&self.onsite, &self.drag, &self.dashpot].map(|list| entry(list, i, 0.0));
         if dashpot > 0.0 && own.resonators() == Resonators::None {
             let value = format!("{dashpot} at site {i}");
             return Err(Error::parameter("dashpot", value, "a dashpot is beside a spring: kappa and rho are positive"));
         }
+        let (kappa, rho, onsite) = match own.resonators() {
+            Resonators::None if onsite > 0.0 => (onsite, f64::INFINITY, 0.0),
+            Resonators::Fixed => (kappa + onsite, rho, 0.0),
+            _ => (kappa, rho, onsite),
+        };
+        let own = Params::new(params.alpha, kappa / mass, rho)?;
         let moved = self.drives.iter().any(|drive| drive.site == i && drive.kind == DriveKind::Displacement);
         if moved && (own.resonators() != Resonators::None || drag > 0.0) {
-            let rule = "a bead that is moved has no resonator and no drag: kappa or rho, and drag, are zero there";
+            let rule = "a bead that is moved has no resonator, no spring and no drag: kappa or rho, onsite and drag are zero \
+                        there";
             return Err(Error::parameter("drive", format!("moves site {i}"), rule));
         }
-        let [mass, kappa, rho, drag, dashpot] = [mass, kappa, rho, drag, dashpot].map(R::of);
-        Ok(SiteData { mass, kappa, rho, drag, dashpot, resonators: own.resonators(), moved })
+        let [mass, kappa, rho, onsite, drag, dashpot] = [mass, kappa, rho, onsite, drag, dashpot].map(R::of);
+        Ok(SiteData { mass, kappa, rho, onsite, drag, dashpot, resonators: own.resonators(), moved })
     }
 
     fn check_drives(&self, sites: usize) -> Result<()> {
@@ -397,16 +479,19 @@ impl<R: Real> Chain<R> {
         }
         let rest = self.precompression.f64();
         let bond = |bond: usize| match bond.checked_sub(touching.start).filter(|&k| k < touching.len()) {
-            Some(k) => BondLaw::new(
-                entry(&details.contact, k, 1.0),
-                entry(&details.alpha, k, self.params.alpha),
-                entry(&details.overlap, k, rest),
-                details.dissipation.as_ref().map(|Dissipation { kind, strength }| (*kind, strength[k])),
-            ),
+            Some(k) => details.law(k, self.params.alpha, rest),
             None => BondLaw::new(0.0, self.params.alpha, 0.0, None),
         };
         let sites = (0..n).map(|i| details.site(self.params, i)).collect::<Result<Vec<SiteData<R>>>>()?;
         let bonds: Vec<BondLaw<R>> = (0..=n).map(bond).collect();
+        let joined = details.spring.iter().chain(&details.magnet).any(|&by| by > 0.0);
+        let mut joints = vec![Joint::none(); if joined { n + 1 } else { 0 }];
+        joints
+            .iter_mut()
+            .skip(touching.start)
+            .take(touching.len())
+            .enumerate()
+            .for_each(|(k, joint)| *joint = details.joint(k));
         let damped = sites.iter().any(|site| site.drag + site.dashpot > R::zero());
         let dissipative = bonds.iter().any(BondLaw::dissipates);
         let moving = sites.iter().any(|site| site.resonators == Resonators::Moving);
@@ -415,7 +500,7 @@ impl<R: Real> Chain<R> {
             return Err(Error::parameter("gravity", details.gravity, rule));
         }
         let acting = Acting::of(&details.drives);
-        let parts = CheckedDetails { given: details.clone(), acting, sites, bonds, damped, dissipative };
+        let parts = CheckedDetails { given: details.clone(), acting, sites, bonds, joints, damped, dissipative };
         self.layout = Layout::new(n, moving).with_ledger(parts.open());
         self.precompression = R::zero();
         self.details = Some(Arc::new(parts));
@@ -451,6 +536,34 @@ impl<R: Real> Chain<R> {
     /// Whether contacts dissipate.
     pub fn dissipative_contacts(&self) -> bool {
         self.details.as_deref().is_some_and(|parts| parts.dissipative)
+    }
+
+    /// Why contact collocation cannot follow the chain, and a method that can; `None` if it can.
+    pub fn beyond_collocation(&self) -> Option<&'static str> {
+        let parts = self.parts()?;
+        if parts.sites.iter().any(|site| site.onsite > R::zero()) {
+            return Some(
+                "its sites have one frequency, and here beads with on-site springs have resonators that move: take \
+                 dop853-regularised",
+            );
+        }
+        let rule = "between contacts its sites move on their own, and here springs or magnets join beads: take \
+                    dop853-regularised";
+        parts.joined().then_some(rule)
+    }
+
+    /// Refuses a state in which the magnets of two beads have met.
+    pub(crate) fn magnets_apart(&self, y: &[R]) -> Result<()> {
+        let strain = |bond: usize| self.across(bond, |i| self.layout.u(y)[i]);
+        let joint = |bond: usize| self.parts().and_then(|parts| parts.joint(bond));
+        let meets = |joint: &Joint<R>, bond| joint.magnet > R::zero() && strain(bond) >= joint.distance;
+        match self.touching().find(|&bond| joint(bond).is_some_and(|joint| meets(joint, bond))) {
+            None => Ok(()),
+            Some(bond) => {
+                let rule = "beads with magnets are nearer by less than the distance of these at rest";
+                Err(Error::parameter("state", format!("at bond {bond}, nearer by {:e}", strain(bond).f64()), rule))
+            }
+        }
     }
 
     /// Refuses a chain with details, for methods that assume equal beads without damping,

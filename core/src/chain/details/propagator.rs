@@ -36,8 +36,9 @@ pub(super) enum Class<R> {
     /// A site without spring, or with an undamped spring that is part of the drift: `R` moves
     /// freely, `P` oscillates.
     Modes(Modes<R>),
-    /// Any other site: `z' = A z`, with the coefficients of drag and dashpot.
-    Linear { a: Matrix<R>, drag: R, dashpot: R, damped: bool },
+    /// Any other site: `z' = A z`, with the coefficients of drag and dashpot; `straight` if bead and
+    /// resonator move freely.
+    Linear { a: Matrix<R>, drag: R, dashpot: R, straight: bool },
 }
 
 /// The motion of the sites of a class over a given time.
@@ -61,21 +62,21 @@ impl<R: Real> Class<R> {
         let params = Params { alpha: 1.0, kappa: (site.kappa / site.mass).f64(), rho: site.rho.f64() };
         // If springs are part of the kick, bead and resonator move freely: there are no modes.
         let bound = split == Split::Linear || site.resonators == Resonators::None;
-        if !damped && bound {
+        if !damped && bound && site.onsite == zero {
             return Self::Modes(Modes::new(params));
         }
         let drifts = split == Split::Linear && site.resonators != Resonators::None;
-        let spring = if drifts { site.kappa } else { zero };
+        let [spring, onsite] = [site.kappa, site.onsite].map(|spring| if drifts { spring } else { zero });
         let (mut a, dashpot) = ([[zero; 4]; 4], site.dashpot);
         (a[0][2], a[1][3]) = (one, one);
-        let force = [-spring, spring, -(dashpot + site.drag), dashpot];
+        let force = [-(spring + onsite), spring, -(dashpot + site.drag), dashpot];
         a[2] = force.map(|force| force / site.mass);
         if site.resonators == Resonators::Moving {
             a[3] = [spring, -spring, dashpot, -dashpot].map(|force| force / site.resonator());
         } else {
             (a[1][3], a[2][1], a[2][3]) = (zero, zero, zero);
         }
-        Self::Linear { a, drag: site.drag, dashpot, damped }
+        Self::Linear { a, drag: site.drag, dashpot, straight: !damped && onsite == zero }
     }
 
     /// `z` from a site.
@@ -141,8 +142,8 @@ impl<R: Real> Class<R> {
                 let angle = (modes.omega * dt).reduced(DoubleDouble::two_pi());
                 Propagator::Modes(dt.value(), Rotation::by(angle))
             }
-            Self::Linear { a, drag, dashpot, damped } => {
-                Propagator::Linear(Box::new(doubled(a, [*drag, *dashpot], *damped, dt.value())))
+            Self::Linear { a, drag, dashpot, .. } => {
+                Propagator::Linear(Box::new(doubled(a, [*drag, *dashpot], dt.value())))
             }
         }
     }
@@ -250,12 +251,12 @@ fn square<R: Real>(terms: &[[R; 4]], of: impl Fn(&[R; 4]) -> R) -> R {
 }
 
 /// `E`, and `Q` of drag and dashpot, over a time of either sign.
-fn doubled<R: Real>(a: &Matrix<R>, [drag, dashpot]: [R; 2], damped: bool, dt: R) -> [Matrix<R>; 3] {
+fn doubled<R: Real>(a: &Matrix<R>, [drag, dashpot]: [R; 2], dt: R) -> [Matrix<R>; 3] {
     let doublings = short_times(a, dt).log2().ceil().max(0.0) as i32;
     let short = dt * R::of(2f64.powi(-doublings));
     let zero = [[R::zero(); 4]; 4];
     let (mut e, mut losses) = (taylor(a, short), [zero; 2]);
-    if damped {
+    if drag + dashpot > R::zero() {
         losses = [([2, 2], drag), ([2, 3], dashpot)].map(|(rows, rate)| over_short(a, rows, rate, short));
     }
     for _ in 0..doublings {
@@ -284,7 +285,7 @@ mod tests {
 
     fn site(drag: f64, dashpot: f64, rho: f64) -> SiteData<f64> {
         let resonators = Params { alpha: 1.5, kappa: 1.0, rho }.resonators();
-        SiteData { mass: 1.7, kappa: 2.3, rho, drag, dashpot, resonators, moved: false }
+        SiteData { mass: 1.7, kappa: 2.3, rho, onsite: 0.0, drag, dashpot, resonators, moved: false }
     }
 
     fn energy(site: &SiteData<f64>, [u, v, u_dot, v_dot]: [f64; 4]) -> f64 {

@@ -4,10 +4,11 @@
 //! |---|---|
 //! | `z` | positions and velocities, a state without its ledger |
 //! | `W` | columns `dz`, given at the start: `W(t) = dz(t)/dz(0) W(0)` |
-//! | `k_b` | stiffness `A_b alpha_b (g_b)_+^{alpha_b - 1}` of a contact |
+//! | `K_n` | on-site spring of a bead |
+//! | `k_b` | stiffness `A_b alpha_b (g_b)_+^{alpha_b - 1}` of a contact, plus that of a [`Joint`](super::Joint) |
 //!
 //! ```text
-//! m_n du_n'' = k_n dg_n - k_{n+1} dg_{n+1} - kappa_n (du_n - dv_n) - c_n du_n' - d_n (du_n' - dv_n')
+//! m_n du_n'' = k_n dg_n - k_{n+1} dg_{n+1} - kappa_n (du_n - dv_n) - K_n du_n - c_n du_n' - d_n (du_n' - dv_n')
 //! rho_n m_n dv_n'' = kappa_n (du_n - dv_n) + d_n (du_n' - dv_n'),     dg_b = du_{b-1} - du_b
 //! ```
 //!
@@ -416,7 +417,7 @@ fn linearised<R: Real>(
             continue;
         }
         let (spring, dashpot) = (site.kappa, site.dashpot);
-        accumulate(bead, -spring / site.mass, u);
+        accumulate(bead, -(spring + site.onsite) / site.mass, u);
         accumulate(bead, -dashpot / site.mass, u_dot);
         if site.resonators != Resonators::Moving {
             continue;
@@ -434,11 +435,14 @@ fn linearised<R: Real>(
     let u = layout.u(state);
     for bond in chain.touching() {
         let contact = &parts.bonds[bond];
-        let g = contact.rest + chain.across(bond, |i| u[i]);
-        if g <= R::zero() || pushing.is_some_and(|pushing| !pushing.pushes(bond)) {
+        let strain = chain.across(bond, |i| u[i]);
+        let g = contact.rest + strain;
+        let apart = g <= R::zero() || pushing.is_some_and(|pushing| !pushing.pushes(bond));
+        let joint = parts.joint(bond).map_or(R::zero(), |joint| joint.stiffness(strain));
+        let stiffness = if apart { joint } else { contact.stiffness(g) + joint };
+        if stiffness == R::zero() {
             continue;
         }
-        let stiffness = contact.stiffness(g);
         overlap_change(chain, bond, w, change);
         for &(site, weight) in chain.topology().pushed(bond).iter() {
             let by = R::of(weight) * stiffness / parts.sites[site].mass;

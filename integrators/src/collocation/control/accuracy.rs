@@ -71,11 +71,11 @@ pub(super) struct Contacts {
     /// If contacts dissipate, the smallest power of time with which the force of one begins.
     abrupt: Option<f64>,
     /// The largest parts of a resistance, see [`BondLaw::resistance_parts`]: a time, and the
-    /// acceleration at unit rate of the overlap.
+    /// acceleration at unit overlap and unit rate.
     ///
     /// [`BondLaw::resistance_parts`]: crate::law::BondLaw::resistance_parts
     resistances: [f64; 2],
-    /// Whether all exponents are whole or half numbers.
+    /// Whether all exponents, those of resistances too, are whole or half numbers.
     pub(super) analytic: bool,
     /// The largest acceleration by a unit overlap.
     strongest: f64,
@@ -84,7 +84,7 @@ pub(super) struct Contacts {
 impl Contacts {
     pub(super) fn of<const S: usize>(links: &Links<S>) -> Self {
         let alphas: Vec<f64> = links.each().map(|link| link.law.alpha()).collect();
-        let losses = links.each().filter_map(|link| link.law.power_of_resistance());
+        let losses: Vec<f64> = links.each().filter_map(|link| link.law.power_of_resistance()).collect();
         let mut resistances = [0.0f64; 2];
         for link in links.each() {
             let [by_stiffness, constant] = link.law.resistance_parts();
@@ -93,9 +93,9 @@ impl Contacts {
         }
         Self {
             resistances,
-            abrupt: losses.min_by(f64::total_cmp),
+            abrupt: losses.iter().copied().min_by(f64::total_cmp),
             alphas: [alphas.iter().copied().fold(f64::INFINITY, f64::min), alphas.iter().copied().fold(0.0, f64::max)],
-            analytic: alphas.iter().all(|&alpha| analytic(alpha)),
+            analytic: alphas.iter().chain(&losses).all(|&power| analytic(power)),
             strongest: links.each().fold(0.0, |most, link| most.max(link.constant() * link.lightest())),
         }
     }
@@ -170,6 +170,8 @@ impl Accuracy {
         let [viscous, dashpots] = self.contacts.resistances;
         let negligible = 0.1 * least * self.size;
         let acceleration = negligible / (h + viscous) / self.contacts.strongest;
+        // The least `beta` is the power of the most abrupt force.
+        let resisted = (negligible / dashpots).powf(1.0 / (1.0 + self.contacts.abrupt.unwrap_or(0.0)));
         Goal {
             change: change.max(BIAS) * self.size,
             rounded: 0.1 * ROUNDING * self.size,
@@ -188,7 +190,7 @@ impl Accuracy {
                     _ => NEAR[0],
                 },
                 event_impulse: 0.1 * least * self.size,
-                least_overlap: self.contacts.least(|alpha| acceleration.powf(1.0 / alpha)).min(negligible / dashpots),
+                least_overlap: self.contacts.least(|alpha| acceleration.powf(1.0 / alpha)).min(resisted),
                 least_move_beside: lost,
             },
         }
