@@ -78,7 +78,7 @@ impl Response {
         let chain = with(chain, Details { drives: drives.clone(), ..details.clone() })?;
         let damped = with(&chain, Details { dissipation: None, drives, ..details })?;
         let mut state = State::rest(&damped).as_slice().to_vec();
-        state[..modes.at_rest().len()].copy_from_slice(modes.at_rest());
+        state[..modes.rest().len()].copy_from_slice(modes.rest());
         // All coordinates: beads, then resonators that move.
         let all: Vec<usize> = (0..n).chain((0..n).filter(|&i| damped.resonator_moves(i)).map(|i| n + i)).collect();
         let (_, stiffness) = linearised(&damped, &all, &state, false)?;
@@ -156,7 +156,7 @@ impl Response {
             details.drag.get_mut(self.site).into_iter().for_each(|drag| *drag = 0.0);
         }
         let chain = with(&self.chain, Details { drives, ..details })?;
-        let rest = self.modes.at_rest();
+        let rest = self.modes.rest();
         let mut state = State::rest(&chain);
         state.as_mut_slice()[..rest.len()].copy_from_slice(rest);
         let state = state.driven(&chain);

@@ -346,6 +346,9 @@ impl Method {
             Self::Splitting(..) | Self::Landed(_) => chain
                 .dissipative_contacts()
                 .then_some("its kicks know no velocities, and contacts here dissipate: take dop853-regularised"),
+            Self::Corrected(..) | Self::Conserving if chain.dissipative_contacts() => {
+                Some("it needs equal beads, without damping or drives: take dop853-regularised")
+            }
             Self::Corrected(..) | Self::Conserving => Some(
                 "it needs equal beads, without damping or drives: take dop853-regularised, or strang-linear for \
                  equal steps",
