@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 /// Largest number of characters of foreign text in a message.
 const MOST_SHOWN: usize = 300;
+/// Largest number of characters of a number without an exponent.
+const MOST_DIGITS: usize = 20;
 /// Largest number of known names that the message about an unknown name lists.
 const MOST_LISTED: usize = 32;
 
@@ -111,7 +113,7 @@ pub struct Iterate {
 
 /// Why a run could not go on, and where.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{cause}{}", beside(.h, .place))]
+#[error("{cause}{}", self.beside())]
 pub struct Failed {
     /// The cause of the failure.
     pub cause: hertzchain_integrators::Error,
@@ -119,18 +121,38 @@ pub struct Failed {
     pub h: Option<f64>,
     /// Place on the chain, in words.
     pub place: Option<String>,
+    /// Index and value of the largest entry of an unstable state, which is at that place.
+    pub largest: Option<Box<(usize, f64)>>,
+    /// Whether the numbers are in SI units.
+    pub si: bool,
 }
 
-fn beside(h: &Option<f64>, place: &Option<String>) -> String {
-    let h = h.map(|h| format!("; steps of {h:.6e}"));
-    let place = place.as_ref().map(|place| format!("; {place}"));
-    h.into_iter().chain(place).collect()
+impl Failed {
+    fn beside(&self) -> String {
+        let h = self.h.map(|h| format!("; steps of {h:.6e}"));
+        let place = self.place.as_ref().map(|place| format!("; {place}"));
+        let largest = self.largest.as_ref().map(|largest| format!(" = {:e}", largest.1));
+        let si = self.si.then(|| "; in SI units".to_owned());
+        [h, place, largest, si].into_iter().flatten().collect()
+    }
 }
 
 /// Foreign text for one line of a message: shortened, without control characters.
 pub fn one_line(text: &str) -> String {
     let shown = text.chars().take(MOST_SHOWN).map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c });
     shown.chain((text.chars().nth(MOST_SHOWN).is_some()).then_some('\u{2026}')).collect()
+}
+
+/// Words with long numbers written with an exponent.
+pub fn brief(words: &str) -> String {
+    let word = |word: &str| {
+        let number = word.trim_matches(['[', ']', ',']);
+        match number.parse::<f64>() {
+            Ok(x) if number.len() > MOST_DIGITS => word.replace(number, &format!("{x:e}")),
+            _ => word.to_owned(),
+        }
+    };
+    words.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
 
 /// The message of a file parser, with plain words in place of the names of Rust types.
@@ -160,6 +182,9 @@ pub fn require(keeps: bool, name: &'static str, value: impl ToString, rule: &'st
     if keeps { Ok(()) } else { Err(Error::parameter(name, value, rule)) }
 }
 
+/// The rule for exponents of contacts whose stiffness is asked for.
+pub const SMOOTH: &str = "above 1: else the stiffness of a contact jumps where it opens";
+
 /// A value that must be finite and positive.
 ///
 /// # Errors
@@ -185,12 +210,7 @@ fn best_residual(best: Option<&Iterate>) -> String {
 impl Error {
     /// A parameter outside its range.
     pub fn parameter(name: &'static str, value: impl ToString, rule: &'static str) -> Self {
-        let mut value = value.to_string();
-        // Long numbers are written with an exponent.
-        if let (true, Ok(number)) = (value.len() > 20, value.parse::<f64>()) {
-            value = format!("{number:e}");
-        }
-        Self::Parameter { name, value, rule }
+        Self::Parameter { name, value: brief(&value.to_string()), rule }
     }
 
     /// The refusal of a parameter under another name, such as that of its flag.

@@ -173,8 +173,8 @@ def bands(
     ----------
     scene : Scene | Chain | str
         Name of a built-in scene, or a TOML file. A cell of beads, found by the program, repeats
-        between the ends, and contacts have a static overlap. Damping, drives and the initial state
-        do not matter.
+        between the ends, and contacts have a static overlap. Damping and drives do not matter;
+        `[initial]` may be left out. Gravity is refused.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
         TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
@@ -184,9 +184,9 @@ def bands(
         10000.
     dimensionless : bool
         Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
-        units, and so are options and results, except files for `resume` and messages of failures:
-        metres, seconds, kilograms, newtons, joules. With this option results are dimensionless;
-        what is given stays in SI units.
+        units, and so are options and results, except files for `resume`: metres, seconds,
+        kilograms, newtons, joules. With this option results are dimensionless; what is given stays
+        in SI units.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -223,17 +223,17 @@ def modes(
     ----------
     scene : Scene | Chain | str
         Name of a built-in scene, or a TOML file. Its contacts hold every bead at rest: a static
-        overlap, between walls or on a ring. Damping and the initial state do not matter; a bead
-        that a drive moves is held.
+        overlap, between walls or on a ring. Damping does not matter; a bead that a drive moves is
+        held. `[initial]` may be left out.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
         TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
         needs no quotation marks, as in chain.boundary=ring.
     dimensionless : bool
         Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
-        units, and so are options and results, except files for `resume` and messages of failures:
-        metres, seconds, kilograms, newtons, joules. With this option results are dimensionless;
-        what is given stays in SI units.
+        units, and so are options and results, except files for `resume`: metres, seconds,
+        kilograms, newtons, joules. With this option results are dimensionless; what is given stays
+        in SI units.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -275,7 +275,7 @@ def response(
     ----------
     scene : Scene | Chain | str
         Name of a built-in scene, or a TOML file. Its contacts hold every bead at rest: a static
-        overlap, between walls or on a ring. Damping counts; the initial state does not matter.
+        overlap, between walls or on a ring. Damping counts. `[initial]` may be left out.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
         TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
@@ -305,9 +305,9 @@ def response(
         Length of these runs, in periods of the drive. From 20 to 1000000.
     dimensionless : bool
         Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
-        units, and so are options and results, except files for `resume` and messages of failures:
-        metres, seconds, kilograms, newtons, joules. With this option results are dimensionless;
-        what is given stays in SI units.
+        units, and so are options and results, except files for `resume`: metres, seconds,
+        kilograms, newtons, joules. With this option results are dimensionless; what is given stays
+        in SI units.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -353,9 +353,9 @@ def spectrum(
         Window in time, and in space on chains that are no rings: hann or none.
     dimensionless : bool
         Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
-        units, and so are options and results, except files for `resume` and messages of failures:
-        metres, seconds, kilograms, newtons, joules. With this option results are dimensionless;
-        what is given stays in SI units.
+        units, and so are options and results, except files for `resume`: metres, seconds,
+        kilograms, newtons, joules. With this option results are dimensionless; what is given stays
+        in SI units.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -473,6 +473,7 @@ def stability(
     work: float = 4e6,
     sites: int = 100000,
     quick: bool = False,
+    dimensionless: bool = False,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
     shard: str | None = None,
@@ -510,6 +511,11 @@ def stability(
         Number of sites. Length of the longest chain in the chart `length`. From 1 to 1000000.
     quick : bool
         Compute fewer points. At most a third of the points of light, stiffness and alpha.
+    dimensionless : bool
+        Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
+        units, and so are options and results, except files for `resume`: metres, seconds,
+        kilograms, newtons, joules. With this option results are dimensionless; what is given stays
+        in SI units.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -1046,7 +1052,7 @@ def boundary_wave(
         Drive frequencies. Separated by commas, in radians per unit of time; above omega = sqrt(1 +
         1/rho), and below the end of the band of weak waves.
     drive : float
-        Displacement amplitude of the first bead. From 1e-10 to 1e6.
+        Displacement amplitude of the first bead. From 1e-10 to 100.
     overlap : float
         Static overlap of all contacts. Finite and positive.
     rho : float
@@ -1317,8 +1323,9 @@ def wave_exact(
         of the wave in a period). multipliers.csv: bloch (Bloch wave number), re (real part of the
         multiplier), im (imaginary part), modulus (absolute value), error (estimated error of the
         modulus), krein (Krein signature on the circle, 0 elsewhere), growth (per unit of time),
-        frequency (in radians per unit of time), kind (where it lies). stalled.json, in place of all
-        of them, with the best iterate of a search that did not converge.
+        frequency (in radians per unit of time), kind (where it lies). exact-wave.npz has the wave,
+        from which `wave continue --resume` goes on. stalled.json, in place of all files, with the
+        best iterate of a search that did not converge.
     progress : bool or callable
         As in :func:`hertzchain.run`.
     """
@@ -2126,9 +2133,9 @@ def orbit_driven(
         periodic. From 0 to 1000000.
     dimensionless : bool
         Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
-        units, and so are options and results, except files for `resume` and messages of failures:
-        metres, seconds, kilograms, newtons, joules. With this option results are dimensionless;
-        what is given stays in SI units.
+        units, and so are options and results, except files for `resume`: metres, seconds,
+        kilograms, newtons, joules. With this option results are dimensionless; what is given stays
+        in SI units.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -2186,9 +2193,9 @@ def orbit_continue(
         periodic. From 0 to 1000000.
     dimensionless : bool
         Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
-        units, and so are options and results, except files for `resume` and messages of failures:
-        metres, seconds, kilograms, newtons, joules. With this option results are dimensionless;
-        what is given stays in SI units.
+        units, and so are options and results, except files for `resume`: metres, seconds,
+        kilograms, newtons, joules. With this option results are dimensionless; what is given stays
+        in SI units.
     vary : Literal["amplitude", "omega", "damping"]
         What varies along the branch.
     to : float
@@ -2300,9 +2307,9 @@ def orbit_mode(
         switched-branch.npz. At least 1.
     dimensionless : bool
         Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
-        units, and so are options and results, except files for `resume` and messages of failures:
-        metres, seconds, kilograms, newtons, joules. With this option results are dimensionless;
-        what is given stays in SI units.
+        units, and so are options and results, except files for `resume`: metres, seconds,
+        kilograms, newtons, joules. With this option results are dimensionless; what is given stays
+        in SI units.
     resume : str | os.PathLike[str]
         Go on with what this file, or the file in this folder, has kept. A file of a branch, from
         its last point: to another `to`, by another `step`; then multipliers and bifurcations are

@@ -225,6 +225,16 @@ def test_struck_steel_spheres_follow_newtons_equations_in_si_units() -> None:
     run = hc.run(chain, y0={"pu": mass * 0.5 * np.eye(40)[0]}, until=4e-4, tol=1e-11)
     assert np.abs(run.u[-1] - y[0]).max() < 1e-6 * np.abs(y[0]).max()
     assert np.abs(run.pu[-1] / mass - y[1]).max() < 1e-6
+    # The same as a scene that is written in SI units only; the program runs it in tests/commands/si.rs.
+    text = (
+        "[chain]\nsites = 40\nalpha = 1.5\nboundary = 'free'\n[units]\nsystem = 'SI'\nradius = 9.525e-3\n"
+        "density = 8027.0\nyoung = 193e9\npoisson = 0.3\n[initial]\nkind = 'single-bead'\nsite = 0\n"
+        f"velocity = 0.5\n[span]\nuntil = 4e-4\n[beads]\ntau = {tau}\n"
+    )
+    scene = hc.run(hc.Scene.from_toml(text), tol=1e-11, events=True)
+    assert np.abs(scene.u[-1] - y[0]).max() < 1e-6 * np.abs(y[0]).max()
+    assert np.abs(scene.pu[-1] / mass - y[1]).max() < 1e-6
+    assert scene.t[-1] == 4e-4 and abs(scene.energy[0] / (0.5 * mass * 0.25) - 1) < 1e-9
     with pytest.warns(RuntimeWarning, match="faster than sound"):
         hc.run(chain, y0={"pu": mass * 6e3 * np.eye(40)[0]}, until=1e-8, tol=1e-6)
     with pytest.raises(hc.ParameterError, match="beside drag"):

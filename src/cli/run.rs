@@ -179,6 +179,8 @@ fn report(
 
 /// Goes on from a checkpoint.
 fn resume(args: &RunArgs, path: &Path, parts: Decomposition) -> Exit {
+    // Before a folder is made or locked for a checkpoint that is not there.
+    std::fs::metadata(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
     let folder = Folder::own(folder_of(path), None)?;
     let long = LongRun::load_in(path, parts)?;
     // Only its file is compared.

@@ -14,7 +14,7 @@
 use super::normal_modes::NormalModes;
 use crate::{
     chain::{Boundary, Chain, Details, Params},
-    error::{Error, Result},
+    error::{Error, Result, require},
     waves::Nls,
 };
 use nalgebra::{Complex, DMatrix};
@@ -49,9 +49,11 @@ impl Bands {
     /// ```
     ///
     /// # Errors
-    /// No cell of at most 85 beads repeats; contacts that do not hold the beads at rest.
+    /// Gravity; no cell of at most 85 beads repeats; contacts that do not hold the beads at rest.
     pub fn new(chain: &Chain<f64>) -> Result<Self> {
         let details = chain.details().cloned().unwrap_or_default();
+        let rule = "bands are those of a periodic chain: under gravity no two contacts are alike";
+        require(details.gravity == 0.0, "gravity", details.gravity, rule)?;
         let overlaps = chain.overlaps(&vec![0.0; chain.sites()])[chain.touching()].to_vec();
         let [start, ends] = chain.boundary().walls().map(usize::from);
         let sites = [&details.mass, &details.kappa, &details.rho, &details.onsite];

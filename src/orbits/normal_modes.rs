@@ -123,7 +123,7 @@ impl NormalModes {
     /// As [`new`](Self::new).
     pub fn held(chain: &Chain<f64>, held: &[usize]) -> Result<Self> {
         let n = chain.sites();
-        require(n <= MOST_SITES, "sites", n, "at most 256 sites for a tangent map")?;
+        require(n <= MOST_SITES, "sites", n, "at most 256 sites, whose stiffnesses are one dense matrix")?;
         let drives = chain.details().map_or(&[][..], |details| &details.drives);
         let moved = drives.iter().filter(|drive| drive.kind == DriveKind::Displacement).map(|drive| drive.site);
         let held: Vec<usize> = held.iter().copied().chain(moved).collect();
@@ -154,7 +154,7 @@ impl NormalModes {
         &self.chain
     }
 
-    /// The state at rest in the equilibrium.
+    /// The state at rest in the equilibrium, in the layout of the chain without a ledger.
     pub fn rest(&self) -> &[f64] {
         &self.rest
     }
@@ -178,11 +178,6 @@ impl NormalModes {
     /// Accelerations `q''` at a state, and their derivative by `q`.
     fn linearised(&self, state: &[f64]) -> Result<(DVector<f64>, DMatrix<f64>)> {
         linearised(&self.chain, &self.free, state, false)
-    }
-
-    /// The state at rest in the equilibrium, in the layout of the chain without a ledger.
-    pub fn at_rest(&self) -> &[f64] {
-        &self.rest
     }
 
     /// Moves the state at rest to the equilibrium, by Newton's method.

@@ -78,7 +78,7 @@ impl Response {
         let chain = with(chain, Details { drives: drives.clone(), ..details.clone() })?;
         let damped = with(&chain, Details { dissipation: None, drives, ..details })?;
         let mut state = State::rest(&damped).as_slice().to_vec();
-        state[..modes.at_rest().len()].copy_from_slice(modes.at_rest());
+        state[..modes.rest().len()].copy_from_slice(modes.rest());
         // All coordinates: beads, then resonators that move.
         let all: Vec<usize> = (0..n).chain((0..n).filter(|&i| damped.resonator_moves(i)).map(|i| n + i)).collect();
         let (_, stiffness) = linearised(&damped, &all, &state, false)?;
@@ -157,7 +157,7 @@ impl Response {
             felt.into_iter().filter_map(|list| list.get_mut(self.site)).for_each(|one| *one = 0.0);
         }
         let chain = with(&self.chain, Details { drives, ..details })?;
-        let rest = self.modes.at_rest();
+        let rest = self.modes.rest();
         let mut state = State::rest(&chain);
         state.as_mut_slice()[..rest.len()].copy_from_slice(rest);
         let state = state.driven(&chain);

@@ -2,7 +2,7 @@
 
 use crate::{
     chain::{Boundary, Chain, Params, Resonators},
-    error::{Error, Result, positive, require},
+    error::{Result, SMOOTH, positive, require},
     named::named,
 };
 use serde::{Deserialize, Serialize};
@@ -56,9 +56,7 @@ impl Setting {
         params.validate()?;
         let rule = "an orbit of this kind has resonators that move, or none: 0 <= rho < inf";
         require(params.resonators() != Resonators::Fixed, "rho", params.rho, rule)?;
-        if params.alpha <= 1.0 {
-            return Err(Error::parameter("alpha", params.alpha, "tangent maps need alpha > 1"));
-        }
+        require(params.alpha > 1.0, "alpha", params.alpha, SMOOTH)?;
         require((3..=MOST_SITES).contains(&sites), "sites", sites, "from 3 to 256 sites")?;
         positive("omega_b", omega_b)?;
         require(c_x.is_finite(), "c_x", c_x, "a finite number")?;

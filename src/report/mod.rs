@@ -138,8 +138,16 @@ impl Report {
     /// A remark beside the results, which is no error.
     #[must_use]
     pub fn remark(mut self, words: Option<String>) -> Self {
-        self.remark = words.or(self.remark);
+        let all: Vec<String> = self.remark.into_iter().chain(words).collect();
+        self.remark = (!all.is_empty()).then(|| all.join("\n"));
         self
+    }
+
+    /// What makes the results doubtful, if anything does: a field of the JSON output, and remarks.
+    #[must_use]
+    pub fn warnings(self, all: Vec<String>) -> Self {
+        let lines = all.iter().map(|words| format!("WARNING     {words}")).collect::<Vec<_>>().join("\n");
+        if all.is_empty() { self } else { self.fact("warnings", all).remark(Some(lines)) }
     }
 
     /// Says that all numbers are in SI units, if they are.

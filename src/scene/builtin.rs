@@ -31,4 +31,7 @@ pub(super) const BUILTIN: &[(&str, &str)] = &[
     ("rosas-2007", include_str!("builtin/rosas-2007.toml")),
     ("job-2007", include_str!("builtin/job-2007.toml")),
     ("hong-1999", include_str!("builtin/hong-1999.toml")),
+    ("boechler-2011", include_str!("builtin/boechler-2011.toml")),
+    ("chong-2014", include_str!("builtin/chong-2014.toml")),
+    ("pozharskiy-2015", include_str!("builtin/pozharskiy-2015.toml")),
 ];

@@ -10,6 +10,7 @@ use crate::{
     number::format_short,
     output::read,
     random::uniform,
+    report::Units,
 };
 use serde::{Deserialize, Serialize};
 use std::{f64::consts::PI, path::Path, sync::Arc};
@@ -78,8 +79,8 @@ sections! {
 
     /// One entry of `[[drive]]`.
     pub struct DriveSection {
-        /// The bead, counted from 0.
-        site: usize,
+        /// The bead, counted from 0, or a wall.
+        site: DriveSite,
         /// Whether the signal is its displacement or a force on it.
         kind: DriveKind,
         /// Amplitudes, one a harmonic; the root mean square of noise; without frequencies, a
@@ -114,6 +115,16 @@ sections! {
         /// Shape of a burst (`"smooth"` if left out).
         shape?: Shape,
     }
+}
+
+/// What a drive moves or pushes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "a site, counted from 0, \"left-wall\" or \"right-wall\"")]
+pub enum DriveSite {
+    /// A bead.
+    Bead(usize),
+    /// The bead at an end, which stands for this wall.
+    Wall(Boundary),
 }
 
 /// The shape of a burst, `x = (t - start)/length`.
@@ -153,7 +164,16 @@ impl Tables<'_> {
         if let Some(bonds) = bonds {
             bonds.apply(&chain, touching, &mut details)?;
         }
-        details.drives = drives.iter().map(DriveSection::build).collect::<Result<_>>()?;
+        let open = chain.boundary().walls() != [true; 2] && !chain.topology().ring();
+        if open && gravity == 0.0 && drives.is_empty() && details.overlap.iter().any(|overlap| *overlap > 0.0) {
+            let rule = "only two walls, a ring, or beads that are pushed or moved hold a static overlap; else the chain flies apart";
+            return Err(Error::parameter(
+                "bonds.overlap",
+                format!("positive, boundary = \"{}\"", chain.boundary()),
+                rule,
+            ));
+        }
+        details.drives = drives.iter().map(|drive| drive.build(&chain)).collect::<Result<_>>()?;
         chain.with(&details).map_err(|error| named(error, beads, bonds))
     }
 }
@@ -197,9 +217,7 @@ impl BeadsSection {
             ("beads.resonator", &self.resonator, "beside rho", rho, "masses of resonators are in place of `rho`"),
             ("beads.tau", &self.tau, "beside drag", self.drag.is_some(), "damping times are in place of `drag`"),
         ] {
-            if given.is_some() && other {
-                return Err(Error::parameter(name, beside, rule));
-            }
+            require(given.is_none() || !other, name, beside, rule)?;
         }
         details.mass = list("beads.mass", &self.mass)?;
         details.kappa = list("beads.kappa", &self.kappa)?;
@@ -304,7 +322,21 @@ impl DriveSection {
         }
     }
 
-    fn build(&self) -> Result<Drive> {
+    /// The bead, and whether it stands for a wall.
+    pub(super) fn place(&self, chain: &Chain<f64>) -> Result<(usize, bool)> {
+        let wall = match self.site {
+            DriveSite::Bead(site) => return Ok((site, false)),
+            DriveSite::Wall(wall) => wall,
+        };
+        let [left, right] = [0, 1].map(|k| wall.walls()[k] && !chain.boundary().walls()[k]);
+        let good = left != right && wall != Boundary::Fixed && !chain.topology().ring();
+        let rule =
+            "a wall that is moved is the bead at this end, counted in `sites`: without another one in `boundary`";
+        require(good && self.kind == DriveKind::Displacement, "drive.site", wall, rule)?;
+        Ok((if left { 0 } else { chain.sites() - 1 }, true))
+    }
+
+    fn build(&self, chain: &Chain<f64>) -> Result<Drive> {
         let course = self.course()?;
         let harmonics = if course.is_some() { Vec::new() } else { self.harmonics()? };
         let burst = self.length.filter(|_| self.omega_end.is_none());
@@ -316,9 +348,7 @@ impl DriveSection {
             ),
             ("drive.shape", self.shape.is_some() && burst.is_none(), "`shape` belongs to a burst with a `length`"),
         ] {
-            if given {
-                return Err(Error::parameter(name, "given", rule));
-            }
+            require(!given, name, "given", rule)?;
         }
         let envelope = match (self.ramp, burst) {
             (None, None) => Envelope::None,
@@ -334,21 +364,18 @@ impl DriveSection {
                 return Err(Error::parameter("drive.ramp", ramp, "a burst has no ramp: `ramp` or `length`"));
             }
         };
-        Ok(Drive { site: self.site, kind: self.kind, signal: Signal { harmonics, course, envelope } })
+        Ok(Drive { site: self.place(chain)?.0, kind: self.kind, signal: Signal { harmonics, course, envelope } })
     }
 
     /// The function that is no sum of harmonics: a steady motion, a chirp, or values at times.
     fn course(&self) -> Result<Option<Course>> {
-        if self.file.is_some() {
-            return Err(Error::parameter("drive.file", "given", "a scene in memory has `times` and `values`"));
-        }
+        require(self.file.is_none(), "drive.file", "given", "a scene in memory has `times` and `values`")?;
         let [tabulated, steady] = [self.times.is_some() || self.values.is_some(), self.velocity.is_some()];
         let harmonic = self.amplitude.is_some() || self.omega.is_some() || self.phase.is_some();
         let harmonic = harmonic || self.omega_end.is_some() || self.band.is_some() || self.seed.is_some();
-        if [tabulated, steady, harmonic].into_iter().filter(|given| *given).count() > 1 {
-            let rule = "a drive has one of `velocity`, `file` (or `times` and `values`), and `amplitude` with its keys";
-            return Err(Error::parameter("drive", "[[drive]]", rule));
-        }
+        let ways = [tabulated, steady, harmonic].into_iter().filter(|given| *given).count();
+        let rule = "a drive has one of `velocity`, `file` (or `times` and `values`), and `amplitude` with its keys";
+        require(ways <= 1, "drive", "[[drive]]", rule)?;
         if tabulated {
             let list = |list: &Option<Vec<f64>>| list.clone().unwrap_or_default();
             return Ok(Some(Course::Table(Arc::new(Spline::new(list(&self.times), list(&self.values))?))));
@@ -374,9 +401,8 @@ impl DriveSection {
     /// another number of columns than two; fewer than two lines.
     pub(super) fn read(&mut self, folder: &Path) -> Result<()> {
         let Some(file) = self.file.take() else { return Ok(()) };
-        if self.times.is_some() || self.values.is_some() {
-            return Err(Error::parameter("drive.file", file, "numbers are in a file, or in `times` and `values`"));
-        }
+        let rule = "numbers are in a file, or in `times` and `values`";
+        require(self.times.is_none() && self.values.is_none(), "drive.file", &file, rule)?;
         let path = folder.join(file);
         let text = String::from_utf8_lossy(&read(&path, MOST_BYTES)?).into_owned();
         let (mut times, mut values) = (Vec::new(), Vec::new());
@@ -425,9 +451,7 @@ impl DriveSection {
             return Err(Error::parameter("drive.seed", seed, "a seed belongs to noise with a `band`"));
         }
         let Some(omega) = &self.omega else {
-            if self.phase.is_some() {
-                return Err(Error::parameter("drive.phase", "given", "a phase belongs to an `omega`"));
-            }
+            require(self.phase.is_none(), "drive.phase", "given", "a phase belongs to an `omega`")?;
             return Ok(amplitudes.into_iter().flat_map(|value| Signal::constant(value).harmonics).collect());
         };
         let omegas = omega.list("drive.omega")?;
@@ -451,10 +475,9 @@ impl DriveSection {
         };
         let rule = "noise has a `band` only";
         require(self.omega.is_none() && self.phase.is_none(), "drive.band", "beside omega or phase", rule)?;
-        if !(low.is_finite() && high.is_finite() && 0.0 <= low && low < high) {
-            let rule = "a band is from its least to its largest frequency, at least zero";
-            return Err(Error::parameter("drive.band", format!("[{low}, {high}]"), rule));
-        }
+        let (good, rule) =
+            (0.0 <= low && low < high, "a band is from its least to its largest frequency, at least zero");
+        require(good && high.is_finite(), "drive.band", format!("[{low}, {high}]"), rule)?;
         let mut draw = uniform(self.seed.unwrap_or(1));
         let (part, each) = ((high - low) / NOISE as f64, amplitude * (2.0 / NOISE as f64).sqrt());
         Ok((0..NOISE)
@@ -493,42 +516,61 @@ pub(super) fn within(chain: &Chain<f64>, end: f64, told: impl Fn(f64) -> f64) ->
     Ok(())
 }
 
-/// The details of a chain besides its parameters, in words; `None` if it has none.
-pub(super) fn words(chain: &Chain<f64>) -> Option<String> {
+/// The details of a chain besides its parameters, in words, in SI units if there are units; `None`
+/// if it has none.
+pub(super) fn words(chain: &Chain<f64>, units: Option<&Units>) -> Option<String> {
     let details = chain.details()?;
-    let range = |name: &str, list: &[f64]| {
+    let told = |of: Quantity, x: f64| match units {
+        Some(units) => format!("{} {}", format_short(units.to_si(of, x)), of.unit()).trim_end().to_owned(),
+        None => format_short(x),
+    };
+    let between = |name: &str, list: &[f64], told: &dyn Fn(f64) -> String| {
         let (low, high) = crate::numerics::extremes(list.iter().copied());
         match list {
             [] => None,
-            _ if low == high => Some(format!("{name} {}", format_short(low))),
-            _ => Some(format!("{name} from {} to {}", format_short(low), format_short(high))),
+            _ if low == high => Some(format!("{name} {}", told(low))),
+            _ => Some(format!("{name} from {} to {}", told(low), told(high))),
         }
     };
+    let range = |name: &str, list: &[f64], of: Quantity| between(name, list, &|x| told(of, x));
+    let alpha = |k: usize| details.alpha.get(k).copied().unwrap_or(chain.params().alpha);
+    let unit = |k: usize| units.map_or(1.0, |units| units.force_n / units.length_m.powf(alpha(k)));
+    let contact: Vec<f64> = details.contact.iter().enumerate().map(|(k, x)| x * unit(k)).collect();
     let mut all: Vec<String> = [
-        range("masses", &details.mass),
-        range("spring constants", &details.kappa),
-        range("mass ratios", &details.rho),
-        range("on-site springs", &details.onsite),
-        range("contact constants", &details.contact),
-        range("exponents", &details.alpha),
-        range("static overlaps", &details.overlap),
-        range("springs between beads", &details.spring),
-        range("magnets with forces", &details.magnet),
-        range("drag", &details.drag),
-        range("dashpots", &details.dashpot),
+        range("masses", &details.mass, Quantity::Mass),
+        range("spring constants", &details.kappa, Quantity::Stiffness),
+        range("mass ratios", &details.rho, Quantity::Number),
+        range("on-site springs", &details.onsite, Quantity::Stiffness),
+        between("contact constants", &contact, &|x| format_short(x) + units.map_or("", |_| " N/m^α")),
+        range("exponents", &details.alpha, Quantity::Number),
+        range("static overlaps", &details.overlap, Quantity::Length),
+        range("springs between beads", &details.spring, Quantity::Stiffness),
+        range("magnets with forces", &details.magnet, Quantity::Force),
+        range("drag", &details.drag, Quantity::Damping),
+        range("dashpots", &details.dashpot, Quantity::Damping),
     ]
     .into_iter()
     .flatten()
     .collect();
     if let Some(Dissipation { kind, strength }) = &details.dissipation {
-        all.extend(range(kind.words(), strength));
-        all.extend((details.beta != 0.0).then(|| format!("beta {}", format_short(details.beta))));
+        let of = match kind {
+            Kind::Viscoelastic => Quantity::Time,
+            Kind::Dashpot => Quantity::Damping,
+            Kind::HuntCrossley => Quantity::Slowness,
+        };
+        let per_length = units.map_or(1.0, |units| units.length_m.powf(details.beta));
+        let strength: Vec<f64> = strength.iter().map(|x| x / per_length).collect();
+        all.extend(range(kind.words(), &strength, of));
+        all.extend((details.beta != 0.0).then(|| match units {
+            Some(_) => format!("beta {0}: N s/m times m^(-{0})", format_short(details.beta)),
+            None => format!("beta {}", format_short(details.beta)),
+        }));
         all.extend(details.pull.then(|| "contacts may pull".to_owned()));
     }
     for drive in &details.drives {
         let how = if drive.kind == DriveKind::Displacement { "moved" } else { "pushed" };
         let by = match (&drive.signal.course, drive.signal.harmonics.len()) {
-            (Some(Course::Steady { velocity }), _) => format!("with velocity {}", format_short(*velocity)),
+            (Some(Course::Steady { velocity }), _) => format!("with velocity {}", told(Quantity::Velocity, *velocity)),
             (Some(Course::Chirp { .. }), _) => "by a chirp".to_owned(),
             (Some(Course::Table(spline)), _) => format!("by {} values", spline.times().len()),
             (None, 1) => "by 1 harmonic".to_owned(),
@@ -537,7 +579,7 @@ pub(super) fn words(chain: &Chain<f64>) -> Option<String> {
         all.push(format!("bead {} {how} {by}", drive.site));
     }
     if details.gravity != 0.0 {
-        all.push(format!("gravity {} along the chain", format_short(details.gravity)));
+        all.push(format!("gravity {} along the chain", told(Quantity::Acceleration, details.gravity)));
     }
     Some(all.join(", "))
 }

@@ -356,7 +356,9 @@ impl SceneFile {
             scene.name = Path::new(file).file_stem().map_or("scene".into(), |stem| one_line(&stem.to_string_lossy()));
         }
         let folder = Path::new(file).parent().unwrap_or(Path::new(""));
-        scene.drives.iter_mut().try_for_each(|drive| drive.read(folder))?;
+        for (k, drive) in scene.drives.iter_mut().enumerate() {
+            drive.read(folder).map_err(|error| fail(format!("[[drive]] {}, `file`: {error}", k + 1)))?;
+        }
         Ok(scene)
     }
 
@@ -403,7 +405,7 @@ impl Source<'_> {
     fn lines(&self) -> std::result::Result<Vec<String>, String> {
         let line = |(start, change): (usize, &String)| {
             let Some((key, value)) = change.split_once('=') else {
-                return Err(format!("--set {}: not KEY=VALUE, as in chain.rho=3", one_line(change)));
+                return Err(format!("--set {}: not KEY=VALUE, as in chain.rho=3", short(change)));
             };
             let is_toml = DeTable::parse(change).is_ok();
             let text = if is_toml { change.clone() } else { format!("{key}={}", toml::Value::from(value.trim())) };
@@ -415,7 +417,7 @@ impl Source<'_> {
     /// The line or the change that holds the byte `at`.
     fn place(&self, at: usize) -> String {
         match self.starts().take_while(|(start, _)| *start <= at).last() {
-            Some((_, change)) => format!("--set {}", one_line(change)),
+            Some((_, change)) => format!("--set {}", short(change)),
             None => format!("line {}", 1 + line(self.text, at)),
         }
     }
@@ -456,6 +458,12 @@ pub(crate) fn held(table: &DeTable<'_>) -> std::result::Result<(), (usize, Strin
     leaves(table, "").into_iter().try_for_each(told)
 }
 
+/// The beginning of a text of the user, for a message.
+fn short(text: &str) -> String {
+    let rest = text.chars().nth(SHOWN).map(|_| '\u{2026}');
+    one_line(&text.chars().take(SHOWN).chain(rest).collect::<String>())
+}
+
 /// Refuses a text with control characters.
 fn plain(text: &str) -> std::result::Result<(), String> {
     if !text.contains(char::is_control) {
@@ -493,9 +501,7 @@ impl Leaf<'_> {
             match value {
                 DeValue::Float(float) => match double(float.as_str()) {
                     Ok(_) => Ok(()),
-                    Err(rule) => {
-                        Err(broken(format!("{}: {rule}", float.as_str().chars().take(SHOWN).collect::<String>())))
-                    }
+                    Err(rule) => Err(broken(format!("{}: {rule}", short(float.as_str())))),
                 },
                 DeValue::String(text) => plain(text).map_err(broken),
                 DeValue::Array(array) => array.iter().try_for_each(|value| of(value.get_ref(), value.span().start)),
@@ -549,10 +555,7 @@ fn explain(error: &toml::de::Error, source: &Source<'_>, table: Option<&toml::Sp
                 _ if unknown => String::new(),
                 Some(leaf) => format!("`{}`: ", leaf.key),
                 None if at > text.len() => String::new(),
-                None => format!(
-                    "`{}`: ",
-                    text.lines().nth(line(text, at)).unwrap_or_default().chars().take(SHOWN).collect::<String>()
-                ),
+                None => format!("`{}`: ", short(text.lines().nth(line(text, at)).unwrap_or_default())),
             };
             format!("{}: {place}{message}{hint}", source.place(at))
         }

@@ -138,6 +138,8 @@ fn travelling_wave(
             None => Ok((by_sites(chain, move |i| wave.site(i, 0.0))?, Some(Theory::Wave(wave)))),
         };
     }
+    let rule = "the share of a perturbation is from 0 (none) to below 1";
+    require(zeta > 0.0 && zeta < 1.0, "zeta", zeta, rule)?;
     let perturbed = PerturbedWave::new(wave, chain.sites(), zeta, seed.unwrap_or(DEFAULT_SEED))?;
     let sites = perturbed.initial(perturbed.constraint())?;
     Ok((State::from_fn(chain, |i| sites[i])?.into(), Some(Theory::PerturbedWave(perturbed))))
@@ -153,9 +155,7 @@ fn single_bead(chain: &Chain<f64>, site: usize, bead: Site<f64>) -> Result<Start
 /// A sine mode of a chain between walls, the same for beads and resonators, at rest.
 fn normal_mode(chain: &Chain<f64>, mode: u32, amplitude: f64) -> Result<Start> {
     let n = chain.sites();
-    if mode == 0 || mode as usize > n {
-        return Err(Error::parameter("mode", mode, "from 1 to the number of sites"));
-    }
+    require((1..=n).contains(&(mode as usize)), "mode", mode, "from 1 to the number of sites")?;
     finite("amplitude", amplitude)?;
     let shape = move |i: usize| amplitude * (PI * f64::from(mode) * (i + 1) as f64 / (n + 1) as f64).sin();
     by_sites(chain, move |i| Site { u: shape(i), v: shape(i), ..REST })
@@ -176,10 +176,8 @@ fn bright_breather(chain: &Chain<f64>, center: Center, epsilon: f64) -> Result<B
     chain.uniform("a bright breather")?;
     let rule = "a bright breather is a state of displacements: any other boundary";
     require(chain.boundary() != Boundary::StrainRing, "boundary", "strain-ring", rule)?;
-    if chain.precompression() > 0.0 {
-        let rule = "a bright breather lives on a chain without precompression";
-        return Err(Error::parameter("precompression", chain.precompression(), rule));
-    }
+    let rule = "a bright breather lives on a chain without precompression";
+    require(chain.precompression() <= 0.0, "precompression", chain.precompression(), rule)?;
     BrightBreather::new(chain.params(), center, epsilon, chain.sites())
 }
 
@@ -282,10 +280,8 @@ pub(super) fn within_range(chain: &Chain<f64>, state: &Start, initial: &Initial)
     // A bead of speed v reaches overlaps g with g^(alpha + 1) of the order of v^2.
     let force = law.force(far).max(fast.powf(2.0 * alpha / (alpha + 1.0)));
     let at_rest = chain.precompression() == 0.0 && chain.details().is_none_or(|details| details.overlap.is_empty());
-    if size > 0.0 && at_rest && force < LEAST_FORCE {
-        let rule = "underflow: contact forces, overlap^alpha, below 1e-200 are lost; scale the state up";
-        return Err(Error::parameter(name, size, rule));
-    }
+    let rule = "underflow: contact forces, overlap^alpha, below 1e-200 are lost; scale the state up";
+    require(!(size > 0.0 && at_rest && force < LEAST_FORCE), name, size, rule)?;
     let energy = energy.map_or(0.0, |energy| energy.total());
     let most = (size * size).max(law.force(far) * far).max(energy) * chain.sites() as f64;
     if most.is_nan() || most > MOST_ENERGY {

@@ -37,7 +37,7 @@ mod units;
 mod values;
 
 pub use crate::report::{Quantity, Units};
-pub use details::{BeadsSection, BondsSection, DriveSection, Shape};
+pub use details::{BeadsSection, BondsSection, DriveSection, DriveSite, Shape};
 pub(crate) use file::held;
 pub use file::{ChainSection, Initial, MethodSection, SceneFile, Span, TrivialSection};
 pub use record::{PlaceRange, Places, Record, Recorded, Selection};
@@ -184,6 +184,18 @@ impl Scene {
         Self::parse_as(&Self::source(name_or_file)?, name_or_file, changes, true)
     }
 
+    /// As [`load_with`](Self::load_with), for what does not depend on the initial state: a scene
+    /// without `[initial]` begins at rest.
+    ///
+    /// # Errors
+    /// As [`load_with`](Self::load_with).
+    pub(crate) fn load_at_rest(name_or_file: &str, changes: &[String]) -> Result<Self> {
+        let text = Self::source(name_or_file)?;
+        let given = text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("initial"));
+        let rest = (!given).then(|| "initial.kind = \"state\"".to_owned());
+        Self::parse_with(&text, name_or_file, &rest.into_iter().chain(changes.iter().cloned()).collect::<Vec<_>>())
+    }
+
     fn parse_as(text: &str, file: &str, changes: &[String], by_sites: bool) -> Result<Self> {
         let file = file.split_once('\n').map_or(file, |(name, _)| name.trim_start_matches("name = ").trim_matches('"'));
         let refused = |error: Error| {
@@ -228,9 +240,8 @@ impl Scene {
         for (name, value) in
             [("kappa", section.kappa), ("rho", section.rho), ("precompression", section.precompression)]
         {
-            if value == 0.0 && value.is_sign_negative() {
-                return Err(Error::parameter(name, value, "at least zero, and written without a sign"));
-            }
+            let rule = "at least zero, and written without a sign";
+            require(value != 0.0 || value.is_sign_positive(), name, value, rule)?;
         }
         let chain =
             Chain::new(section.params(), section.boundary, section.sites)?.precompressed(section.precompression)?;
@@ -426,9 +437,10 @@ impl Scene {
         self.units.as_ref()
     }
 
-    /// The details of the chain besides its three parameters, in words, if it has any.
+    /// The details of the chain besides its three parameters, in words, if it has any, in the units
+    /// of the file.
     pub fn details_in_words(&self) -> Option<String> {
-        details::words(&self.chain)
+        details::words(&self.chain, self.units.as_ref())
     }
 
     /// The initial state.

@@ -13,7 +13,7 @@
 use super::Quantity;
 use crate::{
     chain::{Boundary, Chain},
-    error::{Error, Result},
+    error::{Error, Result, require},
     named::named,
 };
 use serde::{Deserialize, Serialize};
@@ -175,9 +175,8 @@ impl Record {
         let sites = named(sites, "record.sites", false, 0..chain.sites(), "sites of the chain, counted from 0")?;
         let rule = "bonds that can touch; bond n lies to the left of site n";
         let bonds = named(bonds, "record.bonds", true, chain.touching(), rule)?;
-        if quantities.is_empty() || sites.is_empty() && bonds.is_empty() {
-            return Err(Error::parameter("record", "nothing", "name at least one quantity, with a site or a bond"));
-        }
+        let none = quantities.is_empty() || sites.is_empty() && bonds.is_empty();
+        require(!none, "record", "nothing", "name at least one quantity, with a site or a bond")?;
         Ok(Some(Selection { sites, bonds, quantities, single: *single == Some(true) }))
     }
 }

@@ -22,8 +22,8 @@ use super::{
 };
 use crate::{
     chain::{Boundary, Chain},
-    error::{Error, Result},
-    number::format_short,
+    error::{Error, Result, brief, require},
+    number::{format_short, rounded},
     numerics::extremes,
     report::Units,
 };
@@ -94,17 +94,21 @@ impl SceneFile {
         let Some(section) = &self.units else { return Ok(None) };
         section.check()?;
         let chain = Chain::<f64>::new(self.chain.params(), self.chain.boundary, self.chain.sites)?;
-        if self.chain.boundary == Boundary::StrainRing {
-            let rule = "waves in strains are those of the paper, without units: \"ring\" with [units]";
-            return Err(Error::parameter("boundary", self.chain.boundary, rule));
-        }
+        let rule = "waves in strains are those of the paper, without units: \"ring\" with [units]";
+        require(self.chain.boundary != Boundary::StrainRing, "boundary", self.chain.boundary, rule)?;
         let mut file = Self { units: None, ..self.clone() };
         let (beads, bonds) = (file.beads.get_or_insert_default(), file.bonds.get_or_insert_default());
 
-        let bodies = section.bodies(chain.sites())?;
+        let mut bodies = section.bodies(chain.sites())?;
         let mut masses = bodies.iter().map(Body::mass).collect();
         if let Some(values) = &beads.mass {
             masses = values.over("beads.mass", masses)?;
+        }
+        for drive in &self.drives {
+            let (site, wall) = drive.place(&chain)?;
+            if wall {
+                bodies[site] = section.wall(bodies[site]);
+            }
         }
         if let Some(i) = masses.iter().position(|mass| !(mass.is_finite() && *mass > 0.0)) {
             let rule = "a mass is finite and positive: give it, or `radius` and `density` of [units]";
@@ -197,7 +201,10 @@ impl SceneFile {
         let mut all = Vec::new();
         let mut doubt = |name: &str, value: f64, unit: &str, bad: bool, rule: &str, [likely, factor]: [&str; 2]| {
             if bad {
-                all.push(format!("{name} = {value} {unit}: {rule}; if it is in {likely}, write {value}{factor}"));
+                let (text, times) = (brief(&value.to_string()), format!("1{factor}").parse().unwrap_or(1.0));
+                let write =
+                    if text.contains('e') { brief(&rounded(value * times).to_string()) } else { text.clone() + factor };
+                all.push(format!("{name} = {text} {unit}: {rule}; if it is in {likely}, write {write}"));
             }
         };
         let ([_, size], [lightest, _], [softest, stiffest]) = (range(radius), range(density), range(young));

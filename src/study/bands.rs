@@ -19,7 +19,8 @@ options! {
         /// Name of a built-in scene, or a TOML file.
         ///
         /// A cell of beads, found by the program, repeats between the ends, and contacts have a
-        /// static overlap. Damping, drives and the initial state do not matter.
+        /// static overlap. Damping and drives do not matter; `[initial]`
+        /// may be left out. Gravity is refused.
         scene: String = "precompressed".to_owned();
         /// Changes to the scene.
         changes: Changes = Changes::default(), [command(flatten)];
@@ -48,8 +49,10 @@ impl Study for Bands {
 
     fn begin(&self) -> Result<Work<'_>> {
         self.within_ranges()?;
-        let scene = Scene::load_with(&self.scene, &self.changes.set)?;
-        let (si, bands) = (self.results.of(&scene), orbits::Bands::new(scene.chain())?);
+        let scene = Scene::load_at_rest(&self.scene, &self.changes.set)?;
+        let bands = orbits::Bands::new(scene.chain());
+        let bands = Scale(scene.units()).given(bands, &[("gravity", scene.file().chain.gravity)])?;
+        let si = self.results.of(&scene);
         Ok(Box::new(move |_, progress| {
             let wave = |k: usize| {
                 interrupt::check(0.0)?;
@@ -160,5 +163,6 @@ fn told(scene: &Scene, bands: &orbits::Bands, all: &[(f64, Vec<f64>)], si: Optio
         .table(edges(&rows, si))
         .table(waves(all, ends.len(), si))
         .fact("scene_file", scene_json(scene))
+        .warnings(scene.doubts())
         .picture(Panels::column(title, vec![panel], scene_caption(scene, &how)))
 }

@@ -19,7 +19,7 @@ use super::{Progress, Study, Work, options::options};
 use crate::{
     chain::{Boundary, Chain, Details, Drive, DriveKind, Params, Signal, State},
     dps::Averages,
-    error::{Error, Result},
+    error::{Error, Result, require},
     report::{
         Column,
         Digits::{Fixed, Power, Short},
@@ -68,7 +68,7 @@ options! {
         /// below the end of the band of weak waves.
         omegas: Vec<f64> = vec![2.002, 2.004, 2.006, 2.008, 2.01, 2.015, 2.02], "W,..";
         /// Displacement amplitude of the first bead.
-        drive: f64 = 0.05, "A", (1e-10 to 1e6);
+        drive: f64 = 0.05, "A", (1e-10 to 100);
         /// Static overlap of all contacts.
         overlap: f64 = 0.05, "G", (positive);
         /// Mass ratio resonator to bead.
@@ -165,13 +165,10 @@ impl BoundaryWave {
     fn check_contacts(&self, omega_d: f64) -> Result<()> {
         let largest = self.overlap + 2.0 * self.drive;
         let frequency = 2.0 * (ALPHA * largest.powf(ALPHA - 1.0)).sqrt();
-        if frequency <= FASTEST * omega_d {
-            return Ok(());
-        }
         let rule =
             "contacts are at most 100 times as fast as the drive: 6^(1/2) (overlap + 2 drive)^(1/4) <= 100 omega";
         // The range of the drive alone leaves contacts slower.
-        Err(Error::parameter("overlap", self.overlap, rule))
+        require(frequency <= FASTEST * omega_d, "overlap", self.overlap, rule)
     }
 
     /// Wave number of a weak wave.
@@ -210,11 +207,9 @@ impl BoundaryWave {
         let transit = (self.sites - ABSORBING) as f64 * (0.5 * q).tan() / (omega_d - omega);
         let end = (RAMP + PERIODS as f64) * TAU / omega_d + TRANSITS * transit;
         let periods = end * omega_d / TAU;
-        if periods > MOST_PERIODS {
-            let rule = "the wave is so slow that its run takes more than 10^5 periods of the drive: farther above sqrt(1 + 1/rho)";
-            return Err(Error::parameter("omegas", omega_d, rule));
-        }
-        Ok(end)
+        let rule =
+            "the wave is so slow that its run takes more than 10^5 periods of the drive: farther above sqrt(1 + 1/rho)";
+        require(periods <= MOST_PERIODS, "omegas", omega_d, rule).map(|()| end)
     }
 
     /// The wave of a frequency, with the strains of its bonds.

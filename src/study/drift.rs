@@ -5,8 +5,8 @@
 //! smooth problem it does not grow at all.
 
 use super::{
-    Changes, Progress, Study, Work, compare::steps_for_kicks, families, fit_line, methods, options::options, scene,
-    scene_caption, scene_json, si::Scale,
+    Changes, Progress, Study, Work, compare::steps_for_kicks, families, fit_line, methods, options::options,
+    run::error_in_file, scene, scene_caption, scene_json, si::Scale,
 };
 use crate::{
     chain::Chain,
@@ -170,6 +170,7 @@ impl DriftStudy {
                 scale.shown(Quantity::Time, scene.period(), 6)
             ))
             .fact("scene_file", scene_json(scene))
+            .warnings(scene.doubts())
             .picture(picture)
     }
 }
@@ -260,7 +261,7 @@ fn run(scene: &Scene, method: Method, times: &[f64]) -> Result<DriftRun> {
         energy_error: look.errors,
         wall: clock.elapsed().as_secs_f64(),
         work: [steps, rejected, force_evaluations],
-        failure: failure.map(|failure| failure.to_string()),
+        failure: failure.map(|failure| error_in_file(failure.into(), scene).to_string()),
     })
 }
 

@@ -220,8 +220,10 @@ fn provenance(scene: &Scene, how: &str) -> String {
 /// The same without the program.
 fn scene_caption(scene: &Scene, how: &str) -> String {
     let params = scene.chain().params();
+    let params = Params { kappa: scene.in_file(crate::scene::Quantity::Stiffness, params.kappa), ..params };
+    let unit = scene.units().filter(|_| params.kappa != 0.0).map_or("", |_| " (κ in N/m)");
     let details = scene.details_in_words().map(|words| format!(" Beads differ: {words}.")).unwrap_or_default();
-    format!("Scene {}. N = {}, {}.{details} {how}", scene.title(), scene.chain().sites(), params_words(params),)
+    format!("Scene {}. N = {}, {}{unit}.{details} {how}", scene.title(), scene.chain().sites(), params_words(params),)
 }
 
 /// Exponent, spring constant and mass ratio, for captions.

@@ -25,7 +25,7 @@ options! {
         /// Name of a built-in scene, or a TOML file.
         ///
         /// Its contacts hold every bead at rest: a static overlap, between walls or on a ring.
-        /// Damping and the initial state do not matter; a bead that a drive moves is held.
+        /// Damping does not matter; a bead that a drive moves is held. `[initial]` may be left out.
         scene: String = "defect".to_owned();
         /// Changes to the scene.
         changes: Changes = Changes::default(), [command(flatten)];
@@ -40,7 +40,7 @@ impl Study for Modes {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        let scene = Scene::load_with(&self.scene, &self.changes.set)?;
+        let scene = Scene::load_at_rest(&self.scene, &self.changes.set)?;
         let (si, modes) = (self.results.of(&scene), NormalModes::held(scene.chain(), &[])?);
         Ok(Box::new(move |_, _| Ok(told(&scene, &modes, si.as_ref()))))
     }
@@ -95,5 +95,6 @@ fn told(scene: &Scene, modes: &NormalModes, si: Option<&Units>) -> Report {
         .table(shapes(&places, linear));
     let columns = vec![Column::new("", left), Column::new("", right)];
     let title = format!("Linear modes of {}", scene.name());
-    report.fact("scene_file", scene_json(scene)).picture(Panels { title, columns, caption: scene_caption(scene, &how) })
+    let report = report.fact("scene_file", scene_json(scene)).warnings(scene.doubts());
+    report.picture(Panels { title, columns, caption: scene_caption(scene, &how) })
 }

@@ -100,7 +100,8 @@ impl Kept for ModeContinuation {
         let report = report.words(format!("Mode {} of {} linear modes is followed.", chosen + 1, numbered.len()));
         let mut both = branches::both(branch, switched);
         let report = both.try_fold(report, |report, (at, branch)| study.tell(report, at, branch))?;
-        let report = branches::checked(report, branch, switched).fact("scene_file", scene_json(scene));
+        let report =
+            branches::checked(report, branch, switched).fact("scene_file", scene_json(scene)).warnings(scene.doubts());
         let rows = branches::rows(branch);
         Ok(match rows.iter().rfind(|row| row.measures.is_some()) {
             Some(last) => report.picture(study.panels(last)),
@@ -125,7 +126,11 @@ impl FollowCommand for FollowMode {
             let continuation = ModeContinuation { mode, to, step, most_points: self.branch.max_points };
             continuation.check(&modes).map(|()| continuation)
         })?;
-        Ok(Box::new(move |_, _| Ok((scene, continuation.begin(&modes)?, si))))
+        Ok(Box::new(move |_, _| {
+            let step = scene.in_file(Quantity::Length, continuation.step);
+            let branch = Scale(scene.units()).given(continuation.begin(&modes), &[("step", Some(step))]);
+            Ok((scene, branch?, si))
+        }))
     }
 }
 

@@ -1,6 +1,8 @@
 //! Linear response of a scene: transfer functions from a driven site.
 
-use super::{Changes, ResultUnits, Study, Work, options::options, scene_caption, scene_json, si::Scale};
+use super::{
+    Changes, ResultUnits, Study, Work, options::options, run::error_in_file, scene_caption, scene_json, si::Scale,
+};
 use crate::{
     chain::DriveKind,
     error::{Error, Result},
@@ -23,7 +25,7 @@ options! {
         /// Name of a built-in scene, or a TOML file.
         ///
         /// Its contacts hold every bead at rest: a static overlap, between walls or on a ring.
-        /// Damping counts; the initial state does not matter.
+        /// Damping counts. `[initial]` may be left out.
         scene: String = "granular-crystal".to_owned();
         /// Changes to the scene.
         changes: Changes = Changes::default(), [command(flatten)];
@@ -89,7 +91,7 @@ impl Study for Responses {
 
     fn begin(&self) -> Result<Work<'_>> {
         self.within_ranges()?;
-        let scene = Scene::load_with(&self.scene, &self.changes.set)?;
+        let scene = Scene::load_at_rest(&self.scene, &self.changes.set)?;
         let chain = scene.chain();
         let first = chain.details().and_then(|details| details.drives.first());
         let kind = match self.kind.as_deref() {
@@ -122,7 +124,8 @@ impl Study for Responses {
                 let all = response.at(omega);
                 let exact = setting.at.iter().map(|at| all[*at]).collect();
                 let run = amplitude.filter(|_| omega > 0.0);
-                let run = run.map(|amplitude| response.run(omega, amplitude, self.run_periods)).transpose()?;
+                let run = run.map(|amplitude| response.run(omega, amplitude, self.run_periods)).transpose();
+                let run = run.map_err(|error| error_in_file(error, &scene))?;
                 let run = run.map(|all| setting.at.iter().map(|at| all[*at]).collect());
                 Ok(Row { omega, exact, run })
             };
@@ -209,5 +212,6 @@ fn told(scene: &Scene, (setting, response): (&Setting, &orbits::Response), rows:
         .words(format!("{how} {modes} linear modes are between the first and the last frequency."))
         .table(table)
         .fact("scene_file", scene_json(scene))
+        .warnings(scene.doubts())
         .picture(Panels::column(format!("Linear response of {}", scene.name()), panels, scene_caption(scene, &how)))
 }

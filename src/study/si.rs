@@ -17,8 +17,8 @@ pub struct ResultUnits {
     /// Dimensionless results of a scene with `[units]`.
     ///
     /// A scene with a table `[units]` is in SI units, and so are options and results, except files
-    /// for --resume and messages of failures: metres, seconds, kilograms, newtons, joules. With this
-    /// option results are dimensionless; what is given stays in SI units.
+    /// for --resume: metres, seconds, kilograms, newtons, joules. With this option results are
+    /// dimensionless; what is given stays in SI units.
     #[cfg_attr(feature = "cli", arg(long, hide_short_help = true))]
     pub dimensionless: bool,
 }

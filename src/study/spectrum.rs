@@ -17,7 +17,11 @@
 //! Harris 1978, Proc. IEEE 66, 51.
 
 use super::{
-    Changes, ResultUnits, Signals, Study, Work, options::options, run::Signal, scene_caption, scene_json, si::Scale,
+    Changes, ResultUnits, Signals, Study, Work,
+    options::options,
+    run::{Signal, error_in_file},
+    scene_caption, scene_json,
+    si::Scale,
 };
 use crate::{
     error::{Result, require},
@@ -123,7 +127,8 @@ impl Study for Spectrum {
                     signals.take(&scene, t, y);
                 }
             };
-            scene.run().records(Records::Energy).observe(&mut seen, &mut |_| ())?.complete()?;
+            let outcome = scene.run().records(Records::Energy).observe(&mut seen, &mut |_| ())?;
+            outcome.complete().map_err(|error| error_in_file(error, &scene))?;
             self.told(&scene, &signals.in_units(si.as_ref()))
         }))
     }
@@ -174,7 +179,8 @@ impl Spectrum {
             .words(&how)
             .table(signals(&all))
             .table(densities(&all, &frequencies))
-            .fact("scene_file", scene_json(scene));
+            .fact("scene_file", scene_json(scene))
+            .warnings(scene.doubts());
         if drawn {
             report = report.picture(Panels::column(title, vec![panel], scene_caption(scene, &how)));
         }

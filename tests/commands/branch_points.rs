@@ -147,6 +147,13 @@ fn a_single_orbit_is_a_branch_of_one_that_goes_on() {
     let line = format!("orbit continue --resume {}/driven-orbit.npz --to 2 --step 0.1", out.display());
     let branch: Value = serde_json::from_str(&run(&line, &out.join("driven"), &["--json"])).unwrap();
     assert!(branch["bifurcations"][0]["kind"] == "period-doubling" && branch["end"] == "reached", "{branch}");
+    let exact: Value = serde_json::from_str(&run("wave exact --sites 10 --json", out, &[])).unwrap();
+    let line = format!("wave continue --resume {}/exact-wave.npz --to 2.002 --step 0.0005", out.display());
+    let branch: Value = serde_json::from_str(&run(&line, &out.join("wave"), &["--json"])).unwrap();
+    let waves = branch["waves"].as_array().unwrap();
+    assert!(waves.len() > 2 && branch["end"] == "reached" && waves[0]["omega_tw"] == exact["omega_tw"], "{branch}");
+    let mean = |wave: &Value| wave["mean_strain"].as_f64().unwrap();
+    assert!(waves.iter().all(|wave| (mean(wave) / mean(&exact) - 1.0).abs() < 1e-9), "{branch}");
 }
 
 #[test]

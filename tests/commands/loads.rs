@@ -51,7 +51,7 @@ fn a_drive_from_a_file_is_its_signal_and_goes_with_the_scene() {
 }
 
 #[test]
-fn a_bad_file_of_a_drive_is_refused_with_its_line() {
+fn a_bad_file_of_a_drive_is_refused_with_scene_drive_key_file_and_line() {
     let folder = tempfile::tempdir().unwrap();
     let text = format!("[[drive]]\nsite = 0\nkind = \"pushed\"\nfile = \"drive.csv\"\n{AT_REST}");
     let path = write(folder.path(), "file.toml", &scene("boundary = \"free\"", &text));
@@ -66,10 +66,16 @@ fn a_bad_file_of_a_drive_is_refused_with_its_line() {
     ] {
         write(folder.path(), "drive.csv", content);
         let said = refused(&["run", &path], 2);
-        assert!(said.contains("drive.csv") && said.contains(words), "{content:?}: {said}");
+        let start = format!("error: scene {path}: [[drive]] 1, `file`: {}", folder.path().join("drive.csv").display());
+        assert!(said.starts_with(&start) && said.contains(words), "{content:?}: {said}");
     }
     fs::remove_file(folder.path().join("drive.csv")).unwrap();
-    assert!(refused(&["run", &path], 1).contains("drive.csv"));
+    assert!(refused(&["run", &path], 2).contains("drive.csv: No such file"));
+    let twice = refused(&["run", &path, "--set", "drive=[{site=0, kind=\"pushed\", file=\"a\", times=[0.0]}]"], 2);
+    assert!(
+        twice.contains("drive.file = a is not valid: numbers are in a file, or in `times` and `values`"),
+        "{twice}"
+    );
 }
 
 #[test]

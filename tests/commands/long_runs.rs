@@ -5,7 +5,7 @@ use hertzchain::{
     Error,
     chain::Contact,
     orbits::DrivenContinuation,
-    output::{Archive, Folder, npz_with},
+    output::{Archive, Array, Folder, npz_with},
     parts::Decomposition,
     run::method::{Method, Setting},
     run::{Records, Trajectory},
@@ -206,6 +206,57 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
             Decomposition::Whole,
         );
         assert!(new.unwrap_err().to_string().starts_with("checkpoint = "));
+    }
+}
+
+#[test]
+fn a_record_that_no_run_has_is_refused_also_at_the_end_of_a_run() {
+    // Truth: what each array is: times of samples, energies of states, times of contacts.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("checkpoint.npz");
+    let run = long("collocation", Setting::Tolerance(1e-6), 4.0).with_contacts();
+    let outcome = run.run(&Folder::create(folder.path()).unwrap(), &mut |_| ()).unwrap();
+    let file = Archive::read(&path).unwrap();
+    let text = file.text("settings.json").unwrap().to_owned();
+    let settings: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let count = |name: &str| settings[name].as_u64().unwrap();
+    let dim = outcome.state.len() as u64;
+    let shapes: [(&str, Vec<u64>); 8] = [
+        ("state", vec![dim]),
+        ("largest", vec![1]),
+        ("sample_t", vec![count("samples")]),
+        ("energies", vec![4 * count("samples")]),
+        ("profile_t", vec![count("profiles")]),
+        ("profiles", vec![count("profiles"), dim]),
+        ("contacts", vec![count("contacts"), Contact::NUMBERS as u64]),
+        ("open_contacts", vec![count("open_contacts")]),
+    ];
+    let altered = |which: &str, k: usize, value: f64| {
+        let array = |(name, shape): &(&'static str, Vec<u64>)| {
+            let mut values = file.array(name, shape).unwrap();
+            if *name == which {
+                values[k] = value;
+            }
+            Array { name, shape: shape.clone(), values }
+        };
+        let arrays: Vec<_> = shapes.iter().map(array).collect();
+        fs::write(&path, npz_with("settings.json", &text, &arrays).unwrap()).unwrap();
+        LongRun::load(&path).map(|_| ()).map_err(|error| error.to_string())
+    };
+    assert!(count("contacts") > 3 && altered("", 0, 0.0).is_ok());
+    for (name, k, value, place, rule) in [
+        ("state", 0, 1e9, "largest", "an energy is off by"),
+        ("largest", 0, -1.0, "largest", "-1: an energy is off by"),
+        ("sample_t", 3, 1e9, "sample_t", "at entry 3: that sample is at"),
+        ("sample_t", 0, -1.0, "sample_t", "-1 at entry 0: that sample is at 0"),
+        ("energies", 5, 1e9, "energies", "row 1: not the energy of the state at"),
+        ("profile_t", 2, 0.0, "profile_t", "0 at entry 2: each is the time of a sample"),
+        ("profiles", 7, 1e9, "energies", "row 0: not the energy of the state at 0"),
+        ("contacts", 1, 1e9, "contacts", "row 0: times are from 0 to that of the checkpoint"),
+        ("contacts", Contact::NUMBERS + 7, -1.0, "contacts", "row 1: times are from 0"),
+    ] {
+        let message = altered(name, k, value).expect_err(name);
+        assert!(message.contains(&format!(", {place}: ")) && message.contains(rule), "{name}: {message}");
     }
 }
 

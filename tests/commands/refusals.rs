@@ -2,7 +2,50 @@
 //! Ranges that the help of a flag states are held by `tolerances.rs`, numbers that no flag can take
 //! by `bad_files.rs`, whole messages by the golden net.
 
-use super::program::refusals;
+use super::program::{json, refusals, refused};
+use std::fs;
+
+#[test]
+fn a_number_of_three_hundred_digits_is_said_in_a_few() {
+    let digits = format!("1{}.0", "0".repeat(300));
+    for (scene, set) in [
+        ("impact", format!("initial.velocity={digits}")),
+        ("impact", format!("chain.alpha=-{digits}")),
+        ("impact", format!("beads.mass=-{digits}")),
+        ("granular-crystal", format!("beads.tau=-{digits}")),
+        ("granular-crystal", format!("bonds.contact=-{digits}")),
+        ("end-driven", format!("drive=[{{site=0, kind=\"moved\", band=[{digits}, 1], amplitude=1}}]")),
+    ] {
+        let said = refused(&["run", scene, "--set", &set], 2);
+        assert!(said.len() < 400 && said.contains("1e300"), "{set}: {said}");
+    }
+    let run = json(&["study", "bands", "granular-crystal", "--set", "units.radius=1e30"]);
+    let doubt = run["warnings"][0].as_str().unwrap();
+    assert!(doubt.contains("units.radius = 1e30 m: more than 1 m; if it is in mm, write 1e27"), "{doubt}");
+}
+
+#[test]
+fn what_does_not_depend_on_the_initial_state_does_not_ask_for_it() {
+    // Truth: the same with an initial state.
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, initial: &str| {
+        let text = format!(
+            "[chain]\nsites = 6\nalpha = 1.5\nboundary = \"fixed\"\nprecompression = 0.1\n{initial}[span]\nuntil = 1.0\n"
+        );
+        let path = folder.path().join(name).display().to_string();
+        fs::write(&path, text).unwrap();
+        path
+    };
+    let with = file("a.toml", "[initial]\nkind = \"single-bead\"\nsite = 3\nvelocity = 0.1\n");
+    let without = file("b.toml", "");
+    for (study, key) in [("bands", "bands"), ("modes", "linear"), ("response", "rows")] {
+        let [a, b] = [&with, &without].map(|path| json(&["study", study, path])[key].clone());
+        assert!(a == b && a.is_array(), "{study}: {a}");
+    }
+    assert!(refused(&["run", &without], 2).contains("missing field `initial`"));
+    let set = ["study", "modes", &without, "--set", "initial.kind=single-bead", "--set", "initial.site=9"];
+    assert!(refused(&set, 2).contains("site = 9 is not valid"));
+}
 
 #[test]
 fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
@@ -139,6 +182,34 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             ("paper figures --only foo", "unknown figure \"foo\"; one of theorem-bounds, tw-q15,"),
         ],
     );
+    let said = [
+        (
+            "run rosas-2007 --set bonds.overlap=0.1",
+            "bonds.overlap = positive, boundary = \"free\" is not valid: only two walls",
+        ),
+        ("run rosas-2007 --integrator corrected", "or drives: take dop853-regularised\n"),
+        ("run dimer --integrator corrected", "take dop853-regularised, or strang-linear for equal steps\n"),
+        (
+            "wave tw-q15 --zeta=-1",
+            "error: --zeta = -1 is not valid: the share of a perturbation is from 0 (none) to below 1\n",
+        ),
+        (
+            "study bands hong-1999",
+            "gravity = 1 is not valid: bands are those of a periodic chain: under gravity no two",
+        ),
+        ("study bands granular-crystal --set chain.gravity=9.81 --set chain.tilt=-30", "gravity = 9.81 is not valid"),
+        ("study modes defect --set chain.sites=300", "sites = 300 is not valid: at most 256 sites, whose stiffnesses"),
+        (
+            "study response defect --set chain.alpha=1",
+            "alpha = 1 is not valid: above 1: else the stiffness of a contact",
+        ),
+        (
+            "run hong-1999 --set chain.kappa=1 --set chain.rho=inf --set chain.sites=300",
+            "sites = 300 is not valid: at most 256 sites, whose",
+        ),
+    ];
+    refusals(2, &said);
+    refusals(1, &[("run --resume /proc/none", "error: /proc/none: No such file or directory (os error 2)\n")]);
     let beyond = "error: b = -1e300, r = 1e300: g is no number that a double holds\n";
     refusals(1, &[("dps integrals --b -1e300 --r 1e300", beyond)]);
 }

@@ -11,7 +11,7 @@
 //! 4.2. Waves of equal masses and springs: L. Brillouin, *Wave Propagation in Periodic Structures*,
 //! 2nd ed., Dover 1953.
 
-use super::program::{json, refusals, refused, stdout, table};
+use super::program::{hertzchain, json, refusals, refused, stdout, table};
 use serde_json::Value;
 use std::{f64::consts::PI, fs};
 
@@ -616,6 +616,173 @@ fn contradictions_are_refused_in_the_numbers_that_were_given() {
     }
     let run = json(&["run", &path("struck.toml"), "--until", "1e-7", "--samples", "0"]);
     assert_eq!(run["warnings"], serde_json::json!([]));
+}
+
+#[test]
+fn sweeps_orbits_and_studies_say_sizes_that_are_hardly_meant() {
+    // Truth: the words of `run`.
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        fs::write(folder.path().join(name), text).unwrap();
+        folder.path().join(name).display().to_string()
+    };
+    let said = |line: &str, words: &str| {
+        let output = hertzchain(&format!("{line} --json"));
+        let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(result["warnings"].to_string().contains(words), "{line}: {}", result["warnings"]);
+        assert!(String::from_utf8_lossy(&output.stderr).contains(&format!("WARNING     {words}")), "{line}");
+    };
+    let scene = file("struck.toml", STRUCK);
+    let axis = "[[axis]]\nkey = \"initial.velocity\"\nvalues = [0.5, 6000.0]\n";
+    let head = "set = [\"span.until=1e-7\"]\n";
+    let plan = file("plan.toml", &format!("scene = \"{scene}\"\n{head}{axis}"));
+    said(&format!("sweep {plan}"), "velocity = 6000 m/s: faster than sound");
+    let few = file("few.toml", &format!("scene = \"{scene}\"\n{head}{}", axis.replace("6000.0", "1.0")));
+    assert!(json(&format!("sweep {few}")).get("warnings").is_none());
+    let soft = "--set units.young=193 --set units.static_load=2e-8 --set chain.sites=3 --set initial.site=1";
+    let words = "units.young = 193 Pa: softer than solids; if it is in GPa, write 193e9";
+    for study in ["bands", "modes", "response"] {
+        said(&format!("study {study} granular-crystal {soft} --set span.until=1.0"), words);
+    }
+    let long = "--set drive=[] --set beads.tau=inf --set span.until=1.0";
+    said(&format!("orbit mode granular-crystal {soft} {long} --to 1e-7"), words);
+    let thick = "units.radius = 9.5 m: more than 1 m; if it is in mm, write 9.5e-3";
+    let large = "--set units.radius=9.5 --set chain.sites=3 --set initial.site=1 --settle 3 --set span.until=1.0";
+    said(&format!("orbit driven granular-crystal {large}"), thick);
+    said(&format!("orbit continue granular-crystal {large} --to 2e-8 --max-points 2"), thick);
+}
+
+#[test]
+fn a_run_that_fails_says_so_in_the_units_of_its_scene() {
+    // Truth: the units by Hertz's formula; the same run in them.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("struck.toml").display().to_string();
+    fs::write(&path, STRUCK).unwrap();
+    let failed = |more: &str| {
+        let line = format!("run {path} --integrator verlet --step 2e-4 --set span.until=2e-2 --json {more}");
+        let output = hertzchain(line.trim());
+        assert_eq!(output.status.code(), Some(1));
+        let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let (failure, said) =
+            (result["failure"].as_str().unwrap().to_owned(), String::from_utf8(output.stderr).unwrap());
+        assert!(said.contains(&failure), "{said}");
+        failure
+    };
+    let [si, plain] = ["", "--dimensionless"].map(failed);
+    assert!(si.ends_with("; in SI units") && !plain.contains("SI"), "{si} {plain}");
+    let after = |text: &str, words: &str| -> f64 {
+        let rest = text.split(words).nth(1).unwrap_or_else(|| panic!("{words}: {text}"));
+        rest.split([' ', ';', ',']).next().unwrap().parse().unwrap()
+    };
+    let energy = mass() * (RADIUS / time()).powi(2);
+    for (words, by) in [("t = ", time()), ("steps of ", time()), ("energy went from ", energy)] {
+        let [si, plain] = [&si, &plain].map(|text| after(text, words));
+        assert!((si / (plain * by) - 1.0).abs() < 1e-5, "{words}: {si} {plain}");
+    }
+    assert!((after(&si, "energy went from ") / (0.125 * mass()) - 1.0).abs() < 1e-9, "{si}");
+    let axis = "[[axis]]\nkey = \"span.until\"\nvalues = [2e-2]\n";
+    let method = "set = [\"method = { integrator = \\\"verlet\\\", step = 2e-4 }\"]\n";
+    fs::write(folder.path().join("plan.toml"), format!("scene = \"{path}\"\n{method}{axis}")).unwrap();
+    let swept = hertzchain(&format!("sweep {} --json", folder.path().join("plan.toml").display()));
+    let swept: Value = serde_json::from_slice(&swept.stdout).unwrap();
+    assert_eq!(swept["failed"][0]["failure"].as_str().unwrap(), si);
+}
+
+#[test]
+fn captions_and_plans_name_parameters_in_si_units() {
+    // Truth: A delta^(3/2) = F0, m/tau, and the mass of a sphere.
+    let plan = stdout("run granular-crystal --plan");
+    let overlap = (LOAD / hertz()).powf(2.0 / 3.0);
+    let words = format!(" m to {overlap:.3e} m, drag from 0 kg/s to {:.3} kg/s", mass() / 0.011);
+    assert!(plan.contains("static overlaps from ") && plan.contains(&words), "{plan}\n{words}");
+    let heavy = stdout("run granular-crystal --plan --set chain.gravity=9.81 --set beads.mass={except=[[1,0.1]]}");
+    let masses = format!("masses from {:.5} kg to 0.1 kg", mass());
+    assert!(heavy.contains(&masses) && heavy.contains("gravity 9.81 m/s^2"), "{heavy}\n{masses}");
+    let loss = "run granular-crystal --plan --set bonds.hunt_crossley=0.2 --set drive=[]";
+    assert!(stdout(loss).contains(" 0.2 s/m"), "{}", stdout(loss));
+}
+
+#[test]
+fn charts_of_stability_are_in_the_units_of_the_scene() {
+    // Truth: the dimensionless chart times the units by Hertz's formula.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("struck.toml").display().to_string();
+    fs::write(&path, STRUCK.replace("sites = 40", "sites = 4")).unwrap();
+    let chart = |more: &str| {
+        let charts = "--charts light,stiffness,time,resonances --quick --periods 1 --work 1e4";
+        json(format!("study stability {path} {charts} --integrators verlet {more}").trim())
+    };
+    let [si, plain] = ["", "--dimensionless"].map(chart);
+    assert!(si["si"] == true && plain.get("si").is_none());
+    assert!((number(&si, "/amplitude") / (number(&plain, "/amplitude") * RADIUS) - 1.0).abs() < 1e-14);
+    let stiffness = hertz() * RADIUS.sqrt();
+    let units = [
+        ("step", time()),
+        ("cost", time().recip()),
+        ("span", time()),
+        ("contact_frequency", time().recip()),
+        ("fast_frequency", time().recip()),
+        ("amplitude", RADIUS),
+        ("kappa", stiffness),
+        ("energy_error", 1.0),
+        ("stability_limit", 1.0),
+        ("step_1e-3", time()),
+        ("rho", 1.0),
+        ("usual/step", time()),
+        ("ladder/0/cost", time().recip()),
+    ];
+    let mut seen = [0; 13];
+    let [points, others] = [&si, &plain].map(|chart| chart["points"].as_array().unwrap());
+    assert_eq!(points.len(), others.len());
+    for (point, other) in points.iter().zip(others) {
+        for ((name, by), seen) in units.iter().zip(&mut seen) {
+            let [si, plain] = [point, other].map(|point| point.pointer(&format!("/{name}")).and_then(Value::as_f64));
+            assert_eq!(si.is_some(), plain.is_some(), "{name}");
+            let Some((si, plain)) = si.zip(plain) else { continue };
+            assert!((si - plain * by).abs() <= 1e-13 * (plain * by).abs(), "{name}: {si} {plain}");
+            *seen += 1;
+        }
+    }
+    assert!(seen.iter().all(|count| *count > 0), "{seen:?}");
+}
+
+#[test]
+fn a_wall_that_is_moved_is_a_flat_body_at_the_end() {
+    // Truth: Galileo. Spheres that meet a wall of speed v move as spheres of speed -v that meet a
+    // wall at rest, of the same material, on either side.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.toml").display().to_string();
+    let run = |sites: usize, boundary: &str, more: &str, initial: &str| {
+        let units = "[units]\nsystem = \"SI\"\nradius = 9.525e-3\ndensity = 8027.0\nyoung = 193e9\npoisson = 0.3\n";
+        let text = format!(
+            "[chain]\nsites = {sites}\nalpha = 1.5\nboundary = \"{boundary}\"\n{units}wall_young = 7e10\n{more}\n\
+             [initial]\nkind = \"state\"\n{initial}\n[span]\nuntil = 2e-4\n"
+        );
+        fs::write(&path, text).unwrap();
+        json(&["run", &path, "--tol", "1e-12"])
+    };
+    let v = 0.3;
+    let rest = run(3, "left-wall", "", &format!("u_dot = [-{v}, -{v}, -{v}]"));
+    for (wall, sign, at) in [("left-wall", 1.0, [1, 2, 3]), ("right-wall", -1.0, [2, 1, 0])] {
+        let drive = format!("[[drive]]\nsite = \"{wall}\"\nkind = \"moved\"\nvelocity = {}\n", sign * v);
+        let moved = run(4, "free", &drive, "");
+        for (k, at) in at.into_iter().enumerate() {
+            let [own, other] =
+                [sign * number(&moved, &format!("/u/{at}")) - v * 2e-4, number(&rest, &format!("/u/{k}"))];
+            assert!((own - other).abs() < 1e-13, "{wall} {k}: {own} {other}");
+        }
+    }
+    let with = |more: &str| {
+        let boundary = if more.contains("ring") { "ring" } else { "fixed" };
+        fs::write(&path, spheres(4, boundary, &format!("[[drive]]\nvelocity = 0.1\n{more}\n"))).unwrap();
+        refused(&["run", &path], 2)
+    };
+    let rule = "drive.site = left-wall is not valid: a wall that is moved is the bead at this end, counted in `sites`";
+    for more in ["site = \"left-wall\"\nkind = \"moved\"", "site = \"left-wall\"\nkind = \"moved\" # ring"] {
+        assert!(with(more).contains(rule), "{more}: {}", with(more));
+    }
+    let other = with("site = \"wall\"\nkind = \"moved\"");
+    assert!(other.contains("a site, counted from 0, \"left-wall\" or \"right-wall\""), "{other}");
 }
 
 #[test]

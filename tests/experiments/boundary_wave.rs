@@ -50,7 +50,7 @@ fn numbers_outside_their_rules_are_refused() {
         (default(), 2.1, "omegas = 2.1 is not valid"),
         (default(), 2.0 + 1e-7, "omegas = 2.0000001 is not valid: the wave is so slow"),
         (BoundaryWave { overlap: 1e300, ..default() }, 2.01, "overlap = 1e300 is not valid: contacts are at most 100"),
-        (BoundaryWave { drive: 1e200, ..default() }, 2.01, "drive = 1e200 is not valid: from 1e-10 to 1e6"),
+        (BoundaryWave { drive: 1e200, ..default() }, 2.01, "drive = 1e200 is not valid: from 1e-10 to 100"),
         (BoundaryWave { drive: f64::MAX, ..default() }, 2.01, "drive = 1.797"),
     ] {
         let study = BoundaryWave { omegas: vec![omega], ..study };

@@ -460,7 +460,6 @@ fn wrong_details_are_refused_by_name_and_rule() {
         (Details { rho: vec![1.0, f64::NAN, 1.0], ..none() }, "rho = NaN (entry 1)", "[0, inf]"),
         (Details { contact: vec![1.0; 3], ..none() }, "contact = 3 numbers for 2 bonds", "one number"),
         (Details { contact: vec![1.0, -1.0], ..none() }, "contact = -1", "at least zero"),
-        (Details { overlap: vec![0.1, 0.1], ..none() }, "overlap", "only two walls"),
         (
             Details { kappa: vec![0.0; 3], dashpot: vec![0.1; 3], ..none() },
             "dashpot = 0.1 at site 0",

@@ -5,11 +5,15 @@ use crate::{
     heterogeneous::off_variations,
 };
 use hertzchain::{
-    chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, State},
+    chain::{Boundary, Chain, Course, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, Spline, State},
     run::{Method, Records, Run, Setting, Trajectory, Warning},
     scene::Scene,
 };
-use std::f64::consts::{FRAC_PI_2, TAU};
+use hertzchain_integrators::Stepper;
+use std::{
+    f64::consts::{FRAC_PI_2, TAU},
+    sync::Arc,
+};
 
 fn sine(amplitude: f64, omega: f64, phase: f64) -> Harmonic {
     Harmonic { amplitude, omega, phase }
@@ -196,6 +200,40 @@ fn a_ramp_that_ends_inside_a_step_costs_order_six_and_no_lower_one() {
         let good = if order < 5.0 { slope > order - 0.4 } else { (4.6..5.6).contains(&slope) };
         // Errors below 1e-8 fall to rounding within three halvings and a half.
         assert!(coarse < 1e-8 || good, "{}: {slope}", method.name());
+    }
+}
+
+#[test]
+fn steps_end_at_the_knots_of_tables_and_at_starts_and_ends() {
+    // Truth: the times given. At this tolerance no step would end there by chance.
+    let (knots, start, end) = (vec![0.0, 0.71, 1.93, 3.37, 5.29, 6.13, END], 1.37, 5.53);
+    let values = knots.iter().map(|t| 0.1 * (2.0 * t).sin()).collect();
+    let table = Course::Table(Arc::new(Spline::new(knots.clone(), values).unwrap()));
+    let chirp = Course::Chirp { amplitude: 0.1, omega: [1.0, 2.0], phase: 0.3, start, length: end - start };
+    let of = |course| Signal { harmonics: vec![], course: Some(course), envelope: Envelope::None };
+    let burst = Envelope::Burst { start, length: end - start };
+    let within = Signal { envelope: burst, ..of(table.clone()) };
+    for (signal, breaks) in [
+        (of(table), knots[1..6].to_vec()),
+        (within, [&knots[1..6], &[start, end]].concat()),
+        (of(chirp), vec![start, end]),
+        (Signal::new(vec![sine(0.1, 1.0, 0.3)], Envelope::Ramp(end)), vec![end]),
+    ] {
+        for kind in [DriveKind::Displacement, DriveKind::Force] {
+            let chain = chain(Boundary::Free, kind, signal.clone());
+            for name in ["dop853", "dop853-landed", "dop853-regularised", "collocation"] {
+                let mut stepper = from_rest(&chain, named(name), Setting::Tolerance(1e-4)).stepper().unwrap();
+                let mut ends = Vec::new();
+                while !stepper.done() {
+                    stepper.step().unwrap();
+                    ends.push(stepper.time());
+                }
+                for t in &breaks {
+                    let near = ends.iter().any(|end| (end - t).abs() < 1e-12);
+                    assert!(near, "{name}, {kind:?}: no step ends at {t}, {} steps", ends.len());
+                }
+            }
+        }
     }
 }
 

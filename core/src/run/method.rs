@@ -349,9 +349,14 @@ impl Method {
             Self::Splitting(..) | Self::Landed(_) => chain
                 .dissipative_contacts()
                 .then_some("its kicks know no velocities, and contacts here dissipate: take dop853-regularised"),
-            Self::Corrected(..) => (!chain.parts()?.corrects()).then_some(
-                "it needs contacts of one exponent, without damping, dissipation, moved beads, forces that change, \
-                 on-site springs, or springs and magnets between beads: take dop853-regularised, or strang-linear for equal steps",
+            Self::Corrected(..) if chain.parts()?.corrects() => None,
+            Self::Corrected(..) | Self::Conserving if chain.dissipative_contacts() => {
+                Some("it needs contacts that do not dissipate: take dop853-regularised")
+            }
+            Self::Corrected(..) => Some(
+                "it needs contacts of one exponent, without damping, moved beads, forces that change, on-site \
+                 springs, or springs and magnets between beads: take dop853-regularised, or strang-linear for \
+                 equal steps",
             ),
             Self::Conserving => Some(
                 "it needs equal beads, without damping or drives: take dop853-regularised, or strang-linear for \

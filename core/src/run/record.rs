@@ -344,21 +344,21 @@ impl<'a> Recorder<'a> {
     /// Adds the mean step and the place on the chain to a failure, where they apply.
     fn failed(&self, cause: Failure, h: Option<f64>, y: &[f64]) -> Failed {
         let chain = &self.run.chain;
-        let (h, place) = match cause {
-            Failure::NotFinite { index, .. } => (h, Some(chain.place(index))),
+        let (h, place, largest) = match cause {
+            Failure::NotFinite { index, .. } => (h, Some(chain.place(index)), None),
             Failure::Unstable { .. } => {
                 let largest = |(i, value): &(usize, &f64), (k, other): &(usize, &f64)| {
                     value.abs().total_cmp(&other.abs()).then(i.cmp(k))
                 };
                 let (index, largest) = y.iter().enumerate().max_by(largest).unwrap_or((0, &0.0));
-                (h, Some(format!("largest is {} = {largest:e}", chain.place(index))))
+                (h, Some(format!("largest is {}", chain.place(index))), Some(Box::new((index, *largest))))
             }
             Failure::NoContraction { bond, .. } => {
-                (None, Some(format!("the bond to the left of site {}", Overlaps::new(chain.clone()).bond(bond))))
+                (None, Some(format!("the bond to the left of site {}", Overlaps::new(chain.clone()).bond(bond))), None)
             }
-            _ => (None, None),
+            _ => (None, None, None),
         };
-        Failed { cause, h, place }
+        Failed { cause, h, place, largest, si: false }
     }
 
     /// The result of the run.

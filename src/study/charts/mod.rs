@@ -32,13 +32,14 @@ pub use measure::{BOUNDS, Behaviour, Limit, Measured, Trial};
 pub use problem::{Problem, Variant};
 pub use resonances::{Resonance, kick_sum, resonance};
 
-use super::{Changes, Progress, Study, Work, methods, options::options, scene};
+use super::{Changes, Progress, ResultUnits, Study, Work, methods, options::options, scene};
 use crate::{
     error::{Error, Result},
     named::named,
     numerics::least_by,
     report::Report,
     run::method::{Contacts, Method, Split},
+    scene::{Quantity, Units},
     sweep::{Engine, Grid, Row},
 };
 use measure::{Search, measure};
@@ -134,6 +135,8 @@ options! {
         set: Changes = Changes::default(), [command(flatten)];
         /// What is charted.
         options: ChartOptions = ChartOptions::default(), [command(flatten)];
+        /// The units of results.
+        results: ResultUnits = ResultUnits::default(), [command(flatten)];
     }
 }
 
@@ -203,16 +206,19 @@ impl Study for Charts {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        let problem = match &self.scene {
-            Some(name) => Problem::of(&scene(name, &self.set)?)?,
-            None => match self.set.set.first() {
-                Some(change) => return Err(Error::parameter("set", change, "it changes a scene: name one")),
-                None => Problem::built_in(),
-            },
+        let scene = self.scene.as_ref().map(|name| scene(name, &self.set)).transpose()?;
+        let problem = match (&scene, self.set.set.first()) {
+            (Some(scene), _) => Problem::of(scene)?,
+            (None, Some(change)) => return Err(Error::parameter("set", change, "it changes a scene: name one")),
+            (None, None) => Problem::built_in(),
         };
-        let options = &self.options;
+        let (options, si) = (&self.options, scene.as_ref().and_then(|scene| self.results.of(scene)));
         options.methods()?;
-        Ok(Box::new(move |engine, progress| Ok(charts(&problem, options, engine, progress)?.report())))
+        let doubts = scene.map(|scene| scene.doubts()).unwrap_or_default();
+        Ok(Box::new(move |engine, progress| {
+            let study = charts(&problem, options, engine, progress)?;
+            Ok(study.in_units(si.as_ref()).report().warnings(doubts))
+        }))
     }
 }
 
@@ -261,9 +267,33 @@ pub struct ChartStudy {
     pub resumed: usize,
     /// Wall time.
     pub wall: Duration,
+    /// The units of the scene, if all numbers are in SI units.
+    pub si: Option<Units>,
 }
 
 impl ChartStudy {
+    /// The study in SI units: amplitudes, spring constants, times and what is counted a unit of time.
+    #[must_use]
+    pub fn in_units(mut self, units: Option<&Units>) -> Self {
+        let Some(units) = units else { return self };
+        self.si = Some(*units);
+        self.problem = self.problem.in_units(units);
+        for ChartPoint { variant: Variant { amplitude, kappa, .. }, measured, .. } in &mut self.points {
+            amplitude.iter_mut().for_each(|x| *x = units.to_si(Quantity::Length, *x));
+            kappa.iter_mut().for_each(|x| *x = units.to_si(Quantity::Stiffness, *x));
+            let Ok(Measured { contact, fast, span, usual, ladder, limits, .. }) = measured else { continue };
+            [contact, fast].into_iter().for_each(|x| *x = units.to_si(Quantity::Omega, *x));
+            *span *= units.time_s;
+            let limits = limits.iter_mut().filter_map(|limit| limit.trial.as_mut());
+            for Trial { step, cost, wall, .. } in ladder.iter_mut().chain(limits).chain([usual]) {
+                *step *= units.time_s;
+                [cost, wall].into_iter().for_each(|x| *x /= units.time_s);
+            }
+        }
+        self.resonances.iter_mut().for_each(|one| one.amplitude *= units.length_m);
+        self
+    }
+
     /// The points of a chart.
     pub fn of(&self, chart: Chart) -> impl Iterator<Item = &ChartPoint> {
         self.points.iter().filter(move |point| point.chart == chart)

@@ -4,7 +4,7 @@ use crate::{
     chain::{Boundary, Chain, Layout},
     error::{Error, Result, require},
     run::{contact_frequency, overlap_scale},
-    scene::{ChainSection, Initial, Record, Scene, SceneFile, Span},
+    scene::{ChainSection, Initial, Quantity, Record, Scene, SceneFile, Span, Units},
 };
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -109,6 +109,15 @@ impl Problem {
         let (kappa, precompression) = (chain.params().kappa, chain.precompression());
         let chain = ChainSection { kappa, precompression, ..scene.file().chain.clone() };
         Ok(Self { name, source, chain, state, amplitude })
+    }
+
+    /// The problem with its amplitude, spring constant and static overlap in SI units, for reports.
+    pub(super) fn in_units(mut self, units: &Units) -> Self {
+        for x in [&mut self.amplitude, &mut self.chain.precompression] {
+            *x = units.to_si(Quantity::Length, *x);
+        }
+        self.chain.kappa = units.to_si(Quantity::Stiffness, self.chain.kappa);
+        self
     }
 
     /// Its name: that of the scene.

@@ -28,6 +28,7 @@ impl ChartStudy {
         let computed = self.points.len() + self.resonances.len() - self.resumed;
         let (wall, amplitude) = (self.wall.as_secs_f64(), problem.amplitude());
         let mut report = Report::new("stability")
+            .si(self.si.as_ref())
             .fact("scene", problem.name())
             .fact("chain", chain)
             .fact("amplitude", amplitude)

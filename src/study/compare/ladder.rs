@@ -21,6 +21,7 @@ use crate::{
         method::{Method, Setting},
     },
     scene::Scene,
+    study::run::error_in_file,
     sweep::map,
 };
 use hertzchain_integrators::{Error as Failure, Silent, Stats, drive};
@@ -303,7 +304,7 @@ impl ReferenceState {
         let Trajectory { t, state, energy_error, stats, failure, .. } = outcome;
         let words = failure.as_ref().map_or(String::new(), |failure| match failure.cause {
             Failure::Stopped { .. } => OVER.to_owned(),
-            _ => failure.to_string(),
+            _ => error_in_file(failure.clone().into(), scene).to_string(),
         });
         let row = Row {
             step: t / stats.steps.max(1) as f64,

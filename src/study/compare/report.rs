@@ -69,6 +69,7 @@ impl Comparison {
             .words("fastest to reach an error (its own and that of the reference together):")
             .table(self.fastest_table())
             .fact("scene_file", scene_json(scene))
+            .warnings(scene.doubts())
             .fact("machine", machine_json())
             .picture(self.picture())
     }

@@ -10,6 +10,7 @@ use super::{
         branch_npz, files_of_branch,
     },
     options::options,
+    run::error_in_file,
 };
 use crate::{
     chain::DriveKind,
@@ -74,8 +75,9 @@ impl Driven {
     fn orbit(&self, scene: &Scene, setting: &DrivenSetting, progress: Progress<'_>) -> Result<DrivenOrbit> {
         let shooting = DrivenShooting::default();
         let seen = |share: f64| progress(share, "the scene settles");
-        let seed = shooting.settle(setting, scene.chain(), scene.initial(), self.settle, seen)?;
-        shooting.solve(setting, &seed)
+        let seed = shooting.settle(setting, scene.chain(), scene.initial(), self.settle, seen);
+        let orbit = seed.and_then(|seed| shooting.solve(setting, &seed));
+        orbit.map_err(|error| error_in_file(error, scene))
     }
 }
 

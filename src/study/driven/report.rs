@@ -158,6 +158,7 @@ impl DrivenStudy {
             .fact("liouville", point.spectrum.liouville)
             .fact("integrator", METHOD)
             .fact("scene_file", scene_json(scene))
+            .warnings(scene.doubts())
             .words(self.words())
             .table(multipliers(&leading(&point.spectrum)))
             .table(table)
@@ -224,7 +225,8 @@ pub(super) fn branch(study: &DrivenBranchStudy) -> Result<Report> {
         .fact("scene", scene.name())
         .fact("parameter", branch.continuation.parameter.name())
         .fact("integrator", METHOD)
-        .fact("scene_file", scene_json(scene));
+        .fact("scene_file", scene_json(scene))
+        .warnings(scene.doubts());
     let mut both = branches::both(branch, switched);
     let report = both.try_fold(report, |report, (at, branch)| study.tell(report, at, branch))?;
     let report = branches::checked(report, branch, switched).si(si.as_ref());

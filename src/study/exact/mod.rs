@@ -9,19 +9,21 @@ pub(super) use report::{bounds, newton_kantorovich_bound};
 use super::OF_WAVE;
 use super::{
     Changes, ResultUnits, Study, Work,
-    branches::{Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, files_of_branch},
+    branches::{
+        self, Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, branch_npz, files_of_branch,
+    },
     options::options,
 };
 use crate::{
     chain::{Params, Resonators},
     error::{Error, Iterate, Result, positive},
-    orbits::{AnalysisLevel, BifurcationKind, Kantorovich},
+    orbits::{AnalysisLevel, BifurcationKind, Kantorovich, Problem},
     output::{Array, Folder, to_json},
     report::Report,
     scene::{Quantity, Scene},
     waves::{
         ExactWave, Given, MeanStrain, Modulation, Profile, Search, Start, TravellingWave, WaveBase, WaveBranch,
-        WaveContinuation, WaveNumber, WaveParameter, WaveSetting, WaveSpectrum,
+        WaveContinuation, WaveNumber, WaveParameter, WavePoint, WaveSetting, WaveSpectrum,
     },
 };
 use serde::{Deserialize, Serialize};
@@ -33,6 +35,8 @@ use std::f64::consts::PI;
 const SAMPLES: usize = 2048;
 /// The default scene.
 const SCENE: &str = "tw-q15";
+/// File with a wave as a branch of its own.
+const ALONE: &str = "exact-wave.npz";
 /// File with the best iterate of a search that did not converge.
 const STALLED: &str = "stalled.json";
 
@@ -146,8 +150,8 @@ fn companion(setting: WaveSetting, given: Given) -> Result<WaveSetting> {
 }
 
 impl Study for Wanted {
-    const FILES: &'static str =
-        "stalled.json, in place of all of them, with the best iterate of a search that did not converge.";
+    const FILES: &'static str = "exact-wave.npz has the wave, from which `wave continue --resume` goes on. \
+        stalled.json, in place of all files, with the best iterate of a search that did not converge.";
 
     fn optional_files() -> Vec<String> {
         vec![STALLED.to_owned()]
@@ -157,7 +161,8 @@ impl Study for Wanted {
         let numbers = self.numbers()?;
         Ok(Box::new(move |engine, _| {
             let keep = |why: &Error| keep_iterate(engine.folder(), numbers.moving(), why);
-            Ok(numbers.study().inspect_err(keep)?.report())
+            let study = numbers.study().inspect_err(keep)?;
+            Ok(study.report().file(ALONE, study.npz(&numbers.search)?))
         }))
     }
 
@@ -179,7 +184,7 @@ fn keep_iterate(folder: Option<&Folder>, resonators: bool, why: &Error) {
     let results = [report::outline(), report::branch_outline()].map(|outline| outline.files().unwrap_or_default());
     let results = results.iter().flatten().map(|(name, _)| name.as_str());
     // An error of writing is ignored: the command reports that of the search.
-    let _ = folder.remove(results.chain(["exact.png", "waves.png", WaveContinuation::NAMES[0]]));
+    let _ = folder.remove(results.chain(["exact.png", "waves.png", ALONE, WaveContinuation::NAMES[0]]));
     let _ = folder.write(STALLED, to_json(&kept).as_bytes());
 }
 
@@ -208,6 +213,23 @@ pub struct ExactStudy {
     pub kantorovich: Option<Kantorovich>,
     /// Growth at the Bloch wave numbers of the ring from 0 to `pi`.
     pub growth: Vec<BlochGrowth>,
+}
+
+impl ExactStudy {
+    /// The file of the wave, which may go on as a branch in its frequency, at its mean strain.
+    ///
+    /// # Errors
+    /// Errors of the archive writer.
+    pub fn npz(&self, search: &Search) -> Result<Vec<u8>> {
+        let Self { wave, spectrum, .. } = self;
+        let (parameter, omega) = (WaveParameter::OmegaTw, wave.setting.omega_tw);
+        let continuation =
+            WaveContinuation { parameter, to: omega.next_up(), step: omega, most_points: 2, search: *search };
+        let WaveBranch { setting, continuation, .. } = continuation.begin(wave.clone(), spectrum.sites)?;
+        let measures = continuation.measures(&setting, wave, false)?;
+        let point = WavePoint { orbit: wave.clone(), spectrum: spectrum.clone(), measures };
+        branch_npz(&self.scene, &branches::alone(continuation, &setting, point)?)
+    }
 }
 
 /// The largest growth at a Bloch wave number, per unit of time.

@@ -70,6 +70,8 @@ pub struct Plan {
     pub axes: Vec<Axis>,
     /// Index in `keep` of the quantity of the picture.
     pub picture: usize,
+    /// Sizes in the scenes at the ends of the axes that are hardly meant, in words.
+    pub(super) doubts: Vec<String>,
 }
 
 /// A number or an array of numbers of the report of a run.
@@ -163,7 +165,7 @@ impl Plan {
         }
         let picture = file.picture.map(|name| picture(&keep, &name, path)).transpose()?.unwrap_or(0);
         let stem = path.file_stem().map_or("sweep".into(), |stem| one_line(&stem.to_string_lossy()));
-        let plan = Self {
+        let mut plan = Self {
             path: path.to_owned(),
             name: file.name.unwrap_or(stem),
             scene: scene_source(&file.scene, path)?,
@@ -171,6 +173,7 @@ impl Plan {
             keep,
             axes: axes(file.axes, path)?,
             picture,
+            doubts: Vec::new(),
         };
         plan.check()?;
         Ok(plan)
@@ -178,7 +181,7 @@ impl Plan {
 
     /// Refuses more points than the memory has room for, scenes at the ends of the axes that cannot
     /// be built, and quantities that runs do not report.
-    fn check(&self) -> Result<()> {
+    fn check(&mut self) -> Result<()> {
         // Hash, place and entry of the store, and a number of each column.
         let bytes = self.points() as u64 * 8 * (7 + self.keys().count() + self.keep.len()) as u64;
         if let Some(words) = lacking(bytes) {
@@ -194,6 +197,8 @@ impl Plan {
         let mut lost: Vec<Option<String>> = Vec::new();
         for (k, corner) in corners.iter().enumerate() {
             let scene = self.scene(corner)?;
+            let doubts = scene.doubts();
+            self.doubts.extend(doubts.into_iter().filter(|doubt| !self.doubts.contains(doubt)).collect::<Vec<_>>());
             if k == 0 {
                 self.on_the_boundary_of(&scene)?;
             }

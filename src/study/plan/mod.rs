@@ -150,12 +150,11 @@ fn before_its_first_step(scene: &Scene) -> Value {
     reported(scene, trajectory, Signals::new(scene))
 }
 
-/// The report of a run, in the units of its scene.
+/// The report of a run, whose outcome is in the units of its scene.
 fn reported(scene: &Scene, outcome: Trajectory, signals: Option<Signals>) -> Value {
     let (integrator, setting, si) = ("", "", scene.units());
-    let outcome = &in_units(outcome, scene.chain().layout(), si);
     let signals = signals.map(|signals| signals.in_units(si));
-    let signals = signals.as_ref();
+    let (outcome, signals) = (&outcome, signals.as_ref());
     run_json(&RunView { scene, integrator, setting, reason: None, outcome, amplification: None, si, signals })
 }
 
@@ -166,7 +165,8 @@ fn run(plan: &Plan, point: &Point) -> Result<Vec<Value>> {
     let run = if plan.contacts() { run.contacts() } else { run };
     let mut signals = Signals::new(&scene);
     let mut seen = |t: f64, y: &[f64]| signals.iter_mut().for_each(|signals| signals.take(&scene, t, y));
-    let trajectory = run.observe(&mut seen, &mut |_| ())?.complete()?;
+    let outcome = run.observe(&mut seen, &mut |_| ())?;
+    let trajectory = in_units(outcome, scene.chain().layout(), scene.units()).complete()?;
     if let Some(doubt) = trajectory.warnings.iter().find(|warning| warning.fatal()) {
         return Err(doubt.clone().into());
     }

@@ -73,6 +73,7 @@ impl PlanStudy {
             .fact("failed", self.failed.iter().map(failed).collect::<Vec<_>>())
             .fact("missing", self.missing)
             .fact("settings", self.plan.settings())
+            .warnings(self.plan.doubts.clone())
     }
 
     fn text(&self, computed: usize) -> String {

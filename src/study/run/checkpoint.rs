@@ -35,6 +35,8 @@ use std::{
 /// Name of the checkpoint in the folder of a run.
 pub(super) const FILE: &str = "checkpoint.npz";
 const FORMAT: FileFormat = FileFormat("hertzchain checkpoint", 4);
+/// Relative difference of numbers that are the same up to roundings.
+const ROUNDED: f64 = 1e-9;
 /// Most intervals of a run.
 const MOST_LEGS: f64 = 1e6;
 
@@ -98,9 +100,8 @@ impl LongRun {
     ) -> Result<Self> {
         let rule = "an interval of time, finite and positive";
         require(interval.is_finite() && interval > 0.0, "checkpoint", interval, rule)?;
-        if scene.end() / interval > MOST_LEGS {
-            return Err(Error::parameter("checkpoint", interval, "a run has at most 10^6 intervals"));
-        }
+        let rule = "a run has at most 10^6 intervals";
+        require(scene.end() / interval <= MOST_LEGS, "checkpoint", interval, rule)?;
         let run = scene.run().method(method).setting(setting).records(Records::Profiles).in_parts(parts)?;
         run.stepper()?;
         let kept = Snapshot::new(&run);
@@ -288,6 +289,7 @@ impl LongRun {
         let new = new.map_err(|why| refused("setting", &why))?;
         let legs = new.legs();
         let kept = kept(file, &settings, &new.scene)?;
+        sound(file, &kept, &new.scene)?;
         let run = Self { done: settings.legs, kept, ..new };
         if !(1..=legs).contains(&run.done) {
             return Err(refused("legs", &format!("{} of {legs}: from 1 to all", run.done)));
@@ -340,6 +342,42 @@ fn contacts(file: &Archive, settings: &Settings, chain: &Chain<f64>, count: u64)
     let open = file.array("open_contacts", &[settings.open_contacts])?;
     let rule = "each is a bond that can close, and what its overlap has done";
     Contacts::restore(chain, ended, &open).ok_or_else(|| file.refused("open_contacts", rule.to_owned()))
+}
+
+/// Refuses a record that no run to its time has: samples at other times, energies other than those
+/// of the states, contacts after the end.
+fn sound(file: &Archive, kept: &Snapshot, scene: &Scene) -> Result<()> {
+    let (chain, last) = (scene.chain(), kept.t * (1.0 + ROUNDED));
+    let at = |k: usize| scene.end() * (k as f64 / scene.samples() as f64);
+    let wrong = kept.samples.iter().enumerate().find(|(k, sample)| sample.t != at(*k) || sample.t > last);
+    if let Some((k, sample)) = wrong {
+        return Err(file.refused("sample_t", format!("{} at entry {k}: that sample is at {}", sample.t, at(k))));
+    }
+    let mut samples = kept.samples.iter();
+    for (k, profile) in kept.profiles.iter().enumerate() {
+        let Some(sample) = samples.find(|sample| sample.t == profile.t) else {
+            return Err(file.refused("profile_t", format!("{} at entry {k}: each is the time of a sample", profile.t)));
+        };
+        let own = sample.energy.map(|_| chain.energy(&profile.state));
+        let off = |a: Energy<f64>, b: Energy<f64>| (a.balance() - b.balance()).abs().max((a.total() - b.total()).abs());
+        if sample.energy.zip(own).is_some_and(|(a, b)| off(a, b) > ROUNDED * b.total().abs().max(b.dissipated)) {
+            return Err(file.refused("energies", format!("row {k}: not the energy of the state at {}", profile.t)));
+        }
+    }
+    if let Some(initial) = scene.start().measure(chain).energy.map(|energy| energy.balance()) {
+        let energies = kept.samples.iter().filter_map(|sample| sample.energy).chain([chain.energy(&kept.state)]);
+        let off = energies.map(|energy| (energy.balance() - initial).abs()).fold(0.0, f64::max);
+        if off > kept.largest + ROUNDED * initial.abs() {
+            return Err(file.refused("largest", format!("{}: an energy is off by {off:e}", kept.largest)));
+        }
+    }
+    let mut ended = kept.contacts.iter().flat_map(|contacts| &contacts.ended);
+    let times = |one: &Contact| [one.onset, one.release, one.force_end, Some(one.t_largest), Some(one.t_peak)];
+    let outside = |one: &Contact| times(one).into_iter().flatten().any(|t| !(0.0..=last).contains(&t));
+    match ended.position(outside) {
+        Some(k) => Err(file.refused("contacts", format!("row {k}: times are from 0 to that of the checkpoint"))),
+        None => Ok(()),
+    }
 }
 
 /// The record in a checkpoint, checked as far as is possible without running it again.

@@ -26,12 +26,13 @@ const MOST_PLANNED: u64 = 1 << 24;
 #[cfg(feature = "cli")]
 fn tolerance() -> String {
     use hertzchain_integrators::Tolerance;
-    let (Tolerance { least, most, .. }, corrected) = (Tolerance::RUN, Tolerance::CORRECTED.rule);
+    let Tolerance { least, most, .. } = Tolerance::RUN;
+    let [corrected, crossed] = [Tolerance::CORRECTED, Tolerance::CROSSED].map(|kind| kind.rule);
     let more = "--amplification measures this factor. ";
     format!(
         "{} It is relative, and absolute in units of the largest entry of the initial state. For contact-corrected \
          splitting it bounds the error of the state at the end, and runs over the whole span determine the step \
-         [default: 1e-10].\n\nFrom {least:e} to {most}; {corrected}.",
+         [default: 1e-10].\n\nFrom {least:e} to {most}; {corrected}; {crossed}.",
         crate::study::tolerance_help(more)
     )
 }
@@ -233,9 +234,7 @@ fn setting(args: &MethodRequest, method: Method, scene: &Scene) -> Result<(Setti
         require(method == Method::Collocation, "windows-per-period", per_period, "only collocation takes windows")?;
         let nodes = args.nodes.unwrap_or(DEFAULT_NODES);
         let windows = (scene.end() / scene.period() * per_period).ceil().max(1.0);
-        if windows > MOST_STEPS {
-            return Err(Error::parameter("windows", windows, "at most 1e15 windows"));
-        }
+        require(windows <= MOST_STEPS, "windows", windows, "at most 1e15 windows")?;
         let setting = Setting::Windows(windows as u64, nodes);
         return Ok((setting, in_words(scene, setting)));
     }

@@ -2,13 +2,15 @@
 
 use crate::{
     chain::{Contact, Energy, Layout},
-    run::Trajectory,
-    scene::Units,
+    error::{Error, Failed},
+    run::{Trajectory, Warning},
+    scene::{Quantity, Scene, Units},
 };
+use hertzchain_integrators::Error as Failure;
 
 /// Converts a trajectory of a scene with `[units]` to metres, seconds, joules and the units made of
-/// them: times, states with their ledger, strains, energies, contacts and maxima. The energy error
-/// and the text of a failure are not converted, and nothing is without units.
+/// them: times, states with their ledger, strains, energies, contacts, maxima and the numbers of
+/// warnings and of a failure. The energy error is not converted, and nothing is without units.
 #[must_use]
 pub fn in_units(mut outcome: Trajectory, layout: Layout, units: Option<&Units>) -> Trajectory {
     let Some(units) = units else { return outcome };
@@ -30,18 +32,61 @@ pub fn in_units(mut outcome: Trajectory, layout: Layout, units: Option<&Units>) 
         maximum.t *= units.time_s;
         maximum.overlap *= units.length_m;
     }
+    for warning in &mut outcome.warnings {
+        if let Warning::Unresolved { length, step, .. } = warning {
+            *length *= units.time_s;
+            *step *= units.time_s;
+        }
+    }
+    outcome.failure = outcome.failure.map(|failed| failed_in_si(failed, layout, units));
     outcome
 }
 
 /// Converts a state with its ledger: displacements, velocities and energies.
 pub fn state_in_si(state: &mut [f64], layout: Layout, units: &Units) {
-    let half = layout.half();
-    for (i, entry) in state.iter_mut().enumerate() {
-        *entry *= match i {
-            i if i < half => units.length_m,
-            i if i < 2 * half => units.velocity_m_per_s,
-            _ => units.energy_j,
-        };
+    state.iter_mut().enumerate().for_each(|(i, entry)| *entry *= unit_of_entry(i, layout, units));
+}
+
+fn unit_of_entry(i: usize, layout: Layout, units: &Units) -> f64 {
+    match i / layout.half() {
+        0 => units.length_m,
+        1 => units.velocity_m_per_s,
+        _ => units.energy_j,
+    }
+}
+
+/// A failure of a run in SI units.
+fn failed_in_si(Failed { cause, h, place, largest, .. }: Failed, layout: Layout, units: &Units) -> Failed {
+    let largest = largest.map(|one| Box::new((one.0, one.1 * unit_of_entry(one.0, layout, units))));
+    Failed { cause: failure_in_si(cause, units), h: h.map(|h| h * units.time_s), place, largest, si: true }
+}
+
+/// A failure of a method in SI units.
+fn failure_in_si(mut cause: Failure, units: &Units) -> Failure {
+    let (t, h) = match &mut cause {
+        Failure::Unstable { quantity, initial, value, t, .. } => {
+            let unit = if *quantity == "energy" { units.energy_j } else { 1.0 };
+            [initial, value].into_iter().for_each(|energy| *energy *= unit);
+            (t, None)
+        }
+        Failure::NotFinite { t, .. } | Failure::TooManySteps { t, .. } | Failure::Stopped { t } => (t, None),
+        Failure::StepUnderflow { t, h } | Failure::NotSettled { t, h, .. } => (t, Some(h)),
+        Failure::NoContraction { t, h, residual, .. } => {
+            *residual *= units.to_si(Quantity::Momentum, 1.0);
+            (t, Some(h))
+        }
+        _ => return cause,
+    };
+    [t].into_iter().chain(h).for_each(|time| *time *= units.time_s);
+    cause
+}
+
+/// An error of a run of a scene, in the units of its file.
+pub(in crate::study) fn error_in_file(error: Error, scene: &Scene) -> Error {
+    match (error, scene.units()) {
+        (Error::Run(failed), Some(units)) => failed_in_si(failed, scene.chain().layout(), units).into(),
+        (Error::Integration(cause), Some(units)) => failure_in_si(cause, units).into(),
+        (error, _) => error,
     }
 }
 

@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     chain::{Params, Resonators, max_norm},
-    error::{Error, Result},
+    error::{Error, Result, SMOOTH},
     named::named,
     orbits::{Branch, End, Equations, Kantorovich, MOST_CORRECTIONS, Point, Problem, Range, Solution, check, returns},
     output::FileFormat,
@@ -68,7 +68,7 @@ impl WaveParameter {
             Self::Mean => ("mean strain", f64::NEG_INFINITY, "a finite number"),
             Self::Rho => ("ρ", 0.0, "a mass ratio is positive; a wave without resonators has a branch of its own"),
             Self::Kappa => ("κ", 0.0, "a spring constant is positive"),
-            Self::Alpha => ("α", 1.0, "above 1: tangent maps need alpha > 1"),
+            Self::Alpha => ("α", 1.0, SMOOTH),
         }
     }
 

@@ -38,7 +38,7 @@ pub use spectrum::{WaveKind, WaveMultiplier, WaveQuality, WaveSpectrum};
 
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, max_norm},
-    error::{Error, Result, finite, positive, require},
+    error::{Error, Result, SMOOTH, finite, positive, require},
     orbits::Orbit,
 };
 use serde::{Deserialize, Serialize};
@@ -176,9 +176,7 @@ impl WaveSetting {
     pub fn chain(&self, cells: usize) -> Result<Chain<f64>> {
         let Self { params, q, omega_tw, mean } = *self;
         params.validate()?;
-        if params.alpha <= 1.0 {
-            return Err(Error::parameter("alpha", params.alpha, "tangent maps need alpha > 1"));
-        }
+        require(params.alpha > 1.0, "alpha", params.alpha, SMOOTH)?;
         positive("omega_tw", omega_tw)?;
         finite("mean", mean.value())?;
         Chain::new(params, Boundary::StrainRing, cells * q.cell)

@@ -48,7 +48,7 @@ pub(super) use field::{complete, rates};
 pub(super) use ledger::LEDGER;
 pub(super) use pushing::{Pushing, Switched};
 
-use super::{Boundary, Chain, Layout, Params, Resonators};
+use super::{Chain, Layout, Params, Resonators};
 use crate::error::{Error, Result, finite, require};
 use hertzchain_integrators::{Real, law::BondLaw, regularised::common_power};
 use std::{collections::HashMap, sync::Arc};
@@ -460,8 +460,7 @@ impl<R: Real> Chain<R> {
     ///
     /// # Errors
     /// A list of the wrong length, or a value outside its rule; a strain ring, whose unknowns
-    /// assume that all beads are equal; gravity with resonators that move; a positive static overlap on a chain with a free end, which
-    /// would fly apart.
+    /// assume that all beads are equal; gravity with resonators that move.
     pub fn with(mut self, details: &Details) -> Result<Self> {
         let rule = "details need displacements: any other boundary";
         require(!self.topology.strains(), "boundary", "strain-ring", rule)?;
@@ -469,14 +468,6 @@ impl<R: Real> Chain<R> {
         details.check(n, touching.len(), self.params.alpha)?;
         details.check_drives(n)?;
         finite("gravity", details.gravity)?;
-        let pushed = details.gravity != 0.0 || details.drives.iter().any(|drive| drive.kind == DriveKind::Force);
-        if matches!(self.boundary(), Boundary::Free | Boundary::LeftWall | Boundary::RightWall)
-            && !pushed
-            && details.overlap.iter().any(|&overlap| overlap > 0.0)
-        {
-            let rule = "only two walls, a ring or pushed beads can hold a static overlap; elsewhere it is an initial condition";
-            return Err(Error::parameter("overlap", format!("positive, boundary = \"{}\"", self.boundary()), rule));
-        }
         let rest = self.precompression.f64();
         let bond = |bond: usize| match bond.checked_sub(touching.start).filter(|&k| k < touching.len()) {
             Some(k) => details.law(k, self.params.alpha, rest),

@@ -85,7 +85,7 @@ use super::{
     super::{Chain, Field, Overlaps, Resonators},
     CheckedDetails, Pushing, Switched,
 };
-use crate::error::{Error, Result, require};
+use crate::error::{Error, Result, SMOOTH, require};
 use hertzchain_integrators::{Real, Regularised, Stepper, VectorField, dop853::Options, kernel};
 
 /// A state and the columns `W` that the linearised flow carries along, in one vector: the state,
@@ -127,7 +127,7 @@ impl<R: Real> Variations<R> {
         };
         let parts = parts(&chain);
         if let Some(alpha) = parts.exponents().find(|alpha| *alpha <= 1.0) {
-            return Err(Error::parameter("alpha", alpha, "tangent maps need alpha > 1"));
+            return Err(Error::parameter("alpha", alpha, SMOOTH));
         }
         let (field, rows) = match chain.dissipative_contacts() {
             true => (Field::from_event_to_event(chain.clone()), chain.sites()),
