@@ -197,8 +197,8 @@ def bands(
         first band, and so on). envelopes.csv: band, theta_over_pi, group_velocity (of envelopes, in
         beads per unit of time), dispersion (second derivative of the frequency by theta),
         nonlinearity (beta d^2 of i A_t + dispersion/2 A_xx + beta |A|^2 A = 0, with the static
-        overlap d and displacements 2 |A|; minus the shift of the frequency for A = d), focusing
-        (whether dispersion times nonlinearity is positive: envelopes are bright).
+        overlap d and displacements 2 |A|), focusing (whether dispersion times nonlinearity is
+        positive: envelopes are bright).
     progress : bool or callable
         As in :func:`hertzchain.run`.
     """
