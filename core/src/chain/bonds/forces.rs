@@ -10,7 +10,7 @@ use super::{
     },
     PAD, WORD,
 };
-use hertzchain_integrators::{Column, Vector, with_registers};
+use hertzchain_integrators::{Column, Real, Vector, with_registers};
 use std::ops::Range;
 
 /// The arrays of an evaluation: positions, and what follows from them, namely overlaps, forces and
@@ -173,10 +173,10 @@ pub(super) unsafe fn mark<V: Vector<f64>>(
 /// a row the middle one, `g_1`, is the largest or the smallest, and `abs(g_1)` is below `reach`
 /// times the size of their second difference.
 #[inline(always)]
-pub(in crate::chain) fn turning<V: Vector<f64>>(reach: f64, [g0, g1, g2]: [V; 3]) -> u64 {
+pub(in crate::chain) fn turning<R: Real, V: Vector<R>>(reach: R, [g0, g1, g2]: [V; 3]) -> u64 {
     let (before, after) = (g1 - g0, g2 - g1);
     let near = V::all(reach) * (after - before).size() - g1.size();
-    (V::all(0.0) - before * after).positive() & near.positive()
+    (V::all(R::zero()) - before * after).positive() & near.positive()
 }
 
 /// What the modified forces `F = f + c f' s` of bonds are computed from for a kick.

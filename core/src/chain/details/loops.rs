@@ -7,6 +7,7 @@
 use super::{
     super::{
         Chain, ContactLaw, Resonators,
+        bonds::turning,
         law::{Power, with_hertz},
     },
     CheckedDetails,
@@ -271,6 +272,76 @@ impl<R: Real> Loops<R> {
         if chain.topology().ring() {
             (overlap[n], force[n], slope[n]) = (overlap[0], force[0], slope[0]);
         }
+    }
+
+    /// Of contact forces with these derivatives by overlaps times `unit`, and other forces on beads:
+    /// accelerations `a` of beads, forces `f + c f' s` of bonds with the acceleration `s` of their
+    /// overlaps, and the contact forces on beads by these.
+    pub(super) fn modified(
+        &self,
+        chain: &Chain<R>,
+        (unit, c): (&[R], R),
+        [force, slope, others]: [&[R]; 3],
+        [a, modified, push]: [&mut [R]; 3],
+    ) {
+        let n = a.len();
+        let (force, slope, unit) = (&force[..=n], &slope[..=n], &unit[..=n]);
+        let (mass, others, modified, push) = (&self.mass[..n], &others[..n], &mut modified[..=n], &mut push[..n]);
+        let here = &mut *a;
+        // SAFETY: the slices have a number for each site, or for each bond and one more.
+        over!(n, i, V<R> => unsafe {
+            let pull: V<R> = (load::<R, V<R>>(force, i) - load(force, i + 1)) + load(others, i);
+            store(here, i, pull / load(mass, i));
+        });
+        let a = &*a;
+        let [f, by_g, unit_inside] = [force, slope, unit].map(|all| &all[1..n]);
+        let inside = &mut modified[1..n];
+        // SAFETY: as above.
+        over!(n - 1, i, V<R> => unsafe {
+            let s: V<R> = load::<R, V<R>>(unit_inside, i) * (load::<R, V<R>>(a, i) - load(a, i + 1));
+            store(inside, i, load::<R, V<R>>(f, i) + V::<R>::all(c) * load(by_g, i) * s);
+        });
+        for bond in [0, n] {
+            let touches = chain.touching().contains(&bond);
+            let s = if touches { unit[bond] * chain.across(bond, |i| a[i]) } else { R::zero() };
+            modified[bond] = force[bond] + c * slope[bond] * s;
+        }
+        if chain.topology().ring() {
+            modified[n] = modified[0];
+        }
+        // SAFETY: as above.
+        over!(n, i, V<R> => unsafe {
+            store(push, i, load::<R, V<R>>(modified, i) - load(modified, i + 1));
+        });
+    }
+
+    /// Bits of bonds that are closed or not, against those of `told`, which are replaced: calls
+    /// `changed` with each bond whose bit differs, and the new bit.
+    pub(super) fn sides(&self, overlap: &[R], told: &mut [u64], mut changed: impl FnMut(usize, bool)) {
+        over!(overlap.len(), i, V<R> => {
+            // SAFETY: the slice has these numbers.
+            let now = unsafe { load::<R, V<R>>(overlap, i) }.positive();
+            let (word, first) = (i / 64, i % 64);
+            let mut differ = (now ^ told[word] >> first) & (u64::MAX >> (64 - V::<R>::LANES));
+            told[word] ^= differ << first;
+            while differ != 0 {
+                let k = differ.trailing_zeros() as usize;
+                differ &= differ - 1;
+                changed(i + k, now >> k & 1 == 1);
+            }
+        });
+    }
+
+    /// Calls `turned` with each bond whose overlap has turned near zero, see [`turning`].
+    pub(super) fn turns(&self, reach: R, [g2, g1, g0]: [&[R]; 3], mut turned: impl FnMut(usize)) {
+        over!(g2.len(), i, V<R> => {
+            // SAFETY: the slices have as many numbers.
+            let mut bits = turning::<R, V<R>>(reach, unsafe { [load(g0, i), load(g1, i), load(g2, i)] });
+            while bits != 0 {
+                turned(i + bits.trailing_zeros() as usize);
+                bits &= bits - 1;
+            }
+        });
     }
 
     /// Adds the pull of springs to the forces on beads, and kicks resonators.

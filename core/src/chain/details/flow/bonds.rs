@@ -11,10 +11,7 @@
 //! Frequencies of resonators may differ over a bond. The path of its overlap is therefore a cubic,
 //! in both splits: right to `O(h^4)`, as events need it, where `omega h` is small.
 
-use super::{
-    super::super::{Chain, bonds::turning},
-    Class, SitewiseFlow, Split, parts,
-};
+use super::{super::super::Chain, Class, SitewiseFlow, Split, parts};
 use hertzchain_integrators::{
     DoubleDouble, SplitFlow, Vector,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
@@ -46,9 +43,11 @@ pub struct SitewiseBonds {
     spring: [Vec<f64>; 2],
     /// Derivatives of forces by `w g`.
     slope: Vec<f64>,
-    /// Whether bonds were closed at the last call of [`changed`](BondFlow::changed).
-    told: Vec<bool>,
-    /// Buffers of a kick: `a`, modified forces of bonds, forces on beads.
+    /// A bit for each bond: whether it was closed at the last call of
+    /// [`changed`](BondFlow::changed).
+    told: Vec<u64>,
+    /// Buffers of a kick: other forces on beads, `a`, modified forces of bonds, forces on beads.
+    others: Vec<f64>,
     a: Vec<f64>,
     modified: Vec<f64>,
     push: Vec<f64>,
@@ -58,11 +57,11 @@ impl SitewiseBonds {
     /// Adds the kicks to `flow`, which holds a state.
     ///
     /// # Panics
-    /// A chain that does not conserve energy, or with contacts of different exponents.
+    /// A chain that [`Method::runs`](crate::run::method::Method::runs) refuses for the method.
     pub fn new(flow: SitewiseFlow<f64>) -> Self {
         let parts = parts(&flow.chain);
         let law = flow.loops.law.expect("contacts with one exponent");
-        assert!(!parts.damped && flow.chain.movers().next().is_none(), "a chain that conserves energy");
+        assert!(parts.corrects(), "a chain that conserves energy, whose beads only contacts and resonators hold");
         let alpha = law.alpha();
         let mut steady: Vec<f64> = vec![0.0; flow.chain.sites()];
         parts.weights().for_each(|(i, weight)| steady[i] += weight);
@@ -82,7 +81,8 @@ impl SitewiseBonds {
             force: [bonds(), bonds()],
             spring: [sites(), sites()],
             slope: bonds(),
-            told: vec![false; n + 1],
+            told: vec![0; n / 64 + 1],
+            others: sites(),
             a: sites(),
             modified: bonds(),
             push: sites(),
@@ -177,7 +177,7 @@ impl SitewiseBonds {
     fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 4]> {
         self.evaluate();
         let first = self.chain().touching().start;
-        let mut rates = vec![0.0; self.told.len()];
+        let mut rates = vec![0.0; self.slope.len()];
         for (index, side) in sides.iter().enumerate() {
             let b = first + index;
             if *side != Side::Near {
@@ -281,21 +281,16 @@ impl BondFlow for SitewiseBonds {
     }
 
     fn changed(&mut self, out: &mut Vec<(usize, bool)>) {
-        for (index, bond) in self.chain().touching().enumerate() {
-            let closed = self.overlap[0][bond] > 0.0;
-            if std::mem::replace(&mut self.told[bond], closed) != closed {
-                out.push((index, closed));
-            }
-        }
+        let touching = self.chain().touching();
+        let Self { flow, overlap, told, .. } = self;
+        // Bonds before the first that can touch have the overlap zero.
+        flow.loops.sides(&overlap[0][..touching.end], told, |b, closed| out.push((b - touching.start, closed)));
     }
 
     fn turned(&self, out: &mut Vec<(usize, bool)>) {
-        let [g2, g1, g0] = &self.overlap;
-        for (index, b) in self.chain().touching().enumerate() {
-            if turning(self.reach, [g0[b], g1[b], g2[b]]) != 0 {
-                out.push((index, g1[b] > 0.0));
-            }
-        }
+        let touching = self.chain().touching();
+        let overlaps = self.overlap.each_ref().map(|overlap| &overlap[..touching.end]);
+        self.flow.loops.turns(self.reach, overlaps, |b| out.push((b - touching.start, overlaps[1][b] > 0.0)));
     }
 
     fn force(&self, bond: usize) -> (f64, f64) {
@@ -313,12 +308,13 @@ impl BondFlow for SitewiseBonds {
     }
 
     fn views<V: Vector<f64>>(&self, bonds: &[(usize, bool)], h: f64) -> BondView<V> {
-        let view = |k: usize| {
-            let b = self.bond(bonds.get(k).unwrap_or(&bonds[0]).0);
+        let view = |bond: usize| {
+            let b = self.bond(bond);
             let pull = [1, 0].map(|before| self.pull(b, before));
             BondView { path: self.path_of(b, pull, h), mobility: self.mobility(b), pull }
         };
-        let views: [BondView; MOST_LANES] = std::array::from_fn(view);
+        let mut views = [view(bonds[0].0); MOST_LANES];
+        views.iter_mut().zip(bonds).skip(1).for_each(|(one, bond)| *one = view(bond.0));
         let lanes = |number: fn(&BondView) -> f64| V::by_lane(|k| number(&views[k]));
         BondView {
             path: BondPath {
@@ -348,17 +344,11 @@ impl BondFlow for SitewiseBonds {
     }
 
     fn kick(&mut self, kick: f64, c: f64) {
-        for i in 0..self.u.len() {
-            self.a[i] = self.acceleration(i, 0);
-        }
-        for b in self.chain().touching() {
-            self.modified[b] = self.force[0][b] + c * self.slope[b] * self.across(b, |i| self.a[i]);
-        }
-        for i in 0..self.u.len() {
-            let contacts = self.chain().topology().push(i, |b| [self.modified[b]])[0];
-            self.push[i] = contacts + self.constants.steady[i];
-        }
-        let Self { flow, a, push, .. } = self;
+        let Self { flow, constants, force: [force, _], spring: [spring, _], slope, others, a, modified, push, .. } =
+            self;
+        others.iter_mut().zip(constants.steady.iter().zip(spring)).for_each(|(sum, (a, b))| *sum = a + *b);
+        flow.loops.modified(&flow.chain, (&constants.unit, c), [force, slope, others], [a, modified, push]);
+        push.iter_mut().zip(&constants.steady).for_each(|(push, steady)| *push += steady);
         let loops = Arc::clone(&flow.loops);
         if let Some([kappa, resonator]) = loops.springs.as_ref().filter(|_| flow.split == Split::Kinetic) {
             let z = &mut flow.z;
