@@ -29,6 +29,8 @@ const MOST_POINTS: usize = 500;
 const STILL: f64 = 1e-9;
 /// Amplitude of the loaded background at which continuation starts, in units of the precompression.
 const NEAR_EDGE: f64 = 0.5;
+/// Largest distance of a kink from its centre, as a part of the background's strain there.
+const CENTRED: f64 = 1e-2;
 /// Largest frequency of contacts in a seed, in units of `omega_b`. At 6 there is an orbit near the
 /// seed (`rho = 0.01`), at 35 there is none (`rho = 0.001`).
 const FASTEST: f64 = 10.0;
@@ -128,6 +130,11 @@ impl DarkBreather {
         if let Some(z) = self.loaded_seed() {
             return Ok(z);
         }
+        if self.params.resonators() == Resonators::None && self.c_x < 0.0 {
+            let rule =
+                "without resonators a dark breather is below the edge of the band, at first order in its amplitude";
+            return Err(Error::parameter("omega_b", self.omega_b, rule));
+        }
         let Self { params, center, sites, omega_b, c_x } = *self;
         let unit = DarkProfile::new(params, center, sites, 0.0)?;
         let size = unit.mu(omega_b)?.powf((params.alpha - 1.0).recip());
@@ -143,6 +150,30 @@ impl DarkBreather {
         Ok(z)
     }
 
+    /// Refuses an orbit that is no dark breather about this centre: a chain at rest, a kink elsewhere,
+    /// and under a precompression a background whose neighbours are not in antiphase.
+    fn check(&self, orbit: &Orbit, tol: f64) -> Result<()> {
+        let x = orbit.x();
+        let swing = |x: f64| x - self.c_x;
+        let (size, middle) = (swing(x[0]).abs(), self.sites / 2);
+        let moves = x.iter().any(|one| (one - x[0]).abs() > STILL * orbit.amplitude());
+        let rule = "no dark breather of this frequency was found: the chain is at rest";
+        require(moves, "omega_b", self.omega_b, rule)?;
+        // Strains of opposite phase about a site leave the first harmonic no part there; about a bond
+        // they are even.
+        let (off, rule) = match self.center {
+            Center::Site => {
+                let half = orbit.states(tol, &[0.5 * orbit.setting.period()])?;
+                (half[0][middle] - x[middle], "no dark breather of this frequency was found about a site")
+            }
+            Center::Bond => (x[middle + 1] - x[middle], "no dark breather of this frequency was found about a bond"),
+        };
+        require(off.abs() < CENTRED * size, "omega_b", self.omega_b, rule)?;
+        let alike = (0..self.sites).filter(|&n| swing(x[n]) * swing(x[(n + 1) % self.sites]) > 0.0).count();
+        let rule = "no dark breather of this frequency was found: its background has more than one kink";
+        require(self.c_x >= 0.0 || alike == 1, "omega_b", self.omega_b, rule)
+    }
+
     /// The orbit of the breather.
     ///
     /// Newton's method starts from the seed. Where it does not converge, the branch is followed
@@ -155,9 +186,7 @@ impl DarkBreather {
         let loaded = self.loaded();
         let solve = |breather: &Self| {
             let orbit = shooting.solve(&breather.setting(), &breather.seed()?)?;
-            let moves = orbit.x().iter().any(|x| (x - orbit.x()[0]).abs() > STILL * orbit.amplitude());
-            let rule = "no dark breather of this frequency was found: the chain is at rest";
-            require(moves, "omega_b", breather.omega_b, rule).map(|()| orbit)
+            breather.check(&orbit, shooting.tol).map(|()| orbit)
         };
         let stalled = match solve(self) {
             Err(_) if loaded.is_some() => {

@@ -53,6 +53,8 @@ pub enum Quantity {
     Omega,
     /// The frequency `omega/(2 pi)`, in hertz, of an angular frequency `omega` of the chain.
     Frequency,
+    /// A number over a time.
+    Rate,
 }
 
 impl Quantity {
@@ -74,6 +76,7 @@ impl Quantity {
             Self::Slowness => "s/m",
             Self::Omega => "rad/s",
             Self::Frequency => "Hz",
+            Self::Rate => "1/s",
         }
     }
 }
@@ -141,7 +144,7 @@ impl Units {
             Quantity::Stiffness => self.force_n / self.length_m,
             Quantity::Damping => self.mass_kg / self.time_s,
             Quantity::Slowness => self.velocity_m_per_s.recip(),
-            Quantity::Omega | Quantity::Frequency => self.time_s.recip(),
+            Quantity::Omega | Quantity::Frequency | Quantity::Rate => self.time_s.recip(),
         }
     }
 

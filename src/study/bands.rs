@@ -121,9 +121,9 @@ fn envelopes(all: &[Envelope], si: Option<&Units>) -> Table {
         .col("band", Short, "", |row| row.0)
         .col("theta_over_pi", Fixed(4), "", |row| row.1 / PI)
         .col("group_velocity", Power(6), "of envelopes, in beads per unit of time", |row| row.3.group_velocity)
-        .kind(Quantity::Omega)
+        .kind(Quantity::Rate)
         .col("dispersion", Power(6), "second derivative of the frequency by theta", |row| row.3.dispersion)
-        .kind(Quantity::Omega)
+        .kind(Quantity::Rate)
         .col(
             "nonlinearity",
             Power(6),
@@ -131,7 +131,7 @@ fn envelopes(all: &[Envelope], si: Option<&Units>) -> Table {
              2 |A|",
             |row| row.3.nonlinearity * row.2 * row.2,
         )
-        .kind(Quantity::Omega)
+        .kind(Quantity::Rate)
         .col("focusing", Short, "whether dispersion times nonlinearity is positive: envelopes are bright", |row| {
             row.3.focusing()
         })

@@ -188,6 +188,8 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             "bonds.overlap = positive, boundary = \"free\" is not valid: only two walls",
         ),
         ("run rosas-2007 --integrator corrected", "contacts that do not dissipate: take dop853-regularised\n"),
+        ("breather barrier --c-x=-1 --rho 0 --from 2.43 --to 2.435", "the barrier is that of chains with resonators\n"),
+        ("breather barrier --c-x=-1", "under a precompression a range needs --from and --to\n"),
         ("run end-driven --integrator corrected", "take dop853-regularised, or strang-linear for equal steps\n"),
         (
             "wave tw-q15 --zeta=-1",

@@ -632,3 +632,24 @@ fn a_chain_at_rest_is_no_loaded_breather() {
         assert!(why.contains("no dark breather of this frequency") && why.contains(&omega_b.to_string()), "{why}");
     }
 }
+
+#[test]
+fn orbits_with_their_kink_elsewhere_or_with_several_are_no_loaded_breathers() {
+    // Above the upper edge Newton's method finds orbits of several kinks; at alpha = 3 the seed about a
+    // site leads to the orbit about a bond.
+    for omega_b in [2.79, 3.0] {
+        let breather = DarkBreather { c_x: -1.0, ..breather(Center::Site, omega_b) };
+        let why = breather.orbit(&Shooting::default()).unwrap_err().to_string();
+        assert!(why.contains("no dark breather of this frequency"), "{why}");
+    }
+    let params = Params::new(3.0, 1.0, 0.0).unwrap();
+    let mut breather = DarkBreather { params, center: Center::Site, sites: 41, omega_b: 0.0, c_x: -1.0 };
+    breather.omega_b = breather.usual_frequency([1.0, 0.5]);
+    match breather.orbit(&Shooting::default()) {
+        Ok(orbit) => {
+            let half = orbit.states(1e-13, &[0.5 * orbit.setting.period()]).unwrap();
+            assert!((half[0][20] - orbit.x()[20]).abs() < 1e-2, "{:?}", orbit.x());
+        }
+        Err(why) => assert!(why.to_string().contains("no dark breather of this frequency"), "{why}"),
+    }
+}

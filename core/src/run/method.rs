@@ -489,6 +489,9 @@ fn collocated(
     })
 }
 
+/// Entries of a state at rest, in units of the drives, are at most this.
+const AT_REST: f64 = 1e-9;
+
 /// DOP853 of a run, across its contacts or from event to event.
 fn dop853(
     run: &Run,
@@ -501,8 +504,10 @@ fn dop853(
     // The unit of the absolute tolerance is the largest entry of the initial state, so that waves
     // of small amplitude are integrated with the same relative accuracy. For a chain that drives
     // take from rest, the unit is the size of the drives.
+    // So is it for one at an equilibrium, which is rest up to rounding.
+    let drives = chain.details().map_or(0.0, Details::scale);
     let size = match max_norm(run.initial().as_slice().iter().copied()) {
-        0.0 => chain.details().map_or(0.0, Details::scale),
+        size if size <= AT_REST * drives => drives,
         size => size,
     };
     let atol = if size > 0.0 { tol * size } else { tol };
