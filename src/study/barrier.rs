@@ -147,11 +147,11 @@ impl Barrier {
     }
 
     fn frequencies(&self) -> Result<Vec<f64>> {
+        let omega = self.ring.breather(Center::Site, None, ONE)?.params.omega();
         let Ring { c_x, params: ChainParams { rho, .. }, .. } = self.ring;
         require(rho > 0.0, "rho", rho, "the barrier is that of chains with resonators")?;
         let given = self.from.is_some() && self.to.is_some();
         require(c_x >= 0.0 || given, "from", "nothing", "under a precompression a range needs --from and --to")?;
-        let omega = self.ring.breather(Center::Site, None, ONE)?.params.omega();
         let [from, to] = [self.from.unwrap_or(RANGE[0] * omega), self.to.unwrap_or(RANGE[1] * omega)];
         self.within_ranges()?;
         for (name, value) in [("from", from), ("to", to)] {
