@@ -398,9 +398,9 @@ pub enum Kind {
     /// Kuwabara & Kono 1987, Jpn. J. Appl. Phys. 26, 1230; Brilliantov, Spahn, Hertzsch & Poeschel
     /// 1996, Phys. Rev. E 53, 5382. `gamma` is a time.
     Viscoelastic,
-    /// A dashpot, `c(g) = gamma g^beta`, so that `f = (F + gamma g^beta g')_+` for `g > 0`; a linear
-    /// one has `beta = 0`, and `gamma` is a force over a velocity: Tsuji, Tanaka & Ishida 1992,
-    /// Powder Technol. 71, 239, have `beta = 1/4`.
+    /// A dashpot, `c(g) = gamma g^beta`, so that `f = (F + gamma g^beta g')_+` for `g > 0`; a
+    /// linear one has `beta = 0`, and `gamma` is a force over a velocity: Tsuji, Tanaka & Ishida
+    /// 1992, Powder Technol. 71, 239, have `beta = 1/4`.
     Dashpot,
     /// Hunt & Crossley 1975, J. Appl. Mech. 42, 440: `c(g) = gamma F(g)`, so that
     /// `f = F (1 + gamma g')_+`. `gamma` is a time over a length.
@@ -435,8 +435,8 @@ impl Kind {
     }
 }
 
-/// The law of one bond: elastic force `F(g) = A (g)_+^alpha`, resistance `c(g)`, and the force
-/// `f = (F(g) + c(g) g')_+` for `g > 0`: beads never pull. Where they may, `f = F(g) + c(g) g'` up to
+/// The law of one bond: elastic force `F(g) = A (g)_+^alpha`, resistance `c(g)`, and the force `f =
+/// (F(g) + c(g) g')_+` for `g > 0`: beads never pull. Where they may, `f = F(g) + c(g) g'` up to
 /// the zero of the overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct BondLaw<R> {

@@ -3,7 +3,7 @@
 use crate::error::OrRaise;
 use hertzchain::{
     Boundary, Chain, Error, Params,
-    chain::{Course, Details, DriveKind, Envelope},
+    chain::{Course, Details, Drive, DriveKind, Envelope},
     scene::{ChainSection, Initial, Quantity, Record, SceneFile, Span},
 };
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -156,7 +156,8 @@ impl Scene {
         self.0.samples()
     }
 
-    /// `u, v, u', v'` at the start, in the units of the scene; `v` and `v'` only if resonators move.
+    /// `u, v, u', v'` at the start, in the units of the scene; `v` and `v'` only if resonators
+    /// move.
     fn initial<'py>(&self, py: Python<'py>) -> [Option<Bound<'py, PyArray1<f64>>>; 4] {
         let state = self.0.initial();
         let arrays = [Some(state.u()), state.v(), Some(state.u_dot()), state.v_dot()];
@@ -178,29 +179,69 @@ fn boundary_named(py: Python<'_>, name: &str) -> PyResult<Boundary> {
         .or_raise(py)
 }
 
+/// A table of the lists that are not empty.
+fn table<'py>(py: Python<'py>, lists: &[(&str, &Vec<f64>)]) -> PyResult<Bound<'py, PyDict>> {
+    let table = PyDict::new(py);
+    for (key, list) in lists.iter().filter(|(_, list)| !list.is_empty()) {
+        table.set_item(key, PyArray1::from_slice(py, list))?;
+    }
+    Ok(table)
+}
+
+/// The table of a drive.
+fn drive_table<'py>(py: Python<'py>, driven: &Drive) -> PyResult<Bound<'py, PyDict>> {
+    let harmonics = &driven.signal.harmonics;
+    let (times, values) = match &driven.signal.course {
+        Some(Course::Table(spline)) => (spline.times().to_vec(), spline.values().to_vec()),
+        _ => (Vec::new(), Vec::new()),
+    };
+    let each = table(
+        py,
+        &[
+            ("amplitude", &harmonics.iter().map(|one| one.amplitude).collect()),
+            ("omega", &harmonics.iter().map(|one| one.omega).collect()),
+            ("phase", &harmonics.iter().map(|one| one.phase).collect()),
+            ("times", &times),
+            ("values", &values),
+        ],
+    )?;
+    match driven.signal.course {
+        Some(Course::Steady { velocity }) => each.set_item("velocity", velocity)?,
+        Some(Course::Chirp { amplitude, omega: [first, last], phase, start, length }) => {
+            let all = [amplitude, first, last, phase, start, length];
+            let keys = ["amplitude", "omega", "omega_end", "phase", "start", "length"];
+            keys.into_iter().zip(all).try_for_each(|(key, value)| each.set_item(key, value))?;
+        }
+        Some(Course::Table(_)) | None => {}
+    }
+    each.set_item("site", driven.site)?;
+    each.set_item("kind", if driven.kind == DriveKind::Displacement { "moved" } else { "pushed" })?;
+    match driven.signal.envelope {
+        Envelope::None => {}
+        Envelope::Ramp(ramp) => each.set_item("ramp", ramp)?,
+        Envelope::Burst { start, length } | Envelope::HalfSine { start, length } => {
+            each.set_item("start", start)?;
+            each.set_item("length", length)?;
+            if matches!(driven.signal.envelope, Envelope::HalfSine { .. }) {
+                each.set_item("shape", "half-sine")?;
+            }
+        }
+    }
+    Ok(each)
+}
+
 /// The tables of a scene that say the same as details.
 fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict>> {
-    let table = |lists: &[(&str, &Vec<f64>)]| -> PyResult<Bound<'py, PyDict>> {
-        let table = PyDict::new(py);
-        for (key, list) in lists.iter().filter(|(_, list)| !list.is_empty()) {
-            table.set_item(key, PyArray1::from_slice(py, list))?;
-        }
-        Ok(table)
-    };
     let Details { mass, kappa, rho, onsite, drag, dashpot, contact, alpha, overlap, spring, magnet, distance, .. } =
         details;
-    let beads = table(&[
-        ("mass", mass),
-        ("kappa", kappa),
-        ("rho", rho),
-        ("onsite", onsite),
-        ("drag", drag),
-        ("dashpot", dashpot),
-    ])?;
+    let beads = table(
+        py,
+        &[("mass", mass), ("kappa", kappa), ("rho", rho), ("onsite", onsite), ("drag", drag), ("dashpot", dashpot)],
+    )?;
     let mut bonds = vec![("contact", contact), ("alpha", alpha), ("overlap", overlap), ("spring", spring)];
     bonds.extend([("magnet", magnet), ("distance", distance)]);
     bonds.extend(details.dissipation.iter().map(|loss| (loss.kind.name(), &loss.strength)));
-    let bonds = table(&bonds)?;
+    let bonds = table(py, &bonds)?;
     for (key, number) in [("beta", details.beta), ("decay", details.decay)].into_iter().filter(|one| one.1 != 0.0) {
         bonds.set_item(key, number)?;
     }
@@ -208,43 +249,7 @@ fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict
         bonds.set_item("pull", true)?;
     }
     let drive = PyList::empty(py);
-    for driven in &details.drives {
-        let harmonics = &driven.signal.harmonics;
-        let (times, values) = match &driven.signal.course {
-            Some(Course::Table(spline)) => (spline.times().to_vec(), spline.values().to_vec()),
-            _ => (Vec::new(), Vec::new()),
-        };
-        let each = table(&[
-            ("amplitude", &harmonics.iter().map(|one| one.amplitude).collect()),
-            ("omega", &harmonics.iter().map(|one| one.omega).collect()),
-            ("phase", &harmonics.iter().map(|one| one.phase).collect()),
-            ("times", &times),
-            ("values", &values),
-        ])?;
-        match driven.signal.course {
-            Some(Course::Steady { velocity }) => each.set_item("velocity", velocity)?,
-            Some(Course::Chirp { amplitude, omega: [first, last], phase, start, length }) => {
-                let all = [amplitude, first, last, phase, start, length];
-                let keys = ["amplitude", "omega", "omega_end", "phase", "start", "length"];
-                keys.into_iter().zip(all).try_for_each(|(key, value)| each.set_item(key, value))?;
-            }
-            Some(Course::Table(_)) | None => {}
-        }
-        each.set_item("site", driven.site)?;
-        each.set_item("kind", if driven.kind == DriveKind::Displacement { "moved" } else { "pushed" })?;
-        match driven.signal.envelope {
-            Envelope::None => {}
-            Envelope::Ramp(ramp) => each.set_item("ramp", ramp)?,
-            Envelope::Burst { start, length } | Envelope::HalfSine { start, length } => {
-                each.set_item("start", start)?;
-                each.set_item("length", length)?;
-                if matches!(driven.signal.envelope, Envelope::HalfSine { .. }) {
-                    each.set_item("shape", "half-sine")?;
-                }
-            }
-        }
-        drive.append(each)?;
-    }
+    details.drives.iter().try_for_each(|driven| drive.append(drive_table(py, driven)?))?;
     let all = PyDict::new(py);
     all.set_item("beads", beads)?;
     all.set_item("bonds", bonds)?;

@@ -150,8 +150,8 @@ impl DarkBreather {
         Ok(z)
     }
 
-    /// Refuses an orbit that is no dark breather about this centre: a chain at rest, a kink elsewhere,
-    /// and under a precompression a background whose neighbours are not in antiphase.
+    /// Refuses an orbit that is no dark breather about this centre: a chain at rest, a kink
+    /// elsewhere, and under a precompression a background whose neighbours are not in antiphase.
     fn check(&self, orbit: &Orbit, tol: f64) -> Result<()> {
         let x = orbit.x();
         let swing = |x: f64| x - self.c_x;
@@ -159,8 +159,8 @@ impl DarkBreather {
         let moves = x.iter().any(|one| (one - x[0]).abs() > STILL * orbit.amplitude());
         let rule = "no dark breather of this frequency was found: the chain is at rest";
         require(moves, "omega_b", self.omega_b, rule)?;
-        // Strains of opposite phase about a site leave the first harmonic no part there; about a bond
-        // they are even.
+        // Strains of opposite phase about a site leave the first harmonic no part there; about a
+        // bond they are even.
         let (off, rule) = match self.center {
             Center::Site => {
                 let half = orbit.states(tol, &[0.5 * orbit.setting.period()])?;
@@ -183,6 +183,7 @@ impl DarkBreather {
     /// Numbers outside their rules, and [`Error::Stalled`] with the best iterate where neither way
     /// leads to the orbit.
     pub fn orbit(&self, shooting: &Shooting) -> Result<Orbit> {
+        self.setting().chain()?;
         let loaded = self.loaded();
         let solve = |breather: &Self| {
             let orbit = shooting.solve(&breather.setting(), &breather.seed()?)?;

@@ -112,8 +112,8 @@ impl Bands {
     /// The frequencies of waves with the phase `theta` from cell to cell, in ascending order, one a
     /// band.
     ///
-    /// Squares of frequencies have the error of a few roundings of the largest; those below zero are
-    /// zero.
+    /// Squares of frequencies have the error of a few roundings of the largest; those below zero
+    /// are zero.
     pub fn at(&self, theta: f64) -> Vec<f64> {
         let [here, after, before] = &self.blocks;
         let turn = Complex::from_polar(1.0, theta);

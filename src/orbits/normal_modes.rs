@@ -115,9 +115,9 @@ impl NormalModes {
         Self::held(chain, &[])
     }
 
-    /// The linear modes of a chain about its static state, without its damping and those drives that
-    /// vary in time, and with some beads held in their places: those in `held`, and those that drives
-    /// move.
+    /// The linear modes of a chain about its static state, without its damping and those drives
+    /// that vary in time, and with some beads held in their places: those in `held`, and those that
+    /// drives move.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -134,7 +134,8 @@ impl NormalModes {
         require(!free.is_empty(), "chain", "all beads are held", "at least one bead that can move")?;
         let beads = coordinates.map(|i| chain.masses(i)[0]);
         let masses: Vec<f64> = beads.chain(resonators.map(|i| chain.masses(i)[1])).collect();
-        // Newton's method finds the equilibrium from the unloaded chain only where this has stiffness.
+        // Newton's method finds the equilibrium from the unloaded chain only where this has
+        // stiffness.
         let loaded = chain.open() && !chain.tied();
         let rest = if loaded { State::equilibrium(chain)? } else { State::rest(chain) }.as_slice().to_vec();
         let mut modes =

@@ -47,8 +47,8 @@ sections! {
     /// The section `[bonds]`: one number for each bond that can touch, from left to right.
     #[derive(Default)]
     pub struct BondsSection {
-        /// Contact constants (1, or those of Hertz for the spheres of `[units]`, if left out); 0: no
-        /// contact.
+        /// Contact constants (1, or those of Hertz for the spheres of `[units]`, if left out); 0:
+        /// no contact.
         contact?: Values,
         /// Contact constant of walls (that of `contact` if left out).
         wall?: f64,
@@ -56,7 +56,8 @@ sections! {
         alpha?: Values,
         /// Static overlaps (`chain.precompression` if left out); negative: beads apart.
         overlap?: Values as Length,
-        /// Constants of linear springs between beads, relaxed at the static overlap (none if left out).
+        /// Constants of linear springs between beads, relaxed at the static overlap (none if left
+        /// out).
         spring?: Values as Stiffness,
         /// Forces at rest of magnets on two beads that repel (none if left out).
         magnet?: Values as Force,
@@ -68,8 +69,8 @@ sections! {
         viscoelastic?: Values as Time,
         /// Dashpot constants of contacts, force over velocity.
         dashpot?: Values as Damping,
-        /// Power of the overlap in the resistance of dashpots, whose constants then are a force over a
-        /// velocity and a length to this power (0 if left out).
+        /// Power of the overlap in the resistance of dashpots, whose constants then are a force
+        /// over a velocity and a length to this power (0 if left out).
         beta?: f64,
         /// Constants of contacts by the law of Hunt and Crossley, time over length.
         hunt_crossley?: Values as Slowness,
@@ -99,8 +100,8 @@ sections! {
         seed?: u64,
         /// Velocity of a bead that is moved steadily, in place of `amplitude`.
         velocity?: f64 as Velocity,
-        /// File with lines `time, value`, in place of `amplitude`; relative to the file of the scene.
-        /// A scene that is read has the numbers in `times` and `values` instead.
+        /// File with lines `time, value`, in place of `amplitude`; relative to the file of the
+        /// scene. A scene that is read has the numbers in `times` and `values` instead.
         file?: String,
         /// Times of the values of a signal, which increase.
         times?: Vec<f64> as Time,

@@ -73,8 +73,8 @@ sections! {
         precompression: f64 as Length,
         /// Acceleration of gravity (0 if left out).
         gravity?: f64 as Acceleration,
-        /// Angle of the chain below the horizontal, in degrees: at 90 (if left out) its right end is
-        /// at the bottom, at -90 its left end.
+        /// Angle of the chain below the horizontal, in degrees: at 90 (if left out) its right end
+        /// is at the bottom, at -90 its left end.
         tilt?: f64,
     }
 }

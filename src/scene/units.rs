@@ -88,8 +88,8 @@ impl SceneFile {
     /// The scene with dimensionless numbers, and its units, if it has `[units]`.
     ///
     /// # Errors
-    /// A value outside its rule; a mass or a contact constant that neither is given nor follows from
-    /// spheres.
+    /// A value outside its rule; a mass or a contact constant that neither is given nor follows
+    /// from spheres.
     pub(super) fn dimensionless(&self) -> Result<Option<(Self, Units)>> {
         let Some(section) = &self.units else { return Ok(None) };
         section.check()?;
@@ -143,16 +143,8 @@ impl SceneFile {
         let units = Units::new(length, masses[first.unwrap_or(0)], reference);
 
         if let Some(load) = section.static_load.filter(|load| *load > 0.0) {
-            if bonds.overlap.is_some() || self.chain.precompression != 0.0 {
-                let rule = "a static load gives the static overlaps: leave `overlap` and `precompression` out";
-                return Err(Error::parameter("units.static_load", load, rule));
-            }
-            if let Some(k) = contacts.iter().position(|constant| *constant == 0.0) {
-                let rule = "no load where beads have no contact: give `overlap` of [bonds]";
-                return Err(Error::parameter("units.static_load", at(load, k), rule));
-            }
-            let overlap = |(k, a): (usize, &f64)| (load / a).powf(alpha(k).recip());
-            bonds.overlap = Some(Values::List(contacts.iter().enumerate().map(overlap).collect()));
+            let other = bonds.overlap.is_some() || self.chain.precompression != 0.0;
+            bonds.overlap = Some(Values::List(pressed(load, &contacts, &alpha, other)?));
         }
         let list = |values: Vec<f64>| values.iter().any(|value| *value != 1.0).then_some(Values::List(values));
         beads.mass = list(masses.iter().map(|mass| mass / units.mass_kg).collect());
@@ -233,6 +225,18 @@ impl BondsSection {
     fn per_overlap(&self, units: &Units) -> f64 {
         units.length_m.powf(self.beta.unwrap_or(0.0))
     }
+}
+
+/// The static overlaps by a load, of contacts with these constants and exponents; `other`: whether
+/// they are given.
+fn pressed(load: f64, contacts: &[f64], alpha: &dyn Fn(usize) -> f64, other: bool) -> Result<Vec<f64>> {
+    let rule = "a static load gives the static overlaps: leave `overlap` and `precompression` out";
+    require(!other, "units.static_load", load, rule)?;
+    if let Some(k) = contacts.iter().position(|constant| *constant == 0.0) {
+        let rule = "no load where beads have no contact: give `overlap` of [bonds]";
+        return Err(Error::parameter("units.static_load", at(load, k), rule));
+    }
+    Ok(contacts.iter().enumerate().map(|(k, a)| (load / a).powf(alpha(k).recip())).collect())
 }
 
 /// A value with the place in its list.

@@ -4,7 +4,7 @@ use super::{
     Changes, ResultUnits, Study, Work, options::options, run::error_in_file, scene_caption, scene_json, si::Scale,
 };
 use crate::{
-    chain::DriveKind,
+    chain::{Drive, DriveKind},
     error::{Error, Result},
     interrupt,
     numerics::extremes,
@@ -36,7 +36,8 @@ options! {
         /// moved: the response is a displacement over that of the driven bead. pushed: it is a
         /// displacement over the force. Other beads that drives of the scene move are held.
         kind: Option<String> = None, "KIND", [arg(value_parser = ["moved", "pushed"])];
-        /// Sites whose responses are computed, separated by commas [default: the last one].
+        /// Sites whose responses are computed, separated by commas [default: the last that no drive
+        /// moves].
         at: Vec<usize> = Vec::new(), "SITES";
         /// First frequency omega.
         from: f64 = 0.0, "W", (from 0);
@@ -48,7 +49,8 @@ options! {
         ///
         /// Frequencies, equally spaced.
         points: usize = 401, "K", (2 to 100_000);
-        /// Run the chain as well, by a drive of this amplitude: of the displacement, or of the force.
+        /// Run the chain as well, by a drive of this amplitude: of the displacement, or of the
+        /// force.
         ///
         /// At every frequency above zero the chain starts from its static state, and the drive
         /// comes to its full height over the first quarter of --run-periods. The response is the
@@ -100,7 +102,11 @@ impl Study for Responses {
             None => first.map_or(DriveKind::Force, |drive| drive.kind),
         };
         let site = self.site.or(first.map(|drive| drive.site)).unwrap_or(0);
-        let at = if self.at.is_empty() { vec![chain.sites() - 1] } else { self.at.clone() };
+        let moves = |drive: &Drive| drive.kind == DriveKind::Displacement;
+        let drives = || chain.details().into_iter().flat_map(|details| &details.drives);
+        let held = |i: &usize| drives().any(|drive| moves(drive) && drive.site == *i);
+        let last = (0..chain.sites()).rev().find(|i| !held(i)).unwrap_or(0);
+        let at = if self.at.is_empty() { vec![last] } else { self.at.clone() };
         if let Some(outside) = at.iter().find(|at| **at >= chain.sites()) {
             return Err(Error::parameter("at", outside, "a site of the chain, counted from 0"));
         }

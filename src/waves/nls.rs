@@ -20,8 +20,8 @@
 //! The last term of `beta` is that of the slow strain. It is absent with fixed resonators, and for
 //! periodic waves whose mean strain is kept: these have the frequency `omega - beta_0 |A|^2` with
 //! `beta_0` without it. The equation is focusing where `omega'' beta > 0`. G. Huang & B. Hu 1998,
-//! Phys. Rev. B 57, 5746 (chains without resonators); L. Liu, G. James, P. Kevrekidis & A. Vainchtein
-//! 2016, Physica D 331, 27 (with resonators).
+//! Phys. Rev. B 57, 5746 (chains without resonators); L. Liu, G. James, P. Kevrekidis & A.
+//! Vainchtein 2016, Physica D 331, 27 (with resonators).
 
 use crate::{
     chain::{Params, Resonators},
@@ -57,7 +57,8 @@ pub struct Nls {
 
 impl Nls {
     /// Of each band of a chain of equal beads of mass 1, the lowest first, at the phase `theta` in
-    /// `(0, pi]`. Contacts have the force `contact (overlap + s)^alpha`, with both numbers positive.
+    /// `(0, pi]`. Contacts have the force `contact (overlap + s)^alpha`, with both numbers
+    /// positive.
     ///
     /// # Errors
     /// Parameters, an overlap or a phase outside their rules.

@@ -162,9 +162,10 @@ fn a_pulse_decays_in_proportion_to_weak_dashpots() {
 
 #[test]
 fn viscoelastic_spheres_spring_back_by_the_published_series() {
-    // Published: e = 1 - C1 b + C2 b^2 + (4/15) b^(5/2) + ..., b = (3/2) A (rho/m)^(2/5) v^(1/5), with
-    // the viscoelastic time A, C1 = (4/5)(5/4)^(3/5) B(3/5, 3/2) and C2 = (3/5) C1^2; contacts end
-    // where they cease to push. Here rho = m = 1, A = 0.1, and b is divided by ten from point to point.
+    // Published: e = 1 - C1 b + C2 b^2 + (4/15) b^(5/2) + ..., b = (3/2) A (rho/m)^(2/5) v^(1/5),
+    // with the viscoelastic time A, C1 = (4/5)(5/4)^(3/5) B(3/5, 3/2) and C2 = (3/5) C1^2; contacts
+    // end where they cease to push. Here rho = m = 1, A = 0.1, and b is divided by ten from point
+    // to point.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("plan.toml");
     let plan =
@@ -189,8 +190,8 @@ fn viscoelastic_spheres_spring_back_by_the_published_series() {
 
 #[test]
 fn a_pulse_leaves_no_wake_where_resonators_turn_whole_times_from_site_to_site() {
-    // Published: no wake where omega/c = 2 pi n. The wake over the crest is that of the table, which
-    // falls with the square of the distance from the whole number.
+    // Published: no wake where omega/c = 2 pi n. The wake over the crest is that of the table,
+    // which falls with the square of the distance from the whole number.
     let near = json("wave solitary --rhos 0.03323496,0.0325452,0.03122919,0.0306012");
     let tails = near["tails"].as_array().unwrap();
     let phase = |k: usize| number(&tails[k], "/k_over_2pi");
@@ -269,7 +270,8 @@ fn a_driven_chain_without_load_is_unstable_by_a_doubling_and_a_torus() {
 #[test]
 #[ignore = "nightly: three branches, a minute"]
 fn branches_of_driven_chains_have_the_bifurcations_of_the_page() {
-    // Published: a fold, a jump and quasiperiodic motion; doublings and tori. Values are regressions.
+    // Published: a fold, a jump and quasiperiodic motion; doublings and tori. Values are
+    // regressions.
     let hertz = 2.0 * std::f64::consts::PI;
     for (line, scale, wanted) in [
         ("boechler-2011 --to 5e-7 --step 4e-8", 1e-6, &[("fold", 0.47819), ("fold", 0.09634), ("torus", 0.19457)][..]),

@@ -356,8 +356,8 @@ const STRUCK: &str = "[chain]\nsites = 40\nalpha = 1.5\nboundary = \"free\"\n[un
     site = 0\nvelocity = 0.5\n[span]\nuntil = 6e-4\n";
 
 /// Displacements and velocities at the end, and the largest force, of spheres of one mass in a row
-/// with the contact constant `A`, by the classical Runge-Kutta method in SI units: the first has the
-/// speed `strike`, all lose speed with the time `tau`.
+/// with the contact constant `A`, by the classical Runge-Kutta method in SI units: the first has
+/// the speed `strike`, all lose speed with the time `tau`.
 fn struck(sites: usize, strike: f64, tau: f64, until: f64, steps: usize) -> ([Vec<f64>; 2], f64) {
     let force = |u: &[f64], k: usize| hertz() * (u[k] - u[k + 1]).max(0.0).powf(1.5);
     let rate = |y: &[Vec<f64>; 2]| {

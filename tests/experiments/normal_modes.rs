@@ -75,8 +75,8 @@ fn one_bead_between_walls_has_the_period_of_its_potential() {
 
 #[test]
 fn a_column_oscillates_about_its_overlaps() {
-    // Truth: two beads on the right wall under gravity 0.1. Contacts have the forces 0.1 and 0.2 and
-    // the stiffness 3/2 f^{1/3}; then the eigenvalues of [[a, -a], [-a, a + b]] by hand.
+    // Truth: two beads on the right wall under gravity 0.1. Contacts have the forces 0.1 and 0.2
+    // and the stiffness 3/2 f^{1/3}; then the eigenvalues of [[a, -a], [-a, a + b]] by hand.
     let details = Details { gravity: 0.1, ..Details::default() };
     let column = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::RightWall, 2).unwrap();
     let modes = NormalModes::new(&column.with(&details).unwrap()).unwrap();

@@ -164,7 +164,8 @@ fn methods_reach_the_stored_states_of_an_open_chain() {
     assert!(ledger.drag > 0.01 && ledger.dashpots > 0.01 && ledger.contacts > 0.01 && ledger.driven.abs() > 0.01);
 }
 
-/// Beads that differ, with springs of all kinds, drag, dashpots and drives, so pressed that no contact opens.
+/// Beads that differ, with springs of all kinds, drag, dashpots and drives, so pressed that no
+/// contact opens.
 fn smooth() -> (Chain<f64>, State<f64>) {
     let details = Details {
         mass: vec![1.0, 0.5, 2.0, 1.5, 0.7, 1.0],
@@ -306,8 +307,8 @@ fn beads_with_dashpots_rebound_as_published() {
 fn dashpots_rebound_as_a_damped_oscillator_at_every_exponent() {
     // Truth: with beta = (alpha - 1)/2 and s = g^{beta+1}/(beta+1) the motion v dv/dg = -(F + gamma
     // g^beta v)/m_eff is v dv/ds = -(gamma v + A (beta+1) s)/m_eff, a damped oscillator (Antypov &
-    // Elliott 2011, EPL 94, 50004). With nu = gamma/(2 m_eff) and omega beads that may pull have e =
-    // exp(-pi nu/omega), and others that of linear dashpots, see above; at every speed.
+    // Elliott 2011, EPL 94, 50004). With nu = gamma/(2 m_eff) and omega beads that may pull have e
+    // = exp(-pi nu/omega), and others that of linear dashpots, see above; at every speed.
     let mass = [2.0, 0.5];
     for (method, bound) in METHODS.into_iter().zip([2e-10, 1e-13]) {
         for (alpha, gamma) in [1.0f64, 1.5, 2.0, 3.0].into_iter().flat_map(|a| [0.05, 0.4].map(|gamma| (a, gamma))) {

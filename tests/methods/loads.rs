@@ -31,6 +31,28 @@ fn signal(course: Course) -> Signal {
 }
 
 #[test]
+fn a_bead_that_is_held_in_its_neighbour_throws_it_off() {
+    // Truth: the energy of the contact, A g^(alpha+1)/(alpha+1) = m v^2/2. Nothing else moves: the
+    // held bead alone has to give the unit of tolerances.
+    for (overlap, table) in [(0.1, false), (1e-6, false), (0.1, true)] {
+        let constant = signal(Course::Table(Arc::new(Spline::new(vec![0.0, 1e9], vec![overlap; 2]).unwrap())));
+        let signal = if table { constant } else { Signal::constant(overlap) };
+        let held = Drive { site: 0, kind: DriveKind::Displacement, signal };
+        let details = Details { mass: vec![1.0, 0.5], drives: vec![held], ..Details::default() };
+        let chain = chain(PLAIN, Boundary::Free, 2, &details);
+        let speed = (2.0 * overlap.powf(2.5) / 2.5 / 0.5).sqrt();
+        let time = 40.0 * overlap / speed;
+        // DOP853 has the tolerance for each step, and the unit of the overlap, not of the speed.
+        for (method, bound) in [(Method::Collocation, 2e-15), (Method::named("dop853-regularised").unwrap(), 1.2e-10)] {
+            let state = end(&chain, &State::rest(&chain).driven(&chain), method, time, 0);
+            let off = (state[3] / speed - 1.0).abs();
+            println!("{overlap} {table} {}: {off:.1e}", method.name());
+            assert!(off < bound, "{overlap} {}: {off:e}", method.name());
+        }
+    }
+}
+
+#[test]
 fn a_wall_is_a_mirror() {
     // Truth: the chain and its mirror image, without a wall. The contact of bead 0 with its image
     // overlaps twice as much as that with the wall, so its constant is 2^-alpha. Steps err by some
@@ -152,8 +174,8 @@ fn a_free_bead_is_pushed_as_far_as_the_force_says() {
 
 #[test]
 fn all_methods_meet_chirps_and_tables_in_a_chain() {
-    // Truth: contact collocation at a tolerance of 1e-13. Methods that stop at events meet it to 1e-8.
-    // dop853, which crosses contacts, and equal steps meet it to 1e-4.
+    // Truth: contact collocation at a tolerance of 1e-13. Methods that stop at events meet it to
+    // 1e-8. dop853, which crosses contacts, and equal steps meet it to 1e-4.
     let values: Vec<f64> = (0..40).map(|k| 0.2 * (0.7 * f64::from(k)).sin()).collect();
     let table = Spline::new((0..40).map(|k| 0.25 * f64::from(k)).collect(), values).unwrap();
     let chirp = Course::Chirp { amplitude: 0.3, omega: [4.0, 0.5], phase: 0.2, start: 1.0, length: 5.0 };

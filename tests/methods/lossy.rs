@@ -351,10 +351,10 @@ fn dashpots_let_go_without_a_root_of_time() {
 
 #[test]
 fn dashpots_that_resist_more_than_contacts_spring_back_push_until_the_overlap_is_largest() {
-    // Truth: a closed form. Two beads on springs, a distance `size` apart, meet with forces gamma g'
-    // and next to no elastic one, so that they push while the overlap grows. With Newton's method
-    // for the zero of P, which goes like the root of order alpha of the time there, the force ended
-    // up to 0.004 too early or too late: 2.7e-6 at a tolerance of 1e-10.
+    // Truth: a closed form. Two beads on springs, a distance `size` apart, meet with forces gamma
+    // g' and next to no elastic one, so that they push while the overlap grows. With Newton's
+    // method for the zero of P, which goes like the root of order alpha of the time there, the
+    // force ended up to 0.004 too early or too late: 2.7e-6 at a tolerance of 1e-10.
     let gamma = 0.3f64;
     let relative = |mut t: f64| {
         // The distance x/size and its rate from x = 1.5 sin(t), in turns of a push and a free path.

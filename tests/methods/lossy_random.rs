@@ -166,14 +166,14 @@ fn random_chains_that_dissipate_keep_their_tolerance() {
 
 #[test]
 fn random_chains_by_the_law_of_hunt_and_crossley_keep_their_tolerance() {
-    // With gamma up to 2.5; of 2000 scenes with gamma up to 10 two are not kept, at tolerances below
-    // 1e-12.
+    // With gamma up to 2.5; of 2000 scenes with gamma up to 10 two are not kept, at tolerances
+    // below 1e-12.
     let failed = search(0..40, |next| scene_of(next, |_| (Kind::HuntCrossley, 5.0)));
     assert!(failed.is_empty(), "{failed:#?}");
 }
 
-/// A scene with a law of dissipation by chance whose contacts may pull, or with a dashpot of a power
-/// of the overlap.
+/// A scene with a law of dissipation by chance whose contacts may pull, or with a dashpot of a
+/// power of the overlap.
 fn pulling(next: &mut dyn FnMut() -> f64) -> (Chain<f64>, State<f64>, f64) {
     let laws = [(Kind::Dashpot, 1.0), (Kind::Viscoelastic, 1.0), (Kind::HuntCrossley, 5.0), (Kind::Dashpot, 1.0)];
     let (chain, state, end) = scene_of(next, |x| laws[(4.0 * x) as usize]);

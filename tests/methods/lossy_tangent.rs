@@ -55,8 +55,8 @@ fn it_agrees_with_differences_in_double_double_and_with_the_variational_map() {
         let (y, entries) = (start(&chain), free(&chain));
         let w = direction(entries.len(), 0);
         let truth = difference(&lossy(kind), &w, t, (1e-6, 1e-18));
-        // Forces that begin with the power 1/4 of time take more of both: 90 windows have 2e-10, eight
-        // nodes 2.6e-8.
+        // Forces that begin with the power 1/4 of time take more of both: 90 windows have 2e-10,
+        // eight nodes 2.6e-8.
         let grids: &[(u64, usize)] =
             if kind.1 == 0.0 { &[(90, 12), (180, 12), (720, 12), (360, 8)] } else { &[(360, 12), (720, 12)] };
         for &(windows, nodes) in grids {

@@ -166,8 +166,8 @@ fn methods_agree_where_springs_are_beside_contacts() {
 
 #[test]
 fn magnets_repel_along_their_closed_form() {
-    // Truth: for p = 3 the distance y of two beads of the reduced mass m has y'' = k/y^3, k = F d^3/m,
-    // so that y^2 = k/(2 E) + 2 E (t - t_0)^2 with E = (y'^2 + k/y^2)/2.
+    // Truth: for p = 3 the distance y of two beads of the reduced mass m has y'' = k/y^3, k = F
+    // d^3/m, so that y^2 = k/(2 E) + 2 E (t - t_0)^2 with E = (y'^2 + k/y^2)/2.
     let details = Details {
         mass: vec![2.0, 0.5],
         contact: vec![0.0],
@@ -228,8 +228,8 @@ fn the_tangent_map_agrees_with_differences_in_double_double() {
 #[test]
 fn bars_have_their_published_modes_and_bands() {
     // Truth: omega_j = 2 (K/m)^(1/2) sin(j pi/(2 (n + 1))) between walls; on a ring of beads with
-    // on-site springs k, contacts of stiffness a and magnets beside, omega^2 = k + 4 (K + a + p F/d)
-    // sin(theta/2)^2.
+    // on-site springs k, contacts of stiffness a and magnets beside, omega^2 = k + 4 (K + a + p
+    // F/d) sin(theta/2)^2.
     let n = 7;
     let details = Details { contact: vec![0.0; n + 1], spring: vec![1.7; n + 1], ..Details::default() };
     for (j, mode) in NormalModes::new(&bare(Boundary::Fixed, n, &details)).unwrap().linear().iter().enumerate() {
@@ -300,7 +300,7 @@ fn scenes_have_springs_and_their_equilibrium() {
         ("spring = 2.0", "beta = 0.5", "bonds.beta = 0.5"),
         ("spring = 2.0", "pull = true", "bonds.pull = true"),
         ("contact = 0.0", "dashpot = 0.1\nbeta = 0.75", "bonds.beta = 0.75"),
-        ("spring = 2.0", "magnet = 0.1", "bonds.distance = []"),
+        ("spring = 2.0", "magnet = 0.1", "bonds.distance = nothing"),
         ("spring = 2.0", "magnet = 0.1\ndistance = 2.0", "bonds.decay = 0"),
         ("spring = 2.0", "magnet = -0.1\ndistance = 2.0\ndecay = 3.0", "bonds.magnet = -0.1"),
         ("spring = 2.0", "distance = 2.0", "bonds.magnet = nothing"),

@@ -190,8 +190,8 @@ fn on_a_uniform_chain_it_is_that_of_collocation() {
 fn with_contacts_that_dissipate_it_agrees_with_differences_in_double_double() {
     // Truth: the same differences, with a longer step and a looser tolerance: the resistance of
     // viscoelastic contacts is computed by a division, which has 17 digits in double-double. Errors
-    // of differences are of the order 1e-12 by the step, 1e-11 by the division, 4e-10 by the power 1/4
-    // of an overlap. Asked: 1e-9.
+    // of differences are of the order 1e-12 by the step, 1e-11 by the division, 4e-10 by the power
+    // 1/4 of an overlap. Asked: 1e-9.
     for kind in LAWS {
         let (chain, t) = (lossy::<f64>(kind), 9.0);
         let w = direction(free(&chain).len(), 0);

@@ -14,8 +14,8 @@ pub struct Energy<R> {
     pub beads: R,
     /// Kinetic energy of the resonators, `sum rho v'^2 / 2`.
     pub resonators: R,
-    /// Energy of the springs, `sum kappa (u - v)^2 / 2`, and of those on sites and between beads, and of
-    /// magnets.
+    /// Energy of the springs, `sum kappa (u - v)^2 / 2`, and of those on sites and between beads,
+    /// and of magnets.
     pub springs: R,
     /// Energy of the contacts, `sum (g)_+^{alpha+1} / (alpha+1)`.
     pub contacts: R,

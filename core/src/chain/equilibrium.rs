@@ -51,8 +51,8 @@ impl Chain<f64> {
     /// ```
     ///
     /// # Errors
-    /// A load that nothing holds; beads tied by springs to places (`rho = inf`) or to each other; a strain ring; a
-    /// ring with beads that are moved or contacts that are left out.
+    /// A load that nothing holds; beads tied by springs to places (`rho = inf`) or to each other; a
+    /// strain ring; a ring with beads that are moved or contacts that are left out.
     pub fn equilibrium(&self) -> Result<Vec<f64>> {
         let rule = "an equilibrium of displacements: any other boundary";
         require(self.boundary() != Boundary::StrainRing, "boundary", "strain-ring", rule)?;

@@ -95,8 +95,9 @@ impl<R: Real> Chain<R> {
     /// `g_n = delta_0 + u_{n-1} - u_n`.
     ///
     /// # Errors
-    /// `delta_0` negative or not finite; or not zero on a chain with a free end (which would fly apart:
-    /// it is an initial condition there) or on a strain ring (whose mean strain is an initial condition).
+    /// `delta_0` negative or not finite; or not zero on a chain with a free end (which would fly
+    /// apart: it is an initial condition there) or on a strain ring (whose mean strain is an
+    /// initial condition).
     pub fn precompressed(mut self, delta_0: f64) -> Result<Self> {
         require(delta_0.is_finite() && delta_0 >= 0.0, "precompression", delta_0, "a finite overlap, at least zero")?;
         if delta_0 > 0.0 && !matches!(self.boundary(), Boundary::Fixed | Boundary::Ring) {

@@ -19,8 +19,8 @@
 //! On a panel the force has no `(..)_+`. Where `P` comes to zero the contact ends, with `f = 0` and
 //! `g > 0`, and beads overlap without a force until `P` rises through zero or the overlap is zero
 //! (`dissipative.rs`). So the force is analytic up to the end. Where beads meet it begins with the
-//! power `alpha - 1` of time (viscoelastic), or with a jump (dashpot). Where beads may pull, it ends as
-//! it begins.
+//! power `alpha - 1` of time (viscoelastic), or with a jump (dashpot). Where beads may pull, it
+//! ends as it begins.
 //!
 //! `P` is an overlap. For a dashpot the force itself has the same sign, but with a small `gamma` it
 //! ends with next to no slope, and Newton's method for its zero diverges; with a large one that for

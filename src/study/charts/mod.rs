@@ -36,6 +36,7 @@ use super::{Changes, Progress, ResultUnits, Study, Work, methods, options::optio
 use crate::{
     error::{Error, Result},
     named::named,
+    number::rounded,
     numerics::least_by,
     report::Report,
     run::method::{Contacts, Method, Split},
@@ -272,15 +273,17 @@ pub struct ChartStudy {
 }
 
 impl ChartStudy {
-    /// The study in SI units: amplitudes, spring constants, times and what is counted a unit of time.
+    /// The study in SI units: amplitudes, spring constants, times and what is counted a unit of
+    /// time.
     #[must_use]
     pub fn in_units(mut self, units: Option<&Units>) -> Self {
         let Some(units) = units else { return self };
         self.si = Some(*units);
         self.problem = self.problem.in_units(units);
         for ChartPoint { variant: Variant { amplitude, kappa, .. }, measured, .. } in &mut self.points {
-            amplitude.iter_mut().for_each(|x| *x = units.to_si(Quantity::Length, *x));
-            kappa.iter_mut().for_each(|x| *x = units.to_si(Quantity::Stiffness, *x));
+            // Rounded: they name the columns of pictures and tables.
+            amplitude.iter_mut().for_each(|x| *x = rounded(units.to_si(Quantity::Length, *x)));
+            kappa.iter_mut().for_each(|x| *x = rounded(units.to_si(Quantity::Stiffness, *x)));
             let Ok(Measured { contact, fast, span, usual, ladder, limits, .. }) = measured else { continue };
             [contact, fast].into_iter().for_each(|x| *x = units.to_si(Quantity::Omega, *x));
             *span *= units.time_s;
@@ -290,7 +293,7 @@ impl ChartStudy {
                 [cost, wall].into_iter().for_each(|x| *x /= units.time_s);
             }
         }
-        self.resonances.iter_mut().for_each(|one| one.amplitude *= units.length_m);
+        self.resonances.iter_mut().for_each(|one| one.amplitude = rounded(one.amplitude * units.length_m));
         self
     }
 

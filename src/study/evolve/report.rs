@@ -116,10 +116,11 @@ impl Evolution {
     /// twice the largest of the first row, so that the motion before a break-up stays visible.
     fn maps(&self) -> impl Iterator<Item = SpaceTime> {
         let (sites, span) = (self.orbit.setting.sites, self.swing.span);
+        let centre = if self.orbit.setting.c_x == 0.0 { "" } else { " − Cₓ" };
         let map = move |(symbol, values): (&str, &[f64])| SpaceTime {
             site_label: "site n".into(),
             time_label: "time t".into(),
-            value_label: format!("largest |{symbol}|"),
+            value_label: format!("largest |{symbol}{centre}|"),
             values: values.to_vec(),
             most: Some(2.0 * max_norm(values[..sites].iter().copied())),
             sites,

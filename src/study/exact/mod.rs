@@ -62,9 +62,9 @@ options! {
         mean: Option<f64> = None, "M", (finite);
         /// Mass ratio resonator to bead [default: the scene's].
         ///
-        /// At least 0: 0 for no resonators, inf for fixed ones (Newton's cradle). Unless a frequency
-        /// is given, the wave has the amplitude of the scene's wave. With fixed resonators its mean
-        /// strain is 0.
+        /// At least 0: 0 for no resonators, inf for fixed ones (Newton's cradle). Unless a
+        /// frequency is given, the wave has the amplitude of the scene's wave. With fixed
+        /// resonators its mean strain is 0.
         rho: Option<f64> = None, "R";
         /// Number of sites [default: the scene's].
         ///

@@ -70,7 +70,9 @@ impl Ring {
         require((center, self.sites) != (Center::Site, 3), "sites", 3, "a breather about a site needs 5 sites")?;
         let params = self.params.checked()?;
         let breather = DarkBreather { params, center, sites: self.sites, omega_b: f64::NAN, c_x: self.c_x };
-        Ok(DarkBreather { omega_b: omega_b.unwrap_or_else(|| breather.usual_frequency(usual)), ..breather })
+        let own = breather.usual_frequency(usual);
+        require(!own.is_nan(), "c_x", self.c_x, "a precompression whose bands are numbers")?;
+        Ok(DarkBreather { omega_b: omega_b.unwrap_or(own), ..breather })
     }
 }
 

@@ -312,8 +312,8 @@ impl Reported {
 }
 
 impl Reported {
-    /// The speed of the largest force from a bond to another, `speed[20..30]`; none where it has not
-    /// arrived.
+    /// The speed of the largest force from a bond to another, `speed[20..30]`; none where it has
+    /// not arrived.
     fn speed(&self, report: &Json) -> Result<Option<f64>> {
         // The name as a pointer: /speed/20//30.
         let bonds = self.pointer.split_once("d/").and_then(|(_, range)| range.split_once("//"));

@@ -59,8 +59,8 @@ options! {
         steps_per_period: Option<f64> = None, "N", (positive), [arg(conflicts_with_all = ["step", "tol"])];
         /// Step size, in units of time, for splitting schemes.
         ///
-        /// In seconds for scenes with `[units]`. Made smaller where a whole number of steps must fit
-        /// the span.
+        /// In seconds for scenes with `[units]`. Made smaller where a whole number of steps must
+        /// fit the span.
         step: Option<f64> = None, "H", (positive), [arg(conflicts_with = "tol")];
         /// Equal windows per period, for collocation without error control.
         windows_per_period: Option<f64> = None, "N", (positive), [arg(conflicts_with_all = ["step", "tol", "steps_per_period"])];
@@ -130,8 +130,8 @@ impl MethodChoice {
         }
     }
 
-    /// The run of a scene in legs of length `interval`, in seconds for a scene with `[units]`, with a
-    /// checkpoint after each.
+    /// The run of a scene in legs of length `interval`, in seconds for a scene with `[units]`, with
+    /// a checkpoint after each.
     ///
     /// # Errors
     /// A closed form, which needs no legs; what [`LongRun::new`] refuses.

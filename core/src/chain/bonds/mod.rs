@@ -331,48 +331,6 @@ impl<F: SiteFlow> CorrectedSplit<F> {
         }
         contacts + V::by_lane(|k| self.chain().across(bonds[k], |i| spring[PAD + i]))
     }
-
-    /// Accelerations of beads by the forces of the kick and the rates of these, then both of
-    /// resonators. Forces of bonds that are [`Near`](Side::Near) an event count without their
-    /// rates.
-    fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 4]> {
-        let n = self.sites;
-        self.evaluate();
-        let first = self.chain().touching().start;
-        let mut rates = vec![0.0; n + 1];
-        for (index, side) in sides.iter().enumerate() {
-            if *side != Side::Near {
-                let b = first + index;
-                rates[b] = self.slope[PAD + b] * self.chain().across(b, |i| self.flow.bead(i).1);
-            }
-        }
-        if self.ring() {
-            rates[n] = rates[0];
-        }
-        let params = self.chain().params();
-        let topology = self.chain().topology();
-        let of = |bonds: &[f64], i: usize| topology.push(i, |b| [bonds[b]])[0];
-        (0..n)
-            .map(|i| {
-                let (spring, spring_rate) = self.flow.spring(i);
-                let resonator =
-                    |force: f64| if params.rho.is_finite() && force != 0.0 { -force / params.rho } else { 0.0 };
-                let (a, da) = (of(&self.force[PAD..], i) + spring, of(&rates, i) + spring_rate);
-                [a, da, resonator(spring), resonator(spring_rate)]
-            })
-            .collect()
-    }
-
-    fn shift(&mut self, share: f64, jet: &[[f64; 4]]) {
-        for (i, &[a, da, b, db]) in jet.iter().enumerate() {
-            let (impulse, displacement) = (-share * da, share * a);
-            let now = Correction { impulse, displacement, at: 0.0, rate: 0.0, turn: [0.0, 1.0] };
-            self.flow.give(&[(i, 1.0)], &now);
-            if b != 0.0 || db != 0.0 {
-                self.flow.give_resonator(i, -share * db, share * b);
-            }
-        }
-    }
 }
 
 /// A number for each lane of a register.
@@ -623,12 +581,43 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
         flow.push(kick, Modified { c, force: force.column(), slope: slope.column(), spring }, a);
     }
 
-    fn process(&mut self, share: f64, sides: &[Side]) {
-        let start = self.jet(sides);
-        self.shift(0.5 * share, &start);
-        let middle = self.jet(sides);
-        self.shift(share, &middle);
-        self.shift(-0.5 * share, &start);
+    fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 4]> {
+        let n = self.sites;
+        self.evaluate();
+        let first = self.chain().touching().start;
+        let mut rates = vec![0.0; n + 1];
+        for (index, side) in sides.iter().enumerate() {
+            if *side != Side::Near {
+                let b = first + index;
+                rates[b] = self.slope[PAD + b] * self.chain().across(b, |i| self.flow.bead(i).1);
+            }
+        }
+        if self.ring() {
+            rates[n] = rates[0];
+        }
+        let params = self.chain().params();
+        let topology = self.chain().topology();
+        let of = |bonds: &[f64], i: usize| topology.push(i, |b| [bonds[b]])[0];
+        (0..n)
+            .map(|i| {
+                let (spring, spring_rate) = self.flow.spring(i);
+                let resonator =
+                    |force: f64| if params.rho.is_finite() && force != 0.0 { -force / params.rho } else { 0.0 };
+                let (a, da) = (of(&self.force[PAD..], i) + spring, of(&rates, i) + spring_rate);
+                [a, da, resonator(spring), resonator(spring_rate)]
+            })
+            .collect()
+    }
+
+    fn shift(&mut self, share: f64, jet: &[[f64; 4]]) {
+        for (i, &[a, da, b, db]) in jet.iter().enumerate() {
+            let (impulse, displacement) = (-share * da, share * a);
+            let now = Correction { impulse, displacement, at: 0.0, rate: 0.0, turn: [0.0, 1.0] };
+            self.flow.give(&[(i, 1.0)], &now);
+            if b != 0.0 || db != 0.0 {
+                self.flow.give_resonator(i, -share * db, share * b);
+            }
+        }
     }
 
     fn back(&self, y: &mut [f64], by: f64) {

@@ -85,15 +85,26 @@ impl HeterogeneousChain {
         self.weights.get(site).copied().unwrap_or(0.0)
     }
 
-    /// The scale of the velocities that a drive of a site causes. If it moves its bead: the speed of
-    /// the bead. If it is a force, the sum over its harmonics: the speed amplitude of the free bead;
-    /// for a constant force, the speed from its work up to the overlap at which a contact balances
-    /// it. Other functions count as harmonics of their greatest frequency.
+    /// The scale of the velocities that a drive of a site causes. If it moves its bead: the speed
+    /// of the bead, or of its neighbours if it pushes them from a place at which it stays. If it is
+    /// a force, the sum over its harmonics: the speed amplitude of the free bead; for a constant
+    /// force, the speed from its work up to the overlap at which a contact balances it. Other
+    /// functions count as harmonics of their greatest frequency.
     fn speed(&self, site: usize, signal: &Signal) -> f64 {
+        let (parts, topology) = (self.parts(), self.chain.topology());
         if self.sites[site].moved {
-            return signal.speed();
+            let thrown = |bond: usize| {
+                let law = &parts.bonds[bond];
+                let free = topology.ends(bond).into_iter().flatten().filter(|&i| !self.sites[i].moved);
+                let overlap = law.rest.max(0.0) + signal.size();
+                let mass = free.map(|i| parts.sites[i].mass).fold(f64::INFINITY, f64::min);
+                (2.0 * law.elastic(overlap) * overlap / mass).sqrt()
+            };
+            let speed = signal.speed();
+            let still = topology.bonds(site).into_iter().flatten().map(thrown);
+            return if speed > 0.0 { speed } else { still.fold(0.0, f64::max) };
         }
-        let (mass, topology) = (self.parts().sites[site].mass, self.chain.topology());
+        let mass = parts.sites[site].mass;
         let contacts = topology.bonds(site).into_iter().flatten().map(|bond| &self.parts().bonds[bond]);
         let stiff = contacts.filter(|contact| contact.constant > 0.0);
         let depths = |force: f64| stiff.clone().map(move |c| (force / c.constant).powf(1.0 / c.alpha()));

@@ -174,11 +174,11 @@ impl Signal {
         }
     }
 
-    /// The scale of the time derivative of the signal; positive.
+    /// The scale of the time derivative of the signal; zero of a constant.
     pub(crate) fn speed(&self) -> f64 {
         let own: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs() * harmonic.omega).sum();
         let own = self.course.as_ref().map_or(own, |course| own + course.speed());
-        own.max(f64::MIN_POSITIVE) + self.size() * self.envelope.per_time()
+        own + self.size() * self.envelope.per_time()
     }
 
     /// Times at which the signal is not smooth.

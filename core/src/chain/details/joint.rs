@@ -62,8 +62,8 @@ impl<R: Real> Joint<R> {
         self.stiffness(x.min(R::of(0.5) * self.distance))
     }
 
-    /// The energy: `K x^2/2 + F d/(p - 1) (d/(d - x))^{p-1}`, that of magnets without bound apart is
-    /// zero.
+    /// The energy: `K x^2/2 + F d/(p - 1) (d/(d - x))^{p-1}`, that of magnets without bound apart
+    /// is zero.
     pub fn potential(&self, x: R) -> R {
         let energy = R::of(0.5) * self.spring * x * x;
         if self.magnet == R::zero() {

@@ -66,7 +66,7 @@ pub(super) struct Loops<R> {
     /// On-site springs beside resonators that move; empty if there are none.
     onsite: Vec<R>,
     /// The law of all contacts, if they have the same exponent.
-    pub(super) law: Option<ContactLaw<R>>,
+    law: Option<ContactLaw<R>>,
     /// Constants and static overlaps of contacts.
     contacts: [Vec<R>; 2],
 }
@@ -126,6 +126,14 @@ impl<R: Real> Loops<R> {
                 parts.bonds.iter().map(|bond| bond.rest).collect(),
             ],
         }
+    }
+
+    /// The law of all contacts.
+    ///
+    /// # Panics
+    /// Contacts of different exponents.
+    pub(super) fn one_law(&self) -> &ContactLaw<R> {
+        self.law.as_ref().expect("contacts of one exponent")
     }
 
     /// The motion of all sites over a time.
@@ -252,7 +260,7 @@ impl<R: Real> Loops<R> {
         u: &[R],
         [overlap, force, slope]: [&mut [R]; 3],
     ) {
-        let (n, law) = (u.len(), self.law.as_ref().expect("one exponent"));
+        let (n, law) = (u.len(), self.one_law());
         let [rest, unit_inside] = [&self.contacts[1][1..], &unit[1..]];
         let [g, f, by_g] = [&mut *overlap, &mut *force, &mut *slope].map(|all| &mut all[1..n]);
         // SAFETY: the slices have a number for each bond between beads, and `u` one more.
@@ -274,9 +282,9 @@ impl<R: Real> Loops<R> {
         }
     }
 
-    /// Of contact forces with these derivatives by overlaps times `unit`, and other forces on beads:
-    /// accelerations `a` of beads, forces `f + c f' s` of bonds with the acceleration `s` of their
-    /// overlaps, and the contact forces on beads by these.
+    /// Of contact forces with these derivatives by overlaps times `unit`, and other forces on
+    /// beads: accelerations `a` of beads, forces `f + c f' s` of bonds with the acceleration `s` of
+    /// their overlaps, and the contact forces on beads by these.
     pub(super) fn modified(
         &self,
         chain: &Chain<R>,

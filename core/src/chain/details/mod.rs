@@ -18,9 +18,9 @@
 //!       never pull, unless they may
 //! ```
 //!
-//! The state of a chain with damping, dissipation, drives or gravity has four more entries at its end, the
-//! [`Ledger`]: energies dissipated and work of drives and of gravity since the start. Energy + dissipated - driven
-//! is constant.
+//! The state of a chain with damping, dissipation, drives or gravity has four more entries at its
+//! end, the [`Ledger`]: energies dissipated and work of drives and of gravity since the start.
+//! Energy + dissipated - driven is constant.
 
 mod collocation;
 mod contact;
@@ -81,8 +81,8 @@ pub struct Details {
     pub kappa: Vec<f64>,
     /// Masses of resonators over those of their beads, in `[0, inf]`.
     pub rho: Vec<f64>,
-    /// Constants of springs that tie beads to their places at rest, at least zero. Where no resonator
-    /// moves, such a spring is one to a resonator of infinite mass.
+    /// Constants of springs that tie beads to their places at rest, at least zero. Where no
+    /// resonator moves, such a spring is one to a resonator of infinite mass.
     pub onsite: Vec<f64>,
     /// Drag on beads, at least zero.
     pub drag: Vec<f64>,
@@ -252,8 +252,8 @@ impl<R: Real> CheckedDetails<R> {
 }
 
 impl CheckedDetails<f64> {
-    /// Whether contact-corrected splitting can run it: contacts of one exponent, no springs of sites
-    /// or of bonds, and no energy is taken or given but by constant forces.
+    /// Whether contact-corrected splitting can run it: contacts of one exponent, no springs of
+    /// sites or of bonds, and no energy is taken or given but by constant forces.
     pub(crate) fn corrects(&self) -> bool {
         let mut exponents = self.exponents();
         let first = exponents.next();
@@ -358,7 +358,7 @@ impl Details {
         )?;
         checked("distance", &self.distance, bonds, positive, "a distance of magnets is finite and positive")?;
         if !self.magnet.is_empty() {
-            require(!self.distance.is_empty(), "distance", "[]", "magnets have a distance at rest")?;
+            require(!self.distance.is_empty(), "distance", "nothing", "magnets have a distance at rest")?;
             let good = self.decay.is_finite() && self.decay > 1.0;
             require(good, "decay", self.decay, "the force of magnets decays with a finite power above 1")?;
         }

@@ -36,8 +36,8 @@ pub(super) enum Class<R> {
     /// A site without spring, or with an undamped spring that is part of the drift: `R` moves
     /// freely, `P` oscillates.
     Modes(Modes<R>),
-    /// Any other site: `z' = A z`, with the coefficients of drag and dashpot; `straight` if bead and
-    /// resonator move freely.
+    /// Any other site: `z' = A z`, with the coefficients of drag and dashpot; `straight` if bead
+    /// and resonator move freely.
     Linear { a: Matrix<R>, drag: R, dashpot: R, straight: bool },
 }
 

@@ -165,7 +165,8 @@ mod tests {
 
     #[test]
     fn it_is_zero_where_values_are_zero_for_long() {
-        // Truth: the values; without the cut it falls to 1e-170 there, and states to subnormal numbers.
+        // Truth: the values; without the cut it falls to 1e-170 there, and states to subnormal
+        // numbers.
         let value = |k: i32| if (300..350).contains(&k) { f64::from(k - 300).sin() } else { 0.0 };
         let spline = Spline::new((0..1000).map(f64::from).collect(), (0..1000).map(value).collect()).unwrap();
         assert_eq!([0.5, 100.3, 260.7, 600.1, 998.5].map(|t| spline.at(t)), [[0.0; 3]; 5]);

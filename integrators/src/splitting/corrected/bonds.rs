@@ -80,10 +80,22 @@ pub trait BondFlow: SplitFlow<f64> {
     /// first one at which [`changed`](Self::changed) or [`turned`](Self::turned) would report a
     /// bond. Returns the number of pairs made.
     fn kicks_and_evaluations(&mut self, pairs: &[(f64, DoubleDouble<f64>)], c: f64, watched: bool) -> usize;
-    /// The flow of the processor: positions move by `share` times their accelerations by the forces
-    /// of the kick, velocities by `-share` times the rates of these; the rates of the forces of
-    /// bonds that are [`Near`](Side::Near) count as zero.
-    fn process(&mut self, share: f64, sides: &[Side]);
+    /// Of each site, after an evaluation: accelerations of its bead by the forces of the kick and
+    /// the rates of these, then both of its resonator. Forces of bonds that are
+    /// [`Near`](Side::Near) an event count without their rates.
+    fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 4]>;
+    /// Moves positions by `share` times these accelerations, velocities by `-share` times their
+    /// rates.
+    fn shift(&mut self, share: f64, jet: &[[f64; 4]]);
+    /// The flow of the processor: [`shift`](Self::shift) by the [`jet`](Self::jet), as one explicit
+    /// midpoint step.
+    fn process(&mut self, share: f64, sides: &[Side]) {
+        let start = self.jet(sides);
+        self.shift(0.5 * share, &start);
+        let middle = self.jet(sides);
+        self.shift(share, &middle);
+        self.shift(-0.5 * share, &start);
+    }
     /// Moves the solution `y` back in time by `by`, a part of a step, at least as accurately as the
     /// method.
     fn back(&self, y: &mut [f64], by: f64);

@@ -5,8 +5,8 @@
 //! | `w` | `A^{1/alpha}` of a contact: its force is `(w g)_+^alpha`, so that the formulas for `A = 1` hold for the overlap `w g` |
 //! | `a` | accelerations of beads by the forces of the kick: contacts, constant forces, and springs in the kinetic split |
 //!
-//! With overlaps `w g` a unit force has the mobility `w (1/m + 1/m')`. The potential of a contact is
-//! `(w g)_+^{alpha+1}/((alpha+1) w)`, so that impulses and displacements are those of `A = 1`.
+//! With overlaps `w g` a unit force has the mobility `w (1/m + 1/m')`. The potential of a contact
+//! is `(w g)_+^{alpha+1}/((alpha+1) w)`, so that impulses and displacements are those of `A = 1`.
 //!
 //! Frequencies of resonators may differ over a bond. The path of its overlap is therefore a cubic,
 //! in both splits: right to `O(h^4)`, as events need it, where `omega h` is small.
@@ -25,7 +25,6 @@ struct Constants {
     unit: Vec<f64>,
     /// Constant forces on beads.
     steady: Vec<f64>,
-    alpha: f64,
 }
 
 /// A [`SitewiseFlow`] with the kicks of contact-corrected splitting, for chains that conserve
@@ -38,16 +37,16 @@ pub struct SitewiseBonds {
     u: Vec<f64>,
     /// `w g` of bonds at the last three evaluations, latest first.
     overlap: [Vec<f64>; 3],
-    /// Forces of bonds, and of springs on beads, at the last two evaluations.
+    /// Forces of bonds, and all others on beads, at the last two evaluations: constant ones, and in
+    /// the kinetic split those of springs.
     force: [Vec<f64>; 2],
-    spring: [Vec<f64>; 2],
+    others: [Vec<f64>; 2],
     /// Derivatives of forces by `w g`.
     slope: Vec<f64>,
     /// A bit for each bond: whether it was closed at the last call of
     /// [`changed`](BondFlow::changed).
     told: Vec<u64>,
-    /// Buffers of a kick: other forces on beads, `a`, modified forces of bonds, forces on beads.
-    others: Vec<f64>,
+    /// Buffers of a kick: `a`, modified forces of bonds, forces on beads.
     a: Vec<f64>,
     modified: Vec<f64>,
     push: Vec<f64>,
@@ -60,32 +59,30 @@ impl SitewiseBonds {
     /// A chain that [`Method::runs`](crate::run::method::Method::runs) refuses for the method.
     pub fn new(flow: SitewiseFlow<f64>) -> Self {
         let parts = parts(&flow.chain);
-        let law = flow.loops.law.expect("contacts with one exponent");
         assert!(parts.corrects(), "a chain that conserves energy, whose beads only contacts and resonators hold");
-        let alpha = law.alpha();
+        let alpha = flow.loops.one_law().alpha();
         let mut steady: Vec<f64> = vec![0.0; flow.chain.sites()];
         parts.weights().for_each(|(i, weight)| steady[i] += weight);
         parts.acting().iter().for_each(|drive| steady[drive.site] += drive.at::<f64>(0.0)[0]);
         let unit = parts.bonds.iter().map(|bond| bond.constant.powf(alpha.recip())).collect();
-        Self::with(flow, Arc::new(Constants { unit, steady, alpha }))
+        Self::with(flow, Arc::new(Constants { unit, steady }))
     }
 
     fn with(flow: SitewiseFlow<f64>, constants: Arc<Constants>) -> Self {
         let n = flow.chain.sites();
         let (sites, bonds) = (|| vec![0.0; n], || vec![0.0; n + 1]);
         Self {
-            constants,
             reach: 0.0,
             u: sites(),
             overlap: [bonds(), bonds(), bonds()],
             force: [bonds(), bonds()],
-            spring: [sites(), sites()],
+            others: [constants.steady.clone(), constants.steady.clone()],
             slope: bonds(),
             told: vec![0; n / 64 + 1],
-            others: sites(),
             a: sites(),
             modified: bonds(),
             push: sites(),
+            constants,
             flow,
         }
     }
@@ -107,7 +104,7 @@ impl SitewiseBonds {
     fn acceleration(&self, i: usize, before: usize) -> f64 {
         let force = &self.force[before];
         let contacts = self.chain().topology().push(i, |b| [force[b]])[0];
-        (contacts + self.spring[before][i] + self.constants.steady[i]) / self.flow.loops.mass[i]
+        (contacts + self.others[before][i]) / self.flow.loops.mass[i]
     }
 
     /// Minus the acceleration of `w g` by a unit force.
@@ -170,42 +167,6 @@ impl SitewiseBonds {
         self.overlap[0][bond] = g;
         (self.force[0][bond], self.slope[bond]) = contact.power.force_with_slope(g);
     }
-
-    /// Accelerations of beads by the forces of the kick and the rates of these, then both of
-    /// resonators. Forces of bonds that are [`Near`](Side::Near) an event count without their
-    /// rates.
-    fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 4]> {
-        self.evaluate();
-        let first = self.chain().touching().start;
-        let mut rates = vec![0.0; self.slope.len()];
-        for (index, side) in sides.iter().enumerate() {
-            let b = first + index;
-            if *side != Side::Near {
-                rates[b] = self.slope[b] * self.across(b, |i| self.flow.bead(i)[1]);
-            }
-        }
-        let (topology, mass) = (self.chain().topology(), &self.flow.loops.mass);
-        let site = |i: usize| {
-            let spring = kicking_springs(&self.flow).map_or([0.0; 4], |[kappa, resonator]| {
-                let [_, _, u_dot, v_dot] = self.flow.site(i);
-                let [force, rate] = [self.spring[0][i], -kappa[i] * (u_dot - v_dot)];
-                [force / mass[i], rate / mass[i], -force / resonator[i], -rate / resonator[i]]
-            });
-            let contacts = topology.push(i, |b| [rates[b]])[0] / mass[i];
-            [self.acceleration(i, 0), contacts + spring[1], spring[2], spring[3]]
-        };
-        (0..mass.len()).map(site).collect()
-    }
-
-    fn shift(&mut self, share: f64, jet: &[[f64; 4]]) {
-        for (i, &[a, rate, b, rate_b]) in jet.iter().enumerate() {
-            self.give(i, [-share * rate, share * a], 0.0);
-            if b != 0.0 || rate_b != 0.0 {
-                self.flow.z[1][i] += share * b;
-                self.flow.z[3][i] -= share * rate_b;
-            }
-        }
-    }
 }
 
 /// Spring constants and masses of resonators, if springs are part of the kick.
@@ -238,7 +199,7 @@ impl SplitFlow<f64> for SitewiseBonds {
         let pairs = [(&mut self.u, &other.u), (&mut self.slope, &other.slope)].into_iter();
         let pairs = pairs.chain(self.overlap.iter_mut().zip(&other.overlap));
         let pairs =
-            pairs.chain(self.force.iter_mut().zip(&other.force)).chain(self.spring.iter_mut().zip(&other.spring));
+            pairs.chain(self.force.iter_mut().zip(&other.force)).chain(self.others.iter_mut().zip(&other.others));
         pairs.for_each(|(to, from)| to.copy_from_slice(from));
         self.told.copy_from_slice(&other.told);
     }
@@ -256,7 +217,7 @@ impl SplitFlow<f64> for SitewiseBonds {
 
 impl BondFlow for SitewiseBonds {
     fn exponent(&self) -> f64 {
-        self.constants.alpha
+        self.flow.loops.one_law().alpha()
     }
 
     fn prepare(&mut self, _h: f64, reach: f64) {
@@ -270,13 +231,14 @@ impl BondFlow for SitewiseBonds {
     fn evaluate(&mut self) {
         self.overlap.rotate_right(1);
         self.force.swap(0, 1);
-        self.spring.swap(0, 1);
-        let Self { flow, constants, u, overlap: [overlap, ..], force: [force, _], spring: [spring, _], slope, .. } =
+        self.others.swap(0, 1);
+        let Self { flow, constants, u, overlap: [overlap, ..], force: [force, _], others: [others, _], slope, .. } =
             self;
         flow.loops.positions(&flow.z, u);
         flow.loops.bonds((&flow.chain, parts(&flow.chain)), &constants.unit, u, [overlap, force, slope]);
         if let Some([kappa, _]) = kicking_springs(flow) {
-            spring.iter_mut().enumerate().for_each(|(i, force)| *force = -kappa[i] * (flow.z[0][i] - flow.z[1][i]));
+            let sum = |i: usize| constants.steady[i] - kappa[i] * (flow.z[0][i] - flow.z[1][i]);
+            others.iter_mut().enumerate().for_each(|(i, force)| *force = sum(i));
         }
     }
 
@@ -344,9 +306,7 @@ impl BondFlow for SitewiseBonds {
     }
 
     fn kick(&mut self, kick: f64, c: f64) {
-        let Self { flow, constants, force: [force, _], spring: [spring, _], slope, others, a, modified, push, .. } =
-            self;
-        others.iter_mut().zip(constants.steady.iter().zip(spring)).for_each(|(sum, (a, b))| *sum = a + *b);
+        let Self { flow, constants, force: [force, _], others: [others, _], slope, a, modified, push, .. } = self;
         flow.loops.modified(&flow.chain, (&constants.unit, c), [force, slope, others], [a, modified, push]);
         push.iter_mut().zip(&constants.steady).for_each(|(push, steady)| *push += steady);
         let loops = Arc::clone(&flow.loops);
@@ -371,12 +331,37 @@ impl BondFlow for SitewiseBonds {
         1
     }
 
-    fn process(&mut self, share: f64, sides: &[Side]) {
-        let start = self.jet(sides);
-        self.shift(0.5 * share, &start);
-        let middle = self.jet(sides);
-        self.shift(share, &middle);
-        self.shift(-0.5 * share, &start);
+    fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 4]> {
+        self.evaluate();
+        let first = self.chain().touching().start;
+        let mut rates = vec![0.0; self.slope.len()];
+        for (index, side) in sides.iter().enumerate() {
+            let b = first + index;
+            if *side != Side::Near {
+                rates[b] = self.slope[b] * self.across(b, |i| self.flow.bead(i)[1]);
+            }
+        }
+        let (topology, mass) = (self.chain().topology(), &self.flow.loops.mass);
+        let site = |i: usize| {
+            let spring = kicking_springs(&self.flow).map_or([0.0; 4], |[kappa, resonator]| {
+                let [u, v, u_dot, v_dot] = self.flow.site(i);
+                let [force, rate] = [u - v, u_dot - v_dot].map(|stretch| -kappa[i] * stretch);
+                [force / mass[i], rate / mass[i], -force / resonator[i], -rate / resonator[i]]
+            });
+            let contacts = topology.push(i, |b| [rates[b]])[0] / mass[i];
+            [self.acceleration(i, 0), contacts + spring[1], spring[2], spring[3]]
+        };
+        (0..mass.len()).map(site).collect()
+    }
+
+    fn shift(&mut self, share: f64, jet: &[[f64; 4]]) {
+        for (i, &[a, rate, b, rate_b]) in jet.iter().enumerate() {
+            self.give(i, [-share * rate, share * a], 0.0);
+            if b != 0.0 || rate_b != 0.0 {
+                self.flow.z[1][i] += share * b;
+                self.flow.z[3][i] -= share * rate_b;
+            }
+        }
     }
 
     fn back(&self, y: &mut [f64], by: f64) {
