@@ -287,7 +287,8 @@ def response(
         moved: the response is a displacement over that of the driven bead. pushed: it is a
         displacement over the force. Other beads that drives of the scene move are held.
     at : int | Sequence[int]
-        Sites whose responses are computed, separated by commas [default: the last one].
+        Sites whose responses are computed, separated by commas [default: the last that no drive
+        moves].
     from_ : float
         First frequency omega. Finite and at least 0.
     to : float

@@ -124,9 +124,10 @@ impl DarkBreather {
     /// module.
     ///
     /// # Errors
-    /// As [`DarkProfile::new`] and [`DarkProfile::seed`]; strains so large that contacts are more
-    /// than 10 times as fast as the breather.
+    /// As [`DarkProfile::new`] and [`DarkProfile::seed`]; a centre that is not finite; strains so
+    /// large that contacts are more than 10 times as fast as the breather.
     pub fn seed(&self) -> Result<Vec<f64>> {
+        require(self.c_x.is_finite(), "c_x", self.c_x, "a finite number")?;
         if let Some(z) = self.loaded_seed() {
             return Ok(z);
         }
@@ -183,7 +184,6 @@ impl DarkBreather {
     /// Numbers outside their rules, and [`Error::Stalled`] with the best iterate where neither way
     /// leads to the orbit.
     pub fn orbit(&self, shooting: &Shooting) -> Result<Orbit> {
-        self.setting().chain()?;
         let loaded = self.loaded();
         let solve = |breather: &Self| {
             let orbit = shooting.solve(&breather.setting(), &breather.seed()?)?;
