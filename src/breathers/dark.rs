@@ -7,8 +7,8 @@
 //! omega_b = omega_e - beta_0 a^2,   w = (-omega''/beta)^{1/2}/a,   b = 4 (alpha - 1)/d
 //! ```
 //!
-//! with the coefficients of [`Nls`]; `b` is that of the slow strain. Kinks that are much wider than
-//! a site have no barrier above rounding: an orbit may be off the centre by a small part of a site.
+//! with the coefficients of [`Nls`]; `b` is that of the slow strain. Kinks that are wider than a few
+//! sites have no barrier above rounding; their symmetry holds them at their centre.
 
 use crate::{
     chain::{Params, Resonators, max_norm},
@@ -61,8 +61,8 @@ struct Loaded {
 impl DarkBreather {
     /// The setting of its orbit.
     pub fn setting(&self) -> Setting {
-        let Self { params, sites, omega_b, c_x, .. } = *self;
-        Setting { params, sites, omega_b, c_x, turns: 1 }
+        let Self { params, center, sites, omega_b, c_x } = *self;
+        Setting { params, sites, omega_b, c_x, turns: 1, about: Some(center) }
     }
 
     /// Changes the value of a parameter, unchecked.

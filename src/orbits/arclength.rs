@@ -11,7 +11,7 @@
 //! back; the equations with the arclength stay regular there. Source: Keller 1977, in *Applications
 //! of Bifurcation Theory*, pp. 359-384.
 
-use super::shooting::{Equations, NewtonStep, Orbit, shortest};
+use super::shooting::{Equations, NewtonStep, Orbit, least_squares};
 use crate::{
     chain::max_norm,
     error::{Error, Result, positive, require},
@@ -119,6 +119,8 @@ named! {
         Jumped = "jumped", "Newton's method leads to another branch, also with the shortest step";
         /// The branch of doubled period came back to the branch of half its period.
         Rejoined = "rejoined", "it came back to the branch of half its period";
+        /// The orbits vanish: beyond this point are those of the opposite phase.
+        AtRest = "at-rest", "its orbits vanish there, and the chain is at rest";
         /// No contact of a wave closes any more: every wave of frequency `omega` without contacts
         /// follows.
         NoContact = "no-contact", "no contact closes any more, and the frequency is omega";
@@ -136,7 +138,7 @@ named! {
 impl End {
     /// Whether the branch was followed as far as it goes.
     pub fn is_complete(self) -> bool {
-        matches!(self, Self::Reached | Self::TurnedBack | Self::Rejoined | Self::NoContact)
+        matches!(self, Self::Reached | Self::TurnedBack | Self::Rejoined | Self::AtRest | Self::NoContact)
     }
 
     /// The end of a branch with multipliers, from that of its orbits, `None` while they can go on;
@@ -240,7 +242,7 @@ pub(super) fn tangent(
     bordered.set_row(rows, &before.transpose());
     let mut right = DVector::zeros(rows + 1);
     right[rows] = 1.0;
-    let tangent = shortest(bordered, &right).ok_or(Error::Stalled { steps: 0, best: None })?;
+    let tangent = least_squares(bordered, &right).ok_or(Error::Stalled { steps: 0, best: None })?;
     Ok(tangent.normalize())
 }
 
@@ -260,7 +262,7 @@ pub(super) fn correct(family: &impl Family, base: BasePoint<'_>, scales: Scales,
         let relative = residual.amax() / family.size(z.as_slice(), p);
         let stalled = Error::Stalled { steps: newton.len(), best: None };
         // All iterates are in the hyperplane of the predictor: its equation has the residual zero.
-        let Some(by) = shortest(bordered, &residual.push(0.0)) else { return Err(stalled) };
+        let Some(by) = least_squares(bordered, &residual.push(0.0)) else { return Err(stalled) };
         let step = by.norm();
         newton.push(NewtonStep { residual: relative, step });
         z -= by.rows(0, columns) * scales.state;

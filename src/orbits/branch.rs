@@ -211,6 +211,10 @@ pub trait Problem: Copy + Debug + Serialize + DeserializeOwned + Send + Sync {
     fn halves_apart(&self, _setting: &Self::Setting, _orbit: &Self::Orbit) -> Result<DVector<f64>> {
         Ok(DVector::zeros(0))
     }
+    /// What changes its sign where the orbits of the branch vanish, if they can.
+    fn swing(&self, _setting: &Self::Setting, _orbit: &Self::Orbit) -> Option<DVector<f64>> {
+        None
+    }
 }
 
 /// The equations of a problem with a setting.
@@ -427,17 +431,19 @@ impl<P: Problem> Branch<P> {
         let state = BranchState { back, previous, last: place(last), ds: self.ds, points: self.orbits.len() };
         let options = ContinuationOptions { to, step, natural, direction: (to - back).signum() };
         let doubled = self.birth == Some(BifurcationKind::PeriodDoubling);
-        let mut apart = if doubled { Some(continuation.halves_apart(&setting, last)?) } else { None };
+        let vanishing = |orbit: &P::Orbit| match doubled {
+            true => continuation.halves_apart(&setting, orbit).map(Some),
+            false => Ok(continuation.swing(&setting, orbit)),
+        };
+        let mut before = vanishing(last)?;
         self.end = None;
         let end = arclength::follow(&family, state, options, most_points, &mut |solution, ds, end| {
             let orbit = continuation.orbit(&setting, solution);
-            if let Some(before) = &mut apart {
-                let now = continuation.halves_apart(&setting, &orbit)?;
-                if switching::changed_places(before, &now) {
-                    return Ok(Some(End::Rejoined));
-                }
-                *before = now;
+            let now = vanishing(&orbit)?;
+            if before.iter().zip(&now).any(|(before, now)| switching::changed_places(before, now)) {
+                return Ok(Some(if doubled { End::Rejoined } else { End::AtRest }));
             }
+            before = now;
             let end = end.or(continuation.ends(&setting, &orbit));
             *solution = continuation.solution(&setting, &orbit);
             self.orbits.push(orbit);

@@ -22,6 +22,7 @@ use crate::{
     error::{Result, require},
     output::FileFormat,
 };
+use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
 /// Settings of a continuation.
@@ -112,6 +113,10 @@ impl Problem for Continuation {
 
     fn solution(&self, _setting: &Setting, orbit: &Orbit) -> Solution {
         orbit.solution(orbit.setting.get(self.parameter))
+    }
+
+    fn swing(&self, _setting: &Setting, orbit: &Orbit) -> Option<DVector<f64>> {
+        Some(DVector::from_iterator(orbit.z.len(), orbit.z.iter().map(|z| z - orbit.setting.c_x)))
     }
 
     fn spectrum(&self, _setting: &Setting, orbit: &Orbit) -> Result<Spectrum> {

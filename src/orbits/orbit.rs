@@ -109,7 +109,8 @@ impl Orbit {
     /// An integration that fails.
     pub fn kantorovich(&self, shooting: &Shooting) -> Result<Option<Kantorovich>> {
         let shooting = Shooting { formulation: Formulation::HalfPeriod, ..*shooting };
-        let (setting, n, size) = (&self.setting, self.z.len(), self.amplitude());
+        let (n, size) = (self.z.len(), self.amplitude());
+        let setting = &super::Setting { about: None, ..self.setting };
         let Equations { residual, jacobian } = shooting.equations(setting, &self.z, true)?;
         let mut history = Vec::new();
         let keep = |moment: &Moment| history.push((moment.t, moment.columns.clone()));

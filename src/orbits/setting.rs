@@ -2,6 +2,7 @@
 
 use crate::{
     chain::{Boundary, Chain, Params, Resonators},
+    dps::Center,
     error::{Result, SMOOTH, positive, require},
     named::named,
 };
@@ -40,6 +41,10 @@ pub struct Setting {
     pub c_x: f64,
     /// Oscillations of the background in a period: 1, or 2 where the period is doubled.
     pub turns: u32,
+    /// The symmetry of an orbit that is not doubled, if it has one about the middle of the ring:
+    /// `x_{-n}(t) = x_n(t + T/2)` (site) or `x_{1-n} = x_n` (bond).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub about: Option<Center>,
 }
 
 /// Largest number of sites for which the tangent map of contact collocation is computed.
@@ -52,7 +57,7 @@ impl Setting {
     /// The first number that breaks its rule: no fixed resonators, and `alpha > 1`; 3 to 256 sites;
     /// `omega_b` positive; a finite centre; `turns` 1 or 2.
     pub fn chain(&self) -> Result<Chain<f64>> {
-        let Self { params, sites, omega_b, c_x, turns } = *self;
+        let Self { params, sites, omega_b, c_x, turns, .. } = *self;
         params.validate()?;
         let rule = "an orbit of this kind has resonators that move, or none: 0 <= rho < inf";
         require(params.resonators() != Resonators::Fixed, "rho", params.rho, rule)?;
@@ -67,6 +72,18 @@ impl Setting {
     /// Strains of an orbit at `t = 0`: `x`, and `y` where resonators move.
     pub fn numbers(&self) -> usize {
         if self.params.resonators() == Resonators::Moving { 2 * self.sites } else { self.sites }
+    }
+
+    /// The mirror image of an entry of `[x, y]`, if the orbit has a symmetry.
+    pub(super) fn mirror(&self) -> Option<(Center, impl Fn(usize) -> usize + use<>)> {
+        let sites = self.sites;
+        self.about.filter(|_| self.turns == 1).map(|about| {
+            let image = move |i: usize| match about {
+                Center::Site => sites - 1 - i,
+                Center::Bond => (sites - i) % sites,
+            };
+            (about, move |k: usize| k / sites * sites + image(k % sites))
+        })
     }
 
     /// Frequency `(alpha |x|^{alpha-1})^{1/2}` of a contact with the largest of the given strains,

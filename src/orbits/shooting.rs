@@ -9,7 +9,9 @@
 //! phase with change of frequency, and uniform strain with uniform drift. Among states at rest only
 //! one null vector remains, the derivative by the mean strain; one more equation, for `C_x`, makes
 //! the derivative of `F` injective. With the half period, `F` has one equation more than unknowns;
-//! since `sum (x' + rho y')` is conserved, the least-squares solution satisfies all of them.
+//! since `sum (x' + rho y')` is conserved, the least-squares solution satisfies all of them. So it
+//! does those of a symmetry, without which a kink that is wider than a few sites could be shifted
+//! for nothing.
 
 use super::{
     flow::{Moment, flow},
@@ -17,6 +19,7 @@ use super::{
 };
 use crate::{
     chain::{Chain, max_norm},
+    dps::Center,
     error::{Error, Iterate, Result, require},
     run::state_at,
 };
@@ -30,7 +33,8 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Formulation {
     /// `Z'(T/2) = 0` and `(x_1(0) + x_1(T/2))/2 = C_x` (`T/4` where the period is doubled): by
-    /// reversibility the second half of the period is the first one backwards.
+    /// reversibility the second half of the period is the first one backwards. With a symmetry of
+    /// the orbit, see [`Setting::about`], also that.
     #[default]
     HalfPeriod,
     /// `P_T (Z, 0) = (Z, 0)` with the time average of `x_1` at `C_x` (eq:extra_constraint), as in
@@ -84,6 +88,8 @@ pub struct Orbit<S = Setting> {
 const LAST_STEP: f64 = 1e-9;
 /// Largest residual of an orbit; rounding is near 1e-16.
 const SOLVED: f64 = 1e-12;
+/// Weight of the symmetry of an orbit: it is to decide only what the other equations leave open.
+const SYMMETRY: f64 = 1e-3;
 /// Longest step, in units of `max |Z|`; seeds are closer than that.
 const LONGEST_STEP: f64 = 1.0;
 
@@ -205,7 +211,7 @@ impl Newton<'_> {
         for _ in 0..self.most_steps {
             let Ok(Equations { residual, jacobian }) = equations(z.as_slice(), true) else { break };
             let size = unit(&z, &residual);
-            let Some(mut by) = shortest(jacobian, &residual) else { break };
+            let Some(mut by) = least_squares(jacobian, &residual) else { break };
             newton.push(NewtonStep { residual: residual.amax() / size, step: by.amax() / size });
             keep(&z, residual.amax() / size, &newton);
             if z.amax() > 0.0 {
@@ -236,45 +242,15 @@ impl Newton<'_> {
 /// The vector `x` with the least `|matrix x - right|`; `None` where the matrix does not have full
 /// rank.
 pub(crate) fn least_squares(matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
-    by_qr(matrix, right).map(|(x, _)| x)
-}
-
-/// A singular value below this, over the largest entry of `R`, counts as zero.
-const SINGULAR: f64 = 1e-13;
-/// Steps of inverse iteration for the least singular value: enough for one that is far below the
-/// others.
-const INVERSE: usize = 3;
-
-/// As [`least_squares`], and the shortest of such vectors where a singular value is zero to
-/// rounding: an orbit that is one wherever it is shifted to stays where it is.
-pub(super) fn shortest(matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
-    let (x, r) = by_qr(matrix, right)?;
-    let mut v = DVector::from_element(x.len(), 1.0).normalize();
-    let mut inverse = 0.0;
-    for _ in 0..INVERSE {
-        // (R^T R)^{-1} v
-        let Some(w) = r.tr_solve_upper_triangular(&v).and_then(|y| r.solve_upper_triangular(&y)) else {
-            return Some(x);
-        };
-        inverse = w.norm().sqrt();
-        v = w.normalize();
-    }
-    let along = v.dot(&x);
-    Some(if inverse * SINGULAR * r.amax() > 1.0 { x - v * along } else { x })
-}
-
-/// The vector, and `R`.
-fn by_qr(matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
     let (columns, qr) = (matrix.ncols(), matrix.qr());
     let mut right = right.clone();
     qr.q_tr_mul(&mut right);
-    let r = qr.r();
-    let x = r.solve_upper_triangular(&right.rows(0, columns).into_owned())?;
-    x.iter().all(|x| x.is_finite()).then_some((x, r))
+    let x = qr.r().solve_upper_triangular(&right.rows(0, columns).into_owned())?;
+    x.iter().all(|x| x.is_finite()).then_some(x)
 }
 
 /// `F = [Z'(T/2) / omega_b, (x_1(0) + x_1(T/(2 turns)))/2 - C_x]`, from the moments `T/2` and
-/// `T/(2 turns)`.
+/// `T/(2 turns)`, and the symmetry of the orbit, if it has one.
 fn half_period(setting: &Setting, z: &[f64], end: &Moment, turn: &Moment) -> Equations {
     let n = z.len();
     let residual = DVector::from_column_slice(&end.state[n..]) / setting.omega_b;
@@ -282,7 +258,27 @@ fn half_period(setting: &Setting, z: &[f64], end: &Moment, turn: &Moment) -> Equ
     for j in 0..jacobian.ncols() {
         jacobian[(n, j)] = 0.5 * (turn.columns[(0, j)] + f64::from(u8::from(j == 0)));
     }
-    Equations { residual: residual.push(0.5 * (z[0] + turn.state[0]) - setting.c_x), jacobian }
+    let mut equations = Equations { residual: residual.push(0.5 * (z[0] + turn.state[0]) - setting.c_x), jacobian };
+    let Some((about, image)) = setting.mirror() else { return equations };
+    let Equations { residual, jacobian } = &mut equations;
+    *residual = std::mem::take(residual).resize_vertically(2 * n + 1, 0.0);
+    *jacobian = std::mem::take(jacobian).resize_vertically(2 * n + 1, 0.0);
+    for k in 0..n {
+        let (image, row) = (image(k), n + 1 + k);
+        let other = match about {
+            Center::Site => end.state[image],
+            Center::Bond => z[image],
+        };
+        residual[row] = SYMMETRY * (other - z[k]);
+        if jacobian.ncols() > 0 {
+            match about {
+                Center::Site => jacobian.set_row(row, &(end.columns.row(image) * SYMMETRY)),
+                Center::Bond => jacobian[(row, image)] = SYMMETRY,
+            }
+            jacobian[(row, k)] -= SYMMETRY;
+        }
+    }
+    equations
 }
 
 /// `F = [Z(T) - Z(0), Z'(T) / omega_b, mean x_1 - C_x]`.

@@ -71,9 +71,10 @@ pub(super) fn first(
     DISTANCES.into_iter().find_map(near).ok_or(Error::Stalled { steps: arclength::MOST_CORRECTIONS, best: None })
 }
 
-/// Whether a branch of doubled period passed through the branch of half the period between two
-/// points. `before` and `now` are the state in the middle of each orbit less the one at its start.
-/// This difference is zero on the branch of half the period, and has the opposite sign beyond it.
+/// Whether a branch passed through zero between two points: one of doubled period through the
+/// branch of half the period, where `before` and `now` are the state in the middle of each orbit
+/// less the one at its start, or any branch through the state at rest. They have opposite signs on
+/// the two sides.
 pub(super) fn changed_places(before: &DVector<f64>, now: &DVector<f64>) -> bool {
     before.dot(now) < -0.5 * before.norm() * now.norm()
 }

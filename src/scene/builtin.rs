@@ -12,6 +12,7 @@ pub(super) const BUILTIN: &[(&str, &str)] = &[
     ("impact", include_str!("builtin/impact.toml")),
     ("cradle", include_str!("builtin/cradle.toml")),
     ("precompressed", include_str!("builtin/precompressed.toml")),
+    ("bright-envelope", include_str!("builtin/bright-envelope.toml")),
     ("bright-breather", include_str!("builtin/bright-breather.toml")),
     ("bright-breather-site", include_str!("builtin/bright-breather-site.toml")),
     ("bright-breather-16", include_str!("builtin/bright-breather-16.toml")),

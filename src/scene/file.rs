@@ -158,6 +158,19 @@ pub enum Initial {
         /// Size of the breather.
         epsilon: f64,
     },
+    /// A soliton of the nonlinear Schrodinger equation of the loaded chain, see
+    /// [`Nls`](crate::waves::Nls).
+    Envelope {
+        /// Phase of the wave from bead to bead divided by pi, above 0 and at most 1.
+        q_over_pi: f64,
+        /// The band, from 1 (the lowest).
+        band: usize,
+        /// Largest displacement of beads.
+        amplitude: f64,
+        /// Site of the centre, between sites if fractional (the middle of the chain if left out).
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        center: Option<f64>,
+    },
     /// At rest under gravity, constant forces, static overlaps and walls; one bead may be displaced
     /// from there or struck.
     Equilibrium {
@@ -286,7 +299,9 @@ impl Measured for Initial {
                 one("displacement", Quantity::Length, displacement);
                 one("velocity", Quantity::Velocity, velocity);
             }
-            Self::NormalMode { amplitude, .. } => one("amplitude", Quantity::Length, amplitude),
+            Self::NormalMode { amplitude, .. } | Self::Envelope { amplitude, .. } => {
+                one("amplitude", Quantity::Length, amplitude)
+            }
             Self::TrivialBreather(section) => section.measured(seen),
             Self::BrightBreather { epsilon, .. } => one("epsilon", Quantity::Length, epsilon),
             Self::State { u, v, u_dot, v_dot } => {

@@ -9,7 +9,7 @@ use crate::{
     chain::{Boundary, Chain, Site, State},
     dps::Center,
     error::{Error, Result, finite, positive, require},
-    orbits::NormalModes,
+    orbits::{Bands, NormalModes},
     run::{Initial as Start, Measure},
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
@@ -31,7 +31,9 @@ pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(St
     match *initial {
         Initial::TravellingWave { q_over_pi, a, b, phi, epsilon, detuning, zeta, seed } => {
             chain.uniform("a travelling wave")?;
-            on_the_ring(chain, q_over_pi)?;
+            let rule = "a travelling wave lives on a strain-ring";
+            require(chain.boundary() == Boundary::StrainRing, "boundary", chain.boundary(), rule)?;
+            on_the_ring(chain, q_over_pi, 0.0)?;
             let shape = Shape { q: q_over_pi * PI, a, b, phi };
             let wave = TravellingWave::new(chain.params(), shape, size(epsilon, detuning)?)?;
             travelling_wave(chain, wave, zeta.unwrap_or(0.0), seed)
@@ -50,6 +52,9 @@ pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(St
             let breather = bright_breather(chain, center, epsilon)?;
             let own = breather.clone();
             Ok((by_sites(chain, move |i| own.site(i, 0.0))?, Some(Theory::Bright(breather))))
+        }
+        Initial::Envelope { q_over_pi, band, amplitude, center } => {
+            Ok((envelope(chain, [q_over_pi, amplitude], band, center)?, None))
         }
         Initial::Equilibrium { site, displacement, velocity } => {
             let mut state = equilibrium(chain)?;
@@ -102,19 +107,45 @@ fn driven(chain: &Chain<f64>, state: State<f64>) -> Result<State<f64>> {
     }
 }
 
-/// Refuses a chain that is no strain ring, and a wave number with which no whole number of waves
-/// fits the ring or that is outside [-pi, pi].
-fn on_the_ring(chain: &Chain<f64>, q_over_pi: f64) -> Result<()> {
-    let rule = "a travelling wave lives on a strain-ring";
-    require(chain.boundary() == Boundary::StrainRing, "boundary", chain.boundary(), rule)?;
+/// Refuses a wave number outside [-pi, pi], and one with which no whole number of waves, but for
+/// `share` of one, fits the ring.
+fn on_the_ring(chain: &Chain<f64>, q_over_pi: f64, share: f64) -> Result<()> {
     let rule = "the wave number is from -pi to pi: a lattice knows no other";
     require((-1.0..=1.0).contains(&q_over_pi), "q_over_pi", q_over_pi, rule)?;
-    let waves = 0.5 * q_over_pi * chain.sites() as f64;
+    let waves = 0.5 * q_over_pi * chain.sites() as f64 - share;
     if (waves - waves.round()).abs() > 1e-9 * waves.abs().max(1.0) {
-        let rule = "a whole number of waves fits the ring: q sites / (2 pi) is an integer";
+        let rule = match share {
+            0.0 => "a whole number of waves fits the ring: q sites / (2 pi) is an integer",
+            _ => "a dark envelope turns the phase: a whole number of waves and a half fits the ring",
+        };
         return Err(Error::parameter("q_over_pi", q_over_pi, rule));
     }
     Ok(())
+}
+
+/// A bright or dark envelope on a loaded chain; on a ring its ends meet opposite the centre.
+fn envelope(chain: &Chain<f64>, [q_over_pi, amplitude]: [f64; 2], band: usize, center: Option<f64>) -> Result<Start> {
+    let rule = "an envelope is a state of displacements: any other boundary";
+    require(chain.boundary() != Boundary::StrainRing, "boundary", "strain-ring", rule)?;
+    let rule = "above 0 and at most 1";
+    require(q_over_pi > 0.0 && q_over_pi <= 1.0, "q_over_pi", q_over_pi, rule)?;
+    let Some((_, all)) = Bands::new(chain)?.envelopes(PI * q_over_pi) else {
+        let rule = "an envelope lives on equal beads that only contacts and resonators hold";
+        return Err(Error::parameter("initial.kind", "envelope", rule));
+    };
+    let rule = "a band of the chain, the lowest is 1: two with moving resonators, else one";
+    require((1..=all.len()).contains(&band), "band", band, rule)?;
+    let wave = all[band - 1];
+    let soliton = wave.soliton(amplitude)?;
+    let (sites, ring) = (chain.sites() as f64, chain.topology().ring());
+    if ring {
+        on_the_ring(chain, q_over_pi, if wave.focusing() { 0.0 } else { 0.5 })?;
+    }
+    let center = finite("center", center.unwrap_or(0.5 * (sites - 1.0)))?;
+    by_sites(chain, move |i| {
+        let n = i as f64 - center;
+        soliton.site(if ring { n - sites * (n / sites).round() } else { n }, 0.0)
+    })
 }
 
 fn size(epsilon: Option<f64>, detuning: Option<f64>) -> Result<Size> {

@@ -20,7 +20,7 @@ pub use exact::{
 };
 pub use modes::Mode;
 pub(crate) use modes::strains;
-pub use nls::Nls;
+pub use nls::{Nls, Soliton};
 pub use perturbed::PerturbedWave;
 pub use solitary::{LinePulse, SolitaryWave, best_ring, wake_of_line};
 pub use stability::{Eigenvalue, Modulation, ModulationStability};

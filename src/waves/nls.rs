@@ -24,7 +24,7 @@
 //! Vainchtein 2016, Physica D 331, 27 (with resonators).
 
 use crate::{
-    chain::{Params, Resonators},
+    chain::{Params, Resonators, Site},
     error::{Result, positive, require},
 };
 
@@ -42,8 +42,13 @@ use crate::{
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nls {
+    /// `theta`.
+    pub theta: f64,
     /// `omega(theta)`.
     pub omega: f64,
+    /// Displacement of a resonator over that of its bead, `kappa/(kappa - rho omega^2)`; 0 where
+    /// resonators are fixed.
+    pub resonator: f64,
     /// `c`.
     pub group_velocity: f64,
     /// `omega''`.
@@ -106,8 +111,14 @@ impl Nls {
                 if params.resonators() == Resonators::Fixed { 0.0 } else { 4.0 * k3 * k3 / (k2 - (1.0 + rho) * c * c) };
             let share = a(theta).powi(2) / (2.0 * omega * first);
             let at_mean_strain = share * (by_harmonic - 3.0 * k4);
+            let resonator = match params.resonators() {
+                Resonators::Fixed => 0.0,
+                _ => kappa / (kappa - rho * w),
+            };
             Self {
+                theta,
                 omega,
+                resonator,
                 group_velocity: c,
                 dispersion: (0.5 * bend - c * c) / omega,
                 nonlinearity: at_mean_strain + share * by_strain,
@@ -120,5 +131,53 @@ impl Nls {
     /// Whether `omega'' beta > 0`: plane waves are unstable, and envelopes are bright.
     pub fn focusing(&self) -> bool {
         self.dispersion * self.nonlinearity > 0.0
+    }
+
+    /// A soliton of the equation, to first order: bright where it is focusing, dark elsewhere.
+    ///
+    /// # Errors
+    /// An amplitude that is not finite and positive; no dispersion, or no nonlinearity.
+    pub fn soliton(&self, amplitude: f64) -> Result<Soliton> {
+        positive("amplitude", amplitude)?;
+        let per_width = 0.5 * amplitude * (self.nonlinearity / self.dispersion).abs().sqrt();
+        let rule = "a soliton needs a wave with dispersion and nonlinearity, out of resonance";
+        require(per_width.is_finite() && per_width > 0.0, "theta", self.theta, rule)?;
+        Ok(Soliton { wave: *self, amplitude, per_width })
+    }
+}
+
+/// A soliton of the nonlinear Schrodinger equation.
+///
+/// With `h = amplitude/2`, `s = h |beta/omega''|^{1/2}` and `x = n - c t`, displacements are
+///
+/// ```text
+/// bright:  2 h sech(s x) cos(theta n - (omega - beta h^2/2) t)
+/// dark:    2 h tanh(s x) cos(theta n - (omega - beta_0 h^2) t)
+/// ```
+///
+/// and those of resonators are proportional; far from a dark one the mean strain is that of the
+/// chain at rest. Strains of the chain differ from these by a part that is proportional to `h`
+/// (`tests/experiments/nls.rs`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Soliton {
+    wave: Nls,
+    amplitude: f64,
+    per_width: f64,
+}
+
+impl Soliton {
+    /// The site at a distance `n` from the centre, at time `t`.
+    pub fn site(&self, n: f64, t: f64) -> Site<f64> {
+        let Self { wave, amplitude, per_width } = *self;
+        let x = per_width * (n - wave.group_velocity * t);
+        let (share, slope, shift) = match wave.focusing() {
+            true => (1.0 / x.cosh(), -x.tanh() / x.cosh(), 0.5 * wave.nonlinearity),
+            false => (x.tanh(), x.cosh().powi(-2), wave.at_mean_strain),
+        };
+        let omega = wave.omega - shift * (0.5 * amplitude).powi(2);
+        let (sin, cos) = (wave.theta * n - omega * t).sin_cos();
+        let u = amplitude * share * cos;
+        let u_dot = amplitude * (omega * share * sin - wave.group_velocity * per_width * slope * cos);
+        Site { u, v: wave.resonator * u, u_dot, v_dot: wave.resonator * u_dot }
     }
 }

@@ -293,3 +293,23 @@ fn branches_of_driven_chains_have_the_bifurcations_of_the_page() {
         }
     }
 }
+
+#[test]
+fn the_loaded_chain_with_resonators_is_defocusing_at_upper_edges_and_linear_at_the_lower_one() {
+    // Published (Liu, James, Kevrekidis & Vainchtein 2016): at the upper edges of both bands the
+    // nonlinear Schrodinger equation is defocusing; at the lower edge of the optical one it is
+    // linear. There beta falls like a(theta)^2, of order theta^4.
+    let study = json(&["study", "bands", "bright-envelope"]);
+    let of = |band: u64, theta: f64| {
+        let mut rows = study["envelopes"].as_array().unwrap().iter();
+        let row = rows.find(|row| row["band"] == band && (number(row, "/theta_over_pi") - theta).abs() < 1e-9);
+        ["/dispersion", "/nonlinearity"].map(|key| number(row.unwrap(), key))
+    };
+    for band in [1, 2] {
+        let [dispersion, nonlinearity] = of(band, 1.0);
+        assert!(dispersion < -0.1 && nonlinearity > 0.3, "{band}: {dispersion} {nonlinearity}");
+    }
+    let [half, one] = [0.01, 0.02].map(|theta| of(2, theta)[1]);
+    assert!(((one / half).log2() - 4.0).abs() < 0.01, "{half} {one}");
+    // Envelopes of the optical band travel as bright ones: see tests/experiments/nls.rs.
+}

@@ -2,9 +2,9 @@
 
 use hertzchain::{
     Boundary, Chain, Run,
-    chain::{Params, Site, State},
+    chain::{Params, State},
     run::method::Method,
-    waves::{Given, MeanStrain, Nls, Search, WaveNumber, WaveSetting},
+    waves::{Given, MeanStrain, Nls, Search, Shape, Size, TravellingWave, WaveNumber, WaveSetting},
 };
 use std::f64::consts::PI;
 
@@ -67,39 +67,87 @@ fn group_velocity_and_dispersion_are_derivatives_of_the_frequency() {
     }
 }
 
-#[test]
-fn bright_envelopes_of_the_optical_band_travel_as_the_equation_says() {
-    // Truth: runs of the chain. Strains at the time 1/epsilon^2 are off by O(epsilon) of their
-    // size, since the start is right to first order.
-    let (params, theta) = (Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), 0.3 * PI);
-    let nls = Nls::new(params, [1.0, 1.0], theta).unwrap()[1];
-    assert!(nls.focusing());
-    let width = (nls.dispersion / nls.nonlinearity).sqrt();
-    let resonator = params.kappa / (params.kappa - params.rho * nls.omega * nls.omega);
-    let off = |epsilon: f64| {
-        let sites = (40.0 * width / epsilon) as usize / 20 * 20;
+/// Errors of the strains of a ring at the time `1/epsilon^2`, over `epsilon`, for amplitudes of
+/// `2 epsilon`, and their orders. Truth: runs of the chain from the same state.
+fn errors(nls: &Nls, params: Params, epsilons: &[f64], sites: impl Fn(f64) -> usize) -> (Vec<f64>, Vec<f64>) {
+    let error = |&epsilon: &f64| {
+        let sites = sites(epsilon);
         let chain = Chain::new(params, Boundary::Ring, sites).unwrap().precompressed(1.0).unwrap();
-        // u = 2 epsilon sech(X/width) cos(theta n - omega t + beta epsilon^2 t/2) for A of height
-        // 1.
-        let phase = 0.5 * nls.nonlinearity * epsilon * epsilon;
+        let soliton = nls.soliton(2.0 * epsilon).unwrap();
         let wave = |n: usize, t: f64| {
-            let n = (n as f64 - nls.group_velocity * t).rem_euclid(sites as f64) + nls.group_velocity * t;
-            let x = n - nls.group_velocity * t - 0.5 * sites as f64;
-            2.0 * epsilon / (epsilon * x / width).cosh() * (theta * n - (nls.omega - phase) * t).cos()
+            let (moved, sites) = (nls.group_velocity * t, sites as f64);
+            soliton
+                .site((n as f64 - 0.5 * (sites - 1.0) - moved + 0.5 * sites).rem_euclid(sites) - 0.5 * sites + moved, t)
         };
-        let rate = |n: usize| (wave(n, 1e-4) - wave(n, -1e-4)) / 2e-4;
-        let site =
-            |n| Site { u: wave(n, 0.0), v: resonator * wave(n, 0.0), u_dot: rate(n), v_dot: resonator * rate(n) };
-        let state = State::from_fn(&chain, site).unwrap();
+        let state = State::from_fn(&chain, |n| wave(n, 0.0)).unwrap();
         let time = 1.0 / (epsilon * epsilon);
         let run = Run::new(chain, state).until(time).unwrap().method(Method::named("aba1064-linear").unwrap());
         let end = run.step(0.1).unwrap().start().unwrap().state;
         let strain = |n: usize, u: &dyn Fn(usize) -> f64| u(n) - u((n + sites - 1) % sites);
-        let gap = |n| (strain(n, &|n| end[n]) - strain(n, &|n| wave(n, time))).abs() / epsilon;
+        let gap = |n| (strain(n, &|n| end[n]) - strain(n, &|n| wave(n, time).u)).abs() / epsilon;
         (0..sites).map(gap).fold(0.0, f64::max)
     };
-    let errors = [0.08, 0.04, 0.02].map(off);
-    println!("{errors:?}");
-    let orders = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
+    let errors: Vec<f64> = epsilons.iter().map(error).collect();
+    let orders: Vec<f64> = errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect();
+    println!("{errors:?} {orders:?}");
+    (errors, orders)
+}
+
+#[test]
+fn bright_envelopes_of_the_optical_band_travel_as_the_equation_says() {
+    // Strains are off by O(epsilon) of their size, since the start is right to first order.
+    let (params, theta) = (Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), 0.3 * PI);
+    let nls = Nls::new(params, [1.0, 1.0], theta).unwrap()[1];
+    assert!(nls.focusing());
+    let width = (nls.dispersion / nls.nonlinearity).sqrt();
+    let sites = |epsilon: f64| (40.0 * width / epsilon) as usize / 20 * 20;
+    let (errors, orders) = errors(&nls, params, &[0.08, 0.04, 0.02], sites);
     assert!(errors[2] < 0.03 && orders.iter().all(|order| (0.8..1.3).contains(order)), "{errors:?} {orders:?}");
+}
+
+#[test]
+fn dark_envelopes_of_both_bands_travel_as_the_equation_says() {
+    let params = Params::new(1.5, 1.0, 1.0 / 3.0).unwrap();
+    for band in [0, 1] {
+        let nls = Nls::new(params, [1.0, 1.0], 0.7 * PI).unwrap()[band];
+        assert!(!nls.focusing());
+        let width = (-nls.dispersion / nls.nonlinearity).sqrt();
+        // A whole number of waves and a half, on a ring so long that the kink takes a part of
+        // order epsilon of its mean strain.
+        let sites = |epsilon: f64| (3.0 * width / (epsilon * epsilon)) as usize / 20 * 20 + 10;
+        let (errors, orders) = errors(&nls, params, &[0.04, 0.02], sites);
+        assert!(errors[1] < 0.12 && orders.iter().all(|order| (0.8..1.3).contains(order)), "{errors:?} {orders:?}");
+    }
+}
+
+#[test]
+fn under_weak_loads_it_meets_the_discrete_p_schrodinger_equation() {
+    // Waves of equal amplitude over the precompression d: the shift of the frequency from that of
+    // free oscillations by the DpS equation at the mean strain -d, and by the NLS equation at the
+    // optical band, without amplitude and with. The first are of order d^{alpha-1} and differ by
+    // its square, since DpS is of first order in the contacts; the second by a share of that order.
+    let (theta, share) = (0.6 * PI, 0.04);
+    for alpha in [1.5, 2.5] {
+        let params = Params::new(alpha, 1.0, 1.0 / 3.0).unwrap();
+        let off = [1e-2, 1e-3, 1e-4].map(|weak: f64| {
+            let d = weak.powf((alpha - 1.0).recip());
+            let nls = Nls::new(params, [1.0, d], theta).unwrap()[1];
+            let wave = |strain: f64| {
+                let shape = Shape { q: theta, a: 0.5 * strain / params.kappa, b: -d, phi: 0.0 };
+                TravellingWave::new(params, shape, Size::Epsilon(1.0)).unwrap().omega_tw()
+            };
+            // The shift is c h^2 + O(h^4).
+            let h = share * d;
+            let square = (0.5 * h / (2.0 * (0.5 * theta).sin())).powi(2);
+            let [all, half] = [h, 0.5 * h].map(|h| wave(h) - wave(1e-3 * h));
+            let [dps, limit] = [(16.0 * half - all) / 3.0, -nls.at_mean_strain * square];
+            let linear = (wave(1e-3 * h) - params.omega()) / (nls.omega - params.omega()) - 1.0;
+            println!("{alpha} {weak}: {linear:e} {:e}", dps / limit - 1.0);
+            [linear.abs(), (dps / limit - 1.0).abs()]
+        });
+        for k in [0, 1] {
+            let order = (off[0][k] / off[2][k]).log10() / 2.0;
+            assert!((order - 1.0).abs() < 0.05, "{alpha} {k}: {off:?}");
+        }
+    }
 }

@@ -12,7 +12,7 @@ use hertzchain::{
     },
     run::state_at,
     study::{Kick, evolve, study},
-    waves::{Given, MeanStrain, Search, WaveNumber, WaveSetting},
+    waves::{Given, MeanStrain, Nls, Search, WaveNumber, WaveSetting},
 };
 use nalgebra::{Complex, DMatrix, DVector};
 use twofloat::TwoFloat;
@@ -599,8 +599,7 @@ fn loaded_breathers_are_periodic_and_have_the_background_of_exact_waves() {
             let orbit = breather.orbit(&Shooting::default()).unwrap();
             let defect = defect_by_dop853(&orbit);
             let x = orbit.x();
-            // Strains are even about a bond, and of opposite phase about a site. Where a kink is
-            // wide, it may be off the centre by a small part of a site without a residual.
+            // Strains are even about a bond, and of opposite phase about a site.
             let image = |n: usize| x[(60 + kink - n) % 61];
             let odd = (0..61).map(|n| (x[n] - image(n)).abs()).fold(0.0, f64::max);
             let q = WaveNumber::on_ring(1.0, 10).unwrap();
@@ -617,9 +616,49 @@ fn loaded_breathers_are_periodic_and_have_the_background_of_exact_waves() {
             let off = (wave.setting.omega_tw - omega_b).abs();
             println!("{rho} {c_x} {omega_b} {center:?}: {defect:.1e}, height {height}, odd {odd}, {off:.1e}");
             assert!(defect < 9e-13 && height > 0.1 * c_x.abs(), "{rho} {omega_b}: {defect:e}");
-            assert!(if kink == 0 { odd > 1.9 * height } else { odd < 1.4e-4 * height }, "{rho} {omega_b}: {odd}");
+            assert!(if kink == 0 { odd > 1.9 * height } else { odd < 1e-14 * height }, "{rho} {omega_b}: {odd}");
             assert!(off < 2.8e-7, "{rho} {omega_b} {center:?}: {off:e}");
         }
+    }
+}
+
+#[test]
+fn a_branch_in_the_load_goes_from_none_to_the_edge_of_the_band() {
+    // At one frequency the load first grows with the amplitude of the background, then, past a
+    // fold, falls to that at which linear waves with one kink round the ring have the frequency.
+    // Truths: that load, from the closed form of the band; the symmetry; DOP853 over a period.
+    let (sites, omega_b) = (21, 2.05);
+    for center in [Center::Site, Center::Bond] {
+        let first = DarkBreather { sites, ..breather(center, omega_b) };
+        let mut start = first.orbit(&Shooting::default()).unwrap();
+        let mut points = 0;
+        for (step, most) in [(4e-4, 999), (1e-5, 999)] {
+            let shooting = Shooting::default();
+            let parameter = Parameter::Cx;
+            let to = if step > 1e-4 { -0.03 } else { 0.0 };
+            let branch = Continuation { parameter, to, step, most_points: most, natural: false, shooting };
+            let (orbits, end) = branch.follow(start.clone(), |_| {}).unwrap();
+            println!("{center:?} {}: {end:?}, {} points", step, orbits.len());
+            assert!(end == End::AtRest);
+            points += orbits.len();
+            for orbit in orbits.iter().step_by(10) {
+                let (residual, defect) = (orbit.residual, defect_by_dop853(orbit));
+                println!("{} {:e} {residual:e} {defect:e}", orbit.setting.c_x, orbit.x()[0] - orbit.setting.c_x);
+                assert!(residual < 3e-16 && defect < 7e-12, "{residual:e} {defect:e}");
+            }
+            start = orbits.last().unwrap().clone();
+        }
+        let (mut low, mut high) = (1e-3, 1e-1);
+        let theta = std::f64::consts::PI * (1.0 - 1.0 / sites as f64);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            let edge = Nls::new(start.setting.params, [1.0, middle], theta).unwrap()[1].omega;
+            *(if edge < omega_b { &mut low } else { &mut high }) = middle;
+        }
+        let (load, height) = (-start.setting.c_x, (start.x()[0] - start.setting.c_x).abs());
+        println!("{center:?}: {points} points, load {load}, edge {low}, height {height}");
+        // Measured: 3.5e-3 and 2e-7.
+        assert!(height < 0.007 * load && (load / low - 1.0).abs() < 4e-7);
     }
 }
 
