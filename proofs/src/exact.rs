@@ -28,7 +28,7 @@ impl Exact {
         let common = i128::try_from(gcd(num.unsigned_abs(), den.unsigned_abs())).ok()?;
         let sign = den.signum();
         (den != 0).then_some(())?;
-        Some(Self { num: sign * num / common, den: sign * den / common })
+        Some(Self { num: num.checked_mul(sign)? / common, den: den.checked_mul(sign)? / common })
     }
 
     /// The fraction with the smallest denominator up to 1000 whose nearest double this is, else the

@@ -30,6 +30,12 @@ impl Sizes {
     pub const WAVE: Self = Self { block: 16, harmonics: 512, enclosed: 512 };
     /// Those of breathers.
     pub const BREATHER: Self = Self { block: 16, harmonics: 256, enclosed: 256 };
+
+    /// As many times the harmonics, with the same block.
+    #[must_use]
+    pub fn times(self, times: usize) -> Self {
+        Self { harmonics: times * self.harmonics, enclosed: times * self.enclosed, ..self }
+    }
 }
 
 /// The certificate of the wave near `X = mean + sum guess_k cos k theta`, `guess = a_1, a_2, ...`.

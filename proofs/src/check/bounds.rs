@@ -274,3 +274,21 @@ pub(super) fn check(certificate: &Certificate) -> Result<Proof, Refused> {
     }
     Ok(Proof { radius: radius.hi(), uniqueness_radius: unique, amplitude: amplitude.lo(), bounds })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // The weight of c_0 is free, so a row that is left out changes no bound that is printed.
+    #[test]
+    fn the_row_of_c0_is_a_row_of_its_own() {
+        let text = "hertzchain certificate 1\nkind breather\nalpha 3/2\nkappa 1\nrho 1/3\nomega 2.05\nmean 0\n\
+            block 1\nenclosed 4\nsites 3\ncenter bond\na 0x0p0 0x1.p-3\na 0x0p0 -0x1.p-3\n";
+        let system = System::new(&text.parse().unwrap()).unwrap();
+        let unknowns = Unknowns::new(&system, 1);
+        assert_eq!((unknowns.rows, &unknowns.all), (5, &vec![(0, 0), (0, 1), (1, 0), (1, 1)]));
+        let rows = unknowns.by_site(&|i| of(i + 1));
+        let truth = [2_f64.sqrt() + 2.0, 3.0 * 2_f64.sqrt() + 4.0, 5.0];
+        assert!(rows.iter().zip(truth).all(|(row, truth)| (row.mid() - truth).abs() < 1e-14), "{rows:?}");
+    }
+}
