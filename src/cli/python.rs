@@ -9,7 +9,7 @@ use std::path::PathBuf;
 const HEAD: &str = r#""""The studies of the program, a function for each, with its options as arguments.
 
 Generated: what ``--help`` says. What is not given has the default of the program. Files are written
-to the folder ``out`` only.
+to the folder ``out``, and to files that options name.
 """
 
 from __future__ import annotations

@@ -24,6 +24,7 @@ mod mpi;
 mod paper_figures;
 mod paper_points;
 mod parts;
+mod proofs;
 mod provenance;
 mod published;
 mod records;

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     paper::Verify,
-    study::{Compare, PlanFile},
+    study::{Compare, PlanFile, Prove},
 };
 use clap::Parser;
 use hertzchain_integrators::Instructions;
@@ -162,6 +162,13 @@ commands! {
     Dps(DpsAction) =>
         "dps integrals --b 0 --r 1",
         "dps homoclinic --center site";
+    /// Check the certificate of a wave or a breather: prove that it exists.
+    ///
+    /// By interval arithmetic, from the numbers of the certificate alone. Exit code 1 if nothing is
+    /// proved.
+    Prove(StudyCommand<Prove>) =>
+        "wave exact tw-q15 --prove --certificate out/wave.cert",
+        "prove out/wave.cert";
     /// Figures and numbers of the paper, and a report on one page.
     #[command(subcommand)]
     Paper(PaperAction) =>

@@ -10,9 +10,9 @@ use crate::{
     report::Report,
     study::{
         Bands, Barrier, Bound, BoundaryWave, Bright, Charts, Continue, ContinueWave, Dark, DarkProfiles, DimerOptions,
-        DisorderOptions, Doubled, Drift, Driven, DrivenContinue, EndDriven, Evolve, FollowMode, Homoclinics,
+        DisorderOptions, Doubled, Drift, Driven, DrivenContinue, EndDriven, Evolve, Exact, FollowMode, Homoclinics,
         ImpurityOptions, Integrals, LifetimeOptions, Modes, ModulationStudy, Moving, OrderOptions, Progress, Responses,
-        ScalingOptions, Solitary, Spectrum, TaperOptions, TheoremOptions, Trivial, Wanted, Wave,
+        ScalingOptions, Solitary, Spectrum, TaperOptions, TheoremOptions, Trivial, Wave,
     },
 };
 use clap::Args;
@@ -183,9 +183,10 @@ commands! {
     /// It has the frequency (or the amplitude) and the mean strain of a wave of the modulation
     /// equations. Prints its profile, its Fourier coefficients, its distance from that first-order
     /// ansatz, and its relative multipliers for each Bloch wave number.
-    Exact(StudyCommand<Wanted>) =>
+    Exact(StudyCommand<Exact>) =>
         "wave exact tw-q15 --out out/exact",
-        "wave exact --q-over-pi 0.8 --amplitude 0.1 --sites 40 --json";
+        "wave exact --q-over-pi 0.8 --amplitude 0.1 --sites 40 --json",
+        "wave exact tw-q15 --prove --certificate out/wave.cert";
     /// Follow a branch of exact travelling waves.
     ///
     /// Varies one parameter of the wave or of the chain, past folds. Waves keep their ratio of mean

@@ -13,6 +13,7 @@ use super::{
         self, Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, branch_npz, files_of_branch,
     },
     options::options,
+    proof::{self, Proving, of_wave},
 };
 use crate::{
     chain::{Params, Resonators},
@@ -149,7 +150,17 @@ fn companion(setting: WaveSetting, given: Given) -> Result<WaveSetting> {
     Ok(WaveSetting { mean, ..setting })
 }
 
-impl Study for Wanted {
+options! {
+    /// An exact wave, with or without a proof that it exists.
+    pub struct Exact {
+        /// The wave.
+        wanted: Wanted = Wanted::default(), [command(flatten)];
+        /// The proof.
+        proving: Proving = Proving::default(), [command(flatten)];
+    }
+}
+
+impl Study for Exact {
     const FILES: &'static str = "exact-wave.npz has the wave, from which `wave continue --resume` goes on. \
         stalled.json, in place of all files, with the best iterate of a search that did not converge.";
 
@@ -158,11 +169,12 @@ impl Study for Wanted {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        let numbers = self.numbers()?;
+        let numbers = self.wanted.numbers()?;
         Ok(Box::new(move |engine, _| {
             let keep = |why: &Error| keep_iterate(engine.folder(), numbers.moving(), why);
             let study = numbers.study().inspect_err(keep)?;
-            Ok(study.report().file(ALONE, study.npz(&numbers.search)?))
+            let report = study.report().file(ALONE, study.npz(&numbers.search)?);
+            self.proving.added(report, proof::WAVE, |times| of_wave(&study.wave, &study.fourier[0], times))
         }))
     }
 

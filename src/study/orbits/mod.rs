@@ -12,6 +12,7 @@ use super::{
     branches::{self, Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, files_of_branch},
     options::options,
     part,
+    proof::{self, Proving, of_breather},
 };
 use crate::{
     breathers::DarkBreather,
@@ -90,6 +91,8 @@ options! {
         omega_b: Option<f64> = None, "W";
         /// The ring.
         ring: Ring = Ring::default(), [command(flatten)];
+        /// The proof.
+        proving: Proving = Proving::default(), [command(flatten)];
     }
 }
 
@@ -114,7 +117,9 @@ impl Study for Dark {
         let breather = self.breather()?;
         Ok(Box::new(move |_, _| {
             let study = self.study(&breather)?;
-            Ok(study.report().file("dark-breather.npz", study.npz()?))
+            let report = study.report().file("dark-breather.npz", study.npz()?);
+            let (orbit, tol) = (&study.study.orbit, self.ring.tol);
+            self.proving.added(report, proof::BREATHER, |times| of_breather(&breather, orbit, tol, times))
         }))
     }
 }

@@ -1,0 +1,230 @@
+//! Certificates: what is to be proved, with a cosine sum near the solution.
+
+use crate::exact::Exact;
+use std::{fmt, str::FromStr};
+
+const HEAD: &str = "hertzchain certificate 1";
+/// Largest number of harmonics.
+const MOST: usize = 4096;
+/// Largest block of Newton's method, in unknowns.
+const LARGEST_BLOCK: usize = 2500;
+/// Largest number of sites of a ring.
+const MOST_SITES: usize = 401;
+
+/// The parameters of chain and orbit, exact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Model {
+    /// Exponent of contacts, above 1.
+    pub alpha: Exact,
+    /// Spring constant of resonators, at least 0.
+    pub kappa: Exact,
+    /// Mass ratio resonator to bead, at least 0; `None` for infinity, resonators that do not move.
+    pub rho: Option<Exact>,
+    /// Frequency of the orbit.
+    pub omega: Exact,
+}
+
+/// A periodic travelling wave `x_n = X(q n - omega t)`, `X = mean + sum a_k cos k theta`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wave {
+    /// `q/pi`.
+    pub q_over_pi: Exact,
+    /// `a_1, a_2, ...`.
+    pub a: Vec<f64>,
+}
+
+/// The symmetry of a dark breather under reflection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Center {
+    /// `x_{-n}(t) = x_n(t + T/2)`.
+    Site,
+    /// `x_{1-n}(t) = x_n(t)`.
+    Bond,
+}
+
+/// A dark breather of a ring of `sites` strains, `x_n = sum_k a_{nk} cos(k omega t)`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Breather {
+    /// Length of the ring, odd.
+    pub sites: usize,
+    /// Reflection.
+    pub center: Center,
+    /// `a_{nk}` of the sites from 0 (site-centred) or 1 (bond-centred) to the far end, which the
+    /// reflection maps to all others; `k = 0, 1, ...`.
+    pub a: Vec<Vec<f64>>,
+}
+
+/// What a certificate is about.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Orbit {
+    /// A travelling wave.
+    Wave(Wave),
+    /// A dark breather.
+    Breather(Breather),
+}
+
+/// All that the checker gets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Certificate {
+    /// Chain and frequency.
+    pub model: Model,
+    /// Mean strain, exact.
+    pub mean: Exact,
+    /// `K`: harmonics in the block of Newton's method.
+    pub block: usize,
+    /// `K'`: harmonics of the force that are enclosed.
+    pub enclosed: usize,
+    /// The orbit.
+    pub orbit: Orbit,
+}
+
+impl Certificate {
+    /// `H`: harmonics of the cosine sum.
+    pub fn harmonics(&self) -> usize {
+        match &self.orbit {
+            Orbit::Wave(wave) => wave.a.len(),
+            Orbit::Breather(breather) => breather.a.first().map_or(0, |a| a.len().saturating_sub(1)),
+        }
+    }
+
+    /// The rules that the checker relies on, in words if one is broken.
+    pub(crate) fn valid(&self) -> Result<(), String> {
+        let Self { model: Model { alpha, kappa, rho, omega }, block, enclosed, .. } = self;
+        let rule = |holds: bool, words: &str| if holds { Ok(()) } else { Err(words.to_owned()) };
+        rule(alpha.num() > alpha.den(), "alpha must be above 1")?;
+        rule(kappa.num() > 0, "kappa must be above 0")?;
+        rule(rho.is_none_or(|rho| rho.num() >= 0), "rho must be at least 0")?;
+        rule(omega.num() > 0, "omega must be above 0")?;
+        let h = self.harmonics();
+        rule(1 <= *block && *block <= h, "block must be from 1 to the number of harmonics")?;
+        rule(h <= *enclosed && 4 * block <= *enclosed, "enclosed must be at least the harmonics and 4 block")?;
+        rule(*enclosed <= MOST, "at most 4096 harmonics")?;
+        let finite = |a: &[f64]| a.iter().all(|a| a.is_finite());
+        match &self.orbit {
+            Orbit::Wave(wave) => {
+                rule(*block <= LARGEST_BLOCK, "the block has at most 2500 unknowns")?;
+                rule(
+                    wave.q_over_pi.num().abs() < 1 << 40 && wave.q_over_pi.den() < 1 << 40,
+                    "q_over_pi has at most 12 digits",
+                )?;
+                rule(finite(&wave.a), "coefficients must be finite")
+            }
+            Orbit::Breather(Breather { sites, center, a }) => {
+                rule(sites % 2 == 1 && (3..=MOST_SITES).contains(sites), "sites must be odd, from 3 to 401")?;
+                let odd = |a: &Vec<f64>| a.iter().skip(1).step_by(2).any(|a| *a != 0.0);
+                let turned = *center == Center::Bond || !a.first().is_some_and(odd);
+                rule(turned, "the centre of a site-centred breather has even harmonics only")?;
+                rule(rho.is_some(), "the resonators of a breather move: rho must be finite")?;
+                rule(a.len() * (block + 1) < LARGEST_BLOCK, "the block has at most 2500 unknowns")?;
+                rule(a.len() == sites / 2 + 1, "a row of coefficients for each site from the centre to the far end")?;
+                rule(a.iter().all(|a| a.len() == h + 1 && finite(a)), "rows of as many finite coefficients")
+            }
+        }
+    }
+}
+
+impl fmt::Display for Certificate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { model: Model { alpha, kappa, rho, omega }, mean, block, enclosed, orbit } = self;
+        let kind = if matches!(orbit, Orbit::Wave(_)) { "wave" } else { "breather" };
+        let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
+        writeln!(f, "{HEAD}\nkind {kind}\nalpha {alpha}\nkappa {kappa}\nrho {rho}\nomega {omega}\nmean {mean}")?;
+        writeln!(f, "block {block}\nenclosed {enclosed}")?;
+        let rows = match orbit {
+            Orbit::Wave(wave) => {
+                writeln!(f, "q_over_pi {}", wave.q_over_pi)?;
+                std::slice::from_ref(&wave.a)
+            }
+            Orbit::Breather(breather) => {
+                let center = if breather.center == Center::Site { "site" } else { "bond" };
+                writeln!(f, "sites {}\ncenter {center}", breather.sites)?;
+                &breather.a
+            }
+        };
+        for row in rows {
+            let row: Vec<String> = row.iter().map(|x| hexadecimal(*x)).collect();
+            writeln!(f, "a {}", row.join(" "))?;
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for Certificate {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut lines = text.lines();
+        if lines.next() != Some(HEAD) {
+            return Err(format!("its first line is not \"{HEAD}\""));
+        }
+        let (mut keys, mut rows) = (Vec::new(), Vec::new());
+        for line in lines {
+            match line.split_once(' ') {
+                Some(("a", row)) => rows.push(row.split(' ').map(from_hexadecimal).collect::<Result<Vec<f64>, _>>()?),
+                Some(entry) if keys.iter().all(|(key, _)| *key != entry.0) => keys.push(entry),
+                _ => return Err(format!("the line \"{line}\" has no key, or one that was there before")),
+            }
+        }
+        let mut take = |key: &str| {
+            let place = keys.iter().position(|(name, _)| *name == key);
+            place.map(|place| keys.swap_remove(place).1).ok_or_else(|| format!("the line {key} is missing"))
+        };
+        let rho = take("rho")?;
+        let model = Model {
+            alpha: take("alpha")?.parse()?,
+            kappa: take("kappa")?.parse()?,
+            rho: if rho == "inf" { None } else { Some(rho.parse()?) },
+            omega: take("omega")?.parse()?,
+        };
+        let whole = |text: &str| text.parse::<usize>().map_err(|_| format!("\"{text}\" is no whole number"));
+        let (mean, block, enclosed) = (take("mean")?.parse()?, whole(take("block")?)?, whole(take("enclosed")?)?);
+        let orbit = match take("kind")? {
+            "wave" => {
+                let [a] = <[_; 1]>::try_from(rows).map_err(|_| "a wave has one line a")?;
+                Orbit::Wave(Wave { q_over_pi: take("q_over_pi")?.parse()?, a })
+            }
+            "breather" => {
+                let center = match take("center")? {
+                    "site" => Center::Site,
+                    "bond" => Center::Bond,
+                    other => return Err(format!("center {other} is neither site nor bond")),
+                };
+                Orbit::Breather(Breather { sites: whole(take("sites")?)?, center, a: rows })
+            }
+            other => return Err(format!("kind {other} is neither wave nor breather")),
+        };
+        match keys.first() {
+            Some((key, _)) => Err(format!("the key {key} is not known")),
+            None => Ok(Self { model, mean, block, enclosed, orbit }),
+        }
+    }
+}
+
+/// A finite double as C99 writes it: `-0x1.8p-3`; subnormals as `0x0.8p-1022`.
+fn hexadecimal(x: f64) -> String {
+    let (bits, sign) = (x.abs().to_bits(), if x.is_sign_negative() { "-" } else { "" });
+    let (exponent, fraction) = ((bits >> 52) as i64, format!("{:013x}", bits & ((1 << 52) - 1)));
+    let fraction = fraction.trim_end_matches('0');
+    let (lead, exponent) = if exponent == 0 { (0, -1022) } else { (1, exponent - 1023) };
+    if x == 0.0 { format!("{sign}0x0p+0") } else { format!("{sign}0x{lead}.{fraction}p{exponent}") }
+}
+
+/// A double that [`hexadecimal`] has written.
+fn from_hexadecimal(text: &str) -> Result<f64, String> {
+    let of = || {
+        let (sign, digits) = text.strip_prefix('-').map_or((0, text), |rest| (1_u64 << 63, rest));
+        let (mantissa, exponent) = digits.strip_prefix("0x")?.split_once('p')?;
+        let (lead, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+        let exponent: i64 = exponent.parse().ok()?;
+        let digits = fraction.len() <= 13 && fraction.bytes().all(|digit| digit.is_ascii_hexdigit());
+        let fraction = u64::from_str_radix(&format!("{fraction:0<13}"), 16).ok().filter(|_| digits)?;
+        let biased = match (lead, exponent) {
+            ("1", -1022..=1023) => (exponent + 1023) as u64,
+            ("0", -1022) => 0,
+            ("0", 0) if fraction == 0 => 0,
+            _ => return None,
+        };
+        Some(f64::from_bits(sign | biased << 52 | fraction))
+    };
+    of().ok_or_else(|| format!("\"{text}\" is no hexadecimal double"))
+}

@@ -1,0 +1,294 @@
+//! `Y0`, `Z1` and `Z2` of a system.
+//!
+//! Unknowns are `(n, k)` with `k <= K`, and `c_0` as the last one where there are equations for `k =
+//! 0`; the equation of the mean has its index. `A` is an approximate inverse of `DG` on these
+//! unknowns, and the identity beyond. Vectors "by site" have an entry for each site, and one for
+//! `c_0`.
+
+use super::{Moments, Proof, Refused, System, moments, of, radii};
+use crate::{
+    certificate::Certificate,
+    exact::Exact,
+    interval::{Interval, norm},
+};
+
+/// The weight of a harmonic in the norm: `sqrt 2` for the mean.
+fn weight(k: usize) -> Interval {
+    if k == 0 { of(2).sqrt() } else { Interval::ONE }
+}
+
+/// The coefficient of `cos k theta` in `D cos j theta`.
+fn stiffness(d: &[Interval], k: usize, j: usize) -> Interval {
+    let h = |l: usize| if l == 0 { d[0] } else { d[l] / of(2) };
+    match (k, j) {
+        (_, 0) => d[k],
+        (0, _) => h(j),
+        _ => h(k.abs_diff(j)) + h(k + j),
+    }
+}
+
+fn dot(a: &[Interval], b: &[Interval]) -> Interval {
+    a.iter().zip(b).map(|(a, b)| *a * *b).sum()
+}
+
+fn kronecker(equal: bool) -> Interval {
+    if equal { Interval::ONE } else { Interval::ZERO }
+}
+
+/// The unknowns of the block.
+struct Unknowns {
+    /// `(n, k)` of each but `c_0`.
+    all: Vec<(usize, usize)>,
+    /// Their indices, by site and harmonic.
+    index: Vec<Vec<Option<usize>>>,
+    /// Number of rows of `A`.
+    rows: usize,
+}
+
+impl Unknowns {
+    fn new(system: &System, block: usize) -> Self {
+        let (mut all, mut index) = (Vec::new(), Vec::new());
+        for n in 0..system.a.len() {
+            let mut place = |k: usize| {
+                system.has(n, k).then(|| {
+                    all.push((n, k));
+                    all.len() - 1
+                })
+            };
+            index.push((0..=block).map(&mut place).collect());
+        }
+        let rows = all.len() + usize::from(system.means.is_some());
+        Self { all, index, rows }
+    }
+
+    /// Sums over the rows of each site with the weights of the norm, and the row of `c_0`.
+    fn by_site(&self, of_row: &dyn Fn(usize) -> Interval) -> Vec<Interval> {
+        let mut sums = vec![Interval::ZERO; self.index.len() + 1];
+        for (i, (n, k)) in self.all.iter().enumerate() {
+            sums[*n] = sums[*n] + weight(*k) * of_row(i);
+        }
+        if let Some(last) = sums.last_mut().filter(|_| self.rows > self.all.len()) {
+            *last = of_row(self.all.len());
+        }
+        sums
+    }
+
+    /// A row of `A B`, where `B` takes harmonics of the force's change to equations: `l_k e` for `k >=
+    /// 1`, and -1 for `k = 0`.
+    fn times_b(&self, system: &System, row: &[Interval]) -> Vec<Interval> {
+        let mut product = vec![Interval::ZERO; self.all.len()];
+        for (i, &(n, k)) in self.all.iter().enumerate() {
+            for (j, factor) in self.b_row(system, n, k) {
+                product[j] = product[j] + factor * row[i];
+            }
+        }
+        product
+    }
+
+    /// Row `(n, k)` of `B`, by the index of the column.
+    fn b_row(&self, system: &System, n: usize, k: usize) -> Vec<(usize, Interval)> {
+        if k == 0 {
+            return self.index[n][0].map(|i| (i, -Interval::ONE)).into_iter().collect();
+        }
+        let entry = |(m, e): (usize, f64)| Some((self.index[m][k]?, Interval::exact(e) * system.factors[k]));
+        system.coupled(n, k).into_iter().filter_map(entry).collect()
+    }
+}
+
+/// A floating-point inverse, which need not be accurate: Gauss-Jordan elimination with pivots.
+fn approximate_inverse(mut rows: Vec<Vec<f64>>) -> Vec<Vec<Interval>> {
+    let n = rows.len();
+    for (i, row) in rows.iter_mut().enumerate() {
+        row.resize(2 * n, 0.0);
+        row[n + i] = 1.0;
+    }
+    for step in 0..n {
+        let pivot = (step..n).max_by(|&i, &j| rows[i][step].abs().total_cmp(&rows[j][step].abs())).unwrap_or(step);
+        rows.swap(step, pivot);
+        let scale = rows[step][step];
+        let row: Vec<f64> = rows[step].iter().map(|x| x / scale).collect();
+        rows[step].clone_from(&row);
+        for (_, other) in rows.iter_mut().enumerate().filter(|(i, other)| *i != step && other[step] != 0.0) {
+            let factor = other[step];
+            other[step..].iter_mut().zip(&row[step..]).for_each(|(x, y)| *x -= factor * y);
+        }
+    }
+    rows.into_iter().map(|row| row[n..].iter().map(|x| Interval::exact(*x)).collect()).collect()
+}
+
+/// A positive vector, at most 1, near the eigenvector of the largest eigenvalue.
+fn perron(rows: &[Vec<Interval>]) -> Vec<Interval> {
+    let mut vector = vec![1.0; rows.len()];
+    for _ in 0..50 {
+        let next: Vec<f64> = rows.iter().map(|row| row.iter().zip(&vector).map(|(a, b)| a.mid() * b).sum()).collect();
+        let most = next.iter().copied().fold(0.0, f64::max);
+        vector = next.into_iter().map(|x| (x / most).clamp(0.01, 1.0)).collect();
+    }
+    vector.into_iter().map(Interval::exact).collect()
+}
+
+pub(super) fn check(certificate: &Certificate) -> Result<Proof, Refused> {
+    let system = System::new(certificate)?;
+    let (block, enclosed, alpha) = (certificate.block, certificate.enclosed, certificate.model.alpha);
+    let (a, l, sites) = (&system.a, &system.factors, system.a.len());
+    let unknowns = Unknowns::new(&system, block);
+    let known = a.iter().map(|a| moments(a, alpha, enclosed).ok_or(Refused::Moments));
+    let known = known.collect::<Result<Vec<Moments>, _>>()?;
+    // Sums of l_k^2 beyond K', and their root beyond K.
+    let last_square = system.decay.square() / (of(3) * of(enclosed) * of(enclosed) * of(enclosed));
+    let beyond_block = norm(l[block + 1..].iter().copied().chain([last_square.sqrt()]));
+    let neighbours = |n: usize, by_site: &[Interval]| -> Interval {
+        system.coupled(n, 0).into_iter().map(|(m, e)| Interval::exact(e.abs()) * by_site[m]).sum()
+    };
+
+    // DG on the unknowns, A, and M = A B.
+    let mut matrix = vec![vec![0.0; unknowns.rows]; unknowns.rows];
+    for (i, &(n, k)) in unknowns.all.iter().enumerate() {
+        for (column, factor) in unknowns.b_row(&system, n, k) {
+            let m = unknowns.all[column].0;
+            for (place, j) in unknowns.index[m].iter().zip(0..).filter_map(|(place, j)| Some(((*place)?, j))) {
+                matrix[i][place] += (factor * stiffness(&known[m].stiffness, k, j)).mid();
+            }
+        }
+        match &system.means {
+            Some((shares, _)) if k == 0 => {
+                matrix[i][unknowns.rows - 1] = -1.0;
+                matrix[unknowns.rows - 1][i] = shares[n].mid();
+            }
+            _ => matrix[i][i] += 1.0,
+        }
+    }
+    let inverse = approximate_inverse(matrix);
+    let product: Vec<Vec<Interval>> = inverse.iter().map(|row| unknowns.times_b(&system, row)).collect();
+
+    // R, by site of the column; the norm of a row is for harmonics with 2 g_0^2 + sum g_k^2 = 1.
+    let reach = |m: usize| {
+        let entries = |i: usize| unknowns.index[m].iter().flatten().map(move |&j| (i, j));
+        unknowns.by_site(&|i| norm(entries(i).map(|(i, j)| product[i][j] / weight(unknowns.all[j].1))))
+    };
+    let reach: Vec<Vec<Interval>> = (0..sites).map(reach).collect();
+
+    // Y0.
+    let c0 = Interval::exact(known[0].force[0].mid());
+    let defect = |n: usize, k: usize| {
+        let sum: Interval = system.coupled(n, k).into_iter().map(|(m, e)| Interval::exact(e) * known[m].force[k]).sum();
+        a[n].get(k).copied().unwrap_or(Interval::ZERO) - l[k] * sum
+    };
+    let mut residual: Vec<Interval> =
+        unknowns.all.iter().map(|&(n, k)| if k == 0 { known[n].force[0] - c0 } else { defect(n, k) }).collect();
+    if let Some((shares, mean)) = &system.means {
+        let means: Vec<Interval> = a.iter().map(|a| a[0]).collect();
+        residual.push(dot(shares, &means) - *mean);
+    }
+    let tails: Vec<Interval> = known.iter().map(|one| Moments::tail(&one.force, one.force_square, enclosed)).collect();
+    let mut y0 = unknowns.by_site(&|i| dot(&inverse[i], &residual).abs());
+    for (n, y0) in y0.iter_mut().enumerate().take(sites) {
+        let middle: Interval = (block + 1..=enclosed).filter(|k| system.has(n, *k)).map(|k| defect(n, k).abs()).sum();
+        *y0 = *y0 + middle + last_square.sqrt() * neighbours(n, &tails);
+    }
+
+    // Largest columns of I - A DG, by site of the column: those up to J, and those beyond.
+    let computed = enclosed - block;
+    let columns = |m: usize| {
+        let d = &known[m].stiffness;
+        let tail = Moments::tail(d, known[m].stiffness_square, computed - block) / of(2).sqrt();
+        let mut most: Vec<Interval> = reach[m].iter().map(|reach| *reach * tail).collect();
+        for j in (0..=computed).filter(|j| system.has(m, *j)) {
+            let own = unknowns.index[m].get(j).copied().flatten();
+            let entries: Vec<(usize, Interval)> =
+                unknowns.index[m].iter().flatten().map(|&i| (i, stiffness(d, unknowns.all[i].1, j))).collect();
+            let sums = unknowns.by_site(&|i| {
+                // A times the part of DG without D: the identity, or for k = 0 the equation of the mean.
+                let plain = match (own, &system.means) {
+                    (Some(_), Some((shares, _))) if j == 0 => inverse[i][unknowns.rows - 1] * shares[m],
+                    (Some(own), _) => inverse[i][own],
+                    (None, _) => Interval::ZERO,
+                };
+                let stiff: Interval = entries.iter().map(|(column, d)| product[i][*column] * *d).sum();
+                (kronecker(own == Some(i)) - plain - stiff).abs()
+            });
+            most.iter_mut().zip(sums).for_each(|(most, sum)| *most = most.max(sum / weight(j)));
+        }
+        most
+    };
+    let columns: Vec<Vec<Interval>> = (0..sites).map(columns).collect();
+    let of_c0 = match system.means {
+        None => vec![Interval::ZERO; sites + 1],
+        Some(_) => unknowns.by_site(&|i| {
+            let means = unknowns.index.iter().filter_map(|row| row[0]);
+            (kronecker(i == unknowns.rows - 1) + means.map(|j| inverse[i][j]).sum()).abs()
+        }),
+    };
+
+    // The Hölder constant of D: for alpha > 2 in balls up to an eighth of the first harmonic.
+    let first: Vec<Interval> = a.iter().map(|a| a[1].abs()).collect();
+    let amplitude = first.iter().copied().fold(Interval::ZERO, Interval::max);
+    let [stiff, bent] = [alpha.less_one(), alpha.less_one().less_one()];
+    let largest = (bent.num() > 0).then(|| (amplitude / of(8)).lo());
+    let overlaps = known.iter().map(|one| Interval::exact(one.overlap.hi()));
+    let overlap = overlaps.clone().fold(Interval::ZERO, Interval::max) + largest.unwrap_or(0.0).into();
+    let (gamma, hoelder) = match largest {
+        Some(_) => (Exact::ONE, alpha.enclosed() * stiff.enclosed() * overlap.pow(bent)),
+        None => (stiff, alpha.enclosed()),
+    };
+
+    // Z1 and Z2, by site, with weights near Perron's vector of R + t |e|.
+    let contact = |n: usize| -> Vec<Interval> {
+        let mut row: Vec<Interval> = reach.iter().map(|reach| reach[n]).collect();
+        if n < sites {
+            system
+                .coupled(n, 0)
+                .into_iter()
+                .for_each(|(m, e)| row[m] = row[m] + Interval::exact(e.abs()) * beyond_block);
+        }
+        row
+    };
+    let contacts: Vec<Vec<Interval>> = (0..=sites).map(contact).collect();
+    let weights = perron(&contacts[..sites]);
+    let powers: Vec<Interval> = weights.iter().map(|w| *w * w.pow(gamma)).collect();
+    let z2: Vec<Interval> = contacts.iter().map(|row| hoelder * dot(row, &powers)).collect();
+    let steepest = known.iter().zip(overlaps).zip(&weights).map(|((one, overlap), w)| {
+        let root_mean_square = (of(2) * one.stiffness_square).positive_part().sqrt();
+        *w * (alpha.enclosed() * overlap.pow(stiff)).min(root_mean_square)
+    });
+    let steepest: Vec<Interval> = steepest.collect();
+    let z1 = |eta: Interval| -> Vec<Interval> {
+        let row = |n: usize| {
+            let near: Interval = columns.iter().zip(&weights).map(|(column, w)| column[n] * *w).sum();
+            let far = if n < sites { beyond_block * neighbours(n, &steepest) } else { Interval::ZERO };
+            near + far + of_c0[n] / eta
+        };
+        (0..=sites).map(row).collect()
+    };
+    // The largest over the sites, and the number of c_0. Its weight eta makes this at most half.
+    let split = |all: Vec<Interval>| {
+        let most = all.iter().zip(&weights).map(|(one, w)| *one / *w).fold(Interval::ZERO, Interval::max);
+        [most, all[sites]]
+    };
+    let all = |eta: Interval| [split(y0.clone()), split(z1(eta)), split(z2.clone())];
+    let shares = all(Interval::ONE).map(|[most, own]| most.mid() / own.hi());
+    let eta = Interval::exact((0.5 * shares.into_iter().fold(1.0, f64::min)).max(f64::MIN_POSITIVE));
+    let (bounds, radius, unique) = radii(all(eta).map(|[most, own]| most.max(eta * own)), gamma, largest)?;
+    if !first.iter().zip(&weights).any(|(first, w)| (*first - *w * radius).is_positive()) {
+        return Err(Refused::Rest(radius.hi(), amplitude.lo()));
+    }
+    Ok(Proof { radius: radius.hi(), uniqueness_radius: unique, amplitude: amplitude.lo(), bounds })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // The weight of c_0 is free, so a row that is left out changes no bound that is printed.
+    #[test]
+    fn the_row_of_c0_is_a_row_of_its_own() {
+        let text = "hertzchain certificate 1\nkind breather\nalpha 3/2\nkappa 1\nrho 1/3\nomega 2.05\nmean 0\n\
+            block 1\nenclosed 4\nsites 3\ncenter bond\na 0x0p0 0x1.p-3\na 0x0p0 -0x1.p-3\n";
+        let system = System::new(&text.parse().unwrap()).unwrap();
+        let unknowns = Unknowns::new(&system, 1);
+        assert_eq!((unknowns.rows, &unknowns.all), (5, &vec![(0, 0), (0, 1), (1, 0), (1, 1)]));
+        let rows = unknowns.by_site(&|i| of(i + 1));
+        let truth = [2_f64.sqrt() + 2.0, 3.0 * 2_f64.sqrt() + 4.0, 5.0];
+        assert!(rows.iter().zip(truth).all(|(row, truth)| (row.mid() - truth).abs() < 1e-14), "{rows:?}");
+    }
+}

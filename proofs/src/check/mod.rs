@@ -1,0 +1,127 @@
+//! The checker: from a certificate it proves that a solution exists near a cosine sum, or refuses.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `system.rs` | the equations of waves and of breathers, with their factors `l_k` |
+//! | `moments.rs` | encloses the Fourier coefficients of contact forces and stiffnesses |
+//! | `bounds.rs` | the bounds `Y0`, `Z1`, `Z2` |
+//! | this file | the inequalities, from which the radii follow |
+
+mod bounds;
+mod moments;
+mod system;
+
+use system::System;
+
+pub use moments::{Moments, moments};
+
+use crate::{certificate::Certificate, exact::Exact, interval::Interval};
+use std::fmt;
+
+/// What is proved: within `radius` of the cosine sum of the certificate there is a solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proof {
+    /// Upper bound of `|x_n(t) - xbar_n(t)|` for all sites and times.
+    pub radius: f64,
+    /// No other solution of the same symmetry is nearer than this, in the norm of the proof.
+    pub uniqueness_radius: f64,
+    /// Lower bound of the amplitude, the largest modulus of a first harmonic.
+    pub amplitude: f64,
+    /// The bounds.
+    pub bounds: Bounds,
+}
+
+/// Upper bounds of the defect `Y0`, of `Z1` and of the Hölder constant `Z2`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Norm of one Newton correction.
+    pub y0: f64,
+    /// Norm of the derivative of `T` at the cosine sum.
+    pub z1: f64,
+    /// Hölder constant of this derivative.
+    pub z2: f64,
+}
+
+/// Why nothing is proved.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Refused {
+    /// The text is no certificate: the rule that it breaks.
+    Certificate(String),
+    /// The free oscillation of the resonators has this multiple of the frequency.
+    Resonance(usize),
+    /// The contact force could not be enclosed: the series does not converge, or is zero.
+    Moments,
+    /// The inequalities have no solution.
+    Bounds(Bounds),
+    /// The ball holds the state at rest, or is as large: the radius, and the first harmonic.
+    Rest(f64, f64),
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Certificate(rule) => write!(f, "no certificate: {rule}"),
+            Self::Resonance(k) => {
+                write!(f, "harmonic {k} is not separated from the free frequency of the beads against the resonators")
+            }
+            Self::Moments => f.write_str("the contact force of the cosine sum could not be enclosed"),
+            Self::Bounds(Bounds { y0, z1, z2 }) => {
+                write!(
+                    f,
+                    "Y0 = {y0:.2e}, Z1 = {z1:.2e}, Z2 = {z2:.2e} admit no radius: the cosine sum is too far from a solution, or the block too small"
+                )
+            }
+            Self::Rest(radius, first) => {
+                write!(
+                    f,
+                    "the radius {radius:.2e} is not below the first harmonic {first:.2e}, so the solution could be at rest"
+                )
+            }
+        }
+    }
+}
+
+impl std::error::Error for Refused {}
+
+/// Checks the text of a certificate.
+///
+/// # Errors
+/// [`Refused`]; every reason is one that another certificate may not have.
+pub fn check_text(text: &str) -> Result<(Certificate, Proof), Refused> {
+    let certificate: Certificate = text.parse().map_err(Refused::Certificate)?;
+    let proof = check(&certificate)?;
+    Ok((certificate, proof))
+}
+
+/// Checks a certificate.
+///
+/// # Errors
+/// As [`check_text`].
+pub fn check(certificate: &Certificate) -> Result<Proof, Refused> {
+    certificate.valid().map_err(Refused::Certificate)?;
+    bounds::check(certificate)
+}
+
+/// A whole number as an interval.
+fn of(k: usize) -> Interval {
+    Interval::exact(k as f64)
+}
+
+/// The radius `r` of a ball that `T` maps into itself, and that of uniqueness: `Y0 + Z1 r + Z2
+/// r^{1+gamma}/(1+gamma) <= r` and `Z1 + Z2 r^gamma < 1`. Both are at most `largest`.
+fn radii([y0, z1, z2]: [Interval; 3], gamma: Exact, largest: Option<f64>) -> Result<(Bounds, Interval, f64), Refused> {
+    let bounds = Bounds { y0: y0.hi(), z1: z1.hi(), z2: z2.hi() };
+    let refused = Err(Refused::Bounds(bounds));
+    let power = |r: f64| z2 * Interval::exact(r).pow(gamma);
+    let image = |r: f64| y0 + z1 * r.into() + power(r) * r.into() / (Interval::ONE + gamma.enclosed());
+    let contracts = |r: f64| (z1 + power(r)).hi() < 1.0;
+    let within = |r: f64| largest.is_none_or(|largest| r <= largest);
+    let radius = (0..200).fold(y0.hi(), |r, _| image(r).hi()) * (1.0 + 1e-9);
+    if !(image(radius).hi() <= radius && contracts(radius) && within(radius)) {
+        return refused;
+    }
+    let widest = gamma.inverse().map_or(f64::NAN, |power| ((Interval::ONE - z1) / z2).pow(power).lo());
+    let unique = largest.map_or(widest, |largest| widest.min(largest));
+    // An unbounded interval above the radius: what is left to show is that its bound is not NaN.
+    if unique >= radius { Ok((bounds, radius.into(), unique)) } else { refused }
+}

@@ -1,0 +1,294 @@
+//! Enclosures of the Fourier coefficients of contact forces.
+
+use super::of;
+use crate::{
+    exact::Exact,
+    interval::{Complex, Interval},
+};
+
+/// Nodes of the quadrature of a piece.
+const NODES: usize = 20;
+/// Terms of the Taylor polynomial of a piece.
+const TERMS: usize = 8;
+/// Pieces below this share of the half-period are bounded and not integrated.
+const NARROWEST: f64 = 1.0 / (1_u64 << 34) as f64;
+/// Pieces after which the subdivision is given up.
+const MOST_PIECES: usize = 20_000;
+
+/// What is known of `N = (-X)_+^alpha = sum n_k cos k theta` and of its derivative by the overlap,
+/// `D = alpha (-X)_+^{alpha-1} = sum d_k cos k theta`.
+#[derive(Clone, Debug)]
+pub struct Moments {
+    /// `n_k`.
+    pub force: Vec<Interval>,
+    /// `d_k`.
+    pub stiffness: Vec<Interval>,
+    /// The mean of `N^2`.
+    pub force_square: Interval,
+    /// The mean of `D^2`.
+    pub stiffness_square: Interval,
+    /// An interval whose upper bound is one of `-X` from above, at least 0.
+    pub overlap: Interval,
+}
+
+impl Moments {
+    /// An upper bound of `(sum_{k > last} f_k^2)^{1/2}` for one of the two series, by Parseval's
+    /// equation.
+    pub(super) fn tail(series: &[Interval], square: Interval, last: usize) -> Interval {
+        let known: Interval = series[1..=last].iter().map(|f| f.square()).sum();
+        (of(2) * (square - series[0].square()) - known).positive_part().sqrt()
+    }
+}
+
+/// The moments of `X = sum a_k cos k theta`, with coefficients up to `count`.
+///
+/// `[0, pi]` is bisected. A piece is free of contact; or `-X` has a positive real part on an ellipse
+/// of Bernstein about it (parameter 4), so that Gauss-Legendre quadrature of `n` nodes has an error
+/// of at most `8 M 4^{-2n}/(1 - 1/4)` half-widths, `M` the bound of the integrand on the ellipse; or
+/// it is narrow, and bounded; else it is cut.
+///
+/// `None` if the subdivision does not end.
+pub fn moments(a: &[Interval], alpha: Exact, count: usize) -> Option<Moments> {
+    let quadrature = gauss()?;
+    let cut = a.len().saturating_sub(1).max(count).next_power_of_two().div_ceil(4);
+    let mut sums = Sums {
+        a,
+        powers: [alpha, alpha.less_one()],
+        force: vec![Interval::ZERO; count + 1],
+        stiffness: vec![Interval::ZERO; count + 1],
+        squares: [Interval::ZERO; 2],
+        overlap: Interval::ZERO,
+    };
+    let width = 1.0 / cut as f64;
+    let mut pieces: Vec<[f64; 2]> = (0..cut).map(|i| [i as f64 * width, (i + 1) as f64 * width]).collect();
+    for _ in 0..MOST_PIECES {
+        let Some([from, to]) = pieces.pop() else { return Some(sums.done()) };
+        if !sums.add(from, to, &quadrature) {
+            // Dyadic fractions: the middle is exact.
+            let middle = 0.5 * (from + to);
+            pieces.extend([[from, middle], [middle, to]]);
+        }
+    }
+    None
+}
+
+struct Sums<'a> {
+    a: &'a [Interval],
+    /// `alpha`, `alpha - 1`.
+    powers: [Exact; 2],
+    force: Vec<Interval>,
+    stiffness: Vec<Interval>,
+    squares: [Interval; 2],
+    overlap: Interval,
+}
+
+impl Sums<'_> {
+    /// `N` and `D` for an overlap.
+    fn laws(&self, overlap: Interval) -> [Interval; 2] {
+        let overlap = overlap.positive_part();
+        [overlap.pow(self.powers[0]), self.powers[0].enclosed() * overlap.pow(self.powers[1])]
+    }
+
+    /// Adds the integrals over a piece, in shares of the half-period; `false` if it must be cut.
+    fn add(&mut self, from: f64, to: f64, quadrature: &[[Interval; 2]]) -> bool {
+        let centre = Interval::PI * (Interval::exact(from) + Interval::exact(to)) / of(2);
+        let half = Interval::PI * (Interval::exact(to) - Interval::exact(from)) / of(2);
+        let taylor = self.taylor(centre);
+        let real = Complex { re: half.ball(), im: Interval::ZERO };
+        let on_piece = horner(&taylor, real).re + self.remainder(half, Interval::ZERO).ball();
+        let on_piece = (-on_piece).positive_part();
+        if on_piece.hi() <= 0.0 {
+            return true;
+        }
+        if to - from < NARROWEST {
+            self.overlap = self.overlap.max(on_piece);
+            self.bounded(on_piece, half);
+            return !on_piece.is_nan();
+        }
+        // The ellipse has the half-axes 17/8 and 15/8 of the half-width.
+        let [along, across] = [17, 15].map(|axis| half * of(axis) / of(8));
+        let on_box = horner(&taylor, Complex { re: along.ball(), im: across.ball() });
+        let rest = self.remainder(along, across).ball();
+        let value = Complex { re: on_box.re + rest, im: on_box.im + rest };
+        if !(-value.re).is_positive() {
+            return false;
+        }
+        self.overlap = self.overlap.max(on_piece);
+        self.integrated(centre, half, quadrature);
+        self.quadrature_errors(value.abs(), half, across);
+        true
+    }
+
+    /// `X^{(j)}/j!` at a phase.
+    fn taylor(&self, phase: Interval) -> [Interval; TERMS] {
+        let mut sums = [Interval::ZERO; TERMS];
+        for (k, (a, turn)) in self.a.iter().zip(turns(phase, self.a.len())).enumerate() {
+            let mut factor = *a;
+            for (j, sum) in sums.iter_mut().enumerate() {
+                if j > 0 {
+                    factor = factor * of(k) / of(j);
+                }
+                *sum = *sum
+                    + match j % 4 {
+                        0 => factor * turn.re,
+                        1 => -(factor * turn.im),
+                        2 => -(factor * turn.re),
+                        _ => factor * turn.im,
+                    };
+            }
+        }
+        sums
+    }
+
+    /// The remainder of the Taylor polynomial within the distance `along` of its centre and the
+    /// height `across` above the real axis: the sum of `|a_k| (k along)^8/8! e^{k across}`.
+    fn remainder(&self, along: Interval, across: Interval) -> Interval {
+        let growth = Interval::exact(across.hi()).exp();
+        let factorial: Interval = of((1..=TERMS).product());
+        let (mut sum, mut grown) = (Interval::ZERO, Interval::ONE);
+        for (k, a) in self.a.iter().enumerate().skip(1) {
+            grown = grown * growth;
+            sum = sum + a.abs() * (of(k) * along).square().square().square() * grown;
+        }
+        sum / factorial
+    }
+
+    fn integrated(&mut self, centre: Interval, half: Interval, quadrature: &[[Interval; 2]]) {
+        let harmonics = self.a.len().max(self.force.len());
+        // A sum of its own for each piece: fewer rounding errors than in one sum over all nodes.
+        let mut own = [&self.force, &self.stiffness].map(|sums| vec![Interval::ZERO; sums.len()]);
+        let mut squares = [Interval::ZERO; 2];
+        for [node, weight] in quadrature {
+            let cosines = cosines(centre + half * *node, harmonics);
+            let x: Interval = self.a.iter().zip(&cosines).map(|(a, cosine)| *a * *cosine).sum();
+            for ((sums, square), law) in own.iter_mut().zip(&mut squares).zip(self.laws(-x)) {
+                let value = *weight * half * law;
+                *square = *square + value * law;
+                sums.iter_mut().zip(&cosines).for_each(|(sum, cosine)| *sum = *sum + value * *cosine);
+            }
+        }
+        for (sums, own) in [&mut self.force, &mut self.stiffness].into_iter().zip(own) {
+            sums.iter_mut().zip(own).for_each(|(sum, own)| *sum = *sum + own);
+        }
+        self.squares.iter_mut().zip(squares).for_each(|(sum, own)| *sum = *sum + own);
+    }
+
+    fn quadrature_errors(&mut self, modulus: Interval, half: Interval, across: Interval) {
+        let [force, stiffness] = self.laws(modulus);
+        let power = Interval::exact(0.25_f64.powi(2 * NODES as i32));
+        let share = half * of(8) * power / (Interval::ONE - Interval::exact(0.25));
+        self.squares[0] = self.squares[0] + (share * force.square()).ball();
+        self.squares[1] = self.squares[1] + (share * stiffness.square()).ball();
+        let growth = Interval::exact(across.hi()).exp();
+        let mut errors = [share * force, share * stiffness];
+        for (force, stiffness) in self.force.iter_mut().zip(&mut self.stiffness) {
+            (*force, *stiffness) = (*force + errors[0].ball(), *stiffness + errors[1].ball());
+            errors = errors.map(|error| error * growth);
+        }
+    }
+
+    fn bounded(&mut self, overlap: Interval, half: Interval) {
+        let laws = self.laws(overlap);
+        let width = of(2) * half;
+        for (sums, law) in [&mut self.force, &mut self.stiffness].into_iter().zip(laws) {
+            sums.iter_mut().for_each(|sum| *sum = *sum + (law * width).ball());
+        }
+        for (sum, law) in self.squares.iter_mut().zip(laws) {
+            *sum = *sum + (law.square() * width).ball();
+        }
+    }
+
+    /// Coefficients and means from the integrals over half a period.
+    fn done(self) -> Moments {
+        let series = |sums: Vec<Interval>| {
+            let of = |(k, sum): (usize, Interval)| of(if k == 0 { 1 } else { 2 }) * sum / Interval::PI;
+            sums.into_iter().enumerate().map(of).collect()
+        };
+        let [force_square, stiffness_square] = self.squares.map(|sum| sum / Interval::PI);
+        Moments {
+            force: series(self.force),
+            stiffness: series(self.stiffness),
+            force_square,
+            stiffness_square,
+            overlap: self.overlap,
+        }
+    }
+}
+
+/// A polynomial by its coefficients.
+fn horner(coefficients: &[Interval; TERMS], z: Complex) -> Complex {
+    let zero = Complex { re: Interval::ZERO, im: Interval::ZERO };
+    coefficients.iter().rev().fold(zero, |sum, c| {
+        let product = sum * z;
+        Complex { re: product.re + *c, im: product.im }
+    })
+}
+
+/// `cos k phase` for `k < count`, by `cos (i + j) t = 2 cos i t cos j t - cos (j - i) t`, `j - i` 0 or
+/// 1.
+fn cosines(phase: Interval, count: usize) -> Vec<Interval> {
+    let mut all = vec![Interval::ONE, phase.sin_cos()[1]];
+    for k in 2..count {
+        let product = all[k / 2] * all[k - k / 2];
+        all.push(product + product - all[k % 2]);
+    }
+    all.truncate(count);
+    all
+}
+
+/// `e^{i k phase}` for `k < count`, each the product of two of half its index.
+fn turns(phase: Interval, count: usize) -> Vec<Complex> {
+    let [im, re] = phase.sin_cos();
+    let mut all = vec![Complex { re: Interval::ONE, im: Interval::ZERO }, Complex { re, im }];
+    for k in 2..count {
+        let next = all[k / 2] * all[k - k / 2];
+        all.push(next);
+    }
+    all.truncate(count);
+    all
+}
+
+/// Nodes and weights of the Gauss-Legendre quadrature on `[-1, 1]`.
+///
+/// `P_n(cos t) = sum_k c_k c_{n-k} cos (n-2k) t`, `c_k = (2k-1)!!/(2k)!!`, is positive and negative
+/// at the ends of `n` intervals of `t` without common points, so each holds one of its `n` zeros.
+/// The weights are `2/(dP_n/dt)^2`. `None` if an interval is not verified.
+fn gauss() -> Option<Vec<[Interval; 2]>> {
+    let mut c = vec![Interval::ONE];
+    for k in 1..=NODES {
+        c.push(c[k - 1] * of(2 * k - 1) / of(2 * k));
+    }
+    // The polynomial and its first two derivatives.
+    let legendre = |t: Interval| {
+        let mut sums = [Interval::ZERO; 3];
+        for k in 0..=NODES {
+            let order = Interval::exact(NODES as f64 - 2.0 * k as f64);
+            let [sin, cos] = (order * t).sin_cos();
+            let factor = c[k] * c[NODES - k];
+            sums[0] = sums[0] + factor * cos;
+            sums[1] = sums[1] - factor * order * sin;
+            sums[2] = sums[2] - factor * order.square() * cos;
+        }
+        sums
+    };
+    let mut all = Vec::with_capacity(NODES);
+    let mut before = 0.0;
+    for i in 0..NODES {
+        let mut t = std::f64::consts::PI * (i as f64 + 0.75) / (NODES as f64 + 0.5);
+        for _ in 0..6 {
+            let [value, slope, _] = legendre(Interval::exact(t));
+            t -= value.mid() / slope.mid();
+        }
+        let [from, to] = [t - 5e-15, t + 5e-15];
+        let [below, above] = [from, to].map(|t| legendre(Interval::exact(t))[0]);
+        let changes = (-(below * above)).is_positive();
+        if !(changes && before < from && to < std::f64::consts::PI) {
+            return None;
+        }
+        before = to;
+        let node = Interval::new(from, to);
+        let slope = legendre(Interval::exact(t))[1] + legendre(node)[2] * (node - Interval::exact(t));
+        all.push([node.sin_cos()[1], of(2) / slope.square()]);
+    }
+    Some(all)
+}

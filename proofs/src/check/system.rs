@@ -1,0 +1,112 @@
+//! The equations of a wave and of a breather, as one kind of system: for some sites `n`,
+//!
+//! `a_nk - l_k sum_m e_nm n_mk = 0` for `k >= 1`,
+//!
+//! with factors `l_k` of order `1/k^2` and whole numbers `e_nm`. A wave has one site, `l_k = C_k` and
+//! `e = 1`. A breather has the sites of half a ring, of which the reflection makes the other half,
+//! `l_k = 1/L_k`, the second difference as `e`, and for `k = 0` the equations `n_n0 = c_0` and `sum
+//! share_n a_n0 = mean`.
+
+use super::{Refused, of};
+use crate::{
+    certificate::{Breather, Center, Certificate, Model, Orbit, Wave},
+    interval::Interval,
+};
+
+/// The equations, and the cosine sum.
+pub(super) struct System {
+    /// `a_nk`, with the mean of a wave as `a_00`.
+    pub(super) a: Vec<Vec<Interval>>,
+    /// `l_k` for `k` up to `K'`; `l_0` is not used.
+    pub(super) factors: Vec<Interval>,
+    /// `|l_k| <= decay/k^2` beyond.
+    pub(super) decay: Interval,
+    /// The equations for `k = 0`, which a wave lacks: shares of the sites in the ring, and the mean.
+    pub(super) means: Option<(Vec<Interval>, Interval)>,
+    /// Whether site 0 is the centre of a site-centred breather, with even harmonics only.
+    centred: bool,
+}
+
+impl System {
+    pub(super) fn new(certificate: &Certificate) -> Result<Self, Refused> {
+        let Certificate { model, mean, enclosed, orbit, .. } = certificate;
+        let (mut factors, mut decay) = inverses(model, *enclosed)?;
+        let row = |a: &[f64]| a.iter().map(|a| Interval::exact(*a)).collect::<Vec<_>>();
+        match orbit {
+            Orbit::Wave(wave) => {
+                factors.iter_mut().enumerate().for_each(|(k, l)| *l = *l * lattice(wave, k));
+                decay = of(4) * decay;
+                let a = [&[mean.enclosed()], row(&wave.a).as_slice()].concat();
+                Ok(Self { a: vec![a], factors, decay, means: None, centred: false })
+            }
+            Orbit::Breather(Breather { sites, center, a }) => {
+                let centred = *center == Center::Site;
+                let alone = if centred { 0 } else { a.len() - 1 };
+                let share = |n: usize| of(if n == alone { 1 } else { 2 }) / of(*sites);
+                let means = Some(((0..a.len()).map(share).collect(), mean.enclosed()));
+                Ok(Self { a: a.iter().map(|a| row(a)).collect(), factors, decay, means, centred })
+            }
+        }
+    }
+
+    /// Whether harmonic `k` of a site is unknown.
+    pub(super) fn has(&self, n: usize, k: usize) -> bool {
+        (k > 0 || self.means.is_some()) && !(self.centred && n == 0 && k % 2 == 1)
+    }
+
+    /// `e_nm` for harmonic `k`, by `m`; their moduli are largest in sum for `k = 0`.
+    ///
+    /// Left of the first site is its image (bond-centred), or that of the next one: half a period
+    /// later, which changes the sign of odd harmonics. Right of the last site is its image, half a
+    /// period later (site-centred), or that of the site before it.
+    pub(super) fn coupled(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
+        if self.means.is_none() {
+            return vec![(0, 1.0)];
+        }
+        let (last, turned) = (self.a.len() - 1, if k % 2 == 1 { -1.0 } else { 1.0 });
+        let outside = |site, bond| if self.centred { (site, turned) } else { (bond, 1.0) };
+        let left = if n > 0 { (n - 1, 1.0) } else { outside(1, 0) };
+        let right = if n < last { (n + 1, 1.0) } else { outside(last, last - 1) };
+        vec![(n, 2.0), (left.0, -left.1), (right.0, -right.1)]
+    }
+}
+
+/// `S_k = 4 sin^2(k q/2)`, with the angle reduced exactly.
+fn lattice(wave: &Wave, k: usize) -> Interval {
+    let (num, den) = (wave.q_over_pi.num(), wave.q_over_pi.den());
+    let share = Interval::of_integer((k as i128 * num).rem_euclid(2 * den)) / Interval::of_integer(2 * den);
+    of(4) * (share * Interval::PI).sin_cos()[0].square()
+}
+
+/// `1/L_k` for `k` up to `count` (0 for `k = 0`), and `c` with `|1/L_k| <= c/k^2` beyond.
+fn inverses(model: &Model, count: usize) -> Result<(Vec<Interval>, Interval), Refused> {
+    let (kappa, omega, one) = (model.kappa.enclosed(), model.omega.enclosed(), Interval::ONE);
+    let square = |k: usize| (omega * of(k)).square();
+    let inverse = |k: usize| match model.rho {
+        _ if k == 0 => Interval::ZERO,
+        None => one / (kappa - square(k)),
+        Some(rho) if rho.num() == 0 => -one / square(k),
+        Some(rho) => {
+            let rho = rho.enclosed();
+            -(kappa - rho * square(k)) / (square(k) * (kappa * (one + rho) - rho * square(k)))
+        }
+    };
+    let all: Vec<Interval> = (0..=count).map(inverse).collect();
+    if let Some(k) = all.iter().position(|one| one.is_nan()) {
+        return Err(Refused::Resonance(k));
+    }
+    // L_k over -omega^2 k^2 is (1 + added/over)^{-1} for k = count + 1, and nearer to 1 beyond.
+    let (added, over) = match model.rho {
+        Some(rho) if rho.num() == 0 => (Interval::ZERO, one),
+        Some(rho) => {
+            let rho = rho.enclosed();
+            (kappa * rho, rho * square(count + 1) - kappa * (one + rho))
+        }
+        None => (kappa, square(count + 1) - kappa),
+    };
+    if over.is_positive() {
+        Ok((all, (one + added / over) / omega.square()))
+    } else {
+        Err(Refused::Resonance(count + 1))
+    }
+}

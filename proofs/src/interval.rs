@@ -1,0 +1,355 @@
+//! Intervals of real numbers with bounds in doubles, rounded outward.
+//!
+//! IEEE 754 rounds the basic operations and the square root to one of the two doubles beside the
+//! exact result, so the next double below and the next one above enclose it, in every rounding
+//! mode. (x87 code rounds twice: within one unit in the last place, so this holds there too.)
+//! Nothing else is taken from the machine: elementary functions are power series, with their
+//! remainders, after argument reduction with constants to more than a double.
+//!
+//! An operation without a result (a division by an interval with zero, the root of a negative
+//! number, infinity less infinity) gives the interval NaN, and so does every operation with it.
+//! All comparisons with it are false: it proves nothing.
+
+use crate::exact::Exact;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// `[lo, hi]`, or NaN.
+///
+/// ```
+/// use hertzchain_proofs::interval::Interval;
+/// let third = Interval::exact(1.0) / Interval::exact(3.0);
+/// assert!(third.lo() < third.hi() && (third * Interval::exact(3.0)).holds(1.0));
+/// assert!((third / (third - third)).is_nan());
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Interval {
+    lo: f64,
+    hi: f64,
+}
+
+const NAN: Interval = Interval { lo: f64::NAN, hi: f64::NAN };
+
+impl Interval {
+    /// `[0, 0]`.
+    pub const ZERO: Self = Self { lo: 0.0, hi: 0.0 };
+    /// `[1, 1]`.
+    pub const ONE: Self = Self { lo: 1.0, hi: 1.0 };
+    /// The two doubles beside pi.
+    pub const PI: Self = Self { lo: std::f64::consts::PI, hi: 3.141_592_653_589_793_6 };
+
+    /// The interval that holds only this double; NaN if it is not finite.
+    pub fn exact(x: f64) -> Self {
+        if x.is_finite() { Self { lo: x, hi: x } } else { NAN }
+    }
+
+    /// An interval that holds an integer.
+    pub fn of_integer(n: i128) -> Self {
+        let x = n as f64;
+        if n.unsigned_abs() < 1 << 53 { Self::exact(x) } else { Self::outward(x, x) }
+    }
+
+    /// `[lo, hi]`; NaN unless `lo <= hi`.
+    pub fn new(lo: f64, hi: f64) -> Self {
+        if lo <= hi { Self { lo, hi } } else { NAN }
+    }
+
+    /// `[-radius, radius]` for the upper bound of an interval.
+    pub fn ball(self) -> Self {
+        Self::new(-self.hi, self.hi)
+    }
+
+    fn outward(lo: f64, hi: f64) -> Self {
+        Self::new(lo.next_down(), hi.next_up())
+    }
+
+    /// Lower bound.
+    pub fn lo(self) -> f64 {
+        self.lo
+    }
+
+    /// Upper bound.
+    pub fn hi(self) -> f64 {
+        self.hi
+    }
+
+    /// A double in the interval, near its middle.
+    pub fn mid(self) -> f64 {
+        (0.5 * self.lo + 0.5 * self.hi).max(self.lo).min(self.hi)
+    }
+
+    /// Whether it holds a number.
+    pub fn holds(self, x: f64) -> bool {
+        self.lo <= x && x <= self.hi
+    }
+
+    /// Whether nothing is known.
+    pub fn is_nan(self) -> bool {
+        self.lo.is_nan()
+    }
+
+    /// Whether all its numbers are positive.
+    pub fn is_positive(self) -> bool {
+        self.lo > 0.0
+    }
+
+    /// `|x|`.
+    pub fn abs(self) -> Self {
+        if self.lo >= 0.0 {
+            self
+        } else if self.hi <= 0.0 {
+            -self
+        } else {
+            Self::new(0.0, if self.is_nan() { f64::NAN } else { self.hi.max(-self.lo) })
+        }
+    }
+
+    /// `max(x, 0)`.
+    pub fn positive_part(self) -> Self {
+        if self.is_nan() { NAN } else { Self { lo: self.lo.max(0.0), hi: self.hi.max(0.0) } }
+    }
+
+    /// The larger of two.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        if self.is_nan() || other.is_nan() { NAN } else { Self::new(self.lo.max(other.lo), self.hi.max(other.hi)) }
+    }
+
+    /// The smaller of two.
+    #[must_use]
+    pub fn min(self, other: Self) -> Self {
+        -(-self).max(-other)
+    }
+
+    /// `x^2`.
+    pub fn square(self) -> Self {
+        let x = self.abs();
+        Self::outward(x.lo * x.lo, x.hi * x.hi).positive_part()
+    }
+
+    /// The square root; NaN if a number is negative.
+    pub fn sqrt(self) -> Self {
+        if self.lo >= 0.0 { Self::outward(self.lo.sqrt(), self.hi.sqrt()).positive_part() } else { NAN }
+    }
+
+    /// `f` at both bounds, for an increasing function.
+    fn increasing(self, f: impl Fn(f64) -> Self) -> Self {
+        let (lo, hi) = (f(self.lo), f(self.hi));
+        if lo.is_nan() || hi.is_nan() { NAN } else { Self::new(lo.lo, hi.hi) }
+    }
+
+    /// `x^p` for numbers `x >= 0` and `p > 0`; NaN for others.
+    pub fn pow(self, p: Exact) -> Self {
+        let at = |x: f64| match (p.num(), p.den()) {
+            _ if x == 0.0 && p.num() > 0 => Self::ZERO,
+            (n @ 1..=64, 1) => power(Self::exact(x), n),
+            (n @ 1..=64, 2) => power(Self::exact(x), n / 2) * Self::exact(x).sqrt(),
+            (1.., _) => (Self::exact(x).ln() * p.enclosed()).exp(),
+            _ => NAN,
+        };
+        if self.lo >= 0.0 { self.increasing(at).positive_part() } else { NAN }
+    }
+
+    /// The exponential function, for `|x| <= 700`; NaN for others.
+    pub fn exp(self) -> Self {
+        self.increasing(exp)
+    }
+
+    /// The natural logarithm of normal numbers; NaN for others.
+    pub fn ln(self) -> Self {
+        self.increasing(ln)
+    }
+
+    /// `sin x`, `cos x`; what is known of any angle for `|x| > 10^6`.
+    pub fn sin_cos(self) -> [Self; 2] {
+        let middle = self.mid();
+        let radius =
+            (Self::exact(self.hi) - Self::exact(middle)).max(Self::exact(middle) - Self::exact(self.lo)).ball();
+        // The derivatives of both functions are at most 1.
+        sin_cos(middle).map(|value| {
+            let value = value + radius;
+            if value.is_nan() { NAN } else { Self::new(value.lo.clamp(-1.0, 1.0), value.hi.clamp(-1.0, 1.0)) }
+        })
+    }
+}
+
+impl From<f64> for Interval {
+    fn from(x: f64) -> Self {
+        Self::exact(x)
+    }
+}
+
+impl Add for Interval {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self::outward(self.lo + other.lo, self.hi + other.hi)
+    }
+}
+
+impl Neg for Interval {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { lo: -self.hi, hi: -self.lo }
+    }
+}
+
+impl Sub for Interval {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl Mul for Interval {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        hull([self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi])
+    }
+}
+
+impl Div for Interval {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        if !(other.lo > 0.0 || other.hi < 0.0) {
+            return NAN;
+        }
+        hull([self.lo / other.lo, self.lo / other.hi, self.hi / other.lo, self.hi / other.hi])
+    }
+}
+
+impl std::iter::Sum for Interval {
+    fn sum<I: Iterator<Item = Self>>(terms: I) -> Self {
+        terms.fold(Self::ZERO, Add::add)
+    }
+}
+
+/// The square root of the sum of squares.
+pub fn norm(all: impl IntoIterator<Item = Interval>) -> Interval {
+    all.into_iter().map(Interval::square).sum::<Interval>().positive_part().sqrt()
+}
+
+/// The hull of rounded numbers; NaN if one is NaN, which `min` and `max` would pass over.
+fn hull(all: [f64; 4]) -> Interval {
+    let [a, b, c, d] = all;
+    if all.iter().any(|x| x.is_nan()) {
+        return NAN;
+    }
+    Interval::outward(a.min(b).min(c.min(d)), a.max(b).max(c.max(d)))
+}
+
+fn power(x: Interval, n: i128) -> Interval {
+    match n {
+        0 => Interval::ONE,
+        n if n % 2 == 0 => power(x, n / 2).square(),
+        n => power(x, n - 1) * x,
+    }
+}
+
+/// The double with these bits, and the next one: an enclosure of the low part of a constant.
+const fn low_part(bits: u64) -> Interval {
+    Interval { lo: f64::from_bits(bits - 1), hi: f64::from_bits(bits + 1) }
+}
+
+/// `x - n c`, with `n` the integer nearest to `x/c`, for a constant `c` that is the sum of a double
+/// of 33 bits and a small interval: with `|n| < 2^20` the first product is exact.
+fn reduced(x: f64, high: u64, low: Interval) -> (f64, Interval) {
+    let high = f64::from_bits(high);
+    let n = (x / high).round();
+    if n.abs() < 1_048_576.0 {
+        (n, Interval::exact(x) - Interval::exact(n * high) - Interval::exact(n) * low)
+    } else {
+        (0.0, NAN)
+    }
+}
+
+/// `ln 2` in two parts.
+const LN_2: (u64, Interval) = (0x3FE6_2E42_FEE0_0000, low_part(0x3DEA_39EF_3579_3C76));
+/// `pi/2` in two parts.
+const HALF_PI: (u64, Interval) = (0x3FF9_21FB_5440_0000, low_part(0x3DD0_B461_1A62_6331));
+
+/// `e^x = 2^n (1 + r (1 + r/2 (1 + r/3 (...))))`. For `|r| <= 1/2` the last bracket is between 1/2
+/// and 2.
+fn exp(x: f64) -> Interval {
+    let (n, r) = reduced(x, LN_2.0, LN_2.1);
+    if !(x.abs() <= 700.0 && r.abs().hi <= 0.5) {
+        return NAN;
+    }
+    let last = Interval { lo: 0.5, hi: 2.0 };
+    let series = (1..=20).rev().fold(last, |sum, j| Interval::ONE + r / Interval::of_integer(j) * sum);
+    let scale = f64::from_bits(((1023 + n as i64) as u64) << 52);
+    series * Interval::exact(scale)
+}
+
+/// `ln(2^n f) = n ln 2 + 2 artanh s`, `s = (f - 1)/(f + 1)`, with `f` from 0.7 to 1.5, so `s^2 <
+/// 0.05`. The terms `s^{2j}/(2j+1)` from `j = 15` on are below `s^30` in sum.
+fn ln(x: f64) -> Interval {
+    if !x.is_normal() || x < 0.0 {
+        return NAN;
+    }
+    let (bits, one) = (x.to_bits(), 1.0_f64.to_bits());
+    let fraction = f64::from_bits(bits & 0xF_FFFF_FFFF_FFFF | one);
+    let exponent = (bits >> 52) as i128 - 1023;
+    let (f, n) = if fraction > 1.4 { (0.5 * fraction, exponent + 1) } else { (fraction, exponent) };
+    let f = Interval::exact(f);
+    let s = (f - Interval::ONE) / (f + Interval::ONE);
+    let square = s.square();
+    let last = Interval { lo: 0.0, hi: 1.0 };
+    let series = (0..15).rev().fold(last, |sum, j| Interval::ONE / Interval::of_integer(2 * j + 1) + square * sum);
+    let n = Interval::of_integer(n);
+    n * Interval::exact(f64::from_bits(LN_2.0)) + (n * LN_2.1 + Interval::exact(2.0) * s * series)
+}
+
+/// `sin` and `cos` of a double. The series of `r = x - n pi/2`, `|r| < 1`, alternate with terms
+/// that decrease, so each rest is between 0 and its first term.
+fn sin_cos(x: f64) -> [Interval; 2] {
+    let (n, r) = reduced(x, HALF_PI.0, HALF_PI.1);
+    if x.is_nan() {
+        return [NAN; 2];
+    }
+    if !(x.abs() <= 1e6 && r.abs().hi < 1.0) {
+        return [Interval { lo: -1.0, hi: 1.0 }; 2];
+    }
+    let square = r.square();
+    let series = |first: i128| {
+        let last = Interval { lo: 0.0, hi: 1.0 };
+        let step =
+            |sum, j: i128| Interval::ONE - square / Interval::of_integer((2 * j + first) * (2 * j + first + 1)) * sum;
+        (0..11).rev().fold(last, step)
+    };
+    let (sin, cos) = (r * series(2), series(1));
+    match n.rem_euclid(4.0) as u8 {
+        0 => [sin, cos],
+        1 => [cos, -sin],
+        2 => [-sin, -cos],
+        _ => [-cos, sin],
+    }
+}
+
+/// A rectangle in the complex plane.
+#[derive(Clone, Copy, Debug)]
+pub struct Complex {
+    /// Real part.
+    pub re: Interval,
+    /// Imaginary part.
+    pub im: Interval,
+}
+
+impl Complex {
+    /// Upper and lower bound of the modulus.
+    pub fn abs(self) -> Interval {
+        norm([self.re, self.im])
+    }
+}
+
+impl Add for Complex {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { re: self.re + other.re, im: self.im + other.im }
+    }
+}
+
+impl Mul for Complex {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        Self { re: self.re * other.re - self.im * other.im, im: self.re * other.im + self.im * other.re }
+    }
+}

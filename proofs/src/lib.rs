@@ -1,0 +1,18 @@
+//! Existence of periodic travelling waves and dark breathers, proved by the computer.
+//!
+//! | module | what it is |
+//! |---|---|
+//! | [`interval`] | intervals with bounds in doubles, rounded outward, and elementary functions |
+//! | [`exact`] | parameters as exact fractions |
+//! | [`certificate`] | what is to be proved, with a cosine sum near the solution, as a text |
+//! | [`check`] | the checker, which proves or refuses a certificate |
+//! | [`solve`] | Newton's method in doubles, which makes certificates; nothing rests on it |
+//!
+//! The theorem, its proof and its constants are in `docs/proofs.md`. [`check`] uses none of
+//! [`solve`].
+
+pub mod certificate;
+pub mod check;
+pub mod exact;
+pub mod interval;
+pub mod solve;

@@ -1,0 +1,244 @@
+//! Newton's method in doubles for the coefficients of cosine sums, which makes certificates.
+//!
+//! Nothing is rigorous here, and nothing in a proof rests on it. The first `K` harmonics are solved
+//! for by Newton's method; the others are the fixed point `a_k = C_k n_k`.
+
+use crate::{
+    certificate::{Breather, Center, Certificate, Model, Orbit, Wave},
+    exact::Exact,
+};
+use std::f64::consts::PI;
+
+/// Samples of a period.
+const SAMPLES: usize = 1 << 15;
+/// Most steps of Newton's method.
+const MOST_STEPS: usize = 60;
+
+/// The sizes of a proof.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sizes {
+    /// `K`: harmonics in the block.
+    pub block: usize,
+    /// `H`: harmonics of the cosine sum.
+    pub harmonics: usize,
+    /// `K'`: harmonics that are enclosed.
+    pub enclosed: usize,
+}
+
+impl Sizes {
+    /// Those of waves.
+    pub const WAVE: Self = Self { block: 16, harmonics: 512, enclosed: 512 };
+    /// Those of breathers.
+    pub const BREATHER: Self = Self { block: 16, harmonics: 256, enclosed: 256 };
+
+    /// As many times the harmonics, with the same block.
+    #[must_use]
+    pub fn times(self, times: usize) -> Self {
+        Self { harmonics: times * self.harmonics, enclosed: times * self.enclosed, ..self }
+    }
+}
+
+/// The certificate of the wave near `X = mean + sum guess_k cos k theta`, `guess = a_1, a_2, ...`.
+/// `None` if Newton's method finds none.
+pub fn wave(model: Model, q_over_pi: Exact, mean: Exact, guess: &[f64], sizes: Sizes) -> Option<Certificate> {
+    let q = PI * approximate(q_over_pi);
+    let c: Vec<f64> = (0..=sizes.harmonics).map(|k| (2.0 - 2.0 * (q * k as f64).cos()) * inverse(&model, k)).collect();
+    let Sizes { block, harmonics, .. } = sizes;
+    let mut a = vec![approximate(mean)];
+    a.extend(guess.iter().take(harmonics));
+    a.resize(harmonics + 1, 0.0);
+    let mut smallest = f64::INFINITY;
+    for _ in 0..MOST_STEPS {
+        let [force, stiffness] = series(&a, approximate(model.alpha), harmonics.max(2 * block));
+        let entry = |k: usize, j: usize| f64::from(k == j) + c[k] * cosine_product(&stiffness, k, j);
+        let rows = (1..=block).map(|k| (1..=block).map(|j| entry(k, j)).chain([a[k] - c[k] * force[k]]).collect());
+        let mut steps = solved(rows.collect());
+        steps.extend((block + 1..=harmonics).map(|k| a[k] - c[k] * force[k]));
+        a[1..].iter_mut().zip(&steps).for_each(|(a, step)| *a -= step);
+        let size: f64 = steps.iter().map(|step| step.abs()).sum();
+        // Rounding errors: no further progress.
+        if size >= 0.5 * smallest && size < 1e-10 * a[1].abs() || size == 0.0 {
+            a.remove(0);
+            let orbit = Orbit::Wave(Wave { q_over_pi, a });
+            return Some(Certificate { model, mean, block, enclosed: sizes.enclosed, orbit });
+        }
+        smallest = size.min(smallest);
+    }
+    None
+}
+
+/// The certificate of the dark breather near `x_n = sum guess_{nk} cos k omega t`, with a row of
+/// the guess for each site of the half, as in [`Breather::a`], on a ring of this many sites. `None`
+/// if Newton's method finds none.
+pub fn breather(
+    model: Model,
+    (mean, sites): (Exact, usize),
+    center: Center,
+    guess: &[Vec<f64>],
+    sizes: Sizes,
+) -> Option<Certificate> {
+    let Sizes { block, harmonics, enclosed } = sizes;
+    let (half, width, site) = (guess.len(), block + 1, center == Center::Site);
+    let inverses: Vec<f64> = (0..=harmonics).map(|k| inverse(&model, k)).collect();
+    // Row of a site of the ring, and whether its strain is that of half a period later.
+    let row = |n: usize| {
+        let n = n % sites;
+        let last = if site { half } else { half + 1 };
+        if n < last && (site || n > 0) {
+            (n - usize::from(!site), false)
+        } else if site {
+            (sites - n, true)
+        } else {
+            ((sites + 1 - n) % sites - 1, false)
+        }
+    };
+    let ring = |i: usize| i + usize::from(!site) + sites;
+    // The second difference of harmonic k: rows and factors.
+    let difference = |i: usize, k: usize| {
+        [(0, 2.0), (1, -1.0), (sites - 1, -1.0)].map(|(step, factor)| {
+            let (row, turned) = row(ring(i) + step);
+            (row, if turned && k % 2 == 1 { -factor } else { factor })
+        })
+    };
+    let share: Vec<f64> =
+        (0..half).map(|i| (0..sites).filter(|n| row(*n).0 == i).count() as f64 / sites as f64).collect();
+    let mut a: Vec<Vec<f64>> = guess.to_vec();
+    a.iter_mut().for_each(|a| a.resize(harmonics + 1, 0.0));
+    let (mut smallest, unknowns) = (f64::INFINITY, half * width);
+    let mut c0: Option<f64> = None;
+    for _ in 0..MOST_STEPS {
+        let known: Vec<[Vec<f64>; 2]> =
+            a.iter().map(|a| series(a, approximate(model.alpha), harmonics.max(2 * block))).collect();
+        let c0 = c0.get_or_insert_with(|| known.iter().zip(&share).map(|(known, share)| known[0][0] * share).sum());
+        let defect = |i: usize, k: usize| {
+            let sum: f64 = difference(i, k).iter().map(|(m, factor)| factor * known[*m][0][k]).sum();
+            a[i][k] - inverses[k] * sum
+        };
+        let mut rows = vec![vec![0.0; unknowns + 2]; unknowns + 1];
+        for i in 0..half {
+            rows[i * width][unknowns] = -1.0;
+            rows[i * width][unknowns + 1] = known[i][0][0] - *c0;
+            rows[unknowns][i * width] = share[i];
+            for k in 1..width {
+                rows[i * width + k][unknowns + 1] = defect(i, k);
+                rows[i * width + k][i * width + k] = 1.0;
+            }
+            for k in 0..width {
+                let terms = if k == 0 { [(i, -1.0), (i, 0.0), (i, 0.0)] } else { difference(i, k) };
+                let factor = if k == 0 { 1.0 } else { inverses[k] };
+                for (m, term) in terms {
+                    for j in 0..width {
+                        rows[i * width + k][m * width + j] += factor * term * cosine_product(&known[m][1], k, j);
+                    }
+                }
+            }
+        }
+        let mean_strain: f64 = a.iter().zip(&share).map(|(a, share)| a[0] * share).sum();
+        rows[unknowns][unknowns + 1] = mean_strain - approximate(mean);
+        let steps = solved(rows);
+        let beyond: Vec<Vec<f64>> = (0..half).map(|i| (width..=harmonics).map(|k| defect(i, k)).collect()).collect();
+        *c0 -= steps[unknowns];
+        for ((a, near), far) in a.iter_mut().zip(steps.chunks(width)).zip(&beyond) {
+            a.iter_mut().zip(near.iter().chain(far)).for_each(|(a, step)| *a -= step);
+        }
+        let size = steps.iter().chain(beyond.iter().flatten()).fold(0.0, |most: f64, step| most.max(step.abs()));
+        let first = a.iter().fold(0.0, |most: f64, a| most.max(a[1].abs()));
+        if size >= 0.5 * smallest && size < 1e-10 * first || size == 0.0 {
+            if site {
+                a[0].iter_mut().skip(1).step_by(2).for_each(|a| *a = 0.0);
+            }
+            let orbit = Orbit::Breather(Breather { sites, center, a });
+            return Some(Certificate { model, mean, block, enclosed, orbit });
+        }
+        smallest = size.min(smallest);
+    }
+    None
+}
+
+/// The coefficient of `cos k theta` in `cos j theta` times a cosine sum.
+fn cosine_product(d: &[f64], k: usize, j: usize) -> f64 {
+    let h = |l: usize| if l == 0 { d[0] } else { 0.5 * d[l] };
+    match (k, j) {
+        (_, 0) => d[k],
+        (0, _) => h(j),
+        _ => h(k.abs_diff(j)) + h(k + j),
+    }
+}
+
+fn approximate(x: Exact) -> f64 {
+    x.num() as f64 / x.den() as f64
+}
+
+/// `1/L_k`; 0 for `k = 0`.
+fn inverse(model: &Model, k: usize) -> f64 {
+    let (kappa, square) = (approximate(model.kappa), (approximate(model.omega) * k as f64).powi(2));
+    match model.rho.map(approximate) {
+        _ if k == 0 => 0.0,
+        None => 1.0 / (kappa - square),
+        Some(0.0) => -1.0 / square,
+        Some(rho) => -(kappa - rho * square) / (square * (kappa * (1.0 + rho) - rho * square)),
+    }
+}
+
+/// Coefficients of the force and of its derivative by the overlap, for `X = sum a_k cos k theta`.
+fn series(a: &[f64], alpha: f64, count: usize) -> [Vec<f64>; 2] {
+    let mut samples = vec![(0.0, 0.0); SAMPLES];
+    samples.iter_mut().zip(a).for_each(|(sample, a)| sample.0 = *a);
+    fourier(&mut samples);
+    for sample in &mut samples {
+        let overlap = (-sample.0).max(0.0);
+        *sample = (overlap.powf(alpha), alpha * overlap.powf(alpha - 1.0));
+    }
+    // Even real functions have real transforms.
+    fourier(&mut samples);
+    let of = |part: fn(&(f64, f64)) -> f64| {
+        let term = |(k, sample): (usize, &(f64, f64))| (if k == 0 { 1.0 } else { 2.0 }) * part(sample) / SAMPLES as f64;
+        samples.iter().take(count + 1).enumerate().map(term).collect()
+    };
+    [of(|sample| sample.0), of(|sample| sample.1)]
+}
+
+/// The transform `sum_j f_j e^{-2 pi i j k/n}` of a power of two of complex numbers.
+fn fourier(values: &mut [(f64, f64)]) {
+    let n = values.len();
+    for i in 0..n {
+        let j = i.reverse_bits() >> (n.leading_zeros() + 1);
+        if i < j {
+            values.swap(i, j);
+        }
+    }
+    let turns: Vec<(f64, f64)> = (0..n / 2).map(|k| (-2.0 * PI * k as f64 / n as f64).sin_cos()).collect();
+    let mut half = 1;
+    while half < n {
+        for block in values.chunks_exact_mut(2 * half) {
+            let (low, high) = block.split_at_mut(half);
+            for (k, (a, b)) in low.iter_mut().zip(high).enumerate() {
+                let (sin, cos) = turns[k * (n / (2 * half))];
+                let turned = (b.0 * cos - b.1 * sin, b.0 * sin + b.1 * cos);
+                (*a, *b) = ((a.0 + turned.0, a.1 + turned.1), (a.0 - turned.0, a.1 - turned.1));
+            }
+        }
+        half *= 2;
+    }
+}
+
+/// The solution of a linear system; rows end with the right-hand side.
+fn solved(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
+    let n = rows.len();
+    for step in 0..n {
+        let pivot = (step..n).max_by(|&i, &j| rows[i][step].abs().total_cmp(&rows[j][step].abs())).unwrap_or(step);
+        rows.swap(step, pivot);
+        let (above, below) = rows.split_at_mut(step + 1);
+        let row = &above[step];
+        for other in below {
+            let factor = other[step] / row[step];
+            other[step..].iter_mut().zip(&row[step..]).for_each(|(x, y)| *x -= factor * y);
+        }
+    }
+    let mut solution = vec![0.0; n];
+    for i in (0..n).rev() {
+        let known: f64 = (i + 1..n).map(|j| rows[i][j] * solution[j]).sum();
+        solution[i] = (rows[i][n] - known) / rows[i][i];
+    }
+    solution
+}

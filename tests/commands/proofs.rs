@@ -1,0 +1,110 @@
+//! Proofs of existence on the command line.
+
+use super::program::{hertzchain, json};
+use hertzchain_proofs::certificate::{Certificate, Orbit};
+use serde_json::Value;
+use std::{f64::consts::PI, fs, process::Output};
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or(f64::NAN)
+}
+
+/// The largest distance of strains from their cosine sums.
+fn distance(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
+    pairs.map(|(x, sum)| (x - sum).abs()).fold(0.0, f64::max)
+}
+
+// Truth: the wave as an orbit, by shooting and contact collocation, which know no Fourier series.
+#[test]
+fn exact_waves_are_proved_and_lie_in_the_ball() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("certificates/wave.cert");
+    let file = file.to_str().unwrap();
+    for (options, cell) in [("tw-q15", 10_usize), ("tw-q45", 5), ("--rho 0", 10), ("--rho inf --q-over-pi 0.8", 5)] {
+        let found = json(&format!("wave exact {options} --sites 10 --prove --certificate {file}"));
+        let (proof, amplitude) = (&found["proof"], number(&found["amplitude"]));
+        let radius = number(&proof["radius"]);
+        assert!(proof["proved"] == true && radius < 1e-10 * amplitude, "{options}: {proof}");
+        assert!(number(&proof["uniqueness_radius"]) > 1e6 * radius && number(&proof["z1"]) < 0.2, "{options}: {proof}");
+        assert!(proof["rounding"] == "outward" && number(&proof["y0"]) <= radius, "{options}: {proof}");
+        let certificate: Certificate = fs::read_to_string(file).unwrap().parse().unwrap();
+        let Orbit::Wave(wave) = &certificate.orbit else { panic!("{certificate:?}") };
+        let q = PI * number(&found["q_over_pi"]);
+        let mean = certificate.mean.enclosed().mid();
+        let sum = |n: usize| {
+            // The angle of harmonic k, without whole turns of the cell.
+            let angle = |k: usize| q * (k * n % cell) as f64;
+            mean + wave.a.iter().zip(1..).map(|(a, k)| a * angle(k).cos()).sum::<f64>()
+        };
+        let x = found["x"].as_array().unwrap();
+        let apart = distance(x.iter().enumerate().map(|(n, x)| (number(x), sum(n))));
+        // Twice what was measured, 6e-15 of the amplitude, for the tolerance of the search.
+        assert!(apart < radius + 2e-14 * amplitude, "{options}: {apart:e}, {proof}");
+        // The same from nothing but the certificate.
+        assert_eq!(json(&format!("prove {file}"))["proof"], *proof, "{options}");
+    }
+}
+
+#[test]
+fn what_is_not_proved_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("wave.cert");
+    let path = file.to_str().unwrap();
+    json(&format!("wave exact tw-q15 --sites 10 --prove --certificate {path}"));
+    let text = fs::read_to_string(&file).unwrap();
+    let mut moved: Certificate = text.parse().unwrap();
+    if let Orbit::Wave(wave) = &mut moved.orbit {
+        wave.a[0] *= 1.05;
+    }
+    fs::write(&file, moved.to_string()).unwrap();
+    let output = hertzchain(&format!("prove {path} --json"));
+    let proof = serde_json::from_slice::<Value>(&output.stdout).unwrap()["proof"].clone();
+    assert!(proof["proved"] == false && proof["radius"].is_null() && number(&proof["y0"]) > 1e-3, "{proof}");
+    assert!(output.status.code() == Some(1) && said(&output).contains("error: not proved: Y0 = "), "{}", said(&output));
+    // A frequency whose double is the free frequency of the resonators against the beads.
+    fs::write(&file, text.replace("omega 2001/1000", "omega 2/3")).unwrap();
+    let output = hertzchain(&format!("prove {path}"));
+    assert!(
+        output.status.code() == Some(1) && said(&output).contains("harmonic 3 is not separated"),
+        "{}",
+        said(&output)
+    );
+    for (from, to, words) in [
+        ("kappa 1", "kappa one", "\"one\" is no decimal"),
+        ("alpha 3/2", "alpha 1/2", "alpha must be above 1"),
+        ("hertzchain certificate 1", "", "its first line is not"),
+    ] {
+        fs::write(&file, text.replacen(from, to, 1)).unwrap();
+        let output = hertzchain(&format!("prove {path}"));
+        assert!(output.status.code() == Some(2) && said(&output).contains(words), "{}", said(&output));
+    }
+    let output = hertzchain("wave exact --certificate x.cert");
+    assert!(output.status.code() == Some(2) && said(&output).contains("--prove"), "{}", said(&output));
+}
+
+// Truth: the orbit by shooting.
+#[test]
+fn dark_breathers_are_proved_and_lie_in_the_ball() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("breather.cert");
+    let path = file.to_str().unwrap();
+    for options in ["--center bond --omega-b 2.05", "--center site --rho 3 --omega-b 1.2547"] {
+        let found = json(&format!("breather dark {options} --prove --certificate {path}"));
+        let (proof, amplitude) = (&found["proof"], number(&found["k_x"]));
+        let radius = number(&proof["radius"]);
+        assert!(proof["proved"] == true && radius < 1e-9 * amplitude, "{options}: {proof}");
+        let certificate: Certificate = fs::read_to_string(&file).unwrap().parse().unwrap();
+        let Orbit::Breather(breather) = &certificate.orbit else { panic!("{certificate:?}") };
+        // Sites from the centre to the far end, which for a bond-centred breather is site -N.
+        let first = if options.contains("bond") { 21 } else { 20 };
+        let strains =
+            breather.a.iter().enumerate().map(|(i, a)| (number(&found["x"][(first + i) % 41]), a.iter().sum::<f64>()));
+        let apart = distance(strains);
+        assert!(apart < radius + 1e-12 * amplitude, "{options}: {apart:e}, {proof}");
+        assert_eq!(json(&format!("prove {path}"))["proof"], *proof, "{options}");
+    }
+}
