@@ -173,7 +173,6 @@ class BranchPoint:
     max_modulus: float
     symplectic_defect: float
     leading: tuple[complex, ...]
-    kantorovich: dict[str, Any] | None = None
 
 
 class Branch:
@@ -269,7 +268,6 @@ def continue_branch(
     max_points: int | None = None,
     natural: bool = False,
     weak: float = 0.01,
-    bound: bool = False,
     progress: Progress = False,
 ) -> Branch: ...
 @overload
@@ -293,7 +291,6 @@ def continue_branch(
     max_points: int | None = None,
     natural: bool = False,
     weak: float = 0.01,
-    bound: bool = False,
     switch: int | None = None,
     dimensionless: bool | None = None,
     progress: Progress = False,
@@ -321,9 +318,6 @@ def continue_branch(
     weak : float
         Collisions of multipliers after which moduli stay below ``1 + weak`` are not located. For
         dark breathers only.
-    bound : bool
-        Give each point a bound on the distance to an exact orbit, ``kantorovich``. For dark
-        breathers only.
     switch : int, optional
         Number of a bifurcation, counted from 1. The branch that crosses there is followed too; it
         is ``switched`` of the result. For driven orbits only.
@@ -349,8 +343,8 @@ def continue_branch(
     ('reached', True)
     """
     if isinstance(orbit, DrivenOrbit):
-        if natural or bound or weak != 0.01:
-            raise ParameterError("natural, weak and bound are not valid: they are for dark breathers")
+        if natural or weak != 0.01:
+            raise ParameterError("natural and weak are not valid: they are for dark breathers")
         return continue_driven(orbit, vary, to, step, max_points, switch, dimensionless, progress)
     for name, value in (("switch", switch), ("dimensionless", dimensionless)):
         if value is not None:
@@ -375,7 +369,6 @@ def continue_branch(
             bifurcations=True,
             natural=natural,
             weak=number("weak", weak),
-            bound=bound,
             progress=progress,
         )
     )

@@ -48,9 +48,7 @@ use crate::{
     dps::Center,
     error::{Error, Iterate, Result, require},
     interrupt,
-    orbits::{
-        self, Equations, Frame, Kantorovich, Moment, NewtonStep, Orbit, Shooting, Spectrum, flow, known, least_squares,
-    },
+    orbits::{Equations, Frame, NewtonStep, Orbit, Shooting, Spectrum, flow, known, least_squares},
     run::state_at,
 };
 use hertzchain_integrators::collocation::StepControl;
@@ -391,9 +389,6 @@ impl MovingBreather {
 }
 
 impl MovingOrbit {
-    /// Largest ring for [`kantorovich`](Self::kantorovich).
-    pub const MOST_BOUNDED: usize = 61;
-
     /// `max |S^{-1} Phi_{T_m} z - z|` over strains and rates, in units of `max |x|`; rates are
     /// divided by `omega_b`. The flow goes over the whole time, without the symmetry.
     ///
@@ -432,48 +427,6 @@ impl MovingOrbit {
             }
         }
         Ok(Envelope::new(&a, mean))
-    }
-
-    /// A bound for the distance to an exact orbit, after Newton and Kantorovich; `None` where the
-    /// equations are not independent. Unknowns are the coordinates of the states that are symmetric
-    /// at `t = 0`.
-    ///
-    /// # Errors
-    /// More than 61 sites, whose tangent maps of all windows would not fit the memory of a small
-    /// machine; an integration that fails.
-    pub fn kantorovich(&self, tol: f64) -> Result<Option<Kantorovich>> {
-        let (breather, n) = (&self.setting, self.setting.sites);
-        require(n <= Self::MOST_BOUNDED, "sites", n, "at most 61 where the distance to an exact orbit is bounded")?;
-        let (shot, size) = (breather.shot(tol)?, max_norm(self.z[..n].iter().copied()));
-        let at = shot.start.transpose() * DVector::from_column_slice(&self.z);
-        let Equations { residual, mut jacobian } = shot.equations(&at, true)?;
-        // Coordinates of rates and the rates of the end are in units of the amplitude times
-        // omega_b.
-        let rate = |column: &DVector<f64>| column.rows(2 * n, 2 * n).amax() > 0.0;
-        for j in 0..jacobian.ncols() {
-            if rate(&shot.start.column(j).into_owned()) {
-                jacobian.column_mut(j).scale_mut(breather.omega_b);
-            }
-        }
-        let mut pick = shot.end.clone().insert_row(2 * n, 0.0);
-        pick.columns_mut(2 * n, 2 * n).scale_mut(breather.omega_b);
-        let mut history = Vec::new();
-        let keep = |moment: &Moment| history.push((moment.t, moment.columns.clone()));
-        flow(&shot.chain, &self.z, 0.5 * breather.passage(), DMatrix::identity(4 * n, 4 * n), tol, keep)?;
-        let shot = orbits::Shot {
-            params: breather.params,
-            size,
-            omega: breather.omega_b,
-            sites: n,
-            overlap: size,
-            history,
-            pick,
-            residual: residual / size,
-            jacobian,
-            varied: Some(shot.start),
-            tol,
-        };
-        Ok(shot.kantorovich())
     }
 
     /// The relative multipliers: eigenvalues of the derivative of `S^{-1} Phi_{T_m}`. Besides those

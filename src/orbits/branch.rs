@@ -138,11 +138,11 @@ pub trait Problem: Copy + Debug + Serialize + DeserializeOwned + Send + Sync {
     fn kept(spectrum: Self::Spectrum) -> Self::Spectrum {
         spectrum
     }
-    /// What else is measured; with a bound for the distance to an exact orbit if `bounded`.
+    /// What else is measured.
     ///
     /// # Errors
     /// An integration that fails.
-    fn measures(&self, setting: &Self::Setting, orbit: &Self::Orbit, bounded: bool) -> Result<Self::Measures>;
+    fn measures(&self, setting: &Self::Setting, orbit: &Self::Orbit) -> Result<Self::Measures>;
 
     /// Names and lengths of the arrays into which the numbers of an orbit are divided in a file.
     fn arrays(setting: &Self::Setting) -> Vec<(&'static str, usize)>;
@@ -327,8 +327,6 @@ pub struct Branch<P: Problem = Continuation> {
     pub bifurcations: Vec<Bifurcation<P>>,
     /// Number of places with bifurcations that were not located one by one.
     pub unresolved: usize,
-    /// Whether points have bounds for their distance to exact orbits.
-    pub bounded: bool,
 }
 
 impl<P: Problem> Branch<P> {
@@ -355,7 +353,6 @@ impl<P: Problem> Branch<P> {
             whole: false,
             bifurcations: Vec::new(),
             unresolved: 0,
-            bounded: false,
         };
         branch.check().map(|()| branch)
     }
@@ -465,7 +462,7 @@ impl<P: Problem> Branch<P> {
         Ok(Point {
             orbit: orbit.clone(),
             spectrum: P::kept(continuation.spectrum(setting, orbit)?),
-            measures: continuation.measures(setting, orbit, self.bounded)?,
+            measures: continuation.measures(setting, orbit)?,
         })
     }
 
@@ -617,10 +614,10 @@ impl<'a, P: Problem> Spectra<'a, P> {
 
     /// All that is found about orbit `k`.
     pub(crate) fn analysis(&self, k: usize) -> Analysis<P> {
-        let Branch { continuation, setting, orbits, bounded, level, .. } = self.branch;
+        let Branch { continuation, setting, orbits, level, .. } = self.branch;
         let spectrum = (*level > AnalysisLevel::Orbits).then(|| self.at(k)).transpose().map_err(String::clone);
         let measured = spectrum.and_then(|spectrum| {
-            let measures = continuation.measures(setting, &orbits[k], *bounded).map_err(|why| why.to_string())?;
+            let measures = continuation.measures(setting, &orbits[k]).map_err(|why| why.to_string())?;
             Ok((spectrum.cloned(), measures))
         });
         let (found, fold, unresolved) = self.bifurcations(k);

@@ -13,7 +13,6 @@ use super::{
     bifurcation::{self, CriticalPair},
     branch::{At, Branch, Located, Problem, Range},
     floquet::Spectrum,
-    kantorovich::Kantorovich,
     orbit::Extent,
     setting::{Parameter, Setting},
     shooting::{Equations, Formulation, NewtonStep, Orbit, Shooting},
@@ -58,9 +57,6 @@ const FASTEST: f64 = 1e3;
 pub struct OrbitMeasures {
     /// Centres and amplitudes of the first bond.
     pub extent: Extent,
-    /// Bound for the distance to an exact orbit; `None` if it was not asked for, and where the
-    /// equations are not independent.
-    pub kantorovich: Option<Kantorovich>,
 }
 
 impl Problem for Continuation {
@@ -127,9 +123,8 @@ impl Problem for Continuation {
         spectrum.without_vectors()
     }
 
-    fn measures(&self, _setting: &Setting, orbit: &Orbit, bounded: bool) -> Result<OrbitMeasures> {
-        let kantorovich = if bounded { orbit.kantorovich(&self.shooting)? } else { None };
-        Ok(OrbitMeasures { extent: orbit.extent(self.shooting.tol)?, kantorovich })
+    fn measures(&self, _setting: &Setting, orbit: &Orbit) -> Result<OrbitMeasures> {
+        Ok(OrbitMeasures { extent: orbit.extent(self.shooting.tol)? })
     }
 
     fn arrays(setting: &Setting) -> Vec<(&'static str, usize)> {

@@ -149,7 +149,7 @@ impl Problem for DrivenContinuation {
         orbit.spectrum(&self.shooting)
     }
 
-    fn measures(&self, _setting: &DrivenSetting, orbit: &DrivenOrbit, _bounded: bool) -> Result<DrivenMeasures> {
+    fn measures(&self, _setting: &DrivenSetting, orbit: &DrivenOrbit) -> Result<DrivenMeasures> {
         DrivenMeasures::of(orbit, &self.shooting)
     }
 

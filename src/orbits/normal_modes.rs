@@ -623,7 +623,7 @@ impl Problem for ModeContinuation {
         })
     }
 
-    fn measures(&self, modes: &NormalModes, orbit: &ModeOrbit, _bounded: bool) -> Result<ModeMeasures> {
+    fn measures(&self, modes: &NormalModes, orbit: &ModeOrbit) -> Result<ModeMeasures> {
         let (start, end) = (modes.start(orbit.amplitude, &orbit.shape), modes.turning_point(orbit)?);
         let energy = |state: &[f64]| modes.chain.energy(state).total() - modes.chain.work_of_loads(state);
         let bonds = modes.chain.touching();

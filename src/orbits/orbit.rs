@@ -1,10 +1,8 @@
 //! Measurements of an orbit: states, extent, error of periodicity, multipliers.
 
 use super::{
-    Kantorovich, Shot,
     floquet::{Frame, Spectrum, known},
-    flow::Moment,
-    shooting::{Equations, Formulation, Orbit, Shooting},
+    shooting::{Orbit, Shooting},
 };
 use crate::{
     chain::max_norm,
@@ -12,14 +10,10 @@ use crate::{
     run::state_at,
 };
 use hertzchain_integrators::collocation::StepControl;
-use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 /// Samples per period for the extremes; a multiple of 4.
 const SAMPLES: u32 = 64;
-/// Largest error of the centre, in units of the amplitude. A larger residual of its equation means
-/// that the orbit was solved with the other definition of the centre.
-const SAME_CENTRE: f64 = 1e-11;
 
 /// Vertical centres (eq:center) and amplitudes (eq:amp) of the first site, `n = -N`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -100,47 +94,6 @@ impl Orbit {
         let end = self.states(tol, &[f64::from(periods) * self.setting.period()])?;
         let apart = self.z.iter().zip(&end[0]).map(|(a, b)| a - b);
         Ok(max_norm(apart) / self.amplitude())
-    }
-
-    /// A bound for the distance to an exact orbit, after Newton and Kantorovich, by the equations
-    /// of the half period; `None` where these are not independent.
-    ///
-    /// # Errors
-    /// An integration that fails.
-    pub fn kantorovich(&self, shooting: &Shooting) -> Result<Option<Kantorovich>> {
-        let shooting = Shooting { formulation: Formulation::HalfPeriod, ..*shooting };
-        let (n, size) = (self.z.len(), self.amplitude());
-        let setting = &super::Setting { about: None, ..self.setting };
-        let Equations { residual, jacobian } = shooting.equations(setting, &self.z, true)?;
-        let mut history = Vec::new();
-        let keep = |moment: &Moment| history.push((moment.t, moment.columns.clone()));
-        shooting.flow(&setting.chain()?, &self.z, 0.5 * setting.period(), 2 * n, keep)?;
-        // The equation for the centre has half of the first strain at the end. For a doubled period
-        // it has the strain at an earlier time, where the derivative has grown less.
-        let mut pick = DMatrix::zeros(n + 1, 2 * n);
-        pick.view_mut((0, n), (n, n)).fill_with_identity();
-        pick[(n, 0)] = 0.5;
-        // The equations of the full period define the centre in another way.
-        let mut residual = residual / size;
-        if residual[n].abs() > SAME_CENTRE {
-            residual[n] = 0.0;
-        }
-        let overlap = self.x().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let (params, omega, sites) = (setting.params, setting.omega_b, setting.sites);
-        let shot = Shot {
-            params,
-            size,
-            omega,
-            sites,
-            overlap,
-            history,
-            pick,
-            residual,
-            jacobian,
-            varied: None,
-            tol: shooting.tol,
-        };
-        Ok(shot.kantorovich())
     }
 
     /// The Floquet multipliers of the orbit.

@@ -382,9 +382,9 @@ pub(super) fn analysed<P: Kept>(
     let [_, store] = names::<P>(second);
     // The largest number of points has no influence on those that there are.
     let range = Range { most_points: 0, ..branch.continuation.range() };
-    let Branch { weak, birth, bounded, level, .. } = branch;
+    let Branch { weak, birth, level, .. } = branch;
     let source = P::source(about, &branch).0;
-    let settings = json!([source, branch.continuation.with_range(range), weak, birth, bounded, level]);
+    let settings = json!([source, branch.continuation.with_range(range), weak, birth, level]);
     segments::analysed(branch, [store, P::NAMES[2]], &settings, engine, progress)
 }
 

@@ -72,6 +72,7 @@ pub use orbits::*;
 pub use order::*;
 pub use plan::{Axis as PlanAxis, NumberColumn, Plan, PlanFile, PlanStudy, Point as PlanPoint, Reported, planned};
 pub use proof::{Prove, Proving};
+pub(crate) use proof::{radius_of_breather, radius_of_wave};
 pub use pulses::*;
 pub use response::Responses;
 pub use run::*;

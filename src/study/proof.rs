@@ -53,9 +53,7 @@ options! {
 }
 
 impl Proving {
-    /// Adds the proof, if it is asked for, to a report. The closure makes a certificate of some
-    /// times as many harmonics as usual; there are four times as many if the radius is otherwise
-    /// above a share of the amplitude.
+    /// Adds the proof, if it is asked for, to a report; see [`searched`].
     ///
     /// # Errors
     /// A certificate that cannot be written.
@@ -68,17 +66,7 @@ impl Proving {
         if !self.prove {
             return Ok(report);
         }
-        let checked = |more: usize| {
-            let with_proof = |certificate| {
-                let proof = check(&certificate);
-                (certificate, proof)
-            };
-            Ok::<_, Error>(certificate(more)?.map(with_proof))
-        };
-        let usual = checked(1)?;
-        let near = |(_, proof): &(_, Checked)| matches!(proof, Ok(it) if it.radius <= share * it.amplitude);
-        let more = if usual.as_ref().is_none_or(near) { None } else { checked(4)? };
-        let Some((certificate, proof)) = more.or(usual) else {
+        let Some((certificate, proof)) = searched(share, certificate)? else {
             let why = "not proved: no cosine sum near the solution is found";
             return Ok(report.fact("proof", json!({ "proved": false, "reason": why })).failure(Some(why.to_owned())));
         };
@@ -90,6 +78,44 @@ impl Proving {
         }
         Ok(proved(report, &certificate, proof))
     }
+}
+
+/// A certificate, checked. The closure makes one of some times as many harmonics as usual; there
+/// are four times as many if the radius is otherwise above a share of the amplitude.
+fn searched(
+    share: f64,
+    certificate: impl Fn(usize) -> Result<Option<Certificate>>,
+) -> Result<Option<(Certificate, Checked)>> {
+    let checked = |more: usize| {
+        let with_proof = |certificate| {
+            let proof = check(&certificate);
+            (certificate, proof)
+        };
+        Ok::<_, Error>(certificate(more)?.map(with_proof))
+    };
+    let usual = checked(1)?;
+    let near = |(_, proof): &(_, Checked)| matches!(proof, Ok(it) if it.radius <= share * it.amplitude);
+    let more = if usual.as_ref().is_none_or(near) { None } else { checked(4)? };
+    Ok(more.or(usual))
+}
+
+/// The radius that is proved, over the amplitude; infinite if nothing is.
+fn radius(share: f64, certificate: impl Fn(usize) -> Result<Option<Certificate>>) -> Result<f64> {
+    Ok(match searched(share, certificate)? {
+        Some((_, Ok(proof))) => proof.radius / proof.amplitude,
+        _ => f64::INFINITY,
+    })
+}
+
+/// The radius within which a wave with these Fourier coefficients is proved to exist, over its
+/// amplitude; infinite if it is not.
+pub(crate) fn radius_of_wave(wave: &ExactWave, fourier: &[f64]) -> Result<f64> {
+    radius(WAVE, |more| of_wave(wave, fourier, more))
+}
+
+/// The same of a breather.
+pub(crate) fn radius_of_breather(breather: &DarkBreather, orbit: &Orbit, tol: f64) -> Result<f64> {
+    radius(BREATHER, |more| of_breather(breather, orbit, tol, more))
 }
 
 /// Adds to a report what is proved of a certificate.

@@ -10,7 +10,7 @@ use std::{fs, path::Path, process::Stdio};
 
 /// A branch with period doublings and a collision, in six segments.
 pub(crate) const DARK: &str =
-    "breather continue --center bond --sites 9 --from 2.03 --to 2.1 --step 0.004 --bifurcations --bound";
+    "breather continue --center bond --sites 9 --from 2.03 --to 2.1 --step 0.004 --bifurcations";
 /// One that takes seconds.
 const LONG: &str = "breather continue --center bond --sites 21 --from 2.03 --to 2.1 --step 0.001 --bifurcations";
 const STORE: &str = "spectra.store";
@@ -65,7 +65,7 @@ fn orbits_of_modes_and_waves_alone_go_on_from_their_file_to_the_same_bytes() {
 #[ignore = "nightly: twenty seconds"]
 fn orbits_alone_of_every_family_go_on_from_their_file_to_the_same_bytes() {
     go_on_to_the_same_bytes(&[
-        (&DARK.replace(" --bound", ""), "branch.json", "max_modulus"),
+        (DARK, "branch.json", "max_modulus"),
         (DRIVEN, "driven-branch.json", "max_modulus"),
         (MODE, "mode.json", "max_modulus"),
         (WAVES[0], "waves.json", "growth"),
@@ -231,10 +231,9 @@ fn another_branch_in_the_same_folder_reads_no_rows_of_the_first() {
     for other in [
         DARK.replace("2.1", "2.09"),
         DARK.replace("0.004", "0.0041"),
-        DARK.replace("--bound", ""),
-        DARK.replace("--bound", "--weak 0.5"),
-        DARK.replace("--bound", "--tol 1e-12"),
-        DARK.replace("--bound", "--rho 0.34"),
+        format!("{DARK} --weak 0.5"),
+        format!("{DARK} --tol 1e-12"),
+        format!("{DARK} --rho 0.34"),
     ] {
         let alone = tempfile::tempdir().unwrap();
         run(other.trim(), alone.path(), &[]);
@@ -245,7 +244,7 @@ fn another_branch_in_the_same_folder_reads_no_rows_of_the_first() {
         count = now;
     }
     // Fewer points: only the last segment differs.
-    assert_eq!(output(&DARK.replace("--bound", "--bound --max-points 14"), shared, &[]).status.code(), Some(1));
+    assert_eq!(output(&format!("{DARK} --max-points 14"), shared, &[]).status.code(), Some(1));
     assert_eq!(lines(&shared.join(STORE)), count + 1);
     let alone = tempfile::tempdir().unwrap();
     run(DARK, alone.path(), &[]);

@@ -184,19 +184,6 @@ fn solitary_waves_fail_where_a_ring_is_in_resonance() {
     assert!((json["coefficient"].as_f64().unwrap() - 0.905_515_776_419).abs() < 1e-12);
 }
 
-// Truth: the theorem has the same number for the same orbit, alone and on a branch.
-#[test]
-fn a_branch_tells_how_near_exact_orbits_are_if_asked() {
-    let branch = "breather continue --from 2.05 --to 2.06 --step 0.01 --sites 9";
-    let with = json(&format!("{branch} --bound"));
-    let points = with["points"].as_array().unwrap();
-    assert!(points.iter().all(|point| point["kantorovich"]["radius"].as_f64().unwrap() < 1e-9), "{points:?}");
-    let alone = json("breather dark --omega-b 2.05 --sites 9");
-    let [a, b] = [&points[0], &alone].map(|one| one["kantorovich"]["inverse"].as_f64().unwrap());
-    assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
-    assert!(json(branch)["points"][0]["kantorovich"].is_null());
-}
-
 // Truth: what the numbers are: the velocity is 1/T_m, half a period and 11 whole ones. A kick that
 // is not asked for leaves no file of an earlier one.
 #[test]

@@ -1,4 +1,4 @@
-//! The barrier between dark breathers, and a-posteriori bounds of orbits and waves.
+//! The barrier between dark breathers.
 
 use hertzchain::{
     breathers::DarkBreather,
@@ -7,7 +7,6 @@ use hertzchain::{
     orbits::{Orbit, Shooting},
     study::{Barrier, BarrierPoint, Invariants},
     sweep::Engine,
-    waves::{Given, MeanStrain, Search, WaveNumber, WaveSetting},
 };
 
 fn breather(center: Center, omega_b: f64, sites: usize, shooting: &Shooting) -> Orbit {
@@ -99,56 +98,5 @@ fn refusals_of_the_barrier_name_value_and_rule() {
     ] {
         let text = Barrier::of(1.0 / 3.0, ends, points).study(&Engine::threads(), &|_, _| {}).unwrap_err().to_string();
         assert!(text.contains(message), "{message}: {text}");
-    }
-}
-
-/// `max |a - b|` of strains, in units of the largest of them.
-fn apart(a: &[f64], b: &[f64]) -> f64 {
-    let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
-    largest(&mut a.iter().zip(b).map(|(a, b)| (a - b).abs())) / largest(&mut a.iter().map(|a| a.abs()))
-}
-
-// Truth: the same wave at a tolerance a thousand times as small.
-#[test]
-fn the_bound_of_an_exact_wave_holds_the_distance_to_a_better_one() {
-    let setting = WaveSetting {
-        params: Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(),
-        q: WaveNumber::on_ring(0.2, 10).unwrap(),
-        omega_tw: 2.001,
-        mean: MeanStrain::Value(0.057),
-    };
-    let search = |tol| Search { tol, ..Search::default() };
-    let (better, _) = search(1e-15).wave(&setting, Given::Frequency).unwrap();
-    for tol in [1e-12, 1e-13] {
-        let (wave, _) = search(tol).wave(&setting, Given::Frequency).unwrap();
-        let found = search(tol).kantorovich(&wave).unwrap().unwrap();
-        let radius = found.radius.unwrap();
-        // The norm of the theorem has velocities over the frequency.
-        let units = |z: &[f64]| [&z[..20], &z[20..].iter().map(|v| v / 2.001).collect::<Vec<_>>()].concat();
-        let distance = apart(&units(&wave.z), &units(&better.z));
-        println!("tol {tol:e}: distance {distance:e}, {found:?}");
-        assert!(distance <= radius, "{distance:e} {radius:e}");
-        // The bound says something: the tolerance, at most |A| times.
-        assert!(radius <= 4.0 * found.inverse * tol && found.unique_within.unwrap() > 10.0 * radius);
-    }
-    // A state that is no wave has no bound, or one that holds the wave.
-    let (mut far, _) = search(1e-14).wave(&setting, Given::Frequency).unwrap();
-    far.z.iter_mut().for_each(|z| *z *= 1.3);
-    let found = search(1e-14).kantorovich(&far).unwrap().unwrap();
-    println!("{found:?}");
-    assert!(found.radius.is_none());
-}
-
-// Truth: the same orbit at a tolerance a hundred times as small.
-#[test]
-fn the_bound_of_a_breather_holds_the_distance_to_a_better_one() {
-    let shooting = |tol| Shooting { tol, ..Shooting::default() };
-    for center in [Center::Site, Center::Bond] {
-        let better = breather(center, 2.05, 11, &shooting(1e-15));
-        let coarse = breather(center, 2.05, 11, &shooting(1e-13));
-        let found = coarse.kantorovich(&shooting(1e-13)).unwrap().unwrap();
-        let distance = apart(&coarse.z, &better.z);
-        println!("{center:?}: distance {distance:e}, {found:?}");
-        assert!(distance <= found.radius.unwrap(), "{distance:e} {found:?}");
     }
 }

@@ -3,8 +3,6 @@
 
 mod report;
 
-pub(super) use report::{bounds, newton_kantorovich_bound};
-
 #[cfg(feature = "cli")]
 use super::OF_WAVE;
 use super::{
@@ -18,7 +16,7 @@ use super::{
 use crate::{
     chain::{Params, Resonators},
     error::{Error, Iterate, Result, positive},
-    orbits::{AnalysisLevel, BifurcationKind, Kantorovich, Problem},
+    orbits::{AnalysisLevel, BifurcationKind, Problem},
     output::{Array, Folder, to_json},
     report::Report,
     scene::{Quantity, Scene},
@@ -220,9 +218,6 @@ pub struct ExactStudy {
     pub errors: Option<[f64; 2]>,
     /// Multipliers.
     pub spectrum: WaveSpectrum,
-    /// Bound of the distance to a solution, by the theorem of Newton and Kantorovich; `None` if the
-    /// equations are not independent.
-    pub kantorovich: Option<Kantorovich>,
     /// Growth at the Bloch wave numbers of the ring from 0 to `pi`.
     pub growth: Vec<BlochGrowth>,
 }
@@ -238,7 +233,7 @@ impl ExactStudy {
         let continuation =
             WaveContinuation { parameter, to: omega.next_up(), step: omega, most_points: 2, search: *search };
         let WaveBranch { setting, continuation, .. } = continuation.begin(wave.clone(), spectrum.sites)?;
-        let measures = continuation.measures(&setting, wave, false)?;
+        let measures = continuation.measures(&setting, wave)?;
         let point = WavePoint { orbit: wave.clone(), spectrum: spectrum.clone(), measures };
         branch_npz(&self.scene, &branches::alone(continuation, &setting, point)?)
     }
@@ -280,9 +275,8 @@ pub fn exact_study(
     };
     let growth = (0..=sites / 2).map(at).collect();
     let errors = ansatz.map(|ansatz| profile.errors(&ansatz));
-    let kantorovich = search.kantorovich(&wave)?;
     let scene = scene.to_owned();
-    Ok(ExactStudy { scene, wave, ansatz, profile, fourier, odd, errors, spectrum, kantorovich, growth })
+    Ok(ExactStudy { scene, wave, ansatz, profile, fourier, odd, errors, spectrum, growth })
 }
 
 options! {

@@ -4,7 +4,6 @@ use super::{BlochGrowth, ExactStudy, WaveBranchStudy};
 use crate::{
     error::Result,
     number::{format_short, of_pi},
-    orbits::Kantorovich,
     report::{
         Column,
         Digits::{Fixed, Hidden, Json, Power},
@@ -68,13 +67,10 @@ impl ExactStudy {
         });
         let row = wave_columns(Table::of("exact", std::slice::from_ref(wave)), |wave| wave).key("").done();
         let title = format!("Exact travelling wave, q = {}", of_pi(wave.setting.q.q()));
-        let report = self.tables().into_iter().fold(
-            Report::new("exact")
-                .words(self.caption())
-                .table(row.clone())
-                .words(newton_kantorovich_bound(self.kantorovich)),
-            Report::table,
-        );
+        let report = self
+            .tables()
+            .into_iter()
+            .fold(Report::new("exact").words(self.caption()).table(row.clone()), Report::table);
         report
             .facts(&row.json()[0])
             .fact("scene", &self.scene)
@@ -92,7 +88,6 @@ impl ExactStudy {
             .fact("quality", quality)
             .fact("growing", spectrum.growing())
             .fact("fastest", spectrum.fastest())
-            .fact("kantorovich", self.kantorovich)
             .fact("e_x_ansatz", self.errors.map(|errors| errors[0]))
             .fact("e_y_ansatz", self.errors.map(|errors| errors[1]))
             .fact("ansatz", ansatz)
@@ -282,7 +277,6 @@ pub(super) fn branch(study: &WaveBranchStudy) -> Result<Report> {
         .fact("sites", base.sites)
         .table(study.table())
         .words(&about)
-        .words(bounds(branches::rows(branch).iter().map(|row| row.measures?.kantorovich)))
         .fact("end", end)
         .picture(Panels::column(title, study.panels(), about));
     let report = report.file(WaveContinuation::NAMES[0], branch_npz(scene, branch)?);
@@ -329,35 +323,11 @@ fn waves(rows: &[BranchRow<'_, WaveContinuation>], parameter: WaveParameter) -> 
         .col("e_x_ansatz", Power(3), "error of the ansatz, beads", |row| Some(row.measures?.errors?[0]))
         .col("e_y_ansatz", Hidden, "error of the ansatz, resonators", |row| Some(row.measures?.errors?[1]))
         .col("closed", Fixed(4), "share of the period in which a contact is closed", |row| Some(row.measures?.closed))
-        .col("radius", Hidden, "bound of the distance to a solution", |row| row.measures?.kantorovich?.radius)
         .col("quality", Json, "", |row| json!(row.spectrum.map(|spectrum| spectrum.quality)))
-        .col("kantorovich", Json, "", |row| json!(row.measures.and_then(|measures| measures.kantorovich)))
         .done()
 }
 
 /// The table of a branch without rows.
 pub(super) fn branch_outline() -> Report {
     Report::new("waves").table(waves(&[], WaveParameter::OmegaTw))
-}
-
-/// What the theorem of Newton and Kantorovich says, in a line.
-pub(crate) fn newton_kantorovich_bound(found: Option<Kantorovich>) -> String {
-    match found {
-        Some(Kantorovich { radius: Some(radius), inverse, hoelder, exponent, .. }) => format!(
-            "Newton-Kantorovich: a solution within {radius:.1e} of the amplitude (|A| = {inverse:.1e}, kappa = {hoelder:.1e}, p = {exponent})"
-        ),
-        Some(Kantorovich { correction, inverse, hoelder, exponent, .. }) => format!(
-            "Newton-Kantorovich: no bound (|A F| = {correction:.1e}, |A| = {inverse:.1e}, kappa = {hoelder:.1e}, p = {exponent})"
-        ),
-        None => "Newton-Kantorovich: no bound, the equations are not independent".to_owned(),
-    }
-}
-
-/// What the theorem says of a branch, in a line.
-pub(crate) fn bounds(found: impl Iterator<Item = Option<Kantorovich>>) -> String {
-    let radii: Vec<Option<f64>> = found.map(|one| one?.radius).collect();
-    let known = radii.iter().flatten().count();
-    let largest = radii.iter().flatten().fold(0.0, |most: f64, radius| most.max(*radius));
-    let within = if known > 0 { format!(", within {largest:.1e} of the amplitude") } else { String::new() };
-    format!("Newton-Kantorovich: a solution is near {known} of {} points{within}.", radii.len())
 }

@@ -23,7 +23,7 @@ use crate::{
     error::{Error, Result},
     interrupt,
     numerics::least_by,
-    orbits::{Kantorovich, Orbit, Shooting, Spectrum},
+    orbits::{Orbit, Shooting, Spectrum},
     report::Report,
     sweep::map,
 };
@@ -64,10 +64,6 @@ options! {
         /// The largest change of an entry of the initial state, along the mode that grows most; of
         /// either sign, not zero, at most 1 in modulus.
         kick: f64 = 1e-2, "SIZE";
-        /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
-        ///
-        /// For rings of at most 61 sites.
-        bound: bool = false, [arg(long)];
         /// Tolerance.
         tol: f64 = 1e-14, "T", (RUN), [arg(long_help = OF_WINDOWS)];
     }
@@ -91,8 +87,6 @@ pub struct MovingPoint {
     pub resonant: Vec<LinearWave>,
     /// Energies of the kink ([`MovingOrbit::kink_energy`]); NaN where the background was not found.
     pub energy: KinkEnergy,
-    /// Bound of the distance to an exact orbit, if that was asked for.
-    pub kantorovich: Option<Kantorovich>,
 }
 
 impl MovingPoint {
@@ -128,7 +122,7 @@ type Measured = (MovingOrbit, Envelope);
 
 impl Study for Moving {
     fn outline() -> Option<Report> {
-        let tables = [report::points(&[], false), report::envelopes(&[]), report::passages(&[])];
+        let tables = [report::points(&[]), report::envelopes(&[]), report::passages(&[])];
         Some(tables.into_iter().fold(Report::new("moving"), Report::table))
     }
 
@@ -154,9 +148,6 @@ impl Moving {
         let sites = self.sites;
         let of = |omega_b: f64| self.turns.iter().map(move |&turns| MovingBreather { params, sites, omega_b, turns });
         let breathers: Vec<MovingBreather> = frequencies.into_iter().flat_map(of).collect();
-        if self.bound && sites > MovingOrbit::MOST_BOUNDED {
-            return Err(Error::parameter("sites", sites, "at most 61 with --bound"));
-        }
         for breather in &breathers {
             breather.chain()?;
             breather.at_rest().seed()?;
@@ -225,7 +216,6 @@ impl Moving {
             spectrum: orbit.spectrum(self.tol)?,
             resonant: waves.map_or(Vec::new(), |waves| waves.resonant(breather.passage())),
             energy: orbit.kink_energy(tail.twist, self.tol).unwrap_or(KinkEnergy { energy: f64::NAN, free: f64::NAN }),
-            kantorovich: if self.bound { orbit.kantorovich(self.tol)? } else { None },
             tail,
             envelope,
             orbit,

@@ -70,7 +70,7 @@ impl MovingStudy {
             .facts(Params::from(options.params))
             .fact("sites", options.sites)
             .words(self.caption())
-            .table(points(&self.points, options.bound))
+            .table(points(&self.points))
             .table(envelopes(&self.points))
             .fact("missing", self.missing.iter().map(missing).collect::<Vec<_>>())
             .fact("kicked", kicked)
@@ -166,8 +166,7 @@ impl MovingStudy {
 }
 
 /// A row for each breather.
-pub(super) fn points(points: &[MovingPoint], bound: bool) -> Table {
-    let radius = |point: &MovingPoint| point.kantorovich.and_then(|found| found.radius);
+pub(super) fn points(points: &[MovingPoint]) -> Table {
     Table::of("moving", points)
         .key("points")
         .col("omega_b", Fixed(6), "frequency of the background", |point| point.orbit.setting.omega_b)
@@ -199,11 +198,9 @@ pub(super) fn points(points: &[MovingPoint], bound: bool) -> Table {
         )
         .col("energy", Power(3), "E of the kink", |point| point.energy.energy)
         .col("free_energy", Power(4), "its E - omega J - v P", |point| point.energy.free)
-        .col("radius", if bound { Power(1) } else { Hidden }, "bound of the distance to an exact orbit", radius)
         .col("quality", Json, "", |point| json!(point.spectrum.quality))
         .col("newton", Json, "", |point| json!(point.orbit.newton))
         .col("resonant", Json, "", |point| json!(point.resonant))
-        .col("kantorovich", Json, "", |point| json!(point.kantorovich))
         .done()
 }
 

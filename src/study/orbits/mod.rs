@@ -21,8 +21,8 @@ use crate::{
     error::{Error, Result, require},
     interrupt,
     orbits::{
-        AnalysisLevel, Bifurcation, BifurcationKind, Branch, Continuation, End, Extent, Formulation, Kantorovich,
-        Orbit, OrbitMeasures, OrbitPoint, Parameter, Setting, Shooting, Spectrum,
+        AnalysisLevel, Bifurcation, BifurcationKind, Branch, Continuation, End, Extent, Formulation, Orbit,
+        OrbitMeasures, OrbitPoint, Parameter, Setting, Shooting, Spectrum,
     },
     output::Array,
     report::Report,
@@ -130,10 +130,10 @@ impl DarkStudy {
     /// # Errors
     /// Errors of the archive writer.
     pub fn npz(&self) -> Result<Vec<u8>> {
-        let OrbitStudy { orbit, spectrum, extent, kantorovich, shooting, .. } = &self.study;
+        let OrbitStudy { orbit, spectrum, extent, shooting, .. } = &self.study;
         let (parameter, shooting) = (Parameter::OmegaB, *shooting);
         let continuation = Continuation { parameter, to: 0.0, step: 0.0, most_points: 0, natural: false, shooting };
-        let measures = OrbitMeasures { extent: *extent, kantorovich: *kantorovich };
+        let measures = OrbitMeasures { extent: *extent };
         let point = OrbitPoint { orbit: orbit.clone(), spectrum: spectrum.clone(), measures };
         let branch = branches::alone(continuation, &orbit.setting, point)?;
         let (center, weak) = (Some(self.center), Some(Continue::default().weak));
@@ -199,10 +199,6 @@ options! {
         ///
         /// For branches in another parameter. Above omega = sqrt(kappa (1 + 1/rho)).
         omega_b: Option<f64> = None, "W", [arg(hide_short_help = true)];
-        /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
-        ///
-        /// For each point of the branch.
-        bound: bool = false, [arg(long, hide_short_help = true)];
         /// The ring.
         ring: Ring = Ring::default(), [command(flatten)];
     }
@@ -263,7 +259,7 @@ impl FollowCommand for Continue {
 
     fn with_options(&self, branch: Branch) -> Result<Branch> {
         stays_dark(&branch.setting, &branch.continuation)?;
-        Ok(Branch { bounded: self.bound, ..branch })
+        Ok(branch)
     }
 }
 
@@ -388,8 +384,6 @@ pub struct OrbitStudy {
     pub e_b: f64,
     /// Mean contact force of every bond over a period, constant along the chain (Theorem nobreath).
     pub forces: MeanForces,
-    /// Bound for the distance to an exact orbit; `None` where the equations are not independent.
-    pub kantorovich: Option<Kantorovich>,
     /// Settings of the search for the orbit; its tolerance is also that of the measurements.
     pub shooting: Shooting,
 }
@@ -404,7 +398,6 @@ pub fn orbit_study(orbit: Orbit, shooting: &Shooting) -> Result<OrbitStudy> {
         spectrum: orbit.spectrum(shooting)?,
         extent: orbit.extent(shooting.tol)?,
         e_b: orbit.e_b(shooting.tol, 1)?,
-        kantorovich: orbit.kantorovich(shooting)?,
         forces: chain.mean_contact_forces(&orbit.start(), period, StepControl::Tolerance(shooting.tol))?,
         shooting: *shooting,
         orbit,

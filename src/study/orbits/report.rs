@@ -13,7 +13,6 @@ use crate::{
     study::{
         branches::{BranchRow, branch_npz, ended, filled, gaps, lines, rows, shows},
         dps::center_word,
-        exact::{bounds, newton_kantorovich_bound},
         params_words,
     },
 };
@@ -53,7 +52,7 @@ pub(super) fn outside(multipliers: &[Multiplier]) -> Table {
 impl OrbitStudy {
     /// Adds the orbit to a report.
     fn facts(&self, report: Report) -> Report {
-        let Self { orbit, spectrum, extent, e_b, forces, kantorovich, shooting } = self;
+        let Self { orbit, spectrum, extent, e_b, forces, shooting } = self;
         let Setting { params, sites, omega_b, .. } = orbit.setting;
         let half = (sites / 2) as i64;
         report
@@ -80,14 +79,13 @@ impl OrbitStudy {
             .fact("tau", spectrum.tau.iter().map(|tau| json!({ "re": tau.re, "im": tau.im })).collect::<Vec<_>>())
             .fact("quality", spectrum.quality)
             .fact("integrator", "collocation")
-            .fact("kantorovich", kantorovich)
             .fact("shooting", shooting)
             .words(self.words())
             .table(outside(&spectrum.multipliers))
     }
 
     fn words(&self) -> String {
-        let Self { orbit, spectrum, extent: Extent { k_x, k_y, c_x, c_y }, e_b, forces, kantorovich, .. } = self;
+        let Self { orbit, spectrum, extent: Extent { k_x, k_y, c_x, c_y }, e_b, forces, .. } = self;
         let (Setting { params, sites, omega_b, .. }, quality) = (orbit.setting, spectrum.quality);
         let newton: Vec<String> = orbit.newton.iter().map(|one| format!("{:.1e}", one.residual)).collect();
         let circle = spectrum.multipliers.iter().filter(|one| one.kind == Kind::Circle).count();
@@ -98,7 +96,7 @@ impl OrbitStudy {
         format!(
             "{sites} sites, n = -N .. N; alpha = {}, kappa = {}, rho = {}; omega = {}, omega_b = {omega_b}, period T = {:.15}; \
              K_x = {k_x:.15e}, K_y = {k_y:.15e}, C_x = {c_x:.1e}, C_y = {c_y:.1e}. Residual max |F| / max |Z| {:.1e}, before each step of Newton's \
-             method {}; E_b(T) {e_b:.1e}; mean contact force {:e}, its spread {:.1e}. {}. Largest |lambda| {:.12}; \
+             method {}; E_b(T) {e_b:.1e}; mean contact force {:e}, its spread {:.1e}. Largest |lambda| {:.12}; \
              symplectic defect {:.1e}; |tau - 1| of the two that are 1 {:.1e} and {:.1e};{turning} distance to \
              the eigenvalues of M(T) {:.1e}. {circle} multipliers on the circle, 4 that are 1{two}; \
              of those off it the inverses are left out.",
@@ -111,7 +109,6 @@ impl OrbitStudy {
             newton.join(", "),
             forces.mean(),
             forces.spread(),
-            newton_kantorovich_bound(*kantorovich),
             spectrum.largest(),
             quality.symplectic_defect,
             quality.trivial[0],
@@ -207,7 +204,6 @@ fn points(parameter: Parameter, rows: &[BranchRow<'_, Continuation>]) -> Table {
         .col("c_x", Hidden, "centre of the background, of beads", |row| Some(row.measures?.extent.c_x))
         .col("c_y", Hidden, "and of resonators", |row| Some(row.measures?.extent.c_y))
         .col("max_modulus", Hidden, "largest modulus of a multiplier", |row| Some(row.spectrum?.largest()))
-        .col("radius", Hidden, "bound for the distance to an exact orbit", |row| row.measures?.kantorovich?.radius)
         .col("real", Fixed(8), "largest modulus of the real multipliers above 1", off(Kind::Real))
         .col("negative", Fixed(8), "of those below -1", off(Kind::Negative))
         .col("quartet", Fixed(8), "of quartets", off(Kind::Quartet))
@@ -217,7 +213,6 @@ fn points(parameter: Parameter, rows: &[BranchRow<'_, Continuation>]) -> Table {
         .col("residual", Json, "", |row| row.orbit.residual)
         .col("leading", Json, "", |row| json!(row.spectrum.map(leading)))
         .col("symplectic_defect", Json, "", |row| Some(row.spectrum?.quality.symplectic_defect))
-        .col("kantorovich", Json, "", |row| json!(row.measures.and_then(|measures| measures.kantorovich)))
         .done()
 }
 
@@ -239,10 +234,6 @@ impl Branch {
     /// [`Branch::load`] reads back, and all multipliers of every point.
     fn reported(&self, report: Report) -> Result<Report> {
         let parameter = self.continuation.parameter;
-        let bounds = match self.bounded {
-            true => format!(" {}", bounds(rows(self).iter().map(|row| row.measures?.kantorovich))),
-            false => String::new(),
-        };
         let table = points(parameter, &rows(self));
         let end = ended(self);
         let picture = self.picture(&table);
@@ -254,7 +245,7 @@ impl Branch {
             .fact("integrator", "collocation")
             .table(table)
             .table(bifurcations("bifurcations", &self.bifurcations))
-            .words(end + &gaps(self) + &bounds)
+            .words(end + &gaps(self))
             .file("branch.npz", branch_npz(&(), self)?)
             .failure(self.shortfall().filter(|_| !self.ended().is_complete()).map(|why| format!("the branch {why}")));
         Ok(if !shows(self) { report } else { report.picture(picture) })

@@ -21,7 +21,7 @@ use crate::{
     chain::{Params, Resonators, max_norm},
     error::{Error, Result, SMOOTH},
     named::named,
-    orbits::{Branch, End, Equations, Kantorovich, MOST_CORRECTIONS, Point, Problem, Range, Solution, check, returns},
+    orbits::{Branch, End, Equations, MOST_CORRECTIONS, Point, Problem, Range, Solution, check, returns},
     output::FileFormat,
     waves::Modulation,
 };
@@ -36,7 +36,7 @@ const STEPS: f64 = 20.0;
 /// mean strain is free of contacts: then both are equal up to roundings.
 const FREE: f64 = 1e-11;
 /// The same distance, and the amplitude over that of the first wave, below which a branch has come
-/// to the linear waves. No Newton-Kantorovich bound is found there for the waves of `tw-q15`.
+/// to the linear waves.
 const LINEAR: f64 = 1e-8;
 
 named! {
@@ -148,8 +148,6 @@ pub struct WaveMeasures {
     pub modulation: Option<f64>,
     /// Share of the period in which a contact is closed.
     pub closed: f64,
-    /// Bound of the distance to a solution; `None` if the equations are not independent.
-    pub kantorovich: Option<Kantorovich>,
 }
 
 /// An exact wave with its multipliers.
@@ -281,7 +279,7 @@ impl Problem for WaveContinuation {
         wave.spectrum(base.sites, &self.search)
     }
 
-    fn measures(&self, base: &WaveBase, wave: &ExactWave, _bounded: bool) -> Result<WaveMeasures> {
+    fn measures(&self, base: &WaveBase, wave: &ExactWave) -> Result<WaveMeasures> {
         let profile = wave.profile(SAMPLES, &self.search)?;
         let setting = WaveSetting { mean: MeanStrain::Value(wave.mean()), ..wave.setting };
         let ansatz = ansatz(&setting, Given::Frequency).ok();
@@ -290,12 +288,7 @@ impl Problem for WaveContinuation {
             let at = |j: usize| modulation.growth(2.0 * PI * j as f64 / base.sites as f64);
             Some(ansatz.slow_time(1.0) * (0..=base.sites / 2).map(at).fold(0.0, f64::max))
         });
-        Ok(WaveMeasures {
-            errors: ansatz.map(|ansatz| profile.errors(&ansatz)),
-            modulation,
-            closed: profile.closed(),
-            kantorovich: self.search.kantorovich(wave)?,
-        })
+        Ok(WaveMeasures { errors: ansatz.map(|ansatz| profile.errors(&ansatz)), modulation, closed: profile.closed() })
     }
     /// The state of a cell, and the number of the setting that differs from wave to wave.
     fn arrays(base: &WaveBase) -> Vec<(&'static str, usize)> {

@@ -4,7 +4,7 @@ use super::{ExactWave, MeanStrain, WaveSetting, mean, repeated, swing};
 use crate::{
     chain::{Resonators, max_norm},
     error::{Error, Iterate, Result, require},
-    orbits::{Equations, Kantorovich, Moment, NewtonStep, Shot, flow, least_squares},
+    orbits::{Equations, NewtonStep, flow, least_squares},
 };
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -77,43 +77,6 @@ impl Search {
             residual[z.len() + 1] -= mean;
         }
         Ok(Equations { residual, jacobian })
-    }
-
-    /// A bound for the distance to an exact wave, after Newton and Kantorovich; `None` where the
-    /// equations are not independent.
-    ///
-    /// # Errors
-    /// An integration that fails.
-    pub fn kantorovich(&self, wave: &ExactWave) -> Result<Option<Kantorovich>> {
-        let (setting, z) = (&wave.setting, &wave.z);
-        let (n, m, cells) = (z.len(), setting.q.cell(), setting.least_cells());
-        let size = swing(z, setting);
-        let unit = |i: usize| if 2 * i < n { size } else { size * setting.omega_tw };
-        let Equations { residual, mut jacobian } = self.equations(setting, z, true)?;
-        jacobian.column_iter_mut().enumerate().for_each(|(j, mut column)| column *= unit(j) / size);
-        let columns = DMatrix::from_fn(n * cells, n, |i, j| f64::from(u8::from(of_ring(i, m, cells) == j)));
-        let mut history = Vec::new();
-        let of_cell = |columns: &DMatrix<f64>| DMatrix::from_fn(n, n, |i, j| columns[(moved(i, m, cells, 0), j)]);
-        let keep = |moment: &Moment| history.push((moment.t, of_cell(&moment.columns)));
-        let time = setting.period() / m as f64;
-        flow(&setting.chain(cells)?, &repeated(z, m, cells), time, columns, self.tol, keep)?;
-        let pick = DMatrix::from_fn(n + 2, n, |i, j| {
-            f64::from(u8::from(i < n && j == moved(i.min(n - 1), m, 1, setting.q.shift())))
-        });
-        let shot = Shot {
-            params: setting.params,
-            size,
-            omega: setting.omega_tw,
-            sites: m,
-            overlap: max_norm(z[..m].iter().copied()),
-            history,
-            pick,
-            residual: residual / size,
-            jacobian,
-            varied: None,
-            tol: self.tol,
-        };
-        Ok(shot.kantorovich())
     }
 
     /// The wave near the state `seed` of a cell.
