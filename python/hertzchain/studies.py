@@ -1,7 +1,7 @@
 """The studies of the program, a function for each, with its options as arguments.
 
 Generated: what ``--help`` says. What is not given has the default of the program. Files are written
-to the folder ``out`` only.
+to the folder ``out``, and to files that options name.
 """
 
 from __future__ import annotations
@@ -1270,6 +1270,8 @@ def wave_exact(
     rho: float | None = None,
     sites: int | None = None,
     tol: float = 1e-14,
+    prove: bool = False,
+    certificate: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
     progress: Progress = False,
@@ -1308,6 +1310,12 @@ def wave_exact(
     tol : float
         Tolerance. It bounds the sum of the errors of the flow over a relative period. From 1e-15 to
         1e-12 for an exact wave.
+    prove : bool
+        Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
+        and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
+        the computed solution. Exit code 1 if nothing is proved.
+    certificate : str | os.PathLike[str]
+        Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -1417,11 +1425,10 @@ def wave_continue(
         time), bloch (its Bloch wave number), growing (multipliers that grow), modulation (largest
         growth by the linearised modulation equations), e_x_ansatz (error of the ansatz, beads),
         e_y_ansatz (error of the ansatz, resonators), closed (share of the period in which a contact
-        is closed), radius (bound of the distance to a solution). wave-branch.npz has every orbit,
-        and is written every 20 points or 10 s as well. stalled.json is there, in place of all
-        files, if there is no first wave. wave-spectra.store has what was found about them, from
-        which the same command goes on. Each part of `shard` follows the branch itself and computes
-        its share of this.
+        is closed). wave-branch.npz has every orbit, and is written every 20 points or 10 s as well.
+        stalled.json is there, in place of all files, if there is no first wave. wave-spectra.store
+        has what was found about them, from which the same command goes on. Each part of `shard`
+        follows the branch itself and computes its share of this.
     shard : str
         Compute only part K of N of the points; needs `out`. The points are kept in a store of their
         own in the folder of `out`. Parts may run at any time and on any machine that has this
@@ -1649,6 +1656,8 @@ def breather_dark(
     c_x: float = 0,
     formulation: Literal["half-period", "full-period"] = "half-period",
     tol: float = 1e-13,
+    prove: bool = False,
+    certificate: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
     progress: Progress = False,
@@ -1684,6 +1693,12 @@ def breather_dark(
         Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
         state. Where small changes grow, the error at the end is larger by the same factor. From
         1e-15 to 0.1.
+    prove : bool
+        Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
+        and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
+        the computed solution. Exit code 1 if nothing is proved.
+    certificate : str | os.PathLike[str]
+        Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -1709,7 +1724,6 @@ def breather_continue(
     natural: bool = False,
     weak: float = 0.01,
     omega_b: float | None = None,
-    bound: bool = False,
     sites: int = 41,
     alpha: float = 1.5,
     kappa: float = 1,
@@ -1755,9 +1769,6 @@ def breather_continue(
     omega_b : float
         Frequency of the breather, in radians per unit of time [default: 1.025 omega]. For branches
         in another parameter. Above omega = sqrt(kappa (1 + 1/rho)).
-    bound : bool
-        Bound the distance to an exact solution by the theorem of Newton and Kantorovich. For each
-        point of the branch.
     sites : int
         Number of sites. The ring has an odd number of sites, n = -N .. N; about a site at least 5.
         Weak quartets of multipliers, and their number, depend on it. From 3 to 255.
@@ -1789,12 +1800,12 @@ def breather_continue(
         Write the results to this folder. Files: branch.json, branch.png, and tables with their
         columns: branch.csv: omega_b, k_x (amplitude of the background, of beads), k_y (and of
         resonators), c_x (centre of the background, of beads), c_y (and of resonators), max_modulus
-        (largest modulus of a multiplier), radius (bound for the distance to an exact orbit), real
-        (largest modulus of the real multipliers above 1), negative (of those below -1), quartet (of
-        quartets). bifurcations.csv: kind, parameter, period, tau (half trace of the two multipliers
-        that meet), omega_b. branch.npz has every orbit, and is written every 20 points or 10 s as
-        well. spectra.store has what was found about them, from which the same command goes on. Each
-        part of `shard` follows the branch itself and computes its share of this.
+        (largest modulus of a multiplier), real (largest modulus of the real multipliers above 1),
+        negative (of those below -1), quartet (of quartets). bifurcations.csv: kind, parameter,
+        period, tau (half trace of the two multipliers that meet), omega_b. branch.npz has every
+        orbit, and is written every 20 points or 10 s as well. spectra.store has what was found
+        about them, from which the same command goes on. Each part of `shard` follows the branch
+        itself and computes its share of this.
     shard : str
         Compute only part K of N of the points; needs `out`. The points are kept in a store of their
         own in the folder of `out`. Parts may run at any time and on any machine that has this
@@ -1867,12 +1878,12 @@ def breather_doubled(
         Write the results to this folder. Files: branch.json, branch.png, and tables with their
         columns: branch.csv: omega_b, k_x (amplitude of the background, of beads), k_y (and of
         resonators), c_x (centre of the background, of beads), c_y (and of resonators), max_modulus
-        (largest modulus of a multiplier), radius (bound for the distance to an exact orbit), real
-        (largest modulus of the real multipliers above 1), negative (of those below -1), quartet (of
-        quartets). bifurcations.csv: kind, parameter, period, tau (half trace of the two multipliers
-        that meet), omega_b. multipliers-outside.csv: re (real part), im (imaginary part), modulus,
-        error (of the modulus), kind. branch.npz has every orbit; it is written every 20 points or
-        10 s as well. spectra.store has multipliers, from which the same command goes on.
+        (largest modulus of a multiplier), real (largest modulus of the real multipliers above 1),
+        negative (of those below -1), quartet (of quartets). bifurcations.csv: kind, parameter,
+        period, tau (half trace of the two multipliers that meet), omega_b. multipliers-outside.csv:
+        re (real part), im (imaginary part), modulus, error (of the modulus), kind. branch.npz has
+        every orbit; it is written every 20 points or 10 s as well. spectra.store has multipliers,
+        from which the same command goes on.
     progress : bool or callable
         As in :func:`hertzchain.run`.
     """
@@ -2028,7 +2039,6 @@ def breather_moving(
     rho: float = 0.3333333333333333,
     until: float = 1200,
     kick: float = 0.01,
-    bound: bool = False,
     tol: float = 1e-14,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
@@ -2067,9 +2077,6 @@ def breather_moving(
         Size of a kick along one mode, in units of the orbit's amplitude. The largest change of an
         entry of the initial state, along the mode that grows most; of either sign, not zero, at
         most 1 in modulus.
-    bound : bool
-        Bound the distance to an exact solution by the theorem of Newton and Kantorovich. For rings
-        of at most 61 sites.
     tol : float
         Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
         state. Where small changes grow, the error at the end is larger by the same factor. From
@@ -2088,11 +2095,11 @@ def breather_moving(
         twist (change of the phase along the ring), tail_wave (wave number of the tail), tail_share
         (share of the tail that this wave explains), tail_amplitude (amplitude of this wave),
         resonant_wave (that of the modulation of the background which keeps its phase in the frame
-        of the kink), energy (E of the kink), free_energy (its E - omega J - v P), radius (bound of
-        the distance to an exact orbit). envelope.csv: omega_b, turns, n (site), amplitude (local
-        amplitude), phase (its phase), mean (mean strain). passages.csv: t (time of the passage of
-        the kicked breather), bond (bond that its kink passes), velocity, depth, depth_of_moving
-        (depth of the moving breather of this velocity).
+        of the kink), energy (E of the kink), free_energy (its E - omega J - v P). envelope.csv:
+        omega_b, turns, n (site), amplitude (local amplitude), phase (its phase), mean (mean
+        strain). passages.csv: t (time of the passage of the kicked breather), bond (bond that its
+        kink passes), velocity, depth, depth_of_moving (depth of the moving breather of this
+        velocity).
     progress : bool or callable
         As in :func:`hertzchain.run`.
     """
@@ -2448,6 +2455,33 @@ def dps_dark(
         As in :func:`hertzchain.run`.
     """
     return called("dps dark", dps_dark, locals())
+
+
+def prove(
+    certificate: str | os.PathLike[str],
+    *,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Check the certificate of a wave or a breather: prove that it exists.
+
+    By interval arithmetic, from the numbers of the certificate alone. Exit code 1 if nothing is
+    proved.
+
+    Parameters
+    ----------
+    certificate : str | os.PathLike[str]
+        File that `certificate` of `wave exact` or `breather dark` has written.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: proof.json, proof.png; proof.npz with an array
+        TABLE.COLUMN for each column of .
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("prove", prove, locals())
 
 
 def paper_verify(
