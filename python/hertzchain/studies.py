@@ -1,7 +1,7 @@
 """The studies of the program, a function for each, with its options as arguments.
 
 Generated: what ``--help`` says. What is not given has the default of the program. Files are written
-to the folder ``out`` only.
+to the folder ``out``, and to files that options name.
 """
 
 from __future__ import annotations
@@ -1270,6 +1270,8 @@ def wave_exact(
     rho: float | None = None,
     sites: int | None = None,
     tol: float = 1e-14,
+    prove: bool = False,
+    certificate: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
     progress: Progress = False,
@@ -1308,6 +1310,12 @@ def wave_exact(
     tol : float
         Tolerance. It bounds the sum of the errors of the flow over a relative period. From 1e-15 to
         1e-12 for an exact wave.
+    prove : bool
+        Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
+        and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
+        the computed solution. Exit code 1 if nothing is proved.
+    certificate : str | os.PathLike[str]
+        Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -1649,6 +1657,8 @@ def breather_dark(
     c_x: float = 0,
     formulation: Literal["half-period", "full-period"] = "half-period",
     tol: float = 1e-13,
+    prove: bool = False,
+    certificate: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
     progress: Progress = False,
@@ -1684,6 +1694,12 @@ def breather_dark(
         Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
         state. Where small changes grow, the error at the end is larger by the same factor. From
         1e-15 to 0.1.
+    prove : bool
+        Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
+        and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
+        the computed solution. Exit code 1 if nothing is proved.
+    certificate : str | os.PathLike[str]
+        Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -2448,6 +2464,33 @@ def dps_dark(
         As in :func:`hertzchain.run`.
     """
     return called("dps dark", dps_dark, locals())
+
+
+def prove(
+    certificate: str | os.PathLike[str],
+    *,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Check the certificate of a wave or a breather: prove that it exists.
+
+    By interval arithmetic, from the numbers of the certificate alone. Exit code 1 if nothing is
+    proved.
+
+    Parameters
+    ----------
+    certificate : str | os.PathLike[str]
+        File that `certificate` of `wave exact` or `breather dark` has written.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: proof.json, proof.png; proof.npz with an array
+        TABLE.COLUMN for each column of .
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("prove", prove, locals())
 
 
 def paper_verify(
