@@ -9,8 +9,8 @@ use crate::{
 };
 use std::f64::consts::PI;
 
-/// Samples of a period.
-const SAMPLES: usize = 1 << 15;
+/// Least number of samples of a period, and for each harmonic.
+const SAMPLES: [usize; 2] = [1 << 15, 64];
 /// Most steps of Newton's method.
 const MOST_STEPS: usize = 60;
 
@@ -182,7 +182,8 @@ fn inverse(model: &Model, k: usize) -> f64 {
 
 /// Coefficients of the force and of its derivative by the overlap, for `X = sum a_k cos k theta`.
 fn series(a: &[f64], alpha: f64, count: usize) -> [Vec<f64>; 2] {
-    let mut samples = vec![(0.0, 0.0); SAMPLES];
+    let mut samples = vec![(0.0, 0.0); SAMPLES[0].max((SAMPLES[1] * count).next_power_of_two())];
+    let scale = 1.0 / samples.len() as f64;
     samples.iter_mut().zip(a).for_each(|(sample, a)| sample.0 = *a);
     fourier(&mut samples);
     for sample in &mut samples {
@@ -192,7 +193,7 @@ fn series(a: &[f64], alpha: f64, count: usize) -> [Vec<f64>; 2] {
     // Even real functions have real transforms.
     fourier(&mut samples);
     let of = |part: fn(&(f64, f64)) -> f64| {
-        let term = |(k, sample): (usize, &(f64, f64))| (if k == 0 { 1.0 } else { 2.0 }) * part(sample) / SAMPLES as f64;
+        let term = |(k, sample): (usize, &(f64, f64))| (if k == 0 { 1.0 } else { 2.0 }) * part(sample) * scale;
         samples.iter().take(count + 1).enumerate().map(term).collect()
     };
     [of(|sample| sample.0), of(|sample| sample.1)]

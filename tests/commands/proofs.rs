@@ -24,11 +24,18 @@ fn exact_waves_are_proved_and_lie_in_the_ball() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("certificates/wave.cert");
     let file = file.to_str().unwrap();
-    for (options, cell) in [("tw-q15", 10_usize), ("tw-q45", 5), ("--rho 0", 10), ("--rho inf --q-over-pi 0.8", 5)] {
+    // Without resonators the frequency is low, and l_k = 4 sin^2(k q/2)/(omega k)^2 large.
+    let cases = [
+        ("tw-q15", 10_usize, 1e-10),
+        ("tw-q45", 5, 1e-10),
+        ("--rho 0", 10, 1e-9),
+        ("--rho inf --q-over-pi 0.8", 5, 1e-10),
+    ];
+    for (options, cell, share) in cases {
         let found = json(&format!("wave exact {options} --sites 10 --prove --certificate {file}"));
         let (proof, amplitude) = (&found["proof"], number(&found["amplitude"]));
         let radius = number(&proof["radius"]);
-        assert!(proof["proved"] == true && radius < 1e-10 * amplitude, "{options}: {proof}");
+        assert!(proof["proved"] == true && radius < share * amplitude, "{options}: {proof}");
         assert!(number(&proof["uniqueness_radius"]) > 1e6 * radius && number(&proof["z1"]) < 0.2, "{options}: {proof}");
         assert!(proof["rounding"] == "outward" && number(&proof["y0"]) <= radius, "{options}: {proof}");
         let certificate: Certificate = fs::read_to_string(file).unwrap().parse().unwrap();

@@ -116,7 +116,7 @@ fn radii([y0, z1, z2]: [Interval; 3], gamma: Exact, largest: Option<f64>) -> Res
     let image = |r: f64| y0 + z1 * r.into() + power(r) * r.into() / (Interval::ONE + gamma.enclosed());
     let contracts = |r: f64| (z1 + power(r)).hi() < 1.0;
     let within = |r: f64| largest.is_none_or(|largest| r <= largest);
-    let radius = (0..200).fold(y0.hi(), |r, _| image(r).hi()) * (1.0 + 1e-9);
+    let radius = (0..1000).fold(y0.hi(), |r, _| image(r).hi()) * (1.0 + 1e-9);
     if !(image(radius).hi() <= radius && contracts(radius) && within(radius)) {
         return refused;
     }
@@ -124,4 +124,34 @@ fn radii([y0, z1, z2]: [Interval; 3], gamma: Exact, largest: Option<f64>) -> Res
     let unique = largest.map_or(widest, |largest| widest.min(largest));
     // An unbounded interval above the radius: what is left to show is that its bound is not NaN.
     if unique >= radius { Ok((bounds, radius.into(), unique)) } else { refused }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // Truth: for gamma = 1 the first inequality is quadratic; for gamma = 1/2 a radius exists up to
+    // Y0 = (1 - Z1)^3/(3 Z2^2).
+    #[test]
+    fn radii_are_the_roots() {
+        let numbers = |all: [f64; 3]| all.map(Interval::exact);
+        let half = Exact::new(1, 2).unwrap();
+        for [y0, z1, z2] in [[1e-6_f64, 0.5, 1.0], [1e-3, 0.1, 30.0], [0.1, 0.7, 0.4]] {
+            let root = (1.0 - z1 - f64::sqrt((1.0 - z1).powi(2) - 2.0 * z2 * y0)) / z2;
+            let (_, radius, unique) = radii(numbers([y0, z1, z2]), Exact::ONE, None).unwrap();
+            assert!(radius.hi() >= root && radius.hi() < (1.0 + 1e-6) * root, "{radius:?} {root:e}");
+            assert!(unique <= (1.0 - z1) / z2 && unique > (1.0 - 1e-12) * (1.0 - z1) / z2, "{unique:e}");
+            assert!(radii(numbers([y0, z1, z2]), Exact::ONE, Some(0.9 * root)).is_err());
+            let (.., unique) = radii(numbers([y0, z1, z2]), Exact::ONE, Some(1.1 * root)).unwrap();
+            assert!(unique <= 1.1 * root);
+            let most = (1.0 - z1).powi(3) / (3.0 * z2 * z2);
+            assert!(radii(numbers([0.9 * most, z1, z2]), half, None).is_ok());
+            assert!(radii(numbers([1.001 * most, z1, z2]), half, None).is_err());
+        }
+        for wrong in
+            [[f64::NAN, 0.1, 1.0], [0.1, f64::NAN, 1.0], [0.1, 0.1, f64::NAN], [0.0, 1.0, 1.0], [0.0, 1.5, 1.0]]
+        {
+            assert!(radii(numbers(wrong), half, None).is_err(), "{wrong:?}");
+        }
+    }
 }
