@@ -491,13 +491,12 @@ impl DriveSection {
 }
 
 /// Refuses drives that have not come to their full height, or to their end, by the end of a scene.
-/// `told` turns a time into that of the scene.
-pub(super) fn within(chain: &Chain<f64>, end: f64, told: impl Fn(f64) -> f64) -> Result<()> {
+pub(super) fn within(chain: &Chain<f64>, end: f64) -> Result<()> {
     for drive in chain.details().iter().flat_map(|details| &details.drives) {
         if let Some(Course::Table(spline)) = &drive.signal.course {
             let [first, last] = [spline.times()[0], spline.times()[spline.times().len() - 1]];
             if first > 0.0 || last < end * (1.0 - 1e-12) {
-                let value = format!("from {} to {}", told(first), told(last));
+                let value = format!("from {first} to {last}");
                 return Err(Error::parameter("drive.times", value, "the times of a drive cover the run"));
             }
         }
@@ -506,7 +505,7 @@ pub(super) fn within(chain: &Chain<f64>, end: f64, told: impl Fn(f64) -> f64) ->
                 Envelope::Burst { .. } | Envelope::HalfSine { .. } => "drive.length",
                 _ => "drive.ramp",
             };
-            let value = format!("until t = {}", told(drive.signal.settled()));
+            let value = format!("until t = {}", drive.signal.settled());
             return Err(Error::parameter(
                 name,
                 value,

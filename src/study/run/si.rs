@@ -83,10 +83,16 @@ fn failure_in_si(mut cause: Failure, units: &Units) -> Failure {
 
 /// An error of a run of a scene, in the units of its file.
 pub(in crate::study) fn error_in_file(error: Error, scene: &Scene) -> Error {
-    match (error, scene.units()) {
+    error_in(error, scene, scene.units())
+}
+
+/// An error of a run of a scene, in these units.
+pub(in crate::study) fn error_in(error: Error, scene: &Scene, units: Option<&Units>) -> Error {
+    match (error, units) {
         (Error::Run(failed), Some(units)) => failed_in_si(failed, scene.chain().layout(), units).into(),
         (Error::Integration(cause), Some(units)) => failure_in_si(cause, units).into(),
-        (error, _) => error,
+        (error, Some(units)) => scene.file().restated(error, units),
+        (error, None) => error,
     }
 }
 

@@ -544,15 +544,18 @@ impl<R: Real> Chain<R> {
     }
 
     /// Refuses a state in which the magnets of two beads have met.
-    pub(crate) fn magnets_apart(&self, y: &[R]) -> Result<()> {
+    ///
+    /// # Errors
+    /// Two beads with magnets that are nearer by their distance at rest, or by more.
+    pub fn magnets_apart(&self, y: &[R]) -> Result<()> {
         let strain = |bond: usize| self.across(bond, |i| self.layout.u(y)[i]);
         let joint = |bond: usize| self.parts().and_then(|parts| parts.joint(bond));
         let meets = |joint: &Joint<R>, bond| joint.magnet > R::zero() && strain(bond) >= joint.distance;
         match self.touching().find(|&bond| joint(bond).is_some_and(|joint| meets(joint, bond))) {
             None => Ok(()),
             Some(bond) => {
-                let rule = "beads with magnets are nearer by less than the distance of these at rest";
-                Err(Error::parameter("state", format!("at bond {bond}, nearer by {:e}", strain(bond).f64()), rule))
+                let rule = "beads with magnets are nearer, by x, by less than the distance of these at rest";
+                Err(Error::parameter("state", format!("x = {:e} at bond {bond}", strain(bond).f64()), rule))
             }
         }
     }
