@@ -51,7 +51,7 @@ use crate::{
     memory::lacking,
     number::rounded,
     output::read,
-    run::{Initial as Start, Method, Run, Setting, checked_end},
+    run::{Initial as Start, Method, Observables, Run, Setting, checked_end},
     waves::{PerturbedWave, TravellingWave},
 };
 use builtin::BUILTIN;
@@ -267,7 +267,7 @@ impl Scene {
             initial.make()?;
         }
         within_range(&chain, &initial, &file.initial)?;
-        if chain.tied() {
+        if chain.details().is_some_and(|details| !details.magnet.is_empty()) {
             chain.magnets_apart(initial.whole().as_slice())?;
         }
         let period = match &theory {
@@ -530,6 +530,13 @@ impl Scene {
     /// chain.
     pub fn run(&self) -> Run {
         self.checked_run().expect("a scene is checked when it is built")
+    }
+
+    /// The same run, which looks for the largest values of what `[record]` names.
+    pub fn observed_run(&self) -> Run {
+        let Some(selection) = self.selection.clone() else { return self.run() };
+        let chain = self.chain.clone();
+        self.run().observables(Observables::new(move |y, to| selection.take(&chain, y, to)))
     }
 
     /// Method and setting, if the scene names a method.

@@ -90,7 +90,14 @@ impl Problem {
             gravity: None,
             tilt: None,
         };
-        Self { name: "built-in".to_owned(), source: "built-in".to_owned(), chain, state: None, amplitude: 1.0, units: None }
+        Self {
+            name: "built-in".to_owned(),
+            source: "built-in".to_owned(),
+            chain,
+            state: None,
+            amplitude: 1.0,
+            units: None,
+        }
     }
 
     /// The chain and the initial state of a scene, with the largest overlap that its strains or its
