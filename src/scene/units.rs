@@ -150,8 +150,8 @@ impl SceneFile {
         beads.mass = list(masses.iter().map(|mass| mass / units.mass_kg).collect());
         let scaled = |(k, constant): (usize, &f64)| constant * length.powf(alpha(k)) / units.force_n;
         (bonds.contact, bonds.wall) = (list(contacts.iter().enumerate().map(scaled).collect()), None);
-        let per_overlap = bonds.per_overlap(&units);
-        bonds.dashpot.each(&mut |x| *x *= per_overlap);
+        let powers = bonds.powers(&units);
+        bonds.dashpot.each(&mut |x| *x *= powers);
         // Equal spheres are a chain of equal beads.
         file.beads = file.beads.filter(|beads| *beads != Default::default());
         file.bonds = file.bonds.filter(|bonds| *bonds != BondsSection::default());
@@ -175,8 +175,8 @@ impl SceneFile {
     /// sign. Places, such as `at site 3`, and counts, such as `3 numbers for 4`, are no such
     /// numbers.
     fn told(&self, name: &'static str, words: &str, units: &Units) -> String {
-        let per_overlap = match &self.bonds {
-            Some(bonds) if name == "bonds.dashpot" => bonds.per_overlap(units),
+        let powers = match &self.bonds {
+            Some(bonds) if name == "bonds.dashpot" => bonds.powers(units),
             _ => 1.0,
         };
         let given = |of: &str, number: f64| {
@@ -190,10 +190,10 @@ impl SceneFile {
             self.clone().quantities(&mut |key, quantity, x| {
                 if key == of {
                     kind = kind.or(Some(quantity));
-                    own = own.or((units.from_si(quantity, *x * per_overlap) == number).then_some(*x));
+                    own = own.or((units.from_si(quantity, *x * powers) == number).then_some(*x));
                 }
             });
-            own.or_else(|| Some(rounded(units.to_si(kind?, number) / per_overlap)))
+            own.or_else(|| Some(rounded(units.to_si(kind?, number) / powers)))
         };
         let words: Vec<&str> = words.split(' ').collect();
         let (mut key, mut place) = (name.rsplit('.').next().unwrap_or(name), false);
@@ -253,9 +253,9 @@ impl SceneFile {
 }
 
 impl BondsSection {
-    /// The unit of length to the power `beta`, by which constants of dashpots are multiplied.
-    fn per_overlap(&self, units: &Units) -> f64 {
-        units.length_m.powf(self.beta.unwrap_or(0.0))
+    /// The units of overlap and rate, by which constants of dashpots are multiplied as well.
+    fn powers(&self, units: &Units) -> f64 {
+        units.powers(self.beta.unwrap_or(0.0), self.rate_power.unwrap_or(1.0))
     }
 }
 

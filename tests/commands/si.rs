@@ -451,6 +451,15 @@ fn spheres_with_dashpots_of_a_power_of_the_overlap_rebound_as_in_si_units() {
         let e = (number(&run, "/pu/1") - number(&run, "/pu/0")) / (mass() * speed.parse::<f64>().unwrap());
         assert!((e - truth).abs() < 1e-10 && truth < 0.95, "{speed}: {e} {truth}");
     }
+    // Of the square of the rate: N s^2/m^(9/4), so that gamma g^beta v^2 is a force in both units.
+    let scene = hertzchain::scene::Scene::load_with(&path, &["bonds.rate_power=2".to_owned()]).unwrap();
+    let units = scene.units().unwrap();
+    let gamma = scene.chain().details().unwrap().dissipation.clone().unwrap().strength[0];
+    let (g, v) = (1e-6, 0.3);
+    let by = gamma * (g / units.length_m).powf(0.25) * (v / units.velocity_m_per_s).powi(2) * units.force_n;
+    assert!((by / (600.0 * g.powf(0.25) * v * v) - 1.0).abs() < 1e-13);
+    let said = refused(&["run", &path, "--set", "bonds.rate_power=0.5"], 2);
+    assert!(said.contains("bonds.rate_power = 0.5 is not valid: of a dashpot"), "{said}");
     let said = refused(&["run", &path, "--set", "bonds.dashpot=-600"], 2);
     assert!(said.contains("bonds.dashpot = -600 (entry 0) is not valid"), "{said}");
     fs::write(&path, format!("{text}[beads]\nonsite = 3e5\n[bonds]\nspring = 7e4\n")).unwrap();
@@ -638,7 +647,11 @@ fn refusals_of_lists_places_and_orbits_have_the_numbers_that_were_given() {
         ("driven", drive("times=[0,3e-4,1e-4],values=[0,0,0]"), "drive.times = 0.0001 after 0.0003 (entry 2) is"),
         ("driven", drive("times=[0,3e-4],values=[0,inf]"), "drive.times = 0.0003, values = inf (entry 1) is"),
         ("driven", "initial={kind=\"state\",u=[1e-6,0,0,0]}".to_owned(), "u = 0.000001, u_dot = 0 at site 0, whose"),
-        ("driven", "initial.kind=equilibrium drive=[] chain.boundary=free units.static_load=0 chain.gravity=9.81".to_owned(), &weight),
+        (
+            "driven",
+            "initial.kind=equilibrium drive=[] chain.boundary=free units.static_load=0 chain.gravity=9.81".to_owned(),
+            &weight,
+        ),
     ];
     for (scene, changes, words) in cases {
         let scene = path(&format!("{scene}.toml"));
@@ -793,7 +806,8 @@ fn charts_of_stability_are_in_the_units_of_the_scene() {
     let output = hertzchain(&format!("study stability {path} {set} {line}"));
     let chart: Value = serde_json::from_slice(&output.stdout).unwrap();
     let ladder = chart["points"][0]["ladder"].as_array().unwrap();
-    let failed: Vec<_> = ladder.iter().filter_map(|row| Some((row["failure"].as_str()?, number(row, "/step")))).collect();
+    let failed: Vec<_> =
+        ladder.iter().filter_map(|row| Some((row["failure"].as_str()?, number(row, "/step")))).collect();
     let told = |said: &str| said.split("step ").last().unwrap().split(',').next().unwrap().parse::<f64>().unwrap();
     assert!(failed.len() > 3 && failed.iter().all(|(said, step)| (told(said) / step - 1.0).abs() < 1e-9), "{failed:?}");
 }
