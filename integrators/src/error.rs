@@ -76,14 +76,14 @@ pub enum Error {
     },
     /// The stages of an implicit step did not converge.
     #[error(
-        "the stages of the step did not settle at t = {}: step {h:e}, last change {residual:e}; take a smaller step", brief(.t)
+        "the stages of the step did not settle at t = {}: step {h:e}, last change of a force {residual:e}; take a smaller step", brief(.t)
     )]
     NotSettled {
         /// Time.
         t: f64,
         /// The step.
         h: f64,
-        /// The last change of a stage; NaN if a slope is NaN.
+        /// The last change of a force; NaN if a slope is NaN.
         residual: f64,
     },
 }

@@ -400,7 +400,8 @@ pub enum Kind {
     Viscoelastic,
     /// A dashpot, `c(g) = gamma g^beta`, so that `f = (F + gamma g^beta g')_+` for `g > 0`; a
     /// linear one has `beta = 0`, and `gamma` is a force over a velocity: Tsuji, Tanaka & Ishida
-    /// 1992, Powder Technol. 71, 239, have `beta = 1/4`.
+    /// 1992, Powder Technol. 71, 239, have `beta = 1/4`. In place of `g'` it may have
+    /// `|g'|^p sgn g'` with `p >= 1`.
     Dashpot,
     /// Hunt & Crossley 1975, J. Appl. Mech. 42, 440: `c(g) = gamma F(g)`, so that
     /// `f = F (1 + gamma g')_+`. `gamma` is a time over a length.
@@ -450,17 +451,27 @@ pub struct BondLaw<R> {
     pub loss: Option<(Kind, R)>,
     /// `beta` of a dashpot.
     pub beta: R,
+    /// `p` of a dashpot.
+    pub rate_power: R,
     /// Whether a contact that dissipates may pull.
     pub pulls: bool,
 }
 
 impl<R: Real> BondLaw<R> {
     /// `A`, `alpha`, the static overlap, and the dissipation, which counts if its `gamma` and `A`
-    /// are positive; with `beta = 0`, and without pull.
+    /// are positive; with `beta = 0` and `p = 1`, and without pull.
     pub fn new(constant: f64, alpha: f64, rest: f64, loss: Option<(Kind, f64)>) -> Self {
         let loss = loss.filter(|&(_, gamma)| constant > 0.0 && gamma > 0.0).map(|(kind, gamma)| (kind, R::of(gamma)));
         let [constant, rest] = [constant, rest].map(R::of);
-        Self { power: ContactLaw::new(alpha), constant, rest, loss, beta: R::zero(), pulls: false }
+        Self {
+            power: ContactLaw::new(alpha),
+            constant,
+            rest,
+            loss,
+            beta: R::zero(),
+            rate_power: R::one(),
+            pulls: false,
+        }
     }
 
     /// The exponent.
@@ -515,17 +526,23 @@ impl<R: Real> BondLaw<R> {
     /// The force of a contact that is known to push: smooth through its onset and its end.
     #[inline]
     pub fn push(&self, g: R, rate: R) -> R {
-        self.elastic(g) + self.resistance(g) * rate
+        self.elastic(g) + self.resistance(g) * self.powered(rate)
+    }
+
+    /// `|g'|^p sgn g'`; the rate itself but for a dashpot.
+    #[inline]
+    fn powered(&self, rate: R) -> R {
+        if self.rate_power == R::one() { rate } else { rate.abs().powf(self.rate_power - R::one()) * rate }
     }
 
     /// A function that is positive where a closed contact has a force: `g + gamma alpha g'` for
-    /// viscoelastic ones, `F(g)/g^beta + gamma g'` for dashpots, 1 where beads may pull; `None`
-    /// without dissipation.
+    /// viscoelastic ones, `F(g)/g^beta + gamma |g'|^p sgn g'` for dashpots, 1 where beads may pull;
+    /// `None` without dissipation.
     pub fn pushes(&self, g: R, rate: R) -> Option<R> {
         self.loss.map(|loss| match loss {
             _ if self.pulls => R::one(),
             (Kind::Viscoelastic, gamma) => g + gamma * self.alpha() * rate,
-            (Kind::Dashpot, gamma) => self.held_by_rate(g)[0] + gamma * rate,
+            (Kind::Dashpot, gamma) => self.held_by_rate(g)[0] + gamma * self.powered(rate),
             (Kind::HuntCrossley, gamma) => R::one() + gamma * rate,
         })
     }
@@ -535,7 +552,11 @@ impl<R: Real> BondLaw<R> {
         self.loss.map(|loss| match loss {
             _ if self.pulls => R::zero(),
             (Kind::Viscoelastic, gamma) => rate + gamma * self.alpha() * second,
-            (Kind::Dashpot, gamma) => self.held_by_rate(g)[1] * rate + gamma * second,
+            (Kind::Dashpot, gamma) if self.rate_power == R::one() => self.held_by_rate(g)[1] * rate + gamma * second,
+            (Kind::Dashpot, gamma) => {
+                let p = self.rate_power;
+                self.held_by_rate(g)[1] * rate + gamma * p * rate.abs().powf(p - R::one()) * second
+            }
             (Kind::HuntCrossley, gamma) => gamma * second,
         })
     }
@@ -554,7 +575,7 @@ impl<R: Real> BondLaw<R> {
         (self.constant > R::zero()).then(|| self.alpha().f64())
     }
 
-    /// The power of time with which `c(g) g'` begins or ends.
+    /// The power of time with which the resisting force begins or ends.
     pub fn power_of_resistance(&self) -> Option<f64> {
         self.loss.map(|loss| match loss {
             (Kind::Viscoelastic, _) => self.alpha().f64() - 1.0,

@@ -49,8 +49,8 @@ class Chain:
     bonds : mapping, optional
         Parameters of the bonds: ``contact, alpha, overlap, spring, magnet,
         distance``, and ``viscoelastic``,
-        ``dashpot`` or ``hunt_crossley``, with values as for `beads`; ``beta`` and ``decay``, one number
-        each, and ``pull``, a bool. An array has one number for
+        ``dashpot`` or ``hunt_crossley``, with values as for `beads`; ``beta``, ``rate_power`` and
+        ``decay``, one number each, and ``pull``, a bool. An array has one number for
         each bond that can touch, from left to right: ``sites - 1`` between free ends, ``sites`` with
         one wall or on a ring, ``sites + 1`` between walls. ``wall``, the contact constant of walls,
         is one number.

@@ -17,7 +17,7 @@ Table = Mapping[str, Any]
 BEADS = ("mass", "kappa", "stiffness", "rho", "resonator", "onsite", "drag", "tau", "dashpot")
 BONDS = (
     *("contact", "wall", "alpha", "overlap", "spring", "magnet", "distance", "decay"),
-    *("viscoelastic", "dashpot", "beta", "hunt_crossley", "pull"),
+    *("viscoelastic", "dashpot", "beta", "rate_power", "hunt_crossley", "pull"),
 )
 DRIVE = (
     *("site", "kind", "amplitude", "omega", "omega_end", "phase", "band", "seed", "velocity"),

@@ -242,7 +242,8 @@ fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict
     bonds.extend([("magnet", magnet), ("distance", distance)]);
     bonds.extend(details.dissipation.iter().map(|loss| (loss.kind.name(), &loss.strength)));
     let bonds = table(py, &bonds)?;
-    for (key, number) in [("beta", details.beta), ("decay", details.decay)].into_iter().filter(|one| one.1 != 0.0) {
+    let numbers = [("beta", details.beta), ("rate_power", details.rate_power.unwrap_or(0.0)), ("decay", details.decay)];
+    for (key, number) in numbers.into_iter().filter(|one| one.1 != 0.0) {
         bonds.set_item(key, number)?;
     }
     if details.pull {

@@ -74,7 +74,7 @@ impl Runs for RunArgs {
             say_why();
             return go_on(self, long, &folder);
         }
-        let run = scene.run().in_parts(parts)?;
+        let run = scene.observed_run().in_parts(parts)?;
         let again = self.amplification.then(|| how.integrated(run.clone())).transpose()?;
         let folder = self.out.as_ref().map(|out| Folder::own(out, None)).transpose()?;
         say_why();
@@ -149,7 +149,7 @@ fn report(
     let units = args.results.of(scene);
     let (si, setting) = (units.as_ref(), wording);
     let outcome = study::in_units(outcome, scene.chain().layout(), si);
-    let signals = signals.map(|signals| signals.in_units(si));
+    let signals = signals.map(|signals| signals.with_extremes(&outcome).in_units(si));
     let signals = signals.as_ref();
     let ran = RunView { scene, integrator: name, setting, reason, outcome: &outcome, amplification, si, signals };
     // JSON has the whole state. For a long chain it takes more memory than the run, so it is made

@@ -181,6 +181,10 @@ impl Response {
 /// Adds the resistance of contacts at a state of rest to the derivative of accelerations by
 /// velocities.
 fn resist(chain: &Chain<f64>, state: &[f64], damping: &mut DMatrix<f64>) {
+    // A power of the rate above 1 has no derivative at rest.
+    if chain.details().and_then(|details| details.rate_power).is_some_and(|power| power != 1.0) {
+        return;
+    }
     let overlaps = chain.overlaps(chain.layout().u(state));
     for bond in chain.touching() {
         // Forces are linear in rates at which beads approach.

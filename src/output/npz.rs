@@ -1,5 +1,5 @@
-//! NPZ archives, as NumPy writes and reads them: NPY files in a zip archive, not compressed, with a
-//! fixed date.
+//! NPZ archives, as NumPy writes and reads them: NPY files in a zip archive with a fixed date, not
+//! compressed unless that is asked for.
 //!
 //! A text may be among the arrays: one string of bytes without axes. In Python,
 //! `json.loads(numpy.load(file)["settings.json"].item())` reads the settings.
@@ -87,6 +87,7 @@ pub struct NpzWriter<W: Write + Seek> {
     block: Vec<u8>,
     /// Whether numbers are of single precision.
     single: bool,
+    method: CompressionMethod,
 }
 
 impl<W: Write + Seek> NpzWriter<W> {
@@ -97,11 +98,11 @@ impl<W: Write + Seek> NpzWriter<W> {
     pub fn new(to: W, text: Option<(&str, &str)>) -> std::io::Result<Self> {
         let mut zip = ZipWriter::new(ToFirstError { to, failed: false });
         if let Some((name, text)) = text {
-            zip.start_file(file_name(name), Self::options())?;
+            zip.start_file(file_name(name), options(CompressionMethod::Stored))?;
             zip.write_all(&npy_head(&bytes_type(text.len()), &[]))?;
             zip.write_all(text.as_bytes())?;
         }
-        Ok(Self { zip, block: Vec::new(), single: false })
+        Ok(Self { zip, block: Vec::new(), single: false, method: CompressionMethod::Stored })
     }
 
     /// The arrays that follow have numbers of single precision, or of double precision again.
@@ -109,11 +110,10 @@ impl<W: Write + Seek> NpzWriter<W> {
         self.single = single;
     }
 
-    fn options() -> SimpleFileOptions {
-        SimpleFileOptions::default()
-            .compression_method(CompressionMethod::Stored)
-            .last_modified_time(DateTime::default())
-            .large_file(true)
+    /// The arrays that follow are deflated, or stored as they are.
+    #[must_use]
+    pub fn compress(self, compress: bool) -> Self {
+        Self { method: if compress { CompressionMethod::Deflated } else { CompressionMethod::Stored }, ..self }
     }
 
     /// Begins an array; its rows follow by calls of [`row`](Self::row).
@@ -121,7 +121,7 @@ impl<W: Write + Seek> NpzWriter<W> {
     /// # Errors
     /// Errors of the archive writer.
     pub fn begin(&mut self, name: &str, shape: &[u64]) -> std::io::Result<()> {
-        self.zip.start_file(file_name(name), Self::options())?;
+        self.zip.start_file(file_name(name), options(self.method))?;
         self.zip.write_all(&npy_head(if self.single { SINGLE } else { DOUBLE }, shape))
     }
 
@@ -156,7 +156,7 @@ impl<W: Write + Seek> NpzWriter<W> {
     /// Errors of the archive writer.
     pub fn words(&mut self, name: &str, words: &[String]) -> std::io::Result<()> {
         let longest = words.iter().map(|word| word.chars().count()).max().unwrap_or(0).max(1);
-        self.zip.start_file(file_name(name), Self::options())?;
+        self.zip.start_file(file_name(name), options(self.method))?;
         self.zip.write_all(&npy_head(&format!("<U{longest}"), &[words.len() as u64]))?;
         for word in words {
             let letters = word.chars().map(u32::from).chain(std::iter::repeat(0)).take(longest);
@@ -173,6 +173,10 @@ impl<W: Write + Seek> NpzWriter<W> {
         let end = self.zip.finish()?;
         if end.failed { Err(io::ErrorKind::WriteZero.into()) } else { Ok(()) }
     }
+}
+
+fn options(method: CompressionMethod) -> SimpleFileOptions {
+    SimpleFileOptions::default().compression_method(method).last_modified_time(DateTime::default()).large_file(true)
 }
 
 /// Writes up to the first error, and nothing after it: a `ZipWriter` that is dropped then ends its

@@ -96,6 +96,12 @@ impl Units {
         }
     }
 
+    /// Units of length and velocity in the constant of a dashpot with these powers of overlap and
+    /// rate, besides those of a linear one.
+    pub(crate) fn powers(&self, overlap: f64, rate: f64) -> f64 {
+        self.length_m.powf(overlap) * self.velocity_m_per_s.powf(rate - 1.0)
+    }
+
     /// A dimensionless number of the chain in SI units.
     ///
     /// ```

@@ -72,6 +72,9 @@ sections! {
         /// Power of the overlap in the resistance of dashpots, whose constants then are a force
         /// over a velocity and a length to this power (0 if left out).
         beta?: f64,
+        /// Power of the rate in the force of dashpots, at least 1, whose constants then are a force
+        /// over a velocity to this power and a length to the power `beta` (1 if left out).
+        rate_power?: f64,
         /// Constants of contacts by the law of Hunt and Crossley, time over length.
         hunt_crossley?: Values as Slowness,
         /// Whether contacts that dissipate may pull while beads overlap (`false` if left out).
@@ -202,6 +205,7 @@ fn named(error: Error, beads: Option<&BeadsSection>, bonds: Option<&BondsSection
         "distance" => "bonds.distance",
         "decay" => "bonds.decay",
         "beta" => "bonds.beta",
+        "rate_power" => "bonds.rate_power",
         "alpha" if bonds.is_some_and(|bonds| bonds.alpha.is_some()) => "bonds.alpha",
         "dissipation" => bonds.and_then(|bonds| bonds.losses().next()).map_or(name, |(key, ..)| key),
         other => other,
@@ -279,8 +283,11 @@ impl BondsSection {
             details.dissipation = Some(Dissipation { kind, strength: values.of(key, touching)? });
         }
         (details.beta, details.pull) = (self.beta.unwrap_or(0.0), self.pull == Some(true));
-        let rule = "it is the power of the overlap in the resistance of `dashpot`, which is not given";
-        require(self.beta.is_none() || self.dashpot.is_some(), "bonds.beta", details.beta, rule)?;
+        details.rate_power = self.rate_power;
+        for (name, power) in [("bonds.beta", self.beta), ("bonds.rate_power", self.rate_power)] {
+            let rule = "it is a power in the force of `dashpot`, which is not given";
+            require(power.is_none() || self.dashpot.is_some(), name, power.unwrap_or(0.0), rule)?;
+        }
         let rule =
             "what may pull is a contact that dissipates: `dashpot`, `viscoelastic` or `hunt_crossley` is not given";
         require(!details.pull || details.dissipation.is_some(), "bonds.pull", true, rule)
@@ -491,13 +498,12 @@ impl DriveSection {
 }
 
 /// Refuses drives that have not come to their full height, or to their end, by the end of a scene.
-/// `told` turns a time into that of the scene.
-pub(super) fn within(chain: &Chain<f64>, end: f64, told: impl Fn(f64) -> f64) -> Result<()> {
+pub(super) fn within(chain: &Chain<f64>, end: f64) -> Result<()> {
     for drive in chain.details().iter().flat_map(|details| &details.drives) {
         if let Some(Course::Table(spline)) = &drive.signal.course {
             let [first, last] = [spline.times()[0], spline.times()[spline.times().len() - 1]];
             if first > 0.0 || last < end * (1.0 - 1e-12) {
-                let value = format!("from {} to {}", told(first), told(last));
+                let value = format!("from {first} to {last}");
                 return Err(Error::parameter("drive.times", value, "the times of a drive cover the run"));
             }
         }
@@ -506,7 +512,7 @@ pub(super) fn within(chain: &Chain<f64>, end: f64, told: impl Fn(f64) -> f64) ->
                 Envelope::Burst { .. } | Envelope::HalfSine { .. } => "drive.length",
                 _ => "drive.ramp",
             };
-            let value = format!("until t = {}", told(drive.signal.settled()));
+            let value = format!("until t = {}", drive.signal.settled());
             return Err(Error::parameter(
                 name,
                 value,
@@ -559,12 +565,17 @@ pub(super) fn words(chain: &Chain<f64>, units: Option<&Units>) -> Option<String>
             Kind::Dashpot => Quantity::Damping,
             Kind::HuntCrossley => Quantity::Slowness,
         };
-        let per_length = units.map_or(1.0, |units| units.length_m.powf(details.beta));
-        let strength: Vec<f64> = strength.iter().map(|x| x / per_length).collect();
+        let power = details.rate_power.unwrap_or(1.0);
+        let by = units.map_or(1.0, |units| units.powers(details.beta, power));
+        let strength: Vec<f64> = strength.iter().map(|x| x / by).collect();
         all.extend(range(kind.words(), &strength, of));
         all.extend((details.beta != 0.0).then(|| match units {
             Some(_) => format!("beta {0}: N s/m times m^(-{0})", format_short(details.beta)),
             None => format!("beta {}", format_short(details.beta)),
+        }));
+        all.extend((power != 1.0).then(|| match units {
+            Some(_) => format!("power {0} of the rate: times (m/s)^(1 - {0})", format_short(power)),
+            None => format!("power {} of the rate", format_short(power)),
         }));
         all.extend(details.pull.then(|| "contacts may pull".to_owned()));
     }

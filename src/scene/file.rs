@@ -71,7 +71,8 @@ sections! {
         /// Static overlap of each bond.
         #[serde(default)]
         precompression: f64 as Length,
-        /// Acceleration of gravity (0 if left out).
+        /// Acceleration of gravity (0 if left out). Displacements of resonators are then counted
+        /// from where they hang at rest.
         gravity?: f64 as Acceleration,
         /// Angle of the chain below the horizontal, in degrees: at 90 (if left out) its right end
         /// is at the bottom, at -90 its left end.

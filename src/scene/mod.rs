@@ -51,7 +51,7 @@ use crate::{
     memory::lacking,
     number::rounded,
     output::read,
-    run::{Initial as Start, Method, Run, Setting, checked_end},
+    run::{Initial as Start, Method, Observables, Run, Setting, checked_end},
     waves::{PerturbedWave, TravellingWave},
 };
 use builtin::BUILTIN;
@@ -267,6 +267,9 @@ impl Scene {
             initial.make()?;
         }
         within_range(&chain, &initial, &file.initial)?;
+        if chain.details().is_some_and(|details| !details.magnet.is_empty()) {
+            chain.magnets_apart(initial.whole().as_slice())?;
+        }
         let period = match &theory {
             Some(Theory::Wave(wave)) => 2.0 * PI / wave.omega_tw(),
             Some(Theory::PerturbedWave(perturbed)) => 2.0 * PI / perturbed.wave().omega_tw(),
@@ -297,7 +300,7 @@ impl Scene {
         {
             *seed = Some(drawn.seed());
         }
-        details::within(&chain, end, |t| units.map_or(t, |units| units.to_si(Quantity::Time, t)))?;
+        details::within(&chain, end)?;
         let mut scene =
             Self { chain, units, method, initial, theory, period, end, selection, file: given, says_samples };
         scene.sample();
@@ -337,13 +340,10 @@ impl Scene {
     }
 
     fn ending(mut self, given: f64, end: f64) -> Result<Self> {
-        let checked = checked_end(end).map_err(|error| match error {
-            Error::Parameter { name, rule, .. } => Error::parameter(name, given, rule),
-            other => other,
-        });
-        details::within(&self.chain, checked?, |t| self.in_file(Quantity::Time, t))?;
-        self.end = end;
         (self.file.span.periods, self.file.span.until) = (None, Some(given));
+        let checked = checked_end(end).and_then(|end| details::within(&self.chain, end));
+        checked.map_err(|error| self.restated(error))?;
+        self.end = end;
         self.sample();
         Ok(self)
     }
@@ -356,6 +356,14 @@ impl Scene {
     /// The dimensionless number of one in the units of the file.
     pub fn of_file(&self, quantity: Quantity, value: f64) -> f64 {
         self.units.map_or(value, |units| units.from_si(quantity, value))
+    }
+
+    /// An error of what is computed from the scene, in the units of the file.
+    pub(crate) fn restated(&self, error: Error) -> Error {
+        match &self.units {
+            Some(units) => self.file.restated(error, units),
+            None => error,
+        }
     }
 
     /// A time for people, in the units of the file.
@@ -522,6 +530,13 @@ impl Scene {
     /// chain.
     pub fn run(&self) -> Run {
         self.checked_run().expect("a scene is checked when it is built")
+    }
+
+    /// The same run, which looks for the largest values of what `[record]` names.
+    pub fn observed_run(&self) -> Run {
+        let Some(selection) = self.selection.clone() else { return self.run() };
+        let chain = self.chain.clone();
+        self.run().observables(Observables::new(move |y, to| selection.take(&chain, y, to)))
     }
 
     /// Method and setting, if the scene names a method.

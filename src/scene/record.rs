@@ -35,6 +35,8 @@ sections! {
         quantities?: Vec<Recorded>,
         /// Whether the archive has numbers of single precision.
         single?: bool,
+        /// Whether the arrays of the archive are deflated.
+        compress?: bool,
     }
 
     /// Numbers from `from` to `to`, both included where a step ends there.

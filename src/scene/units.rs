@@ -22,7 +22,7 @@ use super::{
 };
 use crate::{
     chain::{Boundary, Chain},
-    error::{Error, Result, brief, require},
+    error::{Error, Iterate, Result, brief, require},
     number::{format_short, rounded},
     numerics::extremes,
     report::Units,
@@ -150,8 +150,8 @@ impl SceneFile {
         beads.mass = list(masses.iter().map(|mass| mass / units.mass_kg).collect());
         let scaled = |(k, constant): (usize, &f64)| constant * length.powf(alpha(k)) / units.force_n;
         (bonds.contact, bonds.wall) = (list(contacts.iter().enumerate().map(scaled).collect()), None);
-        let per_overlap = bonds.per_overlap(&units);
-        bonds.dashpot.each(&mut |x| *x *= per_overlap);
+        let powers = bonds.powers(&units);
+        bonds.dashpot.each(&mut |x| *x *= powers);
         // Equal spheres are a chain of equal beads.
         file.beads = file.beads.filter(|beads| *beads != Default::default());
         file.bonds = file.bonds.filter(|bonds| *bonds != BondsSection::default());
@@ -159,26 +159,58 @@ impl SceneFile {
         Ok(Some((file, units)))
     }
 
-    /// A refusal of a number of the dimensionless scene, with the number that is given.
-    pub(super) fn restated(&self, error: Error, units: &Units) -> Error {
-        let Error::Parameter { name, value, rule } = error else { return error };
-        let (number, rest) = value.split_once(' ').map_or((&*value, String::new()), |(a, b)| (a, format!(" {b}")));
-        let (Ok(number), mut found) = (number.parse::<f64>(), None) else {
-            return Error::Parameter { name, value, rule };
+    /// An error of the dimensionless scene, with the numbers that are given or else in SI units.
+    pub(crate) fn restated(&self, error: Error, units: &Units) -> Error {
+        match error {
+            Error::Parameter { name, value, rule } => Error::parameter(name, self.told(name, &value, units), rule),
+            Error::Stalled { steps, best: Some(best) } => {
+                let place = self.told("", &best.place, units);
+                Error::Stalled { steps, best: Some(Box::new(Iterate { place, ..*best })) }
+            }
+            other => other,
+        }
+    }
+
+    /// Words with the numbers of a key, or of another one that is named before them with an equals
+    /// sign. Places, such as `at site 3`, and counts, such as `3 numbers for 4`, are no such
+    /// numbers.
+    fn told(&self, name: &'static str, words: &str, units: &Units) -> String {
+        let powers = match &self.bonds {
+            Some(bonds) if name == "bonds.dashpot" => bonds.powers(units),
+            _ => 1.0,
         };
-        let of = name.rsplit('.').next().unwrap_or(name);
-        let dashpot = self.bonds.as_ref().filter(|_| name == "bonds.dashpot");
-        let per_overlap = dashpot.map_or(1.0, |bonds| bonds.per_overlap(units));
-        self.clone().quantities(&mut |key, quantity, x| {
-            let own = units.from_si(quantity, *x * per_overlap) == number;
-            if key == of && (found.is_none() || own) {
-                found = Some(if own { *x } else { units.to_si(quantity, number) / per_overlap });
+        let given = |of: &str, number: f64| {
+            let (mut own, mut kind) = match of {
+                "u" | "v" | "x" => (None, Some(Quantity::Length)),
+                "u_dot" | "v_dot" => (None, Some(Quantity::Velocity)),
+                "t" => (None, Some(Quantity::Time)),
+                "load" => (None, Some(Quantity::Force)),
+                _ => (None, None),
+            };
+            self.clone().quantities(&mut |key, quantity, x| {
+                if key == of {
+                    kind = kind.or(Some(quantity));
+                    own = own.or((units.from_si(quantity, *x * powers) == number).then_some(*x));
+                }
+            });
+            own.or_else(|| Some(rounded(units.to_si(kind?, number) / powers)))
+        };
+        let words: Vec<&str> = words.split(' ').collect();
+        let (mut key, mut place) = (name.rsplit('.').next().unwrap_or(name), false);
+        let told = words.iter().enumerate().map(|(i, word)| {
+            let next = words.get(i + 1).copied().unwrap_or_default();
+            if next == "=" {
+                (key, place) = (word, false);
+            }
+            place |= ["(entry", "bead", "beads", "bond", "for", "site"].contains(word);
+            let count = place || ["for", "numbers", "of", "times"].contains(&next);
+            let number = word.trim_matches(['[', ']', ',']);
+            match number.parse().ok().filter(|_| !count).and_then(|x| given(key, x)) {
+                Some(given) => word.replace(number, &given.to_string()),
+                None => (*word).to_owned(),
             }
         });
-        match found {
-            Some(given) => Error::parameter(name, format!("{given}{rest}"), rule),
-            None => Error::Parameter { name, value, rule },
-        }
+        told.collect::<Vec<_>>().join(" ")
     }
 
     /// Sizes of numbers in SI units that are hardly meant, each with the unit that is likely.
@@ -221,9 +253,9 @@ impl SceneFile {
 }
 
 impl BondsSection {
-    /// The unit of length to the power `beta`, by which constants of dashpots are multiplied.
-    fn per_overlap(&self, units: &Units) -> f64 {
-        units.length_m.powf(self.beta.unwrap_or(0.0))
+    /// The units of overlap and rate, by which constants of dashpots are multiplied as well.
+    fn powers(&self, units: &Units) -> f64 {
+        units.powers(self.beta.unwrap_or(0.0), self.rate_power.unwrap_or(1.0))
     }
 }
 

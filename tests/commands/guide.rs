@@ -276,3 +276,44 @@ fn the_table_of_formats_has_the_versions_that_are_written() {
     row("stores", "", &serde_json::from_str::<serde_json::Value>(&first).unwrap()["sweep"]);
     fs::remove_dir_all(&folder).unwrap();
 }
+
+#[test]
+#[cfg(unix)]
+fn a_page_from_data_to_a_figure_shows_what_its_commands_print() {
+    // Truth: the output of the commands above each block of text.
+    let said = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/laboratory.md")).unwrap();
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("guide-laboratory");
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    files(&said).into_iter().for_each(|(name, content)| fs::write(folder.join(name), content).unwrap());
+    let mut shown = 0;
+    for part in said.split("```sh\n").skip(1) {
+        let (shell, rest) = part.split_once("```").unwrap();
+        let run = |line: &str| {
+            printed(command(line.trim_start_matches("hertzchain ")).current_dir(&folder).output().unwrap())
+        };
+        let output: String = shell.lines().map(run).collect();
+        for line in rest.split_once("```text\n").unwrap().1.split_once("```").unwrap().0.lines() {
+            assert!(output.contains(line), "{line}\n{output}");
+            shown += 1;
+        }
+        // Another method prints the numbers of the first one.
+        if shell.contains("dop853") {
+            let digits = ["3.911586e2", "5.684251e2", "3.298592e2", "3.298529e2", "3.408158e-1", "8.596806e-4"];
+            let other = run(shell.lines().next().unwrap());
+            assert!(digits.iter().all(|digits| said.contains(digits) && other.contains(digits)), "{other}");
+        }
+    }
+    assert_eq!(shown, 9);
+    let table = fs::read_to_string(folder.join("out/speeds/sweep.csv")).unwrap();
+    let (head, rows) = table.split_once('\n').unwrap();
+    let numbers = |row: &str| row.split(',').take(4).map(|cell| cell.parse().unwrap()).collect::<Vec<f64>>();
+    let rows: Vec<_> = rows.lines().map(numbers).collect();
+    assert!(head.starts_with("initial.velocity,speed[20..30],bonds.peak_force[25]") && rows.len() == 3, "{head}");
+    let k = (2.0 * 193e9 / (0.01905 * 8027f64.powf(1.5) * 0.91)).cbrt();
+    assert!((k - 314.01).abs() < 0.005);
+    for row in rows {
+        let constant = row[1] / (k * row[2].powf(1.0 / 6.0));
+        assert!((constant - 0.688_673).abs() < 5e-7 && (row[3] / row[0] - 0.6816).abs() < 5e-5, "{row:?}");
+    }
+}

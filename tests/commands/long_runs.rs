@@ -221,7 +221,7 @@ fn a_record_that_no_run_has_is_refused_also_at_the_end_of_a_run() {
     let settings: serde_json::Value = serde_json::from_str(&text).unwrap();
     let count = |name: &str| settings[name].as_u64().unwrap();
     let dim = outcome.state.len() as u64;
-    let shapes: [(&str, Vec<u64>); 8] = [
+    let shapes: [(&str, Vec<u64>); 9] = [
         ("state", vec![dim]),
         ("largest", vec![1]),
         ("sample_t", vec![count("samples")]),
@@ -230,6 +230,7 @@ fn a_record_that_no_run_has_is_refused_also_at_the_end_of_a_run() {
         ("profiles", vec![count("profiles"), dim]),
         ("contacts", vec![count("contacts"), Contact::NUMBERS as u64]),
         ("open_contacts", vec![count("open_contacts")]),
+        ("extremes", vec![0, 2]),
     ];
     let altered = |which: &str, k: usize, value: f64| {
         let array = |(name, shape): &(&'static str, Vec<u64>)| {

@@ -76,6 +76,43 @@ fn maxima_widths_and_peak_velocities_of_a_bead_between_springs_are_the_closed_fo
 }
 
 #[test]
+fn largest_values_are_those_between_samples_and_steps() {
+    // Truth: the energy of a bead between two contacts with the static overlap 1 that is let go
+    // from u = a. Its speed is largest in the middle, v^2/2 = V(a) - V(0) with
+    // V(u) = 2/5 ((1 + u)^(5/2) + (1 - u)^(5/2)). Its force on a wall is largest at u = -a and a,
+    // (1 + a)^(3/2). With two samples, neither is at one.
+    let folder = tempfile::tempdir().unwrap();
+    let text = "[chain]\nsites = 1\nalpha = 1.5\nboundary = \"fixed\"\nprecompression = 1.0\n[initial]\n\
+                kind = \"single-bead\"\nsite = 0\ndisplacement = 0.6\nvelocity = 0.0\n[span]\nuntil = 7.0\n[record]\n\
+                samples = 2\nquantities = [\"u_dot\", \"force\", \"u\"]\n";
+    let file = scene(folder.path(), "pressed.toml", text);
+    let stored = |u: f64| 0.4 * ((1.0 + u).powf(2.5) + (1.0 - u).powf(2.5));
+    let (speed, force) = ((2.0 * (stored(0.6) - stored(0.0))).sqrt(), 1.6_f64.powf(1.5));
+    let found = |args: &str, name: &str, k: usize| {
+        let run = json(&format!("run {file} {args}"));
+        run["recorded"][name]["largest"][k].as_f64().unwrap().abs()
+    };
+    let fine = [
+        ("--integrator collocation --tol 1e-13", 1e-12),
+        ("--integrator dop853 --tol 1e-13", 1e-11),
+        ("--integrator dop853-regularised --tol 1e-13", 1e-11),
+        ("--integrator srkn14-6 --steps-per-period 128", 1e-11),
+        ("--integrator corrected --steps-per-period 512", 1e-9),
+        ("--integrator verlet --steps-per-period 512", 1e-4),
+    ];
+    for (args, within) in fine {
+        let [v, left, right] = [("u_dot", 0), ("force", 0), ("force", 1)].map(|(name, k)| found(args, name, k));
+        assert!((v / speed - 1.0).abs() < within, "{args}: {v} {speed}");
+        assert!((left / force - 1.0).abs() < within && (right / force - 1.0).abs() < 1e-15, "{args}: {left} {right}");
+        assert!((found(args, "u", 0) - 0.6).abs() < within.max(1e-15), "{args}");
+    }
+    // In legs.
+    let out = folder.path().join("legs");
+    let legs = format!("--integrator collocation --tol 1e-13 --checkpoint 0.8 --out {}", out.display());
+    assert!((found(&legs, "u_dot", 0) / speed - 1.0).abs() < 1e-12);
+}
+
+#[test]
 fn a_pulse_has_the_length_of_the_exact_solitary_wave() {
     // Truth: the pulse of the infinite line, by its series of cosines. Its force is half of the
     // largest where the overlap is (1/2)^(2/3) of the largest.
@@ -263,6 +300,30 @@ fn spectra_modes_and_responses_are_in_si_units() {
     near(number(&si, "/rows/1/omega"), number(&own, "/rows/1/omega") / unit("time_s"));
     near(number(&si, "/rows/1/gain_3"), number(&own, "/rows/1/gain_3") * unit("length_m") / unit("force_n"));
     near(number(&si, "/rows/1/phase_3"), number(&own, "/rows/1/phase_3"));
+}
+
+#[test]
+fn archives_that_are_deflated_have_the_same_numbers_in_less_space() {
+    // Truth: the archives that are not.
+    let folder = tempfile::tempdir().unwrap();
+    for (name, more) in [("profiles.npz", ""), ("signals.npz", " --set record.bonds=[20,30]")] {
+        let written = |compress: bool| {
+            let out = folder.path().join(format!("{name}-{compress}"));
+            let set = format!("--set record.compress={compress}{more}");
+            json(&format!("run impact --until 30 --samples 200 {set} --out {}", out.display()));
+            let mut archive = zip::ZipArchive::new(fs::File::open(out.join(name)).unwrap()).unwrap();
+            let mut all = Vec::new();
+            for k in 0..archive.len() {
+                let mut member = archive.by_index(k).unwrap();
+                let mut bytes = Vec::new();
+                std::io::Read::read_to_end(&mut member, &mut bytes).unwrap();
+                all.push(bytes);
+            }
+            (fs::metadata(out.join(name)).unwrap().len(), all)
+        };
+        let [(size, plain), (deflated, same)] = [false, true].map(written);
+        assert!(plain == same && 2 * deflated < size, "{name}: {size} {deflated}");
+    }
 }
 
 #[test]

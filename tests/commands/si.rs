@@ -451,6 +451,15 @@ fn spheres_with_dashpots_of_a_power_of_the_overlap_rebound_as_in_si_units() {
         let e = (number(&run, "/pu/1") - number(&run, "/pu/0")) / (mass() * speed.parse::<f64>().unwrap());
         assert!((e - truth).abs() < 1e-10 && truth < 0.95, "{speed}: {e} {truth}");
     }
+    // Of the square of the rate: N s^2/m^(9/4), so that gamma g^beta v^2 is a force in both units.
+    let scene = hertzchain::scene::Scene::load_with(&path, &["bonds.rate_power=2".to_owned()]).unwrap();
+    let units = scene.units().unwrap();
+    let gamma = scene.chain().details().unwrap().dissipation.clone().unwrap().strength[0];
+    let (g, v) = (1e-6, 0.3);
+    let by = gamma * (g / units.length_m).powf(0.25) * (v / units.velocity_m_per_s).powi(2) * units.force_n;
+    assert!((by / (600.0 * g.powf(0.25) * v * v) - 1.0).abs() < 1e-13);
+    let said = refused(&["run", &path, "--set", "bonds.rate_power=0.5"], 2);
+    assert!(said.contains("bonds.rate_power = 0.5 is not valid: of a dashpot"), "{said}");
     let said = refused(&["run", &path, "--set", "bonds.dashpot=-600"], 2);
     assert!(said.contains("bonds.dashpot = -600 (entry 0) is not valid"), "{said}");
     fs::write(&path, format!("{text}[beads]\nonsite = 3e5\n[bonds]\nspring = 7e4\n")).unwrap();
@@ -619,6 +628,52 @@ fn contradictions_are_refused_in_the_numbers_that_were_given() {
 }
 
 #[test]
+fn refusals_of_lists_places_and_orbits_have_the_numbers_that_were_given() {
+    // Truth: the numbers of the scene, the weight of four spheres, and counts as they are.
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    fs::write(path("struck.toml"), STRUCK).unwrap();
+    fs::write(path("driven.toml"), driven_spheres(360.0, 1e-8, 3e4)).unwrap();
+    let weight = format!("load = {:.6}", 4.0 * mass() * 9.81);
+    let drive = |keys: &str| format!("drive=[{{site=0,kind=\"moved\",{keys}}}]");
+    let cases = [
+        ("struck", "bonds.overlap=[1e-6,2e-6]".to_owned(), "bonds.overlap = 2 numbers for 39 is"),
+        ("struck", "bonds.dashpot=-2 bonds.beta=0.25".to_owned(), "bonds.dashpot = -2 (entry 0) is"),
+        ("struck", magnets("1e-6", "1e-3"), "x = 0.001 at bond 1 is"),
+        ("driven", drive("amplitude=1e-8,band=[3e4,1e4]"), "drive.band = [30000, 10000] is"),
+        ("driven", drive("amplitude=[1e-8,2e-8],omega=3e4"), "drive.amplitude = 2 for 1 frequencies is"),
+        ("driven", drive("amplitude=1e-8,omega=3e4,ramp=1e-3"), "drive.ramp = until t = 0.001 is"),
+        ("driven", drive("times=[0,1e-5],values=[0,1e-8]"), "drive.times = from 0 to 0.00001 is"),
+        ("driven", drive("times=[0,3e-4,1e-4],values=[0,0,0]"), "drive.times = 0.0001 after 0.0003 (entry 2) is"),
+        ("driven", drive("times=[0,3e-4],values=[0,inf]"), "drive.times = 0.0003, values = inf (entry 1) is"),
+        ("driven", "initial={kind=\"state\",u=[1e-6,0,0,0]}".to_owned(), "u = 0.000001, u_dot = 0 at site 0, whose"),
+        (
+            "driven",
+            "initial.kind=equilibrium drive=[] chain.boundary=free units.static_load=0 chain.gravity=9.81".to_owned(),
+            &weight,
+        ),
+    ];
+    for (scene, changes, words) in cases {
+        let scene = path(&format!("{scene}.toml"));
+        let state = changes.contains("kind=\"state\"");
+        let text = fs::read_to_string(&scene).unwrap();
+        let rest = "kind = \"single-bead\"\nsite = 0\nvelocity = 0.0";
+        fs::write(path("case.toml"), if state { text.replace(rest, "kind = \"state\"") } else { text }).unwrap();
+        let set: Vec<&str> = changes.split(' ').flat_map(|change| ["--set", change]).collect();
+        let said = refused(&[&["run", &path("case.toml")][..], &set].concat(), 2);
+        assert!(said.contains(words), "{changes}: {said}");
+    }
+    let far = drive("amplitude=1e-4,omega=3e4");
+    let said = refused(&["orbit", "driven", &path("driven.toml"), "--settle", "2", "--set", &far], 1);
+    assert!(said.contains(" at omega = 30000, amplitude = 0.0001; it must be"), "{said}");
+}
+
+/// Magnets of this distance, and a first sphere that is moved.
+fn magnets(distance: &str, u: &str) -> String {
+    format!("bonds.magnet=1 bonds.decay=2 bonds.distance={distance} initial.displacement={u}")
+}
+
+#[test]
 fn sweeps_orbits_and_studies_say_sizes_that_are_hardly_meant() {
     // Truth: the words of `run`.
     let folder = tempfile::tempdir().unwrap();
@@ -744,6 +799,17 @@ fn charts_of_stability_are_in_the_units_of_the_scene() {
         }
     }
     assert!(seen.iter().all(|count| *count > 0), "{seen:?}");
+
+    // Runs that fail at a point say so in the step of their row.
+    let set = "--set chain.boundary=ring --set chain.rho=0.33 --set chain.kappa=1e9";
+    let line = "--charts alpha --quick --work 1e4 --integrators discrete-gradient --json";
+    let output = hertzchain(&format!("study stability {path} {set} {line}"));
+    let chart: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let ladder = chart["points"][0]["ladder"].as_array().unwrap();
+    let failed: Vec<_> =
+        ladder.iter().filter_map(|row| Some((row["failure"].as_str()?, number(row, "/step")))).collect();
+    let told = |said: &str| said.split("step ").last().unwrap().split(',').next().unwrap().parse::<f64>().unwrap();
+    assert!(failed.len() > 3 && failed.iter().all(|(said, step)| (told(said) / step - 1.0).abs() < 1e-9), "{failed:?}");
 }
 
 #[test]

@@ -379,6 +379,77 @@ fn beads_by_the_law_of_hunt_and_crossley_rebound_as_their_energy_says() {
 }
 
 #[test]
+fn dashpots_of_a_power_of_the_rate_take_what_their_equation_says() {
+    // Truth: of a bead on a wall with f = A g^alpha + gamma g^beta |g'| g', the equation of v^2 in
+    // g is linear: with B = gamma g^(beta + 1)/(beta + 1) and I(+-) = 2 A int_0^g s^alpha
+    // e^(+-2 B(s)) ds, v^2 e^(2 B) + I(+) is constant while it is pressed, v^2 e^(-2 B) + I(-)
+    // after that. Integrals by Simpson's rule in s^(1/4).
+    let (a, gamma, speed) = (1.3, 0.9, 0.7);
+    for (beta, pull) in [(0.0, false), (0.25, false), (0.25, true), (1.0, true)] {
+        let b = |g: f64| gamma * g.powf(beta + 1.0) / (beta + 1.0);
+        let stored = |g: f64, sign: f64| {
+            let (parts, root) = (2000, g.powf(0.25));
+            let term = |k: i32| {
+                let q = root * f64::from(k) / f64::from(parts);
+                let weight = if k == 0 || k == parts { 1.0 } else { f64::from(2 + 2 * (k % 2)) };
+                weight * 4.0 * q.powi(9) * (sign * 2.0 * b(q.powi(4))).exp()
+            };
+            2.0 * a * root / f64::from(parts) / 3.0 * (0..=parts).map(term).sum::<f64>()
+        };
+        let zero = |f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64| {
+            for _ in 0..100 {
+                let middle = 0.5 * (low + high);
+                *(if f(middle) > 0.0 { &mut high } else { &mut low }) = middle;
+            }
+            low
+        };
+        let deepest = zero(&|g| stored(g, 1.0) - speed * speed, 0.0, 2.0);
+        let left = |g: f64| (stored(deepest, -1.0) - stored(g, -1.0)) * (2.0 * b(g)).exp();
+        // The force ends where it would pull.
+        let last = if pull { 0.0 } else { zero(&|g| a * g.powf(1.5 - beta) - gamma * left(g), 0.0, deepest) };
+        let rebound = left(last).sqrt();
+        let details = Details {
+            contact: vec![a],
+            dissipation: Some(Dissipation { kind: Kind::Dashpot, strength: vec![gamma] }),
+            rate_power: Some(2.0),
+            beta,
+            pull,
+            ..Details::default()
+        };
+        let chain = Chain::new(params(1.5, 0.0, 0.0), Boundary::RightWall, 1).unwrap().with(&details).unwrap();
+        let mut state = State::rest(&chain);
+        (state.u_mut()[0], state.u_dot_mut()[0]) = (-0.25, speed);
+        // Events inside its steps cost the first one digits.
+        for (method, within) in [("dop853", 1e-9), ("dop853-regularised", 2e-11)] {
+            let got = run(&chain, &state, 30.0, method, Setting::Tolerance(1e-13)).state;
+            println!("{beta} {pull} {method}: {} {rebound}, {:e}", -got[1], -got[1] - rebound);
+            assert!((-got[1] - rebound).abs() < within, "{beta} {pull} {method}: {} {rebound}", -got[1]);
+            let ledger = chain.layout().ledger(&got).unwrap();
+            let lost = 0.5 * (speed * speed - got[1] * got[1]);
+            assert!(
+                (ledger.contacts - lost).abs() < 1e-12 + 0.1 * within,
+                "{beta} {pull} {method}: {} {lost}",
+                ledger.contacts
+            );
+        }
+    }
+    // Next to no spring: v' = -gamma v^2, so that v = v_0/(1 + gamma v_0 t).
+    let details = Details {
+        contact: vec![1e-16],
+        dissipation: Some(Dissipation { kind: Kind::Dashpot, strength: vec![gamma] }),
+        rate_power: Some(2.0),
+        ..Details::default()
+    };
+    let chain = Chain::new(params(1.5, 0.0, 0.0), Boundary::RightWall, 1).unwrap().with(&details).unwrap();
+    let mut state = State::rest(&chain);
+    state.u_dot_mut()[0] = speed;
+    let got = run(&chain, &state, 10.0, "dop853-regularised", Setting::Tolerance(1e-13)).state;
+    let want = speed / (1.0 + gamma * speed * 10.0);
+    assert!((got[1] - want).abs() < 1e-12, "{} {want}", got[1]);
+    assert!(Method::Collocation.unsupported_reason(&chain).is_some_and(|why| why.contains("take dop853-regularised")));
+}
+
+#[test]
 fn a_damped_resonator_is_exact_at_any_step() {
     // Truth: closed form of a damped cradle bead, u = e^{-nu t} (cos w t + nu/w sin w t), and its
     // energy; one step of sixteen periods is as good as short ones.
@@ -465,6 +536,15 @@ fn wrong_details_are_refused_by_name_and_rule() {
             Details { kappa: vec![0.0; 3], dashpot: vec![0.1; 3], ..none() },
             "dashpot = 0.1 at site 0",
             "beside a spring",
+        ),
+        (
+            Details {
+                dissipation: Some(Dissipation { kind: Kind::Viscoelastic, strength: vec![0.1; 2] }),
+                rate_power: Some(2.0),
+                ..none()
+            },
+            "rate_power = 2",
+            "of a dashpot",
         ),
         (drive(3, DriveKind::Force, Signal::sine(1.0, 1.0, 0.0)), "drive.site = 3", "a site of the chain"),
         (drive(0, DriveKind::Displacement, Signal::sine(1.0, 1.0, 0.0)), "drive = moves site 0", "no resonator"),

@@ -310,9 +310,56 @@ fn a_load_that_nothing_holds_is_refused_with_its_beads() {
         let message = refused(boundary, gravity, drives);
         assert!(message.contains(words), "{boundary}: {message}");
     }
-    let details = Details { gravity: 1.0, ..Details::default() };
-    let resonators = Chain::<f64>::new(Params { alpha: 1.5, kappa: 1.0, rho: 1.0 }, Boundary::RightWall, 2).unwrap();
-    assert!(resonators.with(&details).unwrap_err().to_string().contains("resonators do not move"));
+}
+
+#[test]
+fn resonators_hang_in_gravity() {
+    // Truth: Newton's equations with a weight on each bead and on each resonator, whose place is
+    // counted from where its spring is relaxed, by the classical method of Runge and Kutta. A run
+    // counts from where it hangs, rho m a/kappa below.
+    let (gravity, mass, kappa, rho) = (0.3, [1.0, 2.0], [1.0, 0.5], [0.5, 1.5]);
+    let own = Details { mass: mass.to_vec(), kappa: kappa.to_vec(), rho: rho.to_vec(), gravity, ..Details::default() };
+    let column = chain(PLAIN, Boundary::RightWall, 2, &own);
+    let hangs = |i: usize| rho[i] * mass[i] * gravity / kappa[i];
+    let field = |y: &[f64; 8]| -> [f64; 8] {
+        let [f1, f2] = [y[0] - y[1], y[1]].map(|g: f64| g.max(0.0).powf(1.5));
+        let pull = [0, 1].map(|i| kappa[i] * (y[i] - y[2 + i]));
+        let bead = |i: usize, force: f64| (force - pull[i]) / mass[i] + gravity;
+        let hung = |i: usize| pull[i] / (rho[i] * mass[i]) + gravity;
+        [y[4], y[5], y[6], y[7], bead(0, -f1), bead(1, f1 - f2), hung(0), hung(1)]
+    };
+    let (steps, end_time) = (40_000, 4.0);
+    let h = end_time / f64::from(steps);
+    let mut y = [-0.1, 0.2, 0.1 + hangs(0), -0.2 + hangs(1), 0.3, -0.1, 0.0, 0.2];
+    for _ in 0..steps {
+        let after = |k: &[f64; 8], by: f64| std::array::from_fn(|i| y[i] + by * k[i]);
+        let k1 = field(&y);
+        let k2 = field(&after(&k1, 0.5 * h));
+        let k3 = field(&after(&k2, 0.5 * h));
+        let k4 = field(&after(&k3, h));
+        y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+    }
+    (y[2], y[3]) = (y[2] - hangs(0), y[3] - hangs(1));
+    let mut start = State::rest(&column);
+    start.as_mut_slice()[..8].copy_from_slice(&[-0.1, 0.2, 0.1, -0.2, 0.3, -0.1, 0.0, 0.2]);
+    for method in methods(&column) {
+        let got = end(&column, &start, method, end_time, 4000);
+        let off = distance(&got[..8], &y);
+        let energy = column.energy(&got);
+        let before = column.energy(start.as_slice());
+        let balance = (energy.total() - energy.driven - before.total()).abs();
+        println!("{}: {off:e}, {balance:e}", method.name());
+        let bound = if method.adaptive() { 1e-8 } else { 1e-4 };
+        assert!(off < bound && balance < bound, "{}: {off:e} {balance:e}", method.name());
+    }
+    // At rest the spring carries the resonator, and contacts all that is above them.
+    let rest = State::equilibrium(&column).unwrap();
+    let weights = [0, 1].map(|i| (1.0 + rho[i]) * mass[i] * gravity);
+    let [above, all] = [weights[0], weights[0] + weights[1]].map(|load| load.powf(2.0 / 3.0));
+    let u = rest.u();
+    assert!((u[1] - all).abs() < 1e-15 && (u[0] - u[1] - above).abs() < 1e-15, "{u:?}");
+    let still = end(&column, &rest, Method::Collocation, 20.0, 0);
+    assert!(distance(&still[..4], &rest.as_slice()[..4]) < 1e-12);
 }
 
 #[test]

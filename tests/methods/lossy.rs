@@ -113,6 +113,33 @@ fn what_contacts_dissipate_balances() {
 }
 
 #[test]
+fn two_methods_agree_on_random_chains_with_dashpots_of_a_power_of_the_rate() {
+    // Truth: each other, and the balance of energies. The first power has the bits of a dashpot
+    // that is not told one.
+    for (seed, boundary) in BOUNDARIES.into_iter().enumerate() {
+        for (power, beta, pull) in [(2.0, 0.0, false), (1.5, 0.25, true), (3.0, 0.5, true)] {
+            let (linear, y0) = varied(40 + seed as u64, boundary, 8, (Kind::Dashpot, 0.4), false);
+            let with = |rate_power| {
+                let powers = (rate_power, beta, pull);
+                altered(&linear, |details| (details.rate_power, details.beta, details.pull) = powers)
+            };
+            let chain = with(Some(power));
+            let end = |method: &str, tol: f64| {
+                let run = of(&chain, &y0, 12.0).method(Method::named(method).unwrap());
+                run.setting(Setting::Tolerance(tol)).start().unwrap().complete().unwrap().state
+            };
+            let [one, other] = [end("dop853", 3e-15), end("dop853-regularised", 3e-15)];
+            let (apart, off) = (distance(&one, &other), (balance(&chain, &other) - balance(&chain, &y0)).abs());
+            let lost = chain.layout().ledger(&other).unwrap().contacts;
+            println!("{boundary:?} {power} {beta}: {apart:e}, balance {off:e}, lost {lost}");
+            assert!(apart < 1e-10 && off < 1e-12 && lost > 0.01, "{boundary:?} {power}: {apart:e} {off:e} {lost}");
+            let ends = [None, Some(1.0)].map(|power| regularised(&with(power), &y0, 3.0));
+            assert_eq!(ends[0], ends[1]);
+        }
+    }
+}
+
+#[test]
 fn the_order_of_windows_is_that_of_elastic_contacts() {
     // Truth: the finest run; and the order of the same chain with elastic contacts, in the same
     // windows. Mean of errors over nearby numbers of windows, of the state and of the ledger.

@@ -188,7 +188,7 @@ fn magnets_repel_along_their_closed_form() {
     let mut met = state.clone();
     met.u_mut()[0] = 3.5;
     let said = Run::new(chain.clone(), met).until(1.0).unwrap().start().err().unwrap().to_string();
-    assert!(said.contains("nearer by 3.5e0") && said.contains("distance"), "{said}");
+    assert!(said.contains("x = 3.5e0 at bond") && said.contains("distance"), "{said}");
     for (method, setting, bound) in [
         ("dop853-regularised", Setting::Tolerance(1e-14), 1e-12),
         ("dop853", Setting::Tolerance(1e-14), 1e-12),

@@ -93,7 +93,15 @@ impl ContactChain for Chain<f64> {
 
     #[inline(always)]
     fn bond(&self, _bond: usize) -> BondLaw<f64> {
-        BondLaw { power: self.law, constant: 1.0, rest: self.precompression, loss: None, beta: 0.0, pulls: false }
+        BondLaw {
+            power: self.law,
+            constant: 1.0,
+            rest: self.precompression,
+            loss: None,
+            beta: 0.0,
+            rate_power: 1.0,
+            pulls: false,
+        }
     }
 
     fn response(&self, _site: usize) -> Response {

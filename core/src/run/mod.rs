@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `mod` | [`Run`]: chain, initial state, span, method, setting, and what is recorded |
 //! | `method` | [`Method`]: the integrators by name; [`Setting`]: steps, tolerance or windows |
+//! | `extremes` | [`Observables`]: functions of the state whose largest values are looked for |
 //! | `amplification` | by how much a small change of the initial state has grown at the end |
 //! | `initial` | [`Initial`]: the state from which it begins, in memory or site by site |
 //! | `record` | [`Trajectory`]: the result of a run; checks for unstable states during the run |
@@ -12,6 +13,7 @@
 //! | `regime` | [`regime`]: the default method and setting for a chain and its initial state |
 
 mod amplification;
+mod extremes;
 mod initial;
 pub mod method;
 mod record;
@@ -20,6 +22,7 @@ mod states;
 mod warning;
 
 pub use amplification::{deviation, perturb};
+pub use extremes::Observables;
 pub use initial::{Initial, Measure};
 pub use method::{Method, Setting};
 pub use record::{Profile, Records, Sample, Trajectory};
@@ -74,6 +77,7 @@ pub struct Run {
     sampling: Sampling,
     contacts: bool,
     maxima: Option<f64>,
+    observables: Option<Observables>,
     parts: Decomposition,
 }
 
@@ -137,6 +141,7 @@ impl Run {
             sampling: Sampling::Equal(SAMPLES),
             contacts: false,
             maxima: None,
+            observables: None,
             parts: Decomposition::Whole,
         }
     }
@@ -252,6 +257,17 @@ impl Run {
         require(Contacts::SHARES.contains(&share), "maxima", share, rule)?;
         self.maxima = Some(share);
         Ok(self.contacts())
+    }
+
+    /// Looks for the largest values, by modulus, of functions of the state, also between steps.
+    ///
+    /// They are found as well as the method has its states between steps: a maximum is bracketed
+    /// to 1e-9 of a 32nd of [`fast_period`](Self::fast_period), or of a step if that is shorter. Of
+    /// several maxima in such a part one is found, and a step has at most 256 parts.
+    #[must_use]
+    pub fn observables(mut self, observables: Observables) -> Self {
+        self.observables = Some(observables);
+        self
     }
 
     /// Integrates the chain in [`parts`](crate::parts), with the same bits. Only splitting schemes

@@ -1,6 +1,6 @@
 //! The result of a run, and the observer that collects it.
 
-use super::{Measure, Method, Run, Setting, Warning, method::start_logged};
+use super::{Measure, Method, Run, Setting, Warning, extremes::Searched, method::start_logged};
 use crate::{
     chain::{Contact, ContactLog, Contacts, Energy, Maximum, Overlaps, max_norm},
     error::{Failed, Result},
@@ -78,6 +78,8 @@ pub struct Trajectory {
     pub contacts: Option<Vec<Contact>>,
     /// Maxima of overlaps in order of time, then of bonds, if they were asked for.
     pub maxima: Option<Vec<Maximum>>,
+    /// Time and value of the largest value, by modulus, of each of [`Run::observables`].
+    pub extremes: Vec<(f64, f64)>,
     /// Work of the run; see [`Stats`] for the work of samples.
     pub stats: Stats,
     /// Wall time of the run, samples included.
@@ -232,6 +234,8 @@ pub struct Snapshot {
     pub profiles: Vec<Profile>,
     /// Contacts, if a log was asked for.
     pub contacts: Option<Contacts>,
+    /// The largest values of observables so far.
+    pub extremes: Vec<(f64, f64)>,
     /// Work so far.
     pub stats: Stats,
     /// Wall time so far.
@@ -251,6 +255,7 @@ impl Snapshot {
             samples: Vec::new(),
             profiles: Vec::new(),
             contacts: run.contacts.then(|| Contacts::new(run.maxima)),
+            extremes: Vec::new(),
             stats: Stats::default(),
             wall: Duration::ZERO,
             sampling: Duration::ZERO,
@@ -327,8 +332,12 @@ impl<'a> Recorder<'a> {
     pub(super) fn leg(&mut self, stepper: &mut impl Stepper<f64>) -> std::result::Result<(), Failed> {
         let mut state = std::mem::take(&mut self.kept.state);
         let clock = Instant::now();
+        let (run, extremes) = (self.run, std::mem::take(&mut self.kept.extremes));
+        let fast = if run.observables.is_some() { run.fast_period() } else { 0.0 };
         let mut timed = Timed { run: stepper, sampling: Duration::ZERO };
-        let driven = drive(&mut timed, self, &mut state);
+        let mut searched = Searched::new(&mut timed, run.observables.as_ref(), fast, extremes);
+        let driven = drive(&mut searched, self, &mut state);
+        self.kept.extremes = searched.largest;
         let Timed { run: stepper, sampling } = timed;
         self.kept.sampling += sampling;
         self.kept.wall += clock.elapsed();
@@ -364,7 +373,8 @@ impl<'a> Recorder<'a> {
     /// The result of the run.
     pub fn trajectory(self, failure: Option<Failed>) -> Trajectory {
         let energy = self.energy(&self.kept.state);
-        let Snapshot { t, state, largest, samples, profiles, contacts, stats, wall, sampling, .. } = self.kept;
+        let Snapshot { t, state, largest, samples, profiles, contacts, extremes, stats, wall, sampling, .. } =
+            self.kept;
         let maxima = contacts.as_ref().and_then(Contacts::maxima);
         let contacts = contacts.map(|contacts| contacts.list());
         let (open, initial) = (self.run.chain.open(), self.initial_energy.unwrap_or(1.0));
@@ -385,6 +395,7 @@ impl<'a> Recorder<'a> {
             profiles,
             contacts,
             maxima,
+            extremes,
             stats,
             wall,
             sampling,

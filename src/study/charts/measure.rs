@@ -5,7 +5,7 @@ use crate::{
     error::Result,
     named::named,
     run::method::{Method, Setting, Split},
-    study::drift::energy,
+    study::{drift::energy, run::error_in},
 };
 use hertzchain_integrators::{DoubleDouble, Stepper};
 use serde::{Deserialize, Serialize};
@@ -137,7 +137,7 @@ pub(super) struct Search {
 type Knob = f64;
 
 pub(super) fn measure(prepared: &Prepared, method: Method, search: Search) -> Result<Measured> {
-    let Prepared { scene, contact, fast } = prepared;
+    let Prepared { scene, contact, fast, .. } = prepared;
     let sites = scene.chain().sites() as f64;
     // The usual run may take 20 times the work of others: it is the run that users make first.
     let usual = trial(prepared, method, usual_knob(&method, *fast), 20.0 * search.work / sites + LEAST_USUAL)?;
@@ -260,7 +260,7 @@ pub(super) fn trial(prepared: &Prepared, method: Method, knob: Knob, most: f64) 
     let mut look = Look::new(prepared);
     while !run.done() {
         if let Err(failure) = run.step() {
-            trial.failure = Some(failure.to_string());
+            trial.failure = Some(error_in(failure.into(), scene, prepared.units.as_ref()).to_string());
             break;
         }
         let dear = run.stats().force_evaluations as f64 > most;

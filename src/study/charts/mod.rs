@@ -32,7 +32,7 @@ pub use measure::{BOUNDS, Behaviour, Limit, Measured, Trial};
 pub use problem::{Problem, Variant};
 pub use resonances::{Resonance, kick_sum, resonance};
 
-use super::{Changes, Progress, ResultUnits, Study, Work, methods, options::options, scene};
+use super::{Changes, Progress, ResultUnits, Study, Work, methods, options::options, run::error_in, scene};
 use crate::{
     error::{Error, Result},
     named::named,
@@ -441,5 +441,6 @@ fn measured(
     }
     let longer = (variant.periods.unwrap_or(PERIODS) / LONG).clamp(1.0, 10.0);
     let search = Search { work: longer * options.work, light: chart == Chart::Light };
-    measure(&problem.prepare(variant)?, method, search)
+    let prepared = problem.prepare(variant)?;
+    measure(&prepared, method, search).map_err(|error| error_in(error, &prepared.scene, prepared.units.as_ref()))
 }

@@ -51,12 +51,16 @@ pub struct Problem {
     /// every variant.
     state: Option<[Vec<f64>; 4]>,
     amplitude: f64,
+    /// The units of the scene, for messages.
+    units: Option<Units>,
 }
 
 /// A variant ready to run.
 #[derive(Clone, Debug)]
 pub(super) struct Prepared {
     pub(super) scene: Scene,
+    /// The units of messages.
+    pub(super) units: Option<Units>,
     /// `Omega_c = sqrt(2 alpha (A + delta_0)^{alpha-1})`.
     pub(super) contact: f64,
     /// `max(omega, Omega_c)`.
@@ -86,7 +90,14 @@ impl Problem {
             gravity: None,
             tilt: None,
         };
-        Self { name: "built-in".to_owned(), source: "built-in".to_owned(), chain, state: None, amplitude: 1.0 }
+        Self {
+            name: "built-in".to_owned(),
+            source: "built-in".to_owned(),
+            chain,
+            state: None,
+            amplitude: 1.0,
+            units: None,
+        }
     }
 
     /// The chain and the initial state of a scene, with the largest overlap that its strains or its
@@ -108,7 +119,7 @@ impl Problem {
         // The file may be in SI units.
         let (kappa, precompression) = (chain.params().kappa, chain.precompression());
         let chain = ChainSection { kappa, precompression, ..scene.file().chain.clone() };
-        Ok(Self { name, source, chain, state, amplitude })
+        Ok(Self { name, source, chain, state, amplitude, units: scene.units().copied() })
     }
 
     /// The problem with its amplitude, spring constant and static overlap in SI units, for reports.
@@ -179,7 +190,7 @@ impl Problem {
         let longest = if variant.periods.is_some() { f64::INFINITY } else { MOST_PERIODS * TAU / fast };
         let span = (variant.periods.unwrap_or(super::PERIODS) * TAU / contact).min(longest);
         let scene = self.scene(section.clone(), self.state(&section, amplitude), span)?;
-        Ok(Prepared { scene, contact, fast })
+        Ok(Prepared { scene, units: self.units, contact, fast })
     }
 
     /// The chain of `sites` beads between walls under the static overlap `delta`, displaced by
@@ -193,7 +204,7 @@ impl Problem {
     }
 
     fn scene(&self, chain: ChainSection, [u, v, u_dot, v_dot]: [Vec<f64>; 4], span: f64) -> Result<Scene> {
-        Scene::build(SceneFile {
+        let file = SceneFile {
             name: self.name.clone(),
             summary: String::new(),
             chain,
@@ -205,6 +216,10 @@ impl Problem {
             span: Span { periods: None, until: Some(span), period: None },
             method: None,
             record: Record::of(0),
+        };
+        Scene::build(file.clone()).map_err(|error| match &self.units {
+            Some(units) => file.restated(error, units),
+            None => error,
         })
     }
 }

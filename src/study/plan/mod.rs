@@ -153,7 +153,7 @@ fn before_its_first_step(scene: &Scene) -> Value {
 /// The report of a run, whose outcome is in the units of its scene.
 fn reported(scene: &Scene, outcome: Trajectory, signals: Option<Signals>) -> Value {
     let (integrator, setting, si) = ("", "", scene.units());
-    let signals = signals.map(|signals| signals.in_units(si));
+    let signals = signals.map(|signals| signals.with_extremes(&outcome).in_units(si));
     let (outcome, signals) = (&outcome, signals.as_ref());
     run_json(&RunView { scene, integrator, setting, reason: None, outcome, amplification: None, si, signals })
 }
@@ -161,7 +161,7 @@ fn reported(scene: &Scene, outcome: Trajectory, signals: Option<Signals>) -> Val
 /// Runs a point: the quantities that the plan keeps.
 fn run(plan: &Plan, point: &Point) -> Result<Vec<Value>> {
     let scene: Scene = plan.scene(point)?;
-    let run = scene.run().records(Records::Energy);
+    let run = scene.observed_run().records(Records::Energy);
     let run = if plan.contacts() { run.contacts() } else { run };
     let mut signals = Signals::new(&scene);
     let mut seen = |t: f64, y: &[f64]| signals.iter_mut().for_each(|signals| signals.take(&scene, t, y));

@@ -12,7 +12,7 @@
 //! shared out to the legs by their lengths. Contacts that last beyond the end of a leg are joined.
 //!
 //! `checkpoint.npz` holds `settings.json` and arrays: `state`, and what was recorded so far,
-//! `sample_t`, `energies`, `profile_t`, `profiles`, `contacts`; `largest` is `max |E(t) - E(0)|`.
+//! `sample_t`, `energies`, `profile_t`, `profiles`, `contacts`, `extremes`; `largest` is `max |E(t) - E(0)|`.
 //! Every member is checked by its CRC-32.
 
 use crate::{
@@ -22,7 +22,7 @@ use crate::{
     parts::Decomposition,
     run::method::{Method, Setting},
     run::{Profile, Recorder, Records, Run, Sample, Snapshot, Trajectory},
-    scene::{Scene, SceneFile},
+    scene::{Scene, SceneFile, Selection},
 };
 use hertzchain_integrators::Stats;
 use serde::{Deserialize, Serialize};
@@ -34,7 +34,7 @@ use std::{
 
 /// Name of the checkpoint in the folder of a run.
 pub(super) const FILE: &str = "checkpoint.npz";
-const FORMAT: FileFormat = FileFormat("hertzchain checkpoint", 4);
+const FORMAT: FileFormat = FileFormat("hertzchain checkpoint", 5);
 /// Relative difference of numbers that are the same up to roundings.
 const ROUNDED: f64 = 1e-9;
 /// Most intervals of a run.
@@ -102,7 +102,7 @@ impl LongRun {
         require(interval.is_finite() && interval > 0.0, "checkpoint", interval, rule)?;
         let rule = "a run has at most 10^6 intervals";
         require(scene.end() / interval <= MOST_LEGS, "checkpoint", interval, rule)?;
-        let run = scene.run().method(method).setting(setting).records(Records::Profiles).in_parts(parts)?;
+        let run = scene.observed_run().method(method).setting(setting).records(Records::Profiles).in_parts(parts)?;
         run.stepper()?;
         let kept = Snapshot::new(&run);
         Ok(Self { scene, run, method, setting, wording, interval, done: 0, kept })
@@ -196,8 +196,8 @@ impl LongRun {
 
     /// Writes the checkpoint of the run, with no second copy of the state in memory.
     fn write(&self, to: impl io::Write + io::Seek) -> io::Result<()> {
-        let Snapshot { t, ref state, taken, largest, ref samples, ref profiles, ref contacts, stats, wall, sampling } =
-            self.kept;
+        let Snapshot { t, ref state, taken, largest, ref samples, ref profiles, ref contacts, .. } = self.kept;
+        let Snapshot { ref extremes, stats, wall, sampling, .. } = self.kept;
         let Stats { steps, rejected, force_evaluations } = stats;
         let open = contacts.as_ref().map(Contacts::store_open).unwrap_or_default();
         let FileFormat(format, version) = FORMAT;
@@ -241,6 +241,8 @@ impl LongRun {
         archive.begin("contacts", &[ended().count() as u64, Contact::NUMBERS as u64])?;
         ended().try_for_each(|contact| archive.row(&contact.numbers()))?;
         archive.vector("open_contacts", &open)?;
+        archive.begin("extremes", &[extremes.len() as u64, 2])?;
+        extremes.iter().try_for_each(|&(t, value)| archive.row(&[t, value]))?;
         archive.finish()
     }
 
@@ -416,11 +418,14 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Snapshot> 
     let profile_t = finite("profile_t", &[profiles])?;
     let states = finite("profiles", &[profiles, dim as u64])?;
     let profile = |(&t, state): (&f64, &[f64])| Profile { t, x: chain.strains(state), state: state.to_vec() };
+    let observables = scene.selection().map_or(0, Selection::width);
+    let extremes = finite("extremes", &[observables as u64, 2])?;
     Ok(Snapshot {
         t,
         state,
         taken,
         largest,
+        extremes: extremes.chunks_exact(2).map(|one| (one[0], one[1])).collect(),
         samples: sample_t.iter().enumerate().map(|(k, &t)| Sample { t, energy: energy(k) }).collect(),
         profiles: profile_t.iter().zip(states.chunks_exact(dim)).map(profile).collect(),
         contacts: settings.contacts.map(|count| contacts(file, settings, chain, count)).transpose()?,

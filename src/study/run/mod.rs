@@ -18,7 +18,7 @@ pub use parts::parts_plan;
 pub use report::run_pictures;
 pub(super) use report::state_arrays;
 pub use report::{RUN_FILES, RunView, run_files, run_json, run_summary};
-pub(super) use si::error_in_file;
 pub use si::{contact_in_si, in_units, state_in_si};
+pub(super) use si::{error_in, error_in_file};
 pub(super) use signals::Signal;
 pub use signals::Signals;

@@ -342,7 +342,7 @@ pub const RUN_FILES: [&str; 24] = [
 pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::File], in_legs: bool) -> Result<()> {
     let &RunView { scene, outcome, si, signals, .. } = ran;
     let in_csv = signals.and_then(Signals::csv);
-    let logged = outcome.contacts.is_some();
+    let (logged, compress) = (outcome.contacts.is_some(), scene.file().record.compress == Some(true));
     let written = |name: &str| match name {
         CHECKPOINT => in_legs,
         _ if name.ends_with(".png") || name.ends_with(".svg") => pictures.iter().any(|picture| picture.0 == name),
@@ -359,7 +359,7 @@ pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::F
     folder.write("scene.toml", scene.file().to_toml().as_bytes())?;
     folder.write_with("final.csv", |file| buffered(file, |out| last_state(out, ran)))?;
     if let Some(signals) = signals {
-        folder.write_with("signals.npz", |file| signals.npz(file))?;
+        folder.write_with("signals.npz", |file| signals.npz(NpzWriter::new(file, None)?.compress(compress)))?;
         in_csv.map(|text| folder.write("signals.csv", &text)).transpose()?;
         folder.write("peaks.csv", signals.peaks().csv().as_bytes())?;
     } else {
@@ -421,7 +421,7 @@ fn last_state(out: impl Write, &RunView { scene, outcome, si, .. }: &RunView<'_>
 /// Writes the archive of profiles, a row at a time, as the profiles of a long chain may not fit
 /// into memory twice.
 fn profiles(file: &mut File, scene: &Scene, profiles: &[Profile], si: Option<&Units>) -> std::io::Result<()> {
-    let mut archive = NpzWriter::new(file, None)?;
+    let mut archive = NpzWriter::new(file, None)?.compress(scene.file().record.compress == Some(true));
     archive.vector("t", &profiles.iter().map(|profile| profile.t).collect::<Vec<_>>())?;
     let rows = profiles.len() as u64;
     let columns = |row: Option<usize>| [rows, row.unwrap_or(0) as u64];

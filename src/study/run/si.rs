@@ -10,7 +10,8 @@ use hertzchain_integrators::Error as Failure;
 
 /// Converts a trajectory of a scene with `[units]` to metres, seconds, joules and the units made of
 /// them: times, states with their ledger, strains, energies, contacts, maxima and the numbers of
-/// warnings and of a failure. The energy error is not converted, and nothing is without units.
+/// warnings and of a failure. The energy error and [`Trajectory::extremes`], whose quantities are not
+/// known, are not converted, and nothing is without units.
 #[must_use]
 pub fn in_units(mut outcome: Trajectory, layout: Layout, units: Option<&Units>) -> Trajectory {
     let Some(units) = units else { return outcome };
@@ -70,7 +71,11 @@ fn failure_in_si(mut cause: Failure, units: &Units) -> Failure {
             (t, None)
         }
         Failure::NotFinite { t, .. } | Failure::TooManySteps { t, .. } | Failure::Stopped { t } => (t, None),
-        Failure::StepUnderflow { t, h } | Failure::NotSettled { t, h, .. } => (t, Some(h)),
+        Failure::StepUnderflow { t, h } => (t, Some(h)),
+        Failure::NotSettled { t, h, residual } => {
+            *residual *= units.force_n;
+            (t, Some(h))
+        }
         Failure::NoContraction { t, h, residual, .. } => {
             *residual *= units.to_si(Quantity::Momentum, 1.0);
             (t, Some(h))
@@ -83,10 +88,16 @@ fn failure_in_si(mut cause: Failure, units: &Units) -> Failure {
 
 /// An error of a run of a scene, in the units of its file.
 pub(in crate::study) fn error_in_file(error: Error, scene: &Scene) -> Error {
-    match (error, scene.units()) {
+    error_in(error, scene, scene.units())
+}
+
+/// An error of a run of a scene, in these units.
+pub(in crate::study) fn error_in(error: Error, scene: &Scene, units: Option<&Units>) -> Error {
+    match (error, units) {
         (Error::Run(failed), Some(units)) => failed_in_si(failed, scene.chain().layout(), units).into(),
         (Error::Integration(cause), Some(units)) => failure_in_si(cause, units).into(),
-        (error, _) => error,
+        (error, Some(units)) => scene.file().restated(error, units),
+        (error, None) => error,
     }
 }
 

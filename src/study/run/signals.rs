@@ -10,12 +10,13 @@
 //!
 //! A maximum is the vertex of the parabola through the largest `y_k` and its neighbours; times of
 //! the middle are those of straight lines between samples. So errors are those of samples: of third
-//! order in the time between them for maxima, of second order for widths.
+//! order in the time between them for maxima, of second order for widths. The largest value of a
+//! run is that of [`Run::observables`](crate::run::Run::observables), also between samples.
 
 use crate::{
     output::{NpzWriter, csv},
     report::{Digits::Short, Kind, Line, Panel, Panels, Table},
-    run::Profile,
+    run::{Profile, Trajectory},
     scene::{Quantity, Recorded, Scene, Selection, Units},
     study::si::Scale,
 };
@@ -38,6 +39,8 @@ pub struct Signals {
     times: Vec<f64>,
     /// A row for each time, in the order of the selection.
     values: Vec<f64>,
+    /// Time and value of the largest of each, also between times; empty if nothing is known.
+    extremes: Vec<(f64, f64)>,
 }
 
 /// A signal by its quantity and its site or bond.
@@ -61,7 +64,8 @@ pub(in crate::study) struct Peak {
 impl Signals {
     /// The signals that a scene names, without times; none if it names nothing.
     pub fn new(scene: &Scene) -> Option<Self> {
-        scene.selection().map(|selection| Self { selection: selection.clone(), times: Vec::new(), values: Vec::new() })
+        let selection = scene.selection()?.clone();
+        Some(Self { selection, times: Vec::new(), values: Vec::new(), extremes: Vec::new() })
     }
 
     /// The signals that a scene names, of states that were kept.
@@ -77,12 +81,22 @@ impl Signals {
         self.selection.take(scene.chain(), y, &mut self.values);
     }
 
+    /// The same with the largest values of a run, between its samples, too.
+    #[must_use]
+    pub fn with_extremes(mut self, outcome: &Trajectory) -> Self {
+        self.extremes.clone_from(&outcome.extremes);
+        self
+    }
+
     /// The same in the units of a report.
     #[must_use]
     pub fn in_units(mut self, si: Option<&Units>) -> Self {
         let scale = Scale(si);
         let kinds: Vec<Quantity> = self.all().map(|signal| signal.quantity.quantity()).collect();
         self.times.iter_mut().for_each(|t| *t = scale.reported(Quantity::Time, *t));
+        for ((t, value), kind) in self.extremes.iter_mut().zip(&kinds) {
+            (*t, *value) = (scale.reported(Quantity::Time, *t), scale.reported(*kind, *value));
+        }
         for (value, kind) in self.values.iter_mut().zip(kinds.into_iter().cycle()) {
             *value = scale.reported(kind, *value);
         }
@@ -163,8 +177,7 @@ impl Signals {
 
     /// Writes the archive: `t`, the numbers of `sites` and `bonds`, and an array for each quantity
     /// with a row for each time.
-    pub(super) fn npz(&self, file: &mut File) -> std::io::Result<()> {
-        let mut archive = NpzWriter::new(file, None)?;
+    pub(super) fn npz(&self, mut archive: NpzWriter<&mut File>) -> std::io::Result<()> {
         archive.vector("t", &self.times)?;
         let of = |bonds: bool| self.selection.quantities.iter().find(move |one| one.of_bonds() == bonds);
         for (name, quantity) in [("sites", of(false)), ("bonds", of(true))] {
@@ -228,7 +241,12 @@ impl<'a> Signal<'a> {
     pub(in crate::study) fn largest(&self) -> Peak {
         let values: Vec<f64> = self.values().collect();
         let largest = (0..values.len()).reduce(|a, b| if values[b].abs() > values[a].abs() { b } else { a });
-        largest.map_or(Peak { t: f64::NAN, value: f64::NAN, width: f64::NAN }, |k| self.peak(&values, k))
+        let sampled = largest.map(|k| (self.peak(&values, k), values[k]));
+        let (peak, sample) = sampled.unwrap_or((Peak { t: f64::NAN, value: f64::NAN, width: f64::NAN }, 0.0));
+        match self.of.extremes.get(self.column) {
+            Some(&(t, value)) if value.abs() >= (1.0 - ROUNDING) * sample.abs() => Peak { t, value, ..peak },
+            _ => peak,
+        }
     }
 
     /// The maxima in order of time.

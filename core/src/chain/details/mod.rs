@@ -7,7 +7,7 @@
 //! | `c_n, d_n` | drag on a bead, `-c_n u_n'`; dashpot beside its spring, `-d_n (u_n' - v_n')` |
 //! | `A_b, alpha_b, delta_b` | constant, exponent and static overlap of a contact |
 //! | `h_b(x)` | linear spring and magnets between two beads, see [`Joint`]; on both sides of zero |
-//! | `gamma_b, beta` | dissipation of a contact, see [`Dissipation`]; power of the overlap in that of dashpots |
+//! | `gamma_b, beta, p` | dissipation of a contact, see [`Dissipation`]; powers of overlap and rate in that of dashpots |
 //! | `s(t), F(t)` | motion of a bead that is moved, force on a bead that is pushed |
 //! | `a` | acceleration of gravity along the chain, towards its right end |
 //!
@@ -107,11 +107,15 @@ pub struct Details {
     /// Power of the overlap in the resistance of dashpots of contacts, `c(g) = gamma g^beta`: at
     /// least zero, and at most `alpha - 1` unless contacts may pull.
     pub beta: f64,
+    /// Power of the rate in the force of dashpots of contacts, `gamma g^beta |g'|^p sgn g'`: at
+    /// least 1; 1 if left out.
+    pub rate_power: Option<f64>,
     /// Whether contacts that dissipate may pull while beads overlap.
     pub pull: bool,
     /// Drives, which move or push beads.
     pub drives: Vec<Drive>,
-    /// Acceleration of gravity along the chain, positive towards its right end.
+    /// Acceleration of gravity along the chain, positive towards its right end. Displacements of
+    /// resonators are counted from where they hang at rest.
     pub gravity: f64,
 }
 
@@ -195,10 +199,19 @@ impl<R: Real> CheckedDetails<R> {
         &self.acting
     }
 
-    /// The weight of each bead along the chain, if there is gravity; zero of beads that are moved.
+    /// The weight of each bead along the chain, with that of the resonator that hangs on it, if
+    /// there is gravity; zero of beads that are moved.
+    ///
+    /// `v` is counted from where a resonator hangs at rest: with `v = w + rho m a/kappa` the spring
+    /// `kappa (u - v)` is `kappa (u - w) - rho m a`, so that the weight of the resonator acts on
+    /// the bead.
     pub(crate) fn weights(&self) -> impl Iterator<Item = (usize, R)> + '_ {
         let heavy: &[SiteData<R>] = if self.given.gravity == 0.0 { &[] } else { &self.sites };
-        let weight = |site: &SiteData<R>| if site.moved { R::zero() } else { site.mass * R::of(self.given.gravity) };
+        let weight = |site: &SiteData<R>| match site.resonators {
+            _ if site.moved => R::zero(),
+            Resonators::Moving => (site.mass + site.resonator()) * R::of(self.given.gravity),
+            Resonators::None | Resonators::Fixed => site.mass * R::of(self.given.gravity),
+        };
         heavy.iter().map(weight).enumerate()
     }
 
@@ -375,6 +388,9 @@ impl Details {
             let good = beta.is_finite() && beta >= 0.0 && (self.pull || beta + 1.0 <= alpha.max(1.0));
             let rule = "the power of the overlap in a dashpot is at least zero, and at most alpha - 1 unless contacts may pull";
             require(*kind != Kind::Dashpot || good, "beta", beta, rule)?;
+            let (power, rule) = (self.rate_power.unwrap_or(1.0), "of a dashpot: finite and at least 1");
+            let good = power.is_finite() && power >= 1.0 && (power == 1.0 || *kind == Kind::Dashpot);
+            require(good, "rate_power", power, rule)?;
         }
         Ok(())
     }
@@ -385,7 +401,8 @@ impl Details {
         let loss = self.dissipation.as_ref().map(|Dissipation { kind, strength }| (*kind, strength[k]));
         let of = |list: &[f64], otherwise: f64| entry(list, k, otherwise);
         let law = BondLaw::new(of(&self.contact, 1.0), of(&self.alpha, alpha), of(&self.overlap, rest), loss);
-        BondLaw { beta: R::of(self.beta), pulls: self.pull && law.dissipates(), ..law }
+        let rate_power = R::of(self.rate_power.unwrap_or(1.0));
+        BondLaw { beta: R::of(self.beta), rate_power, pulls: self.pull && law.dissipates(), ..law }
     }
 
     /// The spring and the magnets of the `k`-th bond that can touch.
@@ -460,7 +477,7 @@ impl<R: Real> Chain<R> {
     ///
     /// # Errors
     /// A list of the wrong length, or a value outside its rule; a strain ring, whose unknowns
-    /// assume that all beads are equal; gravity with resonators that move.
+    /// assume that all beads are equal.
     pub fn with(mut self, details: &Details) -> Result<Self> {
         let rule = "details need displacements: any other boundary";
         require(!self.topology.strains(), "boundary", "strain-ring", rule)?;
@@ -486,10 +503,6 @@ impl<R: Real> Chain<R> {
         let damped = sites.iter().any(|site| site.drag + site.dashpot > R::zero());
         let dissipative = bonds.iter().any(BondLaw::dissipates);
         let moving = sites.iter().any(|site| site.resonators == Resonators::Moving);
-        if moving && details.gravity != 0.0 {
-            let rule = "gravity acts on chains whose resonators do not move: rho = 0 or inf";
-            return Err(Error::parameter("gravity", details.gravity, rule));
-        }
         let acting = Acting::of(&details.drives);
         let parts = CheckedDetails { given: details.clone(), acting, sites, bonds, joints, damped, dissipative };
         self.layout = Layout::new(n, moving).with_ledger(parts.open());
@@ -538,21 +551,29 @@ impl<R: Real> Chain<R> {
                  dop853-regularised",
             );
         }
+        if parts.dissipative && self.details()?.rate_power.is_some_and(|power| power != 1.0) {
+            return Some(
+                "its contacts resist in proportion to the rate, and here as a power of it: take dop853-regularised",
+            );
+        }
         let rule = "between contacts its sites move on their own, and here springs or magnets join beads: take \
                     dop853-regularised";
         parts.joined().then_some(rule)
     }
 
     /// Refuses a state in which the magnets of two beads have met.
-    pub(crate) fn magnets_apart(&self, y: &[R]) -> Result<()> {
+    ///
+    /// # Errors
+    /// Two beads with magnets that are nearer by their distance at rest, or by more.
+    pub fn magnets_apart(&self, y: &[R]) -> Result<()> {
         let strain = |bond: usize| self.across(bond, |i| self.layout.u(y)[i]);
         let joint = |bond: usize| self.parts().and_then(|parts| parts.joint(bond));
         let meets = |joint: &Joint<R>, bond| joint.magnet > R::zero() && strain(bond) >= joint.distance;
         match self.touching().find(|&bond| joint(bond).is_some_and(|joint| meets(joint, bond))) {
             None => Ok(()),
             Some(bond) => {
-                let rule = "beads with magnets are nearer by less than the distance of these at rest";
-                Err(Error::parameter("state", format!("at bond {bond}, nearer by {:e}", strain(bond).f64()), rule))
+                let rule = "beads with magnets are nearer, by x, by less than the distance of these at rest";
+                Err(Error::parameter("state", format!("x = {:e} at bond {bond}", strain(bond).f64()), rule))
             }
         }
     }

@@ -42,7 +42,7 @@ impl Spline {
             return Err(Error::parameter("drive.times", value, "at least two times, and a value for each"));
         }
         if let Some(k) = (0..n).find(|&k| !(times[k].is_finite() && values[k].is_finite())) {
-            let value = format!("{}, {} (entry {k})", times[k], values[k]);
+            let value = format!("{}, values = {} (entry {k})", times[k], values[k]);
             return Err(Error::parameter("drive.times", value, "times and values are finite"));
         }
         if let Some(k) = (1..n).find(|&k| times[k] <= times[k - 1]) {

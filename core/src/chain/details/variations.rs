@@ -119,7 +119,8 @@ impl<R: Real> Variations<R> {
     /// The field of a chain and of `columns` columns. A uniform chain counts as one with details.
     ///
     /// # Errors
-    /// A strain ring; contacts with an exponent of 1 or less: the derivative of the force jumps.
+    /// A strain ring; contacts with an exponent of 1 or less: the derivative of the force jumps;
+    /// dashpots that resist as another power of the rate than the first.
     pub fn new(chain: &Chain<R>, columns: usize) -> Result<Self> {
         let chain = match chain.parts() {
             Some(_) => chain.clone(),
@@ -129,6 +130,9 @@ impl<R: Real> Variations<R> {
         if let Some(alpha) = parts.exponents().find(|alpha| *alpha <= 1.0) {
             return Err(Error::parameter("alpha", alpha, SMOOTH));
         }
+        let power = parts.given.rate_power.filter(|power| parts.dissipative && *power != 1.0);
+        let rule = "1: tangent maps are of dashpots that resist in proportion to the rate";
+        power.map_or(Ok(()), |power| Err(Error::parameter("rate_power", power, rule)))?;
         let (field, rows) = match chain.dissipative_contacts() {
             true => (Field::from_event_to_event(chain.clone()), chain.sites()),
             false => (Field::new(chain.clone()), 0),
