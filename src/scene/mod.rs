@@ -318,6 +318,17 @@ impl Scene {
         }
     }
 
+    /// The scene with the amplitudes and the frequencies of its harmonic drives times these factors;
+    /// constant forces stay.
+    ///
+    /// # Errors
+    /// As [`build`](Self::build).
+    pub fn driven(&self, amplitude: f64, omega: f64) -> Result<Self> {
+        let mut file = self.file.clone();
+        file.drives.iter_mut().try_for_each(|drive| drive.scale(amplitude, omega))?;
+        Self::build(file)
+    }
+
     /// The scene with another end time, dimensionless as [`end`](Self::end).
     ///
     /// # Errors
