@@ -24,7 +24,7 @@ use super::{
 use crate::{
     chain::{Chain, Details, Energy, Variations},
     dps::{Center, Homoclinic},
-    error::{Error, Result},
+    error::{Error, Result, require},
 };
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
@@ -37,6 +37,7 @@ const RATIO: f64 = 0.6;
 const LEAST_CHANGE: f64 = 1e-3;
 /// Largest change of an unknown by Newton's method on this way.
 const NEAR: f64 = 0.2;
+const LOST: &str = "there is no orbit near that of the chain under a load, as the load is taken away";
 /// Steps from orbit to orbit until one has a frequency, their largest change of `ln a`, and the
 /// relative error of the frequency.
 const MOST_STEPS: usize = 60;
@@ -46,13 +47,9 @@ const AT_FREQUENCY: f64 = 1e-12;
 /// like `t^{5/2}`, so that the error falls like the power 7/2 of the intervals.
 const PARTS: usize = 4096;
 
-/// Whether all beads just touch, without loads, springs and magnets between beads or on them.
-pub(super) fn vacuum(chain: &Chain<f64>) -> bool {
-    !chain.open() && !chain.tied() && touches(chain)
-}
-
-fn touches(chain: &Chain<f64>) -> bool {
-    chain.overlaps(&vec![0.0; chain.sites()])[chain.touching()].iter().all(|overlap| *overlap == 0.0)
+/// Whether all beads just touch, without loads.
+pub(super) fn touch(chain: &Chain<f64>) -> bool {
+    !chain.open() && chain.overlaps(&vec![0.0; chain.sites()])[chain.touching()].iter().all(|overlap| *overlap == 0.0)
 }
 
 /// The chain with this static overlap at every contact.
@@ -95,7 +92,7 @@ impl NormalModes {
         let alone = self.linear().iter().all(|mode| mode.participation < 1.0 + f64::EPSILON);
         let symmetric = n == chain.sites() && left == right && details && first.omega == last.omega;
         let center = if n % 2 == 1 { Center::Site } else { Center::Bond };
-        (symmetric && alone && touches(chain)).then_some(center)
+        (symmetric && alone && touch(chain)).then_some(center)
     }
 
     /// The breather in the middle of the chain, if one begins there.
@@ -118,8 +115,7 @@ impl NormalModes {
     pub fn action(&self, orbit: &ModeOrbit) -> Result<f64> {
         let (step, mut sum) = (PI / orbit.omega / PARTS as f64, 0.0);
         let mut state = self.state(orbit).as_slice().to_vec();
-        // The second half of the period repeats the first one backwards; velocities vanish at both
-        // ends.
+        // The second half of the period repeats the first one backwards, from rest to rest.
         for _ in 1..PARTS {
             state = Variations::flow(self.chain(), &state, (0.0, step), &[], 1e-14)?.state;
             let Energy { beads, resonators, .. } = self.chain().energy(&state);
@@ -142,10 +138,11 @@ impl ModeContinuation {
         let mut z = linear.unknowns(&shape, (mode.omega / linear.omega).ln() - slope * ratio.ln());
         loop {
             let next = if overlap < least { 0.0 } else { overlap * ratio };
-            let setting = if next > 0.0 { at(next)?.measured_as(modes) } else { modes.clone() };
+            let mut setting = if next > 0.0 { at(next)? } else { modes.clone() };
+            setting.linear.clone_from(&modes.linear);
             let by = if next > 0.0 { slope * ratio.ln() } else { 0.0 };
             let mut seed = z.clone();
-            seed.iter_mut().last().into_iter().for_each(|w| *w += by);
+            seed.last_mut().into_iter().for_each(|w| *w += by);
             let near = |found: &Solution| {
                 let chord = found.z.iter().zip(&seed).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
                 chord <= NEAR && !arclength::strays(0.0, 0.0, &found.newton)
@@ -158,10 +155,7 @@ impl ModeContinuation {
                     ratio = (ratio * ratio).max(RATIO);
                 }
                 _ if 1.0 - ratio > LEAST_CHANGE && next > 0.0 => ratio = ratio.sqrt(),
-                _ => {
-                    let rule = "there is no orbit near that of the chain under a load, as the load is taken away";
-                    return Err(Error::parameter("linear_mode", self.mode + 1, rule));
-                }
+                _ => return Err(Error::parameter("linear_mode", self.mode + 1, LOST)),
             }
         }
     }
@@ -169,12 +163,11 @@ impl ModeContinuation {
     /// Conditions for the orbits that are symmetric about the [centre](NormalModes::center). Those
     /// about a bond have `u_n(t) = -u_{-n}(t)` for sites counted from the centre, those about a site
     /// `u_n(t) = -u_{-n}(t + T/2)`. With the reversal of time, `u_n + u_{-n}` and `u_n' - u_{-n}'`
-    /// vanish at `T/2` and at `T/4`. Equations without the symmetry would be nearly singular: a
-    /// shift of the breather changes its energy little.
+    /// vanish, at `T/2` and at `T/4`. Equations without the symmetry would be nearly singular.
     pub(super) fn symmetric(&self, modes: &NormalModes, z: &[f64], a: f64, derivative: bool) -> Result<Equations> {
         let (linear, m) = (&modes.linear()[self.mode], modes.coordinates());
         let (shape, omega) = linear.parts(z);
-        let share = if modes.center() == Some(Center::Site) { 0.5 } else { 1.0 };
+        let share = if modes.center == Some(Center::Site) { 0.5 } else { 1.0 };
         let (start, t) = (modes.start(a, &shape), share * PI / omega);
         let end = Variations::flow(modes.chain(), &start, (0.0, t), &[], 1e-14)?.state;
         let (q, q_dot) = (DVector::from_column_slice(&end[..m]) / a, &end[modes.chain().layout().half()..][..m]);
@@ -208,21 +201,16 @@ impl ModeContinuation {
     /// A chain without [breathers](NormalModes::center); a frequency that is not above that of the
     /// linear modes; no convergence.
     pub fn breather(modes: &NormalModes, omega: f64) -> Result<ModeOrbit> {
+        let rule = "breathers begin where beads just touch and have equal springs of their own";
+        let guess = modes.localised()?.ok_or_else(|| Error::parameter("chain", "another one", rule))?;
         let mode = modes.most_localised();
-        let at = |step: f64| Self { mode, to: 2.0 * step, step, most_points: 2 };
-        let Some(guess) = modes.localised()? else {
-            let rule = "breathers begin where beads just touch and have equal springs of their own";
-            return Err(Error::parameter("chain", "another one", rule));
-        };
-        let linear = &modes.linear()[mode];
-        let want = (omega / linear.omega).ln();
-        if !(want.is_finite() && want > 0.0) {
-            let rule = "finite, and above the frequency of a bead on its spring";
-            return Err(Error::parameter("omega_b", omega, rule));
-        }
+        let want = (omega / modes.linear()[mode].omega).ln();
+        let rule = "finite, and above the frequency of a bead on its spring";
+        require(want.is_finite() && want > 0.0, "omega_b", omega, rule)?;
         // Half of the frequency shift, at most 0.03.
         let small = (0.5 * want).min(0.03).exp_m1() / guess.rate;
-        let way = at(small.powf((guess.alpha - 1.0).recip()));
+        let step = small.powf((guess.alpha - 1.0).recip());
+        let way = Self { mode, to: 2.0 * step, step, most_points: 2 };
         let mut solution = way.first(modes)?;
         let (mut slope, mut x) = (guess.alpha - 1.0, (want / w(&solution)).ln());
         for _ in 0..MOST_STEPS {
@@ -230,11 +218,8 @@ impl ModeContinuation {
                 return Ok(way.orbit(modes, &solution));
             }
             let by = (x / slope).clamp(-LONGEST, LONGEST);
-            let mut seed = solution.z.clone();
-            if let Some(last) = seed.last_mut() {
-                *last *= (slope * by).exp();
-            }
-            solution = way.solve(modes, &seed, solution.p * by.exp())?;
+            solution.z.last_mut().into_iter().for_each(|w| *w *= (slope * by).exp());
+            solution = way.solve(modes, &solution.z, solution.p * by.exp())?;
             let next = (want / w(&solution)).ln();
             // Close to the frequency the difference is one of roundings.
             if (x - next).abs() > 1e-6 {

@@ -337,17 +337,6 @@ impl DriveSection {
         Ok((if left { 0 } else { chain.sites() - 1 }, true))
     }
 
-    /// Multiplies amplitudes and frequencies of all harmonics that have a frequency.
-    pub(super) fn scale(&mut self, amplitude: f64, omega: f64) -> Result<()> {
-        if let (Some(amplitudes), Some(omegas)) = (&self.amplitude, &self.omega) {
-            let (amplitudes, omegas) = (amplitudes.list("drive.amplitude")?, omegas.list("drive.omega")?);
-            let scaled = amplitudes.iter().zip(&omegas).map(|(a, w)| if *w > 0.0 { a * amplitude } else { *a });
-            self.amplitude = Some(Values::List(scaled.collect()));
-            self.omega = Some(Values::List(omegas.iter().map(|w| w * omega).collect()));
-        }
-        Ok(())
-    }
-
     fn build(&self, chain: &Chain<f64>) -> Result<Drive> {
         let course = self.course()?;
         let harmonics = if course.is_some() { Vec::new() } else { self.harmonics()? };

@@ -323,9 +323,16 @@ impl Scene {
     ///
     /// # Errors
     /// As [`build`](Self::build).
-    pub fn driven(&self, amplitude: f64, omega: f64) -> Result<Self> {
+    pub fn driven(&self, [amplitude, omega]: [f64; 2]) -> Result<Self> {
         let mut file = self.file.clone();
-        file.drives.iter_mut().try_for_each(|drive| drive.scale(amplitude, omega))?;
+        for drive in &mut file.drives {
+            if let (Some(a), Some(w)) = (&mut drive.amplitude, &mut drive.omega) {
+                let (sizes, omegas) = (a.list("drive.amplitude")?, w.list("drive.omega")?);
+                let scaled = sizes.iter().zip(&omegas).map(|(a, w)| if *w > 0.0 { a * amplitude } else { *a });
+                *a = Values::List(scaled.collect());
+                *w = Values::List(omegas.iter().map(|w| w * omega).collect());
+            }
+        }
         Self::build(file)
     }
 

@@ -347,6 +347,9 @@ fn beads_that_just_touch_have_modes_in_closed_form_and_their_law_of_energy() {
                 let first = &branch.points[0];
                 let want = first.orbit.omega * first.measures.energy.powf(-law);
                 assert!((scaled / want - 1.0).abs() < 1e-9, "{alpha}: {scaled} {want}");
+                // All multipliers are 1 or -1: in antiphase a common shift moves freely while the beads press each other, and
+                // like u' while they press the walls.
+                assert!(mode == 0 || point.spectrum.unstable() == 0, "{alpha}: {:?}", point.spectrum.multipliers);
                 let quarters = match (modes.linear().len(), mode) {
                     (1, _) => 4.0 * quarter(alpha, 1.0, a),
                     (_, 1) => {

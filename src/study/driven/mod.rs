@@ -37,8 +37,8 @@ options! {
         changes: Changes = Changes::default(), [command(flatten)];
         /// Amplitude of the drive [default: that of the scene].
         ///
-        /// Of its first harmonic with a frequency; the others keep their ratio to it. In the units
-        /// of the scene.
+        /// In the units of the scene, of its first harmonic with a frequency; the others keep their
+        /// ratio to it.
         amplitude: Option<f64> = None, "A", (finite);
         /// Frequency of the drive, in radians per unit of time [default: that of the scene].
         ///
@@ -65,15 +65,15 @@ impl Driven {
         let si = self.results.of(&scene);
         self.within_ranges()?;
         let mut setting = DrivenSetting::new(scene.chain(), self.turns)?;
-        let given = [(DriveParameter::Amplitude, self.amplitude), (DriveParameter::Omega, self.omega)];
-        if given.iter().any(|(_, value)| value.is_some()) {
-            let factor = |(parameter, value): (DriveParameter, Option<f64>)| -> Result<f64> {
-                let Some(value) = value else { return Ok(1.0) };
-                parameter.check(value)?;
-                Ok(value / scene.in_file(quantity(parameter, &setting), setting.get(parameter)))
-            };
-            let [amplitude, omega] = given.map(factor);
-            scene = scene.driven(amplitude?, omega?)?;
+        let factor = |parameter: DriveParameter, given: Option<f64>| {
+            let own = scene.in_file(quantity(parameter, &setting), setting.get(parameter));
+            let value = given.unwrap_or(own);
+            parameter.check(value).map(|()| value / own)
+        };
+        let amplitude = factor(DriveParameter::Amplitude, self.amplitude)?;
+        let factors = [amplitude, factor(DriveParameter::Omega, self.omega)?];
+        if factors != [1.0; 2] {
+            scene = scene.driven(factors)?;
             setting = DrivenSetting::new(scene.chain(), self.turns)?;
         }
         Ok((scene, setting, si))
