@@ -210,7 +210,7 @@ impl ModeContinuation {
         let small = (0.5 * want).min(0.03).exp_m1() / guess.rate;
         let step = small.powf((guess.alpha - 1.0).recip());
         let way = Self { mode, to: 2.0 * step, step, most_points: 2 };
-        let mut solution = way.first(modes)?;
+        let mut solution = way.first(modes).map_err(|_| Error::Stalled { steps: 0, best: None })?;
         let (mut slope, mut x) = (guess.alpha - 1.0, (want / w(&solution)).ln());
         for _ in 0..MOST_STEPS {
             if x.abs() * want <= AT_FREQUENCY {

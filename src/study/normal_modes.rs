@@ -103,7 +103,11 @@ impl Kept for ModeContinuation {
         let numbered = numbered(modes);
         let report = Report::new("mode").si(si.as_ref()).fact("scene", scene.name()).fact("mode", chosen + 1);
         let report = report.table(linear_modes(&numbered, chosen, si.as_ref()));
-        let vacuum = if modes.vacuum() { " Beads just touch: these are the modes under the overlap 1." } else { "" };
+        let vacuum = if modes.vacuum() {
+            " Beads just touch: these are the modes under an overlap of one unit of length."
+        } else {
+            ""
+        };
         let words = format!("Mode {} of {} linear modes is followed.{vacuum}", chosen + 1, numbered.len());
         let report = report.words(words);
         let mut both = branches::both(branch, switched);
