@@ -2029,6 +2029,60 @@ def breather_barrier(
     return called("breather barrier", breather_barrier, locals())
 
 
+def breather_cradle(
+    *,
+    alpha: float = 1.5,
+    sites: int = 21,
+    from_: float = 1.01,
+    to: float = 1.2,
+    frequencies: int = 20,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Compute bright breathers of the cradle as exact orbits, and their barrier.
+
+    Beads on springs that just touch. Prints energies and largest multipliers of the breathers about
+    a site and about a bond, and the difference of their energies at the same frequency and at the
+    same action, beside that of the DpS equation.
+
+    Parameters
+    ----------
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
+    sites : int
+        Number of beads. About a site an odd number, about a bond the even one above it. From 5 to
+        254.
+    from_ : float
+        Smallest frequency of the breathers, whose springs have kappa = 1. Above 1 and at most 10.
+    to : float
+        Largest frequency of the breathers. Above 1 and at most 10.
+    frequencies : int
+        Number of frequencies, equally spaced. From 2 to 1000.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: cradle.json, cradle.png; cradle.npz with an array
+        TABLE.COLUMN for each column of cradle.csv: omega_b (frequency), site_amplitude (largest
+        displacement of the breather about a site), site_energy (energy), site_largest (largest
+        modulus of a multiplier), bond_amplitude (largest displacement of the breather about a
+        bond), bond_energy (energy), bond_largest (largest modulus of a multiplier), at_frequency
+        (energy about a bond less that about a site, at the same frequency), at_action (the same at
+        the same action, to first order), dps_at_action (at_action by the DpS equation).
+        cradle.store keeps every point as soon as it is computed; the same command resumes from it.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("breather cradle", breather_cradle, locals())
+
+
 def breather_moving(
     *,
     omega_b: float | Sequence[float] | None = None,
@@ -2110,6 +2164,8 @@ def orbit_driven(
     scene: Scene | Chain | str = "granular-crystal",
     *,
     set: Mapping[str, Any] | Sequence[str] | None = None,
+    amplitude: float | None = None,
+    omega: float | None = None,
     turns: int = 1,
     settle: int = 300,
     dimensionless: bool = False,
@@ -2133,6 +2189,13 @@ def orbit_driven(
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
         TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
         needs no quotation marks, as in chain.boundary=ring.
+    amplitude : float
+        Amplitude of the drive [default: that of the scene]. In the units of the scene, of its first
+        harmonic with a frequency; the others keep their ratio to it. A finite number.
+    omega : float
+        Frequency of the drive, in radians per unit of time [default: that of the scene]. The
+        fundamental one; all harmonics keep their ratio to it. In the units of the scene. Finite and
+        positive.
     turns : int
         Periods of the drive in a period of the orbit. 2 for orbits of doubled period. From 1 to 64.
     settle : int
@@ -2162,6 +2225,8 @@ def orbit_continue(
     scene: Scene | Chain | str = "granular-crystal",
     *,
     set: Mapping[str, Any] | Sequence[str] | None = None,
+    amplitude: float | None = None,
+    omega: float | None = None,
     turns: int = 1,
     settle: int = 300,
     dimensionless: bool = False,
@@ -2193,6 +2258,13 @@ def orbit_continue(
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
         TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
         needs no quotation marks, as in chain.boundary=ring.
+    amplitude : float
+        Amplitude of the drive [default: that of the scene]. In the units of the scene, of its first
+        harmonic with a frequency; the others keep their ratio to it. A finite number.
+    omega : float
+        Frequency of the drive, in radians per unit of time [default: that of the scene]. The
+        fundamental one; all harmonics keep their ratio to it. In the units of the scene. Finite and
+        positive.
     turns : int
         Periods of the drive in a period of the orbit. 2 for orbits of doubled period. From 1 to 64.
     settle : int
@@ -2281,9 +2353,9 @@ def orbit_mode(
     Parameters
     ----------
     scene : Scene | Chain | str
-        Name of a built-in scene, or a TOML file. All contacts of the scene must be closed at rest:
-        a static overlap, between walls or on a ring. Beads may differ. The initial state of the
-        scene does not matter.
+        Name of a built-in scene, or a TOML file. Contacts of the scene are closed at rest: a static
+        overlap, between walls or on a ring; or all beads just touch. Beads may differ. The initial
+        state of the scene does not matter.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
         TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
@@ -2292,7 +2364,11 @@ def orbit_mode(
         Number of the linear mode, the lowest frequency first [default: the most localised one]. The
         parameter of the branch is the amplitude: the displacement, at the start of the period, of
         the bead or resonator that moves most in this mode. The first amplitude is `step`, or a
-        smaller one if the orbit found there is not near the mode. At least 1.
+        smaller one if the orbit found there is not near the mode. Beads that just touch between
+        walls have no linear modes: there it is the mode under the static overlap 1 from which the
+        load is taken away. Where such beads have springs of their own, the branch is that of the
+        breather in the middle of the chain: about a bead if their number is odd, about a bond if it
+        is even. At least 1.
     to : float
         Value of the parameter at which the branch ends. It begins with that of the scene or of
         other options. A finite number.

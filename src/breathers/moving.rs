@@ -442,7 +442,7 @@ impl MovingOrbit {
         let [first, second] = breather.mirrors().map(|mirror| mirror.matrix());
         let half = second * half * first.transpose();
         let linear = (breather.params.omega() * breather.passage()).cos();
-        Spectrum::new(&Frame::turned(&chain, &first), &half, &known(linear)).ok_or_else(|| {
+        Spectrum::new(&Frame::turned(&chain, &first), &half, 0.0, &known(linear)).ok_or_else(|| {
             Error::parameter("omega_b", breather.omega_b, "no multipliers: the eigenvalues did not converge")
         })
     }

@@ -51,7 +51,7 @@ named! {
 
 impl DriveParameter {
     /// The rule for its values.
-    fn check(self, value: f64) -> Result<()> {
+    pub(crate) fn check(self, value: f64) -> Result<()> {
         let (good, rule) = match self {
             Self::Amplitude => (value != 0.0, "finite, and not zero"),
             Self::Omega => (value > 0.0, "a frequency is finite and positive"),

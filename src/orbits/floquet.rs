@@ -151,11 +151,12 @@ mod complex {
 
 impl Spectrum {
     /// The multipliers of a reversible orbit. `half` is the tangent map over half of its time,
-    /// `dim x dim`, in the coordinates of the frame; `exact` lists the `tau` that are known in
+    /// `dim x dim`, in the coordinates of the frame, with errors up to the share `tol` of its
+    /// size if these are larger than its roundings; `exact` lists the `tau` that are known in
     /// theory, with their kinds.
     ///
     /// `None` if the eigenvalues of a matrix do not converge, or if `half` is singular.
-    pub(crate) fn new(frame: &Frame, half: &DMatrix<f64>, exact: &[(f64, Kind)]) -> Option<Self> {
+    pub(crate) fn new(frame: &Frame, half: &DMatrix<f64>, tol: f64, exact: &[(f64, Kind)]) -> Option<Self> {
         let n = half.nrows() / 2;
         let monodromy = by_reversal(half)?;
         let a = monodromy.view((0, 0), (n, n)).into_owned();
@@ -169,7 +170,7 @@ impl Spectrum {
         let mut quality =
             Quality { symplectic_defect, eigen_residual, trivial: [0.0; 2], linear: 0.0, pairing: f64::NAN };
 
-        let rounding = size * symplectic_defect.max(eigen_residual).max(f64::EPSILON);
+        let rounding = size * symplectic_defect.max(eigen_residual).max(f64::EPSILON).max(tol);
         let mut modes: Vec<Mode> = pairs.into_iter().map(|(tau, z)| Mode::new(tau, z, &c, &g, rounding)).collect();
         let mut take = |value: f64, kind: Kind| {
             let apart = |mode: &&mut Mode| (mode.tau - value).norm();

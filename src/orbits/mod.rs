@@ -27,6 +27,7 @@ mod response;
 mod setting;
 mod shooting;
 mod switching;
+mod touching;
 
 pub use arclength::{End, Solution};
 pub(crate) use arclength::{MOST_CORRECTIONS, check};

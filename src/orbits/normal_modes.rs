@@ -23,9 +23,11 @@ use super::{
     driven::returns,
     floquet::{Frame, Kind, Spectrum},
     shooting::{Equations, NewtonStep, least_squares},
+    touching,
 };
 use crate::{
     chain::{Chain, Details, Drive, DriveKind, State, Variations, max_norm},
+    dps::Center,
     error::{Error, Result, require},
     numerics::least_by,
     output::FileFormat,
@@ -61,7 +63,10 @@ pub struct NormalModes {
     overlap: f64,
     /// Whether equal displacements of all coordinates change no force, as on a ring.
     translates: bool,
-    linear: Vec<LinearMode>,
+    vacuum: bool,
+    /// Where breathers of beads that just touch have their centre.
+    pub(super) center: Option<Center>,
+    pub(super) linear: Vec<LinearMode>,
 }
 
 /// Largest number of sites.
@@ -77,6 +82,8 @@ const ZERO: f64 = 1e-12;
 /// Tolerances of a step of the flow and of the tangent map.
 const TOL: f64 = 1e-14;
 const TANGENT_TOL: f64 = 1e-12;
+/// Error of a tangent map over half a period in this unit. Chosen; measured, where `tau = -1`: 2.3.
+const STEPS: f64 = 10.0;
 /// Largest residual of an orbit.
 const SOLVED: f64 = 1e-11;
 /// Share of the largest static overlap that is the least unit of residuals: [`SOLVED`] is then some
@@ -112,7 +119,18 @@ impl NormalModes {
     /// all beads.
     pub fn new(chain: &Chain<f64>) -> Result<Self> {
         require(chain.conservative(), "chain", "damped or driven", "normal modes need a conservative chain")?;
-        Self::held(chain, &[])
+        if chain.tied() || !touching::touch(chain) {
+            return Self::held(chain, &[]);
+        }
+        let loaded = Self::held(&touching::loaded(chain, 1.0)?, &[])?;
+        let rest = State::rest(chain).as_slice().to_vec();
+        Ok(Self { chain: chain.clone(), rest, overlap: 0.0, vacuum: true, ..loaded })
+    }
+
+    /// Whether beads just touch and no spring holds them; [`linear`](Self::linear) then has the modes
+    /// of the chain with the overlap 1 at every contact.
+    pub fn vacuum(&self) -> bool {
+        self.vacuum
     }
 
     /// The linear modes of a chain about its static state, without its damping and those drives
@@ -138,10 +156,11 @@ impl NormalModes {
         // stiffness.
         let loaded = chain.open() && !chain.tied();
         let rest = if loaded { State::equilibrium(chain)? } else { State::rest(chain) }.as_slice().to_vec();
-        let mut modes =
-            Self { chain: chain.clone(), free, masses, rest, overlap: 0.0, translates: false, linear: Vec::new() };
+        let (overlap, translates, vacuum, center, linear) = (0.0, false, false, None, Vec::new());
+        let mut modes = Self { chain: chain.clone(), free, masses, rest, overlap, translates, vacuum, center, linear };
         modes.settle()?;
         modes.linear = modes.linear_modes()?;
+        modes.center = modes.local();
         Ok(modes)
     }
 
@@ -160,8 +179,12 @@ impl NormalModes {
         &self.rest
     }
 
-    /// The number, from 0 on, of the linear mode with the least participation number.
+    /// The number, from 0 on, of the linear mode with the least participation number; in a chain
+    /// with [breathers](Self::center) that of the middle bead.
     pub fn most_localised(&self) -> usize {
+        if self.center.is_some() {
+            return (self.linear.len() - 1) / 2;
+        }
         least_by(0..self.linear.len(), |&k| self.linear[k].participation).unwrap_or(0)
     }
 
@@ -177,7 +200,7 @@ impl NormalModes {
     }
 
     /// Accelerations `q''` at a state, and their derivative by `q`.
-    fn linearised(&self, state: &[f64]) -> Result<(DVector<f64>, DMatrix<f64>)> {
+    pub(super) fn linearised(&self, state: &[f64]) -> Result<(DVector<f64>, DMatrix<f64>)> {
         linearised(&self.chain, &self.free, state, false)
     }
 
@@ -256,7 +279,7 @@ impl NormalModes {
     }
 
     /// The state at rest with the displacements `a shape`.
-    fn start(&self, a: f64, shape: &[f64]) -> Vec<f64> {
+    pub(super) fn start(&self, a: f64, shape: &[f64]) -> Vec<f64> {
         let mut state = self.rest.clone();
         for (&i, shape) in self.free.iter().zip(shape) {
             state[i] += a * shape;
@@ -266,7 +289,7 @@ impl NormalModes {
 
     /// The derivative of the flow over the time `t`. Its rows are the displacements and then the
     /// velocities of the free coordinates; its columns are those with the numbers `directions`.
-    fn tangent(&self, start: &[f64], t: f64, directions: &[usize]) -> Result<DMatrix<f64>> {
+    pub(super) fn tangent(&self, start: &[f64], t: f64, directions: &[usize]) -> Result<DMatrix<f64>> {
         let (half, k) = (self.chain.layout().half(), directions.len());
         let entry = |c: usize| self.free[c % self.free.len()] + half * (c / self.free.len());
         let mut columns = vec![0.0; 2 * half * k];
@@ -447,28 +470,38 @@ impl ModeContinuation {
         Ok(Branch { ds, ..branch })
     }
 
-    /// The orbit near the linear mode, at the amplitude `step` or a smaller one.
-    fn first(&self, modes: &NormalModes) -> Result<Solution> {
+    /// The orbit near the linear mode, or near the breather of the DpS equation, at the amplitude
+    /// `step` or a smaller one.
+    pub(super) fn first(&self, modes: &NormalModes) -> Result<Solution> {
         let linear = &modes.linear[self.mode];
-        let seed = linear.unknowns(&linear.shape, 0.0);
+        let localised = modes.localised()?;
+        if modes.vacuum {
+            return self.unloaded(modes);
+        }
+        let shape = localised.as_ref().map_or(&linear.shape, |one| &one.shape);
+        let w = |a: f64| localised.as_ref().map_or(0.0, |one| one.w(a));
         // Modes of one frequency, as on a ring, may have any shape among theirs: an orthonormal
         // basis.
         let one = |mode: &&LinearMode| (mode.omega / linear.omega - 1.0).abs() < DEGENERATE;
+        let same = modes.linear.iter().filter(one).map(|mode| &mode.shape);
+        let shapes: Vec<_> = if localised.is_some() { vec![shape] } else { same.collect() };
         let mut basis: Vec<DVector<f64>> = Vec::new();
-        for mode in modes.linear.iter().filter(one) {
-            let shape = DVector::from_column_slice(&mode.shape);
-            basis.push(outside(&basis, shape).normalize());
+        for shape in shapes {
+            basis.push(outside(&basis, DVector::from_column_slice(shape)).normalize());
         }
         let near = |found: &Solution| {
             let (shape, omega) = linear.parts(&found.z);
             let shape = DVector::from_vec(shape);
-            let apart = outside(&basis, shape.clone()).norm().hypot((omega / linear.omega).ln());
+            let apart = outside(&basis, shape.clone()).norm().hypot((omega / linear.omega).ln() - w(found.p));
             let size = (shape.norm_squared() - apart * apart).max(0.0).sqrt();
             // Newton's method is slow along modes of one frequency.
             let newton = if basis.len() > 1 { &[] } else { &found.newton[..] };
             !arclength::strays(size.hypot(apart), size, newton)
         };
-        let at = |k: u32| self.solve(modes, &seed, self.step * 0.5f64.powf(f64::from(k))).ok().filter(near);
+        let at = |k: u32| {
+            let a = self.step * 0.5f64.powf(f64::from(k));
+            self.solve(modes, &linear.unknowns(shape, w(a)), a).ok().filter(near)
+        };
         (0..=MOST_HALVINGS).find_map(at).ok_or_else(|| {
             let rule = "there is no orbit near the linear mode, down to a thousandth of the step";
             Error::parameter("step", self.step, rule)
@@ -483,14 +516,14 @@ fn outside(basis: &[DVector<f64>], x: DVector<f64>) -> DVector<f64> {
 
 impl LinearMode {
     /// Shape `xi` and frequency `omega` for the unknowns `z`.
-    fn parts(&self, z: &[f64]) -> (Vec<f64>, f64) {
+    pub(super) fn parts(&self, z: &[f64]) -> (Vec<f64>, f64) {
         let mut shape = z[..z.len() - 1].to_vec();
         shape.insert(self.leading, 1.0);
         (shape, self.omega * z[z.len() - 1].exp())
     }
 
     /// The unknowns for a shape and `w`.
-    fn unknowns(&self, shape: &[f64], w: f64) -> Vec<f64> {
+    pub(super) fn unknowns(&self, shape: &[f64], w: f64) -> Vec<f64> {
         let mut z = shape.to_vec();
         z.remove(self.leading);
         z.push(w);
@@ -542,11 +575,16 @@ impl Problem for ModeContinuation {
             let value = format!("{} of {count}", self.mode.wrapping_add(1));
             return Err(Error::parameter("linear_mode", value, "linear modes are numbered from 1, by frequency"));
         }
-        require(a.is_finite() && a != 0.0, "amplitude", a, "finite and not zero")?;
-        Ok(())
+        let rule = "breathers of beads that just touch are in the middle of the chain";
+        let middle = modes.center.is_none() || self.mode == modes.most_localised();
+        require(middle, "linear_mode", self.mode + 1, rule)?;
+        require(a.is_finite() && a != 0.0, "amplitude", a, "finite and not zero")
     }
 
     fn equations(&self, modes: &NormalModes, z: &[f64], a: f64, derivative: bool) -> Result<Equations> {
+        if modes.center.is_some() {
+            return self.symmetric(modes, z, a, derivative);
+        }
         let (linear, m) = (&modes.linear[self.mode], modes.free.len());
         let (shape, omega) = linear.parts(z);
         let (start, half) = (modes.start(a, &shape), PI / omega);
@@ -617,7 +655,7 @@ impl Problem for ModeContinuation {
         let exact = &trivial[..1 + usize::from(modes.translates)];
         let start = modes.start(orbit.amplitude, &orbit.shape);
         let tangent = modes.tangent(&start, PI / orbit.omega, &(0..2 * modes.free.len()).collect::<Vec<_>>())?;
-        Spectrum::new(&Frame::of_masses(&modes.masses), &tangent, exact).ok_or_else(|| {
+        Spectrum::new(&Frame::of_masses(&modes.masses), &tangent, STEPS * TANGENT_TOL, exact).ok_or_else(|| {
             let rule = "no multipliers: the eigenvalues did not converge";
             Error::parameter("amplitude", orbit.amplitude, rule)
         })
@@ -647,10 +685,12 @@ impl Problem for ModeContinuation {
     fn verify(&self, modes: &NormalModes, orbit: &ModeOrbit) -> Result<()> {
         let alpha = modes.chain.details().map_or(Vec::new(), |details| details.alpha.clone());
         let alpha = alpha.into_iter().fold(modes.chain.params().alpha, f64::max);
-        let reach = 1.0 + 2.0 * orbit.amplitude.abs() * max_norm(orbit.shape.iter().copied()) / modes.overlap;
+        let unit = if modes.overlap > 0.0 { modes.overlap } else { 1.0 };
+        let most = modes.overlap + 2.0 * orbit.amplitude.abs() * max_norm(orbit.shape.iter().copied());
         let highest = modes.linear.last().map_or(0.0, |mode| mode.omega);
+        let highest = if modes.center.is_some() { highest.hypot((4.0 * alpha).sqrt()) } else { highest };
         let Solution { z, p, .. } = self.solution(modes, orbit);
-        returns(highest * reach.powf(0.5 * (alpha - 1.0)) / orbit.omega, || {
+        returns(highest * (most / unit).powf(0.5 * (alpha - 1.0)) / orbit.omega, || {
             Ok(self.equations(modes, &z, p, false)?.residual.amax() / self.size(modes, &z, p))
         })
     }
@@ -675,6 +715,9 @@ impl Problem for ModeContinuation {
         modes: &NormalModes,
         kind: BifurcationKind,
     ) -> Result<std::result::Result<(NormalModes, usize), &'static str>> {
+        if modes.center.is_some() {
+            return Ok(Err("none is followed from breathers that are symmetric about their centre"));
+        }
         Ok(match kind {
             BifurcationKind::PeriodDoubling => Ok((modes.clone(), 2)),
             BifurcationKind::PlusOne => Ok((modes.clone(), 1)),

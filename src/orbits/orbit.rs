@@ -106,7 +106,7 @@ impl Orbit {
         let linear = (self.setting.params.omega() * self.setting.period()).cos();
         // Without resonators no bead turns against one.
         let known = &known(linear)[usize::from(self.y().is_empty())..];
-        Spectrum::new(&Frame::at_rest(&chain), &half.columns, known).ok_or_else(|| {
+        Spectrum::new(&Frame::at_rest(&chain), &half.columns, 0.0, known).ok_or_else(|| {
             Error::parameter("omega_b", self.setting.omega_b, "no multipliers: the eigenvalues did not converge")
         })
     }

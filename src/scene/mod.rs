@@ -321,6 +321,24 @@ impl Scene {
         }
     }
 
+    /// The scene with the amplitudes and the frequencies of its harmonic drives times these factors;
+    /// constant forces stay.
+    ///
+    /// # Errors
+    /// As [`build`](Self::build).
+    pub fn driven(&self, [amplitude, omega]: [f64; 2]) -> Result<Self> {
+        let mut file = self.file.clone();
+        for drive in &mut file.drives {
+            if let (Some(a), Some(w)) = (&mut drive.amplitude, &mut drive.omega) {
+                let (sizes, omegas) = (a.list("drive.amplitude")?, w.list("drive.omega")?);
+                let scaled = sizes.iter().zip(&omegas).map(|(a, w)| if *w > 0.0 { a * amplitude } else { *a });
+                *a = Values::List(scaled.collect());
+                *w = Values::List(omegas.iter().map(|w| w * omega).collect());
+            }
+        }
+        Self::build(file)
+    }
+
     /// The scene with another end time, dimensionless as [`end`](Self::end).
     ///
     /// # Errors

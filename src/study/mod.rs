@@ -11,6 +11,7 @@ mod branches;
 mod breather;
 mod charts;
 mod compare;
+mod cradle;
 mod dps;
 mod drift;
 mod driven;
@@ -52,6 +53,7 @@ pub use charts::{
     ResonancePoint, Trial, Variant, charts, kick_sum, resonance,
 };
 pub use compare::{Candidate, Compare, CompareOptions, Comparison, LeftOut, Reference, Row, compare};
+pub use cradle::{Cradle, CradleRow};
 pub(crate) use dps::center_word;
 pub use dps::*;
 pub use drift::*;

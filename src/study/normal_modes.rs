@@ -36,8 +36,9 @@ options! {
     pub struct FollowMode {
         /// Name of a built-in scene, or a TOML file.
         ///
-        /// All contacts of the scene must be closed at rest: a static overlap, between walls or on
-        /// a ring. Beads may differ. The initial state of the scene does not matter.
+        /// Contacts of the scene are closed at rest: a static overlap, between walls or on a ring;
+        /// or all beads just touch. Beads may differ. The initial state of the scene does not
+        /// matter.
         scene: String = "defect".to_owned();
         /// Changes to the scene.
         changes: Changes = Changes::default(), [command(flatten)];
@@ -46,6 +47,11 @@ options! {
         /// The parameter of the branch is the amplitude: the displacement, at the start of the
         /// period, of the bead or resonator that moves most in this mode. The first amplitude is
         /// --step, or a smaller one if the orbit found there is not near the mode.
+        ///
+        /// Beads that just touch between walls have no linear modes: there it is the mode under the
+        /// static overlap 1 from which the load is taken away. Where such beads have springs of
+        /// their own, the branch is that of the breather in the middle of the chain: about a bead
+        /// if their number is odd, about a bond if it is even.
         linear_mode: Option<usize> = None, "K", (1 or more);
         /// What every branch asks for.
         branch: BranchOptions = BranchOptions::default(), [command(flatten)];
@@ -97,7 +103,13 @@ impl Kept for ModeContinuation {
         let numbered = numbered(modes);
         let report = Report::new("mode").si(si.as_ref()).fact("scene", scene.name()).fact("mode", chosen + 1);
         let report = report.table(linear_modes(&numbered, chosen, si.as_ref()));
-        let report = report.words(format!("Mode {} of {} linear modes is followed.", chosen + 1, numbered.len()));
+        let vacuum = if modes.vacuum() {
+            " Beads just touch: these are the modes under an overlap of one unit of length."
+        } else {
+            ""
+        };
+        let words = format!("Mode {} of {} linear modes is followed.{vacuum}", chosen + 1, numbered.len());
+        let report = report.words(words);
         let mut both = branches::both(branch, switched);
         let report = both.try_fold(report, |report, (at, branch)| study.tell(report, at, branch))?;
         let report =
@@ -249,7 +261,8 @@ impl ModeStudy {
             |spectrum| spectrum.unstable() == 0,
             |one| place(&one.orbit),
         );
-        let near = linear.iter().map(|mode| (0.0, scale.reported(frequency, mode.omega)));
+        let near = linear.iter().filter(|_| !branch.setting.vacuum());
+        let near = near.map(|mode| (0.0, scale.reported(frequency, mode.omega)));
         lines.insert(2, Line::new("linear modes", near));
         let share = |(name, branch): (&str, &ModeBranch)| {
             let rows = branches::rows(branch).into_iter();

@@ -333,6 +333,8 @@ fn numbers_that_no_flag_can_take_are_refused_by_every_command_at_once() {
             &["--sites"],
         ),
         (&["breather", "evolve", orbit], &["--until", "--tol"], &[]),
+        (&["breather", "cradle"], &["--alpha", "--from", "--to"], &["--sites", "--frequencies"]),
+        (&["orbit", "driven"], &["--omega"], &["--turns"]),
         (&["orbit", "mode", "--to", "0.1"], &["--step"], &["--linear-mode"]),
         (&["orbit", "continue", "granular-crystal", "--to", "1e-7"], &["--step"], &["--turns", "--settle"]),
         (&["study", "end-driven"], &["--rho", "--to", "--step"], &["--max-points"]),

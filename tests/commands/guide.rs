@@ -128,6 +128,7 @@ fn files(text: &str) -> Vec<(&str, &str)> {
 const LONG: &[&str] = &[
     "hertzchain breather barrier",
     "hertzchain breather bright",
+    "hertzchain breather cradle",
     "hertzchain breather continue",
     "hertzchain breather dark --center bond",
     "hertzchain breather doubled",
@@ -136,6 +137,7 @@ const LONG: &[&str] = &[
     "hertzchain compare",
     "hertzchain orbit continue",
     "hertzchain orbit driven",
+    "hertzchain orbit mode boechler-2010",
     "hertzchain orbit mode defect --to 1.5",
     "hertzchain paper",
     "hertzchain run boundary-wave",

@@ -258,6 +258,41 @@ fn a_damped_chain_has_its_published_cutoff() {
 }
 
 #[test]
+fn the_frequency_of_the_drive_chooses_the_number_of_dark_breathers() {
+    // Published: it can be chosen by the frequency or the amplitude. Counts are regressions: places with the least motion
+    // between the actuators, which move in antiphase.
+    for (hertz, breathers) in [(7290.0, 1), (7200.0, 3), (7100.0, 3), (6950.0, 5)] {
+        let omega = 2.0 * std::f64::consts::PI * hertz;
+        let orbit = json(&format!("orbit driven chong-2014 --amplitude 1e-7 --omega {omega}"));
+        let near = |path: &str, want: f64| (number(&orbit, path) / want - 1.0).abs() < 1e-12;
+        assert!(near("/drive/amplitude", 1e-7) && near("/drive/omega", omega), "{hertz}");
+        let ranges: Vec<f64> = orbit["bead_ranges"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+        let least = ranges.windows(3).filter(|three| three[1] < three[0] && three[1] < three[2]).count();
+        assert!(least == breathers && number(&orbit, "/unstable") == 0.0, "{hertz} Hz: {least}, {ranges:?}");
+    }
+}
+
+#[test]
+fn a_dimer_has_breathers_in_its_gap_about_a_heavy_and_about_a_light_sphere() {
+    // Published: both families in the whole gap; about a heavy sphere unstable, about a light one stable at most. The gap
+    // is that of `study bands`; values of multipliers are regressions. 21 spheres have a heavy one in the middle.
+    let bands = json("study bands boechler-2010");
+    let [low, high] = ["/bands/0/frequency_to", "/bands/1/frequency_from"].map(|path| number(&bands, path));
+    for (sites, mode, least, most) in [(21, 12, 2.3, 2.8), (19, 11, 1.0, 1.06)] {
+        let line = "orbit mode boechler-2010 --to 5e-6 --step 2e-7";
+        let branch = json(&format!("{line} --set chain.sites={sites} --linear-mode {mode}"));
+        let points = branch["points"].as_array().unwrap();
+        let all = |name: &str| points.iter().map(|row| number(row, name)).collect::<Vec<_>>();
+        let (hertz, modulus) = (all("/frequency"), all("/max_modulus"));
+        println!("{sites}: {hertz:?} {modulus:?}");
+        assert!(branch["end"] == "reached" && hertz[0] > high && hertz.windows(2).all(|two| two[1] < two[0]));
+        let inside = (low..0.75 * high + 0.25 * low).contains(hertz.last().unwrap());
+        let near = hertz.iter().position(|&f| f < 7600.0).unwrap();
+        assert!(inside && (least..most).contains(&modulus[near]), "{sites}: {} {}", hertz[near], modulus[near]);
+    }
+}
+
+#[test]
 fn a_driven_chain_without_load_is_unstable_by_a_doubling_and_a_torus() {
     // Published: period doublings and tori. The multipliers are regressions, those of two programs.
     let orbit = json("orbit driven pozharskiy-2015");
@@ -281,6 +316,11 @@ fn branches_of_driven_chains_have_the_bifurcations_of_the_page() {
             &[("fold", 0.50751), ("fold", 0.09678), ("torus", 0.19007)],
         ),
         ("chong-2014 --to 3e-7 --step 2e-8", 1e-6, &[("torus", 0.20386), ("torus", 0.25767)]),
+        (
+            "chong-2014 --vary omega --amplitude 1e-7 --omega 46500 --to 44000",
+            hertz,
+            &[("fold", 7219.107), ("fold", 7248.547)],
+        ),
         (
             "pozharskiy-2015 --vary omega --to 10150 --step 150",
             hertz,

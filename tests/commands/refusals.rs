@@ -189,6 +189,16 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
         ),
         ("run rosas-2007 --integrator corrected", "contacts that do not dissipate: take dop853-regularised\n"),
         ("breather barrier --c-x=-1 --rho 0 --from 2.43 --to 2.435", "the barrier is that of chains with resonators\n"),
+        ("breather cradle --from 1.3", "to = 1.2 is not valid: above --from\n"),
+        (
+            "orbit mode cradle --linear-mode 3 --to 0.1",
+            "breathers of beads that just touch are in the middle of the chain\n",
+        ),
+        ("orbit driven chong-2014 --amplitude 0", "amplitude = 0 is not valid: finite, and not zero\n"),
+        (
+            "orbit continue chong-2014 --vary omega --omega=-1 --to 4e4",
+            "omega = -1 is not valid: finite and positive\n",
+        ),
         ("breather barrier --c-x=-1", "under a precompression a range needs --from and --to\n"),
         ("run end-driven --integrator corrected", "take dop853-regularised, or strang-linear for equal steps\n"),
         (

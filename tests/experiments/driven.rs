@@ -404,6 +404,45 @@ fn the_folds_of_a_softening_resonance_are_those_of_harmonic_balance() {
     }
 }
 
+#[test]
+fn runs_at_rising_and_falling_frequencies_jump_at_the_folds() {
+    // Truth: runs without any tangent, each from the state in which the one before it ended. The stiffness falls with the
+    // amplitude: as the frequency rises a run jumps up at the upper fold, as it falls down at the lower one. Beside a
+    // fold a run is slow: jumps are up to two steps of the frequency later.
+    let (drag, amplitude) = (0.05, 0.2);
+    let mut folds = folds(drag, amplitude, 2.0, 1.4);
+    folds.sort_by(f64::total_cmp);
+    let (shooting, chain) = (DrivenShooting::default(), bead(drag, amplitude, 2.0));
+    let setting = DrivenSetting::new(&chain, 1).unwrap();
+    // The first frequency after which the response changes by a third.
+    let jump = |from: f64, step: f64| {
+        let mut before: Option<(Vec<f64>, f64)> = None;
+        for k in 0..400 {
+            let omega = from + step * f64::from(k);
+            let setting = setting.with(DriveParameter::Omega, omega);
+            let chain = setting.chain().unwrap();
+            let mut state = State::rest(&chain);
+            if let Some((z, _)) = &before {
+                state.as_mut_slice()[0] = z[0];
+                state.as_mut_slice()[1] = z[1] * omega;
+            }
+            let z = shooting.settle(&setting, &chain, &state, 400, |_| ()).unwrap();
+            let size = z[0].hypot(z[1]);
+            match before {
+                Some((_, last)) if (size / last).ln().abs() > 0.3 => return omega,
+                _ => before = Some((z, size)),
+            }
+        }
+        panic!("no jump from {from}")
+    };
+    let step = 0.004;
+    let [up, down] = [jump(1.4, step), jump(1.9, -step)];
+    println!("{folds:?} {up} {down}");
+    assert!(folds[1] - folds[0] > 5.0 * step);
+    assert!((-0.1 * step..2.0 * step).contains(&(up - folds[1])), "{folds:?} {up}");
+    assert!((-0.1 * step..2.0 * step).contains(&(folds[0] - down)), "{folds:?} {down}");
+}
+
 /// A bead that rests on a wall and is shaken.
 fn shaken(amplitude: f64) -> Chain<f64> {
     let details = Details {

@@ -2,8 +2,9 @@
 
 use hertzchain::{
     chain::{Boundary, Chain, Details, Params},
+    dps::{Center, Homoclinic},
     integrators::{Stepper, collocation::StepControl},
-    orbits::{BifurcationKind, End, Kind, ModeBranch, ModeContinuation, ModeOrbit, NormalModes},
+    orbits::{BifurcationKind, End, Kind, ModeBranch, ModeContinuation, ModeOrbit, NormalModes, Problem},
     scene::Scene,
 };
 use std::f64::consts::PI;
@@ -306,6 +307,153 @@ fn unequal_contacts_have_their_own_equilibrium_and_resonators_their_springs() {
     }
     let orbit = &branch(&modes, 0, 1e-3, 2e-3).points[0].orbit;
     assert!((modes.state(orbit).u()[0] - orbit.amplitude * orbit.shape[0] - x).abs() < 1e-15);
+}
+
+/// A plain chain between walls whose beads just touch.
+fn touching(alpha: f64, sites: usize, details: &Details) -> Chain<f64> {
+    let plain = Chain::new(Params::new(alpha, 0.0, 0.0).unwrap(), Boundary::Fixed, sites).unwrap();
+    plain.with(details).unwrap()
+}
+
+/// The time from rest at `a` to the middle, of `m x'' = -c x^alpha`: `(m/c)^{1/2} a^{(1 - alpha)/2}` times the integral
+/// from 0 to 1 of `((alpha + 1)/(2 (1 - s^{alpha+1})))^{1/2}`, which is `B(1/(alpha+1), 1/2) (2 (alpha+1))^{-1/2}`.
+fn quarter(alpha: f64, c: f64, a: f64) -> f64 {
+    // s = 1 - x^2; the power of s is smooth enough in y, s = y^4, beside s = 0.
+    let slow = |s: f64| (0.5 * (alpha + 1.0) / (1.0 - s.powf(alpha + 1.0))).sqrt();
+    let half = 0.5f64;
+    let (top, low) = (half.sqrt(), half.powf(0.25));
+    let near = integral(|x| 2.0 * top * top * x * slow(1.0 - (top * x).powi(2)));
+    let far = integral(|y| 4.0 * low.powi(4) * y.powi(3) * slow((low * y).powi(4)));
+    (near + far) / c.sqrt() * a.powf(0.5 * (1.0 - alpha))
+}
+
+#[test]
+fn beads_that_just_touch_have_modes_in_closed_form_and_their_law_of_energy() {
+    // Truth: one bead between walls; two in antiphase, which compress their contact, of constant 2^alpha for
+    // one of them, to a and the walls to b, with 2^alpha a^{alpha+1} = b^{alpha+1}. The Beta function at alpha = 3/2:
+    // B(2/5, 1/2) = 3.6790939804. By scaling omega is proportional to E^{(alpha-1)/(2(alpha+1))} for all modes.
+    assert!((quarter(1.5, 1.0, 1.0) * 5f64.sqrt() - 3.679_093_980_4).abs() < 1e-9, "{}", quarter(1.5, 1.0, 1.0));
+    for alpha in [1.5, 2.0, 3.0] {
+        let one = NormalModes::new(&touching(alpha, 1, &Details::default())).unwrap();
+        let two = NormalModes::new(&touching(alpha, 2, &Details::default())).unwrap();
+        assert!(one.vacuum() && two.vacuum() && two.linear().len() == 2);
+        let law = 0.5 * (alpha - 1.0) / (alpha + 1.0);
+        for (modes, mode) in [(&one, 0), (&two, 0), (&two, 1)] {
+            let branch = branch(modes, mode, 0.1, 1.0);
+            assert_eq!(branch.ended(), End::Reached);
+            for point in &branch.points {
+                let a = point.orbit.amplitude;
+                let scaled = point.orbit.omega * point.measures.energy.powf(-law);
+                let first = &branch.points[0];
+                let want = first.orbit.omega * first.measures.energy.powf(-law);
+                assert!((scaled / want - 1.0).abs() < 1e-9, "{alpha}: {scaled} {want}");
+                // All multipliers are 1 or -1: in antiphase a common shift moves freely while the beads press each other, and
+                // like u' while they press the walls.
+                assert!(mode == 0 || point.spectrum.unstable() == 0, "{alpha}: {:?}", point.spectrum.multipliers);
+                let quarters = match (modes.linear().len(), mode) {
+                    (1, _) => 4.0 * quarter(alpha, 1.0, a),
+                    (_, 1) => {
+                        let c = 2f64.powf(alpha);
+                        2.0 * (quarter(alpha, c, a) + quarter(alpha, 1.0, a * c.powf(1.0 / (alpha + 1.0))))
+                    }
+                    _ => continue,
+                };
+                let omega = 2.0 * PI / quarters;
+                assert!((point.orbit.omega / omega - 1.0).abs() < 1e-9, "{alpha}: {} {omega}", point.orbit.omega);
+            }
+        }
+    }
+}
+
+#[test]
+fn modes_of_beads_that_just_touch_come_back_by_collocation() {
+    // Collocation shares nothing with the search but the chain; in phase a bead waits for the other.
+    for (sites, mode, mass) in [(2, 0, 1.0), (2, 1, 0.4), (3, 0, 1.0), (3, 2, 1.0), (5, 4, 1.0)] {
+        let mut masses = vec![1.0; sites];
+        masses[sites - 1] = mass;
+        let chain = touching(1.5, sites, &Details { mass: masses, ..Details::default() });
+        let modes = NormalModes::new(&chain).unwrap();
+        let way = ModeContinuation { mode, to: 2.0, step: 1.0, most_points: 3 };
+        let orbit = way.begin(&modes).unwrap().orbits[0].clone();
+        let (period, start) = (2.0 * PI / orbit.omega, modes.state(&orbit));
+        let tol = StepControl::Tolerance(1e-13);
+        let mut run = chain.heterogeneous_collocation(start.as_slice(), (0.0, period), tol).unwrap();
+        while !run.done() {
+            run.step().unwrap();
+        }
+        let mut end = start.as_slice().to_vec();
+        run.sample(period, &mut end);
+        let off = start.as_slice().iter().zip(&end).fold(0.0, |off: f64, (a, b)| off.max((a - b).abs()));
+        println!("{sites} beads, mode {mode}: {off:e}, {:?}", orbit.shape);
+        assert!(off < 1e-9, "{sites} {mode}: {off:e}");
+    }
+}
+
+/// The cradle: beads on springs that just touch.
+fn cradle(sites: usize) -> NormalModes {
+    let chain = Chain::new(Params::new(1.5, 1.0, f64::INFINITY).unwrap(), Boundary::Free, sites).unwrap();
+    NormalModes::new(&chain).unwrap()
+}
+
+#[test]
+fn breathers_of_the_cradle_tend_to_those_of_the_dps_equation() {
+    // Truth: u_n = 2 epsilon a_n with the frequency 1 + omega_0 epsilon^{1/2}; what is left out is of the relative order
+    // omega_b - 1, so that errors fall by 2 with it.
+    for (center, sites, c) in [(Center::Site, 11, 5), (Center::Bond, 12, 5)] {
+        let (modes, profile) = (cradle(sites), Homoclinic::new(1.5, center).unwrap());
+        assert_eq!((modes.center(), modes.most_localised()), (Some(center), c));
+        let error = |shift: f64| {
+            let orbit = ModeContinuation::breather(&modes, 1.0 + shift).unwrap();
+            assert!((orbit.omega - 1.0 - shift).abs() < 2e-12, "{}", orbit.omega);
+            let epsilon = (shift / profile.omega_0()).powi(2);
+            let size = orbit.amplitude / (2.0 * epsilon * profile.a(0).abs()) - 1.0;
+            let shape = (orbit.shape[c - 1] - profile.a(-1) / profile.a(0)).abs();
+            println!("{center:?} {shift}: size {size}, shape {shape}");
+            [size.abs(), shape]
+        };
+        let [coarse, fine] = [0.004, 0.002].map(error);
+        for k in 0..2 {
+            let ratio = coarse[k] / fine[k];
+            assert!((1.9..2.1).contains(&ratio) && fine[k] < 0.02, "{center:?} {k}: {coarse:?} {fine:?}");
+        }
+    }
+}
+
+#[test]
+fn breathers_of_the_cradle_come_back_and_have_their_symmetry() {
+    // Truth: collocation over a period; u_n(t) = -u_{-n}(t) about a bond, and half a period later about a site. Energy,
+    // action and frequency: dE = omega dJ, by differences of fourth order.
+    for sites in [11, 12] {
+        let modes = cradle(sites);
+        let at = |omega: f64| {
+            let orbit = ModeContinuation::breather(&modes, omega).unwrap();
+            let way = ModeContinuation { mode: 5, to: 1.0, step: 0.1, most_points: 2 };
+            [way.measures(&modes, &orbit, false).unwrap().energy, modes.action(&orbit).unwrap()]
+        };
+        let (omega, h) = (1.1, 2e-3);
+        let [p, q, r, s] = [-2.0, -1.0, 1.0, 2.0].map(|k| at(omega + k * h));
+        let slope = |i: usize| (p[i] - s[i] + 8.0 * (r[i] - q[i])) / (12.0 * h);
+        let off = slope(0) / (omega * slope(1)) - 1.0;
+        let orbit = ModeContinuation::breather(&modes, omega).unwrap();
+        let start = modes.state(&orbit).u().to_vec();
+        let tol = StepControl::Tolerance(1e-13);
+        let period = 2.0 * PI / omega;
+        let [half, end] = [0.5 * period, period].map(|t| {
+            let mut state = modes.state(&orbit).as_slice().to_vec();
+            let mut run = modes.chain().collocation(&state, (0.0, t), tol).unwrap();
+            while !run.done() {
+                run.step().unwrap();
+            }
+            run.sample(t, &mut state);
+            state
+        });
+        let mirrored = if sites % 2 == 0 { &start } else { &half };
+        let most = |of: &dyn Fn(usize) -> f64| (0..sites).fold(0.0, |most: f64, n| most.max(of(n).abs()));
+        let back = most(&|n| end[n] - start[n]) / orbit.amplitude;
+        let apart = most(&|n| start[n] + mirrored[sites - 1 - n]) / orbit.amplitude;
+        println!("{sites}: back {back:e}, symmetry {apart:e}, dE {off:e}");
+        assert!(back < 1e-10 && apart < 1e-10 && off.abs() < 1e-6, "{sites}: {back:e} {apart:e} {off:e}");
+    }
 }
 
 #[test]

@@ -9,10 +9,10 @@ use crate::{
     error::Result,
     report::Report,
     study::{
-        Bands, Barrier, Bound, BoundaryWave, Bright, Charts, Continue, ContinueWave, Dark, DarkProfiles, DimerOptions,
-        DisorderOptions, Doubled, Drift, Driven, DrivenContinue, EndDriven, Evolve, Exact, FollowMode, Homoclinics,
-        ImpurityOptions, Integrals, LifetimeOptions, Modes, ModulationStudy, Moving, OrderOptions, Progress, Responses,
-        ScalingOptions, Solitary, Spectrum, TaperOptions, TheoremOptions, Trivial, Wave,
+        Bands, Barrier, Bound, BoundaryWave, Bright, Charts, Continue, ContinueWave, Cradle, Dark, DarkProfiles,
+        DimerOptions, DisorderOptions, Doubled, Drift, Driven, DrivenContinue, EndDriven, Evolve, Exact, FollowMode,
+        Homoclinics, ImpurityOptions, Integrals, LifetimeOptions, Modes, ModulationStudy, Moving, OrderOptions,
+        Progress, Responses, ScalingOptions, Solitary, Spectrum, TaperOptions, TheoremOptions, Trivial, Wave,
     },
 };
 use clap::Args;
@@ -249,6 +249,12 @@ Example, stopped after 20 points and gone on with:
     Barrier(StudyCommand<Barrier>) =>
         "breather barrier --from 2.01 --to 2.1 --out out/barrier",
         "breather barrier --rho 3 --from 1.16 --to 1.35";
+    /// Compute bright breathers of the cradle as exact orbits, and their barrier.
+    ///
+    /// Beads on springs that just touch. Prints energies and largest multipliers of the breathers
+    /// about a site and about a bond, and the difference of their energies at the same frequency
+    /// and at the same action, beside that of the DpS equation.
+    Cradle(StudyCommand<Cradle>) => "breather cradle --out out/cradle";
     /// Compute moving dark breathers as exact orbits, and run a kicked one.
     ///
     /// A moving breather is a relative periodic orbit: after K + 1/2 periods of the background (see

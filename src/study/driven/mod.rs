@@ -35,6 +35,15 @@ options! {
         scene: String = "granular-crystal".to_owned();
         /// Changes to the scene.
         changes: Changes = Changes::default(), [command(flatten)];
+        /// Amplitude of the drive [default: that of the scene].
+        ///
+        /// In the units of the scene, of its first harmonic with a frequency; the others keep their
+        /// ratio to it.
+        amplitude: Option<f64> = None, "A", (finite);
+        /// Frequency of the drive, in radians per unit of time [default: that of the scene].
+        ///
+        /// The fundamental one; all harmonics keep their ratio to it. In the units of the scene.
+        omega: Option<f64> = None, "W", (positive);
         /// Periods of the drive in a period of the orbit.
         ///
         /// 2 for orbits of doubled period.
@@ -52,10 +61,21 @@ options! {
 impl Driven {
     /// The scene, the setting of its orbits, and the units of results.
     fn load(&self) -> Result<(Scene, DrivenSetting, Option<Units>)> {
-        let scene = Scene::load_with(&self.scene, &self.changes.set)?;
+        let mut scene = Scene::load_with(&self.scene, &self.changes.set)?;
         let si = self.results.of(&scene);
         self.within_ranges()?;
-        let setting = DrivenSetting::new(scene.chain(), self.turns)?;
+        let mut setting = DrivenSetting::new(scene.chain(), self.turns)?;
+        let factor = |parameter: DriveParameter, given: Option<f64>| {
+            let own = scene.in_file(quantity(parameter, &setting), setting.get(parameter));
+            let value = given.unwrap_or(own);
+            parameter.check(value).map(|()| value / own)
+        };
+        let amplitude = factor(DriveParameter::Amplitude, self.amplitude)?;
+        let factors = [amplitude, factor(DriveParameter::Omega, self.omega)?];
+        if factors != [1.0; 2] {
+            scene = scene.driven(factors)?;
+            setting = DrivenSetting::new(scene.chain(), self.turns)?;
+        }
         Ok((scene, setting, si))
     }
 
@@ -142,7 +162,9 @@ impl DrivenStudy {
 options! {
     /// A branch of orbits of a driven scene.
     #[cfg_attr(feature = "cli", command(
-        mut_arg("resume", |arg| arg.conflicts_with_all(["scene", "set", "turns", "settle", "vary"]))
+        mut_arg("resume", |arg| arg.conflicts_with_all([
+            "scene", "set", "amplitude", "omega", "turns", "settle", "vary",
+        ]))
     ))]
     pub struct DrivenContinue {
         /// The scene and the search for its orbit.
