@@ -122,7 +122,7 @@ impl Cradle {
 fn breather(modes: &NormalModes, omega_b: f64) -> Result<[f64; 4]> {
     let (mode, orbit) = (modes.most_localised(), ModeContinuation::breather(modes, omega_b)?);
     let way = ModeContinuation { mode, to: 2.0 * orbit.amplitude, step: orbit.amplitude, most_points: 2 };
-    let energy = way.measures(modes, &orbit, false)?.energy;
+    let energy = way.measures(modes, &orbit)?.energy;
     Ok([energy, modes.action(&orbit)?, orbit.amplitude, way.spectrum(modes, &orbit)?.largest()])
 }
 

@@ -428,7 +428,7 @@ fn breathers_of_the_cradle_come_back_and_have_their_symmetry() {
         let at = |omega: f64| {
             let orbit = ModeContinuation::breather(&modes, omega).unwrap();
             let way = ModeContinuation { mode: 5, to: 1.0, step: 0.1, most_points: 2 };
-            [way.measures(&modes, &orbit, false).unwrap().energy, modes.action(&orbit).unwrap()]
+            [way.measures(&modes, &orbit).unwrap().energy, modes.action(&orbit).unwrap()]
         };
         let (omega, h) = (1.1, 2e-3);
         let [p, q, r, s] = [-2.0, -1.0, 1.0, 2.0].map(|k| at(omega + k * h));
