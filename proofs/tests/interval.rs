@@ -64,7 +64,7 @@ fn random_operations_are_enclosed() {
 }
 
 #[test]
-#[ignore = "ten million, for the night"]
+#[ignore = "nightly: ten million operations"]
 fn ten_million_random_operations_are_enclosed() {
     random_operations(10_000_000 / 5, 0x9E37_79B9_7F4A_7C15);
 }

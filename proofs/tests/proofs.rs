@@ -311,7 +311,7 @@ fn a_better_breather_lies_in_the_ball() {
 }
 
 #[test]
-#[ignore = "half a minute, for the night"]
+#[ignore = "nightly: eight breathers take half a minute"]
 fn breathers_are_proved() {
     for center in [Center::Site, Center::Bond] {
         for (rho, omega) in [("1/3", "2.02"), ("1/3", "2.05"), ("1/3", "2.09"), ("3", "1.2547")] {
