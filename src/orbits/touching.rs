@@ -7,13 +7,12 @@
 //! | `a_n, omega_0` | homoclinic solution of the DpS equation about a site or a bond, its frequency |
 //! | `k, m, A` | spring and mass of a bead, constant of its contacts |
 //!
-//! Two kinds of chains have such families. Between walls or on a ring, without springs, the
-//! equations are invariant under `q(t) -> s q(s^{(alpha-1)/2} t)`: a family has one shape, and
-//! frequencies proportional to `a^{(alpha-1)/2}`, or to `E^{(alpha-1)/(2(alpha+1))}` in the energy. Its
-//! first orbit is found at one amplitude from that of the chain with the overlap `d`, a linear mode
-//! nearly where `d` is large, as `d` falls to zero. Where each bead has a spring of its own, all
-//! linear modes have the frequency `(k/m)^{1/2}`. There breathers begin as `u_n = 2 epsilon a_n`
-//! with the frequency `(k/m)^{1/2} (1 + omega_0 A epsilon^{alpha-1}/k)` (James 2011).
+//! Between walls or on a ring the equations of such beads are invariant under `q(t) -> s
+//! q(s^{(alpha-1)/2} t)`: a family has one shape, and frequencies like `a^{(alpha-1)/2}`, or
+//! `E^{(alpha-1)/(2(alpha+1))}` in the energy. Its first orbit is that of the chain with the
+//! overlap `d`, nearly a linear mode where `d` is large, as `d` falls to zero. Where each bead has
+//! a spring, all linear modes have the frequency `(k/m)^{1/2}`. There breathers begin as `u_n = 2
+//! epsilon a_n` with the frequency `(k/m)^{1/2} (1 + omega_0 A epsilon^{alpha-1}/k)` (James 2011).
 
 use super::{
     arclength::{self, Solution},
@@ -43,7 +42,8 @@ const LOST: &str = "there is no orbit near that of the chain under a load, as th
 const MOST_STEPS: usize = 60;
 const LONGEST: f64 = 0.3;
 const AT_FREQUENCY: f64 = 1e-12;
-/// Intervals of half a period in the trapezoidal sum for the action; errors are like `PARTS^{-7/2}`.
+/// Intervals of half a period in the trapezoidal sum for the action; errors are like
+/// `PARTS^{-7/2}`.
 const PARTS: usize = 4096;
 
 /// Whether all beads just touch, without loads.
@@ -75,8 +75,7 @@ impl Localised {
 
 impl NormalModes {
     /// The middle of a chain in which each bead just touches its neighbours and has an equal spring
-    /// of its own, so that all linear modes have one frequency and one bead moves in each: a site if
-    /// the number of beads is odd, a bond if it is even. There breathers begin.
+    /// of its own: a site of an odd number of beads, a bond of an even one. There breathers begin.
     pub fn center(&self) -> Option<Center> {
         self.center
     }
@@ -160,9 +159,10 @@ impl ModeContinuation {
     }
 
     /// Conditions for the orbits that are symmetric about the [centre](NormalModes::center). Those
-    /// about a bond have `u_n(t) = -u_{-n}(t)` for sites counted from the centre, those about a site
-    /// `u_n(t) = -u_{-n}(t + T/2)`. With the reversal of time, `u_n + u_{-n}` and `u_n' - u_{-n}'`
-    /// vanish, at `T/2` and at `T/4`. Equations without the symmetry would be nearly singular.
+    /// about a bond have `u_n(t) = -u_{-n}(t)` for sites counted from the centre, those about a
+    /// site `u_n(t) = -u_{-n}(t + T/2)`. With the reversal of time, `u_n + u_{-n}` and `u_n' -
+    /// u_{-n}'` vanish, at `T/2` and at `T/4`. Equations without the symmetry would be nearly
+    /// singular.
     pub(super) fn symmetric(&self, modes: &NormalModes, z: &[f64], a: f64, derivative: bool) -> Result<Equations> {
         let (linear, m) = (&modes.linear()[self.mode], modes.coordinates());
         let (shape, omega) = linear.parts(z);

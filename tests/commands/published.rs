@@ -259,8 +259,8 @@ fn a_damped_chain_has_its_published_cutoff() {
 
 #[test]
 fn the_frequency_of_the_drive_chooses_the_number_of_dark_breathers() {
-    // Published: it can be chosen by the frequency or the amplitude. Counts are regressions: places with the least motion
-    // between the actuators, which move in antiphase.
+    // Published: it can be chosen by the frequency or the amplitude. Counts are regressions: places
+    // with the least motion between the actuators, which move in antiphase.
     for (hertz, breathers) in [(7290.0, 1), (7200.0, 3), (7100.0, 3), (6950.0, 5)] {
         let omega = 2.0 * std::f64::consts::PI * hertz;
         let orbit = json(&format!("orbit driven chong-2014 --amplitude 1e-7 --omega {omega}"));
@@ -274,8 +274,9 @@ fn the_frequency_of_the_drive_chooses_the_number_of_dark_breathers() {
 
 #[test]
 fn a_dimer_has_breathers_in_its_gap_about_a_heavy_and_about_a_light_sphere() {
-    // Published: both families in the whole gap; about a heavy sphere unstable, about a light one stable at most. The gap
-    // is that of `study bands`; values of multipliers are regressions. 21 spheres have a heavy one in the middle.
+    // Published: both families in the whole gap; about a heavy sphere unstable, about a light one
+    // stable at most. The gap is that of `study bands`; values of multipliers are regressions. 21
+    // spheres have a heavy one in the middle.
     let bands = json("study bands boechler-2010");
     let [low, high] = ["/bands/0/frequency_to", "/bands/1/frequency_from"].map(|path| number(&bands, path));
     for (sites, mode, least, most) in [(21, 12, 2.3, 2.8), (19, 11, 1.0, 1.06)] {

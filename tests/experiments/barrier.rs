@@ -14,8 +14,8 @@ fn breather(center: Center, omega_b: f64, sites: usize, shooting: &Shooting) -> 
     DarkBreather { params, center, sites, omega_b, c_x: 0.0 }.orbit(shooting).unwrap()
 }
 
-// Truth: the DpS equation, from which the orbits differ by the relative order omega_b - 1. Of two breathers with the same
-// action the one with the larger energy is stable.
+// Truth: the DpS equation, from which the orbits differ by the relative order omega_b - 1. Of two
+// breathers with the same action the one with the larger energy is stable.
 #[test]
 fn the_barrier_of_the_cradle_tends_to_that_of_the_dps_equation() {
     let options = Cradle { alpha: 3.0, sites: 15, from: 1.001, to: 1.002, frequencies: 2 };

@@ -406,9 +406,10 @@ fn the_folds_of_a_softening_resonance_are_those_of_harmonic_balance() {
 
 #[test]
 fn runs_at_rising_and_falling_frequencies_jump_at_the_folds() {
-    // Truth: runs without any tangent, each from the state in which the one before it ended. The stiffness falls with the
-    // amplitude: as the frequency rises a run jumps up at the upper fold, as it falls down at the lower one. Beside a
-    // fold a run is slow: jumps are up to two steps of the frequency later.
+    // Truth: runs without any tangent, each from the state in which the one before it ended. The
+    // stiffness falls with the amplitude: as the frequency rises a run jumps up at the upper fold,
+    // as it falls down at the lower one. Beside a fold a run is slow: jumps are up to two steps of
+    // the frequency later.
     let (drag, amplitude) = (0.05, 0.2);
     let mut folds = folds(drag, amplitude, 2.0, 1.4);
     folds.sort_by(f64::total_cmp);

@@ -315,8 +315,9 @@ fn touching(alpha: f64, sites: usize, details: &Details) -> Chain<f64> {
     plain.with(details).unwrap()
 }
 
-/// The time from rest at `a` to the middle, of `m x'' = -c x^alpha`: `(m/c)^{1/2} a^{(1 - alpha)/2}` times the integral
-/// from 0 to 1 of `((alpha + 1)/(2 (1 - s^{alpha+1})))^{1/2}`, which is `B(1/(alpha+1), 1/2) (2 (alpha+1))^{-1/2}`.
+/// The time from rest at `a` to the middle, of `m x'' = -c x^alpha`: `(m/c)^{1/2} a^{(1 -
+/// alpha)/2}` times the integral from 0 to 1 of `((alpha + 1)/(2 (1 - s^{alpha+1})))^{1/2}`, which
+/// is `B(1/(alpha+1), 1/2) (2 (alpha+1))^{-1/2}`.
 fn quarter(alpha: f64, c: f64, a: f64) -> f64 {
     // s = 1 - x^2; the power of s is smooth enough in y, s = y^4, beside s = 0.
     let slow = |s: f64| (0.5 * (alpha + 1.0) / (1.0 - s.powf(alpha + 1.0))).sqrt();
@@ -329,9 +330,10 @@ fn quarter(alpha: f64, c: f64, a: f64) -> f64 {
 
 #[test]
 fn beads_that_just_touch_have_modes_in_closed_form_and_their_law_of_energy() {
-    // Truth: one bead between walls; two in antiphase, which compress their contact, of constant 2^alpha for
-    // one of them, to a and the walls to b, with 2^alpha a^{alpha+1} = b^{alpha+1}. The Beta function at alpha = 3/2:
-    // B(2/5, 1/2) = 3.6790939804. By scaling omega is proportional to E^{(alpha-1)/(2(alpha+1))} for all modes.
+    // Truth: one bead between walls; two in antiphase, which compress their contact, of constant
+    // 2^alpha for one of them, to a and the walls to b, with 2^alpha a^{alpha+1} = b^{alpha+1}. The
+    // Beta function at alpha = 3/2: B(2/5, 1/2) = 3.6790939804. By scaling omega is proportional to
+    // E^{(alpha-1)/(2(alpha+1))} for all modes.
     assert!((quarter(1.5, 1.0, 1.0) * 5f64.sqrt() - 3.679_093_980_4).abs() < 1e-9, "{}", quarter(1.5, 1.0, 1.0));
     for alpha in [1.5, 2.0, 3.0] {
         let one = NormalModes::new(&touching(alpha, 1, &Details::default())).unwrap();
@@ -347,8 +349,8 @@ fn beads_that_just_touch_have_modes_in_closed_form_and_their_law_of_energy() {
                 let first = &branch.points[0];
                 let want = first.orbit.omega * first.measures.energy.powf(-law);
                 assert!((scaled / want - 1.0).abs() < 1e-9, "{alpha}: {scaled} {want}");
-                // All multipliers are 1 or -1: in antiphase a common shift moves freely while the beads press each other, and
-                // like u' while they press the walls.
+                // All multipliers are 1 or -1: in antiphase a common shift moves freely while the
+                // beads press each other, and like u' while they press the walls.
                 assert!(mode == 0 || point.spectrum.unstable() == 0, "{alpha}: {:?}", point.spectrum.multipliers);
                 let quarters = match (modes.linear().len(), mode) {
                     (1, _) => 4.0 * quarter(alpha, 1.0, a),
@@ -367,7 +369,8 @@ fn beads_that_just_touch_have_modes_in_closed_form_and_their_law_of_energy() {
 
 #[test]
 fn modes_of_beads_that_just_touch_come_back_by_collocation() {
-    // Collocation shares nothing with the search but the chain; in phase a bead waits for the other.
+    // Collocation shares nothing with the search but the chain; in phase a bead waits for the
+    // other.
     for (sites, mode, mass) in [(2, 0, 1.0), (2, 1, 0.4), (3, 0, 1.0), (3, 2, 1.0), (5, 4, 1.0)] {
         let mut masses = vec![1.0; sites];
         masses[sites - 1] = mass;
@@ -397,8 +400,8 @@ fn cradle(sites: usize) -> NormalModes {
 
 #[test]
 fn breathers_of_the_cradle_tend_to_those_of_the_dps_equation() {
-    // Truth: u_n = 2 epsilon a_n with the frequency 1 + omega_0 epsilon^{1/2}; what is left out is of the relative order
-    // omega_b - 1, so that errors fall by 2 with it.
+    // Truth: u_n = 2 epsilon a_n with the frequency 1 + omega_0 epsilon^{1/2}; what is left out is
+    // of the relative order omega_b - 1, so that errors fall by 2 with it.
     for (center, sites, c) in [(Center::Site, 11, 5), (Center::Bond, 12, 5)] {
         let (modes, profile) = (cradle(sites), Homoclinic::new(1.5, center).unwrap());
         assert_eq!((modes.center(), modes.most_localised()), (Some(center), c));
@@ -421,8 +424,8 @@ fn breathers_of_the_cradle_tend_to_those_of_the_dps_equation() {
 
 #[test]
 fn breathers_of_the_cradle_come_back_and_have_their_symmetry() {
-    // Truth: collocation over a period; u_n(t) = -u_{-n}(t) about a bond, and half a period later about a site. Energy,
-    // action and frequency: dE = omega dJ, by differences of fourth order.
+    // Truth: collocation over a period; u_n(t) = -u_{-n}(t) about a bond, and half a period later
+    // about a site. Energy, action and frequency: dE = omega dJ, by differences of fourth order.
     for sites in [11, 12] {
         let modes = cradle(sites);
         let at = |omega: f64| {
