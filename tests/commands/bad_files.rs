@@ -176,7 +176,7 @@ fn what_no_scene_can_say_is_refused_with_file_key_and_rule() {
         ("bright-envelope", "amplitude = 0.1", "amplitude = -0.1", "amplitude = -0.1", "finite and positive"),
         ("bright-envelope", "q_over_pi = 0.3", "q_over_pi = 0.301", "q_over_pi = 0.301", "a whole number of waves"),
         ("bright-envelope", "q_over_pi = 0.3", "q_over_pi = 0.7", "q_over_pi = 0.7", "waves and a half"),
-        ("bright-envelope", "precompression = 1.0", "precompression = 0.0", "a bead is not held", "closed contacts"),
+        ("bright-envelope", "precompression = 1.0", "precompression = 0.0", "envelope", "contacts and resonators hold"),
         ("impact", "site = ", "site = 1000000000000000000 #", "site = 1000000000000000000", "a site of the chain"),
         ("impact", "velocity = ", "velocity = nan #", "velocity = NaN", "a finite number"),
         ("dimer", "[1.0, 0.3428]", "[1.0, -0.3428]", "beads.mass = -0.3428", "finite and positive"),
