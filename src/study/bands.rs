@@ -51,7 +51,7 @@ impl Study for Bands {
         self.within_ranges()?;
         let scene = Scene::load_at_rest(&self.scene, &self.changes.set)?;
         let bands = orbits::Bands::new(scene.chain());
-        let bands = bands.map_err(|error| scene.restated(error))?;
+        let bands = Scale(scene.units()).given(bands, &[("gravity", scene.file().chain.gravity)])?;
         let si = self.results.of(&scene);
         Ok(Box::new(move |_, progress| {
             let wave = |k: usize| {

@@ -128,7 +128,7 @@ fn two_methods_agree_on_random_chains_with_dashpots_of_a_power_of_the_rate() {
                 let run = of(&chain, &y0, 12.0).method(Method::named(method).unwrap());
                 run.setting(Setting::Tolerance(tol)).start().unwrap().complete().unwrap().state
             };
-            let [one, other] = [end("dop853", 3e-15), end("dop853-regularised", 3e-15)];
+            let [one, other] = [end("dop853-landed", 3e-15), end("dop853-regularised", 3e-15)];
             let (apart, off) = (distance(&one, &other), (balance(&chain, &other) - balance(&chain, &y0)).abs());
             let lost = chain.layout().ledger(&other).unwrap().contacts;
             println!("{boundary:?} {power} {beta}: {apart:e}, balance {off:e}, lost {lost}");
