@@ -4,6 +4,9 @@ use crate::exact::Exact;
 use std::{fmt, str::FromStr};
 
 const HEAD: &str = "hertzchain certificate 1";
+/// Keys of its lines, but for the coefficients.
+const KEYS: [&str; 11] =
+    ["kind", "alpha", "kappa", "rho", "omega", "mean", "block", "enclosed", "q_over_pi", "sites", "center"];
 /// Largest number of harmonics.
 const MOST: usize = 4096;
 /// Largest block of Newton's method, in unknowns.
@@ -158,9 +161,10 @@ impl FromStr for Certificate {
             return Err(format!("its first line is not \"{HEAD}\""));
         }
         let (mut keys, mut rows) = (Vec::new(), Vec::new());
-        for line in lines {
+        for line in lines.filter(|line| !line.is_empty()) {
             match line.split_once(' ') {
                 Some(("a", row)) => rows.push(row.split(' ').map(from_hexadecimal).collect::<Result<Vec<f64>, _>>()?),
+                Some((key, _)) if !KEYS.contains(&key) => return Err(format!("the key {key} is not known")),
                 Some(entry) if keys.iter().all(|(key, _)| *key != entry.0) => keys.push(entry),
                 _ => return Err(format!("the line \"{line}\" has no key, or one that was there before")),
             }

@@ -27,7 +27,8 @@ impl Exact {
     fn reduced(num: i128, den: i128) -> Option<Self> {
         let common = i128::try_from(gcd(num.unsigned_abs(), den.unsigned_abs())).ok()?;
         let sign = den.signum();
-        (den != 0).then_some(())?;
+        // The least integer has no modulus.
+        (den != 0 && num != i128::MIN && den != i128::MIN).then_some(())?;
         Some(Self { num: num.checked_mul(sign)? / common, den: den.checked_mul(sign)? / common })
     }
 

@@ -6,6 +6,7 @@ use crate::{
     chain::Params,
     dps,
     error::{Error, Result},
+    interrupt,
     orbits::Orbit,
     output::{Folder, read},
     report::Report,
@@ -13,7 +14,7 @@ use crate::{
 };
 use hertzchain_proofs::{
     certificate::{self, Center, Certificate, Model},
-    check::{Proof, Refused, check},
+    check::{Proof, Refused, check_until},
     exact::Exact,
     solve::{self, Sizes},
 };
@@ -80,22 +81,26 @@ impl Proving {
     }
 }
 
+/// What the checker says, unless the process is asked to end.
+fn checked(certificate: &Certificate) -> Result<Checked> {
+    match check_until(certificate, &interrupt::asked) {
+        Err(Refused::Stopped) => Err(Error::Stopped { kept: "nothing of the proof".to_owned() }),
+        proof => Ok(proof),
+    }
+}
+
 /// A certificate, checked. The closure makes one of some times as many harmonics as usual; there
 /// are four times as many if the radius is otherwise above a share of the amplitude.
 fn searched(
     share: f64,
     certificate: impl Fn(usize) -> Result<Option<Certificate>>,
 ) -> Result<Option<(Certificate, Checked)>> {
-    let checked = |more: usize| {
-        let with_proof = |certificate| {
-            let proof = check(&certificate);
-            (certificate, proof)
-        };
-        Ok::<_, Error>(certificate(more)?.map(with_proof))
+    let of = |more: usize| {
+        certificate(more)?.map(|certificate| checked(&certificate).map(|proof| (certificate, proof))).transpose()
     };
-    let usual = checked(1)?;
+    let usual = of(1)?;
     let near = |(_, proof): &(_, Checked)| matches!(proof, Ok(it) if it.radius <= share * it.amplitude);
-    let more = if usual.as_ref().is_none_or(near) { None } else { checked(4)? };
+    let more = if usual.as_ref().is_none_or(near) { None } else { of(4)? };
     Ok(more.or(usual))
 }
 
@@ -118,13 +123,22 @@ pub(crate) fn radius_of_breather(breather: &DarkBreather, orbit: &Orbit, tol: f6
     radius(BREATHER, |more| of_breather(breather, orbit, tol, more))
 }
 
+/// A positive bound with two digits, rounded up.
+fn up(bound: f64) -> String {
+    let nearest = format!("{bound:.1e}");
+    if nearest.parse::<f64>().is_ok_and(|printed| printed >= bound) {
+        return nearest;
+    }
+    format!("{:.1e}", bound + 0.05 * 10_f64.powf(bound.log10().floor()))
+}
+
 /// Adds to a report what is proved of a certificate.
 fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
     let (harmonics, block) = (certificate.harmonics(), certificate.block);
     let norm = match certificate.orbit {
         certificate::Orbit::Wave(_) => "sum of |a_k| over k >= 1",
         certificate::Orbit::Breather(_) => {
-            "largest over n of (sqrt(2) |a_n0| + sum of |a_nk| over k >= 1)/W_n, W_n <= 1"
+            "largest over n of (sqrt(2) |a_n0| + sum of |a_nk| over k >= 1)/W_n, W_n <= 1; and of eta |c_0|"
         }
     };
     let value = |proved: bool, numbers: [Option<f64>; 5], reason: Option<String>| {
@@ -142,13 +156,13 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
         Ok(proof) => {
             let bounds = proof.bounds;
             let words = format!(
-                "Proved: within {:.1e} of the sum of {harmonics} harmonics, {:.0e} of the amplitude, there is exactly \
-                 one solution (Y0 = {:.1e}, Z1 = {:.1e}, Z2 = {:.1e}).",
-                proof.radius,
-                proof.radius / proof.amplitude,
-                bounds.y0,
-                bounds.z1,
-                bounds.z2
+                "Proved: within {} of the sum of {harmonics} harmonics, {} of the amplitude, there is exactly \
+                 one solution (Y0 = {}, Z1 = {}, Z2 = {}).",
+                up(proof.radius),
+                up(proof.radius / proof.amplitude),
+                up(bounds.y0),
+                up(bounds.z1),
+                up(bounds.z2)
             );
             let numbers = [proof.radius, proof.uniqueness_radius, bounds.y0, bounds.z1, bounds.z2].map(Some);
             report.fact("proof", value(true, numbers, None)).words(words)
@@ -257,7 +271,7 @@ impl Study for Prove {
                 .fact("frequency", omega.to_string())
                 .fact("mean_strain", mean.to_string())
                 .words(words);
-            match check(&certificate) {
+            match checked(&certificate)? {
                 Err(Refused::Certificate(rule)) => Err(refused(rule)),
                 proof => Ok(proved(report, &certificate, proof)),
             }

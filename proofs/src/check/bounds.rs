@@ -127,12 +127,17 @@ fn perron(rows: &[Vec<Interval>]) -> Vec<Interval> {
     vector.into_iter().map(Interval::exact).collect()
 }
 
-pub(super) fn check(certificate: &Certificate) -> Result<Proof, Refused> {
+pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Proof, Refused> {
     let system = System::new(certificate)?;
     let (block, enclosed, alpha) = (certificate.block, certificate.enclosed, certificate.model.alpha);
     let (a, l, sites) = (&system.a, &system.factors, system.a.len());
     let unknowns = Unknowns::new(&system, block);
-    let known = a.iter().map(|a| moments(a, alpha, enclosed).ok_or(Refused::Moments));
+    let go_on = || if stopped() { Err(Refused::Stopped) } else { Ok(()) };
+    let known = a.iter().map(|a| {
+        let known = moments(a, alpha, enclosed, stopped);
+        go_on()?;
+        known.ok_or(Refused::Moments)
+    });
     let known = known.collect::<Result<Vec<Moments>, _>>()?;
     // Sums of l_k^2 beyond K', and their root beyond K.
     let last_square = system.decay.square() / (of(3) * of(enclosed) * of(enclosed) * of(enclosed));
@@ -159,6 +164,7 @@ pub(super) fn check(certificate: &Certificate) -> Result<Proof, Refused> {
         }
     }
     let inverse = approximate_inverse(matrix);
+    go_on()?;
     let product: Vec<Vec<Interval>> = inverse.iter().map(|row| unknowns.times_b(&system, row)).collect();
 
     // R, by site of the column; the norm of a row is for harmonics with 2 g_0^2 + sum g_k^2 = 1.
@@ -194,6 +200,7 @@ pub(super) fn check(certificate: &Certificate) -> Result<Proof, Refused> {
         let tail = Moments::tail(d, known[m].stiffness_square, computed - block) / of(2).sqrt();
         let mut most: Vec<Interval> = reach[m].iter().map(|reach| *reach * tail).collect();
         for j in (0..=computed).filter(|j| system.has(m, *j)) {
+            go_on()?;
             let own = unknowns.index[m].get(j).copied().flatten();
             let entries: Vec<(usize, Interval)> =
                 unknowns.index[m].iter().flatten().map(|&i| (i, stiffness(d, unknowns.all[i].1, j))).collect();
@@ -209,9 +216,9 @@ pub(super) fn check(certificate: &Certificate) -> Result<Proof, Refused> {
             });
             most.iter_mut().zip(sums).for_each(|(most, sum)| *most = most.max(sum / weight(j)));
         }
-        most
+        Ok(most)
     };
-    let columns: Vec<Vec<Interval>> = (0..sites).map(columns).collect();
+    let columns = (0..sites).map(columns).collect::<Result<Vec<Vec<Interval>>, _>>()?;
     let of_c0 = match system.means {
         None => vec![Interval::ZERO; sites + 1],
         Some(_) => unknowns.by_site(&|i| {

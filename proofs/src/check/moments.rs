@@ -47,8 +47,8 @@ impl Moments {
 /// of at most `8 M 4^{-2n}/(1 - 1/4)` half-widths, `M` the bound of the integrand on the ellipse; or
 /// it is narrow, and bounded; else it is cut.
 ///
-/// `None` if the subdivision does not end.
-pub fn moments(a: &[Interval], alpha: Exact, count: usize) -> Option<Moments> {
+/// `None` if the subdivision does not end, or is `stopped`.
+pub fn moments(a: &[Interval], alpha: Exact, count: usize, stopped: &dyn Fn() -> bool) -> Option<Moments> {
     let quadrature = gauss()?;
     let cut = a.len().saturating_sub(1).max(count).next_power_of_two().div_ceil(4);
     let mut sums = Sums {
@@ -63,6 +63,9 @@ pub fn moments(a: &[Interval], alpha: Exact, count: usize) -> Option<Moments> {
     let mut pieces: Vec<[f64; 2]> = (0..cut).map(|i| [i as f64 * width, (i + 1) as f64 * width]).collect();
     for _ in 0..MOST_PIECES {
         let Some([from, to]) = pieces.pop() else { return Some(sums.done()) };
+        if stopped() {
+            break;
+        }
         if !sums.add(from, to, &quadrature) {
             // Dyadic fractions: the middle is exact.
             let middle = 0.5 * (from + to);
@@ -175,7 +178,8 @@ impl Sums<'_> {
 
     fn quadrature_errors(&mut self, modulus: Interval, half: Interval, across: Interval) {
         let [force, stiffness] = self.laws(modulus);
-        let power = Interval::exact(0.25_f64.powi(2 * NODES as i32));
+        // 4^{-2n}
+        let power = Interval::exact(f64::from_bits((1023 - 4 * NODES as u64) << 52));
         let share = half * of(8) * power / (Interval::ONE - Interval::exact(0.25));
         self.squares[0] = self.squares[0] + (share * force.square()).ball();
         self.squares[1] = self.squares[1] + (share * stiffness.square()).ball();

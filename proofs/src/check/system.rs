@@ -104,9 +104,9 @@ fn inverses(model: &Model, count: usize) -> Result<(Vec<Interval>, Interval), Re
         }
         None => (kappa, square(count + 1) - kappa),
     };
-    if over.is_positive() {
-        Ok((all, (one + added / over) / omega.square()))
-    } else {
-        Err(Refused::Resonance(count + 1))
+    match over {
+        over if over.is_positive() => Ok((all, (one + added / over) / omega.square())),
+        over if (-over).is_positive() => Err(Refused::Below(count)),
+        _ => Err(Refused::Resonance(count + 1)),
     }
 }
