@@ -91,11 +91,11 @@ pub fn fit_plane(points: &[[f64; 3]]) -> Option<([f64; 3], f64)> {
 pub fn golden<T, E>(
     [mut low, mut high]: [f64; 2],
     mut apart: impl FnMut(f64) -> bool,
-    mut at: impl FnMut(f64) -> Result<T, E>,
+    at: impl Fn(f64) -> Result<T, E>,
     height: impl Fn(&T) -> f64,
 ) -> Result<(f64, T), E> {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    let mut seen = |x: f64| Ok((x, at(x)?));
+    let seen = |x: f64| Ok((x, at(x)?));
     let mut left = seen(high - GOLDEN * (high - low))?;
     let mut right = seen(low + GOLDEN * (high - low))?;
     while apart(high - low) {

@@ -1,19 +1,21 @@
 //! Largest values of functions of the state over a run, also between steps.
 
-use crate::numerics::golden;
-use hertzchain_integrators::{Error as Failure, Stats, Stepper};
-use std::{convert::Infallible, fmt, mem::replace, sync::Arc};
+use hertzchain_integrators::{
+    Error as Failure, Stats, Stepper,
+    events::{Part, SHARES},
+};
+use std::{fmt, mem::replace, sync::Arc};
 
 /// Parts of a step are at most this share of the period of the fastest motion.
-const PART: f64 = 1.0 / 32.0;
+const PART: f64 = 1.0 / 16.0;
 /// Most parts of a step, however long it is.
 const MOST_PARTS: f64 = 256.0;
 /// A part whose ends are below this share of the largest value so far is not searched.
 const NEAR: f64 = 0.9;
-/// Places beside the ends of a part, at which slopes are looked at, as a share of the part; and the
-/// share of it to which a maximum is bracketed. Its value then errs by the square.
+/// Values below this share of the largest of all are rounding errors of what is at rest.
+const ROUNDING: f64 = 1e-13;
+/// Places beside the ends of a part, at which slopes are looked at, as a share of the part.
 const BESIDE: f64 = 1e-6;
-const BRACKET: f64 = 1e-9;
 
 /// Appends the values of some functions of the state. Clones share them.
 #[derive(Clone)]
@@ -42,8 +44,8 @@ impl fmt::Debug for Observables {
 
 /// A stepper whose steps are searched for the largest values, by modulus.
 ///
-/// A part of a step is searched where one of them rises from its start and falls to its end, by
-/// golden sections of the sampled solution. Maxima of which a part has several count as one.
+/// A part of a step is searched where one of them rises from its start and falls to its end: its
+/// maximum is that of the polynomial through eight samples, as for the overlaps of contacts.
 pub(super) struct Searched<'a, S: ?Sized> {
     run: &'a mut S,
     observables: Option<&'a Observables>,
@@ -81,20 +83,25 @@ impl<'a, S: Stepper<f64> + ?Sized> Searched<'a, S> {
     fn search(&mut self, from: f64, to: f64) {
         let after = self.at(to);
         let before = replace(&mut self.before, after.clone());
-        let near = |k: usize| before[k].abs().max(after[k].abs()) > NEAR * self.largest[k].1.abs();
+        let least = ROUNDING * self.largest.iter().fold(0.0, |most: f64, one| most.max(one.1.abs()));
+        let near = |k: usize| before[k].abs().max(after[k].abs()) > (NEAR * self.largest[k].1.abs()).max(least);
         let near: Vec<usize> = (0..after.len()).filter(|&k| near(k)).collect();
         if near.is_empty() {
             return;
         }
-        let [early, late] = [from + BESIDE * (to - from), to - BESIDE * (to - from)].map(|t| self.at(t));
+        let at = |share: f64| (from + (to - from) * share).min(to);
+        let [early, late] = [at(BESIDE), at(1.0 - BESIDE)].map(|t| self.at(t));
+        let inside = |k: usize| early[k].abs() > before[k].abs() && late[k].abs() > after[k].abs();
+        let any = near.iter().any(|&k| inside(k));
+        let samples: Vec<Vec<f64>> = if any { SHARES.map(|share| self.at(at(share))).to_vec() } else { Vec::new() };
         for k in near {
-            let top = if early[k].abs() > before[k].abs() && late[k].abs() > after[k].abs() {
-                let at = |t: f64| Ok::<_, Infallible>(self.at(t)[k]);
-                let Ok(top) = golden([from, to], |apart| apart > BRACKET * (to - from), at, |value| value.abs());
-                top
-            } else {
-                (to, after[k])
-            };
+            let mut top = (to, after[k]);
+            if inside(k) {
+                let sign = 1f64.copysign(after[k]);
+                let values = std::array::from_fn(|j| sign * samples[j][k]);
+                let (t, value) = Part { index: k, span: (from, to), values }.curve().largest();
+                top = (t, sign * value);
+            }
             if top.1.abs() > self.largest[k].1.abs() {
                 self.largest[k] = top;
             }

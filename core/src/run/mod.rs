@@ -261,9 +261,9 @@ impl Run {
 
     /// Looks for the largest values, by modulus, of functions of the state, also between steps.
     ///
-    /// They are found as well as the method has its states between steps: a maximum is bracketed
-    /// to 1e-9 of a 32nd of [`fast_period`](Self::fast_period), or of a step if that is shorter. Of
-    /// several maxima in such a part one is found, and a step has at most 256 parts.
+    /// They are found as well as the method has its states between steps, by polynomials through
+    /// eight samples of a 16th of [`fast_period`](Self::fast_period), or of a step if that is
+    /// shorter. Of several maxima in such a part one is found, and a step has at most 256 parts.
     #[must_use]
     pub fn observables(mut self, observables: Observables) -> Self {
         self.observables = Some(observables);
