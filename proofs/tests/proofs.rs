@@ -2,7 +2,7 @@
 
 use hertzchain_proofs::{
     certificate::{Breather, Center, Certificate, Model, Orbit, Wave},
-    check::{Bounds, Proof, Refused, check, check_text},
+    check::{Bounds, Proof, Refused, check, check_text, check_until},
     exact::Exact,
     solve::{self, Sizes},
 };
@@ -196,6 +196,7 @@ fn what_is_no_solution_is_refused() {
         coefficients(&mut moved)[0] *= factor;
         assert!(matches!(refused(&moved), Refused::Bounds(bounds) if bounds.y0 > 1e-4), "{factor}");
     }
+    assert_eq!(check_until(&tw_q15(Sizes::WAVE), &|| true), Err(Refused::Stopped));
     // A block of one harmonic: Z1 is 1.6.
     let small = Certificate { block: 1, ..tw_q15(Sizes::WAVE) };
     assert!(matches!(refused(&small), Refused::Bounds(bounds) if bounds.z1 > 1.0 && bounds.z1 < 2.0));
@@ -207,7 +208,7 @@ fn what_is_no_solution_is_refused() {
     }
     // All enclosed harmonics are below the resonance.
     resonant.model.omega = exact("1/300");
-    assert_eq!(refused(&resonant), Refused::Resonance(513));
+    assert_eq!(refused(&resonant), Refused::Below(512));
     resonant.model = Model { rho: None, omega: exact("1/3"), ..resonant.model };
     assert_eq!(refused(&resonant), Refused::Resonance(3));
     // The state at rest, unloaded, and under load, where it is a zero of G.

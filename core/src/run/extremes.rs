@@ -10,9 +10,10 @@ use std::{fmt, mem::replace, sync::Arc};
 const PART: f64 = 1.0 / 16.0;
 /// Most parts of a step, however long it is.
 const MOST_PARTS: f64 = 256.0;
-/// A part whose ends are below this share of the largest value so far is not searched.
-const NEAR: f64 = 0.9;
-/// Values below this share of the largest of all are rounding errors of what is at rest.
+/// A maximum inside a part is above its ends by at most this times what the value has changed in it
+/// and in the part before: for a sine, whose parts are a 16th of its period or shorter, by 0.13.
+const ABOVE: f64 = 1.0;
+/// Changes below this share of the largest value of all are rounding errors of what is at rest.
 const ROUNDING: f64 = 1e-13;
 /// Places beside the ends of a part, at which slopes are looked at, as a share of the part.
 const BESIDE: f64 = 1e-6;
@@ -52,7 +53,9 @@ pub(super) struct Searched<'a, S: ?Sized> {
     part: f64,
     /// Time and value of each: the largest so far.
     pub(super) largest: Vec<(f64, f64)>,
+    /// Values at the starts of this part and of the one before.
     before: Vec<f64>,
+    earlier: Vec<f64>,
     y: Vec<f64>,
 }
 
@@ -65,8 +68,11 @@ impl<'a, S: Stepper<f64> + ?Sized> Searched<'a, S> {
         largest: Vec<(f64, f64)>,
     ) -> Self {
         let (y, t) = (vec![0.0; if observables.is_some() { run.dim() } else { 0 }], run.time());
-        let mut searched = Self { run, observables, part: PART * fast, largest, before: Vec::new(), y };
+        let (before, earlier) = (Vec::new(), Vec::new());
+        let mut searched = Self { run, observables, part: PART * fast, largest, before, earlier, y };
         searched.before = searched.at(t);
+        // The first part is searched in any case.
+        searched.earlier = vec![f64::INFINITY; searched.before.len()];
         if searched.largest.is_empty() {
             searched.largest = searched.before.iter().map(|value| (t, *value)).collect();
         }
@@ -83,9 +89,16 @@ impl<'a, S: Stepper<f64> + ?Sized> Searched<'a, S> {
     fn search(&mut self, from: f64, to: f64) {
         let after = self.at(to);
         let before = replace(&mut self.before, after.clone());
+        let earlier = replace(&mut self.earlier, before.clone());
         let least = ROUNDING * self.largest.iter().fold(0.0, |most: f64, one| most.max(one.1.abs()));
-        let near = |k: usize| before[k].abs().max(after[k].abs()) > (NEAR * self.largest[k].1.abs()).max(least);
+        let near = |k: usize| {
+            let change = (after[k] - before[k]).abs() + (before[k] - earlier[k]).abs();
+            change > least && before[k].abs().max(after[k].abs()) + ABOVE * change > self.largest[k].1.abs()
+        };
         let near: Vec<usize> = (0..after.len()).filter(|&k| near(k)).collect();
+        for (largest, after) in self.largest.iter_mut().zip(&after).filter(|(one, after)| after.abs() > one.1.abs()) {
+            *largest = (to, *after);
+        }
         if near.is_empty() {
             return;
         }
@@ -94,16 +107,12 @@ impl<'a, S: Stepper<f64> + ?Sized> Searched<'a, S> {
         let inside = |k: usize| early[k].abs() > before[k].abs() && late[k].abs() > after[k].abs();
         let any = near.iter().any(|&k| inside(k));
         let samples: Vec<Vec<f64>> = if any { SHARES.map(|share| self.at(at(share))).to_vec() } else { Vec::new() };
-        for k in near {
-            let mut top = (to, after[k]);
-            if inside(k) {
-                let sign = 1f64.copysign(after[k]);
-                let values = std::array::from_fn(|j| sign * samples[j][k]);
-                let (t, value) = Part { index: k, span: (from, to), values }.curve().largest();
-                top = (t, sign * value);
-            }
-            if top.1.abs() > self.largest[k].1.abs() {
-                self.largest[k] = top;
+        for k in near.into_iter().filter(|&k| inside(k)) {
+            let sign = 1f64.copysign(after[k]);
+            let values = std::array::from_fn(|j| sign * samples[j][k]);
+            let (t, value) = Part { index: k, span: (from, to), values }.curve().largest();
+            if value > self.largest[k].1.abs() {
+                self.largest[k] = (t, sign * value);
             }
         }
     }
