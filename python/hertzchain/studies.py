@@ -2052,7 +2052,7 @@ def breather_cradle(
     alpha : float
         Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
     sites : int
-        Number of beads. About a site an odd number, about a bond the even one above it. From 5 to
+        Number of sites. About a site an odd number, about a bond the even one above it. From 5 to
         254.
     from_ : float
         Smallest frequency of the breathers, whose springs have kappa = 1. Above 1 and at most 10.

@@ -32,7 +32,7 @@ options! {
     pub struct Cradle {
         /// Exponent of the contact force; 1.5 for spheres.
         alpha: f64 = 1.5, "A", (1.01 to 10);
-        /// Number of beads.
+        /// Number of sites.
         ///
         /// About a site an odd number, about a bond the even one above it.
         sites: usize = 21, "N", (5 to 254);

@@ -51,7 +51,7 @@ pub(super) const TRUSTED: f64 = 3.0;
 pub(super) const COARSEST: f64 = 0.1;
 
 /// The stored references, by name of scene.
-const STORED: [(&str, &str); 13] = [
+const STORED: [(&str, &str); 14] = [
     ("tw-q15", include_str!("stored/tw-q15.json")),
     ("tw-q45", include_str!("stored/tw-q45.json")),
     ("tw-breakdown-q15", include_str!("stored/tw-breakdown-q15.json")),
@@ -62,6 +62,7 @@ const STORED: [(&str, &str); 13] = [
     ("impact", include_str!("stored/impact.json")),
     ("cradle", include_str!("stored/cradle.json")),
     ("precompressed", include_str!("stored/precompressed.json")),
+    ("bright-envelope", include_str!("stored/bright-envelope.json")),
     ("bright-breather", include_str!("stored/bright-breather.json")),
     ("bright-breather-site", include_str!("stored/bright-breather-site.json")),
     ("bright-breather-16", include_str!("stored/bright-breather-16.json")),
