@@ -7,7 +7,7 @@ const MOST_SHOWN: usize = 300;
 /// Largest number of characters of a number without an exponent.
 const MOST_DIGITS: usize = 20;
 /// Largest number of known names that the message about an unknown name lists.
-const MOST_LISTED: usize = 32;
+const MOST_LISTED: usize = 40;
 
 /// An error of the library. Each variant has the value and the rule it broke, where there is one.
 #[derive(Debug, thiserror::Error)]

@@ -87,7 +87,7 @@ impl Bands {
         let ring = Chain::new(params, Boundary::Ring, 3 * cell)?;
         let cell_of = Details { mass, kappa, rho, onsite, contact, alpha, overlap, spring, ..Details::default() };
         let ring = ring.with(&Details { magnet, distance, decay: details.decay, ..cell_of })?;
-        let modes = NormalModes::new(&ring)?;
+        let modes = NormalModes::held(&ring, &[])?;
         let stiffness = modes.stiffness()?;
         let places: [Vec<usize>; 3] =
             [0, 1, 2].map(|j| (0..stiffness.nrows()).filter(|&c| modes.place(c).0 / cell == j).collect());

@@ -138,10 +138,13 @@ fn envelope(chain: &Chain<f64>, [q_over_pi, amplitude]: [f64; 2], band: usize, c
     let wave = all[band - 1];
     let soliton = wave.soliton(amplitude)?;
     let (sites, ring) = (chain.sites() as f64, chain.topology().ring());
+    let rule = "the envelope is from one site to the length of the chain wide";
+    require((1.0..=sites).contains(&soliton.width()), "amplitude", amplitude, rule)?;
     if ring {
         on_the_ring(chain, q_over_pi, if wave.focusing() { 0.0 } else { 0.5 })?;
     }
-    let center = finite("center", center.unwrap_or(0.5 * (sites - 1.0)))?;
+    let center = center.unwrap_or(0.5 * (sites - 1.0));
+    require((0.0..=sites - 1.0).contains(&center), "center", center, "a place in the chain, its sites counted from 0")?;
     by_sites(chain, move |i| {
         let n = i as f64 - center;
         soliton.site(if ring { n - sites * (n / sites).round() } else { n }, 0.0)

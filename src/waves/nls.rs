@@ -47,7 +47,7 @@ pub struct Nls {
     /// `omega(theta)`.
     pub omega: f64,
     /// Displacement of a resonator over that of its bead, `kappa/(kappa - rho omega^2)`; 0 where
-    /// resonators are fixed.
+    /// resonators are fixed, 1 where there are none.
     pub resonator: f64,
     /// `c`.
     pub group_velocity: f64,
@@ -113,7 +113,8 @@ impl Nls {
             let at_mean_strain = share * (by_harmonic - 3.0 * k4);
             let resonator = match params.resonators() {
                 Resonators::Fixed => 0.0,
-                _ => kappa / (kappa - rho * w),
+                Resonators::None => 1.0,
+                Resonators::Moving => kappa / (kappa - rho * w),
             };
             Self {
                 theta,
@@ -166,6 +167,11 @@ pub struct Soliton {
 }
 
 impl Soliton {
+    /// `1/s`, in sites.
+    pub fn width(&self) -> f64 {
+        1.0 / self.per_width
+    }
+
     /// The site at a distance `n` from the centre, at time `t`.
     pub fn site(&self, n: f64, t: f64) -> Site<f64> {
         let Self { wave, amplitude, per_width } = *self;

@@ -69,7 +69,7 @@ fn the_template_has_every_key() {
     }
     let blocks = kinds(&template);
     let known = keys(&format!("{chain}[initial]\nkind = \"what\"\n{span}"));
-    assert_eq!((blocks.len(), known.len()), (7, 7), "{blocks:?}");
+    assert_eq!((blocks.len(), known.len()), (8, 8), "{blocks:?}");
     for kind in known {
         let block = blocks.iter().find(|block| block.contains(&format!("kind = \"{kind}\""))).unwrap();
         for key in keys(&format!("{chain}[initial]\nkind = \"{kind}\"\nwhat = 1\n{span}")) {
@@ -83,7 +83,11 @@ fn every_kind_of_the_template_builds() {
     let chain = |block: &str| {
         let ring = block.contains("travelling-wave");
         let sites = if block.contains("\"state\"") { 3 } else { 20 };
-        let boundary = if ring { "strain-ring" } else { "free" };
+        let boundary = match block {
+            _ if ring => "strain-ring",
+            block if block.contains("\"envelope\"") => "fixed\"\nprecompression = 1.0 # \"",
+            _ => "free",
+        };
         format!("[chain]\nsites = {sites}\nalpha = 1.5\nkappa = 1.0\nrho = 2.0\nboundary = \"{boundary}\"\n")
     };
     for block in kinds(&stdout("scenes template")) {

@@ -196,12 +196,14 @@ fn points(parameter: Parameter, rows: &[BranchRow<'_, Continuation>]) -> Table {
         all.take(LEADING).copied().collect()
     };
     let place = |row: &BranchRow<'_, Continuation>| row.orbit.setting.get(parameter);
+    // The parameter has the name that the measured centre has elsewhere.
+    let centre = if parameter == Parameter::Cx { "c_x_measured" } else { "c_x" };
     Table::of("branch", rows)
         .key("points")
         .col(parameter.name(), Fixed(8), "", place)
         .col("k_x", Power(8), "amplitude of the background, of beads", |row| Some(row.measures?.extent.k_x))
         .col("k_y", Power(8), "and of resonators", |row| Some(row.measures?.extent.k_y))
-        .col("c_x", Hidden, "centre of the background, of beads", |row| Some(row.measures?.extent.c_x))
+        .col(centre, Hidden, "centre of the background, of beads", |row| Some(row.measures?.extent.c_x))
         .col("c_y", Hidden, "and of resonators", |row| Some(row.measures?.extent.c_y))
         .col("max_modulus", Hidden, "largest modulus of a multiplier", |row| Some(row.spectrum?.largest()))
         .col("real", Fixed(8), "largest modulus of the real multipliers above 1", off(Kind::Real))
