@@ -140,7 +140,7 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             ("wave modulation --modes 3", "--measure"),
             ("wave modulation --set chain.rho=3", "it changes a scene: name one"),
             ("breather bright --until 1e300", "the end of a run is from 1e-100 to 1e100"),
-            ("breather bright --integrator xx", "`hertzchain integrators` lists all"),
+            ("breather bright --integrator xx", "; one of verlet, yoshida4, "),
             ("breather bright --rho 0", "rho = 0 is not valid: a bright breather needs resonators"),
             ("breather bright --sites 4", "sites = 4 is not valid: the chain holds the breather"),
             ("breather bright --center bead", "invalid value 'bead'"),
