@@ -82,7 +82,6 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: hc.Chain(sites=3, drive=[{"site": 0, "kind": "moved"}]), "drive.amplitude"),
     (lambda: hc.Chain(sites=3, drive=[{"site": 0, "kind": "pushed", "velocity": 1.0}]), "drive.velocity"),
     (lambda: hc.Chain(sites=3, gravity=1.0, tilt=100.0), "tilt = 100"),
-    (lambda: hc.Chain(sites=3, kappa=1.0, rho=1.0, gravity=1.0), "gravity = 1"),
     (lambda: hc.Chain(sites=3, units={"system": "SI", "radius": 0.01}), "density|young"),
     (lambda: hc.Chain(sites=3, units={"radius": 0.01}), "units.system = nothing"),
     (lambda: run(y0={"pu": [0.0, 1.0]}), "pu with 2 numbers"),

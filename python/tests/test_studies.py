@@ -92,7 +92,12 @@ def test_numbers_arrive_to_the_bit() -> None:
 def test_every_study_can_be_called_and_refuses_in_the_words_of_python(function: Callable[..., hc.Study]) -> None:
     options = inspect.signature(function).parameters
     number = [name for name, one in options.items() if one.annotation.startswith(("float", "int")) and "Sequence" not in one.annotation]
-    name = next((name for name in (*number, "shard") if name in options), "scene")
+    name = next((name for name in (*number, "shard", "scene") if name in options), None)
+    if name is None:
+        # `prove` has a file only.
+        with pytest.raises((hc.Error, OSError), match="no-such-file"):
+            function("no-such-file")
+        return
     required = {name: "impact" for name, one in options.items() if one.default is one.empty}
     words = f"^invalid value 'x' for '{name}|^{name} = x is not valid: |^unknown {name} .x.; one of"
     with pytest.raises((hc.ParameterError, hc.UnknownNameError), match=words) as caught:
