@@ -2050,7 +2050,7 @@ def breather_cradle(
     Parameters
     ----------
     alpha : float
-        Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
+        Exponent of the contact force; 1.5 for spheres. From 1.15 to 10.
     sites : int
         Number of sites. About a site an odd number, about a bond the even one above it. From 5 to
         254.

@@ -14,7 +14,6 @@ use super::{
 };
 use crate::{
     chain::max_norm,
-    dps::Center,
     error::{Error, Result},
     named::named,
     output::FileFormat,
@@ -300,8 +299,6 @@ pub struct Branch<P: Problem = Continuation> {
     /// another one; the first orbit is the one at that bifurcation. After a period doubling the
     /// branch ends where it comes back to the branch of half its period.
     pub birth: Option<BifurcationKind>,
-    /// Symmetry of the breathers, if the orbits are breathers.
-    pub center: Option<Center>,
     /// Bound for collisions of multipliers: those that lead to no modulus above `1 + weak` are not
     /// located. `None`: no bifurcations are located.
     pub weak: Option<f64>,
@@ -341,7 +338,6 @@ impl<P: Problem> Branch<P> {
             setting,
             back,
             birth: None,
-            center: None,
             weak: P::WEAK,
             level: AnalysisLevel::Bifurcations,
             orbits: vec![start],

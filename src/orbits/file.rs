@@ -12,7 +12,6 @@ use super::{
     shooting::Orbit,
 };
 use crate::{
-    dps::Center,
     error::{Error, Result, require},
     numerics::{extremes, least_by},
     output::{Archive, Array, FileFormat, PROGRAM, SETTINGS, npz_with, to_json},
@@ -27,8 +26,6 @@ struct Settings<P, S> {
     format: String,
     version: u64,
     program: String,
-    #[serde(deserialize_with = "Option::deserialize")]
-    center: Option<Center>,
     /// What determines the setting of the first orbit.
     setting: S,
     continuation: P,
@@ -65,7 +62,6 @@ impl<P: Problem> Branch<P> {
             format: format.to_owned(),
             version,
             program: PROGRAM.to_owned(),
-            center: self.center,
             setting: source,
             continuation: self.continuation,
             weak: self.weak,
@@ -119,7 +115,7 @@ impl<P: Problem> Branch<P> {
     ) -> Result<(A, Self)> {
         let refused = |why: &dyn std::fmt::Display| file.refused(SETTINGS, why.to_string());
         let settings: Settings<P, S> = P::FORMAT.read(file)?;
-        let Settings { center, setting: source, continuation, weak, back, birth, points, ds, end, .. } = settings;
+        let Settings { setting: source, continuation, weak, back, birth, points, ds, end, .. } = settings;
         for (name, value, good, rule) in [
             ("points", points as f64, points > 0, "at least one"),
             ("ds", ds, ds.is_finite() && ds > 0.0, "finite and positive"),
@@ -158,7 +154,7 @@ impl<P: Problem> Branch<P> {
         }
         let branch = Self::new(continuation, setting, orbits[0].clone()).map_err(|why| refused(&why))?;
         let back = back.unwrap_or(branch.back);
-        let branch = Self { back, birth, center, weak, orbits, ds, end, ..branch };
+        let branch = Self { back, birth, weak, orbits, ds, end, ..branch };
         branch.check().map_err(|why| refused(&why))?;
         Ok((about, branch))
     }

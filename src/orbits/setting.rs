@@ -41,9 +41,10 @@ pub struct Setting {
     pub c_x: f64,
     /// Oscillations of the background in a period: 1, or 2 where the period is doubled.
     pub turns: u32,
-    /// The symmetry of an orbit that is not doubled, if it has one about the middle of the ring:
-    /// `x_{-n}(t) = x_n(t + T/2)` (site) or `x_{1-n} = x_n` (bond).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// The symmetry about the middle of the ring, if there is one: `x_{-n}(t) = x_n(t + T/2)` (site)
+    /// or `x_{1-n} = x_n` (bond). Where the period is doubled, that of the orbits of half the
+    /// period.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub about: Option<Center>,
 }
 

@@ -31,7 +31,7 @@ options! {
     /// Bright breathers of the cradle over their frequency.
     pub struct Cradle {
         /// Exponent of the contact force; 1.5 for spheres.
-        alpha: f64 = 1.5, "A", (1.01 to 10);
+        alpha: f64 = 1.5, "A", (1.15 to 10);
         /// Number of sites.
         ///
         /// About a site an odd number, about a bond the even one above it.
@@ -80,6 +80,11 @@ impl Cradle {
         Ok((0..self.frequencies).map(|k| self.from + step * k as f64).collect())
     }
 
+    /// The number of beads about a site.
+    fn odd(&self) -> usize {
+        self.sites - (self.sites + 1) % 2
+    }
+
     /// The breathers at every frequency, on all cores.
     ///
     /// # Errors
@@ -88,7 +93,7 @@ impl Cradle {
         let (frequencies, &Self { alpha, sites, .. }) = (self.check()?, self);
         let params = Params::new(alpha, 1.0, f64::INFINITY)?;
         let modes = |n: usize| NormalModes::new(&Chain::new(params, Boundary::Free, n)?);
-        let odd = sites - (sites + 1) % 2;
+        let odd = self.odd();
         let modes = [modes(odd)?, modes(odd + 1)?];
         let profiles = [Homoclinic::new(alpha, Center::Site)?, Homoclinic::new(alpha, Center::Bond)?];
         let settings = json!({"alpha": alpha, "sites": sites});
@@ -105,12 +110,13 @@ impl Cradle {
             panel(Kind::Parameter, "bond − site, same action", &[("orbits", "at_action"), ("DpS", "dps_at_action")]),
             panel(Kind::Parameter, "largest |λ|", &[("site", "site_largest"), ("bond", "bond_largest")]),
         ];
-        let &Self { alpha, sites, .. } = self;
+        let (alpha, odd) = (self.alpha, self.odd());
         let caption = format!(
-            "Bright breathers of {sites} beads on springs that just touch, α = {alpha}, κ = 1: energies; bond-centred less \
-             site-centred; largest moduli of multipliers."
+            "Bright breathers of beads on springs that just touch, {odd} about a site and {} about a bond, α = {alpha}, \
+             κ = 1: energies; bond-centred less site-centred; largest moduli of multipliers.",
+            odd + 1
         );
-        Report::new("cradle").fact("alpha", alpha).fact("sites", sites).table(table).picture(Panels::column(
+        Report::new("cradle").fact("alpha", alpha).fact("sites", self.sites).table(table).picture(Panels::column(
             "Bright breathers of the cradle",
             plots,
             caption,

@@ -184,6 +184,23 @@ fn solitary_waves_fail_where_a_ring_is_in_resonance() {
     assert!((json["coefficient"].as_f64().unwrap() - 0.905_515_776_419).abs() < 1e-12);
 }
 
+// Truth: the parameter has a column of its own, whatever else the branch measures.
+#[test]
+fn branches_in_every_parameter_of_a_breather_have_their_files() {
+    let folder = tempfile::tempdir().unwrap();
+    for (vary, from, to) in [("rho", 0.33, 0.332), ("kappa", 1.0, 1.002), ("alpha", 1.5, 1.502), ("c_x", 0.0, -1e-4)] {
+        let out = folder.path().join(vary);
+        let line = format!("breather continue --sites 5 --omega-b 2.1 --vary {vary} --from={from} --to={to}");
+        let output = hertzchain(&format!("{line} --out {}", out.display()));
+        assert!(output.status.success(), "{vary}: {}", String::from_utf8_lossy(&output.stderr));
+        let csv = fs::read_to_string(out.join("branch.csv")).unwrap();
+        let head: Vec<&str> = csv.lines().find(|line| !line.starts_with('#')).unwrap().split(',').collect();
+        let first = csv.lines().filter(|line| !line.starts_with('#')).nth(1).unwrap();
+        assert_eq!((head[0], first.split(',').next().unwrap().parse::<f64>().unwrap()), (vary, from));
+        assert_eq!(head.iter().filter(|name| name.starts_with("c_x")).count(), if vary == "c_x" { 2 } else { 1 });
+    }
+}
+
 // Truth: what the numbers are: the velocity is 1/T_m, half a period and 11 whole ones. A kick that
 // is not asked for leaves no file of an earlier one.
 #[test]

@@ -37,7 +37,7 @@ fn trail(continuation: Continuation) -> Branch {
     let mut trail =
         Branch::new(continuation, breather().setting(), breather().orbit(&continuation.shooting).unwrap()).unwrap();
     trail.extend(|_| {}).unwrap();
-    Branch { center: Some(Center::Bond), weak: Some(0.01), ..trail }
+    Branch { weak: Some(0.01), ..trail }
 }
 
 fn saved<P: Kept>(folder: &Path, about: &P::About, branch: &Branch<P>) -> PathBuf {
@@ -462,7 +462,7 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
         (|f| f.settings["ds"] = json!(0.0), "settings.json", "ds = 0 is not valid: finite and positive"),
         (|f| f.settings["weak"] = json!(-1.0), "settings.json", "weak = -1"),
         (|f| f.settings["end"] = json!("never"), "settings.json", "unknown variant `never`"),
-        (|f| f.settings["center"] = json!("bead"), "settings.json", "unknown variant `bead`"),
+        (|f| f.settings["setting"]["about"] = json!("bead"), "settings.json", "unknown variant `bead`"),
         (|f| f.settings["more"] = json!(1), "settings.json", "unknown field `more`"),
         (|f| f.settings["continuation"]["step"] = json!(0.0), "settings.json", "step = 0"),
         (|f| f.settings["continuation"]["to"] = json!(2.03), "settings.json", "to = 2.03"),
@@ -493,10 +493,6 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
     let whole = Forgery::new(&path, &unknowns);
     for inside in ["", "/setting", "/setting/params", "/continuation", "/continuation/shooting"] {
         for key in whole.settings.pointer(inside).unwrap().as_object().unwrap().keys() {
-            if key == "about" {
-                // An orbit need not have a symmetry.
-                continue;
-            }
             let mut forgery = whole.clone();
             forgery.settings.pointer_mut(inside).unwrap().as_object_mut().unwrap().remove(key);
             let text = refused(&forgery.bytes());

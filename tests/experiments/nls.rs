@@ -107,8 +107,9 @@ fn bright_envelopes_of_the_optical_band_travel_as_the_equation_says() {
 
 #[test]
 fn dark_envelopes_of_both_bands_travel_as_the_equation_says() {
-    let params = Params::new(1.5, 1.0, 1.0 / 3.0).unwrap();
-    for band in [0, 1] {
+    // With resonators, and the band without any.
+    let [some, none] = [(1.0, 1.0 / 3.0), (0.0, 0.0)].map(|(kappa, rho)| Params::new(1.5, kappa, rho).unwrap());
+    for (params, band) in [(some, 0), (some, 1), (none, 0)] {
         let nls = Nls::new(params, [1.0, 1.0], 0.7 * PI).unwrap()[band];
         assert!(!nls.focusing());
         let width = (-nls.dispersion / nls.nonlinearity).sqrt();

@@ -1,10 +1,10 @@
 //! Largest values of functions of the state over a run, also between steps.
 
 use hertzchain_integrators::{
-    Error as Failure, Stats, Stepper,
+    Stepper,
     events::{Part, SHARES},
 };
-use std::{fmt, mem::replace, sync::Arc};
+use std::{fmt, iter::once, mem::replace, sync::Arc};
 
 /// Parts of a step are at most this share of the period of the fastest motion.
 const PART: f64 = 1.0 / 16.0;
@@ -15,8 +15,6 @@ const MOST_PARTS: f64 = 256.0;
 const ABOVE: f64 = 1.0;
 /// Changes below this share of the largest value of all are rounding errors of what is at rest.
 const ROUNDING: f64 = 1e-13;
-/// Places beside the ends of a part, at which slopes are looked at, as a share of the part.
-const BESIDE: f64 = 1e-6;
 
 /// Appends the values of some functions of the state. Clones share them.
 #[derive(Clone)]
@@ -43,13 +41,13 @@ impl fmt::Debug for Observables {
     }
 }
 
-/// A stepper whose steps are searched for the largest values, by modulus.
+/// The search of the steps of a run for the largest values, by modulus.
 ///
-/// A part of a step is searched where one of them rises from its start and falls to its end: its
-/// maximum is that of the polynomial through eight samples, as for the overlaps of contacts.
-pub(super) struct Searched<'a, S: ?Sized> {
-    run: &'a mut S,
-    observables: Option<&'a Observables>,
+/// A part of a step in which one of them may have risen and fallen has the maximum of the
+/// polynomial through eight samples, as the overlaps of contacts do.
+pub(super) struct Search<'a> {
+    observables: &'a Observables,
+    /// Longest part of a step.
     part: f64,
     /// Time and value of each: the largest so far.
     pub(super) largest: Vec<(f64, f64)>,
@@ -59,35 +57,41 @@ pub(super) struct Searched<'a, S: ?Sized> {
     y: Vec<f64>,
 }
 
-impl<'a, S: Stepper<f64> + ?Sized> Searched<'a, S> {
-    /// Goes on from the `largest` values of earlier legs.
+impl<'a> Search<'a> {
+    /// Goes on from the `largest` values of earlier legs; `fast` is the period of the fastest
+    /// motion.
     pub(super) fn new(
-        run: &'a mut S,
-        observables: Option<&'a Observables>,
+        run: &mut (impl Stepper<f64> + ?Sized),
+        observables: &'a Observables,
         fast: f64,
         largest: Vec<(f64, f64)>,
     ) -> Self {
-        let (y, t) = (vec![0.0; if observables.is_some() { run.dim() } else { 0 }], run.time());
-        let (before, earlier) = (Vec::new(), Vec::new());
-        let mut searched = Self { run, observables, part: PART * fast, largest, before, earlier, y };
-        searched.before = searched.at(t);
+        let (y, t) = (vec![0.0; run.dim()], run.time());
+        let mut search = Self { observables, part: PART * fast, largest, before: Vec::new(), earlier: Vec::new(), y };
+        search.before = search.at(run, t);
         // The first part is searched in any case.
-        searched.earlier = vec![f64::INFINITY; searched.before.len()];
-        if searched.largest.is_empty() {
-            searched.largest = searched.before.iter().map(|value| (t, *value)).collect();
+        search.earlier = vec![f64::INFINITY; search.before.len()];
+        if search.largest.is_empty() {
+            search.largest = search.before.iter().map(|value| (t, *value)).collect();
         }
-        searched
+        search
     }
 
-    fn at(&mut self, t: f64) -> Vec<f64> {
-        let Some(observables) = self.observables else { return Vec::new() };
-        self.run.sample(t, &mut self.y);
-        observables.at(&self.y)
+    /// Searches the last step of the run, which began at `from`.
+    pub(super) fn step(&mut self, run: &mut (impl Stepper<f64> + ?Sized), from: f64) {
+        let to = run.time();
+        let parts = ((to - from) / self.part).ceil().clamp(1.0, MOST_PARTS) as u64;
+        let end = |k: u64| if k == parts { to } else { from + (to - from) * (k as f64 / parts as f64) };
+        (0..parts).for_each(|k| self.search(run, end(k), end(k + 1)));
     }
 
-    /// Searches a part of the last step.
-    fn search(&mut self, from: f64, to: f64) {
-        let after = self.at(to);
+    fn at(&mut self, run: &mut (impl Stepper<f64> + ?Sized), t: f64) -> Vec<f64> {
+        run.sample(t, &mut self.y);
+        self.observables.at(&self.y)
+    }
+
+    fn search(&mut self, run: &mut (impl Stepper<f64> + ?Sized), from: f64, to: f64) {
+        let after = self.at(run, to);
         let before = replace(&mut self.before, after.clone());
         let earlier = replace(&mut self.earlier, before.clone());
         let least = ROUNDING * self.largest.iter().fold(0.0, |most: f64, one| most.max(one.1.abs()));
@@ -102,56 +106,17 @@ impl<'a, S: Stepper<f64> + ?Sized> Searched<'a, S> {
         if near.is_empty() {
             return;
         }
-        let at = |share: f64| (from + (to - from) * share).min(to);
-        let [early, late] = [at(BESIDE), at(1.0 - BESIDE)].map(|t| self.at(t));
-        let inside = |k: usize| early[k].abs() > before[k].abs() && late[k].abs() > after[k].abs();
-        let any = near.iter().any(|&k| inside(k));
-        let samples: Vec<Vec<f64>> = if any { SHARES.map(|share| self.at(at(share))).to_vec() } else { Vec::new() };
-        for k in near.into_iter().filter(|&k| inside(k)) {
+        let [_, inner @ .., _] = SHARES;
+        let inner = inner.map(|share| self.at(run, from + (to - from) * share));
+        let samples = || once(&before).chain(&inner).chain(once(&after));
+        for k in near {
             let sign = 1f64.copysign(after[k]);
-            let values = std::array::from_fn(|j| sign * samples[j][k]);
+            let mut values = [0.0; SHARES.len()];
+            values.iter_mut().zip(samples()).for_each(|(value, sample)| *value = sign * sample[k]);
             let (t, value) = Part { index: k, span: (from, to), values }.curve().largest();
             if value > self.largest[k].1.abs() {
                 self.largest[k] = (t, sign * value);
             }
         }
-    }
-}
-
-impl<S: Stepper<f64> + ?Sized> Stepper<f64> for Searched<'_, S> {
-    fn dim(&self) -> usize {
-        self.run.dim()
-    }
-
-    fn time(&self) -> f64 {
-        self.run.time()
-    }
-
-    fn done(&self) -> bool {
-        self.run.done()
-    }
-
-    fn step(&mut self) -> Result<(), Failure> {
-        let from = self.run.time();
-        self.run.step()?;
-        if self.observables.is_some() {
-            let to = self.run.time();
-            let parts = ((to - from) / self.part).ceil().clamp(1.0, MOST_PARTS) as u64;
-            let end = |k: u64| if k == parts { to } else { from + (to - from) * (k as f64 / parts as f64) };
-            (0..parts).for_each(|k| self.search(end(k), end(k + 1)));
-        }
-        Ok(())
-    }
-
-    fn steps(&mut self, wanted: Option<f64>) -> Result<(), Failure> {
-        if self.observables.is_some() { self.step() } else { self.run.steps(wanted) }
-    }
-
-    fn sample(&mut self, t: f64, y: &mut [f64]) {
-        self.run.sample(t, y);
-    }
-
-    fn stats(&self) -> Stats {
-        self.run.stats()
     }
 }

@@ -191,13 +191,7 @@ impl Method {
         let names: Vec<String> = all.iter().map(Self::name).collect();
         match names.iter().position(|known| known == name) {
             Some(i) => Ok(all[i]),
-            None => Err(match Error::unknown("integrator", name, names.iter().map(String::as_str)) {
-                // There are too many to be listed here.
-                Error::Unknown { kind, name, hint } if hint.is_empty() => {
-                    Error::Unknown { kind, name, hint: "; `hertzchain integrators` lists all".to_owned() }
-                }
-                near => near,
-            }),
+            None => Err(Error::unknown("integrator", name, names.iter().map(String::as_str))),
         }
     }
 

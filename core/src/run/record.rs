@@ -1,6 +1,6 @@
 //! The result of a run, and the observer that collects it.
 
-use super::{Measure, Method, Run, Setting, Warning, extremes::Searched, method::start_logged};
+use super::{Measure, Method, Run, Setting, Warning, extremes::Search, method::start_logged};
 use crate::{
     chain::{Contact, ContactLog, Contacts, Energy, Maximum, Overlaps, max_norm},
     error::{Failed, Result},
@@ -105,9 +105,11 @@ impl Trajectory {
     }
 }
 
-/// A stepper that measures the time spent on samples.
+/// A stepper that measures the time spent on samples, and searches its steps for largest values if
+/// these are asked for.
 struct Timed<'a, S: ?Sized> {
     run: &'a mut S,
+    search: Option<Search<'a>>,
     /// Wall time of all samples so far.
     sampling: Duration,
 }
@@ -126,11 +128,18 @@ impl<S: Stepper<f64> + ?Sized> Stepper<f64> for Timed<'_, S> {
     }
 
     fn step(&mut self) -> std::result::Result<(), Failure> {
-        self.run.step()
+        let from = self.run.time();
+        self.run.step()?;
+        if let Some(search) = &mut self.search {
+            let clock = Instant::now();
+            search.step(self.run, from);
+            self.sampling += clock.elapsed();
+        }
+        Ok(())
     }
 
     fn steps(&mut self, wanted: Option<f64>) -> std::result::Result<(), Failure> {
-        self.run.steps(wanted)
+        if self.search.is_some() { self.step() } else { self.run.steps(wanted) }
     }
 
     fn sample(&mut self, t: f64, y: &mut [f64]) {
@@ -333,12 +342,12 @@ impl<'a> Recorder<'a> {
         let mut state = std::mem::take(&mut self.kept.state);
         let clock = Instant::now();
         let (run, extremes) = (self.run, std::mem::take(&mut self.kept.extremes));
-        let fast = if run.observables.is_some() { run.fast_period() } else { 0.0 };
-        let mut timed = Timed { run: stepper, sampling: Duration::ZERO };
-        let mut searched = Searched::new(&mut timed, run.observables.as_ref(), fast, extremes);
-        let driven = drive(&mut searched, self, &mut state);
-        self.kept.extremes = searched.largest;
-        let Timed { run: stepper, sampling } = timed;
+        let search = run.observables.as_ref();
+        let search = search.map(|observables| Search::new(stepper, observables, run.fast_period(), extremes));
+        let mut timed = Timed { run: stepper, search, sampling: Duration::ZERO };
+        let driven = drive(&mut timed, self, &mut state);
+        let Timed { run: stepper, search, sampling } = timed;
+        self.kept.extremes = search.map_or(Vec::new(), |search| search.largest);
         self.kept.sampling += sampling;
         self.kept.wall += clock.elapsed();
         let (from, t, stats) = (self.kept.t, stepper.time(), stepper.stats());

@@ -93,6 +93,27 @@ impl Unknowns {
         let entry = |(m, e): (usize, f64)| Some((self.index[m][k]?, Interval::exact(e) * system.factors[k]));
         system.coupled(n, k).into_iter().filter_map(entry).collect()
     }
+
+    /// `DG` on the unknowns, rounded to nearest: `A` may be any matrix.
+    fn derivative(&self, system: &System, known: &[Moments]) -> Vec<Vec<f64>> {
+        let mut matrix = vec![vec![0.0; self.rows]; self.rows];
+        for (i, &(n, k)) in self.all.iter().enumerate() {
+            for (column, factor) in self.b_row(system, n, k) {
+                let m = self.all[column].0;
+                for (place, j) in self.index[m].iter().zip(0..).filter_map(|(place, j)| Some(((*place)?, j))) {
+                    matrix[i][place] += (factor * stiffness(&known[m].stiffness, k, j)).mid();
+                }
+            }
+            match &system.means {
+                Some((shares, _)) if k == 0 => {
+                    matrix[i][self.rows - 1] = -1.0;
+                    matrix[self.rows - 1][i] = shares[n].mid();
+                }
+                _ => matrix[i][i] += 1.0,
+            }
+        }
+        matrix
+    }
 }
 
 /// A floating-point inverse, which need not be accurate: Gauss-Jordan elimination with pivots.
@@ -146,24 +167,8 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
         system.coupled(n, 0).into_iter().map(|(m, e)| Interval::exact(e.abs()) * by_site[m]).sum()
     };
 
-    // DG on the unknowns, A, and M = A B.
-    let mut matrix = vec![vec![0.0; unknowns.rows]; unknowns.rows];
-    for (i, &(n, k)) in unknowns.all.iter().enumerate() {
-        for (column, factor) in unknowns.b_row(&system, n, k) {
-            let m = unknowns.all[column].0;
-            for (place, j) in unknowns.index[m].iter().zip(0..).filter_map(|(place, j)| Some(((*place)?, j))) {
-                matrix[i][place] += (factor * stiffness(&known[m].stiffness, k, j)).mid();
-            }
-        }
-        match &system.means {
-            Some((shares, _)) if k == 0 => {
-                matrix[i][unknowns.rows - 1] = -1.0;
-                matrix[unknowns.rows - 1][i] = shares[n].mid();
-            }
-            _ => matrix[i][i] += 1.0,
-        }
-    }
-    let inverse = approximate_inverse(matrix);
+    // A, and M = A B.
+    let inverse = approximate_inverse(unknowns.derivative(&system, &known));
     go_on()?;
     let product: Vec<Vec<Interval>> = inverse.iter().map(|row| unknowns.times_b(&system, row)).collect();
 

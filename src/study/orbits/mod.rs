@@ -136,8 +136,7 @@ impl DarkStudy {
         let measures = OrbitMeasures { extent: *extent };
         let point = OrbitPoint { orbit: orbit.clone(), spectrum: spectrum.clone(), measures };
         let branch = branches::alone(continuation, &orbit.setting, point)?;
-        let (center, weak) = (Some(self.center), Some(Continue::default().weak));
-        branches::branch_npz(&(), &Branch { center, weak, ..branch })
+        branches::branch_npz(&(), &Branch { weak: Some(Continue::default().weak), ..branch })
     }
 }
 
@@ -239,7 +238,7 @@ impl Continue {
         let first = breather.orbit(&continuation.shooting);
         let branch = first.and_then(|first| Branch::new(continuation, breather.setting(), first));
         let branch = branch.map_err(|why| if of_from(&why) { why.named("from") } else { why })?;
-        Ok(Branch { center: Some(self.center), weak: Some(self.weak), ..branch })
+        Ok(Branch { weak: Some(self.weak), ..branch })
     }
 }
 
@@ -480,7 +479,7 @@ pub fn doubled_from(
     progress: Progress<'_>,
 ) -> Result<(Bifurcation, Branch)> {
     let rule = "only bond-centred breathers double their period: a site-centred one is the square of half its period";
-    require(main.center != Some(Center::Site), "center", "site", rule)?;
+    require(main.setting.about != Some(Center::Site), "center", "site", rule)?;
     if main.points.iter().any(|point| point.orbit.setting.turns > 1) {
         return Err(Error::parameter("turns", 2, "the main branch has one turn a period: this one is doubled"));
     }
@@ -497,6 +496,6 @@ pub fn doubled_from(
     let continuation =
         Continuation { parameter: Parameter::OmegaB, to: omega_b, step: 0.5 * step, ..main.continuation };
     let start = birth.doubled(shooting, FIRST_SIZE)?;
-    let branch = Branch { center: main.center, ..Branch::new(continuation, start.setting, start)? };
+    let branch = Branch::new(continuation, start.setting, start)?;
     Ok((birth, go_on(branch, engine, progress)?))
 }

@@ -278,7 +278,9 @@ impl Branch {
             let Setting { params, sites, .. } = row.orbit.setting;
             format!(" N = {sites}, {} at its first point.", params_words(params))
         });
-        let caption = format!("{} orbits; unstable: a multiplier with |λ| > 1 + 10⁻⁶.{ring}", rows.len());
+        let known = rows.iter().any(|row| row.spectrum.is_some());
+        let unstable = if known { "; unstable: a multiplier with |λ| > 1 + 10⁻⁶" } else { "" };
+        let caption = format!("{} orbits{unstable}.{ring}", rows.len());
         Panels::column(format!("Branch of periodic orbits in {symbol}"), plots, caption)
     }
 }

@@ -468,7 +468,8 @@ pub fn run_pictures(ran: &RunView<'_>) -> Result<Vec<crate::study::Drawing>> {
     if let Some(last) = outcome.profiles.last() {
         let (range, clips) = strain_range(outcome);
         let clipped = if clips {
-            format!("; magenta: gaps beyond {}", crate::number::format_short(range))
+            let what = if loaded(scene) { "strains" } else { "gaps" };
+            format!("; magenta: {what} beyond {}", crate::number::format_short(range))
         } else {
             String::new()
         };
@@ -527,12 +528,18 @@ fn first_bond(scene: &Scene) -> f64 {
 /// contact at both signs.
 #[cfg(feature = "plot")]
 fn strain_words(scene: &Scene) -> &'static str {
-    match scene.chain().details() {
-        Some(details) if !details.overlap.is_empty() => {
-            "Strain beside the static overlap: negative (blue) presses more, positive (red) less"
-        }
-        _ => "Negative strain (blue) is contact, positive (red) a gap",
+    if loaded(scene) {
+        "Strain beside the static overlap: negative (blue) presses more, positive (red) less"
+    } else {
+        "Negative strain (blue) is contact, positive (red) a gap"
     }
+}
+
+/// Whether beads have static overlaps.
+#[cfg(feature = "plot")]
+fn loaded(scene: &Scene) -> bool {
+    let chain = scene.chain();
+    chain.precompression() > 0.0 || chain.details().is_some_and(|details| !details.overlap.is_empty())
 }
 
 /// The largest strain of the colour scale, and whether gaps exceed it. It is the largest overlap,
