@@ -29,7 +29,7 @@ from ._errors import (
 from ._modes import NormalMode, normal_mode
 from ._native import __version__
 from ._orbits import Branch, BranchPoint, DarkBreather, Orbit, continue_branch, monodromy
-from ._run import Interrupted, Trajectory, integrators, run
+from ._run import Ensemble, Interrupted, Trajectory, integrators, run, run_many
 from ._study import Study, study
 from ._sweep import Table, sweep, sweep_plan
 from ._waves import BrightBreather, TravellingWave
@@ -44,6 +44,7 @@ __all__ = [
     "DarkBreather",
     "DrivenBranch",
     "DrivenOrbit",
+    "Ensemble",
     "Error",
     "FileError",
     "InternalError",
@@ -68,6 +69,7 @@ __all__ = [
     "monodromy",
     "normal_mode",
     "run",
+    "run_many",
     "studies",
     "study",
     "sweep",

@@ -24,6 +24,7 @@ __all__ = [
     "monodromy",
     "program",
     "run",
+    "run_many",
     "scenes",
     "study",
     "wave_of",
@@ -119,6 +120,18 @@ def run(
     seen: Callable[[float, _V], Any] | None,
     told: Callable[[float, _V], Any] | None,
 ) -> tuple[dict[str, Any], BaseException | None]: ...
+def run_many(
+    scenes: list[Scene],
+    *,
+    integrator: str | None,
+    tol: float | None,
+    step: float | None,
+    steps_per_period: float | None,
+    times: _V | None,
+    states: bool,
+    dimensionless: bool,
+    progress: Callable[[float], Any] | None,
+) -> tuple[list[dict[str, Any]], BaseException | None]: ...
 def study(
     line: list[str], progress: Callable[[float], Any] | None
 ) -> tuple[Report | None, BaseException | None]: ...

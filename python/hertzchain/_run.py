@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+import re
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,14 +24,14 @@ DEFAULT_SAMPLES = 400
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a run; `partial` is what the run had recorded.
+    """Ctrl-C during a run; `partial` is what the run, or :func:`run_many`, had recorded.
 
     Attributes
     ----------
-    partial : Trajectory
+    partial : Trajectory or Ensemble
     """
 
-    def __init__(self, partial: Trajectory) -> None:
+    def __init__(self, partial: Trajectory | Ensemble) -> None:
         super().__init__(f"stopped at t = {partial.t_end:g}")
         self.partial = partial
 
@@ -338,6 +340,159 @@ def run(
         raised.partial = trajectory  # type: ignore[attr-defined]
         raise raised
     return trajectory
+
+
+class Ensemble(Sequence[Trajectory]):
+    """The trajectories of :func:`run_many`: a sequence, and their arrays as one.
+
+    Attributes
+    ----------
+    t : ndarray, shape (times,)
+        Sample times.
+    u, v, pu, pv : ndarray, shape (members, times, sites)
+        As those of a :class:`Trajectory`, ``x, y, vx, vy`` on a strain ring; NaN after the failure
+        of a member.
+    energy : ndarray, shape (members, times), or None
+        Energy at the sample times.
+    energy_error : ndarray, shape (members,)
+        NaN for a member without an energy.
+    failures : dict
+        Why members stopped before the end, by their numbers.
+    t_end : float
+        The time that all have reached.
+    """
+
+    def __init__(self, members: list[Trajectory]) -> None:
+        self._members = members
+        self.t: Vector = max((member.t for member in members), key=len)
+        self.energy_error = np.array([math.nan if m.energy_error is None else m.energy_error for m in members])
+        self.failures = {k: member.failure for k, member in enumerate(members) if member.failure}
+        self.t_end = min(member.t_end for member in members)
+
+    def _whole(self, arrays: list[Vector]) -> Vector:
+        whole = np.full((len(arrays), len(self.t), *arrays[0].shape[1:]), np.nan)
+        for row, array in zip(whole, arrays):
+            row[: len(array)] = array
+        return whole
+
+    @property
+    def energy(self) -> Vector | None:
+        """Energy at the sample times."""
+        energies = [member.energy for member in self._members]
+        return None if any(energy is None for energy in energies) else self._whole(energies)  # type: ignore[arg-type]
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        arrays = [getattr(member, name) for member in self._members]
+        if not isinstance(arrays[0], np.ndarray):
+            raise AttributeError(f"{name!r} is not an array over time: it is of each member")
+        return self._whole(arrays)
+
+    @overload
+    def __getitem__(self, k: int) -> Trajectory: ...
+    @overload
+    def __getitem__(self, k: slice) -> list[Trajectory]: ...
+    def __getitem__(self, k: int | slice) -> Trajectory | list[Trajectory]:
+        return self._members[k]
+
+    def __len__(self) -> int:
+        return len(self._members)
+
+    def __repr__(self) -> str:
+        failed = f", {len(self.failures)} failed" if self.failures else ""
+        return f"Ensemble({len(self)} members, {len(self.t)} times{failed})"
+
+
+def run_many(
+    scene: Scene | Chain,
+    y0: Any,
+    *,
+    until: float | None = None,
+    method: str | None = None,
+    tol: float | None = None,
+    step: float | None = None,
+    steps_per_period: float | None = None,
+    at: ArrayLike | int | None = None,
+    states: bool = True,
+    progress: Progress = False,
+    dimensionless: bool = False,
+) -> Ensemble:
+    """Run a chain from many states, on all cores; each trajectory has the bits of :func:`run`.
+
+    By a splitting with equal steps, such as ``strang-linear`` or ``verlet``, chains of equal beads
+    are moved side by side, one in each lane of a vector register, which takes less time.
+
+    Parameters
+    ----------
+    scene : Scene or Chain
+        What to run; a chain needs `until`.
+    y0 : sequence or mapping
+        The initial states: a sequence of what :func:`run` takes, such as the rows of an array of
+        shape (members, numbers); or a mapping of ``u, v, pu, pv`` to arrays of shape (members,
+        sites).
+    until, method, tol, step, steps_per_period, at, states, progress, dimensionless
+        As in :func:`run`.
+
+    Returns
+    -------
+    Ensemble
+
+    Warns
+    -----
+    RuntimeWarning
+        Once for each kind of doubt about members, with the number of the first.
+
+    Examples
+    --------
+    The first bead of a chain is struck at three speeds.
+
+    >>> import hertzchain as hc, numpy as np
+    >>> struck = np.zeros((3, 10))
+    >>> struck[:, 0] = [0.5, 1.0, 2.0]
+    >>> runs = hc.run_many(hc.Chain(sites=10), {"pu": struck}, until=5.0, method="verlet", step=0.01, at=50)
+    >>> runs.u.shape, bool(np.allclose(runs.pu.sum(axis=2), struck[:, :1]))
+    ((3, 51, 10), True)
+    """
+    if isinstance(y0, Mapping):
+        arrays = {name: list(rows) for name, rows in y0.items()}
+        if len({len(rows) for rows in arrays.values()}) > 1:
+            counts = ", ".join(f"{len(rows)} of {name}" for name, rows in arrays.items())
+            raise ParameterError(f"y0 with {counts} is not valid: as many rows of each")
+        y0 = [dict(zip(arrays, rows)) for rows in zip(*arrays.values())]
+    scenes = [scene_of(scene, state, until) for state in y0]
+    if not scenes:
+        raise ParameterError("y0 with no state is not valid: at least one")
+    if at is None and isinstance(scene, Chain):
+        at = DEFAULT_SAMPLES
+    whole = scenes[0]
+    with shown(progress, whole.name) as tell:
+        records, raised = _native.run_many(
+            [one._scene for one in scenes],
+            integrator=None if method is None else word("method", method),
+            tol=optional("tol", tol),
+            step=optional("step", step),
+            steps_per_period=optional("steps_per_period", steps_per_period),
+            times=None if at is None else times_of(at, whole.end),
+            states=states,
+            dimensionless=bool(dimensionless),
+            progress=tell,
+        )
+    chain = scene if isinstance(scene, Chain) else whole.chain
+    si = whole.units is not None and not dimensionless
+    members = [Trajectory(chain, record, whole.units, si) for record in records]
+    told: set[str] = set()
+    for k, member in enumerate(members):
+        for warning in member.warnings:
+            if (kind := re.sub(r"\d[\d.e+-]*", "", warning)) not in told:
+                told.add(kind)
+                warnings.warn(f"member {k}: {warning}", RuntimeWarning, stacklevel=2)
+    ensemble = Ensemble(members)
+    if isinstance(raised, KeyboardInterrupt):
+        raise Interrupted(ensemble) from None
+    if raised is not None:
+        raise raised
+    return ensemble
 
 
 def contact_of(numbers: Vector) -> dict[str, float]:

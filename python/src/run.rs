@@ -6,15 +6,22 @@ use crate::{
     work::{Watched, brief, watched},
 };
 use hertzchain::{
-    Setting, Trajectory,
+    Error, Run, Setting, Trajectory,
     chain::{Boundary, Chain, Contact, Energy, Layout},
     run::Records,
-    scene::Quantity,
+    scene::{Quantity, Units},
+    sweep::start_all,
     study::{MethodChoice, MethodRequest, ResultUnits, contact_in_si, in_units, state_in_si},
 };
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, prelude::*};
 use pyo3::{prelude::*, types::PyDict};
-use std::cell::RefCell;
+use std::{
+    cell::RefCell,
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicUsize, Ordering},
+    },
+};
 
 /// Steps times sites of a run that takes less than a millisecond.
 const SHORT: u64 = 10_000;
@@ -22,6 +29,8 @@ const SHORT: u64 = 10_000;
 /// Rows of states, array by array: `u`, `v`, and their momenta, or the rates of strains.
 struct Rows {
     layout: Layout,
+    /// Whether states are kept.
+    states: bool,
     /// What velocities of beads and of resonators are multiplied by.
     masses: [Vec<f64>; 2],
     t: Vec<f64>,
@@ -39,7 +48,22 @@ impl Rows {
         let (layout, sites) = (chain.layout(), if states { times * chain.sites() } else { 0 });
         let beside = if layout.resonators() { sites } else { 0 };
         let arrays = [sites, beside, sites, beside].map(Vec::with_capacity);
-        Self { layout, masses, t: Vec::with_capacity(times), arrays }
+        Self { layout, states, masses, t: Vec::with_capacity(times), arrays }
+    }
+
+    /// Takes a sample, and hands it on in the units of the result.
+    fn take(&mut self, t: f64, y: &[f64], units: Option<&Units>, then: &mut dyn FnMut(f64, &[f64])) {
+        let converted = units.map(|units| {
+            let mut y = y.to_vec();
+            state_in_si(&mut y, self.layout, units);
+            (t * units.time_s, y)
+        });
+        let (t, y) = converted.as_ref().map_or((t, y), |(t, y)| (*t, &y[..]));
+        self.t.push(t);
+        if self.states {
+            self.add(y);
+        }
+        then(t, y);
     }
 
     fn add(&mut self, y: &[f64]) {
@@ -87,21 +111,8 @@ pub(crate) fn run<'py>(
 ) -> PyResult<(Bound<'py, PyDict>, Option<PyErr>)> {
     let scene = &scene.0;
     let asked = MethodRequest { integrator, tol, step, steps_per_period, ..MethodRequest::default() };
-    let how = MethodChoice::new(&asked, scene).or_raise(py)?;
-    let run = scene.run().records(Records::Energy);
-    let (run, count) = match &times {
-        Some(times) => {
-            // The end in the units of the scene is that of the run, whatever the rounding.
-            let (end, own) = (scene.end(), scene.in_file(Quantity::Time, scene.end()));
-            let of = |t: &f64| if *t == own { end } else { scene.of_file(Quantity::Time, *t) };
-            let times: Vec<f64> = times.as_array().iter().map(of).collect();
-            (run.samples_at(&times).or_raise(py)?, times.len())
-        }
-        None => (run, scene.samples() + 1),
-    };
+    let Prepared { how, run, units, mut rows } = prepared(py, scene, &asked, times.as_ref(), (states, dimensionless))?;
     let run = if events { run.contacts() } else { run };
-    let units = ResultUnits { dimensionless }.of(scene);
-    let mut rows = Rows::new(scene.chain(), count, states, units.map_or(1.0, |units| units.mass_kg));
     let (end, layout) = (scene.end(), scene.chain().layout());
     let work = |watched: &Watched| {
         let thrown = RefCell::new(None);
@@ -114,17 +125,7 @@ pub(crate) fn run<'py>(
         };
         let mut seen = |t: f64, y: &[f64]| {
             watched.tell(t / end);
-            let converted = units.map(|units| {
-                let mut y = y.to_vec();
-                state_in_si(&mut y, layout, &units);
-                (t * units.time_s, y)
-            });
-            let (t, y) = converted.as_ref().map_or((t, y), |(t, y)| (*t, &y[..]));
-            rows.t.push(t);
-            if states {
-                rows.add(y);
-            }
-            call(&seen, (t, &y[..2 * layout.half()]));
+            rows.take(t, y, units.as_ref(), &mut |t, y| call(&seen, (t, &y[..2 * layout.half()])));
         };
         let mut told = |contact: &Contact| {
             let contact = units.map_or_else(|| contact.clone(), |units| contact_in_si(contact, &units));
@@ -136,24 +137,101 @@ pub(crate) fn run<'py>(
     let short = matches!(how, MethodChoice::Integrated(_, Setting::Steps(steps), ..) if steps * scene.chain().sites() as u64 <= SHORT);
     let ((outcome, thrown, rows), raised) =
         if short { (brief(py, work)?, None) } else { watched(py, progress.as_ref(), work)? };
-    let outcome = outcome.or_raise(py)?;
-    let outcome = in_units(outcome, layout, units.as_ref());
-    let (name, setting) = how.words();
-    let result = record(py, outcome, rows, states, scene.doubts())?;
-    result.set_item("integrator", name)?;
-    result.set_item("setting", setting)?;
-    result.set_item("reason", how.reason())?;
-    Ok((result, thrown.or(raised)))
+    Ok((record(py, outcome.or_raise(py)?, rows, (scene, &how, units))?, thrown.or(raised)))
+}
+
+/// A run, how it is computed, the units of its results, and room for these.
+struct Prepared {
+    how: MethodChoice,
+    run: Run,
+    units: Option<Units>,
+    rows: Rows,
+}
+
+fn prepared(
+    py: Python<'_>,
+    scene: &hertzchain::Scene,
+    asked: &MethodRequest,
+    times: Option<&PyReadonlyArray1<'_, f64>>,
+    (states, dimensionless): (bool, bool),
+) -> PyResult<Prepared> {
+    let how = MethodChoice::new(asked, scene).or_raise(py)?;
+    let run = scene.run().records(Records::Energy);
+    let (run, count) = match times {
+        Some(times) => {
+            // The end in the units of the scene is that of the run, whatever the rounding.
+            let (end, own) = (scene.end(), scene.in_file(Quantity::Time, scene.end()));
+            let of = |t: &f64| if *t == own { end } else { scene.of_file(Quantity::Time, *t) };
+            let times: Vec<f64> = times.as_array().iter().map(of).collect();
+            (run.samples_at(&times).or_raise(py)?, times.len())
+        }
+        None => (run, scene.samples() + 1),
+    };
+    let units = ResultUnits { dimensionless }.of(scene);
+    let rows = Rows::new(scene.chain(), count, states, units.map_or(1.0, |units| units.mass_kg));
+    Ok(Prepared { how, run, units, rows })
+}
+
+/// Runs scenes, each as by [`run`] with the same bits, on all cores; those that differ in their
+/// initial states only and are by a splitting with equal steps are made side by side. The result is
+/// what was recorded of each, and the exception that stopped them, if one did.
+#[pyfunction]
+#[pyo3(signature = (scenes, *, integrator, tol, step, steps_per_period, times, states, dimensionless, progress))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn run_many<'py>(
+    py: Python<'py>,
+    scenes: Vec<PyRef<'py, Scene>>,
+    integrator: Option<String>,
+    tol: Option<f64>,
+    step: Option<f64>,
+    steps_per_period: Option<f64>,
+    times: Option<PyReadonlyArray1<'py, f64>>,
+    states: bool,
+    dimensionless: bool,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<(Vec<Bound<'py, PyDict>>, Option<PyErr>)> {
+    let asked = MethodRequest { integrator, tol, step, steps_per_period, ..MethodRequest::default() };
+    let (mut runs, mut rows, mut hows, mut total) = (Vec::new(), Vec::new(), Vec::new(), 0);
+    for scene in &scenes {
+        let Prepared { how, run, units, rows: room } =
+            prepared(py, &scene.0, &asked, times.as_ref(), (states, dimensionless))?;
+        let MethodChoice::Integrated(method, setting, ..) = how else {
+            let rule = "this state has an exact solution, which a run evaluates: name a method";
+            return Err(Error::parameter("method", "None", rule)).or_raise(py);
+        };
+        runs.push(run.method(method).setting(setting));
+        total += room.t.capacity();
+        rows.push(Mutex::new(room));
+        hows.push((how, units));
+    }
+    let done = AtomicUsize::new(0);
+    let work = |watched: &Watched| {
+        start_all(&runs, &|k, t, y| {
+            watched.tell(done.fetch_add(1, Ordering::Relaxed) as f64 / total as f64);
+            let mut rows = rows[k].lock().unwrap_or_else(PoisonError::into_inner);
+            rows.take(t, y, hows[k].1.as_ref(), &mut |_, _| ());
+        })
+    };
+    let (ends, raised) = watched(py, progress.as_ref(), work)?;
+    let rows = rows.into_iter().map(|rows| rows.into_inner().unwrap_or_else(PoisonError::into_inner));
+    let records = ends.into_iter().zip(rows).zip(hows.iter().zip(&scenes)).map(|((end, rows), ((how, units), scene))| {
+        record(py, end.or_raise(py)?, rows, (&scene.0, how, *units))
+    });
+    Ok((records.collect::<PyResult<_>>()?, raised))
 }
 
 fn record<'py>(
     py: Python<'py>,
     outcome: Trajectory,
     mut rows: Rows,
-    states: bool,
-    mut warnings: Vec<String>,
+    (scene, how, units): (&hertzchain::Scene, &MethodChoice, Option<Units>),
 ) -> PyResult<Bound<'py, PyDict>> {
-    let result = PyDict::new(py);
+    let outcome = in_units(outcome, rows.layout, units.as_ref());
+    let (result, mut warnings) = (PyDict::new(py), scene.doubts());
+    let (name, setting) = how.words();
+    result.set_item("integrator", name)?;
+    result.set_item("setting", setting)?;
+    result.set_item("reason", how.reason())?;
     let kinds = |energy: Energy<f64>| [energy.beads, energy.resonators, energy.springs, energy.contacts];
     let energies: Option<Vec<[f64; 4]>> = outcome.samples.iter().map(|sample| sample.energy.map(kinds)).collect();
     if let Some(energies) = energies {
@@ -182,11 +260,11 @@ fn record<'py>(
     }
     let count = rows.t.len();
     let masses = std::mem::take(&mut rows.masses);
-    let mut last = Rows { layout: rows.layout, masses, t: Vec::new(), arrays: Default::default() };
+    let mut last = Rows { layout: rows.layout, states: true, masses, t: Vec::new(), arrays: Default::default() };
     last.add(&outcome.state);
     result.set_item("end", last.arrays(py, 1)?)?;
     result.set_item("t", PyArray1::from_vec(py, std::mem::take(&mut rows.t)))?;
-    if states {
+    if rows.states {
         result.set_item("states", rows.arrays(py, count)?)?;
     }
     Ok(result)

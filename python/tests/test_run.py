@@ -195,3 +195,47 @@ print(peak / (run.u.nbytes + run.pu.nbytes))
     assert float(done.stdout) < 1.6
 
 
+
+
+@pytest.mark.parametrize("method", ["strang-linear", "verlet", "dop853"])
+def test_runs_from_many_states_have_the_bits_of_each(method):
+    # Truth: each alone; more members than a register has lanes, all arrays and energies.
+    chain = hc.Chain(sites=9, kappa=1, rho=1 / 3)
+    rng = np.random.default_rng(3)
+    states = 0.1 * rng.standard_normal((11, 36))
+    how = {"tol": 1e-6} if method == "dop853" else {"step": 0.05}
+    many = hc.run_many(chain, states, until=4.0, method=method, at=[0.5, 1.7, 4.0], **how)
+    assert len(many) == 11 and many.u.shape == (11, 3, 9) and not many.failures
+    for k, state in enumerate(states):
+        one = hc.run(chain, y0=state, until=4.0, method=method, at=[0.5, 1.7, 4.0], **how)
+        for name in ("u", "v", "pu", "pv", "energy"):
+            assert np.array_equal(getattr(many, name)[k], getattr(one, name)), name
+        assert many[k].energy_error == one.energy_error == many.energy_error[k]
+        assert all(np.array_equal(many[k].end[name], one.end[name]) for name in one.end)
+    by_name = hc.run_many(chain, dict(zip(("u", "v", "pu", "pv"), np.split(states, 4, axis=1))), until=4.0, method=method, **how)
+    assert np.array_equal(by_name.u[:, -1], many.u[:, -1])
+
+
+def test_runs_from_many_states_in_si_units_and_those_that_fail():
+    # Truth: each alone. The second member is so fast that its energy at this step is lost.
+    steel = {"system": "SI", "radius": 9.525e-3, "density": 8027.0, "young": 193e9, "poisson": 0.3}
+    chain = hc.Chain(sites=12, units=steel)
+    states = [{"pu": speed * chain.masses[0] * np.eye(12)[0]} for speed in (0.5, 1e9, 0.7)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        many = hc.run_many(chain, states, until=2e-4, method="verlet", step=1e-6, at=5)
+        ones = [hc.run(chain, y0=state, until=2e-4, method="verlet", step=1e-6, at=5) for state in states]
+    assert [one.failure for one in ones] == [member.failure for member in many]
+    assert list(many.failures) == [1]
+    for member, one in zip(many, ones):
+        assert np.array_equal(member.u, one.u) and np.array_equal(member.end["u"], one.end["u"])
+    assert many.u.shape == (3, 6, 12) and np.isnan(many.u[1]).any() and not np.isnan(many.u[[0, 2]]).any()
+
+
+def test_states_of_many_runs_are_checked():
+    chain = hc.Chain(sites=3)
+    for y0, words in [([], "at least one"), (np.zeros((2, 5)), "y0"), ({"u": np.zeros((2, 3)), "pu": np.zeros((3, 3))}, "as many")]:
+        with pytest.raises(hc.ParameterError, match=words):
+            hc.run_many(chain, y0, until=1.0)
+    with pytest.raises(hc.ParameterError, match="tol"):
+        hc.run_many(chain, np.zeros((2, 6)), until=1.0, method="verlet", tol=1e-6)

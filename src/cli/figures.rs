@@ -166,7 +166,8 @@ fn sweep(
         }
         Ok(made)
     };
-    engine.each(&grid, chosen.len(), &point, &progress, &work, |rows| {
+    let each = |points: Vec<Point>| points.into_iter().map(&work).collect();
+    engine.each(&grid, chosen.len(), &point, &progress, (1, &each), |rows| {
         let mut drawn = Vec::with_capacity(chosen.len());
         let bring = |k: usize, row: Row<Made>| brought(chosen[k], row, folder);
         rows.each(&bring, &mut |one| {

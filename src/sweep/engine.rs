@@ -143,7 +143,8 @@ impl Engine {
         let job = Job {
             count: points.len(),
             point: &|k| &points[k],
-            work: &|point: &T| work(point),
+            work: &|points: Vec<&T>| points.into_iter().map(&work).collect(),
+            together: 1,
             progress: &counted(progress),
         };
         let mut store = self.open(grid, job.count)?;
@@ -152,7 +153,7 @@ impl Engine {
     }
 
     /// Computes the points of a grid that is not in memory: `count` of them, each given by its
-    /// number. `take` is called with all rows, which stay in the store. Returns its result, and the
+    /// number, up to `together` of them at once. `take` is called with all rows, which stay in the store. Returns its result, and the
     /// number of rows that were in the store before.
     ///
     /// # Errors
@@ -163,11 +164,11 @@ impl Engine {
         count: usize,
         point: &(dyn Fn(usize) -> T + Sync),
         progress: &(dyn Fn(u64, u64) + Sync),
-        work: &(dyn Fn(T) -> Result<U> + Sync),
+        (together, work): (usize, &(dyn Fn(Vec<T>) -> Vec<Result<U>> + Sync)),
         take: impl FnOnce(&mut Rows<'_>) -> Result<R>,
     ) -> Result<(R, usize)> {
         let mut store = self.open(grid, count)?;
-        let (mut rows, resumed) = self.rows(grid, &Job { count, point, work, progress }, store.as_mut())?;
+        let (mut rows, resumed) = self.rows(grid, &Job { count, point, work, together, progress }, store.as_mut())?;
         rows.settle()?;
         Ok((take(&mut rows)?, resumed))
     }

@@ -27,8 +27,8 @@ pub use self::mpi::Mpi;
 pub use engine::{Engine, Grid, Part};
 pub use shard::Shard;
 pub use store::Store;
-pub(crate) use threads::on_one_thread;
-pub use threads::{InTurn, Threads, map};
+pub use threads::{InTurn, Threads, map, start_all};
+pub(crate) use threads::{cores, on_one_thread};
 
 use crate::{
     error::{Error, Result},
@@ -75,6 +75,9 @@ pub type Row<U> = std::result::Result<U, String>;
 /// Makes the row of the point of this number, as text; see [`Backend`].
 pub type Task<'a> = &'a (dyn Fn(usize) -> String + Sync);
 
+/// Makes the rows of a few points at once.
+pub type GroupTask<'a> = &'a (dyn Fn(&[usize]) -> Vec<String> + Sync);
+
 /// Takes the number of a point and its row; see [`Backend`].
 pub type Done<'a> = &'a (dyn Fn(usize, String) -> Result<()> + Sync);
 
@@ -91,6 +94,15 @@ pub trait Backend {
     /// # Errors
     /// The first error of `done`; then the backend stops as soon as it can.
     fn run(&self, todo: &[usize], work: Task<'_>, done: Done<'_>) -> Result<()>;
+
+    /// As [`run`](Self::run), for points that are computed a few at a time where that is possible;
+    /// the rows do not depend on that.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    fn run_groups(&self, groups: &[&[usize]], work: GroupTask<'_>, done: Done<'_>) -> Result<()> {
+        self.run(&groups.concat(), &|k| work(&[k]).concat(), done)
+    }
 
     /// Whether this process computes points for another one, which has the store and the results:
     /// [`run`](Self::run) then takes points from there, and calls `done` for none.
@@ -204,7 +216,9 @@ fn collected<U: DeserializeOwned + Send>(mut rows: Rows<'_>, resumed: usize) -> 
 struct Job<'a, T, U> {
     count: usize,
     point: &'a (dyn Fn(usize) -> T + Sync),
-    work: &'a (dyn Fn(T) -> Result<U> + Sync),
+    /// The results of a few points, up to `together` of them.
+    work: &'a (dyn Fn(Vec<T>) -> Vec<Result<U>> + Sync),
+    together: usize,
     progress: &'a (dyn Fn(u64, u64) + Sync),
 }
 
@@ -234,20 +248,31 @@ impl<T: Serialize, U: Serialize + DeserializeOwned> Job<'_, T, U> {
         }
     }
 
+    /// The rows of points as text; empty if the process was asked to end.
+    fn texts(&self, ks: &[usize]) -> Vec<String> {
+        let made = attempt(|| Ok((self.work)(ks.iter().map(|&k| (self.point)(k)).collect())));
+        // A computation that was asked to end may have a part of its result, or a wrong one: what
+        // fails on the way is an answer to some.
+        if interrupt::asked() {
+            return vec![String::new(); ks.len()];
+        }
+        match made {
+            Ok(rows) => rows.into_iter().map(|row| text(row.map_err(|error| error.to_string()))).collect(),
+            Err(why) if ks.len() == 1 => vec![text::<U>(Err(why))],
+            // Whose panic it was is seen one by one.
+            Err(_) => ks.iter().flat_map(|&k| self.texts(&[k])).collect(),
+        }
+    }
+
     /// Computes the points `todo` and keeps their rows. `resumed` is the number of rows that were
     /// in the store.
     fn compute<'s>(&self, rows: Rows<'s>, todo: &[usize], resumed: usize, backend: &dyn Backend) -> Result<Rows<'s>> {
         let tally = Tally::new(resumed + todo.len(), self.progress);
         tally.add(resumed);
         let (left, stopped) = (AtomicU64::new(todo.len() as u64), AtomicBool::new(false));
-        let row = |k: usize| {
-            let row = attempt(|| (self.work)((self.point)(k)));
-            // A computation that was asked to end may have a part of its result, or a wrong one:
-            // what fails on the way is an answer to some.
-            if interrupt::asked() { String::new() } else { text(row) }
-        };
         let rows = Mutex::new(rows);
-        backend.run(todo, &row, &|k, text| {
+        let groups: Vec<&[usize]> = todo.chunks(self.together).collect();
+        backend.run_groups(&groups, &|ks| self.texts(ks), &|k, text| {
             if text.is_empty() {
                 stopped.store(true, Ordering::Relaxed);
                 return Ok(());

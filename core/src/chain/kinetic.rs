@@ -86,11 +86,14 @@ impl<R: Real> SplitFlow<R> for KineticFlow<R> {
     }
 
     fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
+        if self.chain.lanes > 0 {
+            return self.row(&[(kick, drift)]);
+        }
         step(self, kick, drift);
     }
 
     fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
-        if self.forces.used() && pairs.len() > 1 {
+        if self.forces.used() && pairs.len() > usize::from(self.chain.lanes == 0) {
             return self.row(pairs);
         }
         for now in pairs.chunks(if long(&self.chain) { MOST_KICKS } else { 1 }) {

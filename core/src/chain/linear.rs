@@ -196,6 +196,9 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     }
 
     fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
+        if self.chain.lanes > 0 {
+            return self.kick_drifts(&[(kick, drift)]);
+        }
         // The drift changes no number of a site, only the phase and `tau`, before the pass.
         self.count_kick();
         step(self, kick, drift);
@@ -204,7 +207,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
         let mut rest = pairs;
         let (long, short) = (long(&self.chain), self.forces.used());
-        while (long || short) && rest.len() > 1 {
+        while (long || short) && rest.len() > usize::from(self.chain.lanes == 0) {
             self.count_kick();
             // No anchor may fall between kicks that are made together.
             let most = self.kicks_to_anchor();

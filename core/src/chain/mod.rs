@@ -9,6 +9,7 @@
 //! | `omega` | `sqrt(kappa (1 + 1/rho))`, the frequency of a bead against its resonator |
 
 mod aligned;
+mod batch;
 mod blocks;
 mod bonds;
 mod boundary;
@@ -32,6 +33,7 @@ mod state;
 mod sweep;
 mod topology;
 
+pub use batch::Batch;
 pub use blocks::{Blocks, Whole};
 pub use bonds::{CorrectedSplit, SiteFlow};
 pub use boundary::Boundary;
@@ -68,6 +70,9 @@ pub struct Chain<R> {
     precompression: R,
     law: ContactLaw<R>,
     details: Option<Arc<CheckedDetails<R>>>,
+    /// Number of chains of which each site has those of all side by side, see [`Batch`]; zero for a
+    /// chain.
+    lanes: usize,
 }
 
 impl<R: Real> Chain<R> {
@@ -88,6 +93,7 @@ impl<R: Real> Chain<R> {
             precompression: R::zero(),
             law: ContactLaw::new(params.alpha),
             details: None,
+            lanes: 0,
         })
     }
 
@@ -123,6 +129,11 @@ impl<R: Real> Chain<R> {
     /// chain of its own with walls. On a strain ring: `sites` strains, each with its bond.
     pub(crate) fn stretch(&self, sites: usize) -> Self {
         self.with_sites(if self.topology.strains() { Boundary::StrainRing } else { Boundary::Fixed }, sites)
+    }
+
+    /// So many copies of the chain, a lane each.
+    fn abreast(&self, lanes: usize) -> Self {
+        Self { lanes, ..self.with_sites(self.boundary(), lanes * self.sites()) }
     }
 
     fn with_sites(&self, boundary: Boundary, sites: usize) -> Self {

@@ -6,6 +6,10 @@
 //! still in the register, computes the forces of the next kick. No register waits for another of
 //! the same pass.
 //!
+//! Chains of a [`Batch`](super::Batch) are moved by the same passes. They have a lane each, so that
+//! the register of the next site follows that of a site, and neighbours need no moves between
+//! lanes.
+//!
 //! On a ring a pass begins a register after the one before it. Its first registers then do not need
 //! the forces that were computed last. Forces are loaded in the registers in which they were
 //! stored, since a load that spans two stores waits until both have left the processor. Each number
@@ -25,7 +29,7 @@ use std::ops::Range;
 /// (`strang-linear`) and 0.89 (`verlet`) of the time of kicks made one at a time; with AVX-512 and
 /// 1 MiB of second cache on rings of 10^4 sites (medians) 0.79 and 1.05 with resonators, 0.94 and
 /// 0.92 without. Tests use shorter chains.
-const SHORT: usize = if cfg!(test) { 1 << 12 } else { 1 << 14 };
+pub(super) const SHORT: usize = if cfg!(test) { 1 << 12 } else { 1 << 14 };
 /// Numbers before the force of the first bond.
 const PAD: usize = LANES;
 
@@ -54,10 +58,11 @@ impl<R: Real, C: Clock> Visit<R, C::Moment> for InRow<'_, R, C> {
     #[inline(never)]
     fn visit<S: Sites<R, Moment = C::Moment>>(self, chain: &Chain<R>, sites: S, _now: C::Moment) {
         with_registers!(V<R> => with_hertz!(chain.law, power => {
-            if chain.topology.strains() {
-                kick::<V<R>, _, true, _, _, _>((chain, power), sites, self);
-            } else {
-                kick::<V<R>, _, false, _, _, _>((chain, power), sites, self);
+            match (chain.topology.strains(), chain.lanes > 0) {
+                (true, false) => kick::<V<R>, _, true, false, _, _, _>((chain, power), sites, self),
+                (false, false) => kick::<V<R>, _, false, false, _, _, _>((chain, power), sites, self),
+                (true, true) => kick::<V<R>, _, true, true, _, _, _>((chain, power), sites, self),
+                (false, true) => kick::<V<R>, _, false, true, _, _, _>((chain, power), sites, self),
             }
         }));
     }
@@ -87,7 +92,15 @@ impl<R: Real> RowForces<R> {
 }
 
 #[inline(always)]
-fn kick<V: Vector<R>, P: Power<R>, const STRAIN: bool, R: Real, S: Sites<R>, C: Clock<Moment = S::Moment>>(
+fn kick<
+    V: Vector<R>,
+    P: Power<R>,
+    const STRAIN: bool,
+    const ABREAST: bool,
+    R: Real,
+    S: Sites<R>,
+    C: Clock<Moment = S::Moment>,
+>(
     (chain, power): (&Chain<R>, P),
     mut sites: S,
     InRow { forces, mut clock, kicks }: InRow<'_, R, C>,
@@ -98,13 +111,16 @@ fn kick<V: Vector<R>, P: Power<R>, const STRAIN: bool, R: Real, S: Sites<R>, C: 
     let (mut here, mut there) = (here.column(), there.column());
     assert!(sites.room() >= registers, "columns are whole registers");
     assert!([&here, &there].iter().all(|column| column.len() > PAD + registers + V::LANES));
+    assert!(!ABREAST || chain.lanes == V::LANES, "a batch is made for the instructions in use");
     // The clock is one moment ahead, so that no position waits for it.
     let mut now = clock.next();
     let mut next = if kicks > 1 { clock.next() } else { now };
     let mut pass = Pass { chain, start: 0 };
     let law = chain.law;
     // SAFETY: columns have room, as asserted.
-    unsafe { pass.go::<V, _, _, STRAIN, false>(&mut sites, [&now; 2], &here, Raised { law, power, to: &mut there }) };
+    unsafe {
+        pass.go::<V, _, _, STRAIN, ABREAST, false>(&mut sites, [&now; 2], &here, Raised { law, power, to: &mut there })
+    };
     (here, there) = (there, here);
     for left in (1..kicks).rev() {
         let ahead = if left > 1 { clock.next() } else { next };
@@ -113,14 +129,19 @@ fn kick<V: Vector<R>, P: Power<R>, const STRAIN: bool, R: Real, S: Sites<R>, C: 
         }
         // SAFETY: as above.
         unsafe {
-            pass.go::<V, _, _, STRAIN, true>(&mut sites, [&now, &next], &here, Raised { law, power, to: &mut there })
+            pass.go::<V, _, _, STRAIN, ABREAST, true>(
+                &mut sites,
+                [&now, &next],
+                &here,
+                Raised { law, power, to: &mut there },
+            )
         };
         (here, there) = (there, here);
         (now, next) = (next, ahead);
     }
     for at in (0..n).step_by(V::LANES) {
         // SAFETY: as above.
-        unsafe { sites.update(at, given::<R, V, STRAIN>(&here, n, at), &now) };
+        unsafe { sites.update(at, forces_on::<R, V, STRAIN, ABREAST>(&here, n, at), &now) };
     }
 }
 
@@ -159,7 +180,7 @@ impl<R: Real> Pass<'_, R> {
     /// The columns of sites are whole registers; those of bonds have a register more than these on
     /// either side.
     #[inline(always)]
-    unsafe fn go<V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool, const KICK: bool>(
+    unsafe fn go<V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool, const ABREAST: bool, const KICK: bool>(
         &self,
         sites: &mut S,
         times: [&S::Moment; 2],
@@ -177,28 +198,35 @@ impl<R: Real> Pass<'_, R> {
         // SAFETY: the caller's promise.
         unsafe {
             if wait {
-                first = moved::<R, V, S, KICK>(sites, start, given::<R, V, STRAIN>(forces, n, start), times);
+                first =
+                    moved::<R, V, S, KICK>(sites, start, forces_on::<R, V, STRAIN, ABREAST>(forces, n, start), times);
                 (q, at) = (first, start + V::LANES);
             }
-            q = self.whole::<V, S, P, STRAIN, KICK>(at..last, q, sites, times, forces, &mut bonds);
+            q = self.whole::<V, S, P, STRAIN, ABREAST, KICK>(at..last, q, sites, times, forces, &mut bonds);
             if at <= last {
-                let here = moved::<R, V, S, KICK>(sites, last, given::<R, V, STRAIN>(forces, n, last), times);
-                bonds.take(last, overlaps::<R, V, STRAIN>(chain.precompression, q, here));
+                let here =
+                    moved::<R, V, S, KICK>(sites, last, forces_on::<R, V, STRAIN, ABREAST>(forces, n, last), times);
+                bonds.take(last, between::<R, V, STRAIN, ABREAST>(chain.precompression, q, here));
                 q = here;
             }
-            if !STRAIN {
+            if !STRAIN && !ABREAST {
                 q = q.spread(n - 1 - last);
             }
-            q = self.whole::<V, S, P, STRAIN, KICK>(0..start, q, sites, times, forces, &mut bonds);
+            q = self.whole::<V, S, P, STRAIN, ABREAST, KICK>(0..start, q, sites, times, forces, &mut bonds);
             if wait {
-                bonds.take(start, overlaps::<R, V, STRAIN>(chain.precompression, q, first));
+                bonds.take(start, between::<R, V, STRAIN, ABREAST>(chain.precompression, q, first));
             }
             let beyond = last + V::LANES;
             if ring {
-                bonds.to.store::<R>(PAD - 1, bonds.to.load(PAD + n - 1));
-                bonds.to.store::<R>(PAD + beyond, bonds.to.load(PAD));
+                if ABREAST {
+                    bonds.to.store::<V>(PAD - V::LANES, bonds.to.load(PAD + last));
+                    bonds.to.store::<V>(PAD + beyond, bonds.to.load(PAD));
+                } else {
+                    bonds.to.store::<R>(PAD - 1, bonds.to.load(PAD + n - 1));
+                    bonds.to.store::<R>(PAD + beyond, bonds.to.load(PAD));
+                }
             } else {
-                bonds.take(beyond, overlaps::<R, V, STRAIN>(chain.precompression, q, V::all(right)));
+                bonds.take(beyond, between::<R, V, STRAIN, ABREAST>(chain.precompression, q, V::all(right)));
             }
         }
     }
@@ -209,7 +237,14 @@ impl<R: Real> Pass<'_, R> {
     /// # Safety
     /// As [`go`](Self::go).
     #[inline(always)]
-    unsafe fn whole<V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool, const KICK: bool>(
+    unsafe fn whole<
+        V: Vector<R>,
+        S: Sites<R>,
+        P: Power<R>,
+        const STRAIN: bool,
+        const ABREAST: bool,
+        const KICK: bool,
+    >(
         &self,
         registers: Range<usize>,
         mut q: V,
@@ -220,13 +255,13 @@ impl<R: Real> Pass<'_, R> {
     ) -> V {
         let (rest, mut at) = (self.chain.precompression, registers.start);
         // SAFETY: the caller's promise.
-        let [mut before, mut f] = unsafe { [V::all(forces.load(PAD + at - 1)), forces.load(PAD + at)] };
+        let [mut before, mut f] = unsafe { [force_before::<R, V, ABREAST>(forces, at), forces.load(PAD + at)] };
         while at < registers.end {
             // SAFETY: as above.
             unsafe {
                 let after = forces.load(PAD + at + V::LANES);
-                let here = moved::<R, V, S, KICK>(sites, at, push::<R, V, STRAIN>(before, f, after), times);
-                bonds.take(at, overlaps::<R, V, STRAIN>(rest, q, here));
+                let here = moved::<R, V, S, KICK>(sites, at, pushes::<R, V, STRAIN, ABREAST>(before, f, after), times);
+                bonds.take(at, between::<R, V, STRAIN, ABREAST>(rest, q, here));
                 (q, before, f) = (here, f, after);
             }
             at += V::LANES;
@@ -249,6 +284,53 @@ unsafe fn moved<R: Real, V: Vector<R>, S: Sites<R>, const KICK: bool>(
 ) -> V {
     // SAFETY: the caller's promise.
     unsafe { if KICK { sites.advance(at, force, now, next) } else { sites.positions::<V>(at, now) } }
+}
+
+/// The force of the bond before that of the site at `at`, in the lane of its neighbour.
+///
+/// # Safety
+/// The column has forces of bonds from `PAD` on, and a register before.
+#[inline(always)]
+unsafe fn force_before<R: Real, V: Vector<R>, const ABREAST: bool>(forces: &Column<'_, R>, at: usize) -> V {
+    // SAFETY: the caller's promise.
+    unsafe { if ABREAST { forces.load(PAD + at - V::LANES) } else { V::all(forces.load(PAD + at - 1)) } }
+}
+
+/// [`overlaps`], also of chains abreast.
+#[inline(always)]
+fn between<R: Real, V: Vector<R>, const STRAIN: bool, const ABREAST: bool>(rest: R, before: V, q: V) -> V {
+    if ABREAST && !STRAIN { V::all(rest) + (before - q) } else { overlaps::<R, V, STRAIN>(rest, before, q) }
+}
+
+/// [`push`], also on chains abreast.
+#[inline(always)]
+fn pushes<R: Real, V: Vector<R>, const STRAIN: bool, const ABREAST: bool>(before: V, f: V, next: V) -> V {
+    match (STRAIN, ABREAST) {
+        (true, true) => (f - before) - (next - f),
+        (false, true) => f - next,
+        (_, false) => push::<R, V, STRAIN>(before, f, next),
+    }
+}
+
+/// [`given`], also on chains abreast, whose forces beyond the last site fill a register.
+///
+/// # Safety
+/// As [`given`].
+#[inline(always)]
+unsafe fn forces_on<R: Real, V: Vector<R>, const STRAIN: bool, const ABREAST: bool>(
+    forces: &Column<'_, R>,
+    n: usize,
+    at: usize,
+) -> V {
+    // SAFETY: the caller's promise.
+    unsafe {
+        if ABREAST {
+            let [f, next] = [at, at + V::LANES].map(|at| forces.load(PAD + at));
+            pushes::<R, V, STRAIN, true>(force_before::<R, V, true>(forces, at), f, next)
+        } else {
+            given::<R, V, STRAIN>(forces, n, at)
+        }
+    }
 }
 
 /// Contact forces on the sites from `at` on, from those of bonds; zero beyond the last site.

@@ -566,7 +566,7 @@ fn control(setting: Setting) -> Result<StepControl> {
 
 impl Split {
     /// The flow with which compositions begin on this split.
-    fn first(self) -> First {
+    pub(super) fn first(self) -> First {
         match self {
             Self::Kinetic => First::Kick,
             Self::Linear => First::Drift,

@@ -7,6 +7,7 @@
 //! | `extremes` | [`Observables`]: functions of the state whose largest values are looked for |
 //! | `amplification` | by how much a small change of the initial state has grown at the end |
 //! | `initial` | [`Initial`]: the state from which it begins, in memory or site by site |
+//! | `many` | [`start_all`]: several runs, those of equal chains in the lanes of a register |
 //! | `record` | [`Trajectory`]: the result of a run; checks for unstable states during the run |
 //! | `states` | [`States`]: an iterator over the states at given times |
 //! | `warning` | [`Warning`]: what makes the result of a run doubtful, such as its energy error |
@@ -15,6 +16,7 @@
 mod amplification;
 mod extremes;
 mod initial;
+mod many;
 pub mod method;
 mod record;
 mod regime;
@@ -24,6 +26,7 @@ mod warning;
 pub use amplification::{deviation, perturb};
 pub use extremes::Observables;
 pub use initial::{Initial, Measure};
+pub use many::{groups, start_all};
 pub use method::{Method, Setting};
 pub use record::{Profile, Records, Sample, Trajectory};
 pub use record::{Recorder, Snapshot};
@@ -82,7 +85,7 @@ pub struct Run {
 }
 
 /// The times of samples.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 enum Sampling {
     /// The start, and the ends of this many equal parts of the span; no samples for zero.
     Equal(usize),

@@ -345,14 +345,24 @@ impl<'a> Recorder<'a> {
         let search = run.observables.as_ref();
         let search = search.map(|observables| Search::new(stepper, observables, run.fast_period(), extremes));
         let mut timed = Timed { run: stepper, search, sampling: Duration::ZERO };
-        let driven = drive(&mut timed, self, &mut state);
+        let driven = drive(&mut timed, self, &mut state).map(|_| ());
         let Timed { run: stepper, search, sampling } = timed;
         self.kept.extremes = search.map_or(Vec::new(), |search| search.largest);
         self.kept.sampling += sampling;
         self.kept.wall += clock.elapsed();
-        let (from, t, stats) = (self.kept.t, stepper.time(), stepper.stats());
-        let checked = driven.and_then(|_| self.check(t, &state, stats));
-        let h = (stats.steps > 0).then(|| (t - from) / stats.steps as f64);
+        self.close(driven, stepper.time(), state, stepper.stats())
+    }
+
+    /// Takes the end of a leg: its time, state and work.
+    pub(super) fn close(
+        &mut self,
+        driven: std::result::Result<(), Failure>,
+        t: f64,
+        state: Vec<f64>,
+        stats: Stats,
+    ) -> std::result::Result<(), Failed> {
+        let checked = driven.and_then(|()| self.check(t, &state, stats));
+        let h = (stats.steps > 0).then(|| (t - self.kept.t) / stats.steps as f64);
         let result = checked.map(|_| ()).map_err(|cause| self.failed(cause, h, &state));
         self.kept.stats = self.kept.stats + stats;
         (self.kept.t, self.kept.state) = (t, state);

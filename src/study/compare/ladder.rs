@@ -29,9 +29,9 @@ use std::time::Instant;
 
 /// Contact kicks a period of the fastest motion on the first level of a method with fixed steps:
 /// the same work for every scheme. Each level has twice those of the one before.
-const KICKS: f64 = 16.0;
+const KICKS: f64 = 8.0;
 /// Tolerances on the levels of an adaptive method; every ladder has as many levels.
-const TOLERANCES: [f64; 11] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13];
+const TOLERANCES: [f64; 12] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13];
 /// A level whose run takes a smaller share of the time than this is never left out.
 const CHEAP: f64 = 1.0 / 400.0;
 /// Approximate cost of a level in runs: one for its error, and those that are timed.

@@ -19,11 +19,12 @@ use crate::{
     error::{Error, Result},
     output::Folder,
     report::Report,
-    run::{Recorder, Records, Snapshot, Trajectory},
+    run::{Recorder, Records, Run, Snapshot, Trajectory, groups, start_all},
     scene::Scene,
-    sweep::{Engine, Grid, Row, Rows, STOPPED, counted},
+    sweep::{Engine, Grid, Row, Rows, STOPPED, cores, counted},
 };
 use file::in_json;
+use hertzchain_integrators::vector::MOST_LANES;
 use serde_json::Value;
 use std::{
     io::{self, BufWriter, Write},
@@ -117,7 +118,7 @@ pub struct PlanStudy {
 pub fn planned(plan: &Plan, engine: &Engine, progress: Progress<'_>) -> Result<PlanStudy> {
     let clock = Instant::now();
     let grid = Grid { store: PlanFile::STORE, study: "plan", settings: plan.settings() };
-    let work = |point: Point| run(plan, &point);
+    let work = |points: Vec<Point>| run(plan, &points);
     let swept = |rows: &mut Rows<'_>| {
         let mut table = Table::new(plan);
         let missing = match engine.folder() {
@@ -130,7 +131,7 @@ pub fn planned(plan: &Plan, engine: &Engine, progress: Progress<'_>) -> Result<P
         Ok((table, missing))
     };
     let ((table, missing), resumed) =
-        engine.each(&grid, plan.points(), &|k| plan.point(k), &counted(progress), &work, swept)?;
+        engine.each(&grid, plan.points(), &|k| plan.point(k), &counted(progress), (together(plan), &work), swept)?;
     Ok(PlanStudy {
         plan: plan.clone(),
         columns: table.columns,
@@ -158,20 +159,43 @@ fn reported(scene: &Scene, outcome: Trajectory, signals: Option<Signals>) -> Val
     run_json(&RunView { scene, integrator, setting, reason: None, outcome, amplification: None, si, signals })
 }
 
-/// Runs a point: the quantities that the plan keeps.
-fn run(plan: &Plan, point: &Point) -> Result<Vec<Value>> {
-    let scene: Scene = plan.scene(point)?;
+/// The run of a point.
+fn run_of(plan: &Plan, point: &Point) -> Result<(Scene, Run)> {
+    let scene = plan.scene(point)?;
     let run = scene.observed_run().records(Records::Energy);
     let run = if plan.contacts() { run.contacts() } else { run };
-    let mut signals = Signals::new(&scene);
-    let mut seen = |t: f64, y: &[f64]| signals.iter_mut().for_each(|signals| signals.take(&scene, t, y));
-    let outcome = run.observe(&mut seen, &mut |_| ())?;
-    let trajectory = in_units(outcome, scene.chain().layout(), scene.units()).complete()?;
-    if let Some(doubt) = trajectory.warnings.iter().find(|warning| warning.fatal()) {
-        return Err(doubt.clone().into());
-    }
-    let report = reported(&scene, trajectory, signals);
-    plan.keep.iter().map(|quantity| quantity.of(&report)).collect()
+    Ok((scene, run))
+}
+
+/// Number of points that follow each other and are to be run at once: several if their runs may
+/// differ in the initial state only, and can then be made side by side.
+fn together(plan: &Plan) -> usize {
+    let initial = plan.axes.last().is_some_and(|axis| axis.keys.iter().all(|key| key.starts_with("initial.")));
+    let Some((_, run)) = initial.then(|| run_of(plan, &plan.point(0)).ok()).flatten() else { return 1 };
+    groups(&vec![run; MOST_LANES], plan.points().div_ceil(cores())).first().map_or(1, |group| group.len())
+}
+
+/// Runs points: the quantities that the plan keeps of each.
+fn run(plan: &Plan, points: &[Point]) -> Vec<Result<Vec<Value>>> {
+    let begun: Vec<Result<(Scene, Run)>> = points.iter().map(|point| run_of(plan, point)).collect();
+    let (scenes, runs): (Vec<_>, Vec<_>) = begun.iter().flatten().cloned().unzip();
+    let mut signals: Vec<Option<Signals>> = scenes.iter().map(Signals::new).collect();
+    let mut ends = start_all(&runs, &mut |k, t, y| {
+        signals[k].iter_mut().for_each(|signals| signals.take(&scenes[k], t, y));
+    })
+    .into_iter()
+    .zip(signals);
+    let rows = begun.into_iter().map(|begun| {
+        let (scene, _) = begun?;
+        let (outcome, signals) = ends.next().expect("a run for each scene");
+        let trajectory = in_units(outcome?, scene.chain().layout(), scene.units()).complete()?;
+        if let Some(doubt) = trajectory.warnings.iter().find(|warning| warning.fatal()) {
+            return Err(doubt.clone().into());
+        }
+        let report = reported(&scene, trajectory, signals);
+        plan.keep.iter().map(|quantity| quantity.of(&report)).collect()
+    });
+    rows.collect()
 }
 
 /// The columns of a plan while rows come in.
@@ -293,4 +317,37 @@ fn json_line(plan: &Plan, k: usize, row: &Row<Vec<Value>>) -> String {
         Err(why) => serde_json::json!({"point": plan.point(k), "failure": why}),
     };
     format!("{line}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_that_are_run_side_by_side_have_the_rows_of_each_alone() {
+        // Truth: each run of its own. The second axis changes the chain, so that some groups
+        // are cut; a point whose scene is refused fails alone.
+        let plan = r#"
+            scene = "impact"
+            set = ["chain.sites=12", "span.until=5", "method.integrator=strang-linear", "method.step=0.05"]
+            keep = ["energy_error", "u"]
+            axis = [
+                { key = "chain.alpha", values = [1.5, 2.0] },
+                { key = "initial.velocity", values = [0.1, 0.2, 0.3, "fast", 0.5, 0.6, 0.7] },
+            ]
+        "#;
+        let plan = Plan::parse(plan, "plan.toml".as_ref()).unwrap();
+        let points: Vec<Point> = (0..plan.points()).map(|k| plan.point(k)).collect();
+        assert!(cores() > 7 || together(&plan) > 1);
+        let rows = run(&plan, &points);
+        for (k, (row, point)) in rows.into_iter().zip(&points).enumerate() {
+            let Ok(scene) = plan.scene(point) else {
+                assert!(k % 7 == 3 && row.is_err());
+                continue;
+            };
+            let alone = scene.run().records(Records::Energy).start().unwrap();
+            let u = serde_json::to_value(scene.chain().layout().u(&alone.state)).unwrap();
+            assert_eq!(row.unwrap(), [alone.energy_error.unwrap().into(), u], "{k}");
+        }
+    }
 }
