@@ -126,6 +126,8 @@ impl Study for Responses {
         }
         let of = if kind == DriveKind::Force { Quantity::Force } else { Quantity::Length };
         let amplitude = self.by_runs.map(|amplitude| given.read(of, amplitude));
+        let settles = amplitude.map_or(Ok(()), |amplitude| response.settles(amplitude));
+        settles.map_err(|error| error_in_file(error, &scene))?;
         let omega = move |k: usize| from + (to - from) * k as f64 / (self.points - 1) as f64;
         Ok(Box::new(move |engine, progress| {
             let omegas: Vec<f64> = (0..self.points).map(omega).collect();

@@ -38,15 +38,15 @@ pub(crate) fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// Runs the loop of the guide over three shards, merges them, and holds all files against those of
-/// one process.
+/// Runs the loop of the guide over three shards on three threads each, merges them, and holds all
+/// files against those of one process on one thread.
 pub(crate) fn in_shards(line: &str) {
     let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let (whole, parts) = (whole.path(), parts.path());
     assert!(output(line, whole, &[]).status.success());
     let script = "for k in 1 2 3; do \"$0\" \"$@\" --shard $k/3 || exit 1; done";
     let mut shell = Command::new("sh");
-    shell.args(["-c", script, PROGRAM]).args(line.split(' ')).arg("--out").arg(parts);
+    shell.args(["-c", script, PROGRAM]).args(line.split(' ')).arg("--out").arg(parts).env("RAYON_NUM_THREADS", "3");
     let said = String::from_utf8(shell.output().unwrap().stdout).unwrap();
     assert!(said.starts_with("shard 1/3: ") && said.contains("the same command without --shard"), "{said}");
     assert_eq!(files(parts).len(), 3, "shards write their stores only");
