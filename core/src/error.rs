@@ -1,6 +1,6 @@
 //! The error type of the library.
 
-use std::path::PathBuf;
+use std::{borrow::Cow, path::PathBuf};
 
 /// Largest number of characters of foreign text in a message.
 const MOST_SHOWN: usize = 300;
@@ -27,7 +27,7 @@ pub enum Error {
     #[error("unknown {kind} \"{name}\"{hint}")]
     Unknown {
         /// Kind of the named thing, such as "integrator".
-        kind: &'static str,
+        kind: Cow<'static, str>,
         /// The name.
         name: String,
         /// The most similar known name; without one, all known names if they are few.
@@ -220,14 +220,18 @@ impl Error {
     }
 
     /// An unknown name, with the most similar known name, or with all known names if they are few.
-    pub fn unknown<'a>(kind: &'static str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
+    pub fn unknown<'a>(
+        kind: impl Into<Cow<'static, str>>,
+        name: &str,
+        known: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
         let known: Vec<&str> = known.into_iter().collect();
         let hint = match nearest(name, known.iter().copied()) {
             Some(nearest) => format!("; did you mean \"{nearest}\"?"),
             None if known.len() <= MOST_LISTED => format!("; one of {}", known.join(", ")),
             None => String::new(),
         };
-        Self::Unknown { kind, name: one_line(name), hint }
+        Self::Unknown { kind: kind.into(), name: one_line(name), hint }
     }
 }
 

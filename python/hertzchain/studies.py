@@ -264,6 +264,7 @@ def response(
     dimensionless: bool = False,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
     progress: Progress = False,
 ) -> Study:
     """Compute the linear response of a scene to a drive at one site.
@@ -315,7 +316,14 @@ def response(
         Write the results to this folder. Files: response.json, response.png; response.npz with an
         array TABLE.COLUMN for each column of response.csv: omega, gain_9 (amplitude of the
         displacement over that of the driven bead, and so on), phase_9 (phase ahead of the drive, in
-        radians), run_gain_9 (the same of the run), run_phase_9.
+        radians), run_gain_9 (the same of the run), run_phase_9. response.store keeps every point as
+        soon as it is computed; the same command resumes from it.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
     progress : bool or callable
         As in :func:`hertzchain.run`.
     """
@@ -382,6 +390,7 @@ def scaling(
     max_time: float = 60,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
     progress: Progress = False,
 ) -> Study:
     """Measure run time per bond and period against the number of sites.
@@ -406,7 +415,14 @@ def scaling(
         per_bond_period (wall time for each bond and period, in seconds), runs (runs whose median is
         the wall time), steps (steps of a run), rejected (rejected steps), force_evaluations (force
         evaluations of the whole chain; each bond makes at most this many), failure (why there is no
-        time: the run failed, or was left out).
+        time: the run failed, or was left out). scaling.store keeps every point as soon as it is
+        computed; the same command resumes from it.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
     progress : bool or callable
         As in :func:`hertzchain.run`.
     """
@@ -2096,6 +2112,7 @@ def breather_moving(
     tol: float = 1e-14,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
     progress: Progress = False,
 ) -> Study:
     """Compute moving dark breathers as exact orbits, and run a kicked one.
@@ -2153,7 +2170,14 @@ def breather_moving(
         omega_b, turns, n (site), amplitude (local amplitude), phase (its phase), mean (mean
         strain). passages.csv: t (time of the passage of the kicked breather), bond (bond that its
         kink passes), velocity, depth, depth_of_moving (depth of the moving breather of this
-        velocity).
+        velocity). moving.store keeps every point as soon as it is computed; the same command
+        resumes from it. moving-multipliers.store keeps multipliers and energies.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
     progress : bool or callable
         As in :func:`hertzchain.run`.
     """

@@ -18,6 +18,7 @@ use super::MovingOrbit;
 use crate::{
     chain::{Boundary, Chain, Energy, Params, Site, State},
     error::Result,
+    orbits::or_nan,
     run::state_at,
     waves::{Given, MeanStrain, Search, WaveNumber, WaveSetting},
 };
@@ -30,11 +31,13 @@ const PARTS: usize = 32;
 const SITES: usize = 4;
 
 /// Two energies of a kink, or of one site of a background.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct KinkEnergy {
     /// `E`.
+    #[serde(deserialize_with = "or_nan")]
     pub energy: f64,
     /// `E - 2 K = E - omega' J - v P`.
+    #[serde(deserialize_with = "or_nan")]
     pub free: f64,
 }
 

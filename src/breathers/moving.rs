@@ -53,6 +53,7 @@ use crate::{
 };
 use hertzchain_integrators::collocation::StepControl;
 use nalgebra::{Complex, DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Largest number of steps of Newton's method, and the share of a step at which halving ends.
@@ -77,7 +78,7 @@ const SAMPLES: usize = 32;
 const MOST_TURNS: u32 = 100;
 
 /// The numbers that determine a moving dark breather, except for the choice of a branch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MovingBreather {
     /// Exponent, spring constant, mass ratio.
     pub params: Params,
@@ -95,7 +96,7 @@ pub struct MovingBreather {
 pub type MovingOrbit = Orbit<MovingBreather>;
 
 /// Local amplitudes, at the time when the kink is on the middle bond.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Envelope {
     /// `|a_n|`.
     pub amplitude: Vec<f64>,

@@ -49,7 +49,7 @@ const ROUNDS: usize = 4;
 const SECTIONS: usize = 30;
 
 /// A band of linear waves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Band {
     /// Beads and resonators move together.
@@ -59,7 +59,7 @@ pub enum Band {
 }
 
 /// A linear wave of the background that keeps its phase in the frame of a kink.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LinearWave {
     /// `p`, above 0 and at most `pi`.
     pub wave_number: f64,

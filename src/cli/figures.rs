@@ -18,7 +18,7 @@ use crate::{
         Digits::{Fixed, Json, Short},
         Report, Table,
     },
-    sweep::{Engine, Grid, InTurn, Row, STOPPED},
+    sweep::{Engine, Grid, Row, STOPPED},
 };
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use clap::Args;
@@ -107,7 +107,7 @@ enum Content {
 
 impl Runs for FiguresArgs {
     fn run(&self) -> Exit {
-        let engine = self.engine_args.engine(|| Engine::new(Box::new(InTurn)))?;
+        let engine = self.engine_args.engine(Engine::in_turn)?;
         if engine.serves() {
             // Rank 0 reports errors.
             let sweep = |chosen: Vec<_>| sweep(&chosen, self, &engine, &ProgressBar::hidden(), &made).map(drop);
@@ -325,7 +325,7 @@ mod tests {
     fn a_figure_that_panics_or_fails_is_a_row_of_its_own_and_the_others_go_on() {
         let folder = tempfile::tempdir().unwrap();
         let folder = Folder::create(folder.path()).unwrap();
-        let engine = Engine::new(Box::new(InTurn)).keeping(&folder);
+        let engine = Engine::in_turn().keeping(&folder);
         let args = CommandLine::parse_from(["figures"]).args;
         let names = ["homoclinics", "dps-dark", "exact-wave"];
         let chosen = names.map(|name| Figure::named(name).unwrap());
@@ -361,7 +361,7 @@ mod tests {
     fn a_figure_whose_file_cannot_be_written_does_not_lose_the_others() {
         let folder = tempfile::tempdir().unwrap();
         let folder = Folder::create(folder.path()).unwrap();
-        let engine = Engine::new(Box::new(InTurn)).keeping(&folder);
+        let engine = Engine::in_turn().keeping(&folder);
         let args = CommandLine::parse_from(["figures"]).args;
         let chosen = ["homoclinics", "exact-wave"].map(|name| Figure::named(name).unwrap());
         // A folder in the place of a file, which was not there when the command began.

@@ -105,7 +105,7 @@ pub fn study(arguments: impl IntoIterator<Item = OsString>, progress: Progress<'
 /// What clap refuses, as an error of the library.
 fn refused(error: &clap::Error) -> Error {
     if let Some(Error::Unknown { kind, name, hint }) = refusal(error) {
-        return Error::Unknown { kind, name: name.clone(), hint: hint.clone() };
+        return Error::Unknown { kind: kind.clone(), name: name.clone(), hint: hint.clone() };
     }
     let told =
         [ContextKind::InvalidArg, ContextKind::InvalidValue, ContextKind::ValidValue].map(|kind| error.get(kind));
@@ -113,7 +113,7 @@ fn refused(error: &clap::Error) -> Error {
         told
     {
         let name = arg.trim_start_matches('-').split(' ').next().unwrap_or_default();
-        return Error::unknown(name.to_owned().leak(), value, known.iter().map(String::as_str));
+        return Error::unknown(name.to_owned(), value, known.iter().map(String::as_str));
     }
     let text = refusal(error).map_or_else(|| error.to_string(), ToString::to_string);
     let words = text.trim_start_matches("error: ").split("\n\n").next().unwrap_or_default();

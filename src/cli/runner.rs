@@ -163,7 +163,7 @@ fn finished_part(engine: &Engine) -> Option<Part> {
 
 impl<S: Study> Runs for StudyCommand<S> {
     fn run(&self) -> Exit {
-        let engine = self.engine_args.engine(Engine::threads)?;
+        let engine = self.engine_args.engine(S::ENGINE)?;
         if engine.serves() {
             // Rank 0 reports errors.
             let _ = self.study.begin().and_then(|work| work(&engine, &|_, _| ()));
@@ -197,7 +197,7 @@ impl<S: Study> Runs for StudyCommand<S> {
     }
 
     fn report(&self, progress: Progress<'_>) -> Result<Report> {
-        let engine = self.engine_args.engine(Engine::threads)?;
+        let engine = self.engine_args.engine(S::ENGINE)?;
         if engine.serves() {
             return self.study.begin()?(&engine, progress);
         }

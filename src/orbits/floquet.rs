@@ -131,7 +131,7 @@ pub(super) fn or_infinite<'de, D: Deserializer<'de>>(source: D) -> Result<f64, D
 }
 
 /// As [`or_infinite`], with NaN for `null`.
-fn or_nan<'de, D: Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
+pub(crate) fn or_nan<'de, D: Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
     Option::deserialize(source).map(|value| value.unwrap_or(f64::NAN))
 }
 

@@ -41,7 +41,7 @@ pub use driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, D
 pub use driven_branch::{DrivenContinuation, DrivenCritical, DrivenMeasures, DrivenPoint};
 pub(crate) use eigen::{Eigenpair, eigen, hessenberg};
 pub use file::Pick;
-pub(crate) use floquet::{Frame, known};
+pub(crate) use floquet::{Frame, known, or_nan};
 pub use floquet::{Kind, Multiplier, Quality, Spectrum};
 pub(crate) use flow::flow;
 pub use normal_modes::{LinearMode, ModeContinuation, ModeMeasures, ModeOrbit, ModePoint, NormalModes};

@@ -18,7 +18,7 @@
 use super::normal_modes::{NormalModes, linearised, steady, with};
 use crate::{
     chain::{Chain, Details, Drive, DriveKind, Signal, State},
-    error::{Error, Result, require},
+    error::{Result, require},
     run::Run,
 };
 use nalgebra::{Complex, DMatrix, DVector};
@@ -132,6 +132,12 @@ impl Response {
         self.beads.iter().enumerate().map(bead).collect()
     }
 
+    /// Refuses runs, of this amplitude, of a chain without damping.
+    pub(crate) fn settles(&self, amplitude: f64) -> Result<()> {
+        let rule = "runs settle in a chain with drag, dashpots or contacts that dissipate";
+        require(!self.chain.conservative(), "amplitude", amplitude, rule)
+    }
+
     /// The same of a run from the static state: Fourier coefficients over the last ten of so many
     /// `periods` of a drive of this amplitude, which comes to its height over the first quarter.
     /// Tends to [`at`](Self::at) as the amplitude does to zero, once transients have decayed.
@@ -139,10 +145,7 @@ impl Response {
     /// # Errors
     /// A chain without damping, in which they do not decay; less than 20 periods; a run that fails.
     pub fn run(&self, omega: f64, amplitude: f64, periods: usize) -> Result<Vec<Complex<f64>>> {
-        if self.chain.conservative() {
-            let rule = "runs settle in a chain with drag, dashpots or contacts that dissipate";
-            return Err(Error::parameter("amplitude", amplitude, rule));
-        }
+        self.settles(amplitude)?;
         require(periods >= 2 * MEASURED, "run_periods", periods, "at least 20 periods")?;
         let (period, count) = (TAU / omega, MEASURED * SAMPLES);
         let end = periods as f64 * period;

@@ -124,6 +124,8 @@ pub trait Study {
     const INTERRUPTIBLE: bool = !Self::STORE.is_empty();
     /// Whether it sweeps a grid, so that it takes a shard.
     const SWEEPS: bool = !Self::STORE.is_empty();
+    /// Where the points of its grid are computed unless the options say otherwise.
+    const ENGINE: fn() -> Engine = Engine::threads;
 
     /// Names of the files that only some runs of it write. Those of an earlier run are removed from
     /// the folder. All other files are written anew by every run.

@@ -6,7 +6,6 @@ use super::{
 use crate::{
     chain::{Drive, DriveKind},
     error::{Error, Result},
-    interrupt,
     numerics::extremes,
     orbits,
     report::{
@@ -14,11 +13,14 @@ use crate::{
         Kind, Line, Panel, Panels, Report, Table,
     },
     scene::{Quantity, Scene, Units},
+    sweep::Grid,
 };
 use nalgebra::Complex;
+use serde_json::json;
 
 /// Share of the highest mode's frequency up to which responses go if no end is given.
 const BEYOND: f64 = 1.2;
+
 options! {
     /// The linear response of a scene.
     pub struct Responses {
@@ -86,6 +88,8 @@ impl Setting {
 }
 
 impl Study for Responses {
+    const STORE: &'static str = "response.store";
+
     fn outline() -> Option<Report> {
         let setting = Setting { site: 0, kind: DriveKind::Displacement, at: vec![9] };
         Some(Report::new("response").table(table(&[], &setting, true, None)))
@@ -122,20 +126,40 @@ impl Study for Responses {
         }
         let of = if kind == DriveKind::Force { Quantity::Force } else { Quantity::Length };
         let amplitude = self.by_runs.map(|amplitude| given.read(of, amplitude));
-        Ok(Box::new(move |_, progress| {
-            let row = |k: usize| {
-                interrupt::check(0.0)?;
-                progress(k as f64 / self.points as f64, "frequencies");
-                let omega = from + (to - from) * k as f64 / (self.points - 1) as f64;
-                let all = response.at(omega);
-                let exact = setting.at.iter().map(|at| all[*at]).collect();
+        let settles = amplitude.map_or(Ok(()), |amplitude| response.settles(amplitude));
+        settles.map_err(|error| error_in_file(error, &scene))?;
+        let omega = move |k: usize| from + (to - from) * k as f64 / (self.points - 1) as f64;
+        Ok(Box::new(move |engine, progress| {
+            let omegas: Vec<f64> = (0..self.points).map(omega).collect();
+            let settings = json!({
+                "scene": scene_json(&scene), "site": setting.site, "force": kind == DriveKind::Force, "at": setting.at,
+                "amplitude": amplitude, "periods": amplitude.map(|_| self.run_periods),
+            });
+            // Not-a-number at the frequency of an undamped mode, which JSON has no number for.
+            let kept = |all: Vec<Complex<f64>>| -> Vec<Option<[f64; 2]>> {
+                setting.at.iter().map(|at| all[*at].is_finite().then_some([all[*at].re, all[*at].im])).collect()
+            };
+            let work = |&omega: &f64| {
                 let run = amplitude.filter(|_| omega > 0.0);
                 let run = run.map(|amplitude| response.run(omega, amplitude, self.run_periods)).transpose();
                 let run = run.map_err(|error| error_in_file(error, &scene))?;
-                let run = run.map(|all| setting.at.iter().map(|at| all[*at]).collect());
-                Ok(Row { omega, exact, run })
+                Ok([Some(kept(response.at(omega))), run.map(kept)])
             };
-            let rows = (0..self.points).map(row).collect::<Result<Vec<_>>>()?;
+            let grid = Grid { store: Self::STORE, study: "response", settings };
+            let swept = engine.sweep(&grid, &omegas, progress, work)?;
+            let name = |omega: &f64| format!("omega = {}", scene.in_file(Quantity::Omega, *omega));
+            let read = |kept: Vec<Option<[f64; 2]>>| -> Vec<Complex<f64>> {
+                kept.into_iter()
+                    .map(|one| one.map_or([f64::NAN; 2], |one| one))
+                    .map(|[re, im]| Complex { re, im })
+                    .collect()
+            };
+            let row = |(&omega, [exact, run]): (&f64, [Option<_>; 2])| Row {
+                omega,
+                exact: exact.map_or(Vec::new(), read),
+                run: run.map(read),
+            };
+            let rows: Vec<Row> = swept.values(&omegas, name)?.into_iter().map(row).collect();
             Ok(told(&scene, (&setting, &response), &rows, si.as_ref()))
         }))
     }

@@ -5,7 +5,7 @@
 //! the same per bond on every ring; a method that takes one step for the whole chain pays for each
 //! event with a step of the whole chain.
 
-use super::{Study, Work, compare::time, families, options::options};
+use super::{Progress, Study, Work, compare::time, families, options::options};
 use crate::{
     error::{Error, Result},
     present::machine_json,
@@ -17,10 +17,12 @@ use crate::{
     },
     run::method::{Contacts, Method, Setting},
     scene::{Scene, SceneFile},
-    sweep::on_one_thread,
+    sweep::{Engine, Grid, Row, locked, on_one_thread},
 };
 use hertzchain_integrators::Stats;
-use std::time::Instant;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::{sync::Mutex, time::Instant};
 
 /// The scene whose wave runs on rings of all lengths, and the sites that one wave takes there.
 const SCENE: &str = "tw-q15";
@@ -55,18 +57,21 @@ options! {
 }
 
 impl Study for ScalingOptions {
+    const STORE: &'static str = "scaling.store";
+    const ENGINE: fn() -> Engine = Engine::in_turn;
+
     fn outline() -> Option<Report> {
         Some(Report::new("scaling").table(ScalingRow::table("scaling", &[])))
     }
 
     fn begin(&self) -> Result<Work<'_>> {
-        Ok(Box::new(|_, progress| Ok(scaling(self, progress)?.report())))
+        Ok(Box::new(|engine, progress| Ok(scaling(self, engine, progress)?.report())))
     }
 }
 
 rows! {
     /// One method on one ring.
-    #[derive(Clone, Debug, Default)]
+    #[derive(Clone, Debug, Default, Serialize, Deserialize)]
     pub struct ScalingRow {
         /// Name of the method.
         integrator: String => Short,
@@ -168,16 +173,35 @@ impl ScalingStudy {
     }
 }
 
-/// Times every method on every ring, on one thread. `progress` is told the share of the time budget
-/// that is used, and what runs.
+/// Times every method on every ring: collocation on every ring first, then the others ring by ring,
+/// as long as they fit the time that is left.
+///
+/// An engine that computes points [in turn](Engine::in_turn) times one run at a time.
 ///
 /// # Errors
-/// A number of sites, a tolerance or a budget outside its rule.
-pub fn scaling(options: &ScalingOptions, progress: &(dyn Fn(f64, &str) + Sync)) -> Result<ScalingStudy> {
-    let sizes = checked(options)?;
+/// A number of sites, a tolerance or a budget outside its rule; the process was asked to end before
+/// a run was timed.
+pub fn scaling(options: &ScalingOptions, engine: &Engine, progress: Progress<'_>) -> Result<ScalingStudy> {
+    let (sizes, methods) = (checked(options)?, ScalingStudy::methods());
+    let ScalingOptions { tol, seed, max_time, .. } = *options;
+    let first = sizes.iter().map(|&sites| (0, sites));
+    let cases: Vec<(usize, usize)> =
+        first.chain(sizes.iter().flat_map(|&sites| (1..methods.len()).map(move |method| (method, sites)))).collect();
+    let grid = Grid { store: ScalingOptions::STORE, study: "scaling", settings: json!([tol, seed, max_time]) };
+    let timer = Timer { options, clock: Instant::now(), known: Mutex::default() };
     // Collocation would otherwise use all cores on long chains, and the others one.
-    let rows = on_one_thread(|| rows(options, &sizes, progress))??;
-    let ScalingOptions { tol, seed, .. } = *options;
+    let work = |&(k, sites): &(usize, usize)| on_one_thread(|| timer.row(k, methods[k], sites))?;
+    let swept = engine.sweep(&grid, &cases, progress, work)?;
+    if swept.missing == cases.len() {
+        return Err(swept.stopped());
+    }
+    let row = |(&(k, sites), row): (&(usize, usize), Row<ScalingRow>)| {
+        let row = row.unwrap_or_else(|why| ScalingRow { failure: Some(why), ..ScalingRow::default() });
+        (k, ScalingRow { integrator: methods[k].name(), sites, ..row })
+    };
+    let mut rows: Vec<(usize, ScalingRow)> = cases.iter().zip(swept.rows).map(row).collect();
+    rows.sort_by_key(|(k, _)| *k);
+    let rows = rows.into_iter().map(|(_, row)| row).collect();
     Ok(ScalingStudy { scene: SCENE, tol, periods: PERIODS, perturbation: PERTURBATION, seed, rows })
 }
 
@@ -193,84 +217,47 @@ fn checked(options: &ScalingOptions) -> Result<Vec<usize>> {
     }
 }
 
-/// All rows: collocation on every ring first, then the others ring by ring, as long as they fit the
-/// budget.
-fn rows(options: &ScalingOptions, sizes: &[usize], progress: &(dyn Fn(f64, &str) + Sync)) -> Result<Vec<ScalingRow>> {
-    let (clock, budget) = (Instant::now(), options.max_time);
-    let spent = || clock.elapsed().as_secs_f64();
-    let mut studied = ScalingStudy::methods().map(|method| Studied::new(method, options));
-    let (collocation, others) = studied.split_at_mut(1);
-    for &sites in sizes {
-        progress(spent() / budget, &format!("collocation, {sites} sites"));
-        collocation[0].measure(sites, budget - spent())?;
-    }
-    for &sites in sizes {
-        for method in &mut *others {
-            progress(spent() / budget, &format!("{}, {sites} sites", method.method.name()));
-            let left = budget - spent();
-            match method.predicted(sites)? {
-                Some(wall) if wall > left => method.leave_out(sites, wall),
-                _ => method.measure(sites, left)?,
-            }
-        }
-    }
-    Ok(studied.into_iter().flat_map(|method| method.rows).collect())
-}
-
-/// A method with its rows so far.
-struct Studied<'a> {
-    method: Method,
+/// What run times are measured and predicted with.
+struct Timer<'a> {
     options: &'a ScalingOptions,
-    /// Sites and wall time of the last run.
-    known: Option<(usize, f64)>,
-    rows: Vec<ScalingRow>,
+    clock: Instant,
+    /// Sites and wall time of the last run, by method.
+    known: Mutex<[Option<(usize, f64)>; 4]>,
 }
 
-impl<'a> Studied<'a> {
-    fn new(method: Method, options: &'a ScalingOptions) -> Self {
-        Self { method, options, known: None, rows: Vec::new() }
+impl Timer<'_> {
+    /// Median wall time of several runs on a ring, their number, and their work.
+    fn time(&self, method: Method, sites: usize, left: f64) -> Result<(f64, usize, Stats)> {
+        time(&perturbed(sites, self.options.seed)?, method, Setting::Tolerance(self.options.tol), left)
     }
 
-    /// Median wall time of several runs on a ring, their number, and their work; or why a run
-    /// failed.
-    fn time(&self, sites: usize, left: f64) -> Result<std::result::Result<(f64, usize, Stats), String>> {
-        let scene = perturbed(sites, self.options.seed)?;
-        match time(&scene, self.method, Setting::Tolerance(self.options.tol), left) {
-            Err(Error::Integration(failure)) => Ok(Err(failure.to_string())),
-            outcome => outcome.map(Ok),
+    /// The row of the `k`-th method on a ring. A method other than the first is left out if its run
+    /// does not fit the time that is left. Its wall time is predicted from the last run; before the
+    /// first run on a long ring, from a trial on a short one.
+    fn row(&self, k: usize, method: Method, sites: usize) -> Result<ScalingRow> {
+        let left = || self.options.max_time - self.clock.elapsed().as_secs_f64();
+        let mut known = locked(&self.known)[k];
+        if k > 0 && known.is_none() && sites > TRIAL_SITES {
+            known = self.time(method, TRIAL_SITES, 0.0).ok().map(|(wall, ..)| (TRIAL_SITES, wall));
         }
-    }
-
-    fn measure(&mut self, sites: usize, left: f64) -> Result<()> {
-        let row = match self.time(sites, left)? {
-            Ok((wall, runs, Stats { steps, rejected, force_evaluations })) => {
-                self.known = Some((sites, wall));
-                let per_bond_period = Some(wall / (sites as f64 * PERIODS));
-                let wall = Some(wall);
-                ScalingRow { wall, per_bond_period, runs, steps, rejected, force_evaluations, ..ScalingRow::default() }
-            }
-            Err(why) => ScalingRow { failure: Some(why), ..ScalingRow::default() },
-        };
-        self.add(sites, row);
-        Ok(())
-    }
-
-    fn leave_out(&mut self, sites: usize, wall: f64) {
-        let failure = Some(format!("left out: it would take about {wall:.0e} s, more than --max-time leaves"));
-        self.add(sites, ScalingRow { failure, ..ScalingRow::default() });
-    }
-
-    fn add(&mut self, sites: usize, row: ScalingRow) {
-        self.rows.push(ScalingRow { integrator: self.method.name(), sites, ..row });
-    }
-
-    /// Predicted wall time of one run, in seconds, from the last run; before the first run on a
-    /// long ring, from a trial on a short one.
-    fn predicted(&mut self, sites: usize) -> Result<Option<f64>> {
-        if self.known.is_none() && sites > TRIAL_SITES {
-            self.known = self.time(TRIAL_SITES, 0.0)?.ok().map(|(wall, ..)| (TRIAL_SITES, wall));
+        let predicted = known.map(|(known, wall)| wall * (sites as f64 / known as f64).powf(growth(&method)));
+        if let Some(wall) = predicted.filter(|wall| k > 0 && *wall > left()) {
+            let failure = Some(format!("left out: it would take about {wall:.0e} s, more than --max-time leaves"));
+            return Ok(ScalingRow { failure, ..ScalingRow::default() });
         }
-        Ok(self.known.map(|(known, wall)| wall * (sites as f64 / known as f64).powf(growth(&self.method))))
+        let (wall, runs, stats) = self.time(method, sites, left())?;
+        locked(&self.known)[k] = Some((sites, wall));
+        let Stats { steps, rejected, force_evaluations } = stats;
+        let per_bond_period = Some(wall / (sites as f64 * PERIODS));
+        Ok(ScalingRow {
+            wall: Some(wall),
+            per_bond_period,
+            runs,
+            steps,
+            rejected,
+            force_evaluations,
+            ..ScalingRow::default()
+        })
     }
 }
 

@@ -439,6 +439,6 @@ fn read<U: DeserializeOwned>(text: &str) -> std::result::Result<Row<U>, String> 
 }
 
 /// Locks a mutex, also after a panic of another thread: its data are consistent between two calls.
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -38,15 +38,15 @@ pub(crate) fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// Runs the loop of the guide over three shards, merges them, and holds all files against those of
-/// one process.
+/// Runs the loop of the guide over three shards on three threads each, merges them, and holds all
+/// files against those of one process on one thread.
 pub(crate) fn in_shards(line: &str) {
     let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let (whole, parts) = (whole.path(), parts.path());
     assert!(output(line, whole, &[]).status.success());
     let script = "for k in 1 2 3; do \"$0\" \"$@\" --shard $k/3 || exit 1; done";
     let mut shell = Command::new("sh");
-    shell.args(["-c", script, PROGRAM]).args(line.split(' ')).arg("--out").arg(parts);
+    shell.args(["-c", script, PROGRAM]).args(line.split(' ')).arg("--out").arg(parts).env("RAYON_NUM_THREADS", "3");
     let said = String::from_utf8(shell.output().unwrap().stdout).unwrap();
     assert!(said.starts_with("shard 1/3: ") && said.contains("the same command without --shard"), "{said}");
     assert_eq!(files(parts).len(), 3, "shards write their stores only");
@@ -66,6 +66,21 @@ fn short_studies_over_a_grid_in_three_shards_have_the_files_of_one_process() {
     in_shards("study taper --from 0.95 --to 1.05 --points 3 --spheres 10");
     in_shards("breather barrier --frequencies 3 --sites 5");
     in_shards("wave modulation --sites 10 --rho 3 --measure --modes 1 --epsilon 0.01,0.02,0.04");
+    in_shards("breather moving --sites 9 --until 20");
+    in_shards("study response granular-crystal --set chain.sites=4 --set initial.site=1 --points 5");
+}
+
+// Truth: a wall time does not come out the same twice.
+#[test]
+fn run_times_that_a_shard_has_kept_are_not_measured_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let scaling = |more: &[&str]| {
+        assert!(output("study scaling --sites 10 --tol 1e-3", folder.path(), more).status.success());
+        fs::read(folder.path().join("scaling.csv")).ok()
+    };
+    assert_eq!([scaling(&["--shard", "1/2"]), scaling(&["--shard", "2/2"])], [None, None]);
+    let merged = scaling(&[]);
+    assert!(merged.is_some() && merged == scaling(&[]));
 }
 
 #[test]

@@ -184,7 +184,7 @@ fn refusals_of_moving_breathers_name_value_and_rule() {
     let of = |change: fn(&mut Moving)| {
         let mut options = Moving { omega_b: vec![2.05], ..Moving::default() };
         change(&mut options);
-        options.study(&|_, _| {}).unwrap_err().to_string()
+        options.study(&Engine::threads(), &|_, _| {}).unwrap_err().to_string()
     };
     type Change = fn(&mut Moving);
     let cases: [(Change, &str); 8] = [

@@ -299,9 +299,34 @@ impl<R: Real> Chain<R> {
     }
 }
 
-/// A lock for tests that choose instruction sets: a choice holds for all threads.
+/// Calls `test` with every instruction set of this machine, once it is chosen. A choice holds for
+/// all threads, so that one test at a time makes it; the set that was used before comes back.
 #[cfg(test)]
-pub(crate) fn one_set_at_a_time() -> std::sync::MutexGuard<'static, ()> {
+pub(crate) fn on_every_set(test: impl FnMut(hertzchain_integrators::Instructions)) {
+    use hertzchain_integrators::Instructions;
     static ONE: std::sync::Mutex<()> = std::sync::Mutex::new(());
-    ONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    let _alone = ONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let used = Instructions::used();
+    Instructions::ALL.into_iter().filter(|set| set.select()).for_each(test);
+    assert!(used.select());
+}
+
+/// The bits of a state after kicks, each followed by its drift, in rows of so many, and after the
+/// same kicks one at a time.
+#[cfg(test)]
+fn both_ways<F: hertzchain_integrators::SplitFlow<f64>>(
+    mut flow: F,
+    y: &[f64],
+    pairs: &[(f64, hertzchain_integrators::DoubleDouble<f64>)],
+    row: usize,
+) -> [Vec<u64>; 2] {
+    flow.load(y);
+    let mut other = flow.duplicate();
+    pairs.chunks(row).for_each(|row| flow.kick_drifts(row));
+    pairs.iter().for_each(|&(kick, drift)| other.kick_drift(kick, drift));
+    [&flow, &other].map(|flow| {
+        let mut state = y.to_vec();
+        flow.store(&mut state);
+        state.into_iter().map(f64::to_bits).collect()
+    })
 }

@@ -361,44 +361,27 @@ pub(crate) type Pairs<'a, R> = std::slice::Iter<'a, (R, DoubleDouble<R>)>;
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Boundary, KineticFlow, LinearFlow, Params};
+    use super::super::{Boundary, KineticFlow, LinearFlow, Params, both_ways};
     use super::*;
-    use hertzchain_integrators::{Instructions, SplitFlow};
-
-    /// The state after kicks in rows, and after the same kicks one at a time.
-    fn both_ways<F: SplitFlow<f64>>(mut flow: F, y: &[f64], pairs: &[(f64, DoubleDouble<f64>)]) -> [Vec<u64>; 2] {
-        flow.load(y);
-        let mut other = flow.duplicate();
-        pairs.chunks(40).for_each(|row| flow.kick_drifts(row));
-        pairs.iter().for_each(|&(kick, drift)| other.kick_drift(kick, drift));
-        [&flow, &other].map(|flow| {
-            let mut state = y.to_vec();
-            flow.store(&mut state);
-            state.iter().map(|x| x.to_bits()).collect()
-        })
-    }
 
     #[test]
     fn kicks_in_rows_have_the_bits_of_one_after_the_other() {
         // Truth: one kick at a time; all lengths around a few registers, and more kicks than there
         // are between two anchors.
-        let _alone = crate::chain::one_set_at_a_time();
-        let used = Instructions::used();
         let pairs: Vec<_> = (0..70).map(|k| (0.01 + 1e-4 * f64::from(k % 3), DoubleDouble::new(0.02))).collect();
-        for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+        crate::chain::on_every_set(|set| {
             for boundary in Boundary::ALL {
                 for (n, rho) in (1..36).flat_map(|n| [0.0, 1.0 / 3.0, f64::INFINITY].map(|rho| (n, rho))) {
                     let params = Params::new([1.2, 1.5, 2.0, 2.5][n % 4], 1.0, rho).unwrap();
                     let Ok(chain) = Chain::<f64>::new(params, boundary, n) else { continue };
                     let chain = chain.clone().precompressed(0.1).unwrap_or(chain);
                     let y: Vec<f64> = (0..chain.layout().dim()).map(|i| (0.7 * (i * i) as f64 + 0.3).sin()).collect();
-                    let [got, want] = both_ways(KineticFlow::new(chain.clone()), &y, &pairs);
+                    let [got, want] = both_ways(KineticFlow::new(chain.clone()), &y, &pairs, 40);
                     assert!(got == want, "kinetic {boundary:?} {n} {rho} {set}");
-                    let [got, want] = both_ways(LinearFlow::new(chain), &y, &pairs);
+                    let [got, want] = both_ways(LinearFlow::new(chain), &y, &pairs, 40);
                     assert!(got == want, "linear {boundary:?} {n} {rho} {set}");
                 }
             }
-        }
-        assert!(used.select());
+        });
     }
 }

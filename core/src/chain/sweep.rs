@@ -216,9 +216,9 @@ impl<R: Real> Piece<'_, R> {
             assert!(sites.room() >= chain.sites().next_multiple_of(V::<R>::LANES), "columns are whole registers");
             with_hertz!(chain.law, power => {
                 if chain.topology.strains() {
-                    go_on::<R, V<R>, S, _, true>(chain, power, (sites, now), pass, to);
+                    pass_up_to::<R, V<R>, S, _, true>(chain, power, (sites, now), pass, to);
                 } else {
-                    go_on::<R, V<R>, S, _, false>(chain, power, (sites, now), pass, to);
+                    pass_up_to::<R, V<R>, S, _, false>(chain, power, (sites, now), pass, to);
                 }
             });
         });
@@ -235,8 +235,9 @@ impl<R: Real, M> Visit<R, M> for Piece<'_, R> {
     }
 }
 
+/// The pass from where it is to the site `to`, or to the end of the chain.
 #[inline(always)]
-fn go_on<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
+fn pass_up_to<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
     chain: &Chain<R>,
     power: P,
     (mut sites, now): (S, S::Moment),
@@ -349,16 +350,14 @@ pub(crate) fn push<R: Real, V: Vector<R>, const STRAIN: bool>(before: V, f: V, n
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Boundary, Field, KineticFlow, LinearFlow, Params};
+    use super::super::{Boundary, Field, KineticFlow, LinearFlow, Params, both_ways};
     use super::*;
-    use hertzchain_integrators::{Instructions, SplitFlow, VectorField};
+    use hertzchain_integrators::VectorField;
 
     #[test]
     fn a_pass_is_the_topology_site_by_site() {
         // Truth: overlaps and pushes as `topology` has them, one number at a time, to the bit; all
         // lengths around one register and two, all boundaries, and every way to compute a power.
-        let _alone = crate::chain::one_set_at_a_time();
-        let used = Instructions::used();
         for boundary in Boundary::ALL {
             for (n, alpha) in (1..20).flat_map(|n| [0.5, 1.2, 1.5, 2.0, 3.5, 5.0].map(|alpha| (n, alpha))) {
                 let Ok(chain) = Chain::<f64>::new(Params::new(alpha, 0.0, 0.0).unwrap(), boundary, n) else { continue };
@@ -367,48 +366,32 @@ mod tests {
                 let (topology, law, delta) = (chain.topology(), chain.law(), chain.precompression());
                 let force = |b| [law.force(delta + topology.across(b, |i| [y[i]])[0])];
                 let want: Vec<f64> = (0..n).map(|i| topology.push(i, force)[0]).collect();
-                for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+                crate::chain::on_every_set(|set| {
                     let mut dy = y.clone();
                     Field::new(chain.clone()).eval(0.0, &y, &mut dy);
                     assert_eq!(dy[n..], want, "{boundary:?} {n} {alpha} {set}");
-                }
+                });
             }
         }
-        assert!(used.select());
-    }
-
-    /// The state after kicks that follow each other, and after the same kicks one at a time.
-    fn both_ways<F: SplitFlow<f64>>(mut flow: F, y: &[f64], pairs: &[(f64, DoubleDouble<f64>)]) -> [Vec<f64>; 2] {
-        flow.load(y);
-        let mut other = flow.duplicate();
-        flow.kick_drifts(pairs);
-        pairs.iter().for_each(|&(kick, drift)| other.kick_drift(kick, drift));
-        [&flow, &other].map(|flow| {
-            let mut state = y.to_vec();
-            flow.store(&mut state);
-            state
-        })
     }
 
     #[test]
     fn kicks_that_follow_each_other_have_the_bits_of_one_after_the_other() {
         // Truth: one kick at a time; a chain that ends within a register and within a piece, more
         // kicks than follow each other or than there are between two anchors.
-        let _alone = crate::chain::one_set_at_a_time();
-        let used = Instructions::used();
         let pairs: Vec<_> = (0..150).map(|k| (0.01 + 1e-4 * f64::from(k % 3), DoubleDouble::new(0.02))).collect();
-        for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+        crate::chain::on_every_set(|set| {
             for boundary in Boundary::ALL {
                 for (rho, n) in [(0.0, LONG), (1.0 / 3.0, LONG + 13), (f64::INFINITY, LONG + PIECE)] {
                     let chain = Chain::<f64>::new(Params::new(1.5, 1.0, rho).unwrap(), boundary, n).unwrap();
                     let y: Vec<f64> = (0..chain.layout().dim()).map(|i| (0.7 * (i * i) as f64).sin()).collect();
-                    let [got, want] = both_ways(KineticFlow::new(chain.clone()), &y, &pairs);
-                    assert!(got == want && want != y, "kinetic {boundary:?} {rho} {set}");
-                    let [got, want] = both_ways(LinearFlow::new(chain), &y, &pairs);
-                    assert!(got == want && want != y, "linear {boundary:?} {rho} {set}");
+                    let start: Vec<u64> = y.iter().map(|x| x.to_bits()).collect();
+                    let [got, want] = both_ways(KineticFlow::new(chain.clone()), &y, &pairs, pairs.len());
+                    assert!(got == want && want != start, "kinetic {boundary:?} {rho} {set}");
+                    let [got, want] = both_ways(LinearFlow::new(chain), &y, &pairs, pairs.len());
+                    assert!(got == want && want != start, "linear {boundary:?} {rho} {set}");
                 }
             }
-        }
-        assert!(used.select());
+        });
     }
 }

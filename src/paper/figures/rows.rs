@@ -28,7 +28,7 @@ fn dark(center: Center) -> DarkProfiles {
 /// Moving breathers of these frequencies and turns, and a kicked one up to a time.
 fn moving(omega_b: &[f64], turns: &[u32], until: f64, tell: Progress<'_>) -> Result<Report> {
     let (omega_b, turns) = (omega_b.to_vec(), turns.to_vec());
-    Ok(Moving { omega_b, turns, until, ..Moving::default() }.study(tell)?.report())
+    Ok(Moving { omega_b, turns, until, ..Moving::default() }.study(&Engine::threads(), tell)?.report())
 }
 
 /// All figures, in the order of the paper.

@@ -17,22 +17,23 @@ pub use kicked::{KickedRun, Passage};
 
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
-use super::{ChainParams, Progress, Study, Work, options::options};
+use super::{ChainParams, Progress, Study, Work, options::options, part};
 use crate::{
     breathers::{Band, Envelope, KinkEnergy, LinearWave, LinearWaves, MovingBreather, MovingOrbit, Tail},
     error::{Error, Result},
-    interrupt,
+    number::format_short,
     numerics::least_by,
-    orbits::{Orbit, Shooting, Spectrum},
+    orbits::{Shooting, Spectrum},
     report::Report,
-    sweep::map,
+    sweep::{Engine, Grid, Row},
 };
-use std::sync::atomic::{AtomicUsize, Ordering};
+use serde_json::json;
 
 /// Default frequency, in units of `omega`.
 const RATIO: f64 = 1.025;
-/// Share of the progress that the kicked run counts for.
-const KICKED: f64 = 0.1;
+/// Shares of the progress after orbits, and after multipliers; the kicked run is the rest.
+const ORBITS: f64 = 0.45;
+const MULTIPLIERS: f64 = 0.9;
 
 options! {
     /// Moving dark breathers as relative periodic orbits, and a kicked one.
@@ -119,8 +120,18 @@ pub struct MovingStudy {
 
 /// An orbit with its local amplitudes.
 type Measured = (MovingOrbit, Envelope);
+/// Return error, multipliers, resonant waves and energy of a point.
+type Analysis = (f64, Spectrum, Vec<LinearWave>, KinkEnergy);
+
+/// A breather in words.
+fn name(omega_b: f64, turns: u32) -> String {
+    format!("omega_b = {} with {turns} turns", format_short(omega_b))
+}
 
 impl Study for Moving {
+    const FILES: &'static str = "moving-multipliers.store keeps multipliers and energies.";
+    const STORE: &'static str = "moving.store";
+
     fn outline() -> Option<Report> {
         let tables = [report::points(&[]), report::envelopes(&[]), report::passages(&[])];
         Some(tables.into_iter().fold(Report::new("moving"), Report::table))
@@ -132,7 +143,7 @@ impl Study for Moving {
 
     fn begin(&self) -> Result<Work<'_>> {
         self.breathers()?;
-        Ok(Box::new(move |_, progress| Ok(self.study(progress)?.report())))
+        Ok(Box::new(move |engine, progress| Ok(self.study(engine, progress)?.report())))
     }
 }
 
@@ -161,65 +172,53 @@ impl Moving {
     /// Computes the breathers with all numbers of the study, and the kicked run.
     ///
     /// # Errors
-    /// Numbers outside their rules; an integration that fails; not one breather found.
-    pub fn study(&self, progress: Progress<'_>) -> Result<MovingStudy> {
+    /// Numbers outside their rules; an integration that fails; not one breather found; the process
+    /// was asked to end.
+    pub fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<MovingStudy> {
         let breathers = self.breathers()?;
-        let rest = |breather: &MovingBreather| breather.at_rest().orbit(&Shooting::default());
-        let rests: Vec<Orbit> = breathers.iter().step_by(self.turns.len()).map(rest).collect::<Result<_>>()?;
-        let kicked = (self.until != 0.0).then(|| KickedRun::of(&rests[0], self)).transpose()?;
-        let done = AtomicUsize::new(0);
-        // Half of the work is orbits, the other half is multipliers.
-        let tell = || {
-            let share = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / (2 * breathers.len()) as f64;
-            progress(KICKED + (1.0 - KICKED) * share, "");
-        };
-        let numbered: Vec<(usize, MovingBreather)> = breathers.iter().copied().enumerate().collect();
-        let mut found = map(&numbered, |(k, breather)| {
-            let found =
-                breather.from_rest(&rests[k / self.turns.len()], self.tol).and_then(|orbit| self.measured(orbit));
-            tell();
-            found
-        });
+        let settings = json!({ "params": breathers[0].params, "sites": self.sites, "tol": self.tol });
+        let grid = Grid { store: Self::STORE, study: "moving", settings };
+        let orbit = |breather: &MovingBreather| self.measured(breather.orbit(self.tol)?);
+        let swept = engine.sweep(&grid, &breathers, &part(progress, 0.0, ORBITS), orbit)?;
+        if swept.missing > 0 {
+            return Err(swept.stopped());
+        }
+        let mut found = swept.rows;
         self.follow(&breathers, &mut found);
-        let (mut orbits, mut missing, mut why) = (Vec::new(), Vec::new(), None);
-        for (breather, found) in breathers.iter().zip(found) {
+        let (mut orbits, mut missing) = (Vec::new(), Vec::new());
+        for (&MovingBreather { omega_b, turns, .. }, found) in breathers.iter().zip(found) {
             match found {
                 Ok(measured) => orbits.push(measured),
-                Err(error @ Error::Stalled { .. }) => {
-                    missing.push((breather.omega_b, breather.turns, error.to_string()));
-                    why = Some(error);
-                }
-                Err(error) => return Err(error),
+                Err(why) => missing.push((omega_b, turns, why)),
             }
         }
-        let points = map(&orbits, |(orbit, envelope)| {
-            tell();
-            self.point(orbit.clone(), envelope.clone())
-        });
-        let points: Vec<MovingPoint> = points.into_iter().collect::<Result<_>>()?;
-        match why {
-            Some(error) if points.is_empty() => Err(error),
-            _ => Ok(MovingStudy { options: self.clone(), points, missing, kicked }),
+        if let ([], Some((omega_b, turns, why))) = (&orbits[..], missing.last()) {
+            return Err(Error::Point { point: name(*omega_b, *turns), why: why.clone() });
         }
+        let grid = Grid { store: "moving-multipliers.store", ..grid };
+        let swept = engine.sweep(&grid, &orbits, &part(progress, ORBITS, MULTIPLIERS), |orbit| self.analysis(orbit))?;
+        let all = swept.all(&orbits, |(orbit, _)| name(orbit.setting.omega_b, orbit.setting.turns))?;
+        let point = |((orbit, envelope), analysis): (Measured, Analysis)| {
+            let (return_error, spectrum, resonant, energy) = analysis;
+            MovingPoint { return_error, spectrum, resonant, energy, tail: envelope.tail_wave(), envelope, orbit }
+        };
+        let points = orbits.into_iter().zip(all).map(point).collect();
+        let rest = || breathers[0].at_rest().orbit(&Shooting::default());
+        let kicked = (self.until != 0.0).then(|| KickedRun::of(&rest()?, self)).transpose()?;
+        Ok(MovingStudy { options: self.clone(), points, missing, kicked })
     }
 
-    fn point(&self, orbit: MovingOrbit, envelope: Envelope) -> Result<MovingPoint> {
-        if interrupt::asked() {
-            return Err(Error::Stopped { kept: "nothing of these breathers".to_owned() });
-        }
+    fn analysis(&self, (orbit, envelope): &Measured) -> Result<Analysis> {
         let (breather, tail) = (&orbit.setting, envelope.tail_wave());
         // The frequency is that of the ring's background. A search of its own looks for the
         // background, and the orbit is kept even if that search fails.
         let waves = LinearWaves::new(breather.params, breather.omega_b + tail.twist / breather.passage());
-        Ok(MovingPoint {
-            return_error: orbit.return_error(self.tol)?,
-            spectrum: orbit.spectrum(self.tol)?,
-            resonant: waves.map_or(Vec::new(), |waves| waves.resonant(breather.passage())),
-            energy: orbit.kink_energy(tail.twist, self.tol).unwrap_or(KinkEnergy { energy: f64::NAN, free: f64::NAN }),
-            tail,
-            envelope,
-            orbit,
-        })
+        Ok((
+            orbit.return_error(self.tol)?,
+            orbit.spectrum(self.tol)?,
+            waves.map_or(Vec::new(), |waves| waves.resonant(breather.passage())),
+            orbit.kink_energy(tail.twist, self.tol).unwrap_or(KinkEnergy { energy: f64::NAN, free: f64::NAN }),
+        ))
     }
 
     fn measured(&self, orbit: MovingOrbit) -> Result<Measured> {
@@ -229,7 +228,7 @@ impl Moving {
 
     /// Looks for each breather again from its neighbour in the list of frequencies, with the same
     /// turns, upwards and downwards. Keeps the orbit with the smaller tail.
-    fn follow(&self, breathers: &[MovingBreather], found: &mut [Result<Measured>]) {
+    fn follow(&self, breathers: &[MovingBreather], found: &mut [Row<Measured>]) {
         let mut pairs: Vec<(usize, usize)> =
             (self.turns.len()..breathers.len()).map(|k| (k - self.turns.len(), k)).collect();
         pairs.extend(pairs.clone().into_iter().rev().map(|(a, b)| (b, a)));
@@ -240,8 +239,8 @@ impl Moving {
                 continue;
             }
             let other = breathers[to].solve(&neighbour.z, self.tol).and_then(|orbit| self.measured(orbit));
-            if other.as_ref().is_ok_and(|(_, envelope)| envelope.tail < least) {
-                found[to] = other;
+            if let Some(other) = other.ok().filter(|(_, envelope)| envelope.tail < least) {
+                found[to] = Ok(other);
             }
         }
     }

@@ -218,7 +218,7 @@ mod tests {
         *,
     };
     use hertzchain_integrators::{
-        DoubleDouble, Instructions, SplitFlow, Stepper,
+        DoubleDouble, SplitFlow, Stepper,
         splitting::corrected::{BondFlow, Corrected, Parts},
     };
 
@@ -269,9 +269,7 @@ mod tests {
     #[test]
     fn what_sleeps_changes_no_bit_and_hides_nothing() {
         // Truth: kick, drift and evaluation of all sites, one after the other.
-        let _alone = crate::chain::one_set_at_a_time();
-        let used = Instructions::used();
-        for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+        crate::chain::on_every_set(|set| {
             for boundary in Boundary::ALL {
                 let mut chains = [(150, 0.0, 1.5), (128, 1.0 / 3.0, 1.5), (161, 0.0, 2.0), (136, 1000.0, 1.2)]
                     .map(|(n, rho, alpha)| struck(n, boundary, rho, alpha))
@@ -319,15 +317,12 @@ mod tests {
                     assert!(2 * least < n, "{boundary:?} {k}: {least} are awake at least");
                 }
             }
-        }
-        assert!(used.select());
+        });
     }
 
     #[test]
     fn corrected_runs_have_the_bits_of_steps_that_keep_all_awake() {
         // Truth: one step at a time, which wakes all sites.
-        let _alone = crate::chain::one_set_at_a_time();
-        let used = Instructions::used();
         let chains = [
             struck(150, Boundary::Free, 0.0, 1.5),
             struck(128, Boundary::Ring, 1.0 / 3.0, 1.5),
@@ -358,10 +353,7 @@ mod tests {
                 states
             };
             let want = run(false);
-            for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
-                assert!(run(true) == want, "{k} {set}");
-            }
-            assert!(used.select());
+            crate::chain::on_every_set(|set| assert!(run(true) == want, "{k} {set}"));
         }
     }
 

@@ -661,10 +661,7 @@ fn run_on(chain: &Chain<f64>, y: &mut [f64], by: f64, control: StepControl) -> R
 mod tests {
     use super::super::{Boundary, KineticFlow, LinearFlow, Params};
     use super::*;
-    use hertzchain_integrators::{
-        Instructions,
-        splitting::corrected::{Corrected, Parts},
-    };
+    use hertzchain_integrators::splitting::corrected::{Corrected, Parts};
 
     /// Bits of the arrays after each of some steps and of the final state; each step in one fused
     /// pass, or as kick, drift and evaluation.
@@ -697,9 +694,7 @@ mod tests {
     #[test]
     fn a_kick_that_evaluates_has_the_bits_of_one_thing_after_the_other() {
         // Truth: kick, drift and evaluation, each in a pass of its own.
-        let _alone = crate::chain::one_set_at_a_time();
-        let used = Instructions::used();
-        for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+        crate::chain::on_every_set(|set| {
             for boundary in Boundary::ALL {
                 for (n, rho) in (1..36).chain([63, 64, 65, 130]).flat_map(|n| [0.0, 1.0 / 3.0].map(|rho| (n, rho))) {
                     let params = Params::new([1.2, 1.5, 2.0, 2.5][n % 4], 1.0, rho).unwrap();
@@ -711,8 +706,7 @@ mod tests {
                     assert!(of(true) == of(false), "kinetic {boundary:?} {n} {rho} {set}");
                 }
             }
-        }
-        assert!(used.select());
+        });
     }
 
     /// A ring of beads in motion whose contacts open and close, on the linear split.
@@ -725,9 +719,7 @@ mod tests {
     #[test]
     fn kicks_in_a_row_end_at_the_first_evaluation_that_has_something_to_tell() {
         // Truth: one kick at a time, and what it tells of bonds; the state at the end of each row.
-        let _alone = crate::chain::one_set_at_a_time();
-        let used = Instructions::used();
-        for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+        crate::chain::on_every_set(|set| {
             for boundary in Boundary::ALL {
                 for (n, alpha) in [(5, 1.5), (16, 2.0), (23, 1.5), (50, 1.2), (64, 1.5), (67, 2.5)] {
                     let (chain, y) = ring(n, alpha, boundary);
@@ -770,15 +762,12 @@ mod tests {
                     assert!(ends > 3, "{boundary:?} {n}: {ends} steps with events");
                 }
             }
-        }
-        assert!(used.select());
+        });
     }
 
     #[test]
     fn corrected_steps_in_a_row_are_steps_on_every_instruction_set() {
         // Truth: one step at a time, to the bit; with wanted times, and without.
-        let _alone = crate::chain::one_set_at_a_time();
-        let used = Instructions::used();
         for (n, boundary, parts) in [
             (50, Boundary::StrainRing, Parts::ALL),
             (23, Boundary::Ring, Parts::ALL),
@@ -810,10 +799,7 @@ mod tests {
                 states
             };
             let want = run(false);
-            for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
-                assert!(run(true) == want, "{boundary:?} {set}");
-            }
-            assert!(used.select());
+            crate::chain::on_every_set(|set| assert!(run(true) == want, "{boundary:?} {set}"));
         }
     }
 }
