@@ -162,7 +162,7 @@ commands! {
     Dps(DpsAction) =>
         "dps integrals --b 0 --r 1",
         "dps homoclinic --center site";
-    /// Check the certificate of a wave or a breather: prove that it exists.
+    /// Check the certificate of a wave, a breather or a branch: prove that it exists.
     ///
     /// By interval arithmetic, from the numbers of the certificate alone. Exit code 1 if nothing is
     /// proved.
