@@ -142,7 +142,7 @@ commands! {
     /// its first-order ansatz; with a perturbation (--zeta) it shows whether the wave is stable.
     /// `wave modulation` computes how fast modulations of the wave grow, `wave exact` the exact
     /// wave beside the ansatz.
-    Wave(WaveArgs) =>
+    Wave(Box<WaveArgs>) =>
         "wave tw-q15",
         "wave tw-q15 --zeta 0.01 --seeds 20 --out out/wave",
         "wave modulation tw-q15",
