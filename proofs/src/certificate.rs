@@ -5,8 +5,8 @@ use std::{fmt, str::FromStr};
 
 const HEAD: &str = "hertzchain certificate 1";
 /// Keys of its lines, but for the coefficients.
-const KEYS: [&str; 11] =
-    ["kind", "alpha", "kappa", "rho", "omega", "mean", "block", "enclosed", "q_over_pi", "sites", "center"];
+const KEYS: [&str; 12] =
+    ["kind", "alpha", "kappa", "rho", "omega", "mean", "to", "block", "enclosed", "q_over_pi", "sites", "center"];
 /// Largest number of harmonics.
 const MOST: usize = 4096;
 /// Largest block of Newton's method, in unknowns.
@@ -23,7 +23,7 @@ pub struct Model {
     pub kappa: Exact,
     /// Mass ratio resonator to bead, at least 0; `None` for infinity, resonators that do not move.
     pub rho: Option<Exact>,
-    /// Frequency of the orbit.
+    /// Frequency of the orbit; of a piece of a branch that of its start.
     pub omega: Exact,
 }
 
@@ -71,8 +71,10 @@ pub enum Orbit {
 pub struct Certificate {
     /// Chain and frequency.
     pub model: Model,
-    /// Mean strain, exact.
+    /// Mean strain; of a piece of a branch that of its start.
     pub mean: Exact,
+    /// Frequency and mean strain at the end of a piece of a branch, along which both are linear.
+    pub to: Option<[Exact; 2]>,
     /// `K`: harmonics in the block of Newton's method.
     pub block: usize,
     /// `K'`: harmonics of the force that are enclosed.
@@ -92,12 +94,13 @@ impl Certificate {
 
     /// The rules that the checker relies on, in words if one is broken.
     pub(crate) fn valid(&self) -> Result<(), String> {
-        let Self { model: Model { alpha, kappa, rho, omega }, block, enclosed, .. } = self;
+        let Self { model: Model { alpha, kappa, rho, omega }, to, block, enclosed, .. } = self;
         let rule = |holds: bool, words: &str| if holds { Ok(()) } else { Err(words.to_owned()) };
         rule(alpha.num() > alpha.den(), "alpha must be above 1")?;
         rule(kappa.num() > 0, "kappa must be above 0")?;
         rule(rho.is_none_or(|rho| rho.num() >= 0), "rho must be at least 0")?;
-        rule(omega.num() > 0, "omega must be above 0")?;
+        let positive = omega.num() > 0 && to.is_none_or(|[omega, _]| omega.num() > 0);
+        rule(positive, "omega must be above 0")?;
         let h = self.harmonics();
         rule(1 <= *block && *block <= h, "block must be from 1 to the number of harmonics")?;
         rule(h <= *enclosed && 4 * block <= *enclosed, "enclosed must be at least the harmonics and 4 block")?;
@@ -128,10 +131,13 @@ impl Certificate {
 
 impl fmt::Display for Certificate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { model: Model { alpha, kappa, rho, omega }, mean, block, enclosed, orbit } = self;
+        let Self { model: Model { alpha, kappa, rho, omega }, mean, to, block, enclosed, orbit } = self;
         let kind = if matches!(orbit, Orbit::Wave(_)) { "wave" } else { "breather" };
         let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
         writeln!(f, "{HEAD}\nkind {kind}\nalpha {alpha}\nkappa {kappa}\nrho {rho}\nomega {omega}\nmean {mean}")?;
+        if let Some([omega, mean]) = to {
+            writeln!(f, "to {omega} {mean}")?;
+        }
         writeln!(f, "block {block}\nenclosed {enclosed}")?;
         let rows = match orbit {
             Orbit::Wave(wave) => {
@@ -169,10 +175,16 @@ impl FromStr for Certificate {
                 _ => return Err(format!("the line \"{line}\" has no key, or one that was there before")),
             }
         }
-        let mut take = |key: &str| {
+        let mut given = |key: &str| {
             let place = keys.iter().position(|(name, _)| *name == key);
-            place.map(|place| keys.swap_remove(place).1).ok_or_else(|| format!("the line {key} is missing"))
+            place.map(|place| keys.swap_remove(place).1)
         };
+        let to = given("to").map(|to| {
+            let (omega, mean) = to.split_once(' ').ok_or("the line to has a frequency and a mean strain")?;
+            Ok::<_, String>([omega.parse()?, mean.parse()?])
+        });
+        let to = to.transpose()?;
+        let mut take = |key: &str| given(key).ok_or_else(|| format!("the line {key} is missing"));
         let rho = take("rho")?;
         let model = Model {
             alpha: take("alpha")?.parse()?,
@@ -199,9 +211,19 @@ impl FromStr for Certificate {
         };
         match keys.first() {
             Some((key, _)) => Err(format!("the key {key} is not known")),
-            None => Ok(Self { model, mean, block, enclosed, orbit }),
+            None => Ok(Self { model, mean, to, block, enclosed, orbit }),
         }
     }
+}
+
+/// The pieces of a text: one certificate after the other.
+///
+/// # Errors
+/// The rule that a piece breaks.
+pub fn pieces(text: &str) -> Result<Vec<Certificate>, String> {
+    let later = text.match_indices(HEAD).map(|(at, _)| at).filter(|at| text[..*at].ends_with('\n'));
+    let ends: Vec<usize> = std::iter::once(0).chain(later).chain([text.len()]).collect();
+    ends.windows(2).map(|ends| text[ends[0]..ends[1]].parse()).collect()
 }
 
 /// A finite double as C99 writes it: `-0x1.8p-3`; subnormals as `0x0.8p-1022`.

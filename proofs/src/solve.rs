@@ -5,12 +5,14 @@
 
 use crate::{
     certificate::{Breather, Center, Certificate, Model, Orbit, Wave},
+    check::{Proof, Refused},
     exact::Exact,
 };
 use std::f64::consts::PI;
 
-/// Least number of samples of a period, and for each harmonic.
-const SAMPLES: [usize; 2] = [1 << 15, 64];
+/// Samples of a period: for each harmonic at least, and for each square of their number up to the
+/// third, since a cosine sum of few harmonics is less near to a solution.
+const SAMPLES: [usize; 3] = [64, 4, 1 << 15];
 /// Most steps of Newton's method.
 const MOST_STEPS: usize = 60;
 
@@ -30,12 +32,101 @@ impl Sizes {
     pub const WAVE: Self = Self { block: 16, harmonics: 512, enclosed: 512 };
     /// Those of breathers.
     pub const BREATHER: Self = Self { block: 16, harmonics: 256, enclosed: 256 };
+    /// Those of pieces of branches of waves.
+    pub const WAVE_PIECE: Self = Self { block: 12, harmonics: 32, enclosed: 48 };
+    /// Those of pieces of branches of breathers.
+    pub const BREATHER_PIECE: Self = Self { block: 8, harmonics: 12, enclosed: 32 };
 
     /// As many times the harmonics, with the same block.
     #[must_use]
     pub fn times(self, times: usize) -> Self {
         Self { harmonics: times * self.harmonics, enclosed: times * self.enclosed, ..self }
     }
+}
+
+/// The certificate with the solution near the cosine sum of this one. `None` if Newton's method finds
+/// none.
+pub fn near(near: &Certificate, sizes: Sizes) -> Option<Certificate> {
+    let (model, mean) = (near.model, near.mean);
+    match &near.orbit {
+        Orbit::Wave(Wave { q_over_pi, a }) => wave(model, *q_over_pi, mean, a, sizes),
+        Orbit::Breather(Breather { sites, center, a }) => breather(model, (mean, *sites), *center, a, sizes),
+    }
+}
+
+/// Length of the first piece of a strip that is tried, as a share of the strip, and of the shortest.
+const LENGTHS: [f64; 2] = [1.0 / 16.0, 1.0 / 1024.0];
+/// Largest radius of a piece over its radius of uniqueness. Balls of this size that meet lie within
+/// the other's ball of uniqueness, if both have the same norm.
+const FILLED: f64 = 1.0 / 3.0;
+
+/// The proved pieces of a strip of a branch, and where and why they end before it does.
+#[derive(Clone, Debug)]
+pub struct Strip {
+    /// The pieces, one after the other.
+    pub pieces: Vec<(Certificate, Proof)>,
+    /// Frequency at which they end, and why the next piece is not proved.
+    pub stop: Option<(Exact, String)>,
+}
+
+/// The strip of a branch between two certificates near solutions, along which frequency and mean
+/// strain are linear, in pieces as long as can be proved.
+///
+/// # Errors
+/// [`Refused::Stopped`].
+pub fn strip(
+    [from, to]: [&Certificate; 2],
+    sizes: Sizes,
+    check: &dyn Fn(&Certificate) -> Result<Proof, Refused>,
+) -> Result<Strip, Refused> {
+    let ends = |it: &Certificate| [it.model.omega, it.mean];
+    let at = |s: f64| -> Option<[Exact; 2]> {
+        let between = |i: usize| {
+            let [from, to] = [from, to].map(|it| approximate(ends(it)[i]));
+            // Few digits, so that the decimal is exact.
+            Exact::of_double(((from + s * (to - from)) * 1e18).round() / 1e18)
+        };
+        if s >= 1.0 { Some(ends(to)) } else { Some([between(0)?, between(1)?]) }
+    };
+    let mut strip = Strip { pieces: Vec::new(), stop: None };
+    let (mut near, mut start, mut s, mut length) = (from.clone(), ends(from), 0.0, LENGTHS[0]);
+    while s < 1.0 {
+        let rest = ((1.0 - s) / length).ceil();
+        let end = if rest > 1.0 { s + (1.0 - s) / rest } else { 1.0 };
+        let piece = at(0.5 * (s + end)).zip(at(end)).and_then(|([omega, mean], to)| {
+            let near = Certificate { model: Model { omega, ..near.model }, mean, ..near.clone() };
+            let middle = self::near(&near, sizes)?;
+            let model = Model { omega: start[0], ..near.model };
+            Some(Certificate { model, mean: start[1], to: Some(to), ..middle })
+        });
+        let checked = piece.map(|piece| (check(&piece), piece));
+        // A ball of a piece of length h has a radius r with h about r - r^2, in units of that of
+        // uniqueness.
+        let longer = |filled: f64| 0.9 * (FILLED - FILLED * FILLED) / (filled - filled * filled);
+        let (factor, why) = match checked {
+            Some((Err(Refused::Stopped), _)) => return Err(Refused::Stopped),
+            Some((Ok(proof), piece)) => {
+                let filled = proof.radius / proof.uniqueness_radius;
+                if filled <= FILLED {
+                    length = (end - s) * longer(filled).clamp(0.9, 4.0);
+                    (s, start) = (end, piece.to.unwrap_or(start));
+                    near = Certificate { to: None, ..piece.clone() };
+                    strip.pieces.push((piece, proof));
+                    continue;
+                }
+                let why = "the balls of pieces are too wide for their radii of uniqueness".to_owned();
+                (if filled < 0.5 { longer(filled).min(0.9) } else { 0.5 }, why)
+            }
+            Some((Err(why), _)) => (0.5, why.to_string()),
+            None => (0.5, "no cosine sum near the solution is found".to_owned()),
+        };
+        length = factor * (end - s);
+        if length < LENGTHS[1] {
+            strip.stop = Some((start[0], why));
+            break;
+        }
+    }
+    Ok(strip)
 }
 
 /// The certificate of the wave near `X = mean + sum guess_k cos k theta`, `guess = a_1, a_2, ...`.
@@ -60,7 +151,7 @@ pub fn wave(model: Model, q_over_pi: Exact, mean: Exact, guess: &[f64], sizes: S
         if size >= 0.5 * smallest && size < 1e-10 * a[1].abs() || size == 0.0 {
             a.remove(0);
             let orbit = Orbit::Wave(Wave { q_over_pi, a });
-            return Some(Certificate { model, mean, block, enclosed: sizes.enclosed, orbit });
+            return Some(Certificate { model, mean, to: None, block, enclosed: sizes.enclosed, orbit });
         }
         smallest = size.min(smallest);
     }
@@ -148,7 +239,7 @@ pub fn breather(
                 a[0].iter_mut().skip(1).step_by(2).for_each(|a| *a = 0.0);
             }
             let orbit = Orbit::Breather(Breather { sites, center, a });
-            return Some(Certificate { model, mean, block, enclosed, orbit });
+            return Some(Certificate { model, mean, to: None, block, enclosed, orbit });
         }
         smallest = size.min(smallest);
     }
@@ -182,7 +273,9 @@ fn inverse(model: &Model, k: usize) -> f64 {
 
 /// Coefficients of the force and of its derivative by the overlap, for `X = sum a_k cos k theta`.
 fn series(a: &[f64], alpha: f64, count: usize) -> [Vec<f64>; 2] {
-    let mut samples = vec![(0.0, 0.0); SAMPLES[0].max((SAMPLES[1] * count).next_power_of_two())];
+    let [each, squares, most] = SAMPLES;
+    let samples = (each * count).max(most.min(squares * count * count)).next_power_of_two();
+    let mut samples = vec![(0.0, 0.0); samples];
     let scale = 1.0 / samples.len() as f64;
     samples.iter_mut().zip(a).for_each(|(sample, a)| sample.0 = *a);
     fourier(&mut samples);

@@ -1,6 +1,9 @@
 //! Coefficients of contact forces are enclosed.
 
-use hertzchain_proofs::{check::moments, interval::Interval};
+use hertzchain_proofs::{
+    check::{NARROWEST, moments},
+    interval::Interval,
+};
 
 /// Coefficients of `X`, `alpha`; harmonics 0, 1, 2 and 7 of `N` and of `D`, and the means of their
 /// squares. Truth: quadrature between the zeros of `X`, with 40 digits (mpmath). The first has zeros
@@ -93,7 +96,7 @@ const CASES: &[Case] = &[
 fn moments_are_enclosed() {
     for (a, alpha, truth) in CASES {
         let a: Vec<Interval> = a.iter().map(|a| Interval::exact(*a)).collect();
-        let found = moments(&a, alpha.parse().unwrap(), 64, &|| false).unwrap();
+        let found = moments(&a, alpha.parse().unwrap(), 64, NARROWEST, &|| false).unwrap();
         let at = |series: &[Interval]| [0, 1, 2, 7].map(|k| series[k]);
         let squares = vec![found.force_square, found.stiffness_square];
         let all = [at(&found.force).to_vec(), at(&found.stiffness).to_vec(), squares].concat();
@@ -120,9 +123,9 @@ fn moments_are_enclosed() {
 fn forces_that_cannot_be_enclosed_are_refused() {
     let alpha = "3/2".parse().unwrap();
     for a in [[0.0, 0.0], [f64::NAN, 1.0], [0.0, f64::INFINITY]] {
-        assert!(moments(&a.map(Interval::exact), alpha, 16, &|| false).is_none(), "{a:?}");
+        assert!(moments(&a.map(Interval::exact), alpha, 16, NARROWEST, &|| false).is_none(), "{a:?}");
     }
     // No contact: no force.
-    let free = moments(&[1.0, 0.5].map(Interval::exact), alpha, 16, &|| false).unwrap();
+    let free = moments(&[1.0, 0.5].map(Interval::exact), alpha, 16, NARROWEST, &|| false).unwrap();
     assert!(free.force.iter().all(|n| n.holds(0.0) && n.hi() < 1e-300));
 }

@@ -157,7 +157,7 @@ fn bounds_are_those_of_the_formulas() {
     ] {
         let model = Model { kappa: exact(kappa), ..model(parameters) };
         let orbit = Orbit::Wave(Wave { q_over_pi: exact(q), a: a.clone() });
-        near(of(&Certificate { model, mean: exact(mean), block, enclosed, orbit }), truth, q);
+        near(of(&Certificate { model, mean: exact(mean), to: None, block, enclosed, orbit }), truth, q);
     }
     let site = [[-0.04, 0.0, 0.006, 0.0], [0.002, -0.15, 0.001, 0.002], [-0.003, 0.16, -0.002, 0.001]];
     let bond = [[-0.03, 0.08, 0.003, 0.001], [0.01, -0.15, 0.004, 0.002], [-0.02, 0.16, -0.002, 0.001]];
@@ -167,7 +167,11 @@ fn bounds_are_those_of_the_formulas() {
     ] {
         let orbit = Orbit::Breather(Breather { sites: 5, center, a: a.map(|row| row.to_vec()).to_vec() });
         let model = model(["3/2", "1/3", "2.05"]);
-        near(of(&Certificate { model, mean: exact("0.01"), block: 2, enclosed: 8, orbit }), truth, "breather");
+        near(
+            of(&Certificate { model, mean: exact("0.01"), to: None, block: 2, enclosed: 8, orbit }),
+            truth,
+            "breather",
+        );
     }
 }
 

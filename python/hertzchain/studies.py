@@ -1329,7 +1329,9 @@ def wave_exact(
     prove : bool
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
-        the computed solution. Exit code 1 if nothing is proved.
+        the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
+        by piece; the mean strain is linear between its points. Exit code 1 if nothing is proved, or
+        not the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     format : str | Sequence[str]
@@ -1373,6 +1375,8 @@ def wave_continue(
     step: float | None = None,
     max_points: int = 1000,
     multipliers: bool | None = None,
+    prove: bool = False,
+    certificate: str | os.PathLike[str] | None = None,
     resume: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
@@ -1426,6 +1430,14 @@ def wave_continue(
     multipliers : bool
         Compute multipliers, or not (=false). On by default where they take less time than the
         orbits: not of dark breathers.
+    prove : bool
+        Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
+        and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
+        the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
+        by piece; the mean strain is linear between its points. Exit code 1 if nothing is proved, or
+        not the whole branch.
+    certificate : str | os.PathLike[str]
+        Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     resume : str | os.PathLike[str]
         Go on with what this file, or the file in this folder, has kept. A file of a branch, from
         its last point: to another `to`, by another `step`; then multipliers and bifurcations are
@@ -1712,7 +1724,9 @@ def breather_dark(
     prove : bool
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
-        the computed solution. Exit code 1 if nothing is proved.
+        the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
+        by piece; the mean strain is linear between its points. Exit code 1 if nothing is proved, or
+        not the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     format : str | Sequence[str]
@@ -1747,6 +1761,8 @@ def breather_continue(
     c_x: float = 0,
     formulation: Literal["half-period", "full-period"] = "half-period",
     tol: float = 1e-13,
+    prove: bool = False,
+    certificate: str | os.PathLike[str] | None = None,
     to: float | None = None,
     resume: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
@@ -1803,6 +1819,14 @@ def breather_continue(
         Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
         state. Where small changes grow, the error at the end is larger by the same factor. From
         1e-15 to 0.1.
+    prove : bool
+        Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
+        and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
+        the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
+        by piece; the mean strain is linear between its points. Exit code 1 if nothing is proved, or
+        not the whole branch.
+    certificate : str | os.PathLike[str]
+        Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     to : float
         Value of the parameter at which the branch ends. It begins with that of the scene or of
         other options. A finite number.
@@ -2564,7 +2588,7 @@ def prove(
     out: str | os.PathLike[str] | None = None,
     progress: Progress = False,
 ) -> Study:
-    """Check the certificate of a wave or a breather: prove that it exists.
+    """Check the certificate of a wave, a breather or a branch: prove that it exists.
 
     By interval arithmetic, from the numbers of the certificate alone. Exit code 1 if nothing is
     proved.
@@ -2572,7 +2596,7 @@ def prove(
     Parameters
     ----------
     certificate : str | os.PathLike[str]
-        File that `certificate` of `wave exact` or `breather dark` has written.
+        File that `certificate` of a wave, a breather or a branch of them has written.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]

@@ -2,8 +2,8 @@
 //! bifurcations, the end, and the branch that crosses.
 
 use super::{
-    Progress, ResultUnits, Study, Work, folder_of, keeper::Autosave, options::options, part, run::state_arrays,
-    segments, si::Scale,
+    Progress, Proving, ResultUnits, Study, Work, folder_of, keeper::Autosave, options::options, part,
+    run::state_arrays, segments, si::Scale,
 };
 use crate::{
     chain::State,
@@ -14,6 +14,7 @@ use crate::{
     scene::{Quantity, Scene, SceneFile, Units},
     sweep::Engine,
 };
+use hertzchain_proofs::certificate::Certificate;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::{Value, json};
 use std::{
@@ -24,6 +25,8 @@ use std::{
 
 /// Share of the progress of a branch for its orbits; the rest is for multipliers and bifurcations.
 pub(super) const ORBITS: f64 = 0.4;
+/// Share of the progress of a branch that is proved before the proof.
+const PROVED: f64 = 0.3;
 /// Largest step as a share of the range of the parameter, if none is given.
 const STEP: f64 = 0.05;
 
@@ -178,6 +181,17 @@ pub trait FollowCommand {
     fn with_options(&self, branch: Branch<Self::Problem>) -> Result<Branch<Self::Problem>> {
         Ok(branch)
     }
+    /// Whether the branch is to be proved, of kinds of orbits that can be.
+    fn proving(&self) -> Option<&Proving> {
+        None
+    }
+    /// The cosine sums near the orbits of a branch that is to be proved.
+    ///
+    /// # Errors
+    /// An integration that fails; numbers that are not exact.
+    fn near(&self, _branch: &Branch<Self::Problem>) -> Result<Vec<Certificate>> {
+        Ok(Vec::new())
+    }
     /// The branch, and the one that crosses it if it is asked for. All options are checked before
     /// the work.
     ///
@@ -214,7 +228,18 @@ impl<C: FollowCommand> Study for C {
 
     fn begin(&self) -> Result<Work<'_>> {
         let work = self.follow()?;
-        Ok(Box::new(move |engine, progress| work(engine, progress)?.report()))
+        let proving = self.proving().filter(|proving| proving.prove);
+        let orbits = if proving.is_some() { PROVED } else { 1.0 };
+        Ok(Box::new(move |engine, progress| {
+            let study = work(engine, &part(progress, 0.0, orbits))?;
+            let report = study.report()?;
+            match proving {
+                Some(proving) if study.branch.ended() != End::Stopped => {
+                    proving.added_of_branch(report, &self.near(&study.branch)?, &part(progress, orbits, 1.0))
+                }
+                _ => Ok(report),
+            }
+        }))
     }
 
     /// The folder of the branch that is gone on with, unless it is one that crosses another.

@@ -1,8 +1,7 @@
 //! Existence of exact waves and dark breathers, proved by `hertzchain-proofs`.
 
-use super::{Study, Work, options::options};
+use super::{Progress, Study, Work, options::options};
 use crate::{
-    breathers::DarkBreather,
     chain::Params,
     dps,
     error::{Error, Result},
@@ -10,18 +9,20 @@ use crate::{
     orbits::Orbit,
     output::{Folder, read},
     report::Report,
+    sweep,
     waves::{ExactWave, MeanStrain},
 };
 use hertzchain_proofs::{
-    certificate::{self, Center, Certificate, Model},
-    check::{Proof, Refused, check_until},
+    certificate::{self, Breather, Center, Certificate, Model, Wave},
+    check::{Gap, Proof, Refused, check_until, connected},
     exact::Exact,
-    solve::{self, Sizes},
+    solve::{self, Sizes, Strip},
 };
 use serde_json::{Value, json};
 use std::{
     f64::consts::PI,
     path::{Path, PathBuf},
+    sync::atomic::{AtomicUsize, Ordering::Relaxed},
 };
 
 /// What the checker says.
@@ -43,8 +44,9 @@ options! {
         /// Prove that the solution exists, by interval arithmetic.
         ///
         /// It is proved for the exact decimals and fractions of the parameters (1/3 for the double
-        /// nearest to it), about a cosine sum near the computed solution. Exit code 1 if nothing is
-        /// proved.
+        /// nearest to it), about a cosine sum near the computed solution. Of a branch in its
+        /// frequency one curve of solutions is proved, piece by piece; the mean strain is linear
+        /// between its points. Exit code 1 if nothing is proved, or not the whole branch.
         prove: bool = false, [arg(long)];
         /// Write the certificate of the proof to this file.
         ///
@@ -71,22 +73,96 @@ impl Proving {
             let why = "not proved: no cosine sum near the solution is found";
             return Ok(report.fact("proof", json!({ "proved": false, "reason": why })).failure(Some(why.to_owned())));
         };
-        if let Some(path) = &self.certificate {
-            let missing = || Error::parameter("certificate", path.display().to_string(), "the name of a file");
-            let name = path.file_name().and_then(|name| name.to_str()).ok_or_else(missing)?;
-            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-            Folder::create(folder.unwrap_or(Path::new(".")))?.write(name, certificate.to_string().as_bytes())?;
-        }
+        self.write(&certificate.to_string())?;
         Ok(proved(report, &certificate, proof))
     }
+
+    fn write(&self, certificate: &str) -> Result<()> {
+        let Some(path) = &self.certificate else { return Ok(()) };
+        let missing = || Error::parameter("certificate", path.display().to_string(), "the name of a file");
+        let name = path.file_name().and_then(|name| name.to_str()).ok_or_else(missing)?;
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        Folder::create(folder.unwrap_or(Path::new(".")))?.write(name, certificate.as_bytes())?;
+        Ok(())
+    }
+
+    /// Refuses a proof of a branch in another parameter than its frequency.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`].
+    pub(super) fn of_branch(&self, parameter: &str, frequency: &str) -> Result<()> {
+        let rule = "a branch is proved in its frequency: without --vary";
+        if self.prove && parameter != frequency { Err(Error::parameter("vary", parameter, rule)) } else { Ok(()) }
+    }
+
+    /// Adds the proof of a branch to a report: of the curve through solutions near these
+    /// certificates.
+    ///
+    /// # Errors
+    /// A certificate that cannot be written; [`Error::Stopped`].
+    pub(super) fn added_of_branch(
+        &self,
+        report: Report,
+        near: &[Certificate],
+        progress: Progress<'_>,
+    ) -> Result<Report> {
+        let strips: Vec<(usize, &[Certificate])> = near.windows(2).enumerate().collect();
+        let (done, proved, last) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(strips.len()));
+        let strip = |(k, ends): &(usize, &[Certificate])| {
+            // Those after a gap are not needed.
+            if *k > last.load(Relaxed) {
+                return Ok(Strip { pieces: Vec::new(), stop: None });
+            }
+            let [from, to] = [0, 1].map(|end| &ends[end]);
+            let sizes = match from.orbit {
+                certificate::Orbit::Wave(_) => Sizes::WAVE_PIECE,
+                certificate::Orbit::Breather(_) => Sizes::BREATHER_PIECE,
+            };
+            let check = |piece: &Certificate| {
+                let proof = check_until(piece, &interrupt::asked);
+                let count = proved.fetch_add(usize::from(proof.is_ok()), Relaxed);
+                progress(done.load(Relaxed) as f64 / strips.len() as f64, &format!("{count} pieces are proved"));
+                proof
+            };
+            let strip = solve::strip([from, to], sizes, &check)?;
+            done.fetch_add(1, Relaxed);
+            if strip.stop.is_some() {
+                last.fetch_min(*k, Relaxed);
+            }
+            Ok(strip)
+        };
+        let mut pieces = Vec::new();
+        let mut stop = None;
+        for strip in sweep::map(&strips, strip) {
+            let strip = strip.map_err(|_: Refused| stopped())?;
+            if stop.is_none() {
+                pieces.extend(strip.pieces.into_iter().map(|(piece, proof)| (piece, Ok(proof))));
+                stop = strip.stop.map(|(_, why)| why);
+            }
+        }
+        let (count, gap) = connected(&pieces);
+        pieces.truncate(count);
+        self.write(&pieces.iter().map(|(piece, _)| piece.to_string()).collect::<String>())?;
+        let end = near.last().map_or(f64::NAN, |last| nearest(last.model.omega));
+        Ok(proved_branch(report, &pieces, end, gap.map(|gap| gap.to_string()).or(stop)))
+    }
+}
+
+fn stopped() -> Error {
+    Error::Stopped { kept: "nothing of the proof".to_owned() }
 }
 
 /// What the checker says, unless the process is asked to end.
 fn checked(certificate: &Certificate) -> Result<Checked> {
     match check_until(certificate, &interrupt::asked) {
-        Err(Refused::Stopped) => Err(Error::Stopped { kept: "nothing of the proof".to_owned() }),
+        Err(Refused::Stopped) => Err(stopped()),
         proof => Ok(proof),
     }
+}
+
+/// The double nearest to an exact number, or one beside it.
+fn nearest(x: Exact) -> f64 {
+    x.enclosed().mid()
 }
 
 /// A certificate, checked. The closure makes one of some times as many harmonics as usual; there
@@ -119,8 +195,8 @@ pub(crate) fn radius_of_wave(wave: &ExactWave, fourier: &[f64]) -> Result<f64> {
 }
 
 /// The same of a breather.
-pub(crate) fn radius_of_breather(breather: &DarkBreather, orbit: &Orbit, tol: f64) -> Result<f64> {
-    radius(BREATHER, |more| of_breather(breather, orbit, tol, more))
+pub(crate) fn radius_of_breather(orbit: &Orbit, tol: f64) -> Result<f64> {
+    radius(BREATHER, |more| of_breather(orbit, tol, more))
 }
 
 /// A positive bound with two digits, rounded up.
@@ -132,15 +208,53 @@ fn up(bound: f64) -> String {
     format!("{:.1e}", bound + 0.05 * 10_f64.powf(bound.log10().floor()))
 }
 
-/// Adds to a report what is proved of a certificate.
-fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
-    let (harmonics, block) = (certificate.harmonics(), certificate.block);
-    let norm = match certificate.orbit {
+/// The norm of a proof.
+fn norm(certificate: &Certificate) -> &'static str {
+    match certificate.orbit {
         certificate::Orbit::Wave(_) => "sum of |a_k| over k >= 1",
         certificate::Orbit::Breather(_) => {
             "largest over n of (sqrt(2) |a_n0| + sum of |a_nk| over k >= 1)/W_n, W_n <= 1; and of eta |c_0|"
         }
+    }
+}
+
+/// Adds to a report what is proved of the pieces of a branch, which are connected, up to the
+/// frequency `end` unless they stop before.
+fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: f64, stop: Option<String>) -> Report {
+    let ends = |(piece, _): &(Certificate, Checked)| [Some(piece.model.omega), piece.to.map(|to| to[0])];
+    let of = |end: Option<[Option<Exact>; 2]>, i: usize| end.and_then(|ends| ends[i]).map(nearest);
+    let (from, to) = (of(pieces.first().map(ends), 0), of(pieces.last().map(ends), 1));
+    let proofs = || pieces.iter().filter_map(|(_, proof)| proof.as_ref().ok());
+    let radius = proofs().map(|proof| proof.radius).reduce(f64::max);
+    let share = proofs().map(|proof| proof.radius / proof.amplitude).reduce(f64::max);
+    let unique = proofs().map(|proof| proof.uniqueness_radius).reduce(f64::min);
+    let mut value = json!({
+        "proved": stop.is_none(), "pieces": pieces.len(), "from": from, "to": to, "radius": radius,
+        "uniqueness_radius": unique, "norm": pieces.first().map(|(piece, _)| norm(piece)), "rounding": "outward",
+    });
+    let words = match (from, to, share) {
+        (Some(from), Some(to), Some(share)) => format!(
+            "Proved: one curve of solutions from the frequency {from} to {to}, in {} pieces; within {} of their \
+             cosine sums, {} of the amplitude.",
+            pieces.len(),
+            up(radius.unwrap_or(f64::NAN)),
+            up(share)
+        ),
+        _ => String::new(),
     };
+    let failure = stop.map(|why| match to {
+        Some(to) => format!("proved up to the frequency {to}, not {end}: {why}"),
+        None => format!("not proved: {why}"),
+    });
+    if let Some(failure) = &failure {
+        value["reason"] = Value::from(failure.as_str());
+    }
+    report.fact("proof", value).words(words).failure(failure)
+}
+
+/// Adds to a report what is proved of a certificate.
+fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
+    let (harmonics, block, norm) = (certificate.harmonics(), certificate.block, norm(certificate));
     let value = |proved: bool, numbers: [Option<f64>; 5], reason: Option<String>| {
         let [radius, uniqueness_radius, y0, z1, z2] = numbers;
         let mut value = json!({
@@ -189,28 +303,30 @@ fn model(Params { alpha, kappa, rho }: Params, omega: f64) -> Result<Model> {
     Ok(Model { alpha: exact("alpha", alpha)?, kappa: exact("kappa", kappa)?, rho, omega: exact("omega", omega)? })
 }
 
-/// The certificate of a wave with these Fourier coefficients of `X`.
-pub(super) fn of_wave(wave: &ExactWave, fourier: &[f64], more: usize) -> Result<Option<Certificate>> {
+/// A number as one with few decimals, so that it is exact.
+fn rounded(x: f64) -> f64 {
+    (x * 1e18).round() / 1e18
+}
+
+/// The cosine sum near a wave, with these Fourier coefficients of `X`.
+pub(super) fn near_wave(wave: &ExactWave, fourier: &[f64]) -> Result<Certificate> {
     let setting = wave.setting;
     let mean = match setting.mean {
         MeanStrain::Value(mean) => mean,
-        _ => wave.mean(),
+        _ => rounded(wave.mean()),
     };
     let (model, mean) = (model(setting.params, setting.omega_tw)?, exact("mean", mean)?);
-    let q = Exact::new(2 * setting.q.turns() as i64, setting.q.cell() as i64);
-    Ok(q.and_then(|q| solve::wave(model, q, mean, &fourier[1..], Sizes::WAVE.times(more))))
+    let turns = || Exact::new(2 * setting.q.turns() as i64, setting.q.cell() as i64);
+    let q_over_pi = turns().ok_or_else(|| Error::parameter("q_over_pi", setting.q.q() / PI, "a fraction"))?;
+    Ok(near(model, mean, certificate::Orbit::Wave(Wave { q_over_pi, a: fourier[1..].to_vec() })))
 }
 
-/// The certificate of a dark breather: of the orbit with the mean strain of this one.
-pub(super) fn of_breather(
-    breather: &DarkBreather,
-    orbit: &Orbit,
-    tol: f64,
-    more: usize,
-) -> Result<Option<Certificate>> {
-    let (sites, half) = (breather.sites, breather.sites / 2);
+/// The cosine sum near a dark breather, with the mean strain of this orbit.
+pub(super) fn near_breather(orbit: &Orbit, tol: f64) -> Result<Certificate> {
+    let setting = orbit.setting;
+    let (sites, half) = (setting.sites, setting.sites / 2);
     let share = |j: u32| f64::from(j) / f64::from(SAMPLES);
-    let times: Vec<f64> = (0..=SAMPLES).map(|j| 0.5 * orbit.setting.period() * share(j)).collect();
+    let times: Vec<f64> = (0..=SAMPLES).map(|j| 0.5 * setting.period() * share(j)).collect();
     let states = orbit.states(tol, &times)?;
     // The strain is even in time: the sum over half a period, with half of both ends.
     let coefficient = |site: usize, k: usize| {
@@ -221,21 +337,37 @@ pub(super) fn of_breather(
         (if k == 0 { 1.0 } else { 2.0 }) * (0..).zip(&states).map(term).sum::<f64>() / f64::from(SAMPLES)
     };
     // Site n of the ring, n = -N .. N, is entry N + n.
-    let (center, first) = match breather.center {
-        dps::Center::Site => (Center::Site, half),
-        dps::Center::Bond => (Center::Bond, half + 1),
+    let (center, first) = match setting.about {
+        Some(dps::Center::Site) if setting.turns == 1 => (Center::Site, half),
+        Some(dps::Center::Bond) if setting.turns == 1 => (Center::Bond, half + 1),
+        _ => return Err(Error::parameter("prove", true, "a breather of one turn a period with a centre")),
     };
     let row = |i: usize| (0..=HARMONICS).map(|k| coefficient((first + i) % sites, k)).collect();
-    let guess: Vec<Vec<f64>> = (0..=half).map(row).collect();
-    let mean = exact("mean strain", orbit.x().iter().sum::<f64>() / sites as f64)?;
-    let model = model(breather.params, breather.omega_b)?;
-    Ok(solve::breather(model, (mean, sites), center, &guess, Sizes::BREATHER.times(more)))
+    let a = (0..=half).map(row).collect();
+    let mean = exact("mean strain", rounded(orbit.x().iter().sum::<f64>() / sites as f64))?;
+    let orbit = certificate::Orbit::Breather(Breather { sites, center, a });
+    Ok(near(model(setting.params, setting.omega_b)?, mean, orbit))
+}
+
+/// A certificate that only says near what.
+fn near(model: Model, mean: Exact, orbit: certificate::Orbit) -> Certificate {
+    Certificate { model, mean, to: None, block: 1, enclosed: HARMONICS, orbit }
+}
+
+/// The certificate of a wave with these Fourier coefficients of `X`.
+pub(super) fn of_wave(wave: &ExactWave, fourier: &[f64], more: usize) -> Result<Option<Certificate>> {
+    Ok(solve::near(&near_wave(wave, fourier)?, Sizes::WAVE.times(more)))
+}
+
+/// The certificate of a dark breather: of the orbit with the mean strain of this one.
+pub(super) fn of_breather(orbit: &Orbit, tol: f64, more: usize) -> Result<Option<Certificate>> {
+    Ok(solve::near(&near_breather(orbit, tol)?, Sizes::BREATHER.times(more)))
 }
 
 options! {
     /// A certificate that is checked again.
     pub struct Prove {
-        /// File that `--certificate` of `wave exact` or `breather dark` has written.
+        /// File that `--certificate` of a wave, a breather or a branch of them has written.
         certificate: PathBuf = PathBuf::new(), [arg(value_name = "CERTIFICATE")];
     }
 }
@@ -248,9 +380,14 @@ impl Study for Prove {
     fn begin(&self) -> Result<Work<'_>> {
         let path = &self.certificate;
         let refused = |rule: String| Error::Content { path: path.clone(), place: "certificate".to_owned(), rule };
+        // A pipe without a writer would not even be opened.
+        if path.metadata().is_ok_and(|it| !it.is_file() && !it.is_dir()) {
+            return Err(refused("it is no file".to_owned()));
+        }
         let text = String::from_utf8(read(path, LONGEST)?).map_err(|_| refused("it is no text".to_owned()))?;
-        let certificate: Certificate = text.parse().map_err(refused)?;
-        Ok(Box::new(move |_, _| {
+        let mut pieces = certificate::pieces(&text).map_err(refused)?;
+        Ok(Box::new(move |_, progress| {
+            let certificate = pieces[0].clone();
             let Certificate { model: Model { alpha, kappa, rho, omega }, mean, .. } = certificate;
             let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
             let kind = match &certificate.orbit {
@@ -260,6 +397,11 @@ impl Study for Prove {
                     format!("dark breather about a {center} on a ring of {}", breather.sites)
                 }
             };
+            let last = pieces.last().and_then(|piece| piece.to);
+            let [omega, mean] = [(omega, 0), (mean, 1)].map(|(from, which)| match last {
+                Some(to) => format!("{from} to {}", to[which]),
+                None => from.to_string(),
+            });
             let words = format!(
                 "{kind}; alpha = {alpha}, kappa = {kappa}, rho = {rho}, frequency {omega}, mean strain {mean}, all exact."
             );
@@ -268,12 +410,34 @@ impl Study for Prove {
                 .fact("alpha", alpha.to_string())
                 .fact("kappa", kappa.to_string())
                 .fact("rho", rho)
-                .fact("frequency", omega.to_string())
-                .fact("mean_strain", mean.to_string())
+                .fact("frequency", omega)
+                .fact("mean_strain", mean)
                 .words(words);
-            match checked(&certificate)? {
-                Err(Refused::Certificate(rule)) => Err(refused(rule)),
-                proof => Ok(proved(report, &certificate, proof)),
+            let done = AtomicUsize::new(0);
+            let all = sweep::map(&pieces, |piece| {
+                let proof = checked(piece);
+                let count = done.fetch_add(1, Relaxed) + 1;
+                progress(count as f64 / pieces.len() as f64, &format!("{count} certificates are checked"));
+                proof
+            });
+            let all = all.into_iter().collect::<Result<Vec<Checked>>>()?;
+            let rule = all.iter().find_map(|proof| match proof {
+                Err(Refused::Certificate(rule)) => Some(rule.clone()),
+                _ => None,
+            });
+            match (rule, last) {
+                (Some(rule), _) => Err(refused(rule)),
+                (None, None) if pieces.len() == 1 => {
+                    Ok(all.into_iter().fold(report, |report, proof| proved(report, &certificate, proof)))
+                }
+                _ => {
+                    let mut all: Vec<_> = pieces.drain(..).zip(all).collect();
+                    let (count, gap) = connected(&all);
+                    all.truncate(count);
+                    let end = last.map_or(f64::NAN, |to| nearest(to[0]));
+                    let words = |gap: Gap| format!("piece {}: {gap}", count + 1);
+                    Ok(proved_branch(report, &all, end, gap.map(words)))
+                }
             }
         }))
     }

@@ -115,3 +115,62 @@ fn dark_breathers_are_proved_and_lie_in_the_ball() {
         assert_eq!(json(&format!("prove {path}"))["proof"], *proof, "{options}");
     }
 }
+
+// Truth: the waves of the branch by shooting, at the nodes.
+#[test]
+fn branches_are_proved_without_a_gap() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("branch.cert");
+    let path = file.to_str().unwrap();
+    let line = "wave continue --sites 10 --to 2.00102 --step 1e-5 --multipliers=false --prove --certificate";
+    let found = json(&format!("{line} {path}"));
+    let (proof, points) = (&found["proof"], found["points"].as_array().map_or(0, Vec::len));
+    let count = proof["pieces"].as_u64().unwrap_or(0) as usize;
+    assert!(proof["proved"] == true && count >= points.max(2), "{proof}");
+    assert!(number(&proof["from"]) == 2.001 && number(&proof["to"]) == 2.00102, "{proof}");
+    // Balls are at most a third as wide as those of uniqueness.
+    assert!(number(&proof["radius"]) < 0.5 * number(&proof["uniqueness_radius"]), "{proof}");
+    assert_eq!(json(&format!("prove {path}"))["proof"], *proof);
+    let text = fs::read_to_string(&file).unwrap();
+    let mut pieces = hertzchain_proofs::certificate::pieces(&text).unwrap();
+    assert_eq!(pieces.len(), count);
+    pieces.remove(1);
+    fs::write(&file, pieces.iter().map(ToString::to_string).collect::<String>()).unwrap();
+    let output = hertzchain(&format!("prove {path} --json"));
+    let proof = serde_json::from_slice::<Value>(&output.stdout).unwrap()["proof"].clone();
+    let words = "piece 2: it does not begin where the piece before it ends";
+    assert!(proof["proved"] == false && proof["pieces"] == 1, "{proof}");
+    assert!(output.status.code() == Some(1) && said(&output).contains(words), "{}", said(&output));
+    let output = hertzchain("wave continue --vary mean --to 0.06 --prove");
+    assert!(output.status.code() == Some(2) && said(&output).contains("in its frequency"), "{}", said(&output));
+}
+
+#[test]
+#[ignore = "nightly: a branch of breathers takes a minute"]
+fn a_branch_of_breathers_is_proved() {
+    for center in ["bond", "site"] {
+        let line = "--from 2.05 --to 2.0505 --step 2.5e-4 --prove";
+        let found = json(&format!("breather continue --center {center} {line}"));
+        let proof = &found["proof"];
+        assert!(proof["proved"] == true && number(&proof["pieces"]) > 3.0, "{center}: {proof}");
+    }
+}
+
+// From the first scene to that in which the ansatz fails, and down to `epsilon` = 1e-3 in its scaling
+// of amplitude with the frequency.
+#[test]
+#[ignore = "nightly: 20 s"]
+fn waves_are_proved_up_to_the_scene_of_breakdown() {
+    let proof = &json("wave continue tw-q15 --omega-tw 2.00013 --to 2.003 --multipliers=false --prove")["proof"];
+    assert!(proof["proved"] == true && number(&proof["from"]) == 2.00013 && number(&proof["to"]) == 2.003, "{proof}");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_pipe_is_no_certificate() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let output = hertzchain(&format!("prove {}", pipe.display()));
+    assert!(output.status.code() == Some(2) && said(&output).contains("it is no file"), "{}", said(&output));
+}

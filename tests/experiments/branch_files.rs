@@ -16,7 +16,6 @@ use hertzchain::{
     scene::Scene,
     study::{BranchOptions, ContinueWave, FollowCommand, Kept, Wanted, branch_npz, load_branch, study},
     sweep::Engine,
-    waves::WaveParameter,
 };
 use serde_json::{Value, json};
 use std::{
@@ -349,7 +348,7 @@ fn what_cannot_be_a_branch_of_a_mode_or_of_waves_is_refused_with_file_place_and_
     );
     let wanted = Wanted { sites: Some(10), ..Wanted::of("tw-q15") };
     let branch = BranchOptions { to: Some(2.002), ..BranchOptions::default() };
-    let waves = ContinueWave { wanted, vary: WaveParameter::OmegaTw, branch };
+    let waves = ContinueWave { wanted, branch, ..ContinueWave::default() };
     let waves = waves.follow().unwrap()(&Engine::threads(), &|_, _| {}).unwrap();
     let arrays = [("x", 10), ("y", 10), ("vx", 10), ("vy", 10), ("setting", 1)];
     refused(

@@ -32,7 +32,8 @@ fn setting(rho: f64, q_over_pi: f64, sites: usize, omega_tw: f64, mean: MeanStra
 fn branch(wanted: Wanted, vary: WaveParameter, to: f64) -> WaveBranchStudy {
     let wanted = Wanted { sites: Some(10), ..wanted };
     let branch = BranchOptions { to: Some(to), ..BranchOptions::default() };
-    ContinueWave { wanted, vary, branch }.follow().unwrap()(&Engine::threads(), &|_, _| {}).unwrap()
+    ContinueWave { wanted, vary, branch, ..ContinueWave::default() }.follow().unwrap()(&Engine::threads(), &|_, _| {})
+        .unwrap()
 }
 
 // Truth: the definition, x_{n+1}(t + q/omega_tw) = x_n(t), by an integrator that shares no code
@@ -320,7 +321,7 @@ fn the_end_of_a_branch_is_in_the_range_of_its_parameter() {
         (WaveParameter::Alpha, 1.0),
     ] {
         let branch = BranchOptions { to: Some(to), ..BranchOptions::default() };
-        let one = ContinueWave { wanted: Wanted::of("tw-q15"), vary, branch };
+        let one = ContinueWave { wanted: Wanted::of("tw-q15"), vary, branch, ..ContinueWave::default() };
         let text = one.follow().map(|_| ()).unwrap_err().to_string();
         assert!(text.contains(&format!("to = {to} is not valid")), "{vary:?}: {text}");
     }
@@ -489,7 +490,7 @@ fn refusals_name_value_and_rule() {
     ] {
         let wanted = Wanted { rho: Some(rho), ..Wanted::of("tw-q15") };
         let branch = BranchOptions { to: Some(0.5), ..BranchOptions::default() };
-        let one = ContinueWave { wanted, vary, branch };
+        let one = ContinueWave { wanted, vary, branch, ..ContinueWave::default() };
         let text = one.follow().map(|_| ()).unwrap_err().to_string();
         assert!(text.contains(words), "{text}");
     }

@@ -5,7 +5,11 @@
 //! unknowns, and the identity beyond. Vectors "by site" have an entry for each site, and one for
 //! `c_0`.
 
-use super::{Moments, Proof, Refused, System, moments, of, radii};
+use super::{
+    Moments, Proof, Refused, System, ladder,
+    moments::{NARROWEST, NARROWEST_ALONG, moments},
+    of, radii,
+};
 use crate::{
     certificate::Certificate,
     exact::Exact,
@@ -74,11 +78,12 @@ impl Unknowns {
     }
 
     /// A row of `A B`, where `B` takes harmonics of the force's change to equations: `l_k e` for `k >=
-    /// 1`, and -1 for `k = 0`.
-    fn times_b(&self, system: &System, row: &[Interval]) -> Vec<Interval> {
+    /// 1`, and -1 for `k = 0`. `l` has its factors: `l_k`, or their changes along a piece, with 0 for
+    /// `k = 0`.
+    fn times_b(&self, system: &System, l: &[Interval], row: &[Interval]) -> Vec<Interval> {
         let mut product = vec![Interval::ZERO; self.all.len()];
         for (i, &(n, k)) in self.all.iter().enumerate() {
-            for (j, factor) in self.b_row(system, n, k) {
+            for (j, factor) in self.b_row(system, l, n, k) {
                 product[j] = product[j] + factor * row[i];
             }
         }
@@ -86,11 +91,11 @@ impl Unknowns {
     }
 
     /// Row `(n, k)` of `B`, by the index of the column.
-    fn b_row(&self, system: &System, n: usize, k: usize) -> Vec<(usize, Interval)> {
+    fn b_row(&self, system: &System, l: &[Interval], n: usize, k: usize) -> Vec<(usize, Interval)> {
         if k == 0 {
-            return self.index[n][0].map(|i| (i, -Interval::ONE)).into_iter().collect();
+            return self.index[n][0].map(|i| (i, l[0])).into_iter().collect();
         }
-        let entry = |(m, e): (usize, f64)| Some((self.index[m][k]?, Interval::exact(e) * system.factors[k]));
+        let entry = |(m, e): (usize, f64)| Some((self.index[m][k]?, Interval::exact(e) * l[k]));
         system.coupled(n, k).into_iter().filter_map(entry).collect()
     }
 
@@ -98,7 +103,7 @@ impl Unknowns {
     fn derivative(&self, system: &System, known: &[Moments]) -> Vec<Vec<f64>> {
         let mut matrix = vec![vec![0.0; self.rows]; self.rows];
         for (i, &(n, k)) in self.all.iter().enumerate() {
-            for (column, factor) in self.b_row(system, n, k) {
+            for (column, factor) in self.b_row(system, &system.factors, n, k) {
                 let m = self.all[column].0;
                 for (place, j) in self.index[m].iter().zip(0..).filter_map(|(place, j)| Some(((*place)?, j))) {
                     matrix[i][place] += (factor * stiffness(&known[m].stiffness, k, j)).mid();
@@ -151,39 +156,58 @@ fn perron(rows: &[Vec<Interval>]) -> Vec<Interval> {
 pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Proof, Refused> {
     let system = System::new(certificate)?;
     let (block, enclosed, alpha) = (certificate.block, certificate.enclosed, certificate.model.alpha);
-    let (a, l, sites) = (&system.a, &system.factors, system.a.len());
+    let (a, l, sites, piece) = (&system.a, &system.factors, system.a.len(), certificate.to.is_some());
     let unknowns = Unknowns::new(&system, block);
     let go_on = || if stopped() { Err(Refused::Stopped) } else { Ok(()) };
+    let narrowest = if piece { NARROWEST_ALONG } else { NARROWEST };
     let known = a.iter().map(|a| {
-        let known = moments(a, alpha, enclosed, stopped);
+        let known = moments(a, alpha, enclosed, narrowest, stopped);
         go_on()?;
         known.ok_or(Refused::Moments)
     });
     let known = known.collect::<Result<Vec<Moments>, _>>()?;
     // Sums of l_k^2 beyond K', and their root beyond K.
     let last_square = system.decay.square() / (of(3) * of(enclosed) * of(enclosed) * of(enclosed));
-    let beyond_block = norm(l[block + 1..].iter().copied().chain([last_square.sqrt()]));
+    let beyond_block = norm((block + 1..=enclosed).map(|k| system.range(k)).chain([last_square.sqrt()]));
     let neighbours = |n: usize, by_site: &[Interval]| -> Interval {
         system.coupled(n, 0).into_iter().map(|(m, e)| Interval::exact(e.abs()) * by_site[m]).sum()
     };
 
-    // A, and M = A B.
+    // A, M = A B, and its change along a piece.
     let inverse = approximate_inverse(unknowns.derivative(&system, &known));
     go_on()?;
-    let product: Vec<Vec<Interval>> = inverse.iter().map(|row| unknowns.times_b(&system, row)).collect();
-
-    // R, by site of the column; the norm of a row is for harmonics with 2 g_0^2 + sum g_k^2 = 1.
-    let reach = |m: usize| {
-        let entries = |i: usize| unknowns.index[m].iter().flatten().map(move |&j| (i, j));
-        unknowns.by_site(&|i| norm(entries(i).map(|(i, j)| product[i][j] / weight(unknowns.all[j].1))))
+    let times_b = |l: &[Interval]| -> Vec<Vec<Interval>> {
+        inverse.iter().map(|row| unknowns.times_b(&system, l, row)).collect()
     };
-    let reach: Vec<Vec<Interval>> = (0..sites).map(reach).collect();
+    let product = times_b(l);
 
-    // Y0.
+    // R, by site of the column; the norm of a row is for harmonics with 2 g_0^2 + sum g_k^2 = 1. Along
+    // a piece R has the part of the change of M, too.
+    let reach = |product: &[Vec<Interval>]| -> Vec<Vec<Interval>> {
+        let of_site = |m: usize| {
+            let entries = |i: usize| unknowns.index[m].iter().flatten().map(move |&j| (i, j));
+            unknowns.by_site(&|i| norm(entries(i).map(|(i, j)| product[i][j] / weight(unknowns.all[j].1))))
+        };
+        (0..sites).map(of_site).collect()
+    };
+    let mut reached = reach(&product);
+    let turned = if piece { reach(&times_b(&system.slopes)) } else { Vec::new() };
+    for (sums, turned) in reached.iter_mut().zip(&turned) {
+        sums.iter_mut().zip(turned).for_each(|(sum, turned)| *sum = *sum + *turned);
+    }
+    let reach = reached;
+
+    // Y0. Along a piece the block has the change of G, too, at the rate of one half of the piece; the
+    // mean strain of a wave, which is no unknown, moves the overlap.
     let c0 = Interval::exact(known[0].force[0].mid());
+    let moved = if system.means.is_none() { system.shift } else { Interval::ZERO };
+    let force = |n: usize, k: usize| -> Interval {
+        system.coupled(n, k).into_iter().map(|(m, e)| Interval::exact(e) * known[m].force[k]).sum()
+    };
     let defect = |n: usize, k: usize| {
-        let sum: Interval = system.coupled(n, k).into_iter().map(|(m, e)| Interval::exact(e) * known[m].force[k]).sum();
-        a[n].get(k).copied().unwrap_or(Interval::ZERO) - l[k] * sum
+        let (own, moved) = (a[n].get(k).copied(), moved.abs().ball() * known[n].stiffness[k]);
+        let (l, force) = if k > block { (system.range(k), force(n, k) + moved) } else { (l[k], force(n, k)) };
+        own.unwrap_or(Interval::ZERO) - l * force
     };
     let mut residual: Vec<Interval> =
         unknowns.all.iter().map(|&(n, k)| if k == 0 { known[n].force[0] - c0 } else { defect(n, k) }).collect();
@@ -191,8 +215,21 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
         let means: Vec<Interval> = a.iter().map(|a| a[0]).collect();
         residual.push(dot(shares, &means) - *mean);
     }
-    let tails: Vec<Interval> = known.iter().map(|one| Moments::tail(&one.force, one.force_square, enclosed)).collect();
-    let mut y0 = unknowns.by_site(&|i| dot(&inverse[i], &residual).abs());
+    let rate = |&(n, k): &(usize, usize)| match k {
+        0 => Interval::ZERO,
+        _ => moved * system.range(k) * known[n].stiffness[k] - system.slopes[k] * force(n, k),
+    };
+    let rates: Vec<Interval> =
+        unknowns.all.iter().map(rate).chain(system.means.iter().map(|_| -system.shift)).collect();
+    let tail = |one: &Moments| {
+        let stiffness = Moments::tail(&one.stiffness, one.stiffness_square, enclosed);
+        Moments::tail(&one.force, one.force_square, enclosed) + moved.abs() * stiffness
+    };
+    let tails: Vec<Interval> = known.iter().map(tail).collect();
+    let mut y0 = unknowns.by_site(&|i| {
+        let along = if piece { dot(&inverse[i], &rates).abs() } else { Interval::ZERO };
+        dot(&inverse[i], &residual).abs() + along
+    });
     for (n, y0) in y0.iter_mut().enumerate().take(sites) {
         let middle: Interval = (block + 1..=enclosed).filter(|k| system.has(n, *k)).map(|k| defect(n, k).abs()).sum();
         *y0 = *y0 + middle + last_square.sqrt() * neighbours(n, &tails);
@@ -256,6 +293,8 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
         row
     };
     let contacts: Vec<Vec<Interval>> = (0..=sites).map(contact).collect();
+    // The force of a wave to second order in the change of the mean strain.
+    y0[0] = y0[0] + contacts[0][0] * moved.abs() * known[0].change(alpha, moved.abs());
     let weights = perron(&contacts[..sites]);
     let powers: Vec<Interval> = weights.iter().map(|w| *w * w.pow(gamma)).collect();
     let z2: Vec<Interval> = contacts.iter().map(|row| hoelder * dot(row, &powers)).collect();
@@ -268,7 +307,8 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
         let row = |n: usize| {
             let near: Interval = columns.iter().zip(&weights).map(|(column, w)| column[n] * *w).sum();
             let far = if n < sites { beyond_block * neighbours(n, &steepest) } else { Interval::ZERO };
-            near + far + of_c0[n] / eta
+            let turned: Interval = turned.iter().zip(&steepest).map(|(turned, steepest)| turned[n] * *steepest).sum();
+            near + far + turned + of_c0[n] / eta
         };
         (0..=sites).map(row).collect()
     };
@@ -280,11 +320,28 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let all = |eta: Interval| [split(y0.clone()), split(z1(eta)), split(z2.clone())];
     let shares = all(Interval::ONE).map(|[most, own]| most.mid() / own.hi());
     let eta = Interval::exact((0.5 * shares.into_iter().fold(1.0, f64::min)).max(f64::MIN_POSITIVE));
-    let (bounds, radius, unique) = radii(all(eta).map(|[most, own]| most.max(eta * own)), gamma, largest)?;
+    let constants = all(eta).map(|[most, own]| most.max(eta * own));
+    let (bounds, radius, unique) = if piece {
+        let steep = z1(eta);
+        let contracts = |r: f64| {
+            let change = |(one, w): (&Moments, &Interval)| {
+                let most = *w * Interval::exact(r) + moved.abs();
+                let change = one.change(alpha, most);
+                *w * if largest.is_none() { change.min(hoelder * most.pow(gamma)) } else { change }
+            };
+            let changes: Vec<Interval> = known.iter().zip(&weights).map(change).collect();
+            let [most, own] = split(steep.iter().zip(&contacts).map(|(z1, row)| *z1 + dot(row, &changes)).collect());
+            most.max(eta * own)
+        };
+        ladder(constants, contracts)?
+    } else {
+        radii(constants, gamma, largest)?
+    };
     if !first.iter().zip(&weights).any(|(first, w)| (*first - *w * radius).is_positive()) {
         return Err(Refused::Rest(radius.hi(), amplitude.lo()));
     }
-    Ok(Proof { radius: radius.hi(), uniqueness_radius: unique, amplitude: amplitude.lo(), bounds })
+    let weights = weights.into_iter().map(Interval::hi).collect();
+    Ok(Proof { radius: radius.hi(), uniqueness_radius: unique, amplitude: amplitude.lo(), bounds, weights })
 }
 
 #[cfg(test)]

@@ -5,21 +5,28 @@
 //! | `system.rs` | the equations of waves and of breathers, with their factors `l_k` |
 //! | `moments.rs` | encloses the Fourier coefficients of contact forces and stiffnesses |
 //! | `bounds.rs` | the bounds `Y0`, `Z1`, `Z2` |
+//! | `branch.rs` | whether pieces of a branch make one |
 //! | this file | the inequalities, from which the radii follow |
 
 mod bounds;
+mod branch;
 mod moments;
 mod system;
 
 use system::System;
 
-pub use moments::{Moments, moments};
+pub use branch::{Gap, connected};
+pub use moments::{Moments, NARROWEST, moments};
 
 use crate::{certificate::Certificate, exact::Exact, interval::Interval};
 use std::fmt;
 
+/// Ratio of two radii that are tried for a piece of a branch, and their largest number.
+const RUNG: f64 = 1.2;
+const RUNGS: usize = 200;
+
 /// What is proved: within `radius` of the cosine sum of the certificate there is a solution.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Proof {
     /// Upper bound of `|x_n(t) - xbar_n(t)|` for all sites and times.
     pub radius: f64,
@@ -29,6 +36,8 @@ pub struct Proof {
     pub amplitude: f64,
     /// The bounds.
     pub bounds: Bounds,
+    /// `W_n`, the weights of the sites in the norm.
+    pub weights: Vec<f64>,
 }
 
 /// Upper bounds of the defect `Y0`, of `Z1` and of the Hölder constant `Z2`.
@@ -127,6 +136,30 @@ pub fn check_until(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Res
 /// A whole number as an interval.
 fn of(k: usize) -> Interval {
     Interval::exact(k as f64)
+}
+
+/// Radii of a piece of a branch, where this bounds the derivative of `T` on balls: `Y0 + q r' <= r'`
+/// with `q` of a ball of radius `r >= r'`, and `q < 1` on that of uniqueness.
+fn ladder(
+    [y0, z1, z2]: [Interval; 3],
+    contracts: impl Fn(f64) -> Interval,
+) -> Result<(Bounds, Interval, f64), Refused> {
+    let bounds = Bounds { y0: y0.hi(), z1: z1.hi(), z2: z2.hi() };
+    let (mut radius, mut unique) = (None, None);
+    let mut r = bounds.y0;
+    for _ in 0..RUNGS {
+        let q = contracts(r);
+        if !(Interval::ONE - q).is_positive() {
+            break;
+        }
+        let image = y0 / (Interval::ONE - q);
+        if radius.is_none() && image.hi() <= r {
+            radius = Some(Interval::exact(image.hi()));
+        }
+        unique = Some(r);
+        r *= RUNG;
+    }
+    radius.zip(unique).map(|(radius, unique)| (bounds, radius, unique)).ok_or(Refused::Bounds(bounds))
 }
 
 /// The radius `r` of a ball that `T` maps into itself, and that of uniqueness: `Y0 + Z1 r + Z2

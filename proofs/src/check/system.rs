@@ -17,8 +17,12 @@ use crate::{
 pub(super) struct System {
     /// `a_nk`, with the mean of a wave as `a_00`.
     pub(super) a: Vec<Vec<Interval>>,
-    /// `l_k` for `k` up to `K'`; `l_0` is not used.
+    /// `l_k` for `k` up to `K'`; -1 as `l_0`. Of a piece of a branch at its middle.
     pub(super) factors: Vec<Interval>,
+    /// Along a piece `l_k` is the factor, and a number from -1 to 1 times one in this interval.
+    pub(super) slopes: Vec<Interval>,
+    /// Half of the change of the mean strain along a piece.
+    pub(super) shift: Interval,
     /// `|l_k| <= decay/k^2` beyond.
     pub(super) decay: Interval,
     /// The equations for `k = 0`, which a wave lacks: shares of the sites in the ring, and the mean.
@@ -29,22 +33,32 @@ pub(super) struct System {
 
 impl System {
     pub(super) fn new(certificate: &Certificate) -> Result<Self, Refused> {
-        let Certificate { model, mean, enclosed, orbit, .. } = certificate;
-        let (mut factors, mut decay) = inverses(model, *enclosed)?;
+        let Certificate { model, mean, to, enclosed, orbit, .. } = certificate;
+        let [(omega, half), (mean, shift)] = match to {
+            None => [model.omega, *mean].map(|one| (one.enclosed(), Interval::ZERO)),
+            Some(to) => [(model.omega, to[0]), (*mean, to[1])].map(|(from, to)| {
+                let [from, to] = [from, to].map(|end| end.enclosed() / of(2));
+                (from + to, to - from)
+            }),
+        };
+        let (mut factors, mut slopes, mut decay) = inverses(model, [omega, half], *enclosed)?;
         let row = |a: &[f64]| a.iter().map(|a| Interval::exact(*a)).collect::<Vec<_>>();
         match orbit {
             Orbit::Wave(wave) => {
-                factors.iter_mut().enumerate().for_each(|(k, l)| *l = *l * lattice(wave, k));
+                for (k, (l, slope)) in factors.iter_mut().zip(&mut slopes).enumerate() {
+                    let lattice = lattice(wave, k);
+                    (*l, *slope) = (*l * lattice, *slope * lattice);
+                }
                 decay = of(4) * decay;
-                let a = [&[mean.enclosed()], row(&wave.a).as_slice()].concat();
-                Ok(Self { a: vec![a], factors, decay, means: None, centred: false })
+                let a = [&[mean], row(&wave.a).as_slice()].concat();
+                Ok(Self { a: vec![a], factors, slopes, shift, decay, means: None, centred: false })
             }
             Orbit::Breather(Breather { sites, center, a }) => {
                 let centred = *center == Center::Site;
                 let alone = if centred { 0 } else { a.len() - 1 };
                 let share = |n: usize| of(if n == alone { 1 } else { 2 }) / of(*sites);
-                let means = Some(((0..a.len()).map(share).collect(), mean.enclosed()));
-                Ok(Self { a: a.iter().map(|a| row(a)).collect(), factors, decay, means, centred })
+                let means = Some(((0..a.len()).map(share).collect(), mean));
+                Ok(Self { a: a.iter().map(|a| row(a)).collect(), factors, slopes, shift, decay, means, centred })
             }
         }
     }
@@ -52,6 +66,11 @@ impl System {
     /// Whether harmonic `k` of a site is unknown.
     pub(super) fn has(&self, n: usize, k: usize) -> bool {
         (k > 0 || self.means.is_some()) && !(self.centred && n == 0 && k % 2 == 1)
+    }
+
+    /// All values of `l_k`.
+    pub(super) fn range(&self, k: usize) -> Interval {
+        self.factors[k] + self.slopes[k].abs().ball()
     }
 
     /// `e_nm` for harmonic `k`, by `m`; their moduli are largest in sum for `k = 0`.
@@ -78,21 +97,33 @@ fn lattice(wave: &Wave, k: usize) -> Interval {
     of(4) * (share * Interval::PI).sin_cos()[0].square()
 }
 
-/// `1/L_k` for `k` up to `count` (0 for `k = 0`), and `c` with `|1/L_k| <= c/k^2` beyond.
-fn inverses(model: &Model, count: usize) -> Result<(Vec<Interval>, Interval), Refused> {
-    let (kappa, omega, one) = (model.kappa.enclosed(), model.omega.enclosed(), Interval::ONE);
-    let square = |k: usize| (omega * of(k)).square();
-    let inverse = |k: usize| match model.rho {
-        _ if k == 0 => Interval::ZERO,
-        None => one / (kappa - square(k)),
-        Some(rho) if rho.num() == 0 => -one / square(k),
-        Some(rho) => {
+/// `1/L_k` for `k` up to `count` (-1 for `k = 0`) at `omega`; its derivative by `omega` times `half`,
+/// on the piece that is `half` longer on both sides; and `c` with `|1/L_k| <= c/k^2` beyond, there.
+///
+/// As a function of `w = (omega k)^2`, `1/L_k = (-1/w + rho^2/den_k)/(1 + rho)`, which increases.
+fn inverses(
+    model: &Model,
+    [omega, half]: [Interval; 2],
+    count: usize,
+) -> Result<(Vec<Interval>, Vec<Interval>, Interval), Refused> {
+    let (kappa, one, all) = (model.kappa.enclosed(), Interval::ONE, omega + half.abs().ball());
+    let square = |omega: Interval, k: usize| (omega * of(k)).square();
+    // The value, and the derivative by w.
+    let inverse = |omega: Interval, k: usize| match (square(omega, k), model.rho) {
+        _ if k == 0 => [-Interval::ONE, Interval::ZERO],
+        (w, None) => [one / (kappa - w), one / (kappa - w).square()],
+        (w, Some(rho)) if rho.num() == 0 => [-one / w, one / w.square()],
+        (w, Some(rho)) => {
             let rho = rho.enclosed();
-            -(kappa - rho * square(k)) / (square(k) * (kappa * (one + rho) - rho * square(k)))
+            let den = kappa * (one + rho) - rho * w;
+            let slope = one / w.square() + rho * (rho / den).square();
+            [-one / w + rho.square() / den, slope].map(|it| it / (one + rho))
         }
     };
-    let all: Vec<Interval> = (0..=count).map(inverse).collect();
-    if let Some(k) = all.iter().position(|one| one.is_nan()) {
+    let factors: Vec<Interval> = (0..=count).map(|k| inverse(omega, k)[0]).collect();
+    let slope = |k: usize| half * inverse(all, k)[1] * of(2) * all * of(k) * of(k);
+    let slopes: Vec<Interval> = (0..=count).map(slope).collect();
+    if let Some(k) = factors.iter().zip(&slopes).position(|(one, slope)| one.is_nan() || slope.is_nan()) {
         return Err(Refused::Resonance(k));
     }
     // L_k over -omega^2 k^2 is (1 + added/over)^{-1} for k = count + 1, and nearer to 1 beyond.
@@ -100,12 +131,12 @@ fn inverses(model: &Model, count: usize) -> Result<(Vec<Interval>, Interval), Re
         Some(rho) if rho.num() == 0 => (Interval::ZERO, one),
         Some(rho) => {
             let rho = rho.enclosed();
-            (kappa * rho, rho * square(count + 1) - kappa * (one + rho))
+            (kappa * rho, rho * square(all, count + 1) - kappa * (one + rho))
         }
-        None => (kappa, square(count + 1) - kappa),
+        None => (kappa, square(all, count + 1) - kappa),
     };
     match over {
-        over if over.is_positive() => Ok((all, (one + added / over) / omega.square())),
+        over if over.is_positive() => Ok((factors, slopes, (one + added / over) / all.square())),
         over if (-over).is_positive() => Err(Refused::Below(count)),
         _ => Err(Refused::Resonance(count + 1)),
     }

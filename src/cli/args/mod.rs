@@ -142,7 +142,7 @@ commands! {
     /// its first-order ansatz; with a perturbation (--zeta) it shows whether the wave is stable.
     /// `wave modulation` computes how fast modulations of the wave grow, `wave exact` the exact
     /// wave beside the ansatz.
-    Wave(WaveArgs) =>
+    Wave(Box<WaveArgs>) =>
         "wave tw-q15",
         "wave tw-q15 --zeta 0.01 --seeds 20 --out out/wave",
         "wave modulation tw-q15",
@@ -162,7 +162,7 @@ commands! {
     Dps(DpsAction) =>
         "dps integrals --b 0 --r 1",
         "dps homoclinic --center site";
-    /// Check the certificate of a wave or a breather: prove that it exists.
+    /// Check the certificate of a wave, a breather or a branch: prove that it exists.
     ///
     /// By interval arithmetic, from the numbers of the certificate alone. Exit code 1 if nothing is
     /// proved.

@@ -194,7 +194,8 @@ commands! {
     /// its end.
     Continue(StudyCommand<ContinueWave>) =>
         "wave continue tw-q15 --to 2.004 --out out/branch",
-        "wave continue tw-q15 --vary rho --mean 0.05 --to 3";
+        "wave continue tw-q15 --vary rho --mean 0.05 --to 3",
+        "wave continue tw-q15 --to 2.0012 --prove --certificate out/branch.cert";
     /// Compute solitary waves, and their tails where resonators move.
     ///
     /// The pulse of the chain without resonators, as an exact wave of a ring and on the infinite

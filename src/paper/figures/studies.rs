@@ -12,7 +12,7 @@ use crate::{
         theorem, wave,
     },
     sweep::Engine,
-    waves::{Given, MeanStrain, Search, Shape, Size, TravellingWave, WaveNumber, WaveParameter, WaveSetting},
+    waves::{Given, MeanStrain, Search, Shape, Size, TravellingWave, WaveNumber, WaveSetting},
 };
 use std::f64::consts::PI;
 
@@ -104,7 +104,7 @@ pub(super) fn branch(scene: &str, [from, to]: [f64; 2], tell: Progress<'_>) -> R
     let wanted = Wanted { omega_tw: Some(omega + from), ..Wanted::of(scene) };
     let (to, step) = (Some(omega + to), Some((to - from) / 100.0));
     let branch = BranchOptions { to, step, ..BranchOptions::default() };
-    ContinueWave { wanted, vary: WaveParameter::OmegaTw, branch }.begin()?(&Engine::threads(), tell)
+    ContinueWave { wanted, branch, ..ContinueWave::default() }.begin()?(&Engine::threads(), tell)
 }
 
 /// An exact wave against the modulation equations.

@@ -45,7 +45,7 @@ fn existence(_: &Runs) -> Result<Vec<Quantity>> {
         let params = Params::new(1.5, 1.0, 1.0 / 3.0)?;
         let breather = DarkBreather { params, center, sites: 41, omega_b: 2.05, c_x: 0.0 };
         let shooting = Shooting { tol: 1e-15, ..Shooting::default() };
-        radius_of_breather(&breather, &breather.orbit(&shooting)?, shooting.tol)
+        radius_of_breather(&breather.orbit(&shooting)?, shooting.tol)
     };
     let breathers = breather(Center::Site)?.max(breather(Center::Bond)?);
     Ok(vec![("s8-waves-bound", wave), ("s8-breathers-bound", breathers)])

@@ -11,7 +11,7 @@ use super::{
         self, Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, branch_npz, files_of_branch,
     },
     options::options,
-    proof::{self, Proving, of_wave},
+    proof::{self, Proving, near_wave, of_wave},
 };
 use crate::{
     chain::{Params, Resonators},
@@ -25,6 +25,7 @@ use crate::{
         WaveContinuation, WaveNumber, WaveParameter, WavePoint, WaveSetting, WaveSpectrum,
     },
 };
+use hertzchain_proofs::certificate::Certificate;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::f64::consts::PI;
@@ -295,6 +296,8 @@ options! {
         vary: WaveParameter = WaveParameter::OmegaTw, "P", [arg(default_value = "omega_tw")];
         /// What every branch asks for.
         branch: BranchOptions = BranchOptions::default(), [command(flatten)];
+        /// The proof.
+        proving: Proving = Proving::default(), [command(flatten)];
     }
 }
 
@@ -305,7 +308,23 @@ impl FollowCommand for ContinueWave {
         (&self.branch, BifurcationOptions::default(), ResultUnits::default())
     }
 
+    fn proving(&self) -> Option<&Proving> {
+        Some(&self.proving)
+    }
+
+    fn near(&self, branch: &WaveBranch) -> Result<Vec<Certificate>> {
+        let search = &branch.continuation.search;
+        let near = |wave: &ExactWave| near_wave(wave, &wave.profile(SAMPLES, search)?.fourier().0[0]);
+        branch.orbits.iter().map(near).collect()
+    }
+
+    fn with_options(&self, branch: WaveBranch) -> Result<WaveBranch> {
+        let parameter = branch.continuation.parameter.name();
+        self.proving.of_branch(parameter, WaveParameter::OmegaTw.name()).map(|()| branch)
+    }
+
     fn first(&self) -> Result<Work<'_, Begun<WaveContinuation>>> {
+        self.proving.of_branch(self.vary.name(), WaveParameter::OmegaTw.name())?;
         let mut numbers = self.wanted.numbers()?;
         // Waves of a branch keep their shape, unless the mean strain is given or varies.
         if self.wanted.mean.is_none()

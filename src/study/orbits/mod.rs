@@ -12,7 +12,7 @@ use super::{
     branches::{self, Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, files_of_branch},
     options::options,
     part,
-    proof::{self, Proving, of_breather},
+    proof::{self, Proving, near_breather, of_breather},
 };
 use crate::{
     breathers::DarkBreather,
@@ -29,6 +29,7 @@ use crate::{
     sweep::Engine,
 };
 use hertzchain_integrators::collocation::StepControl;
+use hertzchain_proofs::certificate::Certificate;
 use std::path::{Path, PathBuf};
 
 /// Default frequencies in units of `omega`: of a single breather, as in the paper, and at the ends
@@ -119,7 +120,7 @@ impl Study for Dark {
             let study = self.study(&breather)?;
             let report = study.report().file("dark-breather.npz", study.npz()?);
             let (orbit, tol) = (&study.study.orbit, self.ring.tol);
-            self.proving.added(report, proof::BREATHER, |times| of_breather(&breather, orbit, tol, times))
+            self.proving.added(report, proof::BREATHER, |times| of_breather(orbit, tol, times))
         }))
     }
 }
@@ -200,6 +201,8 @@ options! {
         omega_b: Option<f64> = None, "W", [arg(hide_short_help = true)];
         /// The ring.
         ring: Ring = Ring::default(), [command(flatten)];
+        /// The proof.
+        proving: Proving = Proving::default(), [command(flatten)];
     }
 }
 
@@ -257,8 +260,18 @@ impl FollowCommand for Continue {
     }
 
     fn with_options(&self, branch: Branch) -> Result<Branch> {
+        self.proving.of_branch(branch.continuation.parameter.name(), Parameter::OmegaB.name())?;
         stays_dark(&branch.setting, &branch.continuation)?;
         Ok(branch)
+    }
+
+    fn proving(&self) -> Option<&Proving> {
+        Some(&self.proving)
+    }
+
+    fn near(&self, branch: &Branch) -> Result<Vec<Certificate>> {
+        let tol = branch.continuation.shooting.tol;
+        branch.orbits.iter().map(|orbit| near_breather(orbit, tol)).collect()
     }
 }
 
