@@ -2209,7 +2209,7 @@ def breather_travelling(
         Mass ratio resonator to bead. Finite and at least 0: with resonators at rest (inf) breathers
         are bright ones.
     precompression : float
-        Static overlap of the contacts. Finite and positive.
+        Static overlap D of the contacts. Finite and positive.
     tol : float
         Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
         state. Where small changes grow, the error at the end is larger by the same factor. From

@@ -35,7 +35,7 @@ options! {
         sites: usize = 151, "N", (9 to 255);
         /// The chain.
         params: ChainParams = ChainParams::default(), [command(flatten)];
-        /// Static overlap of the contacts.
+        /// Static overlap D of the contacts.
         precompression: f64 = 1.0, "D", (positive);
         /// Tolerance.
         tol: f64 = 1e-14, "T", (RUN), [arg(long_help = OF_WINDOWS)];
