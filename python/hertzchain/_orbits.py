@@ -38,9 +38,9 @@ class DarkBreather:
         Parameters of the chain.
     sites : int
         Sites of the ring, an odd number.
-    c_x : float
-        Vertical centre of the background: the mean of two strains of the first site, half a period
-        apart.
+    precompression : float
+        Static overlap of the contacts; the mean of two strains of the first site, half a period
+        apart, is minus this number.
     tol : float
         Tolerance of the flow in Newton's method.
 
@@ -58,14 +58,14 @@ class DarkBreather:
     sites: int = 41
     alpha: float = 1.5
     kappa: float = 1.0
-    c_x: float = 0.0
+    precompression: float = 0.0
     tol: float = 1e-13
 
     def __post_init__(self) -> None:
         word("center", self.center)
         object.__setattr__(self, "sites", whole("sites", self.sites))
         object.__setattr__(self, "omega_b", optional("omega_b", self.omega_b))
-        for name in ("rho", "alpha", "kappa", "c_x", "tol"):
+        for name in ("rho", "alpha", "kappa", "precompression", "tol"):
             object.__setattr__(self, name, number(name, getattr(self, name)))
 
     def solve(self) -> Orbit:

@@ -1681,7 +1681,7 @@ def breather_dark(
     alpha: float = 1.5,
     kappa: float = 1,
     rho: float = 0.3333333333333333,
-    c_x: float = 0,
+    precompression: float = 0,
     formulation: Literal["half-period", "full-period"] = "half-period",
     tol: float = 1e-13,
     prove: bool = False,
@@ -1711,10 +1711,11 @@ def breather_dark(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and at least 0.
-    c_x : float
-        Vertical centre C_x of the background, a strain (eq:center). Below 0 it is a precompression
-        -C_x. A finite number.
+        Mass ratio resonator to bead. Finite and at least 0: with resonators at rest (inf) breathers
+        are bright ones.
+    precompression : float
+        Static overlap D of the contacts. The background has the vertical centre C_x = -D
+        (eq:center); below 0 contacts have gaps. A finite number.
     formulation : Literal["half-period", "full-period"]
         Equations of Newton's method.
     tol : float
@@ -1758,7 +1759,7 @@ def breather_continue(
     alpha: float = 1.5,
     kappa: float = 1,
     rho: float = 0.3333333333333333,
-    c_x: float = 0,
+    precompression: float = 0,
     formulation: Literal["half-period", "full-period"] = "half-period",
     tol: float = 1e-13,
     prove: bool = False,
@@ -1780,7 +1781,8 @@ def breather_continue(
         What the profile is symmetric about. The kink is on the site 0, or on the bond between the
         sites 0 and 1.
     vary : str
-        What varies along the branch. omega_b, rho, kappa, alpha or c_x.
+        What varies along the branch. omega_b, rho, kappa, alpha or c_x, which is minus the
+        precompression.
     from_ : float
         First value of the parameter [default for omega_b: 1.005 omega]. A finite number.
     step : float
@@ -1809,10 +1811,11 @@ def breather_continue(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and at least 0.
-    c_x : float
-        Vertical centre C_x of the background, a strain (eq:center). Below 0 it is a precompression
-        -C_x. A finite number.
+        Mass ratio resonator to bead. Finite and at least 0: with resonators at rest (inf) breathers
+        are bright ones.
+    precompression : float
+        Static overlap D of the contacts. The background has the vertical centre C_x = -D
+        (eq:center); below 0 contacts have gaps. A finite number.
     formulation : Literal["half-period", "full-period"]
         Equations of Newton's method.
     tol : float
@@ -1868,7 +1871,7 @@ def breather_doubled(
     alpha: float = 1.5,
     kappa: float = 1,
     rho: float = 0.3333333333333333,
-    c_x: float = 0,
+    precompression: float = 0,
     formulation: Literal["half-period", "full-period"] = "half-period",
     tol: float = 1e-13,
     format: str | Sequence[str] = ("png",),
@@ -1902,10 +1905,11 @@ def breather_doubled(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and at least 0.
-    c_x : float
-        Vertical centre C_x of the background, a strain (eq:center). Below 0 it is a precompression
-        -C_x. A finite number.
+        Mass ratio resonator to bead. Finite and at least 0: with resonators at rest (inf) breathers
+        are bright ones.
+    precompression : float
+        Static overlap D of the contacts. The background has the vertical centre C_x = -D
+        (eq:center); below 0 contacts have gaps. A finite number.
     formulation : Literal["half-period", "full-period"]
         Equations of Newton's method.
     tol : float
@@ -1996,7 +2000,7 @@ def breather_barrier(
     alpha: float = 1.5,
     kappa: float = 1,
     rho: float = 0.3333333333333333,
-    c_x: float = 0,
+    precompression: float = 0,
     formulation: Literal["half-period", "full-period"] = "half-period",
     tol: float = 1e-13,
     format: str | Sequence[str] = ("png",),
@@ -2028,10 +2032,11 @@ def breather_barrier(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and at least 0.
-    c_x : float
-        Vertical centre C_x of the background, a strain (eq:center). Below 0 it is a precompression
-        -C_x. A finite number.
+        Mass ratio resonator to bead. Finite and at least 0: with resonators at rest (inf) breathers
+        are bright ones.
+    precompression : float
+        Static overlap D of the contacts. The background has the vertical centre C_x = -D
+        (eq:center); below 0 contacts have gaps. A finite number.
     formulation : Literal["half-period", "full-period"]
         Equations of Newton's method.
     tol : float
@@ -2163,7 +2168,8 @@ def breather_moving(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and at least 0.
+        Mass ratio resonator to bead. Finite and at least 0: with resonators at rest (inf) breathers
+        are bright ones.
     until : float
         End time, in units of time. End of the run of the kicked breather, from one period of the
         background to 10^5 of them; 0 for no such run. It starts from the bond-centred breather at
@@ -2206,6 +2212,79 @@ def breather_moving(
         As in :func:`hertzchain.run`.
     """
     return called("breather moving", breather_moving, locals())
+
+
+def breather_travelling(
+    *,
+    amplitude: float | Sequence[float] = (0.4, 0.5, 0.6, 0.7, 0.8),
+    turns: int = 1,
+    sites: int = 151,
+    alpha: float = 1.5,
+    kappa: float = 1,
+    rho: float = 0.3333333333333333,
+    precompression: float = 1,
+    tol: float = 1e-14,
+    format: str | Sequence[str] = ("png",),
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Study:
+    """Compute bright breathers that travel under a static load as exact orbits.
+
+    A travelling breather is a relative periodic orbit: as it moves on by a site, the chain has its
+    initial state again, moved on by a site. The search starts from a soliton of the nonlinear
+    Schrödinger equation in the focusing part of the upper band. Prints amplitudes and widths beside
+    those of the soliton, the tail opposite to the breather, and the largest multiplier. Exit code 1
+    if an orbit is not found.
+
+    Parameters
+    ----------
+    amplitude : float | Sequence[float]
+        Amplitudes of the breathers, in displacements of beads. Separated by commas: those of the
+        solitons of the nonlinear Schrödinger equation from which the orbits are sought. Strains
+        stay below the precompression. Each is finite and positive.
+    turns : int
+        Waves that pass the breather as it moves on by a site. With the amplitude it gives the wave
+        number and the velocity. From 1 to 100.
+    sites : int
+        Number of sites. The ring has an odd number of sites, at least six widths of the breather.
+        Tails depend on it. From 9 to 255.
+    alpha : float
+        Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
+    kappa : float
+        Spring constant of the resonators. Finite and positive.
+    rho : float
+        Mass ratio resonator to bead. Finite and at least 0: with resonators at rest (inf) breathers
+        are bright ones.
+    precompression : float
+        Static overlap D of the contacts. Finite and positive.
+    tol : float
+        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
+        state. Where small changes grow, the error at the end is larger by the same factor. From
+        1e-15 to 0.1.
+    format : str | Sequence[str]
+        Formats of pictures, separated by commas: png, svg.
+    out : str | os.PathLike[str]
+        Write the results to this folder. Files: travelling.json, travelling.png; travelling.npz
+        with an array TABLE.COLUMN for each column of travelling.csv: soliton (amplitude of the
+        soliton, in displacements), q_over_pi (phase from bead to bead over pi), velocity (sites per
+        unit of time), omega_b (frequency at the breather's centre, which is fixed), residual
+        (residual of the equations), return_error (distance from the orbit after a passage),
+        amplitude (largest strain, from the mean), soliton_strain (that of the soliton), width
+        (width w of sech(n/w), in sites), soliton_width (that of the soliton), tail (largest strain
+        opposite to the breather, over the amplitude), soliton_tail (that of the soliton there),
+        max_modulus (largest modulus of a multiplier). travelling.store keeps every point as soon as
+        it is computed; the same command resumes from it.
+    shard : str
+        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
+        own in the folder of `out`. Parts may run at any time and on any machine that has this
+        folder; start a part again if it was killed. Once all have ended, the same command without
+        `shard` merges what they have kept, computes what is missing, and ends with the same files
+        as one process.
+    progress : bool or callable
+        As in :func:`hertzchain.run`.
+    """
+    return called("breather travelling", breather_travelling, locals())
 
 
 def orbit_driven(
@@ -2563,7 +2642,8 @@ def dps_dark(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and at least 0.
+        Mass ratio resonator to bead. Finite and at least 0: with resonators at rest (inf) breathers
+        are bright ones.
     c : float
         Mean strain of the background at mu = 1. A finite number.
     omega_b : float

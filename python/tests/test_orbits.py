@@ -22,7 +22,7 @@ import hertzchain as hc
 @pytest.mark.parametrize(
     ("function", "command", "options"),
     [
-        (hc.DarkBreather, "breather dark", ["center", "rho", "sites", "alpha", "kappa", "c_x", "tol"]),
+        (hc.DarkBreather, "breather dark", ["center", "rho", "sites", "alpha", "kappa", "precompression", "tol"]),
         (hc.continue_branch, "breather continue", ["weak"]),
         (hc.driven_orbit, "orbit driven", ["turns", "settle"]),
         (hc.compare, "compare", ["max_time"]),

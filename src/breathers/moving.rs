@@ -48,7 +48,7 @@ use crate::{
     dps::Center,
     error::{Error, Iterate, Result, require},
     interrupt,
-    orbits::{Equations, Frame, NewtonStep, Orbit, Shooting, Spectrum, flow, known, least_squares},
+    orbits::{Equations, Frame, NewtonStep, Orbit, Setting, Shooting, Spectrum, flow, known, least_squares},
     run::state_at,
 };
 use hertzchain_integrators::collocation::StepControl;
@@ -157,24 +157,45 @@ impl Mirror {
 }
 
 /// The problem that Newton's method solves: what its equations depend on besides the unknowns.
-struct Shot<'a> {
-    breather: &'a MovingBreather,
+struct Shot {
     chain: Chain<f64>,
     tol: f64,
+    /// `T_m/2`.
+    half: f64,
+    /// Mean strain far from the breather.
+    c_x: f64,
     /// Symmetric states at the start, as columns.
     start: DMatrix<f64>,
     /// Rows that are zero for the state at `T_m/2` of an orbit; rates in units of `omega_b`.
     end: DMatrix<f64>,
-    /// Row of the mean strain far from the kink.
+    /// Row of the mean strain far from the breather.
     far: DVector<f64>,
 }
 
-impl Shot<'_> {
+impl Shot {
+    fn new(setting: &impl Relative, tol: f64) -> Result<Self> {
+        let (chain, half) = (setting.chain()?, 0.5 * setting.passage());
+        let Setting { sites, omega_b, c_x, params: Params { rho, .. }, .. } = setting.setting();
+        let [first, second] = mirrors(sites);
+        let mut end = second.rows(2 * sites, 2 * sites).into_owned();
+        end.columns_mut(2 * sites, 2 * sites).unscale_mut(omega_b);
+        // Site 0 is opposite to the breather. The weights of an alternating strain add up to zero.
+        let reach = sites / 8;
+        let weight = |i: usize| match (i % sites).min(sites - i % sites) {
+            d if d < reach => 1.0,
+            d if d == reach => 0.5,
+            _ => 0.0,
+        };
+        let arrays = [1.0 / (1.0 + rho), rho / (1.0 + rho), 0.0, 0.0];
+        let far = DVector::from_fn(4 * sites, |i, _| arrays[i / sites] * weight(i) / (2 * reach) as f64);
+        let start = first.rows(0, 2 * sites).transpose();
+        Ok(Self { chain, tol, half, c_x, start, end, far })
+    }
+
     fn equations(&self, at: &DVector<f64>, derivative: bool) -> Result<Equations> {
         let z = &self.start * at;
         let columns = if derivative { self.start.clone() } else { DMatrix::zeros(z.len(), 0) };
-        let half = 0.5 * self.breather.passage();
-        let moment = flow(&self.chain, z.as_slice(), half, columns, self.tol, |_| {})?;
+        let moment = flow(&self.chain, z.as_slice(), self.half, columns, self.tol, |_| {})?;
         let residual = &self.end * DVector::from_vec(moment.state);
         let jacobian = &self.end * moment.columns;
         let rows = jacobian.nrows();
@@ -182,7 +203,7 @@ impl Shot<'_> {
         if derivative {
             jacobian.set_row(rows, &(self.far.transpose() * &self.start));
         }
-        Ok(Equations { residual: residual.push(self.far.dot(&z)), jacobian })
+        Ok(Equations { residual: residual.push(self.far.dot(&z) - self.c_x), jacobian })
     }
 
     /// A step of Newton's method from `at` by a share of `-by`, halved until the norm of the
@@ -202,21 +223,92 @@ impl Shot<'_> {
     }
 }
 
-impl MovingBreather {
-    /// `T_m`, in which the kink moves on by a site.
-    pub fn passage(&self) -> f64 {
-        (f64::from(self.turns) + 0.5) * 2.0 * PI / self.omega_b
-    }
+/// What determines an orbit that is a site further on the ring after the time `T_m`, `S^{-1}
+/// Phi_{T_m} z = z`, and is symmetric about the middle bond: see [`MovingBreather`].
+pub trait Relative: Copy {
+    /// Chain and sites, the mean strain far from the breather (`c_x`), the unit of rates
+    /// (`omega_b`), and its turns.
+    fn setting(&self) -> Setting;
+
+    /// `T_m`, in which the breather moves on by a site.
+    fn passage(&self) -> f64;
+
+    /// The ring, after all numbers are checked.
+    ///
+    /// # Errors
+    /// Numbers outside their rules.
+    fn chain(&self) -> Result<Chain<f64>>;
 
     /// Sites per unit of time, `1/T_m`.
-    pub fn velocity(&self) -> f64 {
+    fn velocity(&self) -> f64 {
         self.passage().recip()
     }
 
-    /// The breather at rest of the same frequency, about the middle bond.
-    pub fn at_rest(&self) -> DarkBreather {
-        let Self { params, sites, omega_b, .. } = *self;
-        DarkBreather { params, center: Center::Bond, sites, omega_b, c_x: 0.0 }
+    /// The orbit near a start `[x, y, x', y']`.
+    ///
+    /// # Errors
+    /// Numbers outside their rules; a start of another length, not finite or zero; one whose flow
+    /// fails; [`Error::Stalled`] with the best iterate where the residual does not fall to 1e-12;
+    /// [`Error::Stopped`] if the work was asked to end.
+    fn solve(&self, start: &[f64], tol: f64) -> Result<Orbit<Self>> {
+        let shot = Shot::new(self, tol)?;
+        let Setting { sites, omega_b, turns, c_x, .. } = self.setting();
+        let rule = "four numbers a site: x, y, x', y'";
+        require(start.len() == 4 * sites, "start", format!("{} numbers", start.len()), rule)?;
+        let size = strain(start, sites, c_x);
+        let rule = "strains are finite, and not all zero";
+        require(size > 0.0 && start.iter().all(|z| z.is_finite()), "start", size, rule)?;
+        let mut at = shot.start.transpose() * DVector::from_column_slice(start);
+        // Flows fail when they are asked to end.
+        let stopped = || Err(Error::Stopped { kept: "nothing of this breather".to_owned() });
+        if interrupt::asked() {
+            return stopped();
+        }
+        let mut now = shot.equations(&at, true)?;
+        let mut newton = Vec::new();
+        for _ in 0..MOST_STEPS {
+            let Some(by) = least_squares(now.jacobian.clone(), &now.residual) else { break };
+            newton.push(NewtonStep { residual: now.residual.amax() / size, step: by.amax() / size });
+            let Some((share, next)) = shot.step(&at, &by, now.residual.norm(), LONGEST_STEP * size) else { break };
+            let last = share == 1.0 && by.amax() <= LAST_STEP * size;
+            let Ok(equations) = shot.equations(&next, !last) else { break };
+            (at, now) = (next, equations);
+            if last {
+                break;
+            }
+        }
+        let z = (&shot.start * at).as_slice().to_vec();
+        let residual = now.residual.amax() / strain(&z, sites, c_x);
+        if residual <= SOLVED {
+            return Ok(Orbit { setting: *self, z, residual, newton });
+        }
+        if interrupt::asked() {
+            return stopped();
+        }
+        let place = format!("omega_b = {omega_b}, turns = {turns}");
+        let best = Box::new(Iterate { z, residual, solved: SOLVED, place });
+        Err(Error::Stalled { steps: newton.len(), best: Some(best) })
+    }
+}
+
+/// Matrices of the two reversals: the first takes site `i`, counted from 0, to `N - i`; the second
+/// one is half a site further.
+fn mirrors(sites: usize) -> [DMatrix<f64>; 2] {
+    [0, 1].map(|sum| Mirror::new(sites, sum).matrix())
+}
+
+/// Largest strain of the contacts, from the mean strain.
+fn strain(z: &[f64], sites: usize, c_x: f64) -> f64 {
+    max_norm(z[..sites].iter().map(|x| x - c_x))
+}
+
+impl Relative for MovingBreather {
+    fn setting(&self) -> Setting {
+        Setting { turns: self.turns, ..self.at_rest().setting() }
+    }
+
+    fn passage(&self) -> f64 {
+        (f64::from(self.turns) + 0.5) * 2.0 * PI / self.omega_b
     }
 
     /// The ring, after all numbers are checked.
@@ -224,7 +316,7 @@ impl MovingBreather {
     /// # Errors
     /// Numbers that no breather at rest can have; fewer than 9 sites or an even number of them; no
     /// turn or more than 100; `omega_b` not above `omega`.
-    pub fn chain(&self) -> Result<Chain<f64>> {
+    fn chain(&self) -> Result<Chain<f64>> {
         let Self { params, sites, omega_b, turns } = *self;
         self.at_rest().setting().chain()?;
         require(sites >= 9 && !sites.is_multiple_of(2), "sites", sites, "an odd number, at least 9")?;
@@ -235,29 +327,13 @@ impl MovingBreather {
         }
         Chain::new(params, Boundary::StrainRing, sites)
     }
+}
 
-    /// The first reversal takes site `i`, counted from 0, to `N - i`; the second one is half a site
-    /// further.
-    fn mirrors(&self) -> [Mirror; 2] {
-        [0, 1].map(|sum| Mirror::new(self.sites, sum))
-    }
-
-    fn shot(&self, tol: f64) -> Result<Shot<'_>> {
-        let (chain, sites, rho) = (self.chain()?, self.sites, self.params.rho);
-        let [first, second] = self.mirrors().map(|mirror| mirror.matrix());
-        let mut end = second.rows(2 * sites, 2 * sites).into_owned();
-        end.columns_mut(2 * sites, 2 * sites).unscale_mut(self.omega_b);
-        // Site 0 is opposite to the kink. The weights of an alternating strain add up to zero.
-        let reach = sites / 8;
-        let weight = |i: usize| match (i % sites).min(sites - i % sites) {
-            d if d < reach => 1.0,
-            d if d == reach => 0.5,
-            _ => 0.0,
-        };
-        let arrays = [1.0 / (1.0 + rho), rho / (1.0 + rho), 0.0, 0.0];
-        let far = DVector::from_fn(4 * sites, |i, _| arrays[i / sites] * weight(i) / (2 * reach) as f64);
-        let start = first.rows(0, 2 * sites).transpose();
-        Ok(Shot { breather: self, chain, tol, start, end, far })
+impl MovingBreather {
+    /// The breather at rest of the same frequency, about the middle bond.
+    pub fn at_rest(&self) -> DarkBreather {
+        let Self { params, sites, omega_b, .. } = *self;
+        DarkBreather { params, center: Center::Bond, sites, omega_b, c_x: 0.0 }
     }
 
     /// A start from the breather at rest, after the dark solitons of the nonlinear Schrödinger
@@ -282,51 +358,6 @@ impl MovingBreather {
             }
         }
         z
-    }
-
-    /// The orbit near a start `[x, y, x', y']`.
-    ///
-    /// # Errors
-    /// Numbers outside their rules; a start of another length, not finite or zero; one whose flow
-    /// fails; [`Error::Stalled`] with the best iterate where the residual does not fall to 1e-12;
-    /// [`Error::Stopped`] if the work was asked to end.
-    pub fn solve(&self, start: &[f64], tol: f64) -> Result<MovingOrbit> {
-        let shot = self.shot(tol)?;
-        let rule = "four numbers a site: x, y, x', y'";
-        require(start.len() == 4 * self.sites, "start", format!("{} numbers", start.len()), rule)?;
-        let size = max_norm(start[..self.sites].iter().copied());
-        let rule = "strains are finite, and not all zero";
-        require(size > 0.0 && start.iter().all(|z| z.is_finite()), "start", size, rule)?;
-        let mut at = shot.start.transpose() * DVector::from_column_slice(start);
-        // Flows fail when they are asked to end.
-        let stopped = || Err(Error::Stopped { kept: "nothing of this breather".to_owned() });
-        if interrupt::asked() {
-            return stopped();
-        }
-        let mut now = shot.equations(&at, true)?;
-        let mut newton = Vec::new();
-        for _ in 0..MOST_STEPS {
-            let Some(by) = least_squares(now.jacobian.clone(), &now.residual) else { break };
-            newton.push(NewtonStep { residual: now.residual.amax() / size, step: by.amax() / size });
-            let Some((share, next)) = shot.step(&at, &by, now.residual.norm(), LONGEST_STEP * size) else { break };
-            let last = share == 1.0 && by.amax() <= LAST_STEP * size;
-            let Ok(equations) = shot.equations(&next, !last) else { break };
-            (at, now) = (next, equations);
-            if last {
-                break;
-            }
-        }
-        let z = (&shot.start * at).as_slice().to_vec();
-        let residual = now.residual.amax() / max_norm(z[..self.sites].iter().copied());
-        if residual <= SOLVED {
-            return Ok(Orbit { setting: *self, z, residual, newton });
-        }
-        if interrupt::asked() {
-            return stopped();
-        }
-        let place = format!("omega_b = {}, turns = {}", self.omega_b, self.turns);
-        let best = Box::new(Iterate { z, residual, solved: SOLVED, place });
-        Err(Error::Stalled { steps: newton.len(), best: Some(best) })
     }
 
     /// The orbit: of those that Newton's method finds from seeds of several velocities, the one
@@ -356,7 +387,7 @@ impl MovingBreather {
     /// # Errors
     /// As [`solve`](Self::solve).
     pub fn from_rest(&self, rest: &Orbit, tol: f64) -> Result<MovingOrbit> {
-        let shot = self.shot(tol)?;
+        let shot = Shot::new(self, tol)?;
         let apart = |seed: &[f64]| {
             let at = shot.start.transpose() * DVector::from_column_slice(seed);
             shot.equations(&at, false).map_or(f64::INFINITY, |equations| equations.residual.norm())
@@ -389,23 +420,43 @@ impl MovingBreather {
     }
 }
 
-impl MovingOrbit {
-    /// `max |S^{-1} Phi_{T_m} z - z|` over strains and rates, in units of `max |x|`; rates are
+impl<S: Relative> Orbit<S> {
+    /// `max |S^{-1} Phi_{T_m} z - z|` over strains and rates, in units of the largest strain; rates are
     /// divided by `omega_b`. The flow goes over the whole time, without the symmetry.
     ///
     /// # Errors
     /// An integration that fails.
     pub fn return_error(&self, tol: f64) -> Result<f64> {
-        let (breather, n) = (&self.setting, self.setting.sites);
+        let (breather, Setting { sites: n, omega_b, c_x, .. }) = (&self.setting, self.setting.setting());
         let columns = DMatrix::zeros(self.z.len(), 0);
         let end = flow(&breather.chain()?, &self.z, breather.passage(), columns, tol, |_| {})?.state;
         let apart = |i: usize| {
-            let unit = if i < 2 * n { 1.0 } else { breather.omega_b };
+            let unit = if i < 2 * n { 1.0 } else { omega_b };
             (end[i / n * n + (i % n + 1) % n] - self.z[i]) / unit
         };
-        Ok(max_norm((0..self.z.len()).map(apart)) / max_norm(self.z[..n].iter().copied()))
+        Ok(max_norm((0..self.z.len()).map(apart)) / strain(&self.z, n, c_x))
     }
 
+    /// The relative multipliers: eigenvalues of the derivative of `S^{-1} Phi_{T_m}`. Besides those
+    /// that are 1 in theory, a pair is near 1: a shift of the background's phase against the kink.
+    ///
+    /// # Errors
+    /// An integration that fails, or eigenvalues that do not converge.
+    pub fn spectrum(&self, tol: f64) -> Result<Spectrum> {
+        let (breather, size, setting) = (&self.setting, self.z.len(), self.setting.setting());
+        let chain = breather.chain()?;
+        let columns = DMatrix::identity(size, size);
+        let half = flow(&chain, &self.z, 0.5 * breather.passage(), columns, tol, |_| {})?.columns;
+        let [first, second] = mirrors(setting.sites);
+        let half = second * half * first.transpose();
+        let linear = (setting.params.omega() * breather.passage()).cos();
+        Spectrum::new(&Frame::turned(&chain, &first), &half, 0.0, &known(linear)).ok_or_else(|| {
+            Error::parameter("omega_b", setting.omega_b, "no multipliers: the eigenvalues did not converge")
+        })
+    }
+}
+
+impl MovingOrbit {
     /// Local amplitudes over the period `2 pi/omega_b` about `t = 0`.
     ///
     /// # Errors
@@ -428,24 +479,6 @@ impl MovingOrbit {
             }
         }
         Ok(Envelope::new(&a, mean))
-    }
-
-    /// The relative multipliers: eigenvalues of the derivative of `S^{-1} Phi_{T_m}`. Besides those
-    /// that are 1 in theory, a pair is near 1: a shift of the background's phase against the kink.
-    ///
-    /// # Errors
-    /// An integration that fails, or eigenvalues that do not converge.
-    pub fn spectrum(&self, tol: f64) -> Result<Spectrum> {
-        let (breather, size) = (&self.setting, self.z.len());
-        let chain = breather.chain()?;
-        let columns = DMatrix::identity(size, size);
-        let half = flow(&chain, &self.z, 0.5 * breather.passage(), columns, tol, |_| {})?.columns;
-        let [first, second] = breather.mirrors().map(|mirror| mirror.matrix());
-        let half = second * half * first.transpose();
-        let linear = (breather.params.omega() * breather.passage()).cos();
-        Spectrum::new(&Frame::turned(&chain, &first), &half, 0.0, &known(linear)).ok_or_else(|| {
-            Error::parameter("omega_b", breather.omega_b, "no multipliers: the eigenvalues did not converge")
-        })
     }
 }
 

@@ -120,7 +120,7 @@ named! {
         /// The branch of doubled period came back to the branch of half its period.
         Rejoined = "rejoined", "it came back to the branch of half its period";
         /// The orbits vanish: beyond this point are those of the opposite phase.
-        AtRest = "at-rest", "its orbits vanish there, and the chain is at rest";
+        AtRest = "at-rest", "beyond its last point its orbits vanish: the chain is at rest";
         /// No contact of a wave closes any more: every wave of frequency `omega` without contacts
         /// follows.
         NoContact = "no-contact", "no contact closes any more, and the frequency is omega";

@@ -442,13 +442,31 @@ impl Source<'_> {
 /// Bytes reserved for the quotation marks and escapes that a change may get.
 const QUOTES: usize = 1 << 12;
 
-/// Inserts the entries of `change` into `table`; they replace entries of the same keys.
+/// The number that a key is; a large one if it is none.
+fn number(key: &str) -> usize {
+    key.parse().unwrap_or(usize::MAX)
+}
+
+/// Inserts the entries of `change` into `table`; they replace entries of the same keys. In a list of
+/// tables the key is the number of a table, from 0 on.
 fn merge<'a>(table: &mut DeTable<'a>, change: DeTable<'a>) {
     for (key, value) in change {
         match (table.get_mut(&key).map(toml::Spanned::get_mut), value.get_ref()) {
             (Some(DeValue::Table(below)), DeValue::Table(_)) => {
                 if let DeValue::Table(change) = value.into_inner() {
                     merge(below, change);
+                }
+            }
+            (Some(DeValue::Array(list)), DeValue::Table(of))
+                if of.keys().all(|key| number(key.get_ref()) < list.len()) =>
+            {
+                let DeValue::Table(changes) = value.into_inner() else { continue };
+                for (key, change) in changes {
+                    if let (DeValue::Table(below), DeValue::Table(change)) =
+                        (list.as_mut()[number(key.get_ref())].get_mut(), change.into_inner())
+                    {
+                        merge(below, change);
+                    }
                 }
             }
             _ => {

@@ -129,8 +129,9 @@ fn envelope(chain: &Chain<f64>, [q_over_pi, amplitude]: [f64; 2], band: usize, c
     require(chain.boundary() != Boundary::StrainRing, "boundary", "strain-ring", rule)?;
     let rule = "above 0 and at most 1";
     require(q_over_pi > 0.0 && q_over_pi <= 1.0, "q_over_pi", q_over_pi, rule)?;
-    let Some((_, all)) = Bands::new(chain)?.envelopes(PI * q_over_pi) else {
-        let rule = "an envelope lives on equal beads that only contacts and resonators hold";
+    let Some((_, all)) = Bands::new(chain).ok().and_then(|bands| bands.envelopes(PI * q_over_pi)) else {
+        let rule = "an envelope lives on equal beads that only resonators and contacts under a static load hold: a \
+                    precompression, no gravity, no springs of beads";
         return Err(Error::parameter("initial.kind", "envelope", rule));
     };
     let rule = "a band of the chain, the lowest is 1: two with moving resonators, else one";

@@ -148,10 +148,15 @@ impl Barrier {
 
     fn frequencies(&self) -> Result<Vec<f64>> {
         let omega = self.ring.breather(Center::Site, None, ONE)?.params.omega();
-        let Ring { c_x, params: ChainParams { rho, .. }, .. } = self.ring;
+        let ChainParams { rho, .. } = self.ring.params;
         require(rho > 0.0, "rho", rho, "the barrier is that of chains with resonators")?;
         let given = self.from.is_some() && self.to.is_some();
-        require(c_x >= 0.0 || given, "from", "nothing", "under a precompression a range needs --from and --to")?;
+        require(
+            self.ring.precompression <= 0.0 || given,
+            "from",
+            "nothing",
+            "under a precompression a range needs --from and --to",
+        )?;
         let [from, to] = [self.from.unwrap_or(RANGE[0] * omega), self.to.unwrap_or(RANGE[1] * omega)];
         self.within_ranges()?;
         for (name, value) in [("from", from), ("to", to)] {
@@ -176,9 +181,8 @@ impl Barrier {
     /// Numbers outside their rules; an integration that fails; errors of the store.
     pub fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<BarrierStudy> {
         let (frequencies, shooting) = (self.frequencies()?, self.ring.shooting());
-        let Ring { sites, c_x, params: ChainParams { alpha, kappa, rho }, .. } = self.ring;
-        let settings =
-            json!({"sites": sites, "alpha": alpha, "kappa": kappa, "rho": rho, "c_x": c_x, "search": shooting});
+        let Ring { sites, params: ChainParams { alpha, kappa, rho }, .. } = self.ring;
+        let settings = json!({"sites": sites, "alpha": alpha, "kappa": kappa, "rho": rho, "c_x": self.ring.c_x(), "search": shooting});
         let grid = Grid { store: Self::STORE, study: "barrier", settings };
         let point = |&omega_b: &f64| match self.point(omega_b, &shooting) {
             Err(Error::Stalled { .. }) => Ok(None),
@@ -310,7 +314,7 @@ impl BarrierStudy {
         Report::new("barrier")
             .facts(Params::from(params))
             .fact("sites", ring.sites)
-            .fact("c_x", ring.c_x)
+            .fact("c_x", ring.c_x())
             .table(table(&self.points))
             .words(self.caption())
             .fact("sign_changes", zeros)

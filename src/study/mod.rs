@@ -38,6 +38,7 @@ mod si;
 mod solitary;
 mod spectrum;
 mod theorem;
+mod travelling;
 mod wave;
 
 pub use bands::Bands;
@@ -86,6 +87,7 @@ pub use theorem::{
     Bound, Errors as TheoremErrors, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremRun, TheoremSlope,
     TheoremStudy, theorem,
 };
+pub use travelling::{Travelling, TravellingRow};
 pub use wave::*;
 
 pub use crate::sweep::Progress;

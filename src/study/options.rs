@@ -111,6 +111,9 @@ macro_rules! range {
     (finite) => {
         (f64::MIN..=f64::MAX, "a finite number")
     };
+    (ratio) => {
+        (0.0..=f64::MAX, "finite and at least 0: with resonators at rest (inf) breathers are bright ones")
+    };
     ($tolerance:ident) => {{
         let kind = hertzchain_integrators::Tolerance::$tolerance;
         (kind.least..=kind.most, kind.rule)
@@ -226,7 +229,7 @@ options! {
         /// Spring constant of the resonators.
         kappa: f64 = 1.0, "K", (positive);
         /// Mass ratio resonator to bead.
-        rho: f64 = 1.0 / 3.0, "R", (from 0);
+        rho: f64 = 1.0 / 3.0, "R", (ratio);
     }
 }
 

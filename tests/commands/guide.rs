@@ -134,6 +134,7 @@ const LONG: &[&str] = &[
     "hertzchain breather doubled",
     "hertzchain breather evolve",
     "hertzchain breather moving",
+    "hertzchain breather travelling",
     "hertzchain compare",
     "hertzchain orbit continue",
     "hertzchain orbit driven",

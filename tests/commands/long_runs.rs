@@ -548,6 +548,7 @@ mod processes {
         "breather evolve tests/golden/orbit.npz --until 1e6",
         "breather barrier --frequencies 500",
         "breather moving",
+        "breather travelling --amplitude 0.6,0.65,0.7,0.75,0.8 --sites 251",
         "breather cradle --frequencies 1000 --sites 101",
         "orbit driven end-driven --turns 64",
         "orbit continue granular-crystal --settle 20 --to 2e-8 --step 2e-10",

@@ -4,7 +4,12 @@ use super::{
     program::{lines, terminate, wait},
     shards::{command, files, in_shards, killed_at, output},
 };
-use hertzchain::{breathers::MovingBreather, chain::Params, error::Error, interrupt::Token};
+use hertzchain::{
+    breathers::{MovingBreather, Relative},
+    chain::Params,
+    error::Error,
+    interrupt::Token,
+};
 use serde_json::Value;
 use std::{fs, path::Path, process::Stdio, thread::sleep, time::Duration};
 

@@ -156,7 +156,10 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             ("breather dark --sites 257", "--sites = 257 is not valid: from 3 to 255"),
             ("breather dark --sites 3", "--sites = 3 is not valid: a breather about a site needs 5 sites"),
             ("breather dark --omega-b 2", "--omega-b = 2"),
-            ("breather dark --rho inf", "rho = inf"),
+            (
+                "breather dark --rho inf",
+                "rho = inf is not valid: finite and at least 0: with resonators at rest (inf) breathers",
+            ),
             ("breather doubled --most 2.02 --step 0.01", "no period doubling"),
             ("breather continue --parameter omega", "did you mean \"omega_b\""),
             ("breather continue --parameter rho", "--from"),
@@ -188,7 +191,10 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             "bonds.overlap = positive, boundary = \"free\" is not valid: only two walls",
         ),
         ("run rosas-2007 --integrator corrected", "contacts that do not dissipate: take dop853-regularised\n"),
-        ("breather barrier --c-x=-1 --rho 0 --from 2.43 --to 2.435", "the barrier is that of chains with resonators\n"),
+        (
+            "breather barrier --precompression 1 --rho 0 --from 2.43 --to 2.435",
+            "the barrier is that of chains with resonators\n",
+        ),
         ("breather cradle --from 1.3", "to = 1.2 is not valid: above --from\n"),
         (
             "orbit mode cradle --linear-mode 3 --to 0.1",
@@ -199,7 +205,7 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             "orbit continue chong-2014 --vary omega --omega=-1 --to 4e4",
             "omega = -1 is not valid: finite and positive\n",
         ),
-        ("breather barrier --c-x=-1", "under a precompression a range needs --from and --to\n"),
+        ("breather barrier --precompression 1", "under a precompression a range needs --from and --to\n"),
         ("run end-driven --integrator corrected", "take dop853-regularised, or strang-linear for equal steps\n"),
         (
             "wave tw-q15 --zeta=-1",

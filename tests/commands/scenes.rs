@@ -157,6 +157,16 @@ fn keys_of_a_scene_are_changed_on_the_command_line() {
     assert_eq!(Scene::load_with("tw-q15", &["record.samples=9".to_owned()]).unwrap().samples(), 9);
     let quoted = Scene::load_with("cradle", &["chain.boundary=fixed".to_owned()]).unwrap();
     assert!(matches!(quoted.file().initial, Initial::SingleBead { .. }) && quoted.samples() == 400);
+    // A table of a list has its number, from 0 on; the other drive keeps its amplitude.
+    let inphase = Scene::load_with("chong-2014", &["drive.1.amplitude=1e-8".to_owned()]).unwrap();
+    let amplitudes = |scene: &Scene| -> Vec<f64> {
+        let drives = &scene.chain().details().unwrap().drives;
+        drives.iter().map(|drive| drive.signal.harmonics[0].amplitude).collect()
+    };
+    let [own, changed] = [amplitudes(&Scene::load("chong-2014").unwrap()), amplitudes(&inphase)];
+    assert!(own[0] > 0.0 && own[1] == -own[0] && changed == [own[0]; 2], "{own:?} {changed:?}");
+    let missing = Scene::load_with("chong-2014", &["drive.2.amplitude=1e-8".to_owned()]).unwrap_err().to_string();
+    assert!(missing.contains("--set drive.2.amplitude=1e-8"), "{missing}");
     // Everywhere a scene is taken.
     let out = json("study drift cradle --periods 3 --samples 2 --set chain.sites=5");
     assert_eq!(out["scene_file"]["chain"]["sites"], 5);

@@ -243,6 +243,16 @@ fn orbits_of_small_amplitude_have_multipliers() {
     }
 }
 
+#[test]
+fn the_kink_of_a_breather_at_rest_is_at_its_centre() {
+    // About a site the strains at t = 0 and half a period later are mirror images, not each alone.
+    for (center, place) in [(Center::Site, 0.0), (Center::Bond, 0.5)] {
+        let run = evolve(&orbit(center, 2.05), 20.0, None, &Shooting::default(), &|_, _| {}).unwrap();
+        assert!(run.position.len() == run.times.len() && run.times.len() == 7);
+        assert!(run.position.iter().all(|at| (at - place).abs() < 1e-9), "{:?}", run.position);
+    }
+}
+
 fn follow_in_mass(omega_b: f64, from: f64, to: f64) {
     for center in [Center::Site, Center::Bond] {
         let start = of_mass(from, center, omega_b).orbit(&Shooting::default()).unwrap();

@@ -214,7 +214,7 @@ mod tests {
 
     /// Flags that mean one thing in one command and another in the next.
     const OF_THEIR_OWN: &[&str] =
-        &["from", "to", "step", "epsilon", "amplitude", "only", "c", "instructions", "engine", "tol"];
+        &["from", "to", "step", "epsilon", "amplitude", "turns", "only", "c", "instructions", "engine", "tol"];
 
     fn every(command: &clap::Command, path: &str, visit: &mut dyn FnMut(&str, &clap::Command)) {
         let path = format!("{path} {}", command.get_name());

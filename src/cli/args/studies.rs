@@ -12,7 +12,8 @@ use crate::{
         Bands, Barrier, Bound, BoundaryWave, Bright, Charts, Continue, ContinueWave, Cradle, Dark, DarkProfiles,
         DimerOptions, DisorderOptions, Doubled, Drift, Driven, DrivenContinue, EndDriven, Evolve, Exact, FollowMode,
         Homoclinics, ImpurityOptions, Integrals, LifetimeOptions, Modes, ModulationStudy, Moving, OrderOptions,
-        Progress, Responses, ScalingOptions, Solitary, Spectrum, TaperOptions, TheoremOptions, Trivial, Wave,
+        Progress, Responses, ScalingOptions, Solitary, Spectrum, TaperOptions, TheoremOptions, Travelling, Trivial,
+        Wave,
     },
 };
 use clap::Args;
@@ -265,6 +266,16 @@ Example, stopped after 20 points and gone on with:
     Moving(StudyCommand<Moving>) =>
         "breather moving --turns 16,18,22,26 --out out/moving",
         "breather moving --omega-b 2.088,2.092,2.096 --turns 11 --until 0";
+    /// Compute bright breathers that travel under a static load as exact orbits.
+    ///
+    /// A travelling breather is a relative periodic orbit: as it moves on by a site, the chain has
+    /// its initial state again, moved on by a site. The search starts from a soliton of the
+    /// nonlinear Schrödinger equation in the focusing part of the upper band. Prints amplitudes and
+    /// widths beside those of the soliton, the tail opposite to the breather, and the largest
+    /// multiplier. Exit code 1 if an orbit is not found.
+    Travelling(StudyCommand<Travelling>) =>
+        "breather travelling --out out/travelling",
+        "breather travelling --amplitude 0.8 --sites 61";
 }
 
 commands! {

@@ -4,7 +4,7 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `E_b(m T)` | `max |Z(m T) - Z(0)| / max |Z(0)|` (eq:relerr) |
-//! | `r_n` | `(x_n^2 + (x_n'/omega_b)^2)^{1/2}` at `t = m T`: about the amplitude of bond `n`, in any phase |
+//! | `r_n` | mean of `(x_n^2 + (x_n'/omega_b)^2)^{1/2}` at `t = m T` and half a period before (after, for `m = 0`): about the amplitude of bond `n`, in any phase, also where strains of both phases differ |
 //! | `w_n` | `max(0, 1 - r_n / K_x)^4`: what is missing from the background; ripples of it count for little |
 //! | position | of the kink: the angle of `sum w_n e^{2 pi i n/L}` on the ring of `L` sites, in sites, followed continuously |
 
@@ -177,7 +177,7 @@ pub fn evolve(
         failure: None,
         orbit: orbit.clone(),
     };
-    let mut state = start.clone();
+    let (mut state, mut before) = (start.clone(), Vec::new());
     let a_row = (periods as u64).div_ceil(MOST_ROWS);
     out.swing.span = a_row as f64 * period;
     for k in 0..=periods as u64 * SAMPLES {
@@ -191,15 +191,24 @@ pub fn evolve(
         };
         // The sample at the end of a row belongs to it, not to the next one.
         out.swing.add(&state[..orbit.z.len()], orbit, (k.saturating_sub(1) / (a_row * SAMPLES)) as usize);
-        if k % SAMPLES > 0 {
+        if k % (SAMPLES / 2) > 0 {
             continue;
         }
         let (x, x_dot) = (&state[..], &state[orbit.z.len()..]);
-        let amplitudes: Vec<f64> = (0..sites).map(|n| (x[n] - c_x).hypot(x_dot[n] / omega_b) / background).collect();
+        let now: Vec<f64> = (0..sites).map(|n| (x[n] - c_x).hypot(x_dot[n] / omega_b) / background).collect();
+        let pair = std::mem::replace(&mut before, now.clone());
+        let amplitudes: Vec<f64> = now.iter().zip(&pair).map(|(a, b)| 0.5 * (a + b)).collect();
+        let near = out.position.last().copied().unwrap_or(0.0);
+        let position = centre(if k == 0 { &now } else { &amplitudes }, 1.0, near + middle) - middle;
+        if k == SAMPLES / 2 {
+            out.position[0] = position;
+        }
+        if k % SAMPLES > 0 {
+            continue;
+        }
         out.times.push(t);
         out.e_b.push(max_norm(orbit.z.iter().zip(&state).map(|(a, b)| a - b)) / orbit.amplitude());
-        let before = out.position.last().copied().unwrap_or(0.0);
-        out.position.push(centre(&amplitudes, 1.0, before + middle) - middle);
+        out.position.push(position);
         progress(m as f64 / periods, "evolution");
     }
     out.motion = motion(&out.times, &out.position);

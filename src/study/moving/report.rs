@@ -2,6 +2,7 @@
 
 use super::{MovingPoint, MovingStudy, Passage};
 use crate::{
+    breathers::Relative,
     chain::Params,
     number::format_short,
     numerics::{largest_by, least_by},

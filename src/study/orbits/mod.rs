@@ -50,10 +50,10 @@ options! {
         sites: usize = 41, "N", (3 to 255);
         /// The chain.
         params: ChainParams = ChainParams::default(), [command(flatten)];
-        /// Vertical centre C_x of the background, a strain (eq:center).
+        /// Static overlap D of the contacts.
         ///
-        /// Below 0 it is a precompression -C_x.
-        c_x: f64 = 0.0, "C", (finite);
+        /// The background has the vertical centre C_x = -D (eq:center); below 0 contacts have gaps.
+        precompression: f64 = 0.0, "D", (finite), [arg(allow_hyphen_values = true)];
         /// Equations of Newton's method.
         formulation: Formulation = Formulation::HalfPeriod, "F", [arg(default_value = "half-period")];
         /// Tolerance.
@@ -66,14 +66,19 @@ impl Ring {
         Shooting { formulation: self.formulation, tol: self.tol, ..Shooting::default() }
     }
 
+    /// `C_x`, of a positive zero.
+    pub(super) fn c_x(&self) -> f64 {
+        0.0 - self.precompression
+    }
+
     /// A breather of this frequency, by default the [usual](DarkBreather::usual_frequency) one.
     pub(super) fn breather(&self, center: Center, omega_b: Option<f64>, usual: [f64; 2]) -> Result<DarkBreather> {
         self.within_ranges()?;
         require((center, self.sites) != (Center::Site, 3), "sites", 3, "a breather about a site needs 5 sites")?;
         let params = self.params.checked()?;
-        let breather = DarkBreather { params, center, sites: self.sites, omega_b: f64::NAN, c_x: self.c_x };
+        let breather = DarkBreather { params, center, sites: self.sites, omega_b: f64::NAN, c_x: self.c_x() };
         let own = breather.usual_frequency(usual);
-        require(!own.is_nan(), "c_x", self.c_x, "a precompression whose bands are numbers")?;
+        require(!own.is_nan(), "precompression", self.precompression, "one whose bands are numbers")?;
         Ok(DarkBreather { omega_b: omega_b.unwrap_or(own), ..breather })
     }
 }
@@ -167,7 +172,7 @@ options! {
         mut_arg("to", |arg| arg.help("Last value of the parameter [default for omega_b: 1.05 omega]")),
         mut_arg("resume", |arg| arg.conflicts_with_all([
             "center", "vary", "from", "natural", "weak", "omega_b",
-            "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol",
+            "sites", "alpha", "kappa", "rho", "precompression", "formulation", "tol",
         ]))
     ))]
     pub struct Continue {
@@ -177,7 +182,7 @@ options! {
         center: Center = Center::Site, "C";
         /// What varies along the branch.
         ///
-        /// omega_b, rho, kappa, alpha or c_x.
+        /// omega_b, rho, kappa, alpha or c_x, which is minus the precompression.
         vary: String = "omega_b".to_owned(), "P", [arg(alias = "parameter")];
         /// First value of the parameter [default for omega_b: 1.005 omega].
         from: Option<f64> = None, "P", (finite);
@@ -295,7 +300,7 @@ options! {
         ///
         /// A file that `breather continue --center bond` has written.
         branch: Option<PathBuf> = None, "FILE",
-            [arg(conflicts_with_all = ["most", "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol"])];
+            [arg(conflicts_with_all = ["most", "sites", "alpha", "kappa", "rho", "precompression", "formulation", "tol"])];
         /// The ring.
         ring: Ring = Ring::default(), [command(flatten)];
     }
@@ -497,6 +502,8 @@ pub fn doubled_from(
         return Err(Error::parameter("turns", 2, "the main branch has one turn a period: this one is doubled"));
     }
     let Continuation { to, ref shooting, .. } = main.continuation;
+    let name = main.continuation.parameter.name();
+    require(name == Parameter::OmegaB.name(), "branch", format!("one in {name}"), "a main branch in omega_b")?;
     let birth = main.bifurcations.iter().find(|one| one.kind == BifurcationKind::PeriodDoubling).cloned();
     let Some(birth) = birth else {
         return Err(Error::parameter("most", to, "the main branch has no period doubling up to there"));

@@ -93,9 +93,11 @@ impl OrbitStudy {
             true => (String::new(), ""),
             false => (format!(" |tau - cos(omega T)| of one {:.1e};", quality.linear), ", 2 that are exp(+-i omega T)"),
         };
+        // A centre at zero is a rounding.
+        let digits = if c_x.abs() > 1e-9 * k_x { 15 } else { 1 };
         format!(
             "{sites} sites, n = -N .. N; alpha = {}, kappa = {}, rho = {}; omega = {}, omega_b = {omega_b}, period T = {:.15}; \
-             K_x = {k_x:.15e}, K_y = {k_y:.15e}, C_x = {c_x:.1e}, C_y = {c_y:.1e}. Residual max |F| / max |Z| {:.1e}, before each step of Newton's \
+             K_x = {k_x:.15e}, K_y = {k_y:.15e}, C_x = {c_x:.digits$e}, C_y = {c_y:.digits$e}. Residual max |F| / max |Z| {:.1e}, before each step of Newton's \
              method {}; E_b(T) {e_b:.1e}; mean contact force {:e}, its spread {:.1e}. Largest |lambda| {:.12}; \
              symplectic defect {:.1e}; |tau - 1| of the two that are 1 {:.1e} and {:.1e};{turning} distance to \
              the eigenvalues of M(T) {:.1e}. {circle} multipliers on the circle, 4 that are 1{two}; \
