@@ -142,7 +142,9 @@ impl Proving {
         }
         let (count, gap) = connected(&pieces);
         pieces.truncate(count);
-        self.write(&pieces.iter().map(|(piece, _)| piece.to_string()).collect::<String>())?;
+        if count > 0 {
+            self.write(&pieces.iter().map(|(piece, _)| piece.to_string()).collect::<String>())?;
+        }
         let end = near.last().map_or(f64::NAN, |last| nearest(last.model.omega));
         Ok(proved_branch(report, &pieces, end, gap.map(|gap| gap.to_string()).or(stop)))
     }
