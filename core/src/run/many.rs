@@ -167,7 +167,6 @@ mod tests {
         chain::{Boundary, Chain, Params, State},
         run::Records,
     };
-    use hertzchain_integrators::Instructions;
 
     /// Runs of a chain by a splitting from states of sizes 1, 2, ..
     fn runs(chain: &Chain<f64>, method: &str, sizes: std::ops::Range<u32>, steps: u64) -> Vec<Run> {
@@ -185,9 +184,7 @@ mod tests {
     fn runs_that_are_made_together_have_the_bits_of_each_alone() {
         // Truth: each run alone, with the states at all samples; numbers of runs around that of
         // lanes, lengths around a register, more kicks than there are between two anchors.
-        let _alone = crate::chain::one_set_at_a_time();
-        let used = Instructions::used();
-        for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+        crate::chain::on_every_set(|set| {
             for (k, boundary) in Boundary::ALL.into_iter().enumerate() {
                 for (n, rho) in
                     [1, 2, 3, 9].into_iter().flat_map(|n| [0.0, 1.0 / 3.0, f64::INFINITY].map(|rho| (n, rho)))
@@ -218,8 +215,7 @@ mod tests {
                     }
                 }
             }
-        }
-        assert!(used.select());
+        });
     }
 
     #[test]
