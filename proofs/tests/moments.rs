@@ -6,9 +6,9 @@ use hertzchain_proofs::{
 };
 
 /// Coefficients of `X`, `alpha`; harmonics 0, 1, 2 and 7 of `N` and of `D`, and the means of their
-/// squares. Truth: quadrature between the zeros of `X`, with 40 digits (mpmath). The first has zeros
+/// squares and of those of `N'`. Truth: quadrature between the zeros of `X`, with 40 digits (mpmath). The first has zeros
 /// of first order, the third touches zero, the fourth has none.
-type Case = (&'static [f64], &'static str, [f64; 10]);
+type Case = (&'static [f64], &'static str, [f64; 11]);
 const CASES: &[Case] = &[
     (
         &[0.0, 1.0],
@@ -24,6 +24,7 @@ const CASES: &[Case] = &[
             0.03251792889639246,
             0.2122065907891938,
             0.716197243913529,
+            0.238732414637843,
         ],
     ),
     (
@@ -40,6 +41,7 @@ const CASES: &[Case] = &[
             -0.025329371628609914,
             0.006482501164758195,
             0.25547020386553054,
+            0.020205631308873514,
         ],
     ),
     (
@@ -56,6 +58,7 @@ const CASES: &[Case] = &[
             0.03581672756702123,
             0.0003440510854073569,
             0.0768486219567645,
+            0.002287642684867577,
         ],
     ),
     (
@@ -72,6 +75,7 @@ const CASES: &[Case] = &[
             1.456087002418365e-07,
             14.315417093260596,
             2.2307932638921475,
+            0.35578829715622,
         ],
     ),
     (
@@ -88,6 +92,7 @@ const CASES: &[Case] = &[
             -0.0031624143786737834,
             0.028657279145914153,
             0.4073314705973483,
+            0.0803400381539604,
         ],
     ),
 ];
@@ -98,7 +103,7 @@ fn moments_are_enclosed() {
         let a: Vec<Interval> = a.iter().map(|a| Interval::exact(*a)).collect();
         let found = moments(&a, alpha.parse().unwrap(), 64, NARROWEST, &|| false).unwrap();
         let at = |series: &[Interval]| [0, 1, 2, 7].map(|k| series[k]);
-        let squares = vec![found.force_square, found.stiffness_square];
+        let squares = vec![found.force_square, found.stiffness_square, found.slope_square];
         let all = [at(&found.force).to_vec(), at(&found.stiffness).to_vec(), squares].concat();
         for (i, (found, truth)) in all.iter().zip(truth).enumerate() {
             // The truth is rounded to a double.

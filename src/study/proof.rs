@@ -14,7 +14,7 @@ use crate::{
 };
 use hertzchain_proofs::{
     certificate::{self, Breather, Center, Certificate, Model, Wave},
-    check::{Gap, Proof, Refused, check_until, connected},
+    check::{Bounds, Gap, Proof, Refused, check_until, connected},
     exact::Exact,
     solve::{self, Sizes, Strip},
 };
@@ -32,9 +32,9 @@ type Checked = std::result::Result<Proof, Refused>;
 const LONGEST: u64 = 1 << 26;
 /// Harmonics of an orbit from which the search for those of the certificate starts.
 const HARMONICS: usize = 128;
-/// Radii over amplitudes that ask for more harmonics.
-pub(super) const WAVE: f64 = 1e-10;
-pub(super) const BREATHER: f64 = 1e-9;
+/// Radii over amplitudes that ask for more harmonics, and for how many times as many.
+pub(super) const WAVE: (f64, usize) = (1e-10, 6);
+pub(super) const BREATHER: (f64, usize) = (1e-9, 4);
 /// Samples of half a period from which they are computed.
 const SAMPLES: u32 = 512;
 
@@ -63,13 +63,13 @@ impl Proving {
     pub(super) fn added(
         &self,
         report: Report,
-        share: f64,
+        more: (f64, usize),
         certificate: impl Fn(usize) -> Result<Option<Certificate>>,
     ) -> Result<Report> {
         if !self.prove {
             return Ok(report);
         }
-        let Some((certificate, proof)) = searched(share, certificate)? else {
+        let Some((certificate, proof)) = searched(more, certificate)? else {
             let why = "not proved: no cosine sum near the solution is found";
             return Ok(report.fact("proof", json!({ "proved": false, "reason": why })).failure(Some(why.to_owned())));
         };
@@ -168,9 +168,9 @@ fn nearest(x: Exact) -> f64 {
 }
 
 /// A certificate, checked. The closure makes one of some times as many harmonics as usual; there
-/// are four times as many if the radius is otherwise above a share of the amplitude.
+/// are more of them if the radius is otherwise above a share of the amplitude.
 fn searched(
-    share: f64,
+    (share, times): (f64, usize),
     certificate: impl Fn(usize) -> Result<Option<Certificate>>,
 ) -> Result<Option<(Certificate, Checked)>> {
     let of = |more: usize| {
@@ -178,13 +178,13 @@ fn searched(
     };
     let usual = of(1)?;
     let near = |(_, proof): &(_, Checked)| matches!(proof, Ok(it) if it.radius <= share * it.amplitude);
-    let more = if usual.as_ref().is_none_or(near) { None } else { of(4)? };
+    let more = if usual.as_ref().is_none_or(near) { None } else { of(times)? };
     Ok(more.or(usual))
 }
 
 /// The radius that is proved, over the amplitude; infinite if nothing is.
-fn radius(share: f64, certificate: impl Fn(usize) -> Result<Option<Certificate>>) -> Result<f64> {
-    Ok(match searched(share, certificate)? {
+fn radius(more: (f64, usize), certificate: impl Fn(usize) -> Result<Option<Certificate>>) -> Result<f64> {
+    Ok(match searched(more, certificate)? {
         Some((_, Ok(proof))) => proof.radius / proof.amplitude,
         _ => f64::INFINITY,
     })
@@ -257,17 +257,19 @@ fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: f64, st
 /// Adds to a report what is proved of a certificate.
 fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
     let (harmonics, block, norm) = (certificate.harmonics(), certificate.block, norm(certificate));
-    let value = |proved: bool, numbers: [Option<f64>; 5], reason: Option<String>| {
-        let [radius, uniqueness_radius, y0, z1, z2] = numbers;
-        let mut value = json!({
-            "proved": proved, "radius": radius, "uniqueness_radius": uniqueness_radius, "y0": y0, "z1": z1, "z2": z2,
-            "harmonics": harmonics, "block": block, "norm": norm, "rounding": "outward",
-        });
-        if let Some(reason) = reason {
-            value["reason"] = Value::from(reason);
-        }
-        value
+    let bounds = match &proof {
+        Ok(Proof { bounds, .. }) | Err(Refused::Bounds(bounds)) => Some(*bounds),
+        Err(_) => None,
     };
+    let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+    let radius = |of: fn(&Proof) -> f64| proof.as_ref().ok().map(of).and_then(finite);
+    let bound = |of: fn(Bounds) -> f64| bounds.map(of).and_then(finite);
+    let mut value = json!({
+        "proved": proof.is_ok(), "radius": radius(|it| it.radius), "radius_y": radius(|it| it.radius_y),
+        "radius_velocity": radius(|it| it.radius_velocity), "radius_velocity_y": radius(|it| it.radius_velocity_y),
+        "uniqueness_radius": radius(|it| it.uniqueness_radius), "y0": bound(|it| it.y0), "z1": bound(|it| it.z1),
+        "z2": bound(|it| it.z2), "harmonics": harmonics, "block": block, "norm": norm, "rounding": "outward",
+    });
     match proof {
         Ok(proof) => {
             let bounds = proof.bounds;
@@ -280,17 +282,12 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
                 up(bounds.z1),
                 up(bounds.z2)
             );
-            let numbers = [proof.radius, proof.uniqueness_radius, bounds.y0, bounds.z1, bounds.z2].map(Some);
-            report.fact("proof", value(true, numbers, None)).words(words)
+            report.fact("proof", value).words(words)
         }
         Err(why) => {
-            let bounds = match &why {
-                Refused::Bounds(bounds) => [bounds.y0, bounds.z1, bounds.z2].map(|x| Some(x).filter(|x| x.is_finite())),
-                _ => [None; 3],
-            };
-            let [y0, z1, z2] = bounds;
             let words = format!("not proved: {why}");
-            report.fact("proof", value(false, [None, None, y0, z1, z2], Some(words.clone()))).failure(Some(words))
+            value["reason"] = Value::from(words.as_str());
+            report.fact("proof", value).failure(Some(words))
         }
     }
 }

@@ -1,7 +1,10 @@
 //! Proofs of existence on the command line.
 
 use super::program::{hertzchain, json};
-use hertzchain_proofs::certificate::{Certificate, Orbit};
+use hertzchain_proofs::{
+    certificate::{Certificate, Orbit},
+    exact::Exact,
+};
 use serde_json::Value;
 use std::{f64::consts::PI, fs, process::Output};
 
@@ -18,6 +21,11 @@ fn distance(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
     pairs.map(|(x, sum)| (x - sum).abs()).fold(0.0, f64::max)
 }
 
+/// Coefficients of `y` over those of `x` at a multiple of the frequency, for `kappa = 1`.
+fn shared(rho: Exact, omega: f64) -> f64 {
+    1.0 / (1.0 - rho.enclosed().mid() * omega * omega)
+}
+
 // Truth: the wave as an orbit, by shooting and contact collocation, which know no Fourier series.
 #[test]
 fn exact_waves_are_proved_and_lie_in_the_ball() {
@@ -25,32 +33,43 @@ fn exact_waves_are_proved_and_lie_in_the_ball() {
     let file = folder.path().join("certificates/wave.cert");
     let file = file.to_str().unwrap();
     // Without resonators the frequency is low, and l_k = 4 sin^2(k q/2)/(omega k)^2 large.
-    let cases = [
-        ("tw-q15", 10_usize, 1e-10),
-        ("tw-q45", 5, 1e-10),
-        ("--rho 0", 10, 1e-9),
-        ("--rho inf --q-over-pi 0.8", 5, 1e-10),
-    ];
-    for (options, cell, share) in cases {
+    let cases = [("tw-q15", 10_usize), ("tw-q45", 5), ("--rho 0", 10), ("--rho inf --q-over-pi 0.8", 5)];
+    for (options, cell) in cases {
         let found = json(&format!("wave exact {options} --sites 10 --prove --certificate {file}"));
         let (proof, amplitude) = (&found["proof"], number(&found["amplitude"]));
         let radius = number(&proof["radius"]);
-        assert!(proof["proved"] == true && radius < share * amplitude, "{options}: {proof}");
+        assert!(proof["proved"] == true && radius < 1e-10 * amplitude, "{options}: {proof}");
         assert!(number(&proof["uniqueness_radius"]) > 1e6 * radius && number(&proof["z1"]) < 0.2, "{options}: {proof}");
         assert!(proof["rounding"] == "outward" && number(&proof["y0"]) <= radius, "{options}: {proof}");
         let certificate: Certificate = fs::read_to_string(file).unwrap().parse().unwrap();
         let Orbit::Wave(wave) = &certificate.orbit else { panic!("{certificate:?}") };
         let q = PI * number(&found["q_over_pi"]);
         let mean = certificate.mean.enclosed().mid();
-        let sum = |n: usize| {
-            // The angle of harmonic k, without whole turns of the cell.
-            let angle = |k: usize| q * (k * n % cell) as f64;
-            mean + wave.a.iter().zip(1..).map(|(a, k)| a * angle(k).cos()).sum::<f64>()
-        };
-        let x = found["x"].as_array().unwrap();
-        let apart = distance(x.iter().enumerate().map(|(n, x)| (number(x), sum(n))));
-        // Twice what was measured, 6e-15 of the amplitude, for the tolerance of the search.
-        assert!(apart < radius + 2e-14 * amplitude, "{options}: {apart:e}, {proof}");
+        let (omega, rho) = (certificate.model.omega.enclosed().mid(), certificate.model.rho);
+        let resonators = |k: usize| rho.map_or(0.0, |rho| shared(rho, omega * k as f64));
+        let rate = |k: usize| omega * k as f64;
+        let cases: [(&str, &str, f64, &dyn Fn(usize) -> [f64; 2]); 4] = [
+            ("x", "radius", mean, &|_| [1.0, 0.0]),
+            ("y", "radius_y", mean, &|k| [resonators(k), 0.0]),
+            ("vx", "radius_velocity", 0.0, &|k| [0.0, rate(k)]),
+            ("vy", "radius_velocity_y", 0.0, &|k| [0.0, rate(k) * resonators(k)]),
+        ];
+        for (name, key, mean, factors) in cases {
+            let sum = |n: usize| {
+                let term = |(a, k): (&f64, usize)| {
+                    // The angle of harmonic k, without whole turns of the cell.
+                    let (sin, cos) = (q * (k * n % cell) as f64).sin_cos();
+                    let [even, odd] = factors(k);
+                    a * (even * cos + odd * sin)
+                };
+                mean + wave.a.iter().zip(1..).map(term).sum::<f64>()
+            };
+            let values = found[name].as_array().unwrap();
+            let apart = distance(values.iter().enumerate().map(|(n, x)| (number(x), sum(n))));
+            let radius = number(&proof[key]);
+            // Twice what was measured, 6e-15 of the amplitude, for the tolerance of the search.
+            assert!(apart < radius + 2e-14 * amplitude, "{options} {name}: {apart:e}, {proof}");
+        }
         // The same from nothing but the certificate.
         assert_eq!(json(&format!("prove {file}"))["proof"], *proof, "{options}");
     }
@@ -108,10 +127,15 @@ fn dark_breathers_are_proved_and_lie_in_the_ball() {
         let Orbit::Breather(breather) = &certificate.orbit else { panic!("{certificate:?}") };
         // Sites from the centre to the far end, which for a bond-centred breather is site -N.
         let first = if options.contains("bond") { 21 } else { 20 };
-        let strains =
-            breather.a.iter().enumerate().map(|(i, a)| (number(&found["x"][(first + i) % 41]), a.iter().sum::<f64>()));
-        let apart = distance(strains);
-        assert!(apart < radius + 1e-12 * amplitude, "{options}: {apart:e}, {proof}");
+        // The breather is at rest.
+        let (omega, rho) = (certificate.model.omega.enclosed().mid(), certificate.model.rho.unwrap());
+        for (name, radius) in [("x", radius), ("y", number(&proof["radius_y"]))] {
+            let factor = |k: usize| if name == "x" { 1.0 } else { shared(rho, omega * k as f64) };
+            let sum = |a: &Vec<f64>| a.iter().enumerate().map(|(k, a)| factor(k) * a).sum::<f64>();
+            let strains = breather.a.iter().enumerate().map(|(i, a)| (number(&found[name][(first + i) % 41]), sum(a)));
+            let apart = distance(strains);
+            assert!(apart < radius + 1e-12 * amplitude, "{options} {name}: {apart:e}, {proof}");
+        }
         assert_eq!(json(&format!("prove {path}"))["proof"], *proof, "{options}");
     }
 }

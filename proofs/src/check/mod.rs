@@ -30,6 +30,13 @@ const RUNGS: usize = 200;
 pub struct Proof {
     /// Upper bound of `|x_n(t) - xbar_n(t)|` for all sites and times.
     pub radius: f64,
+    /// The same of `y_n`, about the sum with `b_k = kappa a_k/(kappa - rho omega^2 k^2)` in place of
+    /// `a_k`; infinite where a `b_k` is not defined.
+    pub radius_y: f64,
+    /// The same of the velocities `x_n'`.
+    pub radius_velocity: f64,
+    /// The same of the velocities `y_n'`; infinite where a `b_k` is not defined.
+    pub radius_velocity_y: f64,
     /// No other solution of the same symmetry is nearer than this, in the norm of the proof.
     pub uniqueness_radius: f64,
     /// Lower bound of the amplitude, the largest modulus of a first harmonic.

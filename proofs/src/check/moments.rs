@@ -30,6 +30,8 @@ pub struct Moments {
     pub force_square: Interval,
     /// The mean of `D^2`.
     pub stiffness_square: Interval,
+    /// The mean of `N'^2`.
+    pub slope_square: Interval,
     /// An interval whose upper bound is one of `-X` from above, at least 0.
     pub overlap: Interval,
     /// Shares of the half-period, and `-X` on them.
@@ -42,6 +44,14 @@ impl Moments {
     pub(super) fn tail(series: &[Interval], square: Interval, last: usize) -> Interval {
         let known: Interval = series[1..=last].iter().map(|f| f.square()).sum();
         (of(2) * (square - series[0].square()) - known).positive_part().sqrt()
+    }
+
+    /// An upper bound of `(sum_{k > last} n_k^2)^{1/2}`. Parseval's equation for `N'` bounds the sum of
+    /// `(k n_k)^2`, and loses fewer digits.
+    pub(super) fn force_tail(&self, last: usize) -> Interval {
+        let known: Interval = (1..=last).map(|k| (of(k) * self.force[k]).square()).sum();
+        let slopes = (of(2) * self.slope_square - known).positive_part().sqrt() / of(last + 1);
+        Self::tail(&self.force, self.force_square, last).min(slopes)
     }
 
     /// An upper bound of `sqrt 2` times the mean square of `sup |D(X + h) - D(X)|` over `|h| <= r`.
@@ -87,11 +97,12 @@ pub fn moments(
     let cut = a.len().saturating_sub(1).max(count).next_power_of_two().div_ceil(4);
     let mut sums = Sums {
         a,
+        bent: a.iter().enumerate().map(|(k, a)| -of(k).square() * *a).collect(),
         powers: [alpha, alpha.less_one()],
         narrowest,
         force: vec![Interval::ZERO; count + 1],
         stiffness: vec![Interval::ZERO; count + 1],
-        squares: [Interval::ZERO; 2],
+        squares: [Interval::ZERO; 3],
         overlap: Interval::ZERO,
         pieces: Vec::new(),
     };
@@ -113,12 +124,16 @@ pub fn moments(
 
 struct Sums<'a> {
     a: &'a [Interval],
+    /// `-k^2 a_k`, the coefficients of `X''`.
+    bent: Vec<Interval>,
     /// `alpha`, `alpha - 1`.
     powers: [Exact; 2],
     narrowest: f64,
     force: Vec<Interval>,
     stiffness: Vec<Interval>,
-    squares: [Interval; 2],
+    /// Integrals of `N^2`, `D^2` and `N D X''`. By parts that of `N'^2` is `alpha/(2 alpha - 1)` times
+    /// the last one.
+    squares: [Interval; 3],
     overlap: Interval,
     pieces: Vec<(Interval, Interval)>,
 }
@@ -202,11 +217,14 @@ impl Sums<'_> {
         let harmonics = self.a.len().max(self.force.len());
         // A sum of its own for each piece: fewer rounding errors than in one sum over all nodes.
         let mut own = [&self.force, &self.stiffness].map(|sums| vec![Interval::ZERO; sums.len()]);
-        let mut squares = [Interval::ZERO; 2];
+        let mut squares = [Interval::ZERO; 3];
         for [node, weight] in quadrature {
             let cosines = cosines(centre + half * *node, harmonics);
-            let x: Interval = self.a.iter().zip(&cosines).map(|(a, cosine)| *a * *cosine).sum();
-            for ((sums, square), law) in own.iter_mut().zip(&mut squares).zip(self.laws(-x)) {
+            let [x, bent] =
+                [self.a, &self.bent].map(|a| a.iter().zip(&cosines).map(|(a, cosine)| *a * *cosine).sum::<Interval>());
+            let laws = self.laws(-x);
+            squares[2] = squares[2] + *weight * half * laws[0] * laws[1] * bent;
+            for ((sums, square), law) in own.iter_mut().zip(&mut squares).zip(laws) {
                 let value = *weight * half * law;
                 *square = *square + value * law;
                 sums.iter_mut().zip(&cosines).for_each(|(sum, cosine)| *sum = *sum + value * *cosine);
@@ -220,12 +238,13 @@ impl Sums<'_> {
 
     fn quadrature_errors(&mut self, modulus: Interval, half: Interval, across: Interval) {
         let [force, stiffness] = self.laws(modulus);
+        let growth = Interval::exact(across.hi()).exp();
         // 4^{-2n}
         let power = Interval::exact(f64::from_bits((1023 - 4 * NODES as u64) << 52));
         let share = half * of(8) * power / (Interval::ONE - Interval::exact(0.25));
         self.squares[0] = self.squares[0] + (share * force.square()).ball();
         self.squares[1] = self.squares[1] + (share * stiffness.square()).ball();
-        let growth = Interval::exact(across.hi()).exp();
+        self.squares[2] = self.squares[2] + (share * force * stiffness * self.most_bent(growth)).ball();
         let mut errors = [share * force, share * stiffness];
         for (force, stiffness) in self.force.iter_mut().zip(&mut self.stiffness) {
             (*force, *stiffness) = (*force + errors[0].ball(), *stiffness + errors[1].ball());
@@ -242,6 +261,12 @@ impl Sums<'_> {
         for (sum, law) in self.squares.iter_mut().zip(laws) {
             *sum = *sum + (law.square() * width).ball();
         }
+        self.squares[2] = self.squares[2] + (laws[0] * laws[1] * self.most_bent(Interval::ONE) * width).ball();
+    }
+
+    /// A bound of `|X''|` up to a height `h` above the real axis, for the growth `e^h`.
+    fn most_bent(&self, growth: Interval) -> Interval {
+        self.bent.iter().rev().fold(Interval::ZERO, |sum, bent| sum * growth + bent.abs())
     }
 
     /// Coefficients and means from the integrals over half a period.
@@ -250,12 +275,14 @@ impl Sums<'_> {
             let of = |(k, sum): (usize, Interval)| of(if k == 0 { 1 } else { 2 }) * sum / Interval::PI;
             sums.into_iter().enumerate().map(of).collect()
         };
-        let [force_square, stiffness_square] = self.squares.map(|sum| sum / Interval::PI);
+        let [force_square, stiffness_square, bent] = self.squares.map(|sum| sum / Interval::PI);
+        let alpha = self.powers[0].enclosed();
         Moments {
             force: series(self.force),
             stiffness: series(self.stiffness),
             force_square,
             stiffness_square,
+            slope_square: alpha / (of(2) * alpha - Interval::ONE) * bent,
             overlap: self.overlap,
             pieces: self.pieces,
         }

@@ -10,6 +10,7 @@
 use super::{Refused, of};
 use crate::{
     certificate::{Breather, Center, Certificate, Model, Orbit, Wave},
+    exact::Exact,
     interval::Interval,
 };
 
@@ -23,6 +24,10 @@ pub(super) struct System {
     pub(super) slopes: Vec<Interval>,
     /// Half of the change of the mean strain along a piece.
     pub(super) shift: Interval,
+    /// The frequency; along a piece all of its values.
+    pub(super) omega: Interval,
+    /// `|b_k/a_k|` for `k` up to `K' + 1`, the coefficients of `y_n` over those of `x_n`; less beyond.
+    pub(super) resonators: Vec<Interval>,
     /// `|l_k| <= decay/k^2` beyond.
     pub(super) decay: Interval,
     /// The equations for `k = 0`, which a wave lacks: shares of the sites in the ring, and the mean.
@@ -42,25 +47,27 @@ impl System {
             }),
         };
         let (mut factors, mut slopes, mut decay) = inverses(model, [omega, half], *enclosed)?;
+        let omega = omega + half.abs().ball();
+        let resonators = resonators(model, omega, enclosed + 1);
         let row = |a: &[f64]| a.iter().map(|a| Interval::exact(*a)).collect::<Vec<_>>();
-        match orbit {
+        let (a, means, centred) = match orbit {
             Orbit::Wave(wave) => {
                 for (k, (l, slope)) in factors.iter_mut().zip(&mut slopes).enumerate() {
                     let lattice = lattice(wave, k);
                     (*l, *slope) = (*l * lattice, *slope * lattice);
                 }
                 decay = of(4) * decay;
-                let a = [&[mean], row(&wave.a).as_slice()].concat();
-                Ok(Self { a: vec![a], factors, slopes, shift, decay, means: None, centred: false })
+                (vec![[&[mean], row(&wave.a).as_slice()].concat()], None, false)
             }
             Orbit::Breather(Breather { sites, center, a }) => {
                 let centred = *center == Center::Site;
                 let alone = if centred { 0 } else { a.len() - 1 };
                 let share = |n: usize| of(if n == alone { 1 } else { 2 }) / of(*sites);
                 let means = Some(((0..a.len()).map(share).collect(), mean));
-                Ok(Self { a: a.iter().map(|a| row(a)).collect(), factors, slopes, shift, decay, means, centred })
+                (a.iter().map(|a| row(a)).collect(), means, centred)
             }
-        }
+        };
+        Ok(Self { a, factors, slopes, shift, omega, resonators, decay, means, centred })
     }
 
     /// Whether harmonic `k` of a site is unknown.
@@ -88,6 +95,14 @@ impl System {
         let right = if n < last { (n + 1, 1.0) } else { outside(last, last - 1) };
         vec![(n, 2.0), (left.0, -left.1), (right.0, -right.1)]
     }
+}
+
+/// `kappa/|kappa - rho omega^2 k^2|` for `k` up to `count`, or 0 for resonators that do not move. NaN
+/// where it is not known to be finite.
+fn resonators(model: &Model, omega: Interval, count: usize) -> Vec<Interval> {
+    let (kappa, rho) = (model.kappa.enclosed(), model.rho.map(Exact::enclosed));
+    let share = |rho: Interval, k: usize| (kappa / (kappa - rho * (omega * of(k)).square())).abs();
+    (0..=count).map(|k| rho.map_or(Interval::ZERO, |rho| share(rho, k))).collect()
 }
 
 /// `S_k = 4 sin^2(k q/2)`, with the angle reduced exactly.
