@@ -10,8 +10,8 @@ use hertzchain::{
     chain::{Boundary, Chain, Contact, Energy, Layout},
     run::Records,
     scene::{Quantity, Units},
-    sweep::start_all,
     study::{MethodChoice, MethodRequest, ResultUnits, contact_in_si, in_units, state_in_si},
+    sweep::start_all,
 };
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, prelude::*};
 use pyo3::{prelude::*, types::PyDict};
@@ -214,9 +214,11 @@ pub(crate) fn run_many<'py>(
     };
     let (ends, raised) = watched(py, progress.as_ref(), work)?;
     let rows = rows.into_iter().map(|rows| rows.into_inner().unwrap_or_else(PoisonError::into_inner));
-    let records = ends.into_iter().zip(rows).zip(hows.iter().zip(&scenes)).map(|((end, rows), ((how, units), scene))| {
-        record(py, end.or_raise(py)?, rows, (&scene.0, how, *units))
-    });
+    let records = ends
+        .into_iter()
+        .zip(rows)
+        .zip(hows.iter().zip(&scenes))
+        .map(|((end, rows), ((how, units), scene))| record(py, end.or_raise(py)?, rows, (&scene.0, how, *units)));
     Ok((records.collect::<PyResult<_>>()?, raised))
 }
 

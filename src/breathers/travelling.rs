@@ -28,6 +28,8 @@ use std::f64::consts::PI;
 
 /// Phases among which that of a breather is sought.
 const PHASES: u32 = 1000;
+/// Largest tail of a breather.
+const LOCALISED: f64 = 0.2;
 
 /// The numbers that determine a travelling bright breather.
 #[derive(Clone, Copy, Debug)]
@@ -130,9 +132,12 @@ impl TravellingBreather {
     /// The orbit.
     ///
     /// # Errors
-    /// As [`Relative::solve`].
+    /// As [`Relative::solve`]; an orbit that is not localised.
     pub fn orbit(&self, tol: f64) -> Result<TravellingOrbit> {
-        self.solve(&self.seed(), tol)
+        let orbit = self.solve(&self.seed(), tol)?;
+        let rule = "a breather is localised: the tail of this orbit is above a fifth of its amplitude";
+        require(orbit.sizes().tail <= LOCALISED, "tail", orbit.sizes().tail, rule)?;
+        Ok(orbit)
     }
 }
 

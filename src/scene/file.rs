@@ -363,7 +363,8 @@ impl SceneFile {
         let mut table = DeTable::parse(text).map_err(|error| fail(explain(&error, &source, None)))?;
         for line in &lines {
             let change = DeTable::parse(line).map_err(|error| fail(explain(&error, &source, None)))?;
-            merge(table.get_mut(), change.into_inner());
+            let merged = merge(table.get_mut(), change.into_inner());
+            merged.map_err(|(at, rule)| fail(format!("{}: {rule}", source.place(at))))?;
         }
         held(table.get_ref()).map_err(|(at, rule)| fail(format!("{}: {rule}", source.place(at))))?;
         let mut scene = Self::deserialize(Deserializer::from(table.clone()))
@@ -385,7 +386,7 @@ impl SceneFile {
         let lines = source.lines().ok()?;
         let mut table = DeTable::parse(text).ok()?;
         for line in &lines {
-            merge(table.get_mut(), DeTable::parse(line).ok()?.into_inner());
+            merge(table.get_mut(), DeTable::parse(line).ok()?.into_inner()).ok()?;
         }
         let leaves = leaves(table.get_ref(), "");
         let leaf = leaves.iter().find(|leaf| leaf.is(name))?;
@@ -442,37 +443,53 @@ impl Source<'_> {
 /// Bytes reserved for the quotation marks and escapes that a change may get.
 const QUOTES: usize = 1 << 12;
 
-/// The number that a key is; a large one if it is none.
-fn number(key: &str) -> usize {
-    key.parse().unwrap_or(usize::MAX)
+/// The place in a list that a key is, if it is a whole number.
+fn place_in_list(key: &str) -> Option<usize> {
+    let place: usize = key.parse().ok()?;
+    (place.to_string() == key).then_some(place)
 }
 
-/// Inserts the entries of `change` into `table`; they replace entries of the same keys. In a list of
-/// tables the key is the number of a table, from 0 on.
-fn merge<'a>(table: &mut DeTable<'a>, change: DeTable<'a>) {
+/// Inserts the entries of `change` into `table`; they replace entries of the same keys. Refuses a
+/// place that a list does not have, with the position of the key in the source.
+fn merge<'a>(table: &mut DeTable<'a>, change: DeTable<'a>) -> std::result::Result<(), (usize, String)> {
     for (key, value) in change {
-        match (table.get_mut(&key).map(toml::Spanned::get_mut), value.get_ref()) {
-            (Some(DeValue::Table(below)), DeValue::Table(_)) => {
-                if let DeValue::Table(change) = value.into_inner() {
-                    merge(below, change);
-                }
-            }
-            (Some(DeValue::Array(list)), DeValue::Table(of))
-                if of.keys().all(|key| number(key.get_ref()) < list.len()) =>
-            {
-                let DeValue::Table(changes) = value.into_inner() else { continue };
-                for (key, change) in changes {
-                    if let (DeValue::Table(below), DeValue::Table(change)) =
-                        (list.as_mut()[number(key.get_ref())].get_mut(), change.into_inner())
-                    {
-                        merge(below, change);
-                    }
-                }
-            }
-            _ => {
-                table.insert(key, value);
-            }
+        match table.get_mut(&key) {
+            Some(old) => replace(old, value)?,
+            None => drop(table.insert(key, value)),
         }
+    }
+    Ok(())
+}
+
+/// Replaces a value by `change`; of a table and a list only what `change` has. In a list the key is
+/// the place of an entry, from 0 on.
+fn replace<'a>(
+    old: &mut toml::Spanned<DeValue<'a>>,
+    change: toml::Spanned<DeValue<'a>>,
+) -> std::result::Result<(), (usize, String)> {
+    let of_list = |of: &DeTable| !of.is_empty() && of.keys().all(|key| place_in_list(key.get_ref()).is_some());
+    let whole = match (old.get_ref(), change.get_ref()) {
+        (DeValue::Table(_), DeValue::Table(_)) => false,
+        (DeValue::Array(_), DeValue::Table(of)) => !of_list(of),
+        _ => true,
+    };
+    if whole {
+        *old = change;
+        return Ok(());
+    }
+    match (old.get_mut(), change.into_inner()) {
+        (DeValue::Table(below), DeValue::Table(change)) => merge(below, change),
+        (DeValue::Array(list), DeValue::Table(change)) => change.into_iter().try_for_each(|(key, change)| {
+            let count = list.len();
+            match place_in_list(key.get_ref()).and_then(|place| list.as_mut().get_mut(place)) {
+                Some(entry) => replace(entry, change),
+                None => Err((
+                    key.span().start,
+                    format!("{} is not valid: places in this list count from 0 and are below {count}", key.get_ref()),
+                )),
+            }
+        }),
+        _ => Ok(()),
     }
 }
 

@@ -229,13 +229,14 @@ impl<C: FollowCommand> Study for C {
     fn begin(&self) -> Result<Work<'_>> {
         let work = self.follow()?;
         let proving = self.proving().filter(|proving| proving.prove);
+        proving.map(Proving::file).transpose()?;
         let orbits = if proving.is_some() { PROVED } else { 1.0 };
         Ok(Box::new(move |engine, progress| {
             let study = work(engine, &part(progress, 0.0, orbits))?;
             let report = study.report()?;
             match proving {
                 Some(proving) if study.branch.ended() != End::Stopped => {
-                    proving.added_of_branch(report, &self.near(&study.branch)?, &part(progress, orbits, 1.0))
+                    Ok(proving.added_of_branch(report, &self.near(&study.branch)?, &part(progress, orbits, 1.0)))
                 }
                 _ => Ok(report),
             }

@@ -112,7 +112,7 @@ macro_rules! range {
         (f64::MIN..=f64::MAX, "a finite number")
     };
     (ratio) => {
-        (0.0..=f64::MAX, "finite and at least 0: with resonators at rest (inf) breathers are bright ones")
+        (0.0..=f64::MAX, "finite and at least 0: no dark breather has resonators at rest (inf)")
     };
     ($tolerance:ident) => {{
         let kind = hertzchain_integrators::Tolerance::$tolerance;

@@ -59,7 +59,7 @@ impl Proving {
     /// Adds the proof, if it is asked for, to a report; see [`searched`].
     ///
     /// # Errors
-    /// A certificate that cannot be written.
+    /// Those of `certificate`; [`Error::Stopped`].
     pub(super) fn added(
         &self,
         report: Report,
@@ -71,19 +71,37 @@ impl Proving {
         }
         let Some((certificate, proof)) = searched(more, certificate)? else {
             let why = "not proved: no cosine sum near the solution is found";
-            return Ok(report.fact("proof", json!({ "proved": false, "reason": why })).failure(Some(why.to_owned())));
+            let report = report.fact("proof", json!({ "proved": false, "reason": why })).failure(Some(why.to_owned()));
+            return Ok(self.written(None, report));
         };
-        self.write(&certificate.to_string())?;
-        Ok(proved(report, &certificate, proof))
+        let report = proved(report, &certificate, proof);
+        Ok(self.written(Some(&certificate.to_string()), report))
     }
 
-    fn write(&self, certificate: &str) -> Result<()> {
-        let Some(path) = &self.certificate else { return Ok(()) };
+    /// The folder and the name of the certificate, before any work.
+    ///
+    /// # Errors
+    /// A path that is no file; a folder that cannot be made.
+    pub(super) fn file(&self) -> Result<Option<(Folder, &str)>> {
+        let Some(path) = &self.certificate else { return Ok(None) };
+        let name = path.file_name().and_then(|name| name.to_str()).filter(|_| !path.is_dir());
         let missing = || Error::parameter("certificate", path.display().to_string(), "the name of a file");
-        let name = path.file_name().and_then(|name| name.to_str()).ok_or_else(missing)?;
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        Folder::create(folder.unwrap_or(Path::new(".")))?.write(name, certificate.as_bytes())?;
-        Ok(())
+        Ok(Some((Folder::create(folder.unwrap_or(Path::new(".")))?, name.ok_or_else(missing)?)))
+    }
+
+    /// Writes the certificate, or removes an earlier one if there is none, and says in the report if
+    /// that fails.
+    fn written(&self, certificate: Option<&str>, report: Report) -> Report {
+        let written = self.file().and_then(|file| match (file, certificate) {
+            (Some((folder, name)), Some(text)) => folder.write(name, text.as_bytes()).map(drop),
+            (Some((folder, name)), None) => folder.remove([name]),
+            (None, _) => Ok(()),
+        });
+        match written {
+            Ok(()) => report,
+            Err(why) => report.failure(Some(format!("the certificate is not written: {why}"))),
+        }
     }
 
     /// Refuses a proof of a branch in another parameter than its frequency.
@@ -96,22 +114,14 @@ impl Proving {
     }
 
     /// Adds the proof of a branch to a report: of the curve through solutions near these
-    /// certificates.
-    ///
-    /// # Errors
-    /// A certificate that cannot be written; [`Error::Stopped`].
-    pub(super) fn added_of_branch(
-        &self,
-        report: Report,
-        near: &[Certificate],
-        progress: Progress<'_>,
-    ) -> Result<Report> {
+    /// certificates. If the process is asked to end, it is that of the pieces so far.
+    pub(super) fn added_of_branch(&self, report: Report, near: &[Certificate], progress: Progress<'_>) -> Report {
         let strips: Vec<(usize, &[Certificate])> = near.windows(2).enumerate().collect();
         let (done, proved, last) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(strips.len()));
         let strip = |(k, ends): &(usize, &[Certificate])| {
             // Those after a gap are not needed.
             if *k > last.load(Relaxed) {
-                return Ok(Strip { pieces: Vec::new(), stop: None });
+                return Ok::<_, Refused>(Strip { pieces: Vec::new(), stop: None });
             }
             let [from, to] = [0, 1].map(|end| &ends[end]);
             let sizes = match from.orbit {
@@ -124,29 +134,34 @@ impl Proving {
                 progress(done.load(Relaxed) as f64 / strips.len() as f64, &format!("{count} pieces are proved"));
                 proof
             };
-            let strip = solve::strip([from, to], sizes, &check)?;
+            let strip = solve::strip([from, to], sizes, &check);
             done.fetch_add(1, Relaxed);
-            if strip.stop.is_some() {
+            if strip.as_ref().map_or(true, |strip| strip.stop.is_some()) {
                 last.fetch_min(*k, Relaxed);
             }
-            Ok(strip)
+            strip
         };
         let mut pieces = Vec::new();
         let mut stop = None;
         for strip in sweep::map(&strips, strip) {
-            let strip = strip.map_err(|_: Refused| stopped())?;
-            if stop.is_none() {
-                pieces.extend(strip.pieces.into_iter().map(|(piece, proof)| (piece, Ok(proof))));
-                stop = strip.stop.map(|(_, why)| why);
+            match strip {
+                _ if stop.is_some() => {}
+                Ok(strip) => {
+                    pieces.extend(strip.pieces.into_iter().map(|(piece, proof)| (piece, Ok(proof))));
+                    stop = strip.stop.map(|(_, why)| why);
+                }
+                Err(why) => stop = Some(why.to_string()),
             }
+        }
+        if near.len() < 2 {
+            stop = Some("a branch of one point has no pieces".to_owned());
         }
         let (count, gap) = connected(&pieces);
         pieces.truncate(count);
-        if count > 0 {
-            self.write(&pieces.iter().map(|(piece, _)| piece.to_string()).collect::<String>())?;
-        }
-        let end = near.last().map_or(f64::NAN, |last| nearest(last.model.omega));
-        Ok(proved_branch(report, &pieces, end, gap.map(|gap| gap.to_string()).or(stop)))
+        let end = near.last().map(|last| nearest(last.model.omega));
+        let report = proved_branch(report, &pieces, end, gap.map(|gap| gap.to_string()).or(stop));
+        let text: String = pieces.iter().map(|(piece, _)| piece.to_string()).collect();
+        self.written(Some(&*text).filter(|_| count > 0), report)
     }
 }
 
@@ -222,7 +237,7 @@ fn norm(certificate: &Certificate) -> &'static str {
 
 /// Adds to a report what is proved of the pieces of a branch, which are connected, up to the
 /// frequency `end` unless they stop before.
-fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: f64, stop: Option<String>) -> Report {
+fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: Option<f64>, stop: Option<String>) -> Report {
     let ends = |(piece, _): &(Certificate, Checked)| [Some(piece.model.omega), piece.to.map(|to| to[0])];
     let of = |end: Option<[Option<Exact>; 2]>, i: usize| end.and_then(|ends| ends[i]).map(nearest);
     let (from, to) = (of(pieces.first().map(ends), 0), of(pieces.last().map(ends), 1));
@@ -244,9 +259,10 @@ fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: f64, st
         ),
         _ => String::new(),
     };
-    let failure = stop.map(|why| match to {
-        Some(to) => format!("proved up to the frequency {to}, not {end}: {why}"),
-        None => format!("not proved: {why}"),
+    let failure = stop.map(|why| match (to, end) {
+        (Some(to), Some(end)) => format!("proved up to the frequency {to}, not {end}: {why}"),
+        (Some(to), None) => format!("proved up to the frequency {to}: {why}"),
+        (None, _) => format!("not proved: {why}"),
     });
     if let Some(failure) = &failure {
         value["reason"] = Value::from(failure.as_str());
@@ -433,7 +449,7 @@ impl Study for Prove {
                     let mut all: Vec<_> = pieces.drain(..).zip(all).collect();
                     let (count, gap) = connected(&all);
                     all.truncate(count);
-                    let end = last.map_or(f64::NAN, |to| nearest(to[0]));
+                    let end = last.map(|to| nearest(to[0]));
                     let words = |gap: Gap| format!("piece {}: {gap}", count + 1);
                     Ok(proved_branch(report, &all, end, gap.map(words)))
                 }

@@ -51,7 +51,7 @@ options! {
         seed: u64 = 1, "S";
         /// Wall time for all runs, in seconds; what would not fit is left out.
         ///
-        /// Only runs of dop853 are left out.
+        /// Runs of collocation are never left out.
         max_time: f64 = 60.0, "S", (positive);
     }
 }

@@ -11,7 +11,7 @@ use crate::{
         Digits::{Fixed, Hidden, Json, Power},
         Kind, Panels, Report, rows,
     },
-    sweep::{Engine, Grid},
+    sweep::{Engine, Grid, Row},
 };
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -58,7 +58,7 @@ rows! {
         residual: f64 => Power(1),
         /// Distance from the orbit after a passage.
         return_error: f64 => Power(1),
-        /// Largest strain, from the mean.
+        /// Largest r = ((x - mean)^2 + (x'/omega_b)^2)^(1/2).
         amplitude: f64 => Fixed(6),
         /// That of the soliton.
         soliton_strain: f64 => Hidden,
@@ -66,7 +66,7 @@ rows! {
         width: f64 => Fixed(4),
         /// That of the soliton.
         soliton_width: f64 => Fixed(4),
-        /// Largest strain opposite to the breather, over the amplitude.
+        /// Largest r opposite to the breather, over the amplitude.
         tail: f64 => Power(2),
         /// That of the soliton there.
         soliton_tail: f64 => Power(2),
@@ -85,11 +85,11 @@ impl Travelling {
         self.amplitude.iter().map(of).collect()
     }
 
-    /// The breathers of all amplitudes, on all cores.
+    /// The breathers of all amplitudes, on all cores, or why one is not found.
     ///
     /// # Errors
-    /// An option outside its rule; an orbit that is not found; a signal.
-    pub fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<Vec<TravellingRow>> {
+    /// An option outside its rule; a signal.
+    pub fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<Vec<Row<TravellingRow>>> {
         self.breathers()?;
         let (Params { alpha, kappa, rho }, &Self { sites, turns, precompression, tol, .. }) =
             (self.params.into(), self);
@@ -99,16 +99,20 @@ impl Travelling {
         let swept = engine.sweep(&grid, &self.amplitude, progress, |&amplitude| {
             row(&TravellingBreather::new(self.params.into(), sites, precompression, turns, amplitude)?, amplitude, tol)
         })?;
-        swept.all(&self.amplitude, |amplitude| format!("amplitude {amplitude}"))
+        if swept.missing > 0 { Err(swept.stopped()) } else { Ok(swept.rows) }
     }
 
-    fn report(&self, rows: &[TravellingRow]) -> Report {
-        let table = TravellingRow::table("travelling", rows).done();
+    fn report(&self, found: &[Row<TravellingRow>]) -> Report {
+        let rows: Vec<TravellingRow> = found.iter().flatten().cloned().collect();
+        let lost = self.amplitude.iter().zip(found).filter_map(|(a, row)| Some((a, row.as_ref().err()?)));
+        let missing: Vec<_> = lost.clone().map(|(a, why)| json!({"soliton": a, "reason": why})).collect();
+        let lost: Vec<String> = lost.map(|(a, why)| format!("no breather of amplitude {a}: {why}")).collect();
+        let table = TravellingRow::table("travelling", &rows).done();
         let panel = |kind, label: &str, lines: &[(&str, &str)]| {
             table.panel(kind, ["amplitude of the soliton", label], "soliton", lines)
         };
         let plots = vec![
-            panel(Kind::Parameter, "largest strain", &[("orbits", "amplitude"), ("soliton", "soliton_strain")]),
+            panel(Kind::Parameter, "largest r", &[("orbits", "amplitude"), ("soliton", "soliton_strain")]),
             panel(Kind::Parameter, "width, sites", &[("orbits", "width"), ("soliton", "soliton_width")]),
             panel(Kind::LogParameter, "tail / amplitude", &[("orbits", "tail"), ("soliton", "soliton_tail")]),
             panel(Kind::Parameter, "largest |λ|", &[("orbits", "max_modulus")]),
@@ -124,6 +128,7 @@ impl Travelling {
         );
         let report = Report::new("travelling").facts(params).fact("sites", self.sites).fact("turns", self.turns);
         let report = report.fact("precompression", self.precompression).fact("tol", self.tol).table(table);
+        let report = report.fact("missing", missing).failure((!lost.is_empty()).then(|| lost.join("; ")));
         report.picture(Panels::column("Travelling bright breathers", plots, caption))
     }
 }

@@ -165,8 +165,18 @@ fn keys_of_a_scene_are_changed_on_the_command_line() {
     };
     let [own, changed] = [amplitudes(&Scene::load("chong-2014").unwrap()), amplitudes(&inphase)];
     assert!(own[0] > 0.0 && own[1] == -own[0] && changed == [own[0]; 2], "{own:?} {changed:?}");
-    let missing = Scene::load_with("chong-2014", &["drive.2.amplitude=1e-8".to_owned()]).unwrap_err().to_string();
-    assert!(missing.contains("--set drive.2.amplitude=1e-8"), "{missing}");
+    for (change, rule) in [
+        ("drive.2.amplitude=1e-8", "2 is not valid: places in this list count from 0 and are below 2"),
+        ("drive.0=5", "invalid type"),
+        ("drive.\"+0\".amplitude=1e-8", "expected"),
+        ("drive={}", "expected"),
+    ] {
+        let refused = Scene::load_with("chong-2014", &[change.to_owned()]).unwrap_err().to_string();
+        assert!(refused.contains(&format!("--set {change}")) && refused.contains(rule), "{refused}");
+    }
+    // A number of a list, alone.
+    let sites = |changes: &[&str]| set(changes)["record"]["sites"].clone();
+    assert_eq!(sites(&["record.sites=[1, 2, 3]", "record.sites.1=7"]), serde_json::json!([1, 7, 3]));
     // Everywhere a scene is taken.
     let out = json("study drift cradle --periods 3 --samples 2 --set chain.sites=5");
     assert_eq!(out["scene_file"]["chain"]["sites"], 5);

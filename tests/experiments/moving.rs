@@ -9,7 +9,7 @@ use hertzchain::{
         collocation::{StepControl, Tangent},
     },
     orbits::Kind,
-    study::{Barrier, Moving},
+    study::{Barrier, ChainParams, Moving, Travelling},
     sweep::Engine,
 };
 use nalgebra::DMatrix;
@@ -273,4 +273,17 @@ fn refusals_of_travelling_breathers_name_value_and_rule() {
     ] {
         assert!(text.contains(words), "{text}");
     }
+}
+
+#[test]
+fn an_orbit_that_is_a_wave_on_the_whole_ring_is_no_breather_and_the_others_are_kept() {
+    let study = Travelling {
+        amplitude: vec![0.9, 1.1],
+        sites: 61,
+        params: ChainParams { alpha: 3.0, ..ChainParams::default() },
+        ..Travelling::default()
+    };
+    let rows = study.study(&Engine::threads(), &|_, _| ()).unwrap();
+    assert!(rows[0].as_ref().is_ok_and(|row| row.soliton == 0.9 && row.tail < 0.2));
+    assert!(rows[1].as_ref().is_err_and(|why| why.contains("a breather is localised")), "{:?}", rows[1]);
 }

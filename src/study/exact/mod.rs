@@ -169,6 +169,7 @@ impl Study for Exact {
 
     fn begin(&self) -> Result<Work<'_>> {
         let numbers = self.wanted.numbers()?;
+        self.proving.file()?;
         Ok(Box::new(move |engine, _| {
             let keep = |why: &Error| keep_iterate(engine.folder(), numbers.moving(), why);
             let study = numbers.study().inspect_err(keep)?;

@@ -121,6 +121,7 @@ impl Study for Dark {
 
     fn begin(&self) -> Result<Work<'_>> {
         let breather = self.breather()?;
+        self.proving.file()?;
         Ok(Box::new(move |_, _| {
             let study = self.study(&breather)?;
             let report = study.report().file("dark-breather.npz", study.npz()?);
