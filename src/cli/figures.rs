@@ -18,7 +18,7 @@ use crate::{
         Digits::{Fixed, Json, Short},
         Report, Table,
     },
-    sweep::{Engine, Grid, Row, STOPPED},
+    sweep::{Engine, Grid, Job, Row, STOPPED},
 };
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use clap::Args;
@@ -167,7 +167,8 @@ fn sweep(
         Ok(made)
     };
     let each = |points: Vec<Point>| points.into_iter().map(&work).collect();
-    engine.each(&grid, chosen.len(), &point, &progress, (1, &each), |rows| {
+    let job = Job { count: chosen.len(), point: &point, work: &each, together: 1, progress: &progress };
+    engine.each(&grid, &job, |rows| {
         let mut drawn = Vec::with_capacity(chosen.len());
         let bring = |k: usize, row: Row<Made>| brought(chosen[k], row, folder);
         rows.each(&bring, &mut |one| {

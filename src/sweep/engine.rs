@@ -157,23 +157,20 @@ impl Engine {
         collected(rows, resumed)
     }
 
-    /// Computes the points of a grid that is not in memory: `count` of them, each given by its
-    /// number, up to `together` of them at once. `take` is called with all rows, which stay in the store. Returns its result, and the
-    /// number of rows that were in the store before.
+    /// Computes the points of a grid that need not be in memory. `take` is called with all rows,
+    /// which stay in the store. Returns its result, and the number of rows that were in the store
+    /// before.
     ///
     /// # Errors
     /// As [`sweep`](Self::sweep); errors of `take`.
     pub(crate) fn each<T: Serialize, U: Serialize + DeserializeOwned, R>(
         &self,
         grid: &Grid,
-        count: usize,
-        point: &(dyn Fn(usize) -> T + Sync),
-        progress: &(dyn Fn(u64, u64) + Sync),
-        (together, work): (usize, &(dyn Fn(Vec<T>) -> Vec<Result<U>> + Sync)),
+        job: &Job<'_, T, U>,
         take: impl FnOnce(&mut Rows<'_>) -> Result<R>,
     ) -> Result<(R, usize)> {
-        let mut store = self.open(grid, count)?;
-        let (mut rows, resumed) = self.rows(grid, &Job { count, point, work, together, progress }, store.as_mut())?;
+        let mut store = self.open(grid, job.count)?;
+        let (mut rows, resumed) = self.rows(grid, job, store.as_mut())?;
         rows.settle()?;
         Ok((take(&mut rows)?, resumed))
     }

@@ -213,13 +213,13 @@ fn collected<U: DeserializeOwned + Send>(mut rows: Rows<'_>, resumed: usize) -> 
 
 /// The points of a grid by their number, so that a large grid need not be in memory, and what is
 /// done with them.
-struct Job<'a, T, U> {
-    count: usize,
-    point: &'a (dyn Fn(usize) -> T + Sync),
+pub(crate) struct Job<'a, T, U> {
+    pub(crate) count: usize,
+    pub(crate) point: &'a (dyn Fn(usize) -> T + Sync),
     /// The results of a few points, up to `together` of them.
-    work: &'a (dyn Fn(Vec<T>) -> Vec<Result<U>> + Sync),
-    together: usize,
-    progress: &'a (dyn Fn(u64, u64) + Sync),
+    pub(crate) work: &'a (dyn Fn(Vec<T>) -> Vec<Result<U>> + Sync),
+    pub(crate) together: usize,
+    pub(crate) progress: &'a (dyn Fn(u64, u64) + Sync),
 }
 
 impl<T: Serialize, U: Serialize + DeserializeOwned> Job<'_, T, U> {

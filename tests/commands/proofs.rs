@@ -47,22 +47,22 @@ fn exact_waves_are_proved_and_lie_in_the_ball() {
         let mean = certificate.mean.enclosed().mid();
         let (omega, rho) = (certificate.model.omega.enclosed().mid(), certificate.model.rho);
         let resonators = |k: usize| rho.map_or(0.0, |rho| shared(rho, omega * k as f64));
-        let rate = |k: usize| omega * k as f64;
-        let cases: [(&str, &str, f64, &dyn Fn(usize) -> [f64; 2]); 4] = [
-            ("x", "radius", mean, &|_| [1.0, 0.0]),
-            ("y", "radius_y", mean, &|k| [resonators(k), 0.0]),
-            ("vx", "radius_velocity", 0.0, &|k| [0.0, rate(k)]),
-            ("vy", "radius_velocity_y", 0.0, &|k| [0.0, rate(k) * resonators(k)]),
-        ];
-        for (name, key, mean, factors) in cases {
+        // Whether these are of resonators, and whether they are velocities.
+        for (name, key, below, rate) in [
+            ("x", "radius", false, false),
+            ("y", "radius_y", true, false),
+            ("vx", "radius_velocity", false, true),
+            ("vy", "radius_velocity_y", true, true),
+        ] {
             let sum = |n: usize| {
                 let term = |(a, k): (&f64, usize)| {
                     // The angle of harmonic k, without whole turns of the cell.
                     let (sin, cos) = (q * (k * n % cell) as f64).sin_cos();
-                    let [even, odd] = factors(k);
-                    a * (even * cos + odd * sin)
+                    let factor = if below { resonators(k) } else { 1.0 };
+                    a * factor * if rate { omega * k as f64 * sin } else { cos }
                 };
-                mean + wave.a.iter().zip(1..).map(term).sum::<f64>()
+                let middle = if rate { 0.0 } else { mean };
+                middle + wave.a.iter().zip(1..).map(term).sum::<f64>()
             };
             let values = found[name].as_array().unwrap();
             let apart = distance(values.iter().enumerate().map(|(n, x)| (number(x), sum(n))));

@@ -21,7 +21,7 @@ use crate::{
     report::Report,
     run::{Recorder, Records, Run, Snapshot, Trajectory, groups, start_all},
     scene::Scene,
-    sweep::{Engine, Grid, Row, Rows, STOPPED, cores, counted},
+    sweep::{Engine, Grid, Job, Row, Rows, STOPPED, cores, counted},
 };
 use file::in_json;
 use hertzchain_integrators::vector::MOST_LANES;
@@ -130,8 +130,9 @@ pub fn planned(plan: &Plan, engine: &Engine, progress: Progress<'_>) -> Result<P
         };
         Ok((table, missing))
     };
-    let ((table, missing), resumed) =
-        engine.each(&grid, plan.points(), &|k| plan.point(k), &counted(progress), (together(plan), &work), swept)?;
+    let (point, progress) = (|k: usize| plan.point(k), counted(progress));
+    let job = Job { count: plan.points(), point: &point, work: &work, together: together(plan), progress: &progress };
+    let ((table, missing), resumed) = engine.each(&grid, &job, swept)?;
     Ok(PlanStudy {
         plan: plan.clone(),
         columns: table.columns,
