@@ -404,8 +404,8 @@ def scaling(
     seed : int
         Seed of the random numbers. They perturb the wave.
     max_time : float
-        Wall time for all runs, in seconds; what would not fit is left out. Only runs of dop853 are
-        left out. Finite and positive.
+        Wall time for all runs, in seconds; what would not fit is left out. Runs of collocation are
+        never left out. Finite and positive.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -1711,8 +1711,8 @@ def breather_dark(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and at least 0: with resonators at rest (inf) breathers
-        are bright ones.
+        Mass ratio resonator to bead. Finite and at least 0: no dark breather has resonators at rest
+        (inf).
     precompression : float
         Static overlap D of the contacts. The background has the vertical centre C_x = -D
         (eq:center); below 0 contacts have gaps. A finite number.
@@ -1811,8 +1811,8 @@ def breather_continue(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and at least 0: with resonators at rest (inf) breathers
-        are bright ones.
+        Mass ratio resonator to bead. Finite and at least 0: no dark breather has resonators at rest
+        (inf).
     precompression : float
         Static overlap D of the contacts. The background has the vertical centre C_x = -D
         (eq:center); below 0 contacts have gaps. A finite number.
@@ -1905,8 +1905,8 @@ def breather_doubled(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and at least 0: with resonators at rest (inf) breathers
-        are bright ones.
+        Mass ratio resonator to bead. Finite and at least 0: no dark breather has resonators at rest
+        (inf).
     precompression : float
         Static overlap D of the contacts. The background has the vertical centre C_x = -D
         (eq:center); below 0 contacts have gaps. A finite number.
@@ -2032,8 +2032,8 @@ def breather_barrier(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and at least 0: with resonators at rest (inf) breathers
-        are bright ones.
+        Mass ratio resonator to bead. Finite and at least 0: no dark breather has resonators at rest
+        (inf).
     precompression : float
         Static overlap D of the contacts. The background has the vertical centre C_x = -D
         (eq:center); below 0 contacts have gaps. A finite number.
@@ -2168,8 +2168,8 @@ def breather_moving(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and at least 0: with resonators at rest (inf) breathers
-        are bright ones.
+        Mass ratio resonator to bead. Finite and at least 0: no dark breather has resonators at rest
+        (inf).
     until : float
         End time, in units of time. End of the run of the kicked breather, from one period of the
         background to 10^5 of them; 0 for no such run. It starts from the bond-centred breather at
@@ -2254,8 +2254,8 @@ def breather_travelling(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and at least 0: with resonators at rest (inf) breathers
-        are bright ones.
+        Mass ratio resonator to bead. Finite and at least 0: no dark breather has resonators at rest
+        (inf).
     precompression : float
         Static overlap D of the contacts. Finite and positive.
     tol : float
@@ -2270,11 +2270,11 @@ def breather_travelling(
         soliton, in displacements), q_over_pi (phase from bead to bead over pi), velocity (sites per
         unit of time), omega_b (frequency at the breather's centre, which is fixed), residual
         (residual of the equations), return_error (distance from the orbit after a passage),
-        amplitude (largest strain, from the mean), soliton_strain (that of the soliton), width
-        (width w of sech(n/w), in sites), soliton_width (that of the soliton), tail (largest strain
-        opposite to the breather, over the amplitude), soliton_tail (that of the soliton there),
-        max_modulus (largest modulus of a multiplier). travelling.store keeps every point as soon as
-        it is computed; the same command resumes from it.
+        amplitude (largest r = ((x - mean)^2 + (x'/omega_b)^2)^(1/2)), soliton_strain (that of the
+        soliton), width (width w of sech(n/w), in sites), soliton_width (that of the soliton), tail
+        (largest r opposite to the breather, over the amplitude), soliton_tail (that of the soliton
+        there), max_modulus (largest modulus of a multiplier). travelling.store keeps every point as
+        soon as it is computed; the same command resumes from it.
     shard : str
         Compute only part K of N of the points; needs `out`. The points are kept in a store of their
         own in the folder of `out`. Parts may run at any time and on any machine that has this
@@ -2642,8 +2642,8 @@ def dps_dark(
     kappa : float
         Spring constant of the resonators. Finite and positive.
     rho : float
-        Mass ratio resonator to bead. Finite and at least 0: with resonators at rest (inf) breathers
-        are bright ones.
+        Mass ratio resonator to bead. Finite and at least 0: no dark breather has resonators at rest
+        (inf).
     c : float
         Mean strain of the background at mu = 1. A finite number.
     omega_b : float
