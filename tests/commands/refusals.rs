@@ -158,7 +158,7 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             ("breather dark --omega-b 2", "--omega-b = 2"),
             (
                 "breather dark --rho inf",
-                "rho = inf is not valid: finite and at least 0: with resonators at rest (inf) breathers",
+                "rho = inf is not valid: finite and at least 0: no dark breather has resonators at rest (inf)",
             ),
             ("breather doubled --most 2.02 --step 0.01", "no period doubling"),
             ("breather continue --parameter omega", "did you mean \"omega_b\""),

@@ -175,9 +175,9 @@ fn keys_of_a_scene_are_changed_on_the_command_line() {
         assert!(refused.contains(&format!("--set {change}")) && refused.contains(rule), "{refused}");
     }
     // A number of a list, alone.
-    let changes = ["record.sites=[1, 2, 3]", "record.sites.1=7"].map(str::to_owned);
+    let changes = ["record.sites=[1, 2, 3]", "record.sites.2=7"].map(str::to_owned);
     let file = serde_json::to_value(Scene::load_with("impact", &changes).unwrap().file()).unwrap();
-    assert_eq!(file["record"]["sites"], serde_json::json!([1, 7, 3]));
+    assert_eq!(file["record"]["sites"], serde_json::json!([1, 2, 7]));
     // Everywhere a scene is taken.
     let out = json("study drift cradle --periods 3 --samples 2 --set chain.sites=5");
     assert_eq!(out["scene_file"]["chain"]["sites"], 5);
