@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -228,7 +229,7 @@ def test_runs_from_many_states_in_si_units_and_those_that_fail():
     assert [one.failure for one in ones] == [member.failure for member in many]
     assert list(many.failures) == [1]
     for member, one in zip(many, ones):
-        assert np.array_equal(member.u, one.u) and np.array_equal(member.end["u"], one.end["u"])
+        assert np.array_equal(member.u, one.u) and np.array_equal(member.end["u"], one.end["u"], equal_nan=True)
     assert many.u.shape == (3, 6, 12) and np.isnan(many.u[1]).any() and not np.isnan(many.u[[0, 2]]).any()
 
 
