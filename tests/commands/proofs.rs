@@ -198,3 +198,13 @@ fn a_pipe_is_no_certificate() {
     let output = hertzchain(&format!("prove {}", pipe.display()));
     assert!(output.status.code() == Some(2) && said(&output).contains("it is no file"), "{}", said(&output));
 }
+
+#[test]
+fn a_path_that_is_no_file_is_refused_before_the_proof() {
+    let folder = tempfile::tempdir().unwrap();
+    for line in ["wave continue tw-q15 --to 2.0012", "wave exact tw-q15", "breather dark --center bond"] {
+        let output = hertzchain(&format!("{line} --prove --certificate {}", folder.path().display()));
+        let (code, words) = (output.status.code(), said(&output));
+        assert!(code == Some(2) && words.contains("is not valid: the name of a file"), "{line}: {words}");
+    }
+}
