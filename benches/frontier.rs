@@ -8,8 +8,8 @@
 //!
 //! Steps go in factors of two, tolerances in factors of ten. Errors are those of `compare`: strains
 //! at the end, over the amplitude. Times are medians of three runs in one process and include the
-//! set-up of a run. A second table has the time a member of [`MEMBERS`] runs by splittings, which are
-//! made side by side on one core, beside the same plain loops.
+//! set-up of a run. A second table has the time a member of [`MEMBERS`] runs by splittings, which
+//! are made side by side on one core, beside the same plain loops.
 //! `cargo bench --bench frontier -- points` prints every run.
 
 use hertzchain::{
@@ -60,8 +60,8 @@ impl Problem {
         gaps.fold(0.0, |most: f64, gap| if gap.is_nan() { f64::INFINITY } else { most.max(gap) }) / self.amplitude
     }
 
-    /// Runs finer and finer settings, up to the first that takes longer than [`LONGEST`] or has an
-    /// error below [`FINE`].
+    /// Runs finer and finer settings, each of which makes so many members at once, up to the first
+    /// that takes longer than [`LONGEST`] or has an error below [`FINE`]. Times are those a member.
     fn ladder<S: Copy>(
         &self,
         name: &str,
@@ -82,7 +82,7 @@ impl Problem {
             let Some(end) = end else { continue };
             let error = self.error(&self.scene.strains(&end));
             points.push(Point { name: name.to_owned(), error, seconds: times[1] });
-            if times[1] > LONGEST || error < FINE {
+            if times[1] * members as f64 > LONGEST || error < FINE {
                 break;
             }
         }

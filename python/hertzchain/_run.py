@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Any, overload
 
@@ -313,16 +313,11 @@ def run(
     if on_contact is not None and not callable(on_contact):
         raise ParameterError(f"on_contact = {on_contact!r} is not valid: a function of a contact")
     whole = scene_of(scene, y0, until)
-    if at is None and isinstance(scene, Chain):
-        at = DEFAULT_SAMPLES
     with shown(progress, whole.name) as tell:
         record, raised = _native.run(
             whole._scene,
-            integrator=None if method is None else word("method", method),
-            tol=optional("tol", tol),
-            step=optional("step", step),
-            steps_per_period=optional("steps_per_period", steps_per_period),
-            times=None if at is None else times_of(at, whole.end),
+            **asked(method, tol, step, steps_per_period),
+            times=times_of(scene, at, whole.end),
             states=states,
             events=events or on_contact is not None,
             dimensionless=bool(dimensionless),
@@ -454,26 +449,15 @@ def run_many(
     >>> runs.u.shape, bool(np.allclose(runs.pu.sum(axis=2), struck[:, :1]))
     ((3, 51, 10), True)
     """
-    if isinstance(y0, Mapping):
-        arrays = {name: list(rows) for name, rows in y0.items()}
-        if len({len(rows) for rows in arrays.values()}) > 1:
-            counts = ", ".join(f"{len(rows)} of {name}" for name, rows in arrays.items())
-            raise ParameterError(f"y0 with {counts} is not valid: as many rows of each")
-        y0 = [dict(zip(arrays, rows)) for rows in zip(*arrays.values())]
-    scenes = [scene_of(scene, state, until) for state in y0]
+    scenes = [scene_of(scene, state, until) for state in states_of(y0)]
     if not scenes:
         raise ParameterError("y0 with no state is not valid: at least one")
-    if at is None and isinstance(scene, Chain):
-        at = DEFAULT_SAMPLES
     whole = scenes[0]
     with shown(progress, whole.name) as tell:
         records, raised = _native.run_many(
             [one._scene for one in scenes],
-            integrator=None if method is None else word("method", method),
-            tol=optional("tol", tol),
-            step=optional("step", step),
-            steps_per_period=optional("steps_per_period", steps_per_period),
-            times=None if at is None else times_of(at, whole.end),
+            **asked(method, tol, step, steps_per_period),
+            times=times_of(scene, at, whole.end),
             states=states,
             dimensionless=bool(dimensionless),
             progress=tell,
@@ -501,13 +485,40 @@ def contact_of(numbers: Vector) -> dict[str, float]:
     return contact | {"bond": int(numbers[0])}
 
 
-def times_of(at: ArrayLike | int, end: float) -> Vector:
-    """Sample times."""
+def asked(method: str | None, tol: Any, step: Any, steps_per_period: Any) -> dict[str, Any]:
+    """How a run is to be computed, as the native functions take it."""
+    return {
+        "integrator": None if method is None else word("method", method),
+        "tol": optional("tol", tol),
+        "step": optional("step", step),
+        "steps_per_period": optional("steps_per_period", steps_per_period),
+    }
+
+
+def times_of(scene: Scene | Chain, at: ArrayLike | int | None, end: float) -> Vector | None:
+    """Sample times; None for those of a scene."""
+    if at is None:
+        if not isinstance(scene, Chain):
+            return None
+        at = DEFAULT_SAMPLES
     if isinstance(at, (int, np.integer)) and not isinstance(at, bool):
         if not 1 <= at <= 1_000_000:
             raise ParameterError(f"at = {at} is not valid: from 1 to 10^6 equal parts, or times")
         return np.asarray(end * (np.arange(int(at) + 1) / int(at)))
     return vector("at", at)
+
+
+def states_of(y0: Any) -> list[Any]:
+    """The initial states of many runs."""
+    if isinstance(y0, Mapping):
+        arrays = {name: states_of(rows) for name, rows in y0.items()}
+        if len({len(rows) for rows in arrays.values()}) > 1:
+            counts = ", ".join(f"{len(rows)} of {name}" for name, rows in arrays.items())
+            raise ParameterError(f"y0 with {counts} is not valid: as many rows of each")
+        return [dict(zip(arrays, rows)) for rows in zip(*arrays.values())]
+    if not isinstance(y0, Iterable) or isinstance(y0, str):
+        raise ParameterError(f"y0 = {y0!r} is not valid: a sequence of states, or a mapping of arrays of them")
+    return list(y0)
 
 
 def integrators() -> list[str]:

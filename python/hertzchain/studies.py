@@ -37,8 +37,9 @@ def compare(
         Name of a built-in scene, or a TOML file.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-        needs no quotation marks, as in chain.boundary=ring.
+        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
+        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
+        chain.boundary=ring.
     integrators : str | Sequence[str]
         Integrators, separated by commas, or all. By default integrators that are the fastest at
         some error on a built-in scene, and those that serve as a standard of comparison: verlet,
@@ -177,8 +178,9 @@ def bands(
         `[initial]` may be left out. Gravity is refused.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-        needs no quotation marks, as in chain.boundary=ring.
+        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
+        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
+        chain.boundary=ring.
     points : int
         Number of points. Wave numbers, equally spaced from 0 to the edge of the zone. From 2 to
         10000.
@@ -227,8 +229,9 @@ def modes(
         held. `[initial]` may be left out.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-        needs no quotation marks, as in chain.boundary=ring.
+        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
+        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
+        chain.boundary=ring.
     dimensionless : bool
         Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
         units, and so are options and results, except files for `resume`: metres, seconds,
@@ -279,8 +282,9 @@ def response(
         overlap, between walls or on a ring. Damping counts. `[initial]` may be left out.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-        needs no quotation marks, as in chain.boundary=ring.
+        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
+        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
+        chain.boundary=ring.
     site : int
         Site that is driven [default: that of the scene's first drive, or 0].
     kind : Literal["moved", "pushed"]
@@ -354,8 +358,9 @@ def spectrum(
         forces of chosen bonds; the velocities of all beads if it names nothing.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-        needs no quotation marks, as in chain.boundary=ring.
+        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
+        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
+        chain.boundary=ring.
     from_ : float
         Time from which signals count. In seconds for scenes with `[units]`. Finite and at least 0.
     window : Literal["hann", "none"]
@@ -449,8 +454,9 @@ def drift(
         Name of a built-in scene, or a TOML file.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-        needs no quotation marks, as in chain.boundary=ring.
+        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
+        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
+        chain.boundary=ring.
     periods : float
         Length of the longest run, in periods. All runs have this length, in periods of the scene.
         From 1 to 1e9.
@@ -510,8 +516,9 @@ def stability(
         four spheres between walls, kappa = 1, rho = 1/3, amplitude 1].
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-        needs no quotation marks, as in chain.boundary=ring.
+        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
+        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
+        chain.boundary=ring.
     charts : str | Sequence[str]
         Charts, separated by commas [default: all]. The charts are light (mass ratios), stiffness
         (amplitudes and spring constants), alpha (exponents), length (numbers of beads), time
@@ -1130,8 +1137,9 @@ def wave(
         travelling-wave.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-        needs no quotation marks, as in chain.boundary=ring.
+        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
+        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
+        chain.boundary=ring.
     zeta : float
         Perturb each amplitude by up to this share [default: the scene's]. The share bounds the
         changes of the real and of the imaginary part of each amplitude. From 0 (no perturbation) to
@@ -1220,8 +1228,9 @@ def wave_modulation(
         travelling-wave. All numbers of the wave are taken from it, in place of the flags.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-        needs no quotation marks, as in chain.boundary=ring.
+        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
+        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
+        chain.boundary=ring.
     alpha : float
         Exponent of the contact force; 1.5 for spheres. Above 0 and at most 10.
     kappa : float
@@ -1305,8 +1314,9 @@ def wave_exact(
         travelling-wave. Numbers of the wave that no flag gives are taken from it [default: tw-q15].
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-        needs no quotation marks, as in chain.boundary=ring.
+        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
+        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
+        chain.boundary=ring.
     q_over_pi : float
         Wave number over pi, with a whole number of waves on the ring. Above 0 and at most 1.
     omega_tw : float
@@ -1396,8 +1406,9 @@ def wave_continue(
         travelling-wave. Numbers of the wave that no flag gives are taken from it [default: tw-q15].
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-        needs no quotation marks, as in chain.boundary=ring.
+        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
+        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
+        chain.boundary=ring.
     q_over_pi : float
         Wave number over pi, with a whole number of waves on the ring. Above 0 and at most 1.
     omega_tw : float
@@ -1631,8 +1642,9 @@ def breather_trivial(
         trivial-breather, or one of another kind that is such a breather.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-        needs no quotation marks, as in chain.boundary=ring.
+        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
+        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
+        chain.boundary=ring.
     amplitudes : float | Sequence[float]
         Amplitudes a_n, separated by commas [default: the scene's]. The chain has as many sites as
         there are amplitudes. Each is finite and at least 0.
@@ -2314,8 +2326,9 @@ def orbit_driven(
         one frequency, with or without a ramp. The orbit is that of the drive at its full height.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-        needs no quotation marks, as in chain.boundary=ring.
+        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
+        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
+        chain.boundary=ring.
     amplitude : float
         Amplitude of the drive [default: that of the scene]. In the units of the scene, of its first
         harmonic with a frequency; the others keep their ratio to it. A finite number.
@@ -2383,8 +2396,9 @@ def orbit_continue(
         one frequency, with or without a ramp. The orbit is that of the drive at its full height.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-        needs no quotation marks, as in chain.boundary=ring.
+        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
+        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
+        chain.boundary=ring.
     amplitude : float
         Amplitude of the drive [default: that of the scene]. In the units of the scene, of its first
         harmonic with a frequency; the others keep their ratio to it. A finite number.
@@ -2485,8 +2499,9 @@ def orbit_mode(
         state of the scene does not matter.
     set : Mapping[str, Any] | Sequence[str]
         Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-        needs no quotation marks, as in chain.boundary=ring.
+        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
+        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
+        chain.boundary=ring.
     linear_mode : int
         Number of the linear mode, the lowest frequency first [default: the most localised one]. The
         parameter of the branch is the amplitude: the displacement, at the start of the period, of

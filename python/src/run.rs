@@ -6,7 +6,7 @@ use crate::{
     work::{Watched, brief, watched},
 };
 use hertzchain::{
-    Error, Run, Setting, Trajectory,
+    Run, Setting, Trajectory,
     chain::{Boundary, Chain, Contact, Energy, Layout},
     run::Records,
     scene::{Quantity, Units},
@@ -191,34 +191,40 @@ pub(crate) fn run_many<'py>(
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(Vec<Bound<'py, PyDict>>, Option<PyErr>)> {
     let asked = MethodRequest { integrator, tol, step, steps_per_period, ..MethodRequest::default() };
-    let (mut runs, mut rows, mut hows, mut total) = (Vec::new(), Vec::new(), Vec::new(), 0);
-    for scene in &scenes {
+    let (mut runs, mut closed, mut rows, mut hows, mut total) = (Vec::new(), Vec::new(), Vec::new(), Vec::new(), 0);
+    for (k, scene) in scenes.iter().enumerate() {
         let Prepared { how, run, units, rows: room } =
             prepared(py, &scene.0, &asked, times.as_ref(), (states, dimensionless))?;
-        let MethodChoice::Integrated(method, setting, ..) = how else {
-            let rule = "this state has an exact solution, which a run evaluates: name a method";
-            return Err(Error::parameter("method", "None", rule)).or_raise(py);
-        };
-        runs.push(run.method(method).setting(setting));
+        match how {
+            MethodChoice::Integrated(method, setting, ..) => runs.push((k, run.method(method).setting(setting))),
+            MethodChoice::ClosedForm(_) => closed.push((k, run)),
+        }
         total += room.t.capacity();
         rows.push(Mutex::new(room));
         hows.push((how, units));
     }
+    let (numbers, runs): (Vec<usize>, Vec<Run>) = runs.into_iter().unzip();
     let done = AtomicUsize::new(0);
     let work = |watched: &Watched| {
-        start_all(&runs, &|k, t, y| {
+        let take = |k: usize, t: f64, y: &[f64]| {
             watched.tell(done.fetch_add(1, Ordering::Relaxed) as f64 / total as f64);
             let mut rows = rows[k].lock().unwrap_or_else(PoisonError::into_inner);
             rows.take(t, y, hows[k].1.as_ref(), &mut |_, _| ());
-        })
+        };
+        let ends = start_all(&runs, &|j, t, y| take(numbers[j], t, y));
+        // Exact solutions are evaluated.
+        let closed =
+            closed.into_iter().map(|(k, run)| (k, hows[k].0.observe(run, &mut |t, y| take(k, t, y), &mut |_| ())));
+        let mut ends: Vec<_> = numbers.iter().copied().zip(ends).chain(closed).collect();
+        ends.sort_by_key(|(k, _)| *k);
+        ends
     };
     let (ends, raised) = watched(py, progress.as_ref(), work)?;
     let rows = rows.into_iter().map(|rows| rows.into_inner().unwrap_or_else(PoisonError::into_inner));
-    let records = ends
-        .into_iter()
-        .zip(rows)
-        .zip(hows.iter().zip(&scenes))
-        .map(|((end, rows), ((how, units), scene))| record(py, end.or_raise(py)?, rows, (&scene.0, how, *units)));
+    let records =
+        ends.into_iter().zip(rows).zip(hows.iter().zip(&scenes)).map(|(((_, end), rows), ((how, units), scene))| {
+            record(py, end.or_raise(py)?, rows, (&scene.0, how, *units))
+        });
     Ok((records.collect::<PyResult<_>>()?, raised))
 }
 

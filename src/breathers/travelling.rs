@@ -1,4 +1,4 @@
-//! Bright breathers that travel under a static load, as relative periodic orbits of the strain ring.
+//! Bright breathers that travel under a static load: relative periodic orbits of the strain ring.
 //!
 //! | symbol | meaning |
 //! |---|---|

@@ -182,7 +182,8 @@ impl Barrier {
     pub fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<BarrierStudy> {
         let (frequencies, shooting) = (self.frequencies()?, self.ring.shooting());
         let Ring { sites, params: ChainParams { alpha, kappa, rho }, .. } = self.ring;
-        let settings = json!({"sites": sites, "alpha": alpha, "kappa": kappa, "rho": rho, "c_x": self.ring.c_x(), "search": shooting});
+        let settings = json!({"sites": sites, "alpha": alpha, "kappa": kappa, "rho": rho, "c_x": self.ring.c_x(),
+            "search": shooting});
         let grid = Grid { store: Self::STORE, study: "barrier", settings };
         let point = |&omega_b: &f64| match self.point(omega_b, &shooting) {
             Err(Error::Stalled { .. }) => Ok(None),

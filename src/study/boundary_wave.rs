@@ -26,7 +26,7 @@ use crate::{
         Kind, Panel, Panels, Report, rows,
     },
     run::{Method, Run},
-    sweep::{Engine, Grid},
+    sweep::{Engine, Grid, Missing},
 };
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
@@ -125,13 +125,18 @@ pub struct BoundaryWaveStudy {
     pub waves: Vec<LaunchedWave>,
     /// The strains of all bonds between beads but the last, wave by wave.
     pub strains: Vec<BondStrain>,
+    /// The frequencies without a wave.
+    pub missing: Missing,
 }
 
 impl Study for BoundaryWave {
     const STORE: &'static str = "boundary-wave.store";
 
     fn outline() -> Option<Report> {
-        Some(BoundaryWaveStudy { options: Self::default(), waves: Vec::new(), strains: Vec::new() }.report())
+        Some(
+            BoundaryWaveStudy { options: Self::default(), waves: Vec::new(), strains: Vec::new(), missing: Vec::new() }
+                .report(),
+        )
     }
 
     fn begin(&self) -> Result<Work<'_>> {
@@ -270,9 +275,9 @@ impl BoundaryWave {
         let settings = json!({"sites": sites, "drive": drive, "overlap": overlap, "rho": rho, "tolerance": TOLERANCE});
         let grid = Grid { store: Self::STORE, study: "boundary-wave", settings };
         let swept = engine.sweep(&grid, &self.omegas, progress, |&omega_d| self.wave(omega_d))?;
-        let all = swept.all(&self.omegas, |omega_d| format!("omega = {omega_d}"))?;
+        let (all, missing) = swept.found(&self.omegas, |omega_d| format!("omega = {omega_d}"))?;
         let (waves, strains): (_, Vec<_>) = all.into_iter().unzip();
-        Ok(BoundaryWaveStudy { options: self.clone(), waves, strains: strains.concat() })
+        Ok(BoundaryWaveStudy { options: self.clone(), waves, strains: strains.concat(), missing })
     }
 }
 
@@ -316,6 +321,7 @@ impl BoundaryWaveStudy {
             .fact("tol", TOLERANCE)
             .table(waves)
             .table(strains(&self.strains))
+            .missing(&self.missing)
             .picture(Panels { title, columns, caption })
     }
 }

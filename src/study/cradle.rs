@@ -22,7 +22,7 @@ use crate::{
         Digits::{Fixed, Power},
         Kind, Panels, Report, rows,
     },
-    sweep::{Engine, Grid},
+    sweep::{Engine, Grid, Missing},
 };
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -85,11 +85,11 @@ impl Cradle {
         self.sites - (self.sites + 1) % 2
     }
 
-    /// The breathers at every frequency, on all cores.
+    /// The breathers at every frequency, on all cores, and the frequencies at which one is not found.
     ///
     /// # Errors
-    /// An option outside its rule; an orbit that is not found; a signal.
-    pub fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<Vec<CradleRow>> {
+    /// An option outside its rule; no orbit is found; a signal.
+    pub fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<(Vec<CradleRow>, Missing)> {
         let (frequencies, &Self { alpha, sites, .. }) = (self.check()?, self);
         let params = Params::new(alpha, 1.0, f64::INFINITY)?;
         let modes = |n: usize| NormalModes::new(&Chain::new(params, Boundary::Free, n)?);
@@ -99,10 +99,10 @@ impl Cradle {
         let settings = json!({"alpha": alpha, "sites": sites});
         let grid = Grid { store: Self::STORE, study: "cradle", settings };
         let swept = engine.sweep(&grid, &frequencies, progress, |&omega_b| row(&modes, &profiles, omega_b))?;
-        swept.all(&frequencies, |omega_b| format!("omega_b = {omega_b}"))
+        swept.found(&frequencies, |omega_b| format!("omega_b = {omega_b}"))
     }
 
-    fn report(&self, rows: &[CradleRow]) -> Report {
+    fn report(&self, rows: &[CradleRow], missing: &[(String, String)]) -> Report {
         let table = CradleRow::table("cradle", rows).done();
         let panel = |kind, label: &str, lines: &[(&str, &str)]| table.panel(kind, ["ω_b", label], "omega_b", lines);
         let plots = vec![
@@ -116,11 +116,12 @@ impl Cradle {
              κ = 1: energies; bond-centred less site-centred; largest moduli of multipliers.",
             odd + 1
         );
-        Report::new("cradle").fact("alpha", alpha).fact("sites", self.sites).table(table).picture(Panels::column(
-            "Bright breathers of the cradle",
-            plots,
-            caption,
-        ))
+        Report::new("cradle")
+            .fact("alpha", alpha)
+            .fact("sites", self.sites)
+            .table(table)
+            .missing(missing)
+            .picture(Panels::column("Bright breathers of the cradle", plots, caption))
     }
 }
 
@@ -159,11 +160,14 @@ impl Study for Cradle {
     const STORE: &'static str = "cradle.store";
 
     fn outline() -> Option<Report> {
-        Some(Self::default().report(&[]))
+        Some(Self::default().report(&[], &[]))
     }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.check()?;
-        Ok(Box::new(|engine, progress| Ok(self.report(&self.study(engine, progress)?))))
+        Ok(Box::new(|engine, progress| {
+            let (rows, missing) = self.study(engine, progress)?;
+            Ok(self.report(&rows, &missing))
+        }))
     }
 }

@@ -11,7 +11,7 @@ use crate::{
         Digits::{Fixed, Hidden, Json, Power},
         Kind, Panels, Report, rows,
     },
-    sweep::{Engine, Grid, Row},
+    sweep::{Engine, Grid, Missing},
 };
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -85,11 +85,11 @@ impl Travelling {
         self.amplitude.iter().map(of).collect()
     }
 
-    /// The breathers of all amplitudes, on all cores, or why one is not found.
+    /// The breathers of all amplitudes, on all cores, and those that are not found.
     ///
     /// # Errors
-    /// An option outside its rule; a signal.
-    pub fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<Vec<Row<TravellingRow>>> {
+    /// An option outside its rule; no breather is found; a signal.
+    pub fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<(Vec<TravellingRow>, Missing)> {
         self.breathers()?;
         let (Params { alpha, kappa, rho }, &Self { sites, turns, precompression, tol, .. }) =
             (self.params.into(), self);
@@ -99,15 +99,11 @@ impl Travelling {
         let swept = engine.sweep(&grid, &self.amplitude, progress, |&amplitude| {
             row(&TravellingBreather::new(self.params.into(), sites, precompression, turns, amplitude)?, amplitude, tol)
         })?;
-        if swept.missing > 0 { Err(swept.stopped()) } else { Ok(swept.rows) }
+        swept.found(&self.amplitude, |amplitude| format!("amplitude {amplitude}"))
     }
 
-    fn report(&self, found: &[Row<TravellingRow>]) -> Report {
-        let rows: Vec<TravellingRow> = found.iter().flatten().cloned().collect();
-        let lost = self.amplitude.iter().zip(found).filter_map(|(a, row)| Some((a, row.as_ref().err()?)));
-        let missing: Vec<_> = lost.clone().map(|(a, why)| json!({"soliton": a, "reason": why})).collect();
-        let lost: Vec<String> = lost.map(|(a, why)| format!("no breather of amplitude {a}: {why}")).collect();
-        let table = TravellingRow::table("travelling", &rows).done();
+    fn report(&self, rows: &[TravellingRow], missing: &[(String, String)]) -> Report {
+        let table = TravellingRow::table("travelling", rows).done();
         let panel = |kind, label: &str, lines: &[(&str, &str)]| {
             table.panel(kind, ["amplitude of the soliton", label], "soliton", lines)
         };
@@ -119,8 +115,8 @@ impl Travelling {
         ];
         let params = Params::from(self.params);
         let caption = format!(
-            "Bright breathers that travel under the precompression {}, {}, N = {}, {} turns a site: largest strain, \
-             width, tail opposite to the breather, largest modulus of a multiplier.",
+            "Bright breathers that travel under the precompression {}, {}, N = {}, turns = {}: largest \
+             r = ((x − mean)² + (x′/ω_b)²)^½, width, tail opposite to the breather, largest modulus of a multiplier.",
             self.precompression,
             params_words(params),
             self.sites,
@@ -128,8 +124,7 @@ impl Travelling {
         );
         let report = Report::new("travelling").facts(params).fact("sites", self.sites).fact("turns", self.turns);
         let report = report.fact("precompression", self.precompression).fact("tol", self.tol).table(table);
-        let report = report.fact("missing", missing).failure((!lost.is_empty()).then(|| lost.join("; ")));
-        report.picture(Panels::column("Travelling bright breathers", plots, caption))
+        report.missing(missing).picture(Panels::column("Travelling bright breathers", plots, caption))
     }
 }
 
@@ -158,11 +153,14 @@ impl Study for Travelling {
     const STORE: &'static str = "travelling.store";
 
     fn outline() -> Option<Report> {
-        Some(Self::default().report(&[]))
+        Some(Self::default().report(&[], &[]))
     }
 
     fn begin(&self) -> Result<Work<'_>> {
         self.breathers()?;
-        Ok(Box::new(|engine, progress| Ok(self.report(&self.study(engine, progress)?))))
+        Ok(Box::new(|engine, progress| {
+            let (rows, missing) = self.study(engine, progress)?;
+            Ok(self.report(&rows, &missing))
+        }))
     }
 }

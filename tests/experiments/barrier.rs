@@ -19,7 +19,7 @@ fn breather(center: Center, omega_b: f64, sites: usize, shooting: &Shooting) -> 
 #[test]
 fn the_barrier_of_the_cradle_tends_to_that_of_the_dps_equation() {
     let options = Cradle { alpha: 3.0, sites: 15, from: 1.001, to: 1.002, frequencies: 2 };
-    let rows = options.study(&Engine::threads(), &|_, _| {}).unwrap();
+    let (rows, _) = options.study(&Engine::threads(), &|_, _| {}).unwrap();
     let off = [0, 1].map(|k| 1.0 - rows[k].at_action / rows[k].dps_at_action);
     println!("{off:?}");
     // Measured: 0.0133, 0.0266.

@@ -27,8 +27,8 @@ use std::{ops::ControlFlow, time::Instant};
 /// let runs = [0.5, 1.0, 2.0].map(|speed| {
 ///     let mut state = State::rest(&chain);
 ///     state.u_dot_mut()[0] = speed;
-///     let method = Method::named("verlet").unwrap();
-///     Run::new(chain.clone(), state).until(5.0).unwrap().method(method).setting(Setting::Steps(1000))
+///     let run = Run::new(chain.clone(), state).until(5.0).unwrap();
+///     run.method(Method::named("verlet").unwrap()).setting(Setting::Steps(1000))
 /// });
 /// let ends = start_all(&runs, &mut |_, _, _| ());
 /// for (run, end) in runs.iter().zip(ends) {
@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn a_run_that_fails_leaves_the_others_alone_and_others_are_refused_one_by_one() {
-        // Truth: each alone. Steps of 0.7 are unstable for Verlet where beads press each other hard.
+        // Truth: each alone. Steps of 0.7 are unstable for Verlet where beads are pressed hard.
         let chain = Chain::new(Params::new(2.5, 4.0, f64::INFINITY).unwrap(), Boundary::Ring, 9).unwrap();
         let mut all = runs(&chain, "verlet", 1..4, 10);
         all[1] = runs(&chain, "verlet", 100_000..100_001, 10).remove(0);

@@ -153,94 +153,147 @@ fn perron(rows: &[Vec<Interval>]) -> Vec<Interval> {
     vector.into_iter().map(Interval::exact).collect()
 }
 
-pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Proof, Refused> {
-    let system = System::new(certificate)?;
-    let (block, enclosed, alpha) = (certificate.block, certificate.enclosed, certificate.model.alpha);
-    let (a, l, sites, piece) = (&system.a, &system.factors, system.a.len(), certificate.to.is_some());
-    let unknowns = Unknowns::new(&system, block);
-    let go_on = || if stopped() { Err(Refused::Stopped) } else { Ok(()) };
-    let narrowest = if piece { NARROWEST_ALONG } else { NARROWEST };
-    let known = a.iter().map(|a| {
-        let known = moments(a, alpha, enclosed, narrowest, stopped);
+/// What the bounds are made of, beside the certificate.
+struct Terms<'a> {
+    certificate: &'a Certificate,
+    system: System,
+    unknowns: Unknowns,
+    /// Moments of the force of each site.
+    known: Vec<Moments>,
+    /// `A`, and `M = A B`.
+    inverse: Vec<Vec<Interval>>,
+    product: Vec<Vec<Interval>>,
+    /// `R`, by site of the column; along a piece with `R'`, which is empty otherwise.
+    reach: Vec<Vec<Interval>>,
+    turned: Vec<Vec<Interval>>,
+    /// Change of the overlap of a wave in one half of a piece: its mean strain is no unknown.
+    moved: Interval,
+    /// Roots of sums of `l_k^2`, beyond `K'` and beyond `K`.
+    beyond_enclosed: Interval,
+    beyond_block: Interval,
+    /// Tails of the forces.
+    tails: Vec<Interval>,
+}
+
+impl<'a> Terms<'a> {
+    fn new(certificate: &'a Certificate, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<Self, Refused> {
+        let system = System::new(certificate)?;
+        let (block, enclosed, alpha) = (certificate.block, certificate.enclosed, certificate.model.alpha);
+        let piece = certificate.to.is_some();
+        let unknowns = Unknowns::new(&system, block);
+        let narrowest = if piece { NARROWEST_ALONG } else { NARROWEST };
+        let known = system.a.iter().map(|a| {
+            let known = moments(a, alpha, enclosed, narrowest, &|| go_on().is_err());
+            go_on()?;
+            known.ok_or(Refused::Moments)
+        });
+        let known = known.collect::<Result<Vec<Moments>, _>>()?;
+        let beyond_enclosed = (system.decay.square() / (of(3) * of(enclosed) * of(enclosed) * of(enclosed))).sqrt();
+        let beyond_block = norm((block + 1..=enclosed).map(|k| system.range(k)).chain([beyond_enclosed]));
+        let inverse = approximate_inverse(unknowns.derivative(&system, &known));
         go_on()?;
-        known.ok_or(Refused::Moments)
-    });
-    let known = known.collect::<Result<Vec<Moments>, _>>()?;
-    // Sums of l_k^2 beyond K', and their root beyond K.
-    let last_square = system.decay.square() / (of(3) * of(enclosed) * of(enclosed) * of(enclosed));
-    let beyond_block = norm((block + 1..=enclosed).map(|k| system.range(k)).chain([last_square.sqrt()]));
-    let neighbours = |n: usize, by_site: &[Interval]| -> Interval {
-        system.coupled(n, 0).into_iter().map(|(m, e)| Interval::exact(e.abs()) * by_site[m]).sum()
-    };
-
-    // A, M = A B, and its change along a piece.
-    let inverse = approximate_inverse(unknowns.derivative(&system, &known));
-    go_on()?;
-    let times_b = |l: &[Interval]| -> Vec<Vec<Interval>> {
-        inverse.iter().map(|row| unknowns.times_b(&system, l, row)).collect()
-    };
-    let product = times_b(l);
-
-    // R, by site of the column; the norm of a row is for harmonics with 2 g_0^2 + sum g_k^2 = 1. Along
-    // a piece R has the part of the change of M, too.
-    let reach = |product: &[Vec<Interval>]| -> Vec<Vec<Interval>> {
-        let of_site = |m: usize| {
-            let entries = |i: usize| unknowns.index[m].iter().flatten().map(move |&j| (i, j));
-            unknowns.by_site(&|i| norm(entries(i).map(|(i, j)| product[i][j] / weight(unknowns.all[j].1))))
+        let times_b = |l: &[Interval]| -> Vec<Vec<Interval>> {
+            inverse.iter().map(|row| unknowns.times_b(&system, l, row)).collect()
         };
-        (0..sites).map(of_site).collect()
-    };
-    let mut reached = reach(&product);
-    let turned = if piece { reach(&times_b(&system.slopes)) } else { Vec::new() };
-    for (sums, turned) in reached.iter_mut().zip(&turned) {
-        sums.iter_mut().zip(turned).for_each(|(sum, turned)| *sum = *sum + *turned);
-    }
-    let reach = reached;
-
-    // Y0. Along a piece the block has the change of G, too, at the rate of one half of the piece; the
-    // mean strain of a wave, which is no unknown, moves the overlap.
-    let c0 = Interval::exact(known[0].force[0].mid());
-    let moved = if system.means.is_none() { system.shift } else { Interval::ZERO };
-    let force = |n: usize, k: usize| -> Interval {
-        system.coupled(n, k).into_iter().map(|(m, e)| Interval::exact(e) * known[m].force[k]).sum()
-    };
-    let own = |n: usize, k: usize| a[n].get(k).copied().unwrap_or(Interval::ZERO);
-    let defect = |n: usize, k: usize| own(n, k) - l[k] * force(n, k);
-    // The same, all along a piece.
-    let defects = |n: usize, k: usize| {
-        (own(n, k) - system.range(k) * (force(n, k) + moved.abs().ball() * known[n].stiffness[k])).abs()
-    };
-    let mut residual: Vec<Interval> =
-        unknowns.all.iter().map(|&(n, k)| if k == 0 { known[n].force[0] - c0 } else { defect(n, k) }).collect();
-    if let Some((shares, mean)) = &system.means {
-        let means: Vec<Interval> = a.iter().map(|a| a[0]).collect();
-        residual.push(dot(shares, &means) - *mean);
-    }
-    let rate = |&(n, k): &(usize, usize)| match k {
-        0 => Interval::ZERO,
-        _ => moved * system.range(k) * known[n].stiffness[k] - system.slopes[k] * force(n, k),
-    };
-    let rates: Vec<Interval> =
-        unknowns.all.iter().map(rate).chain(system.means.iter().map(|_| -system.shift)).collect();
-    let tail = |one: &Moments| {
-        let stiffness = Moments::tail(&one.stiffness, one.stiffness_square, enclosed);
-        one.force_tail(enclosed) + moved.abs() * stiffness
-    };
-    let tails: Vec<Interval> = known.iter().map(tail).collect();
-    let mut y0 = unknowns.by_site(&|i| {
-        let along = if piece { dot(&inverse[i], &rates).abs() } else { Interval::ZERO };
-        dot(&inverse[i], &residual).abs() + along
-    });
-    for (n, y0) in y0.iter_mut().enumerate().take(sites) {
-        let middle: Interval = (block + 1..=enclosed).filter(|k| system.has(n, *k)).map(|k| defects(n, k)).sum();
-        *y0 = *y0 + middle + last_square.sqrt() * neighbours(n, &tails);
+        let product = times_b(&system.factors);
+        // The norm of a row is for harmonics with 2 g_0^2 + sum g_k^2 = 1.
+        let reach = |product: &[Vec<Interval>]| -> Vec<Vec<Interval>> {
+            let of_site = |m: usize| {
+                let entries = |i: usize| unknowns.index[m].iter().flatten().map(move |&j| (i, j));
+                unknowns.by_site(&|i| norm(entries(i).map(|(i, j)| product[i][j] / weight(unknowns.all[j].1))))
+            };
+            (0..system.a.len()).map(of_site).collect()
+        };
+        let mut reached = reach(&product);
+        let turned = if piece { reach(&times_b(&system.slopes)) } else { Vec::new() };
+        for (sums, turned) in reached.iter_mut().zip(&turned) {
+            sums.iter_mut().zip(turned).for_each(|(sum, turned)| *sum = *sum + *turned);
+        }
+        let moved = if system.means.is_none() { system.shift } else { Interval::ZERO };
+        let tail = |one: &Moments| {
+            let stiffness = Moments::tail(&one.stiffness, one.stiffness_square, enclosed);
+            one.force_tail(enclosed) + moved.abs() * stiffness
+        };
+        let tails = known.iter().map(tail).collect();
+        let reach = reached;
+        Ok(Self {
+            certificate,
+            system,
+            unknowns,
+            known,
+            inverse,
+            product,
+            reach,
+            turned,
+            moved,
+            beyond_enclosed,
+            beyond_block,
+            tails,
+        })
     }
 
-    // Largest columns of I - A DG, by site of the column: those up to J, and those beyond.
-    let computed = enclosed - block;
-    let columns = |m: usize| {
-        let d = &known[m].stiffness;
-        let tail = Moments::tail(d, known[m].stiffness_square, computed - block) / of(2).sqrt();
+    fn sites(&self) -> usize {
+        self.system.a.len()
+    }
+
+    /// `sum_m |e_nm|` of a number of each site.
+    fn neighbours(&self, n: usize, by_site: &[Interval]) -> Interval {
+        self.system.coupled(n, 0).into_iter().map(|(m, e)| Interval::exact(e.abs()) * by_site[m]).sum()
+    }
+
+    /// `sum_m e_nm n_mk`.
+    fn force(&self, n: usize, k: usize) -> Interval {
+        let term = |(m, e): (usize, f64)| Interval::exact(e) * self.known[m].force[k];
+        self.system.coupled(n, k).into_iter().map(term).sum()
+    }
+
+    fn coefficient(&self, n: usize, k: usize) -> Interval {
+        self.system.a[n].get(k).copied().unwrap_or(Interval::ZERO)
+    }
+
+    /// `|G_nk|`, all along a piece.
+    fn defect(&self, n: usize, k: usize) -> Interval {
+        let moved = self.moved.abs().ball() * self.known[n].stiffness[k];
+        (self.coefficient(n, k) - self.system.range(k) * (self.force(n, k) + moved)).abs()
+    }
+
+    /// `Y0` by site, but for the second order in the change of the mean strain. Along a piece the
+    /// block has the change of `G`, too, at the rate of one half of the piece.
+    fn y0(&self) -> Vec<Interval> {
+        let Self { certificate, system, unknowns, known, inverse, moved, .. } = self;
+        let c0 = Interval::exact(known[0].force[0].mid());
+        let residual = |&(n, k): &(usize, usize)| match k {
+            0 => known[n].force[0] - c0,
+            _ => self.coefficient(n, k) - system.factors[k] * self.force(n, k),
+        };
+        let rate = |&(n, k): &(usize, usize)| match k {
+            0 => Interval::ZERO,
+            _ => *moved * system.range(k) * known[n].stiffness[k] - system.slopes[k] * self.force(n, k),
+        };
+        let mut residual: Vec<Interval> = unknowns.all.iter().map(residual).collect();
+        let mut rates: Vec<Interval> = unknowns.all.iter().map(rate).collect();
+        if let Some((shares, mean)) = &system.means {
+            let means: Vec<Interval> = system.a.iter().map(|a| a[0]).collect();
+            residual.push(dot(shares, &means) - *mean);
+            rates.push(-system.shift);
+        }
+        let mut y0 = unknowns.by_site(&|i| {
+            let along = if certificate.to.is_some() { dot(&inverse[i], &rates).abs() } else { Interval::ZERO };
+            dot(&inverse[i], &residual).abs() + along
+        });
+        for (n, y0) in y0.iter_mut().enumerate().take(self.sites()) {
+            let beyond = (certificate.block + 1..=certificate.enclosed).filter(|k| system.has(n, *k));
+            let middle: Interval = beyond.map(|k| self.defect(n, k)).sum();
+            *y0 = *y0 + middle + self.beyond_enclosed * self.neighbours(n, &self.tails);
+        }
+        y0
+    }
+
+    /// Largest columns of `I - A DG` up to `J` and beyond, by site, of those of a site.
+    fn columns(&self, m: usize, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<Vec<Interval>, Refused> {
+        let Self { certificate, system, unknowns, known, inverse, product, reach, .. } = self;
+        let (d, computed) = (&known[m].stiffness, certificate.enclosed - certificate.block);
+        let tail = Moments::tail(d, known[m].stiffness_square, computed - certificate.block) / of(2).sqrt();
         let mut most: Vec<Interval> = reach[m].iter().map(|reach| *reach * tail).collect();
         for j in (0..=computed).filter(|j| system.has(m, *j)) {
             go_on()?;
@@ -248,7 +301,8 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
             let entries: Vec<(usize, Interval)> =
                 unknowns.index[m].iter().flatten().map(|&i| (i, stiffness(d, unknowns.all[i].1, j))).collect();
             let sums = unknowns.by_site(&|i| {
-                // A times the part of DG without D: the identity, or for k = 0 the equation of the mean.
+                // A times the part of DG without D: the identity, or for k = 0 the equation of the
+                // mean.
                 let plain = match (own, &system.means) {
                     (Some(_), Some((shares, _))) if j == 0 => inverse[i][unknowns.rows - 1] * shares[m],
                     (Some(own), _) => inverse[i][own],
@@ -260,18 +314,62 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
             most.iter_mut().zip(sums).for_each(|(most, sum)| *most = most.max(sum / weight(j)));
         }
         Ok(most)
-    };
-    let columns = (0..sites).map(columns).collect::<Result<Vec<Vec<Interval>>, _>>()?;
-    let of_c0 = match system.means {
-        None => vec![Interval::ZERO; sites + 1],
-        Some(_) => unknowns.by_site(&|i| {
+    }
+
+    /// The column of `c_0` of `I - A DG`, by site.
+    fn column_of_c0(&self) -> Vec<Interval> {
+        let Self { unknowns, inverse, .. } = self;
+        if self.system.means.is_none() {
+            return vec![Interval::ZERO; self.sites() + 1];
+        }
+        unknowns.by_site(&|i| {
             let means = unknowns.index.iter().filter_map(|row| row[0]);
             (kronecker(i == unknowns.rows - 1) + means.map(|j| inverse[i][j]).sum()).abs()
-        }),
-    };
+        })
+    }
+
+    /// A row of `R + t |e|`.
+    fn contact(&self, n: usize) -> Vec<Interval> {
+        let mut row: Vec<Interval> = self.reach.iter().map(|reach| reach[n]).collect();
+        if n < self.sites() {
+            for (m, e) in self.system.coupled(n, 0) {
+                row[m] = row[m] + Interval::exact(e.abs()) * self.beyond_block;
+            }
+        }
+        row
+    }
+
+    /// A bound of the error of velocities over `omega`, by one more use of `a = l N(a)`; of `y_n` with
+    /// a factor `share` for each harmonic. `changes` are those of the strains of each site.
+    fn velocity(&self, changes: &[Interval], share: &dyn Fn(usize) -> Interval) -> Interval {
+        let Self { certificate: Certificate { model, enclosed, .. }, system, known, tails, .. } = self;
+        let (alpha, enclosed) = (model.alpha, *enclosed);
+        let root = share(enclosed + 1) * (system.decay.square() / of(enclosed)).sqrt();
+        let steep = norm((1..=enclosed).map(|k| of(k) * share(k) * system.range(k)).chain([root]));
+        let force = |((one, tail), change): ((&Moments, &Interval), &Interval)| {
+            let overlap = Interval::exact(one.overlap.hi()) + *change;
+            root * *tail + steep * alpha.enclosed() * overlap.pow(alpha.less_one()) * *change
+        };
+        let forces: Vec<Interval> = known.iter().zip(tails).zip(changes).map(force).collect();
+        let of_site = |n: usize| {
+            let defects = (1..=enclosed).filter(|k| system.has(n, *k)).map(|k| of(k) * share(k) * self.defect(n, k));
+            defects.sum::<Interval>() + self.neighbours(n, &forces)
+        };
+        (0..self.sites()).map(of_site).fold(Interval::ZERO, Interval::max)
+    }
+}
+
+pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Proof, Refused> {
+    let go_on = || if stopped() { Err(Refused::Stopped) } else { Ok(()) };
+    let terms = Terms::new(certificate, &go_on)?;
+    let Terms { system, known, moved, turned, .. } = &terms;
+    let (alpha, sites) = (certificate.model.alpha, terms.sites());
+    let mut y0 = terms.y0();
+    let columns = (0..sites).map(|m| terms.columns(m, &go_on)).collect::<Result<Vec<Vec<Interval>>, _>>()?;
+    let of_c0 = terms.column_of_c0();
 
     // The Hölder constant of D: for alpha > 2 in balls up to an eighth of the first harmonic.
-    let first: Vec<Interval> = a.iter().map(|a| a[1].abs()).collect();
+    let first: Vec<Interval> = system.a.iter().map(|a| a[1].abs()).collect();
     let amplitude = first.iter().copied().fold(Interval::ZERO, Interval::max);
     let [stiff, bent] = [alpha.less_one(), alpha.less_one().less_one()];
     let largest = (bent.num() > 0).then(|| (amplitude / of(8)).lo());
@@ -283,17 +381,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     };
 
     // Z1 and Z2, by site, with weights near Perron's vector of R + t |e|.
-    let contact = |n: usize| -> Vec<Interval> {
-        let mut row: Vec<Interval> = reach.iter().map(|reach| reach[n]).collect();
-        if n < sites {
-            system
-                .coupled(n, 0)
-                .into_iter()
-                .for_each(|(m, e)| row[m] = row[m] + Interval::exact(e.abs()) * beyond_block);
-        }
-        row
-    };
-    let contacts: Vec<Vec<Interval>> = (0..=sites).map(contact).collect();
+    let contacts: Vec<Vec<Interval>> = (0..=sites).map(|n| terms.contact(n)).collect();
     // The force of a wave to second order in the change of the mean strain.
     y0[0] = y0[0] + contacts[0][0] * moved.abs() * known[0].change(alpha, moved.abs());
     let weights = perron(&contacts[..sites]);
@@ -307,7 +395,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let z1 = |eta: Interval| -> Vec<Interval> {
         let row = |n: usize| {
             let near: Interval = columns.iter().zip(&weights).map(|(column, w)| column[n] * *w).sum();
-            let far = if n < sites { beyond_block * neighbours(n, &steepest) } else { Interval::ZERO };
+            let far = if n < sites { terms.beyond_block * terms.neighbours(n, &steepest) } else { Interval::ZERO };
             let turned: Interval = turned.iter().zip(&steepest).map(|(turned, steepest)| turned[n] * *steepest).sum();
             near + far + turned + of_c0[n] / eta
         };
@@ -322,7 +410,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let shares = all(Interval::ONE).map(|[most, own]| most.mid() / own.hi());
     let eta = Interval::exact((0.5 * shares.into_iter().fold(1.0, f64::min)).max(f64::MIN_POSITIVE));
     let constants = all(eta).map(|[most, own]| most.max(eta * own));
-    let (bounds, radius, unique) = if piece {
+    let (bounds, radius, unique) = if certificate.to.is_some() {
         let steep = z1(eta);
         let contracts = |r: f64| {
             let change = |(one, w): (&Moments, &Interval)| {
@@ -341,23 +429,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     if !first.iter().zip(&weights).any(|(first, w)| (*first - *w * radius).is_positive()) {
         return Err(Refused::Rest(radius.hi(), amplitude.lo()));
     }
-
-    // Velocities over omega, by one more use of a = l N(a); for y_n with a factor for each harmonic.
-    let velocity = |share: &dyn Fn(usize) -> Interval| {
-        let root = share(enclosed + 1) * (system.decay.square() / of(enclosed)).sqrt();
-        let steep = norm((1..=enclosed).map(|k| of(k) * share(k) * system.range(k)).chain([root]));
-        let change = |((one, tail), w): ((&Moments, &Interval), &Interval)| {
-            let change = *w * radius + of(2).sqrt() * moved.abs();
-            let overlap = Interval::exact(one.overlap.hi()) + change;
-            root * *tail + steep * alpha.enclosed() * overlap.pow(stiff) * change
-        };
-        let changes: Vec<Interval> = known.iter().zip(&tails).zip(&weights).map(change).collect();
-        let of_site = |n: usize| {
-            let defects = (1..=enclosed).filter(|k| system.has(n, *k)).map(|k| of(k) * share(k) * defects(n, k));
-            defects.sum::<Interval>() + neighbours(n, &changes)
-        };
-        (0..sites).map(of_site).fold(Interval::ZERO, Interval::max)
-    };
+    let changes: Vec<Interval> = weights.iter().map(|w| *w * radius + of(2).sqrt() * moved.abs()).collect();
     // The mean of a wave is no unknown.
     let unknown = &system.resonators[usize::from(system.means.is_none())..];
     let resonators = unknown.iter().copied().fold(Interval::ZERO, Interval::max);
@@ -365,8 +437,8 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     Ok(Proof {
         radius: radius.hi(),
         radius_y: bound(radius * resonators),
-        radius_velocity: bound(system.omega * velocity(&|_| Interval::ONE)),
-        radius_velocity_y: bound(system.omega * velocity(&|k| system.resonators[k])),
+        radius_velocity: bound(system.omega * terms.velocity(&changes, &|_| Interval::ONE)),
+        radius_velocity_y: bound(system.omega * terms.velocity(&changes, &|k| system.resonators[k])),
         uniqueness_radius: unique,
         amplitude: amplitude.lo(),
         bounds,
