@@ -16,7 +16,7 @@
 //! | [`sweep`] | grids of independent points: threads, progress, a store that resumes |
 //! | [`study`] | studies: their options, their computations, and their reports |
 //! | [`report`] | results as values: facts, tables, pictures, and what they become |
-//! | [`present`] | tables of text, CSV, and the HTML page |
+//! | [`present`] | the HTML page of reports |
 //! | [`paper`] | claims of the paper, and our numbers and figures for them |
 //! | [`output`] | files, written whole or not at all, and text |
 //! | `cli` | the command line (feature `cli`) |

@@ -49,7 +49,7 @@ pub enum Error {
     Run(#[from] Failed),
     /// A result that must not be trusted.
     #[error(transparent)]
-    Doubtful(#[from] crate::run::Warning),
+    Doubtful(#[from] Warning),
     /// A point of a study that failed.
     #[error("{point}: {why}")]
     Point {
@@ -244,4 +244,46 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         .filter(|(likeness, _)| *likeness > 0.8)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate.to_owned())
+}
+
+/// What makes the result of a run doubtful, as a sentence for the user.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Warning {
+    /// An energy error that the setting does not explain.
+    #[error("the energy is off by {error:.1e} of itself, and {why}: check with another integrator")]
+    Energy {
+        /// Largest error of the energy, relative to the initial energy; for a chain that dissipates
+        /// or is driven, of the balance, relative to the largest of energy, dissipated energy and
+        /// work of the drives.
+        error: f64,
+        /// What the setting explains, in words.
+        why: String,
+    },
+    /// Steps of a given length that pass over the ramp or the burst of a drive. Methods that choose
+    /// their steps, or their windows, end them where a signal is not smooth.
+    #[error(
+        "drive {drive}, of bead {site}, has {kind} of length {length:e}, which steps of {step:e} pass over: take \
+         shorter steps, or --tol"
+    )]
+    Unresolved {
+        /// Number of the drive, from 0.
+        drive: usize,
+        /// Its site.
+        site: usize,
+        /// `a ramp`, `a burst` or `an interval of times`.
+        kind: &'static str,
+        /// Length of the ramp, the burst or the shortest interval.
+        length: f64,
+        /// Length of a step.
+        step: f64,
+    },
+}
+
+impl Warning {
+    /// Whether the result must not be taken for one that met its setting: `run` then ends with exit
+    /// code 1, and the point of a sweep has failed.
+    pub fn fatal(&self) -> bool {
+        matches!(self, Self::Energy { .. })
+    }
 }

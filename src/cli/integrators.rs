@@ -1,7 +1,7 @@
 //! `hertzchain integrators`.
 
 use super::{DONE, Exit, print, runner::Runs};
-use crate::{output::to_json, present::table, run::Method};
+use crate::{output::to_json, report::text::table, run::Method};
 use clap::Args;
 use serde_json::json;
 

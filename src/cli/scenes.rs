@@ -1,7 +1,7 @@
 //! `hertzchain scenes`.
 
 use super::{DONE, Exit, print, runner::Runs};
-use crate::{output::to_json, present::table, scene::Scene, study::scene_json};
+use crate::{output::to_json, report::text::table, scene::Scene, study::scene_json};
 use clap::{Args, Subcommand};
 use serde_json::json;
 

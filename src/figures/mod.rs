@@ -93,6 +93,16 @@ impl Figure {
     }
 }
 
+impl crate::report::Report {
+    /// The pictures as they are drawn, by the name of their PNG file.
+    ///
+    /// # Errors
+    /// A picture that cannot be drawn.
+    pub fn drawn(&self) -> crate::error::Result<Vec<(String, Picture)>> {
+        self.pictures().iter().map(|(name, figure)| Ok((name.clone(), figure.draw()?))).collect()
+    }
+}
+
 /// Whether a value can be drawn on an axis; the bound keeps the width of every range finite.
 fn usable(value: f64) -> bool {
     value.abs() <= 1e300

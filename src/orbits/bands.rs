@@ -15,7 +15,6 @@ use super::normal_modes::NormalModes;
 use crate::{
     chain::{Boundary, Chain, Details, Params},
     error::{Error, Result, require},
-    waves::Nls,
 };
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
@@ -30,7 +29,7 @@ pub struct Bands {
     blocks: [DMatrix<f64>; 3],
     cell: usize,
     /// Of a cell of one bead: its parameters over its mass, contact constant and static overlap.
-    alike: Option<(Params, [f64; 2])>,
+    pub(crate) alike: Option<(Params, [f64; 2])>,
 }
 
 impl Bands {
@@ -100,13 +99,6 @@ impl Bands {
     /// Beads of a cell.
     pub fn cell(&self) -> usize {
         self.cell
-    }
-
-    /// The nonlinear Schrodinger equation of each band at a phase in `(0, pi]`, and the static
-    /// overlap; `None` for a cell of more than one bead.
-    pub fn envelopes(&self, theta: f64) -> Option<(f64, Vec<Nls>)> {
-        let (params, bond) = self.alike?;
-        Some((bond[1], Nls::new(params, bond, theta).ok()?))
     }
 
     /// The frequencies of waves with the phase `theta` from cell to cell, in ascending order, one a

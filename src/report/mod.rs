@@ -3,6 +3,7 @@
 
 mod figure;
 mod table;
+pub(crate) mod text;
 mod units;
 
 pub use figure::{
@@ -247,15 +248,6 @@ impl Report {
     /// The pictures, by the name of their PNG file.
     pub fn pictures(&self) -> &[(String, Figure)] {
         &self.pictures
-    }
-
-    /// The pictures as they are drawn, by the name of their PNG file.
-    ///
-    /// # Errors
-    /// A picture that cannot be drawn.
-    #[cfg(feature = "plot")]
-    pub fn drawn(&self) -> Result<Vec<(String, crate::figures::Picture)>> {
-        self.pictures.iter().map(|(name, figure)| Ok((name.clone(), figure.draw()?))).collect()
     }
 
     /// Its tables, in files only, their names after those `before`, and its pictures: for another

@@ -1,8 +1,8 @@
 //! A table told once: each column has a name, a heading, a description, a kind and a value for each
 //! row. Text, JSON, CSV, NPZ, lines of a picture and the help follow from that.
 
-use super::{Kind, Line, Panel, Quantity, Units};
-use crate::{output::NpzWriter, present};
+use super::{Kind, Line, Panel, Quantity, Units, text};
+use crate::output::NpzWriter;
 use serde_json::{Map, Value, json};
 use std::io::{self, Seek, Write};
 
@@ -389,7 +389,7 @@ impl Table {
             let of = |cells: &[String]| columns.iter().map(|&k| cells[k].clone()).collect::<Vec<_>>();
             let head = of(&head);
             let head: Vec<&str> = head.iter().map(String::as_str).collect();
-            present::table(&head, &rows.iter().map(|row| of(row)).collect::<Vec<_>>())
+            text::table(&head, &rows.iter().map(|row| of(row)).collect::<Vec<_>>())
         };
         let tables = parts.iter().map(part).collect::<Vec<_>>().join("\n");
         let legend = self.legend();

@@ -26,6 +26,7 @@
 use crate::{
     chain::{Params, Resonators, Site},
     error::{Result, positive, require},
+    orbits::Bands,
 };
 
 /// Coefficients of the nonlinear Schrodinger equation of a wave.
@@ -58,6 +59,15 @@ pub struct Nls {
     pub nonlinearity: f64,
     /// `beta_0`: that of periodic waves whose mean strain is kept.
     pub at_mean_strain: f64,
+}
+
+impl Bands {
+    /// The nonlinear Schrodinger equation of each band at a phase in `(0, pi]`, and the static
+    /// overlap; `None` for a cell of more than one bead.
+    pub fn envelopes(&self, theta: f64) -> Option<(f64, Vec<Nls>)> {
+        let (params, bond) = self.alike?;
+        Some((bond[1], Nls::new(params, bond, theta).ok()?))
+    }
 }
 
 impl Nls {

@@ -23,6 +23,7 @@ mod regime;
 mod states;
 mod warning;
 
+pub use crate::error::Warning;
 pub use amplification::{deviation, perturb};
 pub use extremes::Observables;
 pub use initial::{Initial, Measure};
@@ -34,7 +35,6 @@ pub use regime::{Regime, regime};
 pub use regime::{contact_frequency, overlap_scale};
 pub use states::States;
 pub use states::state_at;
-pub use warning::Warning;
 
 use crate::{
     chain::{Chain, Contact, Contacts, State},

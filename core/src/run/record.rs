@@ -1,6 +1,6 @@
 //! The result of a run, and the observer that collects it.
 
-use super::{Measure, Method, Run, Setting, Warning, extremes::Search, method::start_logged};
+use super::{Measure, Method, Run, Setting, Warning, extremes::Search, method::start_logged, warning::warnings};
 use crate::{
     chain::{Contact, ContactLog, Contacts, Energy, Maximum, Overlaps, max_norm},
     error::{Failed, Result},
@@ -404,7 +404,7 @@ impl<'a> Recorder<'a> {
         // What flows through an open chain may be much more than what it holds.
         let flow = energies().fold(most, |most, energy| most.max(energy.dissipated).max(energy.driven.abs()));
         let unit = if open { nonzero(flow) } else { unit };
-        let warnings = Warning::of(self.run, energy.map(|_| largest / unit), stats);
+        let warnings = warnings(self.run, energy.map(|_| largest / unit), stats);
         Trajectory {
             t,
             state,

@@ -1,6 +1,6 @@
 //! What makes the result of a run doubtful, though nothing failed.
 
-use super::{Method, Run, Setting};
+use super::{Method, Run, Setting, Warning};
 use crate::chain::{Course, Drive, Envelope};
 use hertzchain_integrators::Stats;
 
@@ -12,51 +12,9 @@ const CROSSING: f64 = 100.0;
 /// An energy error of a larger share of the energy is never explained.
 const MOST: f64 = 0.5;
 
-/// What makes the result of a run doubtful, as a sentence for the user.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum Warning {
-    /// An energy error that the setting does not explain.
-    #[error("the energy is off by {error:.1e} of itself, and {why}: check with another integrator")]
-    Energy {
-        /// Largest error of the energy, relative to the initial energy; for a chain that dissipates
-        /// or is driven, of the balance, relative to the largest of energy, dissipated energy and
-        /// work of the drives.
-        error: f64,
-        /// What the setting explains, in words.
-        why: String,
-    },
-    /// Steps of a given length that pass over the ramp or the burst of a drive. Methods that choose
-    /// their steps, or their windows, end them where a signal is not smooth.
-    #[error(
-        "drive {drive}, of bead {site}, has {kind} of length {length:e}, which steps of {step:e} pass over: take \
-         shorter steps, or --tol"
-    )]
-    Unresolved {
-        /// Number of the drive, from 0.
-        drive: usize,
-        /// Its site.
-        site: usize,
-        /// `a ramp`, `a burst` or `an interval of times`.
-        kind: &'static str,
-        /// Length of the ramp, the burst or the shortest interval.
-        length: f64,
-        /// Length of a step.
-        step: f64,
-    },
-}
-
-impl Warning {
-    /// The warnings of a run, whose largest energy error is `error` if it has an energy.
-    pub(super) fn of(run: &Run, error: Option<f64>, stats: Stats) -> Vec<Self> {
-        energy(run, error, stats).into_iter().chain(unresolved(run)).collect()
-    }
-
-    /// Whether the result must not be taken for one that met its setting: `run` then ends with exit
-    /// code 1, and the point of a sweep has failed.
-    pub fn fatal(&self) -> bool {
-        matches!(self, Self::Energy { .. })
-    }
+/// The warnings of a run, whose largest energy error is `error` if it has an energy.
+pub(super) fn warnings(run: &Run, error: Option<f64>, stats: Stats) -> Vec<Warning> {
+    energy(run, error, stats).into_iter().chain(unresolved(run)).collect()
 }
 
 /// An energy error above a thousand times the tolerance, or above half of the energy.

@@ -305,7 +305,7 @@ fn csv_line(plan: &Plan, k: usize, row: Row<Vec<Value>>) -> String {
     };
     let cell = |value: Value| match value {
         Value::Array(values) => format!("{} numbers", values.len()),
-        value => crate::present::cell(&value, ""),
+        value => crate::report::text::cell(&value, ""),
     };
     let keys = plan.point(k).0.into_iter().map(|(_, value)| in_json(&value));
     keys.chain(values).chain([why]).map(cell).collect::<Vec<_>>().join(",") + "\n"

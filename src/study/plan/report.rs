@@ -4,8 +4,7 @@ use super::{NumberColumn, Plan, PlanStudy, file::in_json};
 use crate::{
     error::Result,
     output::{Array, npz, to_json},
-    present::table,
-    report::{CellMap, Figure, Kind, Line, Maps, Matrix, Panel, Panels, Report, SpaceTime},
+    report::{CellMap, Figure, Kind, Line, Maps, Matrix, Panel, Panels, Report, SpaceTime, text::table},
     study::format_short,
 };
 use serde_json::{Value, json};

@@ -15,12 +15,11 @@ mod bonds;
 pub use bonds::SitewiseBonds;
 
 use super::{
-    super::{Chain, Resonators},
+    super::{Chain, Resonators, Split},
     CheckedDetails, DriveKind, Ledger, SiteData,
     loops::{Drift, Loops},
     propagator::Class,
 };
-use crate::run::method::Split;
 use hertzchain_integrators::{DoubleDouble, Real, SplitFlow, system::ContactFlow};
 use std::{collections::HashMap, sync::Arc};
 

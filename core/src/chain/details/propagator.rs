@@ -11,10 +11,9 @@
 //! does not repeat, `z` itself is moved by Taylor's series, which costs about a hundredth of that.
 
 use super::{
-    super::{Modes, Params, Resonators, gauss::gauss},
+    super::{Modes, Params, Resonators, Split, gauss::gauss},
     SiteData,
 };
-use crate::run::method::Split;
 use hertzchain_integrators::{DoubleDouble, Real, Rotation};
 
 /// A 4 x 4 matrix, by rows.
