@@ -10,6 +10,13 @@ pub fn largest_by<T>(all: impl IntoIterator<Item = T>, of: impl Fn(&T) -> f64) -
     all.into_iter().max_by(|a, b| of(a).total_cmp(&of(b)))
 }
 
+/// The place of the first of the largest values. Values that a symmetry makes equal differ by
+/// roundings, which must choose neither a coordinate nor the sign of a mode.
+pub fn leading(mut values: impl Iterator<Item = f64> + Clone) -> Option<usize> {
+    let largest = values.clone().fold(0.0, f64::max);
+    values.position(|value| value >= (1.0 - 1e-6) * largest)
+}
+
 /// The least and the largest of the values; infinity and minus infinity without values.
 pub fn extremes(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     let (low, high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -113,6 +120,13 @@ pub fn golden<T, E>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_values_that_are_equal_but_for_roundings_the_first_leads() {
+        assert_eq!(leading([0.5, 1.0 - 1e-12, 1.0].into_iter()), Some(1));
+        assert_eq!(leading([0.5, 1.0 - 1e-3, 1.0].into_iter()), Some(2));
+        assert_eq!(leading(std::iter::empty()), None);
+    }
 
     #[test]
     fn a_line_is_fitted_and_a_bend_is_seen() {

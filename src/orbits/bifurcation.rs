@@ -54,8 +54,8 @@ named! {
 pub struct CriticalPair {
     /// `tau = (lambda + 1/lambda)/2`; 1 at a fold.
     pub tau: f64,
-    /// Strains `z` of the eigenvector of `tau`, scaled to the largest entry 1; empty at a fold or
-    /// collision.
+    /// Strains `z` of the eigenvector of `tau`, scaled to 1 at the first of its largest entries;
+    /// empty at a fold or collision.
     pub mode: Vec<f64>,
 }
 

@@ -31,7 +31,7 @@ use super::eigen::{Eigenpair, eigen, eigenvalues, unless_asked};
 use crate::{
     chain::{Boundary, Chain},
     named::named,
-    numerics::{largest_by, least_by},
+    numerics::{leading, least_by},
 };
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -213,8 +213,8 @@ impl Spectrum {
             .map(|(tau, mode)| (*tau, mode.krein))
     }
 
-    /// The strains `z`, `A z = tau z`, of the computed `tau` nearest to the given value, scaled to
-    /// the largest entry 1.
+    /// The strains `z`, `A z = tau z`, of the computed `tau` nearest to the given value, scaled to 1
+    /// at the first of the largest entries.
     pub(super) fn strains_of(&self, tau: f64) -> Vec<f64> {
         let nearest = least_by(0..self.tau.len(), |&k| (self.tau[k] - tau).norm());
         nearest.map_or(Vec::new(), |k| scaled_to_one(&self.modes[k].z))
@@ -227,7 +227,7 @@ impl Spectrum {
     }
 
     /// The real part of the eigenvector `((lambda - 1/lambda)/2 z, C z)` of multiplier `k`, scaled
-    /// to the largest entry 1. Empty for a spectrum without eigenvectors, such as that of a point
+    /// to 1 at the first of its largest entries. Empty for a spectrum without eigenvectors, such as that of a point
     /// of a branch.
     pub fn direction(&self, k: usize) -> Vec<f64> {
         let Multiplier { re, im, .. } = self.multipliers[k];
@@ -338,10 +338,10 @@ impl Mode {
     }
 }
 
-/// The real part of a vector after its largest entry is scaled to 1.
+/// The real part of a vector after its leading entry is scaled to 1.
 fn scaled_to_one(vector: &DVector<Complex<f64>>) -> Vec<f64> {
-    let largest = largest_by(vector.iter().copied(), |entry| entry.norm()).unwrap_or(Complex::ONE);
-    vector.iter().map(|z| (z / largest).re).collect()
+    let leading = leading(vector.iter().map(|entry| entry.norm())).map_or(Complex::ONE, |k| vector[k]);
+    vector.iter().map(|z| (z / leading).re).collect()
 }
 
 /// `R M_h^{-1} R M_h`.

@@ -29,7 +29,7 @@ use crate::{
     chain::{Chain, Details, Drive, DriveKind, State, Variations, max_norm},
     dps::Center,
     error::{Error, Result, require},
-    numerics::least_by,
+    numerics::{leading, least_by},
     output::FileFormat,
 };
 use hertzchain_integrators::VectorField;
@@ -263,7 +263,8 @@ impl NormalModes {
             .map(|k| {
                 let vector = eigen.eigenvectors.column(k);
                 let shape: Vec<f64> = vector.iter().zip(&root).map(|(v, root)| v / root).collect();
-                let leading = leading(&shape, &self.masses);
+                let shares = shape.iter().zip(&self.masses).map(|(s, m)| m * s * s);
+                let leading = leading(shares).unwrap_or(0);
                 let shape: Vec<f64> = shape.iter().map(|s| s / shape[leading]).collect();
                 let participation = participation(&shape, &self.masses);
                 LinearMode { omega: eigen.eigenvalues[k].sqrt(), shape, leading, participation }
@@ -351,13 +352,6 @@ pub(super) fn linearised(
 fn not_held() -> Error {
     let rule = "closed contacts hold every bead, as those with a static overlap between walls do";
     Error::parameter("chain", "a bead is not held", rule)
-}
-
-/// The coordinate with the largest share `m s^2`; the first of those that are equal up to rounding.
-fn leading(shape: &[f64], masses: &[f64]) -> usize {
-    let share = |k: &usize| masses[*k] * shape[*k] * shape[*k];
-    let largest = max_norm((0..shape.len()).map(|k| share(&k)));
-    (0..shape.len()).find(|k| share(k) >= (1.0 - 1e-9) * largest).unwrap_or(0)
 }
 
 fn participation(shape: &[f64], masses: &[f64]) -> f64 {

@@ -13,7 +13,10 @@
 //! Keller 1977, in *Applications of Bifurcation Theory*, pp. 359-384.
 
 use super::arclength::{self, BasePoint, FARTHEST, Family, Scales, Solution};
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    numerics::leading,
+};
 use nalgebra::DVector;
 
 /// Values of `delta`, tried in this order.
@@ -31,7 +34,7 @@ pub(super) fn numbered<T>(bifurcations: &[T], k: usize) -> Result<&T> {
     bifurcations.get(k).ok_or_else(|| Error::parameter("switch", value(), rule))
 }
 
-/// The vector `v` at a solution, with its largest entry positive; `along` is `t`. `None` if no
+/// The vector `v` at a solution, with the first of its largest entries positive; `along` is `t`. `None` if no
 /// other branch crosses there, or more than one.
 pub(super) fn crossing(
     family: &impl Family,
@@ -49,7 +52,7 @@ pub(super) fn crossing(
     let crosses = values[last] <= SINGULAR * values[last - 1];
     Ok(crosses.then(|| {
         let v = vectors.row(last).transpose();
-        let sign = v[v.icamax()].signum();
+        let sign = leading(v.iter().map(|entry| entry.abs())).map_or(1.0, |k| v[k].signum());
         v * sign
     }))
 }
