@@ -4,7 +4,7 @@ use serde_json::Value;
 
 /// A table in plain text, with two spaces between columns. Columns in which all cells but `–` begin
 /// like numbers are aligned to the right, others to the left.
-pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
+pub(crate) fn table(head: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());
         cells.chain([head[column].chars().count()]).max().unwrap_or(0)
