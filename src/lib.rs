@@ -68,5 +68,4 @@ struct Readme;
 /// The examples of the guide, run as tests.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/library.md")]
-#[doc = include_str!("../docs/start.md")]
 struct Guide;
