@@ -151,7 +151,15 @@ pub fn wave(model: Model, q_over_pi: Exact, mean: Exact, guess: &[f64], sizes: S
         if size >= 0.5 * smallest && size < 1e-10 * a[1].abs() || size == 0.0 {
             a.remove(0);
             let orbit = Orbit::Wave(Wave { q_over_pi, a });
-            return Some(Certificate { model, mean, to: None, block, enclosed: sizes.enclosed, orbit });
+            return Some(Certificate {
+                model,
+                mean,
+                to: None,
+                block,
+                enclosed: sizes.enclosed,
+                orbit,
+                multiplier: None,
+            });
         }
         smallest = size.min(smallest);
     }
@@ -239,7 +247,7 @@ pub fn breather(
                 a[0].iter_mut().skip(1).step_by(2).for_each(|a| *a = 0.0);
             }
             let orbit = Orbit::Breather(Breather { sites, center, a });
-            return Some(Certificate { model, mean, to: None, block, enclosed, orbit });
+            return Some(Certificate { model, mean, to: None, block, enclosed, orbit, multiplier: None });
         }
         smallest = size.min(smallest);
     }

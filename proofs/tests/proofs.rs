@@ -160,7 +160,11 @@ fn bounds_are_those_of_the_formulas() {
     ] {
         let model = Model { kappa: exact(kappa), ..model(parameters) };
         let orbit = Orbit::Wave(Wave { q_over_pi: exact(q), a: a.clone() });
-        near(of(&Certificate { model, mean: exact(mean), to: None, block, enclosed, orbit }), truth, q);
+        near(
+            of(&Certificate { model, mean: exact(mean), to: None, block, enclosed, orbit, multiplier: None }),
+            truth,
+            q,
+        );
     }
     let site = [[-0.04, 0.0, 0.006, 0.0], [0.002, -0.15, 0.001, 0.002], [-0.003, 0.16, -0.002, 0.001]];
     let bond = [[-0.03, 0.08, 0.003, 0.001], [0.01, -0.15, 0.004, 0.002], [-0.02, 0.16, -0.002, 0.001]];
@@ -171,7 +175,7 @@ fn bounds_are_those_of_the_formulas() {
         let orbit = Orbit::Breather(Breather { sites: 5, center, a: a.map(|row| row.to_vec()).to_vec() });
         let model = model(["3/2", "1/3", "2.05"]);
         near(
-            of(&Certificate { model, mean: exact("0.01"), to: None, block: 2, enclosed: 8, orbit }),
+            of(&Certificate { model, mean: exact("0.01"), to: None, block: 2, enclosed: 8, orbit, multiplier: None }),
             truth,
             "breather",
         );
@@ -347,6 +351,41 @@ fn breathers_are_proved() {
     for center in [Center::Site, Center::Bond] {
         for (rho, omega) in [("1/3", "2.02"), ("1/3", "2.05"), ("1/3", "2.09"), ("3", "1.2547")] {
             proved(["3/2", rho, omega], center);
+        }
+    }
+}
+
+#[test]
+fn try_growth() {
+    let mean = std::env::var("MEAN").unwrap_or("0".into());
+    let omega = std::env::var("OMEGA").unwrap_or("2.05".into());
+    let rho = std::env::var("RHO").unwrap_or("1/3".into());
+    let center = if std::env::var("SITE").is_ok() { Center::Site } else { Center::Bond };
+    let certificate = breather(["3/2", &rho, &omega], center, Sizes::BREATHER);
+    let Orbit::Breather(b) = &certificate.orbit else { panic!() };
+    let mut certificate =
+        solve::breather(certificate.model, (exact(&mean), 41), center, &b.a, Sizes::BREATHER).unwrap();
+    let t = std::time::Instant::now();
+    println!("{:?} {:?}", check(&certificate).map(|p| p.radius), t.elapsed());
+    let l: f64 = std::env::var("L").unwrap().parse().unwrap();
+    let w: f64 = std::env::var("WIDTH").unwrap_or("1e-6".into()).parse().unwrap();
+    let e = |x: f64| Exact::of_double((x * 1e16).round() / 1e16).unwrap();
+    certificate.multiplier = Some(hertzchain_proofs::certificate::Multiplier::Growing([e(l - w), e(l + w)]));
+    let t = std::time::Instant::now();
+    println!("{:?} {:?}", check(&certificate), t.elapsed());
+}
+
+#[test]
+fn try_doubling() {
+    let mean = exact("-0.004294689811108139");
+    for omega in ["2.063257", "2.0632584520", "2.06326"] {
+        let certificate = breather(["3/2", "1/3", "2.05"], Center::Bond, Sizes::BREATHER);
+        let Orbit::Breather(b) = &certificate.orbit else { panic!() };
+        for sine in [false, true] {
+            let mut certificate =
+                solve::breather(model(["3/2", "1/3", omega]), (mean, 41), Center::Bond, &b.a, Sizes::BREATHER).unwrap();
+            certificate.multiplier = Some(hertzchain_proofs::certificate::Multiplier::Doubling { sine });
+            println!("{omega} {sine} {:?}", check(&certificate).map(|p| p.multiplier));
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::{
     waves::{ExactWave, MeanStrain},
 };
 use hertzchain_proofs::{
-    certificate::{self, Breather, Center, Certificate, Model, Wave},
+    certificate::{self, Breather, Center, Certificate, Model, Multiplier, Wave},
     check::{Bounds, Gap, Proof, Refused, check_until, connected},
     exact::Exact,
     solve::{self, Sizes, Strip},
@@ -35,6 +35,8 @@ const HARMONICS: usize = 128;
 /// Radii over amplitudes that ask for more harmonics, and for how many times as many.
 pub(super) const WAVE: (f64, usize) = (1e-10, 6);
 pub(super) const BREATHER: (f64, usize) = (1e-9, 4);
+/// Half of the width of the interval of a multiplier that is to be proved.
+const WIDTH: f64 = 2e-7;
 /// Samples of half a period from which they are computed.
 const SAMPLES: u32 = 512;
 
@@ -188,8 +190,16 @@ fn searched(
     (share, times): (f64, usize),
     certificate: impl Fn(usize) -> Result<Option<Certificate>>,
 ) -> Result<Option<(Certificate, Checked)>> {
-    let of = |more: usize| {
-        certificate(more)?.map(|certificate| checked(&certificate).map(|proof| (certificate, proof))).transpose()
+    let of = |more: usize| -> Result<Option<(Certificate, Checked)>> {
+        let Some(certificate) = certificate(more)? else { return Ok(None) };
+        let proved = match checked(&certificate)? {
+            Err(Refused::Multiplier { .. }) => {
+                let without = Certificate { multiplier: None, ..certificate };
+                checked(&without).map(|proof| (without, proof))?
+            }
+            proof => (certificate, proof),
+        };
+        Ok(Some(proved))
     };
     let usual = of(1)?;
     let near = |(_, proof): &(_, Checked)| matches!(proof, Ok(it) if it.radius <= share * it.amplitude);
@@ -285,6 +295,7 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
         "radius_velocity": radius(|it| it.radius_velocity), "radius_velocity_y": radius(|it| it.radius_velocity_y),
         "uniqueness_radius": radius(|it| it.uniqueness_radius), "y0": bound(|it| it.y0), "z1": bound(|it| it.z1),
         "z2": bound(|it| it.z2), "harmonics": harmonics, "block": block, "norm": norm, "rounding": "outward",
+        "multiplier": proof.as_ref().ok().and_then(|it| it.multiplier),
     });
     match proof {
         Ok(proof) => {
@@ -298,7 +309,10 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
                 up(bounds.z1),
                 up(bounds.z2)
             );
-            report.fact("proof", value).words(words)
+            let grows = |[from, to]: [f64; 2]| {
+                format!("Proved: it is unstable, with a real Floquet multiplier between {from} and {to}.")
+            };
+            report.fact("proof", value).words(words).words(proof.multiplier.map_or(String::new(), grows))
         }
         Err(why) => {
             let words = format!("not proved: {why}");
@@ -366,7 +380,7 @@ pub(super) fn near_breather(orbit: &Orbit, tol: f64) -> Result<Certificate> {
 
 /// A certificate that only says near what.
 fn near(model: Model, mean: Exact, orbit: certificate::Orbit) -> Certificate {
-    Certificate { model, mean, to: None, block: 1, enclosed: HARMONICS, orbit }
+    Certificate { model, mean, to: None, block: 1, enclosed: HARMONICS, orbit, multiplier: None }
 }
 
 /// The certificate of a wave with these Fourier coefficients of `X`.
@@ -377,6 +391,15 @@ pub(super) fn of_wave(wave: &ExactWave, fourier: &[f64], more: usize) -> Result<
 /// The certificate of a dark breather: of the orbit with the mean strain of this one.
 pub(super) fn of_breather(orbit: &Orbit, tol: f64, more: usize) -> Result<Option<Certificate>> {
     Ok(solve::near(&near_breather(orbit, tol)?, Sizes::BREATHER.times(more)))
+}
+
+/// The same, with the multiplier if it is above 1.
+pub(super) fn of_unstable(orbit: &Orbit, multiplier: f64, tol: f64, more: usize) -> Result<Option<Certificate>> {
+    let period = orbit.setting.period();
+    let rate = |to: f64| Exact::of_double(rounded((multiplier + to).ln() / period));
+    let rates = rate(-WIDTH).zip(rate(WIDTH)).filter(|_| multiplier > 1.0 + WIDTH);
+    let multiplier = rates.map(|(from, to)| Multiplier::Growing([from, to]));
+    Ok(of_breather(orbit, tol, more)?.map(|it| Certificate { multiplier, ..it }))
 }
 
 options! {

@@ -12,7 +12,7 @@ use super::{
     branches::{self, Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, files_of_branch},
     options::options,
     part,
-    proof::{self, Proving, near_breather, of_breather},
+    proof::{self, Proving, near_breather, of_unstable},
 };
 use crate::{
     breathers::DarkBreather,
@@ -125,8 +125,9 @@ impl Study for Dark {
         Ok(Box::new(move |_, _| {
             let study = self.study(&breather)?;
             let report = study.report().file("dark-breather.npz", study.npz()?);
-            let (orbit, tol) = (&study.study.orbit, self.ring.tol);
-            self.proving.added(report, proof::BREATHER, |times| of_breather(orbit, tol, times))
+            let (OrbitStudy { orbit, spectrum, .. }, tol) = (&study.study, self.ring.tol);
+            let largest = spectrum.largest_real();
+            self.proving.added(report, proof::BREATHER, |times| of_unstable(orbit, largest, tol, times))
         }))
     }
 }
