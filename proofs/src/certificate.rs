@@ -1,6 +1,6 @@
 //! Certificates: what is to be proved, with a cosine sum near the solution.
 
-use crate::exact::Exact;
+use crate::{exact::Exact, interval::Interval};
 use std::{fmt, str::FromStr};
 
 const HEAD: &str = "hertzchain certificate 1";
@@ -85,7 +85,7 @@ pub enum Orbit {
 pub enum Multiplier {
     /// `e^{lambda T}` with a growth rate `lambda` between these two.
     Growing([Exact; 2]),
-    /// -1.
+    /// -1, of a piece of a branch.
     Doubling {
         /// Whether the perturbation is a sum of sines, and not of cosines.
         sine: bool,
@@ -149,14 +149,14 @@ impl Certificate {
                 let odd = |a: &Vec<f64>| a.iter().skip(1).step_by(2).any(|a| *a != 0.0);
                 let turned = *center == Center::Bond || !a.first().is_some_and(odd);
                 rule(turned, "the centre of a site-centred breather has even harmonics only")?;
-                let of_bond = *center == Center::Bond || !matches!(multiplier, Some(Multiplier::Doubling { .. }));
-                rule(of_bond, "a doubled period is that of a bond-centred breather")?;
-                let growing = |rates: &[Exact; 2]| {
-                    let [from, to] = rates.map(Exact::enclosed);
-                    from.is_positive() && (to - from).is_positive()
-                };
-                let rates = !matches!(multiplier, Some(Multiplier::Growing(rates)) if !growing(rates));
-                rule(rates, "growth rates are above 0, and the second one is the larger")?;
+                let growing = |[from, to]: [Interval; 2]| from.is_positive() && (to - from).is_positive();
+                let fits = multiplier.is_none_or(|it| match it {
+                    Multiplier::Growing(rates) => to.is_none() && growing(rates.map(Exact::enclosed)),
+                    Multiplier::Doubling { .. } => to.is_some() && *center == Center::Bond,
+                });
+                let words = "a multiplier is growing, of one breather, at growth rates above 0, the larger one last; \
+                             or -1, of a piece of a branch of bond-centred ones";
+                rule(fits, words)?;
                 rule(rho.is_some(), "the resonators of a breather move: rho must be finite")?;
                 rule(a.len() * (block + 1) < LARGEST_BLOCK, "the block has at most 2500 unknowns")?;
                 rule(a.len() == sites / 2 + 1, "a row of coefficients for each site from the centre to the far end")?;

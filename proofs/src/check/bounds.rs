@@ -181,7 +181,8 @@ impl<'a> Terms<'a> {
         let (block, enclosed, alpha) = (certificate.block, certificate.enclosed, certificate.model.alpha);
         let piece = certificate.to.is_some();
         let unknowns = Unknowns::new(&system, block);
-        let narrowest = if piece { NARROWEST_ALONG } else { NARROWEST };
+        let ends = [certificate.model.omega, certificate.mean];
+        let narrowest = if certificate.to.is_none_or(|to| to == ends) { NARROWEST } else { NARROWEST_ALONG };
         let known = system.a.iter().map(|a| {
             let known = moments(a, alpha, enclosed, narrowest, &|| go_on().is_err());
             go_on()?;

@@ -5,7 +5,8 @@
 //! | `system.rs` | the equations of waves and of breathers, with their factors `l_k` |
 //! | `moments.rs` | encloses the Fourier coefficients of contact forces and stiffnesses |
 //! | `bounds.rs` | the bounds `Y0`, `Z1`, `Z2` |
-//! | `branch.rs` | whether pieces of a branch make one |
+//! | `multiplier.rs` | real Floquet multipliers of breathers |
+//! | `branch.rs` | whether pieces of a branch make one, and where its period doubles |
 //! | this file | the inequalities, from which the radii follow |
 
 mod bounds;
@@ -16,7 +17,7 @@ mod system;
 
 use system::System;
 
-pub use branch::{Gap, connected};
+pub use branch::{Gap, connected, doublings};
 pub use moments::{Moments, NARROWEST, moments};
 
 use crate::{certificate::Certificate, exact::Exact, interval::Interval};
@@ -46,7 +47,8 @@ pub struct Proof {
     pub bounds: Bounds,
     /// `W_n`, the weights of the sites in the norm.
     pub weights: Vec<f64>,
-    /// Bounds of the multiplier that the certificate names.
+    /// Bounds of the multiplier that the certificate has a line for; of -1 those of `g`, see
+    /// [`doublings`].
     pub multiplier: Option<[f64; 2]>,
 }
 

@@ -158,12 +158,13 @@ impl<'a> Equations<'a> {
         sums
     }
 
-    /// `sum_m |e_nm|` of a number of each site, for a row beyond the block; and for `g`, which has none.
-    fn neighbours(&self, n: usize, by_site: &[Interval]) -> Interval {
-        if self.places(n, 1).is_empty() {
-            return Interval::ZERO;
+    /// `|e_nm|` by `m`, of rows beyond the block; 0 for `g`, which has none.
+    fn moduli(&self, n: usize) -> Vec<Interval> {
+        let mut moduli = vec![Interval::ZERO; self.known.len()];
+        if !self.places(n, 1).is_empty() {
+            self.system.coupled(n, 0).into_iter().for_each(|(m, e)| moduli[m] = moduli[m] + e.abs().into());
         }
-        self.system.coupled(n, 0).into_iter().map(|(m, e)| Interval::exact(e.abs()) * by_site[m]).sum()
+        moduli
     }
 
     /// Left-hand sides less right-hand sides of the equations up to harmonic `last`.
@@ -258,26 +259,26 @@ pub(super) fn check(
     };
     let columns = (0..sites).map(columns).collect::<Result<Vec<_>, _>>()?;
 
-    // Rows of R + t |e|, and Z1, where the change of D is in all columns.
-    let unit = |m: usize| -> Vec<Interval> { (0..sites).map(|i| kronecker(i == m)).collect() };
-    let units: Vec<Vec<Interval>> = (0..sites).map(unit).collect();
+    // Rows of R + t |e|, and Z1, with the change of D.
+    let moduli: Vec<Vec<Interval>> = (0..=sites).map(|n| it.moduli(n)).collect();
     let contact = |n: usize| -> Vec<Interval> {
-        reach.iter().zip(&units).map(|(reach, unit)| reach[n] + root(block) * it.neighbours(n, unit)).collect()
+        reach.iter().zip(&moduli[n]).map(|(reach, e)| reach[n] + root(block) * *e).collect()
     };
     let contacts: Vec<Vec<Interval>> = (0..=sites).map(contact).collect();
     let weights = perron(&contacts[..sites]);
     let alpha = model.alpha;
-    let changed: Vec<Interval> = known.iter().zip(changes).map(|(one, change)| one.change(alpha, *change)).collect();
-    let of_site =
-        |of: &dyn Fn(usize) -> Interval| -> Vec<Interval> { (0..sites).map(|m| weights[m] * of(m)).collect() };
-    let steepest = of_site(&|m| {
+    let times = |all: &[Interval], of: &dyn Fn(usize) -> Interval| -> Vec<Interval> {
+        all.iter().enumerate().map(|(m, one)| *one * of(m)).collect()
+    };
+    let changed = |m: usize| known[m].change(alpha, changes[m]);
+    let steepest = |m: usize| {
         let most = alpha.enclosed() * Interval::exact(known[m].overlap.hi()).pow(alpha.less_one());
         most.min((of(2) * known[m].stiffness_square).positive_part().sqrt())
-    });
-    let moved = of_site(&|m| changed[m]);
+    };
+    let (moved, steepest) = (times(&weights, &changed), times(&weights, &steepest));
     let z1 = |n: usize| {
         let near: Interval = columns.iter().zip(&weights).map(|(column, w)| column[n] * *w).sum();
-        near + root(block) * it.neighbours(n, &steepest) + dot(&contacts[n], &moved)
+        near + root(block) * dot(&moduli[n], &steepest) + dot(&contacts[n], &moved)
     };
     let z1: Vec<Interval> = (0..=sites).map(z1).collect();
     // The weight eta of g makes its row at most half as large as the largest.
@@ -316,28 +317,114 @@ pub(super) fn check(
         let defect = it.defect(&l, (&p, g), computed);
         let head = head(&defect, &p);
         let largest: Vec<Interval> = p.iter().map(|p| p.iter().flatten().map(|p| p.abs()).sum()).collect();
-        let times =
-            |of: &dyn Fn(usize) -> Interval| -> Vec<Interval> { (0..sites).map(|m| of(m) * largest[m]).collect() };
-        let (tails, moved) = (times(&|m| tail(m, computed - harmonics)), times(&|m| changed[m]));
+        let (tails, moved) = (times(&largest, &|m| tail(m, computed - harmonics)), times(&largest, &changed));
         let mut error = it.by_site(&|i| dot(&inverse[i], &head).abs());
         for (n, error) in error.iter_mut().enumerate() {
             let beyond = it.places(n, computed).into_iter().filter(|place| place.1 > block);
             let beyond: Interval = beyond.map(|place| entry(&defect, place).abs()).sum();
-            *error = *error + beyond + root(computed) * it.neighbours(n, &tails) + dot(&contacts[n], &moved);
+            *error = *error + beyond + root(computed) * dot(&moduli[n], &tails) + dot(&contacts[n], &moved);
         }
         let [most, own_error] = split(&error, &weights);
         g + (own_error + own * most.max(eta * own_error) / rest).ball()
     };
     let bounds = rates.map(g);
+    let refused = || Refused::Multiplier { z1: (Interval::ONE - rest).hi(), g: Some(bounds.map(|g| [g.lo(), g.hi()])) };
     let ends = match multiplier {
         Multiplier::Doubling { .. } => bounds,
         Multiplier::Growing(_) if (-(bounds[0] * bounds[1])).is_positive() => {
             rates.map(|rate| (rate * of(2) * Interval::PI / system.omega).exp())
         }
-        Multiplier::Growing(_) => [Interval::exact(f64::NAN); 2],
+        Multiplier::Growing(_) => return Err(refused()),
     };
-    let ends = Interval::new(ends[0].lo(), ends[1].hi());
-    let z1 = (Interval::ONE - rest).hi();
-    let refused = Refused::Multiplier { z1, g: Some(bounds.map(|g| [g.lo(), g.hi()])) };
-    if ends.is_nan() { Err(refused) } else { Ok([ends.lo(), ends.hi()]) }
+    if ends[0].lo() <= ends[1].hi() { Ok([ends[0].lo(), ends[1].hi()]) } else { Err(refused()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::{NARROWEST, moments};
+
+    /// A breather of one harmonic on a ring.
+    fn certificate(sites: usize, center: &str) -> Certificate {
+        let rows: String =
+            (0..=sites / 2).map(|n| format!("a 0x0p+0 {}0x1.8p-3\n", if n % 2 == 0 { "-" } else { "" })).collect();
+        let text = format!(
+            "hertzchain certificate 1\nkind breather\nalpha 3/2\nkappa 2\nrho 1/3\nomega 2.05\nmean 0\nblock 1\n\
+             enclosed 64\nsites {sites}\ncenter {center}\n{rows}"
+        );
+        text.parse().unwrap()
+    }
+
+    fn system(certificate: &Certificate) -> System {
+        System { parity: -1.0, ..System::new(certificate).unwrap() }
+    }
+
+    fn known(certificate: &Certificate, system: &System) -> Vec<Moments> {
+        let of_site = |a: &Vec<Interval>| moments(a, certificate.model.alpha, 64, NARROWEST, &|| false).unwrap();
+        system.a.iter().map(of_site).collect()
+    }
+
+    // Truth: L = s^2 (kappa (1 + rho) + rho s^2)/(kappa + rho s^2) with the matrix S of the derivative of
+    // e^{lambda t} (c cos + s sin) in place of s.
+    #[test]
+    fn blocks_of_cosine_and_sine_are_inverses_of_l() {
+        let certificate = certificate(5, "bond");
+        let system = system(&certificate);
+        let known = known(&certificate, &system);
+        let it = Equations::new((&system, &known), [2, 64], &Multiplier::Growing([Exact::ONE; 2]));
+        let (lambda, kappa, rho) = (0.3, 2.0, 1.0 / 3.0);
+        let l = it.factors(&certificate.model, Interval::exact(lambda));
+        type Square = [[f64; 2]; 2];
+        let product = |a: Square, b: Square| [0, 1].map(|i| [0, 1].map(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]));
+        let linear =
+            |x: f64, y: f64, a: Square| [0, 1].map(|i| [0, 1].map(|j| y * a[i][j] + if i == j { x } else { 0.0 }));
+        for k in 1..4 {
+            let omega = 2.05 * k as f64;
+            let square = product([[lambda, omega], [-omega, lambda]], [[lambda, omega], [-omega, lambda]]);
+            let own = |sine: bool| {
+                let forces = it.forces(&l, (0, k, sine));
+                [false, true]
+                    .map(|part| forces.iter().filter(|(place, _)| *place == (0, k, part)).map(|it| it.1.mid()).sum())
+            };
+            // Two from the second difference, and one from the image of this site.
+            let block = [own(false), own(true)];
+            let found = product(block, product(square, linear(kappa * (1.0 + rho), rho, square)));
+            let truth = linear(kappa, rho, square).map(|row| row.map(|x| 3.0 * x));
+            let apart =
+                found.as_flattened().iter().zip(truth.as_flattened()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-12 * omega * omega, "{found:?} {truth:?}");
+        }
+    }
+
+    // Truth: contacts of constant stiffness D have modes sin q (n - 1/2) with the frequency Omega, -L(i Omega) =
+    // 4 sin^2(q/2) D. The multiplier is -1 where Omega is half of omega.
+    #[test]
+    fn minus_one_is_where_a_linear_mode_has_twice_the_period() {
+        let certificate = certificate(7, "bond");
+        let system = system(&certificate);
+        let mut known = known(&certificate, &system);
+        let (square, rho, kappa) = (f64::powi(0.5 * 2.05, 2), 1.0 / 3.0, 2.0);
+        let half = std::f64::consts::PI / 7.0;
+        for turns in 1..=3 {
+            let critical =
+                square * (1.0 + kappa * rho / (kappa - rho * square)) / (4.0 * (half * f64::from(turns)).sin().powi(2));
+            for sine in [false, true] {
+                let mut g = |factor: f64| {
+                    for one in &mut known {
+                        let stiff = factor * critical;
+                        one.stiffness.iter_mut().for_each(|d| *d = Interval::ZERO);
+                        one.stiffness[0] = stiff.into();
+                        one.stiffness_square = Interval::exact(stiff).square();
+                        one.overlap = Interval::exact((stiff / 1.5).powi(2));
+                    }
+                    let (changes, kind) = ([Interval::ZERO; 4], Multiplier::Doubling { sine });
+                    check(&certificate, &kind, (&system, &known, &changes), &|| Ok(()))
+                };
+                let [below, at, above] = [1.0 - 1e-9, 1.0, 1.0 + 1e-9].map(|factor| g(factor).unwrap());
+                assert!(at[0] < 0.0 && 0.0 < at[1], "{turns} {sine}: {at:?}");
+                let [first, last] = [below, above].map(|g| if g[0] * g[1] > 0.0 { g[0].signum() } else { 0.0 });
+                assert!(first * last < 0.0, "{turns} {sine}: {below:?} {above:?}");
+            }
+        }
+    }
 }

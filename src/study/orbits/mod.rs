@@ -12,7 +12,7 @@ use super::{
     branches::{self, Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, files_of_branch},
     options::options,
     part,
-    proof::{self, Proving, near_breather, of_unstable},
+    proof::{self, Proving, near_breather, near_doubling, of_unstable},
 };
 use crate::{
     breathers::DarkBreather,
@@ -278,7 +278,15 @@ impl FollowCommand for Continue {
 
     fn near(&self, branch: &Branch) -> Result<Vec<Certificate>> {
         let tol = branch.continuation.shooting.tol;
-        branch.orbits.iter().map(|orbit| near_breather(orbit, tol)).collect()
+        let mut near = Vec::new();
+        for (k, orbit) in branch.orbits.iter().enumerate() {
+            near.push(near_breather(orbit, tol)?);
+            let after = |it: &&Bifurcation| it.after == k && it.kind == BifurcationKind::PeriodDoubling;
+            for it in branch.bifurcations.iter().filter(after) {
+                near.extend(near_doubling(&it.orbit, tol, orbit.setting.omega_b)?);
+            }
+        }
+        Ok(near)
     }
 }
 
