@@ -50,9 +50,9 @@ options! {
         /// It is proved for the exact decimals and fractions of the parameters (1/3 for the double
         /// nearest to it), about a cosine sum near the computed solution. Of a branch in its
         /// frequency one curve of solutions is proved, piece by piece; the mean strain is linear
-        /// between its points. If a bond-centred dark breather has a real Floquet multiplier above 1,
-        /// it is proved, too, and on branches of these with --bifurcations where their period
-        /// doubles. Exit code 1 if existence is not proved, or not of the whole branch.
+        /// between its points. Where it can, `breather dark` also encloses a real Floquet multiplier
+        /// above 1, and `breather continue --center bond` with --bifurcations the frequencies at which
+        /// the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
         prove: bool = false, [arg(long)];
         /// Write the certificate of the proof to this file.
         ///

@@ -23,8 +23,8 @@ use crate::{
 
 /// `K` of this proof, at most that of the certificate.
 const BLOCK: usize = 8;
-/// `K'` over the number of columns of `1 - A M` that are computed, and over that of the harmonics of the
-/// approximate solution.
+/// `K'` over the number of columns of `1 - A M` that are computed beyond `K`, and over that of the
+/// harmonics of the approximate solution.
 const SHARE: usize = 4;
 /// Corrections of the approximate solution.
 const CORRECTIONS: usize = 3;
@@ -239,7 +239,7 @@ pub(super) fn check(
     // The largest columns of 1 - A M of a site, by site.
     let tail = |m: usize, last: usize| Moments::tail(&known[m].stiffness, known[m].stiffness_square, last);
     let columns = |m: usize| -> Result<Vec<Interval>, Refused> {
-        let computed = enclosed / SHARE;
+        let computed = enclosed / SHARE + block;
         let beyond = tail(m, computed - block) / of(2).sqrt();
         let mut most: Vec<Interval> = reach[m].iter().map(|reach| *reach * beyond).collect();
         for (_, j, sine) in it.places(m, computed) {
