@@ -1,12 +1,25 @@
 //! Certificates: what is to be proved, with a cosine sum near the solution.
 
-use crate::exact::Exact;
+use crate::{exact::Exact, interval::Interval};
 use std::{fmt, str::FromStr};
 
 const HEAD: &str = "hertzchain certificate 1";
 /// Keys of its lines, but for the coefficients.
-const KEYS: [&str; 12] =
-    ["kind", "alpha", "kappa", "rho", "omega", "mean", "to", "block", "enclosed", "q_over_pi", "sites", "center"];
+const KEYS: [&str; 13] = [
+    "kind",
+    "alpha",
+    "kappa",
+    "rho",
+    "omega",
+    "mean",
+    "to",
+    "block",
+    "enclosed",
+    "q_over_pi",
+    "sites",
+    "center",
+    "multiplier",
+];
 /// Largest number of harmonics.
 const MOST: usize = 4096;
 /// Largest block of Newton's method, in unknowns.
@@ -66,6 +79,19 @@ pub enum Orbit {
     Breather(Breather),
 }
 
+/// A real Floquet multiplier of a dark breather, of a perturbation that the reflection maps to its
+/// negative.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Multiplier {
+    /// `e^{lambda T}` with a growth rate `lambda` between these two.
+    Growing([Exact; 2]),
+    /// -1, of a piece of a branch.
+    Doubling {
+        /// Whether the perturbation is a sum of sines, and not of cosines.
+        sine: bool,
+    },
+}
+
 /// All that the checker gets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certificate {
@@ -81,6 +107,8 @@ pub struct Certificate {
     pub enclosed: usize,
     /// The orbit.
     pub orbit: Orbit,
+    /// A multiplier of the breather that is to be proved.
+    pub multiplier: Option<Multiplier>,
 }
 
 impl Certificate {
@@ -94,7 +122,7 @@ impl Certificate {
 
     /// The rules that the checker relies on, in words if one is broken.
     pub(crate) fn valid(&self) -> Result<(), String> {
-        let Self { model: Model { alpha, kappa, rho, omega }, to, block, enclosed, .. } = self;
+        let Self { model: Model { alpha, kappa, rho, omega }, to, block, enclosed, multiplier, .. } = self;
         let rule = |holds: bool, words: &str| if holds { Ok(()) } else { Err(words.to_owned()) };
         rule(alpha.num() > alpha.den(), "alpha must be above 1")?;
         rule(kappa.num() > 0, "kappa must be above 0")?;
@@ -108,6 +136,7 @@ impl Certificate {
         let finite = |a: &[f64]| a.iter().all(|a| a.is_finite());
         match &self.orbit {
             Orbit::Wave(wave) => {
+                rule(multiplier.is_none(), "a multiplier is that of a breather")?;
                 rule(*block <= LARGEST_BLOCK, "the block has at most 2500 unknowns")?;
                 rule(
                     wave.q_over_pi.num().abs() < 1 << 40 && wave.q_over_pi.den() < 1 << 40,
@@ -120,6 +149,14 @@ impl Certificate {
                 let odd = |a: &Vec<f64>| a.iter().skip(1).step_by(2).any(|a| *a != 0.0);
                 let turned = *center == Center::Bond || !a.first().is_some_and(odd);
                 rule(turned, "the centre of a site-centred breather has even harmonics only")?;
+                let growing = |[from, to]: [Interval; 2]| from.is_positive() && (to - from).is_positive();
+                let fits = multiplier.is_none_or(|it| match it {
+                    Multiplier::Growing(rates) => to.is_none() && growing(rates.map(Exact::enclosed)),
+                    Multiplier::Doubling { .. } => to.is_some() && *center == Center::Bond,
+                });
+                let words = "a multiplier is growing, of one breather, at growth rates above 0, the larger one last; \
+                             or -1, of a piece of a branch of bond-centred ones";
+                rule(fits, words)?;
                 rule(rho.is_some(), "the resonators of a breather move: rho must be finite")?;
                 rule(a.len() * (block + 1) < LARGEST_BLOCK, "the block has at most 2500 unknowns")?;
                 rule(a.len() == sites / 2 + 1, "a row of coefficients for each site from the centre to the far end")?;
@@ -131,7 +168,7 @@ impl Certificate {
 
 impl fmt::Display for Certificate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { model: Model { alpha, kappa, rho, omega }, mean, to, block, enclosed, orbit } = self;
+        let Self { model: Model { alpha, kappa, rho, omega }, mean, to, block, enclosed, orbit, multiplier } = self;
         let kind = if matches!(orbit, Orbit::Wave(_)) { "wave" } else { "breather" };
         let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
         writeln!(f, "{HEAD}\nkind {kind}\nalpha {alpha}\nkappa {kappa}\nrho {rho}\nomega {omega}\nmean {mean}")?;
@@ -139,6 +176,13 @@ impl fmt::Display for Certificate {
             writeln!(f, "to {omega} {mean}")?;
         }
         writeln!(f, "block {block}\nenclosed {enclosed}")?;
+        match multiplier {
+            Some(Multiplier::Growing([from, to])) => writeln!(f, "multiplier growing {from} {to}")?,
+            Some(Multiplier::Doubling { sine }) => {
+                writeln!(f, "multiplier -1 {}", if *sine { "sine" } else { "cosine" })?
+            }
+            None => {}
+        }
         let rows = match orbit {
             Orbit::Wave(wave) => {
                 writeln!(f, "q_over_pi {}", wave.q_over_pi)?;
@@ -184,6 +228,12 @@ impl FromStr for Certificate {
             Ok::<_, String>([omega.parse()?, mean.parse()?])
         });
         let to = to.transpose()?;
+        let multiplier = given("multiplier").map(|text| match text.split(' ').collect::<Vec<_>>()[..] {
+            ["growing", from, to] => Ok(Multiplier::Growing([from.parse()?, to.parse()?])),
+            ["-1", part @ ("cosine" | "sine")] => Ok(Multiplier::Doubling { sine: part == "sine" }),
+            _ => Err(format!("multiplier {text} is neither growing with two rates nor -1 with cosine or sine")),
+        });
+        let multiplier = multiplier.transpose()?;
         let mut take = |key: &str| given(key).ok_or_else(|| format!("the line {key} is missing"));
         let rho = take("rho")?;
         let model = Model {
@@ -211,7 +261,7 @@ impl FromStr for Certificate {
         };
         match keys.first() {
             Some((key, _)) => Err(format!("the key {key} is not known")),
-            None => Ok(Self { model, mean, to, block, enclosed, orbit }),
+            None => Ok(Self { model, mean, to, block, enclosed, orbit, multiplier }),
         }
     }
 }

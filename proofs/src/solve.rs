@@ -44,17 +44,18 @@ impl Sizes {
     }
 }
 
-/// The certificate with the solution near the cosine sum of this one. `None` if Newton's method finds
+/// The certificate with the solution near the cosine sum of this one, and its multiplier. `None` if Newton's method finds
 /// none.
 pub fn near(near: &Certificate, sizes: Sizes) -> Option<Certificate> {
     let (model, mean) = (near.model, near.mean);
-    match &near.orbit {
+    let found = match &near.orbit {
         Orbit::Wave(Wave { q_over_pi, a }) => wave(model, *q_over_pi, mean, a, sizes),
         Orbit::Breather(Breather { sites, center, a }) => breather(model, (mean, *sites), *center, a, sizes),
-    }
+    };
+    found.map(|found| Certificate { multiplier: near.multiplier, ..found })
 }
 
-/// Length of the first piece of a strip that is tried, as a share of the strip, and of the shortest.
+/// Length of the first piece of a strip without a multiplier that is tried, as a share of the strip, and of the shortest.
 const LENGTHS: [f64; 2] = [1.0 / 16.0, 1.0 / 1024.0];
 /// Largest radius of a piece over its radius of uniqueness. Balls of this size that meet lie within
 /// the other's ball of uniqueness, if both have the same norm.
@@ -70,7 +71,7 @@ pub struct Strip {
 }
 
 /// The strip of a branch between two certificates near solutions, along which frequency and mean
-/// strain are linear, in pieces as long as can be proved.
+/// strain are linear, in pieces as long as can be proved, and with the multiplier that both have.
 ///
 /// # Errors
 /// [`Refused::Stopped`].
@@ -89,15 +90,17 @@ pub fn strip(
         if s >= 1.0 { Some(ends(to)) } else { Some([between(0)?, between(1)?]) }
     };
     let mut strip = Strip { pieces: Vec::new(), stop: None };
-    let (mut near, mut start, mut s, mut length) = (from.clone(), ends(from), 0.0, LENGTHS[0]);
+    let multiplier = from.multiplier.filter(|it| to.multiplier == Some(*it));
+    let first = if multiplier.is_some() { 1.0 } else { LENGTHS[0] };
+    let (mut near, mut start, mut s, mut length) = (from.clone(), ends(from), 0.0, first);
     while s < 1.0 {
         let rest = ((1.0 - s) / length).ceil();
         let end = if rest > 1.0 { s + (1.0 - s) / rest } else { 1.0 };
-        let piece = at(0.5 * (s + end)).zip(at(end)).and_then(|([omega, mean], to)| {
+        let piece = at(0.5 * (s + end)).zip(at(end)).and_then(|([omega, mean], end)| {
             let near = Certificate { model: Model { omega, ..near.model }, mean, ..near.clone() };
             let middle = self::near(&near, sizes)?;
             let model = Model { omega: start[0], ..near.model };
-            Some(Certificate { model, mean: start[1], to: Some(to), ..middle })
+            Some(Certificate { model, mean: start[1], to: Some(end), multiplier, ..middle })
         });
         let checked = piece.map(|piece| (check(&piece), piece));
         // A ball of a piece of length h has a radius r with h about r - r^2, in units of that of
@@ -151,7 +154,15 @@ pub fn wave(model: Model, q_over_pi: Exact, mean: Exact, guess: &[f64], sizes: S
         if size >= 0.5 * smallest && size < 1e-10 * a[1].abs() || size == 0.0 {
             a.remove(0);
             let orbit = Orbit::Wave(Wave { q_over_pi, a });
-            return Some(Certificate { model, mean, to: None, block, enclosed: sizes.enclosed, orbit });
+            return Some(Certificate {
+                model,
+                mean,
+                to: None,
+                block,
+                enclosed: sizes.enclosed,
+                orbit,
+                multiplier: None,
+            });
         }
         smallest = size.min(smallest);
     }
@@ -239,7 +250,7 @@ pub fn breather(
                 a[0].iter_mut().skip(1).step_by(2).for_each(|a| *a = 0.0);
             }
             let orbit = Orbit::Breather(Breather { sites, center, a });
-            return Some(Certificate { model, mean, to: None, block, enclosed, orbit });
+            return Some(Certificate { model, mean, to: None, block, enclosed, orbit, multiplier: None });
         }
         smallest = size.min(smallest);
     }

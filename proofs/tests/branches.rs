@@ -20,7 +20,7 @@ fn model(omega: &str) -> Model {
 /// A wave of `q = pi/5` near one harmonic.
 fn wave([omega, mean]: [&str; 2], a: f64) -> Certificate {
     let orbit = Orbit::Wave(Wave { q_over_pi: exact("1/5"), a: vec![a] });
-    Certificate { model: model(omega), mean: exact(mean), to: None, block: 1, enclosed: 4, orbit }
+    Certificate { model: model(omega), mean: exact(mean), to: None, block: 1, enclosed: 4, orbit, multiplier: None }
 }
 
 /// A breather on a ring of 15 of mean strain 0, near the profile of a kink.
@@ -32,7 +32,7 @@ fn breather(omega: &str, center: Center, a: f64) -> Certificate {
         vec![if n == 0.0 { -0.2 * a } else { 0.0 }, sign * n.tanh()]
     };
     let orbit = Orbit::Breather(Breather { sites: 15, center, a: (0..8).map(row).collect() });
-    Certificate { model: model(omega), mean: exact("0"), to: None, block: 1, enclosed: 4, orbit }
+    Certificate { model: model(omega), mean: exact("0"), to: None, block: 1, enclosed: 4, orbit, multiplier: None }
 }
 
 fn strip([from, to]: [&Certificate; 2]) -> Strip {

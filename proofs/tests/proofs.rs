@@ -1,12 +1,12 @@
 //! What is proved, and what is refused.
 
 use hertzchain_proofs::{
-    certificate::{Breather, Center, Certificate, Model, Orbit, Wave},
-    check::{Bounds, Proof, Refused, check, check_text, check_until},
+    certificate::{Breather, Center, Certificate, Model, Multiplier, Orbit, Wave},
+    check::{Bounds, Gap, Proof, Refused, check, check_text, check_until, connected, doublings},
     exact::Exact,
     solve::{self, Sizes},
 };
-use std::f64::consts::PI;
+use std::{f64::consts::PI, sync::LazyLock};
 
 fn exact(text: &str) -> Exact {
     text.parse().unwrap()
@@ -160,7 +160,11 @@ fn bounds_are_those_of_the_formulas() {
     ] {
         let model = Model { kappa: exact(kappa), ..model(parameters) };
         let orbit = Orbit::Wave(Wave { q_over_pi: exact(q), a: a.clone() });
-        near(of(&Certificate { model, mean: exact(mean), to: None, block, enclosed, orbit }), truth, q);
+        near(
+            of(&Certificate { model, mean: exact(mean), to: None, block, enclosed, orbit, multiplier: None }),
+            truth,
+            q,
+        );
     }
     let site = [[-0.04, 0.0, 0.006, 0.0], [0.002, -0.15, 0.001, 0.002], [-0.003, 0.16, -0.002, 0.001]];
     let bond = [[-0.03, 0.08, 0.003, 0.001], [0.01, -0.15, 0.004, 0.002], [-0.02, 0.16, -0.002, 0.001]];
@@ -171,7 +175,7 @@ fn bounds_are_those_of_the_formulas() {
         let orbit = Orbit::Breather(Breather { sites: 5, center, a: a.map(|row| row.to_vec()).to_vec() });
         let model = model(["3/2", "1/3", "2.05"]);
         near(
-            of(&Certificate { model, mean: exact("0.01"), to: None, block: 2, enclosed: 8, orbit }),
+            of(&Certificate { model, mean: exact("0.01"), to: None, block: 2, enclosed: 8, orbit, multiplier: None }),
             truth,
             "breather",
         );
@@ -349,4 +353,128 @@ fn breathers_are_proved() {
             proved(["3/2", rho, omega], center);
         }
     }
+}
+
+/// A breather of this mean strain.
+fn dark([rho, omega, mean]: [&str; 3], center: Center, sizes: Sizes) -> Certificate {
+    let Orbit::Breather(near) = breather(["3/2", rho, omega], center, sizes).orbit else { panic!() };
+    solve::breather(model(["3/2", rho, omega]), (exact(mean), 41), center, &near.a, sizes).expect("a breather")
+}
+
+/// With the line of a multiplier within `width` of this one.
+fn growing(certificate: &Certificate, multiplier: f64, width: f64) -> Certificate {
+    let rate = |to: f64| (multiplier + to).ln() * double(certificate.model.omega) / (2.0 * PI);
+    let rates = [-width, width].map(|to| Exact::of_double((rate(to) * 1e18).round() / 1e18).unwrap());
+    Certificate { multiplier: Some(Multiplier::Growing(rates)), ..certificate.clone() }
+}
+
+// Truth: the largest real multipliers of `breather dark`, from tangent maps, with these mean strains.
+#[test]
+fn bond_centred_breathers_are_unstable() {
+    let cases = [
+        (["1/3", "2.05", "-0.0028404899079838325"], 1.075_209_459_199_120_1),
+        (["3", "1.2547", "-0.0005294293165918296"], 1.213_989_977_830_170_6),
+    ];
+    for (parameters, truth) in cases {
+        let certificate = dark(parameters, Center::Bond, Sizes::BREATHER);
+        let near = growing(&certificate, truth, 4e-7);
+        let proof = check(&near).unwrap_or_else(|why| panic!("{parameters:?}: {why}"));
+        let [from, to] = proof.multiplier.unwrap();
+        assert!(1.0 < from && from < truth && truth < to && to - from < 1e-6, "{parameters:?}: {proof:?}");
+        assert_eq!(check_text(&near.to_string()), Ok((near, proof)));
+        // Nothing is proved of an interval beside it: g has one sign.
+        for apart in [-1e-6, 1e-6] {
+            let beside = check(&growing(&certificate, truth + apart, 4e-7));
+            let Err(Refused::Multiplier { g: Some([[a, b], [c, d]]), .. }) = beside else { panic!("{beside:?}") };
+            assert!(a * b > 0.0 && c * d > 0.0 && a * c > 0.0, "{parameters:?} {apart}: {beside:?}");
+        }
+    }
+}
+
+#[test]
+fn multipliers_that_are_not_there_are_refused() {
+    // A site-centred breather has no real multiplier but 1.
+    let site = dark(["1/3", "2.05", "-0.0030654913333259294"], Center::Site, Sizes::BREATHER);
+    for (truth, width) in [(1.075_209, 4e-7), (1.01, 1e-3), (1.05, 1e-3)] {
+        let refused = check(&growing(&site, truth, width));
+        assert!(matches!(refused, Err(Refused::Multiplier { .. })), "{truth}: {refused:?}");
+    }
+    // A breather that is none.
+    let mut moved = growing(&dark(["1/3", "2.05", "0"], Center::Bond, Sizes::BREATHER), 1.075, 1e-2);
+    coefficients(&mut moved)[1] *= 1.05;
+    assert!(matches!(check(&moved), Err(Refused::Bounds(_))));
+    // Rules.
+    let small = Sizes { block: 1, harmonics: 4, enclosed: 4 };
+    let text = dark(["1/3", "2.05", "0"], Center::Bond, small).to_string();
+    for (line, words) in [
+        ("growing 1/50 1/100", "the larger one last"),
+        ("growing 0 1/100", "growth rates above 0"),
+        ("growing 1/100", "is neither growing with two rates"),
+        ("-1 sine", "of a piece of a branch"),
+        ("-1 sines", "nor -1 with cosine or sine"),
+    ] {
+        let refused = check_text(&text.replace("block", &format!("multiplier {line}\nblock")));
+        assert!(matches!(&refused, Err(Refused::Certificate(rule)) if rule.contains(words)), "{line}: {refused:?}");
+    }
+    let wave = Certificate { multiplier: moved.multiplier, ..tw_q15(small) };
+    assert!(matches!(check(&wave), Err(Refused::Certificate(rule)) if rule.contains("of a breather")));
+}
+
+/// A piece of the branch of bond-centred breathers, with a mean strain near that of its period doubling.
+fn piece([from, to]: [&str; 2], sine: bool, sizes: Sizes) -> Certificate {
+    static NEAR: LazyLock<Certificate> =
+        LazyLock::new(|| dark(["1/3", "2.0632584520", "-0.004294689811108139"], Center::Bond, Sizes::BREATHER));
+    let omega = Exact::of_double(0.5 * (double(exact(from)) + double(exact(to)))).unwrap();
+    let near = Certificate { model: Model { omega, ..NEAR.model }, ..NEAR.clone() };
+    let found = solve::near(&near, sizes).expect("a breather");
+    let (model, to) = (Model { omega: exact(from), ..near.model }, Some([exact(to), near.mean]));
+    Certificate { model, to, multiplier: Some(Multiplier::Doubling { sine }), ..found }
+}
+
+// Truth: the frequency at which `breather continue --bifurcations` finds the period doubling, 2.0632584520.
+#[test]
+fn the_period_doubles_where_the_multipliers_say() {
+    let [from, to] = ["2.0632583", "2.0632586"];
+    let ends = [[from, from], [from, to], [to, to]];
+    let proved = |sine: bool, ends: &[[&str; 2]]| {
+        let checked = |ends: &[&str; 2]| {
+            let piece = piece(*ends, sine, Sizes::BREATHER);
+            let proof = check(&piece);
+            (piece, proof)
+        };
+        ends.iter().map(checked).collect::<Vec<_>>()
+    };
+    let mut pieces = proved(true, &ends);
+    assert_eq!(connected(&pieces), (3, None));
+    assert_eq!(doublings(&pieces), [[exact(from), exact(to)]]);
+    // The text of a piece has its line.
+    assert_eq!(check_text(&pieces[1].0.to_string()), Ok((pieces[1].0.clone(), pieces[1].1.clone().unwrap())));
+    // The bounds of g hold for a whole piece.
+    let g = |at: usize| pieces[at].1.as_ref().unwrap().multiplier.unwrap();
+    assert!(g(1)[0] < g(2)[0] && g(2)[1] < 0.0 && 0.0 < g(0)[0] && g(0)[1] < g(1)[1], "{pieces:?}");
+    // Without the piece between them the ends show nothing, and beside it there is none.
+    drop(pieces.remove(1));
+    assert_eq!(connected(&pieces), (1, Some(Gap::Nodes)));
+    for (sine, ends) in [(false, ends), (true, [[to, to], [to, "2.0632589"], ["2.0632589", "2.0632589"]])] {
+        let pieces = proved(sine, &ends);
+        assert!(connected(&pieces) == (3, None) && doublings(&pieces).is_empty(), "{sine}: {pieces:?}");
+    }
+}
+
+// Truth: the bounds of g for many harmonics, which those for few must hold, as those for a wide piece must
+// hold the ones at its ends.
+#[test]
+fn bounds_of_g_hold() {
+    let g = |ends: [&str; 2], sizes: Sizes| {
+        let proof = check(&piece(ends, true, sizes)).unwrap_or_else(|why| panic!("{ends:?} {sizes:?}: {why}"));
+        proof.multiplier.unwrap()
+    };
+    let holds = |wide: [f64; 2], near: [f64; 2]| wide[0] <= near[0] && near[1] <= wide[1];
+    let near = g(["2.063"; 2], Sizes::BREATHER);
+    for (block, harmonics, enclosed) in [(8, 32, 32), (8, 64, 64), (4, 64, 128)] {
+        let few = g(["2.063"; 2], Sizes { block, harmonics, enclosed });
+        assert!(holds(few, near), "{block} {harmonics} {enclosed}: {few:?} {near:?}");
+    }
+    let (wide, end) = (g(["2.063", "2.06301"], Sizes::BREATHER), g(["2.06301"; 2], Sizes::BREATHER));
+    assert!(holds(wide, near) && holds(wide, end), "{wide:?} {near:?} {end:?}");
 }

@@ -13,8 +13,8 @@ use crate::{
     waves::{ExactWave, MeanStrain},
 };
 use hertzchain_proofs::{
-    certificate::{self, Breather, Center, Certificate, Model, Wave},
-    check::{Bounds, Gap, Proof, Refused, check_until, connected},
+    certificate::{self, Breather, Center, Certificate, Model, Multiplier, Wave},
+    check::{Bounds, Gap, Proof, Refused, check_until, connected, doublings},
     exact::Exact,
     solve::{self, Sizes, Strip},
 };
@@ -35,6 +35,10 @@ const HARMONICS: usize = 128;
 /// Radii over amplitudes that ask for more harmonics, and for how many times as many.
 pub(super) const WAVE: (f64, usize) = (1e-10, 6);
 pub(super) const BREATHER: (f64, usize) = (1e-9, 4);
+/// Half of the width of the interval of a multiplier that is to be proved.
+const WIDTH: f64 = 4e-7;
+/// The same of the frequency at which a multiplier is -1.
+const WIDTH_OF_DOUBLING: f64 = 1e-7;
 /// Samples of half a period from which they are computed.
 const SAMPLES: u32 = 512;
 
@@ -46,7 +50,9 @@ options! {
         /// It is proved for the exact decimals and fractions of the parameters (1/3 for the double
         /// nearest to it), about a cosine sum near the computed solution. Of a branch in its
         /// frequency one curve of solutions is proved, piece by piece; the mean strain is linear
-        /// between its points. Exit code 1 if nothing is proved, or not the whole branch.
+        /// between its points. Where it can, `breather dark` also encloses a real Floquet multiplier
+        /// above 1, and `breather continue --center bond` with --bifurcations the frequencies at which
+        /// the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
         prove: bool = false, [arg(long)];
         /// Write the certificate of the proof to this file.
         ///
@@ -126,6 +132,9 @@ impl Proving {
             let [from, to] = [0, 1].map(|end| &ends[end]);
             let sizes = match from.orbit {
                 certificate::Orbit::Wave(_) => Sizes::WAVE_PIECE,
+                certificate::Orbit::Breather(_) if from.multiplier.is_some() && to.multiplier.is_some() => {
+                    Sizes::BREATHER
+                }
                 certificate::Orbit::Breather(_) => Sizes::BREATHER_PIECE,
             };
             let check = |piece: &Certificate| {
@@ -188,8 +197,16 @@ fn searched(
     (share, times): (f64, usize),
     certificate: impl Fn(usize) -> Result<Option<Certificate>>,
 ) -> Result<Option<(Certificate, Checked)>> {
-    let of = |more: usize| {
-        certificate(more)?.map(|certificate| checked(&certificate).map(|proof| (certificate, proof))).transpose()
+    let of = |more: usize| -> Result<Option<(Certificate, Checked)>> {
+        let Some(certificate) = certificate(more)? else { return Ok(None) };
+        let proved = match checked(&certificate)? {
+            Err(Refused::Multiplier { .. }) => {
+                let without = Certificate { multiplier: None, ..certificate };
+                checked(&without).map(|proof| (without, proof))?
+            }
+            proof => (certificate, proof),
+        };
+        Ok(Some(proved))
     };
     let usual = of(1)?;
     let near = |(_, proof): &(_, Checked)| matches!(proof, Ok(it) if it.radius <= share * it.amplitude);
@@ -245,9 +262,15 @@ fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: Option<
     let radius = proofs().map(|proof| proof.radius).reduce(f64::max);
     let share = proofs().map(|proof| proof.radius / proof.amplitude).reduce(f64::max);
     let unique = proofs().map(|proof| proof.uniqueness_radius).reduce(f64::min);
+    let doublings: Vec<[f64; 2]> = doublings(pieces)
+        .into_iter()
+        .map(|ends| ends.map(Exact::enclosed))
+        .map(|[from, to]| [from.min(to).lo(), from.max(to).hi()])
+        .collect();
     let mut value = json!({
         "proved": stop.is_none(), "pieces": pieces.len(), "from": from, "to": to, "radius": radius,
         "uniqueness_radius": unique, "norm": pieces.first().map(|(piece, _)| norm(piece)), "rounding": "outward",
+        "period_doublings": doublings,
     });
     let words = match (from, to, share) {
         (Some(from), Some(to), Some(share)) => format!(
@@ -267,7 +290,9 @@ fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: Option<
     if let Some(failure) = &failure {
         value["reason"] = Value::from(failure.as_str());
     }
-    report.fact("proof", value).words(words).failure(failure)
+    let doubling = |[from, to]: &[f64; 2]| format!("At a frequency from {from} to {to} a Floquet multiplier is -1.");
+    let doublings: Vec<String> = doublings.iter().map(doubling).collect();
+    report.fact("proof", value).words(words).words(doublings.join(" ")).failure(failure)
 }
 
 /// Adds to a report what is proved of a certificate.
@@ -285,6 +310,7 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
         "radius_velocity": radius(|it| it.radius_velocity), "radius_velocity_y": radius(|it| it.radius_velocity_y),
         "uniqueness_radius": radius(|it| it.uniqueness_radius), "y0": bound(|it| it.y0), "z1": bound(|it| it.z1),
         "z2": bound(|it| it.z2), "harmonics": harmonics, "block": block, "norm": norm, "rounding": "outward",
+        "multiplier": proof.as_ref().ok().and_then(|it| it.multiplier),
     });
     match proof {
         Ok(proof) => {
@@ -298,7 +324,10 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
                 up(bounds.z1),
                 up(bounds.z2)
             );
-            report.fact("proof", value).words(words)
+            let grows = |[from, to]: [f64; 2]| {
+                format!("Proved: it is unstable, with a real Floquet multiplier between {from} and {to}.")
+            };
+            report.fact("proof", value).words(words).words(proof.multiplier.map_or(String::new(), grows))
         }
         Err(why) => {
             let words = format!("not proved: {why}");
@@ -364,9 +393,32 @@ pub(super) fn near_breather(orbit: &Orbit, tol: f64) -> Result<Certificate> {
     Ok(near(model(setting.params, setting.omega_b)?, mean, orbit))
 }
 
+/// The ends of the pieces that prove a period doubling, along a branch that comes to this orbit from the
+/// frequency `before`; none if these ends are not on both sides of it.
+pub(super) fn near_doubling(orbit: &Orbit, tol: f64, before: f64) -> Result<Vec<Certificate>> {
+    let (near, omega) = (near_breather(orbit, tol)?, orbit.setting.omega_b);
+    let step = WIDTH_OF_DOUBLING.copysign(omega - before);
+    for sine in [true, false] {
+        let at = |omega: f64| -> Result<(Certificate, f64)> {
+            let model = model(orbit.setting.params, rounded(omega))?;
+            let (to, multiplier) = (Some([model.omega, near.mean]), Some(Multiplier::Doubling { sine }));
+            let end = Certificate { model, to, multiplier, ..near.clone() };
+            let found = solve::near(&end, Sizes::BREATHER).map(|found| checked(&Certificate { to, ..found }));
+            let g = found.transpose()?.and_then(|proof| proof.ok()?.multiplier);
+            let sign = g.filter(|[lo, hi]| lo * hi > 0.0).map_or(f64::NAN, |[lo, _]| lo.signum());
+            Ok((Certificate { to: None, ..end }, sign))
+        };
+        let ((from, g), (to, h)) = (at(omega - step)?, at(omega + step)?);
+        if g * h < 0.0 {
+            return Ok(vec![from.clone(), from, to.clone(), to]);
+        }
+    }
+    Ok(Vec::new())
+}
+
 /// A certificate that only says near what.
 fn near(model: Model, mean: Exact, orbit: certificate::Orbit) -> Certificate {
-    Certificate { model, mean, to: None, block: 1, enclosed: HARMONICS, orbit }
+    Certificate { model, mean, to: None, block: 1, enclosed: HARMONICS, orbit, multiplier: None }
 }
 
 /// The certificate of a wave with these Fourier coefficients of `X`.
@@ -377,6 +429,15 @@ pub(super) fn of_wave(wave: &ExactWave, fourier: &[f64], more: usize) -> Result<
 /// The certificate of a dark breather: of the orbit with the mean strain of this one.
 pub(super) fn of_breather(orbit: &Orbit, tol: f64, more: usize) -> Result<Option<Certificate>> {
     Ok(solve::near(&near_breather(orbit, tol)?, Sizes::BREATHER.times(more)))
+}
+
+/// The same, with the multiplier if it is above 1.
+pub(super) fn of_unstable(orbit: &Orbit, multiplier: f64, tol: f64, more: usize) -> Result<Option<Certificate>> {
+    let period = orbit.setting.period();
+    let rate = |to: f64| Exact::of_double(rounded((multiplier + to).ln() / period));
+    let rates = rate(-WIDTH).zip(rate(WIDTH)).filter(|_| multiplier > 1.0 + WIDTH);
+    let multiplier = rates.map(|(from, to)| Multiplier::Growing([from, to]));
+    Ok(of_breather(orbit, tol, more)?.map(|it| Certificate { multiplier, ..it }))
 }
 
 options! {

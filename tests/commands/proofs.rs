@@ -123,6 +123,14 @@ fn dark_breathers_are_proved_and_lie_in_the_ball() {
         let (proof, amplitude) = (&found["proof"], number(&found["k_x"]));
         let radius = number(&proof["radius"]);
         assert!(proof["proved"] == true && radius < 1e-9 * amplitude, "{options}: {proof}");
+        // The largest real multiplier is that of the tangent map.
+        let real = found["multipliers"].as_array().unwrap().iter().find(|one| one["kind"] == "real");
+        let bounds = proof["multiplier"].as_array().map(|ends| [number(&ends[0]), number(&ends[1])]);
+        assert_eq!(bounds.is_some(), options.contains("bond"), "{options}: {proof}");
+        if let Some(([from, to], real)) = bounds.zip(real) {
+            let real = number(&real["re"]);
+            assert!(1.0 < from && from < real && real < to && to - from < 1e-6, "{options}: {proof} {real}");
+        }
         let certificate: Certificate = fs::read_to_string(&file).unwrap().parse().unwrap();
         let Orbit::Breather(breather) = &certificate.orbit else { panic!("{certificate:?}") };
         // Sites from the centre to the far end, which for a bond-centred breather is site -N.
@@ -178,6 +186,17 @@ fn a_branch_of_breathers_is_proved() {
         let proof = &found["proof"];
         assert!(proof["proved"] == true && number(&proof["pieces"]) > 3.0, "{center}: {proof}");
     }
+}
+
+// Truth: the bifurcation of the branch by shooting, from a change of sign of the multipliers.
+#[test]
+#[ignore = "nightly: half a minute"]
+fn a_period_doubling_is_proved() {
+    let line = "breather continue --center bond --from 2.0632 --to 2.0633 --step 1e-4 --bifurcations --prove";
+    let found = json(line);
+    let (proof, at) = (&found["proof"], number(&found["bifurcations"][0]["parameter"]));
+    let [from, to] = [0, 1].map(|end| number(&proof["period_doublings"][0][end]));
+    assert!(proof["proved"] == true && from < at && at < to && to - from < 1e-6, "{proof} {at}");
 }
 
 // From the first scene to that in which the ansatz fails, and down to `epsilon` = 1e-3 in its scaling

@@ -8,7 +8,7 @@
 use super::{
     Moments, Proof, Refused, System, ladder,
     moments::{NARROWEST, NARROWEST_ALONG, moments},
-    of, radii,
+    multiplier, of, radii,
 };
 use crate::{
     certificate::Certificate,
@@ -31,11 +31,11 @@ fn stiffness(d: &[Interval], k: usize, j: usize) -> Interval {
     }
 }
 
-fn dot(a: &[Interval], b: &[Interval]) -> Interval {
+pub(super) fn dot(a: &[Interval], b: &[Interval]) -> Interval {
     a.iter().zip(b).map(|(a, b)| *a * *b).sum()
 }
 
-fn kronecker(equal: bool) -> Interval {
+pub(super) fn kronecker(equal: bool) -> Interval {
     if equal { Interval::ONE } else { Interval::ZERO }
 }
 
@@ -122,7 +122,7 @@ impl Unknowns {
 }
 
 /// A floating-point inverse, which need not be accurate: Gauss-Jordan elimination with pivots.
-fn approximate_inverse(mut rows: Vec<Vec<f64>>) -> Vec<Vec<Interval>> {
+pub(super) fn approximate_inverse(mut rows: Vec<Vec<f64>>) -> Vec<Vec<Interval>> {
     let n = rows.len();
     for (i, row) in rows.iter_mut().enumerate() {
         row.resize(2 * n, 0.0);
@@ -143,7 +143,7 @@ fn approximate_inverse(mut rows: Vec<Vec<f64>>) -> Vec<Vec<Interval>> {
 }
 
 /// A positive vector, at most 1, near the eigenvector of the largest eigenvalue.
-fn perron(rows: &[Vec<Interval>]) -> Vec<Interval> {
+pub(super) fn perron(rows: &[Vec<Interval>]) -> Vec<Interval> {
     let mut vector = vec![1.0; rows.len()];
     for _ in 0..50 {
         let next: Vec<f64> = rows.iter().map(|row| row.iter().zip(&vector).map(|(a, b)| a.mid() * b).sum()).collect();
@@ -181,7 +181,8 @@ impl<'a> Terms<'a> {
         let (block, enclosed, alpha) = (certificate.block, certificate.enclosed, certificate.model.alpha);
         let piece = certificate.to.is_some();
         let unknowns = Unknowns::new(&system, block);
-        let narrowest = if piece { NARROWEST_ALONG } else { NARROWEST };
+        let ends = [certificate.model.omega, certificate.mean];
+        let narrowest = if certificate.to.is_none_or(|to| to == ends) { NARROWEST } else { NARROWEST_ALONG };
         let known = system.a.iter().map(|a| {
             let known = moments(a, alpha, enclosed, narrowest, &|| go_on().is_err());
             go_on()?;
@@ -430,6 +431,11 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
         return Err(Refused::Rest(radius.hi(), amplitude.lo()));
     }
     let changes: Vec<Interval> = weights.iter().map(|w| *w * radius + of(2).sqrt() * moved.abs()).collect();
+    let multiplier = certificate.multiplier.as_ref().map(|multiplier| {
+        let system = System { parity: -1.0, ..System::new(certificate)? };
+        multiplier::check(certificate, multiplier, (&system, known, &changes), &go_on)
+    });
+    let multiplier = multiplier.transpose()?;
     // The mean of a wave is no unknown.
     let unknown = &system.resonators[usize::from(system.means.is_none())..];
     let resonators = unknown.iter().copied().fold(Interval::ZERO, Interval::max);
@@ -443,6 +449,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
         amplitude: amplitude.lo(),
         bounds,
         weights: weights.into_iter().map(Interval::hi).collect(),
+        multiplier,
     })
 }
 
@@ -526,7 +533,7 @@ mod tests {
             }
         };
         let model = Model { alpha: exact("3/2"), kappa: Exact::ONE, rho: Some(exact("1/3")), omega: exact(omega) };
-        Certificate { model, mean: exact("0"), to: None, block: 1, enclosed: 4, orbit }
+        Certificate { model, mean: exact("0"), to: None, block: 1, enclosed: 4, orbit, multiplier: None }
     }
 
     // The weight of c_0 is free, so a row that is left out changes no bound that is printed.

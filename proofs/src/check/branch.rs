@@ -1,8 +1,9 @@
-//! Whether the pieces of a branch are proved of one curve of solutions.
+//! Whether the pieces of a branch are proved of one curve of solutions, and where its period doubles.
 
 use super::{Proof, Refused, of};
 use crate::{
-    certificate::{Certificate, Orbit},
+    certificate::{Certificate, Multiplier, Orbit},
+    exact::Exact,
     interval::Interval,
 };
 use std::fmt;
@@ -41,8 +42,8 @@ impl fmt::Display for Gap {
 /// The part of a certificate that all pieces share.
 fn frame(certificate: &Certificate) -> Certificate {
     let mut frame = certificate.clone();
-    (frame.model.omega, frame.mean, frame.to) = (crate::exact::Exact::ONE, crate::exact::Exact::ONE, None);
-    (frame.block, frame.enclosed) = (0, 0);
+    (frame.model.omega, frame.mean, frame.to) = (Exact::ONE, Exact::ONE, None);
+    (frame.block, frame.enclosed, frame.multiplier) = (0, 0, None);
     match &mut frame.orbit {
         Orbit::Wave(wave) => wave.a.clear(),
         Orbit::Breather(breather) => breather.a.clear(),
@@ -87,6 +88,29 @@ pub fn connected(pieces: &[(Certificate, Result<Proof, Refused>)]) -> (usize, Op
         }
     }
     (pieces.len(), None)
+}
+
+/// Frequencies between which a Floquet multiplier is -1, of connected pieces: `g` is continuous along
+/// pieces for which the bound of it is proved, of one kind of perturbation, and changes its sign.
+pub fn doublings(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[Exact; 2]> {
+    let mut found = Vec::new();
+    // The kind, the sign of g on the last piece where it has one, and the frequency where that ends.
+    let mut before: Option<(Multiplier, bool, Exact)> = None;
+    for (piece, proof) in pieces {
+        let g = proof.as_ref().ok().and_then(|proof| proof.multiplier);
+        let (Some(kind @ Multiplier::Doubling { .. }), Some([lo, hi]), Some([end, _])) =
+            (piece.multiplier, g, piece.to)
+        else {
+            before = None;
+            continue;
+        };
+        before = before.filter(|it| it.0 == kind);
+        if lo > 0.0 || hi < 0.0 {
+            found.extend(before.filter(|it| it.1 != (lo > 0.0)).map(|it| [it.2, piece.model.omega]));
+            before = Some((kind, lo > 0.0, end));
+        }
+    }
+    found
 }
 
 /// Whether a piece continues the one before it: the solutions of both at their common parameters are

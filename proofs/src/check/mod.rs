@@ -5,17 +5,19 @@
 //! | `system.rs` | the equations of waves and of breathers, with their factors `l_k` |
 //! | `moments.rs` | encloses the Fourier coefficients of contact forces and stiffnesses |
 //! | `bounds.rs` | the bounds `Y0`, `Z1`, `Z2` |
-//! | `branch.rs` | whether pieces of a branch make one |
+//! | `multiplier.rs` | real Floquet multipliers of breathers |
+//! | `branch.rs` | whether pieces of a branch make one, and where its period doubles |
 //! | this file | the inequalities, from which the radii follow |
 
 mod bounds;
 mod branch;
 mod moments;
+mod multiplier;
 mod system;
 
 use system::System;
 
-pub use branch::{Gap, connected};
+pub use branch::{Gap, connected, doublings};
 pub use moments::{Moments, NARROWEST, moments};
 
 use crate::{certificate::Certificate, exact::Exact, interval::Interval};
@@ -45,6 +47,9 @@ pub struct Proof {
     pub bounds: Bounds,
     /// `W_n`, the weights of the sites in the norm.
     pub weights: Vec<f64>,
+    /// Bounds of the multiplier that the certificate has a line for; of -1 those of `g`, see
+    /// [`doublings`].
+    pub multiplier: Option<[f64; 2]>,
 }
 
 /// Upper bounds of the defect `Y0`, of `Z1` and of the Hölder constant `Z2`.
@@ -75,6 +80,13 @@ pub enum Refused {
     Bounds(Bounds),
     /// The ball holds the state at rest, or is as large: the radius, and the first harmonic.
     Rest(f64, f64),
+    /// A multiplier is not proved.
+    Multiplier {
+        /// Upper bound of `|1 - A M|`.
+        z1: f64,
+        /// Bounds of `g` at both growth rates, if the first one is below 1.
+        g: Option<[[f64; 2]; 2]>,
+    },
 }
 
 impl fmt::Display for Refused {
@@ -101,6 +113,14 @@ impl fmt::Display for Refused {
                     "Y0 = {y0:.2e}, Z1 = {z1:.2e}, Z2 = {z2:.2e} admit no radius: the cosine sum is too far from a solution, or the block too small"
                 )
             }
+            Self::Multiplier { z1, g: None } => {
+                write!(f, "the perturbations are not separated from others: their Z1 = {z1:.2e} is not below 1")
+            }
+            Self::Multiplier { g: Some([[a, b], [c, d]]), .. } => write!(
+                f,
+                "no multiplier is proved: g is from {a:.2e} to {b:.2e} at the one growth rate, from {c:.2e} to {d:.2e} \
+                 at the other"
+            ),
             Self::Rest(radius, first) => {
                 write!(
                     f,

@@ -32,8 +32,11 @@ pub(super) struct System {
     pub(super) decay: Interval,
     /// The equations for `k = 0`, which a wave lacks: shares of the sites in the ring, and the mean.
     pub(super) means: Option<(Vec<Interval>, Interval)>,
-    /// Whether site 0 is the centre of a site-centred breather, with even harmonics only.
-    centred: bool,
+    /// Whether site 0 is the centre of a site-centred breather.
+    pub(super) centred: bool,
+    /// 1 for what has the symmetry of a breather, so even harmonics only at the centre of a
+    /// site-centred one; -1 for perturbations that the reflection maps to their negative.
+    pub(super) parity: f64,
 }
 
 impl System {
@@ -67,12 +70,13 @@ impl System {
                 (a.iter().map(|a| row(a)).collect(), means, centred)
             }
         };
-        Ok(Self { a, factors, slopes, shift, omega, resonators, decay, means, centred })
+        Ok(Self { a, factors, slopes, shift, omega, resonators, decay, means, centred, parity: 1.0 })
     }
 
     /// Whether harmonic `k` of a site is unknown.
     pub(super) fn has(&self, n: usize, k: usize) -> bool {
-        (k > 0 || self.means.is_some()) && !(self.centred && n == 0 && k % 2 == 1)
+        let (fixed, turned) = if self.centred { (0, k % 2 == 1) } else { (self.a.len() - 1, false) };
+        (k > 0 || self.means.is_some()) && (n != fixed || turned == (self.parity < 0.0))
     }
 
     /// All values of `l_k`.
@@ -89,8 +93,8 @@ impl System {
         if self.means.is_none() {
             return vec![(0, 1.0)];
         }
-        let (last, turned) = (self.a.len() - 1, if k % 2 == 1 { -1.0 } else { 1.0 });
-        let outside = |site, bond| if self.centred { (site, turned) } else { (bond, 1.0) };
+        let (last, turned) = (self.a.len() - 1, if k % 2 == 1 { -self.parity } else { self.parity });
+        let outside = |site, bond| if self.centred { (site, turned) } else { (bond, self.parity) };
         let left = if n > 0 { (n - 1, 1.0) } else { outside(1, 0) };
         let right = if n < last { (n + 1, 1.0) } else { outside(last, last - 1) };
         vec![(n, 2.0), (left.0, -left.1), (right.0, -right.1)]

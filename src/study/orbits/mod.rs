@@ -12,7 +12,7 @@ use super::{
     branches::{self, Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, files_of_branch},
     options::options,
     part,
-    proof::{self, Proving, near_breather, of_breather},
+    proof::{self, Proving, near_breather, near_doubling, of_unstable},
 };
 use crate::{
     breathers::DarkBreather,
@@ -125,8 +125,9 @@ impl Study for Dark {
         Ok(Box::new(move |_, _| {
             let study = self.study(&breather)?;
             let report = study.report().file("dark-breather.npz", study.npz()?);
-            let (orbit, tol) = (&study.study.orbit, self.ring.tol);
-            self.proving.added(report, proof::BREATHER, |times| of_breather(orbit, tol, times))
+            let (OrbitStudy { orbit, spectrum, .. }, tol) = (&study.study, self.ring.tol);
+            let largest = spectrum.largest_real();
+            self.proving.added(report, proof::BREATHER, |times| of_unstable(orbit, largest, tol, times))
         }))
     }
 }
@@ -277,7 +278,15 @@ impl FollowCommand for Continue {
 
     fn near(&self, branch: &Branch) -> Result<Vec<Certificate>> {
         let tol = branch.continuation.shooting.tol;
-        branch.orbits.iter().map(|orbit| near_breather(orbit, tol)).collect()
+        let mut near = Vec::new();
+        for (k, orbit) in branch.orbits.iter().enumerate() {
+            near.push(near_breather(orbit, tol)?);
+            let after = |it: &&Bifurcation| it.after == k && it.kind == BifurcationKind::PeriodDoubling;
+            for it in branch.bifurcations.iter().filter(after) {
+                near.extend(near_doubling(&it.orbit, tol, orbit.setting.omega_b)?);
+            }
+        }
+        Ok(near)
     }
 }
 

@@ -1,0 +1,430 @@
+//! Real Floquet multipliers of a dark breather: one above 1, or -1.
+//!
+//! Perturbations `e^{lambda t} p_n(t)` of its strains that the reflection maps to their negative, `p_n =
+//! sum_k c_nk cos (k + sigma/2) omega t + s_nk sin (k + sigma/2) omega t`, obey with `g = 0`
+//!
+//! `z_nk + l_k sum_m e_nm (D_m p_m)_k = g phi_nk`, `z = c - i s`, `l_k = 1/L(lambda + i (k + sigma/2) omega)`.
+//!
+//! `sigma` is 0 for a multiplier `e^{lambda T}`. For -1 it is 1, `lambda` is 0, and sines and cosines have
+//! equations of their own. Here `g` is an unknown, one coefficient of `p` is 1, and `phi` is 1 in the
+//! equation of this coefficient and 0 in all others. If `|1 - A M| < 1` for the matrix `M` of these linear
+//! equations and some `A`, they have one solution, and `g` is a continuous function of all parameters.
+
+use super::{
+    Moments, Refused, System,
+    bounds::{approximate_inverse, dot, kronecker, perron},
+    of,
+};
+use crate::{
+    certificate::{Certificate, Model, Multiplier},
+    exact::Exact,
+    interval::{Complex, Interval, norm},
+};
+
+/// `K` of this proof, at most that of the certificate.
+const BLOCK: usize = 8;
+/// `K'` over the number of columns of `1 - A M` that are computed beyond `K`, and over that of the
+/// harmonics of the approximate solution.
+const SHARE: usize = 4;
+/// Corrections of the approximate solution.
+const CORRECTIONS: usize = 3;
+
+/// Site, harmonic, and whether it is the coefficient of a sine.
+type Place = (usize, usize, bool);
+/// Coefficients of cosines and of sines, by site and harmonic.
+type Field = Vec<[Vec<Interval>; 2]>;
+
+/// The equations of the perturbations.
+struct Equations<'a> {
+    system: &'a System,
+    known: &'a [Moments],
+    /// `K'`.
+    enclosed: usize,
+    /// `sigma`.
+    odd: usize,
+    /// Which parts there are: cosines (`false`), sines.
+    parts: &'static [bool],
+    /// The unknowns of the block.
+    all: Vec<Place>,
+    /// The index of the coefficient that is 1.
+    pinned: usize,
+}
+
+impl<'a> Equations<'a> {
+    fn new(
+        (system, known): (&'a System, &'a [Moments]),
+        [block, enclosed]: [usize; 2],
+        multiplier: &Multiplier,
+    ) -> Self {
+        let (odd, parts): (_, &[bool]) = match multiplier {
+            Multiplier::Growing(_) => (0, &[false, true]),
+            Multiplier::Doubling { sine: false } => (1, &[false]),
+            Multiplier::Doubling { sine: true } => (1, &[true]),
+        };
+        let mut it = Self { system, known, enclosed, odd, parts, all: Vec::new(), pinned: 0 };
+        it.all = (0..known.len()).flat_map(|n| it.places(n, block)).collect();
+        it.pinned = it.index((usize::from(system.centred), 1 - odd, parts[0])).unwrap_or(0);
+        it
+    }
+
+    /// The coefficients of a site up to harmonic `last`.
+    fn places(&self, n: usize, last: usize) -> Vec<Place> {
+        let each = (0..=last).flat_map(|k| self.parts.iter().map(move |sine| (n, k, *sine)));
+        each.filter(|place| self.has(*place)).collect()
+    }
+
+    fn has(&self, (n, k, sine): Place) -> bool {
+        n < self.known.len() && self.system.has(n, k) && (k + self.odd > 0 || !sine)
+    }
+
+    fn index(&self, place: Place) -> Option<usize> {
+        self.all.iter().position(|other| *other == place)
+    }
+
+    /// The unknowns of a site in the block.
+    fn at(&self, n: usize) -> impl Iterator<Item = (usize, &Place)> {
+        self.all.iter().enumerate().filter(move |(_, place)| place.0 == n)
+    }
+
+    /// The weight of a harmonic in the norm: `sqrt 2` for a mean.
+    fn weight(&self, k: usize) -> Interval {
+        of(if k + self.odd == 0 { 2 } else { 1 }).sqrt()
+    }
+
+    /// `l_k = (1/s^2 + rho^2/(kappa (1 + rho) + rho s^2))/(1 + rho)` up to `K'`.
+    fn factors(&self, model: &Model, lambda: Interval) -> Vec<Complex> {
+        let [kappa, rho] = [model.kappa.enclosed(), model.rho.map_or(Interval::ZERO, Exact::enclosed)];
+        let more = Interval::ONE + rho;
+        let over = |z: Complex, factor: Interval| {
+            let scale = factor / (more * (z.re.square() + z.im.square()));
+            Complex { re: z.re * scale, im: -z.im * scale }
+        };
+        let factor = |k: usize| {
+            let frequency = of(2 * k + self.odd) / of(2) * self.system.omega;
+            let square = Complex { re: lambda.square() - frequency.square(), im: of(2) * lambda * frequency };
+            let den = Complex { re: kappa * more + rho * square.re, im: rho * square.im };
+            over(square, Interval::ONE) + over(den, rho.square())
+        };
+        (0..=self.enclosed).map(factor).collect()
+    }
+
+    /// The coefficient of harmonic `k` in `D_m` times harmonic `j`, of one part.
+    fn stiffness(&self, m: usize, k: usize, (j, sine): (usize, bool)) -> Interval {
+        let h = |l: usize| self.known[m].stiffness[l] / of(if l == 0 { 1 } else { 2 });
+        let (near, far) = (h(k.abs_diff(j)), h(k + j + self.odd));
+        let both = if sine { near - far } else { near + far };
+        if k + self.odd == 0 { both / of(2) } else { both }
+    }
+
+    /// The places of `D p` in the equation of a place, and their factors: the parts of `l_k z` are `re c +
+    /// im s` and `re s - im c`.
+    fn forces(&self, l: &[Complex], (n, k, sine): Place) -> Vec<(Place, Interval)> {
+        let factor = |part: bool| match (sine, part) {
+            (false, true) => l[k].im,
+            (true, false) => -l[k].im,
+            _ => l[k].re,
+        };
+        let of_site = |(m, e): (usize, f64)| {
+            self.parts.iter().map(move |part| ((m, k, *part), Interval::exact(e) * factor(*part)))
+        };
+        let all = self.system.coupled(n, k).into_iter().flat_map(of_site);
+        all.filter(|(place, _)| self.has(*place)).collect()
+    }
+
+    /// `M` on the unknowns of the block, rounded to nearest.
+    fn matrix(&self, l: &[Complex]) -> Vec<Vec<f64>> {
+        let last = self.all.len();
+        let mut matrix = vec![vec![0.0; last + 1]; last + 1];
+        for (i, place) in self.all.iter().enumerate() {
+            matrix[i][i] += 1.0;
+            for ((m, k, part), factor) in self.forces(l, *place) {
+                for (j, other) in self.at(m).filter(|(_, other)| other.2 == part) {
+                    matrix[i][j] += (factor * self.stiffness(m, k, (other.1, part))).mid();
+                }
+            }
+        }
+        matrix[last][self.pinned] = 1.0;
+        matrix[self.pinned][last] = -1.0;
+        matrix
+    }
+
+    /// Sums over the rows of each site with the weights of the norm, and the row of `g`.
+    fn by_site(&self, of_row: &dyn Fn(usize) -> Interval) -> Vec<Interval> {
+        let mut sums = vec![Interval::ZERO; self.known.len() + 1];
+        for (i, (n, k, _)) in self.all.iter().enumerate() {
+            sums[*n] = sums[*n] + self.weight(*k) * of_row(i);
+        }
+        sums[self.known.len()] = of_row(self.all.len());
+        sums
+    }
+
+    /// `|e_nm|` by `m`, of rows beyond the block; 0 for `g`, which has none.
+    fn moduli(&self, n: usize) -> Vec<Interval> {
+        let mut moduli = vec![Interval::ZERO; self.known.len()];
+        if !self.places(n, 1).is_empty() {
+            self.system.coupled(n, 0).into_iter().for_each(|(m, e)| moduli[m] = moduli[m] + e.abs().into());
+        }
+        moduli
+    }
+
+    /// Left-hand sides less right-hand sides of the equations up to harmonic `last`.
+    fn defect(&self, l: &[Complex], (p, g): (&Field, Interval), last: usize) -> Field {
+        let product = |m: usize, sine: bool| -> Vec<Interval> {
+            let row = p[m][usize::from(sine)].iter().enumerate();
+            (0..=last).map(|k| row.clone().map(|(j, p)| self.stiffness(m, k, (j, sine)) * *p).sum()).collect()
+        };
+        let products: Field = (0..p.len()).map(|m| [false, true].map(|sine| product(m, sine))).collect();
+        let mut defect = p.clone();
+        for (n, rows) in defect.iter_mut().enumerate() {
+            rows.iter_mut().for_each(|row| row.resize(last + 1, Interval::ZERO));
+            for place in self.places(n, last) {
+                let force = |((m, k, part), factor): (Place, _)| factor * products[m][usize::from(part)][k];
+                let sum = self.forces(l, place).into_iter().map(force).sum();
+                let own = &mut rows[usize::from(place.2)][place.1];
+                *own = *own + sum - kronecker(place == self.all[self.pinned]) * g;
+            }
+        }
+        defect
+    }
+}
+
+/// The largest entry of a site over its weight, and the entry of `g`.
+fn split(all: &[Interval], weights: &[Interval]) -> [Interval; 2] {
+    let most = all.iter().zip(weights).map(|(one, w)| *one / *w).fold(Interval::ZERO, Interval::max);
+    [most, all[weights.len()]]
+}
+
+/// Bounds of `e^{lambda T}` of a multiplier that grows, and of `g` for -1, where the strains of the
+/// breather differ by at most `changes` from the cosine sums.
+pub(super) fn check(
+    certificate: &Certificate,
+    multiplier: &Multiplier,
+    (system, known, changes): (&System, &[Moments], &[Interval]),
+    go_on: &dyn Fn() -> Result<(), Refused>,
+) -> Result<[f64; 2], Refused> {
+    let Certificate { model, enclosed, .. } = certificate;
+    let (block, enclosed, sites) = (certificate.block.min(BLOCK), *enclosed, known.len());
+    let it = Equations::new((system, known), [block, enclosed], multiplier);
+    let last = it.all.len();
+    let rates = match multiplier {
+        Multiplier::Growing(rates) => rates.map(Exact::enclosed),
+        Multiplier::Doubling { .. } => [Interval::ZERO; 2],
+    };
+    let l = it.factors(model, Interval::new(rates[0].lo(), rates[1].hi()));
+    // Roots of sums of l_k^2 beyond a harmonic, for sums of the moduli of the parts.
+    let spread = of(it.parts.len()).sqrt();
+    let root = |last: usize| {
+        let beyond = system.decay.square() / (of(3) * of(enclosed) * of(enclosed) * of(enclosed));
+        spread * norm(l[last + 1..].iter().map(|l| l.abs()).chain([beyond.sqrt()]))
+    };
+    let inverse = approximate_inverse(it.matrix(&l));
+    go_on()?;
+
+    // A B, where B takes harmonics of D p to equations, and R.
+    let b = |place: &Place| -> Vec<(usize, Interval)> {
+        it.forces(&l, *place).into_iter().filter_map(|(place, factor)| Some((it.index(place)?, factor))).collect()
+    };
+    let b: Vec<Vec<(usize, Interval)>> = it.all.iter().map(b).collect();
+    let times_b = |row: &Vec<Interval>| {
+        let mut product = vec![Interval::ZERO; last];
+        for (entries, a) in b.iter().zip(row) {
+            entries.iter().for_each(|(j, b)| product[*j] = product[*j] + *a * *b);
+        }
+        product
+    };
+    let product: Vec<Vec<Interval>> = inverse.iter().map(times_b).collect();
+    let reach = |m: usize| it.by_site(&|i| norm(it.at(m).map(|(j, place)| product[i][j] / it.weight(place.1))));
+    let reach: Vec<Vec<Interval>> = (0..sites).map(reach).collect();
+
+    // The largest columns of 1 - A M of a site, by site.
+    let tail = |m: usize, last: usize| Moments::tail(&known[m].stiffness, known[m].stiffness_square, last);
+    let columns = |m: usize| -> Result<Vec<Interval>, Refused> {
+        let computed = enclosed / SHARE + block;
+        let beyond = tail(m, computed - block) / of(2).sqrt();
+        let mut most: Vec<Interval> = reach[m].iter().map(|reach| *reach * beyond).collect();
+        for (_, j, sine) in it.places(m, computed) {
+            go_on()?;
+            let own = it.index((m, j, sine));
+            let entries = it.at(m).filter(|(_, place)| place.2 == sine);
+            let entries: Vec<_> = entries.map(|(i, place)| (i, it.stiffness(m, place.1, (j, sine)))).collect();
+            let sums = it.by_site(&|i| {
+                let plain =
+                    own.map_or(Interval::ZERO, |own| inverse[i][own] + kronecker(own == it.pinned) * inverse[i][last]);
+                let stiff: Interval = entries.iter().map(|(column, d)| product[i][*column] * *d).sum();
+                (kronecker(own == Some(i)) - plain - stiff).abs()
+            });
+            most.iter_mut().zip(sums).for_each(|(most, sum)| *most = most.max(sum / it.weight(j)));
+        }
+        Ok(most)
+    };
+    let columns = (0..sites).map(columns).collect::<Result<Vec<_>, _>>()?;
+
+    // Rows of R + t |e|, and Z1, with the change of D.
+    let moduli: Vec<Vec<Interval>> = (0..=sites).map(|n| it.moduli(n)).collect();
+    let contact = |n: usize| -> Vec<Interval> {
+        reach.iter().zip(&moduli[n]).map(|(reach, e)| reach[n] + root(block) * *e).collect()
+    };
+    let contacts: Vec<Vec<Interval>> = (0..=sites).map(contact).collect();
+    let weights = perron(&contacts[..sites]);
+    let alpha = model.alpha;
+    let times = |all: &[Interval], of: &dyn Fn(usize) -> Interval| -> Vec<Interval> {
+        all.iter().enumerate().map(|(m, one)| *one * of(m)).collect()
+    };
+    let changed = |m: usize| known[m].change(alpha, changes[m]);
+    let steepest = |m: usize| {
+        let most = alpha.enclosed() * Interval::exact(known[m].overlap.hi()).pow(alpha.less_one());
+        most.min((of(2) * known[m].stiffness_square).positive_part().sqrt())
+    };
+    let (moved, steepest) = (times(&weights, &changed), times(&weights, &steepest));
+    let z1 = |n: usize| {
+        let near: Interval = columns.iter().zip(&weights).map(|(column, w)| column[n] * *w).sum();
+        near + root(block) * dot(&moduli[n], &steepest) + dot(&contacts[n], &moved)
+    };
+    let z1: Vec<Interval> = (0..=sites).map(z1).collect();
+    // The weight eta of g makes its row at most half as large as the largest.
+    let [most, own] = split(&z1, &weights);
+    let eta = Interval::exact((0.5 * most.mid() / own.hi()).max(f64::MIN_POSITIVE));
+    let of_g = it.by_site(&|i| (kronecker(i == last) + inverse[i][it.pinned]).abs());
+    let z1: Vec<Interval> = z1.iter().zip(of_g).map(|(z1, of_g)| *z1 + of_g / eta).collect();
+    let [most, own] = split(&z1, &weights);
+    let rest = Interval::ONE - most.max(eta * own);
+    if !rest.is_positive() {
+        return Err(Refused::Multiplier { z1: (Interval::ONE - rest).hi(), g: None });
+    }
+
+    let g = |rate: Interval| {
+        let l = it.factors(model, rate);
+        let harmonics = enclosed / SHARE;
+        let computed = enclosed - harmonics - 1;
+        let mut p: Field = vec![[false, true].map(|_| vec![Interval::ZERO; harmonics + 1]); sites];
+        let mut g = Interval::ZERO;
+        let entry = |field: &Field, (n, k, sine): Place| field[n][usize::from(sine)][k];
+        let head = |defect: &Field, p: &Field| -> Vec<Interval> {
+            let pinned = entry(p, it.all[it.pinned]) - Interval::ONE;
+            it.all.iter().map(|place| entry(defect, *place)).chain([pinned]).collect()
+        };
+        for _ in 0..CORRECTIONS {
+            let defect = it.defect(&l, (&p, g), harmonics);
+            let head = head(&defect, &p);
+            let step = |i: usize| dot(&inverse[i], &head).mid();
+            for place in (0..sites).flat_map(|n| it.places(n, harmonics)) {
+                let step = it.index(place).map_or_else(|| entry(&defect, place).mid(), step);
+                let p = &mut p[place.0][usize::from(place.2)][place.1];
+                *p = Interval::exact(p.mid() - step);
+            }
+            g = Interval::exact(g.mid() - step(last));
+        }
+        let defect = it.defect(&l, (&p, g), computed);
+        let head = head(&defect, &p);
+        let largest: Vec<Interval> = p.iter().map(|p| p.iter().flatten().map(|p| p.abs()).sum()).collect();
+        let (tails, moved) = (times(&largest, &|m| tail(m, computed - harmonics)), times(&largest, &changed));
+        let mut error = it.by_site(&|i| dot(&inverse[i], &head).abs());
+        for (n, error) in error.iter_mut().enumerate() {
+            let beyond = it.places(n, computed).into_iter().filter(|place| place.1 > block);
+            let beyond: Interval = beyond.map(|place| entry(&defect, place).abs()).sum();
+            *error = *error + beyond + root(computed) * dot(&moduli[n], &tails) + dot(&contacts[n], &moved);
+        }
+        let [most, own_error] = split(&error, &weights);
+        g + (own_error + own * most.max(eta * own_error) / rest).ball()
+    };
+    let bounds = rates.map(g);
+    let refused = || Refused::Multiplier { z1: (Interval::ONE - rest).hi(), g: Some(bounds.map(|g| [g.lo(), g.hi()])) };
+    let ends = match multiplier {
+        Multiplier::Doubling { .. } => bounds,
+        Multiplier::Growing(_) if (-(bounds[0] * bounds[1])).is_positive() => {
+            rates.map(|rate| (rate * of(2) * Interval::PI / system.omega).exp())
+        }
+        Multiplier::Growing(_) => return Err(refused()),
+    };
+    if ends[0].lo() <= ends[1].hi() { Ok([ends[0].lo(), ends[1].hi()]) } else { Err(refused()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::{NARROWEST, moments};
+
+    /// A breather of one harmonic on a ring.
+    fn certificate(sites: usize, center: &str) -> Certificate {
+        let rows: String =
+            (0..=sites / 2).map(|n| format!("a 0x0p+0 {}0x1.8p-3\n", if n % 2 == 0 { "-" } else { "" })).collect();
+        let text = format!(
+            "hertzchain certificate 1\nkind breather\nalpha 3/2\nkappa 2\nrho 1/3\nomega 2.05\nmean 0\nblock 1\n\
+             enclosed 64\nsites {sites}\ncenter {center}\n{rows}"
+        );
+        text.parse().unwrap()
+    }
+
+    fn system(certificate: &Certificate) -> System {
+        System { parity: -1.0, ..System::new(certificate).unwrap() }
+    }
+
+    fn known(certificate: &Certificate, system: &System) -> Vec<Moments> {
+        let of_site = |a: &Vec<Interval>| moments(a, certificate.model.alpha, 64, NARROWEST, &|| false).unwrap();
+        system.a.iter().map(of_site).collect()
+    }
+
+    // Truth: L = s^2 (kappa (1 + rho) + rho s^2)/(kappa + rho s^2) with the matrix S of the derivative of
+    // e^{lambda t} (c cos + s sin) in place of s.
+    #[test]
+    fn blocks_of_cosine_and_sine_are_inverses_of_l() {
+        let certificate = certificate(5, "bond");
+        let system = system(&certificate);
+        let known = known(&certificate, &system);
+        let it = Equations::new((&system, &known), [2, 64], &Multiplier::Growing([Exact::ONE; 2]));
+        let (lambda, kappa, rho) = (0.3, 2.0, 1.0 / 3.0);
+        let l = it.factors(&certificate.model, Interval::exact(lambda));
+        type Square = [[f64; 2]; 2];
+        let product = |a: Square, b: Square| [0, 1].map(|i| [0, 1].map(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]));
+        let linear =
+            |x: f64, y: f64, a: Square| [0, 1].map(|i| [0, 1].map(|j| y * a[i][j] + if i == j { x } else { 0.0 }));
+        for k in 1..4 {
+            let omega = 2.05 * k as f64;
+            let square = product([[lambda, omega], [-omega, lambda]], [[lambda, omega], [-omega, lambda]]);
+            let own = |sine: bool| {
+                let forces = it.forces(&l, (0, k, sine));
+                [false, true]
+                    .map(|part| forces.iter().filter(|(place, _)| *place == (0, k, part)).map(|it| it.1.mid()).sum())
+            };
+            // Two from the second difference, and one from the image of this site.
+            let block = [own(false), own(true)];
+            let found = product(block, product(square, linear(kappa * (1.0 + rho), rho, square)));
+            let truth = linear(kappa, rho, square).map(|row| row.map(|x| 3.0 * x));
+            let apart =
+                found.as_flattened().iter().zip(truth.as_flattened()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-12 * omega * omega, "{found:?} {truth:?}");
+        }
+    }
+
+    // Truth: contacts of constant stiffness D have modes sin q (n - 1/2) with the frequency Omega, -L(i Omega) =
+    // 4 sin^2(q/2) D. The multiplier is -1 where Omega is half of omega.
+    #[test]
+    fn minus_one_is_where_a_linear_mode_has_twice_the_period() {
+        let certificate = certificate(7, "bond");
+        let system = system(&certificate);
+        let mut known = known(&certificate, &system);
+        let (square, rho, kappa) = (f64::powi(0.5 * 2.05, 2), 1.0 / 3.0, 2.0);
+        let half = std::f64::consts::PI / 7.0;
+        for turns in 1..=3 {
+            let critical =
+                square * (1.0 + kappa * rho / (kappa - rho * square)) / (4.0 * (half * f64::from(turns)).sin().powi(2));
+            for sine in [false, true] {
+                let mut g = |factor: f64| {
+                    for one in &mut known {
+                        let stiff = factor * critical;
+                        one.stiffness.iter_mut().for_each(|d| *d = Interval::ZERO);
+                        one.stiffness[0] = stiff.into();
+                        one.stiffness_square = Interval::exact(stiff).square();
+                        one.overlap = Interval::exact((stiff / 1.5).powi(2));
+                    }
+                    let (changes, kind) = ([Interval::ZERO; 4], Multiplier::Doubling { sine });
+                    check(&certificate, &kind, (&system, &known, &changes), &|| Ok(()))
+                };
+                let [below, at, above] = [1.0 - 1e-9, 1.0, 1.0 + 1e-9].map(|factor| g(factor).unwrap());
+                assert!(at[0] < 0.0 && 0.0 < at[1], "{turns} {sine}: {at:?}");
+                let [first, last] = [below, above].map(|g| if g[0] * g[1] > 0.0 { g[0].signum() } else { 0.0 });
+                assert!(first * last < 0.0, "{turns} {sine}: {below:?} {above:?}");
+            }
+        }
+    }
+}
