@@ -8,7 +8,7 @@ use crate::{
     windows,
 };
 use hertzchain::{
-    chain::{Boundary, Chain, Params, Site, State},
+    chain::{Boundary, Chain, Details, Drive, DriveKind, Layout, Params, Signal, Site, State},
     integrators::{Error, Observer, Stats, Stepper, collocation::StepControl, drive},
     run::Records,
     run::method::{Method, Setting},
@@ -386,6 +386,63 @@ fn a_chain_at_rest_and_a_single_bead_cost_nothing_and_stay() {
             assert!(stats.steps < 20, "{}", stats.steps);
         }
     }
+}
+
+#[test]
+fn a_part_of_a_long_chain_at_rest_has_the_bits_of_a_short_one() {
+    // Truth: chains of three blocks of bonds, which are looked at in every window; in the longer
+    // ones blocks sleep and wake far from both ends. Windows are equal; some are left through a
+    // state inside them. A bead is struck; the seam of a ring is struck; and a bead of a damped chain is
+    // pushed back and forth.
+    let uniform = |boundary, sites| Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), boundary, sites).unwrap();
+    let compare = |[short, long]: [(Box<dyn Stepper<f64>>, Layout); 2], pairs: &[[usize; 2]]| {
+        let ([mut short, mut long], layouts) = ([short.0, long.0], [short.1, long.1]);
+        let [mut a, mut b] = layouts.map(|layout| vec![f64::NAN; layout.dim()]);
+        let (mut moving, mut steps) = (0, 0);
+        while !short.done() {
+            let from = short.time();
+            short.step().unwrap();
+            long.step().unwrap();
+            steps += 1;
+            let end = short.time();
+            if steps % 101 != 0 && !short.done() {
+                continue;
+            }
+            for t in [from, 0.5 * (from + end), end] {
+                short.sample(t, &mut a);
+                long.sample(t, &mut b);
+                let site = |y: &[f64], layout: Layout, i: usize| {
+                    let of = |array: Option<&[f64]>| array.map_or(0, |array| array[i].to_bits());
+                    [of(Some(layout.u(y))), of(layout.v(y)), of(Some(layout.u_dot(y))), of(layout.v_dot(y))]
+                };
+                for &[i, k] in pairs {
+                    assert_eq!(site(&a, layouts[0], i), site(&b, layouts[1], k), "{t} {i} {k}");
+                }
+                moving = b.iter().filter(|value| **value != 0.0).count();
+            }
+        }
+        println!("{moving} numbers are not zero at the end");
+        assert!(moving > 400, "{moving}");
+    };
+    let shifted = |by: usize| (0..768).map(|i| [i, i + by]).collect::<Vec<_>>();
+    let struck = |boundary, sites: usize, bead: usize| -> (Box<dyn Stepper<f64>>, Layout) {
+        let chain = uniform(boundary, sites);
+        let mut state = State::rest(&chain);
+        state.u_dot_mut()[bead] = 1.0;
+        (Box::new(chain.collocation(state.as_slice(), (0.0, 250.0), windows(1500, 8)).unwrap()), chain.layout())
+    };
+    compare([(768, 250), (2304, 1274)].map(|(n, bead)| struck(Boundary::Free, n, bead)), &shifted(1024));
+    let seam: Vec<_> = (0..768).map(|i| [i, if i < 384 { i } else { i + 1536 }]).collect();
+    compare([(768, 760), (2304, 2296)].map(|(n, bead)| struck(Boundary::Ring, n, bead)), &seam);
+    let pushed = |sites: usize, bead: usize| -> (Box<dyn Stepper<f64>>, Layout) {
+        let drives = vec![Drive { site: bead, kind: DriveKind::Force, signal: Signal::sine(1.0, 0.7, 0.0) }];
+        let details = Details { drag: vec![1e-3; sites], drives, ..Details::default() };
+        let chain = uniform(Boundary::Fixed, sites).with(&details).unwrap();
+        let state = State::rest(&chain);
+        let run = chain.heterogeneous_collocation(state.as_slice(), (0.0, 250.0), windows(2500, 8)).unwrap();
+        (Box::new(run), chain.layout())
+    };
+    compare([(768, 400), (2304, 1424)].map(|(n, bead)| pushed(n, bead)), &shifted(1024));
 }
 
 #[test]

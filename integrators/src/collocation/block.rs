@@ -59,6 +59,9 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         let whole = own.len() == share.reach.len();
         // Local index i stands for bond (first + i) mod all.
         let (first, len) = share.along(&own);
+        if !start.near[share.group_of(own.start)] {
+            return WindowOutcome::default();
+        }
         let asleep = |b: usize| start.ongoing[b].is_none() && start.bonds.at_rest(b);
         if !whole && !links.precompressed && (first..first + len).all(|b| asleep(b % all)) {
             left.fill(Left::NONE);

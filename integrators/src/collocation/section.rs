@@ -75,30 +75,81 @@ pub(super) struct State<const S: usize> {
     ledger: Site,
     /// What drives do in the current window.
     signals: Signals,
+    awake: Awake,
 }
 
-/// Moves sites over a window.
+/// The [groups](Share::group) of a section in which anything moves, and those that may follow.
+#[derive(Clone)]
+struct Awake {
+    /// Whether a site of the group moves or is driven, or a bond is in contact.
+    groups: Vec<bool>,
+    /// Whether that is so in the group or beside it; always at the two ends, which a ring or a
+    /// neighbour of the section joins. Sites of all other groups rest at the origin, and their
+    /// bonds have no force in the current window.
+    near: Vec<bool>,
+}
+
+impl Awake {
+    fn new(groups: usize) -> Self {
+        Self { groups: vec![false; groups], near: vec![true; groups] }
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        self.groups.copy_from_slice(&other.groups);
+        self.near.copy_from_slice(&other.near);
+    }
+
+    /// The indices, below `count`, in the groups that are near.
+    fn near(&self, share: &Share, count: usize) -> impl Iterator<Item = usize> {
+        let near = self.near.iter().enumerate().filter(|(_, near)| **near);
+        near.flat_map(move |(group, _)| share.group(group, count))
+    }
+
+    /// Whether a group is near, or one beside it, whose bonds push its sites.
+    fn reached(&self, group: usize) -> bool {
+        self.near[group.saturating_sub(1)..self.near.len().min(group + 2)].contains(&true)
+    }
+
+    /// Asks each group that is reached whether anything `moves` in it.
+    fn update(&mut self, moves: impl Fn(usize) -> bool, mut falls_asleep: impl FnMut(usize)) {
+        let count = self.groups.len();
+        for group in 0..count {
+            self.groups[group] = self.reached(group) && moves(group);
+        }
+        for group in 0..count {
+            let beside = &self.groups[group.saturating_sub(1)..count.min(group + 2)];
+            let near = group < 2 || group + 2 >= count || beside.contains(&true);
+            if std::mem::replace(&mut self.near[group], near) && !near {
+                falls_asleep(group);
+            }
+        }
+    }
+}
+
+/// Moves the sites of some groups over a window.
 #[inline(always)]
 fn advance<C: ContactChain<S>, const S: usize>(
     chain: &C,
-    sites: &mut [Site],
+    (sites, groups): (&mut [Site], impl Iterator<Item = Range<usize>>),
     (left, h): (&[Left<S>], f64),
     phases: &Phases<S>,
     open: Option<(&Open, &Signals)>,
 ) {
-    for (i, site) in sites.iter_mut().enumerate() {
-        let mut push = chain.push(i, |b| left[b].path);
-        if S != 1
-            && let Some((open, signals)) = open
-        {
-            open.push(signals, i, &mut push);
-            if let Some(flow) = open.damped(i) {
-                site.flow(&push, flow, h);
-                continue;
+    for group in groups {
+        for (i, site) in group.clone().zip(&mut sites[group]) {
+            let mut push = chain.push(i, |b| left[b].path);
+            if S != 1
+                && let Some((open, signals)) = open
+            {
+                open.push(signals, i, &mut push);
+                if let Some(flow) = open.damped(i) {
+                    site.flow(&push, flow, h);
+                    continue;
+                }
             }
-        }
-        if !(site.at_rest() && push == [0.0; 4]) {
-            site.advance(&push, h, phases.sin_cos(i));
+            if !(site.at_rest() && push == [0.0; 4]) {
+                site.advance(&push, h, phases.sin_cos(i));
+            }
         }
     }
 }
@@ -127,6 +178,7 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
             t: DoubleDouble::new(0.0),
             ledger: Site::default(),
             signals: Signals::default(),
+            awake: Awake::new(share.groups(bonds.max(chain.sites()))),
         };
         let held = Arc::new(Held { chain, links, mobility, share, threads });
         Self { held, state, solver: None, left: vec![Left::NONE; bonds], h: 0.0 }
@@ -153,6 +205,21 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
             let pushes = S == 1 || held.links.link(b).law.overlap_that_pushes(overlap, rate) > 0.0;
             ongoing[b] = (closed && pushes).then(|| Contact::from_the_start(overlap, rate));
         }
+        self.watch();
+    }
+
+    /// Finds the groups in which anything moves, and clears the results of bonds that fall asleep.
+    fn watch(&mut self) {
+        let Self { held, state: State { sites, ongoing, awake, .. }, left, .. } = self;
+        let Held { links, share, .. } = &**held;
+        let driven = |i: usize| links.open.as_ref().is_some_and(|open| open.drive(i).is_some());
+        let moves = |group: usize| {
+            let mut bonds = ongoing[share.group(group, ongoing.len())].iter();
+            let moves = |i: usize| !sites[i].at_rest() || S != 1 && driven(i);
+            links.precompressed || bonds.any(Option::is_some) || share.group(group, sites.len()).any(moves)
+        };
+        let bonds = left.len();
+        awake.update(moves, |group| left[share.group(group, bonds)].fill(Left::NONE));
     }
 
     /// The bonds of a chain whose contacts dissipate that are not in a contact and whose beads
@@ -221,33 +288,36 @@ impl<C: ContactChain<S>, const S: usize> Windows for Section<C, S> {
     }
 
     fn solve(&mut self, window: &Window) -> WindowOutcome {
-        let Self { held, state: State { sites, ongoing, phases, signals, .. }, solver, left, h } = self;
+        let Self { held, state: State { sites, ongoing, phases, signals, awake, .. }, solver, left, h } = self;
         let Held { chain, links, mobility, share, .. } = &**held;
         if solver.as_ref().is_none_or(|solver| solver.nodes() != window.nodes) {
             *solver = None;
         }
         let solver = solver.get_or_insert_with(|| with_nodes(window.nodes, held.threads()));
         let bonds = &Sites { chain, sites, phases, open: held.open(signals) };
-        let start = Start { links, bonds, ongoing, mobility, share };
+        let start = Start { links, bonds, ongoing, mobility, share, near: &awake.near };
         *h = window.h;
         solver.window(&start, window, &mut left[share.own.clone()])
     }
 
     fn advance(&mut self) {
-        let Self { held, state: State { sites, ongoing, phases, t, ledger, signals }, left, h, .. } = self;
-        let (chain, h, open) = (&held.chain, *h, held.open(signals));
+        let Self { held, state: State { sites, ongoing, phases, t, ledger, signals, awake }, left, h, .. } = self;
+        let (chain, share, h, open) = (&held.chain, &held.share, *h, held.open(signals));
         if const { S != 1 }
             && let Some((about, _)) = open
         {
             let bonds = &Sites { chain, sites, phases, open };
             about.alone.iter().for_each(|&site| ledger.take(&about.gains::<4, S>(bonds, h, site, [None; 2])));
-            left.iter().for_each(|left| ledger.take(&left.ledger));
+            awake.near(share, left.len()).for_each(|bond| ledger.take(&left[bond].ledger));
         }
-        let (before, by) = (&*phases, &**left);
-        f64::run(kernel!(advance(chain, sites, (by, h), before, open)));
-        ongoing.iter_mut().zip(left).for_each(|(ongoing, left)| *ongoing = left.ongoing);
+        let (before, by, count) = (&*phases, &**left, sites.len());
+        let reached = (0..awake.near.len()).filter(|&group| awake.reached(group));
+        let moving = reached.map(|group| share.group(group, count));
+        f64::run(kernel!(advance(chain, (sites, moving), (by, h), before, open)));
+        awake.near(share, left.len()).for_each(|bond| ongoing[bond] = left[bond].ongoing);
         phases.advance(h);
         *t = *t + DoubleDouble::new(h);
+        self.watch();
     }
 
     fn duplicate(&self) -> Self {
@@ -256,17 +326,26 @@ impl<C: ContactChain<S>, const S: usize> Windows for Section<C, S> {
     }
 
     fn copy_from(&mut self, other: &Self) {
-        self.state.sites.copy_from_slice(&other.state.sites);
-        self.state.ongoing.copy_from_slice(&other.state.ongoing);
+        let (share, [mine, near]) =
+            (&self.held.share, [&self.state.awake, &other.state.awake].map(|awake| &awake.near));
+        for group in (0..near.len()).filter(|&group| mine[group] || near[group]) {
+            let (sites, bonds) = (share.group(group, other.sites()), share.group(group, other.left.len()));
+            self.state.sites[sites.clone()].copy_from_slice(&other.state.sites[sites]);
+            self.state.ongoing[bonds.clone()].copy_from_slice(&other.state.ongoing[bonds.clone()]);
+            self.left[bonds.clone()].copy_from_slice(&other.left[bonds]);
+        }
+        self.state.awake.copy_from(&other.state.awake);
         self.state.phases.copy_from(&other.state.phases);
         (self.state.t, self.state.ledger) = (other.state.t, other.state.ledger);
         self.state.signals.clone_from(&other.state.signals);
-        self.left.copy_from_slice(&other.left);
         self.h = other.h;
     }
 
     fn store(&self, y: &mut [f64]) {
-        (0..self.sites()).for_each(|i| self.held.chain.place(self.get(i), i, y));
+        // Sites that rest at the origin are zeros.
+        y.fill(0.0);
+        let near = self.state.awake.near(&self.held.share, self.sites());
+        near.for_each(|i| self.held.chain.place(self.get(i), i, y));
         self.held.chain.complete(self.state.ledger.path((0.0, 1.0)), self.state.t.value(), y);
     }
 

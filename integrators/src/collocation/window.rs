@@ -38,6 +38,8 @@ pub(crate) struct Start<'a, const S: usize> {
     /// two sites of mass 1, 1 at a wall.
     pub(crate) mobility: &'a [f64],
     pub(crate) share: &'a Share,
+    /// For each [group](Share::group), whether anything moves in it or beside it.
+    pub(crate) near: &'a [bool],
 }
 
 /// The bonds of a chain that one [`Section`](super::Section) solves for, as local indices.
@@ -80,6 +82,23 @@ impl Share {
     pub(crate) fn own(&self, block: usize) -> Range<usize> {
         let first = self.own.start + block * OWN;
         first..self.own.end.min(first + OWN)
+    }
+
+    /// The indices, below `count`, of a group of bonds or sites: of [`OWN`], so that each block is
+    /// a group. The first group is before the own bonds.
+    pub(crate) fn group(&self, group: usize, count: usize) -> Range<usize> {
+        let start = |group: usize| (self.own.start + group * OWN).saturating_sub(OWN).min(count);
+        start(group)..start(group + 1)
+    }
+
+    /// The group of an index.
+    pub(crate) fn group_of(&self, index: usize) -> usize {
+        (index + OWN - self.own.start) / OWN
+    }
+
+    /// The number of groups of indices below `count`.
+    pub(crate) fn groups(&self, count: usize) -> usize {
+        (count + OWN - self.own.start).div_ceil(OWN)
     }
 
     /// The index in the whole chain of a local bond.
