@@ -93,6 +93,9 @@ def test_numbers_that_differ_make_objects_differ() -> None:
     chain = hc.Chain(sites=3)
     one, other = (hc.run(chain, y0={"pu": [1.0, 0.0, last]}, until=1.0, tol=1e-9) for last in (0.0, 1e-15))
     assert one == hc.run(chain, y0={"pu": [1, 0, 0]}, until=1.0, tol=1e-9) and one != other
+    changed = copy.deepcopy(one)
+    changed.u[-1, 0] = np.nextafter(changed.u[-1, 0], 2.0)
+    assert changed != one
     assert pickle.loads(pickle.dumps(hc.Chain(sites=3, alpha=np.nextafter(1.5, 2)))).alpha == np.nextafter(1.5, 2)
     assert repr(DIMER) == (
         "Chain(sites=4, boundary='fixed', precompression=0.1, beads={'mass': array(4,), 'drag': array(4,)}, "

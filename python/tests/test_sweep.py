@@ -214,9 +214,10 @@ def test_no_rank_waits_for_one_that_has_ended(tmp_path: Path) -> None:
         assert values == [6.0, None, 3.0, 2.0] and list(values.failures) == [1]
     # A point alone on its rank may fail; all of them may not.
     assert all(isinstance(one, (ZeroDivisionError, hc.RunError)) for one in Ranks(2).sweeps(inverse, [0, 0.0]))
-    # The store of the second rank is that of another function: every rank has the message.
-    store = tmp_path / "store"
-    hc.sweep(square, [1, 2], store=store, shard="2/2", version=1)
-    first, second = Ranks(2).sweeps(inverse, [1, 2], store=store, version=1)
-    assert isinstance(second, hc.FileError) and "has values of square" in str(second)
-    assert isinstance(first, (hc.FileError, hc.RunError)) and "has values of square" in str(first)
+    # Another process writes to the store of the second rank: every rank has the message.
+    fcntl = pytest.importorskip("fcntl")
+    with (tmp_path / "store.2-of-2").open("w") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        first, second = Ranks(2).sweeps(inverse, [1, 2], store=tmp_path / "store", name="inverse", version=1)
+    assert isinstance(second, hc.FileError) and "another process writes to it" in str(second)
+    assert isinstance(first, hc.RunError) and "the sweep of rank 1 has ended: FileError" in str(first)
