@@ -118,9 +118,10 @@ class Chain(Made):
     @property
     def _given(self) -> dict[str, Any]:
         """The arguments that are not their defaults."""
-        all = {one.name: (getattr(self, one.name), one.default) for one in fields(self) if one.init}
-        same = {name for name, (value, default) in all.items() if isinstance(default, (float, str)) and value == default}
-        return {name: plain(value) for name, (value, default) in all.items() if value is not default and name not in same}
+        given = {one.name: (getattr(self, one.name), one.default) for one in fields(self) if one.init}
+        own = {name for name, (value, default) in given.items() if isinstance(default, (float, str)) and value == default}
+        own |= {name for name, (value, default) in given.items() if value is default}
+        return {name: plain(value) for name, (value, _) in given.items() if name not in own}
 
     @property
     def _numbers(self) -> tuple[int, float, float, float, str, float, str, tuple[float, float]]:
@@ -212,9 +213,9 @@ class Scene:
 
     @property
     def _start(self) -> float:
-        return self._part[1] if self._part else 0.0  # type: ignore[no-any-return]
+        return self._part[1] if self._part else 0.0
 
-    def part(self, y0: Any, t0: float, until: float) -> Scene:
+    def _from(self, y0: Any, t0: float, until: float) -> Scene:
         """The scene from a state at a time `t0` to another time: drives act as at these times."""
         span = (number("t0", t0), number("until", until))
         if not 0 <= span[0] < span[1]:

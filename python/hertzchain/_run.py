@@ -338,7 +338,7 @@ def scene_of(what: Scene | Chain, y0: Any, until: float | None, t0: float | None
         if y0 is None or until is None and isinstance(what, Chain):
             raise ParameterError(f"t0 = {t0!r} is not valid without y0, the state at this time, and until")
         whole = what._rest if isinstance(what, Chain) else what
-        return whole.part(y0, t0, whole.end if until is None else until)
+        return whole._from(y0, t0, whole.end if until is None else until)
     if isinstance(what, Chain):
         if y0 is None or until is None:
             missing = "y0" if y0 is None else "until"
