@@ -17,9 +17,9 @@ def kept(rho: float) -> float:
 
 with tempfile.TemporaryDirectory() as folder:
     store = Path(folder) / "kept.jsonl"
-    grid = np.geomspace(0.1, 10, 13).tolist()
-    some = hc.sweep(kept, grid[:6], store=store)  # stopped after six points
-    values = hc.sweep(kept, grid, store=store)  # computes the other seven
+    grid = np.geomspace(0.1, 10, 13)
+    some = hc.sweep(kept, grid[:6], store=store, version=1)  # stopped after six points
+    values = hc.sweep(kept, grid, store=store, version=1)  # computes the other seven
     assert values[:6] == some
 for rho, value in zip(grid, values):
     print(f"rho {rho:7.3f}  momentum {value:+.9f}")

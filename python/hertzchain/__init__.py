@@ -23,6 +23,7 @@ from ._errors import (
     InternalError,
     ParameterError,
     RunError,
+    RunWarning,
     SceneError,
     UnknownNameError,
 )
@@ -30,8 +31,9 @@ from ._modes import NormalMode, normal_mode
 from ._native import __version__
 from ._orbits import Branch, BranchPoint, DarkBreather, Orbit, continue_branch, monodromy
 from ._run import Ensemble, Interrupted, Trajectory, integrators, run, run_many
+from ._simulation import Simulation
 from ._study import Study, study
-from ._sweep import Table, sweep, sweep_plan
+from ._sweep import Results, Table, sweep, sweep_plan
 from ._waves import BrightBreather, TravellingWave
 
 __all__ = [
@@ -52,9 +54,12 @@ __all__ = [
     "NormalMode",
     "Orbit",
     "ParameterError",
+    "Results",
     "RunError",
+    "RunWarning",
     "Scene",
     "SceneError",
+    "Simulation",
     "Study",
     "Table",
     "Trajectory",

@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -15,13 +15,14 @@ from . import _native
 from ._arrays import Vector, number, vector, whole, word
 from ._errors import ParameterError
 from ._tables import BEADS, BONDS, TOUCHING, UNITS, Table, drives, table, text_of
+from ._values import Made, html_table, plain
 
 STRAIN_RING = "strain-ring"
 Arrays = tuple[Vector | None, Vector | None, Vector | None, Vector | None]
 
 
-@dataclass(frozen=True)
-class Chain:
+@dataclass(frozen=True, repr=False)
+class Chain(Made):
     """A chain of beads, each with a linear resonator.
 
     Beads push each other with the force (overlap)_+^alpha:
@@ -115,6 +116,14 @@ class Chain:
             _native.check_chain(self._numbers)
 
     @property
+    def _given(self) -> dict[str, Any]:
+        """The arguments that are not their defaults."""
+        given = {one.name: (getattr(self, one.name), one.default) for one in fields(self) if one.init}
+        own = {name for name, (value, default) in given.items() if isinstance(default, (float, str)) and value == default}
+        own |= {name for name, (value, default) in given.items() if value is default}
+        return {name: plain(value) for name, (value, _) in given.items() if name not in own}
+
+    @property
     def _numbers(self) -> tuple[int, float, float, float, str, float, str, tuple[float, float]]:
         params = (self.alpha, self.kappa, self.rho)
         return (self.sites, *params, self.boundary, self.precompression, self._tables, (self.gravity, self.tilt))
@@ -123,7 +132,7 @@ class Chain:
     def masses(self) -> tuple[Vector, Vector]:
         """Masses of the beads and of the resonators, shape (sites,) each, in kg with ``units``; 0
         where nothing moves."""
-        beads, resonators = _native.Scene.of_chain(self._numbers, (None,) * 4, 1e80).masses()
+        beads, resonators = self._rest._scene.masses()
         return beads, resonators
 
     @property
@@ -152,6 +161,11 @@ class Chain:
         u, v, u_dot, v_dot = (arrays.get(name) for name in known)
         return u, v, u_dot, v_dot
 
+    @cached_property
+    def _rest(self) -> Scene:
+        """The scene of this chain at rest, whose drives have all the time that they need."""
+        return Scene(_native.Scene.of_chain(self._numbers, (None,) * 4, 1e80), self)
+
     def scene(self, y0: Any, until: float) -> Scene:
         """The scene in which this chain runs from a state up to a time.
 
@@ -178,9 +192,40 @@ class Scene:
     (50, 1.0)
     """
 
-    def __init__(self, native: _native.Scene, chain: Chain | None = None) -> None:
+    def __init__(self, native: _native.Scene, chain: Chain | None = None, part: tuple[Any, ...] | None = None) -> None:
         self._scene = native
         self._chain = chain
+        self._part = part
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _scene_of, (None if self._part else self.to_toml(), self.name, self._chain, self._part)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Scene):
+            return NotImplemented
+        return self.to_toml() == other.to_toml() and self._start == other._start
+
+    def __hash__(self) -> int:
+        return hash(self.to_toml())
+
+    def _repr_html_(self) -> str:
+        return html_table("Scene", {"name": self.name, "end": self.end, **self.chain._given})
+
+    @property
+    def _start(self) -> float:
+        return self._part[1] if self._part else 0.0
+
+    def _from(self, y0: Any, t0: float, until: float) -> Scene:
+        """The scene from a state at a time `t0` to another time: drives act as at these times."""
+        span = (number("t0", t0), number("until", until))
+        if not 0 <= span[0] < span[1]:
+            raise ParameterError(f"t0 = {span[0]} is not valid: at least zero, and before until = {span[1]}")
+        return self._later(*span, self.chain._velocities(y0))
+
+    def _later(self, t0: float, until: float, state: Arrays) -> Scene:
+        u, v, u_dot, v_dot = (None if array is None else array.copy() for array in state)
+        part = (t0, until, (u, v, u_dot, v_dot))
+        return Scene(self._scene.part(*part), self.chain, (self, *part))
 
     @staticmethod
     def names() -> dict[str, str]:
@@ -269,6 +314,15 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"Scene({self.name!r}, sites={self.sites}, end={self.end:g})"
+
+
+def _scene_of(text: str | None, name: str, chain: Chain | None, part: tuple[Any, ...] | None) -> Scene:
+    if part is not None:
+        whole, *rest = part
+        return Scene._later(whole, *rest)
+    scene = Scene.from_toml(text or "", name=name)
+    scene._chain = chain
+    return scene
 
 
 def finite_or_inf(value: Any) -> Any:

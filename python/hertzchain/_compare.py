@@ -11,9 +11,10 @@ from ._chain import Scene
 from ._errors import ParameterError
 from ._progress import Progress
 from ._study import Study
+from ._values import Value
 
 
-class Comparison:
+class Comparison(Value):
     """Errors and run times of integrators on a scene.
 
     Attributes

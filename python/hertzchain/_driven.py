@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import io
+import json
+import os
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,9 +17,11 @@ from ._chain import Chain, Scene
 from ._errors import ParameterError
 from ._progress import Progress
 from ._run import scene_of
+from ._study import Study, written
+from ._values import Value
 
 
-class DrivenOrbit:
+class DrivenOrbit(Value):
     """A periodic orbit of a driven chain with its Floquet multipliers; :func:`driven_orbit` finds it.
 
     Attributes
@@ -76,7 +82,7 @@ def scene_units(record: dict[str, Any], scene: Scene) -> tuple[float, float]:
     return units.get("length_m", 1.0), units.get("velocity_m_per_s", 1.0)
 
 
-class DrivenBranch:
+class DrivenBranch(Value):
     """A branch of driven orbits in one parameter.
 
     Attributes
@@ -103,8 +109,9 @@ class DrivenBranch:
         All that ``hertzchain orbit continue --json`` prints, with ``--dimensionless`` if it is so.
     """
 
-    def __init__(self, record: dict[str, Any]) -> None:
+    def __init__(self, record: dict[str, Any], study: Study | None = None) -> None:
         self.record = record
+        self._study = study
         self.si: bool = record.get("si", False)
         other = crossing(record)
         self.switched: DrivenBranch | None = None if other is None else DrivenBranch(other)
@@ -116,6 +123,35 @@ class DrivenBranch:
         self.response: Vector = np.array([point["response"] for point in points], dtype=np.float64)
         self.max_modulus: Vector = np.array([point["max_modulus"] for point in points], dtype=np.float64)
         self.stable: NDArray[np.bool_] = np.array([point["unstable"] == 0 for point in points])
+
+    @staticmethod
+    def load(path: str | os.PathLike[str], dimensionless: bool = False) -> DrivenBranch:
+        """The branch in a file ``driven-branch.npz`` of :meth:`save` or of the program.
+
+        Multipliers and bifurcations are computed anew.
+        """
+        done = studies.orbit_continue(resume=path, bifurcations=True, dimensionless=dimensionless)
+        return DrivenBranch(done.record, done)
+
+    def _file(self) -> bytes:
+        if self._study is None:
+            raise ParameterError("a branch that was switched to has no file: only the branch it crosses has one")
+        return self._study.file("driven-branch.npz")
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write ``driven-branch.npz``, whole or not at all."""
+        written(Path(path), self._file())
+
+    def y0(self, k: int) -> dict[str, Vector]:
+        """The orbit of a point at ``t = 0``, as ``y0`` of a :class:`DrivenOrbit`; the drive or the
+        damping must have the value of this point."""
+        with np.load(io.BytesIO(self._file())) as file:
+            scene = json.loads(file["settings.json"].item())["setting"]["scene"]
+            units = Scene.from_toml(scene).units or {}
+            length = units.get("length_m", 1.0)
+            momentum = units.get("mass_kg", 1.0) * units.get("velocity_m_per_s", 1.0)
+            known = [name for name in ("u", "v", "pu", "pv") if name in file.files]
+            return {name: file[name][k] * (momentum if name[0] == "p" else length) for name in known}
 
     def __len__(self) -> int:
         return len(self.values)
@@ -248,4 +284,4 @@ def continue_driven(
         dimensionless=orbit._dimensionless if dimensionless is None else dimensionless,
         progress=progress,
     )
-    return DrivenBranch(done.record)
+    return DrivenBranch(done.record, done)

@@ -31,5 +31,9 @@ class FileError(Error, OSError):
     """A file that cannot be read or written, or whose content is not valid."""
 
 
+class RunWarning(RuntimeWarning):
+    """A result that is doubtful or not whole; the message says why."""
+
+
 class InternalError(Error, RuntimeError):
     """A bug of hertzchain."""

@@ -13,9 +13,10 @@ from ._chain import Chain, Scene
 from ._driven import crossing, scene_units, stretches
 from ._progress import Progress
 from ._run import scene_of
+from ._values import Value
 
 
-class NormalMode:
+class NormalMode(Value):
     """A branch of periodic orbits that begins as a linear mode; :func:`normal_mode` follows it.
 
     Attributes

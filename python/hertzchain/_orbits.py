@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, fields, replace
@@ -20,6 +21,7 @@ from ._errors import ParameterError
 from ._progress import Progress
 from ._run import scene_of
 from ._study import Study, written
+from ._values import Value
 
 PARAMETERS = ("omega_b", "rho", "kappa", "alpha", "c_x")
 
@@ -79,7 +81,7 @@ class DarkBreather:
         return Orbit(self, studies.breather_dark(**asdict(self)))
 
 
-class Orbit:
+class Orbit(Value):
     """A periodic orbit with its Floquet multipliers.
 
     Attributes
@@ -175,7 +177,7 @@ class BranchPoint:
     leading: tuple[complex, ...]
 
 
-class Branch:
+class Branch(Value):
     """A branch of dark breathers in one parameter.
 
     It can be iterated, indexed and sliced; its items are :class:`BranchPoint`.
@@ -214,6 +216,11 @@ class Branch:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write ``branch.npz``, whole or not at all."""
         written(Path(path), self._study.file("branch.npz"))
+
+    def y0(self, k: int) -> dict[str, Vector]:
+        """The orbit of a point at ``t = 0``, where all rates are zero, for :func:`run`: ``x, y``."""
+        with np.load(io.BytesIO(self._study.file("branch.npz"))) as file:
+            return {name: file[name][k] for name in ("x", "y")}
 
     def __len__(self) -> int:
         return len(self._points)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import sys
+import threading
 import warnings
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -12,9 +13,36 @@ Progress = bool | Callable[[float], Any]
 """Whether to show progress, or a function that is called with the share done, from 0 to 1."""
 
 
+_thread = threading.local()
+
+
+@contextlib.contextmanager
+def stopped_by(stop: threading.Event) -> Iterator[None]:
+    """Work that this thread begins inside the context ends as by Ctrl-C once the event is set."""
+    _thread.stop = stop
+    try:
+        yield
+    finally:
+        _thread.stop = None
+
+
 @contextlib.contextmanager
 def shown(progress: Progress, what: str) -> Iterator[Callable[[float], Any] | None]:
     """The function to call with the share that is done, from 0 to 1, or None."""
+    stop: threading.Event | None = getattr(_thread, "stop", None)
+    with _shown(progress, what) as show:
+
+        def tell(share: float) -> None:
+            if stop is not None and stop.is_set():
+                raise KeyboardInterrupt
+            if show is not None:
+                show(share)
+
+        yield show if stop is None else tell
+
+
+@contextlib.contextmanager
+def _shown(progress: Progress, what: str) -> Iterator[Callable[[float], Any] | None]:
     if callable(progress):
         yield progress
         return

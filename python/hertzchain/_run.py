@@ -7,7 +7,7 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, Generic, TypedDict, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,12 +15,19 @@ from numpy.typing import ArrayLike, NDArray
 from . import _native
 from ._arrays import Vector, number, optional, vector, word
 from ._chain import STRAIN_RING, Chain, Scene, names
-from ._errors import ParameterError
+from ._errors import ParameterError, RunWarning
 from ._progress import Progress, shown
+from ._values import Value
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+T = TypeVar("T")
 ENERGIES = np.dtype([(name, np.float64) for name in ("beads", "resonators", "springs", "contacts")])
 CONTACTS = np.dtype([(name, np.int64 if name == "bond" else np.float64) for name in _native.CONTACT_COLUMNS])
 DEFAULT_SAMPLES = 400
+# The first bond of a chain that can touch, where there is no wall on the left.
+FIRST = {"free": 1, "right-wall": 1}
 
 
 class Interrupted(KeyboardInterrupt):
@@ -36,7 +43,43 @@ class Interrupted(KeyboardInterrupt):
         self.partial = partial
 
 
-class Trajectory:
+class StateArray(Generic[T]):
+    """An array of states, which its owner has by its name."""
+
+    def __init__(self, about: str) -> None:
+        self.__doc__ = about
+
+    def __set_name__(self, _: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, owner: Any, _: Any = None) -> T:
+        return self if owner is None else owner._array(self.name)  # type: ignore[return-value]
+
+
+class Arrays(Value):
+    """The arrays of states by their names."""
+
+    u = StateArray[Vector]("Displacements of beads.")
+    v = StateArray[Vector | None]("Displacements of resonators; None if none moves.")
+    pu = StateArray[Vector]("Momenta of beads.")
+    pv = StateArray[Vector | None]("Momenta of resonators; None if none moves.")
+    x = StateArray[Vector]("Strains of beads on a strain ring.")
+    y = StateArray[Vector | None]("Strains of resonators on a strain ring; None if none moves.")
+    vx = StateArray[Vector]("Rates of `x`.")
+    vy = StateArray[Vector | None]("Rates of `y`; None if no resonator moves.")
+
+
+class Told(TypedDict, total=False):
+    """Options of a part of a run, as in :func:`run`."""
+
+    states: bool
+    events: bool
+    progress: Progress
+    on_sample: Callable[[float, Vector], Any] | None
+    on_contact: Callable[[dict[str, float]], Any] | None
+
+
+class Trajectory(Arrays):
     """The record of a run, in SI units for a scene or chain with ``[units]``: metres, seconds,
     joules, momenta in kg m/s.
 
@@ -47,14 +90,16 @@ class Trajectory:
     u, v, pu, pv : ndarray, shape (times, sites), or None
         Displacements of beads and resonators, and their momenta, mass times rate; for equal beads
         ``pu = u'``, ``pv = rho v'``. ``v`` and ``pv`` are None if no resonator moves. On a strain
-        ring these are ``x, y, vx, vy``: strains and their rates.
+        ring these are ``x, y, vx, vy``: strains and their rates. They are kept with ``states=True``.
     energy : ndarray, shape (times,), or None
         Energy at the sample times; None on a strain ring whose state has no energy.
     energies : structured ndarray or None
         The energy by kind: ``beads``, ``resonators``, ``springs``, ``contacts``.
-    contacts : structured ndarray or None
-        The log of contacts, if it was asked for: ``bond``, ``onset``, ``release``, and so on. NaN
-        stands for a number that a contact does not have, such as the release of an open one.
+    contacts : structured ndarray
+        The log of contacts of a run with ``events=True``: ``bond``, ``onset``, ``release``, and so
+        on. NaN stands for a number that a contact does not have, such as the release of an open
+        one. On every boundary ``bond`` counts the bonds that can touch from 0, from left to right,
+        as the columns of :meth:`strains` and the arrays and exceptions of ``Chain(bonds=..)`` do.
     stats : dict
         ``steps``, ``rejected``, ``force_evaluations``, ``wall_s``.
     energy_error : float or None
@@ -82,12 +127,13 @@ class Trajectory:
         Whether the numbers are in SI units; otherwise all are dimensionless.
     """
 
-    def __init__(
-        self, chain: Chain, record: dict[str, Any], units: dict[str, float] | None = None, si: bool = False
-    ) -> None:
+    _left_out = frozenset({"stats", "_how"})
+
+    def __init__(self, chain: Chain, record: dict[str, Any], scene: Scene, si: bool, how: dict[str, Any]) -> None:
         self.chain = chain
-        self.units = units
+        self.units = scene.units
         self.si = si
+        self._scene, self._how = scene, how
         strains = chain.boundary == STRAIN_RING
         self._names = names(strains)
         self.t: Vector = record["t"]
@@ -121,24 +167,121 @@ class Trajectory:
         return None if self._energies is None else self._energies.view(ENERGIES)[:, 0]
 
     @cached_property
-    def contacts(self) -> NDArray[Any] | None:
+    def contacts(self) -> NDArray[Any]:
         """The log of contacts."""
         if self._contacts is None:
-            return None
+            raise AttributeError("no contacts were logged: call run(..., events=True)")
         table = np.zeros(len(self._contacts), CONTACTS)
         for k, name in enumerate(_native.CONTACT_COLUMNS):
             table[name] = self._contacts[:, k]
+        table["bond"] -= FIRST.get(self.chain.boundary, 0)
         return table
 
-    def __getattr__(self, name: str) -> Any:
-        states = self.__dict__.get("_states", {})
-        if name in states:
-            if not self._has_states:
-                raise AttributeError(f"no states were kept: call run(..., states=True) for {name!r}")
-            return states[name]
-        if name in ("u", "v", "pu", "pv", "x", "y", "vx", "vy"):
+    def _array(self, name: str) -> Any:
+        if name not in self._names:
             raise AttributeError(f"{name!r} is not of this chain: its arrays are {', '.join(self._names)}")
-        raise AttributeError(name)
+        if not self._has_states:
+            raise AttributeError(f"no states were kept: call run(..., states=True) for {name!r}")
+        return self._states[name]
+
+    def _in_scene(self, state: dict[str, Vector]) -> dict[str, Vector]:
+        """A state in the units of the scene, from those of this trajectory."""
+        if self.units is None or self.si:
+            return state
+        length, momentum = self.units["length_m"], self.units["mass_kg"] * self.units["velocity_m_per_s"]
+        return {name: array * (momentum if name[0] == "p" else length) for name, array in state.items()}
+
+    @property
+    def _second(self) -> float:
+        """The unit of times of this trajectory in that of its scene."""
+        return 1.0 if self.units is None or self.si else self.units["time_s"]
+
+    def resume(self, until: float, *, at: ArrayLike | int | None = None, **options: Unpack[Told]) -> Trajectory:
+        """Go on from the end up to a later time, in the same way; drives go on at their phase.
+
+        Parameters
+        ----------
+        until : float
+            End time, in the unit of ``t_end``.
+        at, states, events, progress, on_sample, on_contact
+            As in :func:`run`.
+
+        Returns
+        -------
+        Trajectory
+            From ``t_end`` on. Its energy error and its works are counted from there, and a
+            tolerance holds for this part.
+        """
+        if at is not None and not isinstance(at, (int, np.integer)):
+            at = vector("at", at) * self._second
+        return self._again(self.end, self.t_end, number("until", until) * self._second, at, **options)
+
+    def _again(self, y: dict[str, Vector], t: float, until: float, at: Any, **options: Unpack[Told]) -> Trajectory:
+        whole, t0 = self._scene._part[0] if self._scene._part else self._scene, t * self._second
+        at = DEFAULT_SAMPLES if at is None else at
+        return run(whole, y0=self._in_scene(y), t0=t0, until=until, at=at, **options, **self._how)
+
+    def __call__(self, t: ArrayLike) -> dict[str, Vector]:
+        """The state at any time of the run, computed from the sample before it in the same way.
+
+        At a sample it is that sample; elsewhere its error is that of the method.
+
+        Parameters
+        ----------
+        t : float or array_like
+            Times, in any order.
+
+        Returns
+        -------
+        dict of ndarray
+            ``u, v, pu, pv``, or ``x, y, vx, vy`` on a strain ring, of shape (sites,) or (times,
+            sites).
+        """
+        times = vector("t", np.atleast_1d(np.asarray(t)))
+        start = self._scene._start / self._second
+        wrong = times[~((times >= start) & (times <= self.t_end))]
+        if wrong.size:
+            raise ParameterError(f"t = {wrong[0]} is not valid: from {start} to {self.t_end}, the span of the run")
+        kept = {name: array for name, array in self._states.items() if array is not None}
+        samples = self.t if self._has_states and self.integrator != "closed-form" else self.t[:0]
+        before = np.searchsorted(samples, times, side="right") - 1
+        rows = {name: np.empty((len(times), self.chain.sites)) for name in self.end}
+        for k in np.unique(before):
+            asked, places = np.unique(times[before == k], return_inverse=True)
+            sample = {name: array[k] for name, array in kept.items()} if k >= 0 else {}
+            if k >= 0 and asked[-1] == samples[k]:
+                part = {name: array[None] for name, array in sample.items()}
+            else:
+                if k < 0:
+                    again = run(self._scene, at=asked * self._second, **self._how)
+                else:
+                    last = (samples[k + 1] if k + 1 < len(samples) else self.t_end) * self._second
+                    again = self._again(sample, samples[k], last, asked * self._second)
+                part = {name: array for name, array in again._states.items() if array is not None}
+            for name, array in part.items():
+                rows[name][before == k] = array[places]
+        return {name: array.reshape(*np.shape(t), self.chain.sites) for name, array in rows.items()}
+
+    def to_dataframe(self) -> Any:
+        """The states as a ``pandas.DataFrame`` with a row for each time and site; needs pandas."""
+        import pandas
+
+        index = pandas.MultiIndex.from_product([self.t, range(self.chain.sites)], names=["t", "site"])
+        arrays = {name: self._array(name) for name in self._names}
+        return pandas.DataFrame({name: array.ravel() for name, array in arrays.items() if array is not None}, index=index)
+
+    def to_xarray(self) -> Any:
+        """States and energies as an ``xarray.Dataset`` over ``t`` and ``site``; needs xarray."""
+        import xarray
+
+        arrays: dict[str, Any] = {}
+        for name in self._names:
+            if self._array(name) is not None:
+                arrays[name] = (("t", "site"), self._array(name))
+        if self.energy is not None:
+            arrays["energy"] = (("t",), self.energy)
+        about = {"integrator": self.integrator, "setting": self.setting, "si": int(self.si)}
+        return xarray.Dataset(arrays, {"t": self.t, "site": np.arange(self.chain.sites)}, about)
 
     def __repr__(self) -> str:
         failed = f", failure={self.failure!r}" if self.failure else ""
@@ -150,8 +293,9 @@ class Trajectory:
         Returns
         -------
         ndarray, shape (times, contacts)
-            Negative where beads press each other. On a ring the first contact is that of the last
-            site with the first.
+            Negative where beads press each other. Column `k` is bond `k` of ``contacts``, of the
+            picture of :meth:`plot` and of ``Chain(bonds=..)``. On a ring the first is that of the
+            last site with the first.
         """
         if self.chain.boundary == STRAIN_RING:
             strains: Vector = self.x
@@ -183,13 +327,18 @@ class Trajectory:
         picture = ax.pcolormesh(
             np.arange(strains.shape[1]), self.t, strains, cmap="RdBu_r", vmin=-size, vmax=size, shading="nearest"
         )
-        ax.set(xlabel="contact n", ylabel="time t" + (" (s)" if self.si else ""))
+        ax.set(xlabel="bond", ylabel="time t" + (" (s)" if self.si else ""))
         ax.figure.colorbar(picture, ax=ax, label="strain" + (" (m)" if self.si else "") + ", negative in contacts", extend="max")
         return ax
 
 
-def scene_of(what: Scene | Chain, y0: Any, until: float | None) -> Scene:
+def scene_of(what: Scene | Chain, y0: Any, until: float | None, t0: float | None = None) -> Scene:
     """The scene to run."""
+    if t0 is not None and isinstance(what, (Chain, Scene)):
+        if y0 is None or until is None and isinstance(what, Chain):
+            raise ParameterError(f"t0 = {t0!r} is not valid without y0, the state at this time, and until")
+        whole = what._rest if isinstance(what, Chain) else what
+        return whole._from(y0, t0, whole.end if until is None else until)
     if isinstance(what, Chain):
         if y0 is None or until is None:
             missing = "y0" if y0 is None else "until"
@@ -209,6 +358,7 @@ def run(
     scene: Scene | Chain,
     *,
     y0: Any = None,
+    t0: float | None = None,
     until: float | None = None,
     method: str | None = None,
     tol: float | None = None,
@@ -235,9 +385,13 @@ def run(
     y0 : mapping or array_like, optional
         The initial state: a mapping with some of ``u, v, pu, pv`` (``x, y, vx, vy`` on a strain
         ring; what is left out is zero), or all of them in this order in one array, without ``v``
-        and ``pv`` if no resonator moves.
+        and ``pv`` if no resonator moves. Beads that drives move are where their drives are: their
+        numbers are zero, or those of the drive.
+    t0 : float, optional
+        Time at which the run begins, by default zero: drives act as at this time, and need not
+        come to their full height before the end. With `y0` only.
     until : float, optional
-        End time; the run begins at zero.
+        End time.
     method : str, optional
         An integrator by name, see :func:`integrators`. Without a name, a `tol` selects contact
         collocation; otherwise ``hertzchain run`` has the same choice.
@@ -268,12 +422,14 @@ def run(
     Returns
     -------
     Trajectory
-        The attribute `failure` is set if the run failed before its end.
+        The attribute `failure` is set if the run failed before its end. Called with a time, it
+        gives the state there.
 
     Warns
     -----
-    RuntimeWarning
-        If the result is doubtful; the attribute `warnings` has the same sentences.
+    RunWarning
+        If the result is doubtful, with the sentences of the attribute `warnings`; if the run failed
+        before its end.
 
     Raises
     ------
@@ -312,23 +468,26 @@ def run(
         raise ParameterError(f"on_sample = {on_sample!r} is not valid: a function of t and the state")
     if on_contact is not None and not callable(on_contact):
         raise ParameterError(f"on_contact = {on_contact!r} is not valid: a function of a contact")
-    whole = scene_of(scene, y0, until)
+    whole, how = scene_of(scene, y0, until, t0), asked(method, tol, step, steps_per_period)
     with shown(progress, whole.name) as tell:
         record, raised = _native.run(
             whole._scene,
-            **asked(method, tol, step, steps_per_period),
-            times=times_of(scene, at, whole.end),
+            **how,
+            times=times_of(scene, at, whole.end, whole._start),
             states=states,
             events=events or on_contact is not None,
             dimensionless=bool(dimensionless),
             progress=tell,
             seen=on_sample,
-            told=None if on_contact is None else lambda _, numbers: on_contact(contact_of(numbers)),
+            told=None if on_contact is None else lambda _, numbers: on_contact(contact_of(numbers, whole)),
         )
     si = whole.units is not None and not dimensionless
-    trajectory = Trajectory(scene if isinstance(scene, Chain) else whole.chain, record, whole.units, si)
-    for warning in trajectory.warnings:
-        warnings.warn(warning, RuntimeWarning, stacklevel=2)
+    how["method"] = how.pop("integrator")
+    how["dimensionless"] = bool(dimensionless)
+    trajectory = Trajectory(scene if isinstance(scene, Chain) else whole.chain, record, whole, si, how)
+    failed = [trajectory.failure] if trajectory.failure and raised is None else []
+    for warning in [*trajectory.warnings, *failed]:
+        warnings.warn(warning, RunWarning, stacklevel=2)
     if isinstance(raised, KeyboardInterrupt):
         raise Interrupted(trajectory) from None
     if raised is not None:
@@ -337,7 +496,7 @@ def run(
     return trajectory
 
 
-class Ensemble(Sequence[Trajectory]):
+class Ensemble(Arrays, Sequence[Trajectory]):
     """The trajectories of :func:`run_many`: a sequence, and their arrays as one.
 
     Attributes
@@ -376,13 +535,9 @@ class Ensemble(Sequence[Trajectory]):
         energies = [member.energy for member in self._members]
         return None if any(energy is None for energy in energies) else self._whole(energies)  # type: ignore[arg-type]
 
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        arrays = [getattr(member, name) for member in self._members]
-        if not isinstance(arrays[0], np.ndarray):
-            raise AttributeError(f"{name!r} is not an array over time: it is of each member")
-        return self._whole(arrays)
+    def _array(self, name: str) -> Any:
+        arrays = [member._array(name) for member in self._members]
+        return None if arrays[0] is None else self._whole(arrays)
 
     @overload
     def __getitem__(self, k: int) -> Trajectory: ...
@@ -435,8 +590,9 @@ def run_many(
 
     Warns
     -----
-    RuntimeWarning
-        Once for each kind of doubt about members, with the number of the first.
+    RunWarning
+        Once for each kind of doubt about members, and of their failures, with the number of the
+        first.
 
     Examples
     --------
@@ -464,13 +620,14 @@ def run_many(
         )
     chain = scene if isinstance(scene, Chain) else whole.chain
     si = whole.units is not None and not dimensionless
-    members = [Trajectory(chain, record, whole.units, si) for record in records]
+    how = {"method": method, "tol": tol, "step": step, "steps_per_period": steps_per_period, "dimensionless": bool(dimensionless)}
+    members = [Trajectory(chain, record, one, si, how) for one, record in zip(scenes, records)]
     told: set[str] = set()
     for k, member in enumerate(members):
-        for warning in member.warnings:
+        for warning in [*member.warnings, *([member.failure] if member.failure and raised is None else [])]:
             if (kind := re.sub(r"\d[\d.e+-]*", "", warning)) not in told:
                 told.add(kind)
-                warnings.warn(f"member {k}: {warning}", RuntimeWarning, stacklevel=2)
+                warnings.warn(f"member {k}: {warning}", RunWarning, stacklevel=2)
     ensemble = Ensemble(members)
     if isinstance(raised, KeyboardInterrupt):
         raise Interrupted(ensemble) from None
@@ -479,10 +636,10 @@ def run_many(
     return ensemble
 
 
-def contact_of(numbers: Vector) -> dict[str, float]:
+def contact_of(numbers: Vector, scene: Scene) -> dict[str, float]:
     """A contact as a dictionary with the columns of the log."""
     contact: dict[str, float] = dict(zip(_native.CONTACT_COLUMNS, numbers.tolist()))
-    return contact | {"bond": int(numbers[0])}
+    return contact | {"bond": int(numbers[0]) - FIRST.get(scene._scene.chain[4], 0)}
 
 
 def asked(method: str | None, tol: Any, step: Any, steps_per_period: Any) -> dict[str, Any]:
@@ -495,7 +652,7 @@ def asked(method: str | None, tol: Any, step: Any, steps_per_period: Any) -> dic
     }
 
 
-def times_of(scene: Scene | Chain, at: ArrayLike | int | None, end: float) -> Vector | None:
+def times_of(scene: Scene | Chain, at: ArrayLike | int | None, end: float, start: float = 0.0) -> Vector | None:
     """Sample times; None for those of a scene."""
     if at is None:
         if not isinstance(scene, Chain):
@@ -504,7 +661,9 @@ def times_of(scene: Scene | Chain, at: ArrayLike | int | None, end: float) -> Ve
     if isinstance(at, (int, np.integer)) and not isinstance(at, bool):
         if not 1 <= at <= 1_000_000:
             raise ParameterError(f"at = {at} is not valid: from 1 to 10^6 equal parts, or times")
-        return np.asarray(end * (np.arange(int(at) + 1) / int(at)))
+        times = start + (end - start) * (np.arange(int(at) + 1) / int(at))
+        times[-1] = end
+        return np.asarray(times)
     return vector("at", at)
 
 

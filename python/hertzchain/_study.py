@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import difflib
+import html
 import inspect
 import json
 import os
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -18,8 +20,28 @@ from numpy.typing import NDArray
 from . import _native
 from ._arrays import number, word
 from ._chain import Chain, Scene, changes_of
-from ._errors import ParameterError, UnknownNameError
+from ._errors import ParameterError, RunWarning, UnknownNameError
 from ._progress import Progress, shown
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """What a copy of a study in another process has of its report: all but the pictures."""
+
+    json: str
+    text: str
+    failure: str | None
+    remark: str | None
+    _tables: list[tuple[str, list[tuple[str, list[Any]]]]]
+    _files: list[tuple[str, bytes]]
+
+    def tables(self) -> list[tuple[str, list[tuple[str, list[Any]]]]]:
+        return self._tables
+
+    def files(self, formats: list[str]) -> list[tuple[str, bytes]]:
+        if formats:
+            raise ParameterError(f"format = {formats!r} is not valid: a study that was pickled has no pictures, only ()")
+        return self._files
 
 
 class Study:
@@ -31,9 +53,22 @@ class Study:
         Why the study has not done what it was asked for; what else is remarkable.
     """
 
-    def __init__(self, report: _native.Report) -> None:
+    def __init__(self, report: _native.Report | _Kept) -> None:
         self._report = report
         self.failure, self.remark = report.failure, report.remark
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        of = self._report
+        return Study, (_Kept(of.json, of.text, of.failure, of.remark, of.tables(), of.files([])),)
+
+    def __eq__(self, other: object) -> bool:
+        return self._report.json == other._report.json if isinstance(other, Study) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._report.json)
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(repr(self))}</pre>"
 
     @cached_property
     def record(self) -> dict[str, Any]:
@@ -111,7 +146,7 @@ def study(command: str, /, *, progress: Progress = False, **options: Any) -> Stu
 
     Warns
     -----
-    RuntimeWarning
+    RunWarning
         If the study has not done what it was asked for; ``failure`` says why.
 
     Examples
@@ -163,7 +198,7 @@ def called(command: str, function: Callable[..., Study], given: Mapping[str, Any
         raise raised
     assert report is not None
     if report.failure is not None:
-        warnings.warn(report.failure, RuntimeWarning, stacklevel=3)
+        warnings.warn(report.failure, RunWarning, stacklevel=3)
     return Study(report)
 
 

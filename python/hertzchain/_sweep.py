@@ -2,22 +2,33 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import json
 import os
 import re
+import sys
+import threading
+import warnings
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from pathlib import Path
-from typing import Any
+from types import CodeType
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from . import studies
-from ._arrays import Vector, word
-from ._errors import FileError, ParameterError
-from ._progress import Progress, shown
+from ._arrays import Vector, whole, word
+from ._errors import FileError, ParameterError, RunError, RunWarning
+from ._progress import Progress, shown, stopped_by
 from ._study import Study
+
+try:
+    import fcntl
+except ImportError:  # where files have no such locks
+    fcntl = None  # type: ignore[assignment]
 
 
 class Table:
@@ -82,12 +93,28 @@ def sweep_plan(
     return Table(studies.sweep(plan, out=folder, format=formats or ("png",), shard=shard, progress=progress))
 
 
+class Results(list[Any]):
+    """The values of a function at the points of a sweep, in their order; None at points that failed.
+
+    Attributes
+    ----------
+    failures : dict
+        Why points failed, by their numbers.
+    """
+
+    def __init__(self, values: Iterable[Any], failures: dict[int, str]) -> None:
+        super().__init__(values)
+        self.failures = failures
+
+
 def sweep(
     function: Callable[[Any], Any] | str | os.PathLike[str],
     points: Iterable[Any] = (),
     *,
     workers: int | None = None,
     store: str | os.PathLike[str] | None = None,
+    name: str | None = None,
+    version: int | str | None = None,
     out: str | os.PathLike[str] | None = None,
     format: str | Iterable[str] = (),
     shard: str | None = None,
@@ -96,33 +123,52 @@ def sweep(
 ) -> Any:
     """The values of a function at points, computed on threads; or the sweep of a plan.
 
-    Runs release the interpreter's lock, so that threads use several cores.
+    Runs release the interpreter's lock, so that threads use several cores. A point at which the
+    function raises an exception has the value None and its reason in ``failures``; if all fail, the
+    exception of the first is raised.
 
     Parameters
     ----------
     function : callable or path
         Called with a point; with a store or MPI its values must be JSON: numbers, strings, lists,
-        dictionaries, None. Or a plan, as for :func:`sweep_plan`, with `out`, `format`, `shard`,
-        `progress`.
+        dictionaries, None; arrays and numbers of numpy become lists and numbers. Or a plan, as for
+        :func:`sweep_plan`, with `out`, `format`, `shard`, `progress`.
     points : iterable
         The points; with a store they must be JSON too.
     workers : int, optional
-        Threads; by default the number of cores.
+        Threads; by default the number of cores that the process may use, and 1 with `comm`.
     store : path, optional
         A file to which each value is added as soon as it is computed. A sweep with the same file
-        computes only what is missing.
+        computes only what is missing or has failed. One process at a time writes to it.
+    name, version : str, int or str
+        With a store: name and version of the function; by default it has its own name. Values in
+        the store belong to both. With another version all points are computed anew; another name,
+        changed code of the function under the same version, or a point in the store that is not
+        one of `points` is refused. What the function calls is not compared: a change there needs
+        another version.
     shard : str, optional
         ``"K/N"``: compute only every N-th point from the K-th on, counted from 1, into a store of
         their own beside `store`; a sweep without a shard collects these.
     comm : mpi4py communicator, optional
-        Divide the points over its ranks; all of them get all values.
+        Divide the points over its ranks; all of them get all values. What ends the sweep of one
+        rank, such as a store that cannot be written, is raised on every rank.
     progress : bool or callable
         As in :func:`run`.
 
     Returns
     -------
-    list or Table
+    Results or Table
         The values in the order of the points; of a shard only its own.
+
+    Warns
+    -----
+    RunWarning
+        If points failed, or a store has values of another version.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        On Ctrl-C, which also stops runs inside the function; a store then has what was computed.
 
     Examples
     --------
@@ -136,25 +182,100 @@ def sweep(
         raise ParameterError(f"format = {format!r} is not valid: a function has no pictures, a plan has")
     if out is not None:
         raise ParameterError(f"out = {os.fspath(out)!r} is not valid: a function has a store, a plan a folder")
+    if workers is not None and whole("workers", workers) == 0:
+        raise ParameterError("workers = 0 is not valid: at least 1")
+    threads = workers or (1 if comm is not None else _cores())
     todo = list(points)
-    mine, file = _share(len(todo), store, shard, comm)
-    known = {} if file is None else _Store.read_all(Path(store or ""), todo)
-    missing = [k for k in mine if k not in known]
-    with shown(progress, "sweep") as tell, _Store(file, todo) as kept:
-        with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
+    rows: _Rows = {}
+    ended: BaseException | None = None
+    first: Exception | None = None
+    try:
+        mine, file = _share(len(todo), store, shard, comm)
+        owner = None if store is None else _owner(function, name, version)
+        rows, first = _computed(function, todo, mine, (file, store, owner), threads, progress)
+    except BaseException as error:
+        if comm is None:
+            raise
+        ended = error
+    if comm is not None:
+        # Every rank comes here, whatever has happened to it: none waits for one that has ended.
+        parts = comm.allgather((rows, None if ended is None else f"{type(ended).__name__}: {ended}"))
+        if ended is not None:
+            raise ended
+        for rank, (part, words) in enumerate(parts):
+            if words is not None:
+                raise RunError(f"the sweep of rank {rank} has ended: {words}")
+            rows.update(part)
+        mine = list(range(len(todo)))
+    failures = {k: rows[k][1] for k in mine if rows[k][1] is not None}
+    if failures:
+        number, reason = next(iter(failures.items()))
+        told = f"{len(failures)} of {len(mine)} points failed, the first is number {number}, {todo[number]!r}: {reason}"
+        if len(failures) == len(mine):
+            raise first or RunError(told)
+        warnings.warn(told, RunWarning, stacklevel=2)
+    return Results([rows[k][0] for k in mine], failures)  # type: ignore[arg-type]
+
+
+_Rows = dict[int, tuple[Any, str | None]]
+"""By the number of a point its value, and why there is none."""
+
+
+def _computed(
+    function: Callable[[Any], Any],
+    points: list[Any],
+    mine: list[int],
+    kept: tuple[Path | None, str | os.PathLike[str] | None, _Owner | None],
+    threads: int,
+    progress: Progress,
+) -> tuple[_Rows, Exception | None]:
+    """The rows of the points of this process, of a store and computed; the first exception."""
+    stop, (file, whole_store, owner) = threading.Event(), kept
+    first: Exception | None = None
+    with shown(progress, "sweep") as tell, _Store(file, points, owner) as store:
+        rows: _Rows = {} if owner is None else _Store.read_all(Path(whole_store or ""), points, owner)
+        missing = [k for k in mine if k not in rows]
+
+        def one(k: int) -> Any:
+            with stopped_by(stop):
+                return function(points[k])
+
+        def keep(k: int, future: Future[Any]) -> Exception | None:
+            error = future.exception()
+            if error is not None and not isinstance(error, Exception):
+                raise error
+            if error is None:
+                try:
+                    rows[k] = store.add(k, future.result(), None), None
+                    return None
+                except ParameterError as refused:
+                    error = refused
+            reason = f"{type(error).__name__}: {error}"
+            rows[k] = store.add(k, None, reason), reason
+            return error
+
+        with ThreadPoolExecutor(threads) as pool:
+            futures = {pool.submit(one, k): k for k in missing}
             try:
-                for done, (k, value) in enumerate(zip(missing, pool.map(lambda k: function(todo[k]), missing))):
-                    known[k] = kept.add(k, value)
+                for done, future in enumerate(as_completed(futures)):
+                    error = keep(futures[future], future)
+                    first = first or error
                     if tell:
                         tell((done + 1) / len(missing))
             except BaseException:
+                # Runs inside the function end; what was complete meanwhile is kept.
+                stop.set()
                 pool.shutdown(cancel_futures=True)
+                for future, k in futures.items():
+                    if k not in rows and not future.cancelled() and future.exception() is None:
+                        keep(k, future)
                 raise
-    if comm is not None:
-        for part in comm.allgather({k: known[k] for k in mine}):
-            known.update(part)
-        return [known[k] for k in range(len(todo))]
-    return [known[k] for k in mine]
+    return rows, first
+
+
+def _cores() -> int:
+    """The cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _share(
@@ -181,19 +302,71 @@ def _shard(shard: Any) -> tuple[int, int]:
     return k, n
 
 
-class _Store:
-    """Lines ``{"point": .., "value": ..}``, each written whole."""
+class _Owner(NamedTuple):
+    """The function whose values a store has: its name, its version, and a digest of its code."""
 
-    def __init__(self, file: Path | None, points: list[Any]) -> None:
-        self._points = points
-        self._file = None if file is None else file.open("a+b")
-        if self._file is not None:
-            # A truncated last line is ended, so that the next line begins on its own.
-            self._file.seek(0, os.SEEK_END)
-            if self._file.tell() > 0:
-                self._file.seek(-1, os.SEEK_END)
-                if self._file.read(1) != b"\n":
-                    self._file.write(b"\n")
+    name: str
+    version: str
+    code: str | None
+
+
+def _owner(function: Callable[[Any], Any], name: str | None, version: int | str | None) -> _Owner:
+    """The owner of the values of a function, which must have a name and a version."""
+    own = getattr(function, "__qualname__", "<lambda>")
+    if name is None and "<lambda>" in own:
+        raise ParameterError("name = None is not valid: with a store a function without a name is given one")
+    if version is None:
+        rule = "with a store a function has a version, such as 1; another one computes all points anew"
+        raise ParameterError(f"version = None is not valid: {rule}")
+    code = getattr(function, "__code__", None)
+    return _Owner(own if name is None else word("name", name), str(version), None if code is None else _digest(code))
+
+
+def _digest(code: CodeType) -> str:
+    """A digest of what a code does in this version of Python, its comments and lines left out."""
+
+    def parts(code: CodeType) -> Iterator[str]:
+        yield from (code.co_code.hex(), *code.co_names, *code.co_varnames)
+        for one in code.co_consts:
+            # The order of a set is not the same in every process.
+            one = sorted(map(repr, one)) if isinstance(one, frozenset) else one
+            yield from parts(one) if isinstance(one, CodeType) else [repr(one)]
+
+    text = "\n".join([str(sys.implementation.cache_tag), *parts(code)])
+    return f"{sys.implementation.cache_tag}:{hashlib.sha256(text.encode()).hexdigest()[:16]}"
+
+
+def _json(value: Any) -> Any:
+    """A value that is not JSON itself: an array or a number of numpy."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    raise TypeError(f"Object of type {type(value).__name__} is not JSON serializable")
+
+
+class _Store:
+    """Lines of JSON, each written whole: ``name, version, code`` of a function, followed by a
+    ``point`` each with its ``value`` or the ``failure`` that it had."""
+
+    def __init__(self, file: Path | None, points: list[Any], owner: _Owner | None) -> None:
+        self._points, self._file, self._owner = points, None, owner
+        if file is None or owner is None:
+            return
+        self._file = file.open("a+b")
+        if fcntl is not None:
+            try:
+                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                self._file.close()
+                raise FileError(f"{file}: another process writes to it: one store, one sweep at a time") from None
+        # A truncated last line is ended, so that the next line begins on its own.
+        self._file.seek(0, os.SEEK_END)
+        if self._file.tell() > 0:
+            self._file.seek(-1, os.SEEK_END)
+            if self._file.read(1) != b"\n":
+                self._file.write(b"\n")
+        # The owner of the values that are added next, which is said with the first of them.
+        if [line for line in _lines(file) if "version" in line][-1:] == [owner._asdict()]:
+            self._owner = None
 
     def __enter__(self) -> _Store:
         return self
@@ -202,38 +375,65 @@ class _Store:
         if self._file is not None:
             self._file.close()
 
-    def add(self, k: int, value: Any) -> Any:
-        """Keeps a value and returns it as a later sweep would read it."""
+    def add(self, k: int, value: Any, reason: str | None) -> Any:
+        """Keeps a value, or why there is none, and returns it as a later sweep would read it."""
         if self._file is None:
             return value
         try:
-            line = json.dumps({"point": self._points[k], "value": value})
+            what = {"value": value} if reason is None else {"failure": reason}
+            line = json.dumps({"point": self._points[k], **what}, default=_json) + "\n"
         except TypeError as error:
             raise ParameterError(f"the value at point {k} is not valid: a store keeps JSON ({error})") from None
-        self._file.write(line.encode() + b"\n")
+        if self._owner is not None:
+            line, self._owner = json.dumps(self._owner._asdict()) + "\n" + line, None
+        self._file.write(line.encode())
         self._file.flush()
-        return json.loads(line)["value"]
+        return json.loads(line.splitlines()[-1]).get("value")
 
     @staticmethod
-    def read_all(store: Path, points: list[Any]) -> dict[int, Any]:
-        """The values in a store and in the stores of its shards."""
+    def read_all(store: Path, points: list[Any], owner: _Owner) -> _Rows:
+        """The values of a function in a store and in the stores of its shards."""
         try:
-            places = {json.dumps(point, sort_keys=True): k for k, point in enumerate(points)}
+            places = {json.dumps(point, sort_keys=True, default=_json): k for k, point in enumerate(points)}
         except TypeError as error:
             raise ParameterError(f"points are not valid: a store keeps JSON ({error})") from None
         if len(places) < len(points):
             raise ParameterError("points are not valid: with a store no point occurs twice")
-        known: dict[int, Any] = {}
+        known: _Rows = {}
+        others: Counter[str] = Counter()
         for file in [store, *sorted(store.parent.glob(store.name + ".*-of-*"))]:
-            for point, value in _rows(file):
-                k = places.get(json.dumps(point, sort_keys=True))
-                if k is None:
-                    raise FileError(f"{file}: the point {point!r} is not of this sweep: take another store")
-                known[k] = value
+            there: _Owner | None = None
+            for row in _lines(file):
+                if "version" in row:
+                    there = _Owner(**row)
+                    _same(file, there, owner)
+                elif there is None:
+                    raise FileError(f"{file}: a value before the name and version of its function: take another store")
+                elif there.version != owner.version:
+                    others[there.version] += 1
+                else:
+                    k = places.get(json.dumps(row["point"], sort_keys=True))
+                    if k is None:
+                        raise FileError(f"{file}: the point {row['point']!r} is not of this sweep: take another store")
+                    if "value" in row:
+                        known[k] = row["value"], None
+        for version, count in others.items():
+            told = f"{store}: {count} values are of version {version} of {owner.name}, not {owner.version}, and are not used"
+            warnings.warn(told, RunWarning, stacklevel=4)
         return known
 
 
-def _rows(file: Path) -> Iterator[tuple[Any, Any]]:
+def _same(file: Path, there: _Owner, here: _Owner) -> None:
+    """Refuses the values of another function, and of other code under the same version."""
+    if there.name != here.name:
+        raise FileError(f"{file}: it has values of {there.name}, not of {here.name}: take another store")
+    both = there.code is not None and here.code is not None and there.code.split(":")[0] == here.code.split(":")[0]
+    if there.version == here.version and both and there.code != here.code:
+        rule = "give another version to compute all points anew, or undo the change"
+        raise FileError(f"{file}: the code of {here.name} is not that which version {here.version} had: {rule}")
+
+
+def _lines(file: Path) -> Iterator[dict[str, Any]]:
     """The complete lines of a store; truncated lines are skipped."""
     if not file.exists():
         return
@@ -241,6 +441,7 @@ def _rows(file: Path) -> Iterator[tuple[Any, Any]]:
         for line in lines:
             try:
                 row = json.loads(line)
-                yield row["point"], row["value"]
-            except (ValueError, KeyError, TypeError):
+            except ValueError:
                 continue
+            if isinstance(row, dict) and ("point" in row or row.keys() == set(_Owner._fields)):
+                yield row

@@ -8,9 +8,10 @@ from . import _native
 from ._arrays import Vector, number, optional, whole, word
 from ._chain import STRAIN_RING, Chain, Scene
 from ._errors import ParameterError
+from ._values import Made, Value
 
 
-class TravellingWave:
+class TravellingWave(Made, Value):
     """The first-order wave ``x_n = epsilon b + 2 kappa epsilon a cos(n q - omega_tw t + phi)``.
 
     Parameters
@@ -57,13 +58,15 @@ class TravellingWave:
     ) -> None:
         self._params = [number("alpha", alpha), number("kappa", kappa), number("rho", rho)]
         shape = [number("q", q), number("a", a), number("b", b), number("phi", phi)]
-        self._wave = _native.Wave(self._params, shape, optional("epsilon", epsilon), optional("detuning", detuning))
+        size = (optional("epsilon", epsilon), optional("detuning", detuning))
+        self._given = dict(zip(("q", "a", "b", "phi", "epsilon", "detuning", "alpha", "kappa", "rho"), (*shape, *size, *self._params)))
+        self._wave = _native.Wave(self._params, shape, *size)
 
     @staticmethod
     def of(scene: Scene) -> TravellingWave:
         """The wave of a scene."""
         wave = TravellingWave.__new__(TravellingWave)
-        wave._wave = _native.wave_of(scene._scene)
+        wave._wave, wave._given, wave._maker = _native.wave_of(scene._scene), {"scene": scene}, TravellingWave.of
         chain = scene.chain
         wave._params = [chain.alpha, chain.kappa, chain.rho]
         return wave
@@ -90,7 +93,7 @@ class TravellingWave:
         return chain.scene(self.at(0.0, sites), number("periods", periods) * 2 * 3.141592653589793 / self.omega_tw)
 
 
-class BrightBreather:
+class BrightBreather(Made, Value):
     """The long-lived bright breather with heavy resonators, from a homoclinic solution of DpS.
 
     Parameters
@@ -117,7 +120,9 @@ class BrightBreather:
     ) -> None:
         self._params = [number("alpha", alpha), number("kappa", kappa), number("rho", rho)]
         self._sites = whole("sites", sites)
-        self._breather = _native.Bright(self._params, word("center", center), number("epsilon", epsilon), self._sites)
+        shape = (word("center", center), number("epsilon", epsilon), self._sites)
+        self._given = dict(zip(("center", "epsilon", "sites", "alpha", "kappa", "rho"), (*shape, *self._params)))
+        self._breather = _native.Bright(self._params, *shape)
 
     @property
     def omega_b(self) -> float:

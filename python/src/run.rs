@@ -8,6 +8,7 @@ use crate::{
 use hertzchain::{
     Run, Setting, Trajectory,
     chain::{Boundary, Chain, Contact, Energy, Layout},
+    cli::in_python,
     run::Records,
     scene::{Quantity, Units},
     study::{MethodChoice, MethodRequest, ResultUnits, contact_in_si, in_units, state_in_si},
@@ -113,7 +114,7 @@ pub(crate) fn run<'py>(
     let asked = MethodRequest { integrator, tol, step, steps_per_period, ..MethodRequest::default() };
     let Prepared { how, run, units, mut rows } = prepared(py, scene, &asked, times.as_ref(), (states, dimensionless))?;
     let run = if events { run.contacts() } else { run };
-    let (end, layout) = (scene.end(), scene.chain().layout());
+    let (start, end, layout) = (scene.start_time(), scene.end(), scene.chain().layout());
     let work = |watched: &Watched| {
         let thrown = RefCell::new(None);
         // Calls a function of Python; once one has thrown, no other is called.
@@ -124,7 +125,7 @@ pub(crate) fn run<'py>(
             *thrown.borrow_mut() = called.inspect_err(|_| watched.ask()).err();
         };
         let mut seen = |t: f64, y: &[f64]| {
-            watched.tell(t / end);
+            watched.tell((t - start) / (end - start));
             rows.take(t, y, units.as_ref(), &mut |t, y| call(&seen, (t, &y[..2 * layout.half()])));
         };
         let mut told = |contact: &Contact| {
@@ -239,7 +240,7 @@ fn record<'py>(
     let (name, setting) = how.words();
     result.set_item("integrator", name)?;
     result.set_item("setting", setting)?;
-    result.set_item("reason", how.reason())?;
+    result.set_item("reason", how.reason().map(in_python))?;
     let kinds = |energy: Energy<f64>| [energy.beads, energy.resonators, energy.springs, energy.contacts];
     let energies: Option<Vec<[f64; 4]>> = outcome.samples.iter().map(|sample| sample.energy.map(kinds)).collect();
     if let Some(energies) = energies {
@@ -257,9 +258,9 @@ fn record<'py>(
     result.set_item("force_evaluations", stats.force_evaluations)?;
     result.set_item("wall_s", outcome.wall.as_secs_f64())?;
     result.set_item("energy_error", outcome.energy_error)?;
-    warnings.extend(outcome.warnings.iter().map(ToString::to_string));
+    warnings.extend(outcome.warnings.iter().map(|warning| in_python(&warning.to_string())));
     result.set_item("warnings", warnings)?;
-    result.set_item("failure", outcome.failure.map(|failure| failure.to_string()))?;
+    result.set_item("failure", outcome.failure.map(|failure| in_python(&failure.to_string())))?;
     result.set_item("t_end", outcome.t)?;
     if let Some(ledger) = rows.layout.ledger(&outcome.state) {
         let dissipated = [ledger.drag, ledger.dashpots, ledger.contacts, ledger.dissipated()];

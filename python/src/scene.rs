@@ -81,6 +81,12 @@ impl Scene {
         self.0.from_state(u, v, u_dot, v_dot).or_raise(py).map(Self)
     }
 
+    /// A part of a longer run, from a state at one time to another time.
+    fn part(&self, py: Python<'_>, start: f64, end: f64, state: Arrays<'_>) -> PyResult<Self> {
+        let state = state.each_ref().map(|array| numbers(array.as_ref()));
+        self.0.part([start, end], state).or_raise(py).map(Self)
+    }
+
     /// The scene with another end.
     fn until(&self, py: Python<'_>, end: f64) -> PyResult<Self> {
         self.0.clone().until_in_file(end).or_raise(py).map(Self)

@@ -28,7 +28,7 @@ def energy(k):
     chain = hc.Chain(sites=4 + k)
     return hc.run(chain, y0={"pu": np.eye(4 + k)[0]}, until=3.0, tol=1e-10).u[-1].tolist()
 
-values = hc.sweep(energy, range(count), workers=1, comm=comm, store=store or None)
+values = hc.sweep(energy, range(count), workers=1, comm=comm, store=store or None, version=1)
 each = comm.gather((values, called))
 if comm.rank == 0:
     print(json.dumps({"size": comm.size, "each": each}))

@@ -7,7 +7,6 @@ import math
 import re
 import subprocess
 import sys
-import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -158,30 +157,6 @@ def test_homoclinic_and_dark_profiles_solve_their_equations() -> None:
     assert profile.a[profile.n == 1] == profile.a[profile.n == 0]
 
 
-def test_sweep_resumes_and_collects_shards(tmp_path: Path) -> None:
-    calls: list[int] = []
-
-    def square(x: int) -> int:
-        calls.append(x)
-        return x * x
-
-    store = tmp_path / "squares.jsonl"
-    points = list(range(10))
-    assert hc.sweep(square, points[:4], store=tmp_path / "few.jsonl") == [0, 1, 4, 9]
-    assert hc.sweep(square, points, store=store, shard="1/3") == [0, 9, 36, 81]
-    assert hc.sweep(square, points, store=store, shard="3/3") == [4, 25, 64]
-    calls.clear()
-    assert hc.sweep(square, points, store=store) == [x * x for x in points]
-    assert sorted(calls) == [1, 4, 7]
-    # A torn line is computed again, and nothing else is.
-    store.write_bytes(store.read_bytes()[:-4])
-    calls.clear()
-    assert hc.sweep(square, points, store=store) == [x * x for x in points]
-    assert len(calls) == 1
-    with pytest.raises(hc.FileError, match="not of this sweep"):
-        hc.sweep(square, [100], store=store)
-
-
 PLAN = """
 scene = "impact"
 set = ["chain.sites=5", "span.until=3"]
@@ -216,44 +191,6 @@ def test_a_folder_of_another_process_is_refused_with_its_name(tmp_path: Path) ->
         fcntl.flock(held, fcntl.LOCK_EX)
         with pytest.raises(hc.Error, match=r"in use by another run \(process 7 on elsewhere\)"):
             hc.sweep(plan, out=tmp_path)
-
-
-class Ranks:
-    """As many ranks as threads, with the calls that a sweep makes of mpi4py."""
-
-    def __init__(self, size: int) -> None:
-        self.size = size
-        self.local = threading.local()
-        self.parts: list[Any] = [None] * size
-        self.barrier = threading.Barrier(size)
-
-    def Get_rank(self) -> int:
-        rank: int = self.local.rank
-        return rank
-
-    def Get_size(self) -> int:
-        return self.size
-
-    def allgather(self, part: Any) -> list[Any]:
-        self.parts[self.Get_rank()] = part
-        self.barrier.wait()
-        return self.parts
-
-
-def test_a_sweep_over_ranks() -> None:
-    comm = Ranks(3)
-    results: list[Any] = [None] * 3
-
-    def one(rank: int) -> None:
-        comm.local.rank = rank
-        results[rank] = hc.sweep(lambda x: (rank, x), range(7), comm=comm)
-
-    threads = [threading.Thread(target=one, args=(rank,)) for rank in range(3)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert results == [[(k % 3, k) for k in range(7)]] * 3
 
 
 def test_compare_has_rows_for_each_method() -> None:

@@ -203,4 +203,4 @@ def test_layouts_and_types_that_convert_without_loss() -> None:
 
 def test_values_that_json_cannot_keep_are_refused(tmp_path: Path) -> None:
     with pytest.raises(hc.ParameterError, match="a store keeps JSON"):
-        hc.sweep(lambda x: 1j, [1], store=tmp_path / "s")
+        hc.sweep(lambda x: 1j, [1], store=tmp_path / "s", name="one", version=1)

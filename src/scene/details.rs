@@ -498,7 +498,7 @@ impl DriveSection {
 }
 
 /// Refuses drives that have not come to their full height, or to their end, by the end of a scene.
-pub(super) fn within(chain: &Chain<f64>, end: f64) -> Result<()> {
+pub(super) fn within(chain: &Chain<f64>, end: f64, whole: bool) -> Result<()> {
     for drive in chain.details().iter().flat_map(|details| &details.drives) {
         if let Some(Course::Table(spline)) = &drive.signal.course {
             let [first, last] = [spline.times()[0], spline.times()[spline.times().len() - 1]];
@@ -507,7 +507,7 @@ pub(super) fn within(chain: &Chain<f64>, end: f64) -> Result<()> {
                 return Err(Error::parameter("drive.times", value, "the times of a drive cover the run"));
             }
         }
-        if drive.signal.settled() > end {
+        if whole && drive.signal.settled() > end {
             let name = match drive.signal.envelope {
                 Envelope::Burst { .. } | Envelope::HalfSine { .. } => "drive.length",
                 _ => "drive.ramp",

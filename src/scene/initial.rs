@@ -27,7 +27,11 @@ const REST: Site<f64> = Site { u: 0.0, v: 0.0, u_dot: 0.0, v_dot: 0.0 };
 
 /// The initial state of a scene, and the theory that it follows. Kinds that say of each site what
 /// it does are computed where they are needed.
-pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(Start, Option<Theory>)> {
+pub(super) fn initial_state(
+    chain: &Chain<f64>,
+    initial: &Initial,
+    start: Option<f64>,
+) -> Result<(Start, Option<Theory>)> {
     match *initial {
         Initial::TravellingWave { q_over_pi, a, b, phi, epsilon, detuning, zeta, seed } => {
             chain.uniform("a travelling wave")?;
@@ -66,13 +70,14 @@ pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(St
             require(site < chain.sites(), "site", site, "a site of the chain, counted from 0")?;
             state.u_mut()[site] += finite("displacement", displacement.unwrap_or(0.0))?;
             state.u_dot_mut()[site] += finite("velocity", velocity.unwrap_or(0.0))?;
-            Ok((driven(chain, state)?.into(), None))
+            Ok((driven(chain, state, 0.0)?.into(), None))
         }
         Initial::State { ref u, ref v, ref u_dot, ref v_dot } => {
-            let state = driven(chain, given(chain, [u, v, u_dot, v_dot])?)?;
+            let state = driven(chain, given(chain, [u, v, u_dot, v_dot])?, start.unwrap_or(0.0))?;
+            // An exact solution begins at time 0.
             let exact = match chain.details() {
-                None => TrivialBreather::of_state(chain, state.as_slice()).map(Theory::Breather),
-                Some(_) => None,
+                None if start.is_none() => TrivialBreather::of_state(chain, state.as_slice()).map(Theory::Breather),
+                _ => None,
             };
             Ok((state.into(), exact))
         }
@@ -84,19 +89,19 @@ pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(St
 fn by_sites(chain: &Chain<f64>, site: impl Fn(usize) -> Site<f64> + Send + Sync + 'static) -> Result<Start> {
     match chain.details() {
         None => Ok(Start::by_sites(chain, site)),
-        Some(_) => Ok(driven(chain, State::from_fn(chain, site)?)?.into()),
+        Some(_) => Ok(driven(chain, State::from_fn(chain, site)?, 0.0)?.into()),
     }
 }
 
-/// The state in which beads that drives move begin with their drives.
+/// The state at a time in which beads that drives move are where their drives are.
 ///
 /// # Errors
 /// A number other than zero for such a bead that is not that of its drive.
-fn driven(chain: &Chain<f64>, state: State<f64>) -> Result<State<f64>> {
-    let own = state.clone().driven(chain);
+fn driven(chain: &Chain<f64>, state: State<f64>, start: f64) -> Result<State<f64>> {
+    let own = state.clone().driven_at(chain, start);
     let mut filled = state.clone();
     filled.as_mut_slice().iter_mut().zip(own.as_slice()).filter(|(y, _)| **y == 0.0).for_each(|(y, own)| *y = *own);
-    match chain.follows_drives(filled.as_slice(), 0.0) {
+    match chain.follows_drives(filled.as_slice(), start) {
         Ok(()) => Ok(own),
         Err(site) => {
             let [given, drive] =

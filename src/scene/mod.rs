@@ -96,6 +96,8 @@ pub struct Scene {
     initial: Start,
     theory: Option<Theory>,
     period: f64,
+    /// Time at which it begins, if it is a [part](Self::part) of a longer run.
+    start: Option<f64>,
     end: f64,
     /// Whether the number of samples is given, not the default.
     says_samples: bool,
@@ -208,7 +210,7 @@ impl Scene {
             let message = place.map(|place| place + ": ").unwrap_or_default() + &error.to_string();
             Error::Scene { file: file.to_owned(), message }
         };
-        Self::build_as(SceneFile::parse_with(text, file, changes)?, by_sites).map_err(refused)
+        Self::build_as(SceneFile::parse_with(text, file, changes)?, by_sites, None).map_err(refused)
     }
 
     /// Checks a scene and computes its initial state.
@@ -216,22 +218,29 @@ impl Scene {
     /// # Errors
     /// The first parameter outside its rule.
     pub fn build(file: SceneFile) -> Result<Self> {
-        Self::build_as(file, false)
+        Self::build_as(file, false, None)
     }
 
-    fn build_as(file: SceneFile, by_sites: bool) -> Result<Self> {
+    fn build_as(file: SceneFile, by_sites: bool, start: Option<f64>) -> Result<Self> {
         require(file.chain.sites <= MOST_SITES, "sites", file.chain.sites, "at most 10^8")?;
         match file.dimensionless()? {
-            None => Self::built(file, None, by_sites),
+            None => Self::built(file, None, by_sites, start),
             Some(plain) => {
-                Self::built(file.clone(), Some(&plain), by_sites).map_err(|error| file.restated(error, &plain.1))
+                Self::built(file.clone(), Some(&plain), by_sites, start).map_err(|error| file.restated(error, &plain.1))
             }
         }
     }
 
-    /// The scene `given`. In SI units it is `plain` in dimensionless numbers.
-    fn built(mut given: SceneFile, plain: Option<&(SceneFile, Units)>, by_sites: bool) -> Result<Self> {
+    /// The scene `given`, which begins at `start`. In SI units it is `plain` in dimensionless
+    /// numbers.
+    fn built(
+        mut given: SceneFile,
+        plain: Option<&(SceneFile, Units)>,
+        by_sites: bool,
+        start: Option<f64>,
+    ) -> Result<Self> {
         let (file, units) = plain.map_or((&given, None), |(file, units)| (file, Some(*units)));
+        let start = start.map(|start| units.map_or(start, |units| units.from_si(Quantity::Time, start)));
         let section = &file.chain;
         if let Some(samples) = file.record.samples.filter(|samples| *samples > MOST_SAMPLES) {
             return Err(Error::parameter("samples", samples, "at most 10^6"));
@@ -262,7 +271,7 @@ impl Scene {
                 return Err(Error::parameter("sites", what, "three states fit into the memory"));
             }
         }
-        let (initial, theory) = initial_state(&chain, &file.initial)?;
+        let (initial, theory) = initial_state(&chain, &file.initial, start)?;
         if !by_sites {
             initial.make()?;
         }
@@ -300,9 +309,9 @@ impl Scene {
         {
             *seed = Some(drawn.seed());
         }
-        details::within(&chain, end)?;
+        details::within(&chain, end, start.is_none())?;
         let mut scene =
-            Self { chain, units, method, initial, theory, period, end, selection, file: given, says_samples };
+            Self { chain, units, method, initial, theory, period, start, end, selection, file: given, says_samples };
         scene.sample();
         scene.checked_run()?;
         Ok(scene)
@@ -359,7 +368,7 @@ impl Scene {
 
     fn ending(mut self, given: f64, end: f64) -> Result<Self> {
         (self.file.span.periods, self.file.span.until) = (None, Some(given));
-        let checked = checked_end(end).and_then(|end| details::within(&self.chain, end));
+        let checked = checked_end(end).and_then(|end| details::within(&self.chain, end, self.start.is_none()));
         checked.map_err(|error| self.restated(error))?;
         self.end = end;
         self.sample();
@@ -423,6 +432,20 @@ impl Scene {
         let span = Span { periods: None, until: Some(until), period: self.file.span.period };
         let initial = Initial::State { u, v, u_dot, v_dot };
         Self::build(SceneFile { initial, span, ..self.file.clone() })
+    }
+
+    /// A part of a longer run: the scene from a state at one time to another time, in the units of
+    /// its file, with arrays as for [`from_state`](Self::from_state). Drives act as at these times,
+    /// and need not come to their full height.
+    ///
+    /// # Errors
+    /// As [`from_state`](Self::from_state); a bead that a drive moves with other numbers than 0 and
+    /// those of the drive at the first time; a first time that is negative or not before the second.
+    pub fn part(&self, [start, end]: [f64; 2], state: [Vec<f64>; 4]) -> Result<Self> {
+        let span = Span { periods: None, until: Some(end), period: self.file.span.period };
+        let [u, v, u_dot, v_dot] = state;
+        let initial = Initial::State { u, v, u_dot, v_dot };
+        Self::build_as(SceneFile { initial, span, ..self.file.clone() }, false, Some(start))
     }
 
     /// The travelling wave of the scene, without its perturbation.
@@ -513,9 +536,19 @@ impl Scene {
         self.run().fast_period()
     }
 
-    /// The end of the time span, which starts at 0; dimensionless, as all that a scene builds.
+    /// The start of the time span: 0, but for [parts](Self::part) of a run.
+    pub fn start_time(&self) -> f64 {
+        self.start.unwrap_or(0.0)
+    }
+
+    /// The end of the time span; dimensionless, as all that a scene builds.
     pub fn end(&self) -> f64 {
         self.end
+    }
+
+    /// The length of the time span.
+    pub(crate) fn length(&self) -> f64 {
+        self.end - self.start_time()
     }
 
     /// Number of equally spaced times at which energy and strains are kept; 0: the end only.
@@ -565,7 +598,7 @@ impl Scene {
 
     fn checked_run(&self) -> Result<Run> {
         let run = Run::new(self.chain.clone(), self.initial.clone()).with_period(self.period);
-        let run = run.until(self.end)?.samples(self.samples())?;
+        let run = run.until(self.end)?.starting_at(self.start_time())?.samples(self.samples())?;
         match &self.method {
             Some(method) => method.of(run),
             None => Ok(run),

@@ -258,6 +258,44 @@ fn the_field_of_the_tangent_map_sees_every_drive_of_a_chain_at_rest() {
 }
 
 #[test]
+fn a_run_that_starts_later_goes_on_with_its_drives() {
+    // Truth: the run in one piece. Runs of the two parts are off by the errors of both; drives that
+    // began anew would change the state by about their size.
+    for (k, signal) in signals().into_iter().enumerate() {
+        let chain = chain(Boundary::Free, DriveKind::Displacement, signal);
+        for (method, setting) in [
+            (Method::Collocation, Setting::Tolerance(1e-12)),
+            (named("dop853"), Setting::Tolerance(1e-12)),
+            (named("strang-linear"), Setting::Steps(400_000)),
+        ] {
+            let whole = from_rest(&chain, method, setting).start().unwrap();
+            let first = from_rest(&chain, method, setting).until(2.3).unwrap().start().unwrap();
+            let mut middle = State::rest(&chain);
+            middle.as_mut_slice().copy_from_slice(&first.state);
+            let rest = Run::new(chain.clone(), middle).until(END).unwrap().starting_at(2.3).unwrap();
+            let rest = rest.method(method).setting(setting).samples(4).unwrap().start().unwrap().complete().unwrap();
+            let off = distance(&rest.state, &whole.state) / largest(whole.state.iter().copied());
+            assert!(off < 1e-8, "{k}, {}: {off:e}", method.name());
+            let times = rest.samples.iter().map(|sample| sample.t);
+            assert!(times.eq([0, 1, 2, 3, 4].map(|k| if k == 4 {
+                END
+            } else {
+                2.3 + (END - 2.3) * f64::from(k) / 4.0
+            })));
+        }
+    }
+    // Moved beads that are where their drive is at time 0 are refused later, as are other starts.
+    let moved = chain(Boundary::Free, DriveKind::Displacement, signals()[0].clone());
+    let run = from_rest(&moved, Method::Collocation, Setting::Tolerance(1e-8));
+    for (start, words) in
+        [(3.0, "a bead that is moved begins where its drive does"), (END, "before its end"), (-1.0, "at least zero")]
+    {
+        let refused = run.clone().starting_at(start).and_then(|run| run.start()).unwrap_err().to_string();
+        assert!(refused.contains(words), "{start}: {refused}");
+    }
+}
+
+#[test]
 fn an_event_on_a_break_is_one_event() {
     // Truth: collocation. A bead of speed 1 crosses a gap of 2 and meets the next one at t = 2,
     // where the ramp of a third bead ends.

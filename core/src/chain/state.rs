@@ -134,8 +134,14 @@ impl<R: Real> State<R> {
     /// The state in which the beads that drives move have the position and velocity of their drive
     /// at time 0.
     #[must_use]
-    pub fn driven(mut self, chain: &Chain<R>) -> Self {
-        chain.follow(R::zero(), &mut self.y);
+    pub fn driven(self, chain: &Chain<R>) -> Self {
+        self.driven_at(chain, R::zero())
+    }
+
+    /// As [`driven`](Self::driven), at time `t`.
+    #[must_use]
+    pub fn driven_at(mut self, chain: &Chain<R>, t: R) -> Self {
+        chain.follow(t, &mut self.y);
         self
     }
 

@@ -86,7 +86,8 @@ impl Run {
             && (self.method, self.setting) == (other.method, other.setting)
             && other.split().is_some()
             && chain(self) == chain(other)
-            && (self.end, self.period, self.records) == (other.end, other.period, other.records)
+            && (self.start, self.end, self.period, self.records)
+                == (other.start, other.end, other.period, other.records)
             && self.sampling == other.sampling
     }
 }

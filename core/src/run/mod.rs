@@ -51,7 +51,7 @@ pub const MOST_SAMPLES: usize = 1_000_000;
 
 /// A chain, its initial state, the end time, the method, and what is recorded.
 ///
-/// Times start at zero. Example:
+/// Times start at zero, unless [`starting_at`](Run::starting_at) says otherwise. Example:
 ///
 /// ```
 /// use hertzchain_core::{Boundary, Chain, Method, Params, Run, State};
@@ -72,6 +72,7 @@ pub struct Run {
     chain: Chain<f64>,
     /// Shared with clones of the run, and with the caller that gave it.
     initial: Initial,
+    start: f64,
     end: f64,
     period: f64,
     method: Option<Method>,
@@ -103,10 +104,13 @@ impl Sampling {
         }
     }
 
-    /// Time of the sample after `taken` of them, in a run up to `end`.
-    fn time(&self, taken: usize, end: f64) -> Option<f64> {
+    /// Time of the sample after `taken` of them, in a run from `start` to `end`.
+    fn time(&self, taken: usize, (start, end): (f64, f64)) -> Option<f64> {
         match self {
-            Self::Equal(samples) => (taken < self.count()).then(|| end * (taken as f64 / *samples as f64)),
+            Self::Equal(samples) if taken == *samples && taken > 0 => Some(end),
+            Self::Equal(samples) => {
+                (taken < self.count()).then(|| start + (end - start) * (taken as f64 / *samples as f64))
+            }
             Self::At(times) => times.get(taken).copied(),
         }
     }
@@ -136,6 +140,7 @@ impl Run {
         Self {
             chain,
             initial: initial.into(),
+            start: 0.0,
             end: f64::NAN,
             period,
             method: None,
@@ -149,13 +154,25 @@ impl Run {
         }
     }
 
-    /// Sets the end time. The run starts at time zero.
+    /// Sets the end time.
     ///
     /// # Errors
     /// A time outside 1e-100 .. 1e100: powers of shorter or longer times leave the range of a
     /// double.
     pub fn until(mut self, end: f64) -> Result<Self> {
         self.end = checked_end(end)?;
+        Ok(self)
+    }
+
+    /// Sets the time at which the run starts, from the initial state: drives act as at this time, and
+    /// beads that they move must be where they are then. The end must have been given.
+    ///
+    /// # Errors
+    /// A time that is negative or not before the end; no end given before.
+    pub fn starting_at(mut self, start: f64) -> Result<Self> {
+        let rule = "the start of a run is at least zero, and before its end";
+        require((0.0..self.end()?).contains(&start), "start", start, rule)?;
+        self.start = start;
         Ok(self)
     }
 
@@ -186,7 +203,7 @@ impl Run {
     /// end given before.
     pub fn step(self, h: f64) -> Result<Self> {
         positive("step", h)?;
-        let steps = Setting::steps(self.end()? / h)?;
+        let steps = Setting::steps(self.length()? / h)?;
         Ok(self.setting(steps))
     }
 
@@ -231,8 +248,10 @@ impl Run {
     /// end by four units of the last place.
     fn checked_times(&self, times: &[f64]) -> Result<()> {
         let last = self.end()? * (1.0 + 4.0 * f64::EPSILON);
-        if let Some(&wrong) = times.iter().find(|&&t| !(0.0..=last).contains(&t)) {
-            return Err(Error::parameter("times", wrong, "from zero to the end of the run"));
+        if let Some(&wrong) = times.iter().find(|&&t| !(self.start..=last).contains(&t)) {
+            let rule = "from zero to the end of the run";
+            let rule = if self.start > 0.0 { "from the start to the end of the run" } else { rule };
+            return Err(Error::parameter("times", wrong, rule));
         }
         if let Some(pair) = times.windows(2).find(|pair| pair[0] > pair[1]) {
             return Err(Error::parameter("times", pair[1], "in ascending order"));
@@ -343,20 +362,28 @@ impl Run {
         Ok(self.end)
     }
 
+    /// The length of the time span.
+    ///
+    /// # Errors
+    /// No end was given.
+    fn length(&self) -> Result<f64> {
+        Ok(self.end()? - self.start)
+    }
+
     /// The time span. Refuses an initial state in memory that has another layout than the chain, or
     /// in which a bead that a drive moves does not begin with its drive.
     fn span(&self) -> Result<(f64, f64)> {
         // A state that is computed site by site is not in memory, and is not checked.
-        let Some(initial) = self.initial.made() else { return Ok((0.0, self.end()?)) };
+        let Some(initial) = self.initial.made() else { return Ok((self.start, self.end()?)) };
         if initial.layout() != self.chain.layout() {
             let given = initial.as_slice().len();
             return Err(Error::parameter("state", given, "as many numbers as the chain has"));
         }
-        if let Err(site) = self.chain.follows_drives(initial.as_slice(), 0.0) {
+        if let Err(site) = self.chain.follows_drives(initial.as_slice(), self.start) {
             let rule = "a bead that is moved begins where its drive does, with its speed: State::driven";
             return Err(Error::parameter("state", format!("at site {site}"), rule));
         }
-        Ok((0.0, self.end()?))
+        Ok((self.start, self.end()?))
     }
 
     /// Method and setting of the run. What was not given follows from what was given, or from
@@ -371,7 +398,7 @@ impl Run {
             (None, Some(setting)) => (Method::by_tolerance(&self.chain), setting),
             (Some(method), None) if method.tolerant() => (method, Setting::Tolerance(regime::TOLERANCE)),
             (Some(method), None) => {
-                (method, Setting::steps(regime::STEPS_PER_PERIOD * self.end()? / self.fast_period())?)
+                (method, Setting::steps(regime::STEPS_PER_PERIOD * self.length()? / self.fast_period())?)
             }
             (None, None) => {
                 let Regime { method, setting, .. } = regime(self)?;

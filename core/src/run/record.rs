@@ -257,7 +257,7 @@ impl Snapshot {
     /// The record of a run at its start.
     pub fn new(run: &Run) -> Self {
         Self {
-            t: 0.0,
+            t: run.start,
             state: run.initial().as_slice().to_vec(),
             taken: 0,
             largest: 0.0,
@@ -463,7 +463,11 @@ fn lost(y: &[f64]) -> Option<usize> {
 
 impl Observer<f64> for Recorder<'_> {
     fn next(&self) -> Option<f64> {
-        if self.run.records == Records::End { None } else { self.run.sampling.time(self.kept.taken, self.run.end) }
+        if self.run.records == Records::End {
+            None
+        } else {
+            self.run.sampling.time(self.kept.taken, (self.run.start, self.run.end))
+        }
     }
 
     fn observe(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<ControlFlow<()>, Failure> {

@@ -120,14 +120,14 @@ pub fn regime(run: &Run) -> Result<Regime> {
         run.end()?;
         return Ok(of_details(run.chain()));
     }
-    let (chain, end, overlap) = (run.chain(), run.end()?, overlap_of(run.chain(), &run.initial));
+    let (chain, length, overlap) = (run.chain(), run.length()?, overlap_of(run.chain(), &run.initial));
     let (params, omega) = (chain.params(), chain.params().omega());
     let contact = contact_frequency(params.alpha, overlap + chain.precompression());
     let known = format!("omega = {omega:.3e}, Omega_c = {contact:.3e} of contacts that overlap by {overlap:.1e}");
     if omega > LIGHT * contact {
         let h_omega = (GOAL * omega / (ERROR * contact)).sqrt().min(LONGEST);
-        let steps = (end * omega / h_omega).ceil().max(1.0);
-        let step = end / steps;
+        let steps = (length * omega / h_omega).ceil().max(1.0);
+        let step = length / steps;
         return Ok(Regime {
             method: Method::Splitting(&tables::STRANG, Split::Linear),
             setting: Setting::Steps(steps as u64),

@@ -40,7 +40,7 @@ fn unresolved(run: &Run) -> Vec<Warning> {
     let Ok((Method::Splitting(..) | Method::Landed(_), Setting::Steps(steps))) = run.choice() else {
         return Vec::new();
     };
-    let step = run.end / steps as f64;
+    let step = (run.end - run.start) / steps as f64;
     let drives = run.chain.details().into_iter().flat_map(|details| &details.drives).enumerate();
     let short = drives.filter_map(|(drive, Drive { site, signal, .. })| {
         let (kind, length) = match (signal.envelope, &signal.course) {

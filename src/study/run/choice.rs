@@ -233,7 +233,7 @@ fn setting(args: &MethodRequest, method: Method, scene: &Scene) -> Result<(Setti
     if let Some(per_period) = args.windows_per_period {
         require(method == Method::Collocation, "windows-per-period", per_period, "only collocation takes windows")?;
         let nodes = args.nodes.unwrap_or(DEFAULT_NODES);
-        let windows = (scene.end() / scene.period() * per_period).ceil().max(1.0);
+        let windows = (scene.length() / scene.period() * per_period).ceil().max(1.0);
         require(windows <= MOST_STEPS, "windows", windows, "at most 1e15 windows")?;
         let setting = Setting::Windows(windows as u64, nodes);
         return Ok((setting, in_words(scene, setting)));
@@ -249,10 +249,10 @@ fn setting(args: &MethodRequest, method: Method, scene: &Scene) -> Result<(Setti
         return Err(Error::parameter("tol", tol, NO_TOLERANCE));
     }
     let steps = match args.step {
-        Some(step) => scene.end() / scene.of_file(Quantity::Time, step),
+        Some(step) => scene.length() / scene.of_file(Quantity::Time, step),
         None => match args.steps_per_period {
-            Some(per_period) => scene.end() / scene.period() * per_period,
-            None => scene.end() / scene.fast_period() * DEFAULT_STEPS_PER_PERIOD,
+            Some(per_period) => scene.length() / scene.period() * per_period,
+            None => scene.length() / scene.fast_period() * DEFAULT_STEPS_PER_PERIOD,
         },
     };
     let setting = Setting::steps(steps)?;
@@ -260,17 +260,17 @@ fn setting(args: &MethodRequest, method: Method, scene: &Scene) -> Result<(Setti
 }
 
 fn in_words(scene: &Scene, setting: Setting) -> String {
-    let (end, period) = (scene.end(), scene.period());
+    let (length, period) = (scene.length(), scene.period());
     let per_period = |count: u64| match scene.has_period() {
-        true => format!(" ({:.6} a period)", count as f64 * period / end),
+        true => format!(" ({:.6} a period)", count as f64 * period / length),
         false => String::new(),
     };
     match setting {
         Setting::Tolerance(tol) => format!("tol {tol:e}"),
         Setting::Steps(steps) => {
             let step = match scene.units() {
-                Some(_) => scene.in_words(end / steps as f64),
-                None => format!("{:e}", end / steps as f64),
+                Some(_) => scene.in_words(length / steps as f64),
+                None => format!("{:e}", length / steps as f64),
             };
             format!("{steps} steps of {step}{}", per_period(steps))
         }

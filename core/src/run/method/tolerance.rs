@@ -78,7 +78,7 @@ pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol:
 /// Rounds the number of steps up to a multiple of the number of samples, for a run over the whole
 /// span. Samples then fall on ends of steps; a sample inside a step costs as much as many steps.
 fn at_samples(run: &Run, span: (f64, f64), steps: u64) -> u64 {
-    let whole = run.end().is_ok_and(|end| span == (0.0, end));
+    let whole = run.end().is_ok_and(|end| span == (run.start, end));
     match run.sample_count() as u64 {
         samples @ 1.. if whole => steps.next_multiple_of(samples),
         _ => steps,
