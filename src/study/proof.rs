@@ -35,10 +35,9 @@ const HARMONICS: usize = 128;
 /// Radii over amplitudes that ask for more harmonics, and for how many times as many.
 pub(super) const WAVE: (f64, usize) = (1e-10, 6);
 pub(super) const BREATHER: (f64, usize) = (1e-9, 4);
-/// Half of the width of the interval of a multiplier that is to be proved.
+/// Half of the width of the interval of a multiplier that is to be proved, and of the frequency at which
+/// one is -1.
 const WIDTH: f64 = 4e-7;
-/// The same of the frequency at which a multiplier is -1.
-const WIDTH_OF_DOUBLING: f64 = 1e-7;
 /// Samples of half a period from which they are computed.
 const SAMPLES: u32 = 512;
 
@@ -290,7 +289,8 @@ fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: Option<
     if let Some(failure) = &failure {
         value["reason"] = Value::from(failure.as_str());
     }
-    let doubling = |[from, to]: &[f64; 2]| format!("At a frequency from {from} to {to} a Floquet multiplier is -1.");
+    let doubling =
+        |[from, to]: &[f64; 2]| format!("Proved: a Floquet multiplier is -1 at a frequency between {from} and {to}.");
     let doublings: Vec<String> = doublings.iter().map(doubling).collect();
     report.fact("proof", value).words(words).words(doublings.join(" ")).failure(failure)
 }
@@ -325,7 +325,7 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
                 up(bounds.z2)
             );
             let grows = |[from, to]: [f64; 2]| {
-                format!("Proved: it is unstable, with a real Floquet multiplier between {from} and {to}.")
+                format!("Proved: linearly unstable, with a real Floquet multiplier between {from} and {to}.")
             };
             report.fact("proof", value).words(words).words(proof.multiplier.map_or(String::new(), grows))
         }
@@ -397,7 +397,7 @@ pub(super) fn near_breather(orbit: &Orbit, tol: f64) -> Result<Certificate> {
 /// frequency `before`; none if these ends are not on both sides of it.
 pub(super) fn near_doubling(orbit: &Orbit, tol: f64, before: f64) -> Result<Vec<Certificate>> {
     let (near, omega) = (near_breather(orbit, tol)?, orbit.setting.omega_b);
-    let step = WIDTH_OF_DOUBLING.copysign(omega - before);
+    let step = WIDTH.copysign(omega - before);
     for sine in [true, false] {
         let at = |omega: f64| -> Result<(Certificate, f64)> {
             let model = model(orbit.setting.params, rounded(omega))?;
