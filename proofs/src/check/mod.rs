@@ -5,11 +5,13 @@
 //! | `system.rs` | the equations of waves and of breathers, with their factors `l_k` |
 //! | `moments.rs` | encloses the Fourier coefficients of contact forces and stiffnesses |
 //! | `bounds.rs` | the bounds `Y0`, `Z1`, `Z2` |
+//! | `infinite.rs` | what a breather of the infinite chain has beside them |
 //! | `branch.rs` | whether pieces of a branch make one |
 //! | this file | the inequalities, from which the radii follow |
 
 mod bounds;
 mod branch;
+mod infinite;
 mod moments;
 mod system;
 
@@ -45,6 +47,9 @@ pub struct Proof {
     pub bounds: Bounds,
     /// `W_n`, the weights of the sites in the norm.
     pub weights: Vec<f64>,
+    /// Of a breather of the infinite chain `eta` and `C`, bounds from below and above: its strains are
+    /// within `C e^{-eta |n|}` of those of the standing wave, on both sides.
+    pub decay: Option<[f64; 2]>,
 }
 
 /// Upper bounds of the defect `Y0`, of `Z1` and of the Hölder constant `Z2`.
@@ -75,6 +80,10 @@ pub enum Refused {
     Bounds(Bounds),
     /// The ball holds the state at rest, or is as large: the radius, and the first harmonic.
     Rest(f64, f64),
+    /// The standing wave far from the centre of a breather is not proved.
+    Background(Box<Self>),
+    /// The approximate inverse `A` could have a kernel: the bound of `1 - B A`.
+    Kernel(f64),
 }
 
 impl fmt::Display for Refused {
@@ -100,6 +109,10 @@ impl fmt::Display for Refused {
                     f,
                     "Y0 = {y0:.2e}, Z1 = {z1:.2e}, Z2 = {z2:.2e} admit no radius: the cosine sum is too far from a solution, or the block too small"
                 )
+            }
+            Self::Background(why) => write!(f, "the standing wave far from the centre: {why}"),
+            Self::Kernel(bound) => {
+                write!(f, "|1 - B A| < 1 is not shown, but {bound:.2e} as its bound: the band is too narrow")
             }
             Self::Rest(radius, first) => {
                 write!(

@@ -12,7 +12,7 @@ use super::{
     branches::{self, Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, files_of_branch},
     options::options,
     part,
-    proof::{self, Proving, near_breather, of_breather},
+    proof::{self, Proving, near_breather, of_breather, of_infinite},
 };
 use crate::{
     breathers::DarkBreather,
@@ -97,6 +97,11 @@ options! {
         omega_b: Option<f64> = None, "W";
         /// The ring.
         ring: Ring = Ring::default(), [command(flatten)];
+        /// Prove the breather of the infinite chain near that of the ring.
+        ///
+        /// Far from its centre it converges to standing waves of opposite phase, with the mean strain
+        /// of the far end of the ring.
+        infinite: bool = false, [arg(long, requires = "prove")];
         /// The proof.
         proving: Proving = Proving::default(), [command(flatten)];
     }
@@ -126,7 +131,8 @@ impl Study for Dark {
             let study = self.study(&breather)?;
             let report = study.report().file("dark-breather.npz", study.npz()?);
             let (orbit, tol) = (&study.study.orbit, self.ring.tol);
-            self.proving.added(report, proof::BREATHER, |times| of_breather(orbit, tol, times))
+            let certificate = if self.infinite { of_infinite } else { of_breather };
+            self.proving.added(report, proof::BREATHER, |times| certificate(orbit, tol, times))
         }))
     }
 }
