@@ -575,15 +575,16 @@ mod tests {
         Certificate { model, mean: exact("0"), to: None, block: 1, enclosed: 4, orbit }
     }
 
-    /// A breather of the infinite chain with a visible defect at its third site, the last one before the
-    /// background.
+    /// A breather of the infinite chain with visible defects at its first site, and at its third one, the
+    /// last before the background.
     fn infinite(center: Center) -> Certificate {
         let sizes = Sizes { block: 3, harmonics: 16, enclosed: 16 };
         let ring = solve::near(&guess(Some(center)), sizes).unwrap();
         let mut certificate = solve::unrolled(&ring, sizes).unwrap();
         let Orbit::Infinite(infinite) = &mut certificate.orbit else { panic!() };
-        (infinite.band, infinite.decay) = (3, "1/2".parse().unwrap());
+        (infinite.band, infinite.decay) = (2, "2".parse().unwrap());
         infinite.a.truncate(3);
+        infinite.a[0][0] += 1e-3;
         certificate
     }
 
@@ -644,14 +645,19 @@ mod tests {
                 let own = (0..=top).filter(|k| has(n, *k));
                 own.map(|k| weight(k) * if k <= *block { head(k) } else { g(n, k) }.abs()).sum()
             };
-            let w = |n: usize| (-0.5 * n.saturating_sub(first) as f64).exp();
+            let w = |n: usize| (-2.0 * n.saturating_sub(first) as f64).exp();
             let defect = |n: usize, k: usize| {
                 let forces: f64 = terms_of(n, k).into_iter().map(|(m, e)| e * known[m].force[k].mid()).sum();
                 if k == 0 { -forces - known[first].force[0].mid() } else { a[n].get(k).unwrap_or(&0.0) - forces }
             };
-            let y0 = (0..=last + 5).map(|n| size(n, &defect) / w(n)).fold(0.0, f64::max);
-            // Measured: 0.98 of it.
-            assert!(y0 < bounds.y0 && y0 > 0.97 * bounds.y0 && y0 > 2e-5, "{center:?}: {y0:e} {bounds:?}");
+            let y0 = |n: usize| size(n, &defect);
+            for (n, bound) in terms.y0().into_iter().take(first + 2).enumerate() {
+                // But for the tails.
+                let least = 0.97 * bound.hi() - 5e-7;
+                assert!(y0(n) < bound.hi() && y0(n) > least, "{center:?} {n}: {:e} {bound:?}", y0(n));
+            }
+            let most = (0..=last + 5).map(|n| y0(n) / w(n)).fold(0.0, f64::max);
+            assert!(most < bounds.y0 && most > 0.97 * bounds.y0, "{center:?}: {most:e} {bounds:?}");
             // The largest column of 1 - A DG of each site, by row.
             let z1 = |n: usize| -> f64 {
                 let of_site = |m: usize| {
@@ -680,9 +686,20 @@ mod tests {
                 };
                 (n.saturating_sub(it.band + 1)..=n + it.band + 1).map(of_site).sum::<f64>() / w(n)
             };
-            let z1 = (0..=last + 5).map(z1).fold(0.0, f64::max);
-            // Measured: 0.95 of it.
-            assert!(z1 < bounds.z1 && z1 > 0.9 * bounds.z1, "{center:?}: {z1} {bounds:?}");
+            let rows: Vec<f64> = (0..=last + 5).map(z1).collect();
+            let most = rows.iter().copied().fold(0.0, f64::max);
+            assert!(most < bounds.z1 && most > 0.9 * bounds.z1, "{center:?}: {most} {bounds:?}");
+            // Where rows are copied from: the rest is the error of the background.
+            let [before, at] = [last - 1, last].map(y0);
+            assert!(terms.rows() == last + 1 && before > 1e-8 && at < 1e-10, "{center:?}: {before:e} {at:e}");
+            assert!(rows[last..].iter().all(|row| (row / rows[last] - 1.0).abs() < 1e-9), "{center:?}: {rows:?}");
+            let index = &terms.unknowns.index;
+            let of = |n: usize, k: usize, m: usize, j: usize| {
+                terms.inverse[index[n][k].unwrap()][index[m][j].unwrap()].mid()
+            };
+            for (k, j) in [(0, 0), (1, 0), (3, 2)] {
+                assert!((last..last + 2).all(|n| of(n + 1, k, n, j) == of(n, k, n - 1, j)), "{center:?} {k} {j}");
+            }
         }
     }
 
