@@ -76,7 +76,7 @@ pub fn unrolled(ring: &Certificate, sizes: Sizes) -> Option<Certificate> {
     let near = Infinite { center, decay: Exact::ONE, band: 1, background, a };
     let mut certificate = infinite(model, rounded(far[0])?, &near, sizes)?;
     let Orbit::Infinite(found) = &mut certificate.orbit else { return None };
-    // Distances of neighbours: the background has more harmonics.
+    // Distances of neighbours, since the background has more harmonics than they have.
     let apart = |(n, pair): (usize, &[Vec<f64>])| -> f64 {
         let of = |(k, (a, b)): (usize, (&f64, &f64))| (sign(n, k) * a - sign(n + 1, k) * b).abs();
         pair[0].iter().zip(&pair[1]).enumerate().map(of).sum()

@@ -21,8 +21,9 @@ pub(super) struct Far {
     first: usize,
     /// `J`.
     band: usize,
-    /// `eta`, and the place of site 0 of the system.
+    /// `eta`.
     decay: Interval,
+    /// Number `n` of the first site of the system: 0 or 1.
     centre: usize,
 }
 
@@ -55,13 +56,14 @@ impl Far {
 
     /// Cuts the rows of `A` off at the distance `J`, and copies the last one.
     pub(super) fn copy_rows(&self, unknowns: &Unknowns, inverse: &mut [Vec<Interval>]) {
-        for (i, &(n, k)) in unknowns.all.iter().enumerate() {
-            for (j, &(m, l)) in unknowns.all.iter().enumerate() {
+        for (i, &(n, _)) in unknowns.all.iter().enumerate() {
+            for (j, &(m, _)) in unknowns.all.iter().enumerate() {
                 if n.abs_diff(m) > self.band {
                     inverse[i][j] = Interval::ZERO;
                 } else if n > self.last_row() {
-                    let before = |n: usize, k: usize| unknowns.index[n - 1][k].unwrap_or(usize::MAX);
-                    inverse[i][j] = inverse[before(n, k)][before(m, l)];
+                    // These sites and those before them have all harmonics.
+                    let width = unknowns.index[n].len();
+                    inverse[i][j] = inverse[i - width][j - width];
                 }
             }
         }
@@ -88,8 +90,7 @@ impl Far {
         if (Interval::ONE - most).is_positive() { Ok(()) } else { Err(Refused::Kernel(most.hi())) }
     }
 
-    /// Whether an entry of the rows that count, before and at the first one that is copied, couples two
-    /// sites in `A DG`.
+    /// Whether `A DG` couples two sites, in a row up to the first one that is copied.
     pub(super) fn couples(&self, n: usize, m: usize) -> bool {
         n <= self.last_row() && n.abs_diff(m) <= self.band + 1
     }
