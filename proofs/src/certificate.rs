@@ -5,21 +5,8 @@ use std::{fmt, str::FromStr};
 
 const HEAD: &str = "hertzchain certificate 1";
 /// Keys of its lines, but for the coefficients.
-const KEYS: [&str; 13] = [
-    "kind",
-    "alpha",
-    "kappa",
-    "rho",
-    "omega",
-    "mean",
-    "to",
-    "block",
-    "enclosed",
-    "q_over_pi",
-    "sites",
-    "center",
-    "multiplier",
-];
+const KEYS: &str =
+    "kind alpha kappa rho omega mean to block enclosed q_over_pi sites center multiplier decay band background";
 /// Largest number of harmonics.
 const MOST: usize = 4096;
 /// Largest block of Newton's method, in unknowns.
@@ -70,13 +57,39 @@ pub struct Breather {
     pub a: Vec<Vec<f64>>,
 }
 
+/// A dark breather of the infinite chain. Far from its centre it is a standing wave, `x_n = X(omega t
+/// + pi n)`, `X = mean + sum a_k cos k theta`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Infinite {
+    /// Reflection.
+    pub center: Center,
+    /// `eta`: the distance from the standing wave decays as `e^{-eta n}`.
+    pub decay: Exact,
+    /// `J`: an entry of the approximate inverse couples sites at most this far apart.
+    pub band: usize,
+    /// `a_1, a_2, ...` of the standing wave.
+    pub background: Vec<f64>,
+    /// `a_{nk}` of the sites from 0 (site-centred) or 1 (bond-centred) to the last one that differs
+    /// from the standing wave; `k = 0, 1, ...`.
+    pub a: Vec<Vec<f64>>,
+}
+
+impl Infinite {
+    /// Sites of the finite section from which all constants of the proof follow.
+    pub(crate) fn section(&self) -> usize {
+        self.a.len() + 2 * self.band + 4
+    }
+}
+
 /// What a certificate is about.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Orbit {
     /// A travelling wave.
     Wave(Wave),
-    /// A dark breather.
+    /// A dark breather of a ring.
     Breather(Breather),
+    /// A dark breather of the infinite chain.
+    Infinite(Infinite),
 }
 
 /// A real Floquet multiplier of a dark breather, of a perturbation that the reflection maps to its
@@ -117,6 +130,7 @@ impl Certificate {
         match &self.orbit {
             Orbit::Wave(wave) => wave.a.len(),
             Orbit::Breather(breather) => breather.a.first().map_or(0, |a| a.len().saturating_sub(1)),
+            Orbit::Infinite(infinite) => infinite.a.first().map_or(0, |a| a.len().saturating_sub(1)),
         }
     }
 
@@ -134,9 +148,17 @@ impl Certificate {
         rule(h <= *enclosed && 4 * block <= *enclosed, "enclosed must be at least the harmonics and 4 block")?;
         rule(*enclosed <= MOST, "at most 4096 harmonics")?;
         let finite = |a: &[f64]| a.iter().all(|a| a.is_finite());
+        let of_breather = |center: Center, a: &[Vec<f64>], sites: usize| {
+            let odd = |a: &Vec<f64>| a.iter().skip(1).step_by(2).any(|a| *a != 0.0);
+            let turned = center == Center::Bond || !a.first().is_some_and(odd);
+            rule(turned, "the centre of a site-centred breather has even harmonics only")?;
+            rule(rho.is_some(), "the resonators of a breather move: rho must be finite")?;
+            rule(sites.saturating_mul(block + 1) < LARGEST_BLOCK, "the block has at most 2500 unknowns")?;
+            rule(a.iter().all(|a| a.len() == h + 1 && finite(a)), "rows of as many finite coefficients")
+        };
         match &self.orbit {
             Orbit::Wave(wave) => {
-                rule(multiplier.is_none(), "a multiplier is that of a breather")?;
+                rule(multiplier.is_none(), "a multiplier is that of a breather of a ring")?;
                 rule(*block <= LARGEST_BLOCK, "the block has at most 2500 unknowns")?;
                 rule(
                     wave.q_over_pi.num().abs() < 1 << 40 && wave.q_over_pi.den() < 1 << 40,
@@ -146,9 +168,8 @@ impl Certificate {
             }
             Orbit::Breather(Breather { sites, center, a }) => {
                 rule(sites % 2 == 1 && (3..=MOST_SITES).contains(sites), "sites must be odd, from 3 to 401")?;
-                let odd = |a: &Vec<f64>| a.iter().skip(1).step_by(2).any(|a| *a != 0.0);
-                let turned = *center == Center::Bond || !a.first().is_some_and(odd);
-                rule(turned, "the centre of a site-centred breather has even harmonics only")?;
+                of_breather(*center, a, a.len())?;
+                rule(a.len() == sites / 2 + 1, "a row of coefficients for each site from the centre to the far end")?;
                 let growing = |[from, to]: [Interval; 2]| from.is_positive() && (to - from).is_positive();
                 let fits = multiplier.is_none_or(|it| match it {
                     Multiplier::Growing(rates) => to.is_none() && growing(rates.map(Exact::enclosed)),
@@ -156,11 +177,21 @@ impl Certificate {
                 });
                 let words = "a multiplier is growing, of one breather, at growth rates above 0, the larger one last; \
                              or -1, of a piece of a branch of bond-centred ones";
-                rule(fits, words)?;
-                rule(rho.is_some(), "the resonators of a breather move: rho must be finite")?;
-                rule(a.len() * (block + 1) < LARGEST_BLOCK, "the block has at most 2500 unknowns")?;
-                rule(a.len() == sites / 2 + 1, "a row of coefficients for each site from the centre to the far end")?;
-                rule(a.iter().all(|a| a.len() == h + 1 && finite(a)), "rows of as many finite coefficients")
+                rule(fits, words)
+            }
+            Orbit::Infinite(infinite) => {
+                let Infinite { center, decay, band, background, a } = infinite;
+                rule(multiplier.is_none(), "a multiplier is that of a breather of a ring")?;
+                rule(to.is_none(), "a breather of the infinite chain is no piece of a branch")?;
+                rule(decay.num() > 0, "decay must be above 0")?;
+                rule(*band >= 1 && *band <= MOST_SITES, "band must be from 1 to 401")?;
+                rule(!a.is_empty(), "a row of coefficients for one site at least")?;
+                rule(finite(background), "coefficients must be finite")?;
+                rule(
+                    (h..=MOST).contains(&background.len()),
+                    "the background has at least the harmonics of the sites, at most 4096",
+                )?;
+                of_breather(*center, a, infinite.section())
             }
         }
     }
@@ -169,7 +200,13 @@ impl Certificate {
 impl fmt::Display for Certificate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { model: Model { alpha, kappa, rho, omega }, mean, to, block, enclosed, orbit, multiplier } = self;
-        let kind = if matches!(orbit, Orbit::Wave(_)) { "wave" } else { "breather" };
+        let kind = match orbit {
+            Orbit::Wave(_) => "wave",
+            Orbit::Breather(_) => "breather",
+            Orbit::Infinite(_) => "infinite",
+        };
+        let row = |row: &[f64]| row.iter().map(|x| hexadecimal(*x)).collect::<Vec<String>>().join(" ");
+        let name = |center: &Center| if *center == Center::Site { "site" } else { "bond" };
         let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
         writeln!(f, "{HEAD}\nkind {kind}\nalpha {alpha}\nkappa {kappa}\nrho {rho}\nomega {omega}\nmean {mean}")?;
         if let Some([omega, mean]) = to {
@@ -189,15 +226,15 @@ impl fmt::Display for Certificate {
                 std::slice::from_ref(&wave.a)
             }
             Orbit::Breather(breather) => {
-                let center = if breather.center == Center::Site { "site" } else { "bond" };
-                writeln!(f, "sites {}\ncenter {center}", breather.sites)?;
+                writeln!(f, "sites {}\ncenter {}", breather.sites, name(&breather.center))?;
                 &breather.a
             }
+            Orbit::Infinite(Infinite { center, decay, band, background, a }) => {
+                writeln!(f, "center {}\ndecay {decay}\nband {band}\nbackground {}", name(center), row(background))?;
+                a
+            }
         };
-        for row in rows {
-            let row: Vec<String> = row.iter().map(|x| hexadecimal(*x)).collect();
-            writeln!(f, "a {}", row.join(" "))?;
-        }
+        rows.iter().try_for_each(|one| writeln!(f, "a {}", row(one)))?;
         Ok(())
     }
 }
@@ -211,10 +248,18 @@ impl FromStr for Certificate {
             return Err(format!("its first line is not \"{HEAD}\""));
         }
         let (mut keys, mut rows) = (Vec::new(), Vec::new());
+        let numbers = |row: &str| row.split(' ').map(from_hexadecimal).collect::<Result<Vec<f64>, _>>();
+        let center = |name: &str| match name {
+            "site" => Ok(Center::Site),
+            "bond" => Ok(Center::Bond),
+            other => Err(format!("center {other} is neither site nor bond")),
+        };
         for line in lines.filter(|line| !line.is_empty()) {
             match line.split_once(' ') {
-                Some(("a", row)) => rows.push(row.split(' ').map(from_hexadecimal).collect::<Result<Vec<f64>, _>>()?),
-                Some((key, _)) if !KEYS.contains(&key) => return Err(format!("the key {key} is not known")),
+                Some(("a", row)) => rows.push(numbers(row)?),
+                Some((key, _)) if !KEYS.split(' ').any(|known| known == key) => {
+                    return Err(format!("the key {key} is not known"));
+                }
                 Some(entry) if keys.iter().all(|(key, _)| *key != entry.0) => keys.push(entry),
                 _ => return Err(format!("the line \"{line}\" has no key, or one that was there before")),
             }
@@ -250,14 +295,16 @@ impl FromStr for Certificate {
                 Orbit::Wave(Wave { q_over_pi: take("q_over_pi")?.parse()?, a })
             }
             "breather" => {
-                let center = match take("center")? {
-                    "site" => Center::Site,
-                    "bond" => Center::Bond,
-                    other => return Err(format!("center {other} is neither site nor bond")),
-                };
-                Orbit::Breather(Breather { sites: whole(take("sites")?)?, center, a: rows })
+                Orbit::Breather(Breather { center: center(take("center")?)?, sites: whole(take("sites")?)?, a: rows })
             }
-            other => return Err(format!("kind {other} is neither wave nor breather")),
+            "infinite" => Orbit::Infinite(Infinite {
+                center: center(take("center")?)?,
+                decay: take("decay")?.parse()?,
+                band: whole(take("band")?)?,
+                background: numbers(take("background")?)?,
+                a: rows,
+            }),
+            other => return Err(format!("kind {other} is neither wave, breather nor infinite")),
         };
         match keys.first() {
             Some((key, _)) => Err(format!("the key {key} is not known")),

@@ -4,7 +4,7 @@
 //! for by Newton's method; the others are the fixed point `a_k = C_k n_k`.
 
 use crate::{
-    certificate::{Breather, Center, Certificate, Model, Orbit, Wave},
+    certificate::{Breather, Center, Certificate, Infinite, Model, Orbit, Wave},
     check::{Proof, Refused},
     exact::Exact,
 };
@@ -51,8 +51,69 @@ pub fn near(near: &Certificate, sizes: Sizes) -> Option<Certificate> {
     let found = match &near.orbit {
         Orbit::Wave(Wave { q_over_pi, a }) => wave(model, *q_over_pi, mean, a, sizes),
         Orbit::Breather(Breather { sites, center, a }) => breather(model, (mean, *sites), *center, a, sizes),
+        Orbit::Infinite(near) => infinite(model, mean, near, sizes),
     };
     found.map(|found| Certificate { multiplier: near.multiplier, ..found })
+}
+
+/// Distance of neighbours, as a share of the background, from which on strains are those of the
+/// background; and that from which on it decays exponentially.
+const FAR: [f64; 2] = [1e-13, 1e-2];
+/// Harmonics of the background, over those of the sites: all of them feel its error.
+const FINER: usize = 4;
+/// Rate of decay that is proved, over the one computed.
+const RATE: f64 = 0.5;
+/// Weight of the last sites that `A` couples, over that of the first ones.
+const CUT: f64 = 1e-3;
+
+/// The certificate of the breather of the infinite chain near this one of a ring, with the mean strain
+/// of its far end. `None` if Newton's method finds none, or if it does not decay.
+pub fn unrolled(ring: &Certificate, sizes: Sizes) -> Option<Certificate> {
+    let (model, Orbit::Breather(Breather { center, a, .. })) = (ring.model, &ring.orbit) else { return None };
+    let (center, mut a, first) = (*center, a.clone(), usize::from(*center == Center::Bond));
+    let far = a.pop()?;
+    let sign = |n: usize, k: usize| if (n + first) * k % 2 == 1 { -1.0 } else { 1.0 };
+    let background = far.iter().enumerate().skip(1).map(|(k, x)| sign(a.len(), k) * x).collect();
+    let near = Infinite { center, decay: Exact::ONE, band: 1, background, a };
+    let mut certificate = infinite(model, rounded(far[0])?, &near, sizes)?;
+    let Orbit::Infinite(found) = &mut certificate.orbit else { return None };
+    // Distances of neighbours, since the background has more harmonics than they have.
+    let apart = |(n, pair): (usize, &[Vec<f64>])| -> f64 {
+        let of = |(k, (a, b)): (usize, (&f64, &f64))| (sign(n, k) * a - sign(n + 1, k) * b).abs();
+        pair[0].iter().zip(&pair[1]).enumerate().map(of).sum()
+    };
+    let apart: Vec<f64> = found.a.windows(2).enumerate().map(apart).collect();
+    let before = |share: f64| apart.iter().take_while(|apart| **apart > share * far[1].abs()).count();
+    let [end, start] = FAR.map(before);
+    let rate = (apart.get(start)? / apart.get(end.checked_sub(1)?)?).ln() / (end - 1).checked_sub(start)? as f64;
+    if end < apart.len() {
+        found.a.truncate(end);
+    }
+    found.decay = Exact::new((100.0 * RATE * rate) as i64, 100)?;
+    found.band = (-CUT.ln() / ((1.0 - RATE) * rate)).ceil() as usize;
+    Some(certificate)
+}
+
+/// A number as one with few digits, so that the decimal is exact.
+fn rounded(x: f64) -> Option<Exact> {
+    Exact::of_double((x * 1e18).round() / 1e18)
+}
+
+/// The certificate of the breather of the infinite chain near this one.
+fn infinite(model: Model, mean: Exact, near: &Infinite, sizes: Sizes) -> Option<Certificate> {
+    let Orbit::Wave(Wave { a: background, .. }) =
+        wave(model, Exact::ONE, mean, &near.background, sizes.times(FINER))?.orbit
+    else {
+        return None;
+    };
+    let last = near.a.len() + usize::from(near.center == Center::Bond);
+    let turned = |(k, x): (usize, &f64)| if last % 2 == 1 && k % 2 == 0 { -x } else { *x };
+    let far = [approximate(mean)].into_iter().chain(background.iter().enumerate().map(turned)).collect();
+    let rows = [near.a.as_slice(), &[far]].concat();
+    let mut a = half(model, (mean, 2 * rows.len() - 1), near.center, &rows, sizes, true)?;
+    a.pop();
+    let orbit = Orbit::Infinite(Infinite { background, a, ..near.clone() });
+    Some(Certificate { model, mean, to: None, block: sizes.block, enclosed: sizes.enclosed, orbit, multiplier: None })
 }
 
 /// Length of the first piece of a strip without a multiplier that is tried, as a share of the strip, and of the shortest.
@@ -84,8 +145,7 @@ pub fn strip(
     let at = |s: f64| -> Option<[Exact; 2]> {
         let between = |i: usize| {
             let [from, to] = [from, to].map(|it| approximate(ends(it)[i]));
-            // Few digits, so that the decimal is exact.
-            Exact::of_double(((from + s * (to - from)) * 1e18).round() / 1e18)
+            rounded(from + s * (to - from))
         };
         if s >= 1.0 { Some(ends(to)) } else { Some([between(0)?, between(1)?]) }
     };
@@ -179,8 +239,24 @@ pub fn breather(
     guess: &[Vec<f64>],
     sizes: Sizes,
 ) -> Option<Certificate> {
-    let Sizes { block, harmonics, enclosed } = sizes;
+    let a = half(model, (mean, sites), center, guess, sizes, false)?;
+    let orbit = Orbit::Breather(Breather { sites, center, a });
+    Some(Certificate { model, mean, to: None, block: sizes.block, enclosed: sizes.enclosed, orbit, multiplier: None })
+}
+
+/// The coefficients of half of a ring; or, with the far end `held`, those of the sites before it, of
+/// which the mean forces are that of the far end.
+fn half(
+    model: Model,
+    (mean, sites): (Exact, usize),
+    center: Center,
+    guess: &[Vec<f64>],
+    sizes: Sizes,
+    held: bool,
+) -> Option<Vec<Vec<f64>>> {
+    let Sizes { block, harmonics, .. } = sizes;
     let (half, width, site) = (guess.len(), block + 1, center == Center::Site);
+    let free = half - usize::from(held);
     let inverses: Vec<f64> = (0..=harmonics).map(|k| inverse(&model, k)).collect();
     // Row of a site of the ring, and whether its strain is that of half a period later.
     let row = |n: usize| {
@@ -206,21 +282,24 @@ pub fn breather(
         (0..half).map(|i| (0..sites).filter(|n| row(*n).0 == i).count() as f64 / sites as f64).collect();
     let mut a: Vec<Vec<f64>> = guess.to_vec();
     a.iter_mut().for_each(|a| a.resize(harmonics + 1, 0.0));
-    let (mut smallest, unknowns) = (f64::INFINITY, half * width);
+    let (mut smallest, unknowns) = (f64::INFINITY, free * width);
     let mut c0: Option<f64> = None;
     for _ in 0..MOST_STEPS {
         let known: Vec<[Vec<f64>; 2]> =
             a.iter().map(|a| series(a, approximate(model.alpha), harmonics.max(2 * block))).collect();
-        let c0 = c0.get_or_insert_with(|| known.iter().zip(&share).map(|(known, share)| known[0][0] * share).sum());
+        let c0 = c0.get_or_insert_with(|| match held {
+            true => known[half - 1][0][0],
+            false => known.iter().zip(&share).map(|(known, share)| known[0][0] * share).sum(),
+        });
         let defect = |i: usize, k: usize| {
             let sum: f64 = difference(i, k).iter().map(|(m, factor)| factor * known[*m][0][k]).sum();
             a[i][k] - inverses[k] * sum
         };
         let mut rows = vec![vec![0.0; unknowns + 2]; unknowns + 1];
-        for i in 0..half {
+        for i in 0..free {
             rows[i * width][unknowns] = -1.0;
             rows[i * width][unknowns + 1] = known[i][0][0] - *c0;
-            rows[unknowns][i * width] = share[i];
+            rows[unknowns][i * width] = if held { 0.0 } else { share[i] };
             for k in 1..width {
                 rows[i * width + k][unknowns + 1] = defect(i, k);
                 rows[i * width + k][i * width + k] = 1.0;
@@ -228,7 +307,7 @@ pub fn breather(
             for k in 0..width {
                 let terms = if k == 0 { [(i, -1.0), (i, 0.0), (i, 0.0)] } else { difference(i, k) };
                 let factor = if k == 0 { 1.0 } else { inverses[k] };
-                for (m, term) in terms {
+                for (m, term) in terms.into_iter().filter(|(m, _)| *m < free) {
                     for j in 0..width {
                         rows[i * width + k][m * width + j] += factor * term * cosine_product(&known[m][1], k, j);
                     }
@@ -236,9 +315,13 @@ pub fn breather(
             }
         }
         let mean_strain: f64 = a.iter().zip(&share).map(|(a, share)| a[0] * share).sum();
-        rows[unknowns][unknowns + 1] = mean_strain - approximate(mean);
+        if held {
+            rows[unknowns][unknowns] = 1.0;
+        } else {
+            rows[unknowns][unknowns + 1] = mean_strain - approximate(mean);
+        }
         let steps = solved(rows);
-        let beyond: Vec<Vec<f64>> = (0..half).map(|i| (width..=harmonics).map(|k| defect(i, k)).collect()).collect();
+        let beyond: Vec<Vec<f64>> = (0..free).map(|i| (width..=harmonics).map(|k| defect(i, k)).collect()).collect();
         *c0 -= steps[unknowns];
         for ((a, near), far) in a.iter_mut().zip(steps.chunks(width)).zip(&beyond) {
             a.iter_mut().zip(near.iter().chain(far)).for_each(|(a, step)| *a -= step);
@@ -249,8 +332,7 @@ pub fn breather(
             if site {
                 a[0].iter_mut().skip(1).step_by(2).for_each(|a| *a = 0.0);
             }
-            let orbit = Orbit::Breather(Breather { sites, center, a });
-            return Some(Certificate { model, mean, to: None, block, enclosed, orbit, multiplier: None });
+            return Some(a);
         }
         smallest = size.min(smallest);
     }

@@ -38,7 +38,7 @@ fn breather(omega: &str, center: Center, a: f64) -> Certificate {
 fn strip([from, to]: [&Certificate; 2]) -> Strip {
     let sizes = match from.orbit {
         Orbit::Wave(_) => Sizes::WAVE_PIECE,
-        Orbit::Breather(_) => Sizes::BREATHER_PIECE,
+        _ => Sizes::BREATHER_PIECE,
     };
     solve::strip([from, to], sizes, &|piece| check(piece)).unwrap()
 }
@@ -65,6 +65,7 @@ fn distance(a: &Certificate, b: &Certificate, weights: &[f64]) -> f64 {
     let rows = |it: &Certificate| match &it.orbit {
         Orbit::Wave(wave) => vec![[&[0.0], wave.a.as_slice()].concat()],
         Orbit::Breather(breather) => breather.a.clone(),
+        Orbit::Infinite(infinite) => infinite.a.clone(),
     };
     let of_site = |((a, b), w): ((&Vec<f64>, &Vec<f64>), &f64)| {
         let apart = |k: usize| (a.get(k).unwrap_or(&0.0) - b.get(k).unwrap_or(&0.0)).abs();

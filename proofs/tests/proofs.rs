@@ -1,7 +1,7 @@
 //! What is proved, and what is refused.
 
 use hertzchain_proofs::{
-    certificate::{Breather, Center, Certificate, Model, Multiplier, Orbit, Wave},
+    certificate::{Breather, Center, Certificate, Infinite, Model, Multiplier, Orbit, Wave},
     check::{Bounds, Gap, Proof, Refused, check, check_text, check_until, connected, doublings},
     exact::Exact,
     solve::{self, Sizes},
@@ -59,6 +59,7 @@ fn coefficients(certificate: &mut Certificate) -> &mut Vec<f64> {
     match &mut certificate.orbit {
         Orbit::Wave(wave) => &mut wave.a,
         Orbit::Breather(breather) => &mut breather.a[1],
+        Orbit::Infinite(infinite) => &mut infinite.a[1],
     }
 }
 
@@ -279,7 +280,7 @@ fn certificates_that_break_a_rule_are_refused() {
         ("enclosed 8", "enclosed 7", "4 block"),
         ("enclosed 8", "enclosed 5000", "4096"),
         ("enclosed 8", "enclosed -8", "whole number"),
-        ("kind wave", "kind ring", "neither wave nor breather"),
+        ("kind wave", "kind ring", "neither wave, breather nor infinite"),
         ("kind wave", "kind breather", "center is missing"),
         ("a 0x", "a x", "hexadecimal"),
         ("a 0x1.", "a 0x1.00000000000000", "hexadecimal"),
@@ -342,6 +343,120 @@ fn a_better_breather_lies_in_the_ball() {
         };
         let apart: Vec<Vec<f64>> = coarse.a.iter().zip(&fine.a).map(of_site).collect();
         within(&apart, 2.09, &proof);
+    }
+}
+
+fn of_the_infinite_chain(certificate: &mut Certificate) -> &mut Infinite {
+    match &mut certificate.orbit {
+        Orbit::Infinite(infinite) => infinite,
+        _ => panic!(),
+    }
+}
+
+// Truth: the breather of a ring of 41, where the equations have an end, and its distance from the far
+// site, which falls by a factor of 25 to 30 a site.
+#[test]
+fn breathers_of_the_infinite_chain_are_proved() {
+    for (omega, center) in
+        [("2.05", Center::Site), ("2.05", Center::Bond), ("2.09", Center::Site), ("2.09", Center::Bond)]
+    {
+        let ring = breather(["3/2", "1/3", omega], center, Sizes::BREATHER);
+        let mut certificate = solve::unrolled(&ring, Sizes::BREATHER).unwrap();
+        let proof = check(&certificate).unwrap_or_else(|why| panic!("{omega} {center:?}: {why}"));
+        assert!(proof.radius < 1e-9 * proof.amplitude, "{omega} {center:?}: {proof:?}");
+        assert!(proof.uniqueness_radius > 1e6 * proof.radius, "{omega} {center:?}: {proof:?}");
+        assert_eq!(certificate.to_string().parse().as_ref(), Ok(&certificate));
+        let Orbit::Breather(ring) = &ring.orbit else { panic!() };
+        // The strains beyond are as near to those of the certificate as the background is.
+        let a = of_the_infinite_chain(&mut certificate).background.clone();
+        let wave = Certificate {
+            enclosed: a.len(),
+            orbit: Orbit::Wave(Wave { q_over_pi: exact("1"), a }),
+            ..certificate.clone()
+        };
+        let background = check(&wave).unwrap();
+        let Bounds { y0, z1, z2 } = proof.bounds;
+        let ball = (0..100).fold(y0, |r, _| y0 + z1 * r + z2 * r.powf(1.5) / 1.5);
+        let share = (proof.radius - ball) / background.radius;
+        assert!((share - 1.0).abs() < 1e-2, "{omega} {center:?}: {share} {proof:?} {background:?}");
+        let infinite = of_the_infinite_chain(&mut certificate);
+        // The ends of the ring change less than the rounding errors.
+        let apart = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum();
+        let most = infinite.a.iter().zip(&ring.a).map(apart).fold(0.0, f64::max);
+        assert!(most < proof.radius, "{omega} {center:?}: {most:e} {proof:?}");
+        // The distance from the background: that of a far site an even number of sites away.
+        let first = usize::from(center == Center::Bond);
+        let far = |n: usize| apart((&ring.a[n], &ring.a[20 - n % 2]));
+        let [decay, constant] = proof.decay.unwrap();
+        for n in 0..12 {
+            let bound = constant * (-decay * (n + first) as f64).exp();
+            assert!(far(n) < bound, "{omega} {center:?} {n}: {:e} {bound:e}", far(n));
+        }
+        let rate = (far(4) / far(8)).ln() / 4.0;
+        // Half of it, with two digits.
+        assert!(decay < rate && decay > 0.49 * rate, "{omega} {center:?}: {decay} {rate}");
+    }
+}
+
+// Truth: the solution with four times as many harmonics.
+#[test]
+fn a_better_breather_of_the_infinite_chain_lies_in_the_ball() {
+    let sizes = Sizes { block: 8, harmonics: 32, enclosed: 64 };
+    let ring = breather(["3/2", "1/3", "2.09"], Center::Bond, sizes);
+    let [mut certificate, mut better] =
+        [sizes, Sizes { harmonics: 128, enclosed: 128, ..sizes }].map(|sizes| solve::unrolled(&ring, sizes).unwrap());
+    let proof = check(&certificate).unwrap();
+    let [coarse, fine] = [&mut certificate, &mut better].map(|one| of_the_infinite_chain(one).clone());
+    let of = |(coarse, fine): (&[f64], &[f64])| {
+        (1..fine.len()).map(|k| (coarse.get(k).unwrap_or(&0.0) - fine[k]).abs()).collect::<Vec<f64>>()
+    };
+    let mut apart: Vec<Vec<f64>> = coarse.a.iter().zip(&fine.a).map(|(a, b)| of((a, b))).collect();
+    apart.push(of((&coarse.background, &fine.background)));
+    within(&apart, 2.09, &proof);
+}
+
+#[test]
+fn what_is_no_breather_of_the_infinite_chain_is_refused() {
+    let sizes = Sizes { block: 6, harmonics: 32, enclosed: 32 };
+    let certificate = solve::unrolled(&breather(["3/2", "1/3", "2.09"], Center::Site, sizes), sizes).unwrap();
+    assert!(check(&certificate).is_ok());
+    let changed = |change: &dyn Fn(&mut Infinite)| {
+        let mut changed = certificate.clone();
+        change(of_the_infinite_chain(&mut changed));
+        check(&changed).expect_err("refused")
+    };
+    let bounds = |why: &Refused| match why {
+        Refused::Bounds(bounds) => *bounds,
+        _ => panic!("{why}"),
+    };
+    // Coefficients of the background, and of a site, moved by 5 percent.
+    let why = changed(&|it| it.background[0] *= 1.05);
+    assert!(matches!(&why, Refused::Background(why) if bounds(why).y0 > 1e-3), "{why}");
+    assert!(why.to_string().starts_with("the standing wave far from the centre: Y0 = "), "{why}");
+    assert!(bounds(&changed(&|it| it.a[5][1] *= 1.05)).y0 > 1e-3);
+    // Sites that still differ from the background are left out.
+    assert!(bounds(&changed(&|it| it.a.truncate(2))).y0 > 1e-3);
+    // Faster than it decays: the rate is 3.4.
+    assert!(bounds(&changed(&|it| it.decay = exact("4"))).z1 > 1.0);
+    // The inverse couples neighbours only.
+    let why = changed(&|it| it.band = 1);
+    assert!(matches!(why, Refused::Kernel(..)) || bounds(&why).z1 > 1.0, "{why}");
+    // The opposite phase of the background, which no breather of this centre has.
+    assert!(bounds(&changed(&|it| it.background.iter_mut().for_each(|a| *a = -*a))).y0 > 1e-3);
+    let why = changed(&|it| it.a[0][1] = 0.1);
+    assert!(matches!(&why, Refused::Certificate(rule) if rule.contains("even harmonics only")), "{why}");
+    let text = certificate.to_string();
+    for (from, to, words) in [
+        ("rho 1/3", "rho inf", "rho must be finite"),
+        ("decay ", "decay -", "decay must be above 0"),
+        ("band ", "band 1000000000000", "band must be from 1 to 401"),
+        ("band ", "band 30", "at most 2500 unknowns"),
+        ("mean ", "to 2.1 0\nmean ", "no piece of a branch"),
+        ("background ", "ground ", "ground is not known"),
+        ("background ", "background 0x0p0\nbackground ", "there before"),
+    ] {
+        let why = check_text(&text.replacen(from, to, 1)).unwrap_err();
+        assert!(matches!(&why, Refused::Certificate(rule) if rule.contains(words)), "{from} -> {to}: {why}");
     }
 }
 

@@ -1700,6 +1700,7 @@ def breather_dark(
     precompression: float = 0,
     formulation: Literal["half-period", "full-period"] = "half-period",
     tol: float = 1e-13,
+    infinite: bool = False,
     prove: bool = False,
     certificate: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
@@ -1738,6 +1739,10 @@ def breather_dark(
         Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
         state. Where small changes grow, the error at the end is larger by the same factor. From
         1e-15 to 0.1.
+    infinite : bool
+        Prove the breather of the infinite chain near that of the ring. Far from its centre it
+        converges to standing waves of opposite phase, with the mean strain of the far end of the
+        ring.
     prove : bool
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near

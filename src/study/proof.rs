@@ -134,7 +134,7 @@ impl Proving {
                 certificate::Orbit::Breather(_) if from.multiplier.is_some() && to.multiplier.is_some() => {
                     Sizes::BREATHER
                 }
-                certificate::Orbit::Breather(_) => Sizes::BREATHER_PIECE,
+                certificate::Orbit::Breather(_) | certificate::Orbit::Infinite(_) => Sizes::BREATHER_PIECE,
             };
             let check = |piece: &Certificate| {
                 let proof = check_until(piece, &interrupt::asked);
@@ -248,6 +248,10 @@ fn norm(certificate: &Certificate) -> &'static str {
         certificate::Orbit::Breather(_) => {
             "largest over n of (sqrt(2) |a_n0| + sum of |a_nk| over k >= 1)/W_n, W_n <= 1; and of eta |c_0|"
         }
+        certificate::Orbit::Infinite(_) => {
+            "largest over n of (sqrt(2) |a_n0| + sum of |a_nk| over k >= 1)/W_n, W_n = 1 near the centre, \
+             a constant times e^{-decay |n|} beyond"
+        }
     }
 }
 
@@ -315,9 +319,19 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
     match proof {
         Ok(proof) => {
             let bounds = proof.bounds;
+            let mut far = String::new();
+            if let (certificate::Orbit::Infinite(it), Some([decay, constant])) = (&certificate.orbit, proof.decay) {
+                (value["decay"], value["decay_constant"]) = (json!(decay), json!(constant));
+                far = format!(
+                    " It is within {} e^(-{} |n|) of a standing wave for n > 0, and of the one of opposite phase \
+                     for n < 0.",
+                    up(constant),
+                    it.decay
+                );
+            }
             let words = format!(
                 "Proved: within {} of the sum of {harmonics} harmonics, {} of the amplitude, there is exactly \
-                 one solution (Y0 = {}, Z1 = {}, Z2 = {}).",
+                 one solution (Y0 = {}, Z1 = {}, Z2 = {}).{far}",
                 up(proof.radius),
                 up(proof.radius / proof.amplitude),
                 up(bounds.y0),
@@ -426,6 +440,12 @@ pub(super) fn of_wave(wave: &ExactWave, fourier: &[f64], more: usize) -> Result<
     Ok(solve::near(&near_wave(wave, fourier)?, Sizes::WAVE.times(more)))
 }
 
+/// The certificate of a dark breather of the infinite chain: with the mean strain of the far end of this
+/// orbit.
+pub(super) fn of_infinite(orbit: &Orbit, tol: f64, more: usize) -> Result<Option<Certificate>> {
+    Ok(solve::unrolled(&near_breather(orbit, tol)?, Sizes::BREATHER.times(more)))
+}
+
 /// The certificate of a dark breather: of the orbit with the mean strain of this one.
 pub(super) fn of_breather(orbit: &Orbit, tol: f64, more: usize) -> Result<Option<Certificate>> {
     Ok(solve::near(&near_breather(orbit, tol)?, Sizes::BREATHER.times(more)))
@@ -466,11 +486,14 @@ impl Study for Prove {
             let certificate = pieces[0].clone();
             let Certificate { model: Model { alpha, kappa, rho, omega }, mean, .. } = certificate;
             let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
+            let name = |center: Center| if center == Center::Site { "site" } else { "bond" };
             let kind = match &certificate.orbit {
                 certificate::Orbit::Wave(wave) => format!("travelling wave, q = {} pi", wave.q_over_pi),
-                certificate::Orbit::Breather(breather) => {
-                    let center = if breather.center == Center::Site { "site" } else { "bond" };
-                    format!("dark breather about a {center} on a ring of {}", breather.sites)
+                certificate::Orbit::Breather(it) => {
+                    format!("dark breather about a {} on a ring of {}", name(it.center), it.sites)
+                }
+                certificate::Orbit::Infinite(it) => {
+                    format!("dark breather about a {} on the infinite chain", name(it.center))
                 }
             };
             let last = pieces.last().and_then(|piece| piece.to);

@@ -6,7 +6,9 @@
 //! `c_0`.
 
 use super::{
-    Moments, Proof, Refused, System, ladder,
+    Moments, Proof, Refused, System,
+    infinite::Far,
+    ladder,
     moments::{NARROWEST, NARROWEST_ALONG, moments},
     multiplier, of, radii,
 };
@@ -40,11 +42,11 @@ pub(super) fn kronecker(equal: bool) -> Interval {
 }
 
 /// The unknowns of the block.
-struct Unknowns {
+pub(super) struct Unknowns {
     /// `(n, k)` of each but `c_0`.
-    all: Vec<(usize, usize)>,
+    pub(super) all: Vec<(usize, usize)>,
     /// Their indices, by site and harmonic.
-    index: Vec<Vec<Option<usize>>>,
+    pub(super) index: Vec<Vec<Option<usize>>>,
     /// Number of rows of `A`.
     rows: usize,
 }
@@ -114,6 +116,7 @@ impl Unknowns {
                     matrix[i][self.rows - 1] = -1.0;
                     matrix[self.rows - 1][i] = shares[n].mid();
                 }
+                None if k == 0 => {}
                 _ => matrix[i][i] += 1.0,
             }
         }
@@ -171,8 +174,10 @@ struct Terms<'a> {
     /// Roots of sums of `l_k^2`, beyond `K'` and beyond `K`.
     beyond_enclosed: Interval,
     beyond_block: Interval,
-    /// Tails of the forces.
-    tails: Vec<Interval>,
+    /// Tails of the forces beyond `K'`, and of `D` beyond `K' - 2 K`.
+    tails: Vec<[Interval; 2]>,
+    /// What is known of the background of the infinite chain.
+    far: Option<Far>,
 }
 
 impl<'a> Terms<'a> {
@@ -183,15 +188,37 @@ impl<'a> Terms<'a> {
         let unknowns = Unknowns::new(&system, block);
         let ends = [certificate.model.omega, certificate.mean];
         let narrowest = if certificate.to.is_none_or(|to| to == ends) { NARROWEST } else { NARROWEST_ALONG };
-        let known = system.a.iter().map(|a| {
+        let far = Far::new(certificate, &|| go_on().is_err())?;
+        // Those of the background are all the same.
+        let known = system.a.iter().take(system.background.map_or(usize::MAX, |first| first + 1)).map(|a| {
             let known = moments(a, alpha, enclosed, narrowest, &|| go_on().is_err());
             go_on()?;
             known.ok_or(Refused::Moments)
         });
-        let known = known.collect::<Result<Vec<Moments>, _>>()?;
+        let mut known = known.collect::<Result<Vec<Moments>, _>>()?;
         let beyond_enclosed = (system.decay.square() / (of(3) * of(enclosed) * of(enclosed) * of(enclosed))).sqrt();
         let beyond_block = norm((block + 1..=enclosed).map(|k| system.range(k)).chain([beyond_enclosed]));
-        let inverse = approximate_inverse(unknowns.derivative(&system, &known));
+        let moved = if system.is_wave() { system.shift } else { Interval::ZERO };
+        let tail = |one: &Moments| {
+            let stiffness = |last: usize| Moments::tail(&one.stiffness, one.stiffness_square, last);
+            [one.force_tail(enclosed) + moved.abs() * stiffness(enclosed), stiffness(enclosed - 2 * block)]
+        };
+        let mut tails: Vec<[Interval; 2]> = known.iter().map(tail).collect();
+        if let Some(far) = &far {
+            // The background is near its cosine sum, not on it.
+            let first = known.len() - 1;
+            let (within, changes) = known[first].within(alpha, far.background.radius.into());
+            let tail = [0, 1].map(|i| tails[first][i] + changes[i]);
+            (known[first], tails[first]) = (within.clone(), tail);
+            known.resize(system.a.len(), within);
+            tails.resize(system.a.len(), tail);
+        }
+        let derivative = unknowns.derivative(&system, &known);
+        let mut inverse = approximate_inverse(derivative.clone());
+        if let Some(far) = &far {
+            far.copy_rows(&unknowns, &mut inverse);
+            far.has_no_kernel(&unknowns, &derivative, &inverse)?;
+        }
         go_on()?;
         let times_b = |l: &[Interval]| -> Vec<Vec<Interval>> {
             inverse.iter().map(|row| unknowns.times_b(&system, l, row)).collect()
@@ -210,12 +237,6 @@ impl<'a> Terms<'a> {
         for (sums, turned) in reached.iter_mut().zip(&turned) {
             sums.iter_mut().zip(turned).for_each(|(sum, turned)| *sum = *sum + *turned);
         }
-        let moved = if system.means.is_none() { system.shift } else { Interval::ZERO };
-        let tail = |one: &Moments| {
-            let stiffness = Moments::tail(&one.stiffness, one.stiffness_square, enclosed);
-            one.force_tail(enclosed) + moved.abs() * stiffness
-        };
-        let tails = known.iter().map(tail).collect();
         let reach = reached;
         Ok(Self {
             certificate,
@@ -230,6 +251,7 @@ impl<'a> Terms<'a> {
             beyond_enclosed,
             beyond_block,
             tails,
+            far,
         })
     }
 
@@ -237,19 +259,26 @@ impl<'a> Terms<'a> {
         self.system.a.len()
     }
 
+    /// Sites whose bounds are those of all sites.
+    fn rows(&self) -> usize {
+        self.far.as_ref().map_or(self.sites(), |far| far.last_row() + 1)
+    }
+
     /// `sum_m |e_nm|` of a number of each site.
     fn neighbours(&self, n: usize, by_site: &[Interval]) -> Interval {
         self.system.coupled(n, 0).into_iter().map(|(m, e)| Interval::exact(e.abs()) * by_site[m]).sum()
     }
 
-    /// `sum_m e_nm n_mk`.
+    /// `sum_m e_nm n_mk`; of a site of the background less that of the background.
     fn force(&self, n: usize, k: usize) -> Interval {
         let term = |(m, e): (usize, f64)| Interval::exact(e) * self.known[m].force[k];
-        self.system.coupled(n, k).into_iter().map(term).sum()
+        self.system.defects(n, k).into_iter().map(term).sum()
     }
 
+    /// `a_nk`; of a site of the background less that of the background.
     fn coefficient(&self, n: usize, k: usize) -> Interval {
-        self.system.a[n].get(k).copied().unwrap_or(Interval::ZERO)
+        let own = if self.system.is_background(n) { None } else { self.system.a[n].get(k) };
+        own.copied().unwrap_or(Interval::ZERO)
     }
 
     /// `|G_nk|`, all along a piece.
@@ -262,8 +291,12 @@ impl<'a> Terms<'a> {
     /// block has the change of `G`, too, at the rate of one half of the piece.
     fn y0(&self) -> Vec<Interval> {
         let Self { certificate, system, unknowns, known, inverse, moved, .. } = self;
-        let c0 = Interval::exact(known[0].force[0].mid());
+        let c0 = match system.background {
+            Some(first) => known[first].force[0],
+            None => Interval::exact(known[0].force[0].mid()),
+        };
         let residual = |&(n, k): &(usize, usize)| match k {
+            0 if system.is_background(n) => Interval::ZERO,
             0 => known[n].force[0] - c0,
             _ => self.coefficient(n, k) - system.factors[k] * self.force(n, k),
         };
@@ -285,16 +318,17 @@ impl<'a> Terms<'a> {
         for (n, y0) in y0.iter_mut().enumerate().take(self.sites()) {
             let beyond = (certificate.block + 1..=certificate.enclosed).filter(|k| system.has(n, *k));
             let middle: Interval = beyond.map(|k| self.defect(n, k)).sum();
-            *y0 = *y0 + middle + self.beyond_enclosed * self.neighbours(n, &self.tails);
+            let tails = system.defects(n, 0).into_iter().map(|(m, e)| Interval::exact(e.abs()) * self.tails[m][0]);
+            *y0 = *y0 + middle + self.beyond_enclosed * tails.sum();
         }
         y0
     }
 
     /// Largest columns of `I - A DG` up to `J` and beyond, by site, of those of a site.
     fn columns(&self, m: usize, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<Vec<Interval>, Refused> {
-        let Self { certificate, system, unknowns, known, inverse, product, reach, .. } = self;
+        let Self { certificate, system, unknowns, known, inverse, product, reach, tails, far, .. } = self;
         let (d, computed) = (&known[m].stiffness, certificate.enclosed - certificate.block);
-        let tail = Moments::tail(d, known[m].stiffness_square, computed - certificate.block) / of(2).sqrt();
+        let tail = tails[m][1] / of(2).sqrt();
         let mut most: Vec<Interval> = reach[m].iter().map(|reach| *reach * tail).collect();
         for j in (0..=computed).filter(|j| system.has(m, *j)) {
             go_on()?;
@@ -302,12 +336,15 @@ impl<'a> Terms<'a> {
             let entries: Vec<(usize, Interval)> =
                 unknowns.index[m].iter().flatten().map(|&i| (i, stiffness(d, unknowns.all[i].1, j))).collect();
             let sums = unknowns.by_site(&|i| {
+                if far.as_ref().is_some_and(|far| !far.couples(unknowns.all[i].0, m)) {
+                    return Interval::ZERO;
+                }
                 // A times the part of DG without D: the identity, or for k = 0 the equation of the
                 // mean.
                 let plain = match (own, &system.means) {
                     (Some(_), Some((shares, _))) if j == 0 => inverse[i][unknowns.rows - 1] * shares[m],
-                    (Some(own), _) => inverse[i][own],
-                    (None, _) => Interval::ZERO,
+                    (Some(own), _) if j > 0 => inverse[i][own],
+                    _ => Interval::ZERO,
                 };
                 let stiff: Interval = entries.iter().map(|(column, d)| product[i][*column] * *d).sum();
                 (kronecker(own == Some(i)) - plain - stiff).abs()
@@ -347,23 +384,23 @@ impl<'a> Terms<'a> {
         let (alpha, enclosed) = (model.alpha, *enclosed);
         let root = share(enclosed + 1) * (system.decay.square() / of(enclosed)).sqrt();
         let steep = norm((1..=enclosed).map(|k| of(k) * share(k) * system.range(k)).chain([root]));
-        let force = |((one, tail), change): ((&Moments, &Interval), &Interval)| {
+        let force = |((one, tail), change): ((&Moments, &[Interval; 2]), &Interval)| {
             let overlap = Interval::exact(one.overlap.hi()) + *change;
-            root * *tail + steep * alpha.enclosed() * overlap.pow(alpha.less_one()) * *change
+            root * tail[0] + steep * alpha.enclosed() * overlap.pow(alpha.less_one()) * *change
         };
         let forces: Vec<Interval> = known.iter().zip(tails).zip(changes).map(force).collect();
         let of_site = |n: usize| {
             let defects = (1..=enclosed).filter(|k| system.has(n, *k)).map(|k| of(k) * share(k) * self.defect(n, k));
             defects.sum::<Interval>() + self.neighbours(n, &forces)
         };
-        (0..self.sites()).map(of_site).fold(Interval::ZERO, Interval::max)
+        (0..self.rows()).map(of_site).fold(Interval::ZERO, Interval::max)
     }
 }
 
 pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Proof, Refused> {
     let go_on = || if stopped() { Err(Refused::Stopped) } else { Ok(()) };
     let terms = Terms::new(certificate, &go_on)?;
-    let Terms { system, known, moved, turned, .. } = &terms;
+    let Terms { system, known, moved, turned, far, .. } = &terms;
     let (alpha, sites) = (certificate.model.alpha, terms.sites());
     let mut y0 = terms.y0();
     let columns = (0..sites).map(|m| terms.columns(m, &go_on)).collect::<Result<Vec<Vec<Interval>>, _>>()?;
@@ -385,7 +422,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let contacts: Vec<Vec<Interval>> = (0..=sites).map(|n| terms.contact(n)).collect();
     // The force of a wave to second order in the change of the mean strain.
     y0[0] = y0[0] + contacts[0][0] * moved.abs() * known[0].change(alpha, moved.abs());
-    let weights = perron(&contacts[..sites]);
+    let weights = far.as_ref().map_or_else(|| perron(&contacts[..sites]), |far| far.weights(sites));
     let powers: Vec<Interval> = weights.iter().map(|w| *w * w.pow(gamma)).collect();
     let z2: Vec<Interval> = contacts.iter().map(|row| hoelder * dot(row, &powers)).collect();
     let steepest = known.iter().zip(overlaps).zip(&weights).map(|((one, overlap), w)| {
@@ -404,7 +441,8 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     };
     // The largest over the sites, and the number of c_0. Its weight eta makes this at most half.
     let split = |all: Vec<Interval>| {
-        let most = all.iter().zip(&weights).map(|(one, w)| *one / *w).fold(Interval::ZERO, Interval::max);
+        let own = all.iter().zip(&weights).take(terms.rows());
+        let most = own.map(|(one, w)| *one / *w).fold(Interval::ZERO, Interval::max);
         [most, all[sites]]
     };
     let all = |eta: Interval| [split(y0.clone()), split(z1(eta)), split(z2.clone())];
@@ -437,19 +475,27 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     });
     let multiplier = multiplier.transpose()?;
     // The mean of a wave is no unknown.
-    let unknown = &system.resonators[usize::from(system.means.is_none())..];
+    let unknown = &system.resonators[usize::from(system.is_wave())..];
     let resonators = unknown.iter().copied().fold(Interval::ZERO, Interval::max);
-    let bound = |bound: Interval| if bound.is_nan() { f64::INFINITY } else { bound.hi() };
+    let decay = far.as_ref().map(|far| far.decay(system, &weights, radius));
+    // The background of the infinite chain is as near to its own sum as its proof says.
+    let of_background = |of: fn(&Proof) -> f64| far.as_ref().map_or(Interval::ZERO, |far| of(&far.background).into());
+    let bound = |own: Interval, background: fn(&Proof) -> f64| {
+        let bound = own + of_background(background);
+        if bound.is_nan() { f64::INFINITY } else { bound.hi() }
+    };
+    let velocity = |share: &dyn Fn(usize) -> Interval| system.omega * terms.velocity(&changes, share);
     Ok(Proof {
-        radius: radius.hi(),
-        radius_y: bound(radius * resonators),
-        radius_velocity: bound(system.omega * terms.velocity(&changes, &|_| Interval::ONE)),
-        radius_velocity_y: bound(system.omega * terms.velocity(&changes, &|k| system.resonators[k])),
+        radius: bound(radius, |it| it.radius),
+        radius_y: bound(radius * resonators, |it| it.radius_y),
+        radius_velocity: bound(velocity(&|_| Interval::ONE), |it| it.radius_velocity),
+        radius_velocity_y: bound(velocity(&|k| system.resonators[k]), |it| it.radius_velocity_y),
         uniqueness_radius: unique,
         amplitude: amplitude.lo(),
         bounds,
         weights: weights.into_iter().map(Interval::hi).collect(),
         multiplier,
+        decay,
     })
 }
 
@@ -534,6 +580,165 @@ mod tests {
         };
         let model = Model { alpha: exact("3/2"), kappa: Exact::ONE, rho: Some(exact("1/3")), omega: exact(omega) };
         Certificate { model, mean: exact("0"), to: None, block: 1, enclosed: 4, orbit, multiplier: None }
+    }
+
+    /// A breather of the infinite chain with visible defects at its first site, and at its third one, the
+    /// last before the background.
+    fn infinite(center: Center) -> Certificate {
+        let sizes = Sizes { block: 3, harmonics: 16, enclosed: 16 };
+        let ring = solve::near(&guess(Some(center)), sizes).unwrap();
+        let mut certificate = solve::unrolled(&ring, sizes).unwrap();
+        let Orbit::Infinite(infinite) = &mut certificate.orbit else { panic!() };
+        (infinite.band, infinite.decay) = (2, "2".parse().unwrap());
+        infinite.a.truncate(3);
+        infinite.a[0][0] += 1e-3;
+        certificate
+    }
+
+    // Truth: the equations in the strains themselves, which are not shifted by half a period a site, on
+    // more sites and with four times as many harmonics.
+    #[test]
+    fn rows_of_the_infinite_chain_are_those_of_its_equations() {
+        for center in [Center::Site, Center::Bond] {
+            let certificate = infinite(center);
+            let bounds = match check(&certificate, &|| false) {
+                Ok(proof) => proof.bounds,
+                Err(Refused::Bounds(bounds)) => bounds,
+                Err(why) => panic!("{why}"),
+            };
+            let terms = Terms::new(&certificate, &|| Ok(())).unwrap();
+            let Certificate { block, orbit: Orbit::Infinite(it), .. } = &certificate else { panic!() };
+            let (first, last, top, bond) =
+                (it.a.len(), it.a.len() + it.band + 1, 64, usize::from(center == Center::Bond));
+            let sites = last + 12;
+            let sign = |n: usize, k: usize| if (n + bond) * k % 2 == 1 { -1.0 } else { 1.0 };
+            let far = [&[certificate.mean.enclosed().mid()], it.background.as_slice()].concat();
+            let turned = |n: usize| far.iter().enumerate().map(|(k, a)| sign(n, k) * a).collect();
+            let a: Vec<Vec<f64>> = (0..sites).map(|n| it.a.get(n).cloned().unwrap_or_else(|| turned(n))).collect();
+            let known: Vec<Moments> = a
+                .iter()
+                .map(|a| {
+                    let a: Vec<Interval> = a.iter().map(|a| Interval::exact(*a)).collect();
+                    moments(&a, certificate.model.alpha, 2 * top, NARROWEST, &|| false).unwrap()
+                })
+                .collect();
+            let l = System::new(&Certificate { enclosed: top, ..certificate.clone() }).unwrap().factors;
+            let has = |n: usize, k: usize| k <= top && !(bond == 0 && n == 0 && k % 2 == 1);
+            // The second difference, and for k = 0 the force.
+            let terms_of = |n: usize, k: usize| {
+                let left = match n {
+                    0 if bond == 1 => (0, -1.0),
+                    0 => (1, if k % 2 == 1 { 1.0 } else { -1.0 }),
+                    _ => (n - 1, -1.0),
+                };
+                let all = if k == 0 { vec![(n, -1.0)] } else { vec![(n, 2.0), left, (n + 1, -1.0)] };
+                all.into_iter().map(|(m, e)| (m, if k == 0 { e } else { e * l[k].mid() })).collect::<Vec<_>>()
+            };
+            // A: its rows from the last one on are copies.
+            let inverse = |n: usize, k: usize, m: usize, j: usize| {
+                let back = n.saturating_sub(last);
+                let of = |n: usize, k: usize| terms.unknowns.index.get(n.wrapping_sub(back))?.get(k).copied().flatten();
+                let entry = of(n, k).zip(of(m, j)).map_or(0.0, |(i, c)| terms.inverse[i][c].mid());
+                sign(n, k) * sign(m, j) * entry
+            };
+            let weight = |k: usize| if k == 0 { f64::sqrt(2.0) } else { 1.0 };
+            // |A g|_n of a vector that is 0 at other sites than these.
+            let size = |n: usize, g: &dyn Fn(usize, usize) -> f64| -> f64 {
+                let near = n.saturating_sub(it.band)..=n + it.band;
+                let head = |k: usize| -> f64 {
+                    let row = near.clone().flat_map(|m| (0..=*block).map(move |j| (m, j)));
+                    row.map(|(m, j)| inverse(n, k, m, j) * g(m, j)).sum::<f64>()
+                };
+                let own = (0..=top).filter(|k| has(n, *k));
+                own.map(|k| weight(k) * if k <= *block { head(k) } else { g(n, k) }.abs()).sum()
+            };
+            let w = |n: usize| (-2.0 * n.saturating_sub(first) as f64).exp();
+            let defect = |n: usize, k: usize| {
+                let forces: f64 = terms_of(n, k).into_iter().map(|(m, e)| e * known[m].force[k].mid()).sum();
+                if k == 0 { -forces - known[first].force[0].mid() } else { a[n].get(k).unwrap_or(&0.0) - forces }
+            };
+            let y0 = |n: usize| size(n, &defect);
+            for (n, bound) in terms.y0().into_iter().take(first + 2).enumerate() {
+                // But for the tails.
+                let least = 0.97 * bound.hi() - 5e-7;
+                assert!(y0(n) < bound.hi() && y0(n) > least, "{center:?} {n}: {:e} {bound:?}", y0(n));
+            }
+            let most = (0..=last + 5).map(|n| y0(n) / w(n)).fold(0.0, f64::max);
+            assert!(most < bounds.y0 && most > 0.97 * bounds.y0, "{center:?}: {most:e} {bounds:?}");
+            // The largest column of 1 - A DG of each site, by row.
+            let z1 = |n: usize| -> f64 {
+                let of_site = |m: usize| {
+                    let column = |j: usize| {
+                        let of = |i: usize, k: usize| {
+                            let entry = |(p, e): (usize, f64)| {
+                                if p == m { e * stiffness(&known[m].stiffness, k, j).mid() } else { 0.0 }
+                            };
+                            let plain = f64::from((i, k) == (m, j) && k > 0);
+                            if has(i, k) { plain + terms_of(i, k).into_iter().map(entry).sum::<f64>() } else { 0.0 }
+                        };
+                        let own = |i: usize, k: usize| f64::from((i, k) == (m, j));
+                        let row = (0..=top).filter(|k| has(n, *k)).map(|k| {
+                            let near = n.saturating_sub(it.band).max(m.saturating_sub(1))..=(n + it.band).min(m + 1);
+                            let all = near.flat_map(|i| (0..=*block).map(move |l| (i, l)));
+                            let image = if k <= *block {
+                                all.map(|(i, l)| inverse(n, k, i, l) * of(i, l)).sum()
+                            } else {
+                                of(n, k)
+                            };
+                            weight(k) * (own(n, k) - image).abs()
+                        });
+                        row.sum::<f64>() / weight(j)
+                    };
+                    w(m) * (0..=top).filter(|j| has(m, *j)).map(column).fold(0.0, f64::max)
+                };
+                (n.saturating_sub(it.band + 1)..=n + it.band + 1).map(of_site).sum::<f64>() / w(n)
+            };
+            let rows: Vec<f64> = (0..=last + 5).map(z1).collect();
+            let most = rows.iter().copied().fold(0.0, f64::max);
+            assert!(most < bounds.z1 && most > 0.9 * bounds.z1, "{center:?}: {most} {bounds:?}");
+            // Where rows are copied from: the rest is the error of the background.
+            let [before, at] = [last - 1, last].map(y0);
+            assert!(terms.rows() == last + 1 && before > 1e-8 && at < 1e-10, "{center:?}: {before:e} {at:e}");
+            assert!(rows[last..].iter().all(|row| (row / rows[last] - 1.0).abs() < 1e-9), "{center:?}: {rows:?}");
+            let index = &terms.unknowns.index;
+            let of = |n: usize, k: usize, m: usize, j: usize| {
+                terms.inverse[index[n][k].unwrap()][index[m][j].unwrap()].mid()
+            };
+            for (k, j) in [(0, 0), (1, 0), (3, 2)] {
+                assert!((last..last + 2).all(|n| of(n + 1, k, n, j) == of(n, k, n - 1, j)), "{center:?} {k} {j}");
+            }
+        }
+    }
+
+    // Truth: a background of four times as many harmonics.
+    #[test]
+    fn the_background_is_not_its_cosine_sum() {
+        let certificate = infinite(Center::Bond);
+        let terms = Terms::new(&certificate, &|| Ok(())).unwrap();
+        let Orbit::Infinite(it) = &certificate.orbit else { panic!() };
+        let sizes = Sizes { block: 3, harmonics: 256, enclosed: 256 };
+        let finer = solve::wave(certificate.model, Exact::ONE, certificate.mean, &it.background, sizes).unwrap();
+        let of = |a: &[Interval]| moments(a, certificate.model.alpha, 16, NARROWEST, &|| false).unwrap();
+        let (truth, own) = (of(&System::new(&finer).unwrap().a[0]), of(&terms.system.a[3]));
+        for known in &terms.known[3..] {
+            assert!((0..=16).all(|k| known.force[k].holds(truth.force[k].mid())));
+            assert!((0..=16).all(|k| known.stiffness[k].holds(truth.stiffness[k].mid())));
+        }
+        assert!(!own.force[1].holds(truth.force[1].mid()) && !own.stiffness[1].holds(truth.stiffness[1].mid()));
+        assert!(terms.tails[3][0].hi() > own.force_tail(16).hi());
+    }
+
+    // Truth: a column of zeros is a kernel.
+    #[test]
+    fn a_kernel_is_found() {
+        let certificate = infinite(Center::Site);
+        let mut terms = Terms::new(&certificate, &|| Ok(())).unwrap();
+        let derivative = terms.unknowns.derivative(&terms.system, &terms.known);
+        let far = terms.far.unwrap();
+        assert_eq!(far.has_no_kernel(&terms.unknowns, &derivative, &terms.inverse), Ok(()));
+        terms.inverse.iter_mut().for_each(|row| row[7] = Interval::ZERO);
+        let found = far.has_no_kernel(&terms.unknowns, &derivative, &terms.inverse);
+        assert!(matches!(found, Err(Refused::Kernel(bound)) if bound >= 1.0), "{found:?}");
     }
 
     // The weight of c_0 is free, so a row that is left out changes no bound that is printed.

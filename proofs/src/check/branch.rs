@@ -47,6 +47,7 @@ fn frame(certificate: &Certificate) -> Certificate {
     match &mut frame.orbit {
         Orbit::Wave(wave) => wave.a.clear(),
         Orbit::Breather(breather) => breather.a.clear(),
+        Orbit::Infinite(infinite) => infinite.a.clear(),
     }
     frame
 }
@@ -57,6 +58,8 @@ fn needed((from, ball): (&Certificate, &Proof), (to, other): (&Certificate, &Pro
     let rows = |certificate: &Certificate| match &certificate.orbit {
         Orbit::Wave(wave) => vec![[&[0.0], wave.a.as_slice()].concat()],
         Orbit::Breather(breather) => breather.a.clone(),
+        // No piece of a branch.
+        Orbit::Infinite(infinite) => infinite.a.clone(),
     };
     let (from, to) = (rows(from), rows(to));
     let of_site = |n: usize| {

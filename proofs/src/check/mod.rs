@@ -6,11 +6,13 @@
 //! | `moments.rs` | encloses the Fourier coefficients of contact forces and stiffnesses |
 //! | `bounds.rs` | the bounds `Y0`, `Z1`, `Z2` |
 //! | `multiplier.rs` | real Floquet multipliers of breathers |
+//! | `infinite.rs` | what a breather of the infinite chain has beside them |
 //! | `branch.rs` | whether pieces of a branch make one, and where its period doubles |
 //! | this file | the inequalities, from which the radii follow |
 
 mod bounds;
 mod branch;
+mod infinite;
 mod moments;
 mod multiplier;
 mod system;
@@ -50,6 +52,9 @@ pub struct Proof {
     /// Bounds of the multiplier that the certificate has a line for; of -1 those of `g`, see
     /// [`doublings`].
     pub multiplier: Option<[f64; 2]>,
+    /// Of a breather of the infinite chain `eta` and `C`, bounds from below and above: its strains are
+    /// within `C e^{-eta |n|}` of those of the standing wave, on both sides.
+    pub decay: Option<[f64; 2]>,
 }
 
 /// Upper bounds of the defect `Y0`, of `Z1` and of the Hölder constant `Z2`.
@@ -87,6 +92,10 @@ pub enum Refused {
         /// Bounds of `g` at both growth rates, if the first one is below 1.
         g: Option<[[f64; 2]; 2]>,
     },
+    /// The standing wave far from the centre of a breather is not proved.
+    Background(Box<Self>),
+    /// The approximate inverse `A` could have a kernel: the bound of `1 - B A`.
+    Kernel(f64),
 }
 
 impl fmt::Display for Refused {
@@ -121,6 +130,10 @@ impl fmt::Display for Refused {
                 "no multiplier is proved: g is from {a:.2e} to {b:.2e} at the one growth rate, from {c:.2e} to {d:.2e} \
                  at the other"
             ),
+            Self::Background(why) => write!(f, "the standing wave far from the centre: {why}"),
+            Self::Kernel(bound) => {
+                write!(f, "|1 - B A| < 1 is not shown, but {bound:.2e} as its bound: the band is too narrow")
+            }
             Self::Rest(radius, first) => {
                 write!(
                     f,

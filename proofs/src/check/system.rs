@@ -6,6 +6,11 @@
 //! `e = 1`. A breather has the sites of half a ring, of which the reflection makes the other half,
 //! `l_k = 1/L_k`, the second difference as `e`, and for `k = 0` the equations `n_n0 = c_0` and `sum
 //! share_n a_n0 = mean`.
+//!
+//! A breather of the infinite chain has the sites of one half of it, and `c_0` is the mean force of
+//! the background. Its coefficients are those of `x_n(t + n T/2)`, `(-1)^{kn} a_nk`, so that the
+//! background is the same at all sites. The system has the first sites only, in place of the others
+//! an end that no constant of the proof depends on.
 
 use super::{Refused, of};
 use crate::{
@@ -30,8 +35,10 @@ pub(super) struct System {
     pub(super) resonators: Vec<Interval>,
     /// `|l_k| <= decay/k^2` beyond.
     pub(super) decay: Interval,
-    /// The equations for `k = 0`, which a wave lacks: shares of the sites in the ring, and the mean.
+    /// Of a ring the shares of the sites in it, and the mean.
     pub(super) means: Option<(Vec<Interval>, Interval)>,
+    /// Of the infinite chain the first site that has the strains of the background.
+    pub(super) background: Option<usize>,
     /// Whether site 0 is the centre of a site-centred breather.
     pub(super) centred: bool,
     /// 1 for what has the symmetry of a breather, so even harmonics only at the centre of a
@@ -53,6 +60,7 @@ impl System {
         let omega = omega + half.abs().ball();
         let resonators = resonators(model, omega, enclosed + 1);
         let row = |a: &[f64]| a.iter().map(|a| Interval::exact(*a)).collect::<Vec<_>>();
+        let (mut background, with_mean) = (None, |a: &[f64]| [&[mean], row(a).as_slice()].concat());
         let (a, means, centred) = match orbit {
             Orbit::Wave(wave) => {
                 for (k, (l, slope)) in factors.iter_mut().zip(&mut slopes).enumerate() {
@@ -60,7 +68,7 @@ impl System {
                     (*l, *slope) = (*l * lattice, *slope * lattice);
                 }
                 decay = of(4) * decay;
-                (vec![[&[mean], row(&wave.a).as_slice()].concat()], None, false)
+                (vec![with_mean(&wave.a)], None, false)
             }
             Orbit::Breather(Breather { sites, center, a }) => {
                 let centred = *center == Center::Site;
@@ -69,14 +77,35 @@ impl System {
                 let means = Some(((0..a.len()).map(share).collect(), mean));
                 (a.iter().map(|a| row(a)).collect(), means, centred)
             }
+            Orbit::Infinite(infinite) => {
+                let centred = infinite.center == Center::Site;
+                background = Some(infinite.a.len());
+                let shifted = |(n, a): (usize, &Vec<f64>)| -> Vec<Interval> {
+                    let odd = (n + usize::from(!centred)) % 2 == 1;
+                    row(a).into_iter().enumerate().map(|(k, a)| if odd && k % 2 == 1 { -a } else { a }).collect()
+                };
+                let mut a: Vec<Vec<Interval>> = infinite.a.iter().enumerate().map(shifted).collect();
+                a.resize(infinite.section(), with_mean(&infinite.background));
+                (a, None, centred)
+            }
         };
-        Ok(Self { a, factors, slopes, shift, omega, resonators, decay, means, centred, parity: 1.0 })
+        Ok(Self { a, factors, slopes, shift, omega, resonators, decay, means, background, centred, parity: 1.0 })
+    }
+
+    /// Whether it is of a wave, whose mean is no unknown.
+    pub(super) fn is_wave(&self) -> bool {
+        self.means.is_none() && self.background.is_none()
+    }
+
+    /// Whether a site has the strains of the background of the infinite chain.
+    pub(super) fn is_background(&self, n: usize) -> bool {
+        self.background.is_some_and(|first| n >= first)
     }
 
     /// Whether harmonic `k` of a site is unknown.
     pub(super) fn has(&self, n: usize, k: usize) -> bool {
         let (fixed, turned) = if self.centred { (0, k % 2 == 1) } else { (self.a.len() - 1, false) };
-        (k > 0 || self.means.is_some()) && (n != fixed || turned == (self.parity < 0.0))
+        (k > 0 || !self.is_wave()) && (n != fixed || turned == (self.parity < 0.0))
     }
 
     /// All values of `l_k`.
@@ -88,16 +117,29 @@ impl System {
     ///
     /// Left of the first site is its image (bond-centred), or that of the next one: half a period
     /// later, which changes the sign of odd harmonics. Right of the last site is its image, half a
-    /// period later (site-centred), or that of the site before it.
+    /// period later (site-centred), or that of the site before it. Of the infinite chain neighbours are
+    /// shifted by half a period.
     pub(super) fn coupled(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
-        if self.means.is_none() {
+        if self.is_wave() {
             return vec![(0, 1.0)];
         }
         let (last, turned) = (self.a.len() - 1, if k % 2 == 1 { -self.parity } else { self.parity });
         let outside = |site, bond| if self.centred { (site, turned) } else { (bond, self.parity) };
-        let left = if n > 0 { (n - 1, 1.0) } else { outside(1, 0) };
-        let right = if n < last { (n + 1, 1.0) } else { outside(last, last - 1) };
+        let inside = if self.background.is_some() && k % 2 == 1 { -1.0 } else { 1.0 };
+        let left = if n > 0 { (n - 1, inside) } else { outside(1, 0) };
+        let right = if n < last { (n + 1, inside) } else { outside(last, last - 1) };
         vec![(n, 2.0), (left.0, -left.1), (right.0, -right.1)]
+    }
+
+    /// The same for the defect of the cosine sum. At a site of the background the forces of its own
+    /// are taken away: its equation holds with them.
+    pub(super) fn defects(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
+        let all = self.coupled(n, k);
+        if !self.is_background(n) {
+            return all;
+        }
+        let others = all.into_iter().filter(|(m, _)| !self.is_background(*m));
+        others.flat_map(|(m, e)| [(m, e), (n, -e)]).collect()
     }
 }
 

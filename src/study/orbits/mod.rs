@@ -12,7 +12,7 @@ use super::{
     branches::{self, Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, files_of_branch},
     options::options,
     part,
-    proof::{self, Proving, near_breather, near_doubling, of_unstable},
+    proof::{self, Proving, near_breather, near_doubling, of_infinite, of_unstable},
 };
 use crate::{
     breathers::DarkBreather,
@@ -97,6 +97,11 @@ options! {
         omega_b: Option<f64> = None, "W";
         /// The ring.
         ring: Ring = Ring::default(), [command(flatten)];
+        /// Prove the breather of the infinite chain near that of the ring.
+        ///
+        /// Far from its centre it converges to standing waves of opposite phase, with the mean strain
+        /// of the far end of the ring.
+        infinite: bool = false, [arg(long, requires = "prove")];
         /// The proof.
         proving: Proving = Proving::default(), [command(flatten)];
     }
@@ -126,8 +131,10 @@ impl Study for Dark {
             let study = self.study(&breather)?;
             let report = study.report().file("dark-breather.npz", study.npz()?);
             let (OrbitStudy { orbit, spectrum, .. }, tol) = (&study.study, self.ring.tol);
-            let largest = spectrum.largest_real();
-            self.proving.added(report, proof::BREATHER, |times| of_unstable(orbit, largest, tol, times))
+            self.proving.added(report, proof::BREATHER, |times| match self.infinite {
+                true => of_infinite(orbit, tol, times),
+                false => of_unstable(orbit, spectrum.largest_real(), tol, times),
+            })
         }))
     }
 }

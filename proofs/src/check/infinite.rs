@@ -1,0 +1,115 @@
+//! What the proof of a breather of the infinite chain has beside the bounds of `bounds.rs`: an exact
+//! background, an `A` of infinitely many rows, and weights that decay.
+//!
+//! Sites are counted from the centre. From site `M` on the cosine sum is that of the exact
+//! background, a standing wave. `A` couples sites that are at most `J` apart. Row `M + J + 1` of
+//! `A` and those after it are copies of each other, in the strains shifted by half a period a site.
+//! So are their rows of `1 - A DG`, which see the background and weights `W e^{-eta n}` only.
+
+use super::{Proof, Refused, System, bounds::Unknowns, check_until, of};
+use crate::{
+    certificate::{Center, Certificate, Infinite, Orbit, Wave},
+    exact::Exact,
+    interval::Interval,
+};
+
+/// The far part of a breather of the infinite chain.
+pub(super) struct Far {
+    /// The standing wave.
+    pub(super) background: Proof,
+    /// `M`.
+    first: usize,
+    /// `J`.
+    band: usize,
+    /// `eta`.
+    decay: Interval,
+    /// Number `n` of the first site of the system: 0 or 1.
+    centre: usize,
+}
+
+impl Far {
+    /// That of a certificate, if it is of the infinite chain, with the proof of its background.
+    pub(super) fn new(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Option<Self>, Refused> {
+        let Orbit::Infinite(Infinite { center, decay, band, background, a }) = &certificate.orbit else {
+            return Ok(None);
+        };
+        let wave = Orbit::Wave(Wave { q_over_pi: Exact::ONE, a: background.clone() });
+        let enclosed = certificate.enclosed.max(background.len());
+        let wave = Certificate { orbit: wave, enclosed, ..certificate.clone() };
+        let background = check_until(&wave, stopped).map_err(|why| match why {
+            Refused::Stopped => why,
+            _ => Refused::Background(Box::new(why)),
+        })?;
+        Ok(Some(Self {
+            background,
+            first: a.len(),
+            band: *band,
+            decay: decay.enclosed(),
+            centre: usize::from(*center == Center::Bond),
+        }))
+    }
+
+    /// The first row that is copied.
+    pub(super) fn last_row(&self) -> usize {
+        self.first + self.band + 1
+    }
+
+    /// Cuts the rows of `A` off at the distance `J`, and copies the last one.
+    pub(super) fn copy_rows(&self, unknowns: &Unknowns, inverse: &mut [Vec<Interval>]) {
+        for (i, &(n, _)) in unknowns.all.iter().enumerate() {
+            for (j, &(m, _)) in unknowns.all.iter().enumerate() {
+                if n.abs_diff(m) > self.band {
+                    inverse[i][j] = Interval::ZERO;
+                } else if n > self.last_row() {
+                    // These sites and those before them have all harmonics.
+                    let width = unknowns.index[n].len();
+                    inverse[i][j] = inverse[i - width][j - width];
+                }
+            }
+        }
+    }
+
+    /// Shows that `A` has no kernel, by `|1 - B A| < 1` on bounded sequences, for a matrix `B` near `DG`.
+    /// Its rows from `M + J + 2` on are copies, too.
+    pub(super) fn has_no_kernel(
+        &self,
+        unknowns: &Unknowns,
+        b: &[Vec<f64>],
+        a: &[Vec<Interval>],
+    ) -> Result<(), Refused> {
+        let rows = unknowns.all.iter().enumerate().filter(|(_, (n, _))| *n <= self.last_row() + 1);
+        let of_row = |(i, _): (usize, &(usize, usize))| {
+            let mut row = vec![Interval::ZERO; a.len()];
+            row[i] = Interval::ONE;
+            for (b, a) in b[i].iter().zip(a).filter(|(b, _)| **b != 0.0) {
+                row.iter_mut().zip(a).for_each(|(sum, a)| *sum = *sum - Interval::exact(*b) * *a);
+            }
+            row.into_iter().map(Interval::abs).sum()
+        };
+        let most = rows.map(of_row).fold(Interval::ZERO, Interval::max);
+        if (Interval::ONE - most).is_positive() { Ok(()) } else { Err(Refused::Kernel(most.hi())) }
+    }
+
+    /// Whether `A DG` couples two sites, in a row up to the first one that is copied.
+    pub(super) fn couples(&self, n: usize, m: usize) -> bool {
+        n <= self.last_row() && n.abs_diff(m) <= self.band + 1
+    }
+
+    /// `W_n`: 1 up to the first site of the background, `e^{-eta (n - M)}` beyond.
+    pub(super) fn weights(&self, sites: usize) -> Vec<Interval> {
+        let beyond = |n: usize| (-self.decay * of(n.saturating_sub(self.first))).exp();
+        (0..sites).map(beyond).collect()
+    }
+
+    /// `eta`, and `C` with `|x_n - X| <= C e^{-eta n}`.
+    pub(super) fn decay(&self, system: &System, weights: &[Interval], radius: Interval) -> [f64; 2] {
+        let of_site = |(n, w): (usize, &Interval)| {
+            let own = system.a[n].iter().copied().chain(std::iter::repeat(Interval::ZERO));
+            let apart: Interval = system.a[self.first].iter().zip(own).map(|(a, b)| (*a - b).abs()).sum();
+            let own = if n < self.first { apart + self.background.radius.into() } else { Interval::ZERO };
+            (own + *w * radius) * (self.decay * of(n + self.centre)).exp()
+        };
+        let most = weights.iter().enumerate().take(self.first + 1).map(of_site).fold(Interval::ZERO, Interval::max);
+        [self.decay.lo(), most.hi()]
+    }
+}
