@@ -91,7 +91,7 @@ pub fn unrolled(ring: &Certificate, sizes: Sizes) -> Option<Certificate> {
     }
     found.decay = Exact::new((100.0 * RATE * rate) as i64, 100)?;
     found.band = (-CUT.ln() / ((1.0 - RATE) * rate)).ceil() as usize;
-    Some(certificate)
+    (found.decay.num() > 0).then_some(certificate)
 }
 
 /// A number as one with few digits, so that the decimal is exact.
