@@ -51,7 +51,7 @@ use crate::{
     memory::lacking,
     number::rounded,
     output::read,
-    run::{Initial as Start, Method, Observables, Run, Setting, checked_end},
+    run::{AFTER_START, Initial as Start, Method, Observables, Run, Setting, checked_end},
     waves::{PerturbedWave, TravellingWave},
 };
 use builtin::BUILTIN;
@@ -368,7 +368,10 @@ impl Scene {
 
     fn ending(mut self, given: f64, end: f64) -> Result<Self> {
         (self.file.span.periods, self.file.span.until) = (None, Some(given));
-        let checked = checked_end(end).and_then(|end| details::within(&self.chain, end, self.start.is_none()));
+        let checked = checked_end(end).and_then(|end| {
+            require(end > self.start_time(), "until", end, AFTER_START)?;
+            details::within(&self.chain, end, self.start.is_none())
+        });
         checked.map_err(|error| self.restated(error))?;
         self.end = end;
         self.sample();

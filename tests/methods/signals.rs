@@ -293,6 +293,8 @@ fn a_run_that_starts_later_goes_on_with_its_drives() {
         let refused = run.clone().starting_at(start).and_then(|run| run.start()).unwrap_err().to_string();
         assert!(refused.contains(words), "{start}: {refused}");
     }
+    let refused = run.starting_at(3.0).unwrap().until(2.0).unwrap_err().to_string();
+    assert!(refused.contains("the end of a run is after its start"), "{refused}");
 }
 
 #[test]

@@ -116,6 +116,9 @@ impl Sampling {
     }
 }
 
+/// The rule of the end of a run that does not start at zero.
+pub const AFTER_START: &str = "the end of a run is after its start";
+
 /// The end of a run, if methods can reach it.
 ///
 /// # Errors
@@ -158,9 +161,10 @@ impl Run {
     ///
     /// # Errors
     /// A time outside 1e-100 .. 1e100: powers of shorter or longer times leave the range of a
-    /// double.
+    /// double. A time that is not after the [start](Self::starting_at).
     pub fn until(mut self, end: f64) -> Result<Self> {
         self.end = checked_end(end)?;
+        require(end > self.start, "until", end, AFTER_START)?;
         Ok(self)
     }
 
