@@ -1340,10 +1340,10 @@ def wave_exact(
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
-        by piece; the mean strain is linear between its points. If a bond-centred dark breather has
-        a real Floquet multiplier above 1, it is proved, too, and on branches of these with
-        `bifurcations` where their period doubles. Exit code 1 if existence is not proved, or not of
-        the whole branch.
+        by piece; the mean strain is linear between its points. Where it can, `breather dark` also
+        encloses a real Floquet multiplier above 1, and `breather continue --center bond` with
+        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
+        proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     format : str | Sequence[str]
@@ -1447,10 +1447,10 @@ def wave_continue(
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
-        by piece; the mean strain is linear between its points. If a bond-centred dark breather has
-        a real Floquet multiplier above 1, it is proved, too, and on branches of these with
-        `bifurcations` where their period doubles. Exit code 1 if existence is not proved, or not of
-        the whole branch.
+        by piece; the mean strain is linear between its points. Where it can, `breather dark` also
+        encloses a real Floquet multiplier above 1, and `breather continue --center bond` with
+        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
+        proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     resume : str | os.PathLike[str]
@@ -1747,10 +1747,10 @@ def breather_dark(
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
-        by piece; the mean strain is linear between its points. If a bond-centred dark breather has
-        a real Floquet multiplier above 1, it is proved, too, and on branches of these with
-        `bifurcations` where their period doubles. Exit code 1 if existence is not proved, or not of
-        the whole branch.
+        by piece; the mean strain is linear between its points. Where it can, `breather dark` also
+        encloses a real Floquet multiplier above 1, and `breather continue --center bond` with
+        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
+        proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     format : str | Sequence[str]
@@ -1849,10 +1849,10 @@ def breather_continue(
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
-        by piece; the mean strain is linear between its points. If a bond-centred dark breather has
-        a real Floquet multiplier above 1, it is proved, too, and on branches of these with
-        `bifurcations` where their period doubles. Exit code 1 if existence is not proved, or not of
-        the whole branch.
+        by piece; the mean strain is linear between its points. Where it can, `breather dark` also
+        encloses a real Floquet multiplier above 1, and `breather continue --center bond` with
+        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
+        proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     to : float
