@@ -6,6 +6,7 @@ use crate::{
     dps,
     error::{Error, Result},
     interrupt,
+    numerics::least_by,
     orbits::Orbit,
     output::{Folder, read},
     report::Report,
@@ -75,7 +76,8 @@ impl Proving {
             return Ok(report);
         }
         let Some((certificate, proof)) = searched(more, certificate)? else {
-            let why = "not proved: no cosine sum near the solution is found";
+            let why = "not proved: no cosine sum near the solution is found (with --infinite the ring may be too \
+                       short: --sites)";
             let report = report.fact("proof", json!({ "proved": false, "reason": why })).failure(Some(why.to_owned()));
             return Ok(self.written(None, report));
         };
@@ -191,7 +193,7 @@ fn nearest(x: Exact) -> f64 {
 }
 
 /// A certificate, checked. The closure makes one of some times as many harmonics as usual; there
-/// are more of them if the radius is otherwise above a share of the amplitude.
+/// are more of them if the radius is otherwise above a share of the amplitude. The least one counts.
 fn searched(
     (share, times): (f64, usize),
     certificate: impl Fn(usize) -> Result<Option<Certificate>>,
@@ -208,9 +210,9 @@ fn searched(
         Ok(Some(proved))
     };
     let usual = of(1)?;
-    let near = |(_, proof): &(_, Checked)| matches!(proof, Ok(it) if it.radius <= share * it.amplitude);
-    let more = if usual.as_ref().is_none_or(near) { None } else { of(times)? };
-    Ok(more.or(usual))
+    let radius = |(_, proof): &(_, Checked)| proof.as_ref().map_or(f64::INFINITY, |it| it.radius / it.amplitude);
+    let more = if usual.as_ref().is_none_or(|usual| radius(usual) <= share) { None } else { of(times)? };
+    Ok(least_by(usual.into_iter().chain(more), radius))
 }
 
 /// The radius that is proved, over the amplitude; infinite if nothing is.
@@ -265,11 +267,7 @@ fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: Option<
     let radius = proofs().map(|proof| proof.radius).reduce(f64::max);
     let share = proofs().map(|proof| proof.radius / proof.amplitude).reduce(f64::max);
     let unique = proofs().map(|proof| proof.uniqueness_radius).reduce(f64::min);
-    let doublings: Vec<[f64; 2]> = doublings(pieces)
-        .into_iter()
-        .map(|ends| ends.map(Exact::enclosed))
-        .map(|[from, to]| [from.min(to).lo(), from.max(to).hi()])
-        .collect();
+    let doublings = doublings(pieces);
     let mut value = json!({
         "proved": stop.is_none(), "pieces": pieces.len(), "from": from, "to": to, "radius": radius,
         "uniqueness_radius": unique, "norm": pieces.first().map(|(piece, _)| norm(piece)), "rounding": "outward",

@@ -93,12 +93,14 @@ pub fn connected(pieces: &[(Certificate, Result<Proof, Refused>)]) -> (usize, Op
     (pieces.len(), None)
 }
 
-/// Frequencies between which a Floquet multiplier is -1, of connected pieces: `g` is continuous along
-/// pieces for which the bound of it is proved, of one kind of perturbation, and changes its sign.
-pub fn doublings(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[Exact; 2]> {
+/// Bounds of frequencies at which a Floquet multiplier is -1, of connected pieces: `g` is continuous along
+/// pieces for which the bound of it is proved, of one kind of perturbation, and changes its sign. The
+/// bounds hold all frequencies of the pieces between two signs, which may go back and forth.
+pub fn doublings(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[f64; 2]> {
     let mut found = Vec::new();
-    // The kind, the sign of g on the last piece where it has one, and the frequency where that ends.
-    let mut before: Option<(Multiplier, bool, Exact)> = None;
+    let both = |a: Interval, b: Interval| Interval::new(a.lo().min(b.lo()), a.hi().max(b.hi()));
+    // The kind, the sign of g on the last piece where it has one, and the frequencies since this ends.
+    let mut before: Option<(Multiplier, bool, Interval)> = None;
     for (piece, proof) in pieces {
         let g = proof.as_ref().ok().and_then(|proof| proof.multiplier);
         let (Some(kind @ Multiplier::Doubling { .. }), Some([lo, hi]), Some([end, _])) =
@@ -107,10 +109,13 @@ pub fn doublings(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[Exact
             before = None;
             continue;
         };
-        before = before.filter(|it| it.0 == kind);
+        let [start, end] = [piece.model.omega, end].map(Exact::enclosed);
+        before = before.filter(|it| it.0 == kind).map(|(kind, sign, since)| (kind, sign, both(since, start)));
         if lo > 0.0 || hi < 0.0 {
-            found.extend(before.filter(|it| it.1 != (lo > 0.0)).map(|it| [it.2, piece.model.omega]));
+            found.extend(before.filter(|it| it.1 != (lo > 0.0)).map(|it| [it.2.lo(), it.2.hi()]));
             before = Some((kind, lo > 0.0, end));
+        } else {
+            before = before.map(|(kind, sign, since)| (kind, sign, both(since, end)));
         }
     }
     found

@@ -123,11 +123,15 @@ impl fmt::Display for Refused {
                 )
             }
             Self::Multiplier { z1, g: None } => {
-                write!(f, "the perturbations are not separated from others: their Z1 = {z1:.2e} is not below 1")
+                write!(
+                    f,
+                    "the breather is, its multiplier is not: perturbations are not separated from others, their Z1 = {z1:.2e} \
+                     is not below 1"
+                )
             }
             Self::Multiplier { g: Some([[a, b], [c, d]]), .. } => write!(
                 f,
-                "no multiplier is proved: g is from {a:.2e} to {b:.2e} at the one growth rate, from {c:.2e} to {d:.2e} \
+                "the breather is, its multiplier is not: g is from {a:.2e} to {b:.2e} at the one growth rate, from {c:.2e} to {d:.2e} \
                  at the other"
             ),
             Self::Background(why) => write!(f, "the standing wave far from the centre: {why}"),
