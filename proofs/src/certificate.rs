@@ -185,15 +185,15 @@ impl Certificate {
                 rule(to.is_none(), "a breather of the infinite chain is no piece of a branch")?;
                 rule(decay.num() > 0, "decay must be above 0")?;
                 rule(*band >= 1 && *band <= MOST_SITES, "band must be from 1 to 401")?;
-                let reach = decay.enclosed() * Interval::exact(infinite.section() as f64);
-                rule((Interval::exact(500.0) - reach).is_positive(), "decay times the sites must be below 500")?;
                 rule(!a.is_empty(), "a row of coefficients for one site at least")?;
                 rule(finite(background), "coefficients must be finite")?;
                 rule(
                     (h..=MOST).contains(&background.len()),
                     "the background has at least the harmonics of the sites, at most 4096",
                 )?;
-                of_breather(*center, a, infinite.section())
+                of_breather(*center, a, infinite.section())?;
+                let reach = decay.enclosed() * Interval::exact(infinite.section() as f64);
+                rule((Interval::exact(500.0) - reach).is_positive(), "decay times the sites must be below 500")
             }
         }
     }

@@ -449,6 +449,7 @@ fn what_is_no_breather_of_the_infinite_chain_is_refused() {
     for (from, to, words) in [
         ("rho 1/3", "rho inf", "rho must be finite"),
         ("decay ", "decay -", "decay must be above 0"),
+        ("decay ", "decay 9", "decay times the sites must be below 500"),
         ("band ", "band 1000000000000", "band must be from 1 to 401"),
         ("band ", "band 30", "at most 2500 unknowns"),
         ("mean ", "to 2.1 0\nmean ", "no piece of a branch"),
