@@ -233,7 +233,9 @@ fn hull(all: [f64; 4]) -> Interval {
     if all.iter().any(|x| x.is_nan()) {
         return NAN;
     }
-    Interval::outward(a.min(b).min(c.min(d)), a.max(b).max(c.max(d)))
+    let least = |a: f64, b: f64| if a < b { a } else { b };
+    let most = |a: f64, b: f64| if a > b { a } else { b };
+    Interval::outward(least(least(a, b), least(c, d)), most(most(a, b), most(c, d)))
 }
 
 fn power(x: Interval, n: i128) -> Interval {

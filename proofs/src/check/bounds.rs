@@ -6,7 +6,7 @@
 //! `c_0`.
 
 use super::{
-    Moments, Proof, Refused, System,
+    Bounds, Moments, Proof, Refused, System,
     infinite::Far,
     ladder,
     moments::{NARROWEST, NARROWEST_ALONG, moments},
@@ -41,6 +41,30 @@ pub(super) fn kronecker(equal: bool) -> Interval {
     if equal { Interval::ONE } else { Interval::ZERO }
 }
 
+/// Sums over the rows of each of the sites, from the site and the weight of each row; and the row after
+/// them, if there is one.
+pub(super) fn by_site(
+    sites: usize,
+    all: impl Iterator<Item = (usize, Interval)>,
+    of_row: &dyn Fn(usize) -> Interval,
+    another: bool,
+) -> Vec<Interval> {
+    let (mut sums, mut count) = (vec![Interval::ZERO; sites + 1], 0);
+    for (i, (n, weight)) in all.enumerate() {
+        (sums[n], count) = (sums[n] + weight * of_row(i), i + 1);
+    }
+    if another {
+        sums[sites] = of_row(count);
+    }
+    sums
+}
+
+/// The largest of the first sums by site over their weights, and the entry after all sites.
+pub(super) fn split(all: &[Interval], weights: &[Interval], rows: usize) -> [Interval; 2] {
+    let most = all.iter().zip(weights).take(rows).map(|(one, w)| *one / *w).fold(Interval::ZERO, Interval::max);
+    [most, all[weights.len()]]
+}
+
 /// The unknowns of the block.
 pub(super) struct Unknowns {
     /// `(n, k)` of each but `c_0`.
@@ -69,14 +93,8 @@ impl Unknowns {
 
     /// Sums over the rows of each site with the weights of the norm, and the row of `c_0`.
     fn by_site(&self, of_row: &dyn Fn(usize) -> Interval) -> Vec<Interval> {
-        let mut sums = vec![Interval::ZERO; self.index.len() + 1];
-        for (i, (n, k)) in self.all.iter().enumerate() {
-            sums[*n] = sums[*n] + weight(*k) * of_row(i);
-        }
-        if let Some(last) = sums.last_mut().filter(|_| self.rows > self.all.len()) {
-            *last = of_row(self.all.len());
-        }
-        sums
+        let all = self.all.iter().map(|(n, k)| (*n, weight(*k)));
+        by_site(self.index.len(), all, of_row, self.rows > self.all.len())
     }
 
     /// A row of `A B`, where `B` takes harmonics of the force's change to equations: `l_k e` for `k >=
@@ -171,8 +189,7 @@ struct Terms<'a> {
     turned: Vec<Vec<Interval>>,
     /// Change of the overlap of a wave in one half of a piece: its mean strain is no unknown.
     moved: Interval,
-    /// Roots of sums of `l_k^2`, beyond `K'` and beyond `K`.
-    beyond_enclosed: Interval,
+    /// The root of the sum of `l_k^2` beyond `K`.
     beyond_block: Interval,
     /// Tails of the forces beyond `K'`, and of `D` beyond `K' - 2 K`.
     tails: Vec<[Interval; 2]>,
@@ -196,12 +213,11 @@ impl<'a> Terms<'a> {
             known.ok_or(Refused::Moments)
         });
         let mut known = known.collect::<Result<Vec<Moments>, _>>()?;
-        let beyond_enclosed = (system.decay.square() / (of(3) * of(enclosed) * of(enclosed) * of(enclosed))).sqrt();
-        let beyond_block = norm((block + 1..=enclosed).map(|k| system.range(k)).chain([beyond_enclosed]));
+        let beyond_block = norm((block + 1..=enclosed).map(|k| system.range(k)).chain([system.beyond()]));
         let moved = if system.is_wave() { system.shift } else { Interval::ZERO };
         let tail = |one: &Moments| {
-            let stiffness = |last: usize| Moments::tail(&one.stiffness, one.stiffness_square, last);
-            [one.force_tail(enclosed) + moved.abs() * stiffness(enclosed), stiffness(enclosed - 2 * block)]
+            let force = one.force_tail(enclosed) + moved.abs() * one.stiffness_tail(enclosed);
+            [force, one.stiffness_tail(enclosed - 2 * block)]
         };
         let mut tails: Vec<[Interval; 2]> = known.iter().map(tail).collect();
         if let Some(far) = &far {
@@ -248,7 +264,6 @@ impl<'a> Terms<'a> {
             reach,
             turned,
             moved,
-            beyond_enclosed,
             beyond_block,
             tails,
             far,
@@ -319,7 +334,7 @@ impl<'a> Terms<'a> {
             let beyond = (certificate.block + 1..=certificate.enclosed).filter(|k| system.has(n, *k));
             let middle: Interval = beyond.map(|k| self.defect(n, k)).sum();
             let tails = system.defects(n, 0).into_iter().map(|(m, e)| Interval::exact(e.abs()) * self.tails[m][0]);
-            *y0 = *y0 + middle + self.beyond_enclosed * tails.sum();
+            *y0 = *y0 + middle + system.beyond() * tails.sum();
         }
         y0
     }
@@ -395,6 +410,51 @@ impl<'a> Terms<'a> {
         };
         (0..self.rows()).map(of_site).fold(Interval::ZERO, Interval::max)
     }
+
+    /// What follows from the radii of the ball and of uniqueness.
+    fn proof(
+        &self,
+        (bounds, radius, unique): (Bounds, Interval, f64),
+        weights: Vec<Interval>,
+        go_on: &dyn Fn() -> Result<(), Refused>,
+    ) -> Result<Proof, Refused> {
+        let Self { certificate, system, known, moved, far, .. } = self;
+        let first: Vec<Interval> = system.a.iter().map(|a| a[1].abs()).collect();
+        let amplitude = first.iter().copied().fold(Interval::ZERO, Interval::max);
+        if !first.iter().zip(&weights).any(|(first, w)| (*first - *w * radius).is_positive()) {
+            return Err(Refused::Rest(radius.hi(), amplitude.lo()));
+        }
+        let changes: Vec<Interval> = weights.iter().map(|w| *w * radius + of(2).sqrt() * moved.abs()).collect();
+        let multiplier = certificate.multiplier.as_ref().map(|multiplier| {
+            let system = System { parity: -1.0, ..System::new(certificate)? };
+            multiplier::check(certificate, multiplier, (&system, known, &changes), go_on)
+        });
+        let multiplier = multiplier.transpose()?;
+        // The mean of a wave is no unknown.
+        let unknown = &system.resonators[usize::from(system.is_wave())..];
+        let resonators = unknown.iter().copied().fold(Interval::ZERO, Interval::max);
+        let decay = far.as_ref().map(|far| far.decay(system, &weights, radius));
+        // The background of the infinite chain is as near to its own sum as its proof says.
+        let of_background =
+            |of: fn(&Proof) -> f64| far.as_ref().map_or(Interval::ZERO, |far| of(&far.background).into());
+        let bound = |own: Interval, background: fn(&Proof) -> f64| {
+            let bound = own + of_background(background);
+            if bound.is_nan() { f64::INFINITY } else { bound.hi() }
+        };
+        let velocity = |share: &dyn Fn(usize) -> Interval| system.omega * self.velocity(&changes, share);
+        Ok(Proof {
+            radius: bound(radius, |it| it.radius),
+            radius_y: bound(radius * resonators, |it| it.radius_y),
+            radius_velocity: bound(velocity(&|_| Interval::ONE), |it| it.radius_velocity),
+            radius_velocity_y: bound(velocity(&|k| system.resonators[k]), |it| it.radius_velocity_y),
+            uniqueness_radius: unique,
+            amplitude: amplitude.lo(),
+            bounds,
+            weights: weights.into_iter().map(Interval::hi).collect(),
+            multiplier,
+            decay,
+        })
+    }
 }
 
 pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Proof, Refused> {
@@ -407,12 +467,11 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let of_c0 = terms.column_of_c0();
 
     // The Hölder constant of D: for alpha > 2 in balls up to an eighth of the first harmonic.
-    let first: Vec<Interval> = system.a.iter().map(|a| a[1].abs()).collect();
-    let amplitude = first.iter().copied().fold(Interval::ZERO, Interval::max);
+    let amplitude = system.a.iter().map(|a| a[1].abs()).fold(Interval::ZERO, Interval::max);
     let [stiff, bent] = [alpha.less_one(), alpha.less_one().less_one()];
     let largest = (bent.num() > 0).then(|| (amplitude / of(8)).lo());
     let overlaps = known.iter().map(|one| Interval::exact(one.overlap.hi()));
-    let overlap = overlaps.clone().fold(Interval::ZERO, Interval::max) + largest.unwrap_or(0.0).into();
+    let overlap = overlaps.fold(Interval::ZERO, Interval::max) + largest.unwrap_or(0.0).into();
     let (gamma, hoelder) = match largest {
         Some(_) => (Exact::ONE, alpha.enclosed() * stiff.enclosed() * overlap.pow(bent)),
         None => (stiff, alpha.enclosed()),
@@ -425,11 +484,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let weights = far.as_ref().map_or_else(|| perron(&contacts[..sites]), |far| far.weights(sites));
     let powers: Vec<Interval> = weights.iter().map(|w| *w * w.pow(gamma)).collect();
     let z2: Vec<Interval> = contacts.iter().map(|row| hoelder * dot(row, &powers)).collect();
-    let steepest = known.iter().zip(overlaps).zip(&weights).map(|((one, overlap), w)| {
-        let root_mean_square = (of(2) * one.stiffness_square).positive_part().sqrt();
-        *w * (alpha.enclosed() * overlap.pow(stiff)).min(root_mean_square)
-    });
-    let steepest: Vec<Interval> = steepest.collect();
+    let steepest: Vec<Interval> = known.iter().zip(&weights).map(|(one, w)| *w * one.steepest(alpha)).collect();
     let z1 = |eta: Interval| -> Vec<Interval> {
         let row = |n: usize| {
             let near: Interval = columns.iter().zip(&weights).map(|(column, w)| column[n] * *w).sum();
@@ -440,12 +495,8 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
         (0..=sites).map(row).collect()
     };
     // The largest over the sites, and the number of c_0. Its weight eta makes this at most half.
-    let split = |all: Vec<Interval>| {
-        let own = all.iter().zip(&weights).take(terms.rows());
-        let most = own.map(|(one, w)| *one / *w).fold(Interval::ZERO, Interval::max);
-        [most, all[sites]]
-    };
-    let all = |eta: Interval| [split(y0.clone()), split(z1(eta)), split(z2.clone())];
+    let split = |all: &[Interval]| split(all, &weights, terms.rows());
+    let all = |eta: Interval| [split(&y0), split(&z1(eta)), split(&z2)];
     let shares = all(Interval::ONE).map(|[most, own]| most.mid() / own.hi());
     let eta = Interval::exact((0.5 * shares.into_iter().fold(1.0, f64::min)).max(f64::MIN_POSITIVE));
     let constants = all(eta).map(|[most, own]| most.max(eta * own));
@@ -458,45 +509,15 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
                 *w * if largest.is_none() { change.min(hoelder * most.pow(gamma)) } else { change }
             };
             let changes: Vec<Interval> = known.iter().zip(&weights).map(change).collect();
-            let [most, own] = split(steep.iter().zip(&contacts).map(|(z1, row)| *z1 + dot(row, &changes)).collect());
+            let sums: Vec<Interval> = steep.iter().zip(&contacts).map(|(z1, row)| *z1 + dot(row, &changes)).collect();
+            let [most, own] = split(&sums);
             most.max(eta * own)
         };
         ladder(constants, contracts)?
     } else {
         radii(constants, gamma, largest)?
     };
-    if !first.iter().zip(&weights).any(|(first, w)| (*first - *w * radius).is_positive()) {
-        return Err(Refused::Rest(radius.hi(), amplitude.lo()));
-    }
-    let changes: Vec<Interval> = weights.iter().map(|w| *w * radius + of(2).sqrt() * moved.abs()).collect();
-    let multiplier = certificate.multiplier.as_ref().map(|multiplier| {
-        let system = System { parity: -1.0, ..System::new(certificate)? };
-        multiplier::check(certificate, multiplier, (&system, known, &changes), &go_on)
-    });
-    let multiplier = multiplier.transpose()?;
-    // The mean of a wave is no unknown.
-    let unknown = &system.resonators[usize::from(system.is_wave())..];
-    let resonators = unknown.iter().copied().fold(Interval::ZERO, Interval::max);
-    let decay = far.as_ref().map(|far| far.decay(system, &weights, radius));
-    // The background of the infinite chain is as near to its own sum as its proof says.
-    let of_background = |of: fn(&Proof) -> f64| far.as_ref().map_or(Interval::ZERO, |far| of(&far.background).into());
-    let bound = |own: Interval, background: fn(&Proof) -> f64| {
-        let bound = own + of_background(background);
-        if bound.is_nan() { f64::INFINITY } else { bound.hi() }
-    };
-    let velocity = |share: &dyn Fn(usize) -> Interval| system.omega * terms.velocity(&changes, share);
-    Ok(Proof {
-        radius: bound(radius, |it| it.radius),
-        radius_y: bound(radius * resonators, |it| it.radius_y),
-        radius_velocity: bound(velocity(&|_| Interval::ONE), |it| it.radius_velocity),
-        radius_velocity_y: bound(velocity(&|k| system.resonators[k]), |it| it.radius_velocity_y),
-        uniqueness_radius: unique,
-        amplitude: amplitude.lo(),
-        bounds,
-        weights: weights.into_iter().map(Interval::hi).collect(),
-        multiplier,
-        decay,
-    })
+    terms.proof((bounds, radius, unique), weights, &go_on)
 }
 
 #[cfg(test)]

@@ -41,9 +41,21 @@ pub struct Moments {
 impl Moments {
     /// An upper bound of `(sum_{k > last} f_k^2)^{1/2}` for one of the two series, by Parseval's
     /// equation.
-    pub(super) fn tail(series: &[Interval], square: Interval, last: usize) -> Interval {
+    fn tail(series: &[Interval], square: Interval, last: usize) -> Interval {
         let known: Interval = series[1..=last].iter().map(|f| f.square()).sum();
         (of(2) * (square - series[0].square()) - known).positive_part().sqrt()
+    }
+
+    /// The same of `D`.
+    pub(super) fn stiffness_tail(&self, last: usize) -> Interval {
+        Self::tail(&self.stiffness, self.stiffness_square, last)
+    }
+
+    /// A bound of `sqrt 2 |D h|_{L2}` over `sqrt 2 |h|_{L2}` and over `sup |h|`: `min(sup D, sqrt 2
+    /// |D|_{L2})`.
+    pub(super) fn steepest(&self, alpha: Exact) -> Interval {
+        let most = alpha.enclosed() * Interval::exact(self.overlap.hi()).pow(alpha.less_one());
+        most.min((of(2) * self.stiffness_square).positive_part().sqrt())
     }
 
     /// An upper bound of `(sum_{k > last} n_k^2)^{1/2}`. Parseval's equation for `N'` bounds the sum of

@@ -12,7 +12,7 @@
 
 use super::{
     Moments, Refused, System,
-    bounds::{approximate_inverse, dot, kronecker, perron},
+    bounds::{approximate_inverse, by_site, dot, kronecker, perron, split},
     of,
 };
 use crate::{
@@ -38,7 +38,8 @@ type Field = Vec<[Vec<Interval>; 2]>;
 struct Equations<'a> {
     system: &'a System,
     known: &'a [Moments],
-    /// `K'`.
+    /// `K` and `K'`.
+    block: usize,
     enclosed: usize,
     /// `sigma`.
     odd: usize,
@@ -61,7 +62,7 @@ impl<'a> Equations<'a> {
             Multiplier::Doubling { sine: false } => (1, &[false]),
             Multiplier::Doubling { sine: true } => (1, &[true]),
         };
-        let mut it = Self { system, known, enclosed, odd, parts, all: Vec::new(), pinned: 0 };
+        let mut it = Self { system, known, block, enclosed, odd, parts, all: Vec::new(), pinned: 0 };
         it.all = (0..known.len()).flat_map(|n| it.places(n, block)).collect();
         it.pinned = it.index((usize::from(system.centred), 1 - odd, parts[0])).unwrap_or(0);
         it
@@ -150,12 +151,12 @@ impl<'a> Equations<'a> {
 
     /// Sums over the rows of each site with the weights of the norm, and the row of `g`.
     fn by_site(&self, of_row: &dyn Fn(usize) -> Interval) -> Vec<Interval> {
-        let mut sums = vec![Interval::ZERO; self.known.len() + 1];
-        for (i, (n, k, _)) in self.all.iter().enumerate() {
-            sums[*n] = sums[*n] + self.weight(*k) * of_row(i);
-        }
-        sums[self.known.len()] = of_row(self.all.len());
-        sums
+        by_site(self.known.len(), self.all.iter().map(|(n, k, _)| (*n, self.weight(*k))), of_row, true)
+    }
+
+    /// `v` times the root of the sum of `|l_k|^2` beyond a harmonic.
+    fn beyond(&self, l: &[Complex], last: usize) -> Interval {
+        of(self.parts.len()).sqrt() * norm(l[last + 1..].iter().map(|l| l.abs()).chain([self.system.beyond()]))
     }
 
     /// `|e_nm|` by `m`, of rows beyond the block; 0 for `g`, which has none.
@@ -188,114 +189,101 @@ impl<'a> Equations<'a> {
     }
 }
 
-/// The largest entry of a site over its weight, and the entry of `g`.
-fn split(all: &[Interval], weights: &[Interval]) -> [Interval; 2] {
-    let most = all.iter().zip(weights).map(|(one, w)| *one / *w).fold(Interval::ZERO, Interval::max);
-    [most, all[weights.len()]]
+/// What the bounds are made of, for all growth rates of the certificate.
+struct Terms<'a> {
+    it: Equations<'a>,
+    l: Vec<Complex>,
+    /// `A`, and `A B`, where `B` takes harmonics of `D p` to equations.
+    inverse: Vec<Vec<Interval>>,
+    product: Vec<Vec<Interval>>,
+    /// `R`, by site of the column.
+    reach: Vec<Vec<Interval>>,
+    /// `|e|`, and `R + v t |e|`, by row.
+    moduli: Vec<Vec<Interval>>,
+    contacts: Vec<Vec<Interval>>,
+    /// `W_n`.
+    weights: Vec<Interval>,
+    /// Bounds of the change of `D` in the ball.
+    changed: Vec<Interval>,
 }
 
-/// Bounds of `e^{lambda T}` of a multiplier that grows, and of `g` for -1, where the strains of the
-/// breather differ by at most `changes` from the cosine sums.
-pub(super) fn check(
-    certificate: &Certificate,
-    multiplier: &Multiplier,
-    (system, known, changes): (&System, &[Moments], &[Interval]),
-    go_on: &dyn Fn() -> Result<(), Refused>,
-) -> Result<[f64; 2], Refused> {
-    let Certificate { model, enclosed, .. } = certificate;
-    let (block, enclosed, sites) = (certificate.block.min(BLOCK), *enclosed, known.len());
-    let it = Equations::new((system, known), [block, enclosed], multiplier);
-    let last = it.all.len();
-    let rates = match multiplier {
-        Multiplier::Growing(rates) => rates.map(Exact::enclosed),
-        Multiplier::Doubling { .. } => [Interval::ZERO; 2],
-    };
-    let l = it.factors(model, Interval::new(rates[0].lo(), rates[1].hi()));
-    // Roots of sums of l_k^2 beyond a harmonic, for sums of the moduli of the parts.
-    let spread = of(it.parts.len()).sqrt();
-    let root = |last: usize| {
-        let beyond = system.decay.square() / (of(3) * of(enclosed) * of(enclosed) * of(enclosed));
-        spread * norm(l[last + 1..].iter().map(|l| l.abs()).chain([beyond.sqrt()]))
-    };
-    let inverse = approximate_inverse(it.matrix(&l));
-    go_on()?;
+impl<'a> Terms<'a> {
+    fn new(it: Equations<'a>, model: &Model, rates: Interval, changes: &[Interval]) -> Self {
+        let (l, last, sites) = (it.factors(model, rates), it.all.len(), it.known.len());
+        let inverse = approximate_inverse(it.matrix(&l));
+        let b = |place: &Place| -> Vec<(usize, Interval)> {
+            it.forces(&l, *place).into_iter().filter_map(|(place, factor)| Some((it.index(place)?, factor))).collect()
+        };
+        let b: Vec<Vec<(usize, Interval)>> = it.all.iter().map(b).collect();
+        let times_b = |row: &Vec<Interval>| {
+            let mut product = vec![Interval::ZERO; last];
+            for (entries, a) in b.iter().zip(row) {
+                entries.iter().for_each(|(j, b)| product[*j] = product[*j] + *a * *b);
+            }
+            product
+        };
+        let product: Vec<Vec<Interval>> = inverse.iter().map(times_b).collect();
+        let reach = |m: usize| it.by_site(&|i| norm(it.at(m).map(|(j, place)| product[i][j] / it.weight(place.1))));
+        let reach: Vec<Vec<Interval>> = (0..sites).map(reach).collect();
+        let moduli: Vec<Vec<Interval>> = (0..=sites).map(|n| it.moduli(n)).collect();
+        let t = it.beyond(&l, it.block);
+        let contact = |n: usize| reach.iter().zip(&moduli[n]).map(|(reach, e)| reach[n] + t * *e).collect();
+        let contacts: Vec<Vec<Interval>> = (0..=sites).map(contact).collect();
+        let weights = perron(&contacts[..sites]);
+        let changed = it.known.iter().zip(changes).map(|(one, change)| one.change(model.alpha, *change)).collect();
+        Self { it, l, inverse, product, reach, moduli, contacts, weights, changed }
+    }
 
-    // A B, where B takes harmonics of D p to equations, and R.
-    let b = |place: &Place| -> Vec<(usize, Interval)> {
-        it.forces(&l, *place).into_iter().filter_map(|(place, factor)| Some((it.index(place)?, factor))).collect()
-    };
-    let b: Vec<Vec<(usize, Interval)>> = it.all.iter().map(b).collect();
-    let times_b = |row: &Vec<Interval>| {
-        let mut product = vec![Interval::ZERO; last];
-        for (entries, a) in b.iter().zip(row) {
-            entries.iter().for_each(|(j, b)| product[*j] = product[*j] + *a * *b);
-        }
-        product
-    };
-    let product: Vec<Vec<Interval>> = inverse.iter().map(times_b).collect();
-    let reach = |m: usize| it.by_site(&|i| norm(it.at(m).map(|(j, place)| product[i][j] / it.weight(place.1))));
-    let reach: Vec<Vec<Interval>> = (0..sites).map(reach).collect();
-
-    // The largest columns of 1 - A M of a site, by site.
-    let tail = |m: usize, last: usize| Moments::tail(&known[m].stiffness, known[m].stiffness_square, last);
-    let columns = |m: usize| -> Result<Vec<Interval>, Refused> {
-        let computed = enclosed / SHARE + block;
-        let beyond = tail(m, computed - block) / of(2).sqrt();
+    /// The largest columns of `1 - A M` of a site, by site.
+    fn columns(&self, m: usize) -> Vec<Interval> {
+        let Self { it, inverse, product, reach, .. } = self;
+        let computed = it.enclosed / SHARE;
+        let beyond = it.known[m].stiffness_tail(computed) / of(2).sqrt();
         let mut most: Vec<Interval> = reach[m].iter().map(|reach| *reach * beyond).collect();
-        for (_, j, sine) in it.places(m, computed) {
-            go_on()?;
+        for (_, j, sine) in it.places(m, computed + it.block) {
             let own = it.index((m, j, sine));
             let entries = it.at(m).filter(|(_, place)| place.2 == sine);
             let entries: Vec<_> = entries.map(|(i, place)| (i, it.stiffness(m, place.1, (j, sine)))).collect();
             let sums = it.by_site(&|i| {
-                let plain =
-                    own.map_or(Interval::ZERO, |own| inverse[i][own] + kronecker(own == it.pinned) * inverse[i][last]);
+                let pinned = |own: usize| kronecker(own == it.pinned) * inverse[i][it.all.len()];
+                let plain = own.map_or(Interval::ZERO, |own| inverse[i][own] + pinned(own));
                 let stiff: Interval = entries.iter().map(|(column, d)| product[i][*column] * *d).sum();
                 (kronecker(own == Some(i)) - plain - stiff).abs()
             });
             most.iter_mut().zip(sums).for_each(|(most, sum)| *most = most.max(sum / it.weight(j)));
         }
-        Ok(most)
-    };
-    let columns = (0..sites).map(columns).collect::<Result<Vec<_>, _>>()?;
-
-    // Rows of R + t |e|, and Z1, with the change of D.
-    let moduli: Vec<Vec<Interval>> = (0..=sites).map(|n| it.moduli(n)).collect();
-    let contact = |n: usize| -> Vec<Interval> {
-        reach.iter().zip(&moduli[n]).map(|(reach, e)| reach[n] + root(block) * *e).collect()
-    };
-    let contacts: Vec<Vec<Interval>> = (0..=sites).map(contact).collect();
-    let weights = perron(&contacts[..sites]);
-    let alpha = model.alpha;
-    let times = |all: &[Interval], of: &dyn Fn(usize) -> Interval| -> Vec<Interval> {
-        all.iter().enumerate().map(|(m, one)| *one * of(m)).collect()
-    };
-    let changed = |m: usize| known[m].change(alpha, changes[m]);
-    let steepest = |m: usize| {
-        let most = alpha.enclosed() * Interval::exact(known[m].overlap.hi()).pow(alpha.less_one());
-        most.min((of(2) * known[m].stiffness_square).positive_part().sqrt())
-    };
-    let (moved, steepest) = (times(&weights, &changed), times(&weights, &steepest));
-    let z1 = |n: usize| {
-        let near: Interval = columns.iter().zip(&weights).map(|(column, w)| column[n] * *w).sum();
-        near + root(block) * dot(&moduli[n], &steepest) + dot(&contacts[n], &moved)
-    };
-    let z1: Vec<Interval> = (0..=sites).map(z1).collect();
-    // The weight eta of g makes its row at most half as large as the largest.
-    let [most, own] = split(&z1, &weights);
-    let eta = Interval::exact((0.5 * most.mid() / own.hi()).max(f64::MIN_POSITIVE));
-    let of_g = it.by_site(&|i| (kronecker(i == last) + inverse[i][it.pinned]).abs());
-    let z1: Vec<Interval> = z1.iter().zip(of_g).map(|(z1, of_g)| *z1 + of_g / eta).collect();
-    let [most, own] = split(&z1, &weights);
-    let rest = Interval::ONE - most.max(eta * own);
-    if !rest.is_positive() {
-        return Err(Refused::Multiplier { z1: (Interval::ONE - rest).hi(), g: None });
+        most
     }
 
-    let g = |rate: Interval| {
-        let l = it.factors(model, rate);
-        let harmonics = enclosed / SHARE;
-        let computed = enclosed - harmonics - 1;
+    /// `eta`, the row of `g` in `Z1`, and `1 - Z1`.
+    fn z1(&self, alpha: Exact, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<[Interval; 3], Refused> {
+        let Self { it, inverse, weights, .. } = self;
+        let sites = weights.len();
+        let columns = (0..sites).map(|m| go_on().map(|()| self.columns(m))).collect::<Result<Vec<_>, _>>()?;
+        let times = |of: &dyn Fn(usize) -> Interval| -> Vec<Interval> {
+            weights.iter().enumerate().map(|(m, w)| *w * of(m)).collect()
+        };
+        let (moved, steepest) = (times(&|m| self.changed[m]), times(&|m| it.known[m].steepest(alpha)));
+        let t = it.beyond(&self.l, it.block);
+        let z1 = |n: usize| {
+            let near: Interval = columns.iter().zip(weights).map(|(column, w)| column[n] * *w).sum();
+            near + t * dot(&self.moduli[n], &steepest) + dot(&self.contacts[n], &moved)
+        };
+        let z1: Vec<Interval> = (0..=sites).map(z1).collect();
+        // The weight eta of g makes its row at most half as large as the largest.
+        let [most, own] = split(&z1, weights, sites);
+        let eta = Interval::exact((0.5 * most.mid() / own.hi()).max(f64::MIN_POSITIVE));
+        let of_g = it.by_site(&|i| (kronecker(i == it.all.len()) + inverse[i][it.pinned]).abs());
+        let z1: Vec<Interval> = z1.iter().zip(of_g).map(|(z1, of_g)| *z1 + of_g / eta).collect();
+        let [most, own] = split(&z1, weights, sites);
+        Ok([eta, own, Interval::ONE - most.max(eta * own)])
+    }
+
+    /// `g` at a growth rate.
+    fn g(&self, model: &Model, rate: Interval, [eta, own, rest]: [Interval; 3]) -> Interval {
+        let Self { it, inverse, weights, .. } = self;
+        let (l, sites, harmonics) = (it.factors(model, rate), weights.len(), it.enclosed / SHARE);
+        let computed = it.enclosed - harmonics - 1;
         let mut p: Field = vec![[false, true].map(|_| vec![Interval::ZERO; harmonics + 1]); sites];
         let mut g = Interval::ZERO;
         let entry = |field: &Field, (n, k, sine): Place| field[n][usize::from(sine)][k];
@@ -312,31 +300,55 @@ pub(super) fn check(
                 let p = &mut p[place.0][usize::from(place.2)][place.1];
                 *p = Interval::exact(p.mid() - step);
             }
-            g = Interval::exact(g.mid() - step(last));
+            g = Interval::exact(g.mid() - step(it.all.len()));
         }
         let defect = it.defect(&l, (&p, g), computed);
         let head = head(&defect, &p);
-        let largest: Vec<Interval> = p.iter().map(|p| p.iter().flatten().map(|p| p.abs()).sum()).collect();
-        let (tails, moved) = (times(&largest, &|m| tail(m, computed - harmonics)), times(&largest, &changed));
+        let times = |of: &dyn Fn(usize) -> Interval| -> Vec<Interval> {
+            p.iter().enumerate().map(|(m, p)| p.iter().flatten().map(|p| p.abs()).sum::<Interval>() * of(m)).collect()
+        };
+        let tails = times(&|m| it.known[m].stiffness_tail(computed - harmonics));
+        let (moved, t) = (times(&|m| self.changed[m]), it.beyond(&self.l, computed));
         let mut error = it.by_site(&|i| dot(&inverse[i], &head).abs());
         for (n, error) in error.iter_mut().enumerate() {
-            let beyond = it.places(n, computed).into_iter().filter(|place| place.1 > block);
+            let beyond = it.places(n, computed).into_iter().filter(|place| place.1 > it.block);
             let beyond: Interval = beyond.map(|place| entry(&defect, place).abs()).sum();
-            *error = *error + beyond + root(computed) * dot(&moduli[n], &tails) + dot(&contacts[n], &moved);
+            *error = *error + beyond + t * dot(&self.moduli[n], &tails) + dot(&self.contacts[n], &moved);
         }
-        let [most, own_error] = split(&error, &weights);
+        let [most, own_error] = split(&error, weights, sites);
         g + (own_error + own * most.max(eta * own_error) / rest).ball()
+    }
+}
+
+/// Bounds of `e^{lambda T}` of a multiplier that grows, and of `g` for -1, where the strains of the
+/// breather differ by at most `changes` from the cosine sums.
+pub(super) fn check(
+    certificate: &Certificate,
+    multiplier: &Multiplier,
+    (system, known, changes): (&System, &[Moments], &[Interval]),
+    go_on: &dyn Fn() -> Result<(), Refused>,
+) -> Result<[f64; 2], Refused> {
+    let Certificate { model, block, enclosed, .. } = certificate;
+    let rates = match multiplier {
+        Multiplier::Growing(rates) => rates.map(Exact::enclosed),
+        Multiplier::Doubling { .. } => [Interval::ZERO; 2],
     };
-    let bounds = rates.map(g);
-    let refused = || Refused::Multiplier { z1: (Interval::ONE - rest).hi(), g: Some(bounds.map(|g| [g.lo(), g.hi()])) };
+    let equations = Equations::new((system, known), [(*block).min(BLOCK), *enclosed], multiplier);
+    let terms = Terms::new(equations, model, Interval::new(rates[0].lo(), rates[1].hi()), changes);
+    let constants = terms.z1(model.alpha, go_on)?;
+    let refused = |g| Err(Refused::Multiplier { z1: (Interval::ONE - constants[2]).hi(), g });
+    if !constants[2].is_positive() {
+        return refused(None);
+    }
+    let g = |rate: Interval| terms.g(model, rate, constants);
+    let bounds = if let Multiplier::Growing(_) = multiplier { rates.map(g) } else { [g(rates[0]); 2] };
     let ends = match multiplier {
+        Multiplier::Growing(_) if !(-(bounds[0] * bounds[1])).is_positive() => [Interval::exact(f64::NAN); 2],
+        Multiplier::Growing(_) => rates.map(|rate| (rate * of(2) * Interval::PI / system.omega).exp()),
         Multiplier::Doubling { .. } => bounds,
-        Multiplier::Growing(_) if (-(bounds[0] * bounds[1])).is_positive() => {
-            rates.map(|rate| (rate * of(2) * Interval::PI / system.omega).exp())
-        }
-        Multiplier::Growing(_) => return Err(refused()),
     };
-    if ends[0].lo() <= ends[1].hi() { Ok([ends[0].lo(), ends[1].hi()]) } else { Err(refused()) }
+    let [from, to] = [ends[0].lo(), ends[1].hi()];
+    if from <= to { Ok([from, to]) } else { refused(Some(bounds.map(|g| [g.lo(), g.hi()]))) }
 }
 
 #[cfg(test)]

@@ -113,6 +113,12 @@ impl System {
         self.factors[k] + self.slopes[k].abs().ball()
     }
 
+    /// A bound of `(sum_{k > K'} l_k^2)^{1/2}`.
+    pub(super) fn beyond(&self) -> Interval {
+        let enclosed = of(self.factors.len() - 1);
+        (self.decay.square() / (of(3) * enclosed * enclosed * enclosed)).sqrt()
+    }
+
     /// `e_nm` for harmonic `k`, by `m`; their moduli are largest in sum for `k = 0`.
     ///
     /// Left of the first site is its image (bond-centred), or that of the next one: half a period
