@@ -44,8 +44,8 @@ impl Sizes {
     }
 }
 
-/// The certificate with the solution near the cosine sum of this one, and its multiplier. `None` if Newton's method finds
-/// none.
+/// The certificate with the solution near the cosine sum of this one, and its multiplier. `None` if
+/// Newton's method finds none.
 pub fn near(near: &Certificate, sizes: Sizes) -> Option<Certificate> {
     let (model, mean) = (near.model, near.mean);
     let found = match &near.orbit {
@@ -66,8 +66,8 @@ const RATE: f64 = 0.5;
 /// Weight of the last sites that `A` couples, over that of the first ones.
 const CUT: f64 = 1e-3;
 
-/// The certificate of the breather of the infinite chain near this one of a ring, with the mean strain
-/// of its far end. `None` if Newton's method finds none, or if it does not decay.
+/// The certificate of the breather of the infinite chain near this one of a ring, with the mean
+/// strain of its far end. `None` if Newton's method finds none, or if it does not decay.
 pub fn unrolled(ring: &Certificate, sizes: Sizes) -> Option<Certificate> {
     let (model, Orbit::Breather(Breather { center, a, .. })) = (ring.model, &ring.orbit) else { return None };
     let (center, mut a, first) = (*center, a.clone(), usize::from(*center == Center::Bond));
@@ -116,7 +116,8 @@ fn infinite(model: Model, mean: Exact, near: &Infinite, sizes: Sizes) -> Option<
     Some(Certificate { model, mean, to: None, block: sizes.block, enclosed: sizes.enclosed, orbit, multiplier: None })
 }
 
-/// Length of the first piece of a strip without a multiplier that is tried, as a share of the strip, and of the shortest.
+/// Length of the first piece of a strip without a multiplier that is tried, as a share of the
+/// strip, and of the shortest.
 const LENGTHS: [f64; 2] = [1.0 / 16.0, 1.0 / 1024.0];
 /// Largest radius of a piece over its radius of uniqueness. Balls of this size that meet lie within
 /// the other's ball of uniqueness, if both have the same norm.
@@ -244,8 +245,8 @@ pub fn breather(
     Some(Certificate { model, mean, to: None, block: sizes.block, enclosed: sizes.enclosed, orbit, multiplier: None })
 }
 
-/// The coefficients of half of a ring; or, with the far end `held`, those of the sites before it, of
-/// which the mean forces are that of the far end.
+/// The coefficients of half of a ring; or, with the far end `held`, those of the sites before it,
+/// of which the mean forces are that of the far end.
 fn half(
     model: Model,
     (mean, sites): (Exact, usize),

@@ -129,7 +129,8 @@ fn bounds_of_a_piece_hold_at_all_its_points() {
     }
 }
 
-// Truth: for one harmonic DG is 1 - 3 c/2 where l is c times its middle value, so 1 - A DG is 3 (c - 1).
+// Truth: for one harmonic DG is 1 - 3 c/2 where l is c times its middle value, so 1 - A DG is 3 (c
+// - 1).
 #[test]
 fn the_derivative_at_the_ends_of_a_piece_is_bounded() {
     let wave = solve::near(&wave(["2.001", "0"], 0.0083), Sizes::WAVE_PIECE).unwrap();

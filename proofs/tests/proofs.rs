@@ -110,7 +110,8 @@ fn waves_are_proved() {
     }
 }
 
-// Truth: another program, in ball arithmetic of 192 bits, with the same estimates, K = 64, K' = 256.
+// Truth: another program, in ball arithmetic of 192 bits, with the same estimates, K = 64, K' =
+// 256.
 #[test]
 fn bounds_are_those_of_another_program() {
     let sizes = Sizes { block: 64, harmonics: 64, enclosed: 256 };
@@ -130,8 +131,8 @@ fn bounds_are_those_of_another_program() {
     }
 }
 
-// Truth: `bounds.py` in this folder, which computes the formulas of docs/proofs.md in another language
-// and by another quadrature, for few harmonics, so that every term matters.
+// Truth: `bounds.py` in this folder, which computes the formulas of docs/proofs.md in another
+// language and by another quadrature, for few harmonics, so that every term matters.
 #[test]
 fn bounds_are_those_of_the_formulas() {
     let of = |certificate: &Certificate| match check(certificate) {
@@ -183,7 +184,8 @@ fn bounds_are_those_of_the_formulas() {
     }
 }
 
-/// Whether a solution lies in all balls, by the distances of harmonics from the first on; `rho = 1/3`.
+/// Whether a solution lies in all balls, by the distances of harmonics from the first on; `rho =
+/// 1/3`.
 fn within(apart: &[Vec<f64>], omega: f64, proof: &Proof) {
     let resonators = |k: f64| 1.0 / ((omega * k).powi(2) / 3.0 - 1.0);
     let cases: [(f64, &dyn Fn(f64) -> f64); 4] = [
@@ -231,7 +233,8 @@ fn what_is_no_solution_is_refused() {
     // A block of one harmonic: Z1 is 1.6.
     let small = Certificate { block: 1, ..tw_q15(Sizes::WAVE) };
     assert!(matches!(refused(&small), Refused::Bounds(bounds) if bounds.z1 > 1.0 && bounds.z1 < 2.0));
-    // Exact resonances k omega = sqrt(kappa (1 + 1/rho)) = 2 for k = 1, 2, 512, and with fixed resonators.
+    // Exact resonances k omega = sqrt(kappa (1 + 1/rho)) = 2 for k = 1, 2, 512, and with fixed
+    // resonators.
     let mut resonant = tw_q15(Sizes::WAVE);
     for (omega, k) in [("2", 1), ("1", 2), ("1/256", 512)] {
         resonant.model.omega = exact(omega);
@@ -353,8 +356,8 @@ fn of_the_infinite_chain(certificate: &mut Certificate) -> &mut Infinite {
     }
 }
 
-// Truth: the breather of a ring of 41, where the equations have an end, and its distance from the far
-// site, which falls by a factor of 25 to 30 a site.
+// Truth: the breather of a ring of 41, where the equations have an end, and its distance from the
+// far site, which falls by a factor of 25 to 30 a site.
 #[test]
 fn breathers_of_the_infinite_chain_are_proved() {
     for (omega, center) in
@@ -484,7 +487,8 @@ fn growing(certificate: &Certificate, multiplier: f64, width: f64) -> Certificat
     Certificate { multiplier: Some(Multiplier::Growing(rates)), ..certificate.clone() }
 }
 
-// Truth: the largest real multipliers of `breather dark`, from tangent maps, with these mean strains.
+// Truth: the largest real multipliers of `breather dark`, from tangent maps, with these mean
+// strains.
 #[test]
 fn bond_centred_breathers_are_unstable() {
     let cases = [
@@ -536,7 +540,8 @@ fn multipliers_that_are_not_there_are_refused() {
     assert!(matches!(check(&wave), Err(Refused::Certificate(rule)) if rule.contains("of a breather")));
 }
 
-/// A piece of the branch of bond-centred breathers, with a mean strain near that of its period doubling.
+/// A piece of the branch of bond-centred breathers, with a mean strain near that of its period
+/// doubling.
 fn piece([from, to]: [&str; 2], sine: bool, sizes: Sizes) -> Certificate {
     static NEAR: LazyLock<Certificate> =
         LazyLock::new(|| dark(["1/3", "2.0632584520", "-0.004294689811108139"], Center::Bond, Sizes::BREATHER));
@@ -547,7 +552,8 @@ fn piece([from, to]: [&str; 2], sine: bool, sizes: Sizes) -> Certificate {
     Certificate { model, to, multiplier: Some(Multiplier::Doubling { sine }), ..found }
 }
 
-// Truth: the frequency at which `breather continue --bifurcations` finds the period doubling, 2.0632584520.
+// Truth: the frequency at which `breather continue --bifurcations` finds the period doubling,
+// 2.0632584520.
 #[test]
 fn the_period_doubles_where_the_multipliers_say() {
     let [from, to] = ["2.0632583", "2.0632586"];
@@ -575,15 +581,16 @@ fn the_period_doubles_where_the_multipliers_say() {
     // The bounds of g hold for a whole piece.
     let g = |at: usize| pieces[at].1.as_ref().unwrap().multiplier.unwrap();
     assert!(g(1)[0] < g(2)[0] && g(2)[1] < 0.0 && 0.0 < g(0)[0] && g(0)[1] < g(1)[1], "{pieces:?}");
-    // Without the piece between them the ends show nothing, and perturbations by cosines do not double there.
+    // Without the piece between them the ends show nothing, and perturbations by cosines do not
+    // double there.
     drop(pieces.remove(1));
     assert_eq!(connected(&pieces), (1, Some(Gap::Nodes)));
     let pieces = proved(false, &ends);
     assert!(connected(&pieces) == (3, None) && doublings(&pieces).is_empty(), "{pieces:?}");
 }
 
-// Truth: the bounds of g for many harmonics, which those for few must hold, as those for a wide piece must
-// hold the ones at its ends.
+// Truth: the bounds of g for many harmonics, which those for few must hold, as those for a wide
+// piece must hold the ones at its ends.
 #[test]
 fn bounds_of_g_hold() {
     let g = |ends: [&str; 2], sizes: Sizes| {

@@ -109,7 +109,7 @@ def scenes() -> list[tuple[str, str]]: ...
 def run(
     scene: Scene,
     *,
-    integrator: str | None,
+    method: str | None,
     tol: float | None,
     step: float | None,
     steps_per_period: float | None,
@@ -124,7 +124,7 @@ def run(
 def run_many(
     scenes: list[Scene],
     *,
-    integrator: str | None,
+    method: str | None,
     tol: float | None,
     step: float | None,
     steps_per_period: float | None,

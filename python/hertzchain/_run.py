@@ -482,7 +482,6 @@ def run(
             told=None if on_contact is None else lambda _, numbers: on_contact(contact_of(numbers, whole)),
         )
     si = whole.units is not None and not dimensionless
-    how["method"] = how.pop("integrator")
     how["dimensionless"] = bool(dimensionless)
     trajectory = Trajectory(scene if isinstance(scene, Chain) else whole.chain, record, whole, si, how)
     failed = [trajectory.failure] if trajectory.failure and raised is None else []
@@ -605,14 +604,14 @@ def run_many(
     >>> runs.u.shape, bool(np.allclose(runs.pu.sum(axis=2), struck[:, :1]))
     ((3, 51, 10), True)
     """
-    scenes = [scene_of(scene, state, until) for state in states_of(y0)]
+    scenes, how = [scene_of(scene, state, until) for state in states_of(y0)], asked(method, tol, step, steps_per_period)
     if not scenes:
         raise ParameterError("y0 with no state is not valid: at least one")
     whole = scenes[0]
     with shown(progress, whole.name) as tell:
         records, raised = _native.run_many(
             [one._scene for one in scenes],
-            **asked(method, tol, step, steps_per_period),
+            **how,
             times=times_of(scene, at, whole.end),
             states=states,
             dimensionless=bool(dimensionless),
@@ -620,7 +619,7 @@ def run_many(
         )
     chain = scene if isinstance(scene, Chain) else whole.chain
     si = whole.units is not None and not dimensionless
-    how = {"method": method, "tol": tol, "step": step, "steps_per_period": steps_per_period, "dimensionless": bool(dimensionless)}
+    how["dimensionless"] = bool(dimensionless)
     members = [Trajectory(chain, record, one, si, how) for one, record in zip(scenes, records)]
     told: set[str] = set()
     for k, member in enumerate(members):
@@ -645,7 +644,7 @@ def contact_of(numbers: Vector, scene: Scene) -> dict[str, float]:
 def asked(method: str | None, tol: Any, step: Any, steps_per_period: Any) -> dict[str, Any]:
     """How a run is to be computed, as the native functions take it."""
     return {
-        "integrator": None if method is None else word("method", method),
+        "method": None if method is None else word("method", method),
         "tol": optional("tol", tol),
         "step": optional("step", step),
         "steps_per_period": optional("steps_per_period", steps_per_period),

@@ -92,13 +92,13 @@ impl Rows {
 /// did.
 #[pyfunction]
 #[pyo3(signature = (
-    scene, *, integrator, tol, step, steps_per_period, times, states, events, dimensionless, progress, seen, told
+    scene, *, method, tol, step, steps_per_period, times, states, events, dimensionless, progress, seen, told
 ))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn run<'py>(
     py: Python<'py>,
     scene: &Scene,
-    integrator: Option<String>,
+    method: Option<String>,
     tol: Option<f64>,
     step: Option<f64>,
     steps_per_period: Option<f64>,
@@ -111,7 +111,7 @@ pub(crate) fn run<'py>(
     told: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyDict>, Option<PyErr>)> {
     let scene = &scene.0;
-    let asked = MethodRequest { integrator, tol, step, steps_per_period, ..MethodRequest::default() };
+    let asked = MethodRequest { integrator: method, tol, step, steps_per_period, ..MethodRequest::default() };
     let Prepared { how, run, units, mut rows } = prepared(py, scene, &asked, times.as_ref(), (states, dimensionless))?;
     let run = if events { run.contacts() } else { run };
     let (start, end, layout) = (scene.start_time(), scene.end(), scene.chain().layout());
@@ -177,12 +177,12 @@ fn prepared(
 /// initial states only and are by a splitting with equal steps are made side by side. The result is
 /// what was recorded of each, and the exception that stopped them, if one did.
 #[pyfunction]
-#[pyo3(signature = (scenes, *, integrator, tol, step, steps_per_period, times, states, dimensionless, progress))]
+#[pyo3(signature = (scenes, *, method, tol, step, steps_per_period, times, states, dimensionless, progress))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn run_many<'py>(
     py: Python<'py>,
     scenes: Vec<PyRef<'py, Scene>>,
-    integrator: Option<String>,
+    method: Option<String>,
     tol: Option<f64>,
     step: Option<f64>,
     steps_per_period: Option<f64>,
@@ -191,7 +191,7 @@ pub(crate) fn run_many<'py>(
     dimensionless: bool,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(Vec<Bound<'py, PyDict>>, Option<PyErr>)> {
-    let asked = MethodRequest { integrator, tol, step, steps_per_period, ..MethodRequest::default() };
+    let asked = MethodRequest { integrator: method, tol, step, steps_per_period, ..MethodRequest::default() };
     let (mut runs, mut closed, mut rows, mut hows, mut total) = (Vec::new(), Vec::new(), Vec::new(), Vec::new(), 0);
     for (k, scene) in scenes.iter().enumerate() {
         let Prepared { how, run, units, rows: room } =

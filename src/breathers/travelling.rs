@@ -39,8 +39,8 @@ pub struct TravellingBreather {
     wave: Nls,
 }
 
-/// A bright breather that travels to the right: `z` is `[x, y, x', y']` at `t = 0`, when it is about
-/// the middle bond.
+/// A bright breather that travels to the right: `z` is `[x, y, x', y']` at `t = 0`, when it is
+/// about the middle bond.
 pub type TravellingOrbit = Orbit<TravellingBreather>;
 
 /// Sizes of a travelling breather, from `r_n = ((x_n + d)^2 + (x_n'/omega_b)^2)^{1/2}` at `t = 0`.
@@ -50,7 +50,8 @@ pub struct Sizes {
     pub amplitude: f64,
     /// `(sum r_n^2)^2/(3 sum r_n^4)`, which is `w` for `sech(n/w)`.
     pub width: f64,
-    /// Largest `r_n` in the eighth of the ring that is farthest from the breather, over `amplitude`.
+    /// Largest `r_n` in the eighth of the ring that is farthest from the breather, over
+    /// `amplitude`.
     pub tail: f64,
 }
 

@@ -213,8 +213,8 @@ impl Spectrum {
             .map(|(tau, mode)| (*tau, mode.krein))
     }
 
-    /// The strains `z`, `A z = tau z`, of the computed `tau` nearest to the given value, scaled to 1
-    /// at the first of the largest entries.
+    /// The strains `z`, `A z = tau z`, of the computed `tau` nearest to the given value, scaled to
+    /// 1 at the first of the largest entries.
     pub(super) fn strains_of(&self, tau: f64) -> Vec<f64> {
         let nearest = least_by(0..self.tau.len(), |&k| (self.tau[k] - tau).norm());
         nearest.map_or(Vec::new(), |k| scaled_to_one(&self.modes[k].z))
@@ -227,8 +227,8 @@ impl Spectrum {
     }
 
     /// The real part of the eigenvector `((lambda - 1/lambda)/2 z, C z)` of multiplier `k`, scaled
-    /// to 1 at the first of its largest entries. Empty for a spectrum without eigenvectors, such as that of a point
-    /// of a branch.
+    /// to 1 at the first of its largest entries. Empty for a spectrum without eigenvectors, such as
+    /// that of a point of a branch.
     pub fn direction(&self, k: usize) -> Vec<f64> {
         let Multiplier { re, im, .. } = self.multipliers[k];
         let lambda = Complex::new(re, im);

@@ -127,8 +127,8 @@ impl NormalModes {
         Ok(Self { chain: chain.clone(), rest, overlap: 0.0, vacuum: true, ..loaded })
     }
 
-    /// Whether beads just touch and no spring holds them; [`linear`](Self::linear) then has the modes
-    /// of the chain with the overlap 1 at every contact.
+    /// Whether beads just touch and no spring holds them; [`linear`](Self::linear) then has the
+    /// modes of the chain with the overlap 1 at every contact.
     pub fn vacuum(&self) -> bool {
         self.vacuum
     }

@@ -34,8 +34,8 @@ pub(super) fn numbered<T>(bifurcations: &[T], k: usize) -> Result<&T> {
     bifurcations.get(k).ok_or_else(|| Error::parameter("switch", value(), rule))
 }
 
-/// The vector `v` at a solution, with the first of its largest entries positive; `along` is `t`. `None` if no
-/// other branch crosses there, or more than one.
+/// The vector `v` at a solution, with the first of its largest entries positive; `along` is `t`.
+/// `None` if no other branch crosses there, or more than one.
 pub(super) fn crossing(
     family: &impl Family,
     (z, p): (&[f64], f64),

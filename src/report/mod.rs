@@ -136,7 +136,8 @@ impl Report {
         self
     }
 
-    /// Points of a grid that have no row, each with the reason: the command fails, and has the others.
+    /// Points of a grid that have no row, each with the reason: the command fails, and has the
+    /// others.
     #[must_use]
     pub fn missing(self, points: &[(String, String)]) -> Self {
         let reasons: Vec<String> = points.iter().map(|(point, why)| format!("{point}: {why}")).collect();

@@ -330,8 +330,8 @@ impl Scene {
         }
     }
 
-    /// The scene with the amplitudes and the frequencies of its harmonic drives times these factors;
-    /// constant forces stay.
+    /// The scene with the amplitudes and the frequencies of its harmonic drives times these
+    /// factors; constant forces stay.
     ///
     /// # Errors
     /// As [`build`](Self::build).
@@ -443,7 +443,8 @@ impl Scene {
     ///
     /// # Errors
     /// As [`from_state`](Self::from_state); a bead that a drive moves with other numbers than 0 and
-    /// those of the drive at the first time; a first time that is negative or not before the second.
+    /// those of the drive at the first time; a first time that is negative or not before the
+    /// second.
     pub fn part(&self, [start, end]: [f64; 2], state: [Vec<f64>; 4]) -> Result<Self> {
         let span = Span { periods: None, until: Some(end), period: self.file.span.period };
         let [u, v, u_dot, v_dot] = state;

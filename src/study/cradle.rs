@@ -85,7 +85,8 @@ impl Cradle {
         self.sites - (self.sites + 1) % 2
     }
 
-    /// The breathers at every frequency, on all cores, and the frequencies at which one is not found.
+    /// The breathers at every frequency, on all cores, and the frequencies at which one is not
+    /// found.
     ///
     /// # Errors
     /// An option outside its rule; no orbit is found; a signal.

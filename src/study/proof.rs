@@ -36,8 +36,8 @@ const HARMONICS: usize = 128;
 /// Radii over amplitudes that ask for more harmonics, and for how many times as many.
 pub(super) const WAVE: (f64, usize) = (1e-10, 6);
 pub(super) const BREATHER: (f64, usize) = (1e-9, 4);
-/// Half of the width of the interval of a multiplier that is to be proved, and of the frequency at which
-/// one is -1.
+/// Half of the width of the interval of a multiplier that is to be proved, and of the frequency at
+/// which one is -1.
 const WIDTH: f64 = 4e-7;
 /// Samples of half a period from which they are computed.
 const SAMPLES: u32 = 512;
@@ -50,9 +50,10 @@ options! {
         /// It is proved for the exact decimals and fractions of the parameters (1/3 for the double
         /// nearest to it), about a cosine sum near the computed solution. Of a branch in its
         /// frequency one curve of solutions is proved, piece by piece; the mean strain is linear
-        /// between its points. Where it can, `breather dark` also encloses a real Floquet multiplier
-        /// above 1, and `breather continue --center bond` with --bifurcations the frequencies at which
-        /// the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
+        /// between its points. Where it can, `breather dark` also encloses a real Floquet
+        /// multiplier above 1, and `breather continue --center bond` with --bifurcations the
+        /// frequencies at which the period doubles. Exit code 1 if existence is not proved, or not
+        /// of the whole branch.
         prove: bool = false, [arg(long)];
         /// Write the certificate of the proof to this file.
         ///
@@ -62,7 +63,8 @@ options! {
 }
 
 impl Proving {
-    /// Adds the proof, if it is asked for, to a report; see [`searched`].
+    /// Adds the proof, if it is asked for, to a report; see [`searched`]. `why` says what else may
+    /// be the reason where there is no certificate.
     ///
     /// # Errors
     /// Those of `certificate`; [`Error::Stopped`].
@@ -70,15 +72,15 @@ impl Proving {
         &self,
         report: Report,
         more: (f64, usize),
+        why: &str,
         certificate: impl Fn(usize) -> Result<Option<Certificate>>,
     ) -> Result<Report> {
         if !self.prove {
             return Ok(report);
         }
         let Some((certificate, proof)) = searched(more, certificate)? else {
-            let why = "not proved: no cosine sum near the solution is found (with --infinite the ring may be too \
-                       short: --sites)";
-            let report = report.fact("proof", json!({ "proved": false, "reason": why })).failure(Some(why.to_owned()));
+            let why = format!("not proved: no cosine sum near the solution is found{why}");
+            let report = report.fact("proof", json!({ "proved": false, "reason": why })).failure(Some(why));
             return Ok(self.written(None, report));
         };
         let report = proved(report, &certificate, proof);
@@ -97,8 +99,8 @@ impl Proving {
         Ok(Some((Folder::create(folder.unwrap_or(Path::new(".")))?, name.ok_or_else(missing)?)))
     }
 
-    /// Writes the certificate, or removes an earlier one if there is none, and says in the report if
-    /// that fails.
+    /// Writes the certificate, or removes an earlier one if there is none, and says in the report
+    /// if that fails.
     fn written(&self, certificate: Option<&str>, report: Report) -> Report {
         let written = self.file().and_then(|file| match (file, certificate) {
             (Some((folder, name)), Some(text)) => folder.write(name, text.as_bytes()).map(drop),
@@ -187,27 +189,34 @@ fn checked(certificate: &Certificate) -> Result<Checked> {
     }
 }
 
+/// A certificate and what the checker says of it; without its multiplier if that is not proved, and
+/// why it is not.
+fn alone(certificate: Certificate, proof: Checked) -> Result<(Certificate, Checked, Option<Refused>)> {
+    match proof {
+        Err(why @ Refused::Multiplier { .. }) => {
+            let without = Certificate { multiplier: None, ..certificate };
+            checked(&without).map(|proof| (without, proof, Some(why)))
+        }
+        proof => Ok((certificate, proof, None)),
+    }
+}
+
 /// The double nearest to an exact number, or one beside it.
 fn nearest(x: Exact) -> f64 {
     x.enclosed().mid()
 }
 
 /// A certificate, checked. The closure makes one of some times as many harmonics as usual; there
-/// are more of them if the radius is otherwise above a share of the amplitude. The least one counts.
+/// are more of them if the radius is otherwise above a share of the amplitude. The least one
+/// counts.
 fn searched(
     (share, times): (f64, usize),
     certificate: impl Fn(usize) -> Result<Option<Certificate>>,
 ) -> Result<Option<(Certificate, Checked)>> {
     let of = |more: usize| -> Result<Option<(Certificate, Checked)>> {
         let Some(certificate) = certificate(more)? else { return Ok(None) };
-        let proved = match checked(&certificate)? {
-            Err(Refused::Multiplier { .. }) => {
-                let without = Certificate { multiplier: None, ..certificate };
-                checked(&without).map(|proof| (without, proof))?
-            }
-            proof => (certificate, proof),
-        };
-        Ok(Some(proved))
+        let proof = checked(&certificate)?;
+        alone(certificate, proof).map(|(certificate, proof, _)| Some((certificate, proof)))
     };
     let usual = of(1)?;
     let radius = |(_, proof): &(_, Checked)| proof.as_ref().map_or(f64::INFINITY, |it| it.radius / it.amplitude);
@@ -405,8 +414,8 @@ pub(super) fn near_breather(orbit: &Orbit, tol: f64) -> Result<Certificate> {
     Ok(near(model(setting.params, setting.omega_b)?, mean, orbit))
 }
 
-/// The ends of the pieces that prove a period doubling, along a branch that comes to this orbit from the
-/// frequency `before`; none if these ends are not on both sides of it.
+/// The ends of the pieces that prove a period doubling, along a branch that comes to this orbit
+/// from the frequency `before`; none if these ends are not on both sides of it.
 pub(super) fn near_doubling(orbit: &Orbit, tol: f64, before: f64) -> Result<Vec<Certificate>> {
     let (near, omega) = (near_breather(orbit, tol)?, orbit.setting.omega_b);
     let step = WIDTH.copysign(omega - before);
@@ -438,8 +447,8 @@ pub(super) fn of_wave(wave: &ExactWave, fourier: &[f64], more: usize) -> Result<
     Ok(solve::near(&near_wave(wave, fourier)?, Sizes::WAVE.times(more)))
 }
 
-/// The certificate of a dark breather of the infinite chain: with the mean strain of the far end of this
-/// orbit.
+/// The certificate of a dark breather of the infinite chain: with the mean strain of the far end of
+/// this orbit.
 pub(super) fn of_infinite(orbit: &Orbit, tol: f64, more: usize) -> Result<Option<Certificate>> {
     Ok(solve::unrolled(&near_breather(orbit, tol)?, Sizes::BREATHER.times(more)))
 }
@@ -517,7 +526,7 @@ impl Study for Prove {
                 progress(count as f64 / pieces.len() as f64, &format!("{count} certificates are checked"));
                 proof
             });
-            let all = all.into_iter().collect::<Result<Vec<Checked>>>()?;
+            let mut all = all.into_iter().collect::<Result<Vec<Checked>>>()?;
             let rule = all.iter().find_map(|proof| match proof {
                 Err(Refused::Certificate(rule)) => Some(rule.clone()),
                 _ => None,
@@ -525,7 +534,8 @@ impl Study for Prove {
             match (rule, last) {
                 (Some(rule), _) => Err(refused(rule)),
                 (None, None) if pieces.len() == 1 => {
-                    Ok(all.into_iter().fold(report, |report, proof| proved(report, &certificate, proof)))
+                    let (certificate, proof, why) = alone(certificate, all.remove(0))?;
+                    Ok(proved(report, &certificate, proof).failure(why.map(|why| format!("not proved: {why}"))))
                 }
                 _ => {
                     let mut all: Vec<_> = pieces.drain(..).zip(all).collect();

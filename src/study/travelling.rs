@@ -30,8 +30,8 @@ options! {
         turns: u32 = 1, "K", (1 to 100);
         /// Number of sites.
         ///
-        /// The ring has an odd number of sites, at least six widths of the breather. Tails depend on
-        /// it.
+        /// The ring has an odd number of sites, at least six widths of the breather. Tails depend
+        /// on it.
         sites: usize = 151, "N", (9 to 255);
         /// The chain.
         params: ChainParams = ChainParams::default(), [command(flatten)];

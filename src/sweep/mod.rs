@@ -188,7 +188,8 @@ impl<U> Swept<U> {
         Ok(self.values(points, name)?.into_iter().map(|(_, value)| value).collect())
     }
 
-    /// The values of a grid whose points may fail, and the points without one, called as `name` says.
+    /// The values of a grid whose points may fail, and the points without one, called as `name`
+    /// says.
     ///
     /// # Errors
     /// The process was asked to end before all points were computed; no point has a value.

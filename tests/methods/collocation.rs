@@ -392,10 +392,11 @@ fn a_chain_at_rest_and_a_single_bead_cost_nothing_and_stay() {
 fn a_part_of_a_long_chain_at_rest_has_the_bits_of_a_short_one() {
     // Truth: chains of three blocks of bonds, which are looked at in every window; in the longer
     // ones blocks sleep and wake far from both ends. Windows are equal; some are left through a
-    // state inside them. A bead is struck; the seam of a ring is struck; and a bead of a damped chain is
-    // pushed back and forth.
+    // state inside them. A bead is struck; the seam of a ring is struck; and a bead of a damped
+    // chain is pushed back and forth.
     let uniform = |boundary, sites| Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), boundary, sites).unwrap();
-    let compare = |[short, long]: [(Box<dyn Stepper<f64>>, Layout); 2], pairs: &[[usize; 2]]| {
+    type Run = (Box<dyn Stepper<f64>>, Layout);
+    let compare = |[short, long]: [Run; 2], pairs: &[[usize; 2]], looked_at: &dyn Fn(i32) -> bool| {
         let ([mut short, mut long], layouts) = ([short.0, long.0], [short.1, long.1]);
         let [mut a, mut b] = layouts.map(|layout| vec![f64::NAN; layout.dim()]);
         let (mut moving, mut steps) = (0, 0);
@@ -405,7 +406,7 @@ fn a_part_of_a_long_chain_at_rest_has_the_bits_of_a_short_one() {
             long.step().unwrap();
             steps += 1;
             let end = short.time();
-            if steps % 101 != 0 && !short.done() {
+            if !looked_at(steps) && !short.done() {
                 continue;
             }
             for t in [from, 0.5 * (from + end), end] {
@@ -425,16 +426,21 @@ fn a_part_of_a_long_chain_at_rest_has_the_bits_of_a_short_one() {
         assert!(moving > 400, "{moving}");
     };
     let shifted = |by: usize| (0..768).map(|i| [i, i + by]).collect::<Vec<_>>();
-    let struck = |boundary, sites: usize, bead: usize| -> (Box<dyn Stepper<f64>>, Layout) {
+    let struck = |boundary, [sites, bead]: [usize; 2], end: u32| -> Run {
         let chain = uniform(boundary, sites);
         let mut state = State::rest(&chain);
         state.u_dot_mut()[bead] = 1.0;
-        (Box::new(chain.collocation(state.as_slice(), (0.0, 250.0), windows(1500, 8)).unwrap()), chain.layout())
+        let (span, windows) = ((0.0, f64::from(end)), windows(6 * u64::from(end), 8));
+        (Box::new(chain.collocation(state.as_slice(), span, windows).unwrap()), chain.layout())
     };
-    compare([(768, 250), (2304, 1274)].map(|(n, bead)| struck(Boundary::Free, n, bead)), &shifted(1024));
+    let often = |step: i32| step % 101 == 0;
+    compare([[768, 250], [2304, 1274]].map(|at| struck(Boundary::Free, at, 250)), &shifted(1024), &often);
+    // Between two looks the pulse comes to a block that slept, and was not beside one that did not.
+    let twice = |step: i32| step == 12;
+    compare([[768, 250], [2304, 1274]].map(|at| struck(Boundary::Free, at, 375)), &shifted(1024), &twice);
     let seam: Vec<_> = (0..768).map(|i| [i, if i < 384 { i } else { i + 1536 }]).collect();
-    compare([(768, 760), (2304, 2296)].map(|(n, bead)| struck(Boundary::Ring, n, bead)), &seam);
-    let pushed = |sites: usize, bead: usize| -> (Box<dyn Stepper<f64>>, Layout) {
+    compare([[768, 760], [2304, 2296]].map(|at| struck(Boundary::Ring, at, 250)), &seam, &often);
+    let pushed = |sites: usize, bead: usize| -> Run {
         let drives = vec![Drive { site: bead, kind: DriveKind::Force, signal: Signal::sine(1.0, 0.7, 0.0) }];
         let details = Details { drag: vec![1e-3; sites], drives, ..Details::default() };
         let chain = uniform(Boundary::Fixed, sites).with(&details).unwrap();
@@ -442,7 +448,7 @@ fn a_part_of_a_long_chain_at_rest_has_the_bits_of_a_short_one() {
         let run = chain.heterogeneous_collocation(state.as_slice(), (0.0, 250.0), windows(2500, 8)).unwrap();
         (Box::new(run), chain.layout())
     };
-    compare([(768, 400), (2304, 1424)].map(|(n, bead)| pushed(n, bead)), &shifted(1024));
+    compare([(768, 400), (2304, 1424)].map(|(n, bead)| pushed(n, bead)), &shifted(1024), &often);
 }
 
 #[test]

@@ -168,9 +168,9 @@ impl Run {
         Ok(self)
     }
 
-    /// Sets the time at which the run starts, from the initial state: drives act as at this time, and
-    /// beads that they move must be where they are then. The end must have been given; steps and sample
-    /// times are given after it, since they are counted from it.
+    /// Sets the time at which the run starts, from the initial state: drives act as at this time,
+    /// and beads that they move must be where they are then. The end must have been given; steps
+    /// and sample times are given after it, since they are counted from it.
     ///
     /// # Errors
     /// A time that is negative or not before the end; no end given before.

@@ -352,8 +352,8 @@ impl<const M: usize, const S: usize> Pass<'_, M, S> {
         passed.work += change.work;
         let unsettled = change.impulse > goal.rounded;
         // The first sweep over halved panels takes overlaps, and the events, from panels that did
-        // not resolve the force. A force that jumps, its own or a neighbour's, shows the error of its
-        // event at first order.
+        // not resolve the force. A force that jumps, its own or a neighbour's, shows the error of
+        // its event at first order.
         let unsure = anew && frames.links.lossy() && me.resolution.halvings > 0;
         me.pending.sweep = unsettled && change.impulse * me.answer(age) > goal.change || change.moved > 0.0 || unsure;
         if !change.impulse.is_finite() {

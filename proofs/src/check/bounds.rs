@@ -1,7 +1,7 @@
 //! `Y0`, `Z1` and `Z2` of a system.
 //!
-//! Unknowns are `(n, k)` with `k <= K`, and `c_0` as the last one where there are equations for `k =
-//! 0`; the equation of the mean has its index. `A` is an approximate inverse of `DG` on these
+//! Unknowns are `(n, k)` with `k <= K`, and `c_0` as the last one where there are equations for `k
+//! = 0`; the equation of the mean has its index. `A` is an approximate inverse of `DG` on these
 //! unknowns, and the identity beyond. Vectors "by site" have an entry for each site, and one for
 //! `c_0`.
 
@@ -41,8 +41,8 @@ pub(super) fn kronecker(equal: bool) -> Interval {
     if equal { Interval::ONE } else { Interval::ZERO }
 }
 
-/// Sums over the rows of each of the sites, from the site and the weight of each row; and the row after
-/// them, if there is one.
+/// Sums over the rows of each of the sites, from the site and the weight of each row; and the row
+/// after them, if there is one.
 pub(super) fn by_site(
     sites: usize,
     all: impl Iterator<Item = (usize, Interval)>,
@@ -97,9 +97,9 @@ impl Unknowns {
         by_site(self.index.len(), all, of_row, self.rows > self.all.len())
     }
 
-    /// A row of `A B`, where `B` takes harmonics of the force's change to equations: `l_k e` for `k >=
-    /// 1`, and -1 for `k = 0`. `l` has its factors: `l_k`, or their changes along a piece, with 0 for
-    /// `k = 0`.
+    /// A row of `A B`, where `B` takes harmonics of the force's change to equations: `l_k e` for `k
+    /// >= 1`, and -1 for `k = 0`. `l` has its factors: `l_k`, or their changes along a piece, with
+    /// 0 for `k = 0`.
     fn times_b(&self, system: &System, l: &[Interval], row: &[Interval]) -> Vec<Interval> {
         let mut product = vec![Interval::ZERO; self.all.len()];
         for (i, &(n, k)) in self.all.iter().enumerate() {
@@ -392,8 +392,8 @@ impl<'a> Terms<'a> {
         row
     }
 
-    /// A bound of the error of velocities over `omega`, by one more use of `a = l N(a)`; of `y_n` with
-    /// a factor `share` for each harmonic. `changes` are those of the strains of each site.
+    /// A bound of the error of velocities over `omega`, by one more use of `a = l N(a)`; of `y_n`
+    /// with a factor `share` for each harmonic. `changes` are those of the strains of each site.
     fn velocity(&self, changes: &[Interval], share: &dyn Fn(usize) -> Interval) -> Interval {
         let Self { certificate: Certificate { model, enclosed, .. }, system, known, tails, .. } = self;
         let (alpha, enclosed) = (model.alpha, *enclosed);
@@ -528,8 +528,8 @@ mod tests {
         solve::{self, Sizes},
     };
 
-    // Truth: (1 - A DG) h for h of norm 1 with one harmonic at each site, as products in intervals, with
-    // four times as many rows and columns as are enclosed.
+    // Truth: (1 - A DG) h for h of norm 1 with one harmonic at each site, as products in intervals,
+    // with four times as many rows and columns as are enclosed.
     #[test]
     fn columns_are_below_z1() {
         for (center, block, enclosed) in [(None, 6, 64), (Some(Center::Site), 3, 16), (Some(Center::Bond), 3, 16)] {
@@ -603,8 +603,8 @@ mod tests {
         Certificate { model, mean: exact("0"), to: None, block: 1, enclosed: 4, orbit, multiplier: None }
     }
 
-    /// A breather of the infinite chain with visible defects at its first site, and at its third one, the
-    /// last before the background.
+    /// A breather of the infinite chain with visible defects at its first site, and at its third
+    /// one, the last before the background.
     fn infinite(center: Center) -> Certificate {
         let sizes = Sizes { block: 3, harmonics: 16, enclosed: 16 };
         let ring = solve::near(&guess(Some(center)), sizes).unwrap();
@@ -616,8 +616,8 @@ mod tests {
         certificate
     }
 
-    // Truth: the equations in the strains themselves, which are not shifted by half a period a site, on
-    // more sites and with four times as many harmonics.
+    // Truth: the equations in the strains themselves, which are not shifted by half a period a
+    // site, on more sites and with four times as many harmonics.
     #[test]
     fn rows_of_the_infinite_chain_are_those_of_its_equations() {
         for center in [Center::Site, Center::Bond] {

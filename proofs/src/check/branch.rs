@@ -1,4 +1,5 @@
-//! Whether the pieces of a branch are proved of one curve of solutions, and where its period doubles.
+//! Whether the pieces of a branch are proved of one curve of solutions, and where its period
+//! doubles.
 
 use super::{Proof, Refused, of};
 use crate::{
@@ -93,13 +94,15 @@ pub fn connected(pieces: &[(Certificate, Result<Proof, Refused>)]) -> (usize, Op
     (pieces.len(), None)
 }
 
-/// Bounds of frequencies at which a Floquet multiplier is -1, of connected pieces: `g` is continuous along
-/// pieces for which the bound of it is proved, of one kind of perturbation, and changes its sign. The
-/// bounds hold all frequencies of the pieces between two signs, which may go back and forth.
+/// Bounds of frequencies at which a Floquet multiplier is -1, of connected pieces: `g` is
+/// continuous along pieces for which the bound of it is proved, of one kind of perturbation, and
+/// changes its sign. The bounds hold all frequencies of the pieces between two signs, which may go
+/// back and forth.
 pub fn doublings(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[f64; 2]> {
     let mut found = Vec::new();
     let both = |a: Interval, b: Interval| Interval::new(a.lo().min(b.lo()), a.hi().max(b.hi()));
-    // The kind, the sign of g on the last piece where it has one, and the frequencies since this ends.
+    // The kind, the sign of g on the last piece where it has one, and the frequencies since this
+    // ends.
     let mut before: Option<(Multiplier, bool, Interval)> = None;
     for (piece, proof) in pieces {
         let g = proof.as_ref().ok().and_then(|proof| proof.multiplier);
@@ -121,8 +124,8 @@ pub fn doublings(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[f64; 
     found
 }
 
-/// Whether a piece continues the one before it: the solutions of both at their common parameters are
-/// the same, since one of the balls lies in the other's ball of uniqueness. Both are proved.
+/// Whether a piece continues the one before it: the solutions of both at their common parameters
+/// are the same, since one of the balls lies in the other's ball of uniqueness. Both are proved.
 fn joined(before: (&Certificate, &Proof), piece: (&Certificate, &Proof)) -> Result<(), Gap> {
     if frame(before.0) != frame(piece.0) {
         return Err(Gap::Other);

@@ -1,5 +1,5 @@
-//! What the proof of a breather of the infinite chain has beside the bounds of `bounds.rs`: an exact
-//! background, an `A` of infinitely many rows, and weights that decay.
+//! What the proof of a breather of the infinite chain has beside the bounds of `bounds.rs`: an
+//! exact background, an `A` of infinitely many rows, and weights that decay.
 //!
 //! Sites are counted from the centre. From site `M` on the cosine sum is that of the exact
 //! background, a standing wave. `A` couples sites that are at most `J` apart. Row `M + J + 1` of
@@ -69,8 +69,8 @@ impl Far {
         }
     }
 
-    /// Shows that `A` has no kernel, by `|1 - B A| < 1` on bounded sequences, for a matrix `B` near `DG`.
-    /// Its rows from `M + J + 2` on are copies, too.
+    /// Shows that `A` has no kernel, by `|1 - B A| < 1` on bounded sequences, for a matrix `B` near
+    /// `DG`. Its rows from `M + J + 2` on are copies, too.
     pub(super) fn has_no_kernel(
         &self,
         unknowns: &Unknowns,

@@ -34,8 +34,8 @@ const RUNGS: usize = 200;
 pub struct Proof {
     /// Upper bound of `|x_n(t) - xbar_n(t)|` for all sites and times.
     pub radius: f64,
-    /// The same of `y_n`, about the sum with `b_k = kappa a_k/(kappa - rho omega^2 k^2)` in place of
-    /// `a_k`; infinite where a `b_k` is not defined.
+    /// The same of `y_n`, about the sum with `b_k = kappa a_k/(kappa - rho omega^2 k^2)` in place
+    /// of `a_k`; infinite where a `b_k` is not defined.
     pub radius_y: f64,
     /// The same of the velocities `x_n'`.
     pub radius_velocity: f64,
@@ -52,8 +52,8 @@ pub struct Proof {
     /// Bounds of the multiplier that the certificate has a line for; of -1 those of `g`, see
     /// [`doublings`].
     pub multiplier: Option<[f64; 2]>,
-    /// Of a breather of the infinite chain `eta` and `C`, bounds from below and above: its strains are
-    /// within `C e^{-eta |n|}` of those of the standing wave, on both sides.
+    /// Of a breather of the infinite chain `eta` and `C`, bounds from below and above: its strains
+    /// are within `C e^{-eta |n|}` of those of the standing wave, on both sides.
     pub decay: Option<[f64; 2]>,
 }
 
@@ -125,13 +125,13 @@ impl fmt::Display for Refused {
             Self::Multiplier { z1, g: None } => {
                 write!(
                     f,
-                    "the breather is, its multiplier is not: perturbations are not separated from others, their Z1 = {z1:.2e} \
+                    "the multiplier: perturbations are not separated from others, their Z1 = {z1:.2e} \
                      is not below 1"
                 )
             }
             Self::Multiplier { g: Some([[a, b], [c, d]]), .. } => write!(
                 f,
-                "the breather is, its multiplier is not: g is from {a:.2e} to {b:.2e} at the one growth rate, from {c:.2e} to {d:.2e} \
+                "the multiplier: g is from {a:.2e} to {b:.2e} at the one growth rate, from {c:.2e} to {d:.2e} \
                  at the other"
             ),
             Self::Background(why) => write!(f, "the standing wave far from the centre: {why}"),
@@ -182,8 +182,8 @@ fn of(k: usize) -> Interval {
     Interval::exact(k as f64)
 }
 
-/// Radii of a piece of a branch, where this bounds the derivative of `T` on balls: `Y0 + q r' <= r'`
-/// with `q` of a ball of radius `r >= r'`, and `q < 1` on that of uniqueness.
+/// Radii of a piece of a branch, where this bounds the derivative of `T` on balls: `Y0 + q r' <=
+/// r'` with `q` of a ball of radius `r >= r'`, and `q < 1` on that of uniqueness.
 fn ladder(
     [y0, z1, z2]: [Interval; 3],
     contracts: impl Fn(f64) -> Interval,

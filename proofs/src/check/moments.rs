@@ -58,16 +58,16 @@ impl Moments {
         most.min((of(2) * self.stiffness_square).positive_part().sqrt())
     }
 
-    /// An upper bound of `(sum_{k > last} n_k^2)^{1/2}`. Parseval's equation for `N'` bounds the sum of
-    /// `(k n_k)^2`, and loses fewer digits.
+    /// An upper bound of `(sum_{k > last} n_k^2)^{1/2}`. Parseval's equation for `N'` bounds the
+    /// sum of `(k n_k)^2`, and loses fewer digits.
     pub(super) fn force_tail(&self, last: usize) -> Interval {
         let known: Interval = (1..=last).map(|k| (of(k) * self.force[k]).square()).sum();
         let slopes = (of(2) * self.slope_square - known).positive_part().sqrt() / of(last + 1);
         Self::tail(&self.force, self.force_square, last).min(slopes)
     }
 
-    /// Those of all strains `X + h`, `h = sum_{k >= 1} h_k cos k theta` with `sum |h_k| <= r`; and bounds
-    /// of the changes of `N` and of `D`, `sqrt 2` times the roots of their mean squares.
+    /// Those of all strains `X + h`, `h = sum_{k >= 1} h_k cos k theta` with `sum |h_k| <= r`; and
+    /// bounds of the changes of `N` and of `D`, `sqrt 2` times the roots of their mean squares.
     pub(super) fn within(&self, alpha: Exact, r: Interval) -> (Self, [Interval; 2]) {
         let overlap = Interval::exact(self.overlap.hi()) + r;
         let changes = [alpha.enclosed() * overlap.pow(alpha.less_one()) * r, self.change(alpha, r)];
@@ -88,8 +88,8 @@ impl Moments {
     /// An upper bound of `sqrt 2` times the mean square of `sup |D(X + h) - D(X)|` over `|h| <= r`.
     ///
     /// For `alpha <= 2`, as a function of the overlap, `D` is concave where it is not 0: it changes
-    /// most at the smallest overlap, and by its value for the overlap `r` at most. For `alpha > 2` it
-    /// is convex, and changes most at the largest overlap.
+    /// most at the smallest overlap, and by its value for the overlap `r` at most. For `alpha > 2`
+    /// it is convex, and changes most at the largest overlap.
     pub(super) fn change(&self, alpha: Exact, r: Interval) -> Interval {
         let stiff = alpha.less_one();
         let law = |overlap: Interval| alpha.enclosed() * overlap.positive_part().pow(stiff);
@@ -110,10 +110,10 @@ impl Moments {
 
 /// The moments of `X = sum a_k cos k theta`, with coefficients up to `count`.
 ///
-/// `[0, pi]` is bisected. A piece is free of contact; or `-X` has a positive real part on an ellipse
-/// of Bernstein about it (parameter 4), so that Gauss-Legendre quadrature of `n` nodes has an error
-/// of at most `8 M 4^{-2n}/(1 - 1/4)` half-widths, `M` the bound of the integrand on the ellipse; or
-/// it is below the share `narrowest` of the half-period, and bounded; else it is cut.
+/// `[0, pi]` is bisected. A piece is free of contact; or `-X` has a positive real part on an
+/// ellipse of Bernstein about it (parameter 4), so that Gauss-Legendre quadrature of `n` nodes has
+/// an error of at most `8 M 4^{-2n}/(1 - 1/4)` half-widths, `M` the bound of the integrand on the
+/// ellipse; or it is below the share `narrowest` of the half-period, and bounded; else it is cut.
 ///
 /// `None` if the subdivision does not end, or is `stopped`.
 pub fn moments(
@@ -162,8 +162,8 @@ struct Sums<'a> {
     narrowest: f64,
     force: Vec<Interval>,
     stiffness: Vec<Interval>,
-    /// Integrals of `N^2`, `D^2` and `N D X''`. By parts that of `N'^2` is `alpha/(2 alpha - 1)` times
-    /// the last one.
+    /// Integrals of `N^2`, `D^2` and `N D X''`. By parts that of `N'^2` is `alpha/(2 alpha - 1)`
+    /// times the last one.
     squares: [Interval; 3],
     overlap: Interval,
     pieces: Vec<(Interval, Interval)>,
@@ -329,8 +329,8 @@ fn horner(coefficients: &[Interval; TERMS], z: Complex) -> Complex {
     })
 }
 
-/// `cos k phase` for `k < count`, by `cos (i + j) t = 2 cos i t cos j t - cos (j - i) t`, `j - i` 0 or
-/// 1.
+/// `cos k phase` for `k < count`, by `cos (i + j) t = 2 cos i t cos j t - cos (j - i) t`, `j - i` 0
+/// or 1.
 fn cosines(phase: Interval, count: usize) -> Vec<Interval> {
     let mut all = vec![Interval::ONE, phase.sin_cos()[1]];
     for k in 2..count {

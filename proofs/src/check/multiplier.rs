@@ -1,14 +1,16 @@
 //! Real Floquet multipliers of a dark breather: one above 1, or -1.
 //!
-//! Perturbations `e^{lambda t} p_n(t)` of its strains that the reflection maps to their negative, `p_n =
-//! sum_k c_nk cos (k + sigma/2) omega t + s_nk sin (k + sigma/2) omega t`, obey with `g = 0`
+//! Perturbations `e^{lambda t} p_n(t)` of its strains that the reflection maps to their negative,
+//! `p_n = sum_k c_nk cos (k + sigma/2) omega t + s_nk sin (k + sigma/2) omega t`, obey with `g = 0`
 //!
-//! `z_nk + l_k sum_m e_nm (D_m p_m)_k = g phi_nk`, `z = c - i s`, `l_k = 1/L(lambda + i (k + sigma/2) omega)`.
+//! `z_nk + l_k sum_m e_nm (D_m p_m)_k = g phi_nk`, `z = c - i s`, `l_k = 1/L(lambda + i (k +
+//! sigma/2) omega)`.
 //!
-//! `sigma` is 0 for a multiplier `e^{lambda T}`. For -1 it is 1, `lambda` is 0, and sines and cosines have
-//! equations of their own. Here `g` is an unknown, one coefficient of `p` is 1, and `phi` is 1 in the
-//! equation of this coefficient and 0 in all others. If `|1 - A M| < 1` for the matrix `M` of these linear
-//! equations and some `A`, they have one solution, and `g` is a continuous function of all parameters.
+//! `sigma` is 0 for a multiplier `e^{lambda T}`. For -1 it is 1, `lambda` is 0, and sines and
+//! cosines have equations of their own. Here `g` is an unknown, one coefficient of `p` is 1, and
+//! `phi` is 1 in the equation of this coefficient and 0 in all others. If `|1 - A M| < 1` for the
+//! matrix `M` of these linear equations and some `A`, they have one solution, and `g` is a
+//! continuous function of all parameters.
 
 use super::{
     Moments, Refused, System,
@@ -117,8 +119,8 @@ impl<'a> Equations<'a> {
         if k + self.odd == 0 { both / of(2) } else { both }
     }
 
-    /// The places of `D p` in the equation of a place, and their factors: the parts of `l_k z` are `re c +
-    /// im s` and `re s - im c`.
+    /// The places of `D p` in the equation of a place, and their factors: the parts of `l_k z` are
+    /// `re c + im s` and `re s - im c`.
     fn forces(&self, l: &[Complex], (n, k, sine): Place) -> Vec<(Place, Interval)> {
         let factor = |part: bool| match (sine, part) {
             (false, true) => l[k].im,
@@ -376,8 +378,8 @@ mod tests {
         system.a.iter().map(of_site).collect()
     }
 
-    // Truth: L = s^2 (kappa (1 + rho) + rho s^2)/(kappa + rho s^2) with the matrix S of the derivative of
-    // e^{lambda t} (c cos + s sin) in place of s.
+    // Truth: L = s^2 (kappa (1 + rho) + rho s^2)/(kappa + rho s^2) with the matrix S of the
+    // derivative of e^{lambda t} (c cos + s sin) in place of s.
     #[test]
     fn blocks_of_cosine_and_sine_are_inverses_of_l() {
         let certificate = certificate(5, "bond");
@@ -408,8 +410,8 @@ mod tests {
         }
     }
 
-    /// Bounds of `g` for -1 where all contacts of the certificate have the stiffness `sum_l d_l cos l omega
-    /// t`, with `K'` harmonics.
+    /// Bounds of `g` for -1 where all contacts of the certificate have the stiffness `sum_l d_l cos
+    /// l omega t`, with `K'` harmonics.
     fn g(certificate: &Certificate, sine: bool, d: &[(usize, f64)], enclosed: usize) -> [f64; 2] {
         let mut known = known(certificate, &system(certificate));
         for one in &mut known {
@@ -425,8 +427,8 @@ mod tests {
         check(&certificate, &kind, (&system(&certificate), &known, &changes), &|| Ok(())).unwrap()
     }
 
-    // Truth: contacts of constant stiffness D have modes sin q (n - 1/2) with the frequency Omega, -L(i
-    // Omega) = 4 sin^2(q/2) D. The multiplier is -1 where Omega is half of omega.
+    // Truth: contacts of constant stiffness D have modes sin q (n - 1/2) with the frequency Omega,
+    // -L(i Omega) = 4 sin^2(q/2) D. The multiplier is -1 where Omega is half of omega.
     #[test]
     fn minus_one_is_where_a_linear_mode_has_twice_the_period() {
         let certificate = certificate(7, "bond");
@@ -444,8 +446,9 @@ mod tests {
         }
     }
 
-    // Truth: g with 64 harmonics. With 8, D couples the harmonics 0 to 2 of the approximate solution to
-    // those that it lacks: to some of the equations up to 5 that are computed, and only to others.
+    // Truth: g with 64 harmonics. With 8, D couples the harmonics 0 to 2 of the approximate
+    // solution to those that it lacks: to some of the equations up to 5 that are computed, and only
+    // to others.
     #[test]
     fn bounds_of_g_hold_for_the_harmonics_that_are_left_out() {
         let certificate = certificate(7, "bond");

@@ -2,10 +2,10 @@
 //!
 //! `a_nk - l_k sum_m e_nm n_mk = 0` for `k >= 1`,
 //!
-//! with factors `l_k` of order `1/k^2` and whole numbers `e_nm`. A wave has one site, `l_k = C_k` and
-//! `e = 1`. A breather has the sites of half a ring, of which the reflection makes the other half,
-//! `l_k = 1/L_k`, the second difference as `e`, and for `k = 0` the equations `n_n0 = c_0` and `sum
-//! share_n a_n0 = mean`.
+//! with factors `l_k` of order `1/k^2` and whole numbers `e_nm`. A wave has one site, `l_k = C_k`
+//! and `e = 1`. A breather has the sites of half a ring, of which the reflection makes the other
+//! half, `l_k = 1/L_k`, the second difference as `e`, and for `k = 0` the equations `n_n0 = c_0`
+//! and `sum share_n a_n0 = mean`.
 //!
 //! A breather of the infinite chain has the sites of one half of it, and `c_0` is the mean force of
 //! the background. Its coefficients are those of `x_n(t + n T/2)`, `(-1)^{kn} a_nk`, so that the
@@ -31,7 +31,8 @@ pub(super) struct System {
     pub(super) shift: Interval,
     /// The frequency; along a piece all of its values.
     pub(super) omega: Interval,
-    /// `|b_k/a_k|` for `k` up to `K' + 1`, the coefficients of `y_n` over those of `x_n`; less beyond.
+    /// `|b_k/a_k|` for `k` up to `K' + 1`, the coefficients of `y_n` over those of `x_n`; less
+    /// beyond.
     pub(super) resonators: Vec<Interval>,
     /// `|l_k| <= decay/k^2` beyond.
     pub(super) decay: Interval,
@@ -123,8 +124,8 @@ impl System {
     ///
     /// Left of the first site is its image (bond-centred), or that of the next one: half a period
     /// later, which changes the sign of odd harmonics. Right of the last site is its image, half a
-    /// period later (site-centred), or that of the site before it. Of the infinite chain neighbours are
-    /// shifted by half a period.
+    /// period later (site-centred), or that of the site before it. Of the infinite chain neighbours
+    /// are shifted by half a period.
     pub(super) fn coupled(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
         if self.is_wave() {
             return vec![(0, 1.0)];
@@ -149,8 +150,8 @@ impl System {
     }
 }
 
-/// `kappa/|kappa - rho omega^2 k^2|` for `k` up to `count`, or 0 for resonators that do not move. NaN
-/// where it is not known to be finite.
+/// `kappa/|kappa - rho omega^2 k^2|` for `k` up to `count`, or 0 for resonators that do not move.
+/// NaN where it is not known to be finite.
 fn resonators(model: &Model, omega: Interval, count: usize) -> Vec<Interval> {
     let (kappa, rho) = (model.kappa.enclosed(), model.rho.map(Exact::enclosed));
     let share = |rho: Interval, k: usize| (kappa / (kappa - rho * (omega * of(k)).square())).abs();
@@ -164,8 +165,9 @@ fn lattice(wave: &Wave, k: usize) -> Interval {
     of(4) * (share * Interval::PI).sin_cos()[0].square()
 }
 
-/// `1/L_k` for `k` up to `count` (-1 for `k = 0`) at `omega`; its derivative by `omega` times `half`,
-/// on the piece that is `half` longer on both sides; and `c` with `|1/L_k| <= c/k^2` beyond, there.
+/// `1/L_k` for `k` up to `count` (-1 for `k = 0`) at `omega`; its derivative by `omega` times
+/// `half`, on the piece that is `half` longer on both sides; and `c` with `|1/L_k| <= c/k^2`
+/// beyond, there.
 ///
 /// As a function of `w = (omega k)^2`, `1/L_k = (-1/w + rho^2/den_k)/(1 + rho)`, which increases.
 fn inverses(

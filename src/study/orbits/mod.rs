@@ -99,8 +99,8 @@ options! {
         ring: Ring = Ring::default(), [command(flatten)];
         /// Prove the breather of the infinite chain near that of the ring.
         ///
-        /// Far from its centre it converges to standing waves of opposite phase, with the mean strain
-        /// of the far end of the ring.
+        /// Far from its centre it converges to standing waves of opposite phase, with the mean
+        /// strain of the far end of the ring.
         infinite: bool = false, [arg(long, requires = "prove")];
         /// The proof.
         proving: Proving = Proving::default(), [command(flatten)];
@@ -131,7 +131,8 @@ impl Study for Dark {
             let study = self.study(&breather)?;
             let report = study.report().file("dark-breather.npz", study.npz()?);
             let (OrbitStudy { orbit, spectrum, .. }, tol) = (&study.study, self.ring.tol);
-            self.proving.added(report, proof::BREATHER, |times| match self.infinite {
+            let why = if self.infinite { "; the ring may be too short: --sites" } else { "" };
+            self.proving.added(report, proof::BREATHER, why, |times| match self.infinite {
                 true => of_infinite(orbit, tol, times),
                 false => of_unstable(orbit, spectrum.largest_real(), tol, times),
             })
