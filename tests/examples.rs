@@ -25,5 +25,7 @@ examples! {
     sweep: "../examples/sweep.rs";
     long_energy: "../examples/long_energy.rs";
     arenstorf: "../integrators/examples/arenstorf.rs";
+    bouncing_ball: "../integrators/examples/bouncing_ball.rs";
+    own_method: "../integrators/examples/own_method.rs";
     own_hamiltonian: "../integrators/examples/own_hamiltonian.rs";
 }

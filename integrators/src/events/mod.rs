@@ -58,11 +58,11 @@ pub trait EventFunctions<R: Real> {
     /// Whether the field goes by the signs that it is told ([`VectorField::turn`]), so that a sign
     /// that is wrong for a few steps is an error of the state. Then values inside the band at the
     /// start count as positive, until they are negative by more than the error of a step; and an
-    /// event is taken back if its function goes away from zero on the side on which it was. By
-    /// default the field does not: then a false event costs steps only.
+    /// event is taken back if its function goes away from zero on the side on which it was. A field
+    /// that ignores [`VectorField::turn`] may say false: then a false event costs steps only.
     ///
     /// [`VectorField::turn`]: crate::VectorField::turn
     fn told(&self) -> bool {
-        false
+        true
     }
 }
