@@ -14,11 +14,11 @@ const MOST_LISTED: usize = 40;
 #[non_exhaustive]
 pub enum Error {
     /// A parameter outside its range.
-    #[error("{name} = {value} is not valid: {rule}")]
+    #[error("{}: {rule}", refused(name, value))]
     Parameter {
         /// Name of the parameter.
         name: &'static str,
-        /// Its value, as it was given.
+        /// Its value, as it was given; `nothing`, `given` or `beside KEY` if its presence is refused.
         value: String,
         /// The rule it broke.
         rule: &'static str,
@@ -90,7 +90,7 @@ pub enum Error {
         /// The rule that the content broke.
         rule: String,
     },
-    /// Options that a study does not take, in words.
+    /// Options or a chain that a study does not take, in words.
     #[error("{0}")]
     Options(String),
     /// A figure that could not be drawn.
@@ -134,6 +134,16 @@ impl Failed {
         let largest = self.largest.as_ref().map(|largest| format!(" = {:e}", largest.1));
         let si = self.si.then(|| "; in SI units".to_owned());
         [h, place, largest, si].into_iter().flatten().collect()
+    }
+}
+
+/// A parameter and what is wrong with it.
+fn refused(name: &str, value: &str) -> String {
+    match value.split(' ').next() {
+        Some("nothing") => format!("{name} is missing{}", &value["nothing".len()..]),
+        Some("given") => format!("{name} does not belong here"),
+        Some("beside") => format!("{name} {value} is not valid"),
+        _ => format!("{name} = {value} is not valid"),
     }
 }
 

@@ -83,7 +83,7 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: hc.Chain(sites=3, drive=[{"site": 0, "kind": "pushed", "velocity": 1.0}]), "drive.velocity"),
     (lambda: hc.Chain(sites=3, gravity=1.0, tilt=100.0), "tilt = 100"),
     (lambda: hc.Chain(sites=3, units={"system": "SI", "radius": 0.01}), "density|young"),
-    (lambda: hc.Chain(sites=3, units={"radius": 0.01}), "units.system = nothing"),
+    (lambda: hc.Chain(sites=3, units={"radius": 0.01}), "units.system is missing"),
     (lambda: run(y0={"pu": [0.0, 1.0]}), "pu with 2 numbers"),
     (lambda: hc.run(MOVED, y0={"u": np.zeros(3), "pv": [1.0, 0, 0]}, until=1.0), "pv = 1.0 of site 0"),
     (lambda: hc.run(MOVED, y0={"u": np.zeros(3), "v": [0.1, 0, 0]}, until=1.0), "v = 0.1 at site 0"),

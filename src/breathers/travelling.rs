@@ -99,10 +99,10 @@ impl TravellingBreather {
             }
             let found = least_above(low.max(1e-9), |x| x >= theta || at(x).is_ok_and(|(_, excess)| excess <= 0.0));
             let wave = at(found.unwrap_or(theta))?.0;
-            let soliton = wave.soliton(amplitude)?;
             let omega_b = (2.0 * PI * f64::from(turns) + wave.theta) * wave.group_velocity;
             let rule = "contacts stay closed: strains of the soliton, 2 A sin(theta/2), below the precompression";
             require(2.0 * amplitude * (0.5 * wave.theta).sin() < load, "amplitude", amplitude, rule)?;
+            let soliton = wave.soliton(amplitude)?;
             let rule = "a soliton at most a sixth of the ring wide: a larger amplitude, or more sites";
             require(6.0 * soliton.width() <= sites as f64, "amplitude", amplitude, rule)?;
             let about = Some(Center::Bond);

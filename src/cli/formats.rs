@@ -23,6 +23,38 @@ pub(super) struct Formats {
     format: Vec<Format>,
 }
 
+/// The formats of a run.
+#[derive(Args, Clone, Debug)]
+pub(super) struct RunFormats {
+    /// Formats of pictures, separated by commas: png, svg; and mat for arrays
+    ///
+    /// mat writes each NPZ file also as a MAT file of version 5, for MATLAB and Octave.
+    #[arg(
+        long,
+        value_name = "F,..",
+        value_delimiter = ',',
+        value_parser = ["png", "svg", MAT],
+        default_value = "png",
+        hide_short_help = true
+    )]
+    format: Vec<String>,
+}
+
+/// The format of arrays.
+const MAT: &str = "mat";
+
+impl RunFormats {
+    /// Whether MAT files are asked for.
+    pub(super) fn mat(&self) -> bool {
+        self.format.iter().any(|name| name == MAT)
+    }
+
+    /// The formats of pictures that are asked for.
+    pub(super) fn pictures(&self) -> Formats {
+        Formats { format: self.format.iter().filter_map(|name| name.parse().ok()).collect() }
+    }
+}
+
 impl Formats {
     /// The formats that are asked for, each once.
     pub(super) fn chosen(&self) -> impl Iterator<Item = Format> {

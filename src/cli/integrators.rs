@@ -33,13 +33,10 @@ impl Runs for IntegratorsArgs {
         let rows: Vec<_> = all
             .iter()
             .map(|method| {
-                vec![
-                    method.name(),
-                    method.order().to_string(),
-                    method.stages().to_string(),
-                    method.family().to_owned(),
-                    method.source().to_owned(),
-                ]
+                // Collocation has M = 4 to 12 nodes a panel, and order 2M.
+                let nodes = (*method == Method::Collocation).then(|| ["2M", "M"].map(str::to_owned));
+                let [order, stages] = nodes.unwrap_or([method.order().to_string(), method.stages().to_string()]);
+                vec![method.name(), order, stages, method.family().to_owned(), method.source().to_owned()]
             })
             .collect();
         print(&table(&["integrator", "order", "stages", "family", "source"], &rows)).map(|()| DONE)

@@ -184,7 +184,7 @@ fn not_begun(error: &clap::Error, arguments: &[OsString]) -> Exit {
 fn code(error: &Error) -> u8 {
     match error {
         Error::Parameter { .. } | Error::Unknown { .. } | Error::Scene { .. } | Error::Content { .. } => REFUSED,
-        Error::Integration(Failure::Argument { .. }) => REFUSED,
+        Error::Integration(Failure::Argument { .. }) | Error::Options(_) => REFUSED,
         _ => FAILED,
     }
 }

@@ -116,10 +116,15 @@ fn in_python_name(flag: &str) -> String {
 /// ```
 /// let text = "omega-b = 1 is not valid: give --from and --to";
 /// assert_eq!(hertzchain::cli::in_python(text), "omega_b = 1 is not valid: give `from_` and `to`");
+/// assert_eq!(hertzchain::cli::in_python("from is missing: give it"), "from_ is missing: give it");
 /// ```
 pub fn in_python(text: &str) -> String {
-    let named = text.split_once(" = ").filter(|(name, rest)| rest.contains(" is not valid: ") && !name.contains(' '));
-    let text = named.map_or(text.to_owned(), |(name, rest)| format!("{} = {rest}", in_python_name(name)));
+    let named = [" = ", " is missing: "].into_iter().find_map(|sign| {
+        let (name, rest) = text.split_once(sign)?;
+        let refused = !name.contains(' ') && (sign != " = " || rest.contains(" is not valid: "));
+        refused.then(|| format!("{}{sign}{rest}", in_python_name(name)))
+    });
+    let text = named.unwrap_or_else(|| text.to_owned());
     let mut parts = text.split("--");
     let mut told = parts.next().unwrap_or_default().to_owned();
     for part in parts {

@@ -160,10 +160,11 @@ fn report(
     if let Some(folder) = folder {
         let in_legs = args.checkpoint.is_some() || args.resume.is_some();
         #[cfg(feature = "plot")]
-        let pictures = study::run_pictures(&ran).and_then(|all| args.formats.files(&all));
+        let (pictures, in_mat) =
+            (study::run_pictures(&ran).and_then(|all| args.formats.pictures().files(&all)), args.formats.mat());
         #[cfg(not(feature = "plot"))]
-        let pictures: Result<Vec<_>> = Ok(Vec::new());
-        study::run_files(folder, &ran, pictures.as_deref().unwrap_or_default(), in_legs)?;
+        let (pictures, in_mat): (Result<Vec<_>>, bool) = (Ok(Vec::new()), false);
+        study::run_files(folder, &ran, pictures.as_deref().unwrap_or_default(), [in_legs, in_mat])?;
         match pictures {
             // The error of the command is the failure of the run, not that there is too little to
             // draw.

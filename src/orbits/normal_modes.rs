@@ -350,8 +350,8 @@ pub(super) fn linearised(
 }
 
 fn not_held() -> Error {
-    let rule = "closed contacts hold every bead, as those with a static overlap between walls do";
-    Error::parameter("chain", "a bead is not held", rule)
+    let why = "a bead is not held: closed contacts hold every bead, as those with a static overlap between walls do";
+    Error::Options(why.to_owned())
 }
 
 fn participation(shape: &[f64], masses: &[f64]) -> f64 {

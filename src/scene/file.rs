@@ -389,7 +389,10 @@ impl SceneFile {
             merge(table.get_mut(), DeTable::parse(line).ok()?.into_inner()).ok()?;
         }
         let leaves = leaves(table.get_ref(), "");
-        let leaf = leaves.iter().find(|leaf| leaf.is(name))?;
+        let found: Vec<_> = leaves.iter().filter(|leaf| leaf.is(name)).collect();
+        // Of several drives only a changed one is known.
+        let unknown = found.len() > 1 && name.starts_with("drive.");
+        let leaf = if unknown { found.iter().rfind(|leaf| leaf.span.start >= text.len()) } else { found.first() }?;
         Some(format!("{}: `{}`", source.place(leaf.span.start), leaf.key))
     }
 
@@ -529,6 +532,12 @@ fn leaves<'a>(table: &'a DeTable<'a>, above: &str) -> Vec<Leaf<'a>> {
         let key = format!("{above}{}", name.get_ref());
         match value.get_ref() {
             DeValue::Table(table) => leaves(table, &(key + ".")),
+            DeValue::Array(tables) if !tables.is_empty() && tables.iter().all(|one| one.get_ref().is_table()) => {
+                let at = |(k, one): (usize, &'a toml::Spanned<DeValue<'a>>)| {
+                    one.get_ref().as_table().map_or(Vec::new(), |table| leaves(table, &format!("{key}.{k}.")))
+                };
+                tables.iter().enumerate().flat_map(at).collect()
+            }
             leaf => vec![Leaf { key, value: leaf, span: value.span() }],
         }
     };
@@ -537,11 +546,12 @@ fn leaves<'a>(table: &'a DeTable<'a>, above: &str) -> Vec<Leaf<'a>> {
 
 impl Leaf<'_> {
     /// Whether `name` means this key. A name without a dot is the last part of the key. A dotted
-    /// name is the whole key, or a table that holds it.
+    /// name is the whole key without places in lists, or a table that holds it.
     fn is(&self, name: &str) -> bool {
+        let mut parts = self.key.split('.').filter(|part| place_in_list(part).is_none());
         match name.contains('.') {
-            true => self.key == name || self.key.strip_prefix(name).is_some_and(|rest| rest.starts_with('.')),
-            false => self.key.rsplit('.').next() == Some(name),
+            true => name.split('.').all(|part| parts.next() == Some(part)),
+            false => parts.last() == Some(name),
         }
     }
 

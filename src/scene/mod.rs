@@ -684,25 +684,25 @@ impl Scene {
         let record = self.plan_of_records();
         let theory = match &self.theory {
             Some(Theory::Wave(wave)) => {
-                format!("theory: travelling wave, epsilon = {}, omega_tw = {}", wave.epsilon(), wave.omega_tw())
+                Some(format!("ansatz: travelling wave, epsilon = {}, omega_tw = {}", wave.epsilon(), wave.omega_tw()))
             }
-            Some(Theory::PerturbedWave(perturbed)) => format!(
-                "theory: travelling wave, epsilon = {}, omega_tw = {}, perturbed by zeta = {}, seed {}; `wave` holds it against its ansatz",
+            Some(Theory::PerturbedWave(perturbed)) => Some(format!(
+                "ansatz: travelling wave, epsilon = {}, omega_tw = {}, perturbed by zeta = {}, seed {}; the command `wave` compares them",
                 perturbed.wave().epsilon(),
                 perturbed.wave().omega_tw(),
                 perturbed.zeta(),
                 perturbed.seed()
+            )),
+            Some(Theory::Breather(_)) => Some(
+                "exact solution (uncpl): the reference of `compare`; `run` without an integrator evaluates it"
+                    .to_owned(),
             ),
-            Some(Theory::Breather(_)) => {
-                "theory: exact solution (uncpl), the reference of `compare`; `run` without an integrator evaluates it"
-                    .to_owned()
-            }
-            Some(Theory::Bright(breather)) => format!(
-                "theory: bright breather, Omega_b = {}, horizon {}; `breather bright` holds it against its ansatz",
+            Some(Theory::Bright(breather)) => Some(format!(
+                "ansatz: bright breather, Omega_b = {}, horizon {}; the command `breather bright` compares them",
                 breather.omega_b(),
                 breather.horizon()
-            ),
-            None => "theory: none".to_owned(),
+            )),
+            None => None,
         };
         let span = self.plan_of_span();
         let (contacts, left_out) = if events {
@@ -714,6 +714,7 @@ impl Scene {
             let left_out = "left out: contact log, tangent map, dense output (made only where a sample asks for it)";
             ("contacts: not logged; --events does", left_out)
         };
-        vec![resonators, law, energy.to_owned(), theory, span, record, contacts.to_owned(), left_out.to_owned()]
+        let first = [resonators, law, energy.to_owned()].into_iter().chain(theory);
+        first.chain([span, record, contacts.to_owned(), left_out.to_owned()]).collect()
     }
 }

@@ -181,8 +181,8 @@ impl SceneFile {
         };
         let given = |of: &str, number: f64| {
             let (mut own, mut kind) = match of {
-                "u" | "v" | "x" => (None, Some(Quantity::Length)),
-                "u_dot" | "v_dot" => (None, Some(Quantity::Velocity)),
+                "position" | "u" | "v" | "x" => (None, Some(Quantity::Length)),
+                "velocity" | "u_dot" | "v_dot" => (None, Some(Quantity::Velocity)),
                 "t" => (None, Some(Quantity::Time)),
                 "load" => (None, Some(Quantity::Force)),
                 _ => (None, None),

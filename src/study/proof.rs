@@ -55,7 +55,7 @@ options! {
         /// frequencies at which the period doubles. Exit code 1 if existence is not proved, or not
         /// of the whole branch.
         prove: bool = false, [arg(long)];
-        /// Write the certificate of the proof to this file.
+        /// Write the certificate of the proof to this file, and make its folder.
         ///
         /// `hertzchain prove` checks it again.
         certificate: Option<PathBuf> = None, "FILE", [arg(requires = "prove")];
@@ -118,7 +118,7 @@ impl Proving {
     /// # Errors
     /// [`Error::Parameter`].
     pub(super) fn of_branch(&self, parameter: &str, frequency: &str) -> Result<()> {
-        let rule = "a branch is proved in its frequency: without --vary";
+        let rule = "a branch is proved in its frequency only: without --prove";
         if self.prove && parameter != frequency { Err(Error::parameter("vary", parameter, rule)) } else { Ok(()) }
     }
 

@@ -126,8 +126,7 @@ impl Study for Responses {
         }
         let of = if kind == DriveKind::Force { Quantity::Force } else { Quantity::Length };
         let amplitude = self.by_runs.map(|amplitude| given.read(of, amplitude));
-        let settles = amplitude.map_or(Ok(()), |amplitude| response.settles(amplitude));
-        settles.map_err(|error| error_in_file(error, &scene))?;
+        self.by_runs.map_or(Ok(()), |given| response.settles(given)).map_err(|error| error.named("by_runs"))?;
         let omega = move |k: usize| from + (to - from) * k as f64 / (self.points - 1) as f64;
         Ok(Box::new(move |engine, progress| {
             let omegas: Vec<f64> = (0..self.points).map(omega).collect();

@@ -168,6 +168,11 @@ fn pictures_are_written_in_the_formats_that_are_asked_for_and_in_no_other() {
     both.sort_unstable();
     assert_eq!(run("svg,png"), both);
     assert_eq!(run("svg"), named("svg"));
+    // Arrays go into MAT files beside the archives.
+    assert!(run("mat").is_empty() && folder.path().join("profiles.mat").exists());
+    assert!(!folder.path().join("contacts.mat").exists() && !folder.path().join("signals.mat").exists());
+    assert_eq!(run("png"), named("png"));
+    assert!(!folder.path().join("profiles.mat").exists());
     let why = refused(&format!("dps dark --out {out} --format jpg"), 2);
     assert!(why.contains("jpg") && why.contains("svg"), "{why}");
 }

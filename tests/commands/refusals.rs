@@ -167,7 +167,7 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             ("breather continue --from 2.05 --to 2.05", "to = 2.05"),
             ("breather continue --to 1.9", "to = 1.9"),
             ("breather continue --multipliers=false --bifurcations", "they need --multipliers"),
-            ("wave continue", "to = nothing is not valid: a branch needs a value at which it ends"),
+            ("wave continue", "to is missing: a branch needs a value at which it ends"),
             ("dps integrals --b 0 --r -1", "r = -1 is not valid: finite and at least 0"),
             ("dps integrals --b 0 --r inf", "r = inf"),
             (
@@ -206,6 +206,18 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             "omega = -1 is not valid: finite and positive\n",
         ),
         ("breather barrier --precompression 1", "under a precompression a range needs --from and --to\n"),
+        ("breather barrier --precompression 1", "from is missing: "),
+        ("breather travelling --precompression 1e-300", "the soliton, 2 A sin(theta/2), below the precompression\n"),
+        (
+            "breather continue --vary c_x --precompression 0.1 --from -0.1 --to -0.2",
+            "precompression = 0.1 is not valid: it is the parameter that varies: give --from and --to\n",
+        ),
+        ("breather continue --vary rho --from 1 --to 2 --prove", "in its frequency only: without --prove\n"),
+        (
+            "run chong-2014 --set drive.1.omega=-1",
+            "chong-2014: --set drive.1.omega=-1: `drive.1.omega`: drive.omega = -1 ",
+        ),
+        ("study response boechler-2010 --by-runs 1e-3", "--by-runs = 0.001 is not valid: runs settle in a chain"),
         ("run end-driven --integrator corrected", "take dop853-regularised, or strang-linear for equal steps\n"),
         (
             "wave tw-q15 --zeta=-1",

@@ -603,7 +603,7 @@ fn what_has_no_periodic_drive_is_refused() {
     };
     let refused = |drives: Vec<Drive>| DrivenSetting::new(&chain(drives), 1).unwrap_err().to_string();
     let said = refused(Vec::new());
-    assert!(said.contains("drive = none") && said.contains("periodic drive"), "{said}");
+    assert!(said.contains("drive is missing") && said.contains("periodic drive"), "{said}");
     let burst = Envelope::Burst { start: 0.0, length: 3.0 };
     let harmonics = vec![Harmonic { amplitude: 0.1, omega: 1.0, phase: 0.0 }];
     let said = refused(vec![Drive { site: 1, kind: DriveKind::Force, signal: Signal::new(harmonics, burst) }]);

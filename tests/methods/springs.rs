@@ -300,10 +300,10 @@ fn scenes_have_springs_and_their_equilibrium() {
         ("spring = 2.0", "beta = 0.5", "bonds.beta = 0.5"),
         ("spring = 2.0", "pull = true", "bonds.pull = true"),
         ("contact = 0.0", "dashpot = 0.1\nbeta = 0.75", "bonds.beta = 0.75"),
-        ("spring = 2.0", "magnet = 0.1", "bonds.distance = nothing"),
+        ("spring = 2.0", "magnet = 0.1", "bonds.distance is missing"),
         ("spring = 2.0", "magnet = 0.1\ndistance = 2.0", "bonds.decay = 0"),
         ("spring = 2.0", "magnet = -0.1\ndistance = 2.0\ndecay = 3.0", "bonds.magnet = -0.1"),
-        ("spring = 2.0", "distance = 2.0", "bonds.magnet = nothing"),
+        ("spring = 2.0", "distance = 2.0", "bonds.magnet is missing"),
     ] {
         let message = Scene::parse(&text.replace(from, to), "bar").unwrap_err().to_string();
         assert!(message.contains(said), "{message}");

@@ -101,6 +101,8 @@ pub fn contact_frequency(alpha: f64, overlap: f64) -> f64 {
     (2.0 * alpha * overlap.powf(alpha - 1.0)).sqrt()
 }
 
+const COLLOCATION: &str = "the errors of its windows add up to less than this tolerance";
+
 /// Chooses method and setting from the stability charts.
 ///
 /// | regime | method | setting | energy error measured there |
@@ -123,7 +125,11 @@ pub fn regime(run: &Run) -> Result<Regime> {
     let (chain, length, overlap) = (run.chain(), run.length()?, overlap_of(run.chain(), &run.initial));
     let (params, omega) = (chain.params(), chain.params().omega());
     let contact = contact_frequency(params.alpha, overlap + chain.precompression());
-    let known = format!("omega = {omega:.3e}, Omega_c = {contact:.3e} of contacts that overlap by {overlap:.1e}");
+    let known = |relation: &str| {
+        format!(
+            "omega = {omega:.3e} is {relation} 10^4 times the frequency {contact:.3e} of contacts that overlap by {overlap:.1e}"
+        )
+    };
     if omega > LIGHT * contact {
         let h_omega = (GOAL * omega / (ERROR * contact)).sqrt().min(LONGEST);
         let steps = (length * omega / h_omega).ceil().max(1.0);
@@ -133,7 +139,8 @@ pub fn regime(run: &Run) -> Result<Regime> {
             setting: Setting::Steps(steps as u64),
             wording: format!("{steps} steps of {step:e} (h omega = {:.3})", step * omega),
             reason: format!(
-                "{known}: above 10^4 Omega_c this errs by 1e-6 at a tenth of the cost of collocation (--tol chooses that), below the first resonance"
+                "{}: an energy error below 1e-6 at a tenth of the cost of collocation, which --tol chooses",
+                known("above")
             ),
         });
     }
@@ -141,7 +148,10 @@ pub fn regime(run: &Run) -> Result<Regime> {
         method: Method::Collocation,
         setting: Setting::Tolerance(TOLERANCE),
         wording: format!("tol {TOLERANCE:e}"),
-        reason: format!("{known}: up to 10^4 Omega_c the errors of its windows add up to less than this tolerance"),
+        reason: match omega {
+            0.0 => COLLOCATION.to_owned(),
+            _ => format!("{COLLOCATION}; {}", known("at most")),
+        },
     })
 }
 

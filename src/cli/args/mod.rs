@@ -130,6 +130,8 @@ commands! {
         "scenes show tw-q15",
         "scenes template > my-scene.toml";
     /// List the integrators with order, stages and source.
+    ///
+    /// Collocation has M = 4, 6, 8, 10 or 12 nodes a panel, M stages, and order 2M.
     Integrators(IntegratorsArgs) => "integrators --json";
     /// Studies of integrators and of theory, over grids of parameters.
     #[command(subcommand)]

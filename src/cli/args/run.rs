@@ -95,7 +95,7 @@ pub(crate) struct RunArgs {
     pub(crate) resume: Option<PathBuf>,
     #[cfg(feature = "plot")]
     #[command(flatten)]
-    pub(crate) formats: super::super::formats::Formats,
+    pub(crate) formats: super::super::formats::RunFormats,
     /// Print JSON instead of text.
     #[arg(long)]
     pub(crate) json: bool,

@@ -248,7 +248,7 @@ impl<'a> Refinement<'a> {
         let best =
             others.flat_map(|other| &other.rows).filter(better).min_by(|a, b| a.wall.partial_cmp(&b.wall).unwrap())?;
         Some(format!(
-            "the next level, {expected:.1e} at best, is dominated by {} at {}",
+            "{} at {} takes less time than the next setting, whose error would be {expected:.1e} at best, and has no larger error",
             best.candidate.name(),
             best.setting
         ))
@@ -365,7 +365,7 @@ mod tests {
         };
         // The next level promises 1.6e-2 after at least 3 s.
         assert!(reason(10.0, &[0.1, 0.02]).is_none());
-        assert!(reason(10.0, &[0.1, 0.01]).unwrap().contains("dominated by corrected"));
+        assert!(reason(10.0, &[0.1, 0.01]).unwrap().starts_with("corrected at "));
         assert!(reason(10.0, &[0.1, 0.1, 0.1, 0.01]).is_none(), "a slower one");
         // A level that costs next to nothing is never left out.
         assert!(reason(1e4, &[0.1, 0.01]).is_none());

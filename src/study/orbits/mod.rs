@@ -229,9 +229,17 @@ impl Continue {
         };
         let mut breather = self.ring.breather(self.center, self.omega_b, ONE)?;
         let varies = parameter == Parameter::OmegaB;
-        if let (true, Some(omega_b)) = (varies, self.omega_b) {
-            let rule = "it is the parameter that varies: give --from and --to";
-            return Err(Error::parameter("omega-b", omega_b, rule));
+        let (own, usual) = (self.ring.params, ChainParams::default());
+        let beside = |value: f64, usual: f64| Some(value).filter(|value| *value != usual);
+        let (name, given) = match parameter {
+            Parameter::OmegaB => ("omega-b", self.omega_b),
+            Parameter::Rho => ("rho", beside(own.rho, usual.rho)),
+            Parameter::Kappa => ("kappa", beside(own.kappa, usual.kappa)),
+            Parameter::Alpha => ("alpha", beside(own.alpha, usual.alpha)),
+            Parameter::Cx => ("precompression", beside(self.ring.precompression, 0.0)),
+        };
+        if let Some(given) = given {
+            return Err(Error::parameter(name, given, "it is the parameter that varies: give --from and --to"));
         }
         let end = |given: Option<f64>, usual: [f64; 2], name: &'static str| match given {
             Some(value) => Ok(value),
