@@ -26,7 +26,7 @@ pub(super) struct Formats {
 /// The formats of a run.
 #[derive(Args, Clone, Debug)]
 pub(super) struct RunFormats {
-    /// Formats of pictures, separated by commas: png, svg; and mat for arrays
+    /// Formats of pictures, separated by commas: png, svg; and mat for arrays.
     ///
     /// mat writes each NPZ file also as a MAT file of version 5, for MATLAB and Octave.
     #[arg(

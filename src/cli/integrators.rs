@@ -33,8 +33,8 @@ impl Runs for IntegratorsArgs {
         let rows: Vec<_> = all
             .iter()
             .map(|method| {
-                // Collocation has M = 4 to 12 nodes a panel, and order 2M.
-                let nodes = (*method == Method::Collocation).then(|| ["2M", "M"].map(str::to_owned));
+                // As the number of nodes a panel is.
+                let nodes = (*method == Method::Collocation).then(|| ["8 to 24", "4 to 12"].map(str::to_owned));
                 let [order, stages] = nodes.unwrap_or([method.order().to_string(), method.stages().to_string()]);
                 vec![method.name(), order, stages, method.family().to_owned(), method.source().to_owned()]
             })

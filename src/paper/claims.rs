@@ -151,7 +151,7 @@ mod tests {
         for row in [
             "id = \"x\"\nnumber = \"2\"",
             "id = \"s3-x\"",
-            "id = \"s3-x\"\nnumber = \"2\"\nformula = \"1 + 1\"\nrule = \"2, relative error <= 1e-9\"",
+            "id = \"s3-x\"\nnumber = \"2\"\nformula = \"1 + 1\"\nrule = \"= 2 to 1e-9\"",
             "id = \"s3-x\"\nnumber = \"2\"\nrule = \"rounds to 2\"",
             "id = \"s3-x\"\nnumber = \"about 2\"",
             "id = \"s3-x\"\nstatement = \"small\"",

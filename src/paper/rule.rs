@@ -11,7 +11,7 @@ use std::str::FromStr;
 pub enum Rule {
     /// `rounds to 0.057`: the value rounds to these printed digits, here from 0.0565 to 0.0575.
     Digits(String),
-    /// `2.5, relative error <= 1e-2`: the value is this number up to a relative error.
+    /// `= 2.5 to 1e-2`: the value is this number up to a relative error.
     Equal {
         /// The number, not zero.
         to: f64,
@@ -36,14 +36,14 @@ impl FromStr for Rule {
             if let Some(digits) = text.strip_prefix("rounds to ") {
                 return double(digits).map(|_| Self::Digits(digits.to_owned()));
             }
-            if let Some((to, within)) = text.split_once(", relative error <= ") {
+            if let Some((to, within)) = text.strip_prefix("= ").and_then(|equal| equal.split_once(" to ")) {
                 return Ok(Self::Equal { to: double(to)?, within: double(within)? });
             }
             match text.split_once(' ') {
                 Some(("<=", bound)) => double(bound).map(Self::AtMost),
                 Some((">=", bound)) => double(bound).map(Self::AtLeast),
                 None if text == "undefined" => Ok(Self::Undefined),
-                _ => Err("none of `rounds to`, `.., relative error <= ..`, `<=`, `>=` and `undefined`".to_owned()),
+                _ => Err("none of `rounds to`, `= .. to ..`, `<=`, `>=` and `undefined`".to_owned()),
             }
         };
         rule().map_err(|why| format!("the rule {text:?}: {why}"))
@@ -85,7 +85,7 @@ impl Rule {
     pub fn words(&self) -> String {
         match self {
             Self::Digits(printed) => format!("rounds to {printed}"),
-            Self::Equal { to, within } => format!("{to}, relative error <= {within:e}"),
+            Self::Equal { to, within } => format!("= {to} to {within:e}"),
             Self::AtMost(bound) => format!("<= {}", short(*bound)),
             Self::AtLeast(bound) => format!(">= {}", short(*bound)),
             Self::Undefined => "undefined".to_owned(),
@@ -187,25 +187,16 @@ mod tests {
     fn what_is_no_rule_is_refused() {
         for (text, rule) in [
             ("rounds to 0.057", digits("0.057")),
-            ("2.5, relative error <= 1e-2", Rule::Equal { to: 2.5, within: 0.01 }),
+            ("= 2.5 to 1e-2", Rule::Equal { to: 2.5, within: 0.01 }),
             ("<= -1e-6", Rule::AtMost(-1e-6)),
             (">= 1.3", Rule::AtLeast(1.3)),
             ("undefined", Rule::Undefined),
         ] {
             assert_eq!(text.parse(), Ok(rule));
         }
-        for text in [
-            "",
-            "rounds to",
-            "rounds to x",
-            "2.5",
-            "x, relative error <= 1e-2",
-            "1, relative error <= y",
-            "<= ",
-            "< 3",
-            ">=3",
-            "undefined 3",
-        ] {
+        for text in
+            ["", "rounds to", "rounds to x", "= 2.5", "= x to 1e-2", "= 1 to y", "<= ", "< 3", ">=3", "undefined 3"]
+        {
             assert!(text.parse::<Rule>().is_err(), "{text}");
         }
     }

@@ -55,9 +55,9 @@ options! {
         /// frequencies at which the period doubles. Exit code 1 if existence is not proved, or not
         /// of the whole branch.
         prove: bool = false, [arg(long)];
-        /// Write the certificate of the proof to this file, and make its folder.
+        /// Write the certificate of the proof to this file.
         ///
-        /// `hertzchain prove` checks it again.
+        /// `hertzchain prove` checks it again. Folders that are missing are made.
         certificate: Option<PathBuf> = None, "FILE", [arg(requires = "prove")];
     }
 }

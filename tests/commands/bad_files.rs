@@ -152,7 +152,7 @@ fn what_no_scene_can_say_is_refused_with_file_key_and_rule() {
         ("tw-q15", "\"tw-q15\"", "\"\\u001b[31m\\u0007\"", "line 1: `name`: \"\\u{1b}[31m\\u{7}\"", "no control"),
         ("tw-q15", "name = \"tw-q15\"", "name = \"a\\tb\"", "line 1: `name`: \"a\\tb\"", "no control"),
         ("tw-q15", "name = \"tw-q15\"", "\"\\u009b\" = 1", "`\u{fffd}`: \"\\u{9b}\"", "no control"),
-        ("end-driven", "amplitude = 0.2", "amplitude = 1e400", "`drive`: 1e400", "larger than any double"),
+        ("end-driven", "amplitude = 0.2", "amplitude = 1e400", "`drive.0.amplitude`: 1e400", "larger than any double"),
         ("tw-q15", "name = \"tw-q15\"", "name = 7", "line 1: `name`", "number `7`, expected a string"),
         ("precompressed", "precompression = ", "precompression = -", "precompression = -", "at least zero"),
         ("precompressed", "precompression = ", "precompression = nan #", "precompression = NaN", "at least zero"),
