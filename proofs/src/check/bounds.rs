@@ -532,7 +532,9 @@ mod tests {
     // with four times as many rows and columns as are enclosed.
     #[test]
     fn columns_are_below_z1() {
-        for (center, block, enclosed) in [(None, 6, 64), (Some(Center::Site), 3, 16), (Some(Center::Bond), 3, 16)] {
+        for (center, block, enclosed) in
+            [(None, 6, 64), (Some(Center::Site), 3, 16), (Some(Center::Bond), 3, 16), (Some(Center::Doubled), 8, 32)]
+        {
             let sizes = Sizes { block, harmonics: enclosed, enclosed };
             let certificate = solve::near(&guess(center), sizes).unwrap();
             let proof = check(&certificate, &|| false).unwrap();
@@ -592,11 +594,17 @@ mod tests {
             None => ("2.001", Orbit::Wave(Wave { q_over_pi: exact("1/5"), a: vec![0.0083] })),
             Some(center) => {
                 let first = if center == Center::Site { 0.0 } else { 0.5 };
+                let (omega, size) = if center == Center::Doubled { ("1.033", -0.26) } else { ("2.05", 0.15) };
                 let row = |i: i32| {
                     let mean = if center == Center::Site && i == 0 { -0.03 } else { 0.0 };
-                    vec![mean, 0.15 * (f64::from(i) + first).tanh() * f64::from(1 - 2 * (i % 2))]
+                    let kink = size * (f64::from(i) + first).tanh() * f64::from(1 - 2 * (i % 2));
+                    if center == Center::Doubled {
+                        vec![mean, 0.1 * f64::from(-2 * i).exp(), kink]
+                    } else {
+                        vec![mean, kink]
+                    }
                 };
-                ("2.05", Orbit::Breather(Breather { sites: 15, center, a: (0..8).map(row).collect() }))
+                (omega, Orbit::Breather(Breather { sites: 15, center, a: (0..8).map(row).collect() }))
             }
         };
         let model = Model { alpha: exact("3/2"), kappa: Exact::ONE, rho: Some(exact("1/3")), omega: exact(omega) };

@@ -18,12 +18,12 @@ use super::{
     of,
 };
 use crate::{
-    certificate::{Certificate, Model, Multiplier},
+    certificate::{Center, Certificate, Model, Multiplier},
     exact::Exact,
     interval::{Complex, Interval, norm},
 };
 
-/// `K` of this proof, at most that of the certificate.
+/// `K` of this proof for each period of the background, at most that of the certificate.
 const BLOCK: usize = 8;
 /// `K'` over the number of columns of `1 - A M` that are computed beyond `K`, and over that of the
 /// harmonics of the approximate solution.
@@ -66,7 +66,8 @@ impl<'a> Equations<'a> {
         };
         let mut it = Self { system, known, block, enclosed, odd, parts, all: Vec::new(), pinned: 0 };
         it.all = (0..known.len()).flat_map(|n| it.places(n, block)).collect();
-        it.pinned = it.index((usize::from(system.centred), 1 - odd, parts[0])).unwrap_or(0);
+        let first = (1 - odd) * system.center.periods();
+        it.pinned = it.index((usize::from(system.center == Center::Site), first, parts[0])).unwrap_or(0);
         it
     }
 
@@ -335,7 +336,8 @@ pub(super) fn check(
         Multiplier::Growing(rates) => rates.map(Exact::enclosed),
         Multiplier::Doubling { .. } => [Interval::ZERO; 2],
     };
-    let equations = Equations::new((system, known), [(*block).min(BLOCK), *enclosed], multiplier);
+    let block = (*block).min(BLOCK * system.center.periods());
+    let equations = Equations::new((system, known), [block, *enclosed], multiplier);
     let terms = Terms::new(equations, model, Interval::new(rates[0].lo(), rates[1].hi()), changes);
     let constants = terms.z1(model.alpha, go_on)?;
     let refused = |g| Err(Refused::Multiplier { z1: (Interval::ONE - constants[2]).hi(), g });
