@@ -59,7 +59,7 @@ impl Center {
     }
 
     /// Periods of the background in one of the orbit.
-    pub fn periods(self) -> usize {
+    pub(crate) fn periods(self) -> usize {
         if self == Self::Doubled { 2 } else { 1 }
     }
 

@@ -37,12 +37,6 @@ impl Sizes {
     /// Those of pieces of branches of breathers.
     pub const BREATHER_PIECE: Self = Self { block: 8, harmonics: 12, enclosed: 32 };
 
-    /// Those of an orbit with as many periods of its background.
-    #[must_use]
-    pub fn over(self, periods: usize) -> Self {
-        Self { block: periods * self.block, ..self.times(periods) }
-    }
-
     /// As many times the harmonics, with the same block.
     #[must_use]
     pub fn times(self, times: usize) -> Self {

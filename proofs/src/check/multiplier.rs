@@ -14,7 +14,7 @@
 
 use super::{
     Moments, Refused, System,
-    bounds::{approximate_inverse, by_site, dot, kronecker, perron, split},
+    bounds::{approximate_inverse, by_site, dot, kronecker, perron, product, split, weight},
     of,
 };
 use crate::{
@@ -90,9 +90,9 @@ impl<'a> Equations<'a> {
         self.all.iter().enumerate().filter(move |(_, place)| place.0 == n)
     }
 
-    /// The weight of a harmonic in the norm: `sqrt 2` for a mean.
+    /// The weight of a harmonic in the norm.
     fn weight(&self, k: usize) -> Interval {
-        of(if k + self.odd == 0 { 2 } else { 1 }).sqrt()
+        weight(k + self.odd)
     }
 
     /// `l_k = (1/s^2 + rho^2/(kappa (1 + rho) + rho s^2))/(1 + rho)` up to `K'`.
@@ -114,10 +114,7 @@ impl<'a> Equations<'a> {
 
     /// The coefficient of harmonic `k` in `D_m` times harmonic `j`, of one part.
     fn stiffness(&self, m: usize, k: usize, (j, sine): (usize, bool)) -> Interval {
-        let h = |l: usize| self.known[m].stiffness[l] / of(if l == 0 { 1 } else { 2 });
-        let (near, far) = (h(k.abs_diff(j)), h(k + j + self.odd));
-        let both = if sine { near - far } else { near + far };
-        if k + self.odd == 0 { both / of(2) } else { both }
+        product(&self.known[m].stiffness, k, j, (self.odd, sine))
     }
 
     /// The places of `D p` in the equation of a place, and their factors: the parts of `l_k z` are
@@ -160,15 +157,6 @@ impl<'a> Equations<'a> {
     /// `v` times the root of the sum of `|l_k|^2` beyond a harmonic.
     fn beyond(&self, l: &[Complex], last: usize) -> Interval {
         of(self.parts.len()).sqrt() * norm(l[last + 1..].iter().map(|l| l.abs()).chain([self.system.beyond()]))
-    }
-
-    /// `|e_nm|` by `m`, of rows beyond the block; 0 for `g`, which has none.
-    fn moduli(&self, n: usize) -> Vec<Interval> {
-        let mut moduli = vec![Interval::ZERO; self.known.len()];
-        if !self.places(n, 1).is_empty() {
-            self.system.coupled(n, 0).into_iter().for_each(|(m, e)| moduli[m] = moduli[m] + e.abs().into());
-        }
-        moduli
     }
 
     /// Left-hand sides less right-hand sides of the equations up to harmonic `last`.
@@ -228,7 +216,7 @@ impl<'a> Terms<'a> {
         let product: Vec<Vec<Interval>> = inverse.iter().map(times_b).collect();
         let reach = |m: usize| it.by_site(&|i| norm(it.at(m).map(|(j, place)| product[i][j] / it.weight(place.1))));
         let reach: Vec<Vec<Interval>> = (0..sites).map(reach).collect();
-        let moduli: Vec<Vec<Interval>> = (0..=sites).map(|n| it.moduli(n)).collect();
+        let moduli: Vec<Vec<Interval>> = (0..=sites).map(|n| it.system.moduli(n)).collect();
         let t = it.beyond(&l, it.block);
         let contact = |n: usize| reach.iter().zip(&moduli[n]).map(|(reach, e)| reach[n] + t * *e).collect();
         let contacts: Vec<Vec<Interval>> = (0..=sites).map(contact).collect();

@@ -140,7 +140,16 @@ impl System {
         vec![(n, 2.0), (left.0, -left.1), (right.0, -right.1)]
     }
 
-    /// The same for the defect of the cosine sum. At a site of the background the forces of its own
+    /// `sum |e_nm|` by `m`, of all harmonics that a site has; 0 for the row after all sites.
+    pub(super) fn moduli(&self, n: usize) -> Vec<Interval> {
+        let mut moduli = vec![Interval::ZERO; self.a.len()];
+        if n < self.a.len() && (0..2).any(|k| self.has(n, k)) {
+            self.coupled(n, 0).into_iter().for_each(|(m, e)| moduli[m] = moduli[m] + e.abs().into());
+        }
+        moduli
+    }
+
+    /// The same as `coupled` for the defect of the cosine sum. At a site of the background the forces of its own
     /// are taken away: its equation holds with them.
     pub(super) fn defects(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
         let all = self.coupled(n, k);
