@@ -256,7 +256,7 @@ fn half(
     held: bool,
 ) -> Option<Vec<Vec<f64>>> {
     let Sizes { block, harmonics, .. } = sizes;
-    let (half, width, site) = (guess.len(), block + 1, center == Center::Site);
+    let (half, width, site, turns) = (guess.len(), block + 1, center == Center::Site, center.turns());
     let free = half - usize::from(held);
     let inverses: Vec<f64> = (0..=harmonics).map(|k| inverse(&model, k)).collect();
     // Row of a site of the ring, and whether its strain is that of half a period later.
@@ -268,7 +268,7 @@ fn half(
         } else if site {
             (sites - n, true)
         } else {
-            ((sites + 1 - n) % sites - 1, false)
+            ((sites + 1 - n) % sites - 1, turns)
         }
     };
     let ring = |i: usize| i + usize::from(!site) + sites;
@@ -330,8 +330,8 @@ fn half(
         let size = steps.iter().chain(beyond.iter().flatten()).fold(0.0, |most: f64, step| most.max(step.abs()));
         let first = a.iter().fold(0.0, |most: f64, a| most.max(a[1].abs()));
         if size >= 0.5 * smallest && size < 1e-10 * first || size == 0.0 {
-            if site {
-                a[0].iter_mut().skip(1).step_by(2).for_each(|a| *a = 0.0);
+            if turns {
+                a[if site { 0 } else { half - 1 }].iter_mut().skip(1).step_by(2).for_each(|a| *a = 0.0);
             }
             return Some(a);
         }

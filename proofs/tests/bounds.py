@@ -87,7 +87,7 @@ def breather(alpha, kappa, rho, omega, center, sites, mean, a, K, last):
         n = n % sites
         if n in numbers:
             return numbers.index(n), False
-        return (numbers.index(-n % sites), True) if site else (numbers.index((1 - n) % sites), False)
+        return (numbers.index(-n % sites), True) if site else (numbers.index((1 - n) % sites), center == "doubled")
 
     def second(i, k):
         row = np.zeros(half)
@@ -101,7 +101,8 @@ def breather(alpha, kappa, rho, omega, center, sites, mean, a, K, last):
         for step, factor in ((0, 2), (1, 1), (-1, 1)):
             moduli[i][fold(numbers[i] + step)[0]] += factor
     share = np.array([sum(fold(n)[0] == i for n in range(sites)) for i in range(half)]) / sites
-    has = lambda i, k: not (site and i == 0 and k % 2)
+    alone = {"site": 0, "bond": None, "doubled": half - 1}[center]
+    has = lambda i, k: not (i == alone and k % 2)
     unknowns = [(i, k) for i in range(half) for k in range(K + 1) if has(i, k)]
     size = len(unknowns) + 1
     l = [0] + [inverse_l(k, kappa, rho, omega) for k in range(1, last + 1)]
@@ -173,6 +174,7 @@ WAVE = [0.0083, -1.7e-5, 3e-6, 1e-6]
 ROWS = {
     "site": [[-0.04, 0, 0.006, 0], [0.002, -0.15, 0.001, 0.002], [-0.003, 0.16, -0.002, 0.001]],
     "bond": [[-0.03, 0.08, 0.003, 0.001], [0.01, -0.15, 0.004, 0.002], [-0.02, 0.16, -0.002, 0.001]],
+    "doubled": [[-0.03, 0.08, -0.1, 0.004], [0.01, -0.03, 0.15, 0.002], [-0.02, 0, -0.16, 0]],
 }
 for q, arguments in [
     ("1/5", (1.5, 1, 1 / 3, 2.001, pi / 5, 0, WAVE, 2, 8)),
@@ -181,4 +183,5 @@ for q, arguments in [
 ]:
     print("wave", q, arguments[:4], "%.9e, %.9e, %.9e" % wave(*arguments))
 for center, rows in ROWS.items():
-    print("breather", center, "%.9e, %.9e, %.9e" % breather(1.5, 1, 1 / 3, 2.05, center, 5, 0.01, rows, 2, 8))
+    omega = 1.033 if center == "doubled" else 2.05
+    print("breather", center, "%.9e, %.9e, %.9e" % breather(1.5, 1, 1 / 3, omega, center, 5, 0.01, rows, 2, 8))

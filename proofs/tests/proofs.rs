@@ -170,12 +170,14 @@ fn bounds_are_those_of_the_formulas() {
     }
     let site = [[-0.04, 0.0, 0.006, 0.0], [0.002, -0.15, 0.001, 0.002], [-0.003, 0.16, -0.002, 0.001]];
     let bond = [[-0.03, 0.08, 0.003, 0.001], [0.01, -0.15, 0.004, 0.002], [-0.02, 0.16, -0.002, 0.001]];
-    for (center, a, truth) in [
-        (Center::Site, site, [6.263903224e-1, 1.612900840, 6.218836660e1]),
-        (Center::Bond, bond, [5.478740539e-1, 1.507840582, 5.994610002e1]),
+    let doubled = [[-0.03, 0.08, -0.1, 0.004], [0.01, -0.03, 0.15, 0.002], [-0.02, 0.0, -0.16, 0.0]];
+    for (center, omega, a, truth) in [
+        (Center::Site, "2.05", site, [6.263903224e-1, 1.612900840, 6.218836660e1]),
+        (Center::Bond, "2.05", bond, [5.478740539e-1, 1.507840582, 5.994610002e1]),
+        (Center::Doubled, "1.033", doubled, [3.215930658, 2.335394644e1, 2.476297702e2]),
     ] {
         let orbit = Orbit::Breather(Breather { sites: 5, center, a: a.map(|row| row.to_vec()).to_vec() });
-        let model = model(["3/2", "1/3", "2.05"]);
+        let model = model(["3/2", "1/3", omega]);
         near(
             of(&Certificate { model, mean: exact("0.01"), to: None, block: 2, enclosed: 8, orbit, multiplier: None }),
             truth,
@@ -300,7 +302,7 @@ fn certificates_that_break_a_rule_are_refused() {
         ("rho 1/3", "rho inf", "rho must be finite"),
         ("sites 41", "sites 42", "odd"),
         ("sites 41", "sites 43", "a row of coefficients for each site"),
-        ("center site", "center edge", "neither site nor bond"),
+        ("center site", "center edge", "neither site, bond nor doubled"),
         (" 0x0p+0", " 0x1p-3", "even harmonics only"),
     ] {
         let why = check_text(&text.replacen(from, to, 1)).unwrap_err();
@@ -347,6 +349,87 @@ fn a_better_breather_lies_in_the_ball() {
         let apart: Vec<Vec<f64>> = coarse.a.iter().zip(&fine.a).map(of_site).collect();
         within(&apart, 2.09, &proof);
     }
+}
+
+/// Two periods of a breather of the mean strain 0, from half of its period on, as one of doubled
+/// period, with a push at its kink.
+fn twice(omega: &str, push: f64, sizes: Sizes) -> Certificate {
+    let near = breather(["3/2", "1/3", omega], Center::Bond, sizes);
+    let Orbit::Breather(near_a) = &near.orbit else { panic!() };
+    let row = |(n, a): (i32, &Vec<f64>)| {
+        let mut row: Vec<f64> = a.iter().zip(0..).flat_map(|(a, k)| [if k % 2 == 0 { *a } else { -a }, 0.0]).collect();
+        row[1] = push * f64::from(-2 * n).exp();
+        row
+    };
+    let a = (0..).zip(&near_a.a).map(row).collect();
+    let half = Exact::of_double(0.5 * double(exact(omega))).unwrap();
+    Certificate {
+        model: Model { omega: half, ..near.model },
+        block: 2 * near.block,
+        enclosed: 2 * near.enclosed + 1,
+        orbit: Orbit::Breather(Breather { sites: 41, center: Center::Doubled, a }),
+        ..near
+    }
+}
+
+/// The orbit of doubled period at half of this frequency.
+fn doubled(omega: &str, sizes: Sizes) -> Certificate {
+    solve::near(&twice(omega, 0.1, Sizes::BREATHER_PIECE), sizes).expect("an orbit")
+}
+
+#[test]
+fn a_breather_of_doubled_period_is_proved() {
+    let sizes = Sizes { block: 24, harmonics: 64, enclosed: 96 };
+    let certificate = doubled("2.066", sizes);
+    let proof = check(&certificate).unwrap();
+    // The first harmonic is of the doubled period: half of it is no period.
+    assert!(proof.amplitude > 0.08 && proof.radius < 2e-5 * proof.amplitude, "{proof:?}");
+    assert_eq!(check_text(&certificate.to_string()), Ok((certificate.clone(), proof.clone())));
+    // Truth: the solution with four times as many harmonics.
+    let better = doubled("2.066", sizes.times(4));
+    let (Orbit::Breather(coarse), Orbit::Breather(fine)) = (&certificate.orbit, &better.orbit) else { panic!() };
+    let of_site = |(coarse, fine): (&Vec<f64>, &Vec<f64>)| {
+        (1..fine.len()).map(|k| (coarse.get(k).unwrap_or(&0.0) - fine[k]).abs()).collect()
+    };
+    let apart: Vec<Vec<f64>> = coarse.a.iter().zip(&fine.a).map(of_site).collect();
+    within(&apart, 1.033, &proof);
+    // Half a period later it is another orbit, its reflection, beyond the radius of uniqueness.
+    let changed = |change: &dyn Fn(&mut Breather)| {
+        let mut changed = certificate.clone();
+        let Orbit::Breather(it) = &mut changed.orbit else { panic!() };
+        change(it);
+        check(&changed)
+    };
+    let turned = changed(&|it| it.a.iter_mut().flat_map(|a| a.iter_mut().skip(1).step_by(2)).for_each(|a| *a = -*a));
+    let turned = turned.unwrap();
+    assert!(2.0 * proof.amplitude > proof.uniqueness_radius && turned.radius < 1.01 * proof.radius, "{turned:?}");
+    // The breather of half the period is a solution, but not of this period.
+    let once = check(&twice("2.066", 0.0, Sizes { block: 8, harmonics: 32, enclosed: 48 }));
+    assert!(matches!(once, Err(Refused::Rest(radius, first)) if radius < 1e-4 && first == 0.0), "{once:?}");
+    // The far end has even harmonics only; and another reflection is no symmetry of this orbit.
+    let odd = changed(&|it| it.a[20][1] = 1e-9);
+    assert!(matches!(odd, Err(Refused::Certificate(rule)) if rule.contains("the far end of a doubled one")));
+    assert!(matches!(changed(&|it| it.center = Center::Bond), Err(Refused::Bounds(bounds)) if bounds.y0 > 1e-3));
+}
+
+// Truth: the largest real multiplier of `breather doubled`, from the tangent map, at this mean
+// strain.
+#[test]
+#[ignore = "nightly: half a minute"]
+fn a_breather_of_doubled_period_is_unstable() {
+    let near = doubled("2.066", Sizes::BREATHER_PIECE);
+    let near = Certificate {
+        model: Model { omega: exact("1.034"), ..near.model },
+        mean: exact("-0.004362113569767072"),
+        ..near
+    };
+    let certificate = solve::near(&near, Sizes::BREATHER.times(2)).unwrap();
+    let truth = 1.208_626_406_103_008_5;
+    let proof = check(&growing(&certificate, truth, 4e-7)).unwrap();
+    let [from, to] = proof.multiplier.unwrap();
+    assert!(from < truth && truth < to && to - from < 1e-6, "{proof:?}");
+    let beside = check(&growing(&certificate, truth + 1e-6, 4e-7));
+    assert!(matches!(beside, Err(Refused::Multiplier { g: Some([[a, _], [b, _]]), .. }) if a * b > 0.0), "{beside:?}");
 }
 
 fn of_the_infinite_chain(certificate: &mut Certificate) -> &mut Infinite {
@@ -451,6 +534,7 @@ fn what_is_no_breather_of_the_infinite_chain_is_refused() {
     let text = certificate.to_string();
     for (from, to, words) in [
         ("rho 1/3", "rho inf", "rho must be finite"),
+        ("center site", "center doubled", "one of a ring"),
         ("decay ", "decay -", "decay must be above 0"),
         ("decay ", "decay 9", "decay times the sites must be below 500"),
         ("band ", "band 1000000000000", "band must be from 1 to 401"),

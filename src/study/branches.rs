@@ -236,7 +236,7 @@ impl<C: FollowCommand> Study for C {
             let report = study.report()?;
             match proving {
                 Some(proving) if study.branch.ended() != End::Stopped => {
-                    Ok(proving.added_of_branch(report, &self.near(&study.branch)?, &part(progress, orbits, 1.0)))
+                    proving.added_of_branch(report, &self.near(&study.branch)?, engine, &part(progress, orbits, 1.0))
                 }
                 _ => Ok(report),
             }

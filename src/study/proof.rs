@@ -10,7 +10,7 @@ use crate::{
     orbits::Orbit,
     output::{Folder, read},
     report::Report,
-    sweep,
+    sweep::{self, Engine, Grid},
     waves::{ExactWave, MeanStrain},
 };
 use hertzchain_proofs::{
@@ -19,6 +19,7 @@ use hertzchain_proofs::{
     exact::Exact,
     solve::{self, Sizes, Strip},
 };
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::{
     f64::consts::PI,
@@ -36,6 +37,7 @@ const HARMONICS: usize = 128;
 /// Radii over amplitudes that ask for more harmonics, and for how many times as many.
 pub(super) const WAVE: (f64, usize) = (1e-10, 6);
 pub(super) const BREATHER: (f64, usize) = (1e-9, 4);
+pub(super) const DOUBLED: (f64, usize) = (1e-8, 2);
 /// Half of the width of the interval of a multiplier that is to be proved, and of the frequency at
 /// which one is -1.
 const WIDTH: f64 = 4e-7;
@@ -50,10 +52,11 @@ options! {
         /// It is proved for the exact decimals and fractions of the parameters (1/3 for the double
         /// nearest to it), about a cosine sum near the computed solution. Of a branch in its
         /// frequency one curve of solutions is proved, piece by piece; the mean strain is linear
-        /// between its points. Where it can, `breather dark` also encloses a real Floquet
-        /// multiplier above 1, and `breather continue --center bond` with --bifurcations the
-        /// frequencies at which the period doubles. Exit code 1 if existence is not proved, or not
-        /// of the whole branch.
+        /// between its points, and proof.store has the pieces as they are proved, from which the
+        /// same command goes on. Where it can, `breather dark` and `breather doubled`, which proves
+        /// its last orbit, also enclose a real Floquet multiplier above 1, and `breather continue
+        /// --center bond` with --bifurcations the frequencies at which the period doubles. Exit
+        /// code 1 if existence is not proved, or not of the whole branch.
         prove: bool = false, [arg(long)];
         /// Write the certificate of the proof to this file.
         ///
@@ -123,46 +126,53 @@ impl Proving {
     }
 
     /// Adds the proof of a branch to a report: of the curve through solutions near these
-    /// certificates. If the process is asked to end, it is that of the pieces so far.
-    pub(super) fn added_of_branch(&self, report: Report, near: &[Certificate], progress: Progress<'_>) -> Report {
-        let strips: Vec<(usize, &[Certificate])> = near.windows(2).enumerate().collect();
+    /// certificates. Its strips are points of a sweep, kept in a store. If the process is asked to
+    /// end, it is that of the pieces so far.
+    ///
+    /// # Errors
+    /// As [`Engine::sweep`].
+    pub(super) fn added_of_branch(
+        &self,
+        report: Report,
+        near: &[Certificate],
+        engine: &Engine,
+        progress: Progress<'_>,
+    ) -> Result<Report> {
+        // Whether a strip is needed depends on those before it: so does its key.
+        let mut digest = String::new();
+        let key = |(k, ends): (usize, &[Certificate])| {
+            digest = sweep::digest(&format!("{digest} {} {}", ends[0], ends[1]));
+            (k, digest.clone())
+        };
+        let strips: Vec<(usize, String)> = near.windows(2).enumerate().map(key).collect();
         let (done, proved, last) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(strips.len()));
-        let strip = |(k, ends): &(usize, &[Certificate])| {
-            // Those after a gap are not needed.
+        let strip = |(k, _): &(usize, String)| -> Result<KeptStrip> {
             if *k > last.load(Relaxed) {
-                return Ok::<_, Refused>(Strip { pieces: Vec::new(), stop: None });
+                return Err(Error::Point { point: format!("strip {k}"), why: "after the end of the proof".to_owned() });
             }
-            let [from, to] = [0, 1].map(|end| &ends[end]);
-            let sizes = match from.orbit {
-                certificate::Orbit::Wave(_) => Sizes::WAVE_PIECE,
-                certificate::Orbit::Breather(_) if from.multiplier.is_some() && to.multiplier.is_some() => {
-                    Sizes::BREATHER
-                }
-                certificate::Orbit::Breather(_) | certificate::Orbit::Infinite(_) => Sizes::BREATHER_PIECE,
-            };
+            let ends = [&near[*k], &near[k + 1]];
             let check = |piece: &Certificate| {
                 let proof = check_until(piece, &interrupt::asked);
                 let count = proved.fetch_add(usize::from(proof.is_ok()), Relaxed);
                 progress(done.load(Relaxed) as f64 / strips.len() as f64, &format!("{count} pieces are proved"));
                 proof
             };
-            let strip = solve::strip([from, to], sizes, &check);
+            let strip = solve::strip(ends, sizes(ends), &check).map_err(|_| stopped())?;
             done.fetch_add(1, Relaxed);
-            if strip.as_ref().map_or(true, |strip| strip.stop.is_some()) {
+            if strip.stop.is_some() {
                 last.fetch_min(*k, Relaxed);
             }
-            strip
+            Ok(KeptStrip::of(strip))
         };
-        let mut pieces = Vec::new();
-        let mut stop = None;
-        for strip in sweep::map(&strips, strip) {
-            match strip {
-                _ if stop.is_some() => {}
-                Ok(strip) => {
-                    pieces.extend(strip.pieces.into_iter().map(|(piece, proof)| (piece, Ok(proof))));
-                    stop = strip.stop.map(|(_, why)| why);
-                }
-                Err(why) => stop = Some(why.to_string()),
+        let grid = Grid { store: "proof.store", study: "proof", settings: json!({}) };
+        let swept = engine.sweep(&grid, &strips, &|_, _| (), strip)?;
+        let (mut pieces, mut stop): (Vec<(Certificate, Checked)>, _) = (Vec::new(), None);
+        for strip in swept.rows.into_iter().map(|row| row.and_then(KeptStrip::pieces)) {
+            let (proved, end) = strip.unwrap_or_else(|why| (Vec::new(), Some(why)));
+            pieces.extend(proved.into_iter().map(|(piece, proof)| (piece, Ok(proof))));
+            stop = end;
+            if stop.is_some() {
+                break;
             }
         }
         if near.len() < 2 {
@@ -173,7 +183,64 @@ impl Proving {
         let end = near.last().map(|last| nearest(last.model.omega));
         let report = proved_branch(report, &pieces, end, gap.map(|gap| gap.to_string()).or(stop));
         let text: String = pieces.iter().map(|(piece, _)| piece.to_string()).collect();
-        self.written(Some(&*text).filter(|_| count > 0), report)
+        Ok(self.written(Some(&*text).filter(|_| count > 0), report))
+    }
+}
+
+/// The sizes of the pieces of a strip.
+fn sizes([from, to]: [&Certificate; 2]) -> Sizes {
+    match from.orbit {
+        certificate::Orbit::Wave(_) => Sizes::WAVE_PIECE,
+        certificate::Orbit::Breather(_) if from.multiplier.is_some() && to.multiplier.is_some() => Sizes::BREATHER,
+        certificate::Orbit::Breather(_) | certificate::Orbit::Infinite(_) => Sizes::BREATHER_PIECE,
+    }
+}
+
+/// Radius, radius of uniqueness and amplitude; weights; bounds of `g`.
+type Numbers = ([f64; 3], Vec<f64>, Option<[f64; 2]>);
+
+/// What a store keeps of a strip of a branch.
+#[derive(Serialize, Deserialize)]
+struct KeptStrip {
+    /// The text of its pieces.
+    pieces: String,
+    /// Of each piece.
+    proofs: Vec<Numbers>,
+    /// Why it ends before it should.
+    stop: Option<String>,
+}
+
+impl KeptStrip {
+    fn of(strip: Strip) -> Self {
+        let numbers = |it: &Proof| {
+            let g = it.multiplier.filter(|g| g.iter().all(|g| g.is_finite()));
+            ([it.radius, it.uniqueness_radius, it.amplitude], it.weights.clone(), g)
+        };
+        Self {
+            pieces: strip.pieces.iter().map(|(piece, _)| piece.to_string()).collect(),
+            proofs: strip.pieces.iter().map(|(_, proof)| numbers(proof)).collect(),
+            stop: strip.stop.map(|(_, why)| why),
+        }
+    }
+
+    /// The pieces, and why they end. Numbers of proofs that are of no use for branches are
+    /// infinite.
+    fn pieces(self) -> std::result::Result<(Vec<(Certificate, Proof)>, Option<String>), String> {
+        let none = f64::INFINITY;
+        let proof = |([radius, uniqueness_radius, amplitude], weights, multiplier): Numbers| Proof {
+            radius,
+            radius_y: none,
+            radius_velocity: none,
+            radius_velocity_y: none,
+            uniqueness_radius,
+            amplitude,
+            bounds: Bounds { y0: none, z1: none, z2: none },
+            weights,
+            multiplier,
+            decay: None,
+        };
+        let pieces = if self.proofs.is_empty() { Vec::new() } else { certificate::pieces(&self.pieces)? };
+        Ok((pieces.into_iter().zip(self.proofs.into_iter().map(proof)).collect(), self.stop))
     }
 }
 
@@ -405,7 +472,8 @@ pub(super) fn near_breather(orbit: &Orbit, tol: f64) -> Result<Certificate> {
     let (center, first) = match setting.about {
         Some(dps::Center::Site) if setting.turns == 1 => (Center::Site, half),
         Some(dps::Center::Bond) if setting.turns == 1 => (Center::Bond, half + 1),
-        _ => return Err(Error::parameter("prove", true, "a breather of one turn a period with a centre")),
+        Some(dps::Center::Bond) => (Center::Doubled, half + 1),
+        _ => return Err(Error::parameter("prove", true, "a breather with a centre")),
     };
     let row = |i: usize| (0..=HARMONICS).map(|k| coefficient((first + i) % sites, k)).collect();
     let a = (0..=half).map(row).collect();
@@ -455,7 +523,8 @@ pub(super) fn of_infinite(orbit: &Orbit, tol: f64, more: usize) -> Result<Option
 
 /// The certificate of a dark breather: of the orbit with the mean strain of this one.
 pub(super) fn of_breather(orbit: &Orbit, tol: f64, more: usize) -> Result<Option<Certificate>> {
-    Ok(solve::near(&near_breather(orbit, tol)?, Sizes::BREATHER.times(more)))
+    let harmonics = more * orbit.setting.turns as usize;
+    Ok(solve::near(&near_breather(orbit, tol)?, Sizes::BREATHER.times(harmonics)))
 }
 
 /// The same, with the multiplier if it is above 1.
@@ -493,14 +562,16 @@ impl Study for Prove {
             let certificate = pieces[0].clone();
             let Certificate { model: Model { alpha, kappa, rho, omega }, mean, .. } = certificate;
             let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
-            let name = |center: Center| if center == Center::Site { "site" } else { "bond" };
             let kind = match &certificate.orbit {
                 certificate::Orbit::Wave(wave) => format!("travelling wave, q = {} pi", wave.q_over_pi),
+                certificate::Orbit::Breather(it) if it.center == Center::Doubled => {
+                    format!("dark breather of doubled period on a ring of {}", it.sites)
+                }
                 certificate::Orbit::Breather(it) => {
-                    format!("dark breather about a {} on a ring of {}", name(it.center), it.sites)
+                    format!("dark breather about a {} on a ring of {}", it.center.name(), it.sites)
                 }
                 certificate::Orbit::Infinite(it) => {
-                    format!("dark breather about a {} on the infinite chain", name(it.center))
+                    format!("dark breather about a {} on the infinite chain", it.center.name())
                 }
             };
             let last = pieces.last().and_then(|piece| piece.to);

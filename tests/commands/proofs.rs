@@ -1,6 +1,6 @@
 //! Proofs of existence on the command line.
 
-use super::program::{hertzchain, json};
+use super::program::{command, hertzchain, json, printed};
 use hertzchain_proofs::{
     certificate::{Certificate, Orbit},
     exact::Exact,
@@ -118,6 +118,43 @@ fn what_is_not_proved_is_said() {
     assert!(output.status.code() == Some(1) && words.contains("the ring may be too short: --sites"), "{words}");
 }
 
+/// Whether an orbit at rest is within the radii of the cosine sums of the sites from the centre to
+/// the far end, which for one about a bond is site -N.
+fn start_lies_in_the_ball(found: &Value, proof: &Value, (near, a): (&Certificate, &[Vec<f64>]), bond: bool) {
+    let (omega, rho) = (near.model.omega.enclosed().mid(), near.model.rho.unwrap());
+    let (sites, amplitude) = (found["x"].as_array().unwrap().len(), number(&found["k_x"]));
+    for (name, radius) in [("x", "radius"), ("y", "radius_y")] {
+        let factor = |k: usize| if name == "x" { 1.0 } else { shared(rho, omega * k as f64) };
+        let sum = |a: &Vec<f64>| a.iter().enumerate().map(|(k, a)| factor(k) * a).sum::<f64>();
+        let at = |i: usize| number(&found[name][(sites / 2 + usize::from(bond) + i) % sites]);
+        let apart = distance(a.iter().enumerate().map(|(i, a)| (at(i), sum(a))));
+        assert!(apart < number(&proof[radius]) + 1e-12 * amplitude, "{name}: {apart:e}, {proof}");
+    }
+}
+
+// Truth: the orbit of doubled period by shooting, and its tangent map.
+#[test]
+#[ignore = "nightly: half a minute"]
+fn a_breather_of_doubled_period_is_proved_and_lies_in_the_ball() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("doubled.cert");
+    let path = file.to_str().unwrap();
+    let line = "breather doubled --sites 21 --step 0.02 --most 2.066 --omega-b 1.034 --prove";
+    let found = json(&format!("{line} --certificate {path} --out {}", folder.path().display()));
+    let (orbit, proof) = (&found["orbit"], &found["proof"]);
+    assert!(proof["proved"] == true && number(&proof["radius"]) < 1e-8 * number(&orbit["k_x"]), "{proof}");
+    let real = orbit["multipliers"].as_array().unwrap().iter().find(|one| one["kind"] == "real").unwrap();
+    let [from, to] = [0, 1].map(|end| number(&proof["multiplier"][end]));
+    assert!(from < number(&real["re"]) && number(&real["re"]) < to && to - from < 1e-6, "{proof} {real}");
+    let certificate: Certificate = fs::read_to_string(&file).unwrap().parse().unwrap();
+    let Orbit::Breather(breather) = &certificate.orbit else { panic!("{certificate:?}") };
+    start_lies_in_the_ball(orbit, proof, (&certificate, &breather.a), true);
+    let again = json(&format!("prove {path}"));
+    assert!(again["proof"] == *proof && again["solution"] == "dark breather of doubled period on a ring of 21");
+    let output = hertzchain(&format!("breather continue --resume {} --to 1.035 --prove", folder.path().display()));
+    assert!(output.status.code() == Some(2) && said(&output).contains("and no branch"), "{}", said(&output));
+}
+
 // Truth: the orbit by shooting. The ends of the ring are 20 sites from its kink, at which the
 // strains of the infinite chain are those of the standing wave to all digits.
 #[test]
@@ -152,17 +189,7 @@ fn dark_breathers_are_proved_and_lie_in_the_ball() {
         // Half of the rate that is seen, 3.26.
         let known = decay[0] > 1.5 && decay[0] < 1.7 && decay[1] < 10.0 * amplitude;
         assert!(if options.contains("infinite") { known } else { decay[0].is_nan() }, "{options}: {proof}");
-        // Sites from the centre to the far end, which for a bond-centred breather is site -N.
-        let first = if options.contains("bond") { 21 } else { 20 };
-        // The breather is at rest.
-        let (omega, rho) = (certificate.model.omega.enclosed().mid(), certificate.model.rho.unwrap());
-        for (name, radius) in [("x", radius), ("y", number(&proof["radius_y"]))] {
-            let factor = |k: usize| if name == "x" { 1.0 } else { shared(rho, omega * k as f64) };
-            let sum = |a: &Vec<f64>| a.iter().enumerate().map(|(k, a)| factor(k) * a).sum::<f64>();
-            let strains = a.iter().enumerate().map(|(i, a)| (number(&found[name][(first + i) % 41]), sum(a)));
-            let apart = distance(strains);
-            assert!(apart < radius + 1e-12 * amplitude, "{options} {name}: {apart:e}, {proof}");
-        }
+        start_lies_in_the_ball(&found, proof, (&certificate, a), options.contains("bond"));
         assert_eq!(json(&format!("prove {path}"))["proof"], *proof, "{options}");
         // A multiplier that it does not have: the breather is proved all the same.
         let text = fs::read_to_string(&file).unwrap();
@@ -192,6 +219,21 @@ fn branches_are_proved_without_a_gap() {
     assert!(number(&proof["radius"]) < 0.5 * number(&proof["uniqueness_radius"]), "{proof}");
     assert_eq!(json(&format!("prove {path}"))["proof"], *proof);
     let text = fs::read_to_string(&file).unwrap();
+    // On one thread, and again with one of the two strips in the store, it has the same bits.
+    let out = folder.path().join("branch");
+    let store = out.join("proof.store");
+    let mut lines = Vec::new();
+    for _ in 0..2 {
+        fs::remove_file(&file).unwrap();
+        let mut again = command(&format!("{line} {path} --json --out {}", out.display()));
+        let again: Value =
+            serde_json::from_str(&printed(again.env("RAYON_NUM_THREADS", "1").output().unwrap())).unwrap();
+        assert!(again["proof"] == *proof && fs::read_to_string(&file).unwrap() == text, "{again}");
+        let all = fs::read_to_string(&store).unwrap();
+        assert!(all.lines().count() == 3 && lines.iter().all(|line: &String| all.contains(line)), "{all}");
+        lines = all.lines().take(2).map(|line| format!("{line}\n")).collect();
+        fs::write(&store, lines.concat()).unwrap();
+    }
     let mut pieces = hertzchain_proofs::certificate::pieces(&text).unwrap();
     assert_eq!(pieces.len(), count);
     pieces.remove(1);

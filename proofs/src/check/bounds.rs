@@ -19,18 +19,21 @@ use crate::{
 };
 
 /// The weight of a harmonic in the norm: `sqrt 2` for the mean.
-fn weight(k: usize) -> Interval {
+pub(super) fn weight(k: usize) -> Interval {
     if k == 0 { of(2).sqrt() } else { Interval::ONE }
 }
 
-/// The coefficient of `cos k theta` in `D cos j theta`.
+/// The coefficient of `cos (k + odd/2) theta` in `D cos (j + odd/2) theta`; or that of the sines.
+pub(super) fn product(d: &[Interval], k: usize, j: usize, (odd, sine): (usize, bool)) -> Interval {
+    let h = |l: usize| d[l] / of(if l == 0 { 1 } else { 2 });
+    let (near, far) = (h(k.abs_diff(j)), h(k + j + odd));
+    let both = if sine { near - far } else { near + far };
+    if k + odd == 0 { both / of(2) } else { both }
+}
+
+/// That of `cos k theta` in `D cos j theta`.
 fn stiffness(d: &[Interval], k: usize, j: usize) -> Interval {
-    let h = |l: usize| if l == 0 { d[0] } else { d[l] / of(2) };
-    match (k, j) {
-        (_, 0) => d[k],
-        (0, _) => h(j),
-        _ => h(k.abs_diff(j)) + h(k + j),
-    }
+    product(d, k, j, (0, false))
 }
 
 pub(super) fn dot(a: &[Interval], b: &[Interval]) -> Interval {
@@ -279,11 +282,6 @@ impl<'a> Terms<'a> {
         self.far.as_ref().map_or(self.sites(), |far| far.last_row() + 1)
     }
 
-    /// `sum_m |e_nm|` of a number of each site.
-    fn neighbours(&self, n: usize, by_site: &[Interval]) -> Interval {
-        self.system.coupled(n, 0).into_iter().map(|(m, e)| Interval::exact(e.abs()) * by_site[m]).sum()
-    }
-
     /// `sum_m e_nm n_mk`; of a site of the background less that of the background.
     fn force(&self, n: usize, k: usize) -> Interval {
         let term = |(m, e): (usize, f64)| Interval::exact(e) * self.known[m].force[k];
@@ -383,13 +381,8 @@ impl<'a> Terms<'a> {
 
     /// A row of `R + t |e|`.
     fn contact(&self, n: usize) -> Vec<Interval> {
-        let mut row: Vec<Interval> = self.reach.iter().map(|reach| reach[n]).collect();
-        if n < self.sites() {
-            for (m, e) in self.system.coupled(n, 0) {
-                row[m] = row[m] + Interval::exact(e.abs()) * self.beyond_block;
-            }
-        }
-        row
+        let moduli = self.system.moduli(n);
+        self.reach.iter().zip(moduli).map(|(reach, e)| reach[n] + e * self.beyond_block).collect()
     }
 
     /// A bound of the error of velocities over `omega`, by one more use of `a = l N(a)`; of `y_n`
@@ -406,7 +399,7 @@ impl<'a> Terms<'a> {
         let forces: Vec<Interval> = known.iter().zip(tails).zip(changes).map(force).collect();
         let of_site = |n: usize| {
             let defects = (1..=enclosed).filter(|k| system.has(n, *k)).map(|k| of(k) * share(k) * self.defect(n, k));
-            defects.sum::<Interval>() + self.neighbours(n, &forces)
+            defects.sum::<Interval>() + dot(&system.moduli(n), &forces)
         };
         (0..self.rows()).map(of_site).fold(Interval::ZERO, Interval::max)
     }
@@ -488,7 +481,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let z1 = |eta: Interval| -> Vec<Interval> {
         let row = |n: usize| {
             let near: Interval = columns.iter().zip(&weights).map(|(column, w)| column[n] * *w).sum();
-            let far = if n < sites { terms.beyond_block * terms.neighbours(n, &steepest) } else { Interval::ZERO };
+            let far = terms.beyond_block * dot(&system.moduli(n), &steepest);
             let turned: Interval = turned.iter().zip(&steepest).map(|(turned, steepest)| turned[n] * *steepest).sum();
             near + far + turned + of_c0[n] / eta
         };
@@ -532,7 +525,9 @@ mod tests {
     // with four times as many rows and columns as are enclosed.
     #[test]
     fn columns_are_below_z1() {
-        for (center, block, enclosed) in [(None, 6, 64), (Some(Center::Site), 3, 16), (Some(Center::Bond), 3, 16)] {
+        for (center, block, enclosed) in
+            [(None, 6, 64), (Some(Center::Site), 3, 16), (Some(Center::Bond), 3, 16), (Some(Center::Doubled), 8, 32)]
+        {
             let sizes = Sizes { block, harmonics: enclosed, enclosed };
             let certificate = solve::near(&guess(center), sizes).unwrap();
             let proof = check(&certificate, &|| false).unwrap();
@@ -592,11 +587,17 @@ mod tests {
             None => ("2.001", Orbit::Wave(Wave { q_over_pi: exact("1/5"), a: vec![0.0083] })),
             Some(center) => {
                 let first = if center == Center::Site { 0.0 } else { 0.5 };
+                let (omega, size) = if center == Center::Doubled { ("1.033", -0.26) } else { ("2.05", 0.15) };
                 let row = |i: i32| {
                     let mean = if center == Center::Site && i == 0 { -0.03 } else { 0.0 };
-                    vec![mean, 0.15 * (f64::from(i) + first).tanh() * f64::from(1 - 2 * (i % 2))]
+                    let kink = size * (f64::from(i) + first).tanh() * f64::from(1 - 2 * (i % 2));
+                    if center == Center::Doubled {
+                        vec![mean, 0.1 * f64::from(-2 * i).exp(), kink]
+                    } else {
+                        vec![mean, kink]
+                    }
                 };
-                ("2.05", Orbit::Breather(Breather { sites: 15, center, a: (0..8).map(row).collect() }))
+                (omega, Orbit::Breather(Breather { sites: 15, center, a: (0..8).map(row).collect() }))
             }
         };
         let model = Model { alpha: exact("3/2"), kappa: Exact::ONE, rho: Some(exact("1/3")), omega: exact(omega) };

@@ -83,7 +83,8 @@ pub enum Refused {
     Moments,
     /// The inequalities have no solution.
     Bounds(Bounds),
-    /// The ball holds the state at rest, or is as large: the radius, and the first harmonic.
+    /// The ball may hold the state at rest, or an orbit of a shorter period: the radius, and the
+    /// first harmonic.
     Rest(f64, f64),
     /// A multiplier is not proved.
     Multiplier {
@@ -141,7 +142,8 @@ impl fmt::Display for Refused {
             Self::Rest(radius, first) => {
                 write!(
                     f,
-                    "the radius {radius:.2e} is not below the first harmonic {first:.2e}, so the solution could be at rest"
+                    "the radius {radius:.2e} is not below the first harmonic {first:.2e}, so the solution could be at rest, \
+                     or have a shorter period"
                 )
             }
         }

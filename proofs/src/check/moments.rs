@@ -192,7 +192,7 @@ impl Sums<'_> {
         if to - from < self.narrowest {
             self.pieces.push(known);
             self.overlap = self.overlap.max(on_piece);
-            self.bounded(on_piece, half);
+            self.add_errors(on_piece, of(2) * half, Interval::ONE);
             return !on_piece.is_nan();
         }
         // The ellipse has the half-axes 17/8 and 15/8 of the half-width.
@@ -206,7 +206,10 @@ impl Sums<'_> {
         self.pieces.push(known);
         self.overlap = self.overlap.max(on_piece);
         self.integrated(centre, half, quadrature);
-        self.quadrature_errors(value.abs(), half, across);
+        // 4^{-2n}
+        let power = Interval::exact(f64::from_bits((1023 - 4 * NODES as u64) << 52));
+        let share = half * of(8) * power / (Interval::ONE - Interval::exact(0.25));
+        self.add_errors(value.abs(), share, Interval::exact(across.hi()).exp());
         true
     }
 
@@ -267,32 +270,17 @@ impl Sums<'_> {
         self.squares.iter_mut().zip(squares).for_each(|(sum, own)| *sum = *sum + own);
     }
 
-    fn quadrature_errors(&mut self, modulus: Interval, half: Interval, across: Interval) {
+    /// Adds errors to the integrals: the bounds of their integrands times `share`, for an overlap of
+    /// this modulus and cosines of harmonic `k` up to `growth^k`.
+    fn add_errors(&mut self, modulus: Interval, share: Interval, growth: Interval) {
         let [force, stiffness] = self.laws(modulus);
-        let growth = Interval::exact(across.hi()).exp();
-        // 4^{-2n}
-        let power = Interval::exact(f64::from_bits((1023 - 4 * NODES as u64) << 52));
-        let share = half * of(8) * power / (Interval::ONE - Interval::exact(0.25));
-        self.squares[0] = self.squares[0] + (share * force.square()).ball();
-        self.squares[1] = self.squares[1] + (share * stiffness.square()).ball();
-        self.squares[2] = self.squares[2] + (share * force * stiffness * self.most_bent(growth)).ball();
+        let squares = [force.square(), stiffness.square(), force * stiffness * self.most_bent(growth)];
+        self.squares.iter_mut().zip(squares).for_each(|(sum, square)| *sum = *sum + (share * square).ball());
         let mut errors = [share * force, share * stiffness];
         for (force, stiffness) in self.force.iter_mut().zip(&mut self.stiffness) {
             (*force, *stiffness) = (*force + errors[0].ball(), *stiffness + errors[1].ball());
             errors = errors.map(|error| error * growth);
         }
-    }
-
-    fn bounded(&mut self, overlap: Interval, half: Interval) {
-        let laws = self.laws(overlap);
-        let width = of(2) * half;
-        for (sums, law) in [&mut self.force, &mut self.stiffness].into_iter().zip(laws) {
-            sums.iter_mut().for_each(|sum| *sum = *sum + (law * width).ball());
-        }
-        for (sum, law) in self.squares.iter_mut().zip(laws) {
-            *sum = *sum + (law.square() * width).ball();
-        }
-        self.squares[2] = self.squares[2] + (laws[0] * laws[1] * self.most_bent(Interval::ONE) * width).ball();
     }
 
     /// A bound of `|X''|` up to a height `h` above the real axis, for the growth `e^h`.

@@ -14,16 +14,16 @@
 
 use super::{
     Moments, Refused, System,
-    bounds::{approximate_inverse, by_site, dot, kronecker, perron, split},
+    bounds::{approximate_inverse, by_site, dot, kronecker, perron, product, split, weight},
     of,
 };
 use crate::{
-    certificate::{Certificate, Model, Multiplier},
+    certificate::{Center, Certificate, Model, Multiplier},
     exact::Exact,
     interval::{Complex, Interval, norm},
 };
 
-/// `K` of this proof, at most that of the certificate.
+/// `K` of this proof for each period of the background, at most that of the certificate.
 const BLOCK: usize = 8;
 /// `K'` over the number of columns of `1 - A M` that are computed beyond `K`, and over that of the
 /// harmonics of the approximate solution.
@@ -66,7 +66,8 @@ impl<'a> Equations<'a> {
         };
         let mut it = Self { system, known, block, enclosed, odd, parts, all: Vec::new(), pinned: 0 };
         it.all = (0..known.len()).flat_map(|n| it.places(n, block)).collect();
-        it.pinned = it.index((usize::from(system.centred), 1 - odd, parts[0])).unwrap_or(0);
+        let first = (1 - odd) * system.center.periods();
+        it.pinned = it.index((usize::from(system.center == Center::Site), first, parts[0])).unwrap_or(0);
         it
     }
 
@@ -89,9 +90,9 @@ impl<'a> Equations<'a> {
         self.all.iter().enumerate().filter(move |(_, place)| place.0 == n)
     }
 
-    /// The weight of a harmonic in the norm: `sqrt 2` for a mean.
+    /// The weight of a harmonic in the norm.
     fn weight(&self, k: usize) -> Interval {
-        of(if k + self.odd == 0 { 2 } else { 1 }).sqrt()
+        weight(k + self.odd)
     }
 
     /// `l_k = (1/s^2 + rho^2/(kappa (1 + rho) + rho s^2))/(1 + rho)` up to `K'`.
@@ -113,10 +114,7 @@ impl<'a> Equations<'a> {
 
     /// The coefficient of harmonic `k` in `D_m` times harmonic `j`, of one part.
     fn stiffness(&self, m: usize, k: usize, (j, sine): (usize, bool)) -> Interval {
-        let h = |l: usize| self.known[m].stiffness[l] / of(if l == 0 { 1 } else { 2 });
-        let (near, far) = (h(k.abs_diff(j)), h(k + j + self.odd));
-        let both = if sine { near - far } else { near + far };
-        if k + self.odd == 0 { both / of(2) } else { both }
+        product(&self.known[m].stiffness, k, j, (self.odd, sine))
     }
 
     /// The places of `D p` in the equation of a place, and their factors: the parts of `l_k z` are
@@ -159,15 +157,6 @@ impl<'a> Equations<'a> {
     /// `v` times the root of the sum of `|l_k|^2` beyond a harmonic.
     fn beyond(&self, l: &[Complex], last: usize) -> Interval {
         of(self.parts.len()).sqrt() * norm(l[last + 1..].iter().map(|l| l.abs()).chain([self.system.beyond()]))
-    }
-
-    /// `|e_nm|` by `m`, of rows beyond the block; 0 for `g`, which has none.
-    fn moduli(&self, n: usize) -> Vec<Interval> {
-        let mut moduli = vec![Interval::ZERO; self.known.len()];
-        if !self.places(n, 1).is_empty() {
-            self.system.coupled(n, 0).into_iter().for_each(|(m, e)| moduli[m] = moduli[m] + e.abs().into());
-        }
-        moduli
     }
 
     /// Left-hand sides less right-hand sides of the equations up to harmonic `last`.
@@ -227,7 +216,7 @@ impl<'a> Terms<'a> {
         let product: Vec<Vec<Interval>> = inverse.iter().map(times_b).collect();
         let reach = |m: usize| it.by_site(&|i| norm(it.at(m).map(|(j, place)| product[i][j] / it.weight(place.1))));
         let reach: Vec<Vec<Interval>> = (0..sites).map(reach).collect();
-        let moduli: Vec<Vec<Interval>> = (0..=sites).map(|n| it.moduli(n)).collect();
+        let moduli: Vec<Vec<Interval>> = (0..=sites).map(|n| it.system.moduli(n)).collect();
         let t = it.beyond(&l, it.block);
         let contact = |n: usize| reach.iter().zip(&moduli[n]).map(|(reach, e)| reach[n] + t * *e).collect();
         let contacts: Vec<Vec<Interval>> = (0..=sites).map(contact).collect();
@@ -335,7 +324,8 @@ pub(super) fn check(
         Multiplier::Growing(rates) => rates.map(Exact::enclosed),
         Multiplier::Doubling { .. } => [Interval::ZERO; 2],
     };
-    let equations = Equations::new((system, known), [(*block).min(BLOCK), *enclosed], multiplier);
+    let block = (*block).min(BLOCK * system.center.periods());
+    let equations = Equations::new((system, known), [block, *enclosed], multiplier);
     let terms = Terms::new(equations, model, Interval::new(rates[0].lo(), rates[1].hi()), changes);
     let constants = terms.z1(model.alpha, go_on)?;
     let refused = |g| Err(Refused::Multiplier { z1: (Interval::ONE - constants[2]).hi(), g });

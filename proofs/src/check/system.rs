@@ -40,10 +40,10 @@ pub(super) struct System {
     pub(super) means: Option<(Vec<Interval>, Interval)>,
     /// Of the infinite chain the first site that has the strains of the background.
     pub(super) background: Option<usize>,
-    /// Whether site 0 is the centre of a site-centred breather.
-    pub(super) centred: bool,
-    /// 1 for what has the symmetry of a breather, so even harmonics only at the centre of a
-    /// site-centred one; -1 for perturbations that the reflection maps to their negative.
+    /// The reflection of a breather; of a wave one that leaves its strains alone.
+    pub(super) center: Center,
+    /// 1 for what has the symmetry of a breather; -1 for perturbations that the reflection maps to
+    /// their negative.
     pub(super) parity: f64,
 }
 
@@ -62,35 +62,33 @@ impl System {
         let resonators = resonators(model, omega, enclosed + 1);
         let row = |a: &[f64]| a.iter().map(|a| Interval::exact(*a)).collect::<Vec<_>>();
         let (mut background, with_mean) = (None, |a: &[f64]| [&[mean], row(a).as_slice()].concat());
-        let (a, means, centred) = match orbit {
+        let (a, means, center) = match orbit {
             Orbit::Wave(wave) => {
                 for (k, (l, slope)) in factors.iter_mut().zip(&mut slopes).enumerate() {
                     let lattice = lattice(wave, k);
                     (*l, *slope) = (*l * lattice, *slope * lattice);
                 }
                 decay = of(4) * decay;
-                (vec![with_mean(&wave.a)], None, false)
+                (vec![with_mean(&wave.a)], None, Center::Bond)
             }
             Orbit::Breather(Breather { sites, center, a }) => {
-                let centred = *center == Center::Site;
-                let alone = if centred { 0 } else { a.len() - 1 };
+                let alone = if *center == Center::Site { 0 } else { a.len() - 1 };
                 let share = |n: usize| of(if n == alone { 1 } else { 2 }) / of(*sites);
                 let means = Some(((0..a.len()).map(share).collect(), mean));
-                (a.iter().map(|a| row(a)).collect(), means, centred)
+                (a.iter().map(|a| row(a)).collect(), means, *center)
             }
             Orbit::Infinite(infinite) => {
-                let centred = infinite.center == Center::Site;
                 background = Some(infinite.a.len());
                 let shifted = |(n, a): (usize, &Vec<f64>)| -> Vec<Interval> {
-                    let odd = (n + usize::from(!centred)) % 2 == 1;
+                    let odd = (n + usize::from(infinite.center == Center::Bond)) % 2 == 1;
                     row(a).into_iter().enumerate().map(|(k, a)| if odd && k % 2 == 1 { -a } else { a }).collect()
                 };
                 let mut a: Vec<Vec<Interval>> = infinite.a.iter().enumerate().map(shifted).collect();
                 a.resize(infinite.section(), with_mean(&infinite.background));
-                (a, None, centred)
+                (a, None, infinite.center)
             }
         };
-        Ok(Self { a, factors, slopes, shift, omega, resonators, decay, means, background, centred, parity: 1.0 })
+        Ok(Self { a, factors, slopes, shift, omega, resonators, decay, means, background, center, parity: 1.0 })
     }
 
     /// Whether it is of a wave, whose mean is no unknown.
@@ -105,8 +103,13 @@ impl System {
 
     /// Whether harmonic `k` of a site is unknown.
     pub(super) fn has(&self, n: usize, k: usize) -> bool {
-        let (fixed, turned) = if self.centred { (0, k % 2 == 1) } else { (self.a.len() - 1, false) };
-        (k > 0 || !self.is_wave()) && (n != fixed || turned == (self.parity < 0.0))
+        let fixed = if self.center == Center::Site { 0 } else { self.a.len() - 1 };
+        (k > 0 || !self.is_wave()) && (n != fixed || self.image(k) > 0.0)
+    }
+
+    /// What the reflection multiplies harmonic `k` by: 1 or -1.
+    fn image(&self, k: usize) -> f64 {
+        if self.center.turns() && k % 2 == 1 { -self.parity } else { self.parity }
     }
 
     /// All values of `l_k`.
@@ -122,23 +125,31 @@ impl System {
 
     /// `e_nm` for harmonic `k`, by `m`; their moduli are largest in sum for `k = 0`.
     ///
-    /// Left of the first site is its image (bond-centred), or that of the next one: half a period
-    /// later, which changes the sign of odd harmonics. Right of the last site is its image, half a
-    /// period later (site-centred), or that of the site before it. Of the infinite chain neighbours
-    /// are shifted by half a period.
+    /// Left of the first site is its image, or that of the next one (site-centred). Right of the
+    /// last site is that of the site before it, or its image (site-centred). Of the infinite chain
+    /// neighbours are shifted by half a period.
     pub(super) fn coupled(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
         if self.is_wave() {
             return vec![(0, 1.0)];
         }
-        let (last, turned) = (self.a.len() - 1, if k % 2 == 1 { -self.parity } else { self.parity });
-        let outside = |site, bond| if self.centred { (site, turned) } else { (bond, self.parity) };
+        let last = self.a.len() - 1;
+        let outside = |site, bond| (if self.center == Center::Site { site } else { bond }, self.image(k));
         let inside = if self.background.is_some() && k % 2 == 1 { -1.0 } else { 1.0 };
         let left = if n > 0 { (n - 1, inside) } else { outside(1, 0) };
         let right = if n < last { (n + 1, inside) } else { outside(last, last - 1) };
         vec![(n, 2.0), (left.0, -left.1), (right.0, -right.1)]
     }
 
-    /// The same for the defect of the cosine sum. At a site of the background the forces of its own
+    /// `sum |e_nm|` by `m`, of all harmonics that a site has; 0 for the row after all sites.
+    pub(super) fn moduli(&self, n: usize) -> Vec<Interval> {
+        let mut moduli = vec![Interval::ZERO; self.a.len()];
+        if n < self.a.len() && (0..2).any(|k| self.has(n, k)) {
+            self.coupled(n, 0).into_iter().for_each(|(m, e)| moduli[m] = moduli[m] + e.abs().into());
+        }
+        moduli
+    }
+
+    /// The same as `coupled` for the defect of the cosine sum. At a site of the background the forces of its own
     /// are taken away: its equation holds with them.
     pub(super) fn defects(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
         let all = self.coupled(n, k);

@@ -26,7 +26,7 @@ use crate::{
     },
     output::Array,
     report::Report,
-    sweep::Engine,
+    sweep::{Engine, map},
 };
 use hertzchain_integrators::collocation::StepControl;
 use hertzchain_proofs::certificate::Certificate;
@@ -284,6 +284,8 @@ impl FollowCommand for Continue {
 
     fn with_options(&self, branch: Branch) -> Result<Branch> {
         self.proving.of_branch(branch.continuation.parameter.name(), Parameter::OmegaB.name())?;
+        let rule = "of orbits of doubled period one is proved, by `breather doubled`, and no branch";
+        require(!self.proving.prove || branch.setting.turns == 1, "prove", true, rule)?;
         stays_dark(&branch.setting, &branch.continuation)?;
         Ok(branch)
     }
@@ -294,15 +296,17 @@ impl FollowCommand for Continue {
 
     fn near(&self, branch: &Branch) -> Result<Vec<Certificate>> {
         let tol = branch.continuation.shooting.tol;
-        let mut near = Vec::new();
-        for (k, orbit) in branch.orbits.iter().enumerate() {
-            near.push(near_breather(orbit, tol)?);
+        let near = |&k: &usize| -> Result<Vec<Certificate>> {
+            let orbit = &branch.orbits[k];
+            let mut near = vec![near_breather(orbit, tol)?];
             let after = |it: &&Bifurcation| it.after == k && it.kind == BifurcationKind::PeriodDoubling;
             for it in branch.bifurcations.iter().filter(after) {
                 near.extend(near_doubling(&it.orbit, tol, orbit.setting.omega_b)?);
             }
-        }
-        Ok(near)
+            Ok(near)
+        };
+        let all = map(&(0..branch.orbits.len()).collect::<Vec<_>>(), near);
+        Ok(all.into_iter().collect::<Result<Vec<_>>>()?.concat())
     }
 }
 
@@ -329,6 +333,8 @@ options! {
             [arg(conflicts_with_all = ["most", "sites", "alpha", "kappa", "rho", "precompression", "formulation", "tol"])];
         /// The ring.
         ring: Ring = Ring::default(), [command(flatten)];
+        /// The proof.
+        proving: Proving = Proving::default(), [command(flatten)];
     }
 }
 
@@ -357,6 +363,7 @@ impl Study for Doubled {
         // Before the main branch is followed, which takes long.
         self.ring.breather(Center::Bond, None, RANGE[0])?;
         self.within_ranges()?;
+        self.proving.file()?;
         Ok(Box::new(move |engine, progress| {
             let half = part(progress, 0.0, 0.5);
             let main = match &self.branch {
@@ -376,7 +383,14 @@ impl Study for Doubled {
             };
             let last = branch.points.last().map(|point| orbit_study(point.orbit.clone(), &self.ring.shooting()));
             let last = last.filter(|last| last.is_ok() || !interrupt::asked()).transpose()?;
-            DoubledStudy { birth, branch, last }.report()
+            let study = DoubledStudy { birth, branch, last };
+            let report = study.report()?;
+            self.proving.added(report, proof::DOUBLED, "", |times| match &study.last {
+                Some(OrbitStudy { orbit, spectrum, shooting, .. }) => {
+                    of_unstable(orbit, spectrum.largest_real(), shooting.tol, times)
+                }
+                None => Ok(None),
+            })
         }))
     }
 }
