@@ -23,6 +23,41 @@ pub(super) struct Formats {
     format: Vec<Format>,
 }
 
+/// The formats of the pictures of a run.
+#[derive(Args, Clone, Debug)]
+pub(super) struct RunFormats {
+    /// Formats of pictures, separated by commas: png, svg; and gif for a film
+    ///
+    /// gif draws film.gif: beads that move, their contacts lit, and the strain below, a frame for
+    /// each sample at 25 frames a second; of more than 250 samples every second, third, .. is a
+    /// frame. Displacements are exaggerated, as the film says. Of more than 100 beads it shows those
+    /// about the largest overlap.
+    #[arg(
+        long,
+        value_name = "F,..",
+        value_delimiter = ',',
+        value_parser = ["png", "svg", FILM],
+        default_value = "png",
+        hide_short_help = true
+    )]
+    format: Vec<String>,
+}
+
+/// The format of films.
+const FILM: &str = "gif";
+
+impl RunFormats {
+    /// Whether a film is asked for.
+    pub(super) fn film(&self) -> bool {
+        self.format.iter().any(|name| name == FILM)
+    }
+
+    /// The formats of pictures that are asked for.
+    pub(super) fn pictures(&self) -> Formats {
+        Formats { format: self.format.iter().filter_map(|name| name.parse().ok()).collect() }
+    }
+}
+
 impl Formats {
     /// The formats that are asked for, each once.
     pub(super) fn chosen(&self) -> impl Iterator<Item = Format> {
