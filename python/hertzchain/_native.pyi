@@ -121,6 +121,7 @@ def run(
     seen: Callable[[float, _V], Any] | None,
     told: Callable[[float, _V], Any] | None,
 ) -> tuple[dict[str, Any], BaseException | None]: ...
+def film(scene: Scene, how: str, t: _V, u: _V, v: _V | None, si: bool) -> bytes: ...
 def run_many(
     scenes: list[Scene],
     *,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -330,6 +331,29 @@ class Trajectory(Arrays):
         ax.set(xlabel="bond", ylabel="time t" + (" (s)" if self.si else ""))
         ax.figure.colorbar(picture, ax=ax, label="strain" + (" (m)" if self.si else "") + ", negative in contacts", extend="max")
         return ax
+
+    def animate(self, path: str | os.PathLike[str]) -> None:
+        """Draw a film: beads that move, their contacts lit, and the strain below.
+
+        A frame for each sample, at 25 frames a second; of more than 250 samples every second,
+        third, .. is a frame. Displacements are exaggerated, as the caption says. Of more than 100
+        beads the film shows those about the largest overlap.
+
+        Parameters
+        ----------
+        path : path-like
+            The file, an animated GIF.
+
+        Raises
+        ------
+        ParameterError
+            Fewer than two samples.
+        """
+        beads, resonators = (self._array(name) for name in self._names[:2])
+        how = f"Integrator {self.integrator}, {self.setting}."
+        gif = _native.film(self._scene._scene, how, self.t, beads, resonators, self.si)
+        with open(path, "wb") as file:
+            file.write(gif)
 
 
 def scene_of(what: Scene | Chain, y0: Any, until: float | None, t0: float | None = None) -> Scene:

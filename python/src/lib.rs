@@ -28,7 +28,7 @@ mod _native {
     #[pymodule_export]
     use crate::{
         integrators, program,
-        run::{run, run_many},
+        run::{film, run, run_many},
         scene::{Scene, check_chain, scenes},
         studies::{Report, load_branch, modes, monodromy, study},
         theory::{Bright, Wave, averages, flow, wave_of},

@@ -11,11 +11,14 @@ use hertzchain::{
     cli::in_python,
     run::Records,
     scene::{Quantity, Units},
-    study::{MethodChoice, MethodRequest, ResultUnits, contact_in_si, in_units, state_in_si},
+    study::{self, FilmSample, MethodChoice, MethodRequest, ResultUnits, contact_in_si, in_units, state_in_si},
     sweep::start_all,
 };
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1, prelude::*};
-use pyo3::{prelude::*, types::PyDict};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, prelude::*};
+use pyo3::{
+    prelude::*,
+    types::{PyBytes, PyDict},
+};
 use std::{
     cell::RefCell,
     sync::{
@@ -171,6 +174,26 @@ fn prepared(
     let units = ResultUnits { dimensionless }.of(scene);
     let rows = Rows::new(scene.chain(), count, states, units.map_or(1.0, |units| units.mass_kg));
     Ok(Prepared { how, run, units, rows })
+}
+
+/// The film of a run as the bytes of a GIF file; `v` is `None` without resonators that move.
+#[pyfunction]
+pub(crate) fn film<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    how: &str,
+    t: PyReadonlyArray1<'py, f64>,
+    u: PyReadonlyArray2<'py, f64>,
+    v: Option<PyReadonlyArray2<'py, f64>>,
+    si: bool,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let (scene, t, u) = (&scene.0, t.as_slice()?, u.as_slice()?);
+    let (sites, v) = (scene.chain().sites(), v.as_ref().map_or(Ok(&[][..]), |v| v.as_slice())?);
+    let row = |k: usize| k * sites..(k + 1) * sites;
+    let samples: Vec<FilmSample<'_>> =
+        t.iter().enumerate().map(|(k, t)| (*t, &u[row(k)], v.get(row(k)).unwrap_or_default())).collect();
+    let units = scene.units().filter(|_| si);
+    Ok(PyBytes::new(py, &study::film(scene, how, &samples, units).or_raise(py)?))
 }
 
 /// Runs scenes, each as by [`run`] with the same bits, on all cores; those that differ in their

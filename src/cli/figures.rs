@@ -328,14 +328,14 @@ mod tests {
         let folder = Folder::create(folder.path()).unwrap();
         let engine = Engine::in_turn().keeping(&folder);
         let args = CommandLine::parse_from(["figures"]).args;
-        let names = ["homoclinics", "dps-dark", "exact-wave"];
+        let names = ["homoclinics", "barrier", "exact-wave"];
         let chosen = names.map(|name| Figure::named(name).unwrap());
         let made = Mutex::new(Vec::new());
         let make = |figure: &Figure, _: &FiguresArgs, _: &(dyn Fn(f64) + Sync)| {
             made.lock().unwrap().push(figure.name);
             match figure.name {
                 "homoclinics" => panic!("on purpose"),
-                "dps-dark" => Err(Error::parameter("size", 7, "smaller")),
+                "barrier" => Err(Error::parameter("size", 7, "smaller")),
                 name => Ok(small(name)),
             }
         };

@@ -26,27 +26,33 @@ pub(super) struct Formats {
 /// The formats of a run.
 #[derive(Args, Clone, Debug)]
 pub(super) struct RunFormats {
-    /// Formats of pictures, separated by commas: png, svg; and mat for arrays.
+    /// Formats of pictures, separated by commas: png, svg; gif for a film; mat for arrays
     ///
-    /// mat writes each NPZ file also as a MAT file of version 5, for MATLAB and Octave.
+    /// gif draws film.gif: beads that move, their contacts lit, and the strain below, a frame for
+    /// each sample at 25 frames a second; of more than 250 samples every second, third, .. is a
+    /// frame. Displacements are exaggerated, as the film says. Of more than 100 beads it shows those
+    /// about the largest overlap. mat writes each NPZ file also as a MAT file of version 5, for
+    /// MATLAB and Octave.
     #[arg(
         long,
         value_name = "F,..",
         value_delimiter = ',',
-        value_parser = ["png", "svg", MAT],
+        value_parser = ["png", "svg", FILM, MAT],
         default_value = "png",
         hide_short_help = true
     )]
     format: Vec<String>,
 }
 
+/// The format of films.
+pub(super) const FILM: &str = "gif";
 /// The format of arrays.
-const MAT: &str = "mat";
+pub(super) const MAT: &str = "mat";
 
 impl RunFormats {
-    /// Whether MAT files are asked for.
-    pub(super) fn mat(&self) -> bool {
-        self.format.iter().any(|name| name == MAT)
+    /// Whether a format is asked for.
+    pub(super) fn has(&self, format: &str) -> bool {
+        self.format.iter().any(|name| name == format)
     }
 
     /// The formats of pictures that are asked for.

@@ -7,6 +7,11 @@ use super::{
     runner::{MPI, Runs},
     say,
 };
+#[cfg(feature = "plot")]
+use {
+    super::formats::{FILM, MAT},
+    crate::error::require,
+};
 use crate::{
     error::{Error, Result},
     output::{Folder, to_json},
@@ -68,6 +73,13 @@ impl Runs for RunArgs {
             return print(&text).map(|()| DONE);
         }
         how.takes(&scene, &parts)?;
+        #[cfg(feature = "plot")]
+        if self.formats.has(FILM) {
+            let needs = |met: bool, rule| require(met, "format", FILM, rule);
+            needs(self.out.is_some(), "a film is written to the folder of --out")?;
+            needs(scene.samples() > 0, "a film needs samples: --samples K, of which 250 make ten seconds")?;
+            needs(scene.selection().is_none(), "a film needs the whole chain, and [record] keeps a part of it")?;
+        }
         if let Some(interval) = self.checkpoint {
             let long = how.in_legs(scene, self.events, interval, parts)?;
             let folder = Folder::own(self.out.as_deref().unwrap_or(".".as_ref()), None)?;
@@ -160,8 +172,13 @@ fn report(
     if let Some(folder) = folder {
         let in_legs = args.checkpoint.is_some() || args.resume.is_some();
         #[cfg(feature = "plot")]
-        let (pictures, in_mat) =
-            (study::run_pictures(&ran).and_then(|all| args.formats.pictures().files(&all)), args.formats.mat());
+        let (pictures, in_mat) = (
+            study::run_pictures(&ran).and_then(|all| args.formats.pictures().files(&all)).and_then(|mut all| {
+                all.extend(args.formats.has(FILM).then(|| study::run_film(&ran)).transpose()?);
+                Ok(all)
+            }),
+            args.formats.has(MAT),
+        );
         #[cfg(not(feature = "plot"))]
         let (pictures, in_mat): (Result<Vec<_>>, bool) = (Ok(Vec::new()), false);
         study::run_files(folder, &ran, pictures.as_deref().unwrap_or_default(), [in_legs, in_mat])?;

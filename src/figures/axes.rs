@@ -395,6 +395,11 @@ impl Axes {
         canvas.image((self.frame.x0 as u32, self.frame.y0 as u32), self.frame.width() as usize, pixels);
     }
 
+    /// The value in the middle of the ordinate.
+    pub(super) fn middle(&self) -> f64 {
+        self.y.value(0.5)
+    }
+
     /// The position of a point on the canvas; `None` if an axis cannot show it.
     pub(super) fn place(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
         let (x, y) = (self.x.place(x)?, self.y.place(y)?);

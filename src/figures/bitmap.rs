@@ -13,16 +13,15 @@ use super::canvas::{CAPITALS, FINE, FONT, Label, Shape, layout};
 use super::palette::Rgb;
 use super::picture::Picture;
 
-/// The PNG file, with the caption as a text chunk.
+/// The PNG file, with title and caption as text chunks.
 pub(super) fn png(picture: &Picture) -> Result<Vec<u8>, Error> {
     let mut bitmap = Bitmap::new(picture.size);
-    picture.shapes.iter().try_for_each(|shape| bitmap.draw(shape))?;
-    let caption = Some(picture.caption.as_str());
-    encoded(picture.size, &bitmap.averaged(), caption)
+    bitmap.draw_all(picture)?;
+    encoded(picture.size, &bitmap.averaged(), Some([&picture.title, &picture.caption]))
 }
 
-/// Pixels as a PNG file.
-pub(super) fn encoded((width, height): (u32, u32), pixels: &[u8], caption: Option<&str>) -> Result<Vec<u8>, Error> {
+/// Pixels as a PNG file, with title and caption.
+pub(super) fn encoded((width, height): (u32, u32), pixels: &[u8], words: Option<[&str; 2]>) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
@@ -30,8 +29,9 @@ pub(super) fn encoded((width, height): (u32, u32), pixels: &[u8], caption: Optio
     encoder.set_compression(png::Compression::Balanced);
     // Without a filter flat colours repeat, which compresses best.
     encoder.set_filter(png::Filter::NoFilter);
-    if let Some(caption) = caption {
+    if let Some([title, caption]) = words {
         encoder.add_text_chunk("Software".into(), crate::output::PROGRAM.into()).map_err(encoding)?;
+        encoder.add_itxt_chunk("Title".into(), title.into()).map_err(encoding)?;
         encoder.add_itxt_chunk("Description".into(), caption.into()).map_err(encoding)?;
     }
     let mut writer = encoder.write_header().map_err(encoding)?;
@@ -48,19 +48,25 @@ fn snapped((x, y): (f64, f64)) -> (f64, f64) {
 }
 
 /// The fine pixels of a picture.
-struct Bitmap {
+#[derive(Clone)]
+pub(super) struct Bitmap {
     size: (u32, u32),
     fine: Vec<u8>,
 }
 
 impl Bitmap {
     /// A white bitmap.
-    fn new(size: (u32, u32)) -> Self {
+    pub(super) fn new(size: (u32, u32)) -> Self {
         Self { size, fine: vec![255; (size.0 * size.1 * FINE * FINE * 3) as usize] }
     }
 
     fn backend(&mut self) -> BitMapBackend<'_> {
         BitMapBackend::with_buffer(&mut self.fine, (self.size.0 * FINE, self.size.1 * FINE))
+    }
+
+    /// Draws the shapes of a picture.
+    pub(super) fn draw_all(&mut self, picture: &Picture) -> Result<(), Error> {
+        picture.shapes.iter().try_for_each(|shape| self.draw(shape))
     }
 
     fn draw(&mut self, shape: &Shape) -> Result<(), Error> {
@@ -167,7 +173,7 @@ impl Bitmap {
     }
 
     /// The picture in its final size: each pixel is the mean of its fine pixels.
-    fn averaged(&self) -> Vec<u8> {
+    pub(super) fn averaged(&self) -> Vec<u8> {
         let (f, width) = (FINE as usize, self.size.0 as usize);
         let block = 3 * f;
         let mut means = Vec::with_capacity(3 * width * self.size.1 as usize);

@@ -2,7 +2,7 @@
 
 use super::axes::{Axis, LINE};
 use super::canvas::{Canvas, LABEL, Rect, SMALL, wrap};
-use super::palette::{BEYOND, INK, Rgb};
+use super::palette::{INK, Rgb};
 use super::usable;
 
 /// Width of the bar, in pixels.
@@ -14,8 +14,8 @@ const TIP: f64 = 13.0;
 pub(super) struct ColourBar {
     axis: Axis,
     label: Vec<String>,
-    /// Whether some values lie beyond the upper end.
-    beyond: bool,
+    /// The colour of values beyond the upper end, if there are some.
+    beyond: Option<Rgb>,
 }
 
 impl ColourBar {
@@ -26,11 +26,11 @@ impl ColourBar {
 
     pub(super) fn along(mut axis: Axis, label: &str, height: f64) -> Self {
         axis.tick(height - 80.0, true);
-        Self { axis, label: wrap(label, LABEL, height - 120.0), beyond: false }
+        Self { axis, label: wrap(label, LABEL, height - 120.0), beyond: None }
     }
 
-    /// The bar with a tip for values beyond its upper end, if there are some.
-    pub(super) fn tipped(self, beyond: bool) -> Self {
+    /// The bar with a tip of this colour for values beyond its upper end, if there are some.
+    pub(super) fn tipped(self, beyond: Option<Rgb>) -> Self {
         Self { beyond, ..self }
     }
 
@@ -50,10 +50,11 @@ impl ColourBar {
         let pixels: Vec<Rgb> = column.flat_map(|value| [colour(value); WIDTH]).collect();
         canvas.image((strip.x0 as u32, strip.y0 as u32), WIDTH, pixels);
         canvas.border(&strip, INK);
-        if self.beyond {
-            let tip =
-                [(strip.x0, strip.y0 - 1.0), (strip.x1, strip.y0 - 1.0), (x0 + 0.5 * WIDTH as f64, strip.y0 - TIP)];
-            canvas.polygon(&tip, BEYOND);
+        if let Some(beyond) = self.beyond {
+            let [left, right] = [strip.x0, strip.x1].map(|x| (x, strip.y0 - 1.0));
+            let top = (x0 + 0.5 * WIDTH as f64, strip.y0 - TIP);
+            canvas.polygon(&[left, right, top], beyond);
+            canvas.line(&[left, top, right], INK, 1.0, &[]);
         }
         for (place, label) in &self.axis.ticks {
             let y = strip.y1 - place * strip.height();

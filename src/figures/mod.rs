@@ -14,17 +14,19 @@
 //! | positive numbers against two positive parameters, in cells | [`maps()`] |
 //! | positive numbers for named rows and columns, in cells | [`matrix()`] |
 //! | growth rates: curves, measured points, a map | [`growth()`] |
+//! | beads that move, as an animated GIF | [`film()`] |
 //!
 //! Texts are set with subscripts, superscripts and powers of ten: `ω_b`, `ε^(1−α)`, `1e-9`.
 //!
-//! The caption is drawn below the axes. The file also holds the whole caption, as the text chunk
-//! `Description` of PNG or the element `desc` of SVG, so that a picture without its page says how
-//! it was made.
+//! The caption is drawn below the axes. The file also holds title and whole caption, as the text
+//! chunks `Title` and `Description` of PNG or the elements `title` and `desc` of SVG, so that a
+//! picture without its page says how it was made.
 
 mod axes;
 mod bitmap;
 mod canvas;
 mod colour_bar;
+pub mod film;
 pub mod growth;
 mod guide;
 mod legend;
@@ -46,6 +48,7 @@ pub use crate::report::{
     Point, Raster, SpaceTime, WorkPrecision,
 };
 pub use canvas::missing_glyphs;
+pub use film::{FILM_SIZE, Film, LIT, Moment, film};
 pub use growth::growth;
 pub use maps::maps;
 pub use matrix::matrix;

@@ -19,8 +19,9 @@ pub const GREY: Rgb = (95, 95, 95);
 pub const GRID: Rgb = (226, 226, 226);
 /// Cells and pixels without a value.
 pub const ABSENT: Rgb = (160, 160, 160);
-/// Values beyond the end of a scale; on no scale of colours.
-pub const BEYOND: Rgb = (214, 0, 147);
+/// Values beyond the end of a scale without and with signs; on neither scale of colours. The first
+/// is lighter than all of [`magnitude`], as those who confuse hues see.
+pub const BEYOND: [Rgb; 2] = [PAPER, (214, 0, 147)];
 /// Kinds of cells that have no place on the scale of colours.
 pub const APART: [Rgb; 2] = [(222, 222, 222), (246, 196, 206)];
 

@@ -17,8 +17,10 @@ const MARKED: usize = 200;
 const DENSE: usize = 1000;
 /// Height of a panel with an inset or with a cloud of points, in rows.
 const HIGH: f64 = 1.7;
-/// Radius of the markers of a cloud, in pixels.
+/// Radius of the markers of a cloud of more than a few points, in pixels.
 const SMALL_MARKER: f64 = 2.4;
+/// Most points of a cloud with larger markers.
+const FEW: usize = 12;
 /// Least half width of the part of the complex plane that is shown, about the unit circle.
 const PLANE: f64 = 1.15;
 /// Height in pixels that the page gains for each row of panels above two.
@@ -72,8 +74,16 @@ impl Panel {
         lines.chain(bands).filter(shown)
     }
 
-    fn style(&self, nth: usize) -> Style {
-        match self.lines.get(nth).map_or(0, |line| line.points.len()) {
+    /// The styles of the lines: dense ones look alike in all panels that have lines of these names.
+    fn styles<'a>(&self, all: impl Iterator<Item = &'a Panel>) -> Vec<Style> {
+        let names = |panel: &Panel| panel.lines.iter().map(|line| line.name.clone()).collect::<Vec<_>>();
+        let like: Vec<&Panel> = all.filter(|other| names(other) == names(self)).collect();
+        let most = |nth: usize| like.iter().filter_map(|panel| Some(panel.lines.get(nth)?.points.len())).max();
+        (0..self.lines.len().max(self.bands.len())).map(|nth| self.style(nth, most(nth).unwrap_or(0))).collect()
+    }
+
+    fn style(&self, nth: usize, most: usize) -> Style {
+        match most {
             _ if self.kind.cloud() => Style::of_family(nth, nth),
             ..=MARKED if self.kind == Kind::Sites => Style::of_profile(nth),
             ..=MARKED if matches!(self.kind, Kind::LogLog | Kind::Parameter | Kind::LogParameter) => {
@@ -153,9 +163,12 @@ pub fn panels(figure: &Panels) -> Result<Picture, Error> {
             match plot {
                 Plot::Map(map) => space_time::draw(&mut canvas, Rect { x1: area.x1 - 12.0, ..area }, map)?,
                 Plot::Panel(panel) => {
-                    let like = |other: &&Panel| (other.kind, &other.x_label) == (panel.kind, &panel.x_label);
-                    let same = column.panels.iter().filter_map(Plot::panel).filter(like);
-                    draw(&mut canvas, area, panel, panel.abscissa(same.flat_map(Panel::points)))?;
+                    let scale = |panel: &Panel| (panel.kind.log_abscissa(), panel.x_label.clone());
+                    let like = |other: &&Panel| scale(other) == scale(panel);
+                    let same = || column.panels.iter().filter_map(Plot::panel).filter(like);
+                    let first = same().next().unwrap_or(panel);
+                    let x = first.abscissa(same().flat_map(Panel::points));
+                    draw(&mut canvas, area, panel, x, &panel.styles(all()))?;
                 }
             }
             top += height;
@@ -164,9 +177,9 @@ pub fn panels(figure: &Panels) -> Result<Picture, Error> {
     Ok(canvas.picture(&figure.caption))
 }
 
-fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis) -> Result<(), Error> {
-    let lines = panel.lines.iter().enumerate().map(|(nth, line)| (line, panel.style(nth)));
-    let bands = panel.bands.iter().enumerate().map(|(nth, band)| (band, palette::pale(panel.style(nth).colour)));
+fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis, styles: &[Style]) -> Result<(), Error> {
+    let lines = panel.lines.iter().zip(styles.iter().copied());
+    let bands = panel.bands.iter().zip(styles).map(|(band, style)| (band, palette::pale(style.colour)));
     let cloud = panel.kind.cloud();
     let entry = |(line, style): (&Line, Style)| {
         if cloud { Entry::mark(&line.name, style) } else { Entry::line(&line.name, style) }
@@ -176,6 +189,8 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis) -> Result<(), E
     let area = titled(canvas, area, &panel.title);
     let mut entries: Vec<_> = named.map(entry).collect();
     entries.extend(bands.clone().map(|(band, colour)| Entry::band(&band.name, colour)));
+    let marked = Style { colour: GREY, dash: &[6.0, 4.0], marker: None };
+    entries.extend(panel.mark.iter().map(|(name, _)| Entry::line(name, marked)));
     let area = legend::above(canvas, area, &entries)?;
     let (x, y) = ((x, panel.x_label.as_str()), (panel.ordinate(), panel.y_label.as_str()));
     let axes = if panel.kind == Kind::Plane {
@@ -186,6 +201,10 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis) -> Result<(), E
     } else {
         Axes::draw(canvas, area, x, y, true)?
     };
+    let places = panel.mark.iter().flat_map(|(_, places)| places).filter_map(|&x| axes.place((x, axes.middle())));
+    for (x, _) in places.filter(|(x, _)| (axes.frame.x0..=axes.frame.x1).contains(x)) {
+        canvas.line(&[(x, axes.frame.y0), (x, axes.frame.y1)], GREY, 1.4, marked.dash);
+    }
     for (band, colour) in bands {
         axes.fill(canvas, &band.points, colour);
     }
@@ -194,11 +213,15 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis) -> Result<(), E
             axes.join(canvas, &line.points, &style);
         }
         for at in line.points.iter().filter_map(|&point| axes.place(point)) {
-            if cloud { mark_of(canvas, &style, at, false, SMALL_MARKER) } else { mark(canvas, &style, at, false) }
+            if cloud && line.points.len() > FEW {
+                mark_of(canvas, &style, at, false, SMALL_MARKER);
+            } else {
+                mark(canvas, &style, at, false);
+            }
         }
     }
     axes.close(canvas);
-    panel.inset.as_ref().map_or(Ok(()), |inset| draw_inset(canvas, &axes.frame, panel, inset))
+    panel.inset.as_ref().map_or(Ok(()), |inset| draw_inset(canvas, &axes.frame, panel, inset, styles))
 }
 
 /// Draws a title over axes, and returns the rest of the area.
@@ -210,7 +233,7 @@ fn titled(canvas: &mut Canvas, area: Rect, title: &str) -> Rect {
     Rect { y0: area.y0 + 1.5 * SMALL, ..area }
 }
 
-fn draw_inset(canvas: &mut Canvas, frame: &Rect, panel: &Panel, inset: &Inset) -> Result<(), Error> {
+fn draw_inset(canvas: &mut Canvas, frame: &Rect, panel: &Panel, inset: &Inset, styles: &[Style]) -> Result<(), Error> {
     let Some(line) = panel.lines.get(inset.line).filter(|_| !panel.kind.log_ordinate()) else {
         return Err(Error(format!("no line {} on linear axes for an inset", inset.line)));
     };
@@ -224,7 +247,7 @@ fn draw_inset(canvas: &mut Canvas, frame: &Rect, panel: &Panel, inset: &Inset) -
     let enlarged = Panel { kind: panel.kind, lines: vec![line.clone()], ..Panel::default() };
     let x = (enlarged.abscissa(panel.points()), "");
     let axes = Axes::draw_bare(canvas, area, x, (enlarged.ordinate(), &inset.label))?;
-    axes.join(canvas, &line.points, &panel.style(inset.line));
+    axes.join(canvas, &line.points, &styles[inset.line]);
     axes.close(canvas);
     Ok(())
 }

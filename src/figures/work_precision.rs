@@ -38,15 +38,17 @@ pub fn work_precision(figure: &WorkPrecision) -> Result<Picture, Error> {
         if let Some(name) = figure.families.get(family) {
             entries.push(Entry::heading(name, colour));
         }
-        for (nth, curve) in figure.curves.iter().filter(|curve| curve.family == family).enumerate() {
-            let style = Style { colour, ..Style::of_family(family, nth) };
+        let its = figure.curves.iter().enumerate().filter(|(_, curve)| curve.family == family);
+        for (nth, (index, curve)) in its.enumerate() {
+            let shown = figure.lit.is_empty() || figure.lit.contains(&index);
+            let style = Style { colour: if shown { colour } else { palette::ABSENT }, ..Style::of_family(family, nth) };
             let note = match curve.slope {
                 _ if !curve.points.iter().any(Point::drawable) => ", no point".into(),
                 Some(slope) if slope.is_finite() => format!(", order {slope:.1}").replace('-', "−"),
                 _ => String::new(),
             };
             entries.push(Entry::line(&format!("{}{note}", curve.name), style));
-            styled.push((curve, style));
+            styled.push((curve, style, shown));
         }
     }
     if floor.is_some() || drawable().any(|point| point.below_reference) {
@@ -74,7 +76,9 @@ pub fn work_precision(figure: &WorkPrecision) -> Result<Picture, Error> {
     for (order, label) in &figure.guides {
         guide::draw(&mut canvas, &axes, middle, (*order, label), &mut avoid)?;
     }
-    for (curve, style) in styled {
+    // Curves in colour are drawn over the grey ones.
+    styled.sort_by_key(|(.., shown)| *shown);
+    for (curve, style, _) in styled {
         let points: Vec<_> = curve.points.iter().filter(|point| point.drawable()).collect();
         let line: Vec<_> = points.iter().map(|point| (point.work, point.error)).collect();
         axes.join(&mut canvas, &line, &style);

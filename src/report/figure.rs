@@ -17,6 +17,13 @@ impl Line {
     pub fn new(name: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         Self { name: name.to_owned(), points: points.into_iter().collect() }
     }
+
+    /// The line over sites with the sign of odd sites changed, `(-1)^n x_n`: what alternates from
+    /// site to site becomes its envelope.
+    pub(crate) fn staggered(mut self) -> Self {
+        self.points.iter_mut().filter(|(n, _)| n.rem_euclid(2.0) == 1.0).for_each(|(_, x)| *x = -*x);
+        self
+    }
 }
 
 /// Columns of panels.
@@ -95,6 +102,8 @@ pub struct Panel {
     /// A smaller pair of axes in the upper left corner; the range of the ordinate is extended
     /// upwards to make room for it.
     pub inset: Option<Inset>,
+    /// Abscissas that are marked by upright lines, with their name in the legend.
+    pub mark: Option<(String, Vec<f64>)>,
 }
 
 impl Panel {
@@ -166,6 +175,8 @@ pub struct WorkPrecision {
     pub families: Vec<String>,
     /// The family that is a yardstick and drawn in grey, by index.
     pub grey: Option<usize>,
+    /// The curves that are in colour, by index, while the others are grey; all, if none is named.
+    pub lit: Vec<usize>,
     /// Orders to compare with and their labels, drawn as thin dashed lines through the middle of
     /// the points.
     pub guides: Vec<(f64, String)>,

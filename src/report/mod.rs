@@ -122,6 +122,19 @@ impl Report {
         self
     }
 
+    /// Marks abscissas in all panels of its pictures.
+    #[must_use]
+    pub(crate) fn marked(mut self, name: &str, places: &[f64]) -> Self {
+        for (_, figure) in &mut self.pictures {
+            let Figure::Panels(figure) = figure else { continue };
+            for plot in figure.columns.iter_mut().flat_map(|column| &mut column.panels) {
+                let Plot::Panel(panel) = plot else { continue };
+                panel.mark = Some((name.to_owned(), places.to_vec()));
+            }
+        }
+        self
+    }
+
     /// A file with a format of its own; in place of `NAME.json` or `NAME.npz`, if it has this name.
     #[must_use]
     pub fn file(mut self, name: &str, bytes: Vec<u8>) -> Self {

@@ -335,7 +335,8 @@ impl BarrierStudy {
             })
         });
         format!(
-            "{}, N = {}: energy of the bond-centred breather less that of the site-centred one, at the same action and \
+            "{}, N = {}. Energies of kinks over the energy e of the background per site; differences over the energy of the \
+             site-centred kink. Energy of the bond-centred breather less that of the site-centred one, at the same action and \
              length {} and {}. {}",
             params_words(ring.params.into()),
             ring.sites,
@@ -372,8 +373,8 @@ impl BarrierStudy {
         Column::new(
             format!("ρ = {}", format_parameter(self.options.ring.params.rho)),
             [
-                Panel::new(linear, ["ω_b", "energy of a kink / e"], energies),
-                Panel::new(logarithmic, ["ω_b", "bond − site, share of kink"], differences),
+                Panel::new(linear, ["ω_b", "energy of the kink / e"], energies),
+                Panel::new(logarithmic, ["ω_b", "(bond − site) / |kink|"], differences),
                 table.panel(linear, ["ω_b", "largest |λ|"], "omega_b", &moduli),
             ],
         )

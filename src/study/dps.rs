@@ -8,7 +8,7 @@ use crate::{
     report::{
         Column,
         Digits::{Fixed, Power, Short},
-        Kind, Line, Panels, Report, Table, number,
+        Kind, Line, Panel, Panels, Report, Table, number,
     },
 };
 use serde_json::json;
@@ -238,10 +238,15 @@ fn dark_report(profile: &DarkProfile, omega_b: f64, mu: f64, [x, y]: [Vec<f64>; 
     let strains = x.iter().zip(&y);
     let sites = profile.sites().zip(strains).map(|(n, (x, y))| (n, [profile.a(n), profile.b(n), *x, *y]));
     let table = dark_table(&sites.collect::<Vec<Site>>());
-    let panel = |label: &str, column| table.panel(Kind::Sites, ["site n", label], "n", &[(label, column)]);
+    let panel = |label: &str, line| Panel::new(Kind::Sites, ["site n", label], vec![line]);
+    let line = |label: &str, column| table.line(label, ["n", column]);
+    let staggered = |label: &str, column| {
+        let label = format!("(−1)ⁿ {label}");
+        panel(&label, line(&label, column).staggered())
+    };
     let columns = vec![
-        Column::new("standing wave at μ = 1", [panel("aₙ", "a"), panel("bₙ", "b")]),
-        Column::new("breather at rest", [panel("strain xₙ", "x"), panel("strain yₙ", "y")]),
+        Column::new("standing wave at μ = 1", [staggered("aₙ", "a"), panel("bₙ", line("bₙ", "b"))]),
+        Column::new("breather at rest", [staggered("strain xₙ", "x"), staggered("strain yₙ", "y")]),
     ];
     let center = center_word(profile.center());
     let caption = format!(

@@ -489,11 +489,15 @@ impl EndDrivenStudy {
             if kinked.is_empty() {
                 continue;
             }
-            let mut lines = stability_lines(&kinked, |(case, one)| relative(case, one), |(_, one)| Some(one.stable()));
-            for line in &mut lines {
-                line.name = format!("N = {sites}, {}", line.name);
-            }
-            branches.push(Panel::new(Kind::Cloud, ["drive amplitude a", "background B/Kₓ"], lines));
+            let of = |omega: &f64| {
+                let its: Vec<_> = kinked.iter().filter(|(case, _)| case.omega == *omega).copied().collect();
+                let mut lines = stability_lines(&its, |(case, one)| relative(case, one), |(_, one)| Some(one.stable()));
+                lines.iter_mut().for_each(|line| line.name = format!("ω_d = {omega}, {}", line.name));
+                lines
+            };
+            let lines = self.options.omegas.iter().flat_map(of).filter(|line| !line.points.is_empty()).collect();
+            let panel = Panel::new(Kind::Cloud, ["drive amplitude a", "background B/Kₓ"], lines);
+            branches.push(Panel { title: format!("N = {sites}"), ..panel });
         }
         let strongest = self.cases.iter().filter_map(|case| Some((case, case.best()?)));
         let strongest = largest_by(strongest, |(case, one)| one.background / case.free);
@@ -515,7 +519,7 @@ impl EndDrivenStudy {
         }
         let caption = format!(
             "Left: background B of the orbits with a kink in the middle, over Kₓ of the conservative dark breather of the same \
-             frequency, all frequencies together.{best} Searched: {}.",
+             frequency.{best} Searched: {}.",
             searched(&self.options)
         );
         Panels { title: "Chains driven at both ends".to_owned(), columns, caption }

@@ -29,6 +29,7 @@ fn diagram(curves: usize) -> WorkPrecision {
         caption: CAPTION.into(),
         families: ["Splittings", "Runge–Kutta", "Exponential", "Event-aware"].map(String::from).into(),
         grey: None,
+        lit: vec![],
         guides: vec![],
     }
 }
@@ -579,10 +580,11 @@ fn kinds_of_cells_off_the_scale_have_colours_of_their_own() {
 
 #[test]
 fn values_beyond_the_scale_are_marked_on_the_map_and_above_the_bar() {
+    let figure = |signed, most| SpaceTime { signed, most, ..map(vec![0.0, 0.2, 0.4, 1.0], 2) };
+    let is = |pixel: [u8; 3], signed: bool| (pixel[0], pixel[1], pixel[2]) == BEYOND[usize::from(signed)];
     let marked = |most: Option<f64>| {
-        let figure = SpaceTime { signed: false, most, ..map(vec![0.0, 0.2, 0.4, 1.0], 2) };
-        let (pixels, _) = decode(&space_time(&figure).unwrap());
-        let places = (0..pixels.len()).filter(|&k| pixels[k] == [BEYOND.0, BEYOND.1, BEYOND.2]);
+        let (pixels, _) = decode(&space_time(&figure(true, most)).unwrap());
+        let places = (0..pixels.len()).filter(|&k| is(pixels[k], true));
         places.partition::<Vec<usize>, _>(|k| k % (SIZE.0 as usize) < 1070)
     };
     let (on_map, on_bar) = marked(Some(0.5));
@@ -590,6 +592,10 @@ fn values_beyond_the_scale_are_marked_on_the_map_and_above_the_bar() {
     assert!((100_000..160_000).contains(&on_map.len()), "{}", on_map.len());
     assert!((60..140).contains(&on_bar.len()), "{}", on_bar.len());
     assert!(marked(None).0.is_empty() && marked(Some(2.0)).1.is_empty());
+    // Without signs values beyond are lighter than the scale, which is that of viridis.
+    let light = |most| inside(&space_time(&figure(false, most)).unwrap()).concat();
+    let beyond = light(Some(0.5)).into_iter().filter(|&pixel| is(pixel, false)).count();
+    assert!((100_000..160_000).contains(&beyond) && light(None).into_iter().all(|pixel| !is(pixel, false)), "{beyond}");
 }
 
 // Measured: 7 pixels at most. A label at the edge of the page would be 40 away.

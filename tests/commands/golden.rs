@@ -156,7 +156,7 @@ fn fingerprint(name: &str, text: &str) -> String {
 }
 
 /// Size and a coarse image of a picture: mean brightness of eight by eight fields, from 0 to 15.
-fn picture(bytes: &[u8]) -> String {
+pub(super) fn picture(bytes: &[u8]) -> String {
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut pixels).unwrap();
@@ -229,7 +229,7 @@ fn answer(line: &str, folder: &Path) -> String {
 }
 
 /// Where two answers differ: the words and numbers there.
-fn difference(old: &str, new: &str) -> Option<String> {
+pub(super) fn difference(old: &str, new: &str) -> Option<String> {
     let (a, b) = (tokens(old), tokens(new));
     for (at, (old, new)) in a.iter().zip(&b).enumerate() {
         let same = match (old, new) {

@@ -13,7 +13,7 @@ use hertzchain::{
 use serde_json::Value;
 use std::{fs, path::Path, process::Stdio, thread::sleep, time::Duration};
 
-const FIGURES: &str = "paper figures --only homoclinics,dps-dark,dark-profiles,exact-wave,exact-limits";
+const FIGURES: &str = "paper figures --only homoclinics,dark-profiles,exact-wave,exact-limits";
 
 fn said(line: &str, out: &Path) -> String {
     let output = output(line, out, &[]);
@@ -45,7 +45,7 @@ fn figures_that_are_killed_repeat_what_was_in_flight_only() {
     let store = parts.join("figures.store");
     let before = killed_at(FIGURES, parts, &store, &[2, 3, 4]);
     let told = said(FIGURES, parts);
-    assert!(told.contains(&format!("{} of 5 figures are from", before.len())), "{told}");
+    assert!(told.contains(&format!("{} of 4 figures are from", before.len())), "{told}");
     let now = fs::read_to_string(&store).unwrap();
     assert!(before.iter().all(|line| now.contains(line.as_str())));
     assert!(files(whole) == files(parts));
@@ -83,7 +83,7 @@ fn figures_that_are_asked_to_end_keep_what_is_finished_and_no_part_of_the_rest()
 #[test]
 fn files_of_figures_that_were_changed_or_removed_are_written_again() {
     let folder = tempfile::tempdir().unwrap();
-    let (out, line) = (folder.path(), "paper figures --only dps-dark,exact-wave");
+    let (out, line) = (folder.path(), "paper figures --only dark-profiles,exact-wave");
     said(line, out);
     let whole = files(out);
     let name = |end: &str| whole.iter().map(|(name, _)| name).find(|name| name.ends_with(end)).unwrap();
@@ -116,17 +116,17 @@ fn files_of_figures_that_were_changed_or_removed_are_written_again() {
 #[test]
 fn a_figure_in_another_format_is_another_point() {
     let folder = tempfile::tempdir().unwrap();
-    let (out, line) = (folder.path(), "paper figures --only dps-dark");
+    let (out, line) = (folder.path(), "paper figures --only dark-profiles");
     let names = |out: &Path| {
         let names = files(out).into_iter().map(|(name, _)| name);
         names.filter(|name| name.ends_with(".png") || name.ends_with(".svg")).collect::<Vec<_>>()
     };
     said(line, out);
     let whole = files(out);
-    assert_eq!(names(out), ["dps-dark.png"]);
+    assert_eq!(names(out), ["dark-profiles.png"]);
     let svg = format!("{line} --format svg");
     assert!(!said(&svg, out).contains("are from"));
-    assert_eq!(names(out), ["dps-dark.svg"]);
+    assert_eq!(names(out), ["dark-profiles.svg"]);
     assert!(said(line, out).contains("1 of 1 figures are from"));
     assert!(files(out) == whole && lines(&out.join("figures.store")) == 3);
     assert!(said(&svg, out).contains("1 of 1 figures are from"));

@@ -77,13 +77,14 @@ fn strains(orbit: &Orbit, all: &[(&str, &[f64])]) -> Table {
     table.done()
 }
 
-/// Panels of `x_n` and `y_n` of a table of strains: name in the legend, and mark of the columns.
+/// Panels of `(-1)^n x_n` and `(-1)^n y_n` of a table of strains: name in the legend, and mark of
+/// the columns.
 fn profiles(table: &Table, lines: &[(&str, &str)]) -> Vec<Panel> {
     let panel = |symbol: &str, label| {
-        let lines = lines.iter().map(|(name, mark)| table.line(name, ["n", &format!("{symbol}{mark}")]));
+        let lines = lines.iter().map(|(name, mark)| table.line(name, ["n", &format!("{symbol}{mark}")]).staggered());
         Panel::new(report::Kind::Sites, ["site n", label], lines.collect())
     };
-    vec![panel("x", "strain xₙ"), panel("y", "strain yₙ")]
+    vec![panel("x", "(−1)ⁿ strain xₙ"), panel("y", "(−1)ⁿ strain yₙ")]
 }
 
 /// Adds a table and panels to a report.
@@ -273,12 +274,15 @@ pub(super) fn evolution(
 }
 
 /// The mode at the period doubling at `rho = 1/3`, and the orbit of doubled period to which a push
-/// along it leads. Plots: two of the mode, two of the orbit and its seed.
-pub(super) fn doubling(omega_b: f64) -> Result<Report> {
+/// along it leads. Its plot is the mode.
+///
+/// # Errors
+/// As of [`family`].
+pub fn doubling(omega_b: f64) -> Result<Report> {
     let (birth, seed, orbit) = doubled_orbit(&about_doubling()?, omega_b)?;
     let table = strains(&orbit, &[("", &orbit.z), ("_seed", &seed), ("_mode", &birth.critical.mode)]);
-    let mode = profiles(&table, &[("mode", "_mode")]);
-    let both = profiles(&table, &[("exact orbit", ""), ("seed", "_seed")]);
+    let lines = [("beads", "x_mode"), ("resonators", "y_mode")];
+    let mode = table.panel(report::Kind::Sites, ["site n", "mode at −1, strain"], "n", &lines);
     let caption = format!(
         "The mode at the period doubling, ω_b = {:.10}, has the largest strain 1. The seed of the orbit of frequency \
          {omega_b} is the breather there with a tenth of its amplitude along the mode; Newton's method takes {} steps to a \
@@ -287,7 +291,7 @@ pub(super) fn doubling(omega_b: f64) -> Result<Report> {
         orbit.newton.len(),
         orbit.residual
     );
-    Ok(with(Report::new("doubling"), table, mode.into_iter().chain(both).collect(), caption))
+    Ok(with(Report::new("doubling"), table, vec![mode], caption))
 }
 
 /// An orbit of doubled period at `rho = 1/3`. After those of the orbit, plots of its strains at

@@ -98,13 +98,14 @@ pub(super) fn lifetime_map(epsilons: &[f64], rhos: &[f64], until: f64, tell: Pro
 }
 
 /// The branch between two differences of `omega_tw` from `omega`, with the ratio of mean strain to
-/// amplitude of a scene.
-pub(super) fn branch(scene: &str, [from, to]: [f64; 2], tell: Progress<'_>) -> Result<Report> {
+/// amplitude of a scene; the difference of the run of Sec. 4.1 is marked.
+pub(super) fn branch(scene: &str, [from, run, to]: [f64; 3], tell: Progress<'_>) -> Result<Report> {
     let omega = Scene::load(scene)?.chain().params().omega();
     let wanted = Wanted { omega_tw: Some(omega + from), ..Wanted::of(scene) };
     let (to, step) = (Some(omega + to), Some((to - from) / 100.0));
     let branch = BranchOptions { to, step, ..BranchOptions::default() };
-    ContinueWave { wanted, branch, ..ContinueWave::default() }.begin()?(&Engine::threads(), tell)
+    let report = ContinueWave { wanted, branch, ..ContinueWave::default() }.begin()?(&Engine::threads(), tell)?;
+    Ok(report.marked("run of Sec. 4.1", &[omega + run]))
 }
 
 /// An exact wave against the modulation equations.

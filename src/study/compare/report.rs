@@ -158,6 +158,7 @@ impl Comparison {
             caption: scene_caption(&self.scene, &how),
             families,
             grey: Some(grey),
+            lit: vec![],
             guides: Vec::new(),
         }
     }

@@ -61,7 +61,7 @@ impl Evolution {
             |one: &Motion| format!("{} to t = {:.0}", format_short(one.velocity).replace('-', "−"), one.window.1);
         let caption = format!(
             "Orbit of ω_b = {}, {}, {} sites{kick}. Colours: largest strain in each {} of time, up to twice that of the orbit; \
-             magenta: above. {end}while rounding errors are small, they grow by a factor of {:.1e} in this run. Velocity of \
+             white: above. {end}while rounding errors are small, they grow by a factor of {:.1e} in this run. Velocity of \
              the kink in the last three quarters: {}.",
             setting.omega_b,
             params_words(setting.params),

@@ -119,13 +119,15 @@ impl OrbitStudy {
         )
     }
 
-    /// Strains of the orbit at rest, and its multipliers in the complex plane.
+    /// Strains of the orbit at rest, with the sign of odd sites changed, and its multipliers in the
+    /// complex plane.
     fn picture(&self, title: String) -> Panels {
         let Setting { params, sites, omega_b, .. } = self.orbit.setting;
         let half = (sites / 2) as i64;
         let strains = |label: &str, values: &[f64]| {
             let points = (-half..=half).map(|n| n as f64).zip(values.iter().copied());
-            Panel::new(report::Kind::Sites, ["site n", label], vec![Line::new(label, points)])
+            let label = format!("(−1)ⁿ {label}");
+            Panel::new(report::Kind::Sites, ["site n", &label], vec![Line::new(&label, points).staggered()])
         };
         let marks = |name: &str, kind: Kind| {
             let all = self.spectrum.multipliers.iter().filter(|one| one.kind == kind);

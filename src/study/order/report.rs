@@ -12,6 +12,14 @@ use serde_json::{Value, json};
 const PICTURED: [&str; 7] =
     ["verlet", "strang-linear", "yoshida4-linear", "aba1064-linear", "kahan-li8-linear", "corrected", "dop853"];
 
+/// The curves in colour, which the caption speaks of; the others are grey.
+const LIT: [(Mode, &str); 4] = [
+    (Mode::Plain, "aba1064-linear"),
+    (Mode::Landed, "aba1064-linear"),
+    (Mode::Corrected, "corrected"),
+    (Mode::Regularised, "dop853"),
+];
+
 /// The slopes, with the error at the finest level.
 pub(super) fn orders(rows: &[OrderRow]) -> Table {
     Table::of("slopes", rows)
@@ -100,11 +108,14 @@ impl OrderStudy {
         } else {
             "makes only the constant smaller"
         };
+        let rows: Vec<&OrderRow> = self.rows.iter().filter(pictured).collect();
+        let lit = |row: &&OrderRow| LIT.contains(&(row.mode, row.method.name().as_str()));
         WorkPrecision {
             title: format!("α = {}: order through contacts, {}", self.alpha, quantity.name()),
             work_label: "steps of the run".to_owned(),
             error_label: format!("error of the {} at the end", quantity.name()),
-            curves: self.rows.iter().filter(pictured).map(curve).collect(),
+            lit: (0..rows.len()).filter(|&k| lit(&rows[k])).collect(),
+            curves: rows.into_iter().map(curve).collect(),
             floor: Some(floor),
             caption: format!(
                 "{words} at t = 12 on a free chain of {} beads with resonators (κ = 1, ρ = 1/3) and {} onsets and releases. \

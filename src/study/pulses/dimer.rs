@@ -16,7 +16,7 @@ use crate::{
     chain::State,
     error::Result,
     numerics::{golden, least_by},
-    report::{Digits::Fixed, Kind, Line, Panel, Panels, Report, rows},
+    report::{Digits::Fixed, Kind, Panel, Panels, Report, rows},
     study::{Progress, Study, Work, options::options, part},
     sweep::{Engine, Grid},
 };
@@ -113,12 +113,11 @@ impl DimerStudy {
         });
         let range = self.rows.first().zip(self.rows.last());
         let inside = |ratio: &f64| range.is_some_and(|(low, high)| (low.ratio..=high.ratio).contains(ratio));
-        let lines = vec![
-            rows.line("computed", ["ratio", "transmission"]),
-            maxima.line("maxima", ["ratio", "transmission"]),
-            Line::new("published", PUBLISHED.into_iter().filter(inside).map(|ratio| (ratio, 1.0))),
-        ];
-        let panel = Panel::new(Kind::LogCloud, ["mass ratio m, light over heavy", "transmission F₂/F₁"], lines);
+        let lines =
+            vec![rows.line("computed", ["ratio", "transmission"]), maxima.line("maxima", ["ratio", "transmission"])];
+        let mark = Some(("published, F₂/F₁ = 1".to_owned(), PUBLISHED.into_iter().filter(inside).collect()));
+        let labels = ["mass ratio m, light over heavy", "transmission F₂/F₁"];
+        let panel = Panel { mark, ..Panel::new(Kind::LogCloud, labels, lines) };
         let caption = format!(
             "Largest contact force of a pulse {} cells after the {FIRST_CELL}th cell, over that there, in a 1:1 dimer without \
              precompression, α = 3/2, struck by a heavy bead of speed 1; at T = 1 the pulse is a solitary wave. Published: \

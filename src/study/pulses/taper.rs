@@ -17,7 +17,7 @@ use crate::{
     error::{Error, Result},
     report::{
         Digits::{Fixed, Hidden, Json},
-        Kind, Panels, Report, Table, rows,
+        Kind, Line, Panel, Panels, Report, Table, rows,
     },
     study::{Progress, Study, Work, fit_line, options::options},
     sweep::{Engine, Grid},
@@ -169,9 +169,14 @@ fn report(rows: &[TaperRow]) -> Report {
         .col("velocity", Hidden, "largest velocity over that in the uniform chain", |row| row.2)
         .done();
     let label = "radius over that of the sphere before it";
-    let growth = [("computed", "growth"), ("collisions of two spheres", "binary"), ("same energy", "adiabatic")];
+    // Without a taper nothing grows.
+    let over = |name: &str, of: fn(&TaperRow) -> f64| {
+        let tapered = rows.iter().filter(|row| (row.ratio - 1.0).abs() > 1e-9);
+        Line::new(name, tapered.map(|row| (row.ratio, of(row) / row.binary)))
+    };
+    let growth = vec![over("computed", |row| row.growth), over("same energy", |row| row.adiabatic)];
     let plots = vec![
-        table.panel(Kind::Parameter, [label, "growth of ln Vₙ a sphere"], "ratio", &growth),
+        Panel::new(Kind::Parameter, [label, "growth over that by collisions"], growth),
         table.panel(
             Kind::Parameter,
             [label, "energy of the pulse"],
@@ -181,8 +186,8 @@ fn report(rows: &[TaperRow]) -> Report {
     ];
     let caption = format!(
         "A solitary wave of the uniform chain, α = 3/2, without precompression, runs into spheres of one material whose \
-             radii are a geometric sequence. Above: growth of the largest velocity Vₙ from sphere to sphere over the second \
-             half of them; 2/(1 + s³) a sphere if two spheres collide at a time; s^(−3/2) if the pulse keeps its energy. \
+             radii are a geometric sequence. Above: growth of ln Vₙ from sphere to sphere, Vₙ the largest velocity, over the second half of them, divided by \
+             ln(2/(1 + s³)), that of a sequence of collisions of two spheres; the same of −3/2 ln s, of a pulse that keeps its energy. \
              Below: energy in {} sites about the crest when it is at the last of {} spheres. Integrator {METHOD}, steps of \
              {STEP}, shorter for small spheres.",
         2 * super::HALF_PULSE,

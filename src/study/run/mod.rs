@@ -3,6 +3,8 @@
 mod checkpoint;
 mod choice;
 mod contacts;
+#[cfg(feature = "plot")]
+mod film;
 mod parts;
 mod report;
 mod si;
@@ -13,6 +15,8 @@ pub use choice::{MethodChoice, MethodRequest};
 #[cfg(feature = "plot")]
 pub use contacts::contacts_picture;
 pub use contacts::{CONTACT_COLUMNS, ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
+#[cfg(feature = "plot")]
+pub use film::{FilmSample, film, run_film};
 pub use parts::parts_plan;
 #[cfg(feature = "plot")]
 pub use report::run_pictures;

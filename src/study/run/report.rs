@@ -303,7 +303,7 @@ pub fn run_summary(ran: &RunView<'_>) -> String {
 const SUMMARY: &str = "summary.json";
 
 /// Every file that a run may write, but for the checkpoint.
-pub const RUN_FILES: [&str; 28] = [
+pub const RUN_FILES: [&str; 29] = [
     SUMMARY,
     "scene.toml",
     "final.csv",
@@ -332,6 +332,7 @@ pub const RUN_FILES: [&str; 28] = [
     "contacts.svg",
     "signals.png",
     "signals.svg",
+    "film.gif",
 ];
 
 /// Writes the run: `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, or in
@@ -356,7 +357,9 @@ pub fn run_files(
     let written = |name: &str| match name {
         CHECKPOINT => in_legs,
         _ if name.ends_with(".mat") && !in_mat => false,
-        _ if name.ends_with(".png") || name.ends_with(".svg") => pictures.iter().any(|picture| picture.0 == name),
+        _ if [".png", ".svg", ".gif"].iter().any(|end| name.ends_with(end)) => {
+            pictures.iter().any(|picture| picture.0 == name)
+        }
         _ if name.starts_with("maxima") => outcome.maxima.is_some(),
         "signals.csv" => in_csv.is_some(),
         "signals.npz" | "signals.mat" | "peaks.csv" => signals.is_some(),
@@ -488,18 +491,25 @@ pub fn run_pictures(ran: &RunView<'_>) -> Result<Vec<crate::study::Drawing>> {
         } else {
             String::new()
         };
+        let (seen, bonds) = (moving(outcome, range), last.x.len());
+        let part = match seen.len() {
+            part if part < bonds => {
+                format!(" The other bonds of {bonds} move by less than {MOVES} of the largest strain.")
+            }
+            _ => String::new(),
+        };
         let figure = figures::SpaceTime {
             title: format!("{}: strain over space and time", scene.name()),
             site_label: "bond n".to_owned(),
             time_label: Scale(si).label("time t", Quantity::Time),
             value_label: Scale(si).label("strain xₙ", Quantity::Length),
-            values: outcome.profiles.iter().flat_map(|profile| profile.x.iter().copied()).collect(),
+            values: outcome.profiles.iter().flat_map(|profile| profile.x[seen.clone()].iter().copied()).collect(),
             most: Some(range),
-            sites: last.x.len(),
-            first_site: first_bond(scene),
+            sites: seen.len(),
+            first_site: first_bond(scene) + seen.start as f64,
             times: (0.0, last.t),
             signed: true,
-            caption: caption(&format!("{}{clipped}.", strain_words(scene))),
+            caption: caption(&format!("{}{clipped}.{part}", strain_words(scene))),
         };
         pictures.push(("spacetime.png", figures::space_time(&figure)?));
     }
@@ -565,6 +575,23 @@ fn strain_range(outcome: &Trajectory) -> (f64, bool) {
     let (overlap, gap) = strains().fold((0.0f64, 0.0f64), |(overlap, gap), x| (overlap.max(-x), gap.max(x)));
     let range = if overlap > 0.0 { overlap } else { gap.max(f64::MIN_POSITIVE) };
     (range, gap > range)
+}
+
+/// Share of the largest strain of the colour scale by which a strain changes in a bond that moves.
+#[cfg(feature = "plot")]
+const MOVES: f64 = 1e-3;
+
+/// The bonds that are seen over space and time, counted among those with a strain: those that move,
+/// with as many on either side, if they are a small part of the chain, and otherwise all.
+#[cfg(feature = "plot")]
+fn moving(outcome: &Trajectory, range: f64) -> std::ops::Range<usize> {
+    let Some(start) = outcome.profiles.first().map(|profile| &profile.x) else { return 0..0 };
+    let moves = |bond: &usize| outcome.profiles.iter().any(|one| (one.x[*bond] - start[*bond]).abs() > MOVES * range);
+    let (all, ends) = (0..start.len(), [(0..start.len()).find(moves), (0..start.len()).rfind(moves)]);
+    let [Some(first), Some(last)] = ends else { return all };
+    let room = last - first + 10;
+    let seen = first.saturating_sub(room)..(last + 1 + room).min(all.end);
+    if 4 * seen.len() < all.end { seen } else { all }
 }
 
 /// `(t, |E(t) - E(0)| / |E(0)|)` at samples with a positive error. For a chain that dissipates or

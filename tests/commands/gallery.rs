@@ -1,0 +1,148 @@
+//! The gallery: each stored picture is what its command draws.
+//!
+//! figures/README.md has the commands. `HERTZCHAIN_GOLDEN=update` stores the pictures that differ
+//! anew; `HERTZCHAIN_GALLERY` names some of them. `figures/redraw` sets both.
+#![cfg(all(feature = "plot", target_os = "linux", target_arch = "x86_64"))]
+
+use super::{
+    golden::{difference, picture},
+    program::{command, printed},
+};
+use std::{
+    collections::BTreeSet,
+    env, fs,
+    path::{Path, PathBuf},
+};
+
+/// Pictures that take less than a second and a half of CPU time.
+const QUICK: &[&str] = &[];
+
+/// Pictures of run times: only their titles are compared.
+const TIMED: &[&str] = &["compare-tw-q15", "compare-precompressed", "scaling"];
+
+/// A command of the gallery: its line without the folder, and for each picture the name of the file
+/// that it writes and that of the gallery, without extension.
+struct Drawn {
+    line: String,
+    pictures: Vec<(String, String)>,
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("figures")
+}
+
+/// The commands of the gallery. A command stands in a heading, or before an arrow and the names of
+/// its pictures; the pictures follow.
+fn gallery() -> Vec<Drawn> {
+    let page = fs::read_to_string(folder().join("README.md")).unwrap();
+    let between = |text: &str, open: &str, close: &str| -> Vec<String> {
+        let rest = text.split(open).skip(1);
+        rest.filter_map(|rest| Some(rest.split_once(close)?.0.to_owned())).collect()
+    };
+    let mut all = Vec::new();
+    for part in page.split("`hertzchain ").skip(1) {
+        let (line, rest) = part.split_once('`').unwrap();
+        let line = line.split_whitespace().collect::<Vec<_>>().join(" ");
+        let stored = between(rest, "](", ".png)");
+        let names = match line.strip_suffix(" --out DIR") {
+            Some(_) => between(rest.split("\n\n").next().unwrap(), "`", ".png`"),
+            None => line.split_once("--only ").into_iter().map(|(_, name)| name.to_owned()).collect(),
+        };
+        assert!(stored.len() == names.len() || names.is_empty(), "{line}: {names:?} are {stored:?}");
+        let line = line.trim_end_matches(" --out DIR").to_owned();
+        all.push(Drawn { line, pictures: names.into_iter().zip(stored).collect() });
+    }
+    all.retain(|one| !one.pictures.is_empty());
+    all
+}
+
+/// The title and the description of a PNG file.
+fn words(bytes: &[u8]) -> String {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+    reader.finish().unwrap();
+    let chunks = &reader.info().utf8_text;
+    let of =
+        |keyword: &str| chunks.iter().find(|chunk| chunk.keyword == keyword).map(|chunk| chunk.get_text().unwrap());
+    ["Title", "Description"].map(|keyword| of(keyword).unwrap_or_default()).join("\n")
+}
+
+/// What of a stored picture is not what the program draws now.
+fn differs(name: &str, old: &[u8], new: &[u8]) -> Option<String> {
+    let [mut before, mut now] = [old, new].map(words);
+    if TIMED.contains(&name) {
+        [&mut before, &mut now].into_iter().for_each(|words| words.truncate(words.find('\n').unwrap_or(0)));
+        return difference(&before, &now);
+    }
+    difference(&before, &now).or_else(|| (picture(old) != picture(new)).then(|| "its pixels".to_owned()))
+}
+
+/// Draws pictures of the gallery and compares them with those that are stored.
+fn compare(chosen: impl Fn(&str) -> bool) {
+    let update = env::var("HERTZCHAIN_GOLDEN").is_ok_and(|mode| mode == "update");
+    let only = env::var("HERTZCHAIN_GALLERY").unwrap_or_default();
+    let named = |name: &str| only.is_empty() || only.split_whitespace().any(|one| one == name);
+    let scratch = Path::new(env!("CARGO_TARGET_TMPDIR")).join("gallery");
+    let mut wrong = Vec::new();
+    for Drawn { line, pictures } in gallery() {
+        let wanted: Vec<_> = pictures.iter().filter(|(_, stored)| chosen(stored) && named(stored)).collect();
+        if wanted.is_empty() {
+            continue;
+        }
+        let _ = fs::remove_dir_all(&scratch);
+        printed(
+            command(&format!("{line} --out OUT"))
+                .args::<[&str; 0], _>([])
+                .current_dir(made(&scratch))
+                .output()
+                .unwrap(),
+        );
+        for (drawn, stored) in wanted {
+            let [new, kept] =
+                [scratch.join("OUT").join(format!("{drawn}.png")), folder().join(format!("{stored}.png"))];
+            let new = fs::read(new).unwrap();
+            let how = match fs::read(&kept) {
+                Ok(old) => differs(stored, &old, &new),
+                Err(_) => Some("it is not there".to_owned()),
+            };
+            let Some(how) = how.or_else(|| (update && !only.is_empty()).then(String::new)) else { continue };
+            if update {
+                fs::write(&kept, new).unwrap();
+                println!("{stored}: {how}");
+            } else {
+                wrong.push(format!("{stored}: {how}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "figures/redraw draws them anew:\n{}", wrong.join("\n"));
+}
+
+/// A folder that is there.
+fn made(folder: &Path) -> &Path {
+    fs::create_dir_all(folder).unwrap();
+    folder
+}
+
+// Truth: what the commands draw.
+#[test]
+fn quick_pictures_of_the_gallery_are_what_the_program_draws() {
+    compare(|name| QUICK.contains(&name));
+}
+
+#[test]
+#[ignore = "nightly: the other pictures take an hour"]
+fn pictures_of_the_gallery_are_what_the_program_draws() {
+    compare(|name| !QUICK.contains(&name));
+}
+
+#[test]
+fn every_picture_of_the_folder_has_its_command() {
+    let known: BTreeSet<String> =
+        gallery().into_iter().flat_map(|one| one.pictures).map(|(_, stored)| stored).collect();
+    let there: BTreeSet<String> = fs::read_dir(folder())
+        .unwrap()
+        .filter_map(|entry| Some(entry.unwrap().file_name().to_str()?.strip_suffix(".png")?.to_owned()))
+        .filter(|name| !name.starts_with("python-"))
+        .collect();
+    assert_eq!(known, there);
+    assert!(QUICK.iter().chain(TIMED).all(|name| known.contains(*name)));
+}
