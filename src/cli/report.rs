@@ -23,7 +23,7 @@ pub(crate) struct ReportArgs {
     only: Vec<String>,
     /// Write the results to this folder.
     ///
-    /// Files: report.html and report.json.
+    /// Files: report.html, the data in report.zip, and report.json.
     #[arg(long, value_name = "DIR", default_value = "out/report")]
     out: PathBuf,
     /// Print JSON instead of text.
@@ -95,8 +95,6 @@ const SHORT: f64 = 45.0;
 const SITES: usize = 1000;
 const PERIODS: f64 = 1000.0;
 const WORK: f64 = 1e6;
-/// Sizes of Theorem 1.
-const EPSILONS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
 impl Runs for ReportArgs {
     fn run(&self) -> Exit {
@@ -120,7 +118,9 @@ impl Runs for ReportArgs {
             page.sections.push(section);
             before += part.share;
             // If a later part is killed, the page with the parts so far is kept.
-            folder.write("report.html", page.html().as_bytes())?;
+            for (name, bytes) in page.files()? {
+                folder.write(name, &bytes)?;
+            }
         }
         bar.finish_and_clear();
         let report = page.report();
@@ -177,7 +177,7 @@ fn comparison(tell: Progress<'_>) -> Result<Vec<Report>> {
 fn theorems(tell: Progress<'_>) -> Result<Vec<Report>> {
     let laws = [RhoLaw::Heavy, RhoLaw::Light];
     let reports = laws.into_iter().enumerate().map(|(k, rho_law)| {
-        let options = TheoremOptions { rho_law, epsilons: EPSILONS.to_vec(), ..TheoremOptions::default() };
+        let options = TheoremOptions { rho_law, ..TheoremOptions::default() };
         of(&options, &|share, _| tell((k as f64 + share) / laws.len() as f64, ""))
     });
     Ok(reports.collect::<Result<Vec<_>>>()?.concat())

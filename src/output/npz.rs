@@ -165,6 +165,15 @@ impl<W: Write + Seek> NpzWriter<W> {
         Ok(())
     }
 
+    /// Writes a file of another kind, as it is.
+    ///
+    /// # Errors
+    /// Errors of the archive writer.
+    pub fn file(&mut self, name: &str, bytes: &[u8]) -> std::io::Result<()> {
+        self.zip.start_file(name, options(self.method))?;
+        self.zip.write_all(bytes)
+    }
+
     /// Ends the archive.
     ///
     /// # Errors

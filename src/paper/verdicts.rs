@@ -68,19 +68,27 @@ pub fn verify_report(verification: &Verification) -> Report {
         .col("why", Hidden, "reason or remark", |item| item.claim.why.clone())
         .col("open", Hidden, "what the paper does not give", |item| item.claim.open.clone())
         .col("verdict", Short, "", |item| item.verdict().name());
-    let remarks = items.iter().filter_map(|item| Some(format!("{}: {}", item.claim.id, remark(item.claim)?)));
+    let remarks = items.iter().filter_map(|item| {
+        let differs = matches!(item.verdict(), Verdict::Differs | Verdict::Fails);
+        Some((format!("{}: {}", item.claim.id, remark(item.claim)?), differs))
+    });
     let report = Report::new("verify")
         .fact("as_expected", unexpected.is_empty())
         .fact("counts", counts)
         .fact("kinds", kinds.into_iter().collect::<Map<String, Value>>())
         .fact("misprints", misprints)
-        .table(table);
-    let report = remarks.fold(report, |report, remark| report.words(remark));
+        .table(table)
+        .finding();
+    let report = remarks.fold(report, |report, (remark, differs)| {
+        let report = report.words(remark);
+        if differs { report.finding() } else { report }
+    });
     let report = report.fact("wall_s", wall.as_secs_f64()).words(format!(
         "{} items; {}. {misprints} differences, each counted once however often it is repeated; {known}.",
         items.len(),
         kinds_words.join("; "),
     ));
+    let report = report.finding();
     let text = report.text();
     let why = (!unexpected.is_empty()).then(|| format!("not as known: {}", unexpected.join(", ")));
     report.file("verify.txt", text.into_bytes()).failure(why)

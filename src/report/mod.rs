@@ -40,6 +40,7 @@ pub struct Report {
     name: &'static str,
     facts: Map<String, Value>,
     blocks: Vec<Block>,
+    findings: Vec<usize>,
     pictures: Vec<(String, Figure)>,
     files: Vec<(String, Vec<u8>)>,
     remark: Option<String>,
@@ -54,6 +55,7 @@ impl Report {
             name,
             facts: Map::new(),
             blocks: Vec::new(),
+            findings: Vec::new(),
             pictures: Vec::new(),
             files: Vec::new(),
             remark: None,
@@ -96,6 +98,13 @@ impl Report {
         if !words.as_ref().is_empty() {
             self.blocks.push(Block::Words(filled(words.as_ref(), table::LEGEND)));
         }
+        self
+    }
+
+    /// Makes the last paragraph or table a finding, which the page of a report shows first.
+    #[must_use]
+    pub fn finding(mut self) -> Self {
+        self.findings.extend(self.blocks.len().checked_sub(1));
         self
     }
 
@@ -203,9 +212,9 @@ impl Report {
         parts.collect::<Vec<_>>().join("\n")
     }
 
-    /// Paragraphs and tables, from the top.
-    pub fn blocks(&self) -> &[Block] {
-        &self.blocks
+    /// Paragraphs and tables, from the top, each with whether it is a finding.
+    pub fn blocks(&self) -> impl Iterator<Item = (&Block, bool)> {
+        self.blocks.iter().enumerate().map(|(k, block)| (block, self.findings.contains(&k)))
     }
 
     /// The tables.

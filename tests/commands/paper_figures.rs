@@ -425,17 +425,49 @@ fn figures_of_sec_7_show_what_their_captions_say() {
 }
 
 #[test]
-fn a_report_is_one_page_that_fetches_nothing() {
+fn a_report_has_findings_first_then_pictures_then_tables_and_its_data_beside_it() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("report");
     stdout(&format!("paper report --only theorem --out {}", out.display()));
     assert_eq!(read_json(&out.join("report.json"))["sections"][0]["failures"], Value::Array(vec![]));
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
-    // Both laws are there, each with its verdict, and what looks like a tag is none.
-    assert!(page.contains("violated") && page.contains("bounded") && page.contains("0 &lt;= t"), "{page}");
+    // Both laws are decided, and what looks like a tag is none.
+    assert!([">violated<", ">bounded<", "0 &lt;= t"].iter().all(|words| page.contains(words)), "{page}");
+    assert!(!page.contains(">undecided<"), "{page}");
     assert!(!page.contains("http:") && !page.contains("https:") && !page.contains("<script src"));
+    let places = ["<h2 id=\"findings\">", "bounded: as Theorem 1 says.", "<h2 id=\"figures\">", "<figure>"]
+        .into_iter()
+        .chain(["<h2 id=\"tables\">", "<table>"])
+        .map(|mark| page.find(mark).unwrap_or_else(|| panic!("{mark}")));
+    assert!(places.is_sorted(), "{page}");
+    // Measured: 162 kB, of which 132 are two pictures.
+    assert!(page.len() < 300_000, "{}", page.len());
+    let mut archive = zip::ZipArchive::new(std::fs::File::open(out.join("report.zip")).unwrap()).unwrap();
+    let names: Vec<String> = archive.file_names().map(|name| name.unwrap().into_owned()).collect();
+    assert_eq!(names.len(), 6, "{names:?}");
+    assert!(names.iter().all(|name| page.contains(name)), "{names:?}");
+    let csv = std::io::read_to_string(archive.by_name("theorem/2-limits.csv").unwrap()).unwrap();
+    assert!(csv.starts_with("norm,quantity,") && csv.contains(",violated\n"), "{csv}");
     let message = refused(&format!("paper report --only theory --out {}", out.display()), 2);
     assert!(message.contains("\"theory\"") && message.contains("theorem"), "{message}");
+}
+
+#[test]
+#[ignore = "nightly: the whole report, minutes"]
+fn a_whole_report_is_at_most_five_megabytes() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(&format!("paper report --out {}", folder.path().display()));
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.len() < 5_000_000, "{}", page.len());
+    // Findings: a row for each decade of error, both verdicts of the theorem, differences from the
+    // paper with their reasons, and nothing that agrees.
+    let findings = page.split_once("<h2 id=\"findings\">").unwrap().1.split_once("<h2").unwrap().0;
+    let findings = findings.replace('\n', " ");
+    for wanted in ["plain loop", "bounded: as Theorem 1 says.", "violated: Theorem 1", "bad\">differs<", "all as known"]
+    {
+        assert!(findings.contains(wanted), "{wanted}: {findings}");
+    }
+    assert!(!findings.contains(">agrees<") && !findings.contains("undecided"), "{findings}");
 }
 
 /// A browser without a window, if one is installed.
@@ -461,14 +493,24 @@ fn a_browser_finds_no_error_in_a_report() {
         for (const image of document.images) if (!image.naturalWidth) wrong.push('not drawn: ' + image.alt);
         for (const link of document.querySelectorAll('a[href^="#"]'))
             if (!document.querySelector(link.hash)) wrong.push('leads nowhere: ' + link.hash);
-        const table = document.querySelector('#theorem table');
+        const cut = cell => {
+            const range = document.createRange();
+            range.selectNodeContents(cell);
+            return new Set([...range.getClientRects()].map(box => box.top)).size > 1;
+        };
+        for (const cell of document.querySelectorAll('td.number, td.short'))
+            if (cut(cell)) wrong.push('cut: ' + cell.textContent);
+        if (document.documentElement.scrollWidth > innerWidth) wrong.push('wider than the window');
+        const table = document.querySelector('#theorem-tables table');
         const head = table.tHead.rows[0].cells[1];
         const column = () => [...table.tBodies[0].rows].map(row => parseFloat(row.cells[1].textContent));
         head.firstChild.click(); head.firstChild.click();
         const numbers = column();
         if (numbers.some((x, k) => k > 0 && x > numbers[k - 1])) wrong.push('not sorted: ' + numbers);
         document.querySelector('button.zoom').click();
-        if (!document.querySelector('dialog[open] img')) wrong.push('not large');
+        const [large, frame] = ['dialog[open] img', 'dialog'].map(one => document.querySelector(one));
+        const [inner, outer] = [large, frame].map(one => one.getBoundingClientRect());
+        if (inner.right > outer.right || inner.bottom > outer.bottom) wrong.push('larger than its frame');
         document.title = wrong.length + ' wrong, ' + document.images.length + ' pictures: ' + wrong.join('; ');
     });</script></body>"##;
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
@@ -477,9 +519,10 @@ fn a_browser_finds_no_error_in_a_report() {
         .unwrap();
     let data = format!("--user-data-dir={}", folder.path().join("browser").display());
     let flags = ["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=10000", "--dump-dom"];
+    let flags = flags.into_iter().chain(["--window-size=500,900"]);
     let output =
         Command::new(browser).args(flags).arg(data).arg(format!("file://{}", watched.display())).output().unwrap();
     let seen = String::from_utf8_lossy(&output.stdout).into_owned();
     let title = seen.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>")).map(|(title, _)| title);
-    assert_eq!(title, Some("0 wrong, 3 pictures: "), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(title, Some("0 wrong, 5 pictures: "), "{}", String::from_utf8_lossy(&output.stderr));
 }

@@ -201,7 +201,7 @@ commands! {
     Verify(StudyCommand<Verify>) => "paper verify --section 3 --out out/verify";
     /// Run everything in its short form and write one HTML page.
     ///
-    /// The page stands alone: tables, pictures, captions, the machine and the version. Files are
+    /// The page has findings first, then pictures, then tables; the data are beside it. Files are
     /// what this command is for: without --out they go to out/report.
     Report(ReportArgs) =>
         "paper report --out out/report",

@@ -1,9 +1,9 @@
-//! One self-contained HTML page of reports: tables, pictures and their data are inside, and nothing
-//! is fetched from elsewhere.
+//! One HTML page of reports: findings, then pictures, then tables. All of these are inside, and
+//! nothing is fetched from elsewhere; the data are in an archive beside the page.
 
 use super::{machine, machine_json};
 use crate::{
-    output::PROGRAM,
+    output::{NpzWriter, PROGRAM, in_memory},
     report::{
         self, Block,
         Digits::{Fixed, Json, Short},
@@ -44,8 +44,14 @@ pub struct Shown {
     pictures: Vec<Picture>,
 }
 
-/// Title, caption and SVG file of a picture; without a file in builds without pictures.
+/// Title, caption and file of a picture; without a file in builds without pictures.
 type Picture = (String, String, Vec<u8>);
+
+/// Size of an SVG file, in bytes, above which a picture is a PNG file if that is smaller.
+#[cfg(feature = "plot")]
+const DENSE: usize = 100_000;
+/// The names of the page and of the archive of data.
+const FILES: [&str; 2] = ["report.html", "report.zip"];
 
 impl Shown {
     /// Draws the pictures of a report.
@@ -56,40 +62,54 @@ impl Shown {
         let drawn = |(_, figure): &(String, report::Figure)| {
             let [title, caption] = figure.clone().words().map(|words| words.clone());
             #[cfg(feature = "plot")]
-            let svg = figure.draw()?.file(crate::figures::Format::Svg)?;
+            let file = {
+                use crate::figures::Format::{Png, Svg};
+                let drawn = figure.draw()?;
+                let svg = drawn.file(Svg)?;
+                if svg.len() > DENSE {
+                    [drawn.file(Png)?, svg].into_iter().min_by_key(Vec::len).unwrap_or_default()
+                } else {
+                    svg
+                }
+            };
             #[cfg(not(feature = "plot"))]
-            let svg = Vec::new();
-            Ok((title, caption, svg))
+            let file = Vec::new();
+            Ok((title, caption, file))
         };
         let pictures = report.pictures().iter().map(drawn).collect::<crate::error::Result<_>>()?;
         Ok(Self { report, pictures })
     }
 
-    fn tables(&self) -> impl Iterator<Item = &Table> {
-        self.report.tables()
+    /// Verdicts among the findings: good, bad and open ones.
+    fn verdicts(&self) -> [usize; 3] {
+        let of = |(block, finding): (&Block, bool)| match block {
+            Block::Table(table) if finding => verdicts(table),
+            _ => [0; 3],
+        };
+        // A report has at most one table of verdicts among its findings.
+        self.report.blocks().map(of).max().unwrap_or_default()
     }
 
-    fn html(&self) -> Markup {
-        let block = |block: &Block| match block {
-            Block::Words(words) => html! { p.words { (words.trim()) } },
-            Block::Table(table) => table_html(table),
-        };
+    /// Findings; of a table of verdicts those that are bad.
+    fn findings(&self) -> impl Iterator<Item = Markup> {
+        self.report.blocks().filter(|(_, finding)| *finding).map(|(block, _)| block_html(block, true))
+    }
+
+    /// All else; tables of verdicts whole.
+    fn rest(&self) -> impl Iterator<Item = Markup> {
+        let whole = |block: &Block| matches!(block, Block::Table(table) if verdicts(table) != [0; 3]);
+        let rest = self.report.blocks().filter(move |(block, finding)| !finding || whole(block));
+        rest.map(|(block, _)| block_html(block, false))
+    }
+
+    fn pictures(&self) -> Markup {
         html! {
-            @for (title, caption, svg) in &self.pictures {
+            @for (title, caption, file) in &self.pictures {
                 figure {
-                    @if !svg.is_empty() {
-                        button.zoom type="button" title="Show large" { img alt=(title) src=(uri("image/svg+xml", svg)); }
+                    @if !file.is_empty() {
+                        button.zoom type="button" title="Show large" { img alt=(title) src=(uri(file)); }
                     }
                     figcaption { strong { (title) ". " } (caption) }
-                }
-            }
-            @for one in self.report.blocks() { (block(one)) }
-            @if self.report.csv().next().is_some() {
-                p.data { "Data: "
-                    @for (k, (name, bytes)) in self.report.csv().enumerate() {
-                        @if k > 0 { ", " }
-                        a download=(name) href=(uri("text/plain", &bytes)) { (name) }
-                    }
                 }
             }
         }
@@ -109,22 +129,54 @@ impl Section {
         self.results.iter().filter_map(|result| result.as_ref().ok())
     }
 
-    fn pictures(&self) -> usize {
+    fn count(&self) -> usize {
         self.shown().flat_map(|shown| &shown.pictures).filter(|picture| !picture.2.is_empty()).count()
     }
 
-    fn html(&self) -> Markup {
+    /// Names of the files of data in the archive, and their contents, report by report.
+    fn data(&self) -> impl Iterator<Item = Vec<(String, Vec<u8>)>> {
+        self.results.iter().enumerate().filter_map(|(k, result)| {
+            let number = if self.results.len() > 1 { format!("{}-", k + 1) } else { String::new() };
+            let named = |(name, bytes)| (format!("{}/{number}{name}", self.name), bytes);
+            Some(result.as_ref().ok()?.report.csv().map(named).collect())
+        })
+    }
+
+    fn findings(&self) -> Markup {
         html! {
-            section id=(self.name) {
-                h2 { (self.title) }
-                p.shows { (self.shows) }
-                @for shown in self.shown() { (shown.html()) }
-                @for why in self.failures() { p.failure { "Failed: " (why) } }
-                p { small { "Made in " (format!("{:.1}", self.wall.as_secs_f64())) " s." } }
+            @for why in self.failures() { p.failure { "Failed: " (why) } }
+            @for block in self.shown().flat_map(Shown::findings) { (block) }
+        }
+    }
+
+    fn pictures(&self) -> Markup {
+        html! { @for shown in self.shown() { (shown.pictures()) } }
+    }
+
+    fn tables(&self) -> Markup {
+        html! {
+            @for (shown, data) in self.shown().zip(self.data()) {
+                @for block in shown.rest() { (block) }
+                @if let [(first, _), more @ ..] = &data[..] {
+                    p.data {
+                        @if let Some((title, ..)) = shown.pictures.first() { (title) ". " }
+                        "Data in " a href=(FILES[1]) { (FILES[1]) } ": " (first) @for (name, _) in more { ", " (name) }
+                    }
+                }
             }
+            p { small { "Made in " (format!("{:.1}", self.wall.as_secs_f64())) " s." } }
         }
     }
 }
+
+/// A chapter of the page: anchor, title, and what it has of a section.
+type Chapter = (&'static str, &'static str, fn(&Section) -> Markup);
+
+const CHAPTERS: [Chapter; 3] = [
+    ("findings", "Findings", Section::findings),
+    ("figures", "Figures", Section::pictures),
+    ("tables", "Tables", Section::tables),
+];
 
 /// Style sheet: for screens of any width (tables scroll), dark mode and print.
 const STYLE: &str = include_str!("style.css");
@@ -132,8 +184,32 @@ const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("page.js");
 
 impl Page {
+    /// The files: the page, and the archive of data.
+    ///
+    /// # Errors
+    /// Errors of the archive writer.
+    pub fn files(&self) -> crate::error::Result<[(&'static str, Vec<u8>); 2]> {
+        let archive = in_memory(|bytes| {
+            let mut archive = NpzWriter::new(bytes, None)?.compress(true);
+            let mut all = self.sections.iter().flat_map(Section::data).flatten();
+            all.try_for_each(|(name, bytes)| archive.file(&name, &bytes))?;
+            archive.finish()
+        })?;
+        Ok([(FILES[0], self.html().into_bytes()), (FILES[1], archive)])
+    }
+
     /// The page as HTML.
     pub fn html(&self) -> String {
+        // Sections that a chapter has something of; the first of each says what it shows.
+        let parts = CHAPTERS.map(|(chapter, _, of)| {
+            let all =
+                self.sections.iter().map(move |section| (format!("{}-{chapter}", section.name), section, of(section)));
+            all.filter(|(.., content)| !content.0.is_empty()).collect::<Vec<_>>()
+        });
+        let first = |id: &str, section: &Section| {
+            let mut all = parts.iter().flatten().filter(|part| part.1.name == section.name);
+            all.next().is_some_and(|part| part.0 == id)
+        };
         let page = html! {
             (DOCTYPE)
             html lang="en" {
@@ -152,9 +228,25 @@ impl Page {
                     }
                     div.columns {
                         nav aria-label="Contents" {
-                            ul { @for section in &self.sections { li { a href={ "#" (section.name) } { (section.title) } } } }
+                            @for ((chapter, title, _), parts) in CHAPTERS.iter().zip(&parts) {
+                                @if !parts.is_empty() {
+                                    a href={ "#" (chapter) } { (title) }
+                                    ul { @for (id, section, _) in parts { li { a href={ "#" (id) } { (section.title) } } } }
+                                }
+                            }
                         }
-                        main { @for section in &self.sections { (section.html()) } }
+                        main {
+                            @for ((chapter, title, _), parts) in CHAPTERS.iter().zip(&parts) {
+                                @if !parts.is_empty() { h2 id=(chapter) { (title) } }
+                                @for (id, section, content) in parts {
+                                    section id=(id) {
+                                        h3 { (section.title) }
+                                        @if first(id, section) { p.shows { (section.shows) } }
+                                        (content)
+                                    }
+                                }
+                            }
+                        }
                     }
                     dialog aria-label="A picture, large" { button type="button" { "Close" } }
                     script { (PreEscaped(SCRIPT)) }
@@ -167,11 +259,11 @@ impl Page {
     /// Date, machine, and what was made.
     fn summary(&self) -> Markup {
         let sections = &self.sections;
-        let pictures: usize = sections.iter().map(Section::pictures).sum();
+        let pictures: usize = sections.iter().map(Section::count).sum();
         let failures: usize = sections.iter().map(|section| section.failures().count()).sum();
         let wall: f64 = sections.iter().map(|section| section.wall.as_secs_f64()).sum();
-        let tables = sections.iter().flat_map(Section::shown).flat_map(Shown::tables).map(verdicts);
-        let [good, bad, open] = tables.fold([0; 3], |sums, counts| std::array::from_fn(|k| sums[k] + counts[k]));
+        let counts: Vec<_> = sections.iter().flat_map(Section::shown).map(Shown::verdicts).collect();
+        let [good, bad, open] = std::array::from_fn(|k| counts.iter().map(|counts| counts[k]).sum::<usize>());
         let ended = if failures == 0 { "good" } else { "bad" };
         html! {
             div.summary {
@@ -203,7 +295,7 @@ impl Page {
             .col("name", Short, "", |one| one.name)
             .head("section")
             .col("outcome", Short, "", outcome)
-            .col("pictures", Short, "", Section::pictures)
+            .col("pictures", Short, "", Section::count)
             .col("wall_s", Fixed(1), "", |one| one.wall.as_secs_f64())
             .head("wall (s)")
             .col("shows", Json, "", |one| one.shows.clone())
@@ -225,11 +317,22 @@ fn verdicts(table: &Table) -> [usize; 3] {
     ["good", "bad", "open"].map(|class| classes.iter().filter(|one| **one == class).count())
 }
 
-/// A link that contains the whole file.
-fn uri(kind: &str, bytes: &[u8]) -> String {
-    format!("data:{kind};base64,{}", STANDARD.encode(bytes))
+/// A link that contains the whole file of a picture.
+fn uri(file: &[u8]) -> String {
+    let kind = if file.starts_with(b"<svg") { "svg+xml" } else { "png" };
+    format!("data:image/{kind};base64,{}", STANDARD.encode(file))
 }
 
+/// A paragraph or a table; if asked for, only the bad ones in a table of verdicts.
+fn block_html(block: &Block, bad: bool) -> Markup {
+    match block {
+        Block::Words(words) => html! { p.words { (words.trim()) } },
+        Block::Table(table) => table_html(table, bad && verdicts(table) != [0; 3]),
+    }
+}
+
+/// Longest cell that is never cut into lines, in characters.
+const SHORT: usize = 24;
 /// The column that is shown first, and in colour.
 const VERDICT: &str = "verdict";
 
@@ -243,9 +346,11 @@ fn class(cell: &str) -> &'static str {
     }
 }
 
-/// A table with its legend; nothing if it has no column or no row for people.
-fn table_html(table: &Table) -> Markup {
-    let (head, rows) = table.cells();
+/// A table with its legend; nothing if it has no column or no row for people. Of verdicts only the
+/// bad ones, if asked for.
+fn table_html(table: &Table, bad: bool) -> Markup {
+    let (head, mut rows) = table.cells();
+    rows.retain(|row| !bad || row.last().is_some_and(|cell| class(cell) == "bad"));
     if head.is_empty() || rows.is_empty() {
         return html! {};
     }
@@ -255,7 +360,12 @@ fn table_html(table: &Table) -> Markup {
         let mut cells = rows.iter().map(|row| &row[column]).filter(|cell| !cell.is_empty());
         cells.all(|cell| cell == "–" || cell.starts_with(|c: char| c.is_ascii_digit() || c == '-'))
     };
-    let class = |row: &[String], column: usize| if numbers(column) { "number" } else { class(&row[column]) };
+    let class = |row: &[String], column: usize| match class(&row[column]) {
+        _ if numbers(column) => "number",
+        // Short cells are not cut into lines.
+        "" if row[column].chars().count() <= SHORT => "short",
+        class => class,
+    };
     html! {
         div.wide tabindex="0" {
             table {
@@ -310,7 +420,7 @@ mod tests {
             "α &lt; 2",
             "data:image/svg+xml;base64,",
             "no &lt;reason&gt;",
-            "href=\"#one\"",
+            "href=\"#one-findings\"",
         ] {
             assert!(html.contains(wanted) || (cfg!(not(feature = "plot")) && wanted.contains("svg")), "{wanted}");
         }
@@ -347,8 +457,10 @@ mod tests {
         );
         let table = table.done();
         assert_eq!(verdicts(&table), [2, 1, 1]);
-        let html = table_html(&table).into_string();
-        assert!(html.contains("<td class=\"bad\">differs</td><td class=\"\">b</td>"), "{html}");
+        let html = table_html(&table, false).into_string();
+        assert!(html.contains("<td class=\"bad\">differs</td><td class=\"short\">b</td>"), "{html}");
         assert!(html.contains("item: what it is."), "{html}");
+        let bad = table_html(&table, true).into_string();
+        assert!(bad.contains("differs") && !bad.contains("holds") && !bad.contains("agrees"), "{bad}");
     }
 }

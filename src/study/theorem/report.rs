@@ -96,6 +96,7 @@ impl TheoremStudy {
                 options.c_i,
                 self.sites,
             ))
+            .finding()
             .fact("alpha", options.alpha)
             .fact("horizon", options.horizon)
             .fact("rho_law", options.rho_law.name())
@@ -113,6 +114,7 @@ impl TheoremStudy {
             )
             .fact("verdict", self.verdict().name())
             .words(format!("{}: {}", self.verdict().name(), self.conclusion()))
+            .finding()
             .fact("rule", Bound::RULE)
             .words(Bound::RULE)
             .fact("integrator", "collocation")
