@@ -26,4 +26,5 @@ examples! {
     long_energy: "../examples/long_energy.rs";
     arenstorf: "../integrators/examples/arenstorf.rs";
     own_hamiltonian: "../integrators/examples/own_hamiltonian.rs";
+    own_law: "../integrators/examples/own_law.rs";
 }

@@ -3,6 +3,7 @@
 mod checkpoint;
 mod choice;
 mod contacts;
+mod crossings;
 mod parts;
 mod report;
 mod si;
@@ -13,6 +14,7 @@ pub use choice::{MethodChoice, MethodRequest};
 #[cfg(feature = "plot")]
 pub use contacts::contacts_picture;
 pub use contacts::{CONTACT_COLUMNS, ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
+pub use crossings::{Condition, with_conditions};
 pub use parts::parts_plan;
 #[cfg(feature = "plot")]
 pub use report::run_pictures;
