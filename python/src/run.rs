@@ -11,7 +11,9 @@ use hertzchain::{
     cli::in_python,
     run::Records,
     scene::{Quantity, Units},
-    study::{Condition, MethodChoice, MethodRequest, ResultUnits, contact_in_si, in_units, state_in_si, with_conditions},
+    study::{
+        Condition, MethodChoice, MethodRequest, ResultUnits, contact_in_si, in_units, state_in_si, with_conditions,
+    },
     sweep::start_all,
 };
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, prelude::*};

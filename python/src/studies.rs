@@ -159,12 +159,13 @@ pub(crate) fn derivatives<'py>(
 ) -> PyResult<Vec<Vec<Bound<'py, PyArray1<f64>>>>> {
     let scene = &scene.0;
     let (chain, y, span) = (scene.chain(), scene.initial().as_slice(), (scene.start_time(), end));
-    if let Some(units) = scene.units() {
+    if scene.units().is_some() {
         let rule = "of scenes and chains without units: give dimensionless numbers";
-        return Err(Error::parameter("derivatives", units.words(), rule)).or_raise(py);
+        return Err(Error::parameter("derivatives", "in SI units", rule)).or_raise(py);
     }
     if chain.boundary() == Boundary::StrainRing {
-        return Err(Error::parameter("derivatives", "of strains", "of displacements: take the boundary ring")).or_raise(py);
+        return Err(Error::parameter("derivatives", "of strains", "of displacements: take the boundary ring"))
+            .or_raise(py);
     }
     let known = ["alpha", "kappa", "rho", "amplitude"];
     let named = |name: &String| {
@@ -174,7 +175,9 @@ pub(crate) fn derivatives<'py>(
             "kappa" => Ok(Some(Parameter::Kappa)),
             "rho" => Ok(Some(Parameter::Rho)),
             "amplitude" => Ok(None),
-            _ => site().map(Some).ok_or_else(|| Error::unknown("derivative", name, known.into_iter().chain(["mass[0]"]))),
+            _ => {
+                site().map(Some).ok_or_else(|| Error::unknown("derivative", name, known.into_iter().chain(["mass[0]"])))
+            }
         }
     };
     let by = names.iter().map(named).collect::<hertzchain::Result<Vec<_>>>().or_raise(py)?;
@@ -183,7 +186,7 @@ pub(crate) fn derivatives<'py>(
     order.sort_by_key(|&j| by[j].is_none());
     let sources: Vec<Parameter> = order.iter().filter_map(|&j| by[j]).collect();
     let (n, half, [beads, resonators]) = (chain.sites(), chain.layout().half(), masses(chain));
-    let (rows, k, rho) = (2 * half, by.len(), chain.params().rho());
+    let (rows, k, rho) = (2 * half, by.len(), chain.params().rho);
     // Mass of an entry, and what share of it changes with the number.
     let mass = |i: usize| if i % half < n { beads[i % half] } else { resonators[i % half - n] };
     let change = |by: Option<Parameter>, i: usize| match by {
@@ -191,9 +194,12 @@ pub(crate) fn derivatives<'py>(
         Some(Parameter::Mass(site)) if i % half % n == site => 1.0 / beads[site],
         _ => 0.0,
     };
-    let moved = |i: usize| i % half < n && chain.details().is_some_and(|details| {
-        details.drives.iter().any(|drive| drive.kind == DriveKind::Displacement && drive.site == i % half)
-    });
+    let moved = |i: usize| {
+        i % half < n
+            && chain.details().is_some_and(|details| {
+                details.drives.iter().any(|drive| drive.kind == DriveKind::Displacement && drive.site == i % half)
+            })
+    };
     let mut columns = vec![0.0; rows * k];
     for (place, &j) in order.iter().enumerate() {
         for i in (0..rows).filter(|&i| !moved(i)) {

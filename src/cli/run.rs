@@ -156,17 +156,8 @@ fn report(
     let outcome = study::in_units(outcome, scene.chain().layout(), si);
     let signals = signals.map(|signals| signals.with_extremes(&outcome).in_units(si));
     let signals = signals.as_ref();
-    let ran = RunView {
-        scene,
-        integrator: name,
-        setting,
-        reason,
-        outcome: &outcome,
-        amplification,
-        si,
-        signals,
-        conditions,
-    };
+    let ran =
+        RunView { scene, integrator: name, setting, reason, outcome: &outcome, amplification, si, signals, conditions };
     // JSON has the whole state. For a long chain it takes more memory than the run, so it is made
     // only if it is asked for.
     let text = if args.json { to_json(&study::run_json(&ran)) + "\n" } else { study::run_summary(&ran) };

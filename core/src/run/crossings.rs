@@ -80,7 +80,8 @@ impl Crossings {
         stepper: Box<dyn Stepper<f64> + 'a>,
         kept: &'a mut Vec<Event<f64>>,
     ) -> Box<dyn Stepper<f64> + 'a> {
-        let functions = Functions { of: &self.functions, count: self.functions.at(run.initial().as_slice()).len(), run };
+        let functions =
+            Functions { of: &self.functions, count: self.functions.at(run.initial().as_slice()).len(), run };
         Box::new(Watch::of_crossings(stepper, functions, run.part(), Keeper { then: &*self.then, kept }))
     }
 }

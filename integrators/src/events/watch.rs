@@ -85,7 +85,18 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
         sides.begin(false);
         sides.put(NODES - 1, &g);
         let since = vec![0.0; count];
-        Self { stepper, functions, listener, sides, crossings: Vec::new(), since, y, g, ended: None, longest: f64::INFINITY }
+        Self {
+            stepper,
+            functions,
+            listener,
+            sides,
+            crossings: Vec::new(),
+            since,
+            y,
+            g,
+            ended: None,
+            longest: f64::INFINITY,
+        }
     }
 
     /// As [`new`](Self::new), for functions that may begin at zero: to leave it is no event.

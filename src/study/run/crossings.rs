@@ -111,24 +111,26 @@ pub(super) fn ended<'a>(conditions: &'a [Condition], outcome: &Trajectory) -> Op
     Some(&conditions[last.index]).filter(|condition| condition.ends)
 }
 
+/// The times at which each condition was met.
+fn times<'a>(conditions: &'a [Condition], outcome: &Trajectory) -> impl Iterator<Item = (&'a str, Vec<f64>)> {
+    let of = |k: usize| outcome.crossings.iter().filter(move |one| one.index == k).map(|one| one.t);
+    conditions.iter().enumerate().map(move |(k, condition)| (condition.text(), of(k).collect()))
+}
+
 /// Of each condition its text, the number of its crossings, and the times of the first and the last.
 pub(super) fn crossing_totals(conditions: &[Condition], outcome: &Trajectory) -> Value {
-    let total = |(k, condition): (usize, &Condition)| {
-        let times = || outcome.crossings.iter().filter(move |one| one.index == k).map(|one| one.t);
-        json!({"condition": condition.text, "count": times().count(), "first": times().next(), "last": times().last()})
-    };
-    conditions.iter().enumerate().map(total).collect()
+    let total = |(text, t): (&str, Vec<f64>)| json!({"condition": text, "count": t.len(), "first": t.first(), "last": t.last()});
+    times(conditions, outcome).map(total).collect()
 }
 
 /// A line for each condition.
 pub(super) fn crossing_lines(conditions: &[Condition], outcome: &Trajectory) -> Vec<String> {
-    let line = |(k, condition): (usize, &Condition)| {
-        let times: Vec<f64> = outcome.crossings.iter().filter(|one| one.index == k).map(|one| one.t).collect();
-        let first = times.first().map_or(String::new(), |t| format!(", the first at t = {t:.9e}"));
-        format!("crossings   {}: {}{first}", condition.text, times.len())
+    let line = |(text, t): (&str, Vec<f64>)| {
+        let first = t.first().map_or(String::new(), |t| format!(", the first at t = {t:.9e}"));
+        format!("crossings   {text}: {}{first}", t.len())
     };
     let ended = ended(conditions, outcome).map(|one| format!("ended       by {}", one.text));
-    conditions.iter().enumerate().map(line).chain(ended).collect()
+    times(conditions, outcome).map(line).chain(ended).collect()
 }
 
 /// The crossings as CSV, in order of time.

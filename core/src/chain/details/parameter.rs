@@ -38,7 +38,7 @@ impl Parameter {
             // Beads and resonators are counted from where they hang.
             _ if given.gravity != 0.0 => ("derivatives", true, "of a chain without gravity"),
             Self::Alpha => ("alpha", !given.alpha.is_empty(), "bonds have exponents of their own"),
-            Self::Kappa if params.kappa() <= 0.0 => ("kappa", true, "resonators have no springs here"),
+            Self::Kappa if params.kappa <= 0.0 => ("kappa", true, "resonators have no springs here"),
             Self::Kappa => ("kappa", !given.kappa.is_empty(), "beads have spring constants of their own"),
             Self::Rho if !chain.layout().resonators() => ("rho", true, "no resonator moves"),
             Self::Rho => ("rho", !given.rho.is_empty(), "beads have mass ratios of their own"),
@@ -56,9 +56,9 @@ impl Parameter {
         mut add: impl FnMut(usize, R),
     ) {
         let (n, half) = (chain.sites(), chain.layout().half());
-        let mut accelerate = |site: usize, by: R| {
-            if !parts.sites[site].moved {
-                add(half + site, by);
+        let mut accelerate = |entry: usize, by: R| {
+            if entry >= n || !parts.sites[entry].moved {
+                add(half + entry, by);
             }
         };
         match self {
@@ -78,19 +78,20 @@ impl Parameter {
                 let mass = parts.sites[site].mass;
                 accelerate(site, -rates[half + site] / mass);
                 if chain.resonator_moves(site) {
-                    add(half + n + site, -rates[half + n + site] / mass);
+                    accelerate(n + site, -rates[half + n + site] / mass);
                 }
             }
             Self::Kappa | Self::Rho => {
-                for (i, site) in parts.sites.iter().enumerate().filter(|(_, site)| site.resonators != Resonators::None) {
+                for (i, site) in parts.sites.iter().enumerate().filter(|(_, site)| site.resonators != Resonators::None)
+                {
                     let moves = site.resonators == Resonators::Moving;
                     let stretch = state[i] - if moves { state[n + i] } else { R::zero() };
                     if self == Self::Kappa {
                         accelerate(i, -stretch / site.mass);
                     }
                     if moves {
-                        let row = half + n + i;
-                        add(row, if self == Self::Rho { -rates[row] / site.rho } else { stretch / site.resonator() });
+                        let by_rho = -rates[half + n + i] / site.rho;
+                        accelerate(n + i, if self == Self::Rho { by_rho } else { stretch / site.resonator() });
                     }
                 }
             }

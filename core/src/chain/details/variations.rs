@@ -385,8 +385,8 @@ impl<R: Real> VectorField<R> for Variations<R> {
             *contraction = resisted(chain, pushing, state);
         }
         if self.columns > 0 {
-            let pushing = field.pushing();
-            R::run(kernel!(linearised((chain, pushing), state, (w, dw), (change, velocities))));
+            let (pushing, chain, column) = (field.pushing(), &*chain, &mut *dw);
+            R::run(kernel!(linearised((chain, pushing), state, (w, column), (change, velocities))));
             for (j, parameter) in self.by.iter().enumerate() {
                 parameter.source(chain, parts(chain), (state, rates), |row, by| dw[row * self.columns + j] += by);
             }
