@@ -28,4 +28,5 @@ examples! {
     bouncing_ball: "../integrators/examples/bouncing_ball.rs";
     own_method: "../integrators/examples/own_method.rs";
     own_hamiltonian: "../integrators/examples/own_hamiltonian.rs";
+    own_law: "../integrators/examples/own_law.rs";
 }

@@ -17,6 +17,7 @@ __all__ = [
     "__version__",
     "averages",
     "check_chain",
+    "derivatives",
     "flow",
     "integrators",
     "load_branch",
@@ -102,6 +103,7 @@ class Bright:
     def horizon(self) -> float: ...
     def sites(self, t: float) -> _V: ...
 
+def derivatives(scene: Scene, names: list[str], end: float, tol: float) -> list[list[_V]]: ...
 def program(arguments: list[str]) -> int: ...
 def integrators() -> list[str]: ...
 def check_chain(chain: _Numbers) -> None: ...
@@ -116,10 +118,13 @@ def run(
     times: _V | None,
     states: bool,
     events: bool,
+    crossings: list[str],
+    stop: list[str],
     dimensionless: bool,
     progress: Callable[[float], Any] | None,
     seen: Callable[[float, _V], Any] | None,
     told: Callable[[float, _V], Any] | None,
+    crossed: Callable[[float, int, bool, _V], Any] | None,
 ) -> tuple[dict[str, Any], BaseException | None]: ...
 def film(scene: Scene, how: str, t: _V, u: _V, v: _V | None, si: bool) -> bytes: ...
 def run_many(

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 ENERGIES = np.dtype([(name, np.float64) for name in ("beads", "resonators", "springs", "contacts")])
 CONTACTS = np.dtype([(name, np.int64 if name == "bond" else np.float64) for name in _native.CONTACT_COLUMNS])
+CROSSINGS = np.dtype([("condition", np.int64), ("t", np.float64), ("rising", np.bool_)])
 DEFAULT_SAMPLES = 400
 # The first bond of a chain that can touch, where there is no wall on the left.
 FIRST = {"free": 1, "right-wall": 1}
@@ -75,9 +76,12 @@ class Told(TypedDict, total=False):
 
     states: bool
     events: bool
+    crossings: str | Sequence[str]
+    stop: str | Sequence[str]
     progress: Progress
     on_sample: Callable[[float, Vector], Any] | None
     on_contact: Callable[[dict[str, float]], Any] | None
+    on_crossing: Callable[[dict[str, float], Vector], Any] | None
 
 
 class Trajectory(Arrays):
@@ -101,6 +105,15 @@ class Trajectory(Arrays):
         on. NaN stands for a number that a contact does not have, such as the release of an open
         one. On every boundary ``bond`` counts the bonds that can touch from 0, from left to right,
         as the columns of :meth:`strains` and the arrays and exceptions of ``Chain(bonds=..)`` do.
+    conditions : list of str
+        What was looked for: those of `crossings`, then those of `stop`.
+    crossings : structured ndarray
+        Where these were met, in order of time: ``condition``, the number of one in `conditions`;
+        ``t``; ``rising``, whether the quantity rises. A call with ``crossings["t"]`` has the states.
+    ended_by : str or None
+        The condition at which the run ended before `until`.
+    derivatives : dict
+        By the names of `derivatives` of :func:`run`: the derivative of `end`, a dictionary of arrays.
     stats : dict
         ``steps``, ``rejected``, ``force_evaluations``, ``wall_s``.
     energy_error : float or None
@@ -142,6 +155,10 @@ class Trajectory(Arrays):
         self._has_states = "states" in record
         self._energies: Vector | None = record.get("energies")
         self._contacts: Vector | None = record.get("contacts")
+        self.conditions: list[str] = record.get("conditions", [])
+        self.crossings = np.array(record["crossings"], CROSSINGS)
+        ended = record["ended_by"]
+        self.ended_by = None if ended is None else self.conditions[ended]
         self.stats = {name: record[name] for name in ("steps", "rejected", "force_evaluations", "wall_s")}
         self.energy_error: float | None = record["energy_error"]
         work = record.get("dissipated")
@@ -153,6 +170,7 @@ class Trajectory(Arrays):
         self.end: dict[str, Vector] = {
             name: array[0] for name, array in zip(self._names, record["end"]) if array is not None
         }
+        self.derivatives: dict[str, dict[str, Vector]] = record.get("derivatives", {})
         self.integrator: str = record["integrator"]
         self.setting: str = record["setting"]
         self.reason: str | None = record["reason"]
@@ -204,7 +222,7 @@ class Trajectory(Arrays):
         ----------
         until : float
             End time, in the unit of ``t_end``.
-        at, states, events, progress, on_sample, on_contact
+        at, states, events, crossings, stop, progress, on_sample, on_contact, on_crossing
             As in :func:`run`.
 
         Returns
@@ -213,14 +231,21 @@ class Trajectory(Arrays):
             From ``t_end`` on. Its energy error and its works are counted from there, and a
             tolerance holds for this part.
         """
-        if at is not None and not isinstance(at, (int, np.integer)):
-            at = vector("at", at) * self._second
-        return self._again(self.end, self.t_end, number("until", until) * self._second, at, **options)
+        return self._again(self.end, self.t_end, number("until", until) * self._second, self._times(at), **options)
+
+    def _times(self, at: Any) -> Any:
+        """Samples of a part of the run, in the unit of its scene."""
+        if at is None or isinstance(at, (int, np.integer)):
+            return DEFAULT_SAMPLES if at is None else at
+        return vector("at", at) * self._second
 
     def _again(self, y: dict[str, Vector], t: float, until: float, at: Any, **options: Unpack[Told]) -> Trajectory:
-        whole, t0 = self._scene._part[0] if self._scene._part else self._scene, t * self._second
-        at = DEFAULT_SAMPLES if at is None else at
-        return run(whole, y0=self._in_scene(y), t0=t0, until=until, at=at, **options, **self._how)
+        return run(self._whole, y0=self._in_scene(y), t0=t * self._second, until=until, at=at, **options, **self._how)
+
+    @property
+    def _whole(self) -> Scene:
+        """The scene of which this is a run, or a part of one."""
+        return self._scene._part[0] if self._scene._part else self._scene
 
     def __call__(self, t: ArrayLike) -> dict[str, Vector]:
         """The state at any time of the run, computed from the sample before it in the same way.
@@ -391,9 +416,13 @@ def run(
     at: ArrayLike | int | None = None,
     states: bool = True,
     events: bool = False,
+    crossings: str | Sequence[str] = (),
+    stop: str | Sequence[str] = (),
+    derivatives: str | Sequence[str] = (),
     progress: Progress = False,
     on_sample: Callable[[float, Vector], Any] | None = None,
     on_contact: Callable[[dict[str, float]], Any] | None = None,
+    on_crossing: Callable[[dict[str, float], Vector], Any] | None = None,
     dimensionless: bool = False,
 ) -> Trajectory:
     """Run a scene, or a chain from a state.
@@ -431,14 +460,30 @@ def run(
         Whether states are kept at the sample times; energies are always kept.
     events : bool
         Whether to log all contacts.
+    crossings : str or list of str
+        Conditions that are looked for, also between samples: ``"u[10] > 0.5"`` is met where ``u`` of
+        site 10 rises through 0.5, ``<`` where it falls, ``=`` at both. Quantities are ``u, v`` and
+        their rates ``u_dot, v_dot`` of a site (strains on a strain ring), and ``overlap`` of a bond,
+        counted as in ``contacts``.
+    stop : str or list of str
+        Conditions that end the run where they are met.
+    derivatives : str or list of str
+        Numbers of the chain by which the state at the end is differentiated, at fixed initial
+        positions and momenta, fixed static overlaps and a fixed end time: ``alpha``, ``kappa``,
+        ``rho``, ``mass[n]`` of bead n; ``amplitude``, the factor of the initial state. They are
+        computed by regularised DOP853 to the tolerance `tol` (1e-10 without one), whatever the
+        method; of chains without units whose contacts do not dissipate, with `alpha` above 1.
     progress : bool or callable
         Whether to show progress; or a function that is called with the share done, from 0 to 1.
     on_sample : callable, optional
         Called with the time of every sample and the state there, ``[u, v, u', v']``.
     on_contact : callable, optional
         Called with each contact, a dictionary with the columns of the log, after the step in which
-        the contact ends. It turns `events` on. An exception in one of the two functions stops the
-        run and is raised; its attribute ``partial`` is the trajectory so far.
+        the contact ends. It turns `events` on.
+    on_crossing : callable, optional
+        Called with each crossing, a dictionary with the columns of `crossings`, and the state there,
+        ``[u, v, u', v']``. It ends the run by returning True. An exception in one of the three
+        functions stops the run and is raised; its attribute ``partial`` is the trajectory so far.
     dimensionless : bool
         Whether the trajectory, and what the functions are called with, is dimensionless also for a
         scene or chain with ``[units]``; what is given stays in SI units.
@@ -474,6 +519,12 @@ def run(
     >>> bool((end.contacts["onset"][1:] > 0).all())
     True
 
+    The same up to the time at which the last bead is at 0.1.
+
+    >>> part = hc.run(chain, y0={"pu": np.eye(10)[0]}, until=20.0, tol=1e-10, stop="u[9] > 0.1")
+    >>> bool(abs(part.end["u"][9] - 0.1) < 1e-14), part.ended_by, len(part.crossings)
+    (True, 'u[9] > 0.1', 1)
+
     This scene is in SI units: the driven bead moves by at most 10 nm.
 
     >>> driven = hc.run(hc.Scene.load("granular-crystal"), until=7e-4, tol=1e-8)
@@ -492,7 +543,18 @@ def run(
         raise ParameterError(f"on_sample = {on_sample!r} is not valid: a function of t and the state")
     if on_contact is not None and not callable(on_contact):
         raise ParameterError(f"on_contact = {on_contact!r} is not valid: a function of a contact")
+    if on_crossing is not None and not callable(on_crossing):
+        raise ParameterError(f"on_crossing = {on_crossing!r} is not valid: a function of a crossing and the state")
+    asked_for = texts("derivatives", derivatives)
+    looked, ending = texts("crossings", crossings), texts("stop", stop)
+    if on_crossing is not None and not looked + ending:
+        raise ParameterError("on_crossing is not valid without crossings or stop")
     whole, how = scene_of(scene, y0, until, t0), asked(method, tol, step, steps_per_period)
+
+    def crossed(t: float, condition: int, rising: bool, state: Vector) -> Any:
+        assert on_crossing is not None
+        return on_crossing({"condition": condition, "t": t, "rising": rising}, state)
+
     with shown(progress, whole.name) as tell:
         record, raised = _native.run(
             whole._scene,
@@ -500,11 +562,19 @@ def run(
             times=times_of(scene, at, whole.end, whole._start),
             states=states,
             events=events or on_contact is not None,
+            crossings=looked,
+            stop=ending,
             dimensionless=bool(dimensionless),
             progress=tell,
             seen=on_sample,
             told=None if on_contact is None else lambda _, numbers: on_contact(contact_of(numbers, whole)),
+            crossed=None if on_crossing is None else crossed,
         )
+    record["conditions"] = looked + ending
+    if asked_for and record["failure"] is None and raised is None:
+        ends = _native.derivatives(whole._scene, asked_for, record["t_end"], how["tol"] or 1e-10)
+        known = [name for name, array in zip(names(False), record["end"]) if array is not None]
+        record["derivatives"] = {name: dict(zip(known, rows)) for name, rows in zip(asked_for, ends)}
     si = whole.units is not None and not dimensionless
     how["dimensionless"] = bool(dimensionless)
     trajectory = Trajectory(scene if isinstance(scene, Chain) else whole.chain, record, whole, si, how)
@@ -546,7 +616,30 @@ class Ensemble(Arrays, Sequence[Trajectory]):
         self.failures = {k: member.failure for k, member in enumerate(members) if member.failure}
         self.t_end = min(member.t_end for member in members)
 
-    def _whole(self, arrays: list[Vector]) -> Vector:
+    def resume(
+        self,
+        until: float,
+        *,
+        at: ArrayLike | int | None = None,
+        states: bool = True,
+        progress: Progress = False,
+    ) -> Ensemble:
+        """Go on from the end up to a later time, in the same way, as :meth:`Trajectory.resume` does.
+
+        Raises
+        ------
+        ParameterError
+            If a member has stopped before the others, as one that failed.
+        """
+        short = [k for k, member in enumerate(self) if member.failure or member.t_end != self[0].t_end]
+        if short:
+            raise ParameterError(f"resume is not valid: member {short[0]} has not reached the end")
+        first = self[0]
+        end, starts = number("until", until) * first._second, [member._in_scene(member.end) for member in self]
+        options: dict[str, Any] = {"at": first._times(at), "states": states, "progress": progress, **first._how}
+        return run_many(first._whole, starts, t0=first.t_end * first._second, until=end, **options)
+
+    def _table(self, arrays: list[Vector]) -> Vector:
         whole = np.full((len(arrays), len(self.t), *arrays[0].shape[1:]), np.nan)
         for row, array in zip(whole, arrays):
             row[: len(array)] = array
@@ -556,11 +649,11 @@ class Ensemble(Arrays, Sequence[Trajectory]):
     def energy(self) -> Vector | None:
         """Energy at the sample times."""
         energies = [member.energy for member in self._members]
-        return None if any(energy is None for energy in energies) else self._whole(energies)  # type: ignore[arg-type]
+        return None if any(energy is None for energy in energies) else self._table(energies)  # type: ignore[arg-type]
 
     def _array(self, name: str) -> Any:
         arrays = [member._array(name) for member in self._members]
-        return None if arrays[0] is None else self._whole(arrays)
+        return None if arrays[0] is None else self._table(arrays)
 
     @overload
     def __getitem__(self, k: int) -> Trajectory: ...
@@ -581,6 +674,7 @@ def run_many(
     scene: Scene | Chain,
     y0: Any,
     *,
+    t0: float | None = None,
     until: float | None = None,
     method: str | None = None,
     tol: float | None = None,
@@ -604,7 +698,7 @@ def run_many(
         The initial states: a sequence of what :func:`run` takes, such as the rows of an array of
         shape (members, numbers); or a mapping of ``u, v, pu, pv`` to arrays of shape (members,
         sites).
-    until, method, tol, step, steps_per_period, at, states, progress, dimensionless
+    t0, until, method, tol, step, steps_per_period, at, states, progress, dimensionless
         As in :func:`run`.
 
     Returns
@@ -628,7 +722,8 @@ def run_many(
     >>> runs.u.shape, bool(np.allclose(runs.pu.sum(axis=2), struck[:, :1]))
     ((3, 51, 10), True)
     """
-    scenes, how = [scene_of(scene, state, until) for state in states_of(y0)], asked(method, tol, step, steps_per_period)
+    scenes = [scene_of(scene, state, until, t0) for state in states_of(y0)]
+    how = asked(method, tol, step, steps_per_period)
     if not scenes:
         raise ParameterError("y0 with no state is not valid: at least one")
     whole = scenes[0]
@@ -636,7 +731,7 @@ def run_many(
         records, raised = _native.run_many(
             [one._scene for one in scenes],
             **how,
-            times=times_of(scene, at, whole.end),
+            times=times_of(scene, at, whole.end, whole._start),
             states=states,
             dimensionless=bool(dimensionless),
             progress=tell,
@@ -688,6 +783,13 @@ def times_of(scene: Scene | Chain, at: ArrayLike | int | None, end: float, start
         times[-1] = end
         return np.asarray(times)
     return vector("at", at)
+
+
+def texts(name: str, given: Any) -> list[str]:
+    """Texts of one or several conditions."""
+    if not isinstance(given, Iterable):
+        raise ParameterError(f"{name} = {given!r} is not valid: a condition, or a list of them")
+    return [word(name, one) for one in ([given] if isinstance(given, str) else given)]
 
 
 def states_of(y0: Any) -> list[Any]:

@@ -93,7 +93,7 @@ class Simulation(Value):
     def integrate(self, until: float, *, at: ArrayLike | int = 1, **options: Unpack[Told]) -> Trajectory:
         """Move the chain on to a time, which becomes `t`.
 
-        A run that fails, or is stopped by Ctrl-C or by an exception in a function, leaves the
+        A run that a condition of `stop` ends early sets `t` to its end. One that fails, or is stopped by Ctrl-C or by an exception in a function, leaves the
         simulation as it was.
 
         Parameters
@@ -102,7 +102,7 @@ class Simulation(Value):
             The time.
         at : array_like or int
             Times of the samples, or a number of equal parts; by default both ends.
-        states, events, progress, on_sample, on_contact
+        states, events, crossings, stop, progress, on_sample, on_contact, on_crossing
             As in :func:`run`.
 
         Returns
@@ -112,7 +112,8 @@ class Simulation(Value):
         """
         part = run(self.chain, y0=self.state, t0=self.t, until=until, at=at, **options, **self._how)
         if part.failure is None:
-            self.t, self.state = number("until", until), {name: array.copy() for name, array in part.end.items()}
+            self.t = number("until", until) if part.ended_by is None else part.t_end
+            self.state = {name: array.copy() for name, array in part.end.items()}
         return part
 
     def copy(self) -> Simulation:

@@ -30,7 +30,7 @@ mod _native {
         integrators, program,
         run::{film, run, run_many},
         scene::{Scene, check_chain, scenes},
-        studies::{Report, load_branch, modes, monodromy, study},
+        studies::{Report, derivatives, load_branch, modes, monodromy, study},
         theory::{Bright, Wave, averages, flow, wave_of},
     };
     use pyo3::prelude::*;

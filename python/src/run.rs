@@ -11,7 +11,10 @@ use hertzchain::{
     cli::in_python,
     run::Records,
     scene::{Quantity, Units},
-    study::{self, FilmSample, MethodChoice, MethodRequest, ResultUnits, contact_in_si, in_units, state_in_si},
+    study::{
+        self, Condition, FilmSample, MethodChoice, MethodRequest, ResultUnits, contact_in_si, in_units, state_in_si,
+        with_conditions,
+    },
     sweep::start_all,
 };
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, prelude::*};
@@ -22,13 +25,32 @@ use pyo3::{
 use std::{
     cell::RefCell,
     sync::{
-        Mutex, PoisonError,
+        Arc, Mutex, PoisonError,
         atomic::{AtomicUsize, Ordering},
     },
 };
 
 /// Steps times sites of a run that takes less than a millisecond.
 const SHORT: u64 = 10_000;
+
+/// The exception that a function of Python has thrown; once there is one, no other is called.
+#[derive(Clone, Default)]
+struct Thrown(Arc<Mutex<Option<PyErr>>>);
+
+impl Thrown {
+    /// The value of a call, unless it or an earlier one has thrown.
+    fn call<T>(&self, function: impl FnOnce(Python<'_>) -> PyResult<T>) -> Option<T> {
+        let mut thrown = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if thrown.is_some() {
+            return None;
+        }
+        Python::attach(function).map_err(|error| *thrown = Some(error)).ok()
+    }
+
+    fn take(&self) -> Option<PyErr> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}
 
 /// Rows of states, array by array: `u`, `v`, and their momenta, or the rates of strains.
 struct Rows {
@@ -95,7 +117,8 @@ impl Rows {
 /// did.
 #[pyfunction]
 #[pyo3(signature = (
-    scene, *, method, tol, step, steps_per_period, times, states, events, dimensionless, progress, seen, told
+    scene, *, method, tol, step, steps_per_period, times, states, events, crossings, stop, dimensionless, progress,
+    seen, told, crossed
 ))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn run<'py>(
@@ -108,25 +131,50 @@ pub(crate) fn run<'py>(
     times: Option<PyReadonlyArray1<'py, f64>>,
     states: bool,
     events: bool,
+    crossings: Vec<String>,
+    stop: Vec<String>,
     dimensionless: bool,
     progress: Option<Bound<'py, PyAny>>,
     seen: Option<Py<PyAny>>,
     told: Option<Py<PyAny>>,
+    crossed: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyDict>, Option<PyErr>)> {
     let scene = &scene.0;
     let asked = MethodRequest { integrator: method, tol, step, steps_per_period, ..MethodRequest::default() };
     let Prepared { how, run, units, mut rows } = prepared(py, scene, &asked, times.as_ref(), (states, dimensionless))?;
     let run = if events { run.contacts() } else { run };
+    let conditions = crossings.iter().map(|text| (text, false)).chain(stop.iter().map(|text| (text, true)));
+    let conditions: hertzchain::Result<Vec<_>> =
+        conditions.map(|(text, ends)| Condition::read(text, scene, 0, ends)).collect();
+    let conditions = conditions.or_raise(py)?;
+    if let Some(condition) = conditions.first() {
+        how.logs("crossings", condition.text()).or_raise(py)?;
+    }
     let (start, end, layout) = (scene.start_time(), scene.end(), scene.chain().layout());
     let work = |watched: &Watched| {
-        let thrown = RefCell::new(None);
-        // Calls a function of Python; once one has thrown, no other is called.
-        let call = |function: &Option<Py<PyAny>>, with: (f64, &[f64])| {
-            let (Some(function), true) = (function, thrown.borrow().is_none()) else { return };
-            let (t, numbers) = with;
-            let called = Python::attach(|py| function.call1(py, (t, PyArray1::from_slice(py, numbers))).map(|_| ()));
-            *thrown.borrow_mut() = called.inspect_err(|_| watched.ask()).err();
+        let thrown = Thrown::default();
+        let call = |function: &Option<Py<PyAny>>, (t, numbers): (f64, &[f64])| {
+            let Some(function) = function else { return };
+            let called = thrown.call(|py| function.call1(py, (t, PyArray1::from_slice(py, numbers))).map(|_| ()));
+            if called.is_none() {
+                watched.ask();
+            }
         };
+        let also = thrown.clone();
+        let run = with_conditions(run, &conditions, move |event, y| {
+            let Some(function) = &crossed else { return false };
+            let (mut t, mut y) = (event.t, y.to_vec());
+            if let Some(units) = units {
+                t *= units.time_s;
+                state_in_si(&mut y, layout, &units);
+            }
+            let (index, rising) = (event.index, event.rising);
+            let called = also.call(|py| {
+                let state = PyArray1::from_slice(py, &y[..2 * layout.half()]);
+                function.call1(py, (t, index, rising, state))?.is_truthy(py)
+            });
+            called.unwrap_or(true)
+        });
         let mut seen = |t: f64, y: &[f64]| {
             watched.tell((t - start) / (end - start));
             rows.take(t, y, units.as_ref(), &mut |t, y| call(&seen, (t, &y[..2 * layout.half()])));
@@ -136,7 +184,7 @@ pub(crate) fn run<'py>(
             call(&told, (contact.release.unwrap_or(f64::NAN), &contact.numbers()));
         };
         let outcome = how.observe(run, &mut seen, &mut told);
-        (outcome, thrown.into_inner(), rows)
+        (outcome, thrown.take(), rows)
     };
     let short = matches!(how, MethodChoice::Integrated(_, Setting::Steps(steps), ..) if steps * scene.chain().sites() as u64 <= SHORT);
     let ((outcome, thrown, rows), raised) =
@@ -258,6 +306,7 @@ fn record<'py>(
     mut rows: Rows,
     (scene, how, units): (&hertzchain::Scene, &MethodChoice, Option<Units>),
 ) -> PyResult<Bound<'py, PyDict>> {
+    let short = outcome.failure.is_none() && outcome.t < scene.end();
     let outcome = in_units(outcome, rows.layout, units.as_ref());
     let (result, mut warnings) = (PyDict::new(py), scene.doubts());
     let (name, setting) = how.words();
@@ -275,6 +324,9 @@ fn record<'py>(
         let shape = [contacts.len(), Contact::NUMBERS];
         result.set_item("contacts", PyArray1::from_vec(py, numbers).reshape(shape)?)?;
     }
+    let crossings: Vec<_> = outcome.crossings.iter().map(|one| (one.index, one.t, one.rising)).collect();
+    result.set_item("ended_by", crossings.last().filter(|_| short).map(|one| one.0))?;
+    result.set_item("crossings", crossings)?;
     let stats = outcome.stats;
     result.set_item("steps", stats.steps)?;
     result.set_item("rejected", stats.rejected)?;

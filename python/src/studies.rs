@@ -2,10 +2,12 @@
 
 use crate::{
     error::OrRaise,
-    scene::Scene,
+    scene::{Scene, masses},
     work::{finished, watched},
 };
 use hertzchain::{
+    Boundary, Error,
+    chain::{DriveKind, Parameter, Variations},
     cli,
     figures::Format,
     orbits::{Branch, Continuation},
@@ -142,4 +144,77 @@ pub(crate) fn monodromy<'py>(py: Python<'py>, scene: &Scene, tol: f64) -> PyResu
         }
     }
     PyArray1::from_vec(py, state).reshape([dim, dim])?.transpose()
+}
+
+/// The derivatives of the state at a time by numbers of a scene's chain, or by the factor of its
+/// initial state, at fixed momenta of that state: positions and momenta, a row for each of `u, v`,
+/// `pu, pv`.
+#[pyfunction]
+pub(crate) fn derivatives<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    names: Vec<String>,
+    end: f64,
+    tol: f64,
+) -> PyResult<Vec<Vec<Bound<'py, PyArray1<f64>>>>> {
+    let scene = &scene.0;
+    let (chain, y, span) = (scene.chain(), scene.initial().as_slice(), (scene.start_time(), end));
+    if scene.units().is_some() {
+        let rule = "of scenes and chains without units: give dimensionless numbers";
+        return Err(Error::parameter("derivatives", "in SI units", rule)).or_raise(py);
+    }
+    if chain.boundary() == Boundary::StrainRing {
+        return Err(Error::parameter("derivatives", "of strains", "of displacements: take the boundary ring"))
+            .or_raise(py);
+    }
+    let known = ["alpha", "kappa", "rho", "amplitude"];
+    let named = |name: &String| {
+        let site = || name.strip_prefix("mass[")?.strip_suffix(']')?.parse().ok().map(Parameter::Mass);
+        match name.as_str() {
+            "alpha" => Ok(Some(Parameter::Alpha)),
+            "kappa" => Ok(Some(Parameter::Kappa)),
+            "rho" => Ok(Some(Parameter::Rho)),
+            "amplitude" => Ok(None),
+            _ => {
+                site().map(Some).ok_or_else(|| Error::unknown("derivative", name, known.into_iter().chain(["mass[0]"])))
+            }
+        }
+    };
+    let by = names.iter().map(named).collect::<hertzchain::Result<Vec<_>>>().or_raise(py)?;
+    // Those by the amplitude have no source, and come last.
+    let mut order: Vec<usize> = (0..by.len()).collect();
+    order.sort_by_key(|&j| by[j].is_none());
+    let sources: Vec<Parameter> = order.iter().filter_map(|&j| by[j]).collect();
+    let (n, half, [beads, resonators]) = (chain.sites(), chain.layout().half(), masses(chain));
+    let (rows, k, rho) = (2 * half, by.len(), chain.params().rho);
+    // Mass of an entry, and what share of it changes with the number.
+    let mass = |i: usize| if i % half < n { beads[i % half] } else { resonators[i % half - n] };
+    let change = |by: Option<Parameter>, i: usize| match by {
+        Some(Parameter::Rho) if i % half >= n => 1.0 / rho,
+        Some(Parameter::Mass(site)) if i % half % n == site => 1.0 / beads[site],
+        _ => 0.0,
+    };
+    let moved = |i: usize| {
+        i % half < n
+            && chain.details().is_some_and(|details| {
+                details.drives.iter().any(|drive| drive.kind == DriveKind::Displacement && drive.site == i % half)
+            })
+    };
+    let mut columns = vec![0.0; rows * k];
+    for (place, &j) in order.iter().enumerate() {
+        for i in (0..rows).filter(|&i| !moved(i)) {
+            let share = if i < half { 0.0 } else { -change(by[j], i) };
+            columns[i * k + place] = y[i] * by[j].map_or(1.0, |_| share);
+        }
+    }
+    let end = finished(py, None, |_| Variations::flow_by(chain, y, span, (&columns, &sources), tol))?;
+    let column = |j: usize| {
+        let place = order.iter().position(|&other| other == j).unwrap_or(0);
+        let row = |i: usize| {
+            let own = end.columns[i * k + place];
+            if i < half { own } else { mass(i) * (own + change(by[j], i) * end.state[i]) }
+        };
+        (0..rows / n).map(|array| PyArray1::from_vec(py, (array * n..(array + 1) * n).map(row).collect())).collect()
+    };
+    Ok((0..k).map(column).collect())
 }

@@ -18,7 +18,7 @@ use crate::{
     parts::Decomposition,
     run::{Method, Records, Trajectory, Warning},
     scene::{Scene, SceneFile},
-    study::{self, LongRun, MethodChoice, RunView, Signals, folder_of},
+    study::{self, Condition, LongRun, MethodChoice, RunView, Signals, folder_of},
 };
 use std::path::Path;
 #[cfg(feature = "mpi")]
@@ -56,10 +56,14 @@ impl Runs for RunArgs {
         };
         if let Some(share) = self.maxima {
             scene.run().maxima(share)?;
-            if matches!(how, MethodChoice::ClosedForm(_)) {
-                return Err(Error::parameter("maxima", share, "an exact solution has no log: name an --integrator"));
-            }
+            how.logs("maxima", share)?;
         }
+        let conditions = [(&self.crossings, false), (&self.stop, true)].into_iter().flat_map(|(texts, ends)| {
+            let scene = &scene;
+            texts.iter().map(move |text| Condition::read(text, scene, scene.chain().touching().start, ends))
+        });
+        let conditions = conditions.collect::<Result<Vec<_>>>()?;
+        conditions.first().map_or(Ok(()), |one| how.logs("crossings", one.text()))?;
         if self.plan {
             // `MethodChoice::plan` refuses what a run would refuse.
             let plan = how.plan(&scene, self.events || self.maxima.is_some(), &parts)?;
@@ -96,6 +100,7 @@ impl Runs for RunArgs {
         let bar = progress_bar();
         let run = if self.events { run.contacts() } else { run };
         let run = if let Some(share) = self.maxima { run.maxima(share)? } else { run };
+        let run = study::with_conditions(run, &conditions, |_, _| false);
         let mut seen = |t: f64, y: &[f64]| {
             bar.set_position((1000.0 * t / scene.end()) as u64);
             signals.iter_mut().for_each(|signals| signals.take(&scene, t, y));
@@ -107,7 +112,7 @@ impl Runs for RunArgs {
         // The results of the run count, also if the second run fails.
         let unknown = |why: &Error| say(&format!("amplification unknown: {why}"));
         let amplification = again.and_then(|run| run.amplification(&outcome.state).inspect_err(unknown).ok());
-        report(self, &scene, (&name, &wording, reason), (outcome, amplification, signals), folder.as_ref())
+        report(self, &scene, (&name, &wording, reason), (outcome, amplification, signals, &conditions), folder.as_ref())
     }
 }
 
@@ -155,7 +160,7 @@ fn report(
     args: &RunArgs,
     scene: &Scene,
     (name, wording, reason): (&str, &str, Option<&str>),
-    (outcome, amplification, signals): (Trajectory, Option<f64>, Option<Signals>),
+    (outcome, amplification, signals, conditions): (Trajectory, Option<f64>, Option<Signals>, &[Condition]),
     folder: Option<&Folder>,
 ) -> Exit {
     let units = args.results.of(scene);
@@ -163,7 +168,8 @@ fn report(
     let outcome = study::in_units(outcome, scene.chain().layout(), si);
     let signals = signals.map(|signals| signals.with_extremes(&outcome).in_units(si));
     let signals = signals.as_ref();
-    let ran = RunView { scene, integrator: name, setting, reason, outcome: &outcome, amplification, si, signals };
+    let ran =
+        RunView { scene, integrator: name, setting, reason, outcome: &outcome, amplification, si, signals, conditions };
     // JSON has the whole state. For a long chain it takes more memory than the run, so it is made
     // only if it is asked for.
     let text = if args.json { to_json(&study::run_json(&ran)) + "\n" } else { study::run_summary(&ran) };
@@ -223,5 +229,5 @@ fn go_on(args: &RunArgs, long: LongRun, folder: &Folder) -> Exit {
     if signals.is_some() {
         outcome.profiles.clear();
     }
-    report(args, &scene, (&name, &wording, None), (outcome, None, signals), Some(folder))
+    report(args, &scene, (&name, &wording, None), (outcome, None, signals, &[]), Some(folder))
 }

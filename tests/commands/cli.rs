@@ -70,6 +70,35 @@ fn maxima_are_written_on_request_beside_the_same_contacts() {
 }
 
 #[test]
+fn crossings_are_written_and_a_condition_ends_a_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let line = format!(
+        "run impact --until 30 --tol 1e-10 --stop u[5]>0.5 --crossings overlap[3]=0.1 --crossings u_dot[0]<0.2 --out {out}"
+    );
+    let value = json(&line);
+    let (head, rows) = table(&folder.path().join("crossings.csv"));
+    assert_eq!(head, "condition,t,rising");
+    // An overlap rises and falls; the last row is the end of the run.
+    assert_eq!(rows.iter().filter(|row| row[0] == 0.0).map(|row| row[2]).collect::<Vec<_>>(), [1.0, 0.0]);
+    let last = rows.last().unwrap();
+    assert!(last[0] == 2.0 && last[1] == value["t"].as_f64().unwrap() && last[2] == 1.0);
+    assert!((value["u"][5].as_f64().unwrap() - 0.5).abs() < 1e-14 && value["ended_by"] == "u[5]>0.5");
+    assert_eq!(value["crossings"][0]["count"], 2);
+    // Truth: a run with samples.
+    let before = json(&format!("run impact --until {:?} --tol 1e-10", last[1] - 1e-6));
+    assert!((before["u"][5].as_f64().unwrap() - 0.5 + 1e-6 * value["pu"][5].as_f64().unwrap()).abs() < 1e-9);
+    // What an earlier run has left is removed.
+    json(&format!("run impact --until 3 --out {out}"));
+    assert!(!folder.path().join("crossings.csv").exists());
+    // In SI units: the driven bead moves by 10 nm.
+    let si = json("run granular-crystal --until 7e-4 --tol 1e-8 --stop u[0]>5e-9");
+    assert!((si["u"][0].as_f64().unwrap() - 5e-9).abs() < 1e-20 && si["t"].as_f64().unwrap() < 7e-4);
+    let text = stdout("run impact --until 30 --tol 1e-10 --stop u[5]>0.5");
+    assert!(text.contains("ended       by u[5]>0.5"), "{text}");
+}
+
+#[test]
 fn compare_says_what_is_the_fastest() {
     let text = stdout("compare cradle --integrators verlet,strang-linear --max-time 2 --set span.periods=1");
     assert!(text.contains("strang-linear") && text.contains("fastest to reach"), "{text}");

@@ -14,6 +14,7 @@ mod conserving;
 mod contact_times;
 mod contacts;
 mod corrected;
+mod crossings;
 mod details;
 mod heterogeneous;
 mod loads;

@@ -2,8 +2,8 @@
 
 use crate::numbers::{direction, error};
 use hertzchain::chain::{
-    Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal, Site, State,
-    Variations,
+    Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Parameter, Params, Signal, Site,
+    State, Variations,
 };
 use hertzchain::integrators::{Real, collocation::StepControl};
 use hertzchain::run::Run;
@@ -589,4 +589,57 @@ fn what_has_no_tangent_map_is_refused() {
     let flow = |columns: &[f64]| Variations::flow(&chain, &[0.0; 4], (0.0, 1.0), columns, 1e-9);
     assert!(flow(&[1.0; 3]).unwrap_err().to_string().contains("3 entries for 4 rows"));
     assert!(Variations::flow(&chain, &[0.0; 3], (0.0, 1.0), &[], 1e-9).is_err());
+}
+
+#[test]
+fn derivatives_by_numbers_of_a_chain_agree_with_differences() {
+    // Truth: central differences of runs of chains with other numbers, by steps of 1e-4; the error is
+    // of the order of the square, or of its 3/2 power by beads that just open. Beads differ, are
+    // damped and pushed; contacts open and close.
+    let [alpha, kappa, rho, mass] = [1.7, 1.3, 0.6, 0.8];
+    let of = |[alpha, kappa, rho, mass]: [f64; 4]| {
+        let push = Signal::new(vec![Harmonic { amplitude: 0.4, omega: 0.7, phase: 0.4 }], Envelope::None);
+        let details = Details {
+            mass: vec![1.0, mass, 2.0, 1.5],
+            drag: vec![0.1, 0.0, 0.05, 0.02],
+            dashpot: vec![0.0, 0.1, 0.2, 0.0],
+            contact: vec![1.0, 2.0, 1.5, 1.0, 0.8],
+            overlap: vec![0.1, 0.05, -0.02, 0.1, 0.0],
+            drives: vec![Drive { site: 2, kind: DriveKind::Force, signal: push }],
+            ..Details::default()
+        };
+        Chain::new(Params::new(alpha, kappa, rho).unwrap(), Boundary::Fixed, 4).unwrap().with(&details).unwrap()
+    };
+    let numbers = [alpha, kappa, rho, mass];
+    let chain = of(numbers);
+    let (y, span) = (start(&chain), (0.0, 6.0));
+    let by = [Parameter::Alpha, Parameter::Kappa, Parameter::Rho, Parameter::Mass(1)];
+    let rows = 2 * chain.layout().half();
+    let got = Variations::flow_by(&chain, &y, span, (&vec![0.0; 4 * rows], &by), 1e-12).unwrap();
+    for j in 0..by.len() {
+        let end = |sign: f64| {
+            let mut numbers = numbers;
+            numbers[j] += sign * 1e-4;
+            Variations::flow(&of(numbers), &y, span, &[], 1e-13).unwrap().state
+        };
+        let (plus, minus) = (end(1.0), end(-1.0));
+        let want: Vec<f64> = (0..rows).map(|i| (plus[i] - minus[i]) / 2e-4).collect();
+        let column: Vec<f64> = (0..rows).map(|i| got.columns[i * by.len() + j]).collect();
+        let size = want.iter().fold(0.0f64, |size, x| size.max(x.abs()));
+        let off = want.iter().zip(&column).fold(0.0f64, |off, (a, b)| off.max((a - b).abs()));
+        assert!(size > 0.01 && off < 3e-6 * size, "{:?}: {off:e} of {size:e}", by[j]);
+    }
+    let refused = |chain: &Chain<f64>, by| {
+        let columns = vec![0.0; 2 * chain.layout().half()];
+        let y = vec![0.0; chain.layout().dim()];
+        Variations::flow_by(chain, &y, span, (&columns, &[by]), 1e-12).unwrap_err().to_string()
+    };
+    assert!(refused(&self::chain(), Parameter::Kappa).contains("spring constants of their own"));
+    assert!(refused(&self::chain(), Parameter::Mass(6)).contains("a site of the chain"));
+    assert!(refused(&lossy(LAWS[0]), Parameter::Rho).contains("do not dissipate"));
+    let plain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 2).unwrap();
+    let falls = altered(&plain, |details| details.gravity = 0.1);
+    assert!(refused(&falls, Parameter::Alpha).contains("without gravity"));
+    assert!(refused(&plain, Parameter::Rho).contains("no resonator moves"));
+    assert!(refused(&plain, Parameter::Kappa).contains("no springs"));
 }

@@ -2,14 +2,12 @@
 
 use hertzchain_integrators::{
     Stepper,
-    events::{Part, SHARES},
+    events::{Part, SHARES, parts},
 };
 use std::{fmt, iter::once, mem::replace, sync::Arc};
 
 /// Parts of a step are at most this share of the period of the fastest motion.
-const PART: f64 = 1.0 / 16.0;
-/// Most parts of a step, however long it is.
-const MOST_PARTS: f64 = 256.0;
+pub(super) const PART: f64 = 1.0 / 16.0;
 /// A maximum inside a part is above its ends by at most this times what the value has changed in it
 /// and in the part before: for a sine, whose parts are a 16th of its period or shorter, by 0.13.
 const ABOVE: f64 = 1.0;
@@ -28,7 +26,7 @@ impl Observables {
         Self(Arc::new(values))
     }
 
-    fn at(&self, y: &[f64]) -> Vec<f64> {
+    pub(super) fn at(&self, y: &[f64]) -> Vec<f64> {
         let mut values = Vec::new();
         (self.0)(y, &mut values);
         values
@@ -58,16 +56,16 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Goes on from the `largest` values of earlier legs; `fast` is the period of the fastest
-    /// motion.
+    /// Goes on from the `largest` values of earlier legs; `part` is the longest part of a step that is
+    /// searched at once.
     pub(super) fn new(
         run: &mut (impl Stepper<f64> + ?Sized),
         observables: &'a Observables,
-        fast: f64,
+        part: f64,
         largest: Vec<(f64, f64)>,
     ) -> Self {
         let (y, t) = (vec![0.0; run.dim()], run.time());
-        let mut search = Self { observables, part: PART * fast, largest, before: Vec::new(), earlier: Vec::new(), y };
+        let mut search = Self { observables, part, largest, before: Vec::new(), earlier: Vec::new(), y };
         search.before = search.at(run, t);
         // The first part is searched in any case.
         search.earlier = vec![f64::INFINITY; search.before.len()];
@@ -79,10 +77,7 @@ impl<'a> Search<'a> {
 
     /// Searches the last step of the run, which began at `from`.
     pub(super) fn step(&mut self, run: &mut (impl Stepper<f64> + ?Sized), from: f64) {
-        let to = run.time();
-        let parts = ((to - from) / self.part).ceil().clamp(1.0, MOST_PARTS) as u64;
-        let end = |k: u64| if k == parts { to } else { from + (to - from) * (k as f64 / parts as f64) };
-        (0..parts).for_each(|k| self.search(run, end(k), end(k + 1)));
+        parts((from, run.time()), self.part).for_each(|part| self.search(run, part));
     }
 
     fn at(&mut self, run: &mut (impl Stepper<f64> + ?Sized), t: f64) -> Vec<f64> {
@@ -90,7 +85,7 @@ impl<'a> Search<'a> {
         self.observables.at(&self.y)
     }
 
-    fn search(&mut self, run: &mut (impl Stepper<f64> + ?Sized), from: f64, to: f64) {
+    fn search(&mut self, run: &mut (impl Stepper<f64> + ?Sized), (from, to): (f64, f64)) {
         let after = self.at(run, to);
         let before = replace(&mut self.before, after.clone());
         let earlier = replace(&mut self.earlier, before.clone());

@@ -18,7 +18,7 @@ use std::{ops::ControlFlow, time::Instant};
 ///
 /// Runs that follow each other, differ in their initial states only and are by a splitting with a
 /// given number of equal steps, are made together, as many as a register has lanes, if their beads
-/// are equal, at most a few thousand, and neither contacts nor observables are asked for. Their
+/// are equal, at most a few thousand, and neither contacts, observables nor crossings are asked for. Their
 /// wall time is shared equally.
 ///
 /// ```
@@ -70,7 +70,7 @@ impl Run {
         let plain = self.chain.details().is_none() && self.parts.whole() && !self.contacts;
         match (self.method, self.setting) {
             (Some(Method::Splitting(scheme, split)), Some(Setting::Steps(steps)))
-                if plain && self.observables.is_none() =>
+                if plain && self.observables.is_none() && self.crossings.is_none() =>
             {
                 Some((scheme, split, steps))
             }

@@ -5,6 +5,7 @@
 //! | `mod` | [`Run`]: chain, initial state, span, method, setting, and what is recorded |
 //! | `method` | [`Method`]: the integrators by name; [`Setting`]: steps, tolerance or windows |
 //! | `extremes` | [`Observables`]: functions of the state whose largest values are looked for |
+//! | `crossings` | [`Run::crossings`]: changes of sign of such functions, which may end the run |
 //! | `amplification` | by how much a small change of the initial state has grown at the end |
 //! | `initial` | [`Initial`]: the state from which it begins, in memory or site by site |
 //! | `many` | [`start_all`]: several runs, those of equal chains in the lanes of a register |
@@ -14,6 +15,7 @@
 //! | `regime` | [`regime`]: the default method and setting for a chain and its initial state |
 
 mod amplification;
+mod crossings;
 mod extremes;
 mod initial;
 mod many;
@@ -25,6 +27,7 @@ mod warning;
 
 pub use crate::error::Warning;
 pub use amplification::{deviation, perturb};
+pub use crossings::Crossed;
 pub use extremes::Observables;
 pub use initial::{Initial, Measure};
 pub use many::{groups, start_all};
@@ -82,6 +85,7 @@ pub struct Run {
     contacts: bool,
     maxima: Option<f64>,
     observables: Option<Observables>,
+    crossings: Option<crossings::Crossings>,
     parts: Decomposition,
 }
 
@@ -153,6 +157,7 @@ impl Run {
             contacts: false,
             maxima: None,
             observables: None,
+            crossings: None,
             parts: Decomposition::Whole,
         }
     }
@@ -465,8 +470,8 @@ impl Run {
         Ok(recorder.trajectory(failure))
     }
 
-    /// As [`observe`](Self::observe), by a given stepper in place of a method. Contacts are not
-    /// logged.
+    /// As [`observe`](Self::observe), by a given stepper in place of a method. Contacts and
+    /// crossings are not looked for.
     ///
     /// # Errors
     /// No end, or a state of another chain.

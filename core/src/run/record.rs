@@ -80,6 +80,8 @@ pub struct Trajectory {
     pub maxima: Option<Vec<Maximum>>,
     /// Time and value of the largest value, by modulus, of each of [`Run::observables`].
     pub extremes: Vec<(f64, f64)>,
+    /// Changes of sign of the functions of [`Run::crossings`] that were kept, in order of time.
+    pub crossings: Vec<Event<f64>>,
     /// Work of the run; see [`Stats`] for the work of samples.
     pub stats: Stats,
     /// Wall time of the run, samples included.
@@ -272,6 +274,22 @@ impl Snapshot {
     }
 }
 
+/// The stepper of a leg, searched for the changes of sign that the run asks for.
+fn searched<'a>(
+    method: Method,
+    run: &'a Run,
+    y: &[f64],
+    span: (f64, f64),
+    setting: Setting,
+    kept: &'a mut Vec<Event<f64>>,
+) -> Result<Box<dyn Stepper<f64> + 'a>> {
+    let stepper = method.start(run, y, span, setting)?;
+    Ok(match &run.crossings {
+        Some(crossings) => crossings.watch(run, stepper, kept),
+        None => stepper,
+    })
+}
+
 /// The observer of a run. It records the samples and stops runs that are unstable.
 pub struct Recorder<'a> {
     run: &'a Run,
@@ -282,6 +300,7 @@ pub struct Recorder<'a> {
     has_energy: bool,
     initial_energy: Option<f64>,
     initial_size: f64,
+    crossings: Vec<Event<f64>>,
     /// Record of the run so far.
     pub kept: Snapshot,
 }
@@ -299,6 +318,7 @@ impl<'a> Recorder<'a> {
             has_energy: energy.is_some(),
             initial_energy: energy.map(|energy| energy.balance()),
             initial_size: max_norm(sizes),
+            crossings: Vec::new(),
             kept,
         }
     }
@@ -316,23 +336,30 @@ impl<'a> Recorder<'a> {
     /// A leg that cannot start. The inner result is the failure that stopped the leg.
     pub fn go_on(&mut self, method: Method, setting: Setting, end: f64) -> Result<std::result::Result<(), Failed>> {
         let (run, state, start) = (self.run, &self.kept.state, self.kept.t);
-        let span = (start, end);
+        let (span, mut kept) = ((start, end), std::mem::take(&mut self.crossings));
         let Some(contacts) = self.kept.contacts.take() else {
-            let mut stepper = method.start(run, state, span, setting)?;
-            return Ok(self.leg(&mut stepper));
+            let mut stepper = searched(method, run, state, span, setting, &mut kept)?;
+            let result = self.leg(&mut stepper);
+            drop(stepper);
+            self.crossings = kept;
+            return Ok(result);
         };
         let chain = &run.chain;
         let log = ContactLog::new(chain.clone()).go_on(contacts, start);
         let (told, mut nobody) = (self.told.take(), |_: &Contact| ());
         let told = ReportingLog::new(log, told.unwrap_or(&mut nobody));
-        let (result, told) = if let Some(run) = start_logged(method, run, state, span, setting)? {
+        // A run that may end inside a step has the contacts up to there.
+        let knows = if run.crossings.is_some() { None } else { start_logged(method, run, state, span, setting)? };
+        let (result, told) = if let Some(run) = knows {
             let mut logged = Logged { run, told };
             (self.leg(&mut logged), logged.told)
         } else {
-            let stepper = method.start(run, state, span, setting)?;
-            let mut watch = Watch::new(stepper, Overlaps::new(chain.clone()), told);
+            let stepper = searched(method, run, state, span, setting, &mut kept)?;
+            let watch = Watch::new(stepper, Overlaps::new(chain.clone()), told);
+            let mut watch = if run.crossings.is_some() { watch.in_parts(run.part()) } else { watch };
             (self.leg(&mut watch), watch.into_listener())
         };
+        self.crossings = kept;
         self.kept.contacts = Some(told.log.into_contacts());
         Ok(result)
     }
@@ -343,7 +370,7 @@ impl<'a> Recorder<'a> {
         let clock = Instant::now();
         let (run, extremes) = (self.run, std::mem::take(&mut self.kept.extremes));
         let search = run.observables.as_ref();
-        let search = search.map(|observables| Search::new(stepper, observables, run.fast_period(), extremes));
+        let search = search.map(|observables| Search::new(stepper, observables, run.part(), extremes));
         let mut timed = Timed { run: stepper, search, sampling: Duration::ZERO };
         let driven = drive(&mut timed, self, &mut state).map(|_| ());
         let Timed { run: stepper, search, sampling } = timed;
@@ -415,6 +442,7 @@ impl<'a> Recorder<'a> {
             contacts,
             maxima,
             extremes,
+            crossings: self.crossings,
             stats,
             wall,
             sampling,

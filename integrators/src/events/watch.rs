@@ -40,6 +40,16 @@ impl<R: Real> Part<R> {
     }
 }
 
+/// Most parts of a step, however long it is.
+const MOST_PARTS: f64 = 256.0;
+
+/// Equal parts of a step that are at most so long, but not more than 256.
+pub fn parts<R: Real>((from, to): (R, R), longest: f64) -> impl Iterator<Item = (R, R)> {
+    let count = ((to - from).f64() / longest).ceil().clamp(1.0, MOST_PARTS) as u64;
+    let end = move |k: u64| if k == count { to } else { from + (to - from) * R::of(k as f64 / count as f64) };
+    (0..count).map(move |k| (end(k), end(k + 1)))
+}
+
 /// A stepper whose steps are searched for events. Each step is sampled at eight times, all changes
 /// of side of the polynomial through the samples are found, and their times are refined on the
 /// sampled solution.
@@ -57,6 +67,8 @@ pub struct Watch<R, S, E, L> {
     g: Vec<R>,
     /// The time at which the listener ended the run.
     ended: Option<R>,
+    /// Longest part of a step that is searched at once.
+    longest: f64,
 }
 
 impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E, L> {
@@ -73,7 +85,32 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
         sides.begin(false);
         sides.put(NODES - 1, &g);
         let since = vec![0.0; count];
-        Self { stepper, functions, listener, sides, crossings: Vec::new(), since, y, g, ended: None }
+        Self {
+            stepper,
+            functions,
+            listener,
+            sides,
+            crossings: Vec::new(),
+            since,
+            y,
+            g,
+            ended: None,
+            longest: f64::INFINITY,
+        }
+    }
+
+    /// As [`new`](Self::new), for functions that may begin at zero: to leave it is no event.
+    pub fn of_crossings(stepper: S, functions: E, longest: f64, listener: L) -> Self {
+        let mut watch = Self::new(stepper, functions, listener).in_parts(longest);
+        watch.sides.undecide();
+        watch
+    }
+
+    /// Searches [parts] of steps that are at most this long.
+    #[must_use]
+    pub fn in_parts(mut self, longest: f64) -> Self {
+        self.longest = longest;
+        self
     }
 
     /// Whether function `index` is positive.
@@ -133,9 +170,8 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
         guess
     }
 
-    /// Searches the last step.
-    fn search(&mut self, from: R) {
-        let to = self.stepper.time();
+    /// Searches a part of the last step.
+    fn search(&mut self, (from, to): (R, R)) {
         self.sides.carry();
         for (k, share) in SHARES.into_iter().enumerate().skip(1) {
             let t = if share == 1.0 { to } else { from + (to - from) * R::of(share) };
@@ -147,6 +183,7 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
             }
         }
         self.sides.set_band(self.functions.band(&self.y).f64());
+        self.sides.decide();
         let mut crossings = std::mem::take(&mut self.crossings);
         self.sides.all_crossings(&mut crossings);
         self.crossings = crossings;
@@ -189,7 +226,11 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Stepper<R> fo
     fn step(&mut self) -> Result<(), Error> {
         let from = self.stepper.time();
         self.stepper.step()?;
-        self.search(from);
+        for part in parts((from, self.stepper.time()), self.longest) {
+            if self.ended.is_none() {
+                self.search(part);
+            }
+        }
         Ok(())
     }
 

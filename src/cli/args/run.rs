@@ -47,6 +47,17 @@ pub(crate) struct RunArgs {
     /// With --out they are in maxima.csv and maxima.npz. Not with --checkpoint or --resume.
     #[arg(long, value_name = "SHARE", hide_short_help = true, conflicts_with_all = ["checkpoint", "resume"])]
     pub(crate) maxima: Option<f64>,
+    /// Record every crossing of a value, such as "u[10] = 0.5".
+    ///
+    /// "q[n] > c" is met where q rises through c, "q[n] < c" where it falls, "q[n] = c" at both. q is
+    /// u, v, u_dot or v_dot of site n (strains and their rates on a strain ring), or overlap of bond
+    /// n, which lies to the left of site n. c is in SI units for scenes with `[units]`. With --out
+    /// the crossings are in crossings.csv. Not with --checkpoint or --resume.
+    #[arg(long, value_name = "COND", hide_short_help = true, conflicts_with_all = ["checkpoint", "resume"])]
+    pub(crate) crossings: Vec<String>,
+    /// End the run where this is met, such as "u[10] > 0.5"; as --crossings.
+    #[arg(long, value_name = "COND", conflicts_with_all = ["checkpoint", "resume", "amplification"])]
+    pub(crate) stop: Vec<String>,
     #[command(flatten)]
     pub(crate) results: ResultUnits,
     /// Threads that move parts of the chain [default: 1].

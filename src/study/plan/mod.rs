@@ -157,7 +157,17 @@ fn reported(scene: &Scene, outcome: Trajectory, signals: Option<Signals>) -> Val
     let (integrator, setting, si) = ("", "", scene.units());
     let signals = signals.map(|signals| signals.with_extremes(&outcome).in_units(si));
     let (outcome, signals) = (&outcome, signals.as_ref());
-    run_json(&RunView { scene, integrator, setting, reason: None, outcome, amplification: None, si, signals })
+    run_json(&RunView {
+        scene,
+        integrator,
+        setting,
+        reason: None,
+        outcome,
+        amplification: None,
+        si,
+        signals,
+        conditions: &[],
+    })
 }
 
 /// The run of a point.

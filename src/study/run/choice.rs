@@ -212,6 +212,19 @@ impl MethodChoice {
         }
     }
 
+    /// Refuses what only an integrator finds.
+    ///
+    /// # Errors
+    /// An exact solution.
+    pub fn logs(&self, name: &'static str, value: impl ToString) -> Result<()> {
+        match self {
+            Self::Integrated(..) => Ok(()),
+            Self::ClosedForm(_) => {
+                Err(Error::parameter(name, value, "an exact solution has no log: name an --integrator"))
+            }
+        }
+    }
+
     /// The run with its method and setting.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 mod checkpoint;
 mod choice;
 mod contacts;
+mod crossings;
 #[cfg(feature = "plot")]
 mod film;
 mod parts;
@@ -15,6 +16,7 @@ pub use choice::{MethodChoice, MethodRequest};
 #[cfg(feature = "plot")]
 pub use contacts::contacts_picture;
 pub use contacts::{CONTACT_COLUMNS, ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
+pub use crossings::{Condition, with_conditions};
 #[cfg(feature = "plot")]
 pub use film::{FilmSample, film, run_film};
 pub use parts::parts_plan;

@@ -1,9 +1,10 @@
 //! Reports of one run.
 
 use super::{
-    Signals,
+    Condition, Signals,
     checkpoint::FILE as CHECKPOINT,
     contacts::{bond_columns, contact_lines, contact_totals, contacts_csv, contacts_npz, pulse_line},
+    crossings::{crossing_lines, crossing_totals, crossings_csv, ended},
 };
 use crate::{
     chain::{Boundary, Energy, Ledger, Maximum, Overlaps},
@@ -95,6 +96,8 @@ pub struct RunView<'a> {
     pub si: Option<&'a Units>,
     /// What the scene names to be kept in time, in the same units.
     pub signals: Option<&'a Signals>,
+    /// The conditions that were looked for; the crossings of `outcome` are by their numbers.
+    pub conditions: &'a [Condition],
 }
 
 /// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy;
@@ -126,7 +129,7 @@ enum Entry {
 
 /// The entries of the JSON of a run.
 fn entries(ran: &RunView<'_>) -> Entries {
-    let &RunView { scene, integrator, setting, reason, outcome, amplification, si, signals } = ran;
+    let &RunView { scene, integrator, setting, reason, outcome, amplification, si, signals, conditions } = ran;
     let mut object = Vec::new();
     let mut put = |name, value| object.push((name, Entry::Value(value)));
     put("scene", json!(scene.name()));
@@ -173,6 +176,10 @@ fn entries(ran: &RunView<'_>) -> Entries {
     let mut put = |name, value| object.push((name, Entry::Value(value)));
     if let Some(signals) = signals {
         put("recorded", signals.summary());
+    }
+    if !conditions.is_empty() {
+        put("crossings", crossing_totals(conditions, outcome));
+        put("ended_by", json!(ended(conditions, outcome).map(Condition::text)));
     }
     put("force_evaluations", json!(outcome.stats.force_evaluations));
     put("steps", json!(outcome.stats.steps));
@@ -277,6 +284,7 @@ pub fn run_summary(ran: &RunView<'_>) -> String {
         lines.extend(pulse_line(&positions, unit, contacts));
     }
     lines.extend(ran.signals.iter().flat_map(|signals| signals.lines(si.is_some())));
+    lines.extend(crossing_lines(ran.conditions, outcome));
     let stats = outcome.stats;
     lines.push(format!(
         "work        {} steps, {} rejected, {} force evaluations, {:.3e} s, of which sampling {:.3e} s",
@@ -303,7 +311,7 @@ pub fn run_summary(ran: &RunView<'_>) -> String {
 const SUMMARY: &str = "summary.json";
 
 /// Every file that a run may write, but for the checkpoint.
-pub const RUN_FILES: [&str; 29] = [
+pub const RUN_FILES: [&str; 30] = [
     SUMMARY,
     "scene.toml",
     "final.csv",
@@ -318,6 +326,7 @@ pub const RUN_FILES: [&str; 29] = [
     "bonds.csv",
     "maxima.csv",
     "maxima.npz",
+    "crossings.csv",
     "profiles.mat",
     "signals.mat",
     "contacts.mat",
@@ -337,7 +346,7 @@ pub const RUN_FILES: [&str; 29] = [
 
 /// Writes the run: `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, or in
 /// their place `signals.npz`, `signals.csv` and `peaks.csv`, and the pictures; with a contact log also `contacts.csv`, `contacts.npz` and `bonds.csv`, with maxima
-/// `maxima.csv` and `maxima.npz`; last `summary.json`, which is the JSON with the names of all files. Other
+/// `maxima.csv` and `maxima.npz`, with conditions `crossings.csv`; last `summary.json`, which is the JSON with the names of all files. Other
 /// files of an earlier run are removed, and its checkpoint as well unless this run was `in_legs`.
 /// With `in_mat` each archive has a MAT file beside it.
 /// If the parts of the chain keep the states, only `summary.json`, without the state, `scene.toml`
@@ -351,7 +360,7 @@ pub fn run_files(
     pictures: &[crate::study::File],
     [in_legs, in_mat]: [bool; 2],
 ) -> Result<()> {
-    let &RunView { scene, outcome, si, signals, .. } = ran;
+    let &RunView { scene, outcome, si, signals, conditions, .. } = ran;
     let in_csv = signals.and_then(Signals::csv);
     let (logged, compress) = (outcome.contacts.is_some(), scene.file().record.compress == Some(true));
     let written = |name: &str| match name {
@@ -361,6 +370,7 @@ pub fn run_files(
             pictures.iter().any(|picture| picture.0 == name)
         }
         _ if name.starts_with("maxima") => outcome.maxima.is_some(),
+        "crossings.csv" => !conditions.is_empty(),
         "signals.csv" => in_csv.is_some(),
         "signals.npz" | "signals.mat" | "peaks.csv" => signals.is_some(),
         _ if name.starts_with("profiles") => signals.is_none(),
@@ -410,6 +420,8 @@ pub fn run_files(
     for name in files.iter().filter(|name| name.ends_with(".mat")) {
         let npz = folder.path().join(name).with_extension("npz");
         folder.write_with(name, |file| mat(&npz, file))?;
+    if !conditions.is_empty() {
+        folder.write("crossings.csv", &crossings_csv(outcome))?;
     }
     pictures.iter().try_for_each(|(name, png)| folder.write(name, png).map(drop))?;
     let mut summary = entries(ran);

@@ -30,6 +30,7 @@ mod flow;
 mod joint;
 mod ledger;
 mod loops;
+mod parameter;
 mod propagator;
 mod pushing;
 mod spline;
@@ -41,6 +42,7 @@ pub use drive::{Course, Drive, DriveKind, Envelope, Harmonic, Signal};
 pub use flow::{SitewiseBonds, SitewiseFlow};
 pub use joint::Joint;
 pub use ledger::Ledger;
+pub use parameter::Parameter;
 pub use spline::Spline;
 pub use variations::{Variations, Varied};
 

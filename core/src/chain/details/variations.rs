@@ -83,7 +83,7 @@
 
 use super::{
     super::{Chain, Field, Overlaps, Resonators},
-    CheckedDetails, Pushing, Switched,
+    CheckedDetails, Parameter, Pushing, Switched,
 };
 use crate::error::{Error, Result, SMOOTH, require};
 use hertzchain_integrators::{Real, Regularised, Stepper, VectorField, dop853::Options, kernel};
@@ -97,6 +97,8 @@ pub struct Variations<R> {
     chain: Chain<R>,
     field: Field<R>,
     columns: usize,
+    /// The numbers whose sources the first columns have.
+    by: Vec<Parameter>,
     /// Change of the overlap of a bond in every column.
     change: Vec<R>,
     /// Rows `du'` of beads, if contacts dissipate.
@@ -142,6 +144,7 @@ impl<R: Real> Variations<R> {
             change: vec![R::zero(); columns],
             velocities: vec![R::zero(); rows * columns],
             columns,
+            by: Vec::new(),
             chain,
         })
     }
@@ -176,12 +179,42 @@ impl<R: Real> Variations<R> {
     /// touch at the start, or touch at rest later, where their contact is a dashpot: then the flow
     /// has no derivative.
     pub fn flow(chain: &Chain<R>, start: &[R], span: (R, R), columns: &[R], tol: R) -> Result<Varied<R>> {
+        Self::flow_by(chain, start, span, (columns, &[]), tol)
+    }
+
+    /// As [`flow`](Self::flow), where the first columns are derivatives by numbers of the chain:
+    /// those of the start, zero unless it depends on them, become those of the end.
+    ///
+    /// ```
+    /// use hertzchain_core::{Boundary, Chain, Params, chain::{Parameter, Variations}};
+    /// // A bead on a spring to a fixed mass, u = cos(omega t) with omega^2 = kappa.
+    /// let chain = Chain::new(Params::new(1.5, 4.0, f64::INFINITY)?, Boundary::Free, 1)?;
+    /// let by = [Parameter::Kappa];
+    /// let end = Variations::flow_by(&chain, &[1.0, 0.0], (0.0, 3.0), (&[0.0, 0.0], &by), 1e-12)?;
+    /// // d cos(omega t)/d kappa = -t sin(omega t)/(2 omega)
+    /// assert!((end.columns[0] + 0.75 * 6.0f64.sin()).abs() < 1e-10);
+    /// # Ok::<(), hertzchain_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`flow`](Self::flow); fewer columns than numbers; contacts that dissipate; a number that
+    /// the chain does not have, as where each bead has its own.
+    pub fn flow_by(
+        chain: &Chain<R>,
+        start: &[R],
+        span: (R, R),
+        (columns, by): (&[R], &[Parameter]),
+        tol: R,
+    ) -> Result<Varied<R>> {
         let rows = 2 * chain.layout().half();
         if !columns.len().is_multiple_of(rows) {
             let rule = "columns have an entry for each position and velocity";
             return Err(Error::parameter("columns", format!("{} entries for {rows} rows", columns.len()), rule));
         }
         let mut field = Self::new(chain, columns.len() / rows)?;
+        by.iter().try_for_each(|parameter| parameter.check(&field.chain, parts(&field.chain)))?;
+        require(by.len() <= field.columns, "columns", field.columns, "one for each number of the chain")?;
+        field.by = by.to_vec();
         let chain = field.chain.clone();
         field.field = Field::from_event_to_event(chain.clone());
         let dim = chain.layout().dim();
@@ -352,8 +385,11 @@ impl<R: Real> VectorField<R> for Variations<R> {
             *contraction = resisted(chain, pushing, state);
         }
         if self.columns > 0 {
-            let pushing = field.pushing();
-            R::run(kernel!(linearised((chain, pushing), state, (w, dw), (change, velocities))));
+            let (pushing, chain, column) = (field.pushing(), &*chain, &mut *dw);
+            R::run(kernel!(linearised((chain, pushing), state, (w, column), (change, velocities))));
+            for (j, parameter) in self.by.iter().enumerate() {
+                parameter.source(chain, parts(chain), (state, rates), |row, by| dw[row * self.columns + j] += by);
+            }
         }
     }
 

@@ -1,0 +1,100 @@
+//! Derivatives of a motion by numbers of its chain.
+//!
+//! With `y' = f(y, p)` the derivative `w = dy/dp` follows `w' = (df/dy) w + df/dp`: the equation of a
+//! column of [`Variations`](super::Variations) with the source `df/dp`. Forces of contacts that do
+//! not dissipate are continuous where contacts begin or end, so `w` is continuous there, too.
+//!
+//! | `p` | source, in `u_n''` and `v_n''` |
+//! |---|---|
+//! | `alpha` | `(A_n g_n^alpha ln g_n - A_{n+1} g_{n+1}^alpha ln g_{n+1})/m_n` of closed bonds, 0 |
+//! | `kappa` | `-(u_n - v_n)/m_n`, `(u_n - v_n)/(rho_n m_n)` |
+//! | `rho` | 0, `-v_n''/rho_n` |
+//! | `m_k` | `-u_k''/m_k`, `-v_k''/m_k` at bead `k` |
+
+use super::{super::Chain, CheckedDetails, Resonators};
+use crate::error::{Error, Result};
+use hertzchain_integrators::Real;
+
+/// A number of a chain by which a motion is differentiated. All others stay as they are, static
+/// overlaps and masses of beads included; the mass of a resonator is `rho_n m_n`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parameter {
+    /// The exponent of all contacts.
+    Alpha,
+    /// The spring constant of all resonators.
+    Kappa,
+    /// The mass ratio of all resonators.
+    Rho,
+    /// The mass of a bead.
+    Mass(usize),
+}
+
+impl Parameter {
+    /// Refuses a chain whose motion does not have this derivative.
+    pub(super) fn check<R: Real>(self, chain: &Chain<R>, parts: &CheckedDetails<R>) -> Result<()> {
+        let (params, given) = (chain.params(), &parts.given);
+        let (name, refused, rule) = match self {
+            _ if parts.dissipative => ("derivatives", true, "of contacts that do not dissipate"),
+            // Beads and resonators are counted from where they hang.
+            _ if given.gravity != 0.0 => ("derivatives", true, "of a chain without gravity"),
+            Self::Alpha => ("alpha", !given.alpha.is_empty(), "bonds have exponents of their own"),
+            Self::Kappa if params.kappa <= 0.0 => ("kappa", true, "resonators have no springs here"),
+            Self::Kappa => ("kappa", !given.kappa.is_empty(), "beads have spring constants of their own"),
+            Self::Rho if !chain.layout().resonators() => ("rho", true, "no resonator moves"),
+            Self::Rho => ("rho", !given.rho.is_empty(), "beads have mass ratios of their own"),
+            Self::Mass(site) => ("mass", site >= chain.sites(), "a site of the chain, counted from 0"),
+        };
+        if refused { Err(Error::parameter(name, format!("{self:?}"), rule)) } else { Ok(()) }
+    }
+
+    /// Adds the source at a state with these rates: `add` gets rows of the column and what is added.
+    pub(super) fn source<R: Real>(
+        self,
+        chain: &Chain<R>,
+        parts: &CheckedDetails<R>,
+        (state, rates): (&[R], &[R]),
+        mut add: impl FnMut(usize, R),
+    ) {
+        let (n, half) = (chain.sites(), chain.layout().half());
+        let mut accelerate = |entry: usize, by: R| {
+            if entry >= n || !parts.sites[entry].moved {
+                add(half + entry, by);
+            }
+        };
+        match self {
+            Self::Alpha => {
+                for bond in chain.touching() {
+                    let contact = &parts.bonds[bond];
+                    let g = contact.rest + chain.across(bond, |i| state[i]);
+                    if g > R::zero() {
+                        let force = chain.bond_force(bond, g, R::zero()) * g.ln();
+                        for &(site, weight) in chain.topology().pushed(bond).iter() {
+                            accelerate(site, R::of(weight) * force / parts.sites[site].mass);
+                        }
+                    }
+                }
+            }
+            Self::Mass(site) => {
+                let mass = parts.sites[site].mass;
+                accelerate(site, -rates[half + site] / mass);
+                if chain.resonator_moves(site) {
+                    accelerate(n + site, -rates[half + n + site] / mass);
+                }
+            }
+            Self::Kappa | Self::Rho => {
+                for (i, site) in parts.sites.iter().enumerate().filter(|(_, site)| site.resonators != Resonators::None)
+                {
+                    let moves = site.resonators == Resonators::Moving;
+                    let stretch = state[i] - if moves { state[n + i] } else { R::zero() };
+                    if self == Self::Kappa {
+                        accelerate(i, -stretch / site.mass);
+                    }
+                    if moves {
+                        let by_rho = -rates[half + n + i] / site.rho;
+                        accelerate(n + i, if self == Self::Rho { by_rho } else { stretch / site.resonator() });
+                    }
+                }
+            }
+        }
+    }
+}
