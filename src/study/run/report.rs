@@ -420,6 +420,7 @@ pub fn run_files(
     for name in files.iter().filter(|name| name.ends_with(".mat")) {
         let npz = folder.path().join(name).with_extension("npz");
         folder.write_with(name, |file| mat(&npz, file))?;
+    }
     if !conditions.is_empty() {
         folder.write("crossings.csv", &crossings_csv(outcome))?;
     }
