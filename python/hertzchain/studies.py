@@ -1340,10 +1340,11 @@ def wave_exact(
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
-        by piece; the mean strain is linear between its points. Where it can, `breather dark` also
-        encloses a real Floquet multiplier above 1, and `breather continue --center bond` with
-        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
-        proved, or not of the whole branch.
+        by piece; the mean strain is linear between its points, and proof.store has the pieces as
+        they are proved, from which the same command goes on. Where it can, `breather dark` and
+        `breather doubled`, which proves its last orbit, also enclose a real Floquet multiplier
+        above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
+        the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     format : str | Sequence[str]
@@ -1447,10 +1448,11 @@ def wave_continue(
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
-        by piece; the mean strain is linear between its points. Where it can, `breather dark` also
-        encloses a real Floquet multiplier above 1, and `breather continue --center bond` with
-        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
-        proved, or not of the whole branch.
+        by piece; the mean strain is linear between its points, and proof.store has the pieces as
+        they are proved, from which the same command goes on. Where it can, `breather dark` and
+        `breather doubled`, which proves its last orbit, also enclose a real Floquet multiplier
+        above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
+        the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     resume : str | os.PathLike[str]
@@ -1747,10 +1749,11 @@ def breather_dark(
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
-        by piece; the mean strain is linear between its points. Where it can, `breather dark` also
-        encloses a real Floquet multiplier above 1, and `breather continue --center bond` with
-        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
-        proved, or not of the whole branch.
+        by piece; the mean strain is linear between its points, and proof.store has the pieces as
+        they are proved, from which the same command goes on. Where it can, `breather dark` and
+        `breather doubled`, which proves its last orbit, also enclose a real Floquet multiplier
+        above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
+        the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     format : str | Sequence[str]
@@ -1849,10 +1852,11 @@ def breather_continue(
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
-        by piece; the mean strain is linear between its points. Where it can, `breather dark` also
-        encloses a real Floquet multiplier above 1, and `breather continue --center bond` with
-        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
-        proved, or not of the whole branch.
+        by piece; the mean strain is linear between its points, and proof.store has the pieces as
+        they are proved, from which the same command goes on. Where it can, `breather dark` and
+        `breather doubled`, which proves its last orbit, also enclose a real Floquet multiplier
+        above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
+        the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     to : float
@@ -1899,6 +1903,8 @@ def breather_doubled(
     precompression: float = 0,
     formulation: Literal["half-period", "full-period"] = "half-period",
     tol: float = 1e-13,
+    prove: bool = False,
+    certificate: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
     progress: Progress = False,
@@ -1941,6 +1947,17 @@ def breather_doubled(
         Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
         state. Where small changes grow, the error at the end is larger by the same factor. From
         1e-15 to 0.1.
+    prove : bool
+        Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
+        and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
+        the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
+        by piece; the mean strain is linear between its points, and proof.store has the pieces as
+        they are proved, from which the same command goes on. Where it can, `breather dark` and
+        `breather doubled`, which proves its last orbit, also enclose a real Floquet multiplier
+        above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
+        the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
+    certificate : str | os.PathLike[str]
+        Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
