@@ -1340,10 +1340,11 @@ def wave_exact(
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
-        by piece; the mean strain is linear between its points. Where it can, `breather dark` also
-        encloses a real Floquet multiplier above 1, and `breather continue --center bond` with
-        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
-        proved, or not of the whole branch.
+        by piece; the mean strain is linear between its points, and proof.store has the pieces as
+        they are proved, from which the same command goes on. Where it can, `breather dark` and
+        `breather doubled`, which proves its last orbit, also enclose a real Floquet multiplier
+        above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
+        the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file, and make its folder. `hertzchain prove`
         checks it again.
@@ -1448,10 +1449,11 @@ def wave_continue(
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
-        by piece; the mean strain is linear between its points. Where it can, `breather dark` also
-        encloses a real Floquet multiplier above 1, and `breather continue --center bond` with
-        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
-        proved, or not of the whole branch.
+        by piece; the mean strain is linear between its points, and proof.store has the pieces as
+        they are proved, from which the same command goes on. Where it can, `breather dark` and
+        `breather doubled`, which proves its last orbit, also enclose a real Floquet multiplier
+        above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
+        the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file, and make its folder. `hertzchain prove`
         checks it again.
@@ -1749,10 +1751,11 @@ def breather_dark(
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
-        by piece; the mean strain is linear between its points. Where it can, `breather dark` also
-        encloses a real Floquet multiplier above 1, and `breather continue --center bond` with
-        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
-        proved, or not of the whole branch.
+        by piece; the mean strain is linear between its points, and proof.store has the pieces as
+        they are proved, from which the same command goes on. Where it can, `breather dark` and
+        `breather doubled`, which proves its last orbit, also enclose a real Floquet multiplier
+        above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
+        the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file, and make its folder. `hertzchain prove`
         checks it again.
@@ -1852,10 +1855,11 @@ def breather_continue(
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
-        by piece; the mean strain is linear between its points. Where it can, `breather dark` also
-        encloses a real Floquet multiplier above 1, and `breather continue --center bond` with
-        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
-        proved, or not of the whole branch.
+        by piece; the mean strain is linear between its points, and proof.store has the pieces as
+        they are proved, from which the same command goes on. Where it can, `breather dark` and
+        `breather doubled`, which proves its last orbit, also enclose a real Floquet multiplier
+        above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
+        the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file, and make its folder. `hertzchain prove`
         checks it again.
@@ -1903,6 +1907,8 @@ def breather_doubled(
     precompression: float = 0,
     formulation: Literal["half-period", "full-period"] = "half-period",
     tol: float = 1e-13,
+    prove: bool = False,
+    certificate: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
     progress: Progress = False,
@@ -1945,6 +1951,17 @@ def breather_doubled(
         Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
         state. Where small changes grow, the error at the end is larger by the same factor. From
         1e-15 to 0.1.
+    prove : bool
+        Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
+        and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
+        the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
+        by piece; the mean strain is linear between its points, and proof.store has the pieces as
+        they are proved, from which the same command goes on. Where it can, `breather dark` and
+        `breather doubled`, which proves its last orbit, also enclose a real Floquet multiplier
+        above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
+        the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
+    certificate : str | os.PathLike[str]
+        Write the certificate of the proof to this file. `hertzchain prove` checks it again.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]

@@ -166,10 +166,11 @@ impl Proving {
         };
         let grid = Grid { store: "proof.store", study: "proof", settings: json!({}) };
         let swept = engine.sweep(&grid, &strips, &|_, _| (), strip)?;
-        let (mut pieces, mut stop): (Vec<(Certificate, Checked)>, _) = (Vec::new(), None);
-        for strip in swept.rows.into_iter().map(|row| row.and_then(KeptStrip::pieces)) {
-            let (proved, end) = strip.unwrap_or_else(|why| (Vec::new(), Some(why)));
-            pieces.extend(proved.into_iter().map(|(piece, proof)| (piece, Ok(proof))));
+        let (mut pieces, mut stop) = (Vec::new(), None);
+        for row in swept.rows {
+            let strip = row.and_then(|strip| Ok((strip.stop.clone(), strip.pieces()?)));
+            let (end, proved) = strip.unwrap_or_else(|why| (Some(why), Vec::new()));
+            pieces.extend(proved);
             stop = end;
             if stop.is_some() {
                 break;
@@ -223,24 +224,25 @@ impl KeptStrip {
         }
     }
 
-    /// The pieces, and why they end. Numbers of proofs that are of no use for branches are
-    /// infinite.
-    fn pieces(self) -> std::result::Result<(Vec<(Certificate, Proof)>, Option<String>), String> {
+    /// The pieces. Numbers of proofs that are of no use for branches are infinite.
+    fn pieces(self) -> sweep::Row<Vec<(Certificate, Checked)>> {
         let none = f64::INFINITY;
-        let proof = |([radius, uniqueness_radius, amplitude], weights, multiplier): Numbers| Proof {
-            radius,
-            radius_y: none,
-            radius_velocity: none,
-            radius_velocity_y: none,
-            uniqueness_radius,
-            amplitude,
-            bounds: Bounds { y0: none, z1: none, z2: none },
-            weights,
-            multiplier,
-            decay: None,
+        let proof = |([radius, uniqueness_radius, amplitude], weights, multiplier): Numbers| {
+            Ok(Proof {
+                radius,
+                radius_y: none,
+                radius_velocity: none,
+                radius_velocity_y: none,
+                uniqueness_radius,
+                amplitude,
+                bounds: Bounds { y0: none, z1: none, z2: none },
+                weights,
+                multiplier,
+                decay: None,
+            })
         };
         let pieces = if self.proofs.is_empty() { Vec::new() } else { certificate::pieces(&self.pieces)? };
-        Ok((pieces.into_iter().zip(self.proofs.into_iter().map(proof)).collect(), self.stop))
+        Ok(pieces.into_iter().zip(self.proofs.into_iter().map(proof)).collect())
     }
 }
 

@@ -134,7 +134,7 @@ fn start_lies_in_the_ball(found: &Value, proof: &Value, (near, a): (&Certificate
 
 // Truth: the orbit of doubled period by shooting, and its tangent map.
 #[test]
-#[ignore = "nightly: half a minute"]
+#[ignore = "nightly: seven seconds"]
 fn a_breather_of_doubled_period_is_proved_and_lies_in_the_ball() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("doubled.cert");
