@@ -73,7 +73,7 @@ pub fn film(film: &Film) -> Result<Vec<u8>, Error> {
     let (middle, half) = (0.5 * (film.x.0 + film.x.1), 0.5 * (film.x.1 - film.x.0).max(body.width() / LARGEST));
     let (x, y) = (Axis::exact(middle - half, middle + half, true), Axis::exact(film.y.0, film.y.1, false));
     let [x_label, y_label] = &film.labels;
-    let axes = Axes::draw(&mut canvas, Rect { y0: body.y0 + ROW, ..body }, (x, x_label), (y, y_label), true)?;
+    let axes = Axes::draw(&mut canvas, Rect { y0: body.y0 + ROW, ..body }, (x, x_label), (y, y_label), false)?;
     let level = body.y0 + 0.5 * ROW;
     for (x, _) in film.walls.iter().filter_map(|&wall| axes.place((wall, 0.0))) {
         canvas.line(&[(x, body.y0), (x, body.y0 + ROW)], INK, 3.0, &[]);

@@ -20,7 +20,7 @@ const HIGH: f64 = 1.7;
 /// Radius of the markers of a cloud of more than a few points, in pixels.
 const SMALL_MARKER: f64 = 2.4;
 /// Most points of a cloud with larger markers.
-const FEW: usize = 12;
+const FEW: usize = 5;
 /// Least half width of the part of the complex plane that is shown, about the unit circle.
 const PLANE: f64 = 1.15;
 /// Height in pixels that the page gains for each row of panels above two.

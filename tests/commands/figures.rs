@@ -680,5 +680,6 @@ fn a_plane_has_one_scale_and_a_cloud_is_not_joined() {
     let [wide, high] = extent(&cross(Kind::Cloud));
     assert!(wide / high > 1.3, "{wide} {high}");
     let few = |kind| cross(kind).iter().flatten().filter(|p| blue(p)).count();
-    assert!(few(Kind::Cloud) < 200 && few(Kind::Parameter) > 1000, "{} {}", few(Kind::Cloud), few(Kind::Parameter));
+    // Four markers have 274 pixels, and with the lines between them 4337.
+    assert!(few(Kind::Cloud) < 300 && few(Kind::Parameter) > 1000, "{} {}", few(Kind::Cloud), few(Kind::Parameter));
 }
