@@ -1346,8 +1346,8 @@ def wave_exact(
         above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
         the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
-        Write the certificate of the proof to this file, and make its folder. `hertzchain prove`
-        checks it again.
+        Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
+        that are missing are made.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -1455,8 +1455,8 @@ def wave_continue(
         above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
         the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
-        Write the certificate of the proof to this file, and make its folder. `hertzchain prove`
-        checks it again.
+        Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
+        that are missing are made.
     resume : str | os.PathLike[str]
         Go on with what this file, or the file in this folder, has kept. A file of a branch, from
         its last point: to another `to`, by another `step`; then multipliers and bifurcations are
@@ -1757,8 +1757,8 @@ def breather_dark(
         above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
         the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
-        Write the certificate of the proof to this file, and make its folder. `hertzchain prove`
-        checks it again.
+        Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
+        that are missing are made.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -1861,8 +1861,8 @@ def breather_continue(
         above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
         the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
-        Write the certificate of the proof to this file, and make its folder. `hertzchain prove`
-        checks it again.
+        Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
+        that are missing are made.
     to : float
         Value of the parameter at which the branch ends. It begins with that of the scene or of
         other options. A finite number.

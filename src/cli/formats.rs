@@ -26,7 +26,7 @@ pub(super) struct Formats {
 /// The formats of a run.
 #[derive(Args, Clone, Debug)]
 pub(super) struct RunFormats {
-    /// Formats of pictures, separated by commas: png, svg; gif for a film; mat for arrays
+    /// Formats of pictures, separated by commas: png, svg; gif for a film; mat for arrays.
     ///
     /// gif draws film.gif: beads that move, their contacts lit, and the strain below, a frame for
     /// each sample at 25 frames a second; of more than 250 samples every second, third, .. is a

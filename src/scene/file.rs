@@ -532,7 +532,7 @@ fn leaves<'a>(table: &'a DeTable<'a>, above: &str) -> Vec<Leaf<'a>> {
         let key = format!("{above}{}", name.get_ref());
         match value.get_ref() {
             DeValue::Table(table) => leaves(table, &(key + ".")),
-            DeValue::Array(tables) if !tables.is_empty() && tables.iter().all(|one| one.get_ref().is_table()) => {
+            DeValue::Array(tables) if key == "drive" && tables.iter().all(|one| one.get_ref().is_table()) => {
                 let at = |(k, one): (usize, &'a toml::Spanned<DeValue<'a>>)| {
                     one.get_ref().as_table().map_or(Vec::new(), |table| leaves(table, &format!("{key}.{k}.")))
                 };
@@ -551,7 +551,7 @@ impl Leaf<'_> {
         let mut parts = self.key.split('.').filter(|part| place_in_list(part).is_none());
         match name.contains('.') {
             true => name.split('.').all(|part| parts.next() == Some(part)),
-            false => parts.last() == Some(name),
+            false => parts.next_back() == Some(name),
         }
     }
 
