@@ -7,11 +7,6 @@ use super::{
     runner::{MPI, Runs},
     say,
 };
-#[cfg(feature = "plot")]
-use {
-    super::formats::{FILM, MAT},
-    crate::error::require,
-};
 use crate::{
     error::{Error, Result},
     output::{Folder, to_json},
@@ -23,6 +18,11 @@ use crate::{
 use std::path::Path;
 #[cfg(feature = "mpi")]
 use std::sync::Arc;
+#[cfg(feature = "plot")]
+use {
+    super::formats::{FILM, MAT},
+    crate::error::require,
+};
 
 const NO_EVENTS: &str = "this run was begun without --events: its first contacts are not known";
 
