@@ -147,9 +147,7 @@ pub(crate) fn run<'py>(
     let conditions: hertzchain::Result<Vec<_>> =
         conditions.map(|(text, ends)| Condition::read(text, scene, 0, ends)).collect();
     let conditions = conditions.or_raise(py)?;
-    if let Some(condition) = conditions.first() {
-        how.logs("crossings", condition.text()).or_raise(py)?;
-    }
+    conditions.iter().try_for_each(|condition| condition.found_by(&how)).or_raise(py)?;
     let (start, end, layout) = (scene.start_time(), scene.end(), scene.chain().layout());
     let work = |watched: &Watched| {
         let thrown = Thrown::default();

@@ -63,7 +63,7 @@ impl Runs for RunArgs {
             texts.iter().map(move |text| Condition::read(text, scene, scene.chain().touching().start, ends))
         });
         let conditions = conditions.collect::<Result<Vec<_>>>()?;
-        conditions.first().map_or(Ok(()), |one| how.logs("crossings", one.text()))?;
+        conditions.iter().try_for_each(|one| one.found_by(&how))?;
         if self.plan {
             // `MethodChoice::plan` refuses what a run would refuse.
             let plan = how.plan(&scene, self.events || self.maxima.is_some(), &parts)?;

@@ -75,7 +75,7 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             ("run tw-q15 --plan --windows-per-period 5 --nodes 18", "nodes = 18"),
             ("run tw-q15 --plan --tol 5", "tol = 5"),
             ("run cradle --plan --maxima 2", "from 2.3e-13 to 0.5"),
-            ("run trivial-breather --stop u[0]>1", "an exact solution has no log"),
+            ("run trivial-breather --stop u[0]>1", "--stop = u[0]>1 is not valid: an exact solution has no log"),
             ("run impact --stop u[0]", "error: --stop = u[0] is not valid: a quantity, its place, a sign"),
             ("run impact --stop u[0]>nan", "a quantity, its place, a sign and a number"),
             ("run impact --stop w[0]>1", "unknown quantity \"w\""),

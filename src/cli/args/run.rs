@@ -56,7 +56,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "COND", hide_short_help = true, conflicts_with_all = ["checkpoint", "resume"])]
     pub(crate) crossings: Vec<String>,
     /// End the run where this is met, such as "u[10] > 0.5"; as --crossings.
-    #[arg(long, value_name = "COND", conflicts_with_all = ["checkpoint", "resume", "amplification"])]
+    #[arg(long, value_name = "COND", hide_short_help = true, conflicts_with_all = ["checkpoint", "resume", "amplification"])]
     pub(crate) stop: Vec<String>,
     #[command(flatten)]
     pub(crate) results: ResultUnits,

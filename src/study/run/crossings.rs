@@ -5,6 +5,7 @@
 //! | `q[n] > c`, `q[n] < c`, `q[n] = c` | a quantity at site `n` rises through `c`, falls through it, or either |
 //! | `q` | `u`, `v`, `u_dot`, `v_dot` of a site, `overlap` of a bond; `u`, `v` are strains on a strain ring |
 
+use super::MethodChoice;
 use crate::{
     chain::Chain,
     error::{Error, Result},
@@ -18,6 +19,11 @@ use serde_json::{Value, json};
 /// The quantities of conditions.
 const QUANTITIES: [Recorded; 5] = [Recorded::U, Recorded::V, Recorded::UDot, Recorded::VDot, Recorded::Overlap];
 const RULE: &str = "a quantity, its place, a sign and a number, as in \"u[10] > 0.5\" or \"overlap[3] = 0\"";
+
+/// The flag of conditions that end a run, or do not.
+fn flag(ends: bool) -> &'static str {
+    if ends { "stop" } else { "crossings" }
+}
 
 /// A quantity of a site or bond, a value, and whether to cross it ends the run.
 #[derive(Clone, Debug)]
@@ -37,8 +43,7 @@ impl Condition {
     /// # Errors
     /// A text that is no condition; an unknown quantity; a place that the chain does not have.
     pub fn read(text: &str, scene: &Scene, bonds: usize, ends: bool) -> Result<Self> {
-        let flag = if ends { "stop" } else { "crossings" };
-        let refused = |rule| Error::parameter(flag, text, rule);
+        let refused = |rule| Error::parameter(flag(ends), text, rule);
         let parts = || {
             let (left, right) = text.split_once(['<', '>', '='])?;
             let (name, place) = left.trim().strip_suffix(']')?.split_once('[')?;
@@ -61,6 +66,14 @@ impl Condition {
         let rising = [('>', true), ('<', false)].into_iter().find(|(sign, _)| text.contains(*sign)).map(|one| one.1);
         let value = scene.of_file(quantity.quantity(), value);
         Ok(Self { text: text.to_owned(), quantity, place, value, rising, ends })
+    }
+
+    /// Refuses an exact solution, in which nothing is looked for.
+    ///
+    /// # Errors
+    /// As [`MethodChoice::logs`].
+    pub fn found_by(&self, how: &MethodChoice) -> Result<()> {
+        how.logs(flag(self.ends), &self.text)
     }
 
     /// As it was given.
