@@ -213,8 +213,20 @@ mod tests {
     use std::collections::BTreeMap;
 
     /// Flags that mean one thing in one command and another in the next.
-    const OF_THEIR_OWN: &[&str] =
-        &["from", "to", "step", "epsilon", "amplitude", "turns", "only", "c", "instructions", "engine", "tol"];
+    const OF_THEIR_OWN: &[&str] = &[
+        "from",
+        "to",
+        "step",
+        "epsilon",
+        "amplitude",
+        "turns",
+        "only",
+        "c",
+        "instructions",
+        "engine",
+        "tol",
+        "format",
+    ];
 
     fn every(command: &clap::Command, path: &str, visit: &mut dyn FnMut(&str, &clap::Command)) {
         let path = format!("{path} {}", command.get_name());
