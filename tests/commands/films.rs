@@ -7,7 +7,7 @@ use std::{fs, path::Path};
 
 /// Two beads that fly at each other and apart.
 const SCENE: &str = "name = \"two\"\n[chain]\nsites = 2\nalpha = 1.5\nkappa = 0.0\nrho = 0.0\nboundary = \"free\"\n\
-    [initial]\nkind = \"state\"\nu = [-0.5, 0.5]\nu_dot = [1.0, -1.0]\n[span]\nuntil = 4.0\nperiod = 1.0\n[record]\nsamples = 40\n";
+    [initial]\nkind = \"state\"\nu = [-0.53, 0.53]\nu_dot = [1.0, -1.0]\n[span]\nuntil = 4.0\nperiod = 1.0\n[record]\nsamples = 40\n";
 
 /// The frames of a film as indices of colours, and its colours.
 fn frames(path: &Path) -> (Vec<Vec<u8>>, Vec<[u8; 3]>) {

@@ -18,9 +18,9 @@ const BEADS: usize = 100;
 const DRAWN: f64 = 0.3;
 /// The largest way of a bead in the film, as a share of the length that is seen.
 const WAY: f64 = 0.25;
-/// Share of the largest overlap from which on a contact is lit; the log of contacts leaves out
-/// fainter ones.
-const FAINT: f64 = 1e-5;
+/// Share of the largest overlap from which on a contact is lit. The log of contacts dates their ends
+/// no later than at this share of their own largest overlap.
+const FAINT: f64 = 1e-3;
 
 /// A sample for a film: time, displacements of beads (strains on a strain ring), and those of
 /// resonators or nothing.
@@ -190,7 +190,7 @@ mod tests {
                     };
                     contacts.iter().filter(open).count()
                 };
-                let range = open(0.05, 0.05)..=open(-0.02, 0.0);
+                let range = open(0.3, 0.3)..=open(-0.02, 0.0);
                 assert!(range.contains(&frame.contacts.len()), "{name}: {} at {t}, {range:?}", frame.contacts.len());
                 lit += range.start();
                 dark += chain_bonds - range.end();
