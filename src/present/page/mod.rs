@@ -317,10 +317,17 @@ fn verdicts(table: &Table) -> [usize; 3] {
     ["good", "bad", "open"].map(|class| classes.iter().filter(|one| **one == class).count())
 }
 
-/// A link that contains the whole file of a picture.
+/// A link that contains the whole file of a picture. An SVG file stays text, which takes a quarter
+/// less than base 64.
 fn uri(file: &[u8]) -> String {
-    let kind = if file.starts_with(b"<svg") { "svg+xml" } else { "png" };
-    format!("data:image/{kind};base64,{}", STANDARD.encode(file))
+    match std::str::from_utf8(file) {
+        Ok(svg) => {
+            let coded = [("%", "%25"), ("#", "%23"), (":", "%3A"), ("\"", "'")];
+            let svg = coded.iter().fold(svg.to_owned(), |svg, (from, to)| svg.replace(from, to));
+            format!("data:image/svg+xml;charset=utf-8,{svg}")
+        }
+        Err(_) => format!("data:image/png;base64,{}", STANDARD.encode(file)),
+    }
 }
 
 /// A paragraph or a table; if asked for, only the bad ones in a table of verdicts.
@@ -418,7 +425,7 @@ mod tests {
             "1 &lt; 2 &amp; &lt;script&gt;",
             "a &quot;b&quot;",
             "α &lt; 2",
-            "data:image/svg+xml;base64,",
+            "data:image/svg+xml;charset=utf-8,&lt;svg",
             "no &lt;reason&gt;",
             "href=\"#one-findings\"",
         ] {
