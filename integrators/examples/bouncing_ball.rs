@@ -22,7 +22,7 @@ impl VectorField<f64> for Ball {
     // The height changes its sign: the method stops there, and the state may change.
     fn turn(&mut self, _index: usize, positive: bool, y: &mut [f64]) -> bool {
         if !positive {
-            y[1] = -KEPT * y[1];
+            y[1] *= -KEPT;
         }
         !positive
     }
