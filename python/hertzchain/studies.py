@@ -1961,7 +1961,8 @@ def breather_doubled(
         above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
         the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
-        Write the certificate of the proof to this file. `hertzchain prove` checks it again.
+        Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
+        that are missing are made.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
