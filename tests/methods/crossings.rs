@@ -131,9 +131,45 @@ fn what_is_looked_for_changes_no_bit_of_a_run() {
 }
 
 #[test]
+fn every_crossing_in_steps_of_a_hundred_periods_is_found() {
+    // Truth: u = sin t crosses 0.9999999 twice a period, 9e-4 apart.
+    let first = 0.999_999_9f64.asin();
+    let want = (0..).flat_map(|k| [first, PI - first].map(|t| t + 2.0 * PI * f64::from(k)));
+    let want: Vec<f64> = want.take_while(|t| *t < 2000.0).collect();
+    for (name, setting) in [("collocation", Setting::Tolerance(1e-12)), ("strang-linear", Setting::Steps(3))] {
+        let run = oscillator(2000.0).method(Method::named(name).unwrap()).setting(setting);
+        let end = kept(&run, |y, to| to.push(y[0] - 0.999_999_9));
+        assert!(end.stats.steps < 20, "{name}");
+        assert_eq!(end.crossings.len(), want.len(), "{name}");
+        let off = end.crossings.iter().zip(&want).map(|(one, t)| (one.t - t).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-6, "{name}: {off:e}");
+    }
+}
+
+#[test]
+fn motion_that_is_not_smooth_has_no_crossing_before_it() {
+    // Truth: the first bead has the speed 1 until it touches the second, and less from then on; the
+    // second one never moves back, and has half that speed once.
+    let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 2).unwrap();
+    let mut state = State::rest(&chain);
+    (state.u_mut()[1], state.u_dot_mut()[0]) = (1.0, 1.0);
+    let run = Run::new(chain, state).until(6.0).unwrap();
+    let (tol, steps) = (Setting::Tolerance(1e-10), Setting::Steps(400));
+    for (name, setting) in [("collocation", tol), ("dop853-regularised", tol), ("corrected", steps), ("verlet", steps)]
+    {
+        let run = run.clone().method(Method::named(name).unwrap()).setting(setting);
+        let end = kept(&run, |y, to| to.extend([y[2] - 1.0, y[3], y[3] - 0.5]));
+        assert!(end.crossings.len() == 1 && end.crossings[0].index == 2, "{name}: {:?}", end.crossings);
+    }
+}
+
+#[test]
 fn a_run_that_goes_on_from_a_crossing_does_not_find_it_again() {
-    // Truth: u = sin t rises through 1/2 once a period.
-    for (name, run) in by_every_method(&oscillator(50.0), 1e-12, 5000) {
+    // Truth: u = sin t rises through 1/2 once a period; at 10^6 a time is known to 1e-10.
+    let late = |run: (String, Run)| (run.0, run.1.starting_at(1e6).unwrap().until(1e6 + 50.0).unwrap());
+    let all = by_every_method(&oscillator(50.0), 1e-12, 5000);
+    let late: Vec<_> = by_every_method(&oscillator(2e6), 1e-12, 5000).into_iter().map(late).collect();
+    for (from, (name, run)) in all.into_iter().map(|run| (0.0, run)).chain(late.into_iter().map(|run| (1e6, run))) {
         let rises = |run: Run| {
             let functions = Observables::new(|y, to| to.push(y[0] - 0.5));
             let then = |one: &Event<f64>, _: &[f64]| if one.rising { Crossed::Ends } else { Crossed::Passed };
@@ -144,9 +180,9 @@ fn a_run_that_goes_on_from_a_crossing_does_not_find_it_again() {
             let mut state = State::rest(run.chain());
             state.as_mut_slice().copy_from_slice(&end.state);
             let (method, setting) = run.choice().unwrap();
-            let again = Run::new(run.chain().clone(), state).until(50.0).unwrap().starting_at(end.t).unwrap();
+            let again = Run::new(run.chain().clone(), state).until(from + 50.0).unwrap().starting_at(end.t).unwrap();
             end = rises(again.method(method).setting(setting));
-            let want = 0.5f64.asin() + 2.0 * PI * f64::from(turn);
+            let want = from + 0.5f64.asin() + 2.0 * PI * f64::from(turn);
             assert!((end.t - want).abs() < 1e-3 && end.crossings.len() == 1, "{name}: {} {want}", end.t);
         }
     }

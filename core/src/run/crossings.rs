@@ -2,8 +2,11 @@
 
 use super::{Observables, Run, extremes::PART};
 use crate::chain::max_norm;
-use hertzchain_integrators::{Event, EventFunctions, Stepper, Watch, events::Listener};
-use std::{fmt, ops::ControlFlow, sync::Arc};
+use hertzchain_integrators::{
+    Error, Event, Stats, Stepper,
+    events::{bracketed, parts},
+};
+use std::{fmt, mem::take, sync::Arc};
 
 /// What a run does at a change of sign of a function of [`Run::crossings`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,13 +39,15 @@ impl Run {
     /// there. One that [`Ends`](Crossed::Ends) the run is its last time.
     ///
     /// The time is a zero of the function along the states that the method has between steps: its
-    /// dense output; for splittings, a shorter step. They are looked for in the polynomials through
-    /// eight samples of parts of steps, as those of [`observables`](Self::observables). A change
-    /// leaves a band of 64 roundings of the largest entry of the state about zero on the other side.
-    /// A function that begins in this band has no change when it leaves it, so that a run which goes
-    /// on from its last change does not find it again. Contacts, if they are
-    /// [logged](Self::contacts), are looked for in the same parts, with any method. The state at the
-    /// end has the bits of the run without functions.
+    /// dense output; for splittings, a shorter step. The signs are those at 32 times in a period of
+    /// the fastest motion or more, and at the minimum between three of them of a modulus that comes
+    /// near to zero, so that two changes between them are found; of three one is. A change leaves a
+    /// band of 64 roundings of the largest entry of the state about zero on the other side. A
+    /// function that begins in this band, or at a zero as exactly as its time is known, has no
+    /// change when it leaves it, so that a run which goes on from its last change does not find it
+    /// again. Contacts, if they are [logged](Self::contacts), are looked for in parts of steps, with
+    /// any method. The end has the state of the run without functions, but for roundings of methods
+    /// that land on contacts.
     ///
     /// ```
     /// # use hertzchain_core::{Boundary, Chain, Params, Run, State, run::{Crossed, Observables}};
@@ -80,51 +85,166 @@ impl Crossings {
         stepper: Box<dyn Stepper<f64> + 'a>,
         kept: &'a mut Vec<Event<f64>>,
     ) -> Box<dyn Stepper<f64> + 'a> {
-        let functions =
-            Functions { of: &self.functions, count: self.functions.at(run.initial().as_slice()).len(), run };
-        Box::new(Watch::of_crossings(stepper, functions, run.part(), Keeper { then: &*self.then, kept }))
+        let (y, start) = (vec![0.0; stepper.dim()], stepper.time());
+        let mut search = Search {
+            stepper,
+            of: self,
+            run,
+            kept,
+            start,
+            sides: Vec::new(),
+            last: Vec::new(),
+            y,
+            band: 0.0,
+            ended: None,
+        };
+        search.last = search.at(start);
+        search.sides = vec![None; search.last.len()];
+        Box::new(search)
     }
 }
 
-/// The functions as event functions.
-struct Functions<'a> {
-    of: &'a Observables,
-    count: usize,
+/// A time and the value of a function there.
+type Point = (f64, f64);
+
+/// A stepper whose steps are searched.
+struct Search<'a> {
+    stepper: Box<dyn Stepper<f64> + 'a>,
+    of: &'a Crossings,
     run: &'a Run,
-}
-
-impl EventFunctions<f64> for Functions<'_> {
-    fn count(&self) -> usize {
-        self.count
-    }
-
-    fn values(&self, _t: f64, y: &[f64], g: &mut [f64]) {
-        g.copy_from_slice(&self.of.at(y));
-    }
-
-    fn rates(&self, _t: f64, _y: &[f64], _dy: &[f64], _rates: &mut [f64]) {
-        unreachable!("only methods that stop at events ask for rates");
-    }
-
-    fn band(&self, y: &[f64]) -> f64 {
-        // The ledger is no motion.
-        let motion = &y[..2 * self.run.chain.layout().half()];
-        64.0 * f64::EPSILON * max_norm(motion.iter().copied())
-    }
-}
-
-/// The listener that keeps changes.
-struct Keeper<'a> {
-    then: &'a Then,
     kept: &'a mut Vec<Event<f64>>,
+    start: f64,
+    /// Whether each function was positive when it was last outside the band.
+    sides: Vec<Option<bool>>,
+    /// Values at the end of the last part.
+    last: Vec<f64>,
+    y: Vec<f64>,
+    band: f64,
+    /// The time of the change that ended the run.
+    ended: Option<f64>,
 }
 
-impl Listener<f64> for Keeper<'_> {
-    fn event(&mut self, event: Event<f64>, y: &[f64]) -> ControlFlow<()> {
-        let crossed = (self.then)(&event, y);
-        if crossed != Crossed::Passed {
-            self.kept.push(event);
+impl Search<'_> {
+    fn at(&mut self, t: f64) -> Vec<f64> {
+        self.stepper.sample(t, &mut self.y);
+        // The ledger is no motion. Rounding errors stay when a state passes through zero.
+        let motion = &self.y[..2 * self.run.chain.layout().half()];
+        self.band = self.band.max(64.0 * f64::EPSILON * max_norm(motion.iter().copied()));
+        self.of.functions.at(&self.y)
+    }
+
+    /// Searches a part of the last step.
+    fn search(&mut self, (from, to): (f64, f64)) {
+        let middle = from + 0.5 * (to - from);
+        let (first, inner, end) = (take(&mut self.last), self.at(middle), self.at(to));
+        let mut found: Vec<Event<f64>> = Vec::new();
+        for index in 0..end.len() {
+            let points = [(from, first[index]), (middle, inner[index]), (to, end[index])];
+            // A state that is lost has no changes; the observer of the run ends it.
+            if points.iter().any(|point| !point.1.is_finite()) {
+                continue;
+            }
+            if from == self.start {
+                // A zero is known as exactly as its time.
+                let slope = (inner[index] - first[index]).abs() / (middle - from);
+                let near = self.band + 8.0 * f64::EPSILON * from.abs() * slope;
+                self.sides[index] = Some(first[index] > 0.0).filter(|_| first[index].abs() > near);
+            }
+            let mut points = points.to_vec();
+            points.extend(self.beyond(index, points[0], points[1], points[2]));
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for pair in points.windows(2) {
+                let (before, after, rising) = (pair[0], pair[1], pair[1].1 > 0.0);
+                if after.1.abs() <= self.band {
+                    continue;
+                }
+                if self.sides[index].replace(rising).is_some_and(|side| side != rising) {
+                    let left = (before.1 > 0.0) == rising && before.1 != 0.0;
+                    let t = if left { before.0 } else { bracketed(|t| self.at(t)[index], before, after) };
+                    found.push(Event { index, rising, t });
+                }
+            }
         }
-        if crossed == Crossed::Ends { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        found.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.index.cmp(&b.index)));
+        for event in found {
+            self.stepper.sample(event.t, &mut self.y);
+            let crossed = (self.of.then)(&event, &self.y);
+            if crossed != Crossed::Passed {
+                self.kept.push(event);
+            }
+            if crossed == Crossed::Ends {
+                self.ended = Some(event.t);
+                return;
+            }
+        }
+        self.last = end;
+    }
+
+    /// A point on the other side of zero between three on one side: the minimum of the modulus, by
+    /// parabolas through the three lowest points.
+    fn beyond(&mut self, index: usize, a: Point, b: Point, c: Point) -> Option<Point> {
+        let sign = b.1.signum();
+        let mut points = vec![a, b, c];
+        points.iter_mut().for_each(|point| point.1 *= sign);
+        if points.iter().any(|point| point.1 <= self.band) {
+            return None;
+        }
+        for _ in 0..8 {
+            let [a, b, c] = [points[0], points[1], points[2]];
+            let slope = (b.1 - a.1) / (b.0 - a.0);
+            let curvature = ((c.1 - b.1) / (c.0 - b.0) - slope) / (c.0 - a.0);
+            let lowest = 0.5 * (a.0 + b.0) - 0.5 * slope / curvature;
+            let (width, t) = (c.0 - a.0, lowest.clamp(a.0, c.0));
+            let least = a.1 + (t - a.0) * (slope + curvature * (t - b.0));
+            let (low, high) = (a.1.min(b.1).min(c.1), a.1.max(b.1).max(c.1));
+            // The error of the parabola is a part of its range.
+            let near = curvature > 0.0 && (lowest - t).abs() < 0.1 * width && least < 0.25 * (high - low);
+            if !near || [a.0, b.0, c.0].contains(&t) {
+                return None;
+            }
+            let value = self.at(t)[index];
+            if sign * value < -self.band {
+                return Some((t, value));
+            }
+            points.push((t, sign * value));
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            // The lowest and its neighbours.
+            let last = points[0].1.min(points[1].1) > points[2].1.min(points[3].1);
+            points.remove(if last { 0 } else { 3 });
+        }
+        None
+    }
+}
+
+impl Stepper<f64> for Search<'_> {
+    fn dim(&self) -> usize {
+        self.stepper.dim()
+    }
+
+    fn time(&self) -> f64 {
+        self.ended.unwrap_or_else(|| self.stepper.time())
+    }
+
+    fn done(&self) -> bool {
+        self.ended.is_some() || self.stepper.done()
+    }
+
+    fn step(&mut self) -> Result<(), Error> {
+        let from = self.stepper.time();
+        self.stepper.step()?;
+        for part in parts((from, self.stepper.time()), self.run.part()) {
+            if self.ended.is_none() {
+                self.search(part);
+            }
+        }
+        Ok(())
+    }
+
+    fn sample(&mut self, t: f64, y: &mut [f64]) {
+        self.stepper.sample(t, y);
+    }
+
+    fn stats(&self) -> Stats {
+        self.stepper.stats()
     }
 }

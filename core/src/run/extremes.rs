@@ -56,8 +56,8 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Goes on from the `largest` values of earlier legs; `part` is the longest part of a step that is
-    /// searched at once.
+    /// Goes on from the `largest` values of earlier legs; `part` is the longest part of a step that
+    /// is searched at once.
     pub(super) fn new(
         run: &mut (impl Stepper<f64> + ?Sized),
         observables: &'a Observables,
@@ -77,7 +77,9 @@ impl<'a> Search<'a> {
 
     /// Searches the last step of the run, which began at `from`.
     pub(super) fn step(&mut self, run: &mut (impl Stepper<f64> + ?Sized), from: f64) {
-        parts((from, run.time()), self.part).for_each(|part| self.search(run, part));
+        let to = run.time();
+        // Not more than 256, however long the step is.
+        parts((from, to), self.part.max((to - from) / 256.0)).for_each(|part| self.search(run, part));
     }
 
     fn at(&mut self, run: &mut (impl Stepper<f64> + ?Sized), t: f64) -> Vec<f64> {

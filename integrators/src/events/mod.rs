@@ -30,6 +30,7 @@ mod watch;
 
 pub use bernstein::{NODES, SHARES};
 pub use curve::Curve;
+pub use root::bracketed;
 pub use watch::{Listener, Part, Watch, parts};
 
 use crate::real::Real;

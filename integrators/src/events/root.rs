@@ -16,7 +16,7 @@ const SHIFT: f64 = 1e-6;
 /// does not move, with a bisection whenever three evaluations have not halved the bracket. The
 /// search ends where `f` is zero, where the bracket has no inner point, or after 440 evaluations.
 /// There is no tolerance, since the epsilon of double-double is far below its precision.
-pub(crate) fn bracketed<R: Real>(mut f: impl FnMut(R) -> R, (mut a, mut fa): (R, R), (mut b, mut fb): (R, R)) -> R {
+pub fn bracketed<R: Real>(mut f: impl FnMut(R) -> R, (mut a, mut fa): (R, R), (mut b, mut fb): (R, R)) -> R {
     let (zero, half) = (R::zero(), R::of(0.5));
     let (mut wa, mut wb, mut last) = (fa, fb, None);
     let (mut goal, mut tries) = (half * (b - a), 0);

@@ -36,8 +36,6 @@ pub(crate) struct Sides {
     noise: [f64; 2],
     /// Functions whose event was taken back at the present place.
     returned: Vec<bool>,
-    /// Functions without a side until they leave the band.
-    undecided: Vec<bool>,
     interpolation: Interpolation,
 }
 
@@ -51,7 +49,6 @@ impl Sides {
             doubtful: vec![false; count],
             noise: [0.0; 2],
             returned: vec![false; count],
-            undecided: vec![false; count],
             interpolation: Interpolation::new(),
         }
     }
@@ -89,23 +86,6 @@ impl Sides {
         for (index, nodes) in self.values.iter().enumerate() {
             self.doubtful[index] = doubtful && nodes[0].abs() <= self.band;
             self.positive[index] = nodes[0] > self.band || self.doubtful[index];
-        }
-    }
-
-    /// Takes from functions inside the band at node 0 their side: to leave the band is then no event.
-    pub(crate) fn undecide(&mut self) {
-        for (undecided, nodes) in self.undecided.iter_mut().zip(&self.values) {
-            *undecided = nodes[0].abs() <= self.band;
-        }
-    }
-
-    /// Gives functions without a side the one on which they leave the band, if they do.
-    pub(crate) fn decide(&mut self) {
-        for index in 0..self.undecided.len() {
-            let left = self.values[index].iter().find(|value| value.abs() > self.band);
-            if let (true, Some(value)) = (self.undecided[index], left) {
-                (self.positive[index], self.undecided[index]) = (*value > 0.0, false);
-            }
         }
     }
 

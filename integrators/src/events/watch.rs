@@ -40,12 +40,9 @@ impl<R: Real> Part<R> {
     }
 }
 
-/// Most parts of a step, however long it is.
-const MOST_PARTS: f64 = 256.0;
-
-/// Equal parts of a step that are at most so long, but not more than 256.
+/// Equal parts of a step that are at most so long.
 pub fn parts<R: Real>((from, to): (R, R), longest: f64) -> impl Iterator<Item = (R, R)> {
-    let count = ((to - from).f64() / longest).ceil().clamp(1.0, MOST_PARTS) as u64;
+    let count = ((to - from).f64() / longest).ceil().max(1.0) as u64;
     let end = move |k: u64| if k == count { to } else { from + (to - from) * R::of(k as f64 / count as f64) };
     (0..count).map(move |k| (end(k), end(k + 1)))
 }
@@ -97,13 +94,6 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
             ended: None,
             longest: f64::INFINITY,
         }
-    }
-
-    /// As [`new`](Self::new), for functions that may begin at zero: to leave it is no event.
-    pub fn of_crossings(stepper: S, functions: E, longest: f64, listener: L) -> Self {
-        let mut watch = Self::new(stepper, functions, listener).in_parts(longest);
-        watch.sides.undecide();
-        watch
     }
 
     /// Searches [parts] of steps that are at most this long.
@@ -183,7 +173,6 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
             }
         }
         self.sides.set_band(self.functions.band(&self.y).f64());
-        self.sides.decide();
         let mut crossings = std::mem::take(&mut self.crossings);
         self.sides.all_crossings(&mut crossings);
         self.crossings = crossings;
