@@ -22,12 +22,9 @@ use pyo3::{
     prelude::*,
     types::{PyBytes, PyDict},
 };
-use std::{
-    cell::RefCell,
-    sync::{
-        Arc, Mutex, PoisonError,
-        atomic::{AtomicUsize, Ordering},
-    },
+use std::sync::{
+    Arc, Mutex, PoisonError,
+    atomic::{AtomicUsize, Ordering},
 };
 
 /// Steps times sites of a run that takes less than a millisecond.

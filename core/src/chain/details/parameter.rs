@@ -86,7 +86,7 @@ impl Parameter {
                 {
                     let moves = site.resonators == Resonators::Moving;
                     let stretch = state[i] - if moves { state[n + i] } else { R::zero() };
-                    // A site at rest without a spring of kappa has one of its own, see `Details::site`.
+                    // Without a resonator the spring is one of the site's own.
                     if self == Self::Kappa && (moves || entry(&parts.given.rho, i, chain.params().rho).is_infinite()) {
                         accelerate(i, -stretch / site.mass);
                     }
