@@ -111,7 +111,7 @@ class Trajectory(Arrays):
         Where these were met, in order of time: ``condition``, the number of one in `conditions`;
         ``t``; ``rising``, whether the quantity rises. A call with ``crossings["t"]`` has the states.
     ended_by : str or None
-        The condition at which the run ended before `until`.
+        The condition at which the run ended before `until`; None if an exception ended it.
     derivatives : dict
         By the names of `derivatives` of :func:`run`: the derivative of `end`, a dictionary of arrays.
     stats : dict
@@ -550,6 +550,8 @@ def run(
     if on_crossing is not None and not looked + ending:
         raise ParameterError("on_crossing is not valid without crossings or stop")
     whole, how = scene_of(scene, y0, until, t0), asked(method, tol, step, steps_per_period)
+    if asked_for:  # Refused before the run, not after it.
+        _native.derivatives(whole._scene, asked_for, whole._start, how["tol"] or 1e-10)
 
     def crossed(t: float, condition: int, rising: bool, state: Vector) -> Any:
         assert on_crossing is not None

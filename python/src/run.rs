@@ -22,12 +22,9 @@ use pyo3::{
     prelude::*,
     types::{PyBytes, PyDict},
 };
-use std::{
-    cell::RefCell,
-    sync::{
-        Arc, Mutex, PoisonError,
-        atomic::{AtomicUsize, Ordering},
-    },
+use std::sync::{
+    Arc, Mutex, PoisonError,
+    atomic::{AtomicUsize, Ordering},
 };
 
 /// Steps times sites of a run that takes less than a millisecond.
@@ -187,7 +184,12 @@ pub(crate) fn run<'py>(
     let short = matches!(how, MethodChoice::Integrated(_, Setting::Steps(steps), ..) if steps * scene.chain().sites() as u64 <= SHORT);
     let ((outcome, thrown, rows), raised) =
         if short { (brief(py, work)?, None) } else { watched(py, progress.as_ref(), work)? };
-    Ok((record(py, outcome.or_raise(py)?, rows, (scene, &how, units))?, thrown.or(raised)))
+    let (result, raised) = (record(py, outcome.or_raise(py)?, rows, (scene, &how, units))?, thrown.or(raised));
+    if raised.is_some() {
+        // It was no condition that has ended the run.
+        result.set_item("ended_by", py.None())?;
+    }
+    Ok((result, raised))
 }
 
 /// A run, how it is computed, the units of its results, and room for these.

@@ -57,7 +57,8 @@ def test_a_function_ends_a_run_or_raises() -> None:
     assert run.t_end == times[2] == run.crossings["t"][2] and run.ended_by == "u[0] > 0.5"
     with pytest.raises(ZeroDivisionError) as caught:
         hc.run(SPRING, y0={"pu": [1.0]}, until=50.0, tol=1e-10, crossings="u[0] > 0.5", on_crossing=lambda *_: 1 / 0)
-    assert abs(caught.value.partial.t_end - np.arcsin(0.5)) < 1e-8  # type: ignore[attr-defined]
+    partial = caught.value.partial  # type: ignore[attr-defined]
+    assert abs(partial.t_end - np.arcsin(0.5)) < 1e-8 and partial.ended_by is None
 
 
 def test_conditions_of_a_scene_in_si_units_and_of_strains() -> None:

@@ -61,3 +61,41 @@ def test_a_chain_against_differences(name: str) -> None:
     plus, minus = end(h).end, end(-h).end
     for key, array in got.items():
         assert np.abs((plus[key] - minus[key]) / (2 * h) - array).max() < 3e-6, key
+
+
+@pytest.mark.parametrize("rho", [0.0, [0.0, 0.5], [math.inf, 0.0]])
+def test_on_site_springs_do_not_change_with_kappa(rho: Any) -> None:
+    # Truth: central differences of runs; without a resonator nothing depends on kappa.
+    beads = {"onsite": 0.5, "rho": rho} if isinstance(rho, list) else {"onsite": 0.5}
+
+    def end(kappa: float, **options: Any) -> hc.Trajectory:
+        chain = hc.Chain(sites=2, alpha=1.5, kappa=kappa, beads=beads)
+        return hc.run(chain, y0={"u": [1.0, 0.0]}, until=3.0, tol=1e-13, **options)
+
+    got, h = end(1.0, derivatives="kappa").derivatives["kappa"], 1e-4
+    plus, minus = end(1.0 + h).end, end(1.0 - h).end
+    for key, array in got.items():
+        assert np.abs((plus[key] - minus[key]) / (2 * h) - array).max() < 3e-6, key
+    assert rho != 0.0 or not got["u"].any()
+
+
+def test_derivatives_are_refused_before_the_run() -> None:
+    seen: list[float] = []
+    chain, start = hc.Chain(sites=2), {"u": [1.0, 0.0]}
+    steel = {"system": "SI", "radius": 9.525e-3, "density": 8027.0, "young": 193e9, "poisson": 0.3}
+    strains = hc.Scene.load("tw-q15")
+    runs = [(chain, start, "beta"), (chain, start, "rho"), (chain, start, "mass[2]"), (strains, None, "alpha")]
+    runs.append((hc.Chain(sites=2, units=steel), {"u": [1e-6, 0.0]}, "alpha"))
+    for what, y0, name in runs:
+        with pytest.raises(hc.Error):
+            hc.run(what, y0=y0, until=1e-3, derivatives=name, on_sample=lambda t, _: seen.append(t))
+    assert not seen
+
+
+def test_gravity_leaves_the_amplitude() -> None:
+    # Truth: a bead that flies; its weight does not change with its start.
+    chain = hc.Chain(sites=1, gravity=0.1)
+    got = hc.run(chain, y0={"pu": [1.0]}, until=2.0, tol=1e-12, derivatives="amplitude").derivatives["amplitude"]
+    assert abs(got["u"][0] - 2) < 1e-10 and abs(got["pu"][0] - 1) < 1e-10
+    with pytest.raises(hc.ParameterError, match="without gravity"):
+        hc.run(chain, y0={"pu": [1.0]}, until=2.0, derivatives="mass[0]")

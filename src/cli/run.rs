@@ -25,6 +25,7 @@ use {
 };
 
 const NO_EVENTS: &str = "this run was begun without --events: its first contacts are not known";
+const SEARCHED: &str = "crossings: each part of a step is sampled eight times and searched";
 
 impl Runs for RunArgs {
     fn run(&self) -> Exit {
@@ -36,6 +37,10 @@ impl Runs for RunArgs {
         changes.extend(self.samples.map(|samples| format!("record.samples={samples}")));
         let name = self.scene.as_deref().unwrap_or_default();
         if let Some(ranks) = self.ranks {
+            // A condition is checked on the chain itself.
+            if !(self.crossings.is_empty() && self.stop.is_empty()) {
+                conditions(self, &Scene::load_by_sites(name, &changes)?)?;
+            }
             return plan_of_ranks(self, &SceneFile::parse_with(&Scene::source(name)?, name, &changes)?, ranks);
         }
         // A plan needs no state.
@@ -58,15 +63,12 @@ impl Runs for RunArgs {
             scene.run().maxima(share)?;
             how.logs("maxima", share)?;
         }
-        let conditions = [(&self.crossings, false), (&self.stop, true)].into_iter().flat_map(|(texts, ends)| {
-            let scene = &scene;
-            texts.iter().map(move |text| Condition::read(text, scene, scene.chain().touching().start, ends))
-        });
-        let conditions = conditions.collect::<Result<Vec<_>>>()?;
+        let conditions = conditions(self, &scene)?;
         conditions.iter().try_for_each(|one| one.found_by(&how))?;
         if self.plan {
             // `MethodChoice::plan` refuses what a run would refuse.
-            let plan = how.plan(&scene, self.events || self.maxima.is_some(), &parts)?;
+            let mut plan = how.plan(&scene, self.events || self.maxima.is_some(), &parts)?;
+            plan.extend((!conditions.is_empty()).then(|| SEARCHED.to_owned()));
             let text = if self.json {
                 to_json(&serde_json::json!({"scene": scene.name(), "integrator": name, "reason": reason, "plan": plan}))
                     + "\n"
@@ -116,6 +118,13 @@ impl Runs for RunArgs {
     }
 }
 
+/// What the run looks for.
+fn conditions(args: &RunArgs, scene: &Scene) -> Result<Vec<Condition>> {
+    let read = |text, ends| Condition::read(text, scene, scene.chain().touching().start, ends);
+    let crossings = args.crossings.iter().map(|text| read(text, false));
+    crossings.chain(args.stop.iter().map(|text| read(text, true))).collect()
+}
+
 /// Where the sites are integrated. `None` for an MPI rank that has served rank 0 and is done.
 fn parts(args: &RunArgs) -> Result<Option<Decomposition>> {
     if args.engine != MPI {
@@ -146,7 +155,8 @@ fn over_ranks(_: usize) -> Result<Option<Decomposition>> {
 fn plan_of_ranks(args: &RunArgs, file: &SceneFile, ranks: usize) -> Exit {
     let named = args.method.integrator.as_deref().or(file.method.as_ref().map(|method| method.integrator.as_str()));
     let method = Method::named(named.unwrap_or("strang-linear"))?;
-    let (name, plan) = (method.name(), study::parts_plan(file, method, ranks)?);
+    let (name, mut plan) = (method.name(), study::parts_plan(file, method, ranks)?);
+    plan.extend((!(args.crossings.is_empty() && args.stop.is_empty())).then(|| SEARCHED.to_owned()));
     print(&if args.json {
         to_json(&serde_json::json!({"scene": file.name, "integrator": name, "plan": plan})) + "\n"
     } else {

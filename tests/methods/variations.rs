@@ -629,6 +629,23 @@ fn derivatives_by_numbers_of_a_chain_agree_with_differences() {
         let off = want.iter().zip(&column).fold(0.0f64, |off, (a, b)| off.max((a - b).abs()));
         assert!(size > 0.01 && off < 3e-6 * size, "{:?}: {off:e} of {size:e}", by[j]);
     }
+    // Springs of sites without resonators are no kappa.
+    for own in [vec![], vec![0.0, 0.5], vec![f64::INFINITY, 0.0]] {
+        let of = |kappa: f64| {
+            let details = Details { onsite: vec![0.5; 2], rho: own.clone(), ..Details::default() };
+            Chain::<f64>::new(Params::new(1.5, kappa, 0.0).unwrap(), Boundary::Free, 2).unwrap().with(&details).unwrap()
+        };
+        let chain = of(1.0);
+        let (rows, dim, span) = (2 * chain.layout().half(), chain.layout().dim(), (0.0, 3.0));
+        let y: Vec<f64> = (0..dim).map(|i| f64::from(u8::from(i == 0))).collect();
+        let got = Variations::flow_by(&chain, &y, span, (&vec![0.0; rows], &[Parameter::Kappa]), 1e-12).unwrap();
+        let end = |kappa: f64| Variations::flow(&of(kappa), &y, span, &[], 1e-13).unwrap().state;
+        let (plus, minus) = (end(1.0 + 1e-4), end(1.0 - 1e-4));
+        for i in 0..rows {
+            let want = (plus[i] - minus[i]) / 2e-4;
+            assert!((want - got.columns[i]).abs() < 3e-6, "{own:?} {i}: {want} {}", got.columns[i]);
+        }
+    }
     let refused = |chain: &Chain<f64>, by| {
         let columns = vec![0.0; 2 * chain.layout().half()];
         let y = vec![0.0; chain.layout().dim()];

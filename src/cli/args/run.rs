@@ -52,10 +52,13 @@ pub(crate) struct RunArgs {
     /// "q[n] > c" is met where q rises through c, "q[n] < c" where it falls, "q[n] = c" at both. q is
     /// u, v, u_dot or v_dot of site n (strains and their rates on a strain ring), or overlap of bond
     /// n, which lies to the left of site n. c is in SI units for scenes with `[units]`. With --out
-    /// the crossings are in crossings.csv. Not with --checkpoint or --resume.
+    /// the crossings are in crossings.csv. Not with --checkpoint or --resume, nor for an exact
+    /// solution.
     #[arg(long, value_name = "COND", hide_short_help = true, conflicts_with_all = ["checkpoint", "resume"])]
     pub(crate) crossings: Vec<String>,
     /// End the run where this is met, such as "u[10] > 0.5"; as --crossings.
+    ///
+    /// Also not with --amplification.
     #[arg(long, value_name = "COND", hide_short_help = true, conflicts_with_all = ["checkpoint", "resume", "amplification"])]
     pub(crate) stop: Vec<String>,
     #[command(flatten)]

@@ -220,7 +220,7 @@ impl MethodChoice {
         match self {
             Self::Integrated(..) => Ok(()),
             Self::ClosedForm(_) => {
-                Err(Error::parameter(name, value, "an exact solution has no log: name an --integrator"))
+                Err(Error::parameter(name, value, "an exact solution has no log and no steps: name an --integrator"))
             }
         }
     }

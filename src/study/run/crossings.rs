@@ -54,10 +54,17 @@ impl Condition {
         let quantity = QUANTITIES.into_iter().find(|one| one.name() == name);
         let quantity = quantity.ok_or_else(|| Error::unknown("quantity", name, QUANTITIES.map(Recorded::name)))?;
         let chain = scene.chain();
-        let place = place + if quantity.of_bonds() { chain.touching().start - bonds } else { 0 };
+        let (what, range, first) = match quantity.of_bonds() {
+            true => ("bonds", chain.touching(), bonds),
+            false => ("sites", 0..chain.sites(), 0),
+        };
+        let place = place.saturating_add(range.start - first);
         match quantity {
-            Recorded::Overlap if !chain.touching().contains(&place) => return Err(refused("no such bond can touch")),
-            _ if !quantity.of_bonds() && place >= chain.sites() => return Err(refused("sites count from 0")),
+            _ if range.is_empty() => return Err(refused("no bond can touch here")),
+            _ if !range.contains(&place) => {
+                let value = format!("{text} of {what} {first} to {}", first + range.len() - 1);
+                return Err(Error::parameter(flag(ends), value, "there is no such place"));
+            }
             Recorded::V | Recorded::VDot if !chain.resonator_moves(place) => {
                 return Err(refused("no resonator moves there"));
             }

@@ -11,7 +11,7 @@
 //! | `rho` | 0, `-v_n''/rho_n` |
 //! | `m_k` | `-u_k''/m_k`, `-v_k''/m_k` at bead `k` |
 
-use super::{super::Chain, CheckedDetails, Resonators};
+use super::{super::Chain, CheckedDetails, Resonators, entry};
 use crate::error::{Error, Result};
 use hertzchain_integrators::Real;
 
@@ -86,7 +86,8 @@ impl Parameter {
                 {
                     let moves = site.resonators == Resonators::Moving;
                     let stretch = state[i] - if moves { state[n + i] } else { R::zero() };
-                    if self == Self::Kappa {
+                    // Without a resonator the spring is one of the site's own.
+                    if self == Self::Kappa && (moves || entry(&parts.given.rho, i, chain.params().rho).is_infinite()) {
                         accelerate(i, -stretch / site.mass);
                     }
                     if moves {
