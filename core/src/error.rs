@@ -8,6 +8,12 @@ const MOST_SHOWN: usize = 300;
 const MOST_DIGITS: usize = 20;
 /// Largest number of known names that the message about an unknown name lists.
 const MOST_LISTED: usize = 40;
+/// Begins the values of parameters whose presence is refused: no value of a user begins so.
+const PRESENCE: char = '\u{1}';
+/// The value of a parameter that is missing.
+pub const NOTHING: &str = "\u{1}is missing";
+/// The value of a parameter that does not belong where it is.
+pub const GIVEN: &str = "\u{1}does not belong here";
 
 /// An error of the library. Each variant has the value and the rule it broke, where there is one.
 #[derive(Debug, thiserror::Error)]
@@ -18,7 +24,8 @@ pub enum Error {
     Parameter {
         /// Name of the parameter.
         name: &'static str,
-        /// Its value, as it was given; `nothing`, `given` or `beside KEY` if its presence is refused.
+        /// Its value, as it was given, or why its presence is refused: [`NOTHING`], [`GIVEN`] or that
+        /// of [`beside`].
         value: String,
         /// The rule it broke.
         rule: &'static str,
@@ -139,12 +146,15 @@ impl Failed {
 
 /// A parameter and what is wrong with it.
 fn refused(name: &str, value: &str) -> String {
-    match value.split(' ').next() {
-        Some("nothing") => format!("{name} is missing{}", &value["nothing".len()..]),
-        Some("given") => format!("{name} does not belong here"),
-        Some("beside") => format!("{name} {value} is not valid"),
-        _ => format!("{name} = {value} is not valid"),
+    match value.strip_prefix(PRESENCE) {
+        Some(why) => format!("{name} {why}"),
+        None => format!("{name} = {value} is not valid"),
     }
+}
+
+/// The value of a parameter that stands next to another, which excludes it.
+pub fn beside(other: &str) -> String {
+    format!("{PRESENCE}beside {other} is not valid")
 }
 
 /// Foreign text for one line of a message: shortened, without control characters.
@@ -295,5 +305,26 @@ impl Warning {
     /// code 1, and the point of a sweep has failed.
     pub fn fatal(&self) -> bool {
         matches!(self, Self::Energy { .. })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_of_the_user_is_no_absence() {
+        for (value, said) in [
+            (NOTHING.to_owned(), "stop is missing: a rule"),
+            (format!("{NOTHING} (entry 2)"), "stop is missing (entry 2): a rule"),
+            (GIVEN.to_owned(), "stop does not belong here: a rule"),
+            (beside("rho"), "stop beside rho is not valid: a rule"),
+            ("nothing > 0.5".to_owned(), "stop = nothing > 0.5 is not valid: a rule"),
+            ("nothing".to_owned(), "stop = nothing is not valid: a rule"),
+            ("given".to_owned(), "stop = given is not valid: a rule"),
+            ("beside rho".to_owned(), "stop = beside rho is not valid: a rule"),
+        ] {
+            assert_eq!(Error::parameter("stop", value, "a rule").to_string(), said);
+        }
     }
 }

@@ -41,7 +41,11 @@ impl Wave {
         let size = match (epsilon, detuning) {
             (Some(epsilon), None) => Ok(Size::Epsilon(epsilon)),
             (None, Some(detuning)) => Ok(Size::Detuning(detuning)),
-            _ => Err(hertzchain::Error::parameter("epsilon", "nothing", "give one of epsilon and detuning")),
+            _ => Err(hertzchain::Error::parameter(
+                "epsilon",
+                hertzchain::error::NOTHING,
+                "give one of epsilon and detuning",
+            )),
         };
         let size = size.or_raise(py)?;
         waves::TravellingWave::new(params(py, chain)?, Shape { q, a, b, phi }, size).or_raise(py).map(Self)

@@ -30,9 +30,9 @@ pub(super) struct RunFormats {
     ///
     /// gif draws film.gif: beads that move, their contacts lit, and the strain below, a frame for
     /// each sample at 25 frames a second; of more than 250 samples every second, third, .. is a
-    /// frame. Displacements are exaggerated, as the film says. Of more than 100 beads it shows those
-    /// about the largest overlap. mat writes each NPZ file also as a MAT file of version 5, for
-    /// MATLAB and Octave.
+    /// frame. Displacements are exaggerated: the caption says for how large a one a bead's diameter
+    /// stands. Of more than 100 beads it shows those about the largest overlap. mat writes each NPZ
+    /// file also as a MAT file of version 5, for MATLAB and Octave.
     #[arg(
         long,
         value_name = "F,..",

@@ -65,6 +65,17 @@ impl Runs for RunArgs {
         }
         let conditions = conditions(self, &scene)?;
         conditions.iter().try_for_each(|one| one.found_by(&how))?;
+        #[cfg(feature = "plot")]
+        for format in [FILM, MAT] {
+            let kept = self.out.is_some() || !self.formats.has(format);
+            require(kept, "format", format, "it is written to the folder of --out")?;
+        }
+        #[cfg(feature = "plot")]
+        if self.formats.has(FILM) {
+            let needs = |met: bool, rule| require(met, "format", FILM, rule);
+            needs(scene.samples() > 0, "a film needs samples: --samples K, of which 250 make ten seconds")?;
+            needs(scene.selection().is_none(), "a film needs the whole chain, and [record] keeps a part of it")?;
+        }
         if self.plan {
             // `MethodChoice::plan` refuses what a run would refuse.
             let mut plan = how.plan(&scene, self.events || self.maxima.is_some(), &parts)?;
@@ -79,13 +90,6 @@ impl Runs for RunArgs {
             return print(&text).map(|()| DONE);
         }
         how.takes(&scene, &parts)?;
-        #[cfg(feature = "plot")]
-        if self.formats.has(FILM) {
-            let needs = |met: bool, rule| require(met, "format", FILM, rule);
-            needs(self.out.is_some(), "a film is written to the folder of --out")?;
-            needs(scene.samples() > 0, "a film needs samples: --samples K, of which 250 make ten seconds")?;
-            needs(scene.selection().is_none(), "a film needs the whole chain, and [record] keeps a part of it")?;
-        }
         if let Some(interval) = self.checkpoint {
             let long = how.in_legs(scene, self.events, interval, parts)?;
             let folder = Folder::own(self.out.as_deref().unwrap_or(".".as_ref()), None)?;
@@ -190,7 +194,11 @@ fn report(
         #[cfg(feature = "plot")]
         let (pictures, in_mat) = (
             study::run_pictures(&ran).and_then(|all| args.formats.pictures().files(&all)).and_then(|mut all| {
-                all.extend(args.formats.has(FILM).then(|| study::run_film(&ran)).transpose()?);
+                match outcome.profiles.len() {
+                    _ if !args.formats.has(FILM) => {}
+                    0 | 1 => say("no film: it needs two samples, and the run ended before the second"),
+                    _ => all.push(study::run_film(&ran)?),
+                }
                 Ok(all)
             }),
             args.formats.has(MAT),

@@ -22,7 +22,7 @@ use super::{
 };
 use crate::{
     chain::{Chain, Details, Drive, DriveKind, Envelope, State, Variations, max_norm},
-    error::{Error, Result, require},
+    error::{Error, NOTHING, Result, require},
     interrupt,
     named::named,
     numerics::extremes,
@@ -107,7 +107,7 @@ impl DrivenSetting {
     pub fn new(chain: &Chain<f64>, turns: u32) -> Result<Self> {
         let refused = |value: &str| Error::parameter("drive", value, "an orbit needs a periodic drive");
         let Some(details) = chain.details().filter(|details| !details.drives.is_empty()) else {
-            return Err(refused("nothing"));
+            return Err(refused(NOTHING));
         };
         require((1..=MOST_TURNS).contains(&turns), "turns", turns, "from 1 to 64 periods of the drive")?;
         let contacts = chain.touching().len();

@@ -6,7 +6,7 @@ use crate::{
     chain::{
         Boundary, Chain, Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Signal, Spline,
     },
-    error::{Error, Result, one_line, require},
+    error::{Error, GIVEN, NOTHING, Result, beside, one_line, require},
     number::format_short,
     output::read,
     random::uniform,
@@ -217,12 +217,12 @@ impl BeadsSection {
     fn apply(&self, chain: &Chain<f64>, details: &mut Details) -> Result<()> {
         let list = |name, values: &Option<Values>| list(name, values, chain.sites());
         let rho = self.rho.is_some() || chain.params().rho != 0.0;
-        for (name, given, beside, other, rule) in [
-            ("beads.stiffness", &self.stiffness, "beside kappa", self.kappa.is_some(), "it is another name of `kappa`"),
-            ("beads.resonator", &self.resonator, "beside rho", rho, "masses of resonators are in place of `rho`"),
-            ("beads.tau", &self.tau, "beside drag", self.drag.is_some(), "damping times are in place of `drag`"),
+        for (name, given, other, is_given, rule) in [
+            ("beads.stiffness", &self.stiffness, "kappa", self.kappa.is_some(), "it is another name of `kappa`"),
+            ("beads.resonator", &self.resonator, "rho", rho, "masses of resonators are in place of `rho`"),
+            ("beads.tau", &self.tau, "drag", self.drag.is_some(), "damping times are in place of `drag`"),
         ] {
-            require(given.is_none() || !other, name, beside, rule)?;
+            require(given.is_none() || !is_given, name, beside(other), rule)?;
         }
         details.mass = list("beads.mass", &self.mass)?;
         details.kappa = list("beads.kappa", &self.kappa)?;
@@ -267,7 +267,7 @@ impl BondsSection {
         require(
             whole,
             "bonds.magnet",
-            "nothing",
+            NOTHING,
             "`distance` and `decay` are those of magnets: give their force at rest",
         )?;
         if self.wall.is_some() {
@@ -278,7 +278,7 @@ impl BondsSection {
         if let Some((key, kind, values)) = losses.next() {
             if let Some((_, other, _)) = losses.next() {
                 let rule = "contacts dissipate by one law: `viscoelastic`, `dashpot` or `hunt_crossley`";
-                return Err(Error::parameter(key, format!("beside {}", other.name()), rule));
+                return Err(Error::parameter(key, beside(other.name()), rule));
             }
             details.dissipation = Some(Dissipation { kind, strength: values.of(key, touching)? });
         }
@@ -356,7 +356,7 @@ impl DriveSection {
             ),
             ("drive.shape", self.shape.is_some() && burst.is_none(), "`shape` belongs to a burst with a `length`"),
         ] {
-            require(!given, name, "given", rule)?;
+            require(!given, name, GIVEN, rule)?;
         }
         let envelope = match (self.ramp, burst) {
             (None, None) => Envelope::None,
@@ -377,7 +377,7 @@ impl DriveSection {
 
     /// The function that is no sum of harmonics: a steady motion, a chirp, or values at times.
     fn course(&self) -> Result<Option<Course>> {
-        require(self.file.is_none(), "drive.file", "given", "a scene in memory has `times` and `values`")?;
+        require(self.file.is_none(), "drive.file", GIVEN, "a scene in memory has `times` and `values`")?;
         let [tabulated, steady] = [self.times.is_some() || self.values.is_some(), self.velocity.is_some()];
         let harmonic = self.amplitude.is_some() || self.omega.is_some() || self.phase.is_some();
         let harmonic = harmonic || self.omega_end.is_some() || self.band.is_some() || self.seed.is_some();
@@ -449,7 +449,7 @@ impl DriveSection {
     fn harmonics(&self) -> Result<Vec<Harmonic>> {
         let Some(amplitude) = &self.amplitude else {
             let rule = "a drive has an `amplitude`, a `velocity`, or a `file`";
-            return Err(Error::parameter("drive.amplitude", "nothing", rule));
+            return Err(Error::parameter("drive.amplitude", NOTHING, rule));
         };
         let amplitudes = amplitude.list("drive.amplitude")?;
         if let Some([low, high]) = self.band {
@@ -459,7 +459,7 @@ impl DriveSection {
             return Err(Error::parameter("drive.seed", seed, "a seed belongs to noise with a `band`"));
         }
         let Some(omega) = &self.omega else {
-            require(self.phase.is_none(), "drive.phase", "given", "a phase belongs to an `omega`")?;
+            require(self.phase.is_none(), "drive.phase", GIVEN, "a phase belongs to an `omega`")?;
             return Ok(amplitudes.into_iter().flat_map(|value| Signal::constant(value).harmonics).collect());
         };
         let omegas = omega.list("drive.omega")?;
@@ -482,7 +482,7 @@ impl DriveSection {
             return Err(Error::parameter("drive.amplitude", "a list", "noise has one amplitude"));
         };
         let rule = "noise has a `band` only";
-        require(self.omega.is_none() && self.phase.is_none(), "drive.band", "beside omega or phase", rule)?;
+        require(self.omega.is_none() && self.phase.is_none(), "drive.band", beside("omega or phase"), rule)?;
         let (good, rule) =
             (0.0 <= low && low < high, "a band is from its least to its largest frequency, at least zero");
         require(good && high.is_finite(), "drive.band", format!("[{low}, {high}]"), rule)?;

@@ -8,7 +8,7 @@ use crate::{
     breathers::{BrightBreather, TrivialBreather},
     chain::{Boundary, Chain, Site, State},
     dps::Center,
-    error::{Error, Result, finite, positive, require},
+    error::{Error, NOTHING, Result, finite, positive, require},
     orbits::{Bands, NormalModes},
     run::{Initial as Start, Measure},
     waves::{PerturbedWave, Shape, Size, TravellingWave},
@@ -64,7 +64,7 @@ pub(super) fn initial_state(
             let mut state = equilibrium(chain)?;
             let Some(site) = site else {
                 let rule = "`displacement` and `velocity` belong to a `site`";
-                require(displacement.is_none() && velocity.is_none(), "initial.site", "nothing", rule)?;
+                require(displacement.is_none() && velocity.is_none(), "initial.site", NOTHING, rule)?;
                 return Ok((state.into(), None));
             };
             require(site < chain.sites(), "site", site, "a site of the chain, counted from 0")?;

@@ -13,7 +13,7 @@
 use super::Quantity;
 use crate::{
     chain::{Boundary, Chain},
-    error::{Error, Result, require},
+    error::{Error, NOTHING, Result, require},
     named::named,
 };
 use serde::{Deserialize, Serialize};
@@ -178,7 +178,7 @@ impl Record {
         let rule = "bonds that can touch; bond n lies to the left of site n";
         let bonds = named(bonds, "record.bonds", true, chain.touching(), rule)?;
         let none = quantities.is_empty() || sites.is_empty() && bonds.is_empty();
-        require(!none, "record", "nothing", "name at least one quantity, with a site or a bond")?;
+        require(!none, "record", NOTHING, "name at least one quantity, with a site or a bond")?;
         Ok(Some(Selection { sites, bonds, quantities, single: *single == Some(true) }))
     }
 }

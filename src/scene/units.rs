@@ -22,7 +22,7 @@ use super::{
 };
 use crate::{
     chain::{Boundary, Chain},
-    error::{Error, Iterate, Result, brief, require},
+    error::{Error, Iterate, NOTHING, Result, brief, require},
     number::{format_short, rounded},
     numerics::extremes,
     report::Units,
@@ -273,7 +273,7 @@ fn pressed(load: f64, contacts: &[f64], alpha: &dyn Fn(usize) -> f64, other: boo
 
 /// A value with the place in its list.
 fn at(value: f64, i: usize) -> String {
-    if value.is_nan() { format!("nothing (entry {i})") } else { format!("{value} (entry {i})") }
+    if value.is_nan() { format!("{NOTHING} (entry {i})") } else { format!("{value} (entry {i})") }
 }
 
 impl UnitsSection {
@@ -282,7 +282,7 @@ impl UnitsSection {
             let rule = "all numbers of a scene with [units] are in SI units; before version 0.1 only those of [units] and \
                         [[drive]] were: convert the others (radius, mass and contact of the first sphere are 1 there), \
                         and write system = \"SI\"";
-            return Err(Error::parameter("units.system", self.system.as_deref().unwrap_or("nothing"), rule));
+            return Err(Error::parameter("units.system", self.system.as_deref().unwrap_or(NOTHING), rule));
         }
         self.wall_young.map(|young| crate::error::positive("units.wall_young", young)).transpose()?;
         if let Some(poisson) = self.wall_poisson.filter(|&poisson| !ratio(poisson)) {

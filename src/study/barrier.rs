@@ -23,7 +23,7 @@ use super::{
 use crate::{
     chain::{Energy, Params},
     dps::Center,
-    error::{Error, Result, require},
+    error::{Error, NOTHING, Result, require},
     number::{format_parameter, format_short},
     orbits::{Orbit, Setting, Shooting},
     report::{
@@ -153,8 +153,8 @@ impl Barrier {
         let given = self.from.is_some() && self.to.is_some();
         require(
             self.ring.precompression <= 0.0 || given,
-            "from",
-            "nothing",
+            "--from",
+            NOTHING,
             "under a precompression a range needs --from and --to",
         )?;
         let [from, to] = [self.from.unwrap_or(RANGE[0] * omega), self.to.unwrap_or(RANGE[1] * omega)];

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     chain::State,
-    error::{Error, Result},
+    error::{Error, NOTHING, Result},
     orbits::{AnalysisLevel, Bifurcation, BifurcationKind, Branch, End, Point, Problem, Range},
     output::{Archive, Array, SETTINGS},
     report::{Digits::Short, Line, Panel, Report, Rows},
@@ -143,7 +143,7 @@ impl BranchOptions {
     ) -> Result<P> {
         self.within_ranges()?;
         self.read(units, |to, step| {
-            let to = to.ok_or_else(|| Error::parameter("to", "nothing", "a branch needs a value at which it ends"))?;
+            let to = to.ok_or_else(|| Error::parameter("--to", NOTHING, "a branch needs a value at which it ends"))?;
             make(to, step.unwrap_or(STEP * (to - from).abs()))
         })
     }

@@ -74,9 +74,11 @@ fn ten_seconds_take_at_most_five_megabytes() {
 fn of_many_samples_some_are_frames() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().display();
-    stdout(&format!("run cradle --until 1 --set chain.sites=3 --samples 2500 --format gif --out {out}"));
-    let (all, _) = frames(&folder.path().join("film.gif"));
-    assert_eq!(all.len(), 2501_usize.div_ceil(11));
+    // The start is a sample of its own.
+    for (samples, most) in [(250, 251), (251, 126), (2500, 251)] {
+        stdout(&format!("run cradle --until 1 --set chain.sites=3 --samples {samples} --format gif --out {out}"));
+        assert_eq!(frames(&folder.path().join("film.gif")).0.len(), most, "{samples}");
+    }
 }
 
 // Truth: the solitary wave has run over 17 bonds; among 20000 it is a column of pixels.
@@ -101,7 +103,9 @@ fn a_film_that_cannot_be_is_refused_before_the_run() {
     refusals(
         2,
         &[
-            ("run impact --format gif", "format = gif is not valid: a film is written to the folder of --out"),
+            ("run impact --format gif", "format = gif is not valid: it is written to the folder of --out"),
+            ("run impact --plan --format gif", "format = gif is not valid: it is written to the folder of --out"),
+            ("run impact --format mat", "format = mat is not valid: it is written to the folder of --out"),
             ("run impact --samples 0 --format gif --out nowhere", "format = gif is not valid: a film needs samples"),
             ("run impact --set record.sites=[1] --format gif --out nowhere", "[record] keeps a part of it"),
             ("study order --format gif", "gif"),
@@ -113,4 +117,17 @@ fn a_film_that_cannot_be_is_refused_before_the_run() {
     let folder = tempfile::tempdir().unwrap();
     stdout(&format!("run impact --until 1 --samples 1 --format gif --out {}", folder.path().display()));
     assert_eq!(frames(&folder.path().join("film.gif")).0.len(), 2);
+}
+
+#[test]
+fn a_run_that_ends_before_its_second_sample_has_pictures_and_no_film() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().display().to_string();
+    let line = ["run", "impact", "--until", "5", "--samples", "4", "--stop", "u[0]>0.05", "--format", "png,gif"];
+    let ran = std::process::Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(line).args(["--out", &out]).output();
+    let ran = ran.unwrap();
+    let said = String::from_utf8(ran.stderr).unwrap();
+    assert!(ran.status.success() && said.contains("no film: it needs two samples"), "{said}");
+    let there = names(folder.path());
+    assert!(there.contains("profile.png") && !there.contains("film.gif"), "{there:?}");
 }

@@ -182,7 +182,7 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             ("breather continue --from 2.05 --to 2.05", "to = 2.05"),
             ("breather continue --to 1.9", "to = 1.9"),
             ("breather continue --multipliers=false --bifurcations", "they need --multipliers"),
-            ("wave continue", "to is missing: a branch needs a value at which it ends"),
+            ("wave continue", "--to is missing: a branch needs a value at which it ends"),
             ("dps integrals --b 0 --r -1", "r = -1 is not valid: finite and at least 0"),
             ("dps integrals --b 0 --r inf", "r = inf"),
             (
@@ -221,7 +221,7 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             "omega = -1 is not valid: finite and positive\n",
         ),
         ("breather barrier --precompression 1", "under a precompression a range needs --from and --to\n"),
-        ("breather barrier --precompression 1", "from is missing: "),
+        ("breather barrier --precompression 1", "--from is missing: "),
         ("breather travelling --precompression 1e-300", "the soliton, 2 A sin(theta/2), below the precompression\n"),
         (
             "breather continue --vary c_x --precompression 0.1 --from -0.1 --to -0.2",

@@ -41,7 +41,7 @@ pub use states::state_at;
 
 use crate::{
     chain::{Chain, Contact, Contacts, State},
-    error::{Error, Result, positive, require},
+    error::{Error, NOTHING, Result, positive, require},
     parts::{Decomposition, ONE_PART},
 };
 use hertzchain_integrators::Stepper;
@@ -368,7 +368,7 @@ impl Run {
     /// # Errors
     /// No end was given.
     pub fn end(&self) -> Result<f64> {
-        require(!self.end.is_nan(), "until", "nothing", "a run needs an end: Run::until")?;
+        require(!self.end.is_nan(), "until", NOTHING, "a run needs an end: Run::until")?;
         Ok(self.end)
     }
 

@@ -18,7 +18,7 @@ use crate::{
     breathers::DarkBreather,
     chain::MeanForces,
     dps::Center,
-    error::{Error, Result, require},
+    error::{Error, NOTHING, Result, require},
     interrupt,
     orbits::{
         AnalysisLevel, Bifurcation, BifurcationKind, Branch, Continuation, End, Extent, Formulation, Orbit,
@@ -244,9 +244,9 @@ impl Continue {
         let end = |given: Option<f64>, usual: [f64; 2], name: &'static str| match given {
             Some(value) => Ok(value),
             None if varies => Ok(breather.usual_frequency(usual)),
-            None => Err(Error::parameter(name, "nothing", "a parameter other than omega_b needs --from and --to")),
+            None => Err(Error::parameter(name, NOTHING, "a parameter other than omega_b needs --from and --to")),
         };
-        let (from, to) = (end(self.from, RANGE[0], "from")?, end(self.branch.to, RANGE[1], "to")?);
+        let (from, to) = (end(self.from, RANGE[0], "--from")?, end(self.branch.to, RANGE[1], "--to")?);
         breather.set(parameter, from);
         if !varies {
             breather.omega_b = self.omega_b.unwrap_or_else(|| breather.usual_frequency(ONE));

@@ -10,7 +10,7 @@ use crate::{
     study::{provenance, si::Scale},
 };
 
-/// Most frames, ten seconds, and most beads: more would be specks.
+/// Most frames after the first, ten seconds, and most beads: more would be specks.
 const FRAMES: usize = 250;
 const BEADS: usize = 100;
 /// Part of a diameter by which beads overlap in the film at the largest overlap, and by which a
@@ -38,7 +38,7 @@ pub fn run_film(ran: &RunView<'_>) -> Result<crate::study::File> {
 }
 
 /// A film of samples of a run as the bytes of a GIF file, at 25 frames a second. Of more than 250
-/// samples every second, third, .. is a frame.
+/// samples after the first every second, third, .. is a frame.
 ///
 /// `how` tells in a sentence how they were computed; `si` are the units of samples in SI units.
 ///
@@ -81,7 +81,7 @@ impl Row {
 fn of_samples(scene: &Scene, how: &str, samples: &[FilmSample<'_>], si: Option<&Units>) -> Result<Film> {
     require(samples.len() > 1, "samples", samples.len(), "a film needs two or more")?;
     let (chain, scale, sites) = (scene.chain(), Scale(si), scene.chain().sites());
-    let every = samples.len().div_ceil(FRAMES);
+    let every = (samples.len() - 1).div_ceil(FRAMES);
     let length = si.map_or(1.0, |si| si.length_m);
     let rows: Vec<Row> = samples.iter().step_by(every).map(|sample| Row::new(scene, sample, length)).collect();
     // The bond whose overlap grows most is seen.
@@ -134,7 +134,7 @@ fn of_samples(scene: &Scene, how: &str, samples: &[FilmSample<'_>], si: Option<&
 
     let window = if count < sites { format!(" Beads {first} to {} of {sites}.", seen.end - 1) } else { String::new() };
     let caption = format!(
-        "Beads, all drawn alike; their diameter is a displacement of {}{}. Orange: contacts, the larger the larger the \
+        "Beads, all drawn alike: a bead's diameter stands for a displacement of {}{}. Orange: contacts, the larger the larger the \
          overlap.{}{window}{} Below: strain{}. {}",
         format_short(scale.reported(Quantity::Length, 1.0 / exaggerated)),
         if si.is_some() { " m" } else { "" },

@@ -51,7 +51,7 @@ pub(super) use ledger::LEDGER;
 pub(super) use pushing::{Pushing, Switched};
 
 use super::{Chain, Layout, Params, Resonators};
-use crate::error::{Error, Result, finite, require};
+use crate::error::{Error, NOTHING, Result, finite, require};
 use hertzchain_integrators::{Real, law::BondLaw, regularised::common_power};
 use std::{collections::HashMap, sync::Arc};
 
@@ -373,7 +373,7 @@ impl Details {
         )?;
         checked("distance", &self.distance, bonds, positive, "a distance of magnets is finite and positive")?;
         if !self.magnet.is_empty() {
-            require(!self.distance.is_empty(), "distance", "nothing", "magnets have a distance at rest")?;
+            require(!self.distance.is_empty(), "distance", NOTHING, "magnets have a distance at rest")?;
             let good = self.decay.is_finite() && self.decay > 1.0;
             require(good, "decay", self.decay, "the force of magnets decays with a finite power above 1")?;
         }
