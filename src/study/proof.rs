@@ -229,8 +229,8 @@ fn sizes([from, to]: [&Certificate; 2]) -> Sizes {
     }
 }
 
-/// The strip of a branch between two certificates near solutions, from the text of its pieces. `None`
-/// if that is not the whole strip, or if the checker refuses it.
+/// The strip of a branch between two certificates near solutions, from the text of its pieces.
+/// `None` if that is not the whole strip, or if the checker refuses it.
 fn checked_again(near: [&Certificate; 2], text: &str, check: &dyn Fn(&Certificate) -> Checked) -> Option<Strip> {
     // Chain and kind of orbit, and the multiplier that is to be proved.
     let frame = |it: &Certificate| -> Vec<String> {
