@@ -10,7 +10,7 @@ use crate::{
     orbits::Orbit,
     output::{Folder, read},
     report::Report,
-    sweep::{self, Engine, Grid},
+    sweep::{self, Engine, Grid, locked},
     waves::{ExactWave, MeanStrain},
 };
 use hertzchain_proofs::{
@@ -19,12 +19,15 @@ use hertzchain_proofs::{
     exact::Exact,
     solve::{self, Sizes, Strip},
 };
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::{
+    collections::BTreeMap,
     f64::consts::PI,
     path::{Path, PathBuf},
-    sync::atomic::{AtomicUsize, Ordering::Relaxed},
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering::Relaxed},
+    },
 };
 
 /// What the checker says.
@@ -126,8 +129,9 @@ impl Proving {
     }
 
     /// Adds the proof of a branch to a report: of the curve through solutions near these
-    /// certificates. Its strips are points of a sweep, kept in a store. If the process is asked to
-    /// end, it is that of the pieces so far.
+    /// certificates. Its strips are points of a sweep, kept in a store. What comes from there, and
+    /// not from this process, is checked again. If the process is asked to end, it is that of the
+    /// pieces so far.
     ///
     /// # Errors
     /// As [`Engine::sweep`].
@@ -146,36 +150,64 @@ impl Proving {
         };
         let strips: Vec<(usize, String)> = near.windows(2).enumerate().map(key).collect();
         let (done, proved, last) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(strips.len()));
-        let strip = |(k, _): &(usize, String)| -> Result<KeptStrip> {
-            if *k > last.load(Relaxed) {
+        let check = |piece: &Certificate| {
+            let proof = check_until(piece, &interrupt::asked);
+            let count = proved.fetch_add(usize::from(proof.is_ok()), Relaxed);
+            progress(done.load(Relaxed) as f64 / strips.len() as f64, &format!("{count} pieces are proved"));
+            proof
+        };
+        let searched = |k: usize| -> Result<Strip> {
+            if k > last.load(Relaxed) {
                 return Err(Error::Point { point: format!("strip {k}"), why: "after the end of the proof".to_owned() });
             }
-            let ends = [&near[*k], &near[k + 1]];
-            let check = |piece: &Certificate| {
-                let proof = check_until(piece, &interrupt::asked);
-                let count = proved.fetch_add(usize::from(proof.is_ok()), Relaxed);
-                progress(done.load(Relaxed) as f64 / strips.len() as f64, &format!("{count} pieces are proved"));
-                proof
-            };
+            let ends = [&near[k], &near[k + 1]];
             let strip = solve::strip(ends, sizes(ends), &check).map_err(|_| stopped())?;
             done.fetch_add(1, Relaxed);
             if strip.stop.is_some() {
-                last.fetch_min(*k, Relaxed);
+                last.fetch_min(k, Relaxed);
             }
-            Ok(KeptStrip::of(strip))
+            Ok(strip)
+        };
+        let own = Mutex::new(BTreeMap::new());
+        let strip = |(k, _): &(usize, String)| -> Result<String> {
+            let strip = searched(*k)?;
+            let text = strip.pieces.iter().map(|(piece, _)| piece.to_string()).collect();
+            locked(&own).insert(*k, strip);
+            Ok(text)
         };
         let grid = Grid { store: "proof.store", study: "proof", settings: json!({}) };
         let swept = engine.sweep(&grid, &strips, &|_, _| (), strip)?;
+        let again = |(k, row): &(usize, sweep::Row<String>)| -> sweep::Row<Strip> {
+            let known = locked(&own).remove(k);
+            match (known, row) {
+                (Some(strip), _) => Ok(strip),
+                (None, Err(why)) => Err(why.clone()),
+                (None, Ok(text)) => match checked_again([&near[*k], &near[k + 1]], text, &check) {
+                    Some(strip) => {
+                        done.fetch_add(1, Relaxed);
+                        Ok(strip)
+                    }
+                    None => searched(*k).map_err(|why| why.to_string()),
+                },
+            }
+        };
+        let rows: Vec<_> = swept.rows.into_iter().enumerate().collect();
         let (mut pieces, mut stop) = (Vec::new(), None);
-        for row in swept.rows {
-            let strip = row.and_then(|strip| Ok((strip.stop.clone(), strip.pieces()?)));
-            let (end, proved) = strip.unwrap_or_else(|why| (Some(why), Vec::new()));
-            pieces.extend(proved);
-            stop = end;
+        for strip in sweep::map(&rows, again) {
+            let none = |why| Strip { pieces: Vec::new(), stop: Some((Exact::ONE, why)) };
+            let strip = strip.unwrap_or_else(none);
+            pieces.extend(strip.pieces.into_iter().map(|(piece, proof)| (piece, Ok(proof))));
+            stop = strip.stop.map(|(_, why)| why);
             if stop.is_some() {
                 break;
             }
         }
+        let report = match swept.resumed {
+            0 => report,
+            kept => {
+                report.words(format!("{kept} of {} strips were in proof.store, and are checked again.", rows.len()))
+            }
+        };
         if near.len() < 2 {
             stop = Some("a branch of one point has no pieces".to_owned());
         }
@@ -197,53 +229,37 @@ fn sizes([from, to]: [&Certificate; 2]) -> Sizes {
     }
 }
 
-/// Radius, radius of uniqueness and amplitude; weights; bounds of `g`.
-type Numbers = ([f64; 3], Vec<f64>, Option<[f64; 2]>);
-
-/// What a store keeps of a strip of a branch.
-#[derive(Serialize, Deserialize)]
-struct KeptStrip {
-    /// The text of its pieces.
-    pieces: String,
-    /// Of each piece.
-    proofs: Vec<Numbers>,
-    /// Why it ends before it should.
-    stop: Option<String>,
-}
-
-impl KeptStrip {
-    fn of(strip: Strip) -> Self {
-        let numbers = |it: &Proof| {
-            let g = it.multiplier.filter(|g| g.iter().all(|g| g.is_finite()));
-            ([it.radius, it.uniqueness_radius, it.amplitude], it.weights.clone(), g)
-        };
-        Self {
-            pieces: strip.pieces.iter().map(|(piece, _)| piece.to_string()).collect(),
-            proofs: strip.pieces.iter().map(|(_, proof)| numbers(proof)).collect(),
-            stop: strip.stop.map(|(_, why)| why),
-        }
+/// The strip of a branch between two certificates near solutions, from the text of its pieces.
+/// `None` if that is not the whole strip, or if the checker refuses it.
+fn checked_again(near: [&Certificate; 2], text: &str, check: &dyn Fn(&Certificate) -> Checked) -> Option<Strip> {
+    // Chain and kind of orbit, and the multiplier that is to be proved.
+    let frame = |it: &Certificate| -> Vec<String> {
+        let text = it.to_string();
+        let keys = ["kind ", "alpha ", "kappa ", "rho ", "q_over_pi ", "sites ", "center ", "multiplier "];
+        text.lines().filter(|line| keys.iter().any(|key| line.starts_with(key))).map(str::to_owned).collect()
+    };
+    let pieces = certificate::pieces(text).ok()?;
+    let [from, to] = near.map(|it| [it.model.omega, it.mean]);
+    let multiplier = near[0].multiplier.filter(|it| near[1].multiplier == Some(*it));
+    let its = frame(&Certificate { multiplier, ..near[0].clone() });
+    // Mean strain and frequency are linear, up to the rounding of nodes.
+    let [from_near, to_near] = [from, to].map(|ends| ends.map(nearest));
+    let linear = |[omega, mean]: [f64; 2]| {
+        let [along, across] = [0, 1].map(|i| to_near[i] - from_near[i]);
+        ((mean - from_near[1]) * along - (omega - from_near[0]) * across).abs() <= 1e-12 * along.abs()
+    };
+    let fits = |piece: &Certificate| frame(piece) == its && piece.to.is_some_and(|to| linear(to.map(nearest)));
+    let whole = pieces.first().is_some_and(|it| [it.model.omega, it.mean] == from)
+        && pieces.last().is_some_and(|it| it.to == Some(to));
+    if !whole || !pieces.iter().all(fits) {
+        return None;
     }
-
-    /// The pieces. Numbers of proofs that are of no use for branches are infinite.
-    fn pieces(self) -> sweep::Row<Vec<(Certificate, Checked)>> {
-        let none = f64::INFINITY;
-        let proof = |([radius, uniqueness_radius, amplitude], weights, multiplier): Numbers| {
-            Ok(Proof {
-                radius,
-                radius_y: none,
-                radius_velocity: none,
-                radius_velocity_y: none,
-                uniqueness_radius,
-                amplitude,
-                bounds: Bounds { y0: none, z1: none, z2: none },
-                weights,
-                multiplier,
-                decay: None,
-            })
-        };
-        let pieces = if self.proofs.is_empty() { Vec::new() } else { certificate::pieces(&self.pieces)? };
-        Ok(pieces.into_iter().zip(self.proofs.into_iter().map(proof)).collect())
+    let pieces: Vec<(Certificate, Checked)> = pieces.into_iter().map(|it| (it.clone(), check(&it))).collect();
+    if connected(&pieces).1.is_some() {
+        return None;
     }
+    let pieces = pieces.into_iter().filter_map(|(piece, proof)| Some((piece, proof.ok()?))).collect();
+    Some(Strip { pieces, stop: None })
 }
 
 fn stopped() -> Error {

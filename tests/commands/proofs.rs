@@ -203,6 +203,11 @@ fn dark_breathers_are_proved_and_lie_in_the_ball() {
     }
 }
 
+/// The check of a line of a store: FNV-1a, from the check of what is before it.
+fn fnv(basis: u64, text: &str) -> u64 {
+    text.bytes().fold(basis, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+}
+
 // Truth: the waves of the branch by shooting, at the nodes.
 #[test]
 fn branches_are_proved_without_a_gap() {
@@ -233,6 +238,19 @@ fn branches_are_proved_without_a_gap() {
         assert!(all.lines().count() == 3 && lines.iter().all(|line: &String| all.contains(line)), "{all}");
         lines = all.lines().take(2).map(|line| format!("{line}\n")).collect();
         fs::write(&store, lines.concat()).unwrap();
+    }
+    // A strip of the store that is not whole, of another chain, or without a proof, is proved anew.
+    let kept = fs::read_to_string(&store).unwrap();
+    let [head, row] = [0, 1].map(|k| kept.lines().nth(k).unwrap().split_once(' ').unwrap().1);
+    let short = format!("{}\"}}}}", &row[..row.rfind("hertzchain certificate").unwrap()]);
+    let far = row.replacen("p-", "p-1", 1);
+    for row in [row, &short, &row.replace("alpha 3/2", "alpha 8/5"), &far] {
+        let check = fnv(fnv(0xcbf2_9ce4_8422_2325, head), row);
+        fs::write(&store, format!("{}\n{check:016x} {row}\n", kept.lines().next().unwrap())).unwrap();
+        fs::remove_file(&file).unwrap();
+        let words = printed(hertzchain(&format!("{line} {path} --out {}", out.display())));
+        assert!(words.contains("1 of 2 strips were in proof.store") && words.contains("Proved: one curve"), "{words}");
+        assert_eq!(fs::read_to_string(&file).unwrap(), text, "{row}");
     }
     let mut pieces = hertzchain_proofs::certificate::pieces(&text).unwrap();
     assert_eq!(pieces.len(), count);
