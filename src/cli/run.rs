@@ -25,7 +25,7 @@ use {
 };
 
 const NO_EVENTS: &str = "this run was begun without --events: its first contacts are not known";
-const SEARCHED: &str = "crossings: each part of a step is sampled eight times and searched";
+const SEARCHED: &str = "crossings: looked for at 32 times in a period of the fastest motion";
 
 impl Runs for RunArgs {
     fn run(&self) -> Exit {

@@ -98,7 +98,7 @@ fn crossings_are_written_and_a_condition_ends_a_run() {
     assert!(text.contains("ended       by u[5]>0.5"), "{text}");
     for plan in ["--plan", "--integrator verlet --plan --ranks 4"] {
         let plan = stdout(&format!("run impact {plan} --stop u[5]>0.5"));
-        assert!(plan.ends_with("crossings: each part of a step is sampled eight times and searched\n"), "{plan}");
+        assert!(plan.ends_with("crossings: looked for at 32 times in a period of the fastest motion\n"), "{plan}");
     }
 }
 
