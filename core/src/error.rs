@@ -24,8 +24,8 @@ pub enum Error {
     Parameter {
         /// Name of the parameter.
         name: &'static str,
-        /// Its value, as it was given, or why its presence is refused: [`NOTHING`], [`GIVEN`] or that
-        /// of [`beside`].
+        /// Its value, as it was given, or why its presence is refused: [`NOTHING`], [`GIVEN`] or
+        /// that of [`beside`].
         value: String,
         /// The rule it broke.
         rule: &'static str,

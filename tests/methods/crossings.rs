@@ -1,4 +1,5 @@
-//! Crossings of values by functions of the state: their times against closed forms, by every method.
+//! Crossings of values by functions of the state: their times against closed forms, by every
+//! method.
 
 use hertzchain::{
     Boundary, Chain, Method, Params, Run, Setting, State, Trajectory,

@@ -35,8 +35,8 @@ impl fmt::Debug for Crossings {
 }
 
 impl Run {
-    /// Looks for changes of sign of functions of the state, and calls `then` with each and the state
-    /// there. One that [`Ends`](Crossed::Ends) the run is its last time.
+    /// Looks for changes of sign of functions of the state, and calls `then` with each and the
+    /// state there. One that [`Ends`](Crossed::Ends) the run is its last time.
     ///
     /// The time is a zero of the function along the states that the method has between steps: its
     /// dense output; for splittings, a shorter step. The signs are those at 32 times in a period of
@@ -45,9 +45,9 @@ impl Run {
     /// band of 64 roundings of the largest entry of the state about zero on the other side. A
     /// function that begins in this band, or at a zero as exactly as its time is known, has no
     /// change when it leaves it, so that a run which goes on from its last change does not find it
-    /// again. Contacts, if they are [logged](Self::contacts), are looked for in parts of steps, with
-    /// any method. The end has the state of the run without functions, but for roundings of methods
-    /// that land on contacts.
+    /// again. Contacts, if they are [logged](Self::contacts), are looked for in parts of steps,
+    /// with any method. The end has the state of the run without functions, but for roundings of
+    /// methods that land on contacts.
     ///
     /// ```
     /// # use hertzchain_core::{Boundary, Chain, Params, Run, State, run::{Crossed, Observables}};

@@ -18,8 +18,8 @@ use std::{ops::ControlFlow, time::Instant};
 ///
 /// Runs that follow each other, differ in their initial states only and are by a splitting with a
 /// given number of equal steps, are made together, as many as a register has lanes, if their beads
-/// are equal, at most a few thousand, and neither contacts, observables nor crossings are asked for. Their
-/// wall time is shared equally.
+/// are equal, at most a few thousand, and neither contacts, observables nor crossings are asked
+/// for. Their wall time is shared equally.
 ///
 /// ```
 /// # use hertzchain_core::{Boundary, Chain, Method, Params, Run, Setting, State, run::start_all};

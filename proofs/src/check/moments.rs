@@ -270,8 +270,8 @@ impl Sums<'_> {
         self.squares.iter_mut().zip(squares).for_each(|(sum, own)| *sum = *sum + own);
     }
 
-    /// Adds errors to the integrals: the bounds of their integrands times `share`, for an overlap of
-    /// this modulus and cosines of harmonic `k` up to `growth^k`.
+    /// Adds errors to the integrals: the bounds of their integrands times `share`, for an overlap
+    /// of this modulus and cosines of harmonic `k` up to `growth^k`.
     fn add_errors(&mut self, modulus: Interval, share: Interval, growth: Interval) {
         let [force, stiffness] = self.laws(modulus);
         let squares = [force.square(), stiffness.square(), force * stiffness * self.most_bent(growth)];

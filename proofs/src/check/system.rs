@@ -149,8 +149,8 @@ impl System {
         moduli
     }
 
-    /// The same as `coupled` for the defect of the cosine sum. At a site of the background the forces of its own
-    /// are taken away: its equation holds with them.
+    /// The same as `coupled` for the defect of the cosine sum. At a site of the background the
+    /// forces of its own are taken away: its equation holds with them.
     pub(super) fn defects(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
         let all = self.coupled(n, k);
         if !self.is_background(n) {

@@ -137,7 +137,8 @@ fn times<'a>(conditions: &'a [Condition], outcome: &Trajectory) -> impl Iterator
     conditions.iter().enumerate().map(move |(k, condition)| (condition.text(), of(k).collect()))
 }
 
-/// Of each condition its text, the number of its crossings, and the times of the first and the last.
+/// Of each condition its text, the number of its crossings, and the times of the first and the
+/// last.
 pub(super) fn crossing_totals(conditions: &[Condition], outcome: &Trajectory) -> Value {
     let total = |(text, t): (&str, Vec<f64>)| json!({"condition": text, "count": t.len(), "first": t.first(), "last": t.last()});
     times(conditions, outcome).map(total).collect()

@@ -18,8 +18,8 @@ const BEADS: usize = 100;
 const DRAWN: f64 = 0.3;
 /// The largest way of a bead in the film, as a share of the length that is seen.
 const WAY: f64 = 0.25;
-/// Share of the largest overlap from which on a contact is lit. The log of contacts dates their ends
-/// no later than at this share of their own largest overlap.
+/// Share of the largest overlap from which on a contact is lit. The log of contacts dates their
+/// ends no later than at this share of their own largest overlap.
 const FAINT: f64 = 1e-3;
 
 /// A sample for a film: time, displacements of beads (strains on a strain ring), and those of
@@ -182,7 +182,8 @@ mod tests {
             let largest = contacts.iter().map(|one| one.largest_overlap).fold(0.0, f64::max);
             let (mut lit, mut dark) = (0, 0);
             for (frame, &(t, ..)) in film.frames.iter().zip(&samples) {
-                // Surely lit: large contacts away from their ends; at most: all that are open nearly then.
+                // Surely lit: large contacts away from their ends; at most: all that are open
+                // nearly then.
                 let open = |room: f64, least: f64| {
                     let open = |one: &&Contact| {
                         let [from, to] = [one.onset.unwrap_or(-1.0), one.release.unwrap_or(99.0)];

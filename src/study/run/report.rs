@@ -345,12 +345,12 @@ pub const RUN_FILES: [&str; 30] = [
 ];
 
 /// Writes the run: `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, or in
-/// their place `signals.npz`, `signals.csv` and `peaks.csv`, and the pictures; with a contact log also `contacts.csv`, `contacts.npz` and `bonds.csv`, with maxima
-/// `maxima.csv` and `maxima.npz`, with conditions `crossings.csv`; last `summary.json`, which is the JSON with the names of all files. Other
-/// files of an earlier run are removed, and its checkpoint as well unless this run was `in_legs`.
-/// With `in_mat` each archive has a MAT file beside it.
-/// If the parts of the chain keep the states, only `summary.json`, without the state, `scene.toml`
-/// and `energy.csv` are written.
+/// their place `signals.npz`, `signals.csv` and `peaks.csv`, and the pictures; with a contact log
+/// also `contacts.csv`, `contacts.npz` and `bonds.csv`, with maxima `maxima.csv` and `maxima.npz`,
+/// with conditions `crossings.csv`; last `summary.json`, which is the JSON with the names of all
+/// files. Other files of an earlier run are removed, and its checkpoint as well unless this run was
+/// `in_legs`. With `in_mat` each archive has a MAT file beside it. If the parts of the chain keep
+/// the states, only `summary.json`, without the state, `scene.toml` and `energy.csv` are written.
 ///
 /// # Errors
 /// A file that cannot be written.

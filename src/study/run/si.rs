@@ -9,9 +9,9 @@ use crate::{
 use hertzchain_integrators::Error as Failure;
 
 /// Converts a trajectory of a scene with `[units]` to metres, seconds, joules and the units made of
-/// them: times, states with their ledger, strains, energies, contacts, maxima, crossings and the numbers of
-/// warnings and of a failure. The energy error and [`Trajectory::extremes`], whose quantities are not
-/// known, are not converted, and nothing is without units.
+/// them: times, states with their ledger, strains, energies, contacts, maxima, crossings and the
+/// numbers of warnings and of a failure. The energy error and [`Trajectory::extremes`], whose
+/// quantities are not known, are not converted, and nothing is without units.
 #[must_use]
 pub fn in_units(mut outcome: Trajectory, layout: Layout, units: Option<&Units>) -> Trajectory {
     let Some(units) = units else { return outcome };

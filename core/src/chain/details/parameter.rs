@@ -1,8 +1,8 @@
 //! Derivatives of a motion by numbers of its chain.
 //!
-//! With `y' = f(y, p)` the derivative `w = dy/dp` follows `w' = (df/dy) w + df/dp`: the equation of a
-//! column of [`Variations`](super::Variations) with the source `df/dp`. Forces of contacts that do
-//! not dissipate are continuous where contacts begin or end, so `w` is continuous there, too.
+//! With `y' = f(y, p)` the derivative `w = dy/dp` follows `w' = (df/dy) w + df/dp`: the equation of
+//! a column of [`Variations`](super::Variations) with the source `df/dp`. Forces of contacts that
+//! do not dissipate are continuous where contacts begin or end, so `w` is continuous there, too.
 //!
 //! | `p` | source, in `u_n''` and `v_n''` |
 //! |---|---|
@@ -47,7 +47,8 @@ impl Parameter {
         if refused { Err(Error::parameter(name, format!("{self:?}"), rule)) } else { Ok(()) }
     }
 
-    /// Adds the source at a state with these rates: `add` gets rows of the column and what is added.
+    /// Adds the source at a state with these rates: `add` gets rows of the column and what is
+    /// added.
     pub(super) fn source<R: Real>(
         self,
         chain: &Chain<R>,
