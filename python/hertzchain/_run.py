@@ -361,8 +361,8 @@ class Trajectory(Arrays):
         """Draw a film: beads that move, their contacts lit, and the strain below.
 
         A frame for each sample, at 25 frames a second; of more than 250 samples every second,
-        third, .. is a frame. Displacements are exaggerated, as the caption says. Of more than 100
-        beads the film shows those about the largest overlap.
+        third, .. is a frame. The caption says for which displacement a bead's diameter stands. Of
+        more than 100 beads the film shows those about the largest overlap.
 
         Parameters
         ----------

@@ -245,7 +245,7 @@ def test_states_of_many_runs_are_checked():
 @pytest.mark.parametrize("scene", ["impact", "tw-q15", "granular-crystal"])
 def test_a_film_is_that_of_the_program(program: Any, tmp_path: Any, scene: str) -> None:
     short = hc.Scene.load(scene, {"record.samples": 12})
-    until = 0.1 * short.end
+    until = 0.5 * short.end
     program("run", scene, "--set", "record.samples=12", "--until", repr(until), "--format", "gif", "--out", str(tmp_path))
     hc.run(short, until=until).animate(tmp_path / "python.gif")
     assert (tmp_path / "python.gif").read_bytes() == (tmp_path / "film.gif").read_bytes()
