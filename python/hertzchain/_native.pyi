@@ -18,6 +18,7 @@ __all__ = [
     "averages",
     "check_chain",
     "derivatives",
+    "film",
     "flow",
     "integrators",
     "load_branch",
