@@ -82,8 +82,8 @@ pub struct Breather {
     pub a: Vec<Vec<f64>>,
 }
 
-/// A dark breather of the infinite chain. Far from its centre it is a standing wave, `x_n = X(omega
-/// t + pi n)`, `X = mean + sum a_k cos k theta`.
+/// A dark breather of the infinite chain. Far from its centre it is a standing wave,
+/// `x_n = X(omega t + pi n)`, `X = mean + sum a_k cos k theta`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Infinite {
     /// Reflection.

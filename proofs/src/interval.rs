@@ -281,8 +281,8 @@ fn exp(x: f64) -> Interval {
     series * Interval::exact(scale)
 }
 
-/// `ln(2^n f) = n ln 2 + 2 artanh s`, `s = (f - 1)/(f + 1)`, with `f` from 0.7 to 1.5, so `s^2 <
-/// 0.05`. The terms `s^{2j}/(2j+1)` from `j = 15` on are below `s^30` in sum.
+/// `ln(2^n f) = n ln 2 + 2 artanh s`, `s = (f - 1)/(f + 1)`, with `f` from 0.7 to 1.5, so
+/// `s^2 < 0.05`. The terms `s^{2j}/(2j+1)` from `j = 15` on are below `s^30` in sum.
 fn ln(x: f64) -> Interval {
     if !x.is_normal() || x < 0.0 {
         return NAN;

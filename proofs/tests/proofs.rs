@@ -186,8 +186,8 @@ fn bounds_are_those_of_the_formulas() {
     }
 }
 
-/// Whether a solution lies in all balls, by the distances of harmonics from the first on; `rho =
-/// 1/3`.
+/// Whether a solution lies in all balls, by the distances of harmonics from the first on;
+/// `rho = 1/3`.
 fn within(apart: &[Vec<f64>], omega: f64, proof: &Proof) {
     let resonators = |k: f64| 1.0 / ((omega * k).powi(2) / 3.0 - 1.0);
     let cases: [(f64, &dyn Fn(f64) -> f64); 4] = [

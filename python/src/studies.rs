@@ -86,8 +86,8 @@ impl Report {
     }
 }
 
-/// The study of a command line, the name of the program first. After an exception, such as that of Ctrl-C, the report is
-/// of what was done before, if the study has such a report.
+/// The study of a command line, the name of the program first. After an exception, such as that of
+/// Ctrl-C, the report is of what was done before, if the study has such a report.
 #[pyfunction]
 pub(crate) fn study(
     py: Python<'_>,

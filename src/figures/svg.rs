@@ -20,31 +20,43 @@ pub(super) fn svg(picture: &Picture) -> Result<Vec<u8>, Error> {
     let (width, height) = picture.size;
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
-         role=\"img\" font-family=\"DejaVu Sans, Verdana, sans-serif\" stroke-linejoin=\"round\">\n\
+         role=\"img\" xml:space=\"preserve\" font-family=\"DejaVu Sans, Verdana, sans-serif\" stroke-linejoin=\"round\">\n\
          <title>{}</title>\n<desc>{}</desc>\n<metadata>{}</metadata>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
         escaped(&picture.title),
         escaped(&picture.caption),
         crate::output::PROGRAM
     );
-    for shape in &picture.shapes {
-        element(&mut out, shape)?;
+    // Lines of one style that follow each other, such as dashes, are one element.
+    for shapes in picture.shapes.chunk_by(|a, b| style(a).is_some() && style(a) == style(b)) {
+        element(&mut out, shapes)?;
     }
     out += "</svg>\n";
     Ok(out.into_bytes())
 }
 
-/// Appends a shape.
-fn element(out: &mut String, shape: &Shape) -> Result<(), Error> {
+/// Colour, width and dashes of a line.
+fn style(shape: &Shape) -> Option<(Rgb, f64, &[f64])> {
     match shape {
-        Shape::Line { points, colour, width, dash } => {
+        Shape::Line { colour, width, dash, .. } => Some((*colour, *width, dash)),
+        _ => None,
+    }
+}
+
+/// Appends a shape, or lines of one style.
+fn element(out: &mut String, shapes: &[Shape]) -> Result<(), Error> {
+    match &shapes[0] {
+        Shape::Line { colour, width, dash, .. } => {
             let dash = dash.iter().map(|&length| number(length)).collect::<Vec<_>>().join(" ");
             let dash = if dash.is_empty() { dash } else { format!(" stroke-dasharray=\"{dash}\"") };
-            let (at, colour, width) = (places(points), hex(*colour), number(*width));
+            let (colour, width) = (hex(*colour), number(*width));
+            let at = |shape: &Shape| match shape {
+                Shape::Line { points, .. } => format!("M{}", places(points)),
+                _ => String::new(),
+            };
+            let moves: String = shapes.iter().map(at).collect();
             line(
                 out,
-                format_args!(
-                    "<polyline points=\"{at}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\"{dash}/>"
-                ),
+                format_args!("<path d=\"{moves}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\"{dash}/>"),
             );
         }
         Shape::Polygon { points, colour } => {
@@ -102,7 +114,7 @@ fn text(out: &mut String, label: &Label) {
         out,
         format_args!(
             "<text transform=\"translate({place}){turn}\" x=\"{along}\" y=\"{across}\" font-size=\"{size}\" fill=\"{colour}\" \
-         textLength=\"{width}\" lengthAdjust=\"spacingAndGlyphs\" xml:space=\"preserve\">{inside}</text>"
+         textLength=\"{width}\" lengthAdjust=\"spacingAndGlyphs\">{inside}</text>"
         ),
     );
 }
@@ -156,12 +168,14 @@ mod tests {
     fn shapes_are_written_to_a_hundredth_of_a_pixel() {
         let mut canvas = Canvas::new((9, 9), "t");
         canvas.line(&[(0.0, -0.001), (1.0 / 3.0, 2.0)], (255, 0, 1), 1.5, &[6.0, 4.0]);
+        canvas.line(&[(1.0, 1.0), (2.0, 2.0)], (255, 0, 1), 1.5, &[6.0, 4.0]);
+        canvas.line(&[(1.0, 1.0), (2.0, 2.0)], (255, 0, 1), 1.0, &[]);
         canvas.tint([0.0, 1.0], [2.0, 3.0], [4.0, 5.0], (1, 2, 3));
         canvas.image((3, 4), 2, vec![(0, 0, 0); 6]);
         let svg = String::from_utf8(svg(&canvas.picture("c")).unwrap()).unwrap();
         assert!(
             svg.contains(
-                "points=\"0,0 0.33,2\" fill=\"none\" stroke=\"#ff0001\" stroke-width=\"1.5\" stroke-dasharray=\"6 4\""
+                "d=\"M0,0 0.33,2M1,1 2,2\" fill=\"none\" stroke=\"#ff0001\" stroke-width=\"1.5\" stroke-dasharray=\"6 4\""
             ),
             "{svg}"
         );

@@ -275,8 +275,9 @@ impl DrivenSetting {
     /// Largest residual of an orbit, in units of [`size`](Self::size): [`SOLVED`], or what the
     /// tolerance of the flow allows. With the fastest rate `R`, in units of the frequency of the
     /// orbit, the period has some `2 pi R` steps. Each errs by `tol s` in displacements, where `s`
-    /// is the largest of the unknowns, static overlaps and moved beads: these sum to at most `2 pi
-    /// R tol s`. Velocities then err by `R omega tol s`, and the unknowns `q'/omega` by `R tol s`.
+    /// is the largest of the unknowns, static overlaps and moved beads: these sum to at most
+    /// `2 pi R tol s`. Velocities then err by `R omega tol s`, and the unknowns `q'/omega` by
+    /// `R tol s`.
     pub(super) fn solved(&self, z: &[f64], tol: f64) -> f64 {
         let overlap = self.details.overlap.iter().copied().fold(0.0, f64::max);
         let state = max_norm(z.iter().copied()).max(overlap).max(self.moved().unwrap_or(0.0));

@@ -8,9 +8,9 @@
 //!
 //! Along a family `dE = omega_b dJ`. The action is an adiabatic invariant: for a breather that
 //! moves slowly the barrier is the difference of energies at the same action, to first order that
-//! of `E - omega_b J` at the same frequency. To leading order the DpS equation has `J = 2 epsilon^2
-//! sum a_n^2` at `omega_b = 1 + omega_0 epsilon^{alpha-1}`, and `E - omega_b J = (1 - omega_b) J
-//! (alpha - 1)/(alpha + 1)`.
+//! of `E - omega_b J` at the same frequency. To leading order the DpS equation has
+//! `J = 2 epsilon^2 sum a_n^2` at `omega_b = 1 + omega_0 epsilon^{alpha-1}`, and
+//! `E - omega_b J = (1 - omega_b) J (alpha - 1)/(alpha + 1)`.
 
 use super::{Progress, Study, Work, options::options};
 use crate::{

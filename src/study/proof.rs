@@ -57,9 +57,9 @@ options! {
         /// frequency one curve of solutions is proved, piece by piece; the mean strain is linear
         /// between its points, and proof.store has the pieces as they are proved, from which the
         /// same command goes on. Where it can, `breather dark` and `breather doubled`, which proves
-        /// its last orbit, also enclose a real Floquet multiplier above 1, and `breather continue
-        /// --center bond` with --bifurcations the frequencies at which the period doubles. Exit
-        /// code 1 if existence is not proved, or not of the whole branch.
+        /// its last orbit, also enclose a real Floquet multiplier above 1, and
+        /// `breather continue --center bond` with --bifurcations the frequencies at which the
+        /// period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
         prove: bool = false, [arg(long)];
         /// Write the certificate of the proof to this file.
         ///

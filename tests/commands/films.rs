@@ -48,7 +48,8 @@ fn a_contact_is_lit_in_the_frames_between_its_onset_and_its_release() {
         let t = 0.1 * k as f64;
         assert_eq!(frame.contains(&lit), onset < t && t < release, "frame {k}, t = {t}, contact {onset} to {release}");
     }
-    // Pictures beside it, in the format that is asked for; the same bytes again; none if not asked for.
+    // Pictures beside it, in the format that is asked for; the same bytes again; none if not asked
+    // for.
     let there = names(&out);
     assert!(there.contains("spacetime.svg") && !there.contains("spacetime.png"), "{there:?}");
     stdout(&line);

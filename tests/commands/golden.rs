@@ -114,8 +114,8 @@ fn masked(text: &str, folder: &Path) -> String {
 /// Numbers of a text that share two sums of a fingerprint.
 const TOGETHER: u32 = 64;
 
-/// Words and two weighted sums of each `TOGETHER` numbers of a text, without the masked columns of a
-/// CSV file.
+/// Words and two weighted sums of each `TOGETHER` numbers of a text, without the masked columns of
+/// a CSV file.
 fn fingerprint(name: &str, text: &str) -> String {
     if name.ends_with(".store") {
         return format!("{} lines", text.lines().count());

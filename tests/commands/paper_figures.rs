@@ -239,8 +239,8 @@ fn the_bright_breather_over_space_and_time_is_that_of_breather_bright() {
     assert!(worst < 1e-5, "{worst:e}");
 }
 
-// Truth: the command `study lifetimes` at one point; for the breather of the paper also `breather
-// bright`, on 40 sites, that takes a tenth of what the core had at first.
+// Truth: the command `study lifetimes` at one point; for the breather of the paper also
+// `breather bright`, on 40 sites, that takes a tenth of what the core had at first.
 #[test]
 fn the_map_of_lifetimes_is_that_of_lifetimes() {
     let (folder, captions) = drawn("lifetime-map");

@@ -41,8 +41,8 @@ impl fmt::Debug for Observables {
 
 /// The search of the steps of a run for the largest values, by modulus.
 ///
-/// A part of a step in which one of them may have risen and fallen has the maximum of the
-/// polynomial through eight samples, as the overlaps of contacts do.
+/// A part of a step in which one of them may have risen and fallen is sampled at the maximum of the
+/// polynomial through eight samples, which may overshoot where the motion is not smooth.
 pub(super) struct Search<'a> {
     observables: &'a Observables,
     /// Longest part of a step.
@@ -110,9 +110,12 @@ impl<'a> Search<'a> {
             let sign = 1f64.copysign(after[k]);
             let mut values = [0.0; SHARES.len()];
             values.iter_mut().zip(samples()).for_each(|(value, sample)| *value = sign * sample[k]);
-            let (t, value) = Part { index: k, span: (from, to), values }.curve().largest();
-            if value > self.largest[k].1.abs() {
-                self.largest[k] = (t, sign * value);
+            let (t, most) = Part { index: k, span: (from, to), values }.curve().largest();
+            if most > self.largest[k].1.abs() {
+                let value = self.at(run, t)[k];
+                if value.abs() > self.largest[k].1.abs() {
+                    self.largest[k] = (t, value);
+                }
             }
         }
     }

@@ -1,7 +1,7 @@
 //! `Y0`, `Z1` and `Z2` of a system.
 //!
-//! Unknowns are `(n, k)` with `k <= K`, and `c_0` as the last one where there are equations for `k
-//! = 0`; the equation of the mean has its index. `A` is an approximate inverse of `DG` on these
+//! Unknowns are `(n, k)` with `k <= K`, and `c_0` as the last one where there are equations for
+//! `k = 0`; the equation of the mean has its index. `A` is an approximate inverse of `DG` on these
 //! unknowns, and the identity beyond. Vectors "by site" have an entry for each site, and one for
 //! `c_0`.
 
@@ -100,9 +100,9 @@ impl Unknowns {
         by_site(self.index.len(), all, of_row, self.rows > self.all.len())
     }
 
-    /// A row of `A B`, where `B` takes harmonics of the force's change to equations: `l_k e` for `k
-    /// >= 1`, and -1 for `k = 0`. `l` has its factors: `l_k`, or their changes along a piece, with
-    /// 0 for `k = 0`.
+    /// A row of `A B`, where `B` takes harmonics of the force's change to equations: `l_k e` for
+    /// `k >= 1`, and -1 for `k = 0`. `l` has its factors: `l_k`, or their changes along a piece,
+    /// with 0 for `k = 0`.
     fn times_b(&self, system: &System, l: &[Interval], row: &[Interval]) -> Vec<Interval> {
         let mut product = vec![Interval::ZERO; self.all.len()];
         for (i, &(n, k)) in self.all.iter().enumerate() {

@@ -184,8 +184,8 @@ fn of(k: usize) -> Interval {
     Interval::exact(k as f64)
 }
 
-/// Radii of a piece of a branch, where this bounds the derivative of `T` on balls: `Y0 + q r' <=
-/// r'` with `q` of a ball of radius `r >= r'`, and `q < 1` on that of uniqueness.
+/// Radii of a piece of a branch, where this bounds the derivative of `T` on balls:
+/// `Y0 + q r' <= r'` with `q` of a ball of radius `r >= r'`, and `q < 1` on that of uniqueness.
 fn ladder(
     [y0, z1, z2]: [Interval; 3],
     contracts: impl Fn(f64) -> Interval,
@@ -208,8 +208,9 @@ fn ladder(
     radius.zip(unique).map(|(radius, unique)| (bounds, radius, unique)).ok_or(Refused::Bounds(bounds))
 }
 
-/// The radius `r` of a ball that `T` maps into itself, and that of uniqueness: `Y0 + Z1 r + Z2
-/// r^{1+gamma}/(1+gamma) <= r` and `Z1 + Z2 r^gamma < 1`. Both are at most `largest`.
+/// The radius `r` of a ball that `T` maps into itself, and that of uniqueness:
+/// `Y0 + Z1 r + Z2 r^{1+gamma}/(1+gamma) <= r` and `Z1 + Z2 r^gamma < 1`. Both are at most
+/// `largest`.
 fn radii([y0, z1, z2]: [Interval; 3], gamma: Exact, largest: Option<f64>) -> Result<(Bounds, Interval, f64), Refused> {
     let bounds = Bounds { y0: y0.hi(), z1: z1.hi(), z2: z2.hi() };
     let refused = Err(Refused::Bounds(bounds));

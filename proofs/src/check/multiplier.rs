@@ -3,8 +3,8 @@
 //! Perturbations `e^{lambda t} p_n(t)` of its strains that the reflection maps to their negative,
 //! `p_n = sum_k c_nk cos (k + sigma/2) omega t + s_nk sin (k + sigma/2) omega t`, obey with `g = 0`
 //!
-//! `z_nk + l_k sum_m e_nm (D_m p_m)_k = g phi_nk`, `z = c - i s`, `l_k = 1/L(lambda + i (k +
-//! sigma/2) omega)`.
+//! `z_nk + l_k sum_m e_nm (D_m p_m)_k = g phi_nk`, `z = c - i s`,
+//! `l_k = 1/L(lambda + i (k + sigma/2) omega)`.
 //!
 //! `sigma` is 0 for a multiplier `e^{lambda T}`. For -1 it is 1, `lambda` is 0, and sines and
 //! cosines have equations of their own. Here `g` is an unknown, one coefficient of `p` is 1, and
@@ -400,8 +400,8 @@ mod tests {
         }
     }
 
-    /// Bounds of `g` for -1 where all contacts of the certificate have the stiffness `sum_l d_l cos
-    /// l omega t`, with `K'` harmonics.
+    /// Bounds of `g` for -1 where all contacts of the certificate have the stiffness
+    /// `sum_l d_l cos l omega t`, with `K'` harmonics.
     fn g(certificate: &Certificate, sine: bool, d: &[(usize, f64)], enclosed: usize) -> [f64; 2] {
         let mut known = known(certificate, &system(certificate));
         for one in &mut known {

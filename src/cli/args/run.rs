@@ -49,11 +49,11 @@ pub(crate) struct RunArgs {
     pub(crate) maxima: Option<f64>,
     /// Record every crossing of a value, such as "u[10] = 0.5".
     ///
-    /// "q[n] > c" is met where q rises through c, "q[n] < c" where it falls, "q[n] = c" at both. q is
-    /// u, v, u_dot or v_dot of site n (strains and their rates on a strain ring), or overlap of bond
-    /// n, which lies to the left of site n. c is in SI units for scenes with `[units]`. With --out
-    /// the crossings are in crossings.csv. Not with --checkpoint or --resume, nor for an exact
-    /// solution.
+    /// "q[n] > c" is met where q rises through c, "q[n] < c" where it falls, "q[n] = c" at both. q
+    /// is u, v, u_dot or v_dot of site n (strains and their rates on a strain ring), or overlap of
+    /// bond n, which lies to the left of site n. c is in SI units for scenes with `[units]`. With
+    /// --out the crossings are in crossings.csv. Not with --checkpoint or --resume, nor for an
+    /// exact solution.
     #[arg(long, value_name = "COND", hide_short_help = true, conflicts_with_all = ["checkpoint", "resume"])]
     pub(crate) crossings: Vec<String>,
     /// End the run where this is met, such as "u[10] > 0.5"; as --crossings.
@@ -96,9 +96,9 @@ pub(crate) struct RunArgs {
     pub(crate) out: Option<PathBuf>,
     /// Save a checkpoint after every D units of time, as checkpoint.npz.
     ///
-    /// Seconds for scenes with `[units]`. The file is in the folder of --out. A run that was stopped
-    /// continues with --resume and ends with the same bits. The method starts anew after every
-    /// checkpoint. Finite and positive; a run has at most 10^6 checkpoints.
+    /// Seconds for scenes with `[units]`. The file is in the folder of --out. A run that was
+    /// stopped continues with --resume and ends with the same bits. The method starts anew after
+    /// every checkpoint. Finite and positive; a run has at most 10^6 checkpoints.
     #[arg(long, value_name = "D", requires = "out")]
     pub(crate) checkpoint: Option<f64>,
     /// Go on with what this file, or the file in this folder, has kept.

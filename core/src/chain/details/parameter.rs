@@ -14,6 +14,7 @@
 use super::{super::Chain, CheckedDetails, Resonators, entry};
 use crate::error::{Error, Result};
 use hertzchain_integrators::Real;
+use std::fmt;
 
 /// A number of a chain by which a motion is differentiated. All others stay as they are, static
 /// overlaps and masses of beads included; the mass of a resonator is `rho_n m_n`.
@@ -29,22 +30,34 @@ pub enum Parameter {
     Mass(usize),
 }
 
+impl fmt::Display for Parameter {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Alpha => out.write_str("alpha"),
+            Self::Kappa => out.write_str("kappa"),
+            Self::Rho => out.write_str("rho"),
+            Self::Mass(site) => write!(out, "mass[{site}]"),
+        }
+    }
+}
+
 impl Parameter {
     /// Refuses a chain whose motion does not have this derivative.
     pub(super) fn check<R: Real>(self, chain: &Chain<R>, parts: &CheckedDetails<R>) -> Result<()> {
         let (params, given) = (chain.params(), &parts.given);
-        let (name, refused, rule) = match self {
-            _ if parts.dissipative => ("derivatives", true, "of contacts that do not dissipate"),
+        let refused = match self {
+            _ if parts.dissipative => Some("of a chain whose contacts do not dissipate"),
             // Beads and resonators are counted from where they hang.
-            _ if given.gravity != 0.0 => ("derivatives", true, "of a chain without gravity"),
-            Self::Alpha => ("alpha", !given.alpha.is_empty(), "bonds have exponents of their own"),
-            Self::Kappa if params.kappa <= 0.0 => ("kappa", true, "resonators have no springs here"),
-            Self::Kappa => ("kappa", !given.kappa.is_empty(), "beads have spring constants of their own"),
-            Self::Rho if !chain.layout().resonators() => ("rho", true, "no resonator moves"),
-            Self::Rho => ("rho", !given.rho.is_empty(), "beads have mass ratios of their own"),
-            Self::Mass(site) => ("mass", site >= chain.sites(), "a site of the chain, counted from 0"),
+            _ if given.gravity != 0.0 => Some("of a chain without gravity"),
+            Self::Alpha if !given.alpha.is_empty() => Some("bonds have exponents of their own"),
+            Self::Kappa if params.kappa <= 0.0 => Some("resonators have no springs here"),
+            Self::Kappa if !given.kappa.is_empty() => Some("beads have spring constants of their own"),
+            Self::Rho if !chain.layout().resonators() => Some("no resonator moves"),
+            Self::Rho if !given.rho.is_empty() => Some("beads have mass ratios of their own"),
+            Self::Mass(site) if site >= chain.sites() => Some("a site of the chain, counted from 0"),
+            _ => None,
         };
-        if refused { Err(Error::parameter(name, format!("{self:?}"), rule)) } else { Ok(()) }
+        refused.map_or(Ok(()), |rule| Err(Error::parameter("derivatives", self, rule)))
     }
 
     /// Adds the source at a state with these rates: `add` gets rows of the column and what is
