@@ -4,7 +4,7 @@
 //! a coefficient then costs 10^-11 in the phase. Scalars that describe times are therefore
 //! unevaluated sums `hi + lo`. They are used once a stage, not once a site, so their cost is small.
 
-use crate::real::Real;
+use crate::{real::Real, vector::Vector};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// An unevaluated sum `hi + lo` with `|lo|` at most half a unit in the last place of `hi`.
@@ -16,23 +16,25 @@ pub struct DoubleDouble<R> {
     pub lo: R,
 }
 
+// Of numbers, or of registers, lane by lane.
+
 #[inline(always)]
-fn two_sum<R: Real>(a: R, b: R) -> DoubleDouble<R> {
+fn two_sum<R: Real, V: Vector<R>>(a: V, b: V) -> DoubleDouble<V> {
     let hi = a + b;
     let part = hi - a;
     DoubleDouble { hi, lo: (a - (hi - part)) + (b - part) }
 }
 
 #[inline(always)]
-fn fast_two_sum<R: Real>(a: R, b: R) -> DoubleDouble<R> {
+fn fast_two_sum<R: Real, V: Vector<R>>(a: V, b: V) -> DoubleDouble<V> {
     let hi = a + b;
     DoubleDouble { hi, lo: b - (hi - a) }
 }
 
 #[inline(always)]
-fn two_product<R: Real>(a: R, b: R) -> DoubleDouble<R> {
+fn two_product<R: Real, V: Vector<R>>(a: V, b: V) -> DoubleDouble<V> {
     let hi = a * b;
-    DoubleDouble { hi, lo: a.mul_add(b, -hi) }
+    DoubleDouble { hi, lo: a.fused(b, hi.negative()) }
 }
 
 impl<R: Real> DoubleDouble<R> {
@@ -229,24 +231,31 @@ impl<R: Real> Rotation<R> {
         Self { sin: fast_two_sum(sin, sin * short), cos: fast_two_sum(cos, cos * short) }
     }
 
-    /// This rotation, followed by another.
+}
+
+impl<V: Copy> Rotation<V> {
+    /// This rotation, followed by another; also in each lane of registers.
     #[inline(always)]
     #[must_use]
-    pub fn then(&self, other: &Self) -> Self {
+    pub fn then<R: Real>(&self, other: &Self) -> Self
+    where
+        V: Vector<R>,
+    {
         let (a, b) = (self, other);
-        Self { sin: dot([a.sin, a.cos], [b.cos, b.sin]), cos: dot([a.cos, -a.sin], [b.cos, b.sin]) }
+        let back = DoubleDouble { hi: b.sin.hi.negative(), lo: b.sin.lo.negative() };
+        Self { sin: dot([a.sin, a.cos], [b.cos, b.sin]), cos: dot([a.cos, a.sin], [b.cos, back]) }
     }
 
     /// Sine and cosine to the working precision.
     #[inline(always)]
-    pub fn sin_cos(&self) -> (R, R) {
+    pub fn sin_cos(&self) -> (V, V) {
         (self.sin.hi, self.cos.hi)
     }
 }
 
 /// `a_0 b_0 + a_1 b_1`, with an error of a unit in the last place of the larger product.
 #[inline(always)]
-fn dot<R: Real>(a: [DoubleDouble<R>; 2], b: [DoubleDouble<R>; 2]) -> DoubleDouble<R> {
+fn dot<R: Real, V: Vector<R>>(a: [DoubleDouble<V>; 2], b: [DoubleDouble<V>; 2]) -> DoubleDouble<V> {
     let (p, q) = (two_product(a[0].hi, b[0].hi), two_product(a[1].hi, b[1].hi));
     let sum = two_sum(p.hi, q.hi);
     let mixed = (a[0].hi * b[0].lo + a[0].lo * b[0].hi) + (a[1].hi * b[1].lo + a[1].lo * b[1].hi);

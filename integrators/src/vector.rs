@@ -47,6 +47,8 @@ pub trait Vector<R>:
     fn floor(self) -> Self;
     /// `1/x`.
     fn inverse(self) -> Self;
+    /// `-x`.
+    fn negative(self) -> Self;
     /// `then` in lanes above `bound`, zero in others.
     fn above(self, bound: R, then: Self) -> Self;
     /// A bit for each lane, the first lane's lowest: whether its number is above zero.
@@ -111,6 +113,7 @@ impl<R: Real> Vector<R> for R {
         fn root(self) -> Self { self.sqrt() }
         fn floor(self) -> Self { num_traits::Float::floor(self) }
         fn inverse(self) -> Self { self.recip() }
+        fn negative(self) -> Self { -self }
         fn above(self, bound: R, then: Self) -> Self { if self > bound { then } else { R::zero() } }
         fn positive(self) -> u64 { u64::from(self > R::zero()) }
         fn exceeds(self, other: Self) -> u64 { u64::from(self > other) }
@@ -212,6 +215,12 @@ macro_rules! each_lane {
         #[inline(always)]
         fn inverse(self) -> Self {
             Self::one() / self
+        }
+
+        #[inline(always)]
+        fn negative(self) -> Self {
+            // The compiler changes the sign.
+            self * Self::all(-1.0)
         }
 
         #[inline(always)]
@@ -428,6 +437,7 @@ mod tests {
                     a.root(),
                     (a * V::all(7.3)).floor(),
                     a.inverse(),
+                    a.negative(),
                     a.above(0.25, b),
                     (a - b).size(),
                     V::all((a - b).positive() as f64),
@@ -479,7 +489,7 @@ mod tests {
             for at in (0..32).step_by(lanes) {
                 let pairs = || (at..at + lanes).map(|k| (x[k], x[32 + k]));
                 let positive: u64 = pairs().enumerate().map(|(k, (a, b))| u64::from(a > b) << k).sum();
-                let operations: [&dyn Fn(f64, f64) -> f64; 17] = [
+                let operations: [&dyn Fn(f64, f64) -> f64; 18] = [
                     &|a, b| a + b,
                     &|a, b| a - b,
                     &|a, b| a * b,
@@ -489,6 +499,7 @@ mod tests {
                     &|a, _| a.sqrt(),
                     &|a, _| (a * 7.3).floor(),
                     &|a, _| 1.0 / a,
+                    &|a, _| -a,
                     &|a, b| if a > 0.25 { b } else { 0.0 },
                     &|a, b| (a - b).abs(),
                     &|_, _| positive as f64,

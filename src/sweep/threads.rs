@@ -53,7 +53,7 @@ pub fn map<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync + Send) -> 
 
 /// Starts runs on all cores; each result is that of [`Run::start`], with the same bits. `seen` is
 /// called, on any thread, with the number of a run, the time of each of its samples and the state
-/// there. Runs of equal chains are made side by side, see [`run::start_all`].
+/// there. Runs that are alike are made side by side, see [`run::start_all`].
 pub fn start_all(runs: &[Run], seen: &(dyn Fn(usize, f64, &[f64]) + Sync)) -> Vec<Result<Trajectory>> {
     // A lane for each run, but no core without a run.
     let mut first = 0;

@@ -2,19 +2,27 @@
 //! drift freely.
 
 use super::{
-    Chain, Params, Resonators,
+    Chain, Resonators,
     aligned::Aligned,
     divisible::Divisible,
+    lanes::{Coefficient, Each},
     rows::{Clock, InRow, Pairs, RowForces},
     sweep::{MOST_KICKS, Sites, Swept, Visit, follow, long, step},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector};
+use std::marker::PhantomData;
 
 /// A chain split into kinetic and potential energy; Strang's scheme on it is velocity Verlet.
 ///
 /// Its steps must resolve the springs: it is stable for `h omega < 2` only.
-pub struct KineticFlow<R> {
+pub struct KineticFlow<R, K = R> {
     pub(super) chain: Chain<R>,
+    /// The chains of the lanes; none for a chain alone.
+    members: Vec<Chain<R>>,
+    /// `[kappa, rho]`.
+    pub(super) springs: [K; 2],
+    /// Static overlap.
+    rest: K,
     /// Positions and velocities of beads, `[u, u']`.
     pub(super) beads: [Aligned<R>; 2],
     /// Positions and velocities of moving resonators, `[v, v']`; empty without them.
@@ -29,6 +37,19 @@ impl<R: Real> KineticFlow<R> {
     /// # Panics
     /// A chain with details: [`SitewiseFlow`](super::SitewiseFlow) is made for it.
     pub fn new(chain: Chain<R>) -> Self {
+        Self::of(chain, Vec::new())
+    }
+}
+
+impl KineticFlow<f64, Each<f64>> {
+    /// Chains at rest, one a lane, see [`Chain::abreast`]. A state is that of one after the other.
+    pub(crate) fn abreast(members: Vec<Chain<f64>>) -> Self {
+        Self::of(Chain::abreast(&members), members)
+    }
+}
+
+impl<R: Real, K: Coefficient<R>> KineticFlow<R, K> {
+    fn of(chain: Chain<R>, members: Vec<Chain<R>>) -> Self {
         assert!(chain.details().is_none(), "a chain with details flows site by site");
         let n = chain.sites();
         let (beads, resonators) = if chain.layout().resonators() {
@@ -37,42 +58,63 @@ impl<R: Real> KineticFlow<R> {
         } else {
             (Aligned::together(n), Aligned::together(0))
         };
-        Self { forces: RowForces::new(&chain), chain, beads, resonators }
-    }
-
-    /// Hands over the beads for a kick by contacts, without their springs and without a drift.
-    pub(super) fn visit_beads<W: Visit<R, Durations<R>>>(&mut self, kick: R, work: W) -> W::Output {
-        let Self { chain, beads: [u, u_dot], .. } = self;
-        work.visit(chain, Beads { u: u.column(), u_dot: u_dot.column() }, [kick, R::zero(), R::zero()])
+        let [kappa, rho, rest] = K::by_lane(|lane| {
+            let member = chain.member(&members, lane);
+            [R::of(member.params.kappa), R::of(member.params.rho), member.precompression]
+        });
+        Self { forces: RowForces::new(&chain), chain, members, springs: [kappa, rho], rest, beads, resonators }
     }
 
     fn arrays(&self) -> [&[R]; 4] {
         let ([u, u_dot], [v, v_dot]) = (&self.beads, &self.resonators);
         [u, v, u_dot, v_dot]
     }
+
+    fn arrays_mut(&mut self) -> [&mut [R]; 4] {
+        let ([u, u_dot], [v, v_dot]) = (&mut self.beads, &mut self.resonators);
+        [u, v, u_dot, v_dot]
+    }
 }
 
-impl<R: Real> SplitFlow<R> for KineticFlow<R> {
+impl<R: Real, K: Coefficient<R>> SplitFlow<R> for KineticFlow<R, K> {
     fn dim(&self) -> usize {
-        self.chain.layout().dim()
+        self.members.len().max(1) * self.chain.member(&self.members, 0).layout().dim()
     }
 
     fn load(&mut self, y: &[R]) {
-        self.read(0, self.chain.layout().arrays(y));
+        let (layout, stride) = (self.chain.member(&self.members, 0).layout(), self.chain.stride::<K>());
+        for (lane, y) in y.chunks(layout.dim()).enumerate() {
+            for (to, from) in self.arrays_mut().into_iter().zip(layout.arrays(y)) {
+                if K::EACH {
+                    (0..from.len()).for_each(|i| to[i * stride + lane] = from[i]);
+                } else {
+                    to.copy_from_slice(from);
+                }
+            }
+        }
     }
 
     fn store(&self, y: &mut [R]) {
-        self.write(0, self.chain.layout().arrays_mut(y));
+        let (layout, stride) = (self.chain.member(&self.members, 0).layout(), self.chain.stride::<K>());
+        for (lane, y) in y.chunks_mut(layout.dim()).enumerate() {
+            for (from, to) in self.arrays().into_iter().zip(layout.arrays_mut(y)) {
+                if K::EACH {
+                    (0..to.len()).for_each(|i| to[i] = from[i * stride + lane]);
+                } else {
+                    to.copy_from_slice(from);
+                }
+            }
+        }
     }
 
     fn duplicate(&self) -> Self {
-        let mut copy = Self::new(self.chain.clone());
+        let mut copy = Self::of(self.chain.clone(), self.members.clone());
         copy.copy_from(self);
         copy
     }
 
     fn copy_from(&mut self, other: &Self) {
-        for (to, from) in self.columns().into_iter().zip(other.arrays()) {
+        for (to, from) in self.arrays_mut().into_iter().zip(other.arrays()) {
             to.copy_from_slice(from);
         }
     }
@@ -86,14 +128,14 @@ impl<R: Real> SplitFlow<R> for KineticFlow<R> {
     }
 
     fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
-        if self.chain.lanes > 0 {
+        if K::EACH {
             return self.row(&[(kick, drift)]);
         }
         step(self, kick, drift);
     }
 
     fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
-        if self.forces.used() && pairs.len() > usize::from(self.chain.lanes == 0) {
+        if K::EACH || self.forces.used() && pairs.len() > 1 {
             return self.row(pairs);
         }
         for now in pairs.chunks(if long(&self.chain) { MOST_KICKS } else { 1 }) {
@@ -111,8 +153,7 @@ impl<R: Real> Divisible<R> for KineticFlow<R> {
     }
 
     fn columns(&mut self) -> [&mut [R]; 4] {
-        let ([u, u_dot], [v, v_dot]) = (&mut self.beads, &mut self.resonators);
-        [u, v, u_dot, v_dot]
+        self.arrays_mut()
     }
 
     fn read(&mut self, first: usize, arrays: [&[R]; 4]) {
@@ -128,24 +169,23 @@ impl<R: Real> Divisible<R> for KineticFlow<R> {
     }
 }
 
-impl<R: Real> Swept<R> for KineticFlow<R> {
-    type Moment = Durations<R>;
+impl<R: Real, K: Coefficient<R>> Swept<R> for KineticFlow<R, K> {
+    type Moment = Durations<K>;
 
     fn swept(&self) -> &Chain<R> {
         &self.chain
     }
 
     #[inline]
-    fn begin(&mut self, kick: R, drift: DoubleDouble<R>) -> Durations<R> {
-        durations(self.chain.params(), kick, drift)
+    fn begin(&mut self, kick: R, drift: DoubleDouble<R>) -> Durations<K> {
+        durations::<R, K, R>(self.springs, kick, drift)
     }
 
     #[inline(always)]
-    fn visit<W: Visit<R, Durations<R>>>(&mut self, now: Durations<R>, work: W) -> W::Output {
-        let Self { chain, beads: [u, u_dot], resonators: [v, v_dot], .. } = self;
-        let beads = Beads { u: u.column(), u_dot: u_dot.column() };
-        let (params, kappa) = (chain.params(), R::of(chain.params().kappa));
-        match params.resonators() {
+    fn visit<W: Visit<R, Durations<K>>>(&mut self, now: Durations<K>, work: W) -> W::Output {
+        let Self { chain, beads: [u, u_dot], resonators: [v, v_dot], springs: [kappa, _], .. } = self;
+        let (beads, kappa) = (Beads { u: u.column(), u_dot: u_dot.column(), of: PhantomData }, *kappa);
+        match chain.params().resonators() {
             Resonators::None => work.visit(chain, beads, now),
             Resonators::Fixed => work.visit(chain, Cradle { beads, kappa }, now),
             Resonators::Moving => {
@@ -155,69 +195,89 @@ impl<R: Real> Swept<R> for KineticFlow<R> {
     }
 }
 
-impl<R: Real> KineticFlow<R> {
+impl<R: Real, K: Coefficient<R>> KineticFlow<R, K> {
+    /// Hands over the beads for a kick by contacts, without their springs and without a drift.
+    pub(super) fn visit_beads<W: Visit<R, Durations<K>>>(&mut self, kick: R, work: W) -> W::Output {
+        let Self { chain, beads: [u, u_dot], springs, .. } = self;
+        let now = durations::<R, K, R>(*springs, kick, DoubleDouble::zero());
+        work.visit(chain, Beads { u: u.column(), u_dot: u_dot.column(), of: PhantomData }, now)
+    }
+
     /// Kicks of a short chain in a row, each followed by its drift.
     fn row(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
+        if pairs.is_empty() {
+            return;
+        }
         let mut forces = std::mem::replace(&mut self.forces, RowForces::none());
-        let clock = Drifts { params: self.chain.params(), pairs: pairs.iter() };
-        self.visit([R::zero(); 3], InRow { forces: &mut forces, clock, kicks: pairs.len() });
+        let (clock, rest) = (Drifts { springs: self.springs, pairs: pairs.iter() }, self.rest);
+        let now = clock.now::<R>();
+        self.visit(now, InRow { forces: &mut forces, rest, clock, kicks: pairs.len() });
         self.forces = forces;
     }
 }
 
 /// Duration of the kick; duration of the drift; change of a resonator's velocity in the kick by a
 /// unit of stretch `u - v`.
-pub(crate) type Durations<R> = [R; 3];
+pub(crate) type Durations<K> = [K; 3];
 
 #[inline(always)]
-fn durations<R: Real>(params: Params, kick: R, drift: DoubleDouble<R>) -> Durations<R> {
-    [kick, drift.value(), kick * R::of(params.kappa) / R::of(params.rho)]
+fn durations<R: Real, K: Coefficient<R>, V: Vector<R>>(
+    [kappa, rho]: [K; 2],
+    kick: R,
+    drift: DoubleDouble<R>,
+) -> Durations<K> {
+    let (kick, drift) = (<K::In<V>>::all(kick), <K::In<V>>::all(drift.value()));
+    let kick_v = kick * kappa.get::<V>() / rho.get::<V>();
+    [K::kept::<V>(kick), K::kept::<V>(drift), K::kept::<V>(kick_v)]
 }
 
 /// The clock of (kick, drift) pairs in a row.
-pub(super) struct Drifts<'a, R> {
-    pub(super) params: Params,
+pub(super) struct Drifts<'a, R, K = R> {
+    /// `[kappa, rho]`.
+    pub(super) springs: [K; 2],
     pub(super) pairs: Pairs<'a, R>,
 }
 
-impl<R: Real> Clock for Drifts<'_, R> {
-    type Moment = Durations<R>;
+impl<R: Real, K: Coefficient<R>> Clock<R> for Drifts<'_, R, K> {
+    type Coefficient = K;
+    type Moment = Durations<K>;
 
     #[inline(always)]
-    fn next(&mut self) -> Durations<R> {
+    fn next<V: Vector<R>>(&mut self) -> Durations<K> {
         let (kick, drift) = self.pairs.next().map_or((R::zero(), DoubleDouble::zero()), |&pair| pair);
-        durations(self.params, kick, drift)
+        durations::<R, K, V>(self.springs, kick, drift)
     }
 
     #[inline(always)]
-    fn now(&self) -> Durations<R> {
+    fn now<V: Vector<R>>(&self) -> Durations<K> {
         // Positions do not depend on the moment.
-        [R::zero(); 3]
+        durations::<R, K, V>(self.springs, R::zero(), DoubleDouble::zero())
     }
 }
 
 /// Beads that only contacts push: all of a plain chain.
-struct Beads<'a, R> {
+struct Beads<'a, R, K> {
     u: Column<'a, R>,
     u_dot: Column<'a, R>,
+    of: PhantomData<K>,
 }
 
 /// Beads with springs to fixed resonators.
-struct Cradle<'a, R> {
-    beads: Beads<'a, R>,
-    kappa: R,
+struct Cradle<'a, R, K> {
+    beads: Beads<'a, R, K>,
+    kappa: K,
 }
 
 /// Beads with springs to resonators.
-struct Resonant<'a, R> {
-    beads: Beads<'a, R>,
+struct Resonant<'a, R, K> {
+    beads: Beads<'a, R, K>,
     v: Column<'a, R>,
     v_dot: Column<'a, R>,
-    kappa: R,
+    kappa: K,
 }
 
-impl<R: Real> Sites<R> for Beads<'_, R> {
-    type Moment = Durations<R>;
+impl<R: Real, K: Coefficient<R>> Sites<R> for Beads<'_, R, K> {
+    type Moment = Durations<K>;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -225,18 +285,18 @@ impl<R: Real> Sites<R> for Beads<'_, R> {
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize, _now: &Durations<R>) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, _now: &Durations<K>) -> V {
         // SAFETY: the caller's promise.
         unsafe { self.u.load(at) }
     }
 
     #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Durations<R>, _next: &Durations<R>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Durations<K>, _next: &Durations<K>) -> V {
         let [kick, dt, _] = *now;
         // SAFETY: the caller's promise.
         unsafe {
-            let u_dot = self.u_dot.load::<V>(at) + V::all(kick) * force;
-            let u = self.u.load::<V>(at) + V::all(dt) * u_dot;
+            let u_dot = self.u_dot.load::<V>(at) + kick.in_lanes::<V>() * force;
+            let u = self.u.load::<V>(at) + dt.in_lanes::<V>() * u_dot;
             self.u_dot.store(at, u_dot);
             self.u.store(at, u);
             u
@@ -244,8 +304,8 @@ impl<R: Real> Sites<R> for Beads<'_, R> {
     }
 }
 
-impl<R: Real> Sites<R> for Cradle<'_, R> {
-    type Moment = Durations<R>;
+impl<R: Real, K: Coefficient<R>> Sites<R> for Cradle<'_, R, K> {
+    type Moment = Durations<K>;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -253,23 +313,23 @@ impl<R: Real> Sites<R> for Cradle<'_, R> {
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Durations<R>) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Durations<K>) -> V {
         // SAFETY: the caller's promise.
         unsafe { self.beads.positions(at, now) }
     }
 
     #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Durations<R>, next: &Durations<R>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Durations<K>, next: &Durations<K>) -> V {
         // SAFETY: the caller's promise.
         unsafe {
             let u: V = self.beads.positions(at, now);
-            self.beads.advance(at, force - V::all(self.kappa) * u, now, next)
+            self.beads.advance(at, force - self.kappa.in_lanes::<V>() * u, now, next)
         }
     }
 }
 
-impl<R: Real> Sites<R> for Resonant<'_, R> {
-    type Moment = Durations<R>;
+impl<R: Real, K: Coefficient<R>> Sites<R> for Resonant<'_, R, K> {
+    type Moment = Durations<K>;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -277,22 +337,22 @@ impl<R: Real> Sites<R> for Resonant<'_, R> {
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Durations<R>) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Durations<K>) -> V {
         // SAFETY: the caller's promise.
         unsafe { self.beads.positions(at, now) }
     }
 
     #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Durations<R>, next: &Durations<R>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Durations<K>, next: &Durations<K>) -> V {
         let [_, dt, kick_v] = *now;
         // SAFETY: the caller's promise.
         unsafe {
             let v: V = self.v.load(at);
             let d = self.beads.positions::<V>(at, now) - v;
-            let u = self.beads.advance(at, force - V::all(self.kappa) * d, now, next);
-            let v_dot = self.v_dot.load::<V>(at) + V::all(kick_v) * d;
+            let u = self.beads.advance(at, force - self.kappa.in_lanes::<V>() * d, now, next);
+            let v_dot = self.v_dot.load::<V>(at) + kick_v.in_lanes::<V>() * d;
             self.v_dot.store(at, v_dot);
-            self.v.store(at, v + V::all(dt) * v_dot);
+            self.v.store(at, v + dt.in_lanes::<V>() * v_dot);
             u
         }
     }

@@ -21,25 +21,32 @@ use super::{
     Chain, Resonators,
     aligned::Aligned,
     divisible::Divisible,
+    lanes::{Coefficient, Each},
     phase::Phase,
     rows::{Clock, InRow, Pairs, RowForces},
     sweep::{MOST_KICKS, Sites, Swept, Visit, follow, long, step},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector, system::ContactFlow};
+use std::marker::PhantomData;
 
 /// Number of kicks after which `R0` is set to the present position and `tau` to zero, so that `V
 /// tau` stays of the size of `R0`. Chosen, not measured.
 const KICKS_BETWEEN_ANCHORS: u32 = 64;
 
-/// A chain split into its exact linear flow and its contacts.
-pub struct LinearFlow<R> {
+/// A chain split into its exact linear flow and its contacts; or chains [abreast](Self::abreast).
+pub struct LinearFlow<R, K = R> {
     pub(super) chain: Chain<R>,
+    /// The chains of the lanes; none for a chain alone.
+    members: Vec<Chain<R>>,
     /// `[R0, V]`; empty for the cradle.
     pub(super) centre: [Aligned<R>; 2],
     /// `[C, S]`; empty for a plain chain.
     pub(super) oscillation: [Aligned<R>; 2],
-    pub(super) mu_over_omega: R,
-    pub(super) phase: Phase<R>,
+    m: K,
+    pub(super) mu_over_omega: K,
+    /// Static overlap.
+    rest: K,
+    pub(super) phase: Phase<R, K>,
     pub(super) tau: R,
     pub(super) kicks: u32,
     /// Buffers for kicks in a row.
@@ -52,11 +59,38 @@ impl<R: Real> LinearFlow<R> {
     /// # Panics
     /// A chain with details: [`SitewiseFlow`](super::SitewiseFlow) is made for it.
     pub fn new(chain: Chain<R>) -> Self {
+        Self::of(chain, Vec::new())
+    }
+
+    /// `m`.
+    pub(super) fn m(&self) -> R {
+        self.m
+    }
+
+    /// `mu`.
+    pub(super) fn mu(&self) -> R {
+        self.chain.modes().mu
+    }
+
+    /// `omega`.
+    pub(super) fn omega(&self) -> R {
+        self.phase.omega(0)
+    }
+}
+
+impl LinearFlow<f64, Each<f64>> {
+    /// Chains at rest, one a lane, see [`Chain::abreast`]. A state is that of one after the other.
+    pub(crate) fn abreast(members: Vec<Chain<f64>>) -> Self {
+        Self::of(Chain::abreast(&members), members)
+    }
+}
+
+impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
+    fn of(chain: Chain<R>, members: Vec<Chain<R>>) -> Self {
         assert!(chain.details().is_none(), "a chain with details flows site by site");
         let n = chain.sites();
-        let (modes, resonators) = (chain.modes(), chain.params().resonators());
         let none = || Aligned::together(0);
-        let (centre, oscillation) = match resonators {
+        let (centre, oscillation) = match chain.params().resonators() {
             Resonators::None => (Aligned::together(n), none()),
             Resonators::Fixed => (none(), Aligned::together(n)),
             Resonators::Moving => {
@@ -64,16 +98,14 @@ impl<R: Real> LinearFlow<R> {
                 ([r0, v], [c, s])
             }
         };
-        Self {
-            centre,
-            oscillation,
-            mu_over_omega: modes.mu_over_omega(),
-            phase: Phase::new(modes.omega),
-            tau: R::zero(),
-            kicks: 0,
-            forces: RowForces::new(&chain),
-            chain,
-        }
+        let [m, mu_over_omega, rest, hi, lo] = K::by_lane(|lane| {
+            let member = chain.member(&members, lane);
+            let modes = member.modes;
+            [modes.m, modes.mu_over_omega(), member.precompression, modes.omega.hi, modes.omega.lo]
+        });
+        let (phase, forces) = (Phase::new(DoubleDouble { hi, lo }), RowForces::new(&chain));
+        let (tau, kicks) = (R::zero(), 0);
+        Self { chain, members, centre, oscillation, m, mu_over_omega, rest, phase, tau, kicks, forces }
     }
 
     /// `R0 <- R0 + V tau`, `tau <- 0`.
@@ -85,16 +117,6 @@ impl<R: Real> LinearFlow<R> {
         }
         self.tau = R::zero();
         self.kicks = 0;
-    }
-
-    /// `m`.
-    pub(super) fn m(&self) -> R {
-        self.chain.modes().m
-    }
-
-    /// `mu`.
-    pub(super) fn mu(&self) -> R {
-        self.chain.modes().mu
     }
 
     /// Counts a kick; before it, sets `R0` to the present position every [`KICKS_BETWEEN_ANCHORS`]
@@ -112,12 +134,7 @@ impl<R: Real> LinearFlow<R> {
         (1 + KICKS_BETWEEN_ANCHORS - self.kicks) as usize
     }
 
-    /// `omega`.
-    pub(super) fn omega(&self) -> R {
-        self.phase.omega.value()
-    }
-
-    /// `[R, R', P, P']` of site `i` at the present time.
+    /// `[R, R', P, P']` at place `i` of the columns at the present time, with the phase there.
     #[inline(always)]
     pub(super) fn motions(&self, i: usize, phase: (R, R)) -> [R; 4] {
         let (r, r_dot) = match &self.centre {
@@ -125,7 +142,7 @@ impl<R: Real> LinearFlow<R> {
             _ => (R::zero(), R::zero()),
         };
         let [p, p_dot] = match &self.oscillation {
-            [c, s] if !c.is_empty() => turned([c[i], s[i]], phase, self.omega()),
+            [c, s] if !c.is_empty() => turned([c[i], s[i]], phase, self.phase.omega(i % self.chain.stride::<K>())),
             _ => [R::zero(); 2],
         };
         [r, r_dot, p, p_dot]
@@ -159,21 +176,23 @@ impl<R: Real> ContactFlow<R> for LinearFlow<R> {
     }
 }
 
-impl<R: Real> SplitFlow<R> for LinearFlow<R> {
+impl<R: Real, K: Coefficient<R>> SplitFlow<R> for LinearFlow<R, K> {
     fn dim(&self) -> usize {
-        self.chain.layout().dim()
+        self.members.len().max(1) * self.chain.member(&self.members, 0).layout().dim()
     }
 
     fn load(&mut self, y: &[R]) {
-        self.read(0, self.chain.layout().arrays(y));
+        let layout = self.chain.member(&self.members, 0).layout();
+        y.chunks(layout.dim()).enumerate().for_each(|(lane, y)| self.read_lane(lane, 0, layout.arrays(y)));
     }
 
     fn store(&self, y: &mut [R]) {
-        self.write(0, self.chain.layout().arrays_mut(y));
+        let layout = self.chain.member(&self.members, 0).layout();
+        y.chunks_mut(layout.dim()).enumerate().for_each(|(lane, y)| self.write_lane(lane, 0, layout.arrays_mut(y)));
     }
 
     fn duplicate(&self) -> Self {
-        let mut copy = Self::new(self.chain.clone());
+        let mut copy = Self::of(self.chain.clone(), self.members.clone());
         copy.copy_from(self);
         copy
     }
@@ -196,7 +215,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     }
 
     fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
-        if self.chain.lanes > 0 {
+        if K::EACH {
             return self.kick_drifts(&[(kick, drift)]);
         }
         // The drift changes no number of a site, only the phase and `tau`, before the pass.
@@ -207,13 +226,13 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
         let mut rest = pairs;
         let (long, short) = (long(&self.chain), self.forces.used());
-        while (long || short) && rest.len() > usize::from(self.chain.lanes == 0) {
+        while (long || short) && rest.len() > usize::from(!K::EACH) {
             self.count_kick();
             // No anchor may fall between kicks that are made together.
             let most = self.kicks_to_anchor();
             let (now, later) = rest.split_at(rest.len().min(if short { most } else { most.min(MOST_KICKS) }));
             self.kicks += now.len() as u32 - 1;
-            if short {
+            if K::EACH || short {
                 self.row(now)
             } else {
                 follow(self, now)
@@ -234,77 +253,93 @@ impl<R: Real> Divisible<R> for LinearFlow<R> {
         [r0, v, c, s]
     }
 
-    fn read(&mut self, first: usize, [u, v, u_dot, v_dot]: [&[R]; 4]) {
-        let (modes, omega) = (self.chain.modes(), self.omega());
+    fn read(&mut self, first: usize, arrays: [&[R]; 4]) {
+        self.read_lane(0, first, arrays);
+    }
+
+    fn write(&self, first: usize, arrays: [&mut [R]; 4]) {
+        self.write_lane(0, first, arrays);
+    }
+}
+
+impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
+    /// As [`Divisible::read`], for the chain of a lane.
+    fn read_lane(&mut self, lane: usize, first: usize, [u, v, u_dot, v_dot]: [&[R]; 4]) {
+        let (modes, omega) = (self.chain.member(&self.members, lane).modes(), self.phase.omega(lane));
         self.phase.reset();
         (self.tau, self.kicks) = (R::zero(), 0);
+        let stride = self.chain.stride::<K>();
         for i in 0..u.len() {
             let of = |array: &[R]| array.get(i).copied().unwrap_or(R::zero());
             let [r, r_dot, p, p_dot] = modes.split([u[i], of(v), u_dot[i], of(v_dot)]);
+            let to = (first + i) * stride + lane;
             if let [r0, v] = &mut self.centre
                 && !v.is_empty()
             {
-                (r0[first + i], v[first + i]) = (r, r_dot);
+                (r0[to], v[to]) = (r, r_dot);
             }
             if let [c, s] = &mut self.oscillation
                 && !s.is_empty()
             {
-                (c[first + i], s[first + i]) = (p, p_dot / omega);
+                (c[to], s[to]) = (p, p_dot / omega);
             }
         }
     }
 
-    fn write(&self, first: usize, [u, v, u_dot, v_dot]: [&mut [R]; 4]) {
-        let (n, modes, phase) = (u.len(), self.chain.modes(), self.phase.sin_cos());
+    /// As [`Divisible::write`], for the chain of a lane.
+    fn write_lane(&self, lane: usize, first: usize, [u, v, u_dot, v_dot]: [&mut [R]; 4]) {
+        let (n, stride, (sin, cos)) = (u.len(), self.chain.stride::<K>(), self.phase.sin_cos());
+        let (modes, phase) = (self.chain.member(&self.members, lane).modes(), (sin.lane(lane), cos.lane(lane)));
         if !self.chain.layout().resonators() {
             for i in 0..n {
-                [u[i], _, u_dot[i], _] = modes.join(self.motions(first + i, phase));
+                [u[i], _, u_dot[i], _] = modes.join(self.motions((first + i) * stride + lane, phase));
             }
             return;
         }
         // With both motions: a loop without branches that computes what `motions` does for one
         // site.
         let ([r0, v0], [c, s]) = (&self.centre, &self.oscillation);
-        let [r0, v0, c, s] = [r0, v0, c, s].map(|column| &column[first..][..n]);
+        let [r0, v0, c, s] = [r0, v0, c, s].map(|column| &column[first * stride + lane..][..n * stride + 1 - stride]);
         let [v, u_dot, v_dot] = [v, u_dot, v_dot].map(|array| &mut array[..n]);
-        let (omega, tau) = (self.omega(), self.tau);
+        let (omega, tau) = (self.phase.omega(lane), self.tau);
         for i in 0..n {
-            let [p, p_dot] = turned([c[i], s[i]], phase, omega);
-            [u[i], v[i], u_dot[i], v_dot[i]] = modes.join([r0[i] + v0[i] * tau, v0[i], p, p_dot]);
+            let k = i * stride;
+            let [p, p_dot] = turned([c[k], s[k]], phase, omega);
+            [u[i], v[i], u_dot[i], v_dot[i]] = modes.join([r0[k] + v0[k] * tau, v0[k], p, p_dot]);
         }
     }
 }
 
-impl<R: Real> Swept<R> for LinearFlow<R> {
-    type Moment = Now<R>;
+impl<R: Real, K: Coefficient<R>> Swept<R> for LinearFlow<R, K> {
+    type Moment = Now<R, K>;
 
     fn swept(&self) -> &Chain<R> {
         &self.chain
     }
 
     #[inline]
-    fn begin(&mut self, kick: R, drift: DoubleDouble<R>) -> Now<R> {
+    fn begin(&mut self, kick: R, drift: DoubleDouble<R>) -> Now<R, K> {
         let now = self.now(kick);
         self.drift(drift);
         now
     }
 
     #[inline(always)]
-    fn visit<W: Visit<R, Now<R>>>(&mut self, now: Now<R>, work: W) -> W::Output {
+    fn visit<W: Visit<R, Now<R, K>>>(&mut self, now: Now<R, K>, work: W) -> W::Output {
         hand_over(&self.chain, [&mut self.centre, &mut self.oscillation], now, work)
     }
 }
 
 /// Hands over the sites in the columns `[R0, V]` and `[C, S]`.
 #[inline(always)]
-fn hand_over<R: Real, W: Visit<R, Now<R>>>(
+fn hand_over<R: Real, K: Coefficient<R>, W: Visit<R, Now<R, K>>>(
     chain: &Chain<R>,
     [[r0, v], [c, s]]: [&mut [Aligned<R>; 2]; 2],
-    now: Now<R>,
+    now: Now<R, K>,
     work: W,
 ) -> W::Output {
-    let centre = Centre { r0: r0.column(), v: v.column() };
-    let oscillation = Oscillation { c: c.column(), s: s.column() };
+    let centre = Centre { r0: r0.column(), v: v.column(), of: PhantomData };
+    let oscillation = Oscillation { c: c.column(), s: s.column(), of: PhantomData };
     match chain.params().resonators() {
         Resonators::None => work.visit(chain, centre, now),
         Resonators::Fixed => work.visit(chain, oscillation, now),
@@ -314,43 +349,53 @@ fn hand_over<R: Real, W: Visit<R, Now<R>>>(
 
 /// What positions and a kick of the sites depend on at one time.
 #[derive(Clone, Copy)]
-pub(crate) struct Now<R> {
+pub(crate) struct Now<R, K = R> {
     tau: R,
     /// Sine and cosine of the phase.
-    sin: R,
-    cos: R,
+    sin: K,
+    cos: K,
     /// What a unit force adds to `R0`, `V`, `C` and `S` in the kick.
-    kick_r0: R,
-    kick_v: R,
-    kick_c: R,
-    kick_s: R,
+    kick_r0: K,
+    kick_v: K,
+    kick_c: K,
+    kick_s: K,
 }
 
-impl<R: Real> Now<R> {
+impl<R: Real, K: Coefficient<R>> Now<R, K> {
     /// For a kick of some duration, with the shares `m` and `mu/omega` of an impulse.
     #[inline(always)]
-    fn new((sin, cos): (R, R), tau: R, kick: R, [m, mu_over_omega]: [R; 2]) -> Self {
-        let (kick_v, per_omega) = (kick * m, kick * mu_over_omega);
-        Self { tau, sin, cos, kick_r0: -(kick_v * tau), kick_v, kick_c: -(per_omega * sin), kick_s: per_omega * cos }
+    fn new<V: Vector<R>>((sin, cos): (K, K), tau: R, kick: R, [m, mu_over_omega]: [K; 2]) -> Self {
+        let (kick, then) = (<K::In<V>>::all(kick), <K::In<V>>::all(tau));
+        let (kick_v, per_omega) = (kick * m.get::<V>(), kick * mu_over_omega.get::<V>());
+        Self {
+            tau,
+            sin,
+            cos,
+            kick_r0: K::kept::<V>((kick_v * then).negative()),
+            kick_v: K::kept::<V>(kick_v),
+            kick_c: K::kept::<V>((per_omega * sin.get::<V>()).negative()),
+            kick_s: K::kept::<V>(per_omega * cos.get::<V>()),
+        }
     }
 }
 
-impl<R: Real> LinearFlow<R> {
-    /// What positions and a kick of duration `kick` depend on at the present time.
+impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
+    /// What positions and a kick of duration `kick` depend on at the present time, of a chain
+    /// alone.
     #[inline]
-    pub(super) fn now(&self, kick: R) -> Now<R> {
-        Now::new(self.phase.sin_cos(), self.tau, kick, [self.m(), self.mu_over_omega])
+    pub(super) fn now(&self, kick: R) -> Now<R, K> {
+        Now::new::<R>(self.phase.sin_cos(), self.tau, kick, [self.m, self.mu_over_omega])
     }
 
     /// Does the work that `work` makes of a clock of the (kick, drift) pairs in a row. Only the
     /// first kick may have an anchor before it.
     #[inline(always)]
-    pub(super) fn in_row<'a, W: Visit<R, Now<R>>>(
+    pub(super) fn in_row<'a, W: Visit<R, Now<R, K>>>(
         &'a mut self,
         pairs: &'a [(R, DoubleDouble<R>)],
-        work: impl FnOnce(Phases<'a, R>) -> W,
+        work: impl FnOnce(Phases<'a, R, K>) -> W,
     ) -> W::Output {
-        let shares = [self.m(), self.mu_over_omega];
+        let shares = [self.m, self.mu_over_omega];
         let now = self.now(R::zero());
         let Self { chain, centre, oscillation, phase, tau, .. } = self;
         hand_over(chain, [centre, oscillation], now, work(Phases { phase, tau, shares, pairs: pairs.iter() }))
@@ -358,58 +403,61 @@ impl<R: Real> LinearFlow<R> {
 
     /// Kicks of a short chain in a row, each followed by its drift.
     fn row(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
-        let mut forces = std::mem::replace(&mut self.forces, RowForces::none());
-        self.in_row(pairs, |clock| InRow { forces: &mut forces, clock, kicks: pairs.len() });
+        let (mut forces, rest) = (std::mem::replace(&mut self.forces, RowForces::none()), self.rest);
+        self.in_row(pairs, |clock| InRow { forces: &mut forces, rest, clock, kicks: pairs.len() });
         self.forces = forces;
     }
 }
 
 /// The clock of (kick, drift) pairs in a row.
-pub(super) struct Phases<'a, R> {
-    phase: &'a mut Phase<R>,
+pub(super) struct Phases<'a, R, K = R> {
+    phase: &'a mut Phase<R, K>,
     tau: &'a mut R,
-    shares: [R; 2],
+    shares: [K; 2],
     pairs: Pairs<'a, R>,
 }
 
-impl<R: Real> Clock for Phases<'_, R> {
-    type Moment = Now<R>;
+impl<R: Real, K: Coefficient<R>> Clock<R> for Phases<'_, R, K> {
+    type Coefficient = K;
+    type Moment = Now<R, K>;
 
     #[inline(always)]
-    fn next(&mut self) -> Now<R> {
+    fn next<V: Vector<R>>(&mut self) -> Now<R, K> {
         let (kick, drift) = self.pairs.next().map_or((R::zero(), DoubleDouble::zero()), |&pair| pair);
-        let now = Now::new(self.phase.sin_cos(), *self.tau, kick, self.shares);
-        self.phase.advance_inside(drift);
+        let now = Now::new::<V>(self.phase.sin_cos(), *self.tau, kick, self.shares);
+        self.phase.advance_inside::<V>(drift);
         *self.tau += drift.value();
         now
     }
 
     #[inline(always)]
-    fn now(&self) -> Now<R> {
-        Now::new(self.phase.sin_cos(), *self.tau, R::zero(), self.shares)
+    fn now<V: Vector<R>>(&self) -> Now<R, K> {
+        Now::new::<V>(self.phase.sin_cos(), *self.tau, R::zero(), self.shares)
     }
 }
 
 /// Sites that move freely: all of a plain chain.
-struct Centre<'a, R> {
+struct Centre<'a, R, K> {
     r0: Column<'a, R>,
     v: Column<'a, R>,
+    of: PhantomData<K>,
 }
 
 /// Sites that oscillate: all of a cradle.
-struct Oscillation<'a, R> {
+struct Oscillation<'a, R, K> {
     c: Column<'a, R>,
     s: Column<'a, R>,
+    of: PhantomData<K>,
 }
 
 /// Sites that do both.
-struct Both<'a, R> {
-    centre: Centre<'a, R>,
-    oscillation: Oscillation<'a, R>,
+struct Both<'a, R, K> {
+    centre: Centre<'a, R, K>,
+    oscillation: Oscillation<'a, R, K>,
 }
 
-impl<R: Real> Sites<R> for Centre<'_, R> {
-    type Moment = Now<R>;
+impl<R: Real, K: Coefficient<R>> Sites<R> for Centre<'_, R, K> {
+    type Moment = Now<R, K>;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -417,18 +465,18 @@ impl<R: Real> Sites<R> for Centre<'_, R> {
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<R>) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<R, K>) -> V {
         // SAFETY: the caller's promise.
         let (r0, v): (V, V) = unsafe { (self.r0.load(at), self.v.load(at)) };
         r0 + v * V::all(now.tau)
     }
 
     #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<R>, next: &Now<R>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<R, K>, next: &Now<R, K>) -> V {
         // SAFETY: the caller's promise.
         unsafe {
-            let r0 = self.r0.load::<V>(at) + V::all(now.kick_r0) * force;
-            let v = self.v.load::<V>(at) + V::all(now.kick_v) * force;
+            let r0 = self.r0.load::<V>(at) + now.kick_r0.in_lanes::<V>() * force;
+            let v = self.v.load::<V>(at) + now.kick_v.in_lanes::<V>() * force;
             self.r0.store(at, r0);
             self.v.store(at, v);
             r0 + v * V::all(next.tau)
@@ -436,8 +484,8 @@ impl<R: Real> Sites<R> for Centre<'_, R> {
     }
 }
 
-impl<R: Real> Sites<R> for Oscillation<'_, R> {
-    type Moment = Now<R>;
+impl<R: Real, K: Coefficient<R>> Sites<R> for Oscillation<'_, R, K> {
+    type Moment = Now<R, K>;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -445,27 +493,27 @@ impl<R: Real> Sites<R> for Oscillation<'_, R> {
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<R>) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<R, K>) -> V {
         // SAFETY: the caller's promise.
         let (c, s): (V, V) = unsafe { (self.c.load(at), self.s.load(at)) };
-        c * V::all(now.cos) + s * V::all(now.sin)
+        c * now.cos.in_lanes::<V>() + s * now.sin.in_lanes::<V>()
     }
 
     #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<R>, next: &Now<R>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<R, K>, next: &Now<R, K>) -> V {
         // SAFETY: the caller's promise.
         unsafe {
-            let c = self.c.load::<V>(at) + V::all(now.kick_c) * force;
-            let s = self.s.load::<V>(at) + V::all(now.kick_s) * force;
+            let c = self.c.load::<V>(at) + now.kick_c.in_lanes::<V>() * force;
+            let s = self.s.load::<V>(at) + now.kick_s.in_lanes::<V>() * force;
             self.c.store(at, c);
             self.s.store(at, s);
-            c * V::all(next.cos) + s * V::all(next.sin)
+            c * next.cos.in_lanes::<V>() + s * next.sin.in_lanes::<V>()
         }
     }
 }
 
-impl<R: Real> Sites<R> for Both<'_, R> {
-    type Moment = Now<R>;
+impl<R: Real, K: Coefficient<R>> Sites<R> for Both<'_, R, K> {
+    type Moment = Now<R, K>;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -473,13 +521,13 @@ impl<R: Real> Sites<R> for Both<'_, R> {
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<R>) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<R, K>) -> V {
         // SAFETY: the caller's promise.
         unsafe { self.centre.positions::<V>(at, now) + self.oscillation.positions::<V>(at, now) }
     }
 
     #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<R>, next: &Now<R>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<R, K>, next: &Now<R, K>) -> V {
         // SAFETY: the caller's promise.
         unsafe { self.centre.advance(at, force, now, next) + self.oscillation.advance(at, force, now, next) }
     }

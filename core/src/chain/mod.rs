@@ -9,7 +9,6 @@
 //! | `omega` | `sqrt(kappa (1 + 1/rho))`, the frequency of a bead against its resonator |
 
 mod aligned;
-mod batch;
 mod blocks;
 mod bonds;
 mod boundary;
@@ -22,6 +21,7 @@ mod equilibrium;
 mod field;
 mod gauss;
 mod kinetic;
+mod lanes;
 mod law;
 mod linear;
 mod mean_force;
@@ -33,7 +33,6 @@ mod state;
 mod sweep;
 mod topology;
 
-pub use batch::Batch;
 pub use blocks::{Blocks, Whole};
 pub use bonds::{CorrectedSplit, SiteFlow};
 pub use boundary::Boundary;
@@ -70,8 +69,7 @@ pub struct Chain<R> {
     precompression: R,
     law: ContactLaw<R>,
     details: Option<Arc<CheckedDetails<R>>>,
-    /// Number of chains of which each site has those of all side by side, see [`Batch`]; zero for a
-    /// chain.
+    /// Number of lanes of chains [abreast](Self::abreast); zero for a chain alone.
     lanes: usize,
 }
 
@@ -129,11 +127,6 @@ impl<R: Real> Chain<R> {
     /// chain of its own with walls. On a strain ring: `sites` strains, each with its bond.
     pub(crate) fn stretch(&self, sites: usize) -> Self {
         self.with_sites(if self.topology.strains() { Boundary::StrainRing } else { Boundary::Fixed }, sites)
-    }
-
-    /// So many copies of the chain, a lane each.
-    fn abreast(&self, lanes: usize) -> Self {
-        Self { lanes, ..self.with_sites(self.boundary(), lanes * self.sites()) }
     }
 
     fn with_sites(&self, boundary: Boundary, sites: usize) -> Self {

@@ -4,92 +4,125 @@
 //! with twice the working precision. `k` rotations leave an error of about `k 10^-32`: below one
 //! rounding for 10^15 of them.
 
-use hertzchain_integrators::{DoubleDouble, Real, Rotation, kernel};
+use super::lanes::Coefficient;
+use hertzchain_integrators::{DoubleDouble, Real, Rotation, Vector, with_registers};
 
 /// Largest number of drifts whose rotations are kept, enough for those that a scheme repeats. A run
 /// that lands on contacts has ever new drifts; for drifts beyond this number, sine and cosine are
 /// computed anew.
 const KEPT: usize = 16;
 
-/// The phase of a chain.
-pub(crate) struct Phase<R> {
-    pub(crate) omega: DoubleDouble<R>,
+/// The phase of a chain, or those of chains abreast.
+pub(crate) struct Phase<R, K = R> {
+    omega: DoubleDouble<K>,
     two_pi: DoubleDouble<R>,
     /// The phase at the last count; `turns` holds the drifts since.
-    theta: DoubleDouble<R>,
-    now: Rotation<R>,
-    turns: Vec<Turn<R>>,
+    theta: DoubleDouble<K>,
+    now: Rotation<K>,
+    turns: Vec<Turn<R, K>>,
     /// Index in `turns` at which the next drift is expected.
     next: usize,
 }
 
 /// A drift, the angle by which it turns the phase, and how many times it was made since the last
 /// count.
-#[derive(Clone)]
-struct Turn<R> {
+struct Turn<R, K> {
     drift: DoubleDouble<R>,
-    angle: DoubleDouble<R>,
-    rotation: Rotation<R>,
+    angle: DoubleDouble<K>,
+    rotation: Rotation<K>,
     count: u64,
 }
 
-impl<R: Real> Phase<R> {
-    pub(crate) fn new(omega: DoubleDouble<R>) -> Self {
-        let turns = Vec::with_capacity(KEPT);
-        Self {
-            omega,
-            two_pi: DoubleDouble::two_pi(),
-            theta: DoubleDouble::zero(),
-            now: Rotation::none(),
-            turns,
-            next: 0,
-        }
+/// The number of a lane.
+fn lane<R: Real, K: Coefficient<R>>(of: DoubleDouble<K>, lane: usize) -> DoubleDouble<R> {
+    DoubleDouble { hi: of.hi.lane(lane), lo: of.lo.lane(lane) }
+}
+
+/// The numbers of all lanes.
+fn by_lane<R: Real, K: Coefficient<R>>(number: impl Fn(usize) -> DoubleDouble<R>) -> DoubleDouble<K> {
+    let [hi, lo] = K::by_lane(|lane| {
+        let DoubleDouble { hi, lo } = number(lane);
+        [hi, lo]
+    });
+    DoubleDouble { hi, lo }
+}
+
+/// The rotations of all lanes.
+fn turned<R: Real, K: Coefficient<R>>(rotation: impl Fn(usize) -> Rotation<R>) -> Rotation<K> {
+    let [sin, sin_lo, cos, cos_lo] = K::by_lane(|lane| {
+        let Rotation { sin, cos } = rotation(lane);
+        [sin.hi, sin.lo, cos.hi, cos.lo]
+    });
+    Rotation { sin: DoubleDouble { hi: sin, lo: sin_lo }, cos: DoubleDouble { hi: cos, lo: cos_lo } }
+}
+
+/// What it is computed with.
+#[inline(always)]
+fn get<R: Real, K: Coefficient<R>, V: Vector<R>>(Rotation { sin, cos }: Rotation<K>) -> Rotation<K::In<V>> {
+    Rotation {
+        sin: DoubleDouble { hi: sin.hi.get::<V>(), lo: sin.lo.get::<V>() },
+        cos: DoubleDouble { hi: cos.hi.get::<V>(), lo: cos.lo.get::<V>() },
+    }
+}
+
+impl<R: Real, K: Coefficient<R>> Phase<R, K> {
+    pub(crate) fn new(omega: DoubleDouble<K>) -> Self {
+        let (theta, now) = (by_lane(|_| DoubleDouble::zero()), turned(|_| Rotation::none()));
+        Self { omega, two_pi: DoubleDouble::two_pi(), theta, now, turns: Vec::with_capacity(KEPT), next: 0 }
+    }
+
+    /// `omega` of a lane.
+    #[inline(always)]
+    pub(crate) fn omega(&self, lane: usize) -> R {
+        self.omega.hi.lane(lane)
     }
 
     /// Sets the phase to zero.
     pub(crate) fn reset(&mut self) {
-        self.theta = DoubleDouble::zero();
-        self.now = Rotation::none();
+        self.theta = by_lane(|_| DoubleDouble::zero());
+        self.now = turned(|_| Rotation::none());
         self.turns.iter_mut().for_each(|turn| turn.count = 0);
     }
 
     /// Sets the phase to that of another.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.reset();
-        (self.theta, self.now) = (other.theta(), other.now);
+        (self.theta, self.now) = (by_lane(|lane| other.theta(lane)), other.now);
     }
 
     /// `(sin theta, cos theta)`.
     #[inline]
-    pub(crate) fn sin_cos(&self) -> (R, R) {
+    pub(crate) fn sin_cos(&self) -> (K, K) {
         self.now.sin_cos()
     }
 
-    /// The phase, reduced.
-    fn theta(&self) -> DoubleDouble<R> {
-        let turned = |theta, turn: &Turn<R>| theta + turn.angle * DoubleDouble::new(R::of(turn.count as f64));
-        self.turns.iter().filter(|turn| turn.count > 0).fold(self.theta, turned).reduced(self.two_pi)
+    /// The phase of a lane, reduced.
+    fn theta(&self, at: usize) -> DoubleDouble<R> {
+        let turned =
+            |theta, turn: &Turn<R, K>| theta + lane(turn.angle, at) * DoubleDouble::new(R::of(turn.count as f64));
+        self.turns.iter().filter(|turn| turn.count > 0).fold(lane(self.theta, at), turned).reduced(self.two_pi)
     }
 
     /// Moves the phase on by the time `dt`, with the fused products of the machine.
     #[inline]
     pub(crate) fn advance(&mut self, dt: DoubleDouble<R>) {
-        R::run(kernel!(self.advance_inside(dt)));
+        with_registers!(V<R> => self.advance_inside::<V<R>>(dt));
     }
 
     /// As [`advance`](Self::advance), inside a kernel: with the fused products that the kernel is
     /// compiled for.
     #[inline(always)]
-    pub(crate) fn advance_inside(&mut self, dt: DoubleDouble<R>) {
-        match self.turn(dt) {
-            Some(k) => {
-                let turn = &mut self.turns[k];
-                turn.count += 1;
-                self.next = k + 1;
-                self.now = self.now.then(&turn.rotation);
-            }
-            None => self.turn_anew(dt),
-        }
+    pub(crate) fn advance_inside<V: Vector<R>>(&mut self, dt: DoubleDouble<R>) {
+        let known = self.turn(dt);
+        let Some(k) = (if known.is_some() { known } else { self.turn_anew(dt) }) else { return };
+        let turn = &mut self.turns[k];
+        turn.count += 1;
+        self.next = k + 1;
+        let Rotation { sin, cos } = get::<R, K, V>(self.now).then(&get::<R, K, V>(turn.rotation));
+        self.now = Rotation {
+            sin: DoubleDouble { hi: K::kept::<V>(sin.hi), lo: K::kept::<V>(sin.lo) },
+            cos: DoubleDouble { hi: K::kept::<V>(cos.hi), lo: K::kept::<V>(cos.lo) },
+        };
     }
 
     /// Index of the kept turn with this drift.
@@ -102,19 +135,23 @@ impl<R: Real> Phase<R> {
         }
     }
 
+    /// Index of a new turn with this drift; `None` if there is no room for it, after the drift.
     #[cold]
-    fn turn_anew(&mut self, drift: DoubleDouble<R>) {
-        let angle = self.omega * drift;
+    fn turn_anew(&mut self, drift: DoubleDouble<R>) -> Option<usize> {
+        let (angle, two_pi) = (|at| lane(self.omega, at) * drift, self.two_pi);
         if self.turns.len() < KEPT {
-            let rotation = Rotation::by(angle.reduced(self.two_pi));
-            self.turns.push(Turn { drift, angle, rotation, count: 1 });
-            self.now = self.now.then(&rotation);
-        } else {
-            self.theta = (self.theta() + angle).reduced(self.two_pi);
-            self.turns.iter_mut().for_each(|turn| turn.count = 0);
-            let (sin, cos) = self.theta.sin_cos();
-            self.now = Rotation { sin: DoubleDouble::new(sin), cos: DoubleDouble::new(cos) };
+            let rotation = turned(|at| Rotation::by(angle(at).reduced(two_pi)));
+            self.turns.push(Turn { drift, angle: by_lane(angle), rotation, count: 0 });
+            return Some(self.turns.len() - 1);
         }
+        let theta: DoubleDouble<K> = by_lane(|at| (self.theta(at) + angle(at)).reduced(two_pi));
+        self.reset();
+        self.theta = theta;
+        self.now = turned(|at| {
+            let (sin, cos) = lane(theta, at).sin_cos();
+            Rotation { sin: DoubleDouble::new(sin), cos: DoubleDouble::new(cos) }
+        });
+        None
     }
 }
 
@@ -138,7 +175,7 @@ mod tests {
         let (s, c) = phase.sin_cos();
         assert!((s - sin).abs() < 2e-16 && (c - cos).abs() < 2e-16, "{:e} {:e}", s - sin, c - cos);
         // Measured: 1.3e-28 and 1.8e-27.
-        assert!((phase.theta() - theta).hi.abs() < 3e-28);
+        assert!((phase.theta(0) - theta).hi.abs() < 3e-28);
         let size = phase.now.sin * phase.now.sin + phase.now.cos * phase.now.cos - DoubleDouble::new(1.0);
         assert!(size.hi.abs() < 4e-27, "{size:?}");
         // Its copy, and drifts that are not kept, go on from there.

@@ -6,8 +6,8 @@
 //! still in the register, computes the forces of the next kick. No register waits for another of
 //! the same pass.
 //!
-//! Chains of a [`Batch`](super::Batch) are moved by the same passes. They have a lane each, so that
-//! the register of the next site follows that of a site, and neighbours need no moves between
+//! Chains [abreast](super::lanes) are moved by the same passes. They have a lane each, so that the
+//! register of the next site follows that of a site, and neighbours need no moves between
 //! lanes.
 //!
 //! On a ring a pass begins a register after the one before it. Its first registers then do not need
@@ -18,6 +18,7 @@
 use super::{
     Chain,
     aligned::Aligned,
+    lanes::Coefficient,
     law::{ContactLaw, LANES, Power, with_hertz},
     sweep::{Sites, Visit, overlaps, push},
 };
@@ -34,35 +35,38 @@ pub(super) const SHORT: usize = if cfg!(test) { 1 << 12 } else { 1 << 14 };
 const PAD: usize = LANES;
 
 /// The moments of kicks in a row, in order of time.
-pub(crate) trait Clock {
+pub(crate) trait Clock<R: Real> {
+    /// The coefficients of moments.
+    type Coefficient: Coefficient<R>;
     /// What a kick and its drift depend on.
     type Moment: Copy;
     /// Returns the moment of the next kick, then moves the clock on by its drift. Called once for
     /// each kick.
-    fn next(&mut self) -> Self::Moment;
+    fn next<V: Vector<R>>(&mut self) -> Self::Moment;
     /// The moment for positions at the present time, with a kick of duration zero.
-    fn now(&self) -> Self::Moment;
+    fn now<V: Vector<R>>(&self) -> Self::Moment;
 }
 
 /// `kicks` kicks in a row, at most as many as the clock has.
-pub(crate) struct InRow<'a, R, C> {
+pub(crate) struct InRow<'a, R: Real, C: Clock<R>> {
     pub(crate) forces: &'a mut RowForces<R>,
+    /// Static overlap.
+    pub(crate) rest: C::Coefficient,
     pub(crate) clock: C,
     pub(crate) kicks: usize,
 }
 
-impl<R: Real, C: Clock> Visit<R, C::Moment> for InRow<'_, R, C> {
+impl<R: Real, C: Clock<R>> Visit<R, C::Moment> for InRow<'_, R, C> {
     type Output = ();
 
     // Not inlined: the kernel is compiled once for each kind of sites.
     #[inline(never)]
     fn visit<S: Sites<R, Moment = C::Moment>>(self, chain: &Chain<R>, sites: S, _now: C::Moment) {
         with_registers!(V<R> => with_hertz!(chain.law, power => {
-            match (chain.topology.strains(), chain.lanes > 0) {
-                (true, false) => kick::<V<R>, _, true, false, _, _, _>((chain, power), sites, self),
-                (false, false) => kick::<V<R>, _, false, false, _, _, _>((chain, power), sites, self),
-                (true, true) => kick::<V<R>, _, true, true, _, _, _>((chain, power), sites, self),
-                (false, true) => kick::<V<R>, _, false, true, _, _, _>((chain, power), sites, self),
+            if chain.topology.strains() {
+                kick::<V<R>, _, true, C::Coefficient, _, _, _>((chain, power), sites, self)
+            } else {
+                kick::<V<R>, _, false, C::Coefficient, _, _, _>((chain, power), sites, self)
             }
         }));
     }
@@ -96,14 +100,14 @@ fn kick<
     V: Vector<R>,
     P: Power<R>,
     const STRAIN: bool,
-    const ABREAST: bool,
+    K: Coefficient<R>,
     R: Real,
     S: Sites<R>,
-    C: Clock<Moment = S::Moment>,
+    C: Clock<R, Coefficient = K, Moment = S::Moment>,
 >(
     (chain, power): (&Chain<R>, P),
     mut sites: S,
-    InRow { forces, mut clock, kicks }: InRow<'_, R, C>,
+    InRow { forces, rest, mut clock, kicks }: InRow<'_, R, C>,
 ) {
     let (n, ring) = (chain.sites(), chain.topology.ring());
     let registers = n.next_multiple_of(V::LANES);
@@ -111,25 +115,25 @@ fn kick<
     let (mut here, mut there) = (here.column(), there.column());
     assert!(sites.room() >= registers, "columns are whole registers");
     assert!([&here, &there].iter().all(|column| column.len() > PAD + registers + V::LANES));
-    assert!(!ABREAST || chain.lanes == V::LANES, "a batch is made for the instructions in use");
+    assert!(!K::EACH || chain.lanes == V::LANES, "chains abreast are moved by the instructions that they were made for");
     // The clock is one moment ahead, so that no position waits for it.
-    let mut now = clock.next();
-    let mut next = if kicks > 1 { clock.next() } else { now };
-    let mut pass = Pass { chain, start: 0 };
+    let mut now = clock.next::<V>();
+    let mut next = if kicks > 1 { clock.next::<V>() } else { now };
+    let mut pass = Pass { chain, rest: rest.in_lanes::<V>(), start: 0 };
     let law = chain.law;
     // SAFETY: columns have room, as asserted.
     unsafe {
-        pass.go::<V, _, _, STRAIN, ABREAST, false>(&mut sites, [&now; 2], &here, Raised { law, power, to: &mut there })
+        pass.go::<_, _, STRAIN, K, false>(&mut sites, [&now; 2], &here, Raised { law, power, to: &mut there })
     };
     (here, there) = (there, here);
     for left in (1..kicks).rev() {
-        let ahead = if left > 1 { clock.next() } else { next };
+        let ahead = if left > 1 { clock.next::<V>() } else { next };
         if ring {
             pass.start = (pass.start + V::LANES) % registers;
         }
         // SAFETY: as above.
         unsafe {
-            pass.go::<V, _, _, STRAIN, ABREAST, true>(
+            pass.go::<_, _, STRAIN, K, true>(
                 &mut sites,
                 [&now, &next],
                 &here,
@@ -141,7 +145,7 @@ fn kick<
     }
     for at in (0..n).step_by(V::LANES) {
         // SAFETY: as above.
-        unsafe { sites.update(at, forces_on::<R, V, STRAIN, ABREAST>(&here, n, at), &now) };
+        unsafe { sites.update(at, forces_on::<R, V, STRAIN, K>(&here, n, at), &now) };
     }
 }
 
@@ -166,13 +170,15 @@ impl<R: Real, P: Power<R>> Raised<'_, '_, R, P> {
 }
 
 /// A pass over all registers of a chain.
-struct Pass<'a, R> {
+struct Pass<'a, R, V> {
     chain: &'a Chain<R>,
+    /// Static overlap.
+    rest: V,
     /// The site at which it begins: 0, except on rings.
     start: usize,
 }
 
-impl<R: Real> Pass<'_, R> {
+impl<R: Real, V: Vector<R>> Pass<'_, R, V> {
     /// Kicks the sites by `forces` if `KICK`, and hands the overlaps at the next kick to `bonds`;
     /// `times` are the moments of this kick and of the next.
     ///
@@ -180,14 +186,14 @@ impl<R: Real> Pass<'_, R> {
     /// The columns of sites are whole registers; those of bonds have a register more than these on
     /// either side.
     #[inline(always)]
-    unsafe fn go<V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool, const ABREAST: bool, const KICK: bool>(
+    unsafe fn go<S: Sites<R>, P: Power<R>, const STRAIN: bool, K: Coefficient<R>, const KICK: bool>(
         &self,
         sites: &mut S,
         times: [&S::Moment; 2],
         forces: &Column<'_, R>,
         mut bonds: Raised<'_, '_, R, P>,
     ) {
-        let Self { chain, start } = *self;
+        let Self { chain, rest, start } = *self;
         let (n, ring) = (chain.sites(), chain.topology.ring());
         let last = n.next_multiple_of(V::LANES) - V::LANES;
         let (left, right) = chain.topology.ghosts(R::zero(), R::zero());
@@ -199,26 +205,26 @@ impl<R: Real> Pass<'_, R> {
         unsafe {
             if wait {
                 first =
-                    moved::<R, V, S, KICK>(sites, start, forces_on::<R, V, STRAIN, ABREAST>(forces, n, start), times);
+                    moved::<R, V, S, KICK>(sites, start, forces_on::<R, V, STRAIN, K>(forces, n, start), times);
                 (q, at) = (first, start + V::LANES);
             }
-            q = self.whole::<V, S, P, STRAIN, ABREAST, KICK>(at..last, q, sites, times, forces, &mut bonds);
+            q = self.whole::<S, P, STRAIN, K, KICK>(at..last, q, sites, times, forces, &mut bonds);
             if at <= last {
                 let here =
-                    moved::<R, V, S, KICK>(sites, last, forces_on::<R, V, STRAIN, ABREAST>(forces, n, last), times);
-                bonds.take(last, between::<R, V, STRAIN, ABREAST>(chain.precompression, q, here));
+                    moved::<R, V, S, KICK>(sites, last, forces_on::<R, V, STRAIN, K>(forces, n, last), times);
+                bonds.take(last, between::<R, V, STRAIN, K>(rest, q, here));
                 q = here;
             }
-            if !STRAIN && !ABREAST {
+            if !STRAIN && !K::EACH {
                 q = q.spread(n - 1 - last);
             }
-            q = self.whole::<V, S, P, STRAIN, ABREAST, KICK>(0..start, q, sites, times, forces, &mut bonds);
+            q = self.whole::<S, P, STRAIN, K, KICK>(0..start, q, sites, times, forces, &mut bonds);
             if wait {
-                bonds.take(start, between::<R, V, STRAIN, ABREAST>(chain.precompression, q, first));
+                bonds.take(start, between::<R, V, STRAIN, K>(rest, q, first));
             }
             let beyond = last + V::LANES;
             if ring {
-                if ABREAST {
+                if K::EACH {
                     bonds.to.store::<V>(PAD - V::LANES, bonds.to.load(PAD + last));
                     bonds.to.store::<V>(PAD + beyond, bonds.to.load(PAD));
                 } else {
@@ -226,7 +232,7 @@ impl<R: Real> Pass<'_, R> {
                     bonds.to.store::<R>(PAD + beyond, bonds.to.load(PAD));
                 }
             } else {
-                bonds.take(beyond, between::<R, V, STRAIN, ABREAST>(chain.precompression, q, V::all(right)));
+                bonds.take(beyond, between::<R, V, STRAIN, K>(rest, q, V::all(right)));
             }
         }
     }
@@ -238,11 +244,10 @@ impl<R: Real> Pass<'_, R> {
     /// As [`go`](Self::go).
     #[inline(always)]
     unsafe fn whole<
-        V: Vector<R>,
         S: Sites<R>,
         P: Power<R>,
         const STRAIN: bool,
-        const ABREAST: bool,
+        K: Coefficient<R>,
         const KICK: bool,
     >(
         &self,
@@ -253,15 +258,15 @@ impl<R: Real> Pass<'_, R> {
         forces: &Column<'_, R>,
         bonds: &mut Raised<'_, '_, R, P>,
     ) -> V {
-        let (rest, mut at) = (self.chain.precompression, registers.start);
+        let (rest, mut at) = (self.rest, registers.start);
         // SAFETY: the caller's promise.
-        let [mut before, mut f] = unsafe { [force_before::<R, V, ABREAST>(forces, at), forces.load(PAD + at)] };
+        let [mut before, mut f] = unsafe { [force_before::<R, V, K>(forces, at), forces.load(PAD + at)] };
         while at < registers.end {
             // SAFETY: as above.
             unsafe {
                 let after = forces.load(PAD + at + V::LANES);
-                let here = moved::<R, V, S, KICK>(sites, at, pushes::<R, V, STRAIN, ABREAST>(before, f, after), times);
-                bonds.take(at, between::<R, V, STRAIN, ABREAST>(rest, q, here));
+                let here = moved::<R, V, S, KICK>(sites, at, pushes::<R, V, STRAIN, K>(before, f, after), times);
+                bonds.take(at, between::<R, V, STRAIN, K>(rest, q, here));
                 (q, before, f) = (here, f, after);
             }
             at += V::LANES;
@@ -291,21 +296,21 @@ unsafe fn moved<R: Real, V: Vector<R>, S: Sites<R>, const KICK: bool>(
 /// # Safety
 /// The column has forces of bonds from `PAD` on, and a register before.
 #[inline(always)]
-unsafe fn force_before<R: Real, V: Vector<R>, const ABREAST: bool>(forces: &Column<'_, R>, at: usize) -> V {
+unsafe fn force_before<R: Real, V: Vector<R>, K: Coefficient<R>>(forces: &Column<'_, R>, at: usize) -> V {
     // SAFETY: the caller's promise.
-    unsafe { if ABREAST { forces.load(PAD + at - V::LANES) } else { V::all(forces.load(PAD + at - 1)) } }
+    unsafe { if K::EACH { forces.load(PAD + at - V::LANES) } else { V::all(forces.load(PAD + at - 1)) } }
 }
 
 /// [`overlaps`], also of chains abreast.
 #[inline(always)]
-fn between<R: Real, V: Vector<R>, const STRAIN: bool, const ABREAST: bool>(rest: R, before: V, q: V) -> V {
-    if ABREAST && !STRAIN { V::all(rest) + (before - q) } else { overlaps::<R, V, STRAIN>(rest, before, q) }
+fn between<R: Real, V: Vector<R>, const STRAIN: bool, K: Coefficient<R>>(rest: V, before: V, q: V) -> V {
+    if K::EACH && !STRAIN { rest + (before - q) } else { overlaps::<R, V, STRAIN>(rest, before, q) }
 }
 
 /// [`push`], also on chains abreast.
 #[inline(always)]
-fn pushes<R: Real, V: Vector<R>, const STRAIN: bool, const ABREAST: bool>(before: V, f: V, next: V) -> V {
-    match (STRAIN, ABREAST) {
+fn pushes<R: Real, V: Vector<R>, const STRAIN: bool, K: Coefficient<R>>(before: V, f: V, next: V) -> V {
+    match (STRAIN, K::EACH) {
         (true, true) => (f - before) - (next - f),
         (false, true) => f - next,
         (_, false) => push::<R, V, STRAIN>(before, f, next),
@@ -317,16 +322,16 @@ fn pushes<R: Real, V: Vector<R>, const STRAIN: bool, const ABREAST: bool>(before
 /// # Safety
 /// As [`given`].
 #[inline(always)]
-unsafe fn forces_on<R: Real, V: Vector<R>, const STRAIN: bool, const ABREAST: bool>(
+unsafe fn forces_on<R: Real, V: Vector<R>, const STRAIN: bool, K: Coefficient<R>>(
     forces: &Column<'_, R>,
     n: usize,
     at: usize,
 ) -> V {
     // SAFETY: the caller's promise.
     unsafe {
-        if ABREAST {
+        if K::EACH {
             let [f, next] = [at, at + V::LANES].map(|at| forces.load(PAD + at));
-            pushes::<R, V, STRAIN, true>(force_before::<R, V, true>(forces, at), f, next)
+            pushes::<R, V, STRAIN, K>(force_before::<R, V, K>(forces, at), f, next)
         } else {
             given::<R, V, STRAIN>(forces, n, at)
         }

@@ -331,14 +331,14 @@ fn ghosts<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: &S, now: &S::Moment) ->
 /// positions `q` of the sites.
 #[inline(always)]
 fn bonds<R: Real, V: Vector<R>, P: Power<R>, const STRAIN: bool>(chain: &Chain<R>, power: P, before: V, q: V) -> V {
-    chain.law.force_by(power, overlaps::<R, V, STRAIN>(chain.precompression, before, q))
+    chain.law.force_by(power, overlaps::<R, V, STRAIN>(V::all(chain.precompression), before, q))
 }
 
 /// Overlaps of the bonds to the left of sites, `rest + q_{i-1} - q_i` from positions or `-x_i` from
 /// strains.
 #[inline(always)]
-pub(crate) fn overlaps<R: Real, V: Vector<R>, const STRAIN: bool>(rest: R, before: V, q: V) -> V {
-    if STRAIN { V::all(R::zero()) - q } else { V::all(rest) + (q.after(before) - q) }
+pub(crate) fn overlaps<R: Real, V: Vector<R>, const STRAIN: bool>(rest: V, before: V, q: V) -> V {
+    if STRAIN { V::all(R::zero()) - q } else { rest + (q.after(before) - q) }
 }
 
 /// Contact forces `f_i - f_{i+1}` on sites, from the forces `f` of the bonds to their left; or the

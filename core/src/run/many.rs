@@ -1,33 +1,34 @@
-//! Several runs, those of equal chains side by side in the lanes of a register.
+//! Several runs, those of chains alike side by side in the lanes of a register.
 
 use super::{
     Method, Recorder, Run, Setting, Snapshot, Trajectory,
     method::{Split, loaded},
 };
 use crate::{
-    chain::{Batch, Divisible, KineticFlow, LinearFlow},
+    chain::{KineticFlow, LinearFlow},
     error::Result,
 };
 use hertzchain_integrators::{
-    Error as Failure, Observer, SplitFlow, Splitting, Stats, Stepper, drive, splitting::Scheme,
+    Error as Failure, Observer, Splitting, Stats, Stepper, drive, splitting::Scheme,
 };
 use std::{ops::ControlFlow, time::Instant};
 
 /// Starts runs; each result is that of [`Run::start`], with the same bits. `seen` is called with
 /// the number of a run, the time of each of its samples, and the state there.
 ///
-/// Runs that follow each other, differ in their initial states only and are by a splitting with a
-/// given number of equal steps, are made together, as many as a register has lanes, if their beads
-/// are equal, at most a few thousand, and neither contacts, observables nor crossings are asked
-/// for. Their wall time is shared equally.
+/// Runs that follow each other are made together, as many as a register has lanes, if they are by a
+/// splitting with a given number of equal steps and differ in nothing but their initial states, the
+/// parameters kappa and rho and the precompression. Beads of a chain must be equal, at most a few
+/// thousand; all chains of one group are plain, or all have fixed resonators, or all moving ones;
+/// and neither contacts, observables nor crossings are asked for. Their wall time is shared equally.
 ///
 /// ```
 /// # use hertzchain_core::{Boundary, Chain, Method, Params, Run, Setting, State, run::start_all};
-/// let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, 10)?;
 /// let runs = [0.5, 1.0, 2.0].map(|speed| {
+///     let chain = Chain::new(Params::new(1.5, speed, 0.3).unwrap(), Boundary::Free, 10).unwrap();
 ///     let mut state = State::rest(&chain);
 ///     state.u_dot_mut()[0] = speed;
-///     let run = Run::new(chain.clone(), state).until(5.0).unwrap();
+///     let run = Run::new(chain, state).until(5.0).unwrap();
 ///     run.method(Method::named("verlet").unwrap()).setting(Setting::Steps(1000))
 /// });
 /// let ends = start_all(&runs, &mut |_, _, _| ());
@@ -55,7 +56,7 @@ pub fn start_all(runs: &[Run], seen: &mut dyn FnMut(usize, f64, &[f64])) -> Vec<
 pub fn groups(runs: &[Run], most: usize) -> Vec<&[Run]> {
     let (mut groups, mut rest) = (Vec::new(), runs);
     while let Some(first) = rest.first() {
-        let most = most.min(Batch::<LinearFlow<f64>>::most(&first.chain));
+        let most = most.min(first.chain.most_abreast());
         let alike = rest.iter().take(most).take_while(|run| first.alike(run)).count();
         let (group, others) = rest.split_at(alike.max(1));
         groups.push(group);
@@ -78,16 +79,16 @@ impl Run {
         }
     }
 
-    /// Whether another run differs in its initial state only, and can be made together with this
-    /// one.
+    /// Whether another run can be made together with this one.
     fn alike(&self, other: &Self) -> bool {
-        let chain = |run: &Self| (run.chain.params(), run.chain.topology(), run.chain.precompression());
+        let chain = |run: &Self| {
+            (run.chain.params().alpha, run.chain.params().resonators(), run.chain.topology())
+        };
         self.split().is_some()
             && (self.method, self.setting) == (other.method, other.setting)
             && other.split().is_some()
             && chain(self) == chain(other)
-            && (self.start, self.end, self.period, self.records)
-                == (other.start, other.end, other.period, other.records)
+            && (self.start, self.end, self.records) == (other.start, other.end, other.records)
             && self.sampling == other.sampling
     }
 }
@@ -101,9 +102,14 @@ fn together(
     let clock = Instant::now();
     let spans = runs.iter().map(Run::span).collect::<Result<Vec<_>>>()?;
     let mut y: Vec<f64> = runs.iter().flat_map(|run| run.initial().as_slice()).copied().collect();
+    let (chains, first) = (runs.iter().map(|run| run.chain.clone()).collect(), split.first());
     let mut stepper: Box<dyn Stepper<f64>> = match split {
-        Split::Kinetic => started::<KineticFlow<f64>>(runs, &y, (scheme, split, steps), spans[0])?,
-        Split::Linear => started::<LinearFlow<f64>>(runs, &y, (scheme, split, steps), spans[0])?,
+        Split::Kinetic => {
+            Box::new(Splitting::new(scheme, first, loaded(KineticFlow::abreast(chains), &y), spans[0], steps)?)
+        }
+        Split::Linear => {
+            Box::new(Splitting::new(scheme, first, loaded(LinearFlow::abreast(chains), &y), spans[0], steps)?)
+        }
     };
     let mut silent = vec![|_: f64, _: &[f64]| (); runs.len()];
     let members = runs.iter().zip(&mut silent).map(|(run, silent)| Recorder::new(run, Snapshot::new(run), silent));
@@ -119,21 +125,6 @@ fn together(
         Ok(recorder.trajectory(failure))
     });
     ends.collect()
-}
-
-/// The stepper of runs that are alike.
-fn started<F>(
-    runs: &[Run],
-    y: &[f64],
-    (scheme, split, steps): (&'static Scheme, Split, u64),
-    span: (f64, f64),
-) -> Result<Box<dyn Stepper<f64>>>
-where
-    F: Divisible<f64> + 'static,
-    Batch<F>: SplitFlow<f64>,
-{
-    let flow = loaded(Batch::<F>::new(runs[0].chain.clone(), runs.len()), y);
-    Ok(Box::new(Splitting::new(scheme, split.first(), flow, span, steps)?))
 }
 
 /// The observers of runs that are alike, of those that have not failed.
@@ -169,13 +160,19 @@ mod tests {
         run::Records,
     };
 
-    /// Runs of a chain by a splitting from states of sizes 1, 2, ..
-    fn runs(chain: &Chain<f64>, method: &str, sizes: std::ops::Range<u32>, steps: u64) -> Vec<Run> {
+    /// Runs by a splitting from states of sizes 1, 2, .., each of a chain for this size.
+    fn runs(
+        chain: impl Fn(u32) -> Chain<f64>,
+        method: &str,
+        sizes: std::ops::Range<u32>,
+        steps: u64,
+    ) -> Vec<Run> {
         let run = |size: u32| {
-            let mut state = State::rest(chain);
+            let chain = chain(size);
+            let mut state = State::rest(&chain);
             let numbers = state.as_mut_slice().iter_mut().enumerate();
             numbers.for_each(|(i, x)| *x = 0.01 * f64::from(size) * (0.7 * (i * i) as f64 + 0.3).sin());
-            let run = Run::new(chain.clone(), state).until(7.0).unwrap().samples(3).unwrap().records(Records::Energy);
+            let run = Run::new(chain, state).until(7.0).unwrap().samples(3).unwrap().records(Records::Energy);
             run.method(Method::named(method).unwrap()).setting(Setting::Steps(steps))
         };
         sizes.map(run).collect()
@@ -190,11 +187,16 @@ mod tests {
                 for (n, rho) in
                     [1, 2, 3, 9].into_iter().flat_map(|n| [0.0, 1.0 / 3.0, f64::INFINITY].map(|rho| (n, rho)))
                 {
-                    let params = Params::new([1.2, 1.5, 2.0, 2.5][(n + k) % 4], 1.0, rho).unwrap();
-                    let chain = Chain::new(params, boundary, n).unwrap();
-                    let chain = chain.clone().precompressed(0.01).unwrap_or(chain);
+                    // Each has springs, resonators and a precompression of its own.
+                    let chain = |size: u32| {
+                        let (alpha, size) = ([1.2, 1.5, 2.0, 2.5][(n + k) % 4], f64::from(size));
+                        let params = Params::new(alpha, 0.7 + 0.1 * size, size * rho).unwrap();
+                        let chain = Chain::new(params, boundary, n).unwrap();
+                        chain.clone().precompressed(0.01 * size).unwrap_or(chain)
+                    };
                     for method in ["verlet", "strang-linear", "aba864"] {
-                        let runs = runs(&chain, method, 1..8, 90);
+                        let runs = runs(chain, method, 1..8, 90);
+                        assert_eq!(groups(&runs, 7)[0].len(), runs[0].chain.most_abreast().min(7));
                         let (mut seen, mut want) = (vec![Vec::new(); 7], vec![Vec::new(); 7]);
                         let ends = start_all(&runs, &mut |k, t, y| seen[k].push((t, y.to_vec())));
                         for ((run, end), want) in runs.iter().zip(ends).zip(&mut want) {
@@ -223,8 +225,9 @@ mod tests {
     fn a_run_that_fails_leaves_the_others_alone_and_others_are_refused_one_by_one() {
         // Truth: each alone. Steps of 0.7 are unstable for Verlet where beads are pressed hard.
         let chain = Chain::new(Params::new(2.5, 4.0, f64::INFINITY).unwrap(), Boundary::Ring, 9).unwrap();
-        let mut all = runs(&chain, "verlet", 1..4, 10);
-        all[1] = runs(&chain, "verlet", 100_000..100_001, 10).remove(0);
+        let chain = |_| chain.clone();
+        let mut all = runs(chain, "verlet", 1..4, 10);
+        all[1] = runs(chain, "verlet", 100_000..100_001, 10).remove(0);
         all.push(all[0].clone().setting(Setting::Tolerance(1e-3)));
         let mut ends = start_all(&all, &mut |_, _, _| ());
         assert!(matches!(ends.pop(), Some(Err(_))), "verlet takes no tolerance");

@@ -8,7 +8,7 @@
 //! | `crossings` | [`Run::crossings`]: changes of sign of such functions, which may end the run |
 //! | `amplification` | by how much a small change of the initial state has grown at the end |
 //! | `initial` | [`Initial`]: the state from which it begins, in memory or site by site |
-//! | `many` | [`start_all`]: several runs, those of equal chains in the lanes of a register |
+//! | `many` | [`start_all`]: several runs, those that are alike in the lanes of a register |
 //! | `record` | [`Trajectory`]: the result of a run; checks for unstable states during the run |
 //! | `states` | [`States`]: an iterator over the states at given times |
 //! | `warning` | [`Warning`]: what makes the result of a run doubtful, such as its energy error |

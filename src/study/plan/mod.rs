@@ -178,12 +178,12 @@ fn run_of(plan: &Plan, point: &Point) -> Result<(Scene, Run)> {
     Ok((scene, run))
 }
 
-/// Number of points that follow each other and are to be run at once: several if their runs may
-/// differ in the initial state only, and can then be made side by side.
+/// Number of points that follow each other and are to be run at once: as many as of the first ones
+/// can be made side by side.
 fn together(plan: &Plan) -> usize {
-    let initial = plan.axes.last().is_some_and(|axis| axis.keys.iter().all(|key| key.starts_with("initial.")));
-    let Some((_, run)) = initial.then(|| run_of(plan, &plan.point(0)).ok()).flatten() else { return 1 };
-    groups(&vec![run; MOST_LANES], plan.points().div_ceil(cores())).first().map_or(1, |group| group.len())
+    let first = (0..plan.points().min(MOST_LANES)).filter_map(|k| run_of(plan, &plan.point(k)).ok());
+    let runs: Vec<Run> = first.map(|(_, run)| run).collect();
+    groups(&runs, plan.points().div_ceil(cores())).iter().map(|group| group.len()).max().unwrap_or(1)
 }
 
 /// Runs points: the quantities that the plan keeps of each.
@@ -336,15 +336,16 @@ mod tests {
 
     #[test]
     fn points_that_are_run_side_by_side_have_the_rows_of_each_alone() {
-        // Truth: each run of its own. The second axis changes the chain, so that some groups
+        // Truth: each run of its own. The first axis changes the exponent, so that some groups
         // are cut; a point whose scene is refused fails alone.
         let plan = r#"
             scene = "impact"
-            set = ["chain.sites=12", "span.until=5", "method.integrator=strang-linear", "method.step=0.05"]
+            set = ["chain.sites=12", "chain.rho=0.4", "span.until=5", "method.integrator=strang-linear", "method.step=0.05"]
             keep = ["energy_error", "u"]
             axis = [
                 { key = "chain.alpha", values = [1.5, 2.0] },
                 { key = "initial.velocity", values = [0.1, 0.2, 0.3, "fast", 0.5, 0.6, 0.7] },
+                { key = "chain.kappa", from = 0.5, to = 2.0, count = 7, zip = true },
             ]
         "#;
         let plan = Plan::parse(plan, "plan.toml".as_ref()).unwrap();

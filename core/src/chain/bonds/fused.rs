@@ -64,7 +64,7 @@ pub(super) struct FusedRow<'a, C> {
     pub(super) kicks: usize,
 }
 
-impl<C: Clock> Visit<f64, C::Moment> for FusedRow<'_, C> {
+impl<C: Clock<f64>> Visit<f64, C::Moment> for FusedRow<'_, C> {
     type Output = usize;
 
     #[inline(always)]
@@ -79,7 +79,7 @@ impl<C: Clock> Visit<f64, C::Moment> for FusedRow<'_, C> {
     }
 }
 
-impl<C: Clock> FusedRow<'_, C> {
+impl<C: Clock<f64>> FusedRow<'_, C> {
     /// Makes the kicks, and returns how many.
     #[inline(always)]
     fn kick<V: Vector<f64>, P: Power<f64>, S: Sites<f64, Moment = C::Moment>, const STRAIN: bool>(
@@ -100,7 +100,7 @@ impl<C: Clock> FusedRow<'_, C> {
         loop {
             (g, g1, g0, f, f1, slope, slope1) = (g0, g, g1, f1, f, slope1, slope);
             // The next moment is known after the clock has moved on.
-            let (now, next, mut seen) = (clock.next(), clock.now(), 0);
+            let (now, next, mut seen) = (clock.next::<V>(), clock.now::<V>(), 0);
             for &range in awake {
                 // SAFETY: as above.
                 unsafe { modify::<V>(topology, c, range, [&f1, &slope1], &mut modified) };
@@ -362,7 +362,7 @@ impl<P: Power<f64>> Evaluation<'_, '_, P> {
     /// a bond has changed its side or may have turned near zero.
     #[inline(always)]
     unsafe fn bonds<V: Vector<f64>, const STRAIN: bool>(&mut self, at: usize, before: V, q: V) -> u64 {
-        let g = overlaps::<f64, V, STRAIN>(self.rest, before, q);
+        let g = overlaps::<f64, V, STRAIN>(V::all(self.rest), before, q);
         let (f, slope) = self.law.force_and_slope(self.power, g);
         let [positions, overlap, force, derivative] = &mut self.write;
         // SAFETY: the caller's promise.

@@ -62,7 +62,7 @@ impl SiteFlow for KineticFlow<f64> {
     }
 
     fn push_and_evaluate(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize {
-        let clock = Drifts { params: self.chain.params(), pairs: pairs.iter() };
+        let clock = Drifts { springs: self.springs, pairs: pairs.iter() };
         self.visit_beads(0.0, FusedRow { fused, clock, kicks: pairs.len() })
     }
 
