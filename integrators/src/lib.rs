@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`instructions`] | the vector instructions of inner loops |
 //! | [`real`] | the scalar type: `f64`, or double-double |
-//! | [`vector`] | numbers side by side in a register |
+//! | [`vector`], [`lanes`] | numbers side by side in a register; coefficients for all lanes or for each |
 //! | [`clock`] | times and coefficients to twice the working precision |
 //! | [`law`] | the force of a bond as a power of its overlap |
 //! | [`system`] | the interfaces between methods and problems |
@@ -26,6 +26,7 @@ pub mod error;
 pub mod events;
 pub mod instructions;
 pub mod interrupt;
+pub mod lanes;
 pub mod law;
 pub mod real;
 pub mod regularised;

@@ -32,8 +32,9 @@ pub trait VectorField<R: Real> {
 /// choice.
 ///
 /// The *drift* is solved exactly for any duration; the *kick* changes momenta by forces that depend
-/// on positions only.
-pub trait SplitFlow<R: Real> {
+/// on positions only. Systems abreast, one in each lane of registers, have durations `K` of their
+/// own, see [`Coefficient`](crate::lanes::Coefficient).
+pub trait SplitFlow<R: Real, K: Copy = R> {
     /// Number of components of the state `y`.
     fn dim(&self) -> usize;
     /// Number of components that one thread moves in a kick: all, unless the flow is divided into
@@ -52,13 +53,13 @@ pub trait SplitFlow<R: Real> {
     /// Copies the state of `other`, without allocating.
     fn copy_from(&mut self, other: &Self);
     /// The exact flow of the drift over `dt`.
-    fn drift(&mut self, dt: DoubleDouble<R>);
+    fn drift(&mut self, dt: DoubleDouble<K>);
     /// The flow of the kick over `kick`, then the drift over `drift`. A flow may do both in one
     /// sweep over the state.
-    fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>);
+    fn kick_drift(&mut self, kick: K, drift: DoubleDouble<K>);
     /// Kicks and drifts one after the other. A flow may do several in one sweep over the state,
     /// with the same bits.
-    fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
+    fn kick_drifts(&mut self, pairs: &[(K, DoubleDouble<K>)]) {
         pairs.iter().for_each(|&(kick, drift)| self.kick_drift(kick, drift));
     }
 }

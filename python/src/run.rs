@@ -244,8 +244,8 @@ pub(crate) fn film<'py>(
     Ok(PyBytes::new(py, &study::film(scene, how, &samples, units).or_raise(py)?))
 }
 
-/// Runs scenes, each as by [`run`] with the same bits, on all cores; those that differ in their
-/// initial states only and are by a splitting with equal steps are made side by side. The result is
+/// Runs scenes, each as by [`run`] with the same bits, on all cores; those that are alike and by a
+/// splitting with equal steps are made side by side, see [`start_all`]. The result is
 /// what was recorded of each, and the exception that stopped them, if one did.
 #[pyfunction]
 #[pyo3(signature = (scenes, *, method, tol, step, steps_per_period, times, states, dimensionless, progress))]

@@ -6,7 +6,7 @@ use super::{
     aligned::Aligned,
     divisible::Divisible,
     lanes::{Coefficient, Each},
-    rows::{Clock, InRow, Pairs, RowForces},
+    rows::{Clock, InRow, Pairs, RowForces, next},
     sweep::{MOST_KICKS, Sites, Swept, Visit, follow, long, step},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector};
@@ -76,7 +76,7 @@ impl<R: Real, K: Coefficient<R>> KineticFlow<R, K> {
     }
 }
 
-impl<R: Real, K: Coefficient<R>> SplitFlow<R> for KineticFlow<R, K> {
+impl<R: Real, K: Coefficient<R>> SplitFlow<R, K> for KineticFlow<R, K> {
     fn dim(&self) -> usize {
         self.members.len().max(1) * self.chain.member(&self.members, 0).layout().dim()
     }
@@ -119,22 +119,23 @@ impl<R: Real, K: Coefficient<R>> SplitFlow<R> for KineticFlow<R, K> {
         }
     }
 
-    fn drift(&mut self, dt: DoubleDouble<R>) {
+    fn drift(&mut self, dt: DoubleDouble<K>) {
+        let stride = self.chain.stride::<K>();
         for [q, q_dot] in [&mut self.beads, &mut self.resonators] {
-            for (q, &q_dot) in q.iter_mut().zip(q_dot.iter()) {
-                *q += dt.value() * q_dot;
+            for (i, (q, &q_dot)) in q.iter_mut().zip(q_dot.iter()).enumerate() {
+                *q += dt.hi.lane(i % stride) * q_dot;
             }
         }
     }
 
-    fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
+    fn kick_drift(&mut self, kick: K, drift: DoubleDouble<K>) {
         if K::EACH {
             return self.row(&[(kick, drift)]);
         }
         step(self, kick, drift);
     }
 
-    fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
+    fn kick_drifts(&mut self, pairs: &[(K, DoubleDouble<K>)]) {
         if K::EACH || self.forces.used() && pairs.len() > 1 {
             return self.row(pairs);
         }
@@ -169,7 +170,7 @@ impl<R: Real> Divisible<R> for KineticFlow<R> {
     }
 }
 
-impl<R: Real, K: Coefficient<R>> Swept<R> for KineticFlow<R, K> {
+impl<R: Real, K: Coefficient<R>> Swept<R, K> for KineticFlow<R, K> {
     type Moment = Durations<K>;
 
     fn swept(&self) -> &Chain<R> {
@@ -177,7 +178,7 @@ impl<R: Real, K: Coefficient<R>> Swept<R> for KineticFlow<R, K> {
     }
 
     #[inline]
-    fn begin(&mut self, kick: R, drift: DoubleDouble<R>) -> Durations<K> {
+    fn begin(&mut self, kick: K, drift: DoubleDouble<K>) -> Durations<K> {
         durations::<R, K, R>(self.springs, kick, drift)
     }
 
@@ -197,21 +198,20 @@ impl<R: Real, K: Coefficient<R>> Swept<R> for KineticFlow<R, K> {
 
 impl<R: Real, K: Coefficient<R>> KineticFlow<R, K> {
     /// Hands over the beads for a kick by contacts, without their springs and without a drift.
-    pub(super) fn visit_beads<W: Visit<R, Durations<K>>>(&mut self, kick: R, work: W) -> W::Output {
+    pub(super) fn visit_beads<W: Visit<R, Durations<K>>>(&mut self, kick: K, work: W) -> W::Output {
         let Self { chain, beads: [u, u_dot], springs, .. } = self;
-        let now = durations::<R, K, R>(*springs, kick, DoubleDouble::zero());
+        let now = durations::<R, K, R>(*springs, kick, DoubleDouble { hi: K::zero(), lo: K::zero() });
         work.visit(chain, Beads { u: u.column(), u_dot: u_dot.column(), of: PhantomData }, now)
     }
 
     /// Kicks of a short chain in a row, each followed by its drift.
-    fn row(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
+    fn row(&mut self, pairs: &[(K, DoubleDouble<K>)]) {
         if pairs.is_empty() {
             return;
         }
         let mut forces = std::mem::replace(&mut self.forces, RowForces::none());
         let (clock, rest) = (Drifts { springs: self.springs, pairs: pairs.iter() }, self.rest);
-        let now = clock.now::<R>();
-        self.visit(now, InRow { forces: &mut forces, rest, clock, kicks: pairs.len() });
+        self.visit([K::zero(); 3], InRow { forces: &mut forces, rest, clock, kicks: pairs.len() });
         self.forces = forces;
     }
 }
@@ -223,35 +223,33 @@ pub(crate) type Durations<K> = [K; 3];
 #[inline(always)]
 fn durations<R: Real, K: Coefficient<R>, V: Vector<R>>(
     [kappa, rho]: [K; 2],
-    kick: R,
-    drift: DoubleDouble<R>,
+    kick: K,
+    drift: DoubleDouble<K>,
 ) -> Durations<K> {
-    let (kick, drift) = (<K::In<V>>::all(kick), <K::In<V>>::all(drift.value()));
-    let kick_v = kick * kappa.get::<V>() / rho.get::<V>();
-    [K::kept::<V>(kick), K::kept::<V>(drift), K::kept::<V>(kick_v)]
+    [kick, drift.hi, K::kept::<V>(kick.get::<V>() * kappa.get::<V>() / rho.get::<V>())]
 }
 
 /// The clock of (kick, drift) pairs in a row.
-pub(super) struct Drifts<'a, R, K = R> {
+pub(super) struct Drifts<'a, K> {
     /// `[kappa, rho]`.
     pub(super) springs: [K; 2],
-    pub(super) pairs: Pairs<'a, R>,
+    pub(super) pairs: Pairs<'a, K>,
 }
 
-impl<R: Real, K: Coefficient<R>> Clock<R> for Drifts<'_, R, K> {
+impl<R: Real, K: Coefficient<R>> Clock<R> for Drifts<'_, K> {
     type Coefficient = K;
     type Moment = Durations<K>;
 
     #[inline(always)]
     fn next<V: Vector<R>>(&mut self) -> Durations<K> {
-        let (kick, drift) = self.pairs.next().map_or((R::zero(), DoubleDouble::zero()), |&pair| pair);
+        let (kick, drift) = next(&mut self.pairs);
         durations::<R, K, V>(self.springs, kick, drift)
     }
 
     #[inline(always)]
     fn now<V: Vector<R>>(&self) -> Durations<K> {
         // Positions do not depend on the moment.
-        durations::<R, K, V>(self.springs, R::zero(), DoubleDouble::zero())
+        [K::zero(); 3]
     }
 }
 

@@ -23,7 +23,7 @@ use super::{
     divisible::Divisible,
     lanes::{Coefficient, Each},
     phase::Phase,
-    rows::{Clock, InRow, Pairs, RowForces},
+    rows::{Clock, InRow, Pairs, RowForces, next},
     sweep::{MOST_KICKS, Sites, Swept, Visit, follow, long, step},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector, system::ContactFlow};
@@ -47,7 +47,7 @@ pub struct LinearFlow<R, K = R> {
     /// Static overlap.
     rest: K,
     pub(super) phase: Phase<R, K>,
-    pub(super) tau: R,
+    pub(super) tau: K,
     pub(super) kicks: u32,
     /// Buffers for kicks in a row.
     forces: RowForces<R>,
@@ -104,18 +104,18 @@ impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
             [modes.m, modes.mu_over_omega(), member.precompression, modes.omega.hi, modes.omega.lo]
         });
         let (phase, forces) = (Phase::new(DoubleDouble { hi, lo }), RowForces::new(&chain));
-        let (tau, kicks) = (R::zero(), 0);
+        let (tau, kicks) = (K::zero(), 0);
         Self { chain, members, centre, oscillation, m, mu_over_omega, rest, phase, tau, kicks, forces }
     }
 
     /// `R0 <- R0 + V tau`, `tau <- 0`.
     fn anchor(&mut self) {
-        let tau = self.tau;
+        let (tau, stride) = (self.tau, self.chain.stride::<K>());
         let [r0, v] = &mut self.centre;
-        for (r0, &v) in r0.iter_mut().zip(v.iter()) {
-            *r0 += v * tau;
+        for (i, (r0, &v)) in r0.iter_mut().zip(v.iter()).enumerate() {
+            *r0 += v * tau.lane(i % stride);
         }
-        self.tau = R::zero();
+        self.tau = K::zero();
         self.kicks = 0;
     }
 
@@ -137,12 +137,13 @@ impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
     /// `[R, R', P, P']` at place `i` of the columns at the present time, with the phase there.
     #[inline(always)]
     pub(super) fn motions(&self, i: usize, phase: (R, R)) -> [R; 4] {
+        let lane = i % self.chain.stride::<K>();
         let (r, r_dot) = match &self.centre {
-            [r0, v] if !r0.is_empty() => (r0[i] + v[i] * self.tau, v[i]),
+            [r0, v] if !r0.is_empty() => (r0[i] + v[i] * self.tau.lane(lane), v[i]),
             _ => (R::zero(), R::zero()),
         };
         let [p, p_dot] = match &self.oscillation {
-            [c, s] if !c.is_empty() => turned([c[i], s[i]], phase, self.phase.omega(i % self.chain.stride::<K>())),
+            [c, s] if !c.is_empty() => turned([c[i], s[i]], phase, self.phase.omega(lane)),
             _ => [R::zero(); 2],
         };
         [r, r_dot, p, p_dot]
@@ -176,7 +177,7 @@ impl<R: Real> ContactFlow<R> for LinearFlow<R> {
     }
 }
 
-impl<R: Real, K: Coefficient<R>> SplitFlow<R> for LinearFlow<R, K> {
+impl<R: Real, K: Coefficient<R>> SplitFlow<R, K> for LinearFlow<R, K> {
     fn dim(&self) -> usize {
         self.members.len().max(1) * self.chain.member(&self.members, 0).layout().dim()
     }
@@ -209,12 +210,12 @@ impl<R: Real, K: Coefficient<R>> SplitFlow<R> for LinearFlow<R, K> {
     }
 
     #[inline]
-    fn drift(&mut self, dt: DoubleDouble<R>) {
+    fn drift(&mut self, dt: DoubleDouble<K>) {
         self.phase.advance(dt);
-        self.tau += dt.value();
+        [self.tau] = K::by_lane(|lane| [self.tau.lane(lane) + dt.hi.lane(lane)]);
     }
 
-    fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
+    fn kick_drift(&mut self, kick: K, drift: DoubleDouble<K>) {
         if K::EACH {
             return self.kick_drifts(&[(kick, drift)]);
         }
@@ -223,7 +224,7 @@ impl<R: Real, K: Coefficient<R>> SplitFlow<R> for LinearFlow<R, K> {
         step(self, kick, drift);
     }
 
-    fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
+    fn kick_drifts(&mut self, pairs: &[(K, DoubleDouble<K>)]) {
         let mut rest = pairs;
         let (long, short) = (long(&self.chain), self.forces.used());
         while (long || short) && rest.len() > usize::from(!K::EACH) {
@@ -267,7 +268,7 @@ impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
     fn read_lane(&mut self, lane: usize, first: usize, [u, v, u_dot, v_dot]: [&[R]; 4]) {
         let (modes, omega) = (self.chain.member(&self.members, lane).modes(), self.phase.omega(lane));
         self.phase.reset();
-        (self.tau, self.kicks) = (R::zero(), 0);
+        (self.tau, self.kicks) = (K::zero(), 0);
         let stride = self.chain.stride::<K>();
         for i in 0..u.len() {
             let of = |array: &[R]| array.get(i).copied().unwrap_or(R::zero());
@@ -301,7 +302,7 @@ impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
         let ([r0, v0], [c, s]) = (&self.centre, &self.oscillation);
         let [r0, v0, c, s] = [r0, v0, c, s].map(|column| &column[first * stride + lane..][..n * stride + 1 - stride]);
         let [v, u_dot, v_dot] = [v, u_dot, v_dot].map(|array| &mut array[..n]);
-        let (omega, tau) = (self.phase.omega(lane), self.tau);
+        let (omega, tau) = (self.phase.omega(lane), self.tau.lane(lane));
         for i in 0..n {
             let k = i * stride;
             let [p, p_dot] = turned([c[k], s[k]], phase, omega);
@@ -310,32 +311,32 @@ impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
     }
 }
 
-impl<R: Real, K: Coefficient<R>> Swept<R> for LinearFlow<R, K> {
-    type Moment = Now<R, K>;
+impl<R: Real, K: Coefficient<R>> Swept<R, K> for LinearFlow<R, K> {
+    type Moment = Now<K>;
 
     fn swept(&self) -> &Chain<R> {
         &self.chain
     }
 
     #[inline]
-    fn begin(&mut self, kick: R, drift: DoubleDouble<R>) -> Now<R, K> {
+    fn begin(&mut self, kick: K, drift: DoubleDouble<K>) -> Now<K> {
         let now = self.now(kick);
         self.drift(drift);
         now
     }
 
     #[inline(always)]
-    fn visit<W: Visit<R, Now<R, K>>>(&mut self, now: Now<R, K>, work: W) -> W::Output {
+    fn visit<W: Visit<R, Now<K>>>(&mut self, now: Now<K>, work: W) -> W::Output {
         hand_over(&self.chain, [&mut self.centre, &mut self.oscillation], now, work)
     }
 }
 
 /// Hands over the sites in the columns `[R0, V]` and `[C, S]`.
 #[inline(always)]
-fn hand_over<R: Real, K: Coefficient<R>, W: Visit<R, Now<R, K>>>(
+fn hand_over<R: Real, K: Coefficient<R>, W: Visit<R, Now<K>>>(
     chain: &Chain<R>,
     [[r0, v], [c, s]]: [&mut [Aligned<R>; 2]; 2],
-    now: Now<R, K>,
+    now: Now<K>,
     work: W,
 ) -> W::Output {
     let centre = Centre { r0: r0.column(), v: v.column(), of: PhantomData };
@@ -349,8 +350,8 @@ fn hand_over<R: Real, K: Coefficient<R>, W: Visit<R, Now<R, K>>>(
 
 /// What positions and a kick of the sites depend on at one time.
 #[derive(Clone, Copy)]
-pub(crate) struct Now<R, K = R> {
-    tau: R,
+pub(crate) struct Now<K> {
+    tau: K,
     /// Sine and cosine of the phase.
     sin: K,
     cos: K,
@@ -361,17 +362,19 @@ pub(crate) struct Now<R, K = R> {
     kick_s: K,
 }
 
-impl<R: Real, K: Coefficient<R>> Now<R, K> {
+impl<K: Copy> Now<K> {
     /// For a kick of some duration, with the shares `m` and `mu/omega` of an impulse.
     #[inline(always)]
-    fn new<V: Vector<R>>((sin, cos): (K, K), tau: R, kick: R, [m, mu_over_omega]: [K; 2]) -> Self {
-        let (kick, then) = (<K::In<V>>::all(kick), <K::In<V>>::all(tau));
-        let (kick_v, per_omega) = (kick * m.get::<V>(), kick * mu_over_omega.get::<V>());
+    fn new<R: Real, V: Vector<R>>((sin, cos): (K, K), tau: K, kick: K, [m, mu_over_omega]: [K; 2]) -> Self
+    where
+        K: Coefficient<R>,
+    {
+        let (kick_v, per_omega) = (kick.get::<V>() * m.get::<V>(), kick.get::<V>() * mu_over_omega.get::<V>());
         Self {
             tau,
             sin,
             cos,
-            kick_r0: K::kept::<V>((kick_v * then).negative()),
+            kick_r0: K::kept::<V>((kick_v * tau.get::<V>()).negative()),
             kick_v: K::kept::<V>(kick_v),
             kick_c: K::kept::<V>((per_omega * sin.get::<V>()).negative()),
             kick_s: K::kept::<V>(per_omega * cos.get::<V>()),
@@ -383,26 +386,26 @@ impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
     /// What positions and a kick of duration `kick` depend on at the present time, of a chain
     /// alone.
     #[inline]
-    pub(super) fn now(&self, kick: R) -> Now<R, K> {
-        Now::new::<R>(self.phase.sin_cos(), self.tau, kick, [self.m, self.mu_over_omega])
+    pub(super) fn now(&self, kick: K) -> Now<K> {
+        Now::new::<R, R>(self.phase.sin_cos(), self.tau, kick, [self.m, self.mu_over_omega])
     }
 
     /// Does the work that `work` makes of a clock of the (kick, drift) pairs in a row. Only the
     /// first kick may have an anchor before it.
     #[inline(always)]
-    pub(super) fn in_row<'a, W: Visit<R, Now<R, K>>>(
+    pub(super) fn in_row<'a, W: Visit<R, Now<K>>>(
         &'a mut self,
-        pairs: &'a [(R, DoubleDouble<R>)],
+        pairs: &'a [(K, DoubleDouble<K>)],
         work: impl FnOnce(Phases<'a, R, K>) -> W,
     ) -> W::Output {
         let shares = [self.m, self.mu_over_omega];
-        let now = self.now(R::zero());
+        let now = self.now(K::zero());
         let Self { chain, centre, oscillation, phase, tau, .. } = self;
         hand_over(chain, [centre, oscillation], now, work(Phases { phase, tau, shares, pairs: pairs.iter() }))
     }
 
     /// Kicks of a short chain in a row, each followed by its drift.
-    fn row(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
+    fn row(&mut self, pairs: &[(K, DoubleDouble<K>)]) {
         let (mut forces, rest) = (std::mem::replace(&mut self.forces, RowForces::none()), self.rest);
         self.in_row(pairs, |clock| InRow { forces: &mut forces, rest, clock, kicks: pairs.len() });
         self.forces = forces;
@@ -412,27 +415,27 @@ impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
 /// The clock of (kick, drift) pairs in a row.
 pub(super) struct Phases<'a, R, K = R> {
     phase: &'a mut Phase<R, K>,
-    tau: &'a mut R,
+    tau: &'a mut K,
     shares: [K; 2],
-    pairs: Pairs<'a, R>,
+    pairs: Pairs<'a, K>,
 }
 
 impl<R: Real, K: Coefficient<R>> Clock<R> for Phases<'_, R, K> {
     type Coefficient = K;
-    type Moment = Now<R, K>;
+    type Moment = Now<K>;
 
     #[inline(always)]
-    fn next<V: Vector<R>>(&mut self) -> Now<R, K> {
-        let (kick, drift) = self.pairs.next().map_or((R::zero(), DoubleDouble::zero()), |&pair| pair);
-        let now = Now::new::<V>(self.phase.sin_cos(), *self.tau, kick, self.shares);
+    fn next<V: Vector<R>>(&mut self) -> Now<K> {
+        let (kick, drift) = next(&mut self.pairs);
+        let now = Now::new::<R, V>(self.phase.sin_cos(), *self.tau, kick, self.shares);
         self.phase.advance_inside::<V>(drift);
-        *self.tau += drift.value();
+        *self.tau = K::kept::<V>(self.tau.get::<V>() + drift.hi.get::<V>());
         now
     }
 
     #[inline(always)]
-    fn now<V: Vector<R>>(&self) -> Now<R, K> {
-        Now::new::<V>(self.phase.sin_cos(), *self.tau, R::zero(), self.shares)
+    fn now<V: Vector<R>>(&self) -> Now<K> {
+        Now::new::<R, V>(self.phase.sin_cos(), *self.tau, K::zero(), self.shares)
     }
 }
 
@@ -457,7 +460,7 @@ struct Both<'a, R, K> {
 }
 
 impl<R: Real, K: Coefficient<R>> Sites<R> for Centre<'_, R, K> {
-    type Moment = Now<R, K>;
+    type Moment = Now<K>;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -465,27 +468,27 @@ impl<R: Real, K: Coefficient<R>> Sites<R> for Centre<'_, R, K> {
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<R, K>) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<K>) -> V {
         // SAFETY: the caller's promise.
         let (r0, v): (V, V) = unsafe { (self.r0.load(at), self.v.load(at)) };
-        r0 + v * V::all(now.tau)
+        r0 + v * now.tau.in_lanes::<V>()
     }
 
     #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<R, K>, next: &Now<R, K>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<K>, next: &Now<K>) -> V {
         // SAFETY: the caller's promise.
         unsafe {
             let r0 = self.r0.load::<V>(at) + now.kick_r0.in_lanes::<V>() * force;
             let v = self.v.load::<V>(at) + now.kick_v.in_lanes::<V>() * force;
             self.r0.store(at, r0);
             self.v.store(at, v);
-            r0 + v * V::all(next.tau)
+            r0 + v * next.tau.in_lanes::<V>()
         }
     }
 }
 
 impl<R: Real, K: Coefficient<R>> Sites<R> for Oscillation<'_, R, K> {
-    type Moment = Now<R, K>;
+    type Moment = Now<K>;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -493,14 +496,14 @@ impl<R: Real, K: Coefficient<R>> Sites<R> for Oscillation<'_, R, K> {
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<R, K>) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<K>) -> V {
         // SAFETY: the caller's promise.
         let (c, s): (V, V) = unsafe { (self.c.load(at), self.s.load(at)) };
         c * now.cos.in_lanes::<V>() + s * now.sin.in_lanes::<V>()
     }
 
     #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<R, K>, next: &Now<R, K>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<K>, next: &Now<K>) -> V {
         // SAFETY: the caller's promise.
         unsafe {
             let c = self.c.load::<V>(at) + now.kick_c.in_lanes::<V>() * force;
@@ -513,7 +516,7 @@ impl<R: Real, K: Coefficient<R>> Sites<R> for Oscillation<'_, R, K> {
 }
 
 impl<R: Real, K: Coefficient<R>> Sites<R> for Both<'_, R, K> {
-    type Moment = Now<R, K>;
+    type Moment = Now<K>;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -521,13 +524,13 @@ impl<R: Real, K: Coefficient<R>> Sites<R> for Both<'_, R, K> {
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<R, K>) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<K>) -> V {
         // SAFETY: the caller's promise.
         unsafe { self.centre.positions::<V>(at, now) + self.oscillation.positions::<V>(at, now) }
     }
 
     #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<R, K>, next: &Now<R, K>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<K>, next: &Now<K>) -> V {
         // SAFETY: the caller's promise.
         unsafe { self.centre.advance(at, force, now, next) + self.oscillation.advance(at, force, now, next) }
     }

@@ -19,32 +19,18 @@ pub(crate) struct Phase<R, K = R> {
     /// The phase at the last count; `turns` holds the drifts since.
     theta: DoubleDouble<K>,
     now: Rotation<K>,
-    turns: Vec<Turn<R, K>>,
+    turns: Vec<Turn<K>>,
     /// Index in `turns` at which the next drift is expected.
     next: usize,
 }
 
 /// A drift, the angle by which it turns the phase, and how many times it was made since the last
 /// count.
-struct Turn<R, K> {
-    drift: DoubleDouble<R>,
+struct Turn<K> {
+    drift: DoubleDouble<K>,
     angle: DoubleDouble<K>,
     rotation: Rotation<K>,
     count: u64,
-}
-
-/// The number of a lane.
-fn lane<R: Real, K: Coefficient<R>>(of: DoubleDouble<K>, lane: usize) -> DoubleDouble<R> {
-    DoubleDouble { hi: of.hi.lane(lane), lo: of.lo.lane(lane) }
-}
-
-/// The numbers of all lanes.
-fn by_lane<R: Real, K: Coefficient<R>>(number: impl Fn(usize) -> DoubleDouble<R>) -> DoubleDouble<K> {
-    let [hi, lo] = K::by_lane(|lane| {
-        let DoubleDouble { hi, lo } = number(lane);
-        [hi, lo]
-    });
-    DoubleDouble { hi, lo }
 }
 
 /// The rotations of all lanes.
@@ -67,7 +53,7 @@ fn get<R: Real, K: Coefficient<R>, V: Vector<R>>(Rotation { sin, cos }: Rotation
 
 impl<R: Real, K: Coefficient<R>> Phase<R, K> {
     pub(crate) fn new(omega: DoubleDouble<K>) -> Self {
-        let (theta, now) = (by_lane(|_| DoubleDouble::zero()), turned(|_| Rotation::none()));
+        let (theta, now) = (DoubleDouble::by_lane(|_| DoubleDouble::zero()), turned(|_| Rotation::none()));
         Self { omega, two_pi: DoubleDouble::two_pi(), theta, now, turns: Vec::with_capacity(KEPT), next: 0 }
     }
 
@@ -79,7 +65,7 @@ impl<R: Real, K: Coefficient<R>> Phase<R, K> {
 
     /// Sets the phase to zero.
     pub(crate) fn reset(&mut self) {
-        self.theta = by_lane(|_| DoubleDouble::zero());
+        self.theta = DoubleDouble::by_lane(|_| DoubleDouble::zero());
         self.now = turned(|_| Rotation::none());
         self.turns.iter_mut().for_each(|turn| turn.count = 0);
     }
@@ -87,7 +73,7 @@ impl<R: Real, K: Coefficient<R>> Phase<R, K> {
     /// Sets the phase to that of another.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.reset();
-        (self.theta, self.now) = (by_lane(|lane| other.theta(lane)), other.now);
+        (self.theta, self.now) = (DoubleDouble::by_lane(|lane| other.theta(lane)), other.now);
     }
 
     /// `(sin theta, cos theta)`.
@@ -99,20 +85,20 @@ impl<R: Real, K: Coefficient<R>> Phase<R, K> {
     /// The phase of a lane, reduced.
     fn theta(&self, at: usize) -> DoubleDouble<R> {
         let turned =
-            |theta, turn: &Turn<R, K>| theta + lane(turn.angle, at) * DoubleDouble::new(R::of(turn.count as f64));
-        self.turns.iter().filter(|turn| turn.count > 0).fold(lane(self.theta, at), turned).reduced(self.two_pi)
+            |theta, turn: &Turn<K>| theta + turn.angle.lane(at) * DoubleDouble::new(R::of(turn.count as f64));
+        self.turns.iter().filter(|turn| turn.count > 0).fold(self.theta.lane(at), turned).reduced(self.two_pi)
     }
 
     /// Moves the phase on by the time `dt`, with the fused products of the machine.
     #[inline]
-    pub(crate) fn advance(&mut self, dt: DoubleDouble<R>) {
+    pub(crate) fn advance(&mut self, dt: DoubleDouble<K>) {
         with_registers!(V<R> => self.advance_inside::<V<R>>(dt));
     }
 
     /// As [`advance`](Self::advance), inside a kernel: with the fused products that the kernel is
     /// compiled for.
     #[inline(always)]
-    pub(crate) fn advance_inside<V: Vector<R>>(&mut self, dt: DoubleDouble<R>) {
+    pub(crate) fn advance_inside<V: Vector<R>>(&mut self, dt: DoubleDouble<K>) {
         let known = self.turn(dt);
         let Some(k) = (if known.is_some() { known } else { self.turn_anew(dt) }) else { return };
         let turn = &mut self.turns[k];
@@ -127,7 +113,7 @@ impl<R: Real, K: Coefficient<R>> Phase<R, K> {
 
     /// Index of the kept turn with this drift.
     #[inline(always)]
-    fn turn(&self, drift: DoubleDouble<R>) -> Option<usize> {
+    fn turn(&self, drift: DoubleDouble<K>) -> Option<usize> {
         let here = if self.next < self.turns.len() { self.next } else { 0 };
         match self.turns.get(here) {
             Some(turn) if turn.drift == drift => Some(here),
@@ -137,18 +123,18 @@ impl<R: Real, K: Coefficient<R>> Phase<R, K> {
 
     /// Index of a new turn with this drift; `None` if there is no room for it, after the drift.
     #[cold]
-    fn turn_anew(&mut self, drift: DoubleDouble<R>) -> Option<usize> {
-        let (angle, two_pi) = (|at| lane(self.omega, at) * drift, self.two_pi);
+    fn turn_anew(&mut self, drift: DoubleDouble<K>) -> Option<usize> {
+        let (angle, two_pi) = (|at| self.omega.lane(at) * drift.lane(at), self.two_pi);
         if self.turns.len() < KEPT {
             let rotation = turned(|at| Rotation::by(angle(at).reduced(two_pi)));
-            self.turns.push(Turn { drift, angle: by_lane(angle), rotation, count: 0 });
+            self.turns.push(Turn { drift, angle: DoubleDouble::by_lane(angle), rotation, count: 0 });
             return Some(self.turns.len() - 1);
         }
-        let theta: DoubleDouble<K> = by_lane(|at| (self.theta(at) + angle(at)).reduced(two_pi));
+        let theta: DoubleDouble<K> = DoubleDouble::by_lane(|at| (self.theta(at) + angle(at)).reduced(two_pi));
         self.reset();
         self.theta = theta;
         self.now = turned(|at| {
-            let (sin, cos) = lane(theta, at).sin_cos();
+            let (sin, cos) = theta.lane::<R>(at).sin_cos();
             Rotation { sin: DoubleDouble::new(sin), cos: DoubleDouble::new(cos) }
         });
         None

@@ -362,7 +362,16 @@ pub(crate) unsafe fn given<R: Real, V: Vector<R>, const STRAIN: bool>(
 }
 
 /// (Kick, drift) pairs in order of time.
-pub(crate) type Pairs<'a, R> = std::slice::Iter<'a, (R, DoubleDouble<R>)>;
+pub(crate) type Pairs<'a, K> = std::slice::Iter<'a, (K, DoubleDouble<K>)>;
+
+/// The next pair; zeros after the last.
+#[inline(always)]
+pub(crate) fn next<R: Real, K: Coefficient<R>>(pairs: &mut Pairs<'_, K>) -> (K, DoubleDouble<K>) {
+    match pairs.next() {
+        Some(&pair) => pair,
+        None => (K::zero(), DoubleDouble { hi: K::zero(), lo: K::zero() }),
+    }
+}
 
 #[cfg(test)]
 mod tests {

@@ -76,20 +76,20 @@ const LONG: usize = if cfg!(test) { 1 << 13 } else { 1 << 16 };
 const LATE: usize = 3;
 
 /// A flow whose kicks are sweeps.
-pub(crate) trait Swept<R: Real> {
+pub(crate) trait Swept<R: Real, K: Copy = R> {
     /// What a kick and its drift depend on, beside the columns.
     type Moment: Copy;
     /// The chain.
     fn swept(&self) -> &Chain<R>;
     /// Returns what the next kick depends on, then makes the part of the drift that does not change
     /// columns.
-    fn begin(&mut self, kick: R, drift: DoubleDouble<R>) -> Self::Moment;
+    fn begin(&mut self, kick: K, drift: DoubleDouble<K>) -> Self::Moment;
     /// Hands over the sites at the time of a kick.
     fn visit<W: Visit<R, Self::Moment>>(&mut self, moment: Self::Moment, work: W) -> W::Output;
 }
 
 /// A kick and its drift.
-pub(crate) fn step<R: Real, F: Swept<R>>(flow: &mut F, kick: R, drift: DoubleDouble<R>) {
+pub(crate) fn step<R: Real, K: Copy, F: Swept<R, K>>(flow: &mut F, kick: K, drift: DoubleDouble<K>) {
     let (now, to) = (flow.begin(kick, drift), flow.swept().sites());
     flow.visit(now, Piece { pass: &mut Pass::new(0), to });
 }
@@ -101,7 +101,7 @@ pub(crate) fn long<R: Real>(chain: &Chain<R>) -> bool {
 
 /// Kicks and drifts, at most [`MOST_KICKS`], on a [`long`] chain: kick `k` is 8 sites behind kick
 /// `k - 1`.
-pub(crate) fn follow<R: Real, F: Swept<R>>(flow: &mut F, pairs: &[(R, DoubleDouble<R>)]) {
+pub(crate) fn follow<R: Real, K: Copy, F: Swept<R, K>>(flow: &mut F, pairs: &[(K, DoubleDouble<K>)]) {
     let (n, count, ring) = (flow.swept().sites(), pairs.len(), flow.swept().topology.ring());
     let mut kicks: [Option<(F::Moment, Pass<R>)>; MOST_KICKS] = [None; MOST_KICKS];
     // The first pieces of all kicks, long enough that the sites around the start of the next kick

@@ -1,7 +1,7 @@
 //! Several runs, those of chains alike side by side in the lanes of a register.
 
 use super::{
-    Method, Recorder, Run, Setting, Snapshot, Trajectory,
+    Method, Recorder, Records, Run, Sampling, Setting, Snapshot, Trajectory,
     method::{Split, loaded},
 };
 use crate::{
@@ -17,10 +17,11 @@ use std::{ops::ControlFlow, time::Instant};
 /// the number of a run, the time of each of its samples, and the state there.
 ///
 /// Runs that follow each other are made together, as many as a register has lanes, if they are by a
-/// splitting with a given number of equal steps and differ in nothing but their initial states, the
-/// parameters kappa and rho and the precompression. Beads of a chain must be equal, at most a few
-/// thousand; all chains of one group are plain, or all have fixed resonators, or all moving ones;
-/// and neither contacts, observables nor crossings are asked for. Their wall time is shared equally.
+/// splitting with the same number of equal steps and differ in nothing but their initial states, the
+/// parameters kappa and rho, the precompression and, if samples are equally spaced and taken at ends
+/// of steps, the span. Beads of a chain must be equal, at most a few thousand; all chains of one
+/// group are plain, or all have fixed resonators, or all moving ones; and neither contacts,
+/// observables nor crossings are asked for. Their wall time is shared equally.
 ///
 /// ```
 /// # use hertzchain_core::{Boundary, Chain, Method, Params, Run, Setting, State, run::start_all};
@@ -88,8 +89,18 @@ impl Run {
             && (self.method, self.setting) == (other.method, other.setting)
             && other.split().is_some()
             && chain(self) == chain(other)
-            && (self.start, self.end, self.records) == (other.start, other.end, other.records)
-            && self.sampling == other.sampling
+            && (self.records, &self.sampling) == (other.records, &other.sampling)
+            && ((self.start, self.end) == (other.start, other.end) || self.sampled_at_steps())
+    }
+
+    /// Whether all samples of a run by equal steps are at ends of steps.
+    fn sampled_at_steps(&self) -> bool {
+        match (&self.sampling, self.setting) {
+            (Sampling::Equal(samples), Some(Setting::Steps(steps))) => {
+                self.records == Records::End || steps.is_multiple_of((*samples).max(1) as u64)
+            }
+            _ => false,
+        }
     }
 }
 
@@ -105,43 +116,51 @@ fn together(
     let (chains, first) = (runs.iter().map(|run| run.chain.clone()).collect(), split.first());
     let mut stepper: Box<dyn Stepper<f64>> = match split {
         Split::Kinetic => {
-            Box::new(Splitting::new(scheme, first, loaded(KineticFlow::abreast(chains), &y), spans[0], steps)?)
+            Box::new(Splitting::abreast(scheme, first, loaded(KineticFlow::abreast(chains), &y), &spans, steps)?)
         }
         Split::Linear => {
-            Box::new(Splitting::new(scheme, first, loaded(LinearFlow::abreast(chains), &y), spans[0], steps)?)
+            Box::new(Splitting::abreast(scheme, first, loaded(LinearFlow::abreast(chains), &y), &spans, steps)?)
         }
     };
     let mut silent = vec![|_: f64, _: &[f64]| (); runs.len()];
     let members = runs.iter().zip(&mut silent).map(|(run, silent)| Recorder::new(run, Snapshot::new(run), silent));
-    let mut members = Members { recorders: members.map(Some).collect(), seen };
+    let mut members = Members { first: &runs[0], recorders: members.map(Some).collect(), seen };
     let driven = drive(&mut stepper, &mut members, &mut y).map(|_| ());
-    let (t, stats, wall) = (stepper.time(), stepper.stats(), clock.elapsed() / runs.len() as u32);
+    let (stats, wall) = (stepper.stats(), clock.elapsed() / runs.len() as u32);
+    let (start, end) = spans[0];
+    // The share of its span that a run has made.
+    let made = if stepper.done() { 1.0 } else { (stepper.time() - start) / (end - start) };
     let dim = y.len() / runs.len();
     let ends = members.recorders.into_iter().zip(runs).zip(y.chunks(dim)).map(|((recorder, run), y)| {
         // One that failed is made alone: its failure names the step.
         let Some(mut recorder) = recorder else { return run.start() };
         recorder.kept.wall = wall;
+        let t = if made == 1.0 { run.end } else { run.start + made * (run.end - run.start) };
         let failure = recorder.close(driven.clone(), t, y.to_vec(), stats).err();
         Ok(recorder.trajectory(failure))
     });
     ends.collect()
 }
 
-/// The observers of runs that are alike, of those that have not failed.
+/// The observers of runs that are alike, of those that have not failed. Times are those of the first
+/// run.
 struct Members<'a, 'b> {
+    first: &'a Run,
     recorders: Vec<Option<Recorder<'a>>>,
     seen: &'b mut dyn FnMut(usize, f64, &[f64]),
 }
 
 impl Observer<f64> for Members<'_, '_> {
     fn next(&self) -> Option<f64> {
-        self.recorders.iter().flatten().next()?.next()
+        self.first.sample_time(self.recorders.iter().flatten().next()?.kept.taken)
     }
 
     fn observe(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<ControlFlow<()>, Failure> {
         let dim = y.len() / self.recorders.len();
         for (k, (slot, y)) in self.recorders.iter_mut().zip(y.chunks(dim)).enumerate() {
             let Some(recorder) = slot else { continue };
+            // Its own time.
+            let t = recorder.next().unwrap_or(t);
             match recorder.observe(t, y, stats) {
                 Ok(_) => (self.seen)(k, t, y),
                 Err(_) => *slot = None,
@@ -172,7 +191,9 @@ mod tests {
             let mut state = State::rest(&chain);
             let numbers = state.as_mut_slice().iter_mut().enumerate();
             numbers.for_each(|(i, x)| *x = 0.01 * f64::from(size) * (0.7 * (i * i) as f64 + 0.3).sin());
-            let run = Run::new(chain, state).until(7.0).unwrap().samples(3).unwrap().records(Records::Energy);
+            // Samples of other spans than the first one's are at ends of steps only.
+            let end = if steps.is_multiple_of(3) { 7.0 + 0.3 * f64::from(size) } else { 7.0 };
+            let run = Run::new(chain, state).until(end).unwrap().samples(3).unwrap().records(Records::Energy);
             run.method(Method::named(method).unwrap()).setting(Setting::Steps(steps))
         };
         sizes.map(run).collect()
@@ -194,8 +215,10 @@ mod tests {
                         let chain = Chain::new(params, boundary, n).unwrap();
                         chain.clone().precompressed(0.01 * size).unwrap_or(chain)
                     };
-                    for method in ["verlet", "strang-linear", "aba864"] {
-                        let runs = runs(chain, method, 1..8, 90);
+                    // By 90 steps over spans of their own, by 91 with samples inside steps.
+                    let ways = ["verlet", "strang-linear", "aba864"].map(|method| (method, 90));
+                    for (method, steps) in ways.into_iter().chain([("verlet", 91), ("strang-linear", 91)]) {
+                        let runs = runs(chain, method, 1..8, steps);
                         assert_eq!(groups(&runs, 7)[0].len(), runs[0].chain.most_abreast().min(7));
                         let (mut seen, mut want) = (vec![Vec::new(); 7], vec![Vec::new(); 7]);
                         let ends = start_all(&runs, &mut |k, t, y| seen[k].push((t, y.to_vec())));

@@ -363,6 +363,12 @@ impl Run {
         }
     }
 
+    /// Time of the sample after `taken` of them.
+    fn sample_time(&self, taken: usize) -> Option<f64> {
+        let sampled = self.records != Records::End;
+        sampled.then(|| self.sampling.time(taken, (self.start, self.end))).flatten()
+    }
+
     /// The end time.
     ///
     /// # Errors

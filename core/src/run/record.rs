@@ -491,11 +491,7 @@ fn lost(y: &[f64]) -> Option<usize> {
 
 impl Observer<f64> for Recorder<'_> {
     fn next(&self) -> Option<f64> {
-        if self.run.records == Records::End {
-            None
-        } else {
-            self.run.sampling.time(self.kept.taken, (self.run.start, self.run.end))
-        }
+        self.run.sample_time(self.kept.taken)
     }
 
     fn observe(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<ControlFlow<()>, Failure> {

@@ -1,0 +1,141 @@
+//! Coefficients of kernels: a number for all lanes of a register, or one for each.
+
+use crate::{
+    clock::DoubleDouble,
+    real::Real,
+    vector::{MOST_LANES, Vector},
+};
+
+/// A number for all lanes, or [`Each`].
+pub trait Coefficient<R: Real>: Copy + PartialEq + 'static {
+    /// Whether each lane has a number of its own.
+    const EACH: bool;
+    /// What it is computed with: a number, or a register.
+    type In<V: Vector<R>>: Vector<R>;
+    /// Its value, to compute with.
+    fn get<V: Vector<R>>(self) -> Self::In<V>;
+    /// The coefficient that was computed.
+    fn kept<V: Vector<R>>(value: Self::In<V>) -> Self;
+    /// Its value in all lanes.
+    fn in_lanes<V: Vector<R>>(self) -> V;
+    /// The number of a lane.
+    fn lane(self, lane: usize) -> R;
+    /// Zero in all lanes.
+    fn zero() -> Self;
+    /// Several coefficients from their numbers in each lane.
+    fn by_lane<const N: usize>(numbers: impl Fn(usize) -> [R; N]) -> [Self; N];
+}
+
+/// A number for each lane.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub struct Each<R>([R; MOST_LANES]);
+
+impl<R: Real> PartialEq for Each<R> {
+    // Without branches, so that the compiler compares registers.
+    #[inline(always)]
+    fn eq(&self, other: &Self) -> bool {
+        let mut same = true;
+        for lane in 0..MOST_LANES {
+            same &= self.0[lane] == other.0[lane];
+        }
+        same
+    }
+}
+
+impl<R: Real> Coefficient<R> for R {
+    const EACH: bool = false;
+    type In<V: Vector<R>> = R;
+
+    #[inline(always)]
+    fn get<V: Vector<R>>(self) -> R {
+        self
+    }
+
+    #[inline(always)]
+    fn kept<V: Vector<R>>(value: R) -> R {
+        value
+    }
+
+    #[inline(always)]
+    fn in_lanes<V: Vector<R>>(self) -> V {
+        V::all(self)
+    }
+
+    #[inline(always)]
+    fn lane(self, _lane: usize) -> R {
+        self
+    }
+
+    #[inline(always)]
+    fn zero() -> R {
+        R::zero()
+    }
+
+    #[inline(always)]
+    fn by_lane<const N: usize>(numbers: impl Fn(usize) -> [R; N]) -> [R; N] {
+        numbers(0)
+    }
+}
+
+impl<R: Real> Coefficient<R> for Each<R> {
+    const EACH: bool = true;
+    type In<V: Vector<R>> = V;
+
+    #[inline(always)]
+    fn get<V: Vector<R>>(self) -> V {
+        // SAFETY: there are as many numbers as the largest number of lanes.
+        unsafe { V::load(self.0.as_ptr()) }
+    }
+
+    #[inline(always)]
+    fn kept<V: Vector<R>>(value: V) -> Self {
+        let mut numbers = [R::zero(); MOST_LANES];
+        // SAFETY: as above.
+        unsafe { value.store(numbers.as_mut_ptr()) };
+        Self(numbers)
+    }
+
+    #[inline(always)]
+    fn in_lanes<V: Vector<R>>(self) -> V {
+        self.get::<V>()
+    }
+
+    fn lane(self, lane: usize) -> R {
+        self.0[lane]
+    }
+
+    #[inline(always)]
+    fn zero() -> Self {
+        Self([R::zero(); MOST_LANES])
+    }
+
+    fn by_lane<const N: usize>(numbers: impl Fn(usize) -> [R; N]) -> [Self; N] {
+        let lanes: [[R; N]; MOST_LANES] = std::array::from_fn(numbers);
+        std::array::from_fn(|k| Self(lanes.map(|numbers| numbers[k])))
+    }
+}
+
+impl<K: Copy> DoubleDouble<K> {
+    /// The number of a lane.
+    #[inline(always)]
+    pub fn lane<R: Real>(self, lane: usize) -> DoubleDouble<R>
+    where
+        K: Coefficient<R>,
+    {
+        DoubleDouble { hi: self.hi.lane(lane), lo: self.lo.lane(lane) }
+    }
+
+    /// The numbers of all lanes.
+    #[inline(always)]
+    pub fn by_lane<R: Real>(number: impl Fn(usize) -> DoubleDouble<R>) -> Self
+    where
+        K: Coefficient<R>,
+    {
+        let [hi, lo] = K::by_lane(|lane| {
+            let DoubleDouble { hi, lo } = number(lane);
+            [hi, lo]
+        });
+        Self { hi, lo }
+    }
+}
