@@ -230,7 +230,6 @@ impl<R: Real> Rotation<R> {
         let short = (DoubleDouble::new(R::one()) - s - c).value() * R::of(0.5);
         Self { sin: fast_two_sum(sin, sin * short), cos: fast_two_sum(cos, cos * short) }
     }
-
 }
 
 impl<V: Copy> Rotation<V> {

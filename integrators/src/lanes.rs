@@ -24,24 +24,28 @@ pub trait Coefficient<R: Real>: Copy + PartialEq + 'static {
     fn zero() -> Self;
     /// Several coefficients from their numbers in each lane.
     fn by_lane<const N: usize>(numbers: impl Fn(usize) -> [R; N]) -> [Self; N];
+
+    /// A coefficient to twice the working precision from its number in each lane.
+    #[inline(always)]
+    fn twofold(number: impl Fn(usize) -> DoubleDouble<R>) -> DoubleDouble<Self> {
+        let [hi, lo] = Self::by_lane(|lane| {
+            let DoubleDouble { hi, lo } = number(lane);
+            [hi, lo]
+        });
+        DoubleDouble { hi, lo }
+    }
+
+    /// The number of a lane of such a coefficient.
+    #[inline(always)]
+    fn of_lane(twofold: DoubleDouble<Self>, lane: usize) -> DoubleDouble<R> {
+        DoubleDouble { hi: twofold.hi.lane(lane), lo: twofold.lo.lane(lane) }
+    }
 }
 
 /// A number for each lane.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub struct Each<R>([R; MOST_LANES]);
-
-impl<R: Real> PartialEq for Each<R> {
-    // Without branches, so that the compiler compares registers.
-    #[inline(always)]
-    fn eq(&self, other: &Self) -> bool {
-        let mut same = true;
-        for lane in 0..MOST_LANES {
-            same &= self.0[lane] == other.0[lane];
-        }
-        same
-    }
-}
 
 impl<R: Real> Coefficient<R> for R {
     const EACH: bool = false;
@@ -113,29 +117,5 @@ impl<R: Real> Coefficient<R> for Each<R> {
     fn by_lane<const N: usize>(numbers: impl Fn(usize) -> [R; N]) -> [Self; N] {
         let lanes: [[R; N]; MOST_LANES] = std::array::from_fn(numbers);
         std::array::from_fn(|k| Self(lanes.map(|numbers| numbers[k])))
-    }
-}
-
-impl<K: Copy> DoubleDouble<K> {
-    /// The number of a lane.
-    #[inline(always)]
-    pub fn lane<R: Real>(self, lane: usize) -> DoubleDouble<R>
-    where
-        K: Coefficient<R>,
-    {
-        DoubleDouble { hi: self.hi.lane(lane), lo: self.lo.lane(lane) }
-    }
-
-    /// The numbers of all lanes.
-    #[inline(always)]
-    pub fn by_lane<R: Real>(number: impl Fn(usize) -> DoubleDouble<R>) -> Self
-    where
-        K: Coefficient<R>,
-    {
-        let [hi, lo] = K::by_lane(|lane| {
-            let DoubleDouble { hi, lo } = number(lane);
-            [hi, lo]
-        });
-        Self { hi, lo }
     }
 }

@@ -5,8 +5,8 @@ use super::{
     Chain, Resonators,
     aligned::Aligned,
     divisible::Divisible,
-    lanes::{Coefficient, Each},
-    rows::{Clock, InRow, Pairs, RowForces, next},
+    lanes::Coefficient,
+    rows::{Clock, InRow, Pairs, RowForces},
     sweep::{MOST_KICKS, Sites, Swept, Visit, follow, long, step},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector};
@@ -17,8 +17,6 @@ use std::marker::PhantomData;
 /// Its steps must resolve the springs: it is stable for `h omega < 2` only.
 pub struct KineticFlow<R, K = R> {
     pub(super) chain: Chain<R>,
-    /// The chains of the lanes; none for a chain alone.
-    members: Vec<Chain<R>>,
     /// `[kappa, rho]`.
     pub(super) springs: [K; 2],
     /// Static overlap.
@@ -37,19 +35,12 @@ impl<R: Real> KineticFlow<R> {
     /// # Panics
     /// A chain with details: [`SitewiseFlow`](super::SitewiseFlow) is made for it.
     pub fn new(chain: Chain<R>) -> Self {
-        Self::of(chain, Vec::new())
-    }
-}
-
-impl KineticFlow<f64, Each<f64>> {
-    /// Chains at rest, one a lane, see [`Chain::abreast`]. A state is that of one after the other.
-    pub(crate) fn abreast(members: Vec<Chain<f64>>) -> Self {
-        Self::of(Chain::abreast(&members), members)
+        Self::of(chain)
     }
 }
 
 impl<R: Real, K: Coefficient<R>> KineticFlow<R, K> {
-    fn of(chain: Chain<R>, members: Vec<Chain<R>>) -> Self {
+    fn of(chain: Chain<R>) -> Self {
         assert!(chain.details().is_none(), "a chain with details flows site by site");
         let n = chain.sites();
         let (beads, resonators) = if chain.layout().resonators() {
@@ -59,62 +50,41 @@ impl<R: Real, K: Coefficient<R>> KineticFlow<R, K> {
             (Aligned::together(n), Aligned::together(0))
         };
         let [kappa, rho, rest] = K::by_lane(|lane| {
-            let member = chain.member(&members, lane);
+            let member = chain.member(lane);
             [R::of(member.params.kappa), R::of(member.params.rho), member.precompression]
         });
-        Self { forces: RowForces::new(&chain), chain, members, springs: [kappa, rho], rest, beads, resonators }
+        Self { forces: RowForces::new(&chain), chain, springs: [kappa, rho], rest, beads, resonators }
     }
 
     fn arrays(&self) -> [&[R]; 4] {
         let ([u, u_dot], [v, v_dot]) = (&self.beads, &self.resonators);
         [u, v, u_dot, v_dot]
     }
-
-    fn arrays_mut(&mut self) -> [&mut [R]; 4] {
-        let ([u, u_dot], [v, v_dot]) = (&mut self.beads, &mut self.resonators);
-        [u, v, u_dot, v_dot]
-    }
 }
 
 impl<R: Real, K: Coefficient<R>> SplitFlow<R, K> for KineticFlow<R, K> {
     fn dim(&self) -> usize {
-        self.members.len().max(1) * self.chain.member(&self.members, 0).layout().dim()
+        self.chain.full_dim()
     }
 
     fn load(&mut self, y: &[R]) {
-        let (layout, stride) = (self.chain.member(&self.members, 0).layout(), self.chain.stride::<K>());
-        for (lane, y) in y.chunks(layout.dim()).enumerate() {
-            for (to, from) in self.arrays_mut().into_iter().zip(layout.arrays(y)) {
-                if K::EACH {
-                    (0..from.len()).for_each(|i| to[i * stride + lane] = from[i]);
-                } else {
-                    to.copy_from_slice(from);
-                }
-            }
-        }
+        let layout = self.chain.member(0).layout();
+        y.chunks(layout.dim()).enumerate().for_each(|(lane, y)| self.read(lane, layout.arrays(y)));
     }
 
     fn store(&self, y: &mut [R]) {
-        let (layout, stride) = (self.chain.member(&self.members, 0).layout(), self.chain.stride::<K>());
-        for (lane, y) in y.chunks_mut(layout.dim()).enumerate() {
-            for (from, to) in self.arrays().into_iter().zip(layout.arrays_mut(y)) {
-                if K::EACH {
-                    (0..to.len()).for_each(|i| to[i] = from[i * stride + lane]);
-                } else {
-                    to.copy_from_slice(from);
-                }
-            }
-        }
+        let layout = self.chain.member(0).layout();
+        y.chunks_mut(layout.dim()).enumerate().for_each(|(lane, y)| self.write(lane, layout.arrays_mut(y)));
     }
 
     fn duplicate(&self) -> Self {
-        let mut copy = Self::of(self.chain.clone(), self.members.clone());
+        let mut copy = Self::of(self.chain.clone());
         copy.copy_from(self);
         copy
     }
 
     fn copy_from(&mut self, other: &Self) {
-        for (to, from) in self.arrays_mut().into_iter().zip(other.arrays()) {
+        for (to, from) in self.columns().into_iter().zip(other.arrays()) {
             to.copy_from_slice(from);
         }
     }
@@ -148,24 +118,35 @@ impl<R: Real, K: Coefficient<R>> SplitFlow<R, K> for KineticFlow<R, K> {
     }
 }
 
-impl<R: Real> Divisible<R> for KineticFlow<R> {
+impl<R: Real, K: Coefficient<R>> Divisible<R, K> for KineticFlow<R, K> {
     fn rest(chain: Chain<R>) -> Self {
-        Self::new(chain)
+        Self::of(chain)
     }
 
     fn columns(&mut self) -> [&mut [R]; 4] {
-        self.arrays_mut()
+        let ([u, u_dot], [v, v_dot]) = (&mut self.beads, &mut self.resonators);
+        [u, v, u_dot, v_dot]
     }
 
     fn read(&mut self, first: usize, arrays: [&[R]; 4]) {
+        let stride = self.chain.stride::<K>();
         for (to, from) in self.columns().into_iter().zip(arrays).filter(|(to, _)| !to.is_empty()) {
-            to[first..][..from.len()].copy_from_slice(from);
+            if K::EACH {
+                to[first..].iter_mut().step_by(stride).zip(from).for_each(|(to, from)| *to = *from);
+            } else {
+                to[first..][..from.len()].copy_from_slice(from);
+            }
         }
     }
 
     fn write(&self, first: usize, arrays: [&mut [R]; 4]) {
+        let stride = self.chain.stride::<K>();
         for (from, to) in self.arrays().into_iter().zip(arrays).filter(|(from, _)| !from.is_empty()) {
-            to.copy_from_slice(&from[first..][..to.len()]);
+            if K::EACH {
+                to.iter_mut().zip(from[first..].iter().step_by(stride)).for_each(|(to, from)| *to = *from);
+            } else {
+                to.copy_from_slice(&from[first..][..to.len()]);
+            }
         }
     }
 }
@@ -242,7 +223,7 @@ impl<R: Real, K: Coefficient<R>> Clock<R> for Drifts<'_, K> {
 
     #[inline(always)]
     fn next<V: Vector<R>>(&mut self) -> Durations<K> {
-        let (kick, drift) = next(&mut self.pairs);
+        let &(kick, drift) = self.pairs.next().expect("a pair for each kick");
         durations::<R, K, V>(self.springs, kick, drift)
     }
 

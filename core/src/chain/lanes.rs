@@ -6,7 +6,7 @@
 //! as in a chain alone, so that the bits are the same.
 
 use super::{Chain, rows::SHORT};
-pub(crate) use hertzchain_integrators::lanes::{Coefficient, Each};
+pub(crate) use hertzchain_integrators::lanes::Coefficient;
 use hertzchain_integrators::{Real, Vector, with_registers};
 
 impl Chain<f64> {
@@ -22,10 +22,11 @@ impl Chain<f64> {
     ///
     /// # Panics
     /// More than [`most_abreast`](Self::most_abreast).
-    pub(super) fn abreast(members: &[Self]) -> Self {
+    pub(crate) fn abreast(members: Vec<Self>) -> Self {
         let (first, lanes) = (&members[0], with_registers!(V => V::LANES));
         assert!(members.len() <= first.most_abreast(), "more chains than can be moved together");
-        Self { lanes, ..first.with_sites(first.boundary(), lanes * first.sites()) }
+        let all = first.with_sites(first.boundary(), lanes * first.sites());
+        Self { members, ..all }
     }
 }
 
@@ -33,12 +34,16 @@ impl<R: Real> Chain<R> {
     /// Distance of the numbers of neighbouring sites in columns.
     #[inline(always)]
     pub(super) fn stride<K: Coefficient<R>>(&self) -> usize {
-        if K::EACH { self.lanes } else { 1 }
+        if K::EACH { self.sites() / self.members[0].sites() } else { 1 }
     }
 
-    /// The chain of a lane; lanes without a member are like the last one. A chain alone has no
-    /// members.
-    pub(super) fn member<'a>(&'a self, members: &'a [Self], lane: usize) -> &'a Self {
-        members.get(lane).or(members.last()).unwrap_or(self)
+    /// The chain of a lane; lanes without a member are like the last one.
+    pub(super) fn member(&self, lane: usize) -> &Self {
+        self.members.get(lane).or(self.members.last()).unwrap_or(self)
+    }
+
+    /// Number of components of the states of all members, one after the other.
+    pub(super) fn full_dim(&self) -> usize {
+        self.members.len().max(1) * self.member(0).layout.dim()
     }
 }

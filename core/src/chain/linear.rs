@@ -21,9 +21,9 @@ use super::{
     Chain, Resonators,
     aligned::Aligned,
     divisible::Divisible,
-    lanes::{Coefficient, Each},
+    lanes::Coefficient,
     phase::Phase,
-    rows::{Clock, InRow, Pairs, RowForces, next},
+    rows::{Clock, InRow, Pairs, RowForces},
     sweep::{MOST_KICKS, Sites, Swept, Visit, follow, long, step},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector, system::ContactFlow};
@@ -33,16 +33,14 @@ use std::marker::PhantomData;
 /// tau` stays of the size of `R0`. Chosen, not measured.
 const KICKS_BETWEEN_ANCHORS: u32 = 64;
 
-/// A chain split into its exact linear flow and its contacts; or chains [abreast](Self::abreast).
+/// A chain split into its exact linear flow and its contacts; or chains [abreast](super::lanes).
 pub struct LinearFlow<R, K = R> {
     pub(super) chain: Chain<R>,
-    /// The chains of the lanes; none for a chain alone.
-    members: Vec<Chain<R>>,
     /// `[R0, V]`; empty for the cradle.
     pub(super) centre: [Aligned<R>; 2],
     /// `[C, S]`; empty for a plain chain.
     pub(super) oscillation: [Aligned<R>; 2],
-    m: K,
+    pub(super) m: K,
     pub(super) mu_over_omega: K,
     /// Static overlap.
     rest: K,
@@ -59,12 +57,7 @@ impl<R: Real> LinearFlow<R> {
     /// # Panics
     /// A chain with details: [`SitewiseFlow`](super::SitewiseFlow) is made for it.
     pub fn new(chain: Chain<R>) -> Self {
-        Self::of(chain, Vec::new())
-    }
-
-    /// `m`.
-    pub(super) fn m(&self) -> R {
-        self.m
+        Self::of(chain)
     }
 
     /// `mu`.
@@ -78,15 +71,8 @@ impl<R: Real> LinearFlow<R> {
     }
 }
 
-impl LinearFlow<f64, Each<f64>> {
-    /// Chains at rest, one a lane, see [`Chain::abreast`]. A state is that of one after the other.
-    pub(crate) fn abreast(members: Vec<Chain<f64>>) -> Self {
-        Self::of(Chain::abreast(&members), members)
-    }
-}
-
 impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
-    fn of(chain: Chain<R>, members: Vec<Chain<R>>) -> Self {
+    fn of(chain: Chain<R>) -> Self {
         assert!(chain.details().is_none(), "a chain with details flows site by site");
         let n = chain.sites();
         let none = || Aligned::together(0);
@@ -99,13 +85,13 @@ impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
             }
         };
         let [m, mu_over_omega, rest, hi, lo] = K::by_lane(|lane| {
-            let member = chain.member(&members, lane);
+            let member = chain.member(lane);
             let modes = member.modes;
             [modes.m, modes.mu_over_omega(), member.precompression, modes.omega.hi, modes.omega.lo]
         });
         let (phase, forces) = (Phase::new(DoubleDouble { hi, lo }), RowForces::new(&chain));
         let (tau, kicks) = (K::zero(), 0);
-        Self { chain, members, centre, oscillation, m, mu_over_omega, rest, phase, tau, kicks, forces }
+        Self { chain, centre, oscillation, m, mu_over_omega, rest, phase, tau, kicks, forces }
     }
 
     /// `R0 <- R0 + V tau`, `tau <- 0`.
@@ -179,21 +165,21 @@ impl<R: Real> ContactFlow<R> for LinearFlow<R> {
 
 impl<R: Real, K: Coefficient<R>> SplitFlow<R, K> for LinearFlow<R, K> {
     fn dim(&self) -> usize {
-        self.members.len().max(1) * self.chain.member(&self.members, 0).layout().dim()
+        self.chain.full_dim()
     }
 
     fn load(&mut self, y: &[R]) {
-        let layout = self.chain.member(&self.members, 0).layout();
-        y.chunks(layout.dim()).enumerate().for_each(|(lane, y)| self.read_lane(lane, 0, layout.arrays(y)));
+        let layout = self.chain.member(0).layout();
+        y.chunks(layout.dim()).enumerate().for_each(|(lane, y)| self.read(lane, layout.arrays(y)));
     }
 
     fn store(&self, y: &mut [R]) {
-        let layout = self.chain.member(&self.members, 0).layout();
-        y.chunks_mut(layout.dim()).enumerate().for_each(|(lane, y)| self.write_lane(lane, 0, layout.arrays_mut(y)));
+        let layout = self.chain.member(0).layout();
+        y.chunks_mut(layout.dim()).enumerate().for_each(|(lane, y)| self.write(lane, layout.arrays_mut(y)));
     }
 
     fn duplicate(&self) -> Self {
-        let mut copy = Self::of(self.chain.clone(), self.members.clone());
+        let mut copy = Self::of(self.chain.clone());
         copy.copy_from(self);
         copy
     }
@@ -244,9 +230,9 @@ impl<R: Real, K: Coefficient<R>> SplitFlow<R, K> for LinearFlow<R, K> {
     }
 }
 
-impl<R: Real> Divisible<R> for LinearFlow<R> {
+impl<R: Real, K: Coefficient<R>> Divisible<R, K> for LinearFlow<R, K> {
     fn rest(chain: Chain<R>) -> Self {
-        Self::new(chain)
+        Self::of(chain)
     }
 
     fn columns(&mut self) -> [&mut [R]; 4] {
@@ -254,26 +240,16 @@ impl<R: Real> Divisible<R> for LinearFlow<R> {
         [r0, v, c, s]
     }
 
-    fn read(&mut self, first: usize, arrays: [&[R]; 4]) {
-        self.read_lane(0, first, arrays);
-    }
-
-    fn write(&self, first: usize, arrays: [&mut [R]; 4]) {
-        self.write_lane(0, first, arrays);
-    }
-}
-
-impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
-    /// As [`Divisible::read`], for the chain of a lane.
-    fn read_lane(&mut self, lane: usize, first: usize, [u, v, u_dot, v_dot]: [&[R]; 4]) {
-        let (modes, omega) = (self.chain.member(&self.members, lane).modes(), self.phase.omega(lane));
+    fn read(&mut self, first: usize, [u, v, u_dot, v_dot]: [&[R]; 4]) {
+        let stride = self.chain.stride::<K>();
+        let lane = first % stride;
+        let (modes, omega) = (self.chain.member(lane).modes(), self.phase.omega(lane));
         self.phase.reset();
         (self.tau, self.kicks) = (K::zero(), 0);
-        let stride = self.chain.stride::<K>();
         for i in 0..u.len() {
             let of = |array: &[R]| array.get(i).copied().unwrap_or(R::zero());
             let [r, r_dot, p, p_dot] = modes.split([u[i], of(v), u_dot[i], of(v_dot)]);
-            let to = (first + i) * stride + lane;
+            let to = first + i * stride;
             if let [r0, v] = &mut self.centre
                 && !v.is_empty()
             {
@@ -287,20 +263,20 @@ impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
         }
     }
 
-    /// As [`Divisible::write`], for the chain of a lane.
-    fn write_lane(&self, lane: usize, first: usize, [u, v, u_dot, v_dot]: [&mut [R]; 4]) {
+    fn write(&self, first: usize, [u, v, u_dot, v_dot]: [&mut [R]; 4]) {
         let (n, stride, (sin, cos)) = (u.len(), self.chain.stride::<K>(), self.phase.sin_cos());
-        let (modes, phase) = (self.chain.member(&self.members, lane).modes(), (sin.lane(lane), cos.lane(lane)));
+        let lane = first % stride;
+        let (modes, phase) = (self.chain.member(lane).modes(), (sin.lane(lane), cos.lane(lane)));
         if !self.chain.layout().resonators() {
             for i in 0..n {
-                [u[i], _, u_dot[i], _] = modes.join(self.motions((first + i) * stride + lane, phase));
+                [u[i], _, u_dot[i], _] = modes.join(self.motions(first + i * stride, phase));
             }
             return;
         }
         // With both motions: a loop without branches that computes what `motions` does for one
         // site.
         let ([r0, v0], [c, s]) = (&self.centre, &self.oscillation);
-        let [r0, v0, c, s] = [r0, v0, c, s].map(|column| &column[first * stride + lane..][..n * stride + 1 - stride]);
+        let [r0, v0, c, s] = [r0, v0, c, s].map(|column| &column[first..][..n * stride + 1 - stride]);
         let [v, u_dot, v_dot] = [v, u_dot, v_dot].map(|array| &mut array[..n]);
         let (omega, tau) = (self.phase.omega(lane), self.tau.lane(lane));
         for i in 0..n {
@@ -426,7 +402,7 @@ impl<R: Real, K: Coefficient<R>> Clock<R> for Phases<'_, R, K> {
 
     #[inline(always)]
     fn next<V: Vector<R>>(&mut self) -> Now<K> {
-        let (kick, drift) = next(&mut self.pairs);
+        let &(kick, drift) = self.pairs.next().expect("a pair for each kick");
         let now = Now::new::<R, V>(self.phase.sin_cos(), *self.tau, kick, self.shares);
         self.phase.advance_inside::<V>(drift);
         *self.tau = K::kept::<V>(self.tau.get::<V>() + drift.hi.get::<V>());

@@ -69,8 +69,8 @@ pub struct Chain<R> {
     precompression: R,
     law: ContactLaw<R>,
     details: Option<Arc<CheckedDetails<R>>>,
-    /// Number of lanes of chains [abreast](Self::abreast); zero for a chain alone.
-    lanes: usize,
+    /// Of chains [abreast](Self::abreast): those of the lanes. None for a chain alone.
+    members: Vec<Self>,
 }
 
 impl<R: Real> Chain<R> {
@@ -91,7 +91,7 @@ impl<R: Real> Chain<R> {
             precompression: R::zero(),
             law: ContactLaw::new(params.alpha),
             details: None,
-            lanes: 0,
+            members: Vec::new(),
         })
     }
 

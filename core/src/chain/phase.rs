@@ -53,7 +53,7 @@ fn get<R: Real, K: Coefficient<R>, V: Vector<R>>(Rotation { sin, cos }: Rotation
 
 impl<R: Real, K: Coefficient<R>> Phase<R, K> {
     pub(crate) fn new(omega: DoubleDouble<K>) -> Self {
-        let (theta, now) = (DoubleDouble::by_lane(|_| DoubleDouble::zero()), turned(|_| Rotation::none()));
+        let (theta, now) = (K::twofold(|_| DoubleDouble::zero()), turned(|_| Rotation::none()));
         Self { omega, two_pi: DoubleDouble::two_pi(), theta, now, turns: Vec::with_capacity(KEPT), next: 0 }
     }
 
@@ -65,7 +65,7 @@ impl<R: Real, K: Coefficient<R>> Phase<R, K> {
 
     /// Sets the phase to zero.
     pub(crate) fn reset(&mut self) {
-        self.theta = DoubleDouble::by_lane(|_| DoubleDouble::zero());
+        self.theta = K::twofold(|_| DoubleDouble::zero());
         self.now = turned(|_| Rotation::none());
         self.turns.iter_mut().for_each(|turn| turn.count = 0);
     }
@@ -73,7 +73,7 @@ impl<R: Real, K: Coefficient<R>> Phase<R, K> {
     /// Sets the phase to that of another.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.reset();
-        (self.theta, self.now) = (DoubleDouble::by_lane(|lane| other.theta(lane)), other.now);
+        (self.theta, self.now) = (K::twofold(|lane| other.theta(lane)), other.now);
     }
 
     /// `(sin theta, cos theta)`.
@@ -85,8 +85,8 @@ impl<R: Real, K: Coefficient<R>> Phase<R, K> {
     /// The phase of a lane, reduced.
     fn theta(&self, at: usize) -> DoubleDouble<R> {
         let turned =
-            |theta, turn: &Turn<K>| theta + turn.angle.lane(at) * DoubleDouble::new(R::of(turn.count as f64));
-        self.turns.iter().filter(|turn| turn.count > 0).fold(self.theta.lane(at), turned).reduced(self.two_pi)
+            |theta, turn: &Turn<K>| theta + K::of_lane(turn.angle, at) * DoubleDouble::new(R::of(turn.count as f64));
+        self.turns.iter().filter(|turn| turn.count > 0).fold(K::of_lane(self.theta, at), turned).reduced(self.two_pi)
     }
 
     /// Moves the phase on by the time `dt`, with the fused products of the machine.
@@ -124,17 +124,17 @@ impl<R: Real, K: Coefficient<R>> Phase<R, K> {
     /// Index of a new turn with this drift; `None` if there is no room for it, after the drift.
     #[cold]
     fn turn_anew(&mut self, drift: DoubleDouble<K>) -> Option<usize> {
-        let (angle, two_pi) = (|at| self.omega.lane(at) * drift.lane(at), self.two_pi);
+        let (angle, two_pi) = (|at| K::of_lane(self.omega, at) * K::of_lane(drift, at), self.two_pi);
         if self.turns.len() < KEPT {
             let rotation = turned(|at| Rotation::by(angle(at).reduced(two_pi)));
-            self.turns.push(Turn { drift, angle: DoubleDouble::by_lane(angle), rotation, count: 0 });
+            self.turns.push(Turn { drift, angle: K::twofold(angle), rotation, count: 0 });
             return Some(self.turns.len() - 1);
         }
-        let theta: DoubleDouble<K> = DoubleDouble::by_lane(|at| (self.theta(at) + angle(at)).reduced(two_pi));
+        let theta = K::twofold(|at| (self.theta(at) + angle(at)).reduced(two_pi));
         self.reset();
         self.theta = theta;
         self.now = turned(|at| {
-            let (sin, cos) = theta.lane::<R>(at).sin_cos();
+            let (sin, cos) = K::of_lane(theta, at).sin_cos();
             Rotation { sin: DoubleDouble::new(sin), cos: DoubleDouble::new(cos) }
         });
         None

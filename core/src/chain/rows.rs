@@ -115,16 +115,17 @@ fn kick<
     let (mut here, mut there) = (here.column(), there.column());
     assert!(sites.room() >= registers, "columns are whole registers");
     assert!([&here, &there].iter().all(|column| column.len() > PAD + registers + V::LANES));
-    assert!(!K::EACH || chain.lanes == V::LANES, "chains abreast are moved by the instructions that they were made for");
+    assert!(
+        !K::EACH || chain.stride::<K>() == V::LANES,
+        "chains abreast are moved by the instructions that they were made for"
+    );
     // The clock is one moment ahead, so that no position waits for it.
     let mut now = clock.next::<V>();
     let mut next = if kicks > 1 { clock.next::<V>() } else { now };
     let mut pass = Pass { chain, rest: rest.in_lanes::<V>(), start: 0 };
     let law = chain.law;
     // SAFETY: columns have room, as asserted.
-    unsafe {
-        pass.go::<_, _, STRAIN, K, false>(&mut sites, [&now; 2], &here, Raised { law, power, to: &mut there })
-    };
+    unsafe { pass.go::<_, _, STRAIN, K, false>(&mut sites, [&now; 2], &here, Raised { law, power, to: &mut there }) };
     (here, there) = (there, here);
     for left in (1..kicks).rev() {
         let ahead = if left > 1 { clock.next::<V>() } else { next };
@@ -133,12 +134,7 @@ fn kick<
         }
         // SAFETY: as above.
         unsafe {
-            pass.go::<_, _, STRAIN, K, true>(
-                &mut sites,
-                [&now, &next],
-                &here,
-                Raised { law, power, to: &mut there },
-            )
+            pass.go::<_, _, STRAIN, K, true>(&mut sites, [&now, &next], &here, Raised { law, power, to: &mut there })
         };
         (here, there) = (there, here);
         (now, next) = (next, ahead);
@@ -204,14 +200,12 @@ impl<R: Real, V: Vector<R>> Pass<'_, R, V> {
         // SAFETY: the caller's promise.
         unsafe {
             if wait {
-                first =
-                    moved::<R, V, S, KICK>(sites, start, forces_on::<R, V, STRAIN, K>(forces, n, start), times);
+                first = moved::<R, V, S, KICK>(sites, start, forces_on::<R, V, STRAIN, K>(forces, n, start), times);
                 (q, at) = (first, start + V::LANES);
             }
             q = self.whole::<S, P, STRAIN, K, KICK>(at..last, q, sites, times, forces, &mut bonds);
             if at <= last {
-                let here =
-                    moved::<R, V, S, KICK>(sites, last, forces_on::<R, V, STRAIN, K>(forces, n, last), times);
+                let here = moved::<R, V, S, KICK>(sites, last, forces_on::<R, V, STRAIN, K>(forces, n, last), times);
                 bonds.take(last, between::<R, V, STRAIN, K>(rest, q, here));
                 q = here;
             }
@@ -243,13 +237,7 @@ impl<R: Real, V: Vector<R>> Pass<'_, R, V> {
     /// # Safety
     /// As [`go`](Self::go).
     #[inline(always)]
-    unsafe fn whole<
-        S: Sites<R>,
-        P: Power<R>,
-        const STRAIN: bool,
-        K: Coefficient<R>,
-        const KICK: bool,
-    >(
+    unsafe fn whole<S: Sites<R>, P: Power<R>, const STRAIN: bool, K: Coefficient<R>, const KICK: bool>(
         &self,
         registers: Range<usize>,
         mut q: V,
@@ -363,15 +351,6 @@ pub(crate) unsafe fn given<R: Real, V: Vector<R>, const STRAIN: bool>(
 
 /// (Kick, drift) pairs in order of time.
 pub(crate) type Pairs<'a, K> = std::slice::Iter<'a, (K, DoubleDouble<K>)>;
-
-/// The next pair; zeros after the last.
-#[inline(always)]
-pub(crate) fn next<R: Real, K: Coefficient<R>>(pairs: &mut Pairs<'_, K>) -> (K, DoubleDouble<K>) {
-    match pairs.next() {
-        Some(&pair) => pair,
-        None => (K::zero(), DoubleDouble { hi: K::zero(), lo: K::zero() }),
-    }
-}
 
 #[cfg(test)]
 mod tests {

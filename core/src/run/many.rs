@@ -5,11 +5,11 @@ use super::{
     method::{Split, loaded},
 };
 use crate::{
-    chain::{KineticFlow, LinearFlow},
+    chain::{Chain, Divisible, KineticFlow, LinearFlow},
     error::Result,
 };
 use hertzchain_integrators::{
-    Error as Failure, Observer, Splitting, Stats, Stepper, drive, splitting::Scheme,
+    Error as Failure, Observer, Splitting, Stats, Stepper, drive, lanes::Each, splitting::Scheme,
 };
 use std::{ops::ControlFlow, time::Instant};
 
@@ -82,9 +82,7 @@ impl Run {
 
     /// Whether another run can be made together with this one.
     fn alike(&self, other: &Self) -> bool {
-        let chain = |run: &Self| {
-            (run.chain.params().alpha, run.chain.params().resonators(), run.chain.topology())
-        };
+        let chain = |run: &Self| (run.chain.params().alpha, run.chain.params().resonators(), run.chain.topology());
         self.split().is_some()
             && (self.method, self.setting) == (other.method, other.setting)
             && other.split().is_some()
@@ -113,13 +111,15 @@ fn together(
     let clock = Instant::now();
     let spans = runs.iter().map(Run::span).collect::<Result<Vec<_>>>()?;
     let mut y: Vec<f64> = runs.iter().flat_map(|run| run.initial().as_slice()).copied().collect();
-    let (chains, first) = (runs.iter().map(|run| run.chain.clone()).collect(), split.first());
+    let (chain, first) = (Chain::abreast(runs.iter().map(|run| run.chain.clone()).collect()), split.first());
     let mut stepper: Box<dyn Stepper<f64>> = match split {
         Split::Kinetic => {
-            Box::new(Splitting::abreast(scheme, first, loaded(KineticFlow::abreast(chains), &y), &spans, steps)?)
+            let flow = loaded(KineticFlow::<f64, Each<f64>>::rest(chain), &y);
+            Box::new(Splitting::abreast(scheme, first, flow, &spans, steps)?)
         }
         Split::Linear => {
-            Box::new(Splitting::abreast(scheme, first, loaded(LinearFlow::abreast(chains), &y), &spans, steps)?)
+            let flow = loaded(LinearFlow::<f64, Each<f64>>::rest(chain), &y);
+            Box::new(Splitting::abreast(scheme, first, flow, &spans, steps)?)
         }
     };
     let mut silent = vec![|_: f64, _: &[f64]| (); runs.len()];
@@ -174,18 +174,10 @@ impl Observer<f64> for Members<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        chain::{Boundary, Chain, Params, State},
-        run::Records,
-    };
+    use crate::chain::{Boundary, Params, State};
 
     /// Runs by a splitting from states of sizes 1, 2, .., each of a chain for this size.
-    fn runs(
-        chain: impl Fn(u32) -> Chain<f64>,
-        method: &str,
-        sizes: std::ops::Range<u32>,
-        steps: u64,
-    ) -> Vec<Run> {
+    fn runs(chain: impl Fn(u32) -> Chain<f64>, method: &str, sizes: std::ops::Range<u32>, steps: u64) -> Vec<Run> {
         let run = |size: u32| {
             let chain = chain(size);
             let mut state = State::rest(&chain);

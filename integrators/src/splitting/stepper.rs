@@ -55,8 +55,8 @@ impl<R: Real, K: Coefficient<R>, S: SplitFlow<R, K>> Splitting<R, S, K> {
     pub fn abreast(scheme: &Scheme, first: First, flow: S, spans: &[(R, R)], steps: u64) -> Result<Self, Error> {
         let mut all = spans.iter().map(|&span| Steps::new(span, steps)).collect::<Result<Vec<_>, _>>()?;
         let h = |lane: usize| all[lane.min(all.len() - 1)].h;
-        let part = |share: DoubleDouble<R>| DoubleDouble::by_lane(|lane| share * h(lane));
-        let both = |a: DoubleDouble<R>, b: DoubleDouble<R>| DoubleDouble::by_lane(|lane| a * h(lane) + b * h(lane));
+        let part = |share: DoubleDouble<R>| K::twofold(|lane| share * h(lane));
+        let both = |a: DoubleDouble<R>, b: DoubleDouble<R>| K::twofold(|lane| a * h(lane) + b * h(lane));
         let shares = scheme.pairs(first);
         let pairs: Vec<Pair<K>> = shares.iter().map(|&(kick, drift)| (part(kick), part(drift))).collect();
         let (head, tail) = (shares[0], shares[shares.len() - 1]);
@@ -105,7 +105,7 @@ pub(super) fn mirrored<'a, R: Real, K: Copy, S: SplitFlow<R, K>>(mirror: &'a mut
 /// Applies one pair and counts its kick. Only the first pair of a drift-first step has no kick.
 #[inline]
 fn apply<R: Real, K: Coefficient<R>, S: SplitFlow<R, K>>(flow: &mut S, (kick, drift): Pair<K>, kicks: &mut u64) {
-    if kick.lane(0) == DoubleDouble::zero() {
+    if K::of_lane(kick, 0) == DoubleDouble::zero() {
         flow.drift(drift);
     } else {
         flow.kick_drift(kick.hi, drift);
@@ -147,7 +147,7 @@ impl<R: Real, K: Coefficient<R>, S: SplitFlow<R, K>> Stepper<R> for Splitting<R,
             apply(mirror, self.pairs[self.pairs.len() - 1], &mut self.kicks);
         }
         if self.steps.inside(t) {
-            let part = |whole: DoubleDouble<K>| DoubleDouble::by_lane(|lane| whole.lane(lane) * share);
+            let part = |whole: DoubleDouble<K>| K::twofold(|lane| K::of_lane(whole, lane) * share);
             for &(kick, drift) in &self.pairs {
                 apply(mirror, (part(kick), part(drift)), &mut self.kicks);
             }

@@ -40,7 +40,7 @@ impl SiteFlow for LinearFlow<f64> {
 
     #[inline(always)]
     fn response(&self) -> (f64, f64, f64) {
-        (self.m(), self.mu(), self.omega())
+        (self.m, self.mu(), self.omega())
     }
 
     fn spring(&self, _site: usize) -> (f64, f64) {
@@ -50,7 +50,7 @@ impl SiteFlow for LinearFlow<f64> {
     #[inline(always)]
     fn shift(&self, correction: &Correction) -> f64 {
         let &Correction { impulse, displacement, at, turn: [sin, cos], .. } = correction;
-        self.m() * (displacement - impulse * at)
+        self.m * (displacement - impulse * at)
             + (self.mu() * (displacement * cos) - self.mu_over_omega * (impulse * sin))
     }
 
@@ -94,7 +94,7 @@ impl LinearFlow<f64> {
     #[inline(always)]
     pub(super) fn shares(&self, correction: &Correction) -> [f64; 4] {
         let &Correction { impulse, displacement, at, turn: [turn_sin, turn_cos], .. } = correction;
-        let (m, mu, (sin, cos)) = (self.m(), self.mu(), self.phase.sin_cos());
+        let (m, mu, (sin, cos)) = (self.m, self.mu(), self.phase.sin_cos());
         let (sin, cos) = (sin * turn_cos + cos * turn_sin, cos * turn_cos - sin * turn_sin);
         [
             m * (displacement - impulse * (self.tau + at)),
