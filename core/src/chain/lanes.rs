@@ -2,8 +2,8 @@
 //!
 //! The sites of a chain alone fill the lanes, and all have its parameters. Chains abreast have a
 //! lane each, with parameters of their own: all but the exponent, the boundary and the kind of
-//! resonators, for which kernels are compiled. No lane sees another one, and each number is computed
-//! as in a chain alone, so that the bits are the same.
+//! resonators, for which kernels are compiled. No lane sees another one, and each number is
+//! computed as in a chain alone, so that the bits are the same.
 
 use super::{Chain, rows::SHORT};
 pub(crate) use hertzchain_integrators::lanes::Coefficient;

@@ -7,8 +7,7 @@
 //! the same pass.
 //!
 //! Chains [abreast](super::lanes) are moved by the same passes. They have a lane each, so that the
-//! register of the next site follows that of a site, and neighbours need no moves between
-//! lanes.
+//! register of the next site follows that of a site, and neighbours need no moves between lanes.
 //!
 //! On a ring a pass begins a register after the one before it. Its first registers then do not need
 //! the forces that were computed last. Forces are loaded in the registers in which they were

@@ -17,10 +17,10 @@ use std::{ops::ControlFlow, time::Instant};
 /// the number of a run, the time of each of its samples, and the state there.
 ///
 /// Runs that follow each other are made together, as many as a register has lanes, if they are by a
-/// splitting with the same number of equal steps and differ in nothing but their initial states, the
-/// parameters kappa and rho, the precompression and, if samples are equally spaced and taken at ends
-/// of steps, the span. Beads of a chain must be equal, at most a few thousand; all chains of one
-/// group are plain, or all have fixed resonators, or all moving ones; and neither contacts,
+/// splitting with the same number of equal steps and differ in nothing but their initial states,
+/// the parameters kappa and rho, the precompression and, if samples are equally spaced and taken at
+/// ends of steps, the span. Beads of a chain must be equal, at most a few thousand; all chains of
+/// one group are plain, or all have fixed resonators, or all moving ones; and neither contacts,
 /// observables nor crossings are asked for. Their wall time is shared equally.
 ///
 /// ```
@@ -142,8 +142,8 @@ fn together(
     ends.collect()
 }
 
-/// The observers of runs that are alike, of those that have not failed. Times are those of the first
-/// run.
+/// The observers of runs that are alike, of those that have not failed. Times are those of the
+/// first run.
 struct Members<'a, 'b> {
     first: &'a Run,
     recorders: Vec<Option<Recorder<'a>>>,
