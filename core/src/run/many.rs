@@ -9,7 +9,8 @@ use crate::{
     error::Result,
 };
 use hertzchain_integrators::{
-    Error as Failure, Observer, SplitFlow, Splitting, Stats, Stepper, drive, splitting::Scheme,
+    Error as Failure, Observer, SplitFlow, Splitting, Stats, Stepper, drive,
+    splitting::{Scheme, tables},
 };
 use std::{ops::ControlFlow, time::Instant};
 
@@ -68,10 +69,13 @@ impl Run {
     /// Scheme, split and steps of a run that can be made together with others.
     fn split(&self) -> Option<(&'static Scheme, Split, u64)> {
         let plain = self.chain.details().is_none() && self.parts.whole() && !self.contacts;
-        match (self.method, self.setting) {
-            (Some(Method::Splitting(scheme, split)), Some(Setting::Steps(steps)))
-                if plain && self.observables.is_none() && self.crossings.is_none() =>
-            {
+        let (scheme, split) = match self.method? {
+            Method::Splitting(scheme, split) => (scheme, split),
+            Method::SingleRoots(split) if self.method?.runs(&self.chain).is_ok() => (&tables::STRANG, split),
+            _ => return None,
+        };
+        match self.setting {
+            Some(Setting::Steps(steps)) if plain && self.observables.is_none() && self.crossings.is_none() => {
                 Some((scheme, split, steps))
             }
             _ => None,
@@ -132,7 +136,9 @@ where
     F: Divisible<f64> + 'static,
     Batch<F>: SplitFlow<f64>,
 {
-    let flow = loaded(Batch::<F>::new(runs[0].chain.clone(), runs.len()), y);
+    let chain = runs[0].chain.clone();
+    let single = matches!(runs[0].method, Some(Method::SingleRoots(_)));
+    let flow = loaded(Batch::<F>::new(if single { chain.with_single_roots() } else { chain }, runs.len()), y);
     Ok(Box::new(Splitting::new(scheme, split.first(), flow, span, steps)?))
 }
 
@@ -193,7 +199,9 @@ mod tests {
                     let params = Params::new([1.2, 1.5, 2.0, 2.5][(n + k) % 4], 1.0, rho).unwrap();
                     let chain = Chain::new(params, boundary, n).unwrap();
                     let chain = chain.clone().precompressed(0.01).unwrap_or(chain);
-                    for method in ["verlet", "strang-linear", "aba864"] {
+                    let single = (params.alpha == 1.5).then_some(["verlet-single", "strang-linear-single"]);
+                    let single = single.into_iter().flatten();
+                    for method in ["verlet", "strang-linear", "aba864"].into_iter().chain(single) {
                         let runs = runs(&chain, method, 1..8, 90);
                         let (mut seen, mut want) = (vec![Vec::new(); 7], vec![Vec::new(); 7]);
                         let ends = start_all(&runs, &mut |k, t, y| seen[k].push((t, y.to_vec())));
