@@ -14,6 +14,7 @@
 
 use hertzchain::{
     Method, Run, Scene,
+    chain::Split,
     plain::{Loop, Sites},
     run::{Setting, start_all},
 };
@@ -119,9 +120,11 @@ impl Problem {
 
     /// Our methods, by one run or by several, of which only splittings are made side by side.
     fn ours(&self, members: usize) -> Vec<Point> {
-        let methods = Method::default_comparison_set();
-        let methods = methods.iter().filter(|method| members == 1 || matches!(method, Method::Splitting(..)));
-        let names = methods.map(Method::name).filter(|name| name != "dop853");
+        let single = [Split::Kinetic, Split::Linear].map(Method::SingleRoots);
+        let methods = Method::default_comparison_set().into_iter().chain(single);
+        let aside = |method: &Method| matches!(method, Method::Splitting(..) | Method::SingleRoots(_));
+        let methods = methods.filter(|method| members == 1 || aside(method));
+        let names = methods.map(|method| method.name()).filter(|name| name != "dop853");
         names.flat_map(|name| self.method(&name, members)).collect()
     }
 }

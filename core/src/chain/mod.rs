@@ -112,6 +112,11 @@ impl<R: Real> Chain<R> {
         Ok(self)
     }
 
+    /// The same chain with the law [`with_single_roots`](ContactLaw::with_single_roots).
+    pub(crate) fn with_single_roots(self) -> Self {
+        Self { law: self.law.with_single_roots(), ..self }
+    }
+
     /// A part of the chain, `sites` neighbouring sites, as a chain of its own: of displacements
     /// with the walls of the chain, or of strains on a ring.
     /// Where the chain was cut, contact forces on the outermost sites are wrong.

@@ -17,8 +17,12 @@
 use super::{
     Chain,
     aligned::Aligned,
+<<<<<<< HEAD
     lanes::Coefficient,
     law::{ContactLaw, LANES, Power, with_hertz},
+=======
+    law::{ContactLaw, LANES, Power, with_roots},
+>>>>>>> wr
     sweep::{Sites, Visit, overlaps, push},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, Vector, with_registers};
@@ -61,11 +65,20 @@ impl<R: Real, C: Clock<R>> Visit<R, C::Moment> for InRow<'_, R, C> {
     // Not inlined: the kernel is compiled once for each kind of sites.
     #[inline(never)]
     fn visit<S: Sites<R, Moment = C::Moment>>(self, chain: &Chain<R>, sites: S, _now: C::Moment) {
+<<<<<<< HEAD
         with_registers!(V<R> => with_hertz!(chain.law, power => {
             if chain.topology.strains() {
                 kick::<V<R>, _, true, C::Coefficient, _, _, _>((chain, power), sites, self)
             } else {
                 kick::<V<R>, _, false, C::Coefficient, _, _, _>((chain, power), sites, self)
+=======
+        with_registers!(V<R> => with_roots!(chain.law, power => {
+            match (chain.topology.strains(), chain.lanes > 0) {
+                (true, false) => kick::<V<R>, _, true, false, _, _, _>((chain, power), sites, self),
+                (false, false) => kick::<V<R>, _, false, false, _, _, _>((chain, power), sites, self),
+                (true, true) => kick::<V<R>, _, true, true, _, _, _>((chain, power), sites, self),
+                (false, true) => kick::<V<R>, _, false, true, _, _, _>((chain, power), sites, self),
+>>>>>>> wr
             }
         }));
     }
@@ -367,6 +380,7 @@ mod tests {
                     let params = Params::new([1.2, 1.5, 2.0, 2.5][n % 4], 1.0, rho).unwrap();
                     let Ok(chain) = Chain::<f64>::new(params, boundary, n) else { continue };
                     let chain = chain.clone().precompressed(0.1).unwrap_or(chain);
+                    let chain = if n % 8 == 1 { chain.with_single_roots() } else { chain };
                     let y: Vec<f64> = (0..chain.layout().dim()).map(|i| (0.7 * (i * i) as f64 + 0.3).sin()).collect();
                     let [got, want] = both_ways(KineticFlow::new(chain.clone()), &y, &pairs, 40);
                     assert!(got == want, "kinetic {boundary:?} {n} {rho} {set}");

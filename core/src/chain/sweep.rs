@@ -17,7 +17,7 @@
 
 use super::{
     Chain,
-    law::{LANES, Power, with_hertz},
+    law::{LANES, Power, with_roots},
 };
 use hertzchain_integrators::{DoubleDouble, Real, Vector, with_registers};
 
@@ -214,7 +214,7 @@ impl<R: Real> Piece<'_, R> {
         let Self { pass, to } = self;
         with_registers!(V<R> => {
             assert!(sites.room() >= chain.sites().next_multiple_of(V::<R>::LANES), "columns are whole registers");
-            with_hertz!(chain.law, power => {
+            with_roots!(chain.law, power => {
                 if chain.topology.strains() {
                     pass_up_to::<R, V<R>, S, _, true>(chain, power, (sites, now), pass, to);
                 } else {

@@ -9,7 +9,9 @@ use crate::{
     error::Result,
 };
 use hertzchain_integrators::{
-    Error as Failure, Observer, Splitting, Stats, Stepper, drive, lanes::Each, splitting::Scheme,
+    Error as Failure, Observer, Splitting, Stats, Stepper, drive,
+    lanes::Each,
+    splitting::{Scheme, tables},
 };
 use std::{ops::ControlFlow, time::Instant};
 
@@ -70,10 +72,13 @@ impl Run {
     /// Scheme, split and steps of a run that can be made together with others.
     fn split(&self) -> Option<(&'static Scheme, Split, u64)> {
         let plain = self.chain.details().is_none() && self.parts.whole() && !self.contacts;
-        match (self.method, self.setting) {
-            (Some(Method::Splitting(scheme, split)), Some(Setting::Steps(steps)))
-                if plain && self.observables.is_none() && self.crossings.is_none() =>
-            {
+        let (scheme, split) = match self.method? {
+            Method::Splitting(scheme, split) => (scheme, split),
+            Method::SingleRoots(split) if self.method?.runs(&self.chain).is_ok() => (&tables::STRANG, split),
+            _ => return None,
+        };
+        match self.setting {
+            Some(Setting::Steps(steps)) if plain && self.observables.is_none() && self.crossings.is_none() => {
                 Some((scheme, split, steps))
             }
             _ => None,
@@ -111,7 +116,11 @@ fn together(
     let clock = Instant::now();
     let spans = runs.iter().map(Run::span).collect::<Result<Vec<_>>>()?;
     let mut y: Vec<f64> = runs.iter().flat_map(|run| run.initial().as_slice()).copied().collect();
-    let (chain, first) = (Chain::abreast(runs.iter().map(|run| run.chain.clone()).collect()), split.first());
+    let forces = |run: &Run| match run.method {
+        Some(Method::SingleRoots(_)) => run.chain.clone().with_single_roots(),
+        _ => run.chain.clone(),
+    };
+    let (chain, first) = (Chain::abreast(runs.iter().map(forces).collect()), split.first());
     let mut stepper: Box<dyn Stepper<f64>> = match split {
         Split::Kinetic => {
             let flow = loaded(KineticFlow::<f64, Each<f64>>::rest(chain), &y);
@@ -209,7 +218,10 @@ mod tests {
                     };
                     // By 90 steps over spans of their own, by 91 with samples inside steps.
                     let ways = ["verlet", "strang-linear", "aba864"].map(|method| (method, 90));
-                    for (method, steps) in ways.into_iter().chain([("verlet", 91), ("strang-linear", 91)]) {
+                    let single = ["verlet-single", "strang-linear-single"].map(|method| (method, 90));
+                    let single = single.into_iter().filter(|_| (n + k) % 4 == 1);
+                    let inside = [("verlet", 91), ("strang-linear", 91)];
+                    for (method, steps) in ways.into_iter().chain(inside).chain(single) {
                         let runs = runs(chain, method, 1..8, steps);
                         assert_eq!(groups(&runs, 7)[0].len(), runs[0].chain.most_abreast().min(7));
                         let (mut seen, mut want) = (vec![Vec::new(); 7], vec![Vec::new(); 7]);

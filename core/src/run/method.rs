@@ -26,6 +26,8 @@ mod tolerance;
 pub enum Method {
     /// A splitting scheme on one of the two splits.
     Splitting(&'static Scheme, Split),
+    /// Strang's scheme, contact forces with square roots in single precision.
+    SingleRoots(Split),
     /// A splitting scheme on the linear split whose steps end where contacts begin or end.
     Landed(&'static Scheme),
     /// One kick a step, a processor before and after, and corrections at contacts that begin or
@@ -168,6 +170,7 @@ impl Method {
         let processed = [Self::CORRECTED, Self::CORRECTED_KINETIC, Self::TAKAHASHI_IMADA];
         on(Split::Kinetic)
             .chain(on(Split::Linear))
+            .chain([Split::Kinetic, Split::Linear].map(Self::SingleRoots))
             .chain([landed])
             .chain(processed)
             .chain([Self::Conserving])
@@ -220,6 +223,10 @@ impl Method {
             }
             Self::Splitting(scheme, Split::Linear) => {
                 of(scheme, format!("{}-linear", scheme.name), "exact linear flow + contact kick")
+            }
+            Self::SingleRoots(split) => {
+                let info = Self::Splitting(&tables::STRANG, *split).info();
+                MethodInfo { name: format!("{}-single", info.name), ..info }
             }
             Self::Landed(scheme) => of(scheme, format!("{}-linear-landed", scheme.name), "exact linear flow, landed"),
             Self::Corrected(splitting::Parts { corrected: false, .. }, _) => {
@@ -295,7 +302,7 @@ impl Method {
     /// A method that cannot run in them.
     pub fn motion(&self) -> Result<Motion> {
         match self {
-            Self::Splitting(_, split) => Ok(Motion::Kicks(*split)),
+            Self::Splitting(_, split) | Self::SingleRoots(split) => Ok(Motion::Kicks(*split)),
             Self::Collocation => Ok(Motion::Windows),
             _ => Err(Error::parameter("integrator", self.name(), NOT_DIVISIBLE)),
         }
@@ -336,8 +343,12 @@ impl Method {
 
     /// Why the method cannot run a chain, and a method that can; `None` if it can.
     pub fn unsupported_reason(&self, chain: &Chain<f64>) -> Option<&'static str> {
+        if matches!(self, Self::SingleRoots(_)) && (chain.details().is_some() || chain.params().alpha != 1.5) {
+            return Some("its roots are those of alpha = 3/2 and equal beads: take verlet or strang-linear");
+        }
         chain.details()?;
         match self {
+            Self::SingleRoots(_) => None,
             Self::Dop853(_) => None,
             Self::Collocation => chain.beyond_collocation(),
             Self::Splitting(..) | Self::Landed(_) => chain
@@ -372,6 +383,14 @@ impl Method {
         }
     }
 
+    /// The split of a method with equal steps whose steps do not end at contacts.
+    pub fn split(&self) -> Option<Split> {
+        match *self {
+            Self::Splitting(_, split) | Self::SingleRoots(split) | Self::Corrected(_, split) => Some(split),
+            _ => None,
+        }
+    }
+
     /// The stepper for a leg of a run: from the state `y` at time `span.0` to time `span.1`. The
     /// setting is that of the leg.
     ///
@@ -391,6 +410,10 @@ impl Method {
         let chain = run.chain().clone();
         let sitewise = |split| loaded(SitewiseFlow::new(run.chain().clone(), split, span.0), y);
         match (self, setting) {
+            (&Self::SingleRoots(split), _) => {
+                let run = Run { chain: chain.with_single_roots(), ..run.clone() };
+                Self::Splitting(&tables::STRANG, split).start(&run, y, span, setting)
+            }
             (&Self::Splitting(scheme, split), Setting::Steps(steps)) if !run.parts().whole() => {
                 let flow = Parted::new(&chain, Motion::Kicks(split), run.parts(), y)?;
                 Ok(Box::new(Splitting::new(scheme, split.first(), flow, span, steps)?))

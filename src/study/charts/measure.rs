@@ -180,9 +180,7 @@ fn knobs(method: &Method, contact: f64, fast: f64, span: f64) -> Box<dyn Iterato
         return Box::new(ladder);
     }
     let longest = match method {
-        Method::Splitting(_, Split::Kinetic) | Method::Corrected(_, Split::Kinetic) | Method::Conserving => {
-            LONGEST / fast
-        }
+        _ if method.split() == Some(Split::Kinetic) || *method == Method::Conserving => LONGEST / fast,
         // Levels are the same for all methods, counted from those of the fastest motion.
         _ => {
             let most = (LONGEST / contact).min(0.5 * span);

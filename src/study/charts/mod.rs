@@ -351,9 +351,7 @@ fn places(options: &ChartOptions, methods: &[Method]) -> Vec<Point> {
         .flat_map(|(chart, variant)| methods.iter().map(move |&method| Point::Chart { chart, variant, method }))
         .collect();
     if charted.contains(&Chart::Resonances) {
-        let linear = |method: &&Method| {
-            matches!(method, Method::Splitting(_, Split::Linear) | Method::Corrected(_, Split::Linear))
-        };
+        let linear = |method: &&Method| method.split() == Some(Split::Linear);
         for &method in methods.iter().filter(linear) {
             for k in MULTIPLES {
                 places.extend(PRESSED.map(|amplitude| Point::Resonance { method, k, amplitude }));

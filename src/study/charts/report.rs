@@ -475,9 +475,7 @@ fn step_map(study: &ChartStudy, method: &Method) -> Option<CellMap> {
     let (first, last) = (*x.first()?, *x.last()?);
     let line = |(name, height): &(&str, f64)| Line::new(&format!("hΩ = {name}"), [(first, *height), (last, *height)]);
     let heights: &[(&str, f64)] = match method {
-        Method::Splitting(_, Split::Kinetic) | Method::Corrected(_, Split::Kinetic) | Method::Conserving => {
-            &[("2", 2.0)]
-        }
+        _ if method.split() == Some(Split::Kinetic) || *method == Method::Conserving => &[("2", 2.0)],
         _ => &[("π", PI), ("2π", 2.0 * PI), ("3π", 3.0 * PI)],
     };
     let lines = heights.iter().map(line).collect();
