@@ -14,7 +14,7 @@ import numpy as np
 from . import _native
 from ._arrays import Vector, number, vector, whole, word
 from ._errors import ParameterError
-from ._tables import BEADS, BONDS, TOUCHING, UNITS, Table, drives, table, text_of
+from ._tables import BEADS, BONDS, DRIVE, TOUCHING, UNITS, Table, table, tables, text_of
 from ._values import Made, html_table, plain
 
 STRAIN_RING = "strain-ring"
@@ -51,7 +51,8 @@ class Chain(Made):
         Parameters of the bonds: ``contact, alpha, overlap, spring, magnet,
         distance``, and ``viscoelastic``,
         ``dashpot`` or ``hunt_crossley``, with values as for `beads`; ``beta``, ``rate_power`` and
-        ``decay``, one number each, and ``pull``, a bool. An array has one number for
+        ``decay``, one number each, and ``pull``, a bool. ``terms`` are further powers in the force
+        of contacts, a list such as ``[{"contact": 0.5, "alpha": 2.5}]``. An array has one number for
         each bond that can touch, from left to right: ``sites - 1`` between free ends, ``sites`` with
         one wall or on a ring, ``sites + 1`` between walls. ``wall``, the contact constant of walls,
         is one number.
@@ -110,7 +111,7 @@ class Chain(Made):
         for name, (keys, count) in {**counts, "units": (UNITS, self.sites)}.items():
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, table(name, getattr(self, name), keys, count))
-        object.__setattr__(self, "drive", drives(self.drive))
+        object.__setattr__(self, "drive", tables("drive", self.drive, DRIVE))
         object.__setattr__(self, "_tables", text_of(self.beads, self.bonds, tuple(self.drive), self.units))
         if self._tables:
             _native.check_chain(self._numbers)

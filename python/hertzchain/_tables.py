@@ -15,8 +15,9 @@ from ._errors import ParameterError
 Table = Mapping[str, Any]
 
 BEADS = ("mass", "kappa", "stiffness", "rho", "resonator", "onsite", "drag", "tau", "dashpot")
+TERM = ("contact", "alpha")
 BONDS = (
-    *("contact", "wall", "alpha", "overlap", "spring", "magnet", "distance", "decay"),
+    *("contact", "wall", "alpha", "terms", "overlap", "spring", "magnet", "distance", "decay"),
     *("viscoelastic", "dashpot", "beta", "rate_power", "hunt_crossley", "pull"),
 )
 DRIVE = (
@@ -38,11 +39,12 @@ def table(name: str, given: Any, keys: tuple[str, ...], count: int | None) -> Ta
     return MappingProxyType({key: _value(f"{name}.{key}", value, count) for key, value in given.items()})
 
 
-def drives(given: Any) -> tuple[Table, ...]:
-    """The drives, a checked table for each."""
+def tables(name: str, given: Any, keys: tuple[str, ...], count: int | None = None) -> tuple[Table, ...]:
+    """A checked table for each drive, or for each term."""
     if isinstance(given, Mapping) or not isinstance(given, Sequence) or isinstance(given, str):
-        raise ParameterError(f"drive = {given!r} is not valid: a list of dictionaries, one for each drive")
-    return tuple(table("drive", one, DRIVE, None) for one in given)
+        each = "term" if keys == TERM else "drive"
+        raise ParameterError(f"{name} = {given!r} is not valid: a list of dictionaries, one for each {each}")
+    return tuple(table(name, one, keys, count) for one in given)
 
 
 def _value(name: str, value: Any, count: int | None) -> Any:
@@ -51,6 +53,8 @@ def _value(name: str, value: Any, count: int | None) -> Any:
         return value
     if name in ("drive.site", "drive.seed"):
         return whole(name, value)
+    if name == "bonds.terms":
+        return tables(name, value, TERM, count)
     if isinstance(value, Mapping):
         return MappingProxyType(dict(value))
     if isinstance(value, (list, tuple)) or isinstance(value, np.ndarray) and value.ndim > 0:

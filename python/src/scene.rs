@@ -3,7 +3,7 @@
 use crate::error::OrRaise;
 use hertzchain::{
     Boundary, Chain, Error, Params,
-    chain::{Course, Details, Drive, DriveKind, Envelope},
+    chain::{Course, Details, Drive, DriveKind, Envelope, Term},
     scene::{ChainSection, Initial, Quantity, Record, SceneFile, Span},
 };
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -254,6 +254,15 @@ fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict
     }
     if details.pull {
         bonds.set_item("pull", true)?;
+    }
+    if !details.terms.is_empty() {
+        let terms = PyList::empty(py);
+        for Term { contact, alpha } in &details.terms {
+            let term = table(py, &[("contact", contact)])?;
+            term.set_item("alpha", alpha)?;
+            terms.append(term)?;
+        }
+        bonds.set_item("terms", terms)?;
     }
     let drive = PyList::empty(py);
     details.drives.iter().try_for_each(|driven| drive.append(drive_table(py, driven)?))?;

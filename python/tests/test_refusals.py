@@ -74,6 +74,11 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: hc.Chain(sites=3, bonds={"alpha": 0.0}), "alpha = 0"),
     (lambda: hc.Chain(sites=3, bonds={"overlap": 0.1}), "overlap"),
     (lambda: hc.Chain(sites=3, bonds={"viscoelastic": 0.1, "dashpot": 0.1}), "viscoelastic"),
+    (lambda: hc.Chain(sites=3, bonds={"terms": 2.0}), "bonds.terms = 2.0 is not valid: a list of dictionaries"),
+    (lambda: hc.Chain(sites=3, bonds={"terms": [{"alpha": 2.5}]}), "missing field `contact`"),
+    (lambda: hc.Chain(sites=3, bonds={"terms": [{"contact": 1, "beta": 2}]}), "bonds.terms with the key 'beta'"),
+    (lambda: hc.Chain(sites=3, bonds={"terms": [{"contact": -1, "alpha": 2}]}), "bonds.terms.contact = -1 \\(entry 0\\)"),
+    (lambda: hc.Chain(sites=3, bonds={"terms": [{"contact": np.ones(3), "alpha": 2}]}), "contact with 3 numbers"),
     (lambda: hc.Chain(sites=3, drive={"site": 0}), "a list of dictionaries"),  # type: ignore[arg-type]
     (lambda: hc.Chain(sites=3, drive=[{"site": 0, "kind": "shaken", "amplitude": 1.0, "omega": 1.0}]), "shaken"),
     (lambda: hc.Chain(sites=3, drive=[{"site": 9, "kind": "moved", "amplitude": 1.0, "omega": 1.0}]), "site"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -93,6 +94,22 @@ def test_springs_and_contacts_that_may_pull_go_there_and_back() -> None:
     assert again.beads["onsite"].tolist() == [0.0, 0.3, 1.0]
     run = hc.run(hc.Chain(sites=1, beads={"onsite": 4.0}), y0={"u": [0.5]}, until=1.0, tol=1e-11, at=[1.0])
     assert np.allclose(run.u[-1], [0.5 * np.cos(2.0)], atol=1e-9)
+
+
+# Truth: f(g) = g + 3 g is a spring: two beads part after half a period, with exchanged momenta.
+def test_contacts_have_sums_of_powers() -> None:
+    terms = [{"contact": np.array([3.0]), "alpha": 1.0}]
+    chain = hc.Chain(sites=2, alpha=1.0, bonds={"terms": terms})
+    run = hc.run(chain, y0={"pu": [1.0, 0.0]}, until=3.0, tol=1e-12, events=True)
+    assert np.allclose(run.pu[-1], [0.0, 1.0], atol=1e-10)
+    assert run.contacts is not None and abs(run.contacts["release"][0] - np.pi / 8**0.5) < 1e-10
+    again = hc.Scene.from_toml(chain.scene(y0={"pu": [1.0, 0.0]}, until=3.0).to_toml()).chain
+    other = pickle.loads(pickle.dumps(chain))
+    assert other == chain and hash(other) == hash(chain) and chain != hc.Chain(sites=2, alpha=1.0)
+    for same in (again, other):
+        assert same.bonds is not None and same.bonds["terms"][0]["contact"].tolist() == [3.0]
+    with pytest.raises(hc.Error, match="integrator = collocation is not valid: its contacts have one power"):
+        hc.run(chain, y0={"pu": [1.0, 0.0]}, until=3.0, method="collocation", tol=1e-9)
 
 
 # Truth: a bead on a spring to a resonator at rest is a pendulum of frequency (kappa/mass)^(1/2).

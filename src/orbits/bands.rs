@@ -14,7 +14,7 @@
 use super::normal_modes::NormalModes;
 use crate::{
     chain::{Boundary, Chain, Details, Params},
-    error::{Error, Result, require},
+    error::{Error, GIVEN, Result, require},
 };
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
@@ -48,11 +48,14 @@ impl Bands {
     /// ```
     ///
     /// # Errors
-    /// Gravity; no cell of at most 85 beads repeats; contacts that do not hold the beads at rest.
+    /// Gravity; contacts with several powers; no cell of at most 85 beads repeats; contacts that do
+    /// not hold the beads at rest.
     pub fn new(chain: &Chain<f64>) -> Result<Self> {
         let details = chain.details().cloned().unwrap_or_default();
         let rule = "bands are those of a periodic chain: under gravity no two contacts are alike";
         require(details.gravity == 0.0, "gravity", details.gravity, rule)?;
+        let rule = "bands are those of contacts with one power of the overlap";
+        require(details.terms.is_empty(), "terms", GIVEN, rule)?;
         let overlaps = chain.overlaps(&vec![0.0; chain.sites()])[chain.touching()].to_vec();
         let [start, ends] = chain.boundary().walls().map(usize::from);
         let sites = [&details.mass, &details.kappa, &details.rho, &details.onsite];

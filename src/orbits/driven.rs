@@ -305,7 +305,8 @@ impl DrivenSetting {
         // By Gershgorin, as a bead has two contacts.
         let contacts = details.overlap.iter().enumerate().map(|(k, &rest)| {
             let law: BondLaw<f64> = details.law(k, params.alpha, rest);
-            let stiffness = law.stiffness(rest + reach) + details.joint::<f64>(k).stiffness_within(reach);
+            let further = details.terms.iter().map(|term| term.law::<f64>(k).stiffness(rest + reach)).sum::<f64>();
+            let stiffness = law.stiffness(rest + reach) + further + details.joint::<f64>(k).stiffness_within(reach);
             [stiffness, law.resistance(rest + reach)].map(|one| 4.0 * one * per_mass)
         });
         let sites = (0..self.sites()).map(|i| {

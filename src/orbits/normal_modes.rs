@@ -677,8 +677,9 @@ impl Problem for ModeContinuation {
     }
 
     fn verify(&self, modes: &NormalModes, orbit: &ModeOrbit) -> Result<()> {
-        let alpha = modes.chain.details().map_or(Vec::new(), |details| details.alpha.clone());
-        let alpha = alpha.into_iter().fold(modes.chain.params().alpha, f64::max);
+        let details = modes.chain.details().cloned().unwrap_or_default();
+        let further = details.terms.iter().map(|term| term.alpha);
+        let alpha = details.alpha.into_iter().chain(further).fold(modes.chain.params().alpha, f64::max);
         let unit = if modes.overlap > 0.0 { modes.overlap } else { 1.0 };
         let most = modes.overlap + 2.0 * orbit.amplitude.abs() * max_norm(orbit.shape.iter().copied());
         let highest = modes.linear.last().map_or(0.0, |mode| mode.omega);

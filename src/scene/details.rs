@@ -4,7 +4,7 @@
 use super::{Quantity, values::Values};
 use crate::{
     chain::{
-        Boundary, Chain, Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Signal, Spline,
+        Boundary, Chain, Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Signal, Spline, Term,
     },
     error::{Error, GIVEN, NOTHING, Result, beside, one_line, require},
     number::format_short,
@@ -54,6 +54,8 @@ sections! {
         wall?: f64,
         /// Exponents (`chain.alpha` if left out).
         alpha?: Values,
+        /// Further powers of the overlap in the forces of contacts (none if left out).
+        terms?: Vec<TermSection>,
         /// Static overlaps (`chain.precompression` if left out); negative: beads apart.
         overlap?: Values as Length,
         /// Constants of linear springs between beads, relaxed at the static overlap (none if left
@@ -79,6 +81,14 @@ sections! {
         hunt_crossley?: Values as Slowness,
         /// Whether contacts that dissipate may pull while beads overlap (`false` if left out).
         pull?: bool,
+    }
+
+    /// One entry of `terms` in `[bonds]`.
+    pub struct TermSection {
+        /// Constants, as those of contacts.
+        contact: Values,
+        /// The exponent.
+        alpha: f64,
     }
 
     /// One entry of `[[drive]]`.
@@ -199,6 +209,9 @@ fn named(error: Error, beads: Option<&BeadsSection>, bonds: Option<&BondsSection
         "kappa" if beads.is_some_and(|beads| beads.kappa.is_some()) => "beads.kappa",
         "rho" if beads.is_some_and(|beads| beads.rho.is_some()) => "beads.rho",
         "contact" => "bonds.contact",
+        "terms" => "bonds.terms",
+        "terms.contact" => "bonds.terms.contact",
+        "terms.alpha" => "bonds.terms.alpha",
         "overlap" => "bonds.overlap",
         "spring" => "bonds.spring",
         "magnet" => "bonds.magnet",
@@ -258,6 +271,9 @@ impl BondsSection {
         let list = |name, values: &Option<Values>| list(name, values, touching);
         details.contact = list("bonds.contact", &self.contact)?;
         details.alpha = list("bonds.alpha", &self.alpha)?;
+        for TermSection { contact, alpha } in self.terms.iter().flatten() {
+            details.terms.push(Term { contact: contact.of("bonds.terms.contact", touching)?, alpha: *alpha });
+        }
         details.overlap = list("bonds.overlap", &self.overlap)?;
         details.spring = list("bonds.spring", &self.spring)?;
         details.magnet = list("bonds.magnet", &self.magnet)?;
@@ -541,14 +557,15 @@ pub(super) fn words(chain: &Chain<f64>, units: Option<&Units>) -> Option<String>
     };
     let range = |name: &str, list: &[f64], of: Quantity| between(name, list, &|x| told(of, x));
     let alpha = |k: usize| details.alpha.get(k).copied().unwrap_or(chain.params().alpha);
-    let unit = |k: usize| units.map_or(1.0, |units| units.force_n / units.length_m.powf(alpha(k)));
-    let contact: Vec<f64> = details.contact.iter().enumerate().map(|(k, x)| x * unit(k)).collect();
+    let unit = |alpha: f64| units.map_or(1.0, |units| units.force_n / units.length_m.powf(alpha));
+    let constant = |x: f64| format_short(x) + units.map_or("", |_| " N/m^α");
+    let contact: Vec<f64> = details.contact.iter().enumerate().map(|(k, x)| x * unit(alpha(k))).collect();
     let mut all: Vec<String> = [
         range("masses", &details.mass, Quantity::Mass),
         range("spring constants", &details.kappa, Quantity::Stiffness),
         range("mass ratios", &details.rho, Quantity::Number),
         range("on-site springs", &details.onsite, Quantity::Stiffness),
-        between("contact constants", &contact, &|x| format_short(x) + units.map_or("", |_| " N/m^α")),
+        between("contact constants", &contact, &constant),
         range("exponents", &details.alpha, Quantity::Number),
         range("static overlaps", &details.overlap, Quantity::Length),
         range("springs between beads", &details.spring, Quantity::Stiffness),
@@ -559,6 +576,11 @@ pub(super) fn words(chain: &Chain<f64>, units: Option<&Units>) -> Option<String>
     .into_iter()
     .flatten()
     .collect();
+    all.extend(details.terms.iter().filter_map(|Term { contact, alpha }| {
+        let contact: Vec<f64> = contact.iter().map(|x| x * unit(*alpha)).collect();
+        let words = between("terms with contact constants", &contact, &constant)?;
+        Some(format!("{words} and exponent {}", format_short(*alpha)))
+    }));
     if let Some(Dissipation { kind, strength }) = &details.dissipation {
         let of = match kind {
             Kind::Viscoelastic => Quantity::Time,

@@ -390,8 +390,8 @@ impl SceneFile {
         }
         let leaves = leaves(table.get_ref(), "");
         let found: Vec<_> = leaves.iter().filter(|leaf| leaf.is(name)).collect();
-        // Of several drives only a changed one is known.
-        let unknown = found.len() > 1 && name.starts_with("drive.");
+        // Of several drives or terms only a changed one is known.
+        let unknown = found.len() > 1 && ["drive.", "bonds.terms"].iter().any(|list| name.starts_with(list));
         let leaf = if unknown { found.iter().rfind(|leaf| leaf.span.start >= text.len()) } else { found.first() }?;
         Some(format!("{}: `{}`", source.place(leaf.span.start), leaf.key))
     }
@@ -532,7 +532,9 @@ fn leaves<'a>(table: &'a DeTable<'a>, above: &str) -> Vec<Leaf<'a>> {
         let key = format!("{above}{}", name.get_ref());
         match value.get_ref() {
             DeValue::Table(table) => leaves(table, &(key + ".")),
-            DeValue::Array(tables) if key == "drive" && tables.iter().all(|one| one.get_ref().is_table()) => {
+            DeValue::Array(tables)
+                if ["drive", "bonds.terms"].contains(&&*key) && tables.iter().all(|one| one.get_ref().is_table()) =>
+            {
                 let at = |(k, one): (usize, &'a toml::Spanned<DeValue<'a>>)| {
                     one.get_ref().as_table().map_or(Vec::new(), |table| leaves(table, &format!("{key}.{k}.")))
                 };

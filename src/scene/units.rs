@@ -124,16 +124,14 @@ impl SceneFile {
             [Some(a), None] | [None, Some(a)] => bodies[a].hertz(&section.wall(bodies[a])),
             [None, None] => f64::NAN,
         };
-        let mut contacts = touching.clone().enumerate().map(hertz).collect();
+        let mut contacts: Vec<f64> = touching.clone().enumerate().map(hertz).collect();
         if let Some(values) = &bonds.contact {
             contacts = values.over("bonds.contact", contacts)?;
         }
         bonds.walls(self.chain.boundary, &mut contacts)?;
-        if let Some(k) = contacts.iter().position(|constant| !(constant.is_finite() && *constant >= 0.0)) {
-            let rule = "a contact constant is finite and at least zero: give it, or `radius`, `young` and `poisson` of \
-                        [units], not of two flat bodies, for alpha = 1.5";
-            return Err(Error::parameter("bonds.contact", at(contacts[k], k), rule));
-        }
+        let rule = "a contact constant is finite and at least zero: give it, or `radius`, `young` and `poisson` of \
+                    [units], not of two flat bodies, for alpha = 1.5";
+        constants("bonds.contact", &contacts, rule)?;
 
         let first = bodies.iter().position(|body| body.radius.is_finite());
         let length = first.map_or(LENGTH, |i| bodies[i].radius);
@@ -143,6 +141,8 @@ impl SceneFile {
         let units = Units::new(length, masses[first.unwrap_or(0)], reference);
 
         if let Some(load) = section.static_load.filter(|load| *load > 0.0) {
+            let rule = "of contacts with `terms` give the static overlaps: `overlap` of [bonds]";
+            require(bonds.terms.is_none(), "units.static_load", load, rule)?;
             let other = bonds.overlap.is_some() || self.chain.precompression != 0.0;
             bonds.overlap = Some(Values::List(pressed(load, &contacts, &alpha, other)?));
         }
@@ -150,6 +150,11 @@ impl SceneFile {
         beads.mass = list(masses.iter().map(|mass| mass / units.mass_kg).collect());
         let scaled = |(k, constant): (usize, &f64)| constant * length.powf(alpha(k)) / units.force_n;
         (bonds.contact, bonds.wall) = (list(contacts.iter().enumerate().map(scaled).collect()), None);
+        for term in bonds.terms.iter_mut().flatten() {
+            let given = term.contact.of("bonds.terms.contact", touching.len())?;
+            constants("bonds.terms.contact", &given, "a contact constant is finite and at least zero")?;
+            term.contact.each(&mut |x| *x *= length.powf(term.alpha) / units.force_n);
+        }
         let powers = bonds.powers(&units);
         bonds.dashpot.each(&mut |x| *x *= powers);
         // Equal spheres are a chain of equal beads.
@@ -256,6 +261,14 @@ impl BondsSection {
     /// The units of overlap and rate, by which constants of dashpots are multiplied as well.
     fn powers(&self, units: &Units) -> f64 {
         units.powers(self.beta.unwrap_or(0.0), self.rate_power.unwrap_or(1.0))
+    }
+}
+
+/// Refuses contact constants that are not known or break the rule.
+fn constants(name: &'static str, given: &[f64], rule: &'static str) -> Result<()> {
+    match given.iter().position(|constant| !(constant.is_finite() && *constant >= 0.0)) {
+        Some(k) => Err(Error::parameter(name, at(given[k], k), rule)),
+        None => Ok(()),
     }
 }
 

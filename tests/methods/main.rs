@@ -31,6 +31,7 @@ mod signals;
 mod splitting;
 mod springs;
 mod tangent;
+mod terms;
 mod variations;
 mod weak_springs;
 

@@ -3,7 +3,7 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `F_n` | load of bead `n`: its weight along the chain, and constant forces of drives |
-//! | `f_n, g_n` | force and overlap of the bond to the left of bead `n`: `g_n = (f_n/A_n)^{1/alpha_n}` |
+//! | `f_n, g_n` | force and overlap of the bond to the left of bead `n`: `g_n = (f_n/A_n)^{1/alpha_n}` if it has one power |
 //! | *holder* | a wall, or a bead that a drive moves, at its place at time 0 |
 //!
 //! Forces balance where `f_{n+1} = f_n + F_n`. So between two holders there is one unknown, the
@@ -12,8 +12,14 @@
 //! Newton's method in a bracket. With one holder the force at the free end is zero, and all others
 //! follow. Where no force is left, beads keep their gaps.
 
-use super::{Boundary, Chain, Resonators, Site, State, details::CheckedDetails};
-use crate::error::{Error, Result, require};
+use super::{
+    Boundary, Chain, Resonators, Site, State,
+    details::{Bond, CheckedDetails},
+};
+use crate::{
+    error::{Error, Result, require},
+    numerics::least_above,
+};
 use hertzchain_integrators::law::BondLaw;
 use std::ops::Range;
 
@@ -137,8 +143,15 @@ impl Chain<f64> {
 }
 
 /// The overlap of a contact that pushes with this force; `None` without a force.
-fn overlap(law: &BondLaw<f64>, force: f64) -> Option<f64> {
-    (force > 0.0).then(|| (force / law.constant).powf(law.alpha().recip()))
+fn overlap(bond: &Bond<f64>, force: f64) -> Option<f64> {
+    if force.is_nan() || force <= 0.0 {
+        return None;
+    }
+    let powers = bond.laws().count();
+    let under = |law: &BondLaw<f64>| (force / powers as f64 / law.constant).powf(law.alpha().recip());
+    // At this overlap no power has more than an equal share of the force.
+    let least = bond.laws().map(under).fold(f64::INFINITY, f64::min);
+    if powers == 1 { Some(least) } else { least_above(0.5 * least, |g| bond.elastic(g) >= force) }
 }
 
 fn refused(loads: &[f64], beads: Range<usize>, rule: &'static str) -> Error {
@@ -153,7 +166,7 @@ fn refused(loads: &[f64], beads: Range<usize>, rule: &'static str) -> Error {
 /// Places the beads of a range, between what holds them on the left and on the right: the place of
 /// a wall or of a bead that is moved.
 fn held(
-    laws: &[BondLaw<f64>],
+    laws: &[Bond<f64>],
     loads: &[f64],
     beads: Range<usize>,
     holders: [Option<f64>; 2],
@@ -218,7 +231,7 @@ fn held(
 }
 
 /// Places the beads of a ring, the first one at zero.
-fn ring(laws: &[BondLaw<f64>], loads: &[f64], u: &mut [f64]) -> Result<()> {
+fn ring(laws: &[Bond<f64>], loads: &[f64], u: &mut [f64]) -> Result<()> {
     let (total, size) = (loads.iter().sum::<f64>(), loads.iter().map(|load| load.abs()).sum::<f64>());
     if total.abs() > ROUNDING * size {
         return Err(refused(loads, 0..loads.len(), "on a ring nothing holds a sum of loads that is not zero"));
@@ -236,7 +249,7 @@ fn ring(laws: &[BondLaw<f64>], loads: &[f64], u: &mut [f64]) -> Result<()> {
 
 /// Overlaps with the sum `total`, of bonds whose forces are `phi + beyond_k` with `phi` unknown. If
 /// beads have more room than their loads close, the bonds without a force have gaps.
-fn squeezed(laws: &[BondLaw<f64>], beyond: &[f64], total: f64) -> Vec<f64> {
+fn squeezed(laws: &[Bond<f64>], beyond: &[f64], total: f64) -> Vec<f64> {
     let least = -beyond.iter().copied().fold(f64::INFINITY, f64::min);
     let at = |phi: f64| -> Vec<f64> {
         let all = laws.iter().zip(beyond);

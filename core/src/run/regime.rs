@@ -165,10 +165,13 @@ fn of_details(chain: &Chain<f64>) -> Regime {
     } else {
         "sites differ in beads or bonds"
     };
+    let method = Method::by_tolerance(chain);
+    let kept =
+        if method == Method::Collocation { COLLOCATION } else { "the error of each step is within this tolerance" };
     Regime {
-        method: Method::by_tolerance(chain),
+        method,
         setting: Setting::Tolerance(TOLERANCE),
         wording: format!("tol {TOLERANCE:e}"),
-        reason: format!("{sites} {what}: the errors of its windows add up to less than this tolerance"),
+        reason: format!("{sites} {what}: {kept}"),
     }
 }

@@ -159,7 +159,7 @@ impl ContactChain<2> for HeterogeneousChain {
 
     #[inline(always)]
     fn bond(&self, bond: usize) -> BondLaw<f64> {
-        let law = self.parts().bonds[self.chain.topology().first() + bond];
+        let law = *self.parts().bonds[self.chain.topology().first() + bond];
         BondLaw { rest: if law.constant > 0.0 { law.rest } else { APART }, ..law }
     }
 

@@ -65,7 +65,7 @@ pub(super) struct Loops<R> {
     pub(super) springs: Option<[Vec<R>; 2]>,
     /// On-site springs beside resonators that move; empty if there are none.
     onsite: Vec<R>,
-    /// The law of all contacts, if they have the same exponent.
+    /// The law of all contacts, if they have one power with the same exponent.
     law: Option<ContactLaw<R>>,
     /// Constants and static overlaps of contacts.
     contacts: [Vec<R>; 2],
@@ -113,7 +113,7 @@ impl<R: Real> Loops<R> {
         let contacts = parts.bonds.iter().filter(|bond| bond.constant > R::zero());
         let laws: Vec<ContactLaw<R>> = contacts.map(|bond| bond.power).collect();
         let law = laws.first().copied().unwrap_or(chain.law());
-        let same = laws.iter().all(|other| other.alpha() == law.alpha());
+        let same = parts.given.terms.is_empty() && laws.iter().all(|other| other.alpha() == law.alpha());
         Self {
             motions,
             shares: [0, 1].map(|k| (0..class.len()).map(|i| of(i).shares()[k]).collect()),

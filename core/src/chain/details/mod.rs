@@ -5,7 +5,7 @@
 //! | `m_n, kappa_n, rho_n` | mass of a bead, spring constant, mass of its resonator over `m_n` |
 //! | `k_n` | spring between a bead and its place at rest, `-k_n u_n` |
 //! | `c_n, d_n` | drag on a bead, `-c_n u_n'`; dashpot beside its spring, `-d_n (u_n' - v_n')` |
-//! | `A_b, alpha_b, delta_b` | constant, exponent and static overlap of a contact |
+//! | `A_b, alpha_b, delta_b` | constant, exponent and static overlap of a contact; it may have a sum of powers, see [`Term`] |
 //! | `h_b(x)` | linear spring and magnets between two beads, see [`Joint`]; on both sides of zero |
 //! | `gamma_b, beta, p` | dissipation of a contact, see [`Dissipation`]; powers of overlap and rate in that of dashpots |
 //! | `s(t), F(t)` | motion of a bead that is moved, force on a bead that is pushed |
@@ -37,7 +37,7 @@ mod spline;
 mod variations;
 
 pub use collocation::HeterogeneousChain;
-pub use contact::{Dissipation, Kind};
+pub use contact::{Dissipation, Kind, Term};
 pub use drive::{Course, Drive, DriveKind, Envelope, Harmonic, Signal};
 pub use flow::{SitewiseBonds, SitewiseFlow};
 pub use joint::Joint;
@@ -46,12 +46,13 @@ pub use parameter::Parameter;
 pub use spline::Spline;
 pub use variations::{Variations, Varied};
 
+pub(super) use contact::Bond;
 pub(super) use field::{complete, rates};
 pub(super) use ledger::LEDGER;
 pub(super) use pushing::{Pushing, Switched};
 
 use super::{Chain, Layout, Params, Resonators};
-use crate::error::{Error, NOTHING, Result, finite, require};
+use crate::error::{Error, NOTHING, Result, beside, finite, require};
 use hertzchain_integrators::{Real, law::BondLaw, regularised::common_power};
 use std::{collections::HashMap, sync::Arc};
 
@@ -94,6 +95,8 @@ pub struct Details {
     pub contact: Vec<f64>,
     /// Exponents of contacts, positive.
     pub alpha: Vec<f64>,
+    /// Further powers in the forces of contacts, none of which dissipates.
+    pub terms: Vec<Term>,
     /// Static overlaps of contacts, finite; negative if there is a gap between the beads.
     pub overlap: Vec<f64>,
     /// Constants of linear springs between beads, relaxed at the static overlap, at least zero.
@@ -151,7 +154,7 @@ pub(crate) struct CheckedDetails<R> {
     acting: Vec<Acting>,
     pub(crate) sites: Vec<SiteData<R>>,
     /// Contacts from bond 0 on; bonds that cannot touch have the constant zero.
-    pub(crate) bonds: Vec<BondLaw<R>>,
+    pub(crate) bonds: Vec<Bond<R>>,
     /// Springs and magnets between beads, by bond; empty if there are none.
     joints: Vec<Joint<R>>,
     pub(crate) damped: bool,
@@ -237,14 +240,19 @@ impl<R: Real> CheckedDetails<R> {
         self.joints.get(bond)
     }
 
+    /// The laws of all powers of all contacts.
+    fn laws(&self) -> impl Iterator<Item = &BondLaw<R>> {
+        self.bonds.iter().flat_map(Bond::laws)
+    }
+
     /// The exponents of contacts.
     fn exponents(&self) -> impl Iterator<Item = f64> + '_ {
-        self.bonds.iter().filter_map(BondLaw::elastic_power)
+        self.laws().filter_map(BondLaw::elastic_power)
     }
 
     /// The powers of time with which forces begin and end at events, each once.
     fn powers(&self) -> Vec<f64> {
-        let mut powers: Vec<f64> = self.bonds.iter().flat_map(BondLaw::powers).collect();
+        let mut powers: Vec<f64> = self.laws().flat_map(BondLaw::powers).collect();
         powers.sort_by(f64::total_cmp);
         powers.dedup();
         powers
@@ -261,20 +269,21 @@ impl<R: Real> CheckedDetails<R> {
         let of = |bond: &BondLaw<R>| {
             bond.elastic_power().map(|alpha| alpha - 1.0).into_iter().chain(bond.power_of_resistance())
         };
-        let powers: Vec<f64> = self.bonds.iter().flat_map(of).collect();
+        let powers: Vec<f64> = self.laws().flat_map(of).collect();
         map(&powers, p)
     }
 }
 
 impl CheckedDetails<f64> {
-    /// Whether contact-corrected splitting can run it: contacts of one exponent, no springs of
+    /// Whether contact-corrected splitting can run it: contacts of one power, no springs of
     /// sites or of bonds, and no energy is taken or given but by constant forces.
     pub(crate) fn corrects(&self) -> bool {
         let mut exponents = self.exponents();
         let first = exponents.next();
         let same = exponents.all(|alpha| Some(alpha) == first);
         let held = self.joined() || self.sites.iter().any(|site| site.onsite > 0.0);
-        same && !held && !self.damped && !self.dissipative && self.acting.iter().all(Acting::pushes_steadily)
+        let conserves = !self.damped && !self.dissipative && self.acting.iter().all(Acting::pushes_steadily);
+        same && self.given.terms.is_empty() && !held && conserves
     }
 
     /// The largest frequency of resonators, harmonics of drives and contacts. Beyond its static
@@ -295,14 +304,20 @@ impl CheckedDetails<f64> {
         };
         // A wall, and a bead that is moved, have the inverse mass zero.
         let inverse = |k: usize| self.sites.get(k).filter(|site| !site.moved).map_or(0.0, |site| 1.0 / site.mass);
-        let of_bond = |(k, bond): (usize, &BondLaw<f64>)| {
+        let of_bond = |(k, bond): (usize, &Bond<f64>)| {
             let before = k.checked_sub(1).or(ring.then(|| self.sites.len() - 1));
             let per_mass = before.map_or(0.0, inverse) + inverse(k);
             let spring = self.joint(k).map_or(0.0, |joint| joint.stiffness_within(strain) * per_mass);
-            let Some(alpha) = bond.elastic_power().filter(|_| per_mass > 0.0) else { return spring.sqrt() };
-            let scale = (alpha + 1.0) / bond.constant;
-            let met = (scale * 2.0 * speed * speed / per_mass).powf(1.0 / (alpha + 1.0));
-            let overlap = bond.rest.max(0.0) + strain.max(met).max((scale * push).powf(1.0 / alpha));
+            if bond.elastic_power().is_none_or(|_| per_mass == 0.0) {
+                return spring.sqrt();
+            }
+            // Beads overlap by less than if any of the powers were the only one.
+            let alone = |law: &BondLaw<f64>| {
+                let (alpha, scale) = (law.alpha(), (law.alpha() + 1.0) / law.constant);
+                let met = (scale * 2.0 * speed * speed / per_mass).powf(1.0 / (alpha + 1.0));
+                met.max((scale * push).powf(1.0 / alpha))
+            };
+            let overlap = bond.rest.max(0.0) + strain.max(bond.laws().map(alone).fold(f64::INFINITY, f64::min));
             (bond.stiffness(overlap) * per_mass + spring).sqrt()
         };
         let of_drives = self.acting.iter().flat_map(|acting| &acting.signals).map(Signal::frequency);
@@ -362,6 +377,10 @@ impl Details {
         checked("dashpot", &self.dashpot, sites, not_negative, "a dashpot is finite and at least zero")?;
         checked("contact", &self.contact, bonds, not_negative, "a contact constant is finite and at least zero")?;
         checked("alpha", &self.alpha, bonds, positive, "an exponent is finite and positive")?;
+        for Term { contact, alpha } in &self.terms {
+            checked("terms.contact", contact, bonds, not_negative, "a contact constant is finite and at least zero")?;
+            require(positive(*alpha), "terms.alpha", alpha, "an exponent is finite and positive")?;
+        }
         checked("overlap", &self.overlap, bonds, f64::is_finite, "a static overlap is finite; negative for a gap")?;
         checked("spring", &self.spring, bonds, not_negative, "a spring constant is finite and at least zero")?;
         checked(
@@ -381,6 +400,8 @@ impl Details {
             let rule = "the dissipation of a contact is finite and at least zero";
             checked("dissipation", strength, bonds, not_negative, rule)?;
             require(!strength.is_empty(), "dissipation", "[]", "one number for each bond that can touch")?;
+            let rule = "the force of contacts that dissipate has one power of the overlap";
+            require(self.terms.is_empty(), "terms", beside(kind.name()), rule)?;
             let (least, rule) = kind.exponents();
             let alphas = if self.alpha.is_empty() { &[alpha] } else { &self.alpha[..] };
             if let Some(alpha) = alphas.iter().find(|&&alpha| alpha <= least) {
@@ -398,7 +419,7 @@ impl Details {
     }
 
     /// The law of the `k`-th bond that can touch, with exponent and static overlap of the chain
-    /// where it has none of its own.
+    /// where it has none of its own; without [`terms`](Self::terms).
     pub fn law<R: Real>(&self, k: usize, alpha: f64, rest: f64) -> BondLaw<R> {
         let loss = self.dissipation.as_ref().map(|Dissipation { kind, strength }| (*kind, strength[k]));
         let of = |list: &[f64], otherwise: f64| entry(list, k, otherwise);
@@ -489,11 +510,11 @@ impl<R: Real> Chain<R> {
         finite("gravity", details.gravity)?;
         let rest = self.precompression.f64();
         let bond = |bond: usize| match bond.checked_sub(touching.start).filter(|&k| k < touching.len()) {
-            Some(k) => details.law(k, self.params.alpha, rest),
-            None => BondLaw::new(0.0, self.params.alpha, 0.0, None),
+            Some(k) => Bond::new(details.law(k, self.params.alpha, rest), &details.terms, k),
+            None => Bond::new(BondLaw::new(0.0, self.params.alpha, 0.0, None), &[], 0),
         };
         let sites = (0..n).map(|i| details.site(self.params, i)).collect::<Result<Vec<SiteData<R>>>>()?;
-        let bonds: Vec<BondLaw<R>> = (0..=n).map(bond).collect();
+        let bonds: Vec<Bond<R>> = (0..=n).map(bond).collect();
         let joined = details.spring.iter().chain(&details.magnet).any(|&by| by > 0.0);
         let mut joints = vec![Joint::none(); if joined { n + 1 } else { 0 }];
         joints
@@ -503,7 +524,7 @@ impl<R: Real> Chain<R> {
             .enumerate()
             .for_each(|(k, joint)| *joint = details.joint(k));
         let damped = sites.iter().any(|site| site.drag + site.dashpot > R::zero());
-        let dissipative = bonds.iter().any(BondLaw::dissipates);
+        let dissipative = bonds.iter().any(|bond| bond.dissipates());
         let moving = sites.iter().any(|site| site.resonators == Resonators::Moving);
         let acting = Acting::of(&details.drives);
         let parts = CheckedDetails { given: details.clone(), acting, sites, bonds, joints, damped, dissipative };
@@ -557,6 +578,9 @@ impl<R: Real> Chain<R> {
             return Some(
                 "its contacts resist in proportion to the rate, and here as a power of it: take dop853-regularised",
             );
+        }
+        if !self.details()?.terms.is_empty() {
+            return Some("its contacts have one power of the overlap, and here a sum: take dop853-regularised");
         }
         let rule = "between contacts its sites move on their own, and here springs or magnets join beads: take \
                     dop853-regularised";

@@ -49,7 +49,9 @@ impl Parameter {
             _ if parts.dissipative => Some("of a chain whose contacts do not dissipate"),
             // Beads and resonators are counted from where they hang.
             _ if given.gravity != 0.0 => Some("of a chain without gravity"),
-            Self::Alpha if !given.alpha.is_empty() => Some("bonds have exponents of their own"),
+            Self::Alpha if !(given.alpha.is_empty() && given.terms.is_empty()) => {
+                Some("bonds have exponents of their own")
+            }
             Self::Kappa if params.kappa <= 0.0 => Some("resonators have no springs here"),
             Self::Kappa if !given.kappa.is_empty() => Some("beads have spring constants of their own"),
             Self::Rho if !chain.layout().resonators() => Some("no resonator moves"),

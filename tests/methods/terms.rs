@@ -1,0 +1,294 @@
+//! Contacts whose force is a sum of powers of the overlap.
+
+use crate::{
+    details::run,
+    numbers::{direction, distance, error, random},
+    variations::{altered, applied, chain, difference, free, monodromy, start},
+};
+use hertzchain::{
+    chain::{Boundary, Chain, Details, Parameter, Params, State, Term, Variations},
+    integrators::Real,
+    orbits::{Bands, NormalModes},
+    run::{Method, Run, Setting},
+    scene::Scene,
+};
+
+/// Plain beads whose contacts have these further powers, each a constant and an exponent.
+fn beads(boundary: Boundary, sites: usize, terms: &[(f64, f64)], rest: f64) -> Chain<f64> {
+    let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), boundary, sites).unwrap();
+    let bonds = chain.touching().len();
+    let terms = terms.iter().map(|&(contact, alpha)| Term { contact: vec![contact; bonds], alpha });
+    chain.with(&Details { terms: terms.collect(), overlap: vec![rest; bonds], ..Details::default() }).unwrap()
+}
+
+/// The contact of two beads of mass 1 with the force `g^{3/2} + c g^{5/2}` that overlap by at most
+/// `most`: relative speed before it, and duration.
+///
+/// The overlap has `g'^2 = 4 (V(G) - V(g))`, `V = (2/5) g^{5/2} + (2/7) c g^{7/2}`. With
+/// `g = G (1 - x^2)^2` the time `2 int_0^G dg/g'` is the integral of a smooth function of `x`
+/// from 0 to 1, by Gauss's rule with three points on 100 parts.
+fn collision(c: f64, most: f64) -> (f64, f64) {
+    let powers = [(2.0 / 5.0, 5.0), (2.0 / 7.0 * c, 7.0)];
+    let left = |x: f64| -> f64 {
+        // V(G) - V(g) without a difference of close numbers.
+        let of = |(by, twice): (f64, f64)| -by * most.powf(0.5 * twice) * (twice * (-x * x).ln_1p()).exp_m1();
+        powers.into_iter().map(of).sum()
+    };
+    let term = |x: f64| 8.0 * most * x * (1.0 - x * x) / (4.0 * left(x)).sqrt();
+    let (parts, root) = (100, 0.6f64.sqrt());
+    let h = 1.0 / f64::from(parts);
+    let part = |k: i32| {
+        let middle = (f64::from(k) + 0.5) * h;
+        h / 18.0 * (5.0 * term(middle - 0.5 * h * root) + 8.0 * term(middle) + 5.0 * term(middle + 0.5 * h * root))
+    };
+    ((4.0 * left(1.0)).sqrt(), (0..parts).map(part).sum())
+}
+
+#[test]
+fn two_beads_touch_for_the_time_of_the_quadrature() {
+    // Truth: the integral above; equal beads exchange their speeds.
+    // Without the second power the time is Hertz's, (4/5) pi^{1/2} Gamma(2/5)/Gamma(9/10) G/w.
+    let (speed, duration) = collision(0.0, 0.7);
+    assert!((duration * speed / 0.7 - 2.943_275_184_324_704_7).abs() < 1e-13, "{duration}");
+    for (c, most) in [(0.7, 1.3), (20.0, 0.3), (1e3, 1e-3)] {
+        let (speed, duration) = collision(c, most);
+        let chain = beads(Boundary::Free, 2, &[(c, 2.5)], -0.1 * most);
+        let mut state = State::rest(&chain);
+        state.u_dot_mut()[0] = speed;
+        let onset = 0.1 * most / speed;
+        let end = onset + duration + 1.0;
+        for (method, setting, bound) in [
+            ("dop853-regularised", Setting::Tolerance(1e-13), 2e-12),
+            ("dop853-landed", Setting::Tolerance(1e-13), 1e-11),
+            ("dop853", Setting::Tolerance(1e-13), 1e-8),
+            ("strang-linear", Setting::Steps(100_000), 1e-6),
+            ("verlet", Setting::Steps(100_000), 1e-6),
+        ] {
+            let run = Run::new(chain.clone(), state.clone()).until(end).unwrap().contacts();
+            let run = run.method(Method::named(method).unwrap()).setting(setting);
+            let got = run.start().unwrap().complete().unwrap();
+            let [contact] = got.contacts.as_deref().unwrap() else { panic!("{method}: {:?}", got.contacts) };
+            let [begins, ends] = [contact.onset, contact.release].map(Option::unwrap);
+            let off = [
+                (begins - onset) / duration,
+                (ends - begins) / duration - 1.0,
+                contact.largest_overlap / most - 1.0,
+                contact.impulse / speed - 1.0,
+                got.state[2] / speed,
+                got.state[3] / speed - 1.0,
+                got.energy_error.unwrap(),
+            ];
+            println!("{c} {method}: {off:?}");
+            assert!(off.iter().all(|off| off.abs() < bound), "{c} {method}: {off:?}");
+        }
+    }
+}
+
+/// Six beads that differ in everything, with three powers in each contact but one.
+fn summed<R: Real>() -> Chain<R> {
+    altered(&chain(), |details| {
+        let second = Term { contact: vec![0.5, 0.0, 1.0, 0.3, 2.0, 0.1, 0.7], alpha: 2.5 };
+        let third = Term { contact: vec![0.2, 0.0, 0.4, 0.1, 0.0, 0.3, 0.2], alpha: 2.0 };
+        details.terms = vec![second, third];
+    })
+}
+
+#[test]
+fn equal_powers_are_one_power() {
+    // Truth: the chain with the sum of the constants.
+    let exponents = |details: &mut Details| details.alpha = vec![1.5; 7];
+    let whole: Chain<f64> = altered(&chain(), exponents);
+    let parts = altered(&whole, |details| {
+        details.terms = [0.3, 0.2].map(|by| Term { contact: vec![by; 7], alpha: 1.5 }).to_vec();
+        details.contact.iter_mut().for_each(|constant| *constant -= 0.5);
+    });
+    let mut state = State::rest(&whole);
+    state.as_mut_slice().copy_from_slice(&start(&whole));
+    let energies = [&whole, &parts].map(|chain: &Chain<f64>| chain.energy(state.as_slice()));
+    assert!((energies[0].total() - energies[1].total()).abs() < 1e-15);
+    assert!(distance(&whole.site_energies(state.as_slice()), &parts.site_energies(state.as_slice())) < 1e-15);
+    for (method, setting) in [
+        ("dop853-regularised", Setting::Tolerance(1e-12)),
+        ("strang-linear", Setting::Steps(900)),
+        ("srkn14-6", Setting::Steps(900)),
+        ("aba1064-linear-landed", Setting::Steps(300)),
+    ] {
+        let [one, sum] = [&whole, &parts].map(|chain| run(chain, &state, 9.0, method, setting).state);
+        let off = distance(&one, &sum);
+        println!("{method}: {off:e}");
+        assert!(off < 2e-12, "{method}: {off:e}");
+    }
+    let [one, sum] = [&whole, &parts].map(|chain| monodromy(chain, &start(chain), 9.0, 1e-12));
+    assert!(error(sum.as_slice(), one.as_slice()) < 1e-11);
+    // Without a first power there is no contact.
+    let none = altered(&parts, |details| details.contact = vec![0.0; 7]);
+    assert_eq!(none.energy(state.as_slice()).contacts, 0.0);
+}
+
+#[test]
+fn methods_agree_on_sums_of_powers() {
+    // Truth: each other; everything differs, beads are damped and driven, contacts open and close.
+    let chain = summed::<f64>();
+    let mut state = State::rest(&chain);
+    state.as_mut_slice().copy_from_slice(&start(&chain));
+    let want = run(&chain, &state, 9.0, "dop853-regularised", Setting::Tolerance(1e-14));
+    // The sum of the errors of steps.
+    let (sum, balance) = (want.stats.steps as f64 * 1e-14, want.energy_error.unwrap());
+    assert!(balance < sum, "{balance:e} {sum:e}");
+    for (method, setting, bound) in [
+        ("dop853-landed", Setting::Tolerance(1e-13), 1e-10),
+        ("dop853", Setting::Tolerance(1e-13), 1e-8),
+        ("aba1064-linear-landed", Setting::Steps(20_000), 1e-9),
+        ("strang-linear", Setting::Steps(100_000), 1e-7),
+        ("verlet", Setting::Steps(100_000), 1e-7),
+    ] {
+        let end = run(&chain, &state, 9.0, method, setting);
+        let (off, balance) = (distance(&end.state, &want.state), end.energy_error.unwrap());
+        println!("{method}: {off:e}, balance {balance:e}");
+        assert!(off < bound && balance < bound, "{method}: {off:e} {balance:e}");
+    }
+    let coarse = run(&chain, &state, 9.0, "dop853-regularised", Setting::Tolerance(1e-8));
+    let off = distance(&coarse.state, &want.state);
+    assert!(off < 1e-6, "{off:e}");
+}
+
+#[test]
+fn a_free_chain_keeps_energy_and_momentum() {
+    // Truth: invariants; the order of Strang's scheme.
+    let chain = beads(Boundary::Free, 12, &[(0.4, 1.0), (3.0, 2.5), (0.5, 3.0)], 0.0);
+    let mut state = State::rest(&chain);
+    let mut next = random(7);
+    state.u_dot_mut().iter_mut().for_each(|velocity| *velocity = next() - 0.5);
+    let momentum: f64 = state.u_dot().iter().sum();
+    let errors = [("dop853-regularised", Setting::Tolerance(1e-13)), ("strang-linear", Setting::Steps(2000))]
+        .into_iter()
+        .chain([("strang-linear", Setting::Steps(4000))])
+        .map(|(method, setting)| {
+            let end = run(&chain, &state, 20.0, method, setting);
+            assert!((end.state[12..].iter().sum::<f64>() - momentum).abs() < 1e-13);
+            end.energy_error.unwrap()
+        });
+    let errors: Vec<f64> = errors.collect();
+    println!("{errors:?}");
+    assert!(errors[0] < 1e-12, "{errors:?}");
+    assert!((3.0..5.5).contains(&(errors[1] / errors[2])), "{errors:?}");
+}
+
+#[test]
+fn the_tangent_map_agrees_with_differences_in_double_double() {
+    // Truth: as in `variations.rs`.
+    let (chain, t) = (summed::<f64>(), 9.0);
+    let w = direction(free(&chain).len(), 0);
+    let truth = difference(&summed(), &w, t, (1e-9, 1e-23));
+    let off = error(&applied(&monodromy(&chain, &start(&chain), t, 1e-12), &w), &truth);
+    println!("{off:e}");
+    assert!(off < 1e-9, "{off:e}");
+}
+
+#[test]
+fn beads_at_rest_have_balanced_forces() {
+    // Truth: f(g) = g^{3/2} + 2 g^{5/2} + 0.1 g is what each contact has to hold; between walls all
+    // overlaps add up to the static ones, and forces differ by the weights.
+    let force = |g: f64| g * g.sqrt() * (1.0 + 2.0 * g) + 0.1 * g;
+    let terms = [(2.0, 2.5), (0.1, 1.0)];
+    let with = |boundary, rest, g| altered(&beads(boundary, 5, &terms, rest), |details| details.gravity = g);
+    let column = with(Boundary::RightWall, 0.0, 0.3);
+    let overlaps = column.overlaps(&column.equilibrium().unwrap());
+    for (bond, &g) in overlaps.iter().enumerate().skip(1) {
+        assert!((force(g) / (0.3 * bond as f64) - 1.0).abs() < 2e-15, "{bond}: {g}");
+    }
+    let held = with(Boundary::Fixed, 0.2, 0.03);
+    let overlaps = held.overlaps(&held.equilibrium().unwrap());
+    assert!((overlaps.iter().sum::<f64>() - 1.2).abs() < 1e-14, "{overlaps:?}");
+    for pair in overlaps.windows(2) {
+        assert!((force(pair[1]) - force(pair[0]) - 0.03).abs() < 1e-14, "{overlaps:?}");
+    }
+    // It stays there.
+    let rest = State::equilibrium(&held).unwrap();
+    let end = run(&held, &rest, 10.0, "dop853-regularised", Setting::Tolerance(1e-12));
+    assert!(distance(&end.state[..5], &rest.as_slice()[..5]) < 1e-13);
+    // Truth: omega_j = 2 F'(g)^(1/2) sin(j pi/12) of a chain pressed by g.
+    let pressed = beads(Boundary::Fixed, 5, &[(2.0, 2.5)], 0.2);
+    let slope = 1.5 * 0.2f64.sqrt() + 5.0 * 0.2f64.powf(1.5);
+    for (j, mode) in NormalModes::new(&pressed).unwrap().linear().iter().enumerate() {
+        let want = 2.0 * slope.sqrt() * (std::f64::consts::PI * (j + 1) as f64 / 12.0).sin();
+        assert!((mode.omega - want).abs() < 1e-14, "{j}: {} {want}", mode.omega);
+    }
+}
+
+#[test]
+fn what_cannot_follow_sums_names_what_can() {
+    let chain = beads(Boundary::Fixed, 4, &[(0.5, 2.5)], 0.0);
+    for (method, what) in [
+        ("collocation", "one power of the overlap, and here a sum: take dop853-regularised"),
+        ("corrected", "contacts of one exponent"),
+        ("discrete-gradient", "take dop853-regularised"),
+    ] {
+        let said = Method::named(method).unwrap().runs(&chain).unwrap_err().to_string();
+        assert!(said.contains(what), "{said}");
+    }
+    let mut state = State::rest(&chain);
+    state.u_dot_mut()[0] = 1.0;
+    let run = Run::new(chain.clone(), state.clone()).until(2.0).unwrap();
+    assert_eq!(run.tolerance(1e-9).unwrap().choice().unwrap().0.name(), "dop853-regularised");
+    assert!(chain.monodromy(state.as_slice(), (0.0, 1.0), crate::windows(4, 8)).is_err());
+    let said = Bands::new(&chain).unwrap_err().to_string();
+    assert!(said.contains("one power"), "{said}");
+    let columns = vec![0.0; 8];
+    let said = Variations::flow_by(&chain, state.as_slice(), (0.0, 1.0), (&columns, &[Parameter::Alpha]), 1e-9);
+    assert!(said.unwrap_err().to_string().contains("exponents of their own"));
+}
+
+#[test]
+fn scenes_have_sums_of_powers() {
+    let text = "[chain]\nsites = 3\nalpha = 1.5\nboundary = \"left-wall\"\n[bonds]\ncontact = [1.0, 2.0, 1.0]\n\
+                [[bonds.terms]]\ncontact = { pattern = [0.5, 0.25] }\nalpha = 2.5\n[[bonds.terms]]\ncontact = 3\nalpha = 2\n\
+                [initial]\nkind = \"single-bead\"\nsite = 0\nvelocity = -1.0\n[span]\nuntil = 5.0\n";
+    let scene = Scene::parse(text, "sum").unwrap();
+    let details = scene.chain().details().unwrap();
+    let want = [Term { contact: vec![0.5, 0.25, 0.25], alpha: 2.5 }, Term { contact: vec![3.0; 3], alpha: 2.0 }];
+    assert_eq!(details.terms, want);
+    let again = Scene::parse(&scene.file().to_toml(), "sum").unwrap();
+    assert_eq!(again.chain().details(), Some(details));
+    let plan = scene.plan(false).join("\n");
+    assert!(plan.contains("terms with contact constants from 0.25 to 0.5 and exponent 2.5"), "{plan}");
+    for (from, to, said) in [
+        ("contact = 3\n", "contact = [1.0, -3.0, 1.0]\n", "bonds.terms.contact = -3 (entry 1) is not valid"),
+        ("contact = 3\n", "contact = [1.0, 1.0]\n", "bonds.terms.contact = 2 numbers for 3"),
+        ("alpha = 2\n", "alpha = -2\n", "bonds.terms.alpha = -2"),
+        ("alpha = 2\n", "alpha = nan\n", "bonds.terms.alpha = NaN"),
+        ("alpha = 2\n", "", "missing field `alpha`"),
+        ("alpha = 2\n", "alpha = 2\nbeta = 1\n", "unknown field `beta`"),
+        ("[bonds]\n", "[bonds]\ndashpot = 0.1\n", "bonds.terms beside dashpot is not valid"),
+    ] {
+        let message = Scene::parse(&text.replace(from, to), "sum").unwrap_err().to_string();
+        assert!(message.contains(said), "{message}");
+    }
+}
+
+#[test]
+fn sums_of_powers_are_in_si_units() {
+    // Truth: the force at an overlap in both units; static loads name what to give.
+    let text = "[chain]\nsites = 2\nalpha = 1.5\nboundary = \"free\"\n[units]\nsystem = \"SI\"\nradius = 9.525e-3\n\
+                density = 8027.0\nyoung = 193e9\npoisson = 0.3\n[bonds]\nterms = [{ contact = 4e13, alpha = 2.5 }]\n\
+                [initial]\nkind = \"single-bead\"\nsite = 0\nvelocity = 1.0\n[span]\nuntil = 1e-4\n";
+    let scene = Scene::parse(text, "si").unwrap();
+    let (units, g) = (scene.units().unwrap(), 1e-5f64);
+    let hertz = 4.0 / 3.0 * 193e9 / (2.0 * (1.0 - 0.09)) * (0.5f64 * 9.525e-3).sqrt();
+    let force = scene.chain().bond_force(1, g / units.length_m, 0.0) * units.force_n;
+    assert!((force / (hertz * g.powf(1.5) + 4e13 * g.powf(2.5)) - 1.0).abs() < 1e-13, "{force}");
+    let plan = scene.plan(false).join("\n");
+    assert!(plan.contains("terms with contact constants 4.000e13 N/m^α and exponent 2.5"), "{plan}");
+    for (from, to, said) in [
+        (
+            "contact = 4e13",
+            "contact = -4e13",
+            "line 12: `bonds.terms.0.contact`: bonds.terms.contact = -40000000000000 (entry 0)",
+        ),
+        ("poisson = 0.3\n", "poisson = 0.3\nstatic_load = 2.0\n", "units.static_load = 2"),
+        ("alpha = 2.5", "alpha = 0.0", "bonds.terms.alpha = 0"),
+    ] {
+        let message = Scene::parse(&text.replace(from, to), "si").unwrap_err().to_string();
+        assert!(message.contains(said), "{message}");
+    }
+}
