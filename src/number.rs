@@ -53,6 +53,12 @@ pub(crate) fn of_pi(angle: f64) -> String {
     }
 }
 
+/// A number with `digits` decimals; zero has no sign.
+pub(crate) fn format_fixed(x: f64, digits: usize) -> String {
+    let text = format!("{x:.digits$}");
+    if text.trim_matches(['-', '0', '.']).is_empty() { text.replace('-', "") } else { text }
+}
+
 /// A number to four digits, with a power of ten where it is very large or small.
 pub(crate) fn format_short(x: f64) -> String {
     if x != 0.0 && !(1e-4..1e6).contains(&x.abs()) {

@@ -165,7 +165,7 @@ class Chain(Made):
     @cached_property
     def _rest(self) -> Scene:
         """The scene of this chain at rest, whose drives have all the time that they need."""
-        return Scene(_native.Scene.of_chain(self._numbers, (None,) * 4, 1e80), self)
+        return Scene(_native.Scene.of_chain(self._numbers, (None, None, None, None), 1e80), self)
 
     def scene(self, y0: Any, until: float) -> Scene:
         """The scene in which this chain runs from a state up to a time.

@@ -272,9 +272,9 @@ class Trajectory(Arrays):
         samples = self.t if self._has_states and self.integrator != "closed-form" else self.t[:0]
         before = np.searchsorted(samples, times, side="right") - 1
         rows = {name: np.empty((len(times), self.chain.sites)) for name in self.end}
-        for k in np.unique(before):
+        for k in map(int, np.unique(before)):
             asked, places = np.unique(times[before == k], return_inverse=True)
-            sample = {name: array[k] for name, array in kept.items()} if k >= 0 else {}
+            sample: dict[str, Vector] = {name: array[k] for name, array in kept.items()} if k >= 0 else {}
             if k >= 0 and asked[-1] == samples[k]:
                 part = {name: array[None] for name, array in sample.items()}
             else:

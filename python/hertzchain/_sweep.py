@@ -187,6 +187,7 @@ def sweep(
     threads = workers or (1 if comm is not None else _cores())
     todo = list(points)
     rows: _Rows = {}
+    mine: list[int] = []
     ended: BaseException | None = None
     first: Exception | None = None
     try:

@@ -27,8 +27,7 @@ pub(super) fn power_of_ten(exponent: i32) -> String {
 
 /// A number with `decimals` decimals and a typographic minus sign; zero has no sign.
 fn fixed(value: f64, decimals: i32) -> String {
-    let text = format!("{value:.*}", decimals.max(0) as usize);
-    if text.trim_matches(['-', '0', '.']).is_empty() { text.replace('-', "") } else { text.replace('-', "−") }
+    crate::number::format_fixed(value, decimals.max(0) as usize).replace('-', "−")
 }
 
 /// A number with two digits, as a multiple of a power of ten.

@@ -7,7 +7,7 @@ use super::canvas::{Canvas, Rect, SMALL};
 use super::palette::{GREY, INK, Rgb, Style};
 use super::{Error, page_of};
 use crate::sweep::map;
-use gif::{AnyExtension, DisposalMethod, Encoder, Extension, Frame, Repeat};
+use gif::{AnyExtension, Encoder, Extension, Frame, Repeat};
 use std::f64::consts::TAU;
 
 /// Width and height of a film in pixels.
@@ -100,9 +100,8 @@ pub fn film(film: &Film) -> Result<Vec<u8>, Error> {
         for now in map(moments, draw) {
             let now = now?;
             let changed = now.iter().zip(&before).map(|(now, before)| if now == before { UNCHANGED } else { *now });
-            let (dispose, buffer) = (DisposalMethod::Keep, changed.collect::<Vec<u8>>().into());
-            let frame =
-                Frame { width, height, delay: 4, dispose, transparent: Some(UNCHANGED), buffer, ..Frame::default() };
+            let (transparent, buffer) = (Some(UNCHANGED), changed.collect::<Vec<u8>>().into());
+            let frame = Frame { width, height, delay: 4, transparent, buffer, ..Frame::default() };
             encoder.write_frame(&frame).map_err(encoding)?;
             before = now;
         }

@@ -2,7 +2,7 @@
 //! row. Text, JSON, CSV, NPZ, lines of a picture and the help follow from that.
 
 use super::{Kind, Line, Panel, Quantity, Units, text};
-use crate::output::NpzWriter;
+use crate::{number::format_fixed, output::NpzWriter};
 use serde_json::{Map, Value, json};
 use std::io::{self, Seek, Write};
 
@@ -342,9 +342,11 @@ impl Table {
         let cell = |column: &Column, row: usize| match &column.cells[row] {
             Cell::Number(x) if x.is_nan() => "–".to_owned(),
             Cell::Number(x) => {
-                let (x, si) = (self.told(column, *x), self.units.is_some() && column.quantity != Quantity::Number);
+                // Adding zero takes the sign of -0.
+                let (x, si) =
+                    (self.told(column, *x) + 0.0, self.units.is_some() && column.quantity != Quantity::Number);
                 match column.digits {
-                    Digits::Fixed(digits) if !si => format!("{x:.digits$}"),
+                    Digits::Fixed(digits) if !si => format_fixed(x, digits),
                     Digits::Fixed(digits) | Digits::Power(digits) => format!("{x:.digits$e}"),
                     Digits::Short | Digits::Hidden | Digits::Json => x.to_string(),
                 }
@@ -511,6 +513,17 @@ mod tests {
             .done();
         assert_eq!(table.json()[0].to_string(), r#"{"site":{"energy":1.0,"real":true},"list":[1.0]}"#);
         assert_eq!(table.csv(), "site_energy,site_real\n1e0,1\n2e0,1\n");
+    }
+
+    #[test]
+    fn what_rounds_to_zero_has_no_sign_in_the_text() {
+        let table = Table::of("t", &[-0.0, -1e-9, -0.5])
+            .col("fixed", Fixed(2), "", |x| *x)
+            .col("power", Power(1), "", |x| *x)
+            .col("short", Digits::Short, "", |x| *x)
+            .done();
+        let cells = [["0.00", "0.0e0", "0"], ["0.00", "-1.0e-9", "-0.000000001"], ["-0.50", "-5.0e-1", "-0.5"]];
+        assert_eq!(table.cells().1, cells.map(|row| row.map(str::to_owned).to_vec()));
     }
 
     #[test]

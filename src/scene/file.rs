@@ -488,7 +488,7 @@ fn replace<'a>(
                 Some(entry) => replace(entry, change),
                 None => Err((
                     key.span().start,
-                    format!("{} is not valid: places in this list count from 0 and are below {count}", key.get_ref()),
+                    format!("{} is no entry of this list: it has {count}, counted from 0", key.get_ref()),
                 )),
             }
         }),

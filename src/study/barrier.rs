@@ -373,7 +373,7 @@ impl BarrierStudy {
         Column::new(
             format!("ρ = {}", format_parameter(self.options.ring.params.rho)),
             [
-                Panel::new(linear, ["ω_b", "energy of the kink / e"], energies),
+                Panel::new(linear, ["ω_b", "kink energy / e"], energies),
                 Panel::new(logarithmic, ["ω_b", "(bond − site) / |kink|"], differences),
                 table.panel(linear, ["ω_b", "largest |λ|"], "omega_b", &moduli),
             ],

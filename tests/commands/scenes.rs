@@ -166,7 +166,7 @@ fn keys_of_a_scene_are_changed_on_the_command_line() {
     let [own, changed] = [amplitudes(&Scene::load("chong-2014").unwrap()), amplitudes(&inphase)];
     assert!(own[0] > 0.0 && own[1] == -own[0] && changed == [own[0]; 2], "{own:?} {changed:?}");
     for (change, rule) in [
-        ("drive.2.amplitude=1e-8", "2 is not valid: places in this list count from 0 and are below 2"),
+        ("drive.2.amplitude=1e-8", "2 is no entry of this list: it has 2, counted from 0"),
         ("drive.0=5", "invalid type"),
         ("drive.\"+0\".amplitude=1e-8", "expected"),
         ("drive={}", "expected"),

@@ -3,8 +3,8 @@
 use super::{Observables, Run, extremes::PART};
 use crate::chain::max_norm;
 use hertzchain_integrators::{
-    Error, Event, Stats, Stepper,
-    events::{bracketed, parts},
+    Event, Stepper,
+    events::{Search, Searched, bracketed},
 };
 use std::{fmt, mem::take, sync::Arc};
 
@@ -82,34 +82,24 @@ impl Crossings {
     pub(super) fn watch<'a>(
         &'a self,
         run: &'a Run,
-        stepper: Box<dyn Stepper<f64> + 'a>,
+        mut stepper: Inner<'a>,
         kept: &'a mut Vec<Event<f64>>,
     ) -> Box<dyn Stepper<f64> + 'a> {
         let (y, start) = (vec![0.0; stepper.dim()], stepper.time());
-        let mut search = Search {
-            stepper,
-            of: self,
-            run,
-            kept,
-            start,
-            sides: Vec::new(),
-            last: Vec::new(),
-            y,
-            band: 0.0,
-            ended: None,
-        };
-        search.last = search.at(start);
-        search.sides = vec![None; search.last.len()];
-        Box::new(search)
+        let mut changes = Changes { of: self, run, kept, start, sides: Vec::new(), last: Vec::new(), y, band: 0.0 };
+        changes.last = changes.at(&mut stepper, start);
+        changes.sides = vec![None; changes.last.len()];
+        Box::new(Searched::by(changes, stepper).in_parts(run.part()))
     }
 }
 
 /// A time and the value of a function there.
 type Point = (f64, f64);
 
-/// A stepper whose steps are searched.
-struct Search<'a> {
-    stepper: Box<dyn Stepper<f64> + 'a>,
+type Inner<'a> = Box<dyn Stepper<f64> + 'a>;
+
+/// The search of the steps of a run.
+struct Changes<'a> {
     of: &'a Crossings,
     run: &'a Run,
     kept: &'a mut Vec<Event<f64>>,
@@ -120,23 +110,12 @@ struct Search<'a> {
     last: Vec<f64>,
     y: Vec<f64>,
     band: f64,
-    /// The time of the change that ended the run.
-    ended: Option<f64>,
 }
 
-impl Search<'_> {
-    fn at(&mut self, t: f64) -> Vec<f64> {
-        self.stepper.sample(t, &mut self.y);
-        // The ledger is no motion. Rounding errors stay when a state passes through zero.
-        let motion = &self.y[..2 * self.run.chain.layout().half()];
-        self.band = self.band.max(64.0 * f64::EPSILON * max_norm(motion.iter().copied()));
-        self.of.functions.at(&self.y)
-    }
-
-    /// Searches a part of the last step.
-    fn search(&mut self, (from, to): (f64, f64)) {
+impl<'a> Search<f64, Inner<'a>> for Changes<'_> {
+    fn part(&mut self, stepper: &mut Inner<'a>, (from, to): (f64, f64)) -> Option<f64> {
         let middle = from + 0.5 * (to - from);
-        let (first, inner, end) = (take(&mut self.last), self.at(middle), self.at(to));
+        let (first, inner, end) = (take(&mut self.last), self.at(stepper, middle), self.at(stepper, to));
         let mut found: Vec<Event<f64>> = Vec::new();
         for index in 0..end.len() {
             let points = [(from, first[index]), (middle, inner[index]), (to, end[index])];
@@ -151,7 +130,7 @@ impl Search<'_> {
                 self.sides[index] = Some(first[index] > 0.0).filter(|_| first[index].abs() > near);
             }
             let mut points = points.to_vec();
-            points.extend(self.beyond(index, points[0], points[1], points[2]));
+            points.extend(self.beyond(stepper, index, [points[0], points[1], points[2]]));
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             for pair in points.windows(2) {
                 let (before, after, rising) = (pair[0], pair[1], pair[1].1 > 0.0);
@@ -160,31 +139,41 @@ impl Search<'_> {
                 }
                 if self.sides[index].replace(rising).is_some_and(|side| side != rising) {
                     let left = (before.1 > 0.0) == rising && before.1 != 0.0;
-                    let t = if left { before.0 } else { bracketed(|t| self.at(t)[index], before, after) };
+                    let t = if left { before.0 } else { bracketed(|t| self.at(stepper, t)[index], before, after) };
                     found.push(Event { index, rising, t });
                 }
             }
         }
         found.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.index.cmp(&b.index)));
         for event in found {
-            self.stepper.sample(event.t, &mut self.y);
+            stepper.sample(event.t, &mut self.y);
             let crossed = (self.of.then)(&event, &self.y);
             if crossed != Crossed::Passed {
                 self.kept.push(event);
             }
             if crossed == Crossed::Ends {
-                self.ended = Some(event.t);
-                return;
+                return Some(event.t);
             }
         }
         self.last = end;
+        None
+    }
+}
+
+impl Changes<'_> {
+    fn at(&mut self, stepper: &mut Inner<'_>, t: f64) -> Vec<f64> {
+        stepper.sample(t, &mut self.y);
+        // The ledger is no motion. Rounding errors stay when a state passes through zero.
+        let motion = &self.y[..2 * self.run.chain.layout().half()];
+        self.band = self.band.max(64.0 * f64::EPSILON * max_norm(motion.iter().copied()));
+        self.of.functions.at(&self.y)
     }
 
     /// A point on the other side of zero between three on one side: the minimum of the modulus, by
     /// parabolas through the three lowest points.
-    fn beyond(&mut self, index: usize, a: Point, b: Point, c: Point) -> Option<Point> {
-        let sign = b.1.signum();
-        let mut points = vec![a, b, c];
+    fn beyond(&mut self, stepper: &mut Inner<'_>, index: usize, points: [Point; 3]) -> Option<Point> {
+        let sign = points[1].1.signum();
+        let mut points = points.to_vec();
         points.iter_mut().for_each(|point| point.1 *= sign);
         if points.iter().any(|point| point.1 <= self.band) {
             return None;
@@ -202,7 +191,7 @@ impl Search<'_> {
             if !near || [a.0, b.0, c.0].contains(&t) {
                 return None;
             }
-            let value = self.at(t)[index];
+            let value = self.at(stepper, t)[index];
             if sign * value < -self.band {
                 return Some((t, value));
             }
@@ -213,38 +202,5 @@ impl Search<'_> {
             points.remove(if last { 0 } else { 3 });
         }
         None
-    }
-}
-
-impl Stepper<f64> for Search<'_> {
-    fn dim(&self) -> usize {
-        self.stepper.dim()
-    }
-
-    fn time(&self) -> f64 {
-        self.ended.unwrap_or_else(|| self.stepper.time())
-    }
-
-    fn done(&self) -> bool {
-        self.ended.is_some() || self.stepper.done()
-    }
-
-    fn step(&mut self) -> Result<(), Error> {
-        let from = self.stepper.time();
-        self.stepper.step()?;
-        for part in parts((from, self.stepper.time()), self.run.part()) {
-            if self.ended.is_none() {
-                self.search(part);
-            }
-        }
-        Ok(())
-    }
-
-    fn sample(&mut self, t: f64, y: &mut [f64]) {
-        self.stepper.sample(t, y);
-    }
-
-    fn stats(&self) -> Stats {
-        self.stepper.stats()
     }
 }

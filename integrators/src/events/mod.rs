@@ -31,7 +31,7 @@ mod watch;
 pub use bernstein::{NODES, SHARES};
 pub use curve::Curve;
 pub use root::bracketed;
-pub use watch::{Listener, Part, Watch, parts};
+pub use watch::{Events, Listener, Part, Search, Searched, Watch, parts};
 
 use crate::real::Real;
 

@@ -47,13 +47,75 @@ pub fn parts<R: Real>((from, to): (R, R), longest: f64) -> impl Iterator<Item = 
     (0..count).map(move |k| (end(k), end(k + 1)))
 }
 
+/// A search of the steps of a stepper `S`.
+pub trait Search<R, S> {
+    /// Searches a part of the last step. Returns the time at which the run ends, if it ends there.
+    fn part(&mut self, stepper: &mut S, part: (R, R)) -> Option<R>;
+}
+
+/// A stepper whose steps are searched, in [parts].
+pub struct Searched<R, S, F> {
+    stepper: S,
+    search: F,
+    /// Longest part of a step that is searched at once.
+    longest: f64,
+    /// The time at which the search ended the run.
+    ended: Option<R>,
+}
+
+impl<R: Real, S: Stepper<R>, F: Search<R, S>> Searched<R, S, F> {
+    /// Searches the steps of a stepper that has not begun, each as a whole.
+    pub fn by(search: F, stepper: S) -> Self {
+        Self { stepper, search, longest: f64::INFINITY, ended: None }
+    }
+
+    /// Searches [parts] of steps that are at most this long.
+    #[must_use]
+    pub fn in_parts(mut self, longest: f64) -> Self {
+        self.longest = longest;
+        self
+    }
+}
+
+impl<R: Real, S: Stepper<R>, F: Search<R, S>> Stepper<R> for Searched<R, S, F> {
+    fn dim(&self) -> usize {
+        self.stepper.dim()
+    }
+
+    fn time(&self) -> R {
+        self.ended.unwrap_or_else(|| self.stepper.time())
+    }
+
+    fn done(&self) -> bool {
+        self.ended.is_some() || self.stepper.done()
+    }
+
+    fn step(&mut self) -> Result<(), Error> {
+        let from = self.stepper.time();
+        self.stepper.step()?;
+        let mut parts = parts((from, self.stepper.time()), self.longest);
+        self.ended = parts.find_map(|part| self.search.part(&mut self.stepper, part));
+        Ok(())
+    }
+
+    fn sample(&mut self, t: R, y: &mut [R]) {
+        self.stepper.sample(t, y);
+    }
+
+    fn stats(&self) -> Stats {
+        self.stepper.stats()
+    }
+}
+
 /// A stepper whose steps are searched for events. Each step is sampled at eight times, all changes
 /// of side of the polynomial through the samples are found, and their times are refined on the
 /// sampled solution.
 ///
 /// The search costs nothing in runs that do not use this type.
-pub struct Watch<R, S, E, L> {
-    stepper: S,
+pub type Watch<R, S, E, L> = Searched<R, S, Events<R, E, L>>;
+
+/// The search of a [`Watch`].
+pub struct Events<R, E, L> {
     functions: E,
     listener: L,
     sides: Sides,
@@ -62,10 +124,6 @@ pub struct Watch<R, S, E, L> {
     since: Vec<f64>,
     y: Vec<R>,
     g: Vec<R>,
-    /// The time at which the listener ended the run.
-    ended: Option<R>,
-    /// Longest part of a step that is searched at once.
-    longest: f64,
 }
 
 impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E, L> {
@@ -82,44 +140,28 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
         sides.begin(false);
         sides.put(NODES - 1, &g);
         let since = vec![0.0; count];
-        Self {
-            stepper,
-            functions,
-            listener,
-            sides,
-            crossings: Vec::new(),
-            since,
-            y,
-            g,
-            ended: None,
-            longest: f64::INFINITY,
-        }
-    }
-
-    /// Searches [parts] of steps that are at most this long.
-    #[must_use]
-    pub fn in_parts(mut self, longest: f64) -> Self {
-        self.longest = longest;
-        self
+        Self::by(Events { functions, listener, sides, crossings: Vec::new(), since, y, g }, stepper)
     }
 
     /// Whether function `index` is positive.
     pub fn positive(&self, index: usize) -> bool {
-        self.sides.positive(index)
+        self.search.sides.positive(index)
     }
 
     /// The listener.
     pub fn listener(&self) -> &L {
-        &self.listener
+        &self.search.listener
     }
 
     /// Ends the watch and returns the listener.
     pub fn into_listener(self) -> L {
-        self.listener
+        self.search.listener
     }
+}
 
-    fn values_at(&mut self, t: R) {
-        self.stepper.sample(t, &mut self.y);
+impl<R: Real, E: EventFunctions<R>, L: Listener<R>> Events<R, E, L> {
+    fn values_at<S: Stepper<R>>(&mut self, stepper: &mut S, t: R) {
+        stepper.sample(t, &mut self.y);
         self.functions.values(t, &self.y, &mut self.g);
     }
 
@@ -132,7 +174,7 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
     }
 
     /// The time of a crossing: a root of the sampled solution near the root of the polynomial.
-    fn refine(&mut self, crossing: Crossing, from: R, to: R) -> R {
+    fn refine<S: Stepper<R>>(&mut self, stepper: &mut S, crossing: Crossing, (from, to): (R, R)) -> R {
         let index = crossing.index;
         let at = |share: f64| if share >= 1.0 { to } else { from + (to - from) * R::of(share.max(0.0)) };
         let guess = at(crossing.zero);
@@ -142,15 +184,15 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
         let mut width = 1e-9;
         while width < 1.0 {
             let (low, high) = (at(crossing.zero - width), at(crossing.zero + width));
-            self.values_at(low);
+            self.values_at(stepper, low);
             let before = self.g[index];
-            self.values_at(high);
+            self.values_at(stepper, high);
             let after = self.g[index];
             let rises = before <= R::zero() && after >= R::zero();
             let falls = before >= R::zero() && after <= R::zero();
             if (crossing.rising && rises) || (!crossing.rising && falls) {
                 let value = |t| {
-                    self.values_at(t);
+                    self.values_at(stepper, t);
                     self.g[index]
                 };
                 return bracketed(value, (low, before), (high, after));
@@ -159,17 +201,18 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
         }
         guess
     }
+}
 
-    /// Searches a part of the last step.
-    fn search(&mut self, (from, to): (R, R)) {
+impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Search<R, S> for Events<R, E, L> {
+    fn part(&mut self, stepper: &mut S, (from, to): (R, R)) -> Option<R> {
         self.sides.carry();
         for (k, share) in SHARES.into_iter().enumerate().skip(1) {
             let t = if share == 1.0 { to } else { from + (to - from) * R::of(share) };
-            self.values_at(t);
+            self.values_at(stepper, t);
             self.sides.put(k, &self.g);
             // A state that is lost has no events; the observer of the run ends it.
             if !self.g.iter().all(|g| g.is_finite()) {
-                return;
+                return None;
             }
         }
         self.sides.set_band(self.functions.band(&self.y).f64());
@@ -183,12 +226,11 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
             } else {
                 self.report_part(crossing.index, crossing.zero, (from, to));
             }
-            let t = self.refine(crossing, from, to);
-            self.stepper.sample(t, &mut self.y);
+            let t = self.refine(stepper, crossing, (from, to));
+            stepper.sample(t, &mut self.y);
             let event = Event { index: crossing.index, rising: crossing.rising, t };
             if self.listener.event(event, &self.y).is_break() {
-                self.ended = Some(t);
-                return;
+                return Some(t);
             }
         }
         for index in 0..self.since.len() {
@@ -196,38 +238,6 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
                 self.report_part(index, 1.0, (from, to));
             }
         }
-    }
-}
-
-impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Stepper<R> for Watch<R, S, E, L> {
-    fn dim(&self) -> usize {
-        self.stepper.dim()
-    }
-
-    fn time(&self) -> R {
-        self.ended.unwrap_or_else(|| self.stepper.time())
-    }
-
-    fn done(&self) -> bool {
-        self.ended.is_some() || self.stepper.done()
-    }
-
-    fn step(&mut self) -> Result<(), Error> {
-        let from = self.stepper.time();
-        self.stepper.step()?;
-        for part in parts((from, self.stepper.time()), self.longest) {
-            if self.ended.is_none() {
-                self.search(part);
-            }
-        }
-        Ok(())
-    }
-
-    fn sample(&mut self, t: R, y: &mut [R]) {
-        self.stepper.sample(t, y);
-    }
-
-    fn stats(&self) -> Stats {
-        self.stepper.stats()
+        None
     }
 }

@@ -6,6 +6,7 @@ use crate::{
     error::{Result, require},
     figures::{Film, Moment},
     number::format_short,
+    numerics::{extremes, largest_by},
     scene::{Quantity, Scene, Units},
     study::{provenance, si::Scale},
 };
@@ -85,8 +86,8 @@ fn of_samples(scene: &Scene, how: &str, samples: &[FilmSample<'_>], si: Option<&
     let length = si.map_or(1.0, |si| si.length_m);
     let rows: Vec<Row> = samples.iter().step_by(every).map(|sample| Row::new(scene, sample, length)).collect();
     // The bond whose overlap grows most is seen.
-    let growth = |bond: usize| rows.iter().map(|row| row.overlaps[bond] - rows[0].overlaps[bond]).fold(0.0, f64::max);
-    let busiest = chain.touching().max_by(|a, b| growth(*a).total_cmp(&growth(*b))).unwrap_or(0);
+    let growth = |&bond: &usize| rows.iter().map(|row| row.overlaps[bond] - rows[0].overlaps[bond]).fold(0.0, f64::max);
+    let busiest = largest_by(chain.touching(), growth).unwrap_or(0);
     let count = sites.min(BEADS);
     let first = busiest.saturating_sub(count / 2).min(sites - count);
     let seen = first..first + count;
@@ -98,7 +99,8 @@ fn of_samples(scene: &Scene, how: &str, samples: &[FilmSample<'_>], si: Option<&
     let way = max_norm(rows.iter().flat_map(|row| &row.beads[seen.clone()]).map(|bead| bead - centre));
     let far = max_norm(rows.iter().flat_map(|row| row.resonators.iter().copied()));
     let finite = |factor: f64| if factor.is_finite() { factor } else { 1.0 };
-    let exaggerated = finite((DRAWN / overlap).min((WAY * count as f64).max(1.0) / way));
+    let (exaggerated, apart) =
+        (finite((DRAWN / overlap).min((WAY * count as f64).max(1.0) / way)), finite(DRAWN / far));
     let place = |row: &Row, n: usize| n as f64 + exaggerated * (row.beads[n] - centre);
     // Bond n is before site n; that of a ring stands at the first site.
     let contact = |row: &Row, bond: usize| match bond {
@@ -108,17 +110,14 @@ fn of_samples(scene: &Scene, how: &str, samples: &[FilmSample<'_>], si: Option<&
     };
     let strain = |row: &Row, bond: usize| scale.reported(Quantity::Length, row.strains[bond - chain.touching().start]);
     let strains = rows.iter().flat_map(|row| bonds.iter().map(|&bond| strain(row, bond)));
-    let (low, high) = strains.fold((0.0f64, 0.0f64), |(low, high), x| (low.min(x), high.max(x)));
+    let (low, high) = extremes(strains.chain([0.0]));
     // Gaps are often far wider than overlaps.
     let top = if low < 0.0 { high.min(-3.0 * low) } else { high };
     let decimals = (2.0 - (rows[1].t - rows[0].t).log10().floor()).clamp(0.0, 9.0) as usize;
     let moment = |row: &Row| Moment {
         time: if si.is_some() { format!("t = {:.4e} s", row.t) } else { format!("t = {:.decimals$}", row.t) },
         beads: seen.clone().map(|n| place(row, n)).collect(),
-        resonators: seen
-            .clone()
-            .filter_map(|n| Some(place(row, n) + finite(DRAWN / far) * row.resonators.get(n)?))
-            .collect(),
+        resonators: seen.clone().filter_map(|n| Some(place(row, n) + apart * row.resonators.get(n)?)).collect(),
         contacts: bonds
             .iter()
             .filter(|bond| row.overlaps[**bond] > FAINT * overlap)
@@ -127,7 +126,8 @@ fn of_samples(scene: &Scene, how: &str, samples: &[FilmSample<'_>], si: Option<&
         line: bonds.iter().map(|&bond| (bond as f64 - 0.5, strain(row, bond).min(top))).collect(),
     };
     let frames: Vec<Moment> = rows.iter().map(moment).collect();
-    let places = || frames.iter().flat_map(|frame| &frame.beads).copied();
+    let places = frames.iter().flat_map(|frame| &frame.beads).copied();
+    let (left_most, right_most) = extremes(places.chain([first as f64, seen.end as f64 - 1.0]));
     let [left, right] = chain.boundary().walls();
     let wall = |bond: usize, sign: f64| contact(&rows[0], bond) + sign * exaggerated * rows[0].overlaps[bond];
     let walls = [(left && first == 0).then(|| wall(0, 1.0)), (right && seen.end == sites).then(|| wall(sites, -1.0))];
@@ -148,7 +148,7 @@ fn of_samples(scene: &Scene, how: &str, samples: &[FilmSample<'_>], si: Option<&
         title: format!("{}: beads and contacts", scene.name()),
         caption,
         labels: ["site n".to_owned(), scale.label("strain xₙ", Quantity::Length)],
-        x: (places().fold(first as f64, f64::min) - 1.0, places().fold(seen.end as f64 - 1.0, f64::max) + 1.0),
+        x: (left_most - 1.0, right_most + 1.0),
         y: (low - margin, top + margin),
         walls: walls.into_iter().flatten().collect(),
         frames,
