@@ -623,7 +623,29 @@ fn multipliers_that_are_not_there_are_refused() {
         assert!(matches!(&refused, Err(Refused::Certificate(rule)) if rule.contains(words)), "{line}: {refused:?}");
     }
     let wave = Certificate { multiplier: moved.multiplier, ..tw_q15(small) };
-    assert!(matches!(check(&wave), Err(Refused::Certificate(rule)) if rule.contains("of a breather")));
+    assert!(matches!(check(&wave), Err(Refused::Certificate(rule)) if rule.contains("of a wave is bloch")));
+    let text = tw_q15(small).to_string();
+    for (line, words) in [
+        ("1/25 2e-3 1e-3 0 1", "is no decimal"),
+        ("1/25 1/500 1/1000 0 1", "the larger ones last"),
+        ("1/25 1/1000 1/500 1 0", "the larger ones last"),
+        ("1/25 0 1/500 0 1", "growth rates above 0"),
+        ("1/25 1/1000 1/500 0 2001/1000", "frequencies below omega"),
+        ("1/2000000000000 1/1000 1/500 0 1", "at most 12 digits"),
+        ("1/25 1/1000 1/500 0", "nor bloch with p/pi, two growth rates and two frequencies"),
+    ] {
+        let refused = check_text(&text.replace("block", &format!("multiplier bloch {line}\nblock")));
+        assert!(matches!(&refused, Err(Refused::Certificate(rule)) if rule.contains(words)), "{line}: {refused:?}");
+    }
+}
+
+/// With the line of a multiplier of the Bloch wave number `p`, and of a `lambda` within `width` of
+/// this one.
+fn bloch(certificate: &Certificate, p_over_pi: &str, lambda: [f64; 2], width: f64) -> Certificate {
+    let near = |x: f64| [-width, width].map(|to| Exact::of_double(((x + to) * 1e18).round() / 1e18).unwrap());
+    let [growth, frequency] = lambda.map(near);
+    let multiplier = Multiplier::Bloch { p_over_pi: exact(p_over_pi), growth, frequency };
+    Certificate { multiplier: Some(multiplier), ..certificate.clone() }
 }
 
 /// A piece of the branch of bond-centred breathers, with a mean strain near that of its period

@@ -11,7 +11,7 @@ use crate::{
     output::{Folder, read},
     report::Report,
     sweep::{self, Engine, Grid, locked},
-    waves::{ExactWave, MeanStrain},
+    waves::{ExactWave, MeanStrain, WaveSpectrum},
 };
 use hertzchain_proofs::{
     certificate::{self, Breather, Center, Certificate, Model, Multiplier, Wave},
@@ -41,8 +41,8 @@ const HARMONICS: usize = 128;
 pub(super) const WAVE: (f64, usize) = (1e-10, 6);
 pub(super) const BREATHER: (f64, usize) = (1e-9, 4);
 pub(super) const DOUBLED: (f64, usize) = (1e-8, 2);
-/// Half of the width of the interval of a multiplier that is to be proved, and of the frequency at
-/// which one is -1.
+/// Half of the width of the interval of a multiplier, or of the growth rate of a wave, that is to
+/// be proved, and of the frequency at which one is -1.
 const WIDTH: f64 = 4e-7;
 /// Samples of half a period from which they are computed.
 const SAMPLES: u32 = 512;
@@ -56,10 +56,11 @@ options! {
         /// nearest to it), about a cosine sum near the computed solution. Of a branch in its
         /// frequency one curve of solutions is proved, piece by piece; the mean strain is linear
         /// between its points, and proof.store has the pieces as they are proved, from which the
-        /// same command goes on. Where it can, `breather dark` and `breather doubled`, which proves
-        /// its last orbit, also enclose a real Floquet multiplier above 1, and
-        /// `breather continue --center bond` with --bifurcations the frequencies at which the
-        /// period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
+        /// same command goes on. Where it can, `wave exact` also encloses the rate of the
+        /// perturbation that grows fastest, `breather dark` and `breather doubled`, which proves
+        /// its last orbit, a real Floquet multiplier above 1, and `breather continue --center bond`
+        /// with --bifurcations the frequencies at which the period doubles. Exit code 1 if
+        /// existence is not proved, or not of the whole branch.
         prove: bool = false, [arg(long)];
         /// Write the certificate of the proof to this file.
         ///
@@ -320,7 +321,7 @@ fn radius(more: (f64, usize), certificate: impl Fn(usize) -> Result<Option<Certi
 /// The radius within which a wave with these Fourier coefficients is proved to exist, over its
 /// amplitude; infinite if it is not.
 pub(crate) fn radius_of_wave(wave: &ExactWave, fourier: &[f64]) -> Result<f64> {
-    radius(WAVE, |more| of_wave(wave, fourier, more))
+    radius(WAVE, |more| of_wave(wave, fourier, None, more))
 }
 
 /// The same of a breather.
@@ -430,10 +431,19 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
                 up(bounds.z1),
                 up(bounds.z2)
             );
-            let grows = |[from, to]: [f64; 2]| {
-                format!("Proved: linearly unstable, with a real Floquet multiplier between {from} and {to}.")
+            let grows = |[from, to]: [f64; 2]| match certificate.multiplier {
+                Some(Multiplier::Bloch { p_over_pi, growth: [a, b], frequency: [c, d] }) => {
+                    let ([a, c], [b, d]) = ([a, c].map(|it| it.enclosed().lo()), [b, d].map(|it| it.enclosed().hi()));
+                    value["bloch"] = json!({ "p_over_pi": p_over_pi.to_string(), "growth": [a, b], "frequency": [c, d] });
+                    format!(
+                        "Proved: linearly unstable: perturbations of the Bloch wave number {p_over_pi} pi grow at a \
+                         rate between {a} and {b}, with a frequency between {c} and {d}."
+                    )
+                }
+                _ => format!("Proved: linearly unstable, with a real Floquet multiplier between {from} and {to}."),
             };
-            report.fact("proof", value).words(words).words(proof.multiplier.map_or(String::new(), grows))
+            let unstable = proof.multiplier.map_or(String::new(), grows);
+            report.fact("proof", value).words(words).words(unstable)
         }
         Err(why) => {
             let words = format!("not proved: {why}");
@@ -528,9 +538,24 @@ fn near(model: Model, mean: Exact, orbit: certificate::Orbit) -> Certificate {
     Certificate { model, mean, to: None, block: 1, enclosed: HARMONICS, orbit, multiplier: None }
 }
 
-/// The certificate of a wave with these Fourier coefficients of `X`.
-pub(super) fn of_wave(wave: &ExactWave, fourier: &[f64], more: usize) -> Result<Option<Certificate>> {
-    Ok(solve::near(&near_wave(wave, fourier)?, Sizes::WAVE.times(more)))
+/// The certificate of a wave with these Fourier coefficients of `X`, and with its fastest growing
+/// multiplier if this is known.
+pub(super) fn of_wave(
+    wave: &ExactWave,
+    fourier: &[f64],
+    spectrum: Option<&WaveSpectrum>,
+    more: usize,
+) -> Result<Option<Certificate>> {
+    let fastest = spectrum.and_then(|all| Some((all.fastest()?, all.sites as i64)));
+    let multiplier = fastest.and_then(|(it, sites)| {
+        let near = |rate: f64| Some([Exact::of_double(rounded(rate - WIDTH))?, Exact::of_double(rounded(rate + WIDTH))?]);
+        Some(Multiplier::Bloch {
+            p_over_pi: Exact::new(2 * (it.bloch * sites as f64 / (2.0 * PI)).round() as i64, sites)?,
+            growth: near(it.growth).filter(|growth| growth[0].num() > 0)?,
+            frequency: near(it.frequency)?,
+        })
+    });
+    Ok(solve::near(&Certificate { multiplier, ..near_wave(wave, fourier)? }, Sizes::WAVE.times(more)))
 }
 
 /// The certificate of a dark breather of the infinite chain: with the mean strain of the far end of
