@@ -11,6 +11,8 @@ const KEYS: &str =
 const MOST: usize = 4096;
 /// Largest block of Newton's method, in unknowns.
 const LARGEST_BLOCK: usize = 2500;
+/// Disc in which a multiplier of a wave needs bounds, over the disc in which it is.
+pub(crate) const WIDER: usize = 256;
 /// Largest number of sites of a ring.
 const MOST_SITES: usize = 401;
 
@@ -132,10 +134,10 @@ pub enum Multiplier {
     Bloch {
         /// The Bloch wave number, as `p/pi`.
         p_over_pi: Exact,
-        /// The growth rate, `Re lambda`, is between these two.
-        growth: [Exact; 2],
-        /// `Im lambda` is between these two.
-        frequency: [Exact; 2],
+        /// Growth rate and frequency, real and imaginary part of a number near `lambda`.
+        rate: [Exact; 2],
+        /// `lambda` is at most this far from it.
+        radius: Exact,
     },
 }
 
@@ -192,23 +194,22 @@ impl Certificate {
             rule(sites.saturating_mul(block + 1) < LARGEST_BLOCK, "the block has at most 2500 unknowns")?;
             rule(a.iter().all(|a| a.len() == h + 1 && finite(a)), "rows of as many finite coefficients")
         };
-        let increasing = |[from, to]: [Exact; 2]| (to.enclosed() - from.enclosed()).is_positive();
-        let growing = |rates: [Exact; 2]| rates[0].num() > 0 && increasing(rates);
+        let below = |a: Interval, b: Exact| (b.enclosed() - a).is_positive();
         match &self.orbit {
             Orbit::Wave(wave) => {
                 rule(*block <= LARGEST_BLOCK, "the block has at most 2500 unknowns")?;
                 let short = |it: Exact| it.num().abs() < 1 << 40 && it.den() < 1 << 40;
                 rule(short(wave.q_over_pi), "q_over_pi has at most 12 digits")?;
-                let within = |it: Exact| (omega.enclosed() - it.enclosed().abs()).is_positive();
                 let fits = multiplier.is_none_or(|it| match it {
-                    Multiplier::Bloch { p_over_pi, growth, frequency } => {
-                        let rates = growing(growth) && increasing(frequency) && frequency.into_iter().all(within);
-                        to.is_none() && short(p_over_pi) && rates
+                    Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius } => {
+                        let wide = frequency.enclosed().abs() + Interval::exact(WIDER as f64) * radius.enclosed();
+                        let growing = radius.num() > 0 && below(radius.enclosed(), growth);
+                        to.is_none() && short(p_over_pi) && growing && below(wide, *omega)
                     }
                     _ => false,
                 });
-                let words = "a multiplier of a wave is bloch, of one wave, with p/pi of at most 12 digits, growth \
-                             rates above 0 and frequencies below omega, the larger ones last";
+                let words = "a multiplier of a wave is bloch, of one wave, with p/pi of at most 12 digits, a growth \
+                             rate above its radius, which is above 0, and |frequency| + 256 radius below omega";
                 rule(fits, words)?;
                 rule(finite(&wave.a), "coefficients must be finite")
             }
@@ -218,7 +219,7 @@ impl Certificate {
                 rule(a.len() == sites / 2 + 1, "a row of coefficients for each site from the centre to the far end")?;
                 rule(to.is_none() || *center != Center::Doubled, "a branch of doubled period is not proved")?;
                 let fits = multiplier.is_none_or(|it| match it {
-                    Multiplier::Growing(rates) => to.is_none() && growing(rates),
+                    Multiplier::Growing([from, last]) => to.is_none() && from.num() > 0 && below(from.enclosed(), last),
                     Multiplier::Doubling { .. } => to.is_some() && *center == Center::Bond,
                     Multiplier::Bloch { .. } => false,
                 });
@@ -267,8 +268,8 @@ impl fmt::Display for Certificate {
             Some(Multiplier::Doubling { sine }) => {
                 writeln!(f, "multiplier -1 {}", if *sine { "sine" } else { "cosine" })?
             }
-            Some(Multiplier::Bloch { p_over_pi, growth: [a, b], frequency: [c, d] }) => {
-                writeln!(f, "multiplier bloch {p_over_pi} {a} {b} {c} {d}")?
+            Some(Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius }) => {
+                writeln!(f, "multiplier bloch {p_over_pi} {growth} {frequency} {radius}")?
             }
             None => {}
         }
@@ -327,14 +328,14 @@ impl FromStr for Certificate {
         let multiplier = given("multiplier").map(|text| match text.split(' ').collect::<Vec<_>>()[..] {
             ["growing", from, to] => Ok(Multiplier::Growing([from.parse()?, to.parse()?])),
             ["-1", part @ ("cosine" | "sine")] => Ok(Multiplier::Doubling { sine: part == "sine" }),
-            ["bloch", p, a, b, c, d] => Ok(Multiplier::Bloch {
+            ["bloch", p, growth, frequency, radius] => Ok(Multiplier::Bloch {
                 p_over_pi: p.parse()?,
-                growth: [a.parse()?, b.parse()?],
-                frequency: [c.parse()?, d.parse()?],
+                rate: [growth.parse()?, frequency.parse()?],
+                radius: radius.parse()?,
             }),
             _ => Err(format!(
                 "multiplier {text} is neither growing with two rates, nor -1 with cosine or sine, nor bloch with \
-                 p/pi, two growth rates and two frequencies"
+                 p/pi, a growth rate, a frequency and a radius"
             )),
         });
         let multiplier = multiplier.transpose()?;

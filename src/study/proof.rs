@@ -11,7 +11,7 @@ use crate::{
     output::{Folder, read},
     report::Report,
     sweep::{self, Engine, Grid, locked},
-    waves::{ExactWave, MeanStrain, WaveSpectrum},
+    waves::{ExactWave, MeanStrain, WaveMultiplier, WaveSpectrum},
 };
 use hertzchain_proofs::{
     certificate::{self, Breather, Center, Certificate, Model, Multiplier, Wave},
@@ -41,9 +41,11 @@ const HARMONICS: usize = 128;
 pub(super) const WAVE: (f64, usize) = (1e-10, 6);
 pub(super) const BREATHER: (f64, usize) = (1e-9, 4);
 pub(super) const DOUBLED: (f64, usize) = (1e-8, 2);
-/// Half of the width of the interval of a multiplier, or of the growth rate of a wave, that is to
-/// be proved, and of the frequency at which one is -1.
+/// Half of the width of the interval of a multiplier that is to be proved, and of the frequency at
+/// which one is -1.
 const WIDTH: f64 = 4e-7;
+/// Radii that are tried for the growth rate of a wave.
+const RADII: [f64; 3] = [5e-9, 5e-8, 5e-7];
 /// Samples of half a period from which they are computed.
 const SAMPLES: u32 = 512;
 
@@ -432,9 +434,11 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
                 up(bounds.z2)
             );
             let grows = |[from, to]: [f64; 2]| match certificate.multiplier {
-                Some(Multiplier::Bloch { p_over_pi, growth: [a, b], frequency: [c, d] }) => {
-                    let ([a, c], [b, d]) = ([a, c].map(|it| it.enclosed().lo()), [b, d].map(|it| it.enclosed().hi()));
-                    value["bloch"] = json!({ "p_over_pi": p_over_pi.to_string(), "growth": [a, b], "frequency": [c, d] });
+                Some(Multiplier::Bloch { p_over_pi, rate, radius }) => {
+                    let around = rate.map(|it| it.enclosed() + radius.enclosed().ball());
+                    let [[a, b], [c, d]] = around.map(|it| [it.lo(), it.hi()]);
+                    value["bloch"] =
+                        json!({ "p_over_pi": p_over_pi.to_string(), "growth": [a, b], "frequency": [c, d] });
                     format!(
                         "Proved: linearly unstable: perturbations of the Bloch wave number {p_over_pi} pi grow at a \
                          rate between {a} and {b}, with a frequency between {c} and {d}."
@@ -546,16 +550,21 @@ pub(super) fn of_wave(
     spectrum: Option<&WaveSpectrum>,
     more: usize,
 ) -> Result<Option<Certificate>> {
-    let fastest = spectrum.and_then(|all| Some((all.fastest()?, all.sites as i64)));
-    let multiplier = fastest.and_then(|(it, sites)| {
-        let near = |rate: f64| Some([Exact::of_double(rounded(rate - WIDTH))?, Exact::of_double(rounded(rate + WIDTH))?]);
-        Some(Multiplier::Bloch {
-            p_over_pi: Exact::new(2 * (it.bloch * sites as f64 / (2.0 * PI)).round() as i64, sites)?,
-            growth: near(it.growth).filter(|growth| growth[0].num() > 0)?,
-            frequency: near(it.frequency)?,
-        })
-    });
-    Ok(solve::near(&Certificate { multiplier, ..near_wave(wave, fourier)? }, Sizes::WAVE.times(more)))
+    let Some(found) = solve::near(&near_wave(wave, fourier)?, Sizes::WAVE.times(more)) else { return Ok(None) };
+    let fastest = spectrum.and_then(|all| Some((all.fastest()?, all.sites)));
+    let near = |(it, sites): (&WaveMultiplier, usize), radius: f64| {
+        let turns = (it.bloch * sites as f64 / (2.0 * PI)).round() as i64;
+        let exact = |x: f64| Exact::of_double(rounded(x));
+        let (p_over_pi, rate) = (Exact::new(2 * turns, sites as i64)?, [exact(it.growth)?, exact(it.frequency)?]);
+        let multiplier = Some(Multiplier::Bloch { p_over_pi, rate, radius: exact(radius)? });
+        Some(Certificate { multiplier, ..found.clone() })
+    };
+    for certificate in RADII.iter().filter_map(|radius| near(fastest?, *radius)) {
+        if checked(&certificate)?.is_ok() {
+            return Ok(Some(certificate));
+        }
+    }
+    Ok(Some(found))
 }
 
 /// The certificate of a dark breather of the infinite chain: with the mean strain of the far end of

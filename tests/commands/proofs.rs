@@ -77,10 +77,12 @@ fn exact_waves_are_proved_and_lie_in_the_ball() {
         assert_eq!(most > 0.0, proof["bloch"].is_object(), "{options}: {proof}");
         if most > 0.0 {
             let bounds = |key: &str| [0, 1].map(|end| number(&proof["bloch"][key][end]));
-            let within = |one: &Value| ["growth", "frequency"].iter().all(|key| {
-                let ([from, to], x) = (bounds(key), number(&one[*key]));
-                from < x && x < to && to - from < 1e-6
-            });
+            let within = |one: &Value| {
+                ["growth", "frequency"].iter().all(|key| {
+                    let ([from, to], x) = (bounds(key), number(&one[*key]));
+                    from < x && x < to && to - from < 1e-6
+                })
+            };
             let p: Exact = proof["bloch"]["p_over_pi"].as_str().unwrap().parse().unwrap();
             let same = |one: &&Value| (number(&one["bloch"]) - PI * p.enclosed().mid()).abs() < 1e-9 && within(one);
             assert_eq!(all.iter().find(same).map(grows), Some(most), "{options}: {proof}");

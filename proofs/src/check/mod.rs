@@ -90,8 +90,8 @@ pub enum Refused {
     Multiplier {
         /// Upper bound of `|1 - A M|`.
         z1: f64,
-        /// Bounds of `g` at both growth rates, or of a part of it on two sides of a rectangle of
-        /// them, if the first one is below 1.
+        /// If this is below 1, bounds of `g` at both growth rates; of a wave those of `|g|` in the
+        /// centre of the disc, and of what is to be larger.
         g: Option<[[f64; 2]; 2]>,
     },
     /// The standing wave far from the centre of a breather is not proved.
@@ -133,8 +133,7 @@ impl fmt::Display for Refused {
             }
             Self::Multiplier { g: Some([[a, b], [c, d]]), .. } => write!(
                 f,
-                "the multiplier: g is from {a:.2e} to {b:.2e} on the one side of its bounds, from {c:.2e} to \
-                 {d:.2e} on the other"
+                "the multiplier: g is not shown to be 0 somewhere, by {a:.2e} to {b:.2e} and {c:.2e} to {d:.2e}"
             ),
             Self::Background(why) => write!(f, "the standing wave far from the centre: {why}"),
             Self::Kernel(bound) => {

@@ -25,20 +25,20 @@ use super::{
     system::lattice,
 };
 use crate::{
-    certificate::{Center, Certificate, Multiplier, Orbit},
+    certificate::{Center, Certificate, Multiplier, Orbit, WIDER},
     exact::Exact,
     interval::{Complex, Interval, norm},
 };
 
 /// `K` of this proof for each period of the background, at most that of the certificate.
 const BLOCK: usize = 8;
+/// `K` and `K'` of this proof for a wave, at most an eighth of that of the certificate, and that.
+const OF_WAVE: [usize; 2] = [32, 512];
 /// `K'` over the number of columns of `1 - A M` that are computed beyond `K`, and over that of the
 /// harmonics of the approximate solution.
 const SHARE: usize = 4;
 /// Corrections of the approximate solution.
 const CORRECTIONS: usize = 3;
-/// Parts of each side of a rectangle of growth rates.
-const PARTS: u32 = 8;
 
 /// Site, harmonic, and whether it is the coefficient of a sine.
 type Place = (usize, usize, bool);
@@ -119,10 +119,10 @@ impl<'a> Equations<'a> {
     fn factors(&self, lambda: Complex) -> Factors {
         let Certificate { model, orbit, multiplier, .. } = self.certificate;
         let kappa = model.kappa.enclosed();
-        let (own, rho, more) = model.rho.map(Exact::enclosed).map_or(
-            (Interval::ZERO, Interval::ONE, Interval::ONE),
-            |rho| (Interval::ONE, rho, Interval::ONE + rho),
-        );
+        let (own, rho, more) = model
+            .rho
+            .map(Exact::enclosed)
+            .map_or((Interval::ZERO, Interval::ONE, Interval::ONE), |rho| (Interval::ONE, rho, Interval::ONE + rho));
         let over = |z: Complex, factor: Interval| {
             let scale = factor / (more * (z.re.square() + z.im.square()));
             Complex { re: z.re * scale, im: -z.im * scale }
@@ -280,7 +280,8 @@ impl<'a> Terms<'a> {
             let entries = it.at(m).filter(|(_, place)| place.2 == sine);
             let entries: Vec<_> = entries.map(|(i, place)| (i, it.stiffness(m, place.1, (j, sine)))).collect();
             let sums = it.by_site(&|i| {
-                let given = |own: usize| it.pinned.iter().zip(&inverse[i][it.all.len()..]).filter(move |it| *it.0 == own);
+                let given =
+                    |own: usize| it.pinned.iter().zip(&inverse[i][it.all.len()..]).filter(move |it| *it.0 == own);
                 let plain = own.map_or(Interval::ZERO, |own| inverse[i][own] + given(own).map(|it| *it.1).sum());
                 let stiff: Interval = entries.iter().map(|(column, d)| product[i][*column] * *d).sum();
                 (kronecker(own == Some(i)) - plain - stiff).abs()
@@ -360,32 +361,6 @@ impl<'a> Terms<'a> {
     }
 }
 
-/// `g` on two opposite sides of a rectangle of growth rates, times a number by which it has opposite
-/// signs there: real parts on the sides left and right, imaginary ones below and above.
-fn sides(rectangle: [[Interval; 2]; 2], g: &dyn Fn(Complex) -> Vec<Interval>) -> Vec<[Interval; 2]> {
-    let at = |axis: usize, end: Interval, along: Interval| match axis {
-        0 => Complex { re: end, im: along },
-        _ => Complex { re: along, im: end },
-    };
-    let along = |[from, to]: [Interval; 2], i: u32| {
-        let [s, t] = [i, i + 1].map(|i| f64::from(i) / f64::from(PARTS));
-        let at = |s: f64| from.lo() * (1.0 - s) + to.hi() * s;
-        Interval::new(at(s), at(t))
-    };
-    let middle = along(rectangle[1], PARTS / 2);
-    let [left, right] = rectangle[0].map(|end| g(at(0, end, middle)));
-    let [re, im] = [0, 1].map(|i| Interval::exact(right[i].mid() - left[i].mid()));
-    let side = |axis: usize, end: Interval| {
-        let part = |i: u32| {
-            let g = g(at(axis, end, along(rectangle[1 - axis], i)));
-            if axis == 0 { re * g[0] + im * g[1] } else { re * g[1] - im * g[0] }
-        };
-        let both = |a: Interval, b: Interval| Interval::new(a.min(b).lo(), a.max(b).hi());
-        (1..PARTS).map(part).fold(part(0), both)
-    };
-    [0, 1].map(|axis| rectangle[axis].map(|end| side(axis, end))).to_vec()
-}
-
 /// Bounds of `|e^{lambda T}|` of a multiplier that grows, and of `g` for -1, where the strains of
 /// the orbit differ by at most `changes` from the cosine sums.
 pub(super) fn check(
@@ -395,32 +370,45 @@ pub(super) fn check(
     go_on: &dyn Fn() -> Result<(), Refused>,
 ) -> Result<[f64; 2], Refused> {
     let Certificate { block, enclosed, .. } = certificate;
-    let rectangle = match multiplier {
-        Multiplier::Growing(rates) => [rates.map(Exact::enclosed), [Interval::ZERO; 2]],
-        Multiplier::Bloch { growth, frequency, .. } => [*growth, *frequency].map(|both| both.map(Exact::enclosed)),
-        Multiplier::Doubling { .. } => [[Interval::ZERO; 2]; 2],
+    let (rates, im, wide) = match multiplier {
+        Multiplier::Growing(rates) => (rates.map(Exact::enclosed), Interval::ZERO, Interval::ZERO),
+        Multiplier::Doubling { .. } => ([Interval::ZERO; 2], Interval::ZERO, Interval::ZERO),
+        Multiplier::Bloch { rate, radius, .. } => {
+            let [re, im, radius] = [rate[0], rate[1], *radius].map(Exact::enclosed);
+            ([re - radius, re + radius], im, (of(WIDER) * radius).ball())
+        }
     };
-    let block = (*block).min(BLOCK * system.center.periods());
-    let equations = Equations::new(certificate, (system, known), [block, *enclosed], multiplier);
-    let [re, im] = rectangle.map(|[from, to]| Interval::new(from.lo(), to.hi()));
-    let terms = Terms::new(equations, Complex { re, im }, changes);
+    let sizes = match multiplier {
+        Multiplier::Bloch { .. } => [OF_WAVE[0].min(enclosed / 8), OF_WAVE[1].min(*enclosed)],
+        _ => [(*block).min(BLOCK * system.center.periods()), *enclosed],
+    };
+    let equations = Equations::new(certificate, (system, known), sizes, multiplier);
+    let all = Complex { re: Interval::new(rates[0].lo(), rates[1].hi()) + wide, im: im + wide };
+    let terms = Terms::new(equations, all, changes);
     let constants = terms.z1(go_on)?;
     let refused = |g| Err(Refused::Multiplier { z1: (Interval::ONE - constants[2]).hi(), g });
     if !constants[2].is_positive() {
         return refused(None);
     }
-    let g = |rate: Complex| terms.g(rate, constants);
-    let real = |re: Interval| g(Complex { re, im: Interval::ZERO })[0];
-    let bounds = match multiplier {
-        Multiplier::Growing(_) => vec![rectangle[0].map(real)],
-        Multiplier::Bloch { .. } => sides(rectangle, &g),
-        Multiplier::Doubling { .. } => vec![[real(Interval::ZERO); 2]],
+    let g = |re: Interval| terms.g(Complex { re, im }, constants);
+    let (bounds, vanishes) = match multiplier {
+        Multiplier::Growing(_) => {
+            let bounds = rates.map(|rate| g(rate)[0]);
+            (bounds, (-(bounds[0] * bounds[1])).is_positive())
+        }
+        Multiplier::Doubling { .. } => ([g(rates[0])[0]; 2], true),
+        Multiplier::Bloch { rate, .. } => {
+            let [own, beside] = [rate[0].enclosed(), rates[1]].map(g);
+            let change = norm(beside.iter().zip(&own).map(|(a, b)| *a - *b));
+            // Terms of Taylor's series from the second one on, by Cauchy's bounds.
+            let rest = norm(terms.g(all, constants)) / of(WIDER * (WIDER - 1));
+            let bounds = [norm(own), change - of(2) * rest];
+            (bounds, (bounds[1] - bounds[0]).is_positive())
+        }
     };
-    let opposite = |[a, b]: &[Interval; 2]| (-(*a * *b)).is_positive();
-    let bounds = *bounds.iter().find(|both| !opposite(both)).unwrap_or(&bounds[0]);
     let ends = match multiplier {
         Multiplier::Doubling { .. } => bounds,
-        _ if opposite(&bounds) => rectangle[0].map(|rate| (rate * of(2) * Interval::PI / system.omega).exp()),
+        _ if vanishes => rates.map(|rate| (rate * of(2) * Interval::PI / system.omega).exp()),
         _ => [Interval::exact(f64::NAN); 2],
     };
     let [from, to] = [ends[0].lo(), ends[1].hi()];
@@ -526,14 +514,11 @@ mod tests {
         text.parse().unwrap()
     }
 
-    /// A multiplier of a wave with `p = pi/3`, and `lambda` within `width` of this one.
-    fn bloch([growth, frequency]: [f64; 2], width: f64) -> Multiplier {
-        let near = |x: f64| [x - width, x + width].map(|x| Exact::of_double((x * 1e15).round() / 1e15).unwrap());
-        Multiplier::Bloch {
-            p_over_pi: Exact::new(1, 3).unwrap(),
-            growth: near(growth),
-            frequency: near(frequency),
-        }
+    /// A multiplier of a wave with `p = pi/3`, and `lambda` within `radius` of this one.
+    fn bloch([growth, frequency]: [f64; 2], radius: f64) -> Multiplier {
+        let [growth, frequency, radius] =
+            [growth, frequency, radius].map(|x| Exact::of_double((x * 1e15).round() / 1e15).unwrap());
+        Multiplier::Bloch { p_over_pi: Exact::new(1, 3).unwrap(), rate: [growth, frequency], radius }
     }
 
     // Truth: contacts that pull with the constant stiffness D have perturbations e^{i k phi} alone,
@@ -558,8 +543,10 @@ mod tests {
             assert!(from < truth && truth < to && to - from < 1e-6, "{k}: {from} {truth} {to}");
             for apart in [[3e-9, 0.0], [-3e-9, 0.0], [0.0, 3e-9], [0.0, -3e-9]] {
                 let refused = proved(apart);
-                let Err(Refused::Multiplier { g: Some([[a, b], [c, d]]), .. }) = refused else { panic!("{refused:?}") };
-                assert!(a * b > 0.0 && c * d > 0.0 && a * c > 0.0, "{k} {apart:?}: {refused:?}");
+                let Err(Refused::Multiplier { g: Some([[at, _], [_, change]]), .. }) = refused else {
+                    panic!("{refused:?}")
+                };
+                assert!(at > 2.0 * change, "{k} {apart:?}: {refused:?}");
             }
         }
     }

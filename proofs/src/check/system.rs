@@ -94,7 +94,11 @@ impl System {
     /// That of the perturbations which [`multiplier`](super::multiplier) looks for. Those of a wave
     /// are complex: their real part is one site, their imaginary part a second one.
     pub(super) fn perturbed(mut self) -> Self {
-        if self.is_wave() { self.a.push(self.a[0].clone()) } else { self.parity = -1.0 }
+        if self.is_wave() {
+            self.a.push(self.a[0].clone())
+        } else {
+            self.parity = -1.0
+        }
         self
     }
 
