@@ -543,11 +543,33 @@ mod tests {
             assert!(from < truth && truth < to && to - from < 1e-6, "{k}: {from} {truth} {to}");
             for apart in [[3e-9, 0.0], [-3e-9, 0.0], [0.0, 3e-9], [0.0, -3e-9]] {
                 let refused = proved(apart);
-                let Err(Refused::Multiplier { g: Some([[at, _], [_, change]]), .. }) = refused else {
+                let Err(Refused::Multiplier { g: Some([[at, _], [change, _]]), .. }) = refused else {
                     panic!("{refused:?}")
                 };
-                assert!(at > 2.0 * change, "{k} {apart:?}: {refused:?}");
+                // Three radii away. At the corners of the square g is 256 sqrt 2 times its change over
+                // the radius, so that Cauchy's bound takes away more than one percent of this change.
+                assert!(at > 3.03 * change, "{k} {apart:?}: {refused:?}");
             }
+        }
+    }
+
+    // Truth: the sums of |l_k|^2 of eight times as many harmonics, of each sign.
+    #[test]
+    fn tails_of_a_wave_hold_both_signs() {
+        for p in [1, -1] {
+            let rate = [1, 3].map(|share| Exact::new(share, 5).unwrap());
+            let p_over_pi = Exact::new(p, 3).unwrap();
+            let multiplier = Multiplier::Bloch { p_over_pi, rate, radius: Exact::new(1, 1000).unwrap() };
+            let [few, many] = [8, 64].map(|enclosed| {
+                let (certificate, system, known) = stiff(&wave(), multiplier, &[(0, 0.3)], enclosed);
+                let it = Equations::new(&certificate, (&system, &known), [1, enclosed], &multiplier);
+                let [re, im] = rate.map(Exact::enclosed);
+                let l = it.factors(Complex { re, im });
+                let of_sign = |sign: usize| 2_f64.sqrt() * norm(l[3..].iter().map(|l| l[sign].abs())).mid();
+                (it.beyond(&l, 2).lo(), of_sign(0).max(of_sign(1)))
+            });
+            // Each harmonic has the larger one of both.
+            assert!(many.1 < few.0 && few.0 < 1.5 * many.1, "{p}: {few:?} {many:?}");
         }
     }
 
