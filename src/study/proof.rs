@@ -45,7 +45,7 @@ pub(super) const DOUBLED: (f64, usize) = (1e-8, 2);
 /// which one is -1.
 const WIDTH: f64 = 4e-7;
 /// Radii that are tried for the growth rate of a wave.
-const RADII: [f64; 3] = [5e-9, 5e-8, 5e-7];
+const RADII: [f64; 4] = [5e-9, 1.5e-8, 5e-8, 5e-7];
 /// Samples of half a period from which they are computed.
 const SAMPLES: u32 = 512;
 
@@ -560,8 +560,11 @@ pub(super) fn of_wave(
         Some(Certificate { multiplier, ..found.clone() })
     };
     for certificate in RADII.iter().filter_map(|radius| near(fastest?, *radius)) {
-        if checked(&certificate)?.is_ok() {
-            return Ok(Some(certificate));
+        match checked(&certificate)? {
+            Ok(_) => return Ok(Some(certificate)),
+            Err(Refused::Multiplier { g: Some(_), .. }) => {}
+            // A wider disc has a larger Z1.
+            Err(_) => break,
         }
     }
     Ok(Some(found))

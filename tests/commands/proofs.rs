@@ -74,8 +74,10 @@ fn exact_waves_are_proved_and_lie_in_the_ball() {
         let grows = |one: &Value| number(&one["growth"]);
         let all = found["multipliers"].as_array().unwrap();
         let most = all.iter().map(grows).fold(0.0, f64::max);
-        assert_eq!(most > 0.0, proof["bloch"].is_object(), "{options}: {proof}");
-        if most > 0.0 {
+        // Without resonators Z1 of the perturbations is 3.4.
+        let proved = most > 0.0 && options != "--rho 0";
+        assert_eq!(proved, proof["bloch"].is_object(), "{options}: {proof}");
+        if proved {
             let bounds = |key: &str| [0, 1].map(|end| number(&proof["bloch"][key][end]));
             let within = |one: &Value| {
                 ["growth", "frequency"].iter().all(|key| {
