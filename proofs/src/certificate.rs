@@ -11,6 +11,8 @@ const KEYS: &str =
 const MOST: usize = 4096;
 /// Largest block of Newton's method, in unknowns.
 const LARGEST_BLOCK: usize = 2500;
+/// Disc in which a multiplier of a wave needs bounds, over the disc in which it is.
+pub(crate) const WIDER: usize = 256;
 /// Largest number of sites of a ring.
 const MOST_SITES: usize = 401;
 
@@ -117,8 +119,8 @@ pub enum Orbit {
     Infinite(Infinite),
 }
 
-/// A real Floquet multiplier of a dark breather, of a perturbation that the reflection maps to its
-/// negative.
+/// A Floquet multiplier: a real one of a dark breather, of a perturbation that the reflection maps
+/// to its negative, or one of a wave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Multiplier {
     /// `e^{lambda T}` with a growth rate `lambda` between these two.
@@ -127,6 +129,15 @@ pub enum Multiplier {
     Doubling {
         /// Whether the perturbation is a sum of sines, and not of cosines.
         sine: bool,
+    },
+    /// Of a wave, `e^{lambda T}` of a perturbation `e^{i p n + lambda t} W(q n - omega t)`.
+    Bloch {
+        /// The Bloch wave number, as `p/pi`.
+        p_over_pi: Exact,
+        /// Growth rate and frequency, real and imaginary part of a number near `lambda`.
+        rate: [Exact; 2],
+        /// `lambda` is at most this far from it.
+        radius: Exact,
     },
 }
 
@@ -145,7 +156,7 @@ pub struct Certificate {
     pub enclosed: usize,
     /// The orbit.
     pub orbit: Orbit,
-    /// A multiplier of the breather that is to be proved.
+    /// A multiplier of the orbit that is to be proved.
     pub multiplier: Option<Multiplier>,
 }
 
@@ -183,14 +194,23 @@ impl Certificate {
             rule(sites.saturating_mul(block + 1) < LARGEST_BLOCK, "the block has at most 2500 unknowns")?;
             rule(a.iter().all(|a| a.len() == h + 1 && finite(a)), "rows of as many finite coefficients")
         };
+        let below = |a: Interval, b: Exact| (b.enclosed() - a).is_positive();
         match &self.orbit {
             Orbit::Wave(wave) => {
-                rule(multiplier.is_none(), "a multiplier is that of a breather of a ring")?;
                 rule(*block <= LARGEST_BLOCK, "the block has at most 2500 unknowns")?;
-                rule(
-                    wave.q_over_pi.num().abs() < 1 << 40 && wave.q_over_pi.den() < 1 << 40,
-                    "q_over_pi has at most 12 digits",
-                )?;
+                let short = |it: Exact| it.num().abs() < 1 << 40 && it.den() < 1 << 40;
+                rule(short(wave.q_over_pi), "q_over_pi has at most 12 digits")?;
+                let fits = multiplier.is_none_or(|it| match it {
+                    Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius } => {
+                        let wide = frequency.enclosed().abs() + Interval::exact(WIDER as f64) * radius.enclosed();
+                        let growing = radius.num() > 0 && below(radius.enclosed(), growth);
+                        to.is_none() && short(p_over_pi) && growing && below(wide, *omega)
+                    }
+                    _ => false,
+                });
+                let words = "a multiplier of a wave is bloch, of one wave, with p/pi of at most 12 digits, a growth \
+                             rate above its radius, which is above 0, and |frequency| + 256 radius below omega";
+                rule(fits, words)?;
                 rule(finite(&wave.a), "coefficients must be finite")
             }
             Orbit::Breather(Breather { sites, center, a }) => {
@@ -198,10 +218,10 @@ impl Certificate {
                 of_breather(*center, a, a.len())?;
                 rule(a.len() == sites / 2 + 1, "a row of coefficients for each site from the centre to the far end")?;
                 rule(to.is_none() || *center != Center::Doubled, "a branch of doubled period is not proved")?;
-                let growing = |[from, to]: [Interval; 2]| from.is_positive() && (to - from).is_positive();
                 let fits = multiplier.is_none_or(|it| match it {
-                    Multiplier::Growing(rates) => to.is_none() && growing(rates.map(Exact::enclosed)),
+                    Multiplier::Growing([from, last]) => to.is_none() && from.num() > 0 && below(from.enclosed(), last),
                     Multiplier::Doubling { .. } => to.is_some() && *center == Center::Bond,
+                    Multiplier::Bloch { .. } => false,
                 });
                 let words = "a multiplier is growing, of one breather, at growth rates above 0, the larger one last; \
                              or -1, of a piece of a branch of bond-centred ones";
@@ -209,7 +229,7 @@ impl Certificate {
             }
             Orbit::Infinite(infinite) => {
                 let Infinite { center, decay, band, background, a } = infinite;
-                rule(multiplier.is_none(), "a multiplier is that of a breather of a ring")?;
+                rule(multiplier.is_none(), "a multiplier is that of a wave or of a breather of a ring")?;
                 rule(to.is_none(), "a breather of the infinite chain is no piece of a branch")?;
                 rule(*center != Center::Doubled, "a breather of doubled period is one of a ring")?;
                 rule(decay.num() > 0, "decay must be above 0")?;
@@ -247,6 +267,9 @@ impl fmt::Display for Certificate {
             Some(Multiplier::Growing([from, to])) => writeln!(f, "multiplier growing {from} {to}")?,
             Some(Multiplier::Doubling { sine }) => {
                 writeln!(f, "multiplier -1 {}", if *sine { "sine" } else { "cosine" })?
+            }
+            Some(Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius }) => {
+                writeln!(f, "multiplier bloch {p_over_pi} {growth} {frequency} {radius}")?
             }
             None => {}
         }
@@ -305,7 +328,15 @@ impl FromStr for Certificate {
         let multiplier = given("multiplier").map(|text| match text.split(' ').collect::<Vec<_>>()[..] {
             ["growing", from, to] => Ok(Multiplier::Growing([from.parse()?, to.parse()?])),
             ["-1", part @ ("cosine" | "sine")] => Ok(Multiplier::Doubling { sine: part == "sine" }),
-            _ => Err(format!("multiplier {text} is neither growing with two rates nor -1 with cosine or sine")),
+            ["bloch", p, growth, frequency, radius] => Ok(Multiplier::Bloch {
+                p_over_pi: p.parse()?,
+                rate: [growth.parse()?, frequency.parse()?],
+                radius: radius.parse()?,
+            }),
+            _ => Err(format!(
+                "multiplier {text} is neither growing with two rates, nor -1 with cosine or sine, nor bloch with \
+                 p/pi, a growth rate, a frequency and a radius"
+            )),
         });
         let multiplier = multiplier.transpose()?;
         let mut take = |key: &str| given(key).ok_or_else(|| format!("the line {key} is missing"));

@@ -623,7 +623,28 @@ fn multipliers_that_are_not_there_are_refused() {
         assert!(matches!(&refused, Err(Refused::Certificate(rule)) if rule.contains(words)), "{line}: {refused:?}");
     }
     let wave = Certificate { multiplier: moved.multiplier, ..tw_q15(small) };
-    assert!(matches!(check(&wave), Err(Refused::Certificate(rule)) if rule.contains("of a breather")));
+    assert!(matches!(check(&wave), Err(Refused::Certificate(rule)) if rule.contains("of a wave is bloch")));
+    let text = tw_q15(small).to_string();
+    for (line, words) in [
+        ("1/25 2e-3 0 1/1000", "is no decimal"),
+        ("1/25 1/500 0 0", "which is above 0"),
+        ("1/25 1/500 0 1/500", "a growth rate above its radius"),
+        ("1/25 1/500 2 1/100000", "256 radius below omega"),
+        ("1/2000000000000 1/500 0 1/1000", "at most 12 digits"),
+        ("1/25 1/500 0", "nor bloch with p/pi, a growth rate, a frequency and a radius"),
+    ] {
+        let refused = check_text(&text.replace("block", &format!("multiplier bloch {line}\nblock")));
+        assert!(matches!(&refused, Err(Refused::Certificate(rule)) if rule.contains(words)), "{line}: {refused:?}");
+    }
+}
+
+/// With the line of a multiplier of the Bloch wave number `p`, and of a `lambda` within `radius` of
+/// this one.
+fn bloch(certificate: &Certificate, p_over_pi: &str, lambda: [f64; 2], radius: f64) -> Certificate {
+    let [growth, frequency, radius] =
+        [lambda[0], lambda[1], radius].map(|x| Exact::of_double((x * 1e18).round() / 1e18).unwrap());
+    let multiplier = Multiplier::Bloch { p_over_pi: exact(p_over_pi), rate: [growth, frequency], radius };
+    Certificate { multiplier: Some(multiplier), ..certificate.clone() }
 }
 
 /// A piece of the branch of bond-centred breathers, with a mean strain near that of its period
@@ -691,4 +712,53 @@ fn bounds_of_g_hold() {
     }
     let (wide, end) = (g(["2.063", "2.06301"], Sizes::BREATHER), g(["2.06301"; 2], Sizes::BREATHER));
     assert!(holds(wide, near) && holds(wide, end), "{wide:?} {near:?} {end:?}");
+}
+
+// Truth: multipliers of `wave exact`, eigenvalues of the tangent map of a cell, at these mean
+// strains.
+#[test]
+fn waves_are_unstable() {
+    let cases = [
+        (["3/2", "1/3", "2.001"], ["1/5", "0.05711311299994293"], "1", [0.001_710_320_184_808_556_2, 0.0], 5e-9),
+        (
+            ["3/2", "3", "1.1568748108437075"],
+            ["1/5", "0.009999999999999646"],
+            "-24/25",
+            [0.003_625_283_448_852_893, 0.000_449_449_422_499_456_96],
+            5e-9,
+        ),
+        (
+            ["3/2", "inf", "1.255116002817007"],
+            ["4/5", "0"],
+            "1/5",
+            [0.034_908_513_057_323_384, -0.046_265_366_366_693_83],
+            5e-8,
+        ),
+    ];
+    for (parameters, q, p, truth, radius) in cases {
+        let certificate = wave(parameters, q, Sizes::WAVE);
+        let near = bloch(&certificate, p, truth, radius);
+        let proof = check(&near).unwrap_or_else(|why| panic!("{parameters:?} {p}: {why}"));
+        let [from, to] = proof.multiplier.unwrap();
+        let modulus = |rate: f64| (rate * 2.0 * PI / double(certificate.model.omega)).exp();
+        let within = |x: f64, near: f64| (x - near).abs() < 1e-3 * radius;
+        assert!(within(from, modulus(truth[0] - radius)) && within(to, modulus(truth[0] + radius)), "{proof:?}");
+        assert_eq!(check_text(&near.to_string()), Ok((near, proof)));
+        // Nothing is proved beside it, 5 percent away or two radii, nor of another wave number.
+        let other = if p == "1" { "24/25" } else { "1" };
+        let moved = |by: [f64; 2]| [truth[0] + by[0], truth[1] + by[1]];
+        for (p, lambda) in [
+            (p, moved([0.05 * truth[0], 0.0])),
+            (p, moved([0.0, 0.05 * truth[0]])),
+            (p, moved([2.0 * radius, 0.0])),
+            (p, moved([0.0, -2.0 * radius])),
+            (other, truth),
+        ] {
+            let refused = check(&bloch(&certificate, p, lambda, radius));
+            let Err(Refused::Multiplier { g: Some([[at, _], [_, needed]]), .. }) = refused else {
+                panic!("{refused:?}")
+            };
+            assert!(at > needed, "{parameters:?} {p}: {refused:?}");
+        }
+    }
 }

@@ -1341,10 +1341,11 @@ def wave_exact(
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
         by piece; the mean strain is linear between its points, and proof.store has the pieces as
-        they are proved, from which the same command goes on. Where it can, `breather dark` and
-        `breather doubled`, which proves its last orbit, also enclose a real Floquet multiplier
-        above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
-        the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
+        they are proved, from which the same command goes on. Where it can, `wave exact` also
+        encloses the rate of the perturbation that grows fastest, `breather dark` and `breather
+        doubled`, which proves its last orbit, a real Floquet multiplier above 1, and `breather
+        continue --center bond` with `bifurcations` the frequencies at which the period doubles.
+        Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
         that are missing are made.
@@ -1450,10 +1451,11 @@ def wave_continue(
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
         by piece; the mean strain is linear between its points, and proof.store has the pieces as
-        they are proved, from which the same command goes on. Where it can, `breather dark` and
-        `breather doubled`, which proves its last orbit, also enclose a real Floquet multiplier
-        above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
-        the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
+        they are proved, from which the same command goes on. Where it can, `wave exact` also
+        encloses the rate of the perturbation that grows fastest, `breather dark` and `breather
+        doubled`, which proves its last orbit, a real Floquet multiplier above 1, and `breather
+        continue --center bond` with `bifurcations` the frequencies at which the period doubles.
+        Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
         that are missing are made.
@@ -1752,10 +1754,11 @@ def breather_dark(
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
         by piece; the mean strain is linear between its points, and proof.store has the pieces as
-        they are proved, from which the same command goes on. Where it can, `breather dark` and
-        `breather doubled`, which proves its last orbit, also enclose a real Floquet multiplier
-        above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
-        the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
+        they are proved, from which the same command goes on. Where it can, `wave exact` also
+        encloses the rate of the perturbation that grows fastest, `breather dark` and `breather
+        doubled`, which proves its last orbit, a real Floquet multiplier above 1, and `breather
+        continue --center bond` with `bifurcations` the frequencies at which the period doubles.
+        Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
         that are missing are made.
@@ -1856,10 +1859,11 @@ def breather_continue(
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
         by piece; the mean strain is linear between its points, and proof.store has the pieces as
-        they are proved, from which the same command goes on. Where it can, `breather dark` and
-        `breather doubled`, which proves its last orbit, also enclose a real Floquet multiplier
-        above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
-        the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
+        they are proved, from which the same command goes on. Where it can, `wave exact` also
+        encloses the rate of the perturbation that grows fastest, `breather dark` and `breather
+        doubled`, which proves its last orbit, a real Floquet multiplier above 1, and `breather
+        continue --center bond` with `bifurcations` the frequencies at which the period doubles.
+        Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
         that are missing are made.
@@ -1956,10 +1960,11 @@ def breather_doubled(
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
         by piece; the mean strain is linear between its points, and proof.store has the pieces as
-        they are proved, from which the same command goes on. Where it can, `breather dark` and
-        `breather doubled`, which proves its last orbit, also enclose a real Floquet multiplier
-        above 1, and `breather continue --center bond` with `bifurcations` the frequencies at which
-        the period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
+        they are proved, from which the same command goes on. Where it can, `wave exact` also
+        encloses the rate of the perturbation that grows fastest, `breather dark` and `breather
+        doubled`, which proves its last orbit, a real Floquet multiplier above 1, and `breather
+        continue --center bond` with `bifurcations` the frequencies at which the period doubles.
+        Exit code 1 if existence is not proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
         that are missing are made.

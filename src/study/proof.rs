@@ -11,7 +11,7 @@ use crate::{
     output::{Folder, read},
     report::Report,
     sweep::{self, Engine, Grid, locked},
-    waves::{ExactWave, MeanStrain},
+    waves::{ExactWave, MeanStrain, WaveMultiplier, WaveSpectrum},
 };
 use hertzchain_proofs::{
     certificate::{self, Breather, Center, Certificate, Model, Multiplier, Wave},
@@ -44,6 +44,8 @@ pub(super) const DOUBLED: (f64, usize) = (1e-8, 2);
 /// Half of the width of the interval of a multiplier that is to be proved, and of the frequency at
 /// which one is -1.
 const WIDTH: f64 = 4e-7;
+/// Radii that are tried for the growth rate of a wave.
+const RADII: [f64; 4] = [5e-9, 1.5e-8, 5e-8, 5e-7];
 /// Samples of half a period from which they are computed.
 const SAMPLES: u32 = 512;
 
@@ -56,10 +58,11 @@ options! {
         /// nearest to it), about a cosine sum near the computed solution. Of a branch in its
         /// frequency one curve of solutions is proved, piece by piece; the mean strain is linear
         /// between its points, and proof.store has the pieces as they are proved, from which the
-        /// same command goes on. Where it can, `breather dark` and `breather doubled`, which proves
-        /// its last orbit, also enclose a real Floquet multiplier above 1, and
-        /// `breather continue --center bond` with --bifurcations the frequencies at which the
-        /// period doubles. Exit code 1 if existence is not proved, or not of the whole branch.
+        /// same command goes on. Where it can, `wave exact` also encloses the rate of the
+        /// perturbation that grows fastest, `breather dark` and `breather doubled`, which proves
+        /// its last orbit, a real Floquet multiplier above 1, and `breather continue --center bond`
+        /// with --bifurcations the frequencies at which the period doubles. Exit code 1 if
+        /// existence is not proved, or not of the whole branch.
         prove: bool = false, [arg(long)];
         /// Write the certificate of the proof to this file.
         ///
@@ -320,7 +323,7 @@ fn radius(more: (f64, usize), certificate: impl Fn(usize) -> Result<Option<Certi
 /// The radius within which a wave with these Fourier coefficients is proved to exist, over its
 /// amplitude; infinite if it is not.
 pub(crate) fn radius_of_wave(wave: &ExactWave, fourier: &[f64]) -> Result<f64> {
-    radius(WAVE, |more| of_wave(wave, fourier, more))
+    radius(WAVE, |more| of_wave(wave, fourier, None, more))
 }
 
 /// The same of a breather.
@@ -430,10 +433,21 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
                 up(bounds.z1),
                 up(bounds.z2)
             );
-            let grows = |[from, to]: [f64; 2]| {
-                format!("Proved: linearly unstable, with a real Floquet multiplier between {from} and {to}.")
+            let grows = |[from, to]: [f64; 2]| match certificate.multiplier {
+                Some(Multiplier::Bloch { p_over_pi, rate, radius }) => {
+                    let around = rate.map(|it| it.enclosed() + radius.enclosed().ball());
+                    let [[a, b], [c, d]] = around.map(|it| [it.lo(), it.hi()]);
+                    value["bloch"] =
+                        json!({ "p_over_pi": p_over_pi.to_string(), "growth": [a, b], "frequency": [c, d] });
+                    format!(
+                        "Proved: linearly unstable: perturbations of the Bloch wave number {p_over_pi} pi grow at a \
+                         rate between {a} and {b}, with a frequency between {c} and {d}."
+                    )
+                }
+                _ => format!("Proved: linearly unstable, with a real Floquet multiplier between {from} and {to}."),
             };
-            report.fact("proof", value).words(words).words(proof.multiplier.map_or(String::new(), grows))
+            let unstable = proof.multiplier.map_or(String::new(), grows);
+            report.fact("proof", value).words(words).words(unstable)
         }
         Err(why) => {
             let words = format!("not proved: {why}");
@@ -528,9 +542,32 @@ fn near(model: Model, mean: Exact, orbit: certificate::Orbit) -> Certificate {
     Certificate { model, mean, to: None, block: 1, enclosed: HARMONICS, orbit, multiplier: None }
 }
 
-/// The certificate of a wave with these Fourier coefficients of `X`.
-pub(super) fn of_wave(wave: &ExactWave, fourier: &[f64], more: usize) -> Result<Option<Certificate>> {
-    Ok(solve::near(&near_wave(wave, fourier)?, Sizes::WAVE.times(more)))
+/// The certificate of a wave with these Fourier coefficients of `X`, and with its fastest growing
+/// multiplier if this is known.
+pub(super) fn of_wave(
+    wave: &ExactWave,
+    fourier: &[f64],
+    spectrum: Option<&WaveSpectrum>,
+    more: usize,
+) -> Result<Option<Certificate>> {
+    let Some(found) = solve::near(&near_wave(wave, fourier)?, Sizes::WAVE.times(more)) else { return Ok(None) };
+    let fastest = spectrum.and_then(|all| Some((all.fastest()?, all.sites)));
+    let near = |(it, sites): (&WaveMultiplier, usize), radius: f64| {
+        let turns = (it.bloch * sites as f64 / (2.0 * PI)).round() as i64;
+        let exact = |x: f64| Exact::of_double(rounded(x));
+        let (p_over_pi, rate) = (Exact::new(2 * turns, sites as i64)?, [exact(it.growth)?, exact(it.frequency)?]);
+        let multiplier = Some(Multiplier::Bloch { p_over_pi, rate, radius: exact(radius)? });
+        Some(Certificate { multiplier, ..found.clone() })
+    };
+    for certificate in RADII.iter().filter_map(|radius| near(fastest?, *radius)) {
+        match checked(&certificate)? {
+            Ok(_) => return Ok(Some(certificate)),
+            Err(Refused::Multiplier { g: Some(_), .. }) => {}
+            // A wider disc has a larger Z1.
+            Err(_) => break,
+        }
+    }
+    Ok(Some(found))
 }
 
 /// The certificate of a dark breather of the infinite chain: with the mean strain of the far end of

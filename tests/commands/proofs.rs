@@ -70,6 +70,25 @@ fn exact_waves_are_proved_and_lie_in_the_ball() {
             // Twice what was measured, 6e-15 of the amplitude, for the tolerance of the search.
             assert!(apart < radius + 2e-14 * amplitude, "{options} {name}: {apart:e}, {proof}");
         }
+        // The perturbation that grows fastest is that of the tangent map.
+        let grows = |one: &Value| number(&one["growth"]);
+        let all = found["multipliers"].as_array().unwrap();
+        let most = all.iter().map(grows).fold(0.0, f64::max);
+        // Without resonators Z1 of the perturbations is 3.4.
+        let proved = most > 0.0 && options != "--rho 0";
+        assert_eq!(proved, proof["bloch"].is_object(), "{options}: {proof}");
+        if proved {
+            let bounds = |key: &str| [0, 1].map(|end| number(&proof["bloch"][key][end]));
+            let within = |one: &Value| {
+                ["growth", "frequency"].iter().all(|key| {
+                    let ([from, to], x) = (bounds(key), number(&one[*key]));
+                    from < x && x < to && to - from < 1e-6
+                })
+            };
+            let p: Exact = proof["bloch"]["p_over_pi"].as_str().unwrap().parse().unwrap();
+            let same = |one: &&Value| (number(&one["bloch"]) - PI * p.enclosed().mid()).abs() < 1e-9 && within(one);
+            assert_eq!(all.iter().find(same).map(grows), Some(most), "{options}: {proof}");
+        }
         // The same from nothing but the certificate.
         assert_eq!(json(&format!("prove {file}"))["proof"], *proof, "{options}");
     }

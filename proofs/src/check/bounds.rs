@@ -419,8 +419,11 @@ impl<'a> Terms<'a> {
         }
         let changes: Vec<Interval> = weights.iter().map(|w| *w * radius + of(2).sqrt() * moved.abs()).collect();
         let multiplier = certificate.multiplier.as_ref().map(|multiplier| {
-            let system = System { parity: -1.0, ..System::new(certificate)? };
-            multiplier::check(certificate, multiplier, (&system, known, &changes), go_on)
+            let system = System::new(certificate)?.perturbed();
+            let sites = system.a.len();
+            let known: Vec<Moments> = known.iter().cycle().take(sites).cloned().collect();
+            let changes: Vec<Interval> = changes.iter().cycle().take(sites).copied().collect();
+            multiplier::check(certificate, multiplier, (&system, &known, &changes), go_on)
         });
         let multiplier = multiplier.transpose()?;
         // The mean of a wave is no unknown.

@@ -5,7 +5,7 @@
 //! | `system.rs` | the equations of waves and of breathers, with their factors `l_k` |
 //! | `moments.rs` | encloses the Fourier coefficients of contact forces and stiffnesses |
 //! | `bounds.rs` | the bounds `Y0`, `Z1`, `Z2` |
-//! | `multiplier.rs` | real Floquet multipliers of breathers |
+//! | `multiplier.rs` | real Floquet multipliers of breathers, complex ones of waves |
 //! | `infinite.rs` | what a breather of the infinite chain has beside them |
 //! | `branch.rs` | whether pieces of a branch make one, and where its period doubles |
 //! | this file | the inequalities, from which the radii follow |
@@ -49,8 +49,8 @@ pub struct Proof {
     pub bounds: Bounds,
     /// `W_n`, the weights of the sites in the norm.
     pub weights: Vec<f64>,
-    /// Bounds of the multiplier that the certificate has a line for; of -1 those of `g`, see
-    /// [`doublings`].
+    /// Bounds of the modulus of the multiplier that the certificate has a line for; of -1 those of
+    /// `g`, see [`doublings`].
     pub multiplier: Option<[f64; 2]>,
     /// Of a breather of the infinite chain `eta` and `C`, bounds from below and above: its strains
     /// are within `C e^{-eta |n|}` of those of the standing wave, on both sides.
@@ -90,7 +90,8 @@ pub enum Refused {
     Multiplier {
         /// Upper bound of `|1 - A M|`.
         z1: f64,
-        /// Bounds of `g` at both growth rates, if the first one is below 1.
+        /// If this is below 1, bounds of `g` at both growth rates; of a wave those of `|g|` in the
+        /// centre of the disc, and of what is to be larger.
         g: Option<[[f64; 2]; 2]>,
     },
     /// The standing wave far from the centre of a breather is not proved.
@@ -132,8 +133,7 @@ impl fmt::Display for Refused {
             }
             Self::Multiplier { g: Some([[a, b], [c, d]]), .. } => write!(
                 f,
-                "the multiplier: g is from {a:.2e} to {b:.2e} at the one growth rate, from {c:.2e} to {d:.2e} \
-                 at the other"
+                "the multiplier: g is not shown to be 0 somewhere, by {a:.2e} to {b:.2e} and {c:.2e} to {d:.2e}"
             ),
             Self::Background(why) => write!(f, "the standing wave far from the centre: {why}"),
             Self::Kernel(bound) => {

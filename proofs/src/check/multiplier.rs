@@ -1,4 +1,5 @@
-//! Real Floquet multipliers of a dark breather: one above 1, or -1.
+//! Floquet multipliers: a real one of a dark breather, above 1 or -1, and one of a wave, outside the
+//! unit circle.
 //!
 //! Perturbations `e^{lambda t} p_n(t)` of its strains that the reflection maps to their negative,
 //! `p_n = sum_k c_nk cos (k + sigma/2) omega t + s_nk sin (k + sigma/2) omega t`, obey with `g = 0`
@@ -11,20 +12,28 @@
 //! `phi` is 1 in the equation of this coefficient and 0 in all others. If `|1 - A M| < 1` for the
 //! matrix `M` of these linear equations and some `A`, they have one solution, and `g` is a
 //! continuous function of all parameters.
+//!
+//! A wave has perturbations `e^{i p n + lambda t} w(phi)`, `phi = omega t - q n`, with the same
+//! series and complex coefficients. Here the index `n` of the unknowns is 0 for real parts and 1
+//! for imaginary ones, and `g` has both. Harmonics `e^{i k phi}`, `k` of both signs, have
+//! `l_k = 4 sin^2((p - k q)/2)/L(lambda + i k omega)`, which for breathers are conjugates.
 
 use super::{
     Moments, Refused, System,
     bounds::{approximate_inverse, by_site, dot, kronecker, perron, product, split, weight},
     of,
+    system::lattice,
 };
 use crate::{
-    certificate::{Center, Certificate, Model, Multiplier},
+    certificate::{Center, Certificate, Multiplier, Orbit, WIDER},
     exact::Exact,
     interval::{Complex, Interval, norm},
 };
 
 /// `K` of this proof for each period of the background, at most that of the certificate.
 const BLOCK: usize = 8;
+/// `K` and `K'` of this proof for a wave, at most an eighth of that of the certificate, and that.
+const OF_WAVE: [usize; 2] = [32, 512];
 /// `K'` over the number of columns of `1 - A M` that are computed beyond `K`, and over that of the
 /// harmonics of the approximate solution.
 const SHARE: usize = 4;
@@ -35,9 +44,12 @@ const CORRECTIONS: usize = 3;
 type Place = (usize, usize, bool);
 /// Coefficients of cosines and of sines, by site and harmonic.
 type Field = Vec<[Vec<Interval>; 2]>;
+/// `l_k` and `l_{-k}`, by harmonic.
+type Factors = Vec<[Complex; 2]>;
 
 /// The equations of the perturbations.
 struct Equations<'a> {
+    certificate: &'a Certificate,
     system: &'a System,
     known: &'a [Moments],
     /// `K` and `K'`.
@@ -49,25 +61,29 @@ struct Equations<'a> {
     parts: &'static [bool],
     /// The unknowns of the block.
     all: Vec<Place>,
-    /// The index of the coefficient that is 1.
-    pinned: usize,
+    /// The indices of the coefficients that are given: that is 1, and of waves its imaginary part
+    /// is 0.
+    pinned: Vec<usize>,
 }
 
 impl<'a> Equations<'a> {
     fn new(
+        certificate: &'a Certificate,
         (system, known): (&'a System, &'a [Moments]),
         [block, enclosed]: [usize; 2],
         multiplier: &Multiplier,
     ) -> Self {
         let (odd, parts): (_, &[bool]) = match multiplier {
-            Multiplier::Growing(_) => (0, &[false, true]),
+            Multiplier::Growing(_) | Multiplier::Bloch { .. } => (0, &[false, true]),
             Multiplier::Doubling { sine: false } => (1, &[false]),
             Multiplier::Doubling { sine: true } => (1, &[true]),
         };
-        let mut it = Self { system, known, block, enclosed, odd, parts, all: Vec::new(), pinned: 0 };
+        let (all, pinned) = (Vec::new(), Vec::new());
+        let mut it = Self { certificate, system, known, block, enclosed, odd, parts, all, pinned };
         it.all = (0..known.len()).flat_map(|n| it.places(n, block)).collect();
-        let first = (1 - odd) * system.center.periods();
-        it.pinned = it.index((usize::from(system.center == Center::Site), first, parts[0])).unwrap_or(0);
+        let (first, harmonic) = (usize::from(system.center == Center::Site), (1 - odd) * system.center.periods());
+        let sites = if system.is_wave() { 0..2 } else { first..first + 1 };
+        it.pinned = sites.map(|n| it.index((n, harmonic, parts[0])).unwrap_or(n)).collect();
         it
     }
 
@@ -95,21 +111,35 @@ impl<'a> Equations<'a> {
         weight(k + self.odd)
     }
 
-    /// `l_k = (1/s^2 + rho^2/(kappa (1 + rho) + rho s^2))/(1 + rho)` up to `K'`.
-    fn factors(&self, model: &Model, lambda: Interval) -> Vec<Complex> {
-        let [kappa, rho] = [model.kappa.enclosed(), model.rho.map_or(Interval::ZERO, Exact::enclosed)];
-        let more = Interval::ONE + rho;
+    /// `l_k = (1/s^2 + rho^2/(kappa (1 + rho) + rho s^2))/(1 + rho)` up to `K' + 1`; for
+    /// resonators that do not move `1/(kappa + s^2)`.
+    ///
+    /// Beyond, `|s|` is at least `(k - 1) omega`, so that the sum of `|l_k|^2` is at most that of a
+    /// periodic orbit beyond `K'`.
+    fn factors(&self, lambda: Complex) -> Factors {
+        let Certificate { model, orbit, multiplier, .. } = self.certificate;
+        let kappa = model.kappa.enclosed();
+        let (own, rho, more) = model
+            .rho
+            .map(Exact::enclosed)
+            .map_or((Interval::ZERO, Interval::ONE, Interval::ONE), |rho| (Interval::ONE, rho, Interval::ONE + rho));
         let over = |z: Complex, factor: Interval| {
             let scale = factor / (more * (z.re.square() + z.im.square()));
             Complex { re: z.re * scale, im: -z.im * scale }
         };
-        let factor = |k: usize| {
-            let frequency = of(2 * k + self.odd) / of(2) * self.system.omega;
-            let square = Complex { re: lambda.square() - frequency.square(), im: of(2) * lambda * frequency };
+        let factor = |k: usize, sign: i128| {
+            let frequency = lambda.im + Interval::of_integer(sign) * of(2 * k + self.odd) / of(2) * self.system.omega;
+            let square = Complex { re: lambda.re.square() - frequency.square(), im: of(2) * lambda.re * frequency };
             let den = Complex { re: kappa * more + rho * square.re, im: rho * square.im };
-            over(square, Interval::ONE) + over(den, rho.square())
+            let re = match (orbit, multiplier) {
+                (Orbit::Wave(wave), Some(Multiplier::Bloch { p_over_pi, .. })) => {
+                    lattice(*p_over_pi, wave.q_over_pi, -sign * k as i128)
+                }
+                _ => Interval::ONE,
+            };
+            (over(square, own) + over(den, rho.square())) * Complex { re, im: Interval::ZERO }
         };
-        (0..=self.enclosed).map(factor).collect()
+        (0..=self.system.factors.len()).map(|k| [1, -1].map(|sign| factor(k, sign))).collect()
     }
 
     /// The coefficient of harmonic `k` in `D_m` times harmonic `j`, of one part.
@@ -117,25 +147,33 @@ impl<'a> Equations<'a> {
         product(&self.known[m].stiffness, k, j, (self.odd, sine))
     }
 
-    /// The places of `D p` in the equation of a place, and their factors: the parts of `l_k z` are
-    /// `re c + im s` and `re s - im c`.
-    fn forces(&self, l: &[Complex], (n, k, sine): Place) -> Vec<(Place, Interval)> {
-        let factor = |part: bool| match (sine, part) {
-            (false, true) => l[k].im,
-            (true, false) => -l[k].im,
-            _ => l[k].re,
+    /// The places of `D p` in the equation of a place, and their factors: `l` takes `c`, `s` to
+    /// `a c - b s`, `b c + a s` with `2 a = l_k + l_{-k}`, `2 b = i (l_k - l_{-k})`. For breathers
+    /// these are real; for waves their imaginary parts are between real and imaginary parts.
+    fn forces(&self, l: &Factors, (n, k, sine): Place) -> Vec<(Place, Interval)> {
+        let factor = |m: usize, part: bool| {
+            let turn = |z: Complex| if self.system.is_wave() && m != n { Complex { re: z.im, im: -z.re } } else { z };
+            let [l, other] = l[k].map(turn);
+            let twice = match (sine, part) {
+                (false, true) => l.im - other.im,
+                (true, false) => other.im - l.im,
+                _ => l.re + other.re,
+            };
+            twice / of(2)
         };
+        let factor = &factor;
         let of_site = |(m, e): (usize, f64)| {
-            self.parts.iter().map(move |part| ((m, k, *part), Interval::exact(e) * factor(*part)))
+            self.parts.iter().map(move |part| ((m, k, *part), Interval::exact(e) * factor(m, *part)))
         };
         let all = self.system.coupled(n, k).into_iter().flat_map(of_site);
         all.filter(|(place, _)| self.has(*place)).collect()
     }
 
     /// `M` on the unknowns of the block, rounded to nearest.
-    fn matrix(&self, l: &[Complex]) -> Vec<Vec<f64>> {
+    fn matrix(&self, l: &Factors) -> Vec<Vec<f64>> {
         let last = self.all.len();
-        let mut matrix = vec![vec![0.0; last + 1]; last + 1];
+        let rows = last + self.pinned.len();
+        let mut matrix = vec![vec![0.0; rows]; rows];
         for (i, place) in self.all.iter().enumerate() {
             matrix[i][i] += 1.0;
             for ((m, k, part), factor) in self.forces(l, *place) {
@@ -144,23 +182,27 @@ impl<'a> Equations<'a> {
                 }
             }
         }
-        matrix[last][self.pinned] = 1.0;
-        matrix[self.pinned][last] = -1.0;
+        for (pinned, g) in self.pinned.iter().zip(last..) {
+            (matrix[g][*pinned], matrix[*pinned][g]) = (1.0, -1.0);
+        }
         matrix
     }
 
-    /// Sums over the rows of each site with the weights of the norm, and the row of `g`.
+    /// Sums over the rows of each site with the weights of the norm, and over those of `g`.
     fn by_site(&self, of_row: &dyn Fn(usize) -> Interval) -> Vec<Interval> {
-        by_site(self.known.len(), self.all.iter().map(|(n, k, _)| (*n, self.weight(*k))), of_row, true)
+        let sites = self.known.len();
+        let of_g = self.pinned.iter().map(|_| (sites, Interval::ONE));
+        by_site(sites, self.all.iter().map(|(n, k, _)| (*n, self.weight(*k))).chain(of_g), of_row, false)
     }
 
-    /// `v` times the root of the sum of `|l_k|^2` beyond a harmonic.
-    fn beyond(&self, l: &[Complex], last: usize) -> Interval {
-        of(self.parts.len()).sqrt() * norm(l[last + 1..].iter().map(|l| l.abs()).chain([self.system.beyond()]))
+    /// `v` times the root of the sum of `|l_k|^2`, or of `|l_{-k}|^2`, beyond a harmonic.
+    fn beyond(&self, l: &Factors, last: usize) -> Interval {
+        let most = l[last + 1..].iter().map(|l| l[0].abs().max(l[1].abs()));
+        of(self.parts.len()).sqrt() * norm(most.chain([self.system.beyond()]))
     }
 
     /// Left-hand sides less right-hand sides of the equations up to harmonic `last`.
-    fn defect(&self, l: &[Complex], (p, g): (&Field, Interval), last: usize) -> Field {
+    fn defect(&self, l: &Factors, (p, g): (&Field, &[Interval]), last: usize) -> Field {
         let product = |m: usize, sine: bool| -> Vec<Interval> {
             let row = p[m][usize::from(sine)].iter().enumerate();
             (0..=last).map(|k| row.clone().map(|(j, p)| self.stiffness(m, k, (j, sine)) * *p).sum()).collect()
@@ -173,7 +215,8 @@ impl<'a> Equations<'a> {
                 let force = |((m, k, part), factor): (Place, _)| factor * products[m][usize::from(part)][k];
                 let sum = self.forces(l, place).into_iter().map(force).sum();
                 let own = &mut rows[usize::from(place.2)][place.1];
-                *own = *own + sum - kronecker(place == self.all[self.pinned]) * g;
+                let g = self.pinned.iter().zip(g).filter(|(pinned, _)| place == self.all[**pinned]);
+                *own = *own + sum - g.map(|(_, g)| *g).sum();
             }
         }
         defect
@@ -183,7 +226,7 @@ impl<'a> Equations<'a> {
 /// What the bounds are made of, for all growth rates of the certificate.
 struct Terms<'a> {
     it: Equations<'a>,
-    l: Vec<Complex>,
+    l: Factors,
     /// `A`, and `A B`, where `B` takes harmonics of `D p` to equations.
     inverse: Vec<Vec<Interval>>,
     product: Vec<Vec<Interval>>,
@@ -199,8 +242,8 @@ struct Terms<'a> {
 }
 
 impl<'a> Terms<'a> {
-    fn new(it: Equations<'a>, model: &Model, rates: Interval, changes: &[Interval]) -> Self {
-        let (l, last, sites) = (it.factors(model, rates), it.all.len(), it.known.len());
+    fn new(it: Equations<'a>, rates: Complex, changes: &[Interval]) -> Self {
+        let (l, last, sites) = (it.factors(rates), it.all.len(), it.known.len());
         let inverse = approximate_inverse(it.matrix(&l));
         let b = |place: &Place| -> Vec<(usize, Interval)> {
             it.forces(&l, *place).into_iter().filter_map(|(place, factor)| Some((it.index(place)?, factor))).collect()
@@ -221,7 +264,8 @@ impl<'a> Terms<'a> {
         let contact = |n: usize| reach.iter().zip(&moduli[n]).map(|(reach, e)| reach[n] + t * *e).collect();
         let contacts: Vec<Vec<Interval>> = (0..=sites).map(contact).collect();
         let weights = perron(&contacts[..sites]);
-        let changed = it.known.iter().zip(changes).map(|(one, change)| one.change(model.alpha, *change)).collect();
+        let alpha = it.certificate.model.alpha;
+        let changed = it.known.iter().zip(changes).map(|(one, change)| one.change(alpha, *change)).collect();
         Self { it, l, inverse, product, reach, moduli, contacts, weights, changed }
     }
 
@@ -236,8 +280,9 @@ impl<'a> Terms<'a> {
             let entries = it.at(m).filter(|(_, place)| place.2 == sine);
             let entries: Vec<_> = entries.map(|(i, place)| (i, it.stiffness(m, place.1, (j, sine)))).collect();
             let sums = it.by_site(&|i| {
-                let pinned = |own: usize| kronecker(own == it.pinned) * inverse[i][it.all.len()];
-                let plain = own.map_or(Interval::ZERO, |own| inverse[i][own] + pinned(own));
+                let given =
+                    |own: usize| it.pinned.iter().zip(&inverse[i][it.all.len()..]).filter(move |it| *it.0 == own);
+                let plain = own.map_or(Interval::ZERO, |own| inverse[i][own] + given(own).map(|it| *it.1).sum());
                 let stiff: Interval = entries.iter().map(|(column, d)| product[i][*column] * *d).sum();
                 (kronecker(own == Some(i)) - plain - stiff).abs()
             });
@@ -247,9 +292,9 @@ impl<'a> Terms<'a> {
     }
 
     /// `eta`, the row of `g` in `Z1`, and `1 - Z1`.
-    fn z1(&self, alpha: Exact, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<[Interval; 3], Refused> {
+    fn z1(&self, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<[Interval; 3], Refused> {
         let Self { it, inverse, weights, .. } = self;
-        let sites = weights.len();
+        let (alpha, sites) = (it.certificate.model.alpha, weights.len());
         let columns = (0..sites).map(|m| go_on().map(|()| self.columns(m))).collect::<Result<Vec<_>, _>>()?;
         let times = |of: &dyn Fn(usize) -> Interval| -> Vec<Interval> {
             weights.iter().enumerate().map(|(m, w)| *w * of(m)).collect()
@@ -264,26 +309,30 @@ impl<'a> Terms<'a> {
         // The weight eta of g makes its row at most half as large as the largest.
         let [most, own] = split(&z1, weights, sites);
         let eta = Interval::exact((0.5 * most.mid() / own.hi()).max(f64::MIN_POSITIVE));
-        let of_g = it.by_site(&|i| (kronecker(i == it.all.len()) + inverse[i][it.pinned]).abs());
+        let mut of_g = vec![Interval::ZERO; sites + 1];
+        for (pinned, g) in it.pinned.iter().zip(it.all.len()..) {
+            let column = it.by_site(&|i| (kronecker(i == g) + inverse[i][*pinned]).abs());
+            of_g.iter_mut().zip(column).for_each(|(most, own)| *most = most.max(own));
+        }
         let z1: Vec<Interval> = z1.iter().zip(of_g).map(|(z1, of_g)| *z1 + of_g / eta).collect();
         let [most, own] = split(&z1, weights, sites);
         Ok([eta, own, Interval::ONE - most.max(eta * own)])
     }
 
     /// `g` at a growth rate.
-    fn g(&self, model: &Model, rate: Interval, [eta, own, rest]: [Interval; 3]) -> Interval {
+    fn g(&self, rate: Complex, [eta, own, rest]: [Interval; 3]) -> Vec<Interval> {
         let Self { it, inverse, weights, .. } = self;
-        let (l, sites, harmonics) = (it.factors(model, rate), weights.len(), it.enclosed / SHARE);
+        let (l, sites, harmonics) = (it.factors(rate), weights.len(), it.enclosed / SHARE);
         let computed = it.enclosed - harmonics - 1;
         let mut p: Field = vec![[false, true].map(|_| vec![Interval::ZERO; harmonics + 1]); sites];
-        let mut g = Interval::ZERO;
+        let mut g = vec![Interval::ZERO; it.pinned.len()];
         let entry = |field: &Field, (n, k, sine): Place| field[n][usize::from(sine)][k];
         let head = |defect: &Field, p: &Field| -> Vec<Interval> {
-            let pinned = entry(p, it.all[it.pinned]) - Interval::ONE;
-            it.all.iter().map(|place| entry(defect, *place)).chain([pinned]).collect()
+            let given = it.pinned.iter().zip(0..).map(|(own, which)| entry(p, it.all[*own]) - kronecker(which == 0));
+            it.all.iter().map(|place| entry(defect, *place)).chain(given).collect()
         };
         for _ in 0..CORRECTIONS {
-            let defect = it.defect(&l, (&p, g), harmonics);
+            let defect = it.defect(&l, (&p, &g), harmonics);
             let head = head(&defect, &p);
             let step = |i: usize| dot(&inverse[i], &head).mid();
             for place in (0..sites).flat_map(|n| it.places(n, harmonics)) {
@@ -291,9 +340,9 @@ impl<'a> Terms<'a> {
                 let p = &mut p[place.0][usize::from(place.2)][place.1];
                 *p = Interval::exact(p.mid() - step);
             }
-            g = Interval::exact(g.mid() - step(it.all.len()));
+            g.iter_mut().zip(it.all.len()..).for_each(|(g, i)| *g = Interval::exact(g.mid() - step(i)));
         }
-        let defect = it.defect(&l, (&p, g), computed);
+        let defect = it.defect(&l, (&p, &g), computed);
         let head = head(&defect, &p);
         let times = |of: &dyn Fn(usize) -> Interval| -> Vec<Interval> {
             p.iter().enumerate().map(|(m, p)| p.iter().flatten().map(|p| p.abs()).sum::<Interval>() * of(m)).collect()
@@ -307,37 +356,60 @@ impl<'a> Terms<'a> {
             *error = *error + beyond + t * dot(&self.moduli[n], &tails) + dot(&self.contacts[n], &moved);
         }
         let [most, own_error] = split(&error, weights, sites);
-        g + (own_error + own * most.max(eta * own_error) / rest).ball()
+        let error = (own_error + own * most.max(eta * own_error) / rest).ball();
+        g.into_iter().map(|g| g + error).collect()
     }
 }
 
-/// Bounds of `e^{lambda T}` of a multiplier that grows, and of `g` for -1, where the strains of the
-/// breather differ by at most `changes` from the cosine sums.
+/// Bounds of `|e^{lambda T}|` of a multiplier that grows, and of `g` for -1, where the strains of
+/// the orbit differ by at most `changes` from the cosine sums.
 pub(super) fn check(
     certificate: &Certificate,
     multiplier: &Multiplier,
     (system, known, changes): (&System, &[Moments], &[Interval]),
     go_on: &dyn Fn() -> Result<(), Refused>,
 ) -> Result<[f64; 2], Refused> {
-    let Certificate { model, block, enclosed, .. } = certificate;
-    let rates = match multiplier {
-        Multiplier::Growing(rates) => rates.map(Exact::enclosed),
-        Multiplier::Doubling { .. } => [Interval::ZERO; 2],
+    let Certificate { block, enclosed, .. } = certificate;
+    let (rates, im, wide) = match multiplier {
+        Multiplier::Growing(rates) => (rates.map(Exact::enclosed), Interval::ZERO, Interval::ZERO),
+        Multiplier::Doubling { .. } => ([Interval::ZERO; 2], Interval::ZERO, Interval::ZERO),
+        Multiplier::Bloch { rate, radius, .. } => {
+            let [re, im, radius] = [rate[0], rate[1], *radius].map(Exact::enclosed);
+            ([re - radius, re + radius], im, (of(WIDER) * radius).ball())
+        }
     };
-    let block = (*block).min(BLOCK * system.center.periods());
-    let equations = Equations::new((system, known), [block, *enclosed], multiplier);
-    let terms = Terms::new(equations, model, Interval::new(rates[0].lo(), rates[1].hi()), changes);
-    let constants = terms.z1(model.alpha, go_on)?;
+    let sizes = match multiplier {
+        Multiplier::Bloch { .. } => [OF_WAVE[0].min(enclosed / 8), OF_WAVE[1].min(*enclosed)],
+        _ => [(*block).min(BLOCK * system.center.periods()), *enclosed],
+    };
+    let equations = Equations::new(certificate, (system, known), sizes, multiplier);
+    let all = Complex { re: Interval::new(rates[0].lo(), rates[1].hi()) + wide, im: im + wide };
+    let terms = Terms::new(equations, all, changes);
+    let constants = terms.z1(go_on)?;
     let refused = |g| Err(Refused::Multiplier { z1: (Interval::ONE - constants[2]).hi(), g });
     if !constants[2].is_positive() {
         return refused(None);
     }
-    let g = |rate: Interval| terms.g(model, rate, constants);
-    let bounds = if let Multiplier::Growing(_) = multiplier { rates.map(g) } else { [g(rates[0]); 2] };
+    let g = |re: Interval| terms.g(Complex { re, im }, constants);
+    let (bounds, vanishes) = match multiplier {
+        Multiplier::Growing(_) => {
+            let bounds = rates.map(|rate| g(rate)[0]);
+            (bounds, (-(bounds[0] * bounds[1])).is_positive())
+        }
+        Multiplier::Doubling { .. } => ([g(rates[0])[0]; 2], true),
+        Multiplier::Bloch { rate, .. } => {
+            let [own, beside] = [rate[0].enclosed(), rates[1]].map(g);
+            let change = norm(beside.iter().zip(&own).map(|(a, b)| *a - *b));
+            // Terms of Taylor's series from the second one on, by Cauchy's bounds.
+            let rest = norm(terms.g(all, constants)) / of(WIDER * (WIDER - 1));
+            let bounds = [norm(own), change - of(2) * rest];
+            (bounds, (bounds[1] - bounds[0]).is_positive())
+        }
+    };
     let ends = match multiplier {
-        Multiplier::Growing(_) if !(-(bounds[0] * bounds[1])).is_positive() => [Interval::exact(f64::NAN); 2],
-        Multiplier::Growing(_) => rates.map(|rate| (rate * of(2) * Interval::PI / system.omega).exp()),
         Multiplier::Doubling { .. } => bounds,
+        _ if vanishes => rates.map(|rate| (rate * of(2) * Interval::PI / system.omega).exp()),
+        _ => [Interval::exact(f64::NAN); 2],
     };
     let [from, to] = [ends[0].lo(), ends[1].hi()];
     if from <= to { Ok([from, to]) } else { refused(Some(bounds.map(|g| [g.lo(), g.hi()]))) }
@@ -360,7 +432,7 @@ mod tests {
     }
 
     fn system(certificate: &Certificate) -> System {
-        System { parity: -1.0, ..System::new(certificate).unwrap() }
+        System::new(certificate).unwrap().perturbed()
     }
 
     fn known(certificate: &Certificate, system: &System) -> Vec<Moments> {
@@ -375,9 +447,9 @@ mod tests {
         let certificate = certificate(5, "bond");
         let system = system(&certificate);
         let known = known(&certificate, &system);
-        let it = Equations::new((&system, &known), [2, 64], &Multiplier::Growing([Exact::ONE; 2]));
+        let it = Equations::new(&certificate, (&system, &known), [2, 64], &Multiplier::Growing([Exact::ONE; 2]));
         let (lambda, kappa, rho) = (0.3, 2.0, 1.0 / 3.0);
-        let l = it.factors(&certificate.model, Interval::exact(lambda));
+        let l = it.factors(Complex { re: Interval::exact(lambda), im: Interval::ZERO });
         type Square = [[f64; 2]; 2];
         let product = |a: Square, b: Square| [0, 1].map(|i| [0, 1].map(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]));
         let linear =
@@ -400,9 +472,14 @@ mod tests {
         }
     }
 
-    /// Bounds of `g` for -1 where all contacts of the certificate have the stiffness
+    /// The certificate with a multiplier, as if all its contacts had the stiffness
     /// `sum_l d_l cos l omega t`, with `K'` harmonics.
-    fn g(certificate: &Certificate, sine: bool, d: &[(usize, f64)], enclosed: usize) -> [f64; 2] {
+    fn stiff(
+        certificate: &Certificate,
+        multiplier: Multiplier,
+        d: &[(usize, f64)],
+        enclosed: usize,
+    ) -> (Certificate, System, Vec<Moments>) {
         let mut known = known(certificate, &system(certificate));
         for one in &mut known {
             one.stiffness = vec![Interval::ZERO; enclosed + 1];
@@ -412,9 +489,88 @@ mod tests {
             let most: f64 = d.iter().map(|(_, d)| d.abs()).sum();
             one.overlap = Interval::exact(most * most / 2.25);
         }
-        let certificate = Certificate { enclosed, block: enclosed / 8, ..certificate.clone() };
-        let (kind, changes) = (Multiplier::Doubling { sine }, vec![Interval::ZERO; known.len()]);
-        check(&certificate, &kind, (&system(&certificate), &known, &changes), &|| Ok(())).unwrap()
+        let (block, multiplier) = (enclosed / 8, Some(multiplier));
+        let certificate = Certificate { enclosed, block, multiplier, ..certificate.clone() };
+        let system = system(&certificate);
+        (certificate, system, known)
+    }
+
+    /// What is proved of it.
+    fn found(it: &(Certificate, System, Vec<Moments>)) -> Result<[f64; 2], Refused> {
+        let (certificate, system, known) = it;
+        let changes = vec![Interval::ZERO; known.len()];
+        check(certificate, &certificate.multiplier.unwrap(), (system, known, &changes), &|| Ok(()))
+    }
+
+    /// Bounds of `g` for -1.
+    fn g(certificate: &Certificate, sine: bool, d: &[(usize, f64)], enclosed: usize) -> [f64; 2] {
+        found(&stiff(certificate, Multiplier::Doubling { sine }, d, enclosed)).unwrap()
+    }
+
+    /// A wave of one harmonic.
+    fn wave() -> Certificate {
+        let text = "hertzchain certificate 1\nkind wave\nalpha 3/2\nkappa 2\nrho 1/3\nomega 2.05\nmean 0\n\
+                    block 1\nenclosed 64\nq_over_pi 2/5\na 0x1.8p-3\n";
+        text.parse().unwrap()
+    }
+
+    /// A multiplier of a wave with `p = pi/3`, and `lambda` within `radius` of this one.
+    fn bloch([growth, frequency]: [f64; 2], radius: f64) -> Multiplier {
+        let [growth, frequency, radius] =
+            [growth, frequency, radius].map(|x| Exact::of_double((x * 1e15).round() / 1e15).unwrap());
+        Multiplier::Bloch { p_over_pi: Exact::new(1, 3).unwrap(), rate: [growth, frequency], radius }
+    }
+
+    // Truth: contacts that pull with the constant stiffness D have perturbations e^{i k phi} alone,
+    // whose s = lambda + i k omega solves L(s) = -4 sin^2((p - k q)/2) D and is real.
+    #[test]
+    fn a_wave_grows_as_one_harmonic_does() {
+        let (d, kappa, rho) = (-0.3, 2.0, 1.0 / 3.0);
+        let of = |k: f64| {
+            let lattice = 4.0 * (0.5 * std::f64::consts::PI * (1.0 / 3.0 - 0.4 * k)).sin().powi(2);
+            let half = 0.5 * (kappa * (1.0 + rho) + lattice * d * rho) / rho;
+            let square = -half + f64::sqrt(half * half - lattice * d * kappa / rho);
+            [square.sqrt(), -2.05 * k]
+        };
+        for k in [1.0, -1.0] {
+            let [growth, frequency] = of(k);
+            let proved = |apart: [f64; 2]| {
+                let multiplier = bloch([growth + apart[0], frequency + apart[1]], 1e-9);
+                found(&stiff(&wave(), multiplier, &[(0, d)], 64))
+            };
+            let [from, to] = proved([0.0; 2]).unwrap();
+            let truth = (growth * 2.0 * std::f64::consts::PI / 2.05).exp();
+            assert!(from < truth && truth < to && to - from < 1e-6, "{k}: {from} {truth} {to}");
+            for apart in [[3e-9, 0.0], [-3e-9, 0.0], [0.0, 3e-9], [0.0, -3e-9]] {
+                let refused = proved(apart);
+                let Err(Refused::Multiplier { g: Some([[at, _], [change, _]]), .. }) = refused else {
+                    panic!("{refused:?}")
+                };
+                // Three radii away. At the corners of the square g is 256 sqrt 2 times its change over
+                // the radius, so that Cauchy's bound takes away more than one percent of this change.
+                assert!(at > 3.03 * change, "{k} {apart:?}: {refused:?}");
+            }
+        }
+    }
+
+    // Truth: the sums of |l_k|^2 of eight times as many harmonics, of each sign.
+    #[test]
+    fn tails_of_a_wave_hold_both_signs() {
+        for p in [1, -1] {
+            let rate = [1, 3].map(|share| Exact::new(share, 5).unwrap());
+            let p_over_pi = Exact::new(p, 3).unwrap();
+            let multiplier = Multiplier::Bloch { p_over_pi, rate, radius: Exact::new(1, 1000).unwrap() };
+            let [few, many] = [8, 64].map(|enclosed| {
+                let (certificate, system, known) = stiff(&wave(), multiplier, &[(0, 0.3)], enclosed);
+                let it = Equations::new(&certificate, (&system, &known), [1, enclosed], &multiplier);
+                let [re, im] = rate.map(Exact::enclosed);
+                let l = it.factors(Complex { re, im });
+                let of_sign = |sign: usize| 2_f64.sqrt() * norm(l[3..].iter().map(|l| l[sign].abs())).mid();
+                (it.beyond(&l, 2).lo(), of_sign(0).max(of_sign(1)))
+            });
+            // Each harmonic has the larger one of both.
+            assert!(many.1 < few.0 && few.0 < 1.5 * many.1, "{p}: {few:?} {many:?}");
+        }
     }
 
     // Truth: contacts of constant stiffness D have modes sin q (n - 1/2) with the frequency Omega,
@@ -446,6 +602,22 @@ mod tests {
             let [few, many] = [8, 64].map(|enclosed| g(&certificate, sine, &d, enclosed));
             assert!(few[0] < many[0] && many[1] < few[1], "{d:?} {sine}: {few:?} {many:?}");
             assert!(many[1] - many[0] < 1e-6 * (few[1] - few[0]), "{d:?} {sine}: {few:?} {many:?}");
+        }
+        let lambda = [0.2, 0.7].map(Interval::exact);
+        for l in [3, 8] {
+            let [few, many] = [8, 64].map(|enclosed| {
+                let multiplier = bloch([0.2, 0.7], 1e-9);
+                let (certificate, system, known) = stiff(&wave(), multiplier, &[(0, 0.3), (l, 0.1)], enclosed);
+                let sizes = [enclosed / 8, enclosed];
+                let it = Equations::new(&certificate, (&system, &known), sizes, &multiplier);
+                let lambda = Complex { re: lambda[0], im: lambda[1] };
+                let terms = Terms::new(it, lambda, &[Interval::ZERO; 2]);
+                terms.g(lambda, terms.z1(&|| Ok(())).unwrap())
+            });
+            for (few, many) in few.iter().zip(&many) {
+                assert!(few.lo() < many.lo() && many.hi() < few.hi(), "{l}: {few:?} {many:?}");
+                assert!(many.hi() - many.lo() < 1e-6 * (few.hi() - few.lo()), "{l}: {few:?} {many:?}");
+            }
         }
     }
 }

@@ -14,7 +14,7 @@
 
 use super::{Refused, of};
 use crate::{
-    certificate::{Breather, Center, Certificate, Model, Orbit, Wave},
+    certificate::{Breather, Center, Certificate, Model, Orbit},
     exact::Exact,
     interval::Interval,
 };
@@ -64,8 +64,8 @@ impl System {
         let (mut background, with_mean) = (None, |a: &[f64]| [&[mean], row(a).as_slice()].concat());
         let (a, means, center) = match orbit {
             Orbit::Wave(wave) => {
-                for (k, (l, slope)) in factors.iter_mut().zip(&mut slopes).enumerate() {
-                    let lattice = lattice(wave, k);
+                for (k, (l, slope)) in (0..).zip(factors.iter_mut().zip(&mut slopes)) {
+                    let lattice = lattice(Exact::ONE.less_one(), wave.q_over_pi, k);
                     (*l, *slope) = (*l * lattice, *slope * lattice);
                 }
                 decay = of(4) * decay;
@@ -91,6 +91,17 @@ impl System {
         Ok(Self { a, factors, slopes, shift, omega, resonators, decay, means, background, center, parity: 1.0 })
     }
 
+    /// That of the perturbations which [`multiplier`](super::multiplier) looks for. Those of a wave
+    /// are complex: their real part is one site, their imaginary part a second one.
+    pub(super) fn perturbed(mut self) -> Self {
+        if self.is_wave() {
+            self.a.push(self.a[0].clone())
+        } else {
+            self.parity = -1.0
+        }
+        self
+    }
+
     /// Whether it is of a wave, whose mean is no unknown.
     pub(super) fn is_wave(&self) -> bool {
         self.means.is_none() && self.background.is_none()
@@ -104,7 +115,7 @@ impl System {
     /// Whether harmonic `k` of a site is unknown.
     pub(super) fn has(&self, n: usize, k: usize) -> bool {
         let fixed = if self.center == Center::Site { 0 } else { self.a.len() - 1 };
-        (k > 0 || !self.is_wave()) && (n != fixed || self.image(k) > 0.0)
+        (k > 0 || self.a.len() > 1) && (n != fixed || self.image(k) > 0.0)
     }
 
     /// What the reflection multiplies harmonic `k` by: 1 or -1.
@@ -130,7 +141,7 @@ impl System {
     /// neighbours are shifted by half a period.
     pub(super) fn coupled(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
         if self.is_wave() {
-            return vec![(0, 1.0)];
+            return (0..self.a.len()).map(|m| (m, if m > n { -1.0 } else { 1.0 })).collect();
         }
         let last = self.a.len() - 1;
         let outside = |site, bond| (if self.center == Center::Site { site } else { bond }, self.image(k));
@@ -169,10 +180,10 @@ fn resonators(model: &Model, omega: Interval, count: usize) -> Vec<Interval> {
     (0..=count).map(|k| rho.map_or(Interval::ZERO, |rho| share(rho, k))).collect()
 }
 
-/// `S_k = 4 sin^2(k q/2)`, with the angle reduced exactly.
-fn lattice(wave: &Wave, k: usize) -> Interval {
-    let (num, den) = (wave.q_over_pi.num(), wave.q_over_pi.den());
-    let share = Interval::of_integer((k as i128 * num).rem_euclid(2 * den)) / Interval::of_integer(2 * den);
+/// `4 sin^2((p + k q)/2)` by `p/pi` and `q/pi`, with the angle reduced exactly.
+pub(super) fn lattice(p: Exact, q: Exact, k: i128) -> Interval {
+    let (num, den) = (p.num() * q.den() + k * q.num() * p.den(), p.den() * q.den());
+    let share = Interval::of_integer(num.rem_euclid(2 * den)) / Interval::of_integer(2 * den);
     of(4) * (share * Interval::PI).sin_cos()[0].square()
 }
 

@@ -174,7 +174,8 @@ impl Study for Exact {
             let keep = |why: &Error| keep_iterate(engine.folder(), numbers.moving(), why);
             let study = numbers.study().inspect_err(keep)?;
             let report = study.report().file(ALONE, study.npz(&numbers.search)?);
-            self.proving.added(report, proof::WAVE, "", |times| of_wave(&study.wave, &study.fourier[0], times))
+            let ExactStudy { wave, fourier, spectrum, .. } = &study;
+            self.proving.added(report, proof::WAVE, "", |times| of_wave(wave, &fourier[0], Some(spectrum), times))
         }))
     }
 
