@@ -220,7 +220,6 @@ fn of_first(a: &str) -> Certificate {
 #[test]
 fn a_branch_is_proved_past_its_fold() {
     let pieces = proved([&of_first("0.315"), &Certificate { mean: exact("-0.1002"), ..of_first("0.18") }]);
-    // Measured: 64.
     assert!(pieces.len() > 3 && pieces.len() < 90, "{}", pieces.len());
     assert_eq!(connected(&pieces), (pieces.len(), None));
     let better = |a: f64| {
