@@ -497,7 +497,7 @@ mod tests {
             for at in (0..32).step_by(lanes) {
                 let pairs = || (at..at + lanes).map(|k| (x[k], x[32 + k]));
                 let positive: u64 = pairs().enumerate().map(|(k, (a, b))| u64::from(a > b) << k).sum();
-                let operations: [&dyn Fn(f64, f64) -> f64; 18] = [
+                let operations: [&dyn Fn(f64, f64) -> f64; 19] = [
                     &|a, b| a + b,
                     &|a, b| a - b,
                     &|a, b| a * b,

@@ -6,7 +6,7 @@ use std::{fmt, str::FromStr};
 const HEAD: &str = "hertzchain certificate 1";
 /// Keys of its lines, but for the coefficients.
 const KEYS: &str =
-    "kind alpha kappa rho omega mean to block enclosed q_over_pi sites center multiplier decay band background";
+    "kind alpha kappa rho omega mean to first block enclosed q_over_pi sites center multiplier decay band background";
 /// Largest number of harmonics.
 const MOST: usize = 4096;
 /// Largest block of Newton's method, in unknowns.
@@ -119,6 +119,17 @@ pub enum Orbit {
     Infinite(Infinite),
 }
 
+impl Orbit {
+    /// The coefficients of the sites that have some; of a wave from `a_1` on, else from `a_{n0}` on.
+    pub fn rows(&self) -> &[Vec<f64>] {
+        match self {
+            Self::Wave(wave) => std::slice::from_ref(&wave.a),
+            Self::Breather(breather) => &breather.a,
+            Self::Infinite(infinite) => &infinite.a,
+        }
+    }
+}
+
 /// A Floquet multiplier: a real one of a dark breather, of a perturbation that the reflection maps
 /// to its negative, or one of a wave.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,6 +161,9 @@ pub struct Certificate {
     pub mean: Exact,
     /// Frequency and mean strain at the end of a piece of a branch, along which both are linear.
     pub to: Option<[Exact; 2]>,
+    /// `a_1` at the start and at the end of a piece of a branch of waves whose frequency is unknown,
+    /// between that of the start and that of the end. Such pieces pass folds.
+    pub first: Option<[Exact; 2]>,
     /// `K`: harmonics in the block of Newton's method.
     pub block: usize,
     /// `K'`: harmonics of the force that are enclosed.
@@ -163,16 +177,34 @@ pub struct Certificate {
 impl Certificate {
     /// `H`: harmonics of the cosine sum.
     pub fn harmonics(&self) -> usize {
-        match &self.orbit {
-            Orbit::Wave(wave) => wave.a.len(),
-            Orbit::Breather(breather) => breather.a.first().map_or(0, |a| a.len().saturating_sub(1)),
-            Orbit::Infinite(infinite) => infinite.a.first().map_or(0, |a| a.len().saturating_sub(1)),
+        let coefficients = self.orbit.rows().first().map_or(0, Vec::len);
+        coefficients.saturating_sub(usize::from(!matches!(self.orbit, Orbit::Wave(_))))
+    }
+
+    /// Parameter and mean strain at the start and at the end; of a single orbit twice the same. The
+    /// parameter is the frequency or, where this is unknown, `a_1`.
+    pub fn ends(&self) -> [[Exact; 2]; 2] {
+        let start = [self.model.omega, self.mean];
+        let ends = [start, self.to.unwrap_or(start)];
+        [0, 1].map(|i| [self.first.map_or(ends[i][0], |first| first[i]), ends[i][1]])
+    }
+
+    /// What all pieces of a branch share: the chain and the kind of orbit.
+    pub fn frame(&self) -> Self {
+        let mut frame = Self { mean: Exact::ONE, to: None, block: 0, enclosed: 0, multiplier: None, ..self.clone() };
+        frame.model.omega = Exact::ONE;
+        frame.first = self.first.map(|_| [Exact::ONE; 2]);
+        match &mut frame.orbit {
+            Orbit::Wave(wave) => wave.a.clear(),
+            Orbit::Breather(breather) => breather.a.clear(),
+            Orbit::Infinite(infinite) => infinite.a.clear(),
         }
+        frame
     }
 
     /// The rules that the checker relies on, in words if one is broken.
     pub(crate) fn valid(&self) -> Result<(), String> {
-        let Self { model: Model { alpha, kappa, rho, omega }, to, block, enclosed, multiplier, .. } = self;
+        let Self { model: Model { alpha, kappa, rho, omega }, to, first, block, enclosed, multiplier, .. } = self;
         let rule = |holds: bool, words: &str| if holds { Ok(()) } else { Err(words.to_owned()) };
         rule(alpha.num() > alpha.den(), "alpha must be above 1")?;
         rule(kappa.num() > 0, "kappa must be above 0")?;
@@ -183,6 +215,8 @@ impl Certificate {
         rule(1 <= *block && *block <= h, "block must be from 1 to the number of harmonics")?;
         rule(h <= *enclosed && 4 * block <= *enclosed, "enclosed must be at least the harmonics and 4 block")?;
         rule(*enclosed <= MOST, "at most 4096 harmonics")?;
+        let piece = to.is_some() && matches!(self.orbit, Orbit::Wave(_));
+        rule(first.is_none() || piece, "first harmonics are those at the ends of a piece of a branch of waves")?;
         let finite = |a: &[f64]| a.iter().all(|a| a.is_finite());
         let of_breather = |center: Center, a: &[Vec<f64>], sites: usize| {
             let odd = |a: &Vec<f64>| a.iter().skip(1).step_by(2).any(|a| *a != 0.0);
@@ -250,7 +284,8 @@ impl Certificate {
 
 impl fmt::Display for Certificate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { model: Model { alpha, kappa, rho, omega }, mean, to, block, enclosed, orbit, multiplier } = self;
+        let Self { model: Model { alpha, kappa, rho, omega }, mean, to, first, block, enclosed, orbit, multiplier } =
+            self;
         let kind = match orbit {
             Orbit::Wave(_) => "wave",
             Orbit::Breather(_) => "breather",
@@ -261,6 +296,9 @@ impl fmt::Display for Certificate {
         writeln!(f, "{HEAD}\nkind {kind}\nalpha {alpha}\nkappa {kappa}\nrho {rho}\nomega {omega}\nmean {mean}")?;
         if let Some([omega, mean]) = to {
             writeln!(f, "to {omega} {mean}")?;
+        }
+        if let Some([from, to]) = first {
+            writeln!(f, "first {from} {to}")?;
         }
         writeln!(f, "block {block}\nenclosed {enclosed}")?;
         match multiplier {
@@ -273,22 +311,14 @@ impl fmt::Display for Certificate {
             }
             None => {}
         }
-        let rows = match orbit {
-            Orbit::Wave(wave) => {
-                writeln!(f, "q_over_pi {}", wave.q_over_pi)?;
-                std::slice::from_ref(&wave.a)
+        match orbit {
+            Orbit::Wave(wave) => writeln!(f, "q_over_pi {}", wave.q_over_pi)?,
+            Orbit::Breather(Breather { sites, center, .. }) => writeln!(f, "sites {sites}\ncenter {}", center.name())?,
+            Orbit::Infinite(Infinite { center, decay, band, background, .. }) => {
+                writeln!(f, "center {}\ndecay {decay}\nband {band}\nbackground {}", center.name(), row(background))?
             }
-            Orbit::Breather(breather) => {
-                writeln!(f, "sites {}\ncenter {}", breather.sites, breather.center.name())?;
-                &breather.a
-            }
-            Orbit::Infinite(Infinite { center, decay, band, background, a }) => {
-                writeln!(f, "center {}\ndecay {decay}\nband {band}\nbackground {}", center.name(), row(background))?;
-                a
-            }
-        };
-        rows.iter().try_for_each(|one| writeln!(f, "a {}", row(one)))?;
-        Ok(())
+        }
+        orbit.rows().iter().try_for_each(|one| writeln!(f, "a {}", row(one)))
     }
 }
 
@@ -320,11 +350,15 @@ impl FromStr for Certificate {
             let place = keys.iter().position(|(name, _)| *name == key);
             place.map(|place| keys.swap_remove(place).1)
         };
-        let to = given("to").map(|to| {
-            let (omega, mean) = to.split_once(' ').ok_or("the line to has a frequency and a mean strain")?;
-            Ok::<_, String>([omega.parse()?, mean.parse()?])
-        });
-        let to = to.transpose()?;
+        let mut two = |key: &str, what: &str| {
+            let pair = |text: &str| {
+                let (one, other) = text.split_once(' ').ok_or_else(|| format!("the line {key} has {what}"))?;
+                Ok::<_, String>([one.parse()?, other.parse()?])
+            };
+            given(key).map(pair).transpose()
+        };
+        let to = two("to", "a frequency and a mean strain")?;
+        let first = two("first", "two first harmonics")?;
         let multiplier = given("multiplier").map(|text| match text.split(' ').collect::<Vec<_>>()[..] {
             ["growing", from, to] => Ok(Multiplier::Growing([from.parse()?, to.parse()?])),
             ["-1", part @ ("cosine" | "sine")] => Ok(Multiplier::Doubling { sine: part == "sine" }),
@@ -368,7 +402,7 @@ impl FromStr for Certificate {
         };
         match keys.first() {
             Some((key, _)) => Err(format!("the key {key} is not known")),
-            None => Ok(Self { model, mean, to, block, enclosed, orbit, multiplier }),
+            None => Ok(Self { model, mean, to, first, block, enclosed, orbit, multiplier }),
         }
     }
 }

@@ -13,6 +13,8 @@ use std::f64::consts::PI;
 /// Samples of a period: for each harmonic at least, and for each square of their number up to the
 /// third, since a cosine sum of few harmonics is less near to a solution.
 const SAMPLES: [usize; 3] = [64, 4, 1 << 15];
+/// Difference of frequencies by which derivatives are approximated.
+const DIFFERENCE: f64 = 1e-7;
 /// Most steps of Newton's method.
 const MOST_STEPS: usize = 60;
 
@@ -44,16 +46,22 @@ impl Sizes {
     }
 }
 
-/// The certificate with the solution near the cosine sum of this one, and its multiplier. `None` if
+/// The certificate with the solution near the cosine sum of this one, and its multiplier; of a wave
+/// with `first` that of this first harmonic, of which the frequency is found, too. `None` if
 /// Newton's method finds none.
 pub fn near(near: &Certificate, sizes: Sizes) -> Option<Certificate> {
-    let (model, mean) = (near.model, near.mean);
+    let (model, mean, first) = (near.model, near.mean, near.first);
     let found = match &near.orbit {
-        Orbit::Wave(Wave { q_over_pi, a }) => wave(model, *q_over_pi, mean, a, sizes),
+        Orbit::Wave(Wave { q_over_pi, a }) => wave_of(model, *q_over_pi, mean, a, sizes, first.map(|[first, _]| first)),
         Orbit::Breather(Breather { sites, center, a }) => breather(model, (mean, *sites), *center, a, sizes),
         Orbit::Infinite(near) => infinite(model, mean, near, sizes),
     };
-    found.map(|found| Certificate { multiplier: near.multiplier, ..found })
+    found.map(|found| Certificate { first, multiplier: near.multiplier, ..found })
+}
+
+/// The certificate of a single orbit.
+fn point(model: Model, mean: Exact, Sizes { block, enclosed, .. }: Sizes, orbit: Orbit) -> Certificate {
+    Certificate { model, mean, to: None, first: None, block, enclosed, orbit, multiplier: None }
 }
 
 /// Distance of neighbours, as a share of the background, from which on strains are those of the
@@ -112,8 +120,7 @@ fn infinite(model: Model, mean: Exact, near: &Infinite, sizes: Sizes) -> Option<
     let rows = [near.a.as_slice(), &[far]].concat();
     let mut a = half(model, (mean, 2 * rows.len() - 1), near.center, &rows, sizes, true)?;
     a.pop();
-    let orbit = Orbit::Infinite(Infinite { background, a, ..near.clone() });
-    Some(Certificate { model, mean, to: None, block: sizes.block, enclosed: sizes.enclosed, orbit, multiplier: None })
+    Some(point(model, mean, sizes, Orbit::Infinite(Infinite { background, a, ..near.clone() })))
 }
 
 /// Length of the first piece of a strip without a multiplier that is tried, as a share of the
@@ -123,17 +130,22 @@ const LENGTHS: [f64; 2] = [1.0 / 16.0, 1.0 / 1024.0];
 /// the other's ball of uniqueness, if both have the same norm.
 const FILLED: f64 = 1.0 / 3.0;
 
+/// Half of the range of an unknown frequency on a piece, over its change from the middle to an end;
+/// and, relative to `l_1/l_1'`, over the relative change of the first harmonic.
+const ROOM: [f64; 2] = [5.0, 2.0];
+
 /// The proved pieces of a strip of a branch, and where and why they end before it does.
 #[derive(Clone, Debug)]
 pub struct Strip {
     /// The pieces, one after the other.
     pub pieces: Vec<(Certificate, Proof)>,
-    /// Frequency at which they end, and why the next piece is not proved.
+    /// Frequency, or first harmonic, at which they end, and why the next piece is not proved.
     pub stop: Option<(Exact, String)>,
 }
 
 /// The strip of a branch between two certificates near solutions, along which frequency and mean
 /// strain are linear, in pieces as long as can be proved, and with the multiplier that both have.
+/// Where both have `first`, the first harmonic is linear, and the frequency unknown.
 ///
 /// # Errors
 /// [`Refused::Stopped`].
@@ -142,27 +154,24 @@ pub fn strip(
     sizes: Sizes,
     check: &dyn Fn(&Certificate) -> Result<Proof, Refused>,
 ) -> Result<Strip, Refused> {
-    let ends = |it: &Certificate| [it.model.omega, it.mean];
+    let ends = [from, to].map(|it| it.ends()[0]);
     let at = |s: f64| -> Option<[Exact; 2]> {
         let between = |i: usize| {
-            let [from, to] = [from, to].map(|it| approximate(ends(it)[i]));
+            let [from, to] = ends.map(|end| approximate(end[i]));
             rounded(from + s * (to - from))
         };
-        if s >= 1.0 { Some(ends(to)) } else { Some([between(0)?, between(1)?]) }
+        if s >= 1.0 { Some(ends[1]) } else { Some([between(0)?, between(1)?]) }
     };
     let mut strip = Strip { pieces: Vec::new(), stop: None };
     let multiplier = from.multiplier.filter(|it| to.multiplier == Some(*it));
     let first = if multiplier.is_some() { 1.0 } else { LENGTHS[0] };
-    let (mut near, mut start, mut s, mut length) = (from.clone(), ends(from), 0.0, first);
+    let (mut near, mut start, mut s, mut length) = (from.clone(), ends[0], 0.0, first);
     while s < 1.0 {
         let rest = ((1.0 - s) / length).ceil();
         let end = if rest > 1.0 { s + (1.0 - s) / rest } else { 1.0 };
-        let piece = at(0.5 * (s + end)).zip(at(end)).and_then(|([omega, mean], end)| {
-            let near = Certificate { model: Model { omega, ..near.model }, mean, ..near.clone() };
-            let middle = self::near(&near, sizes)?;
-            let model = Model { omega: start[0], ..near.model };
-            Some(Certificate { model, mean: start[1], to: Some(end), multiplier, ..middle })
-        });
+        let piece =
+            at(0.5 * (s + end)).zip(at(end)).and_then(|(middle, end)| piece(&near, [start, middle, end], sizes));
+        let piece = piece.map(|piece| Certificate { multiplier, ..piece });
         let checked = piece.map(|piece| (check(&piece), piece));
         // A ball of a piece of length h has a radius r with h about r - r^2, in units of that of
         // uniqueness.
@@ -173,7 +182,7 @@ pub fn strip(
                 let filled = proof.radius / proof.uniqueness_radius;
                 if filled <= FILLED {
                     length = (end - s) * longer(filled).clamp(0.9, 4.0);
-                    (s, start) = (end, piece.to.unwrap_or(start));
+                    (s, start) = (end, piece.ends()[1]);
                     near = Certificate { to: None, ..piece.clone() };
                     strip.pieces.push((piece, proof));
                     continue;
@@ -193,37 +202,77 @@ pub fn strip(
     Ok(strip)
 }
 
+/// The piece between the first and the last of these parameters, about the solution at the second.
+fn piece(near: &Certificate, ends: [[Exact; 2]; 3], sizes: Sizes) -> Option<Certificate> {
+    let [start, middle, end] = ends;
+    let at = |[parameter, mean]: [Exact; 2]| {
+        let first = near.first.map(|_| [parameter; 2]);
+        let omega = if first.is_some() { near.model.omega } else { parameter };
+        self::near(&Certificate { model: Model { omega, ..near.model }, mean, first, ..near.clone() }, sizes)
+    };
+    let found = at(middle)?;
+    let [mut from, mut to] = [start[0], end[0]];
+    if near.first.is_some() {
+        let [omega, before, after] = [Some(&found), at(start).as_ref(), at(end).as_ref()]
+            .map(|it| it.map_or(f64::NAN, |it| approximate(it.model.omega)));
+        let l = |by: f64| inverse(&near.model, omega + by, 1);
+        let slope = (l(DIFFERENCE) - l(-DIFFERENCE)) / (2.0 * DIFFERENCE * l(0.0));
+        let share = (approximate(end[0]) / approximate(middle[0]) - 1.0) / slope;
+        let half = ROOM[0] * (before - omega).abs().max((after - omega).abs()) + ROOM[1] * share.abs();
+        (from, to) = (rounded(omega - half)?, rounded(omega + half)?);
+    }
+    let (model, first) = (Model { omega: from, ..near.model }, near.first.map(|_| [start[0], end[0]]));
+    Some(Certificate { model, mean: start[1], to: Some([to, end[1]]), first, ..found })
+}
+
 /// The certificate of the wave near `X = mean + sum guess_k cos k theta`, `guess = a_1, a_2, ...`.
 /// `None` if Newton's method finds none.
 pub fn wave(model: Model, q_over_pi: Exact, mean: Exact, guess: &[f64], sizes: Sizes) -> Option<Certificate> {
-    let q = PI * approximate(q_over_pi);
-    let c: Vec<f64> = (0..=sizes.harmonics).map(|k| (2.0 - 2.0 * (q * k as f64).cos()) * inverse(&model, k)).collect();
+    wave_of(model, q_over_pi, mean, guess, sizes, None)
+}
+
+/// The same, or the wave with this first harmonic and a frequency near that of the model.
+fn wave_of(
+    mut model: Model,
+    q_over_pi: Exact,
+    mean: Exact,
+    guess: &[f64],
+    sizes: Sizes,
+    first: Option<Exact>,
+) -> Option<Certificate> {
+    let (q, mut omega) = (PI * approximate(q_over_pi), approximate(model.omega));
+    let lattice = |k: usize| 2.0 - 2.0 * (q * k as f64).cos();
     let Sizes { block, harmonics, .. } = sizes;
     let mut a = vec![approximate(mean)];
     a.extend(guess.iter().take(harmonics));
     a.resize(harmonics + 1, 0.0);
+    if let Some(first) = first {
+        a[1] = approximate(first);
+    }
     let mut smallest = f64::INFINITY;
     for _ in 0..MOST_STEPS {
         let [force, stiffness] = series(&a, approximate(model.alpha), harmonics.max(2 * block));
-        let entry = |k: usize, j: usize| f64::from(k == j) + c[k] * cosine_product(&stiffness, k, j);
+        let at = |omega: f64| (0..=harmonics).map(|k| lattice(k) * inverse(&model, omega, k)).collect::<Vec<f64>>();
+        let [c, below, above] = [0.0, -DIFFERENCE, DIFFERENCE].map(|by| at(omega + by));
+        let entry = |k: usize, j: usize| match first {
+            Some(_) if j == 1 => -(above[k] - below[k]) / (2.0 * DIFFERENCE) * force[k],
+            _ => f64::from(k == j) + c[k] * cosine_product(&stiffness, k, j),
+        };
         let rows = (1..=block).map(|k| (1..=block).map(|j| entry(k, j)).chain([a[k] - c[k] * force[k]]).collect());
         let mut steps = solved(rows.collect());
         steps.extend((block + 1..=harmonics).map(|k| a[k] - c[k] * force[k]));
-        a[1..].iter_mut().zip(&steps).for_each(|(a, step)| *a -= step);
         let size: f64 = steps.iter().map(|step| step.abs()).sum();
+        if first.is_some() {
+            omega -= std::mem::take(&mut steps[0]);
+        }
+        a[1..].iter_mut().zip(&steps).for_each(|(a, step)| *a -= step);
         // Rounding errors: no further progress.
         if size >= 0.5 * smallest && size < 1e-10 * a[1].abs() || size == 0.0 {
             a.remove(0);
-            let orbit = Orbit::Wave(Wave { q_over_pi, a });
-            return Some(Certificate {
-                model,
-                mean,
-                to: None,
-                block,
-                enclosed: sizes.enclosed,
-                orbit,
-                multiplier: None,
-            });
+            if first.is_some() {
+                model.omega = rounded(omega)?;
+            }
+            return Some(point(model, mean, sizes, Orbit::Wave(Wave { q_over_pi, a })));
         }
         smallest = size.min(smallest);
     }
@@ -241,8 +290,7 @@ pub fn breather(
     sizes: Sizes,
 ) -> Option<Certificate> {
     let a = half(model, (mean, sites), center, guess, sizes, false)?;
-    let orbit = Orbit::Breather(Breather { sites, center, a });
-    Some(Certificate { model, mean, to: None, block: sizes.block, enclosed: sizes.enclosed, orbit, multiplier: None })
+    Some(point(model, mean, sizes, Orbit::Breather(Breather { sites, center, a })))
 }
 
 /// The coefficients of half of a ring; or, with the far end `held`, those of the sites before it,
@@ -258,7 +306,7 @@ fn half(
     let Sizes { block, harmonics, .. } = sizes;
     let (half, width, site, turns) = (guess.len(), block + 1, center == Center::Site, center.turns());
     let free = half - usize::from(held);
-    let inverses: Vec<f64> = (0..=harmonics).map(|k| inverse(&model, k)).collect();
+    let inverses: Vec<f64> = (0..=harmonics).map(|k| inverse(&model, approximate(model.omega), k)).collect();
     // Row of a site of the ring, and whether its strain is that of half a period later.
     let row = |n: usize| {
         let n = n % sites;
@@ -354,9 +402,9 @@ fn approximate(x: Exact) -> f64 {
     x.num() as f64 / x.den() as f64
 }
 
-/// `1/L_k`; 0 for `k = 0`.
-fn inverse(model: &Model, k: usize) -> f64 {
-    let (kappa, square) = (approximate(model.kappa), (approximate(model.omega) * k as f64).powi(2));
+/// `1/L_k` at a frequency; 0 for `k = 0`.
+fn inverse(model: &Model, omega: f64, k: usize) -> f64 {
+    let (kappa, square) = (approximate(model.kappa), (omega * k as f64).powi(2));
     match model.rho.map(approximate) {
         _ if k == 0 => 0.0,
         None => 1.0 / (kappa - square),

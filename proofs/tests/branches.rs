@@ -2,7 +2,7 @@
 
 use hertzchain_proofs::{
     certificate::{Breather, Center, Certificate, Model, Orbit, Wave, pieces},
-    check::{Bounds, Gap, Proof, Refused, check, connected},
+    check::{Bounds, Gap, Proof, Refused, check, check_text, connected, folds},
     exact::Exact,
     solve::{self, Sizes, Strip},
 };
@@ -20,7 +20,16 @@ fn model(omega: &str) -> Model {
 /// A wave of `q = pi/5` near one harmonic.
 fn wave([omega, mean]: [&str; 2], a: f64) -> Certificate {
     let orbit = Orbit::Wave(Wave { q_over_pi: exact("1/5"), a: vec![a] });
-    Certificate { model: model(omega), mean: exact(mean), to: None, block: 1, enclosed: 4, orbit, multiplier: None }
+    Certificate {
+        model: model(omega),
+        mean: exact(mean),
+        to: None,
+        first: None,
+        block: 1,
+        enclosed: 4,
+        orbit,
+        multiplier: None,
+    }
 }
 
 /// A breather on a ring of 15 of mean strain 0, near the profile of a kink.
@@ -32,7 +41,16 @@ fn breather(omega: &str, center: Center, a: f64) -> Certificate {
         vec![if n == 0.0 { -0.2 * a } else { 0.0 }, sign * n.tanh()]
     };
     let orbit = Orbit::Breather(Breather { sites: 15, center, a: (0..8).map(row).collect() });
-    Certificate { model: model(omega), mean: exact("0"), to: None, block: 1, enclosed: 4, orbit, multiplier: None }
+    Certificate {
+        model: model(omega),
+        mean: exact("0"),
+        to: None,
+        first: None,
+        block: 1,
+        enclosed: 4,
+        orbit,
+        multiplier: None,
+    }
 }
 
 fn strip([from, to]: [&Certificate; 2]) -> Strip {
@@ -191,6 +209,66 @@ fn a_fold_is_refused() {
     let wave = solve::near(&wave(["2.0103", "-0.1"], 0.315), Sizes::WAVE_PIECE).unwrap();
     let piece = Certificate { to: Some([exact("2.01"), exact("-0.1")]), ..wave };
     assert!(matches!(check(&piece), Err(Refused::Bounds(_))));
+}
+
+/// A wave of mean strain -0.1 near this first harmonic, of which the frequency is near 2.0102.
+fn of_first(a: &str) -> Certificate {
+    Certificate { first: Some([exact(a); 2]), ..wave(["2.0102", "-0.1"], a.parse().unwrap()) }
+}
+
+// Truth: waves with more harmonics, and the least of their frequencies.
+#[test]
+fn a_branch_is_proved_past_its_fold() {
+    let pieces = proved([&of_first("0.315"), &Certificate { mean: exact("-0.1002"), ..of_first("0.18") }]);
+    assert!(pieces.len() > 3 && pieces.len() < 90, "{}", pieces.len());
+    assert_eq!(connected(&pieces), (pieces.len(), None));
+    let better = |a: f64| {
+        let [a, mean] = [a, -0.1 - 2e-4 * (0.315 - a) / 0.135].map(|x| Exact::of_double(x).unwrap());
+        let near = Certificate { first: Some([a; 2]), mean, ..of_first("0.24") };
+        solve::near(&near, Sizes { block: 12, harmonics: 64, enclosed: 64 }).unwrap()
+    };
+    let omega = |it: &Certificate| it.model.omega.enclosed().mid();
+    for (piece, proof) in pieces.iter().step_by(9) {
+        let proof = proof.as_ref().unwrap();
+        let [from, to] = piece.ends().map(|end| end[0].enclosed().mid());
+        let middle = 0.5 * (omega(piece) + piece.to.unwrap()[0].enclosed().mid());
+        for share in [0.0, 0.3, 1.0] {
+            let better = better(from + share * (to - from));
+            let apart = distance(piece, &better, &proof.weights[..1]);
+            let turned = (omega(&better) - middle).abs() / proof.weights[1];
+            assert!(apart < proof.radius && turned < proof.radius, "{share}: {apart:e} {turned:e} {proof:?}");
+            let [lo, hi] = proof.frequency;
+            assert!(lo < omega(&better) && omega(&better) < hi, "{share}: {lo} {hi} {better:?}");
+            assert!(share == 0.3 || proof.radius < 6.0 * apart, "{share}: {apart:e} {proof:?}");
+        }
+    }
+    let least = (0..=40).map(|i| omega(&better(0.22 + 1e-3 * f64::from(i)))).fold(f64::INFINITY, f64::min);
+    let [[lo, hi]] = folds(&pieces)[..] else { panic!("{:?}", folds(&pieces)) };
+    assert!(lo < least && least < hi && hi - lo < 1e-5, "{lo} {least} {hi}");
+    // The text, and what only one side of the fold has.
+    let (piece, proof) = &pieces[0];
+    assert_eq!(check_text(&piece.to_string()), proof.clone().map(|proof| (piece.clone(), proof)));
+    let [waves, _, breathers] = branches();
+    assert!(folds(&pieces[..2]).is_empty() && folds(&waves).is_empty());
+    // Frequencies that the piece needs are left out; another first harmonic; no piece; a breather.
+    let narrow = |share: f64| {
+        let of = |x: f64| Exact::of_double(x).unwrap();
+        let [lo, hi] = [omega(piece), piece.to.unwrap()[0].enclosed().mid()];
+        let [middle, half] = [0.5 * (lo + hi), 0.5 * share * (hi - lo)];
+        let model = Model { omega: of(middle - half), ..piece.model };
+        Certificate { model, to: piece.to.map(|[_, mean]| [of(middle + half), mean]), ..piece.clone() }
+    };
+    assert!(check(&narrow(1.01)).is_ok() && matches!(check(&narrow(0.05)), Err(Refused::Bounds(_))));
+    let moved = Certificate { first: Some([exact("0.3"), exact("0.299")]), ..piece.clone() };
+    assert!(matches!(check(&moved), Err(Refused::Bounds(_))));
+    for wrong in
+        [Certificate { to: None, ..piece.clone() }, Certificate { first: piece.first, ..breathers[0].0.clone() }]
+    {
+        assert!(matches!(check(&wrong), Err(Refused::Certificate(rule)) if rule.contains("first harmonics")));
+    }
+    // Another parameter is another kind of piece.
+    assert_eq!(connected(&[waves[0].clone(), pieces[0].clone()]).1, Some(Gap::Other));
+    assert_eq!(connected(&[pieces[0].clone(), pieces[2].clone()]).1, Some(Gap::Nodes));
 }
 
 #[test]

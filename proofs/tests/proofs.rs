@@ -163,7 +163,16 @@ fn bounds_are_those_of_the_formulas() {
         let model = Model { kappa: exact(kappa), ..model(parameters) };
         let orbit = Orbit::Wave(Wave { q_over_pi: exact(q), a: a.clone() });
         near(
-            of(&Certificate { model, mean: exact(mean), to: None, block, enclosed, orbit, multiplier: None }),
+            of(&Certificate {
+                model,
+                mean: exact(mean),
+                to: None,
+                first: None,
+                block,
+                enclosed,
+                orbit,
+                multiplier: None,
+            }),
             truth,
             q,
         );
@@ -179,7 +188,16 @@ fn bounds_are_those_of_the_formulas() {
         let orbit = Orbit::Breather(Breather { sites: 5, center, a: a.map(|row| row.to_vec()).to_vec() });
         let model = model(["3/2", "1/3", omega]);
         near(
-            of(&Certificate { model, mean: exact("0.01"), to: None, block: 2, enclosed: 8, orbit, multiplier: None }),
+            of(&Certificate {
+                model,
+                mean: exact("0.01"),
+                to: None,
+                first: None,
+                block: 2,
+                enclosed: 8,
+                orbit,
+                multiplier: None,
+            }),
             truth,
             "breather",
         );

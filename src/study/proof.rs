@@ -15,7 +15,7 @@ use crate::{
 };
 use hertzchain_proofs::{
     certificate::{self, Breather, Center, Certificate, Model, Multiplier, Wave},
-    check::{Bounds, Gap, Proof, Refused, check_until, connected, doublings},
+    check::{Bounds, Gap, Proof, Refused, check_until, connected, doublings, folds},
     exact::Exact,
     solve::{self, Sizes, Strip},
 };
@@ -151,6 +151,7 @@ impl Proving {
             digest = sweep::digest(&format!("{digest} {} {}", ends[0], ends[1]));
             (k, digest.clone())
         };
+        let near = past_folds(near)?;
         let strips: Vec<(usize, String)> = near.windows(2).enumerate().map(key).collect();
         let (done, proved, last) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(strips.len()));
         let check = |piece: &Certificate| {
@@ -216,11 +217,26 @@ impl Proving {
         }
         let (count, gap) = connected(&pieces);
         pieces.truncate(count);
-        let end = near.last().map(|last| nearest(last.model.omega));
+        let end = near.last().map(|last| nearest(last.ends()[1][0]));
         let report = proved_branch(report, &pieces, end, gap.map(|gap| gap.to_string()).or(stop));
         let text: String = pieces.iter().map(|(piece, _)| piece.to_string()).collect();
         Ok(self.written(Some(&*text).filter(|_| count > 0), report))
     }
+}
+
+/// Certificates near the waves of a branch, with their first harmonics as the parameter of the
+/// branch if its frequency turns back.
+fn past_folds(near: &[Certificate]) -> Result<Vec<Certificate>> {
+    let omega: Vec<f64> = near.iter().map(|it| nearest(it.model.omega)).collect();
+    let turns = omega.windows(3).any(|three| (three[1] - three[0]) * (three[2] - three[1]) < 0.0);
+    let of = |it: &Certificate| match &it.orbit {
+        certificate::Orbit::Wave(wave) if turns => {
+            let first = exact("first harmonic", rounded(wave.a[0]))?;
+            Ok(Certificate { first: Some([first; 2]), ..it.clone() })
+        }
+        _ => Ok(it.clone()),
+    };
+    near.iter().map(of).collect()
 }
 
 /// The sizes of the pieces of a strip.
@@ -235,25 +251,21 @@ fn sizes([from, to]: [&Certificate; 2]) -> Sizes {
 /// The strip of a branch between two certificates near solutions, from the text of its pieces.
 /// `None` if that is not the whole strip, or if the checker refuses it.
 fn checked_again(near: [&Certificate; 2], text: &str, check: &dyn Fn(&Certificate) -> Checked) -> Option<Strip> {
-    // Chain and kind of orbit, and the multiplier that is to be proved.
-    let frame = |it: &Certificate| -> Vec<String> {
-        let text = it.to_string();
-        let keys = ["kind ", "alpha ", "kappa ", "rho ", "q_over_pi ", "sites ", "center ", "multiplier "];
-        text.lines().filter(|line| keys.iter().any(|key| line.starts_with(key))).map(str::to_owned).collect()
-    };
     let pieces = certificate::pieces(text).ok()?;
-    let [from, to] = near.map(|it| [it.model.omega, it.mean]);
+    let [from, to] = near.map(|it| it.ends()[0]);
     let multiplier = near[0].multiplier.filter(|it| near[1].multiplier == Some(*it));
-    let its = frame(&Certificate { multiplier, ..near[0].clone() });
-    // Mean strain and frequency are linear, up to the rounding of nodes.
+    // Mean strain and parameter are linear, up to the rounding of nodes.
     let [from_near, to_near] = [from, to].map(|ends| ends.map(nearest));
-    let linear = |[omega, mean]: [f64; 2]| {
+    let linear = |[parameter, mean]: [f64; 2]| {
         let [along, across] = [0, 1].map(|i| to_near[i] - from_near[i]);
-        ((mean - from_near[1]) * along - (omega - from_near[0]) * across).abs() <= 1e-12 * along.abs()
+        ((mean - from_near[1]) * along - (parameter - from_near[0]) * across).abs() <= 1e-12 * along.abs()
     };
-    let fits = |piece: &Certificate| frame(piece) == its && piece.to.is_some_and(|to| linear(to.map(nearest)));
-    let whole = pieces.first().is_some_and(|it| [it.model.omega, it.mean] == from)
-        && pieces.last().is_some_and(|it| it.to == Some(to));
+    let fits = |piece: &Certificate| {
+        let same = piece.frame() == near[0].frame() && piece.multiplier == multiplier;
+        same && piece.to.is_some() && linear(piece.ends()[1].map(nearest))
+    };
+    let whole =
+        pieces.first().is_some_and(|it| it.ends()[0] == from) && pieces.last().is_some_and(|it| it.ends()[1] == to);
     if !whole || !pieces.iter().all(fits) {
         return None;
     }
@@ -343,6 +355,9 @@ fn up(bound: f64) -> String {
 /// The norm of a proof.
 fn norm(certificate: &Certificate) -> &'static str {
     match certificate.orbit {
+        certificate::Orbit::Wave(_) if certificate.first.is_some() => {
+            "sum of |a_k| over k >= 1; and |omega - omega_m|/W, omega_m in the middle of a piece"
+        }
         certificate::Orbit::Wave(_) => "sum of |a_k| over k >= 1",
         certificate::Orbit::Breather(_) => {
             "largest over n of (sqrt(2) |a_n0| + sum of |a_nk| over k >= 1)/W_n, W_n <= 1; and of eta |c_0|"
@@ -354,25 +369,30 @@ fn norm(certificate: &Certificate) -> &'static str {
     }
 }
 
-/// Adds to a report what is proved of the pieces of a branch, which are connected, up to the
-/// frequency `end` unless they stop before.
+/// The parameter of a branch in words.
+fn parameter(piece: &Certificate) -> &'static str {
+    if piece.first.is_some() { "first harmonic" } else { "frequency" }
+}
+
+/// Adds to a report what is proved of the pieces of a branch, which are connected, up to the value
+/// `end` of the parameter unless they stop before.
 fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: Option<f64>, stop: Option<String>) -> Report {
-    let ends = |(piece, _): &(Certificate, Checked)| [Some(piece.model.omega), piece.to.map(|to| to[0])];
-    let of = |end: Option<[Option<Exact>; 2]>, i: usize| end.and_then(|ends| ends[i]).map(nearest);
-    let (from, to) = (of(pieces.first().map(ends), 0), of(pieces.last().map(ends), 1));
+    let end_of = |piece: Option<&(Certificate, Checked)>, i: usize| piece.map(|(it, _)| nearest(it.ends()[i][0]));
+    let (from, to) = (end_of(pieces.first(), 0), end_of(pieces.last(), 1));
+    let name = pieces.first().map_or("frequency", |(piece, _)| parameter(piece));
     let proofs = || pieces.iter().filter_map(|(_, proof)| proof.as_ref().ok());
     let radius = proofs().map(|proof| proof.radius).reduce(f64::max);
     let share = proofs().map(|proof| proof.radius / proof.amplitude).reduce(f64::max);
     let unique = proofs().map(|proof| proof.uniqueness_radius).reduce(f64::min);
-    let doublings = doublings(pieces);
+    let (doublings, folds) = (doublings(pieces), folds(pieces));
     let mut value = json!({
         "proved": stop.is_none(), "pieces": pieces.len(), "from": from, "to": to, "radius": radius,
         "uniqueness_radius": unique, "norm": pieces.first().map(|(piece, _)| norm(piece)), "rounding": "outward",
-        "period_doublings": doublings,
+        "parameter": name, "period_doublings": doublings, "folds": folds,
     });
     let words = match (from, to, share) {
         (Some(from), Some(to), Some(share)) => format!(
-            "Proved: one curve of solutions from the frequency {from} to {to}, in {} pieces; within {} of their \
+            "Proved: one curve of solutions from the {name} {from} to {to}, in {} pieces; within {} of their \
              cosine sums, {} of the amplitude.",
             pieces.len(),
             up(radius.unwrap_or(f64::NAN)),
@@ -381,8 +401,8 @@ fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: Option<
         _ => String::new(),
     };
     let failure = stop.map(|why| match (to, end) {
-        (Some(to), Some(end)) => format!("proved up to the frequency {to}, not {end}: {why}"),
-        (Some(to), None) => format!("proved up to the frequency {to}: {why}"),
+        (Some(to), Some(end)) => format!("proved up to the {name} {to}, not {end}: {why}"),
+        (Some(to), None) => format!("proved up to the {name} {to}: {why}"),
         (None, _) => format!("not proved: {why}"),
     });
     if let Some(failure) = &failure {
@@ -390,8 +410,9 @@ fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: Option<
     }
     let doubling =
         |[from, to]: &[f64; 2]| format!("Proved: a Floquet multiplier is -1 at a frequency between {from} and {to}.");
-    let doublings: Vec<String> = doublings.iter().map(doubling).collect();
-    report.fact("proof", value).words(words).words(doublings.join(" ")).failure(failure)
+    let fold = |[from, to]: &[f64; 2]| format!("Proved: the curve has a fold at a frequency between {from} and {to}.");
+    let found: Vec<String> = doublings.iter().map(doubling).chain(folds.iter().map(fold)).collect();
+    report.fact("proof", value).words(words).words(found.join(" ")).failure(failure)
 }
 
 /// Adds to a report what is proved of a certificate.
@@ -539,7 +560,7 @@ pub(super) fn near_doubling(orbit: &Orbit, tol: f64, before: f64) -> Result<Vec<
 
 /// A certificate that only says near what.
 fn near(model: Model, mean: Exact, orbit: certificate::Orbit) -> Certificate {
-    Certificate { model, mean, to: None, block: 1, enclosed: HARMONICS, orbit, multiplier: None }
+    Certificate { model, mean, to: None, first: None, block: 1, enclosed: HARMONICS, orbit, multiplier: None }
 }
 
 /// The certificate of a wave with these Fourier coefficients of `X`, and with its fastest growing
@@ -615,7 +636,7 @@ impl Study for Prove {
         let mut pieces = certificate::pieces(&text).map_err(refused)?;
         Ok(Box::new(move |_, progress| {
             let certificate = pieces[0].clone();
-            let Certificate { model: Model { alpha, kappa, rho, omega }, mean, .. } = certificate;
+            let Model { alpha, kappa, rho, .. } = certificate.model;
             let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
             let kind = match &certificate.orbit {
                 certificate::Orbit::Wave(wave) => format!("travelling wave, q = {} pi", wave.q_over_pi),
@@ -629,20 +650,21 @@ impl Study for Prove {
                     format!("dark breather about a {} on the infinite chain", it.center.name())
                 }
             };
-            let last = pieces.last().and_then(|piece| piece.to);
-            let [omega, mean] = [(omega, 0), (mean, 1)].map(|(from, which)| match last {
-                Some(to) => format!("{from} to {}", to[which]),
-                None => from.to_string(),
+            let last = pieces.last().filter(|piece| piece.to.is_some()).map(|piece| piece.ends()[1]);
+            let (name, from) = (parameter(&certificate), certificate.ends()[0]);
+            let [value, mean] = [0, 1].map(|i| match last {
+                Some(to) => format!("{} to {}", from[i], to[i]),
+                None => from[i].to_string(),
             });
             let words = format!(
-                "{kind}; alpha = {alpha}, kappa = {kappa}, rho = {rho}, frequency {omega}, mean strain {mean}, all exact."
+                "{kind}; alpha = {alpha}, kappa = {kappa}, rho = {rho}, {name} {value}, mean strain {mean}, all exact."
             );
             let report = Report::new("proof")
                 .fact("solution", kind)
                 .fact("alpha", alpha.to_string())
                 .fact("kappa", kappa.to_string())
                 .fact("rho", rho)
-                .fact("frequency", omega)
+                .fact(&name.replace(' ', "_"), value)
                 .fact("mean_strain", mean)
                 .words(words);
             let done = AtomicUsize::new(0);

@@ -284,6 +284,32 @@ fn branches_are_proved_without_a_gap() {
     assert!(output.status.code() == Some(2) && said(&output).contains("in its frequency"), "{}", said(&output));
 }
 
+// Truth: the waves of the branch by shooting. By the parabola through the one of least frequency and
+// its neighbours, its fold.
+#[test]
+fn a_branch_of_waves_is_proved_past_its_fold() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("fold.cert");
+    let path = file.to_str().unwrap();
+    let line = "wave continue --sites 10 --mean -0.05 --amplitude 0.125 --to 2.0071 --step 4e-5 --multipliers=false";
+    let found = json(&format!("{line} --prove --certificate {path}"));
+    let proof = &found["proof"];
+    assert!(proof["proved"] == true && proof["parameter"] == "first harmonic", "{proof}");
+    let points = found["waves"].as_array().unwrap();
+    let [omega, a] =
+        ["omega_tw", "amplitude"].map(|key| points.iter().map(|one| number(&one[key])).collect::<Vec<_>>());
+    let least = (1..points.len() - 1).min_by(|i, j| omega[*i].total_cmp(&omega[*j])).unwrap();
+    let [x, y] = [&a, &omega].map(|all| [0, 1, 2].map(|i| all[least - 1 + i]));
+    let slope = |i: usize, j: usize| (y[j] - y[i]) / (x[j] - x[i]);
+    let bend = (slope(1, 2) - slope(0, 1)) / (x[2] - x[0]);
+    let at = 0.5 * (x[0] + x[1] - slope(0, 1) / bend);
+    let fold = y[0] + slope(0, 1) * (at - x[0]) + bend * (at - x[0]) * (at - x[1]);
+    let [from, to] = [0, 1].map(|end| number(&proof["folds"][0][end]));
+    // Twice what was measured.
+    assert!(from < fold && fold < to && to - from < 5e-7, "{proof} {fold}");
+    assert_eq!(json(&format!("prove {path}"))["proof"], *proof);
+}
+
 #[test]
 #[ignore = "nightly: a branch of breathers takes a minute"]
 fn a_branch_of_breathers_is_proved() {

@@ -17,12 +17,8 @@
 use super::{
     Chain,
     aligned::Aligned,
-<<<<<<< HEAD
     lanes::Coefficient,
-    law::{ContactLaw, LANES, Power, with_hertz},
-=======
     law::{ContactLaw, LANES, Power, with_roots},
->>>>>>> wr
     sweep::{Sites, Visit, overlaps, push},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, Vector, with_registers};
@@ -65,20 +61,11 @@ impl<R: Real, C: Clock<R>> Visit<R, C::Moment> for InRow<'_, R, C> {
     // Not inlined: the kernel is compiled once for each kind of sites.
     #[inline(never)]
     fn visit<S: Sites<R, Moment = C::Moment>>(self, chain: &Chain<R>, sites: S, _now: C::Moment) {
-<<<<<<< HEAD
-        with_registers!(V<R> => with_hertz!(chain.law, power => {
+        with_registers!(V<R> => with_roots!(chain.law, power => {
             if chain.topology.strains() {
                 kick::<V<R>, _, true, C::Coefficient, _, _, _>((chain, power), sites, self)
             } else {
                 kick::<V<R>, _, false, C::Coefficient, _, _, _>((chain, power), sites, self)
-=======
-        with_registers!(V<R> => with_roots!(chain.law, power => {
-            match (chain.topology.strains(), chain.lanes > 0) {
-                (true, false) => kick::<V<R>, _, true, false, _, _, _>((chain, power), sites, self),
-                (false, false) => kick::<V<R>, _, false, false, _, _, _>((chain, power), sites, self),
-                (true, true) => kick::<V<R>, _, true, true, _, _, _>((chain, power), sites, self),
-                (false, true) => kick::<V<R>, _, false, true, _, _, _>((chain, power), sites, self),
->>>>>>> wr
             }
         }));
     }

@@ -1,9 +1,9 @@
 //! `Y0`, `Z1` and `Z2` of a system.
 //!
-//! Unknowns are `(n, k)` with `k <= K`, and `c_0` as the last one where there are equations for
-//! `k = 0`; the equation of the mean has its index. `A` is an approximate inverse of `DG` on these
-//! unknowns, and the identity beyond. Vectors "by site" have an entry for each site, and one for
-//! `c_0`.
+//! Unknowns are `(n, k)` with `k <= K`, and as the last one `c_0` of a ring, or the frequency of a
+//! piece that fixes `a_1`; the equation of what is fixed has its index. `A` is an approximate
+//! inverse of `DG` on these unknowns, and the identity beyond. Vectors "by site" have an entry for
+//! each site, and one for the last unknown.
 
 use super::{
     Bounds, Moments, Proof, Refused, System,
@@ -11,12 +11,17 @@ use super::{
     ladder,
     moments::{NARROWEST, NARROWEST_ALONG, moments},
     multiplier, of, radii,
+    system::Fixed,
 };
 use crate::{
     certificate::Certificate,
     exact::Exact,
     interval::{Interval, norm},
 };
+use std::ops::Sub;
+
+/// Largest radius of a ball of a piece with an unknown frequency, over `Y0` of the wave.
+const WIDEST: usize = 5;
 
 /// The weight of a harmonic in the norm: `sqrt 2` for the mean.
 pub(super) fn weight(k: usize) -> Interval {
@@ -70,7 +75,7 @@ pub(super) fn split(all: &[Interval], weights: &[Interval], rows: usize) -> [Int
 
 /// The unknowns of the block.
 pub(super) struct Unknowns {
-    /// `(n, k)` of each but `c_0`.
+    /// `(n, k)` of each but the last one.
     pub(super) all: Vec<(usize, usize)>,
     /// Their indices, by site and harmonic.
     pub(super) index: Vec<Vec<Option<usize>>>,
@@ -90,11 +95,11 @@ impl Unknowns {
             };
             index.push((0..=block).map(&mut place).collect());
         }
-        let rows = all.len() + usize::from(system.means.is_some());
+        let rows = all.len() + usize::from(system.fixed.is_some());
         Self { all, index, rows }
     }
 
-    /// Sums over the rows of each site with the weights of the norm, and the row of `c_0`.
+    /// Sums over the rows of each site with the weights of the norm, and the last row.
     fn by_site(&self, of_row: &dyn Fn(usize) -> Interval) -> Vec<Interval> {
         let all = self.all.iter().map(|(n, k)| (*n, weight(*k)));
         by_site(self.index.len(), all, of_row, self.rows > self.all.len())
@@ -132,13 +137,14 @@ impl Unknowns {
                     matrix[i][place] += (factor * stiffness(&known[m].stiffness, k, j)).mid();
                 }
             }
-            match &system.means {
-                Some((shares, _)) if k == 0 => {
-                    matrix[i][self.rows - 1] = -1.0;
-                    matrix[self.rows - 1][i] = shares[n].mid();
+            if k > 0 {
+                matrix[i][i] += 1.0;
+            }
+            if let Some(fixed) = &system.fixed {
+                matrix[i][self.rows - 1] = system.by_last(known, k).map_or(0.0, Interval::mid);
+                if k == fixed.harmonic {
+                    matrix[self.rows - 1][i] = fixed.shares[n].mid();
                 }
-                None if k == 0 => {}
-                _ => matrix[i][i] += 1.0,
             }
         }
         matrix
@@ -190,10 +196,8 @@ struct Terms<'a> {
     /// `R`, by site of the column; along a piece with `R'`, which is empty otherwise.
     reach: Vec<Vec<Interval>>,
     turned: Vec<Vec<Interval>>,
-    /// Change of the overlap of a wave in one half of a piece: its mean strain is no unknown.
-    moved: Interval,
-    /// The root of the sum of `l_k^2` beyond `K`.
-    beyond_block: Interval,
+    /// The roots of the sums of `l_k^2` beyond `K`, and of their changes along a piece.
+    beyond_block: [Interval; 2],
     /// Tails of the forces beyond `K'`, and of `D` beyond `K' - 2 K`.
     tails: Vec<[Interval; 2]>,
     /// What is known of the background of the infinite chain.
@@ -206,8 +210,8 @@ impl<'a> Terms<'a> {
         let (block, enclosed, alpha) = (certificate.block, certificate.enclosed, certificate.model.alpha);
         let piece = certificate.to.is_some();
         let unknowns = Unknowns::new(&system, block);
-        let ends = [certificate.model.omega, certificate.mean];
-        let narrowest = if certificate.to.is_none_or(|to| to == ends) { NARROWEST } else { NARROWEST_ALONG };
+        let [start, end] = certificate.ends();
+        let narrowest = if start == end { NARROWEST } else { NARROWEST_ALONG };
         let far = Far::new(certificate, &|| go_on().is_err())?;
         // Those of the background are all the same.
         let known = system.a.iter().take(system.background.map_or(usize::MAX, |first| first + 1)).map(|a| {
@@ -216,10 +220,11 @@ impl<'a> Terms<'a> {
             known.ok_or(Refused::Moments)
         });
         let mut known = known.collect::<Result<Vec<Moments>, _>>()?;
-        let beyond_block = norm((block + 1..=enclosed).map(|k| system.range(k)).chain([system.beyond()]));
-        let moved = if system.is_wave() { system.shift } else { Interval::ZERO };
+        let beyond =
+            |l: &dyn Fn(usize) -> Interval, i: usize| norm((block + 1..=enclosed).map(l).chain([system.tails()[i]]));
+        let beyond_block = [beyond(&|k| system.range(k), 0), beyond(&|k| system.slopes[k], 1)];
         let tail = |one: &Moments| {
-            let force = one.force_tail(enclosed) + moved.abs() * one.stiffness_tail(enclosed);
+            let force = one.force_tail(enclosed) + system.shift.abs() * one.stiffness_tail(enclosed);
             [force, one.stiffness_tail(enclosed - 2 * block)]
         };
         let mut tails: Vec<[Interval; 2]> = known.iter().map(tail).collect();
@@ -251,26 +256,12 @@ impl<'a> Terms<'a> {
             };
             (0..system.a.len()).map(of_site).collect()
         };
-        let mut reached = reach(&product);
         let turned = if piece { reach(&times_b(&system.slopes)) } else { Vec::new() };
-        for (sums, turned) in reached.iter_mut().zip(&turned) {
+        let mut reach = reach(&product);
+        for (sums, turned) in reach.iter_mut().zip(&turned) {
             sums.iter_mut().zip(turned).for_each(|(sum, turned)| *sum = *sum + *turned);
         }
-        let reach = reached;
-        Ok(Self {
-            certificate,
-            system,
-            unknowns,
-            known,
-            inverse,
-            product,
-            reach,
-            turned,
-            moved,
-            beyond_block,
-            tails,
-            far,
-        })
+        Ok(Self { certificate, system, unknowns, known, inverse, product, reach, turned, beyond_block, tails, far })
     }
 
     fn sites(&self) -> usize {
@@ -296,14 +287,14 @@ impl<'a> Terms<'a> {
 
     /// `|G_nk|`, all along a piece.
     fn defect(&self, n: usize, k: usize) -> Interval {
-        let moved = self.moved.abs().ball() * self.known[n].stiffness[k];
+        let moved = self.system.shift.abs().ball() * self.known[n].stiffness[k];
         (self.coefficient(n, k) - self.system.range(k) * (self.force(n, k) + moved)).abs()
     }
 
     /// `Y0` by site, but for the second order in the change of the mean strain. Along a piece the
     /// block has the change of `G`, too, at the rate of one half of the piece.
     fn y0(&self) -> Vec<Interval> {
-        let Self { certificate, system, unknowns, known, inverse, moved, .. } = self;
+        let Self { certificate, system, unknowns, known, inverse, .. } = self;
         let c0 = match system.background {
             Some(first) => known[first].force[0],
             None => Interval::exact(known[0].force[0].mid()),
@@ -315,14 +306,17 @@ impl<'a> Terms<'a> {
         };
         let rate = |&(n, k): &(usize, usize)| match k {
             0 => Interval::ZERO,
-            _ => *moved * system.range(k) * known[n].stiffness[k] - system.slopes[k] * self.force(n, k),
+            _ => {
+                let turned = if system.is_free() { Interval::ZERO } else { system.slopes[k] * self.force(n, k) };
+                system.shift * system.range(k) * known[n].stiffness[k] - turned
+            }
         };
         let mut residual: Vec<Interval> = unknowns.all.iter().map(residual).collect();
         let mut rates: Vec<Interval> = unknowns.all.iter().map(rate).collect();
-        if let Some((shares, mean)) = &system.means {
-            let means: Vec<Interval> = system.a.iter().map(|a| a[0]).collect();
-            residual.push(dot(shares, &means) - *mean);
-            rates.push(-system.shift);
+        if let Some(Fixed { harmonic, shares, value: [value, change] }) = &system.fixed {
+            let own: Vec<Interval> = system.a.iter().map(|a| a[*harmonic]).collect();
+            residual.push(dot(shares, &own) - *value);
+            rates.push(-*change);
         }
         let mut y0 = unknowns.by_site(&|i| {
             let along = if certificate.to.is_some() { dot(&inverse[i], &rates).abs() } else { Interval::ZERO };
@@ -348,53 +342,68 @@ impl<'a> Terms<'a> {
             let own = unknowns.index[m].get(j).copied().flatten();
             let entries: Vec<(usize, Interval)> =
                 unknowns.index[m].iter().flatten().map(|&i| (i, stiffness(d, unknowns.all[i].1, j))).collect();
+            let fixed = system.fixed.as_ref().filter(|fixed| fixed.harmonic == j);
             let sums = unknowns.by_site(&|i| {
                 if far.as_ref().is_some_and(|far| !far.couples(unknowns.all[i].0, m)) {
                     return Interval::ZERO;
                 }
-                // A times the part of DG without D: the identity, or for k = 0 the equation of the
-                // mean.
-                let plain = match (own, &system.means) {
-                    (Some(_), Some((shares, _))) if j == 0 => inverse[i][unknowns.rows - 1] * shares[m],
-                    (Some(own), _) if j > 0 => inverse[i][own],
-                    _ => Interval::ZERO,
-                };
-                let stiff: Interval = entries.iter().map(|(column, d)| product[i][*column] * *d).sum();
-                (kronecker(own == Some(i)) - plain - stiff).abs()
+                // A times the part of DG without D: the identity for k >= 1, and the equation of what
+                // is fixed.
+                let plain = own.filter(|_| j > 0).map(|own| inverse[i][own]);
+                let fixed = fixed.map(|fixed| inverse[i][unknowns.rows - 1] * fixed.shares[m]);
+                let stiff = entries.iter().map(|(column, d)| product[i][*column] * *d).sum();
+                [plain, fixed, Some(stiff)].into_iter().flatten().fold(kronecker(own == Some(i)), Sub::sub).abs()
             });
             most.iter_mut().zip(sums).for_each(|(most, sum)| *most = most.max(sum / weight(j)));
         }
         Ok(most)
     }
 
-    /// The column of `c_0` of `I - A DG`, by site.
-    fn column_of_c0(&self) -> Vec<Interval> {
-        let Self { unknowns, inverse, .. } = self;
-        if self.system.means.is_none() {
+    /// The column of the last unknown of `I - A DG`, by site; of an unknown frequency along all of
+    /// the piece.
+    fn column_of_last(&self) -> Vec<Interval> {
+        let Self { certificate, system, unknowns, known, inverse, tails, .. } = self;
+        if system.fixed.is_none() {
             return vec![Interval::ZERO; self.sites() + 1];
         }
-        unknowns.by_site(&|i| {
-            let means = unknowns.index.iter().filter_map(|row| row[0]);
-            (kronecker(i == unknowns.rows - 1) + means.map(|j| inverse[i][j]).sum()).abs()
-        })
+        let entry = |(j, (_, k)): (usize, &(usize, usize))| Some((j, system.by_last(known, *k)?));
+        let entries: Vec<(usize, Interval)> = unknowns.all.iter().enumerate().filter_map(entry).collect();
+        let mut column = unknowns.by_site(&|i| {
+            // The derivative by c_0 is -1: products with it would be rounded.
+            let times = |a: Interval, d: Interval| if system.is_free() { a * d } else { -a };
+            let image: Interval = entries.iter().map(|(j, d)| times(inverse[i][*j], *d)).sum();
+            (kronecker(i == unknowns.all.len()) - image).abs()
+        });
+        if system.is_free() {
+            let beyond = (certificate.block + 1..=certificate.enclosed).filter_map(|k| system.by_last(known, k));
+            column[0] = column[0] + beyond.map(Interval::abs).sum() + system.tails()[1] * tails[0][0];
+        }
+        column
+    }
+
+    /// A bound of the change of a row of this column in the ball of radius `r`, for a frequency that
+    /// is unknown: that of the force.
+    fn change_of_last(&self, n: usize, r: Interval) -> Interval {
+        let change = r + of(2).sqrt() * self.system.shift.abs();
+        let turned = self.turned[0][n] + kronecker(n == 0) * self.beyond_block[1];
+        turned * self.known[0].force_change(self.certificate.model.alpha, change)
     }
 
     /// A row of `R + t |e|`.
     fn contact(&self, n: usize) -> Vec<Interval> {
         let moduli = self.system.moduli(n);
-        self.reach.iter().zip(moduli).map(|(reach, e)| reach[n] + e * self.beyond_block).collect()
+        self.reach.iter().zip(moduli).map(|(reach, e)| reach[n] + e * self.beyond_block[0]).collect()
     }
 
     /// A bound of the error of velocities over `omega`, by one more use of `a = l N(a)`; of `y_n`
     /// with a factor `share` for each harmonic. `changes` are those of the strains of each site.
     fn velocity(&self, changes: &[Interval], share: &dyn Fn(usize) -> Interval) -> Interval {
         let Self { certificate: Certificate { model, enclosed, .. }, system, known, tails, .. } = self;
-        let (alpha, enclosed) = (model.alpha, *enclosed);
-        let root = share(enclosed + 1) * (system.decay.square() / of(enclosed)).sqrt();
+        let enclosed = *enclosed;
+        let root = share(enclosed + 1) * (system.decay[0].square() / of(enclosed)).sqrt();
         let steep = norm((1..=enclosed).map(|k| of(k) * share(k) * system.range(k)).chain([root]));
         let force = |((one, tail), change): ((&Moments, &[Interval; 2]), &Interval)| {
-            let overlap = Interval::exact(one.overlap.hi()) + *change;
-            root * tail[0] + steep * alpha.enclosed() * overlap.pow(alpha.less_one()) * *change
+            root * tail[0] + steep * one.force_change(model.alpha, *change)
         };
         let forces: Vec<Interval> = known.iter().zip(tails).zip(changes).map(force).collect();
         let of_site = |n: usize| {
@@ -404,20 +413,22 @@ impl<'a> Terms<'a> {
         (0..self.rows()).map(of_site).fold(Interval::ZERO, Interval::max)
     }
 
-    /// What follows from the radii of the ball and of uniqueness.
+    /// What follows from the radii of the ball and of uniqueness, and from the frequency. An unknown
+    /// frequency has the last of the weights.
     fn proof(
         &self,
         (bounds, radius, unique): (Bounds, Interval, f64),
+        frequency: Interval,
         weights: Vec<Interval>,
         go_on: &dyn Fn() -> Result<(), Refused>,
     ) -> Result<Proof, Refused> {
-        let Self { certificate, system, known, moved, far, .. } = self;
+        let Self { certificate, system, known, far, .. } = self;
         let first: Vec<Interval> = system.a.iter().map(|a| a[1].abs()).collect();
         let amplitude = first.iter().copied().fold(Interval::ZERO, Interval::max);
         if !first.iter().zip(&weights).any(|(first, w)| (*first - *w * radius).is_positive()) {
             return Err(Refused::Rest(radius.hi(), amplitude.lo()));
         }
-        let changes: Vec<Interval> = weights.iter().map(|w| *w * radius + of(2).sqrt() * moved.abs()).collect();
+        let changes: Vec<Interval> = weights.iter().map(|w| *w * radius + of(2).sqrt() * system.shift.abs()).collect();
         let multiplier = certificate.multiplier.as_ref().map(|multiplier| {
             let system = System::new(certificate)?.perturbed();
             let sites = system.a.len();
@@ -444,6 +455,7 @@ impl<'a> Terms<'a> {
             radius_velocity: bound(velocity(&|_| Interval::ONE), |it| it.radius_velocity),
             radius_velocity_y: bound(velocity(&|k| system.resonators[k]), |it| it.radius_velocity_y),
             uniqueness_radius: unique,
+            frequency: [frequency.lo(), frequency.hi()],
             amplitude: amplitude.lo(),
             bounds,
             weights: weights.into_iter().map(Interval::hi).collect(),
@@ -456,11 +468,12 @@ impl<'a> Terms<'a> {
 pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Proof, Refused> {
     let go_on = || if stopped() { Err(Refused::Stopped) } else { Ok(()) };
     let terms = Terms::new(certificate, &go_on)?;
-    let Terms { system, known, moved, turned, far, .. } = &terms;
+    let Terms { system, known, turned, far, .. } = &terms;
+    let shift = system.shift.abs();
     let (alpha, sites) = (certificate.model.alpha, terms.sites());
     let mut y0 = terms.y0();
     let columns = (0..sites).map(|m| terms.columns(m, &go_on)).collect::<Result<Vec<Vec<Interval>>, _>>()?;
-    let of_c0 = terms.column_of_c0();
+    let of_last = terms.column_of_last();
 
     // The Hölder constant of D: for alpha > 2 in balls up to an eighth of the first harmonic.
     let amplitude = system.a.iter().map(|a| a[1].abs()).fold(Interval::ZERO, Interval::max);
@@ -475,8 +488,11 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
 
     // Z1 and Z2, by site, with weights near Perron's vector of R + t |e|.
     let contacts: Vec<Vec<Interval>> = (0..=sites).map(|n| terms.contact(n)).collect();
-    // The force of a wave to second order in the change of the mean strain.
-    y0[0] = y0[0] + contacts[0][0] * moved.abs() * known[0].change(alpha, moved.abs());
+    if system.is_wave() {
+        // The force to second order in the change of the mean strain.
+        let second = shift * known[0].change(alpha, shift);
+        y0.iter_mut().zip(&contacts).for_each(|(y0, row)| *y0 = *y0 + row[0] * second);
+    }
     let weights = far.as_ref().map_or_else(|| perron(&contacts[..sites]), |far| far.weights(sites));
     let powers: Vec<Interval> = weights.iter().map(|w| *w * w.pow(gamma)).collect();
     let z2: Vec<Interval> = contacts.iter().map(|row| hoelder * dot(row, &powers)).collect();
@@ -484,36 +500,58 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let z1 = |eta: Interval| -> Vec<Interval> {
         let row = |n: usize| {
             let near: Interval = columns.iter().zip(&weights).map(|(column, w)| column[n] * *w).sum();
-            let far = terms.beyond_block * dot(&system.moduli(n), &steepest);
+            let far = terms.beyond_block[0] * dot(&system.moduli(n), &steepest);
             let turned: Interval = turned.iter().zip(&steepest).map(|(turned, steepest)| turned[n] * *steepest).sum();
-            near + far + turned + of_c0[n] / eta
+            near + far + turned + of_last[n] / eta
         };
         (0..=sites).map(row).collect()
     };
-    // The largest over the sites, and the number of c_0. Its weight eta makes this at most half.
+    // The largest over the sites, and the number of the last unknown. Its weight eta makes this at
+    // most half.
     let split = |all: &[Interval]| split(all, &weights, terms.rows());
     let all = |eta: Interval| [split(&y0), split(&z1(eta)), split(&z2)];
     let shares = all(Interval::ONE).map(|[most, own]| most.mid() / own.hi());
     let eta = Interval::exact((0.5 * shares.into_iter().fold(1.0, f64::min)).max(f64::MIN_POSITIVE));
+    // An unknown frequency has an exact weight, with which a ball of the radius eta, a multiple of
+    // Y0, has all frequencies of the piece.
+    let turn = system.is_free().then(|| Interval::exact((system.middle[1] / (of(WIDEST) * y0[0])).mid()));
+    let eta = turn.map_or(eta, |turn| system.middle[1] / turn);
     let constants = all(eta).map(|[most, own]| most.max(eta * own));
-    let (bounds, radius, unique) = if certificate.to.is_some() {
+    let bounds = constants.map(Interval::hi);
+    let bounds = Bounds { y0: bounds[0], z1: bounds[1], z2: bounds[2] };
+    let mut frequency = system.omega;
+    let found = if certificate.to.is_some() {
         let steep = z1(eta);
-        let contracts = |r: f64| {
+        let rows = |r: f64| {
             let change = |(one, w): (&Moments, &Interval)| {
-                let most = *w * Interval::exact(r) + moved.abs();
+                let most = *w * Interval::exact(r) + shift;
                 let change = one.change(alpha, most);
                 *w * if largest.is_none() { change.min(hoelder * most.pow(gamma)) } else { change }
             };
             let changes: Vec<Interval> = known.iter().zip(&weights).map(change).collect();
-            let sums: Vec<Interval> = steep.iter().zip(&contacts).map(|(z1, row)| *z1 + dot(row, &changes)).collect();
-            let [most, own] = split(&sums);
-            most.max(eta * own)
+            let row = |(n, row): (usize, &Vec<Interval>)| {
+                let z1 = steep[n] + dot(row, &changes);
+                if system.is_free() { z1 + terms.change_of_last(n, r.into()) / eta } else { z1 }
+            };
+            split(&contacts.iter().enumerate().map(row).collect::<Vec<_>>())
         };
-        ladder(constants, contracts)?
+        let widest = if system.is_free() { eta.lo() } else { f64::INFINITY };
+        let found = ladder(constants[0], widest, |r| {
+            let [most, own] = rows(r);
+            most.max(eta * own)
+        });
+        // An unknown frequency is nearer than the radius says, by its own row of T.
+        if let (true, Some((radius, _))) = (system.is_free(), found) {
+            let [_, own] = rows(radius.hi());
+            frequency = system.middle[0] + (system.middle[1] * (y0[sites] + own * radius)).ball();
+        }
+        found
     } else {
-        radii(constants, gamma, largest)?
+        radii(constants, gamma, largest)
     };
-    terms.proof((bounds, radius, unique), weights, &go_on)
+    let (radius, unique) = found.ok_or(Refused::Bounds(bounds))?;
+    let weights = weights.into_iter().chain(turn).collect();
+    terms.proof((bounds, radius, unique), frequency, weights, &go_on)
 }
 
 #[cfg(test)]
@@ -550,7 +588,7 @@ mod tests {
                     let forces = system.coupled(n, k).into_iter().map(|(m, e)| Interval::exact(e) * force(m, k));
                     if k == 0 { -force(n, 0) } else { own(n, k) + system.factors[k] * forces.sum() }
                 };
-                let mean = system.means.as_ref().map(|(shares, _)| (0..sites).map(|n| shares[n] * own(n, 0)).sum());
+                let mean = system.fixed.as_ref().map(|it| (0..sites).map(|n| it.shares[n] * own(n, 0)).sum());
                 let rows: Vec<Interval> = unknowns.all.iter().map(|&(n, k)| row(n, k)).chain(mean).collect();
                 let mut sums = vec![Interval::ZERO; sites];
                 for (i, &(n, k)) in unknowns.all.iter().enumerate() {
@@ -583,6 +621,56 @@ mod tests {
         }
     }
 
+    // Truth: derivatives by differences of the frequency, at both ends and in the middle of a wide
+    // piece, with four times as many harmonics, and their changes with the wave.
+    #[test]
+    fn the_column_of_the_frequency_is_bounded() {
+        let exact = |text: &str| text.parse::<Exact>().unwrap();
+        let near = guess(None);
+        let orbit = Orbit::Wave(Wave { q_over_pi: exact("1/5"), a: vec![0.24] });
+        let model = Model { omega: exact("2.0102"), ..near.model };
+        let near = Certificate { model, mean: exact("-0.1"), first: Some([exact("0.24"); 2]), orbit, ..near };
+        let found = solve::near(&near, Sizes { block: 3, harmonics: 8, enclosed: 16 }).unwrap();
+        let at = |omega: f64, enclosed: usize| {
+            let model = Model { omega: Exact::of_double(omega).unwrap(), ..found.model };
+            System::new(&Certificate { model, first: None, enclosed, ..found.clone() }).unwrap()
+        };
+        let model = Model { omega: exact("2.0092"), ..found.model };
+        let piece = Certificate { model, to: Some([exact("2.0112"), found.mean]), ..found.clone() };
+        let terms = Terms::new(&piece, &|| Ok(())).unwrap();
+        let all = &terms.unknowns.all;
+        // The column for a change of the force from that of the wave, less it, by row.
+        let column = |omega: f64, force: &[f64], unit: f64| -> [f64; 2] {
+            let [before, after] = [-1e-6, 1e-6].map(|by| at(omega + by, 64).factors);
+            let entry = |k: usize| -1e-3 * (after[k].mid() - before[k].mid()) / 2e-6 * force[k];
+            let row = |i: usize| -> f64 {
+                let image = all.iter().zip(&terms.inverse[i]).map(|((_, k), a)| a.mid() * entry(*k));
+                (if i == all.len() { unit } else { 0.0 } - image.sum::<f64>()).abs()
+            };
+            [(0..all.len()).map(row).sum::<f64>() + (4..=64).map(|k| entry(k).abs()).sum::<f64>(), row(all.len())]
+        };
+        let force = |a: &[Interval]| -> Vec<f64> {
+            let found = moments(a, piece.model.alpha, 64, NARROWEST, &|| false).unwrap();
+            found.force.into_iter().map(Interval::mid).collect()
+        };
+        let (own, ends) = (force(&terms.system.a[0]), [2.0092, 2.0102, 2.0112]);
+        for (n, bound) in terms.column_of_last().into_iter().map(Interval::hi).enumerate() {
+            let most = ends.map(|omega| column(omega, &own, 1.0)[n]).into_iter().fold(0.0, f64::max);
+            assert!(most < bound && most > 0.5 * bound, "{n}: {most:e} {bound:e}");
+            for r in [1e-3, 1e-2] {
+                let of = |(j, sign): (usize, f64)| {
+                    let mut moved = terms.system.a[0].clone();
+                    moved[j] = moved[j] + Interval::exact(sign * r);
+                    let change: Vec<f64> = force(&moved).iter().zip(&own).map(|(a, b)| a - b).collect();
+                    ends.map(|omega| column(omega, &change, 0.0)[n]).into_iter().fold(0.0, f64::max)
+                };
+                let all = (1..8).flat_map(|j| [(j, 1.0), (j, -1.0)]);
+                let (most, bound) = (all.map(of).fold(0.0, f64::max), terms.change_of_last(n, r.into()).hi());
+                assert!(most < bound && most > 0.1 * bound, "{n} {r}: {most:e} {bound:e}");
+            }
+        }
+    }
+
     /// Near a wave, or a breather on a ring of 15.
     fn guess(center: Option<Center>) -> Certificate {
         let exact = |text: &str| text.parse::<Exact>().unwrap();
@@ -604,7 +692,7 @@ mod tests {
             }
         };
         let model = Model { alpha: exact("3/2"), kappa: Exact::ONE, rho: Some(exact("1/3")), omega: exact(omega) };
-        Certificate { model, mean: exact("0"), to: None, block: 1, enclosed: 4, orbit, multiplier: None }
+        Certificate { model, mean: exact("0"), to: None, first: None, block: 1, enclosed: 4, orbit, multiplier: None }
     }
 
     /// A breather of the infinite chain with visible defects at its first site, and at its third

@@ -1,5 +1,5 @@
-//! Whether the pieces of a branch are proved of one curve of solutions, and where its period
-//! doubles.
+//! Whether the pieces of a branch are proved of one curve of solutions, where its period doubles,
+//! and where its frequency turns back.
 
 use super::{Proof, Refused, of};
 use crate::{
@@ -40,31 +40,23 @@ impl fmt::Display for Gap {
     }
 }
 
-/// The part of a certificate that all pieces share.
-fn frame(certificate: &Certificate) -> Certificate {
-    let mut frame = certificate.clone();
-    (frame.model.omega, frame.mean, frame.to) = (Exact::ONE, Exact::ONE, None);
-    (frame.block, frame.enclosed, frame.multiplier) = (0, 0, None);
-    match &mut frame.orbit {
-        Orbit::Wave(wave) => wave.a.clear(),
-        Orbit::Breather(breather) => breather.a.clear(),
-        Orbit::Infinite(infinite) => infinite.a.clear(),
-    }
-    frame
-}
-
 /// The radius about the cosine sum of `to` that holds the ball of `from`, in the norm of `to`. The
 /// mean of a wave is no unknown, and `c_0` free: T contracts whatever it is.
 fn needed((from, ball): (&Certificate, &Proof), (to, other): (&Certificate, &Proof)) -> f64 {
-    let rows = |certificate: &Certificate| match &certificate.orbit {
-        Orbit::Wave(wave) => vec![[&[0.0], wave.a.as_slice()].concat()],
-        Orbit::Breather(breather) => breather.a.clone(),
-        // No piece of a branch.
-        Orbit::Infinite(infinite) => infinite.a.clone(),
+    let rows = |it: &Certificate| {
+        let exact = |a: &Vec<f64>| a.iter().map(|a| Interval::exact(*a)).collect();
+        let mut rows: Vec<Vec<Interval>> = it.orbit.rows().iter().map(exact).collect();
+        if let (Orbit::Wave(_), [row]) = (&it.orbit, &mut rows[..]) {
+            row.insert(0, Interval::ZERO);
+        }
+        // An unknown frequency has a row of its own.
+        let [start, end] = [it.model.omega, it.to.map_or(it.model.omega, |to| to[0])].map(Exact::enclosed);
+        rows.extend(it.first.map(|_| vec![Interval::ZERO, start / of(2) + end / of(2)]));
+        rows
     };
     let (from, to) = (rows(from), rows(to));
     let of_site = |n: usize| {
-        let at = |a: &[f64], k: usize| Interval::exact(a.get(k).copied().unwrap_or(0.0));
+        let at = |a: &[Interval], k: usize| a.get(k).copied().unwrap_or(Interval::ZERO);
         let apart = |k: usize| (at(&from[n], k) - at(&to[n], k)).abs();
         let means = of(2).sqrt() * apart(0);
         let distance = means + (1..from[n].len().max(to[n].len())).map(apart).sum();
@@ -124,14 +116,30 @@ pub fn doublings(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[f64; 
     found
 }
 
+/// Bounds of the least and of the largest frequency along connected pieces, of each that is not
+/// found at an end of the curve: there the curve turns back, at a fold.
+pub fn folds(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[f64; 2]> {
+    let all: Vec<[f64; 2]> = pieces.iter().filter_map(|(_, proof)| Some(proof.as_ref().ok()?.frequency)).collect();
+    let least = |all: &[[f64; 2]]| {
+        let [lo, hi] = [0, 1].map(|end| all.iter().map(|one| one[end]).fold(f64::INFINITY, f64::min));
+        let ends = [all.first()?, all.last()?];
+        ends.into_iter().all(|end| hi < end[0]).then_some([lo, hi])
+    };
+    let turned = |[lo, hi]: [f64; 2]| [-hi, -lo];
+    let most = least(&all.iter().copied().map(turned).collect::<Vec<_>>()).map(turned);
+    least(&all).into_iter().chain(most).collect()
+}
+
 /// Whether a piece continues the one before it: the solutions of both at their common parameters
 /// are the same, since one of the balls lies in the other's ball of uniqueness. Both are proved.
 fn joined(before: (&Certificate, &Proof), piece: (&Certificate, &Proof)) -> Result<(), Gap> {
-    if frame(before.0) != frame(piece.0) {
+    if before.0.frame() != piece.0.frame() {
         return Err(Gap::Other);
     }
-    let (Some(end), Some(_)) = (before.0.to, piece.0.to) else { return Err(Gap::Point) };
-    if end != [piece.0.model.omega, piece.0.mean] {
+    if before.0.to.is_none() || piece.0.to.is_none() {
+        return Err(Gap::Point);
+    }
+    if before.0.ends()[1] != piece.0.ends()[0] {
         return Err(Gap::Nodes);
     }
     let forward = (needed(before, piece), piece.1.uniqueness_radius);

@@ -7,7 +7,7 @@
 //! | `bounds.rs` | the bounds `Y0`, `Z1`, `Z2` |
 //! | `multiplier.rs` | real Floquet multipliers of breathers, complex ones of waves |
 //! | `infinite.rs` | what a breather of the infinite chain has beside them |
-//! | `branch.rs` | whether pieces of a branch make one, and where its period doubles |
+//! | `branch.rs` | whether pieces of a branch make one, where its period doubles, and its folds |
 //! | this file | the inequalities, from which the radii follow |
 
 mod bounds;
@@ -19,7 +19,7 @@ mod system;
 
 use system::System;
 
-pub use branch::{Gap, connected, doublings};
+pub use branch::{Gap, connected, doublings, folds};
 pub use moments::{Moments, NARROWEST, moments};
 
 use crate::{certificate::Certificate, exact::Exact, interval::Interval};
@@ -43,11 +43,13 @@ pub struct Proof {
     pub radius_velocity_y: f64,
     /// No other solution of the same symmetry is nearer than this, in the norm of the proof.
     pub uniqueness_radius: f64,
+    /// Bounds of the frequency, all along a piece.
+    pub frequency: [f64; 2],
     /// Lower bound of the amplitude, the largest modulus of a first harmonic.
     pub amplitude: f64,
     /// The bounds.
     pub bounds: Bounds,
-    /// `W_n`, the weights of the sites in the norm.
+    /// `W_n`, the weights of the sites in the norm, and that of an unknown frequency.
     pub weights: Vec<f64>,
     /// Bounds of the modulus of the multiplier that the certificate has a line for; of -1 those of
     /// `g`, see [`doublings`].
@@ -115,14 +117,12 @@ impl fmt::Display for Refused {
             }
             Self::Stopped => f.write_str("the check was asked to end"),
             Self::Moments => f.write_str("the contact force of the cosine sum could not be enclosed"),
-            Self::Bounds(Bounds { y0, z1, z2 }) if !(y0 + z1 + z2).is_finite() => {
-                write!(f, "a bound could not be computed: Y0 = {y0:.2e}, Z1 = {z1:.2e}, Z2 = {z2:.2e}")
-            }
             Self::Bounds(Bounds { y0, z1, z2 }) => {
-                write!(
-                    f,
-                    "Y0 = {y0:.2e}, Z1 = {z1:.2e}, Z2 = {z2:.2e} admit no radius: the cosine sum is too far from a solution, or the block too small"
-                )
+                let why = match (y0 + z1 + z2).is_finite() {
+                    true => "admit no radius: the cosine sum is too far from a solution, or the block too small",
+                    false => "are not all finite",
+                };
+                write!(f, "Y0 = {y0:.2e}, Z1 = {z1:.2e}, Z2 = {z2:.2e} {why}")
             }
             Self::Multiplier { z1, g: None } => {
                 write!(
@@ -185,17 +185,13 @@ fn of(k: usize) -> Interval {
 }
 
 /// Radii of a piece of a branch, where this bounds the derivative of `T` on balls:
-/// `Y0 + q r' <= r'` with `q` of a ball of radius `r >= r'`, and `q < 1` on that of uniqueness.
-fn ladder(
-    [y0, z1, z2]: [Interval; 3],
-    contracts: impl Fn(f64) -> Interval,
-) -> Result<(Bounds, Interval, f64), Refused> {
-    let bounds = Bounds { y0: y0.hi(), z1: z1.hi(), z2: z2.hi() };
-    let (mut radius, mut unique) = (None, None);
-    let mut r = bounds.y0;
+/// `Y0 + q r' <= r'` with `q` of a ball of radius `r >= r'`, and `q < 1` on that of uniqueness. Both
+/// are at most `largest`.
+fn ladder(y0: Interval, largest: f64, contracts: impl Fn(f64) -> Interval) -> Option<(Interval, f64)> {
+    let (mut radius, mut unique, mut r) = (None, None, y0.hi());
     for _ in 0..RUNGS {
         let q = contracts(r);
-        if !(Interval::ONE - q).is_positive() {
+        if !((Interval::ONE - q).is_positive() && r <= largest) {
             break;
         }
         let image = y0 / (Interval::ONE - q);
@@ -205,15 +201,13 @@ fn ladder(
         unique = Some(r);
         r *= RUNG;
     }
-    radius.zip(unique).map(|(radius, unique)| (bounds, radius, unique)).ok_or(Refused::Bounds(bounds))
+    radius.zip(unique)
 }
 
 /// The radius `r` of a ball that `T` maps into itself, and that of uniqueness:
 /// `Y0 + Z1 r + Z2 r^{1+gamma}/(1+gamma) <= r` and `Z1 + Z2 r^gamma < 1`. Both are at most
 /// `largest`.
-fn radii([y0, z1, z2]: [Interval; 3], gamma: Exact, largest: Option<f64>) -> Result<(Bounds, Interval, f64), Refused> {
-    let bounds = Bounds { y0: y0.hi(), z1: z1.hi(), z2: z2.hi() };
-    let refused = Err(Refused::Bounds(bounds));
+fn radii([y0, z1, z2]: [Interval; 3], gamma: Exact, largest: Option<f64>) -> Option<(Interval, f64)> {
     let power = |r: f64| z2 * Interval::exact(r).pow(gamma);
     let image = |r: f64| y0 + z1 * r.into() + power(r) * r.into() / (Interval::ONE + gamma.enclosed());
     let contracts = |r: f64| (z1 + power(r)).hi() < 1.0;
@@ -222,14 +216,11 @@ fn radii([y0, z1, z2]: [Interval; 3], gamma: Exact, largest: Option<f64>) -> Res
     // The least radius by iteration, or, where that is slow, one of the same size.
     let near = (0..1000).fold(y0.hi(), |r, _| image(r).hi()) * (1.0 + 1e-9);
     let linear = (y0 / (Interval::ONE - z1)).hi();
-    let Some(radius) = std::iter::once(near).chain((1..60).map(|k| linear * (1.0 + 0.1 * f64::from(k)))).find(fits)
-    else {
-        return refused;
-    };
+    let radius = std::iter::once(near).chain((1..60).map(|k| linear * (1.0 + 0.1 * f64::from(k)))).find(fits)?;
     let widest = gamma.inverse().map_or(f64::NAN, |power| ((Interval::ONE - z1) / z2).pow(power).lo());
     let unique = largest.map_or(widest, |largest| widest.min(largest));
     // An unbounded interval above the radius: what is left to show is that its bound is not NaN.
-    if unique >= radius { Ok((bounds, radius.into(), unique)) } else { refused }
+    (unique >= radius).then_some((radius.into(), unique))
 }
 
 #[cfg(test)]
@@ -244,22 +235,22 @@ mod tests {
         let half = Exact::new(1, 2).unwrap();
         for [y0, z1, z2] in [[1e-6_f64, 0.5, 1.0], [1e-3, 0.1, 30.0], [0.1, 0.7, 0.4]] {
             let root = (1.0 - z1 - f64::sqrt((1.0 - z1).powi(2) - 2.0 * z2 * y0)) / z2;
-            let (_, radius, unique) = radii(numbers([y0, z1, z2]), Exact::ONE, None).unwrap();
+            let (radius, unique) = radii(numbers([y0, z1, z2]), Exact::ONE, None).unwrap();
             assert!(radius.hi() >= root && radius.hi() < (1.0 + 1e-6) * root, "{radius:?} {root:e}");
             assert!(unique <= (1.0 - z1) / z2 && unique > (1.0 - 1e-12) * (1.0 - z1) / z2, "{unique:e}");
-            assert!(radii(numbers([y0, z1, z2]), Exact::ONE, Some(0.9 * root)).is_err());
-            let (.., unique) = radii(numbers([y0, z1, z2]), Exact::ONE, Some(1.1 * root)).unwrap();
+            assert!(radii(numbers([y0, z1, z2]), Exact::ONE, Some(0.9 * root)).is_none());
+            let (_, unique) = radii(numbers([y0, z1, z2]), Exact::ONE, Some(1.1 * root)).unwrap();
             assert!(unique <= 1.1 * root);
             let most = (1.0 - z1).powi(3) / (3.0 * z2 * z2);
-            assert!(radii(numbers([0.9 * most, z1, z2]), half, None).is_ok());
-            assert!(radii(numbers([1.001 * most, z1, z2]), half, None).is_err());
+            assert!(radii(numbers([0.9 * most, z1, z2]), half, None).is_some());
+            assert!(radii(numbers([1.001 * most, z1, z2]), half, None).is_none());
         }
         // Where Z1 is near 1, iteration does not come to the radius.
-        assert!(radii(numbers([1.57e-13, 0.9865, 53.95]), half, None).is_ok());
+        assert!(radii(numbers([1.57e-13, 0.9865, 53.95]), half, None).is_some());
         for wrong in
             [[f64::NAN, 0.1, 1.0], [0.1, f64::NAN, 1.0], [0.1, 0.1, f64::NAN], [0.0, 1.0, 1.0], [0.0, 1.5, 1.0]]
         {
-            assert!(radii(numbers(wrong), half, None).is_err(), "{wrong:?}");
+            assert!(radii(numbers(wrong), half, None).is_none(), "{wrong:?}");
         }
     }
 }

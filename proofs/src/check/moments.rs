@@ -69,8 +69,7 @@ impl Moments {
     /// Those of all strains `X + h`, `h = sum_{k >= 1} h_k cos k theta` with `sum |h_k| <= r`; and
     /// bounds of the changes of `N` and of `D`, `sqrt 2` times the roots of their mean squares.
     pub(super) fn within(&self, alpha: Exact, r: Interval) -> (Self, [Interval; 2]) {
-        let overlap = Interval::exact(self.overlap.hi()) + r;
-        let changes = [alpha.enclosed() * overlap.pow(alpha.less_one()) * r, self.change(alpha, r)];
+        let changes = [self.force_change(alpha, r), self.change(alpha, r)];
         let wider = |series: &[Interval], i: usize| series.iter().map(|one| *one + changes[i].ball()).collect();
         let square = |square: Interval, i: usize| (square.positive_part().sqrt() + changes[i] / of(2).sqrt()).square();
         let within = Self {
@@ -79,10 +78,15 @@ impl Moments {
             force_square: square(self.force_square, 0).ball().positive_part(),
             stiffness_square: square(self.stiffness_square, 1).ball().positive_part(),
             slope_square: Interval::new(0.0, f64::INFINITY),
-            overlap,
+            overlap: Interval::exact(self.overlap.hi()) + r,
             pieces: self.pieces.iter().map(|(share, overlap)| (*share, *overlap + r.ball())).collect(),
         };
         (within, changes)
+    }
+
+    /// An upper bound of `sqrt 2 |N(X + h) - N(X)|_{L2}` over `sup |h| <= r`, `sqrt 2 |h|_{L2} <= r`.
+    pub(super) fn force_change(&self, alpha: Exact, r: Interval) -> Interval {
+        alpha.enclosed() * (Interval::exact(self.overlap.hi()) + r).pow(alpha.less_one()) * r
     }
 
     /// An upper bound of `sqrt 2` times the mean square of `sup |D(X + h) - D(X)|` over `|h| <= r`.
@@ -183,33 +187,26 @@ impl Sums<'_> {
         let taylor = self.taylor(centre);
         let real = Complex { re: half.ball(), im: Interval::ZERO };
         let on_piece = horner(&taylor, real).re + self.remainder(half, Interval::ZERO).ball();
-        let known = (Interval::exact(to) - Interval::exact(from), -on_piece);
-        let on_piece = (-on_piece).positive_part();
-        if on_piece.hi() <= 0.0 {
-            self.pieces.push(known);
-            return true;
+        let overlap = (-on_piece).positive_part();
+        if to - from < self.narrowest && overlap.hi() > 0.0 {
+            self.add_errors(overlap, of(2) * half, Interval::ONE);
+        } else if overlap.hi() > 0.0 || overlap.is_nan() {
+            // The ellipse has the half-axes 17/8 and 15/8 of the half-width.
+            let [along, across] = [17, 15].map(|axis| half * of(axis) / of(8));
+            let on_box = horner(&taylor, Complex { re: along.ball(), im: across.ball() });
+            let rest = self.remainder(along, across).ball();
+            let value = Complex { re: on_box.re + rest, im: on_box.im + rest };
+            if !(-value.re).is_positive() {
+                return false;
+            }
+            self.integrated(centre, half, quadrature);
+            // 4^{-2n}
+            let power = Interval::exact(f64::from_bits((1023 - 4 * NODES as u64) << 52));
+            let share = half * of(8) * power / (Interval::ONE - Interval::exact(0.25));
+            self.add_errors(value.abs(), share, Interval::exact(across.hi()).exp());
         }
-        if to - from < self.narrowest {
-            self.pieces.push(known);
-            self.overlap = self.overlap.max(on_piece);
-            self.add_errors(on_piece, of(2) * half, Interval::ONE);
-            return !on_piece.is_nan();
-        }
-        // The ellipse has the half-axes 17/8 and 15/8 of the half-width.
-        let [along, across] = [17, 15].map(|axis| half * of(axis) / of(8));
-        let on_box = horner(&taylor, Complex { re: along.ball(), im: across.ball() });
-        let rest = self.remainder(along, across).ball();
-        let value = Complex { re: on_box.re + rest, im: on_box.im + rest };
-        if !(-value.re).is_positive() {
-            return false;
-        }
-        self.pieces.push(known);
-        self.overlap = self.overlap.max(on_piece);
-        self.integrated(centre, half, quadrature);
-        // 4^{-2n}
-        let power = Interval::exact(f64::from_bits((1023 - 4 * NODES as u64) << 52));
-        let share = half * of(8) * power / (Interval::ONE - Interval::exact(0.25));
-        self.add_errors(value.abs(), share, Interval::exact(across.hi()).exp());
+        self.pieces.push((Interval::exact(to) - Interval::exact(from), -on_piece));
+        self.overlap = self.overlap.max(overlap);
         true
     }
 
@@ -222,13 +219,7 @@ impl Sums<'_> {
                 if j > 0 {
                     factor = factor * of(k) / of(j);
                 }
-                *sum = *sum
-                    + match j % 4 {
-                        0 => factor * turn.re,
-                        1 => -(factor * turn.im),
-                        2 => -(factor * turn.re),
-                        _ => factor * turn.im,
-                    };
+                *sum = *sum + factor * [turn.re, -turn.im, -turn.re, turn.im][j % 4];
             }
         }
         sums

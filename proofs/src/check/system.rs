@@ -12,7 +12,7 @@
 //! background is the same at all sites. The system has the first sites only, in place of the others
 //! an end that no constant of the proof depends on.
 
-use super::{Refused, of};
+use super::{Moments, Refused, of};
 use crate::{
     certificate::{Breather, Center, Certificate, Model, Orbit},
     exact::Exact,
@@ -27,17 +27,19 @@ pub(super) struct System {
     pub(super) factors: Vec<Interval>,
     /// Along a piece `l_k` is the factor, and a number from -1 to 1 times one in this interval.
     pub(super) slopes: Vec<Interval>,
-    /// Half of the change of the mean strain along a piece.
+    /// Half of the change of the mean strain of a wave along a piece: it is no unknown.
     pub(super) shift: Interval,
     /// The frequency; along a piece all of its values.
     pub(super) omega: Interval,
+    /// The frequency in the middle of a piece, and half of its change.
+    pub(super) middle: [Interval; 2],
     /// `|b_k/a_k|` for `k` up to `K' + 1`, the coefficients of `y_n` over those of `x_n`; less
     /// beyond.
     pub(super) resonators: Vec<Interval>,
-    /// `|l_k| <= decay/k^2` beyond.
-    pub(super) decay: Interval,
-    /// Of a ring the shares of the sites in it, and the mean.
-    pub(super) means: Option<(Vec<Interval>, Interval)>,
+    /// `c` with `|l_k| <= c/k^2` beyond; the same for what `slopes` has.
+    pub(super) decay: [Interval; 2],
+    /// The equation that belongs to one more unknown.
+    pub(super) fixed: Option<Fixed>,
     /// Of the infinite chain the first site that has the strains of the background.
     pub(super) background: Option<usize>,
     /// The reflection of a breather; of a wave one that leaves its strains alone.
@@ -47,35 +49,52 @@ pub(super) struct System {
     pub(super) parity: f64,
 }
 
+/// The equation `sum_n shares_n a_nk = value`, of a ring for its mean strain, with the unknown
+/// `c_0`; along a piece with `first` for `a_1`, with the unknown `(omega - omega_m)/half`, `omega_m`
+/// in the middle of the piece. So the factors of the piece are `l_k` plus the unknown times one in
+/// `slopes`.
+pub(super) struct Fixed {
+    pub(super) harmonic: usize,
+    pub(super) shares: Vec<Interval>,
+    /// In the middle of a piece, and half of its change.
+    pub(super) value: [Interval; 2],
+}
+
 impl System {
     pub(super) fn new(certificate: &Certificate) -> Result<Self, Refused> {
-        let Certificate { model, mean, to, enclosed, orbit, .. } = certificate;
-        let [(omega, half), (mean, shift)] = match to {
-            None => [model.omega, *mean].map(|one| (one.enclosed(), Interval::ZERO)),
-            Some(to) => [(model.omega, to[0]), (*mean, to[1])].map(|(from, to)| {
-                let [from, to] = [from, to].map(|end| end.enclosed() / of(2));
-                (from + to, to - from)
-            }),
+        let Certificate { model, mean, to, first, enclosed, orbit, .. } = certificate;
+        let between = |from: Exact, to: Exact| {
+            let [from, to] = [from, to].map(|end| end.enclosed() / of(2));
+            [from + to, to - from]
         };
-        let (mut factors, mut slopes, mut decay) = inverses(model, [omega, half], *enclosed)?;
+        let [[omega, half], [mean, mut shift]] = match to {
+            None => [model.omega, *mean].map(|one| [one.enclosed(), Interval::ZERO]),
+            Some(to) => [between(model.omega, to[0]), between(*mean, to[1])],
+        };
+        let ([mut factors, mut slopes], mut decay) = inverses(model, [omega, half], *enclosed)?;
+        let middle = [omega, half.abs()];
         let omega = omega + half.abs().ball();
         let resonators = resonators(model, omega, enclosed + 1);
         let row = |a: &[f64]| a.iter().map(|a| Interval::exact(*a)).collect::<Vec<_>>();
         let (mut background, with_mean) = (None, |a: &[f64]| [&[mean], row(a).as_slice()].concat());
-        let (a, means, center) = match orbit {
+        let (a, fixed, center) = match orbit {
             Orbit::Wave(wave) => {
                 for (k, (l, slope)) in (0..).zip(factors.iter_mut().zip(&mut slopes)) {
                     let lattice = lattice(Exact::ONE.less_one(), wave.q_over_pi, k);
                     (*l, *slope) = (*l * lattice, *slope * lattice);
                 }
-                decay = of(4) * decay;
-                (vec![with_mean(&wave.a)], None, Center::Bond)
+                decay = decay.map(|c| of(4) * c);
+                let value = first.map(|[from, to]| between(from, to));
+                let fixed = value.map(|value| Fixed { harmonic: 1, shares: vec![Interval::ONE], value });
+                (vec![with_mean(&wave.a)], fixed, Center::Bond)
             }
             Orbit::Breather(Breather { sites, center, a }) => {
                 let alone = if *center == Center::Site { 0 } else { a.len() - 1 };
                 let share = |n: usize| of(if n == alone { 1 } else { 2 }) / of(*sites);
-                let means = Some(((0..a.len()).map(share).collect(), mean));
-                (a.iter().map(|a| row(a)).collect(), means, *center)
+                let shares = (0..a.len()).map(share).collect();
+                let fixed = Fixed { harmonic: 0, shares, value: [mean, shift] };
+                shift = Interval::ZERO;
+                (a.iter().map(|a| row(a)).collect(), Some(fixed), *center)
             }
             Orbit::Infinite(infinite) => {
                 background = Some(infinite.a.len());
@@ -88,7 +107,7 @@ impl System {
                 (a, None, infinite.center)
             }
         };
-        Ok(Self { a, factors, slopes, shift, omega, resonators, decay, means, background, center, parity: 1.0 })
+        Ok(Self { a, factors, slopes, shift, omega, middle, resonators, decay, fixed, background, center, parity: 1.0 })
     }
 
     /// That of the perturbations which [`multiplier`](super::multiplier) looks for. Those of a wave
@@ -104,7 +123,20 @@ impl System {
 
     /// Whether it is of a wave, whose mean is no unknown.
     pub(super) fn is_wave(&self) -> bool {
-        self.means.is_none() && self.background.is_none()
+        self.background.is_none() && (self.fixed.is_none() || self.is_free())
+    }
+
+    /// Whether its frequency is unknown.
+    pub(super) fn is_free(&self) -> bool {
+        self.fixed.as_ref().is_some_and(|fixed| fixed.harmonic > 0)
+    }
+
+    /// The derivative of equation `k` by the unknown of [`Fixed`], where it is not zero.
+    pub(super) fn by_last(&self, known: &[Moments], k: usize) -> Option<Interval> {
+        match k {
+            0 => Some(-Interval::ONE),
+            _ => self.is_free().then(|| -(self.slopes[k] * known[0].force[k])),
+        }
     }
 
     /// Whether a site has the strains of the background of the infinite chain.
@@ -130,8 +162,13 @@ impl System {
 
     /// A bound of `(sum_{k > K'} l_k^2)^{1/2}`.
     pub(super) fn beyond(&self) -> Interval {
+        self.tails()[0]
+    }
+
+    /// The same; and that for what `slopes` has.
+    pub(super) fn tails(&self) -> [Interval; 2] {
         let enclosed = of(self.factors.len() - 1);
-        (self.decay.square() / (of(3) * enclosed * enclosed * enclosed)).sqrt()
+        self.decay.map(|c| (c.square() / (of(3) * enclosed * enclosed * enclosed)).sqrt())
     }
 
     /// `e_nm` for harmonic `k`, by `m`; their moduli are largest in sum for `k = 0`.
@@ -188,15 +225,16 @@ pub(super) fn lattice(p: Exact, q: Exact, k: i128) -> Interval {
 }
 
 /// `1/L_k` for `k` up to `count` (-1 for `k = 0`) at `omega`; its derivative by `omega` times
-/// `half`, on the piece that is `half` longer on both sides; and `c` with `|1/L_k| <= c/k^2`
-/// beyond, there.
+/// `half`, on the piece that is `half` longer on both sides; and for each of both `c` with `c/k^2`
+/// as a bound beyond, there.
 ///
 /// As a function of `w = (omega k)^2`, `1/L_k = (-1/w + rho^2/den_k)/(1 + rho)`, which increases.
+/// Beyond, `k^2` times its derivative by `omega` falls with `k`, since `w/|den_k|` does.
 fn inverses(
     model: &Model,
     [omega, half]: [Interval; 2],
     count: usize,
-) -> Result<(Vec<Interval>, Vec<Interval>, Interval), Refused> {
+) -> Result<([Vec<Interval>; 2], [Interval; 2]), Refused> {
     let (kappa, one, all) = (model.kappa.enclosed(), Interval::ONE, omega + half.abs().ball());
     let square = |omega: Interval, k: usize| (omega * of(k)).square();
     // The value, and the derivative by w.
@@ -227,7 +265,10 @@ fn inverses(
         None => (kappa, square(all, count + 1) - kappa),
     };
     match over {
-        over if over.is_positive() => Ok((factors, slopes, (one + added / over) / all.square())),
+        over if over.is_positive() => {
+            let turn = slope(count + 1).abs() * of(count + 1).square();
+            Ok(([factors, slopes], [(one + added / over) / all.square(), turn]))
+        }
         over if (-over).is_positive() => Err(Refused::Below(count)),
         _ => Err(Refused::Resonance(count + 1)),
     }
