@@ -579,7 +579,7 @@ fn single_roots_err_by_less_than_their_rounding_and_conserve_momentum() {
     let refused = Method::SingleRoots(Split::Kinetic).runs(&other).unwrap_err().to_string();
     assert_eq!(
         refused,
-        "integrator = verlet-single is not valid: its roots are those of alpha = 3/2 and equal beads: take verlet or \
-         strang-linear"
+        "integrator = verlet-single is not valid: its roots are those of equal beads with alpha = 3/2: take \
+         dop853-regularised, or strang-linear for equal steps"
     );
 }

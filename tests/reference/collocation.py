@@ -1,4 +1,4 @@
-"""Contact collocation of one bond, written from docs/collocation.md alone.
+"""Contact collocation of one bond by the rules of docs/collocation.md, in an order of its own.
 
 Two beads, each with a resonator, move as mirror images and meet again and again. Numbers of nodes
 and the bound S stay as they begin: they change the work and not the rules. `.ci/python` runs it:

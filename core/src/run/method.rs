@@ -302,7 +302,7 @@ impl Method {
     /// A method that cannot run in them.
     pub fn motion(&self) -> Result<Motion> {
         match self {
-            Self::Splitting(_, split) | Self::SingleRoots(split) => Ok(Motion::Kicks(*split)),
+            Self::Splitting(_, split) => Ok(Motion::Kicks(*split)),
             Self::Collocation => Ok(Motion::Windows),
             _ => Err(Error::parameter("integrator", self.name(), NOT_DIVISIBLE)),
         }
@@ -343,15 +343,18 @@ impl Method {
 
     /// Why the method cannot run a chain, and a method that can; `None` if it can.
     pub fn unsupported_reason(&self, chain: &Chain<f64>) -> Option<&'static str> {
-        if matches!(self, Self::SingleRoots(_)) && (chain.details().is_some() || chain.params().alpha != 1.5) {
-            return Some("its roots are those of alpha = 3/2 and equal beads: take verlet or strang-linear");
+        let hertz = chain.params().alpha == 1.5 && (chain.details().is_none() || chain.dissipative_contacts());
+        if matches!(self, Self::SingleRoots(_)) && !hertz {
+            return Some(
+                "its roots are those of equal beads with alpha = 3/2: take dop853-regularised, or strang-linear for \
+                 equal steps",
+            );
         }
         chain.details()?;
         match self {
-            Self::SingleRoots(_) => None,
             Self::Dop853(_) => None,
             Self::Collocation => chain.beyond_collocation(),
-            Self::Splitting(..) | Self::Landed(_) => chain
+            Self::Splitting(..) | Self::SingleRoots(_) | Self::Landed(_) => chain
                 .dissipative_contacts()
                 .then_some("its kicks know no velocities, and contacts here dissipate: take dop853-regularised"),
             Self::Corrected(..) if chain.parts()?.corrects() => None,

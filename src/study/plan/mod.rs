@@ -339,14 +339,17 @@ mod tests {
         // Truth: each run of its own. The first axis changes the exponent, so that some groups
         // are cut; a point whose scene is refused fails alone.
         let plan = r#"
-            scene = "impact"
-            set = ["chain.sites=12", "chain.rho=0.4", "span.until=5", "method.integrator=strang-linear", "method.step=0.05"]
+            set = ["method.integrator=strang-linear", "method.step=0.05"]
             keep = ["energy_error", "u"]
             axis = [
                 { key = "chain.alpha", values = [1.5, 2.0] },
                 { key = "initial.velocity", values = [0.1, 0.2, 0.3, "fast", 0.5, 0.6, 0.7] },
                 { key = "chain.kappa", from = 0.5, to = 2.0, count = 7, zip = true },
             ]
+            [scene]
+            chain = { sites = 12, alpha = 1.5, kappa = 1.0, rho = 0.4, boundary = "free" }
+            initial = { kind = "single-bead", site = 0, velocity = 1.0 }
+            span = { until = 5.0 }
         "#;
         let plan = Plan::parse(plan, "plan.toml".as_ref()).unwrap();
         let points: Vec<Point> = (0..plan.points()).map(|k| plan.point(k)).collect();
