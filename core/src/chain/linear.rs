@@ -33,7 +33,7 @@ use std::marker::PhantomData;
 /// tau` stays of the size of `R0`. Chosen, not measured.
 const KICKS_BETWEEN_ANCHORS: u32 = 64;
 
-/// A chain split into its exact linear flow and its contacts; or chains [abreast](super::lanes).
+/// A chain split into its exact linear flow and its contacts; or chains abreast.
 pub struct LinearFlow<R, K = R> {
     pub(super) chain: Chain<R>,
     /// `[R0, V]`; empty for the cradle.
