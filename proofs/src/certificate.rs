@@ -120,7 +120,8 @@ pub enum Orbit {
 }
 
 impl Orbit {
-    /// The coefficients of the sites that have some; of a wave from `a_1` on, else from `a_{n0}` on.
+    /// The coefficients of the sites that have some; of a wave from `a_1` on, else from `a_{n0}`
+    /// on.
     pub fn rows(&self) -> &[Vec<f64>] {
         match self {
             Self::Wave(wave) => std::slice::from_ref(&wave.a),
@@ -161,8 +162,8 @@ pub struct Certificate {
     pub mean: Exact,
     /// Frequency and mean strain at the end of a piece of a branch, along which both are linear.
     pub to: Option<[Exact; 2]>,
-    /// `a_1` at the start and at the end of a piece of a branch of waves whose frequency is unknown,
-    /// between that of the start and that of the end. Such pieces pass folds.
+    /// `a_1` at the start and at the end of a piece of a branch of waves whose frequency is
+    /// unknown, between that of the start and that of the end. Such pieces pass folds.
     pub first: Option<[Exact; 2]>,
     /// `K`: harmonics in the block of Newton's method.
     pub block: usize,

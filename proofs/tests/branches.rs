@@ -17,19 +17,14 @@ fn model(omega: &str) -> Model {
     Model { alpha: exact("3/2"), kappa: exact("1"), rho: Some(exact("1/3")), omega: exact(omega) }
 }
 
+fn near(omega: &str, mean: &str, orbit: Orbit) -> Certificate {
+    let (model, mean) = (model(omega), exact(mean));
+    Certificate { model, mean, to: None, first: None, block: 1, enclosed: 4, orbit, multiplier: None }
+}
+
 /// A wave of `q = pi/5` near one harmonic.
 fn wave([omega, mean]: [&str; 2], a: f64) -> Certificate {
-    let orbit = Orbit::Wave(Wave { q_over_pi: exact("1/5"), a: vec![a] });
-    Certificate {
-        model: model(omega),
-        mean: exact(mean),
-        to: None,
-        first: None,
-        block: 1,
-        enclosed: 4,
-        orbit,
-        multiplier: None,
-    }
+    near(omega, mean, Orbit::Wave(Wave { q_over_pi: exact("1/5"), a: vec![a] }))
 }
 
 /// A breather on a ring of 15 of mean strain 0, near the profile of a kink.
@@ -40,17 +35,7 @@ fn breather(omega: &str, center: Center, a: f64) -> Certificate {
         let sign = if i % 2 == 0 { a } else { -a };
         vec![if n == 0.0 { -0.2 * a } else { 0.0 }, sign * n.tanh()]
     };
-    let orbit = Orbit::Breather(Breather { sites: 15, center, a: (0..8).map(row).collect() });
-    Certificate {
-        model: model(omega),
-        mean: exact("0"),
-        to: None,
-        first: None,
-        block: 1,
-        enclosed: 4,
-        orbit,
-        multiplier: None,
-    }
+    near(omega, "0", Orbit::Breather(Breather { sites: 15, center, a: (0..8).map(row).collect() }))
 }
 
 fn strip([from, to]: [&Certificate; 2]) -> Strip {

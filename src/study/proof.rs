@@ -462,7 +462,7 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
                         json!({ "p_over_pi": p_over_pi.to_string(), "growth": [a, b], "frequency": [c, d] });
                     format!(
                         "Proved: linearly unstable: perturbations of the Bloch wave number {p_over_pi} pi grow at a \
-                         rate between {a} and {b}, with a frequency between {c} and {d}."
+                         rate between {a:e} and {b:e}, with a frequency between {c:e} and {d:e}."
                     )
                 }
                 _ => format!("Proved: linearly unstable, with a real Floquet multiplier between {from} and {to}."),

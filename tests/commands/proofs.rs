@@ -284,8 +284,8 @@ fn branches_are_proved_without_a_gap() {
     assert!(output.status.code() == Some(2) && said(&output).contains("in its frequency"), "{}", said(&output));
 }
 
-// Truth: the waves of the branch by shooting. By the parabola through the one of least frequency and
-// its neighbours, its fold.
+// Truth: the waves of the branch by shooting. By the parabola through the one of least frequency
+// and its neighbours, its fold.
 #[test]
 fn a_branch_of_waves_is_proved_past_its_fold() {
     let folder = tempfile::tempdir().unwrap();

@@ -8,7 +8,8 @@ use hertzchain::{
 };
 use std::f64::consts::{PI, SQRT_2};
 
-/// A run by every method that can: to a tolerance where it chooses its steps, else with equal steps.
+/// A run by every method that can: to a tolerance where it chooses its steps, else with equal
+/// steps.
 fn by_every_method(run: &Run, tol: f64, steps: u64) -> Vec<(String, Run)> {
     let with = |method: Method| {
         let setting = if method.adaptive() { Setting::Tolerance(tol) } else { Setting::Steps(steps) };

@@ -557,8 +557,9 @@ fn a_run_that_cannot_be_is_refused() {
 
 #[test]
 fn single_roots_err_by_less_than_their_rounding_and_conserve_momentum() {
-    // Truth: the same runs with roots in double precision. A root is off by 1.5 2^-24 = 9e-8 of the
-    // force; contacts change the phase of this wave by less than one over the run.
+    // Truth: the same runs with roots in double precision. A root is off by at most 1.5 2^-24 = 9e-8
+    // of the force, which turns the phase of this wave by 0.001 t = 0.3 over the run; twice that is
+    // allowed.
     let wave = Scene::load("tw-q15").unwrap();
     // In a free chain that flies through contacts the momentum, 1, is conserved to rounding.
     let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 40).unwrap();
@@ -570,7 +571,7 @@ fn single_roots_err_by_less_than_their_rounding_and_conserve_momentum() {
         let [a, b] = [single, double].map(|name| wave.strains(&by(&wave.run(), name).state));
         let off = distance(&a, &b) / wave.amplitude().unwrap();
         println!("{single}: {off:e}");
-        assert!(0.0 < off && off < 9e-8, "{single}: {off:e}");
+        assert!(0.0 < off && off < 5.4e-8, "{single}: {off:e}");
         let run = Run::new(chain.clone(), struck.clone()).until(60.0).unwrap();
         let velocities = by(&run, single).state[chain.sites()..].iter().sum();
         assert_near(velocities, 1.0, 1e-13, single);

@@ -24,8 +24,8 @@ pub trait Divisible<R: Real, K: Copy = R>: SplitFlow<R, K> {
     /// the model does not have.
     fn columns(&mut self) -> [&mut [R]; 4];
     /// Sets the sites from `first` on to arrays `[u, v, u', v']` of their states, at time 0 of the
-    /// flow; the arrays of resonators are used only where these move. Of chains abreast the sites of
-    /// the lane `first`.
+    /// flow; the arrays of resonators are used only where these move. Of chains abreast the sites
+    /// of the lane `first`.
     fn read(&mut self, first: usize, arrays: [&[R]; 4]);
     /// Writes the states of the sites from `first` on, as many as the arrays are long.
     fn write(&self, first: usize, arrays: [&mut [R]; 4]);

@@ -143,8 +143,8 @@ const DEFAULT_COMPARISON_SET: [&str; 13] = [
 pub const NO_TOLERANCE: &str = "a method with equal steps takes --step or --steps-per-period";
 
 /// Rule in the error for parts asked of a method that cannot run in parts.
-const NOT_DIVISIBLE: &str = "only splitting schemes and collocation run in parts, as --integrator strang-linear: \
-                                 leave --threads and ranks out, or take one";
+const NOT_DIVISIBLE: &str = "only splitting schemes with roots in double precision, and collocation, run in parts, as \
+                             --integrator strang-linear: leave --threads and ranks out, or take one";
 
 /// As its name.
 impl Serialize for Method {

@@ -347,8 +347,8 @@ impl<'a> Terms<'a> {
                 if far.as_ref().is_some_and(|far| !far.couples(unknowns.all[i].0, m)) {
                     return Interval::ZERO;
                 }
-                // A times the part of DG without D: the identity for k >= 1, and the equation of what
-                // is fixed.
+                // A times the part of DG without D: the identity for k >= 1, and the equation of
+                // what is fixed.
                 let plain = own.filter(|_| j > 0).map(|own| inverse[i][own]);
                 let fixed = fixed.map(|fixed| inverse[i][unknowns.rows - 1] * fixed.shares[m]);
                 let stiff = entries.iter().map(|(column, d)| product[i][*column] * *d).sum();
@@ -381,8 +381,8 @@ impl<'a> Terms<'a> {
         column
     }
 
-    /// A bound of the change of a row of this column in the ball of radius `r`, for a frequency that
-    /// is unknown: that of the force.
+    /// A bound of the change of a row of this column in the ball of radius `r`, for a frequency
+    /// that is unknown: that of the force.
     fn change_of_last(&self, n: usize, r: Interval) -> Interval {
         let change = r + of(2).sqrt() * self.system.shift.abs();
         let turned = self.turned[0][n] + kronecker(n == 0) * self.beyond_block[1];
@@ -413,8 +413,8 @@ impl<'a> Terms<'a> {
         (0..self.rows()).map(of_site).fold(Interval::ZERO, Interval::max)
     }
 
-    /// What follows from the radii of the ball and of uniqueness, and from the frequency. An unknown
-    /// frequency has the last of the weights.
+    /// What follows from the radii of the ball and of uniqueness, and from the frequency. An
+    /// unknown frequency has the last of the weights.
     fn proof(
         &self,
         (bounds, radius, unique): (Bounds, Interval, f64),

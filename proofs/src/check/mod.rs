@@ -185,8 +185,8 @@ fn of(k: usize) -> Interval {
 }
 
 /// Radii of a piece of a branch, where this bounds the derivative of `T` on balls:
-/// `Y0 + q r' <= r'` with `q` of a ball of radius `r >= r'`, and `q < 1` on that of uniqueness. Both
-/// are at most `largest`.
+/// `Y0 + q r' <= r'` with `q` of a ball of radius `r >= r'`, and `q < 1` on that of uniqueness.
+/// Both are at most `largest`.
 fn ladder(y0: Interval, largest: f64, contracts: impl Fn(f64) -> Interval) -> Option<(Interval, f64)> {
     let (mut radius, mut unique, mut r) = (None, None, y0.hi());
     for _ in 0..RUNGS {

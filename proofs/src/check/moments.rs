@@ -84,7 +84,8 @@ impl Moments {
         (within, changes)
     }
 
-    /// An upper bound of `sqrt 2 |N(X + h) - N(X)|_{L2}` over `sup |h| <= r`, `sqrt 2 |h|_{L2} <= r`.
+    /// An upper bound of `sqrt 2 |N(X + h) - N(X)|_{L2}` over `sup |h| <= r`,
+    /// `sqrt 2 |h|_{L2} <= r`.
     pub(super) fn force_change(&self, alpha: Exact, r: Interval) -> Interval {
         alpha.enclosed() * (Interval::exact(self.overlap.hi()) + r).pow(alpha.less_one()) * r
     }

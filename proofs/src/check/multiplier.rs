@@ -1,5 +1,5 @@
-//! Floquet multipliers: a real one of a dark breather, above 1 or -1, and one of a wave, outside the
-//! unit circle.
+//! Floquet multipliers: a real one of a dark breather, above 1 or -1, and one of a wave, outside
+//! the unit circle.
 //!
 //! Perturbations `e^{lambda t} p_n(t)` of its strains that the reflection maps to their negative,
 //! `p_n = sum_k c_nk cos (k + sigma/2) omega t + s_nk sin (k + sigma/2) omega t`, obey with `g = 0`
@@ -546,8 +546,9 @@ mod tests {
                 let Err(Refused::Multiplier { g: Some([[at, _], [change, _]]), .. }) = refused else {
                     panic!("{refused:?}")
                 };
-                // Three radii away. At the corners of the square g is 256 sqrt 2 times its change over
-                // the radius, so that Cauchy's bound takes away more than one percent of this change.
+                // Three radii away. At the corners of the square g is 256 sqrt 2 times its change
+                // over the radius, so that Cauchy's bound takes away more than one percent of this
+                // change.
                 assert!(at > 3.03 * change, "{k} {apart:?}: {refused:?}");
             }
         }

@@ -50,9 +50,9 @@ pub(super) struct System {
 }
 
 /// The equation `sum_n shares_n a_nk = value`, of a ring for its mean strain, with the unknown
-/// `c_0`; along a piece with `first` for `a_1`, with the unknown `(omega - omega_m)/half`, `omega_m`
-/// in the middle of the piece. So the factors of the piece are `l_k` plus the unknown times one in
-/// `slopes`.
+/// `c_0`; along a piece with `first` for `a_1`, with the unknown `(omega - omega_m)/half`,
+/// `omega_m` in the middle of the piece. So the factors of the piece are `l_k` plus the unknown
+/// times one in `slopes`.
 pub(super) struct Fixed {
     pub(super) harmonic: usize,
     pub(super) shares: Vec<Interval>,
