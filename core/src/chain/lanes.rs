@@ -5,17 +5,30 @@
 //! resonators, for which kernels are compiled. No lane sees another one, and each number is
 //! computed as in a chain alone, so that the bits are the same.
 
-use super::{Chain, rows::SHORT};
+use super::{Chain, details::CheckedDetails, rows::SHORT};
 pub(crate) use hertzchain_integrators::lanes::Coefficient;
 use hertzchain_integrators::{Real, Vector, with_registers};
+use std::sync::Arc;
 
 impl Chain<f64> {
     /// The largest number of such chains that can be moved abreast: that of the lanes of the
-    /// instructions in use; one for a chain with details, or with so many sites that columns do not
-    /// stay in the cache.
+    /// instructions in use; one for a chain with so many sites that columns do not stay in the
+    /// cache. Details have eight times as many columns, as 20 of sites and 5 of bonds are walked.
     pub(crate) fn most_abreast(&self) -> usize {
         let lanes = with_registers!(V => V::LANES);
-        if self.details().is_none() && self.sites() * lanes <= SHORT { lanes } else { 1 }
+        let most = if self.details().is_some() { SHORT / 8 } else { SHORT };
+        if self.sites() * lanes <= most { lanes } else { 1 }
+    }
+
+    /// Whether such chains can be moved abreast.
+    pub(crate) fn alike(&self, other: &Self) -> bool {
+        let uniform = |chain: &Self| (chain.params.alpha, chain.params.resonators());
+        (self.topology, self.layout) == (other.topology, other.layout)
+            && match (self.parts(), other.parts()) {
+                (None, None) => uniform(self) == uniform(other),
+                (Some(parts), Some(others)) => parts.kind() == others.kind(),
+                _ => false,
+            }
     }
 
     /// Chains abreast: number `i` of member `m` is number `i lanes + m`.
@@ -25,8 +38,11 @@ impl Chain<f64> {
     pub(crate) fn abreast(members: Vec<Self>) -> Self {
         let (first, lanes) = (&members[0], with_registers!(V => V::LANES));
         assert!(members.len() <= first.most_abreast(), "more chains than can be moved together");
-        let all = first.with_sites(first.boundary(), lanes * first.sites());
-        Self { members, ..all }
+        let parts: Option<Vec<_>> = members.iter().map(Self::parts).collect();
+        let details = parts.map(|parts| Arc::new(CheckedDetails::abreast(&parts)));
+        let sites = first.sites() * details.as_ref().map_or(lanes, |_| members.len());
+        let all = first.with_sites(first.boundary(), sites);
+        Self { members, details, ..all }
     }
 }
 
@@ -42,8 +58,13 @@ impl<R: Real> Chain<R> {
         self.members.get(lane).or(self.members.last()).unwrap_or(self)
     }
 
+    /// The number of members; 1 of a chain alone.
+    pub(super) fn count(&self) -> usize {
+        self.members.len().max(1)
+    }
+
     /// Number of components of the states of all members, one after the other.
     pub(super) fn full_dim(&self) -> usize {
-        self.members.len().max(1) * self.member(0).layout.dim()
+        self.count() * self.member(0).layout.dim()
     }
 }
