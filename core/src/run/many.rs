@@ -19,11 +19,15 @@ use std::{ops::ControlFlow, time::Instant};
 /// the number of a run, the time of each of its samples, and the state there.
 ///
 /// Runs that follow each other are made together, as many as a register has lanes, if they are by a
-/// splitting with the same number of equal steps and differ in nothing but their initial states,
-/// the parameters kappa and rho, the precompression and, if samples are equally spaced and taken at
-/// ends of steps, the span. Beads of a chain must be equal, at most a few thousand; all chains of
-/// one group are plain, or all have fixed resonators, or all moving ones; and neither contacts,
-/// observables nor crossings are asked for. Their wall time is shared equally.
+/// splitting with the same number of equal steps, on chains of the same length and boundary, and
+/// neither contacts, observables nor crossings are asked for.
+///
+/// Chains of equal beads, at most a few thousand, may differ in their initial states, in kappa, rho
+/// and precompression and, if samples are equally spaced and taken at ends of steps, in the span;
+/// all are plain, or all have fixed resonators, or all moving ones. Chains with details, at most a
+/// few hundred beads, may differ in their initial states and in all details but gravity and further
+/// powers of contacts; moving resonators, springs or magnets between beads, and the ledger of
+/// energies are in all of them or in none. Their wall time is shared equally.
 ///
 /// ```
 /// # use hertzchain_core::{Boundary, Chain, Method, Params, Run, Setting, State, run::start_all};
@@ -91,7 +95,7 @@ impl Run {
         self.split().is_some()
             && (self.method, self.setting) == (other.method, other.setting)
             && other.split().is_some()
-            && self.chain.alike(&other.chain)
+            && self.chain.kind() == other.chain.kind()
             && (self.records, &self.sampling) == (other.records, &other.sampling)
             && ((self.start, self.end) == (other.start, other.end)
                 || self.chain.details().is_none() && self.sampled_at_steps())

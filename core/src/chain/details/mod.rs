@@ -199,12 +199,6 @@ impl Acting {
 }
 
 impl<R: Real> CheckedDetails<R> {
-    /// What chains have in common that are moved abreast: whether springs or magnets join beads,
-    /// further powers of contacts, and gravity.
-    pub(crate) fn kind(&self) -> (bool, &[Term], f64) {
-        (self.joined(), &self.given.terms, self.given.gravity)
-    }
-
     /// The details of chains abreast: number `i` of member `m` is number `i members + m`.
     pub(crate) fn abreast(members: &[&Self]) -> Self {
         fn mixed<'a, T: Clone + 'a>(lists: impl Iterator<Item = &'a Vec<T>> + Clone) -> Vec<T> {
