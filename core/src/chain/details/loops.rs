@@ -246,12 +246,10 @@ impl<R: Real> Loops<R> {
                 push[bond] = contact.elastic(contact.rest + strain(bond));
             }
         }
-        if parts.joined() {
-            let touching = topology.touching();
-            for bond in touching.start * members..touching.end * members {
-                if let Some(joint) = parts.joint(bond) {
-                    push[bond] += joint.force(strain(bond));
-                }
+        let touching = topology.touching();
+        for bond in (touching.start * members..touching.end * members).filter(|_| parts.joined()) {
+            if let Some(joint) = parts.joint(bond) {
+                push[bond] += joint.force(strain(bond));
             }
         }
         if topology.ring() {
