@@ -5,7 +5,7 @@ use super::{
     method::{Split, loaded},
 };
 use crate::{
-    chain::{Chain, Divisible, KineticFlow, LinearFlow},
+    chain::{Chain, Divisible, KineticFlow, LinearFlow, SitewiseFlow},
     error::Result,
 };
 use hertzchain_integrators::{
@@ -19,11 +19,15 @@ use std::{ops::ControlFlow, time::Instant};
 /// the number of a run, the time of each of its samples, and the state there.
 ///
 /// Runs that follow each other are made together, as many as a register has lanes, if they are by a
-/// splitting with the same number of equal steps and differ in nothing but their initial states,
-/// the parameters kappa and rho, the precompression and, if samples are equally spaced and taken at
-/// ends of steps, the span. Beads of a chain must be equal, at most a few thousand; all chains of
-/// one group are plain, or all have fixed resonators, or all moving ones; and neither contacts,
-/// observables nor crossings are asked for. Their wall time is shared equally.
+/// splitting with the same number of equal steps, on chains of the same length and boundary, and
+/// neither contacts, observables nor crossings are asked for.
+///
+/// Chains of equal beads, at most a few thousand, may differ in their initial states, in kappa, rho
+/// and precompression and, if samples are equally spaced and taken at ends of steps, in the span;
+/// all are plain, or all have fixed resonators, or all moving ones. Chains with details, at most a
+/// few hundred beads, may differ in their initial states and in all details but gravity and further
+/// powers of contacts; moving resonators, springs or magnets between beads, and the ledger of
+/// energies are in all of them or in none. Their wall time is shared equally.
 ///
 /// ```
 /// # use hertzchain_core::{Boundary, Chain, Method, Params, Run, Setting, State, run::start_all};
@@ -71,10 +75,11 @@ pub fn groups(runs: &[Run], most: usize) -> Vec<&[Run]> {
 impl Run {
     /// Scheme, split and steps of a run that can be made together with others.
     fn split(&self) -> Option<(&'static Scheme, Split, u64)> {
-        let plain = self.chain.details().is_none() && self.parts.whole() && !self.contacts;
+        let runs = self.method?.runs(&self.chain).and(self.chain.magnets_apart(self.initial().as_slice()));
+        let plain = runs.is_ok() && self.parts.whole() && !self.contacts;
         let (scheme, split) = match self.method? {
             Method::Splitting(scheme, split) => (scheme, split),
-            Method::SingleRoots(split) if self.method?.runs(&self.chain).is_ok() => (&tables::STRANG, split),
+            Method::SingleRoots(split) => (&tables::STRANG, split),
             _ => return None,
         };
         match self.setting {
@@ -87,13 +92,13 @@ impl Run {
 
     /// Whether another run can be made together with this one.
     fn alike(&self, other: &Self) -> bool {
-        let chain = |run: &Self| (run.chain.params().alpha, run.chain.params().resonators(), run.chain.topology());
         self.split().is_some()
             && (self.method, self.setting) == (other.method, other.setting)
             && other.split().is_some()
-            && chain(self) == chain(other)
+            && self.chain.kind() == other.chain.kind()
             && (self.records, &self.sampling) == (other.records, &other.sampling)
-            && ((self.start, self.end) == (other.start, other.end) || self.sampled_at_steps())
+            && ((self.start, self.end) == (other.start, other.end)
+                || self.chain.details().is_none() && self.sampled_at_steps())
     }
 
     /// Whether all samples of a run by equal steps are at ends of steps.
@@ -122,6 +127,10 @@ fn together(
     };
     let (chain, first) = (Chain::abreast(runs.iter().map(forces).collect()), split.first());
     let mut stepper: Box<dyn Stepper<f64>> = match split {
+        _ if chain.details().is_some() => {
+            let flow = loaded(SitewiseFlow::new(chain, split, spans[0].0), &y);
+            Box::new(Splitting::new(scheme, first, flow, spans[0], steps)?)
+        }
         Split::Kinetic => {
             let flow = loaded(KineticFlow::<f64, Each<f64>>::rest(chain), &y);
             Box::new(Splitting::abreast(scheme, first, flow, &spans, steps)?)
@@ -183,7 +192,7 @@ impl Observer<f64> for Members<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chain::{Boundary, Params, State};
+    use crate::chain::{Boundary, Details, Drive, DriveKind, Params, Signal, State, Term};
 
     /// Runs by a splitting from states of sizes 1, 2, .., each of a chain for this size.
     fn runs(chain: impl Fn(u32) -> Chain<f64>, method: &str, sizes: std::ops::Range<u32>, steps: u64) -> Vec<Run> {
@@ -192,6 +201,7 @@ mod tests {
             let mut state = State::rest(&chain);
             let numbers = state.as_mut_slice().iter_mut().enumerate();
             numbers.for_each(|(i, x)| *x = 0.01 * f64::from(size) * (0.7 * (i * i) as f64 + 0.3).sin());
+            chain.follow(0.0, state.as_mut_slice());
             // Samples of other spans than the first one's are at ends of steps only.
             let end = if steps.is_multiple_of(3) { 7.0 + 0.3 * f64::from(size) } else { 7.0 };
             let run = Run::new(chain, state).until(end).unwrap().samples(3).unwrap().records(Records::Energy);
@@ -223,29 +233,92 @@ mod tests {
                     let inside = [("verlet", 91), ("strang-linear", 91)];
                     for (method, steps) in ways.into_iter().chain(inside).chain(single) {
                         let runs = runs(chain, method, 1..8, steps);
-                        assert_eq!(groups(&runs, 7)[0].len(), runs[0].chain.most_abreast().min(7));
-                        let (mut seen, mut want) = (vec![Vec::new(); 7], vec![Vec::new(); 7]);
-                        let ends = start_all(&runs, &mut |k, t, y| seen[k].push((t, y.to_vec())));
-                        for ((run, end), want) in runs.iter().zip(ends).zip(&mut want) {
-                            let alone = run.observe(&mut |t, y| want.push((t, y.to_vec())), &mut |_| ()).unwrap();
-                            let end = end.unwrap();
-                            assert!(
-                                end.state == alone.state && end.samples == alone.samples,
-                                "{set} {boundary:?} {n} {rho}"
-                            );
-                            assert_eq!(
-                                (end.energy_error, end.stats, end.t),
-                                (alone.energy_error, alone.stats, alone.t)
-                            );
-                        }
-                        assert!(
-                            seen == want && seen[0].len() == 4 && seen[0] != seen[1],
-                            "{set} {boundary:?} {n} {rho}"
-                        );
+                        each_as_alone(&runs, &format!("{set} {boundary:?} {n} {rho}"));
                     }
                 }
             }
         });
+    }
+
+    /// Seven runs that are made together have the bits of each alone, at all samples.
+    fn each_as_alone(runs: &[Run], told: &str) {
+        assert_eq!(groups(runs, 7)[0].len(), runs[0].chain.most_abreast().min(7), "{told}");
+        let (mut seen, mut want) = (vec![Vec::new(); 7], vec![Vec::new(); 7]);
+        let ends = start_all(runs, &mut |k, t, y| seen[k].push((t, y.to_vec())));
+        for ((run, end), want) in runs.iter().zip(ends).zip(&mut want) {
+            let alone = run.observe(&mut |t, y| want.push((t, y.to_vec())), &mut |_| ()).unwrap();
+            let end = end.unwrap();
+            assert!(end.state == alone.state && end.samples == alone.samples, "{told}");
+            assert_eq!((end.energy_error, end.stats, end.t), (alone.energy_error, alone.stats, alone.t));
+        }
+        assert!(seen == want && seen[0].len() == 4 && seen[0] != seen[1], "{told}");
+    }
+
+    /// A chain with details of its own: masses, springs, resonators and contacts that differ; then
+    /// also joints, on-site springs and further powers; or dampers, drives and gravity.
+    fn detailed(boundary: Boundary, n: usize, kind: &str, size: u32) -> Chain<f64> {
+        let size = f64::from(size);
+        let chain = Chain::new(Params::new(1.5, 1.0, 0.4).unwrap(), boundary, n).unwrap();
+        let of = |count: usize, f: &dyn Fn(f64) -> f64| (0..count).map(|i| f(i as f64 + size)).collect::<Vec<_>>();
+        let (bonds, last) = (chain.touching().len(), n - 1);
+        let plain = Details {
+            mass: of(n, &|x| 1.0 + 0.4 * x.sin()),
+            kappa: of(n, &|x| 1.0 + 0.5 * (2.0 * x).sin()),
+            rho: (0..n).map(|i| [0.0, 0.4, 0.1 * size, f64::INFINITY][i * i % 4]).collect(),
+            contact: of(bonds, &|x| 1.5 + (3.0 * x).sin()),
+            overlap: of(bonds, &|x| 0.01 * x.sin()),
+            ..Details::default()
+        };
+        let signal = |size| Signal::sine(size, 1.3, 0.0);
+        let details = match kind {
+            "held" => Details {
+                alpha: of(bonds, &|x| 1.5 + 0.5 * x.sin()),
+                terms: vec![Term { contact: vec![0.5; bonds], alpha: 2.5 }],
+                onsite: of(n, &|x| (2.0 + x.sin()) / 10.0),
+                spring: of(bonds, &|x| (1.5 + x.sin()) / 10.0),
+                magnet: of(bonds, &|x| (1.5 + x.sin()) / 100.0),
+                distance: vec![2.0; bonds],
+                decay: 4.0,
+                ..plain
+            },
+            "open" => Details {
+                rho: (0..n).map(|i| if i == 0 { 0.0 } else { 0.1 * size }).collect(),
+                drag: (0..n).map(|i| if i == 0 { 0.0 } else { 0.01 * size }).collect(),
+                dashpot: (0..n).map(|i| if i == 0 || i % 3 == 1 { 0.0 } else { 0.02 * size }).collect(),
+                drives: [(0, DriveKind::Displacement), (last, DriveKind::Force)][..n.min(2)]
+                    .iter()
+                    .map(|&(site, kind)| Drive { site, kind, signal: signal(0.01 * size) })
+                    .collect(),
+                gravity: 0.01,
+                ..plain
+            },
+            _ => plain,
+        };
+        chain.with(&details).unwrap()
+    }
+
+    #[test]
+    fn beads_that_differ_are_made_together_with_the_bits_of_each_alone() {
+        // Truth: each run alone; samples at ends of steps and inside.
+        crate::chain::on_every_set(|set| {
+            for boundary in Boundary::ALL.into_iter().filter(|&boundary| boundary != Boundary::StrainRing) {
+                for (n, kind) in [1, 2, 3, 9].into_iter().flat_map(|n| ["plain", "held", "open"].map(|kind| (n, kind)))
+                {
+                    for (method, steps) in [("verlet", 91), ("strang-linear", 91), ("aba864", 88)] {
+                        let runs = runs(|size| detailed(boundary, n, kind, size), method, 1..8, steps);
+                        each_as_alone(&runs, &format!("{set} {boundary:?} {n} {kind} {method}"));
+                    }
+                }
+            }
+        });
+        // What cannot be made together: spans of their own, other gravity, uniform chains.
+        let alone = |runs: &[Run]| assert_eq!(groups(runs, 7)[0].len(), 1);
+        alone(&runs(|size| detailed(Boundary::Free, 9, "plain", size), "verlet", 1..8, 90));
+        let heavy = |size| Details { gravity: f64::from(size), ..Details::default() };
+        let bare = |_| Chain::new(Params::new(1.5, 1.0, 0.4).unwrap(), Boundary::Fixed, 9).unwrap();
+        alone(&runs(|size| bare(size).with(&heavy(size)).unwrap(), "verlet", 1..8, 91));
+        let one = |size| if size == 1 { bare(size) } else { bare(size).with(&Details::default()).unwrap() };
+        alone(&runs(one, "verlet", 1..8, 91));
     }
 
     #[test]

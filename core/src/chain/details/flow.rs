@@ -42,7 +42,8 @@ pub struct SitewiseFlow<R> {
     loops: Arc<Loops<R>>,
     /// The sites, in the variables of their classes.
     z: [Vec<R>; 4],
-    ledger: Ledger<R>,
+    /// The ledger of each member.
+    ledgers: Vec<Ledger<R>>,
     start: DoubleDouble<R>,
     time: DoubleDouble<R>,
     /// Whether this is a copy, which moves to samples or to trial times. It keeps the motion over
@@ -50,7 +51,7 @@ pub struct SitewiseFlow<R> {
     /// depend on how often it was used before.
     copy: bool,
     kept: Vec<Memo<R>>,
-    /// Positions of beads, forces in bonds, and forces on beads.
+    /// Positions of beads, see [`Loops::forces`], forces in bonds, and forces on beads.
     u: Vec<R>,
     push: Vec<R>,
     force: Vec<R>,
@@ -83,20 +84,20 @@ impl<R: Real> SitewiseFlow<R> {
                 index
             }));
         }
-        let (n, zero) = (chain.sites(), R::zero());
+        let (n, members, zero) = (chain.sites(), chain.count(), R::zero());
         Self {
             split,
             loops: Arc::new(Loops::new(&chain, parts(&chain), &classes, &class)),
             classes: Arc::new(classes),
             class: Arc::new(class),
             z: std::array::from_fn(|_| vec![zero; n]),
-            ledger: Ledger::of(&[zero; super::LEDGER]),
+            ledgers: vec![Ledger::of(&[zero; super::LEDGER]); members],
             start: DoubleDouble::new(start),
             time: DoubleDouble::new(start),
             copy: false,
             kept: Vec::new(),
-            u: vec![zero; n],
-            push: vec![zero; n + 1],
+            u: vec![zero; n + 2 * members],
+            push: vec![zero; n + members],
             force: vec![zero; n],
             chain,
         }
@@ -115,11 +116,13 @@ impl<R: Real> SitewiseFlow<R> {
         self.class(i).bead(&self.site(i))
     }
 
-    /// The sum of `F u` and `m s'^2/2` of all drives, and of gravity, at the present time.
-    fn held_by_drives(&self) -> R {
-        let parts = parts(&self.chain);
-        let by_gravity = parts.weights().fold(R::zero(), |sum, (i, weight)| sum + weight * self.bead(i)[0]);
-        parts.acting().iter().fold(by_gravity, |sum, drive| {
+    /// The sum of `F u` and `m s'^2/2` of all drives, and of gravity, at the present time, of a
+    /// member.
+    fn held_by_drives(&self, member: usize) -> R {
+        let (parts, own) = (parts(&self.chain), |site: usize| site % self.chain.count() == member);
+        let weights = parts.weights().filter(|&(i, _)| own(i));
+        let by_gravity = weights.fold(R::zero(), |sum, (i, weight)| sum + weight * self.bead(i)[0]);
+        parts.acting().iter().filter(|drive| own(drive.site)).fold(by_gravity, |sum, drive| {
             let [value, first, _] = drive.at(self.time.value());
             sum + match drive.kind {
                 DriveKind::Force => value * self.bead(drive.site)[0],
@@ -160,16 +163,18 @@ impl<R: Real> SitewiseFlow<R> {
 
     fn drives(&mut self, kick: R) {
         let t = self.time.value();
-        let Self { chain, u, force, ledger, .. } = self;
+        let Self { chain, u, force, ledgers, .. } = self;
+        let members = ledgers.len();
         parts(chain).weights().for_each(|(i, weight)| force[i] += weight);
         for drive in parts(chain).acting() {
             let ([value, first, _], i) = (drive.at(t), drive.site);
+            let driven = &mut ledgers[i % members].driven;
             match drive.kind {
                 DriveKind::Force => {
                     force[i] += value;
-                    ledger.driven -= kick * (first * u[i]);
+                    *driven -= kick * (first * u[members + i]);
                 }
-                DriveKind::Displacement => ledger.driven -= kick * (force[i] * first),
+                DriveKind::Displacement => *driven -= kick * (force[i] * first),
             }
         }
     }
@@ -181,39 +186,47 @@ fn parts<R: Real>(chain: &Chain<R>) -> &CheckedDetails<R> {
 
 impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
     fn dim(&self) -> usize {
-        self.chain.layout().dim()
+        self.chain.full_dim()
     }
 
     fn load(&mut self, y: &[R]) {
-        let layout = self.chain.layout();
-        let (u, v, u_dot, v_dot) = (layout.u(y), layout.v(y), layout.u_dot(y), layout.v_dot(y));
-        for i in 0..u.len() {
-            let moves = parts(&self.chain).sites[i].resonators == Resonators::Moving;
-            let of = |array: Option<&[R]>| array.filter(|_| moves).map_or(R::zero(), |array| array[i]);
-            let site = self.class(i).split([u[i], of(v), u_dot[i], of(v_dot)]);
-            self.z.iter_mut().zip(site).for_each(|(z, value)| z[i] = value);
+        let (layout, members) = (self.chain.member(0).layout(), self.chain.count());
+        for (m, y) in y.chunks(layout.dim()).enumerate() {
+            let (u, v, u_dot, v_dot) = (layout.u(y), layout.v(y), layout.u_dot(y), layout.v_dot(y));
+            for i in 0..u.len() {
+                let at = i * members + m;
+                let moves = parts(&self.chain).sites[at].resonators == Resonators::Moving;
+                let of = |array: Option<&[R]>| array.filter(|_| moves).map_or(R::zero(), |array| array[i]);
+                let site = self.class(at).split([u[i], of(v), u_dot[i], of(v_dot)]);
+                self.z.iter_mut().zip(site).for_each(|(z, value)| z[at] = value);
+            }
         }
         self.time = self.start;
         self.follow();
-        if let Some(ledger) = layout.ledger(y) {
-            self.ledger = ledger;
-            self.ledger.driven -= self.held_by_drives();
+        for (m, y) in y.chunks(layout.dim()).enumerate() {
+            if let Some(ledger) = layout.ledger(y) {
+                self.ledgers[m] = Ledger { driven: ledger.driven - self.held_by_drives(m), ..ledger };
+            }
         }
     }
 
     fn store(&self, y: &mut [R]) {
-        let (layout, n) = (self.chain.layout(), self.chain.sites());
-        let half = layout.half();
-        for (i, site) in parts(&self.chain).sites.iter().enumerate() {
-            let [u, v, u_dot, v_dot] = self.class(i).join(self.site(i), site.resonators);
-            (y[i], y[half + i]) = (u, u_dot);
-            if layout.resonators() {
-                (y[n + i], y[half + n + i]) = (v, v_dot);
+        let (layout, members) = (self.chain.member(0).layout(), self.chain.count());
+        let (n, half) = (layout.sites(), layout.half());
+        for (m, (y, ledger)) in y.chunks_mut(layout.dim()).zip(&self.ledgers).enumerate() {
+            for i in 0..n {
+                let at = i * members + m;
+                let resonators = parts(&self.chain).sites[at].resonators;
+                let [u, v, u_dot, v_dot] = self.class(at).join(self.site(at), resonators);
+                (y[i], y[half + i]) = (u, u_dot);
+                if layout.resonators() {
+                    (y[n + i], y[half + n + i]) = (v, v_dot);
+                }
             }
-        }
-        if layout.has_ledger() {
-            let driven = self.ledger.driven + self.held_by_drives();
-            y[2 * half..].copy_from_slice(&Ledger { driven, ..self.ledger }.entries());
+            if layout.has_ledger() {
+                let driven = ledger.driven + self.held_by_drives(m);
+                y[2 * half..].copy_from_slice(&Ledger { driven, ..*ledger }.entries());
+            }
         }
     }
 
@@ -225,7 +238,7 @@ impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
             class: Arc::clone(&self.class),
             loops: Arc::clone(&self.loops),
             z: self.z.clone(),
-            ledger: self.ledger,
+            ledgers: self.ledgers.clone(),
             start: self.start,
             time: self.time,
             copy: true,
@@ -238,16 +251,16 @@ impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
 
     fn copy_from(&mut self, other: &Self) {
         self.z.iter_mut().zip(&other.z).for_each(|(z, other)| z.copy_from_slice(other));
-        (self.ledger, self.time) = (other.ledger, other.time);
+        self.ledgers.copy_from_slice(&other.ledgers);
+        self.time = other.time;
     }
 
     fn drift(&mut self, dt: DoubleDouble<R>) {
         // The last drift of a step may be none.
         if dt != DoubleDouble::zero() {
             let drift = self.repeated(dt);
-            let Ledger { drag, dashpots, .. } = &mut self.ledger;
             let classes = (&self.classes[..], &self.class[..]);
-            self.loops.drift(&mut self.z, (dt, drift.as_deref()), classes, [drag, dashpots]);
+            self.loops.drift(&mut self.z, (dt, drift.as_deref()), classes, &mut self.ledgers);
         }
         self.time = self.time + dt;
         self.follow();
@@ -255,7 +268,7 @@ impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
 
     fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
         let Self { chain, loops, z, u, push, force, .. } = self;
-        loops.positions(z, u);
+        loops.positions(z, &mut u[chain.count()..][..force.len()]);
         loops.forces(chain, parts(chain), u, push, force);
         // Beads that are pushed may have springs, those that are moved have none.
         if self.split == Split::Kinetic {

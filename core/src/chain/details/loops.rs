@@ -10,7 +10,7 @@ use super::{
         bonds::turning,
         law::{Power, with_hertz},
     },
-    CheckedDetails,
+    CheckedDetails, Ledger,
     propagator::{Class, Propagator},
 };
 use hertzchain_integrators::{DoubleDouble, Real, Rotation, vector::Vector, with_registers};
@@ -152,14 +152,15 @@ impl<R: Real> Loops<R> {
     }
 
     /// Moves all sites on by the time `dt`, over which `drift` is their motion if it is kept; adds
-    /// the energies that drag and dashpots dissipate to `lost`.
+    /// the energies that drag and dashpots dissipate to the ledger of each member.
     pub(super) fn drift(
         &self,
         z: &mut [Vec<R>; 4],
         (dt, drift): (DoubleDouble<R>, Option<&Drift<R>>),
         (classes, class): (&[Class<R>], &[u32]),
-        [lost_to_drag, lost_to_dashpots]: [&mut R; 2],
+        ledgers: &mut [Ledger<R>],
     ) {
+        let members = ledgers.len();
         for (motion, range) in &self.motions {
             let mut z = part(z, range);
             match (motion, drift) {
@@ -196,8 +197,9 @@ impl<R: Real> Loops<R> {
                             None => classes[class as usize].advance(&mut site, dt),
                         };
                         z.iter_mut().zip(site).for_each(|(z, value)| z[k] = value);
-                        *lost_to_drag += drag;
-                        *lost_to_dashpots += dashpot;
+                        let ledger = &mut ledgers[(range.start + k) % members];
+                        ledger.drag += drag;
+                        ledger.dashpots += dashpot;
                     }
                 }
             }
@@ -212,43 +214,53 @@ impl<R: Real> Loops<R> {
         }
     }
 
-    /// Contact forces on beads at these positions; `push` has room for one bond more than sites.
-    pub(super) fn forces(&self, chain: &Chain<R>, parts: &CheckedDetails<R>, u: &[R], push: &mut [R], force: &mut [R]) {
-        let (n, touching) = (u.len(), chain.touching());
-        let push = &mut push[..=n];
-        let own = |bond: usize| {
-            let contact = &parts.bonds[bond];
-            contact.elastic(contact.rest + chain.across(bond, |i| u[i]))
-        };
+    /// Contact forces on beads at the positions `u`, which have a place more for each member on
+    /// either side; `push` has room for a bond more than sites of each.
+    pub(super) fn forces(
+        &self,
+        chain: &Chain<R>,
+        parts: &CheckedDetails<R>,
+        u: &mut [R],
+        push: &mut [R],
+        force: &mut [R],
+    ) {
+        let (n, members, topology) = (force.len(), chain.count(), chain.member(0).topology());
+        for m in 0..members {
+            (u[m], u[n + members + m]) = topology.ghosts(u[members + m], u[n + m]);
+        }
+        let (u, push) = (&u[..n + 2 * members], &mut push[..n + members]);
+        // The bonds beyond free ends are open, at an infinite distance.
+        let strain = |bond: usize| u[bond] - u[bond + members];
         if let Some(law) = &self.law {
-            let contacts = self.contacts.each_ref().map(|numbers| &numbers[1..]);
-            let push = &mut push[1..n];
+            let contacts = self.contacts.each_ref().map(|numbers| &numbers[..n + members]);
+            let push = &mut *push;
             // The force `A (delta + u_i - u_{i+1})_+^alpha` of the bond after bead `i`.
-            // SAFETY: the slices have a number for each of these bonds, and `u` one more.
-            with_hertz!(law, power => over!(n - 1, i, V<R> => unsafe {
-                let overlap = load::<R, V<R>>(contacts[1], i) + (load::<R, V<R>>(u, i) - load(u, i + 1));
+            // SAFETY: the slices have a number for each bond, and `u` one more for each member.
+            with_hertz!(law, power => over!(n + members, i, V<R> => unsafe {
+                let overlap = load::<R, V<R>>(contacts[1], i) + (load::<R, V<R>>(u, i) - load(u, i + members));
                 let constant: V<R> = load(contacts[0], i);
                 store(push, i, constant * power.raise(law.positive_part(overlap)));
             }));
         } else {
-            touching.clone().for_each(|bond| push[bond] = own(bond));
-        }
-        // The first and last bond: with a wall, with nothing, or from the last bead of a ring to
-        // the first.
-        for bond in [0, n] {
-            push[bond] = if touching.contains(&bond) { own(bond) } else { R::zero() };
-        }
-        for bond in touching.filter(|_| parts.joined()) {
-            if let Some(joint) = parts.joint(bond) {
-                push[bond] += joint.force(chain.across(bond, |i| u[i]));
+            for (bond, contact) in parts.bonds.iter().enumerate() {
+                push[bond] = contact.elastic(contact.rest + strain(bond));
             }
         }
-        if chain.topology().ring() {
-            push[n] = push[0];
+        let touching = topology.touching();
+        for bond in (touching.start * members..touching.end * members).filter(|_| parts.joined()) {
+            if let Some(joint) = parts.joint(bond) {
+                push[bond] += joint.force(strain(bond));
+            }
         }
-        for (force, pair) in force.iter_mut().zip(push.windows(2)) {
-            *force = pair[0] - pair[1];
+        if topology.ring() {
+            let (first, last) = push.split_at_mut(n);
+            last.copy_from_slice(&first[..members]);
         }
+        let push = &*push;
+        // SAFETY: the slices have a number for each site, or for each bond.
+        over!(n, i, V<R> => unsafe {
+            store(force, i, load::<R, V<R>>(push, i) - load(push, i + members));
+        });
     }
 
     /// Of all bonds, from bond 0 on: overlaps times `unit`, forces as the powers of these, and the

@@ -199,6 +199,28 @@ impl Acting {
 }
 
 impl<R: Real> CheckedDetails<R> {
+    /// The details of chains abreast: number `i` of member `m` is number `i members + m`.
+    pub(crate) fn abreast(members: &[&Self]) -> Self {
+        fn mixed<'a, T: Clone + 'a>(lists: impl Iterator<Item = &'a Vec<T>> + Clone) -> Vec<T> {
+            let long = lists.clone().map(Vec::len).max().unwrap_or(0);
+            (0..long).flat_map(|i| lists.clone().map(move |list| list[i].clone())).collect()
+        }
+        let own = |(m, one): (usize, &&Self)| {
+            let at = move |acting: Acting| Acting { site: acting.site * members.len() + m, ..acting };
+            one.acting.clone().into_iter().map(at)
+        };
+        let all = members.iter();
+        Self {
+            given: members[0].given.clone(),
+            acting: all.clone().enumerate().flat_map(own).collect(),
+            sites: mixed(all.clone().map(|one| &one.sites)),
+            bonds: mixed(all.clone().map(|one| &one.bonds)),
+            joints: mixed(all.clone().map(|one| &one.joints)),
+            damped: all.clone().any(|one| one.damped),
+            dissipative: all.clone().any(|one| one.dissipative),
+        }
+    }
+
     /// What acts on beads, besides gravity.
     pub(crate) fn acting(&self) -> &[Acting] {
         &self.acting
