@@ -467,7 +467,8 @@ mod processes {
         let args: Vec<&str> = line.split(' ').collect();
         let resume = Some((&["breather", "continue", "--bifurcations"][..], "branch.npz"));
         Study { args: &args, resume, kept: &points, kills: 6, intervals: None }.survives(&mut random);
-        let line = "orbit continue granular-crystal --settle 20 --to 2e-8 --step 2e-10";
+        let four = "--set chain.sites=4 --set initial.site=1";
+        let line = format!("orbit continue granular-crystal {four} --settle 20 --to 2e-8 --step 2e-10");
         let args: Vec<&str> = line.split(' ').collect();
         let resume = Some((&["orbit", "continue"][..], "driven-branch.npz"));
         Study { args: &args, resume, kept: &driven_points, kills: 4, intervals: None }.survives(&mut random);

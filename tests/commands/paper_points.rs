@@ -11,7 +11,14 @@ use hertzchain::{
     interrupt::Token,
 };
 use serde_json::Value;
-use std::{fs, path::Path, process::Stdio, thread::sleep, time::Duration};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Stdio,
+    sync::OnceLock,
+    thread::sleep,
+    time::Duration,
+};
 
 const FIGURES: &str = "paper figures --only homoclinics,dark-profiles,exact-wave,exact-limits";
 
@@ -20,6 +27,19 @@ fn said(line: &str, out: &Path) -> String {
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success(), "{line}: {said}");
     said
+}
+
+const MAP: &str = "paper figures --only homoclinics,lifetime-map";
+
+/// The folder of [`MAP`], made once for all tests.
+pub(super) fn with_map() -> &'static Path {
+    static MADE: OnceLock<PathBuf> = OnceLock::new();
+    MADE.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("with-map");
+        let _ = fs::remove_dir_all(&folder);
+        said(MAP, &folder);
+        folder
+    })
 }
 
 /// The lines of a store, sorted.
@@ -53,9 +73,8 @@ fn figures_that_are_killed_repeat_what_was_in_flight_only() {
 
 #[test]
 fn figures_that_are_asked_to_end_keep_what_is_finished_and_no_part_of_the_rest() {
-    let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let (whole, parts) = (whole.path(), parts.path());
-    let line = "paper figures --only homoclinics,lifetime-map";
+    let (parts, line) = (tempfile::tempdir().unwrap(), MAP);
+    let parts = parts.path();
     let store = parts.join("figures.store");
     let mut process = command(line, parts, &["--json"]);
     let mut process = process.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -76,8 +95,7 @@ fn figures_that_are_asked_to_end_keep_what_is_finished_and_no_part_of_the_rest()
     let first = kept(&store);
     assert!(said(line, parts).contains("1 of 2 figures are from"));
     assert!(kept(&store).contains(&first[0]));
-    said(line, whole);
-    assert!(files(whole) == files(parts));
+    assert!(files(with_map()) == files(parts));
 }
 
 #[test]
