@@ -203,7 +203,7 @@ pub fn require(keeps: bool, name: &'static str, value: impl ToString, rule: &'st
 }
 
 /// The rule for exponents of contacts whose stiffness is asked for.
-pub const SMOOTH: &str = "above 1: else the stiffness of a contact jumps where it opens";
+pub const SMOOTH: &str = "above 1 (that of a table is 1): else the stiffness of a contact jumps where it opens";
 
 /// A value that must be finite and positive.
 ///

@@ -68,6 +68,18 @@ pub enum Error {
         /// The change of its impulse.
         residual: f64,
     },
+    /// An overlap is beyond those for which the contact law is known.
+    #[error("bond {bond} overlaps by {overlap:e} at t = {}: the table of its contact law ends at {last:e}", brief(.t))]
+    BeyondLaw {
+        /// Time.
+        t: f64,
+        /// The bond, to the left of the site of this number.
+        bond: usize,
+        /// Its overlap.
+        overlap: f64,
+        /// The last overlap of the table.
+        last: f64,
+    },
     /// The work was [asked](crate::interrupt) to end.
     #[error("stopped by a signal at t = {}", brief(.t))]
     Stopped {

@@ -52,7 +52,8 @@ class Chain(Made):
         distance``, and ``viscoelastic``,
         ``dashpot`` or ``hunt_crossley``, with values as for `beads`; ``beta``, ``rate_power`` and
         ``decay``, one number each, and ``pull``, a bool. ``terms`` are further powers in the force
-        of contacts, a list such as ``[{"contact": 0.5, "alpha": 2.5}]``. An array has one number for
+        of contacts, a list such as ``[{"contact": 0.5, "alpha": 2.5}]``; ``table`` has arrays
+        ``overlap`` and ``force`` in place of the first power. An array has one number for
         each bond that can touch, from left to right: ``sites - 1`` between free ends, ``sites`` with
         one wall or on a ring, ``sites + 1`` between walls. ``wall``, the contact constant of walls,
         is one number.

@@ -16,8 +16,9 @@ Table = Mapping[str, Any]
 
 BEADS = ("mass", "kappa", "stiffness", "rho", "resonator", "onsite", "drag", "tau", "dashpot")
 TERM = ("contact", "alpha")
+ROWS = ("overlap", "force")
 BONDS = (
-    *("contact", "wall", "alpha", "terms", "overlap", "spring", "magnet", "distance", "decay"),
+    *("contact", "wall", "alpha", "terms", "table", "overlap", "spring", "magnet", "distance", "decay"),
     *("viscoelastic", "dashpot", "beta", "rate_power", "hunt_crossley", "pull"),
 )
 DRIVE = (
@@ -55,6 +56,8 @@ def _value(name: str, value: Any, count: int | None) -> Any:
         return whole(name, value)
     if name == "bonds.terms":
         return tables(name, value, TERM, count)
+    if name == "bonds.table":
+        return table(name, value, ROWS, None)
     if isinstance(value, Mapping):
         return MappingProxyType(dict(value))
     if isinstance(value, (list, tuple)) or isinstance(value, np.ndarray) and value.ndim > 0:

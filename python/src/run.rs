@@ -12,7 +12,7 @@ use hertzchain::{
     run::Records,
     scene::{Quantity, Units},
     study::{
-        self, Condition, FilmSample, MethodChoice, MethodRequest, ResultUnits, contact_in_si, in_units, state_in_si,
+        self, Condition, MethodChoice, MethodRequest, ResultUnits, contact_in_si, in_units, state_in_si,
         with_conditions,
     },
     sweep::start_all,
@@ -238,10 +238,15 @@ pub(crate) fn film<'py>(
     let (scene, t, u) = (&scene.0, t.as_slice()?, u.as_slice()?);
     let (sites, v) = (scene.chain().sites(), v.as_ref().map_or(Ok(&[][..]), |v| v.as_slice())?);
     let row = |k: usize| k * sites..(k + 1) * sites;
-    let samples: Vec<FilmSample<'_>> =
+    let samples: Vec<(f64, &[f64], &[f64])> =
         t.iter().enumerate().map(|(k, t)| (*t, &u[row(k)], v.get(row(k)).unwrap_or_default())).collect();
     let units = scene.units().filter(|_| si);
-    Ok(PyBytes::new(py, &study::film(scene, how, &samples, units).or_raise(py)?))
+    Ok(PyBytes::new(
+        py,
+        &study::film(scene, how, &samples, units)
+            .and_then(|film| Ok(hertzchain::figures::film(&film)?))
+            .or_raise(py)?,
+    ))
 }
 
 /// Runs scenes, each as by [`run`] with the same bits, on all cores; those that are alike and by a

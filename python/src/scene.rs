@@ -264,6 +264,10 @@ fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict
         }
         bonds.set_item("terms", terms)?;
     }
+    if let Some(rows) = &details.table {
+        let [overlap, force] = [rows.overlap(), rows.force()].map(<[f64]>::to_vec);
+        bonds.set_item("table", table(py, &[("overlap", &overlap), ("force", &force)])?)?;
+    }
     let drive = PyList::empty(py);
     details.drives.iter().try_for_each(|driven| drive.append(drive_table(py, driven)?))?;
     let all = PyDict::new(py);

@@ -74,6 +74,12 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: hc.Chain(sites=3, bonds={"alpha": 0.0}), "alpha = 0"),
     (lambda: hc.Chain(sites=3, bonds={"overlap": 0.1}), "overlap"),
     (lambda: hc.Chain(sites=3, bonds={"viscoelastic": 0.1, "dashpot": 0.1}), "viscoelastic"),
+    (lambda: hc.Chain(sites=3, bonds={"table": 2.0}), "bonds.table = 2.0 is not valid: a dictionary"),
+    (lambda: hc.Chain(sites=3, bonds={"table": {"rows": [0]}}), "bonds.table with the key 'rows'"),
+    (
+        lambda: hc.Chain(sites=3, bonds={"table": {"overlap": [0, 1], "force": [0, -1]}}),
+        "bonds.table.force = -1 \\(entry 1\\)",
+    ),
     (lambda: hc.Chain(sites=3, bonds={"terms": 2.0}), "bonds.terms = 2.0 is not valid: a list of dictionaries"),
     (lambda: hc.Chain(sites=3, bonds={"terms": [{"alpha": 2.5}]}), "missing field `contact`"),
     (lambda: hc.Chain(sites=3, bonds={"terms": [{"contact": 1, "beta": 2}]}), "bonds.terms with the key 'beta'"),

@@ -112,6 +112,24 @@ def test_contacts_have_sums_of_powers() -> None:
         hc.run(chain, y0={"pu": [1.0, 0.0]}, until=3.0, method="collocation", tol=1e-9)
 
 
+# Truth: rows of f(g) = 4 g are a spring, as above; the same scene in TOML has the same bits.
+def test_contacts_have_tables() -> None:
+    rows = {"overlap": np.linspace(0.0, 1.0, 5), "force": [0, 1, 2, 3, 4]}
+    chain = hc.Chain(sites=2, bonds={"table": rows})
+    run = hc.run(chain, y0={"pu": [1.0, 0.0]}, until=3.0, tol=1e-12, events=True)
+    assert np.allclose(run.pu[-1], [0.0, 1.0], atol=1e-10)
+    assert run.contacts is not None and abs(run.contacts["release"][0] - np.pi / 8**0.5) < 1e-10
+    scene = hc.Scene.from_toml(chain.scene(y0={"pu": [1.0, 0.0]}, until=3.0).to_toml())
+    assert np.array_equal(hc.run(scene, tol=1e-12).pu[-1], run.pu[-1])
+    again = pickle.loads(pickle.dumps(chain))
+    assert again == chain and hash(again) == hash(chain) and chain != hc.Chain(sites=2)
+    for same in (scene.chain, again):
+        assert same.bonds is not None and same.bonds["table"]["force"].tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+    short = hc.Chain(sites=2, bonds={"table": {"overlap": [0, 0.1], "force": [0, 0.4]}})
+    with pytest.raises(hc.Error, match="bond 1 overlaps by .*: the table of its contact law ends at 1e-1"):
+        hc.run(short, y0={"pu": [1.0, 0.0]}, until=3.0, tol=1e-9)
+
+
 # Truth: a bead on a spring to a resonator at rest is a pendulum of frequency (kappa/mass)^(1/2).
 def test_resonators_at_rest_bead_by_bead() -> None:
     chain = hc.Chain(sites=3, kappa=2.0, beads={"rho": np.inf, "mass": [1.0, 2.0, 4.0], "kappa": [2.0, 2.0, 1.0]})

@@ -55,7 +55,7 @@ impl Bands {
         let rule = "bands are those of a periodic chain: under gravity no two contacts are alike";
         require(details.gravity == 0.0, "gravity", details.gravity, rule)?;
         let rule = "bands are those of contacts with one power of the overlap";
-        require(details.terms.is_empty(), "terms", GIVEN, rule)?;
+        require(details.own_law().is_none(), details.own_law().unwrap_or_default(), GIVEN, rule)?;
         let overlaps = chain.overlaps(&vec![0.0; chain.sites()])[chain.touching()].to_vec();
         let [start, ends] = chain.boundary().walls().map(usize::from);
         let sites = [&details.mass, &details.kappa, &details.rho, &details.onsite];

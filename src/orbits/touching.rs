@@ -86,7 +86,7 @@ impl NormalModes {
         let same = |list: &[f64]| list.windows(2).all(|pair| pair[0] == pair[1]);
         let details = chain.details().is_none_or(|details| {
             let lists = [&details.mass, &details.contact, &details.alpha, &details.onsite];
-            details.terms.is_empty() && lists.into_iter().all(|list| same(list))
+            details.own_law().is_none() && lists.into_iter().all(|list| same(list))
         });
         let alone = self.linear().iter().all(|mode| mode.participation < 1.0 + f64::EPSILON);
         let symmetric = n == chain.sites() && left == right && details && first.omega == last.omega;

@@ -4,7 +4,8 @@
 use super::{Quantity, values::Values};
 use crate::{
     chain::{
-        Boundary, Chain, Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Signal, Spline, Term,
+        Boundary, Chain, Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Signal, Spline,
+        Table, Term,
     },
     error::{Error, GIVEN, NOTHING, Result, beside, one_line, require},
     number::format_short,
@@ -56,6 +57,9 @@ sections! {
         alpha?: Values,
         /// Further powers of the overlap in the forces of contacts (none if left out).
         terms?: Vec<TermSection>,
+        /// Overlaps and forces of contacts in place of the first power, which the constants
+        /// multiply (none if left out).
+        table?: TableSection,
         /// Static overlaps (`chain.precompression` if left out); negative: beads apart.
         overlap?: Values as Length,
         /// Constants of linear springs between beads, relaxed at the static overlap (none if left
@@ -89,6 +93,14 @@ sections! {
         contact: Values,
         /// The exponent.
         alpha: f64,
+    }
+
+    /// The key `table` of `[bonds]`.
+    pub struct TableSection {
+        /// Overlaps of the rows, from 0 on.
+        overlap: Vec<f64> as Length,
+        /// Their forces.
+        force: Vec<f64> as Force,
     }
 
     /// One entry of `[[drive]]`.
@@ -209,6 +221,7 @@ fn named(error: Error, beads: Option<&BeadsSection>, bonds: Option<&BondsSection
         "kappa" if beads.is_some_and(|beads| beads.kappa.is_some()) => "beads.kappa",
         "rho" if beads.is_some_and(|beads| beads.rho.is_some()) => "beads.rho",
         "contact" => "bonds.contact",
+        "table" => "bonds.table",
         "terms" => "bonds.terms",
         "terms.contact" => "bonds.terms.contact",
         "terms.alpha" => "bonds.terms.alpha",
@@ -273,6 +286,9 @@ impl BondsSection {
         details.alpha = list("bonds.alpha", &self.alpha)?;
         for TermSection { contact, alpha } in self.terms.iter().flatten() {
             details.terms.push(Term { contact: contact.of("bonds.terms.contact", touching)?, alpha: *alpha });
+        }
+        if let Some(TableSection { overlap, force }) = &self.table {
+            details.table = Some(Arc::new(Table::new(overlap.clone(), force.clone())?));
         }
         details.overlap = list("bonds.overlap", &self.overlap)?;
         details.spring = list("bonds.spring", &self.spring)?;
@@ -560,12 +576,21 @@ pub(super) fn words(chain: &Chain<f64>, units: Option<&Units>) -> Option<String>
     let unit = |alpha: f64| units.map_or(1.0, |units| units.force_n / units.length_m.powf(alpha));
     let constant = |x: f64| format_short(x) + units.map_or("", |_| " N/m^α");
     let contact: Vec<f64> = details.contact.iter().enumerate().map(|(k, x)| x * unit(alpha(k))).collect();
+    let contacts = match &details.table {
+        None => between("contact constants", &contact, &constant),
+        Some(table) => Some(format!(
+            "forces of {} rows up to the overlap {}{}",
+            table.overlap().len(),
+            told(Quantity::Length, table.end()),
+            range(", times", &details.contact, Quantity::Number).unwrap_or_default(),
+        )),
+    };
     let mut all: Vec<String> = [
         range("masses", &details.mass, Quantity::Mass),
         range("spring constants", &details.kappa, Quantity::Stiffness),
         range("mass ratios", &details.rho, Quantity::Number),
         range("on-site springs", &details.onsite, Quantity::Stiffness),
-        between("contact constants", &contact, &constant),
+        contacts,
         range("exponents", &details.alpha, Quantity::Number),
         range("static overlaps", &details.overlap, Quantity::Length),
         range("springs between beads", &details.spring, Quantity::Stiffness),

@@ -329,6 +329,8 @@ impl SceneFile {
             method.as_mut().map(|table| table as &mut dyn Measured),
         ];
         tables.into_iter().flatten().for_each(|table| table.measured(&mut *seen));
+        let table = bonds.as_mut().and_then(|bonds| bonds.table.as_mut());
+        table.into_iter().for_each(|table| table.measured(&mut *seen));
         for drive in drives {
             let quantity = drive.quantity();
             drive.amplitude.each(&mut |x| seen("amplitude", quantity, x));

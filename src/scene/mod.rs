@@ -37,7 +37,7 @@ mod units;
 mod values;
 
 pub use crate::report::{Quantity, Units};
-pub use details::{BeadsSection, BondsSection, DriveSection, DriveSite, Shape, TermSection};
+pub use details::{BeadsSection, BondsSection, DriveSection, DriveSite, Shape, TableSection, TermSection};
 pub(crate) use file::held;
 pub use file::{ChainSection, Initial, MethodSection, SceneFile, Span, TrivialSection};
 pub use record::{PlaceRange, Places, Record, Recorded, Selection};

@@ -119,6 +119,7 @@ impl SceneFile {
         let alphas = bonds.alpha.as_ref().map(|values| values.of("bonds.alpha", touching.len())).transpose()?;
         let alpha = |k: usize| alphas.as_ref().map_or(self.chain.alpha, |alphas| alphas[k]);
         let hertz = |(k, bond): (usize, usize)| match chain.topology().ends(bond) {
+            _ if bonds.table.is_some() => 1.0,
             _ if alpha(k) != 1.5 => f64::NAN,
             [Some(a), Some(b)] => bodies[a].hertz(&bodies[b]),
             [Some(a), None] | [None, Some(a)] => bodies[a].hertz(&section.wall(bodies[a])),
@@ -138,17 +139,24 @@ impl SceneFile {
         let sphere = first.map(|i| bodies[i].hertz(&bodies[i])).filter(|constant| constant.is_finite());
         let given = || contacts.iter().position(|one| *one > 0.0).map(|k| (contacts[k], alpha(k)));
         let reference = sphere.map(|constant| (constant, 1.5)).or_else(given).unwrap_or((1.0, 1.5));
+        // Of a table, the slope from its first row to the last.
+        let last = bonds.table.as_ref().and_then(|table| table.force.last().zip(table.overlap.last()));
+        let slope = last.map(|(force, overlap)| force / overlap).filter(|slope| *slope > 0.0 && slope.is_finite());
+        let reference = slope.map_or(reference, |slope| (slope, 1.0));
         let units = Units::new(length, masses[first.unwrap_or(0)], reference);
 
         if let Some(load) = section.static_load.filter(|load| *load > 0.0) {
-            let rule = "of contacts with `terms` give the static overlaps: `overlap` of [bonds]";
-            require(bonds.terms.is_none(), "units.static_load", load, rule)?;
+            let rule = "of contacts with `terms` or a `table` give the static overlaps: `overlap` of [bonds]";
+            require(bonds.terms.is_none() && bonds.table.is_none(), "units.static_load", load, rule)?;
             let other = bonds.overlap.is_some() || self.chain.precompression != 0.0;
             bonds.overlap = Some(Values::List(pressed(load, &contacts, &alpha, other)?));
         }
         let list = |values: Vec<f64>| values.iter().any(|value| *value != 1.0).then_some(Values::List(values));
         beads.mass = list(masses.iter().map(|mass| mass / units.mass_kg).collect());
-        let scaled = |(k, constant): (usize, &f64)| constant * length.powf(alpha(k)) / units.force_n;
+        let scaled = |(k, constant): (usize, &f64)| match bonds.table {
+            Some(_) => *constant,
+            None => constant * length.powf(alpha(k)) / units.force_n,
+        };
         (bonds.contact, bonds.wall) = (list(contacts.iter().enumerate().map(scaled).collect()), None);
         for term in bonds.terms.iter_mut().flatten() {
             let given = term.contact.of("bonds.terms.contact", touching.len())?;

@@ -2,7 +2,13 @@
 #![cfg(feature = "plot")]
 
 use super::program::{names, refusals, refused, stdout};
-use hertzchain::figures::{FILM_SIZE, LIT};
+use hertzchain::{
+    Scene,
+    chain::Contact,
+    figures::{FILM_SIZE, LIT},
+    run::{Method, Records},
+    study::film,
+};
 use std::{fs, path::Path};
 
 /// Two beads that fly at each other and apart.
@@ -131,4 +137,41 @@ fn a_run_that_ends_before_its_second_sample_has_pictures_and_no_film() {
     assert!(ran.status.success() && said.contains("no film: it needs two samples"), "{said}");
     let there = names(folder.path());
     assert!(there.contains("profile.png") && !there.contains("film.gif"), "{there:?}");
+}
+
+// Truth: the log of contacts, which the search for events makes and no sample.
+#[test]
+fn contacts_of_built_in_scenes_are_lit_as_logged() {
+    for name in ["cradle", "tw-q15", "dimer"] {
+        let scene = Scene::load_with(name, &["record.samples=200".to_owned()]).unwrap().until(9.0).unwrap();
+        let run = scene.run().method(Method::named("collocation").unwrap()).records(Records::Profiles).contacts();
+        let outcome = run.start().unwrap();
+        let (layout, chain_bonds) = (scene.chain().layout(), scene.chain().touching().len());
+        let samples: Vec<(f64, &[f64], &[f64])> = outcome
+            .profiles
+            .iter()
+            .map(|one| (one.t, layout.u(&one.state), layout.v(&one.state).unwrap_or_default()))
+            .collect();
+        let film = film(&scene, "", &samples, None).unwrap();
+        assert_eq!(film.frames.len(), samples.len());
+        let contacts = outcome.contacts.unwrap();
+        let largest = contacts.iter().map(|one| one.largest_overlap).fold(0.0, f64::max);
+        let (mut lit, mut dark) = (0, 0);
+        for (frame, &(t, ..)) in film.frames.iter().zip(&samples) {
+            // Surely lit: large contacts away from their ends; at most: all that are open
+            // nearly then.
+            let open = |room: f64, least: f64| {
+                let open = |one: &&Contact| {
+                    let [from, to] = [one.onset.unwrap_or(-1.0), one.release.unwrap_or(99.0)];
+                    from < t - room && t + room < to && one.largest_overlap >= least * largest
+                };
+                contacts.iter().filter(open).count()
+            };
+            let range = open(0.3, 0.3)..=open(-0.02, 0.0);
+            assert!(range.contains(&frame.contacts.len()), "{name}: {} at {t}, {range:?}", frame.contacts.len());
+            lit += range.start();
+            dark += chain_bonds - range.end();
+        }
+        assert!(lit > 50 && dark > 50, "{name}: {lit} lit, {dark} dark");
+    }
 }

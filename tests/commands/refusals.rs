@@ -246,7 +246,7 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
         ("study modes defect --set chain.sites=300", "sites = 300 is not valid: at most 256 sites, whose stiffnesses"),
         (
             "study response defect --set chain.alpha=1",
-            "alpha = 1 is not valid: above 1: else the stiffness of a contact",
+            "alpha = 1 is not valid: above 1 (that of a table is 1): else the stiffness",
         ),
         (
             "run hong-1999 --set chain.kappa=1 --set chain.rho=inf --set chain.sites=300",

@@ -30,6 +30,7 @@ mod run;
 mod signals;
 mod splitting;
 mod springs;
+mod table;
 mod tangent;
 mod terms;
 mod variations;

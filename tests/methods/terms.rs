@@ -21,14 +21,13 @@ fn beads(boundary: Boundary, sites: usize, terms: &[(f64, f64)], rest: f64) -> C
     chain.with(&Details { terms: terms.collect(), overlap: vec![rest; bonds], ..Details::default() }).unwrap()
 }
 
-/// The contact of two beads of mass 1 with the force `g^{3/2} + c g^{5/2}` that overlap by at most
-/// `most`: relative speed before it, and duration.
+/// The contact of two beads of mass 1 whose energy is a sum of powers, each a factor and twice the
+/// exponent, and that overlap by at most `most`: relative speed before it, and duration.
 ///
-/// The overlap has `g'^2 = 4 (V(G) - V(g))`, `V = (2/5) g^{5/2} + (2/7) c g^{7/2}`. With
+/// The overlap has `g'^2 = 4 (V(G) - V(g))`. With
 /// `g = G (1 - x^2)^2` the time `2 int_0^G dg/g'` is the integral of a smooth function of `x`
 /// from 0 to 1, by Gauss's rule with three points on 100 parts.
-fn collision(c: f64, most: f64) -> (f64, f64) {
-    let powers = [(2.0 / 5.0, 5.0), (2.0 / 7.0 * c, 7.0)];
+pub(crate) fn collision(powers: [(f64, f64); 2], most: f64) -> (f64, f64) {
     let left = |x: f64| -> f64 {
         // V(G) - V(g) without a difference of close numbers.
         let of = |(by, twice): (f64, f64)| -by * most.powf(0.5 * twice) * (twice * (-x * x).ln_1p()).exp_m1();
@@ -48,10 +47,11 @@ fn collision(c: f64, most: f64) -> (f64, f64) {
 fn two_beads_touch_for_the_time_of_the_quadrature() {
     // Truth: the integral above; equal beads exchange their speeds.
     // Without the second power the time is Hertz's, (4/5) pi^{1/2} Gamma(2/5)/Gamma(9/10) G/w.
-    let (speed, duration) = collision(0.0, 0.7);
+    let powers = |c: f64| [(2.0 / 5.0, 5.0), (2.0 / 7.0 * c, 7.0)];
+    let (speed, duration) = collision(powers(0.0), 0.7);
     assert!((duration * speed / 0.7 - 2.943_275_184_324_704_7).abs() < 1e-13, "{duration}");
     for (c, most) in [(0.7, 1.3), (20.0, 0.3), (1e3, 1e-3)] {
-        let (speed, duration) = collision(c, most);
+        let (speed, duration) = collision(powers(c), most);
         let chain = beads(Boundary::Free, 2, &[(c, 2.5)], -0.1 * most);
         let mut state = State::rest(&chain);
         state.u_dot_mut()[0] = speed;
@@ -223,7 +223,7 @@ fn beads_at_rest_have_balanced_forces() {
 fn what_cannot_follow_sums_names_what_can() {
     let chain = beads(Boundary::Fixed, 4, &[(0.5, 2.5)], 0.0);
     for (method, what) in [
-        ("collocation", "one power of the overlap, and here a sum: take dop853-regularised"),
+        ("collocation", "one power of the overlap, and here a sum or a table: take dop853-regularised"),
         ("corrected", "contacts of one exponent"),
         ("discrete-gradient", "take dop853-regularised"),
     ] {
@@ -257,6 +257,8 @@ fn scenes_have_sums_of_powers() {
     assert!(plan.contains("terms with contact constants from 0.25 to 0.5 and exponent 2.5"), "{plan}");
     for (from, to, said) in [
         ("contact = 3\n", "contact = [1.0, -3.0, 1.0]\n", "bonds.terms.contact = -3 (entry 1) is not valid"),
+        ("contact = 3\n", "contact = 1e201\n", "is from 0 to 1e200"),
+        ("contact = [1.0, 2.0, 1.0]", "contact = [1.0, 2e200, 1.0]", "bonds.contact = 2e200 (entry 1) is not valid"),
         ("contact = 3\n", "contact = [1.0, 1.0]\n", "bonds.terms.contact = 2 numbers for 3"),
         ("alpha = 2\n", "alpha = -2\n", "bonds.terms.alpha = -2"),
         ("alpha = 2\n", "alpha = nan\n", "bonds.terms.alpha = NaN"),

@@ -151,7 +151,7 @@ fn overlap(bond: &Bond<f64>, force: f64) -> Option<f64> {
     let under = |law: &BondLaw<f64>| (force / powers as f64 / law.constant).powf(law.alpha().recip());
     // At this overlap no power has more than an equal share of the force.
     let least = bond.laws().map(under).fold(f64::INFINITY, f64::min);
-    if powers == 1 { Some(least) } else { least_above(0.5 * least, |g| bond.elastic(g) >= force) }
+    if bond.one_power() { Some(least) } else { least_above(0.5 * least, |g| bond.elastic(g) >= force) }
 }
 
 fn refused(loads: &[f64], beads: Range<usize>, rule: &'static str) -> Error {

@@ -39,7 +39,7 @@ pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Maximum, Overlaps, TOUCH};
 pub use details::{
     Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, HeterogeneousChain, Joint, Kind, Ledger,
-    Parameter, Signal, SitewiseBonds, SitewiseFlow, Spline, Term, Variations, Varied,
+    Parameter, Signal, SitewiseBonds, SitewiseFlow, Spline, Table, Term, Variations, Varied,
 };
 pub use divisible::{Divisible, Split};
 pub use energy::Energy;

@@ -3,7 +3,7 @@
 use super::{Observables, Run, extremes::PART};
 use crate::chain::max_norm;
 use hertzchain_integrators::{
-    Event, Stepper,
+    Error as Failure, Event, Stepper,
     events::{Search, Searched, bracketed},
 };
 use std::{fmt, mem::take, sync::Arc};
@@ -113,7 +113,7 @@ struct Changes<'a> {
 }
 
 impl<'a> Search<f64, Inner<'a>> for Changes<'_> {
-    fn part(&mut self, stepper: &mut Inner<'a>, (from, to): (f64, f64)) -> Option<f64> {
+    fn part(&mut self, stepper: &mut Inner<'a>, (from, to): (f64, f64)) -> Result<Option<f64>, Failure> {
         let middle = from + 0.5 * (to - from);
         let (first, inner, end) = (take(&mut self.last), self.at(stepper, middle), self.at(stepper, to));
         let mut found: Vec<Event<f64>> = Vec::new();
@@ -152,11 +152,11 @@ impl<'a> Search<f64, Inner<'a>> for Changes<'_> {
                 self.kept.push(event);
             }
             if crossed == Crossed::Ends {
-                return Some(event.t);
+                return Ok(Some(event.t));
             }
         }
         self.last = end;
-        None
+        Ok(None)
     }
 }
 

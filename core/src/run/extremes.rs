@@ -43,8 +43,8 @@ impl fmt::Debug for Observables {
 ///
 /// A part of a step in which one of them may have risen and fallen is sampled at the maximum of the
 /// polynomial through eight samples, which may overshoot where the motion is not smooth.
-pub(super) struct Search<'a> {
-    observables: &'a Observables,
+pub(super) struct Search {
+    observables: Observables,
     /// Longest part of a step.
     part: f64,
     /// Time and value of each: the largest so far.
@@ -55,17 +55,18 @@ pub(super) struct Search<'a> {
     y: Vec<f64>,
 }
 
-impl<'a> Search<'a> {
+impl Search {
     /// Goes on from the `largest` values of earlier legs; `part` is the longest part of a step that
     /// is searched at once.
     pub(super) fn new(
         run: &mut (impl Stepper<f64> + ?Sized),
-        observables: &'a Observables,
+        observables: &Observables,
         part: f64,
         largest: Vec<(f64, f64)>,
     ) -> Self {
         let (y, t) = (vec![0.0; run.dim()], run.time());
-        let mut search = Self { observables, part, largest, before: Vec::new(), earlier: Vec::new(), y };
+        let mut search =
+            Self { observables: observables.clone(), part, largest, before: Vec::new(), earlier: Vec::new(), y };
         search.before = search.at(run, t);
         // The first part is searched in any case.
         search.earlier = vec![f64::INFINITY; search.before.len()];
@@ -87,7 +88,8 @@ impl<'a> Search<'a> {
         self.observables.at(&self.y)
     }
 
-    fn search(&mut self, run: &mut (impl Stepper<f64> + ?Sized), (from, to): (f64, f64)) {
+    /// Searches a part of the last step, after those before it.
+    pub(super) fn search(&mut self, run: &mut (impl Stepper<f64> + ?Sized), (from, to): (f64, f64)) {
         let after = self.at(run, to);
         let before = replace(&mut self.before, after.clone());
         let earlier = replace(&mut self.earlier, before.clone());

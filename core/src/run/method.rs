@@ -1,6 +1,6 @@
 //! The integrators by name.
 
-use super::Run;
+use super::{Run, within::within};
 pub use crate::chain::Split;
 use crate::{
     chain::{
@@ -410,12 +410,22 @@ impl Method {
         self.takes(run.parts(), run.chain().topology())?;
         self.runs(run.chain())?;
         run.chain().magnets_apart(y)?;
+        within(self.unwatched(run, y, span, setting)?, run)
+    }
+
+    fn unwatched(
+        &self,
+        run: &Run,
+        y: &[f64],
+        span: (f64, f64),
+        setting: Setting,
+    ) -> Result<Box<dyn Stepper<f64> + Send>> {
         let chain = run.chain().clone();
         let sitewise = |split| loaded(SitewiseFlow::new(run.chain().clone(), split, span.0), y);
         match (self, setting) {
             (&Self::SingleRoots(split), _) => {
                 let run = Run { chain: chain.with_single_roots(), ..run.clone() };
-                Self::Splitting(&tables::STRANG, split).start(&run, y, span, setting)
+                Self::Splitting(&tables::STRANG, split).unwatched(&run, y, span, setting)
             }
             (&Self::Splitting(scheme, split), Setting::Steps(steps)) if !run.parts().whole() => {
                 let flow = Parted::new(&chain, Motion::Kicks(split), run.parts(), y)?;

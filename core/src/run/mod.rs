@@ -12,6 +12,7 @@
 //! | `record` | [`Trajectory`]: the result of a run; checks for unstable states during the run |
 //! | `states` | [`States`]: an iterator over the states at given times |
 //! | `warning` | [`Warning`]: what makes the result of a run doubtful, such as its energy error |
+//! | `within` | runs that end where an overlap gets beyond the table of its contact law |
 //! | `regime` | [`regime`]: the default method and setting for a chain and its initial state |
 
 mod amplification;
@@ -24,6 +25,7 @@ mod record;
 mod regime;
 mod states;
 mod warning;
+mod within;
 
 pub use crate::error::Warning;
 pub use amplification::{deviation, perturb};

@@ -111,7 +111,7 @@ impl Trajectory {
 /// these are asked for.
 struct Timed<'a, S: ?Sized> {
     run: &'a mut S,
-    search: Option<Search<'a>>,
+    search: Option<Search>,
     /// Wall time of all samples so far.
     sampling: Duration,
 }

@@ -50,7 +50,10 @@ pub fn parts<R: Real>((from, to): (R, R), longest: f64) -> impl Iterator<Item = 
 /// A search of the steps of a stepper `S`.
 pub trait Search<R, S> {
     /// Searches a part of the last step. Returns the time at which the run ends, if it ends there.
-    fn part(&mut self, stepper: &mut S, part: (R, R)) -> Option<R>;
+    ///
+    /// # Errors
+    /// What makes the run fail there.
+    fn part(&mut self, stepper: &mut S, part: (R, R)) -> Result<Option<R>, Error>;
 }
 
 /// A stepper whose steps are searched, in [parts].
@@ -94,7 +97,8 @@ impl<R: Real, S: Stepper<R>, F: Search<R, S>> Stepper<R> for Searched<R, S, F> {
         let from = self.stepper.time();
         self.stepper.step()?;
         let mut parts = parts((from, self.stepper.time()), self.longest);
-        self.ended = parts.find_map(|part| self.search.part(&mut self.stepper, part));
+        let ended = parts.find_map(|part| self.search.part(&mut self.stepper, part).transpose());
+        self.ended = ended.transpose()?;
         Ok(())
     }
 
@@ -204,7 +208,7 @@ impl<R: Real, E: EventFunctions<R>, L: Listener<R>> Events<R, E, L> {
 }
 
 impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Search<R, S> for Events<R, E, L> {
-    fn part(&mut self, stepper: &mut S, (from, to): (R, R)) -> Option<R> {
+    fn part(&mut self, stepper: &mut S, (from, to): (R, R)) -> Result<Option<R>, Error> {
         self.sides.carry();
         for (k, share) in SHARES.into_iter().enumerate().skip(1) {
             let t = if share == 1.0 { to } else { from + (to - from) * R::of(share) };
@@ -212,7 +216,7 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Search<R, S> 
             self.sides.put(k, &self.g);
             // A state that is lost has no events; the observer of the run ends it.
             if !self.g.iter().all(|g| g.is_finite()) {
-                return None;
+                return Ok(None);
             }
         }
         self.sides.set_band(self.functions.band(&self.y).f64());
@@ -230,7 +234,7 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Search<R, S> 
             stepper.sample(t, &mut self.y);
             let event = Event { index: crossing.index, rising: crossing.rising, t };
             if self.listener.event(event, &self.y).is_break() {
-                return Some(t);
+                return Ok(Some(t));
             }
         }
         for index in 0..self.since.len() {
@@ -238,6 +242,6 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Search<R, S> 
                 self.report_part(index, 1.0, (from, to));
             }
         }
-        None
+        Ok(None)
     }
 }

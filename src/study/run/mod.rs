@@ -18,7 +18,7 @@ pub use contacts::contacts_picture;
 pub use contacts::{CONTACT_COLUMNS, ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
 pub use crossings::{Condition, with_conditions};
 #[cfg(feature = "plot")]
-pub use film::{FilmSample, film, run_film};
+pub use film::{film, run_film};
 pub use parts::parts_plan;
 #[cfg(feature = "plot")]
 pub use report::run_pictures;

@@ -73,6 +73,10 @@ fn failure_in_si(mut cause: Failure, units: &Units) -> Failure {
         }
         Failure::NotFinite { t, .. } | Failure::TooManySteps { t, .. } | Failure::Stopped { t } => (t, None),
         Failure::StepUnderflow { t, h } => (t, Some(h)),
+        Failure::BeyondLaw { t, overlap, last, .. } => {
+            [overlap, last].into_iter().for_each(|length| *length *= units.length_m);
+            (t, None)
+        }
         Failure::NotSettled { t, h, residual } => {
             *residual *= units.force_n;
             (t, Some(h))

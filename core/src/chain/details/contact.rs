@@ -1,11 +1,11 @@
-//! Contacts of a chain with details: their dissipation, and further powers of the overlap in their
-//! forces.
+//! Contacts of a chain with details: their dissipation, and forces that are sums of powers of the
+//! overlap or go through the rows of a table.
 
 pub use hertzchain_integrators::law::Kind;
 
-use super::entry;
+use super::{Details, Table, entry};
 use hertzchain_integrators::{Real, law::BondLaw};
-use std::{iter::once, ops::Deref};
+use std::{iter::once, ops::Deref, sync::Arc};
 
 /// The dissipation of contacts.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,8 +18,8 @@ pub struct Dissipation {
 
 /// One more power of the overlap in the forces of contacts, `contact (g)_+^alpha`.
 ///
-/// It adds to the first power, which [`Details`](super::Details) have, of bonds where the constant
-/// of this one is positive. The energy of a contact is the sum of those of its powers.
+/// It adds to the first power, which [`Details`] have, or to their table, of bonds where the
+/// constant of this one is positive. The energy of a contact is the sum of those of its powers.
 ///
 /// ```
 /// use hertzchain_core::{Boundary, Chain, Params, chain::{Details, Term}};
@@ -54,6 +54,9 @@ impl Term {
 pub(crate) struct Bond<R> {
     first: BondLaw<R>,
     further: Vec<BondLaw<R>>,
+    /// A factor and the table in place of the first power, which then is a linear force that is
+    /// nowhere smaller or less steep.
+    table: Option<(R, Arc<Table>)>,
 }
 
 /// The first power has the static overlap and the dissipation.
@@ -66,10 +69,20 @@ impl<R> Deref for Bond<R> {
 }
 
 impl<R: Real> Bond<R> {
-    /// The law of the `k`-th bond that can touch; its terms count if it has a contact.
-    pub(crate) fn new(first: BondLaw<R>, terms: &[Term], k: usize) -> Self {
+    /// The law of the `k`-th bond that can touch; terms and the table count if it has a contact.
+    pub(crate) fn new(first: BondLaw<R>, details: &Details, k: usize) -> Self {
         let acts = |law: &BondLaw<R>| first.constant > R::zero() && law.constant > R::zero();
-        Self { first, further: terms.iter().map(|term| term.law(k)).filter(acts).collect() }
+        let table = details.table.iter().filter(|_| acts(&first)).cloned();
+        Self {
+            first,
+            further: details.terms.iter().map(|term| term.law(k)).filter(acts).collect(),
+            table: table.map(|table| (R::of(entry(&details.contact, k, 1.0)), table)).next(),
+        }
+    }
+
+    /// Whether its force is one power of the overlap.
+    pub(crate) fn one_power(&self) -> bool {
+        self.further.is_empty() && self.table.is_none()
     }
 
     /// The law of each power.
@@ -77,31 +90,36 @@ impl<R: Real> Bond<R> {
         once(&self.first).chain(&self.further)
     }
 
+    /// The sum of what the powers have at an overlap; the table has it as its `k`-th number.
     #[inline]
-    fn sum(&self, of: impl Fn(&BondLaw<R>) -> R) -> R {
-        self.further.iter().fold(of(&self.first), |sum, law| sum + of(law))
+    fn sum(&self, g: R, k: usize, of: impl Fn(&BondLaw<R>) -> R) -> R {
+        let first = match &self.table {
+            None => of(&self.first),
+            Some((factor, table)) => *factor * table.at(self.first.power.positive_part(g))[k],
+        };
+        self.further.iter().fold(first, |sum, law| sum + of(law))
     }
 
     /// The elastic force of all powers.
     #[inline]
     pub(crate) fn elastic(&self, g: R) -> R {
-        self.sum(|law| law.elastic(g))
+        self.sum(g, 0, |law| law.elastic(g))
     }
 
     /// The derivative of the elastic force.
     #[inline]
     pub(crate) fn stiffness(&self, g: R) -> R {
-        self.sum(|law| law.stiffness(g))
+        self.sum(g, 1, |law| law.stiffness(g))
     }
 
     /// The energy.
     pub(crate) fn potential(&self, g: R) -> R {
-        self.sum(|law| law.potential(g))
+        self.sum(g, 2, |law| law.potential(g))
     }
 
     /// The force at an overlap and its rate.
     #[inline]
     pub(crate) fn force(&self, g: R, rate: R) -> R {
-        self.sum(|law| law.force(g, rate))
+        self.sum(g, 0, |law| law.force(g, rate))
     }
 }

@@ -113,7 +113,7 @@ impl<R: Real> Loops<R> {
         let contacts = parts.bonds.iter().filter(|bond| bond.constant > R::zero());
         let laws: Vec<ContactLaw<R>> = contacts.map(|bond| bond.power).collect();
         let law = laws.first().copied().unwrap_or(chain.law());
-        let same = parts.given.terms.is_empty() && laws.iter().all(|other| other.alpha() == law.alpha());
+        let same = parts.given.own_law().is_none() && laws.iter().all(|other| other.alpha() == law.alpha());
         Self {
             motions,
             shares: [0, 1].map(|k| (0..class.len()).map(|i| of(i).shares()[k]).collect()),

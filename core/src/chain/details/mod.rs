@@ -5,7 +5,7 @@
 //! | `m_n, kappa_n, rho_n` | mass of a bead, spring constant, mass of its resonator over `m_n` |
 //! | `k_n` | spring between a bead and its place at rest, `-k_n u_n` |
 //! | `c_n, d_n` | drag on a bead, `-c_n u_n'`; dashpot beside its spring, `-d_n (u_n' - v_n')` |
-//! | `A_b, alpha_b, delta_b` | constant, exponent and static overlap of a contact; it may have a sum of powers, see [`Term`] |
+//! | `A_b, alpha_b, delta_b` | constant, exponent and static overlap of a contact; it may have a sum of powers, see [`Term`], or a [`Table`] |
 //! | `h_b(x)` | linear spring and magnets between two beads, see [`Joint`]; on both sides of zero |
 //! | `gamma_b, beta, p` | dissipation of a contact, see [`Dissipation`]; powers of overlap and rate in that of dashpots |
 //! | `s(t), F(t)` | motion of a bead that is moved, force on a bead that is pushed |
@@ -34,6 +34,7 @@ mod parameter;
 mod propagator;
 mod pushing;
 mod spline;
+mod table;
 mod variations;
 
 pub use collocation::HeterogeneousChain;
@@ -44,6 +45,7 @@ pub use joint::Joint;
 pub use ledger::Ledger;
 pub use parameter::Parameter;
 pub use spline::Spline;
+pub use table::Table;
 pub use variations::{Variations, Varied};
 
 pub(super) use contact::Bond;
@@ -97,6 +99,9 @@ pub struct Details {
     pub alpha: Vec<f64>,
     /// Further powers in the forces of contacts, none of which dissipates.
     pub terms: Vec<Term>,
+    /// A table, times the constant of the contact, in place of the first power; it does not
+    /// dissipate either.
+    pub table: Option<Arc<Table>>,
     /// Static overlaps of contacts, finite; negative if there is a gap between the beads.
     pub overlap: Vec<f64>,
     /// Constants of linear springs between beads, relaxed at the static overlap, at least zero.
@@ -305,7 +310,7 @@ impl CheckedDetails<f64> {
         let same = exponents.all(|alpha| Some(alpha) == first);
         let held = self.joined() || self.sites.iter().any(|site| site.onsite > 0.0);
         let conserves = !self.damped && !self.dissipative && self.acting.iter().all(Acting::pushes_steadily);
-        same && self.given.terms.is_empty() && !held && conserves
+        same && self.given.own_law().is_none() && !held && conserves
     }
 
     /// The largest frequency of resonators, harmonics of drives and contacts. Beyond its static
@@ -339,8 +344,9 @@ impl CheckedDetails<f64> {
                 let met = (scale * 2.0 * speed * speed / per_mass).powf(1.0 / (alpha + 1.0));
                 met.max((scale * push).powf(1.0 / alpha))
             };
-            let overlap = bond.rest.max(0.0) + strain.max(bond.laws().map(alone).fold(f64::INFINITY, f64::min));
-            (bond.stiffness(overlap) * per_mass + spring).sqrt()
+            let depth = || bond.rest.max(0.0) + strain.max(bond.laws().map(alone).fold(f64::INFINITY, f64::min));
+            let overlap = self.given.table.as_ref().map_or_else(depth, |table| table.end());
+            (bond.laws().map(|law| law.stiffness(overlap)).sum::<f64>() * per_mass + spring).sqrt()
         };
         let of_drives = self.acting.iter().flat_map(|acting| &acting.signals).map(Signal::frequency);
         let sites = self.sites.iter().map(of_site);
@@ -397,11 +403,18 @@ impl Details {
         checked("onsite", &self.onsite, sites, not_negative, "a spring constant is finite and at least zero")?;
         checked("drag", &self.drag, sites, not_negative, "a drag is finite and at least zero")?;
         checked("dashpot", &self.dashpot, sites, not_negative, "a dashpot is finite and at least zero")?;
-        checked("contact", &self.contact, bonds, not_negative, "a contact constant is finite and at least zero")?;
+        let (constant, rule) = (
+            |x: f64| (0.0..=1e200).contains(&x),
+            "a contact constant is from 0 to 1e200, so that its force, which begins at 1e-250 times it, does not jump",
+        );
+        checked("contact", &self.contact, bonds, constant, rule)?;
         checked("alpha", &self.alpha, bonds, positive, "an exponent is finite and positive")?;
         for Term { contact, alpha } in &self.terms {
-            checked("terms.contact", contact, bonds, not_negative, "a contact constant is finite and at least zero")?;
+            checked("terms.contact", contact, bonds, constant, rule)?;
             require(positive(*alpha), "terms.alpha", alpha, "an exponent is finite and positive")?;
+        }
+        if self.table.is_some() {
+            require(self.alpha.is_empty(), "alpha", beside("table"), "a table is in place of powers of the overlap")?;
         }
         checked("overlap", &self.overlap, bonds, f64::is_finite, "a static overlap is finite; negative for a gap")?;
         checked("spring", &self.spring, bonds, not_negative, "a spring constant is finite and at least zero")?;
@@ -422,8 +435,8 @@ impl Details {
             let rule = "the dissipation of a contact is finite and at least zero";
             checked("dissipation", strength, bonds, not_negative, rule)?;
             require(!strength.is_empty(), "dissipation", "[]", "one number for each bond that can touch")?;
-            let rule = "the force of contacts that dissipate has one power of the overlap";
-            require(self.terms.is_empty(), "terms", beside(kind.name()), rule)?;
+            let (law, rule) = (self.own_law(), "the force of contacts that dissipate has one power of the overlap");
+            require(law.is_none(), law.unwrap_or_default(), beside(kind.name()), rule)?;
             let (least, rule) = kind.exponents();
             let alphas = if self.alpha.is_empty() { &[alpha] } else { &self.alpha[..] };
             if let Some(alpha) = alphas.iter().find(|&&alpha| alpha <= least) {
@@ -441,13 +454,23 @@ impl Details {
     }
 
     /// The law of the `k`-th bond that can touch, with exponent and static overlap of the chain
-    /// where it has none of its own; without [`terms`](Self::terms).
+    /// where it has none of its own; without [`terms`](Self::terms). In place of a table it is a
+    /// linear force that is nowhere smaller or less steep.
     pub fn law<R: Real>(&self, k: usize, alpha: f64, rest: f64) -> BondLaw<R> {
         let loss = self.dissipation.as_ref().map(|Dissipation { kind, strength }| (*kind, strength[k]));
         let of = |list: &[f64], otherwise: f64| entry(list, k, otherwise);
-        let law = BondLaw::new(of(&self.contact, 1.0), of(&self.alpha, alpha), of(&self.overlap, rest), loss);
+        let (steepest, alpha) = self.table.as_ref().map_or((1.0, alpha), |table| (table.steepest(), 1.0));
+        let constant = of(&self.contact, 1.0) * steepest;
+        let law = BondLaw::new(constant, of(&self.alpha, alpha), of(&self.overlap, rest), loss);
         let rate_power = R::of(self.rate_power.unwrap_or(1.0));
         BondLaw { beta: R::of(self.beta), rate_power, pulls: self.pull && law.dissipates(), ..law }
+    }
+
+    /// What gives contacts another force than one power of the overlap, if something does: `table`
+    /// or `terms`.
+    pub fn own_law(&self) -> Option<&'static str> {
+        let terms = (!self.terms.is_empty()).then_some("terms");
+        self.table.as_ref().map(|_| "table").or(terms)
     }
 
     /// The spring and the magnets of the `k`-th bond that can touch.
@@ -532,8 +555,8 @@ impl<R: Real> Chain<R> {
         finite("gravity", details.gravity)?;
         let rest = self.precompression.f64();
         let bond = |bond: usize| match bond.checked_sub(touching.start).filter(|&k| k < touching.len()) {
-            Some(k) => Bond::new(details.law(k, self.params.alpha, rest), &details.terms, k),
-            None => Bond::new(BondLaw::new(0.0, self.params.alpha, 0.0, None), &[], 0),
+            Some(k) => Bond::new(details.law(k, self.params.alpha, rest), details, k),
+            None => Bond::new(BondLaw::new(0.0, self.params.alpha, 0.0, None), details, 0),
         };
         let sites = (0..n).map(|i| details.site(self.params, i)).collect::<Result<Vec<SiteData<R>>>>()?;
         let bonds: Vec<Bond<R>> = (0..=n).map(bond).collect();
@@ -601,8 +624,10 @@ impl<R: Real> Chain<R> {
                 "its contacts resist in proportion to the rate, and here as a power of it: take dop853-regularised",
             );
         }
-        if !self.details()?.terms.is_empty() {
-            return Some("its contacts have one power of the overlap, and here a sum: take dop853-regularised");
+        if self.details()?.own_law().is_some() {
+            return Some(
+                "its contacts have one power of the overlap, and here a sum or a table: take dop853-regularised",
+            );
         }
         let rule = "between contacts its sites move on their own, and here springs or magnets join beads: take \
                     dop853-regularised";

@@ -49,7 +49,7 @@ impl Parameter {
             _ if parts.dissipative => Some("of a chain whose contacts do not dissipate"),
             // Beads and resonators are counted from where they hang.
             _ if given.gravity != 0.0 => Some("of a chain without gravity"),
-            Self::Alpha if !(given.alpha.is_empty() && given.terms.is_empty()) => {
+            Self::Alpha if !(given.alpha.is_empty() && given.own_law().is_none()) => {
                 Some("bonds have exponents of their own")
             }
             Self::Kappa if params.kappa <= 0.0 => Some("resonators have no springs here"),

@@ -26,7 +26,7 @@ pub struct Spline {
     times: Vec<f64>,
     values: Vec<f64>,
     /// For each interval, the coefficients of the powers of the time since its start.
-    cubics: Vec<[f64; 4]>,
+    pub(super) cubics: Vec<[f64; 4]>,
 }
 
 impl Spline {
@@ -79,9 +79,14 @@ impl Spline {
         &self.values
     }
 
+    /// The number of the cubic at a time.
+    pub(super) fn interval<R: Real>(&self, t: R) -> usize {
+        self.times.partition_point(|&from| from <= t.f64()).clamp(1, self.cubics.len()) - 1
+    }
+
     /// Value, first and second derivative at a time.
     pub fn at<R: Real>(&self, t: R) -> [R; 3] {
-        let k = self.times.partition_point(|&from| from <= t.f64()).clamp(1, self.cubics.len()) - 1;
+        let k = self.interval(t);
         let (x, [a, b, c, d]) = (t - R::of(self.times[k]), self.cubics[k].map(R::of));
         let (two, three) = (R::of(2.0), R::of(3.0));
         [a + x * (b + x * (c + x * d)), b + x * (two * c + x * three * d), two * (c + x * three * d)]
