@@ -237,14 +237,14 @@ impl Certificate {
                 rule(short(wave.q_over_pi), "q_over_pi has at most 12 digits")?;
                 let fits = multiplier.is_none_or(|it| match it {
                     Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius } => {
-                        let wide = frequency.enclosed().abs() + Interval::exact(WIDER as f64) * radius.enclosed();
-                        let growing = radius.num() > 0 && below(radius.enclosed(), growth);
-                        to.is_none() && short(p_over_pi) && growing && below(wide, *omega)
+                        let wide = Interval::exact(WIDER as f64) * radius.enclosed();
+                        let growing = radius.num() > 0 && below(wide, growth);
+                        to.is_none() && short(p_over_pi) && growing && below(frequency.enclosed().abs() + wide, *omega)
                     }
                     _ => false,
                 });
-                let words = "a multiplier of a wave is bloch, of one wave, with p/pi of at most 12 digits, a growth \
-                             rate above its radius, which is above 0, and |frequency| + 256 radius below omega";
+                let words = "a multiplier of a wave is bloch, of one wave, with p/pi of at most 12 digits, a radius \
+                             above 0, a growth rate above 256 radius, and |frequency| + 256 radius below omega";
                 rule(fits, words)?;
                 rule(finite(&wave.a), "coefficients must be finite")
             }

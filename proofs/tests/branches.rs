@@ -207,11 +207,12 @@ fn a_branch_is_proved_past_its_fold() {
     let pieces = proved([&of_first("0.315"), &Certificate { mean: exact("-0.1002"), ..of_first("0.18") }]);
     assert!(pieces.len() > 3 && pieces.len() < 90, "{}", pieces.len());
     assert_eq!(connected(&pieces), (pieces.len(), None));
-    let better = |a: f64| {
-        let [a, mean] = [a, -0.1 - 2e-4 * (0.315 - a) / 0.135].map(|x| Exact::of_double(x).unwrap());
+    let at = |a: f64, mean: f64| {
+        let [a, mean] = [a, mean].map(|x| Exact::of_double(x).unwrap());
         let near = Certificate { first: Some([a; 2]), mean, ..of_first("0.24") };
         solve::near(&near, Sizes { block: 12, harmonics: 64, enclosed: 64 }).unwrap()
     };
+    let better = |a: f64| at(a, -0.1 - 2e-4 * (0.315 - a) / 0.135);
     let omega = |it: &Certificate| it.model.omega.enclosed().mid();
     for (piece, proof) in pieces.iter().step_by(9) {
         let proof = proof.as_ref().unwrap();
@@ -227,9 +228,26 @@ fn a_branch_is_proved_past_its_fold() {
             assert!(share == 0.3 || proof.radius < 6.0 * apart, "{share}: {apart:e} {proof:?}");
         }
     }
-    let least = (0..=40).map(|i| omega(&better(0.22 + 1e-3 * f64::from(i)))).fold(f64::INFINITY, f64::min);
-    let [[lo, hi]] = folds(&pieces)[..] else { panic!("{:?}", folds(&pieces)) };
+    // At one mean strain.
+    let least = (0..=40).map(|i| omega(&at(0.22 + 1e-3 * f64::from(i), -0.1))).fold(f64::INFINITY, f64::min);
+    let alike = proved([&of_first("0.315"), &of_first("0.18")]);
+    let [[lo, hi]] = folds(&alike)[..] else { panic!("{:?}", folds(&alike)) };
     assert!(lo < least && least < hi && hi - lo < 1e-5, "{lo} {least} {hi}");
+    // Pieces that go back, and such that vary the mean strain, show no fold of the branch.
+    let back = |(piece, proof): &(Certificate, _)| {
+        let [start, end] = [[piece.model.omega, piece.mean], piece.to.unwrap()];
+        let piece = Certificate {
+            model: Model { omega: end[0], ..piece.model },
+            mean: end[1],
+            to: Some(start),
+            first: piece.first.map(|[start, end]| [end, start]),
+            ..piece.clone()
+        };
+        (piece, Clone::clone(proof))
+    };
+    let there_and_back: Vec<_> = alike.iter().cloned().chain(alike.iter().rev().map(back)).collect();
+    assert_eq!(connected(&there_and_back), (2 * alike.len(), None));
+    assert!(folds(&there_and_back).is_empty() && folds(&pieces).is_empty());
     // The text, and what only one side of the fold has.
     let (piece, proof) = &pieces[0];
     assert_eq!(check_text(&piece.to_string()), proof.clone().map(|proof| (piece.clone(), proof)));

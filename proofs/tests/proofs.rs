@@ -653,8 +653,8 @@ fn multipliers_that_are_not_there_are_refused() {
     let text = tw_q15(small).to_string();
     for (line, words) in [
         ("1/25 2e-3 0 1/1000", "is no decimal"),
-        ("1/25 1/500 0 0", "which is above 0"),
-        ("1/25 1/500 0 1/500", "a growth rate above its radius"),
+        ("1/25 1/500 0 0", "a radius above 0"),
+        ("1/25 1/500 0 1/100000", "a growth rate above 256 radius"),
         ("1/25 1/500 2 1/100000", "256 radius below omega"),
         ("1/2000000000000 1/500 0 1/1000", "at most 12 digits"),
         ("1/25 1/500 0", "nor bloch with p/pi, a growth rate, a frequency and a radius"),

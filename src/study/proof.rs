@@ -225,12 +225,15 @@ impl Proving {
 }
 
 /// Certificates near the waves of a branch, with their first harmonics as the parameter of the
-/// branch if its frequency turns back.
+/// branch if its frequency turns back and they do not.
 fn past_folds(near: &[Certificate]) -> Result<Vec<Certificate>> {
-    let omega: Vec<f64> = near.iter().map(|it| nearest(it.model.omega)).collect();
-    let turns = omega.windows(3).any(|three| (three[1] - three[0]) * (three[2] - three[1]) < 0.0);
+    let turns = |of: fn(&Certificate) -> f64| {
+        let values: Vec<f64> = near.iter().map(of).collect();
+        values.windows(3).any(|three| (three[1] - three[0]) * (three[2] - three[1]) < 0.0)
+    };
+    let by_first = turns(|it| nearest(it.model.omega)) && !turns(|it| it.orbit.rows()[0][0]);
     let of = |it: &Certificate| match &it.orbit {
-        certificate::Orbit::Wave(wave) if turns => {
+        certificate::Orbit::Wave(wave) if by_first => {
             let first = exact("first harmonic", rounded(wave.a[0]))?;
             Ok(Certificate { first: Some([first; 2]), ..it.clone() })
         }

@@ -580,7 +580,7 @@ fn single_roots_err_by_less_than_their_rounding_and_conserve_momentum() {
     let refused = Method::SingleRoots(Split::Kinetic).runs(&other).unwrap_err().to_string();
     assert_eq!(
         refused,
-        "integrator = verlet-single is not valid: its roots are those of equal beads with alpha = 3/2: take \
-         dop853-regularised, or strang-linear for equal steps"
+        "integrator = verlet-single is not valid: its roots are those of equal beads, each contact with \
+         the one power 3/2 of the overlap: take dop853-regularised, or strang-linear for equal steps"
     );
 }

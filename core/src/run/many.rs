@@ -76,7 +76,9 @@ impl Run {
     /// Scheme, split and steps of a run that can be made together with others.
     fn split(&self) -> Option<(&'static Scheme, Split, u64)> {
         let runs = self.method?.runs(&self.chain).and(self.chain.magnets_apart(self.initial().as_slice()));
-        let plain = runs.is_ok() && self.parts.whole() && !self.contacts;
+        // A run with a table is watched for overlaps beyond its last row.
+        let table = self.chain.details().is_some_and(|details| details.table.is_some());
+        let plain = runs.is_ok() && self.parts.whole() && !self.contacts && !table;
         let (scheme, split) = match self.method? {
             Method::Splitting(scheme, split) => (scheme, split),
             Method::SingleRoots(split) => (&tables::STRANG, split),

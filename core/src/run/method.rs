@@ -346,8 +346,8 @@ impl Method {
         let hertz = chain.params().alpha == 1.5 && (chain.details().is_none() || chain.dissipative_contacts());
         if matches!(self, Self::SingleRoots(_)) && !hertz {
             return Some(
-                "its roots are those of equal beads with alpha = 3/2: take dop853-regularised, or strang-linear for \
-                 equal steps",
+                "its roots are those of equal beads, each contact with the one power 3/2 of the overlap: take \
+                 dop853-regularised, or strang-linear for equal steps",
             );
         }
         chain.details()?;

@@ -1,5 +1,5 @@
-//! Contact collocation: an integrator that gives every contact a time mesh of its own. It keeps its
-//! full order through contacts, at a cost linear in the length of the chain.
+//! Contact collocation: an integrator that gives every contact a time mesh of its own. It keeps a
+//! high order through contacts, at a cost linear in the length of the chain.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -39,9 +39,9 @@
 //! A contact of a neighbour that begins at `t'` adds to `g_n` a term `(t - t')^{alpha + 2}` after
 //! `t'`; one that ends at `t'` adds `(t' - t)^{alpha + 2}` before `t'`. So panels are cut at `t'`
 //! too, with the same kind of variable on the singular side. Where both ends are singular the panel
-//! is cut once more in the middle. Without these cuts the order is about `alpha + 3`; with them it
-//! is that of Gauss quadrature, and doubling the nodes squares the error. Graded panels, ever
-//! shorter towards `t'`, reach the same error with three times the panels.
+//! is cut once more in the middle. Without these cuts the order is about `alpha + 3`; with them
+//! doubling the nodes squares the error, as in Gauss quadrature. Graded panels, ever shorter towards
+//! `t'`, reach the same error with three times the panels.
 //!
 //! # The sweep
 //!

@@ -98,7 +98,7 @@ impl PlanStudy {
     fn line(&self, k: usize) -> Vec<String> {
         let keys = self.plan.point(k).0.into_iter().map(|(_, value)| plain(&in_json(&value)));
         let cell = |column: &NumberColumn| match (column.width, column.numbers[k * column.width]) {
-            (1, number) if number.is_nan() => "–".to_owned(),
+            (width, _) if column.numbers[k * width..][..width].iter().all(|x| x.is_nan()) => "–".to_owned(),
             (1, number) if number.fract() == 0.0 && number.abs() < 1e9 => number.to_string(),
             (1, number) => format!("{number:.6e}"),
             (width, _) => format!("{width} numbers"),
