@@ -531,7 +531,7 @@ fn wrong_details_are_refused_by_name_and_rule() {
         (Details { mass: vec![1.0, -2.0, 1.0], ..none() }, "mass = -2 (entry 1)", "finite and positive"),
         (Details { rho: vec![1.0, f64::NAN, 1.0], ..none() }, "rho = NaN (entry 1)", "[0, inf]"),
         (Details { contact: vec![1.0; 3], ..none() }, "contact = 3 numbers for 2 bonds", "one number"),
-        (Details { contact: vec![1.0, -1.0], ..none() }, "contact = -1", "at least zero"),
+        (Details { contact: vec![1.0, -1.0], ..none() }, "contact = -1", "from 0 to 1e200"),
         (
             Details { kappa: vec![0.0; 3], dashpot: vec![0.1; 3], ..none() },
             "dashpot = 0.1 at site 0",
