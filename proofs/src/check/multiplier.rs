@@ -521,6 +521,42 @@ mod tests {
         Multiplier::Bloch { p_over_pi: Exact::new(1, 3).unwrap(), rate: [growth, frequency], radius }
     }
 
+    /// A growth rate of no perturbation.
+    const RATE: [f64; 2] = [0.2, 0.7];
+
+    /// The wave with this rate, as if all its contacts had the stiffness `sum_l d_l cos l phi`.
+    fn driven(d: &[(usize, f64)], enclosed: usize) -> (Certificate, System, Vec<Moments>) {
+        stiff(&wave(), bloch(RATE, 1e-9), d, enclosed)
+    }
+
+    fn equations((certificate, system, known): &(Certificate, System, Vec<Moments>)) -> Equations<'_> {
+        let sizes = [certificate.enclosed / 8, certificate.enclosed];
+        Equations::new(certificate, (system, known), sizes, &certificate.multiplier.unwrap())
+    }
+
+    fn rate() -> Complex {
+        let [re, im] = RATE.map(Interval::exact);
+        Complex { re, im }
+    }
+
+    /// Those of strains that differ by at most `change`.
+    fn terms(it: &(Certificate, System, Vec<Moments>), change: f64) -> Terms<'_> {
+        Terms::new(equations(it), rate(), &[Interval::exact(change); 2])
+    }
+
+    /// Bounds of `g` of a wave.
+    fn of_wave(terms: &Terms) -> Vec<Interval> {
+        terms.g(rate(), terms.z1(&|| Ok(())).unwrap())
+    }
+
+    /// Adds a multiple of a row of `A` to one.
+    fn add(terms: &mut Terms, factor: f64, [from, to]: [usize; 2]) {
+        for matrix in [&mut terms.inverse, &mut terms.product] {
+            let row = matrix[from].clone();
+            matrix[to].iter_mut().zip(row).for_each(|(a, b)| *a = *a + Interval::exact(factor) * b);
+        }
+    }
+
     // Truth: contacts that pull with the constant stiffness D have perturbations e^{i k phi} alone,
     // whose s = lambda + i k omega solves L(s) = -4 sin^2((p - k q)/2) D and is real.
     #[test]
@@ -604,21 +640,67 @@ mod tests {
             assert!(few[0] < many[0] && many[1] < few[1], "{d:?} {sine}: {few:?} {many:?}");
             assert!(many[1] - many[0] < 1e-6 * (few[1] - few[0]), "{d:?} {sine}: {few:?} {many:?}");
         }
-        let lambda = [0.2, 0.7].map(Interval::exact);
         for l in [3, 8] {
-            let [few, many] = [8, 64].map(|enclosed| {
-                let multiplier = bloch([0.2, 0.7], 1e-9);
-                let (certificate, system, known) = stiff(&wave(), multiplier, &[(0, 0.3), (l, 0.1)], enclosed);
-                let sizes = [enclosed / 8, enclosed];
-                let it = Equations::new(&certificate, (&system, &known), sizes, &multiplier);
-                let lambda = Complex { re: lambda[0], im: lambda[1] };
-                let terms = Terms::new(it, lambda, &[Interval::ZERO; 2]);
-                terms.g(lambda, terms.z1(&|| Ok(())).unwrap())
-            });
+            let [few, many] = [8, 64].map(|enclosed| of_wave(&terms(&driven(&[(0, 0.3), (l, 0.1)], enclosed), 0.0)));
             for (few, many) in few.iter().zip(&many) {
                 assert!(few.lo() < many.lo() && many.hi() < few.hi(), "{l}: {few:?} {many:?}");
                 assert!(many.hi() - many.lo() < 1e-6 * (few.hi() - few.lo()), "{l}: {few:?} {many:?}");
             }
+        }
+    }
+
+    // Truth: if A is the inverse with twice its row of g added to a row, 1 - A M has -2 where this
+    // row meets the column of g. The row of g also has -2 in the first column: without it, eta is so
+    // large that the column of g counts at no site.
+    #[test]
+    fn z1_has_the_rows_and_columns_of_g() {
+        let it = driven(&[(0, 0.3)], 64);
+        let (all, pinned) = (equations(&it).all.len(), equations(&it).pinned);
+        for g in [all, all + 1] {
+            for row in [pinned[0], pinned[1], all, all + 1] {
+                let mut terms = terms(&it, 0.0);
+                add(&mut terms, 2.0, [g, row]);
+                add(&mut terms, 2.0, [0, g]);
+                let [eta, own, rest] = terms.z1(&|| Ok(())).unwrap();
+                let entry = match terms.it.all.get(row) {
+                    Some(place) => 2.0 / (eta * terms.weights[place.0]).mid(),
+                    None => 2.0,
+                };
+                assert!(1.0 - rest.lo() > (1.0 - 1e-9) * entry, "{row} {g}: {rest:?} {entry}");
+                assert!(row < all || (eta * own).hi() > 2.0 - 1e-9, "{row} {g}: {own:?}");
+            }
+        }
+    }
+
+    // Truth: g with the inverse as A. Half of its row of g leaves an eighth of g after three
+    // corrections.
+    #[test]
+    fn bounds_of_g_hold_it_where_the_row_of_g_is_not_the_inverse() {
+        let it = driven(&[(0, 0.3)], 64);
+        let truth = of_wave(&terms(&it, 0.0));
+        for which in 0..2 {
+            let mut terms = terms(&it, 0.0);
+            let g = terms.it.all.len() + which;
+            add(&mut terms, -0.5, [g, g]);
+            let (bounds, truth) = (of_wave(&terms)[which], truth[which]);
+            assert!(bounds.lo() < truth.lo() && truth.hi() < bounds.hi(), "{which}: {bounds:?} {truth:?}");
+        }
+    }
+
+    // Truth: g and 1 - A M of the stiffness d +- mu/sqrt 2, whose change has the size mu.
+    #[test]
+    fn bounds_of_g_and_z1_hold_for_the_changes_of_a_wave() {
+        let it = driven(&[(0, 0.3)], 64);
+        for sign in [1.0, -1.0] {
+            let wider = terms(&it, 1e-3);
+            let moved = driven(&[(0, 0.3 + sign * wider.changed[0].lo() / 2_f64.sqrt())], 64);
+            for (bounds, truth) in of_wave(&wider).iter().zip(of_wave(&terms(&moved, 0.0))) {
+                assert!(bounds.lo() < truth.lo() && truth.hi() < bounds.hi(), "{sign}: {bounds:?} {truth:?}");
+            }
+            let z1 = |terms: &Terms| terms.z1(&|| Ok(())).unwrap();
+            let [_, own, rest] = z1(&wider);
+            let truth = z1(&Terms { it: equations(&moved), changed: vec![Interval::ZERO; 2], ..wider });
+            assert!(truth[1].hi() < own.hi() && rest.lo() < truth[2].lo(), "{sign}: {own:?} {rest:?} {truth:?}");
         }
     }
 }
