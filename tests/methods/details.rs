@@ -522,6 +522,16 @@ fn what_cannot_run_such_a_chain_names_one_that_can() {
 }
 
 #[test]
+fn strains_at_rest_have_no_sign() {
+    let chain = Chain::<f64>::new(params(1.5, 1.0, 1.0), Boundary::Free, 3).unwrap();
+    let differing = chain.clone().with(&Details { contact: vec![1.0, 2.0], ..Details::default() }).unwrap();
+    for chain in [chain, differing] {
+        let strains = chain.strains(State::rest(&chain).as_slice());
+        assert!(strains.len() == 2 && strains.iter().all(|x| x.to_bits() == 0), "{strains:?}");
+    }
+}
+
+#[test]
 fn wrong_details_are_refused_by_name_and_rule() {
     let chain = |boundary| Chain::<f64>::new(params(1.5, 1.0, 1.0), boundary, 3).unwrap();
     let none = Details::default;

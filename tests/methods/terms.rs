@@ -223,7 +223,7 @@ fn beads_at_rest_have_balanced_forces() {
 fn what_cannot_follow_sums_names_what_can() {
     let chain = beads(Boundary::Fixed, 4, &[(0.5, 2.5)], 0.0);
     for (method, what) in [
-        ("collocation", "one power of the overlap, and here a sum or a table: take dop853-regularised"),
+        ("collocation", "one power of the overlap, not of a sum or a table: take dop853-regularised"),
         ("corrected", "contacts of one exponent"),
         ("discrete-gradient", "take dop853-regularised"),
     ] {

@@ -271,7 +271,7 @@ impl<R: Real> Chain<R> {
         let strains: Vec<R> = match self.boundary() {
             Boundary::StrainRing => u.to_vec(),
             // Static overlaps are in the details, and `between` leaves them out.
-            _ if self.details.is_some() => self.between(u).filter(|g| g.is_finite()).map(|g| -g).collect(),
+            _ if self.details.is_some() => self.between(u).filter(|g| g.is_finite()).map(|g| R::zero() - g).collect(),
             _ => self.overlaps(u).into_iter().filter(|g| g.is_finite()).map(|g| self.precompression - g).collect(),
         };
         if strains.is_empty() { u.to_vec() } else { strains }

@@ -367,8 +367,8 @@ impl Method {
                  equal steps",
             ),
             Self::Conserving => Some(
-                "it needs equal beads, without damping or drives: take dop853-regularised, or strang-linear for \
-                 equal steps",
+                "it needs equal beads and contacts of one power, without damping or drives: take dop853-regularised, \
+                 or strang-linear for equal steps",
             ),
         }
     }

@@ -626,7 +626,7 @@ impl<R: Real> Chain<R> {
         }
         if self.details()?.own_law().is_some() {
             return Some(
-                "its contacts have one power of the overlap, and here a sum or a table: take dop853-regularised",
+                "it needs contacts of one power of the overlap, not of a sum or a table: take dop853-regularised",
             );
         }
         let rule = "between contacts its sites move on their own, and here springs or magnets join beads: take \
