@@ -8,8 +8,8 @@
 //!
 //! Steps go in factors of two, tolerances in factors of ten. Errors are those of `compare`: strains
 //! at the end, over the amplitude. Times are medians of three runs in one process and include the
-//! set-up of a run. A second table has the time a member of [`MEMBERS`] runs by splittings, which
-//! are made side by side on one core, beside the same plain loops.
+//! set-up of a run. A second table has the time a member of [`MEMBERS`] runs by splittings on one
+//! core, of short chains side by side, beside the same plain loops.
 //! `cargo bench --bench frontier -- points` prints every run.
 
 use hertzchain::{

@@ -9,7 +9,7 @@ macro_rules! sections {
     })*) => {$(
         $(#[$about])*
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(deny_unknown_fields)]
+        #[serde(deny_unknown_fields, expecting = "a table of keys")]
         pub struct $name {
             $($(#[$key])*
             $(#[serde(skip_serializing_if = "Option::is_none")] pub $field: Option<$optional>)?

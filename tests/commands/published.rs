@@ -100,8 +100,8 @@ fn a_heavy_striker_makes_a_train_whose_forces_fall_nearly_exponentially() {
 #[test]
 fn a_weak_pulse_in_a_column_slows_and_speeds_as_published() {
     // Published, for large depths: velocities like depth^(-1/4), speeds like depth^(1/6).
-    // Slopes in these steps differ by 2e-5 from those in steps of order four. Collocation, which the
-    // scene has, takes twenty times as long.
+    // Slopes in these steps differ by 2e-5 from those in steps of order four. Collocation, which
+    // the scene has, takes twenty times as long.
     let run = json("run hong-1999 --integrator verlet --steps-per-period 160");
     let of = |name: &str| -> Vec<f64> {
         run["recorded"]["u_dot"][name].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()

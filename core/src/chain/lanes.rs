@@ -17,9 +17,9 @@ use std::sync::Arc;
 impl Chain<f64> {
     /// The largest number of such chains that are moved abreast: that of the lanes of the
     /// instructions in use; one for a chain with so many sites that columns do not stay in the
-    /// nearest cache. Timed with AVX-512 (least of seven samples), an equal chain abreast takes 0.43
-    /// of the time of one alone with 16 sites, 0.78 with 50, 0.95 with 200, 1.03 with 400; one with
-    /// details as long as alone with 256.
+    /// nearest cache. Timed with AVX-512 (least of seven samples), an equal chain abreast takes
+    /// 0.43 of the time of one alone with 16 sites, 0.78 with 50, 0.95 with 200, 1.03 with 400; one
+    /// with details as long as alone with 256.
     pub(crate) fn most_abreast(&self) -> usize {
         let lanes = with_registers!(V => V::LANES);
         if self.sites() * lanes <= SHORT / 8 { lanes } else { 1 }

@@ -19,15 +19,15 @@ use std::{ops::ControlFlow, time::Instant};
 /// the number of a run, the time of each of its samples, and the state there.
 ///
 /// Runs that follow each other are made together, as many as a register has lanes, if they are by a
-/// splitting with the same number of equal steps, on chains of the same length and boundary, and
-/// neither contacts, observables nor crossings are asked for.
+/// splitting with the same number of equal steps, on chains of the same length, at most a few
+/// hundred beads, and boundary, and neither contacts, observables nor crossings are asked for.
 ///
-/// Chains of equal beads, at most a few thousand, may differ in their initial states, in kappa, rho
-/// and precompression and, if samples are equally spaced and taken at ends of steps, in the span;
-/// all are plain, or all have fixed resonators, or all moving ones. Chains with details, at most a
-/// few hundred beads, may differ in their initial states and in all details but gravity and further
-/// powers of contacts; moving resonators, springs or magnets between beads, and the ledger of
-/// energies are in all of them or in none. Their wall time is shared equally.
+/// Chains of equal beads may differ in their initial states, in kappa, rho and precompression and,
+/// if samples are equally spaced and taken at ends of steps, in the span; all are plain, or all
+/// have fixed resonators, or all moving ones. Chains with details may differ in their initial
+/// states and in all details but gravity and further powers of contacts, and none has a table;
+/// moving resonators, springs or magnets between beads, and the ledger of energies are in all of
+/// them or in none. Their wall time is shared equally.
 ///
 /// ```
 /// # use hertzchain_core::{Boundary, Chain, Method, Params, Run, Setting, State, run::start_all};

@@ -40,8 +40,8 @@
 //! `t'`; one that ends at `t'` adds `(t' - t)^{alpha + 2}` before `t'`. So panels are cut at `t'`
 //! too, with the same kind of variable on the singular side. Where both ends are singular the panel
 //! is cut once more in the middle. Without these cuts the order is about `alpha + 3`; with them
-//! doubling the nodes squares the error, as in Gauss quadrature. Graded panels, ever shorter towards
-//! `t'`, reach the same error with three times the panels.
+//! doubling the nodes squares the error, as in Gauss quadrature. Graded panels, ever shorter
+//! towards `t'`, reach the same error with three times the panels.
 //!
 //! # The sweep
 //!

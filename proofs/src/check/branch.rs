@@ -117,16 +117,14 @@ pub fn doublings(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[f64; 
 }
 
 /// Bounds of the least and of the largest frequency along connected pieces, of each that is not
-/// found at an end of the curve: there the curve turns back, at a fold. Of pieces at one mean strain
-/// along which the first harmonic goes one way: others may go back themselves.
+/// found at an end of the curve: there the curve turns back, at a fold. Of pieces at one mean
+/// strain along which the first harmonic goes one way: others may go back themselves.
 pub fn folds(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[f64; 2]> {
-    let along = |(piece, _): &(Certificate, _)| {
-        let [[start, mean], [end, other]] = piece.ends();
-        let step = end.enclosed() - start.enclosed();
-        (piece.first.is_some() && mean == other).then_some((step.is_positive(), (-step).is_positive(), mean))
-    };
-    let one_way = |way: Option<(bool, bool, Exact)>| way.is_some_and(|(up, down, _)| up || down);
-    if !pieces.iter().map(along).all(|way| one_way(way) && Some(way) == pieces.first().map(along)) {
+    let ends: Vec<[[Exact; 2]; 2]> = pieces.iter().map(|(piece, _)| piece.ends()).collect();
+    let rise = |[start, end]: &[[Exact; 2]; 2]| end[0].enclosed() - start[0].enclosed();
+    let one_way = ends.iter().all(|it| rise(it).is_positive()) || ends.iter().all(|it| (-rise(it)).is_positive());
+    let one_mean = ends.iter().flatten().all(|end| end[1] == ends[0][0][1]);
+    if !(one_way && one_mean && pieces.iter().all(|(piece, _)| piece.first.is_some())) {
         return Vec::new();
     }
     let all: Vec<[f64; 2]> = pieces.iter().filter_map(|(_, proof)| Some(proof.as_ref().ok()?.frequency)).collect();

@@ -650,8 +650,8 @@ mod tests {
     }
 
     // Truth: if A is the inverse with twice its row of g added to a row, 1 - A M has -2 where this
-    // row meets the column of g. The row of g also has -2 in the first column: without it, eta is so
-    // large that the column of g counts at no site.
+    // row meets the column of g. The row of g also has -2 in the first column: without it, eta is
+    // so large that the column of g counts at no site.
     #[test]
     fn z1_has_the_rows_and_columns_of_g() {
         let it = driven(&[(0, 0.3)], 64);

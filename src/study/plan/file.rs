@@ -97,7 +97,7 @@ pub struct Axis {
 pub struct Point(pub Vec<(String, Value)>);
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table of keys")]
 struct PlanFile {
     name: Option<String>,
     scene: Value,
@@ -110,7 +110,7 @@ struct PlanFile {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table of keys")]
 struct AxisFile {
     key: Option<String>,
     values: Option<Vec<Value>>,

@@ -64,7 +64,7 @@ impl Table {
         };
         let cubics: Vec<[f64; 4]> = (0..n - 1).map(cubic).chain([[force[n - 1], slope(n - 1), 0.0, 0.0]]).collect();
         let finite = cubics.iter().flatten().all(|one| one.is_finite());
-        require(finite, "bonds.table", "rows too near to each other", "the slopes between them are finite")?;
+        require(finite, "bonds.table", "rows too near or too far apart", "cubics between them are finite")?;
         spline.cubics = cubics;
         let mut table = Self { force: spline, energy: vec![0.0] };
         for &end in &overlap[1..] {
