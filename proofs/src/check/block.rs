@@ -76,19 +76,19 @@ fn approximate_inverse(mut rows: Vec<Vec<f64>>) -> Vec<Vec<Interval>> {
 pub(super) struct Block {
     /// The unknowns but for the further ones.
     pub(super) all: Vec<Place>,
-    pub(super) sites: usize,
+    sites: usize,
     /// First harmonic whose equations have the identity, and 1 for harmonics `k + 1/2`.
-    pub(super) own: usize,
-    pub(super) odd: usize,
-    /// Row and column of each further unknown.
-    pub(super) more: Vec<[Vec<Interval>; 2]>,
+    own: usize,
+    odd: usize,
+    /// Row and column of `M` of each further unknown.
+    more: Vec<[Vec<Interval>; 2]>,
     /// Largest distance of sites that `A M` couples.
     pub(super) coupled: usize,
     /// `A`, and `A B`.
     pub(super) inverse: Vec<Vec<Interval>>,
     pub(super) product: Vec<Vec<Interval>>,
     /// `R`, by site of the column.
-    pub(super) reach: Vec<Vec<Interval>>,
+    reach: Vec<Vec<Interval>>,
 }
 
 impl Block {
@@ -197,7 +197,7 @@ impl Block {
     }
 
     /// The largest columns of `1 - A M` of a site with the stiffness `d`, by site: of these places,
-    /// and of those beyond, which see a tail of `d`.
+    /// and of those beyond, of which the rows see a tail of `d` only.
     pub(super) fn columns(&self, m: usize, places: Vec<Place>, d: &[Interval], tail: Interval) -> Vec<Interval> {
         let beyond = tail / of(2).sqrt();
         let mut most: Vec<Interval> = self.reach[m].iter().map(|reach| *reach * beyond).collect();

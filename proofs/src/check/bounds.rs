@@ -1,6 +1,6 @@
 //! `Y0`, `Z1` and `Z2` of a system.
 //!
-//! The block has the matrix `DG` and, as a further unknown, `c_0` of a ring, or the frequency of a
+//! The matrix of the block is `DG`. Its further unknown is `c_0` of a ring, or the frequency of a
 //! piece that fixes `a_1`; the equation of what is fixed has its index.
 
 use super::{
