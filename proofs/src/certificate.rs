@@ -252,7 +252,6 @@ impl Certificate {
                 rule(sites % 2 == 1 && (3..=MOST_SITES).contains(sites), "sites must be odd, from 3 to 401")?;
                 of_breather(*center, a, a.len())?;
                 rule(a.len() == sites / 2 + 1, "a row of coefficients for each site from the centre to the far end")?;
-                rule(to.is_none() || *center != Center::Doubled, "a branch of doubled period is not proved")?;
                 let fits = multiplier.is_none_or(|it| match it {
                     Multiplier::Growing([from, last]) => to.is_none() && from.num() > 0 && below(from.enclosed(), last),
                     Multiplier::Doubling { .. } => to.is_some() && *center == Center::Bond,

@@ -38,6 +38,8 @@ impl Sizes {
     pub const WAVE_PIECE: Self = Self { block: 12, harmonics: 32, enclosed: 48 };
     /// Those of pieces of branches of breathers.
     pub const BREATHER_PIECE: Self = Self { block: 8, harmonics: 12, enclosed: 32 };
+    /// The same of doubled period.
+    pub const DOUBLED_PIECE: Self = Self { block: 16, harmonics: 24, enclosed: 64 };
 
     /// As many times the harmonics, with the same block.
     #[must_use]

@@ -32,15 +32,19 @@ fn breather(omega: &str, center: Center, a: f64) -> Certificate {
     let first = if center == Center::Site { 0.0 } else { 0.5 };
     let row = |i: i32| {
         let n = f64::from(i) + first;
-        let sign = if i % 2 == 0 { a } else { -a };
-        vec![if n == 0.0 { -0.2 * a } else { 0.0 }, sign * n.tanh()]
+        let kink = if i % 2 == 0 { a } else { -a } * n.tanh();
+        // The first harmonic of the doubled period decays.
+        let subharmonic = (center == Center::Doubled).then(|| 0.1 * f64::from(-2 * i).exp());
+        let mean = if n == 0.0 { -0.2 * a } else { 0.0 };
+        [mean].into_iter().chain(subharmonic).chain([kink]).collect()
     };
     near(omega, "0", Orbit::Breather(Breather { sites: 15, center, a: (0..8).map(row).collect() }))
 }
 
 fn strip([from, to]: [&Certificate; 2]) -> Strip {
-    let sizes = match from.orbit {
+    let sizes = match &from.orbit {
         Orbit::Wave(_) => Sizes::WAVE_PIECE,
+        Orbit::Breather(it) if it.center == Center::Doubled => Sizes::DOUBLED_PIECE,
         _ => Sizes::BREATHER_PIECE,
     };
     solve::strip([from, to], sizes, &|piece| check(piece)).unwrap()
@@ -77,20 +81,23 @@ fn distance(a: &Certificate, b: &Certificate, weights: &[f64]) -> f64 {
     rows(a).iter().zip(&rows(b)).zip(weights).map(of_site).fold(0.0, f64::max)
 }
 
-/// Three branches: waves of mean strain 0, and waves and breathers whose mean strain grows.
-fn branches() -> [Pieces; 3] {
+/// Four branches: waves of mean strain 0, and waves and breathers, also of doubled period, whose
+/// mean strain grows.
+fn branches() -> [Pieces; 4] {
     let end = Certificate { mean: exact("1/10000"), ..breather("2.0502", Center::Site, 0.148) };
+    let doubled = Certificate { mean: exact("1/100000"), ..breather("1.03303", Center::Doubled, -0.26) };
     [
         proved([&wave(["2.001", "0"], 0.0083), &wave(["2.00105", "0"], 0.009)]),
         proved([&wave(["2.001", "0.0571"], 0.114), &wave(["2.00105", "0.063"], 0.126)]),
         proved([&breather("2.05", Center::Site, 0.147), &end]),
+        proved([&breather("1.033", Center::Doubled, -0.26), &doubled]),
     ]
 }
 
 // Truth: solutions with more harmonics at single parameters.
 #[test]
 fn solutions_of_a_branch_lie_in_its_balls() {
-    for (pieces, most) in branches().iter().zip([10, 10, 16]) {
+    for (pieces, most) in branches().iter().zip([10, 10, 16, 10]) {
         assert!(pieces.len() > 1 && pieces.len() < most, "{}", pieces.len());
         assert_eq!(connected(pieces), (pieces.len(), None));
         for (piece, proof) in [&pieces[0], &pieces[pieces.len() - 1]] {
@@ -148,7 +155,7 @@ fn the_derivative_at_the_ends_of_a_piece_is_bounded() {
 
 #[test]
 fn a_gap_is_refused() {
-    let [all, _, _] = branches();
+    let [all, ..] = branches();
     let gap = |change: &dyn Fn(&mut Pieces)| {
         let mut pieces = all.clone();
         change(&mut pieces);
@@ -251,7 +258,7 @@ fn a_branch_is_proved_past_its_fold() {
     // The text, and what only one side of the fold has.
     let (piece, proof) = &pieces[0];
     assert_eq!(check_text(&piece.to_string()), proof.clone().map(|proof| (piece.clone(), proof)));
-    let [waves, _, breathers] = branches();
+    let [waves, _, breathers, _] = branches();
     assert!(folds(&pieces[..2]).is_empty() && folds(&waves).is_empty());
     // Frequencies that the piece needs are left out; another first harmonic; no piece; a breather.
     let narrow = |share: f64| {
@@ -276,7 +283,7 @@ fn a_branch_is_proved_past_its_fold() {
 
 #[test]
 fn pieces_are_read_one_by_one() {
-    let [_, all, _] = branches();
+    let [_, all, ..] = branches();
     let text: String = all.iter().map(|(piece, _)| piece.to_string()).collect();
     let read = pieces(&text).unwrap();
     assert!(read.iter().eq(all.iter().map(|(piece, _)| piece)));

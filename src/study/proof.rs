@@ -246,6 +246,7 @@ fn past_folds(near: &[Certificate]) -> Result<Vec<Certificate>> {
 fn sizes([from, to]: [&Certificate; 2]) -> Sizes {
     match from.orbit {
         certificate::Orbit::Wave(_) => Sizes::WAVE_PIECE,
+        certificate::Orbit::Breather(Breather { center: Center::Doubled, .. }) => Sizes::DOUBLED_PIECE,
         certificate::Orbit::Breather(_) if from.multiplier.is_some() && to.multiplier.is_some() => Sizes::BREATHER,
         certificate::Orbit::Breather(_) | certificate::Orbit::Infinite(_) => Sizes::BREATHER_PIECE,
     }

@@ -1,12 +1,11 @@
 //! `Y0`, `Z1` and `Z2` of a system.
 //!
-//! Unknowns are `(n, k)` with `k <= K`, and as the last one `c_0` of a ring, or the frequency of a
-//! piece that fixes `a_1`; the equation of what is fixed has its index. `A` is an approximate
-//! inverse of `DG` on these unknowns, and the identity beyond. Vectors "by site" have an entry for
-//! each site, and one for the last unknown.
+//! The matrix of the block is `DG`. Its further unknown is `c_0` of a ring, or the frequency of a
+//! piece that fixes `a_1`; the equation of what is fixed has its index.
 
 use super::{
     Bounds, Moments, Proof, Refused, System,
+    block::{Block, Place, Rows, dot, perron, split},
     infinite::Far,
     ladder,
     moments::{NARROWEST, NARROWEST_ALONG, moments},
@@ -18,184 +17,19 @@ use crate::{
     exact::Exact,
     interval::{Interval, norm},
 };
-use std::ops::Sub;
 
 /// Largest radius of a ball of a piece with an unknown frequency, over `Y0` of the wave.
 const WIDEST: usize = 5;
-
-/// The weight of a harmonic in the norm: `sqrt 2` for the mean.
-pub(super) fn weight(k: usize) -> Interval {
-    if k == 0 { of(2).sqrt() } else { Interval::ONE }
-}
-
-/// The coefficient of `cos (k + odd/2) theta` in `D cos (j + odd/2) theta`; or that of the sines.
-pub(super) fn product(d: &[Interval], k: usize, j: usize, (odd, sine): (usize, bool)) -> Interval {
-    let h = |l: usize| d[l] / of(if l == 0 { 1 } else { 2 });
-    let (near, far) = (h(k.abs_diff(j)), h(k + j + odd));
-    let both = if sine { near - far } else { near + far };
-    if k + odd == 0 { both / of(2) } else { both }
-}
-
-/// That of `cos k theta` in `D cos j theta`.
-fn stiffness(d: &[Interval], k: usize, j: usize) -> Interval {
-    product(d, k, j, (0, false))
-}
-
-pub(super) fn dot(a: &[Interval], b: &[Interval]) -> Interval {
-    a.iter().zip(b).map(|(a, b)| *a * *b).sum()
-}
-
-pub(super) fn kronecker(equal: bool) -> Interval {
-    if equal { Interval::ONE } else { Interval::ZERO }
-}
-
-/// Sums over the rows of each of the sites, from the site and the weight of each row; and the row
-/// after them, if there is one.
-pub(super) fn by_site(
-    sites: usize,
-    all: impl Iterator<Item = (usize, Interval)>,
-    of_row: &dyn Fn(usize) -> Interval,
-    another: bool,
-) -> Vec<Interval> {
-    let (mut sums, mut count) = (vec![Interval::ZERO; sites + 1], 0);
-    for (i, (n, weight)) in all.enumerate() {
-        (sums[n], count) = (sums[n] + weight * of_row(i), i + 1);
-    }
-    if another {
-        sums[sites] = of_row(count);
-    }
-    sums
-}
-
-/// The largest of the first sums by site over their weights, and the entry after all sites.
-pub(super) fn split(all: &[Interval], weights: &[Interval], rows: usize) -> [Interval; 2] {
-    let most = all.iter().zip(weights).take(rows).map(|(one, w)| *one / *w).fold(Interval::ZERO, Interval::max);
-    [most, all[weights.len()]]
-}
-
-/// The unknowns of the block.
-pub(super) struct Unknowns {
-    /// `(n, k)` of each but the last one.
-    pub(super) all: Vec<(usize, usize)>,
-    /// Their indices, by site and harmonic.
-    pub(super) index: Vec<Vec<Option<usize>>>,
-    /// Number of rows of `A`.
-    rows: usize,
-}
-
-impl Unknowns {
-    fn new(system: &System, block: usize) -> Self {
-        let (mut all, mut index) = (Vec::new(), Vec::new());
-        for n in 0..system.a.len() {
-            let mut place = |k: usize| {
-                system.has(n, k).then(|| {
-                    all.push((n, k));
-                    all.len() - 1
-                })
-            };
-            index.push((0..=block).map(&mut place).collect());
-        }
-        let rows = all.len() + usize::from(system.fixed.is_some());
-        Self { all, index, rows }
-    }
-
-    /// Sums over the rows of each site with the weights of the norm, and the last row.
-    fn by_site(&self, of_row: &dyn Fn(usize) -> Interval) -> Vec<Interval> {
-        let all = self.all.iter().map(|(n, k)| (*n, weight(*k)));
-        by_site(self.index.len(), all, of_row, self.rows > self.all.len())
-    }
-
-    /// A row of `A B`, where `B` takes harmonics of the force's change to equations: `l_k e` for
-    /// `k >= 1`, and -1 for `k = 0`. `l` has its factors: `l_k`, or their changes along a piece,
-    /// with 0 for `k = 0`.
-    fn times_b(&self, system: &System, l: &[Interval], row: &[Interval]) -> Vec<Interval> {
-        let mut product = vec![Interval::ZERO; self.all.len()];
-        for (i, &(n, k)) in self.all.iter().enumerate() {
-            for (j, factor) in self.b_row(system, l, n, k) {
-                product[j] = product[j] + factor * row[i];
-            }
-        }
-        product
-    }
-
-    /// Row `(n, k)` of `B`, by the index of the column.
-    fn b_row(&self, system: &System, l: &[Interval], n: usize, k: usize) -> Vec<(usize, Interval)> {
-        if k == 0 {
-            return self.index[n][0].map(|i| (i, l[0])).into_iter().collect();
-        }
-        let entry = |(m, e): (usize, f64)| Some((self.index[m][k]?, Interval::exact(e) * l[k]));
-        system.coupled(n, k).into_iter().filter_map(entry).collect()
-    }
-
-    /// `DG` on the unknowns, rounded to nearest: `A` may be any matrix.
-    fn derivative(&self, system: &System, known: &[Moments]) -> Vec<Vec<f64>> {
-        let mut matrix = vec![vec![0.0; self.rows]; self.rows];
-        for (i, &(n, k)) in self.all.iter().enumerate() {
-            for (column, factor) in self.b_row(system, &system.factors, n, k) {
-                let m = self.all[column].0;
-                for (place, j) in self.index[m].iter().zip(0..).filter_map(|(place, j)| Some(((*place)?, j))) {
-                    matrix[i][place] += (factor * stiffness(&known[m].stiffness, k, j)).mid();
-                }
-            }
-            if k > 0 {
-                matrix[i][i] += 1.0;
-            }
-            if let Some(fixed) = &system.fixed {
-                matrix[i][self.rows - 1] = system.by_last(known, k).map_or(0.0, Interval::mid);
-                if k == fixed.harmonic {
-                    matrix[self.rows - 1][i] = fixed.shares[n].mid();
-                }
-            }
-        }
-        matrix
-    }
-}
-
-/// A floating-point inverse, which need not be accurate: Gauss-Jordan elimination with pivots.
-pub(super) fn approximate_inverse(mut rows: Vec<Vec<f64>>) -> Vec<Vec<Interval>> {
-    let n = rows.len();
-    for (i, row) in rows.iter_mut().enumerate() {
-        row.resize(2 * n, 0.0);
-        row[n + i] = 1.0;
-    }
-    for step in 0..n {
-        let pivot = (step..n).max_by(|&i, &j| rows[i][step].abs().total_cmp(&rows[j][step].abs())).unwrap_or(step);
-        rows.swap(step, pivot);
-        let scale = rows[step][step];
-        let row: Vec<f64> = rows[step].iter().map(|x| x / scale).collect();
-        rows[step].clone_from(&row);
-        for (_, other) in rows.iter_mut().enumerate().filter(|(i, other)| *i != step && other[step] != 0.0) {
-            let factor = other[step];
-            other[step..].iter_mut().zip(&row[step..]).for_each(|(x, y)| *x -= factor * y);
-        }
-    }
-    rows.into_iter().map(|row| row[n..].iter().map(|x| Interval::exact(*x)).collect()).collect()
-}
-
-/// A positive vector, at most 1, near the eigenvector of the largest eigenvalue.
-pub(super) fn perron(rows: &[Vec<Interval>]) -> Vec<Interval> {
-    let mut vector = vec![1.0; rows.len()];
-    for _ in 0..50 {
-        let next: Vec<f64> = rows.iter().map(|row| row.iter().zip(&vector).map(|(a, b)| a.mid() * b).sum()).collect();
-        let most = next.iter().copied().fold(0.0, f64::max);
-        vector = next.into_iter().map(|x| (x / most).clamp(0.01, 1.0)).collect();
-    }
-    vector.into_iter().map(Interval::exact).collect()
-}
 
 /// What the bounds are made of, beside the certificate.
 struct Terms<'a> {
     certificate: &'a Certificate,
     system: System,
-    unknowns: Unknowns,
+    /// Along a piece `R` is with `R'`, the next one, which is empty otherwise.
+    block: Block,
+    turned: Vec<Vec<Interval>>,
     /// Moments of the force of each site.
     known: Vec<Moments>,
-    /// `A`, and `M = A B`.
-    inverse: Vec<Vec<Interval>>,
-    product: Vec<Vec<Interval>>,
-    /// `R`, by site of the column; along a piece with `R'`, which is empty otherwise.
-    reach: Vec<Vec<Interval>>,
-    turned: Vec<Vec<Interval>>,
     /// The roots of the sums of `l_k^2` beyond `K`, and of their changes along a piece.
     beyond_block: [Interval; 2],
     /// Tails of the forces beyond `K'`, and of `D` beyond `K' - 2 K`.
@@ -204,12 +38,18 @@ struct Terms<'a> {
     far: Option<Far>,
 }
 
+/// `B`, with the factors `l_k`, or their changes along a piece.
+fn b(system: &System, block: &Block, l: &[Interval]) -> Rows {
+    block.rows(|(n, k, part)| match k {
+        0 => vec![((n, 0, part), l[0])],
+        _ => system.coupled(n, k).into_iter().map(|(m, e)| ((m, k, part), Interval::exact(e) * l[k])).collect(),
+    })
+}
+
 impl<'a> Terms<'a> {
     fn new(certificate: &'a Certificate, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<Self, Refused> {
         let system = System::new(certificate)?;
         let (block, enclosed, alpha) = (certificate.block, certificate.enclosed, certificate.model.alpha);
-        let piece = certificate.to.is_some();
-        let unknowns = Unknowns::new(&system, block);
         let [start, end] = certificate.ends();
         let narrowest = if start == end { NARROWEST } else { NARROWEST_ALONG };
         let far = Far::new(certificate, &|| go_on().is_err())?;
@@ -237,31 +77,25 @@ impl<'a> Terms<'a> {
             known.resize(system.a.len(), within);
             tails.resize(system.a.len(), tail);
         }
-        let derivative = unknowns.derivative(&system, &known);
-        let mut inverse = approximate_inverse(derivative.clone());
+        let places = (0..system.a.len()).flat_map(|n| (0..=block).map(move |k| (n, k, false)));
+        let all: Vec<Place> = places.filter(|(n, k, _)| system.has(*n, *k)).collect();
+        let more = system.fixed.as_ref().map(|fixed| {
+            let share = |&(n, k, _): &Place| if k == fixed.harmonic { fixed.shares[n] } else { Interval::ZERO };
+            let column = |(_, k, _): &Place| system.by_last(&known, *k).unwrap_or(Interval::ZERO);
+            [all.iter().map(share).collect(), all.iter().map(column).collect()]
+        });
+        let mut block = Block::new(all, system.a.len(), [1, 0], more.into_iter().collect());
+        let b = b(&system, &block, &system.factors);
+        block.invert(&b, &known);
         if let Some(far) = &far {
-            far.copy_rows(&unknowns, &mut inverse);
-            far.has_no_kernel(&unknowns, &derivative, &inverse)?;
+            far.copy_rows(&mut block);
+            far.has_no_kernel(&block, &block.matrix(&b, &known))?;
         }
         go_on()?;
-        let times_b = |l: &[Interval]| -> Vec<Vec<Interval>> {
-            inverse.iter().map(|row| unknowns.times_b(&system, l, row)).collect()
-        };
-        let product = times_b(&system.factors);
-        // The norm of a row is for harmonics with 2 g_0^2 + sum g_k^2 = 1.
-        let reach = |product: &[Vec<Interval>]| -> Vec<Vec<Interval>> {
-            let of_site = |m: usize| {
-                let entries = |i: usize| unknowns.index[m].iter().flatten().map(move |&j| (i, j));
-                unknowns.by_site(&|i| norm(entries(i).map(|(i, j)| product[i][j] / weight(unknowns.all[j].1))))
-            };
-            (0..system.a.len()).map(of_site).collect()
-        };
-        let turned = if piece { reach(&times_b(&system.slopes)) } else { Vec::new() };
-        let mut reach = reach(&product);
-        for (sums, turned) in reach.iter_mut().zip(&turned) {
-            sums.iter_mut().zip(turned).for_each(|(sum, turned)| *sum = *sum + *turned);
-        }
-        Ok(Self { certificate, system, unknowns, known, inverse, product, reach, turned, beyond_block, tails, far })
+        block.multiply(&b);
+        let turn = |_| block.turned(&self::b(&system, &block, &system.slopes));
+        let turned = certificate.to.map_or_else(Vec::new, turn);
+        Ok(Self { certificate, system, block, turned, known, beyond_block, tails, far })
     }
 
     fn sites(&self) -> usize {
@@ -294,33 +128,34 @@ impl<'a> Terms<'a> {
     /// `Y0` by site, but for the second order in the change of the mean strain. Along a piece the
     /// block has the change of `G`, too, at the rate of one half of the piece.
     fn y0(&self) -> Vec<Interval> {
-        let Self { certificate, system, unknowns, known, inverse, .. } = self;
+        let Self { certificate, system, block, known, .. } = self;
         let c0 = match system.background {
             Some(first) => known[first].force[0],
             None => Interval::exact(known[0].force[0].mid()),
         };
-        let residual = |&(n, k): &(usize, usize)| match k {
+        let residual = |&(n, k, _): &Place| match k {
             0 if system.is_background(n) => Interval::ZERO,
             0 => known[n].force[0] - c0,
             _ => self.coefficient(n, k) - system.factors[k] * self.force(n, k),
         };
-        let rate = |&(n, k): &(usize, usize)| match k {
+        let rate = |&(n, k, _): &Place| match k {
             0 => Interval::ZERO,
             _ => {
                 let turned = if system.is_free() { Interval::ZERO } else { system.slopes[k] * self.force(n, k) };
                 system.shift * system.range(k) * known[n].stiffness[k] - turned
             }
         };
-        let mut residual: Vec<Interval> = unknowns.all.iter().map(residual).collect();
-        let mut rates: Vec<Interval> = unknowns.all.iter().map(rate).collect();
+        let mut residual: Vec<Interval> = block.all.iter().map(residual).collect();
+        let mut rates: Vec<Interval> = block.all.iter().map(rate).collect();
         if let Some(Fixed { harmonic, shares, value: [value, change] }) = &system.fixed {
             let own: Vec<Interval> = system.a.iter().map(|a| a[*harmonic]).collect();
             residual.push(dot(shares, &own) - *value);
             rates.push(-*change);
         }
-        let mut y0 = unknowns.by_site(&|i| {
-            let along = if certificate.to.is_some() { dot(&inverse[i], &rates).abs() } else { Interval::ZERO };
-            dot(&inverse[i], &residual).abs() + along
+        let mut y0 = block.by_site(&|i| {
+            let row = &block.inverse[i];
+            let along = if certificate.to.is_some() { dot(row, &rates).abs() } else { Interval::ZERO };
+            dot(row, &residual).abs() + along
         });
         for (n, y0) in y0.iter_mut().enumerate().take(self.sites()) {
             let beyond = (certificate.block + 1..=certificate.enclosed).filter(|k| system.has(n, *k));
@@ -331,49 +166,18 @@ impl<'a> Terms<'a> {
         y0
     }
 
-    /// Largest columns of `I - A DG` up to `J` and beyond, by site, of those of a site.
-    fn columns(&self, m: usize, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<Vec<Interval>, Refused> {
-        let Self { certificate, system, unknowns, known, inverse, product, reach, tails, far, .. } = self;
-        let (d, computed) = (&known[m].stiffness, certificate.enclosed - certificate.block);
-        let tail = tails[m][1] / of(2).sqrt();
-        let mut most: Vec<Interval> = reach[m].iter().map(|reach| *reach * tail).collect();
-        for j in (0..=computed).filter(|j| system.has(m, *j)) {
-            go_on()?;
-            let own = unknowns.index[m].get(j).copied().flatten();
-            let entries: Vec<(usize, Interval)> =
-                unknowns.index[m].iter().flatten().map(|&i| (i, stiffness(d, unknowns.all[i].1, j))).collect();
-            let fixed = system.fixed.as_ref().filter(|fixed| fixed.harmonic == j);
-            let sums = unknowns.by_site(&|i| {
-                if far.as_ref().is_some_and(|far| !far.couples(unknowns.all[i].0, m)) {
-                    return Interval::ZERO;
-                }
-                // A times the part of DG without D: the identity for k >= 1, and the equation of
-                // what is fixed.
-                let plain = own.filter(|_| j > 0).map(|own| inverse[i][own]);
-                let fixed = fixed.map(|fixed| inverse[i][unknowns.rows - 1] * fixed.shares[m]);
-                let stiff = entries.iter().map(|(column, d)| product[i][*column] * *d).sum();
-                [plain, fixed, Some(stiff)].into_iter().flatten().fold(kronecker(own == Some(i)), Sub::sub).abs()
-            });
-            most.iter_mut().zip(sums).for_each(|(most, sum)| *most = most.max(sum / weight(j)));
-        }
-        Ok(most)
+    /// Largest columns of `I - A DG`, by site, of those of a site.
+    fn columns(&self, m: usize) -> Vec<Interval> {
+        let Self { certificate, system, block, known, tails, .. } = self;
+        let computed = (0..=certificate.enclosed - certificate.block).filter(|j| system.has(m, *j));
+        block.columns(m, computed.map(|j| (m, j, false)).collect(), &known[m].stiffness, tails[m][1])
     }
 
-    /// The column of the last unknown of `I - A DG`, by site; of an unknown frequency along all of
-    /// the piece.
+    /// The column of the further unknown of `I - A DG`, by site; of an unknown frequency along all
+    /// of the piece.
     fn column_of_last(&self) -> Vec<Interval> {
-        let Self { certificate, system, unknowns, known, inverse, tails, .. } = self;
-        if system.fixed.is_none() {
-            return vec![Interval::ZERO; self.sites() + 1];
-        }
-        let entry = |(j, (_, k)): (usize, &(usize, usize))| Some((j, system.by_last(known, *k)?));
-        let entries: Vec<(usize, Interval)> = unknowns.all.iter().enumerate().filter_map(entry).collect();
-        let mut column = unknowns.by_site(&|i| {
-            // The derivative by c_0 is -1: products with it would be rounded.
-            let times = |a: Interval, d: Interval| if system.is_free() { a * d } else { -a };
-            let image: Interval = entries.iter().map(|(j, d)| times(inverse[i][*j], *d)).sum();
-            (kronecker(i == unknowns.all.len()) - image).abs()
-        });
+        let Self { certificate, system, block, known, tails, .. } = self;
+        let mut column = block.further_columns();
         if system.is_free() {
             let beyond = (certificate.block + 1..=certificate.enclosed).filter_map(|k| system.by_last(known, k));
             column[0] = column[0] + beyond.map(Interval::abs).sum() + system.tails()[1] * tails[0][0];
@@ -385,14 +189,8 @@ impl<'a> Terms<'a> {
     /// that is unknown: that of the force.
     fn change_of_last(&self, n: usize, r: Interval) -> Interval {
         let change = r + of(2).sqrt() * self.system.shift.abs();
-        let turned = self.turned[0][n] + kronecker(n == 0) * self.beyond_block[1];
+        let turned = self.turned[0][n] + if n == 0 { self.beyond_block[1] } else { Interval::ZERO };
         turned * self.known[0].force_change(self.certificate.model.alpha, change)
-    }
-
-    /// A row of `R + t |e|`.
-    fn contact(&self, n: usize) -> Vec<Interval> {
-        let moduli = self.system.moduli(n);
-        self.reach.iter().zip(moduli).map(|(reach, e)| reach[n] + e * self.beyond_block[0]).collect()
     }
 
     /// A bound of the error of velocities over `omega`, by one more use of `a = l N(a)`; of `y_n`
@@ -472,7 +270,8 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let shift = system.shift.abs();
     let (alpha, sites) = (certificate.model.alpha, terms.sites());
     let mut y0 = terms.y0();
-    let columns = (0..sites).map(|m| terms.columns(m, &go_on)).collect::<Result<Vec<Vec<Interval>>, _>>()?;
+    let columns = (0..sites).map(|m| go_on().map(|()| terms.columns(m)));
+    let columns = columns.collect::<Result<Vec<Vec<Interval>>, _>>()?;
     let of_last = terms.column_of_last();
 
     // The Hölder constant of D: for alpha > 2 in balls up to an eighth of the first harmonic.
@@ -487,7 +286,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     };
 
     // Z1 and Z2, by site, with weights near Perron's vector of R + t |e|.
-    let contacts: Vec<Vec<Interval>> = (0..=sites).map(|n| terms.contact(n)).collect();
+    let contacts = terms.block.contacts(system, terms.beyond_block[0]);
     if system.is_wave() {
         // The force to second order in the change of the mean strain.
         let second = shift * known[0].change(alpha, shift);
@@ -559,8 +358,13 @@ mod tests {
     use super::*;
     use crate::{
         certificate::{Breather, Center, Model, Orbit, Wave},
+        check::block::{product, weight},
         solve::{self, Sizes},
     };
+
+    fn stiffness(d: &[Interval], k: usize, j: usize) -> Interval {
+        product(d, k, j, (0, false))
+    }
 
     // Truth: (1 - A DG) h for h of norm 1 with one harmonic at each site, as products in intervals,
     // with four times as many rows and columns as are enclosed.
@@ -576,9 +380,7 @@ mod tests {
             let known = |system: &System, count: usize| -> Vec<Moments> {
                 system.a.iter().map(|a| moments(a, alpha, count, NARROWEST, &|| false).unwrap()).collect()
             };
-            let system = System::new(&certificate).unwrap();
-            let unknowns = Unknowns::new(&system, block);
-            let inverse = approximate_inverse(unknowns.derivative(&system, &known(&system, enclosed)));
+            let Block { all, inverse, .. } = Terms::new(&certificate, &|| Ok(())).unwrap().block;
             let system = System::new(&Certificate { enclosed: 4 * enclosed, ..certificate }).unwrap();
             let (known, sites) = (known(&system, 8 * enclosed), system.a.len());
             let of_h = |h: &[(usize, Interval)]| -> f64 {
@@ -589,9 +391,9 @@ mod tests {
                     if k == 0 { -force(n, 0) } else { own(n, k) + system.factors[k] * forces.sum() }
                 };
                 let mean = system.fixed.as_ref().map(|it| (0..sites).map(|n| it.shares[n] * own(n, 0)).sum());
-                let rows: Vec<Interval> = unknowns.all.iter().map(|&(n, k)| row(n, k)).chain(mean).collect();
+                let rows: Vec<Interval> = all.iter().map(|&(n, k, _)| row(n, k)).chain(mean).collect();
                 let mut sums = vec![Interval::ZERO; sites];
-                for (i, &(n, k)) in unknowns.all.iter().enumerate() {
+                for (i, &(n, k, _)) in all.iter().enumerate() {
                     sums[n] = sums[n] + weight(k) * (own(n, k) - dot(&inverse[i], &rows)).abs();
                 }
                 let of_site = |n: usize| {
@@ -638,13 +440,13 @@ mod tests {
         let model = Model { omega: exact("2.0092"), ..found.model };
         let piece = Certificate { model, to: Some([exact("2.0112"), found.mean]), ..found.clone() };
         let terms = Terms::new(&piece, &|| Ok(())).unwrap();
-        let all = &terms.unknowns.all;
+        let Block { all, inverse, .. } = &terms.block;
         // The column for a change of the force from that of the wave, less it, by row.
         let column = |omega: f64, force: &[f64], unit: f64| -> [f64; 2] {
             let [before, after] = [-1e-6, 1e-6].map(|by| at(omega + by, 64).factors);
             let entry = |k: usize| -1e-3 * (after[k].mid() - before[k].mid()) / 2e-6 * force[k];
             let row = |i: usize| -> f64 {
-                let image = all.iter().zip(&terms.inverse[i]).map(|((_, k), a)| a.mid() * entry(*k));
+                let image = all.iter().zip(&inverse[i]).map(|((_, k, _), a)| a.mid() * entry(*k));
                 (if i == all.len() { unit } else { 0.0 } - image.sum::<f64>()).abs()
             };
             [(0..all.len()).map(row).sum::<f64>() + (4..=64).map(|k| entry(k).abs()).sum::<f64>(), row(all.len())]
@@ -750,8 +552,8 @@ mod tests {
             // A: its rows from the last one on are copies.
             let inverse = |n: usize, k: usize, m: usize, j: usize| {
                 let back = n.saturating_sub(last);
-                let of = |n: usize, k: usize| terms.unknowns.index.get(n.wrapping_sub(back))?.get(k).copied().flatten();
-                let entry = of(n, k).zip(of(m, j)).map_or(0.0, |(i, c)| terms.inverse[i][c].mid());
+                let of = |n: usize, k: usize| terms.block.index((n.wrapping_sub(back), k, false));
+                let entry = of(n, k).zip(of(m, j)).map_or(0.0, |(i, c)| terms.block.inverse[i][c].mid());
                 sign(n, k) * sign(m, j) * entry
             };
             let weight = |k: usize| if k == 0 { f64::sqrt(2.0) } else { 1.0 };
@@ -813,10 +615,8 @@ mod tests {
             let [before, at] = [last - 1, last].map(y0);
             assert!(terms.rows() == last + 1 && before > 1e-8 && at < 1e-10, "{center:?}: {before:e} {at:e}");
             assert!(rows[last..].iter().all(|row| (row / rows[last] - 1.0).abs() < 1e-9), "{center:?}: {rows:?}");
-            let index = &terms.unknowns.index;
-            let of = |n: usize, k: usize, m: usize, j: usize| {
-                terms.inverse[index[n][k].unwrap()][index[m][j].unwrap()].mid()
-            };
+            let index = |n: usize, k: usize| terms.block.index((n, k, false)).unwrap();
+            let of = |n: usize, k: usize, m: usize, j: usize| terms.block.inverse[index(n, k)][index(m, j)].mid();
             for (k, j) in [(0, 0), (1, 0), (3, 2)] {
                 assert!((last..last + 2).all(|n| of(n + 1, k, n, j) == of(n, k, n - 1, j)), "{center:?} {k} {j}");
             }
@@ -846,11 +646,12 @@ mod tests {
     fn a_kernel_is_found() {
         let certificate = infinite(Center::Site);
         let mut terms = Terms::new(&certificate, &|| Ok(())).unwrap();
-        let derivative = terms.unknowns.derivative(&terms.system, &terms.known);
+        let b = b(&terms.system, &terms.block, &terms.system.factors);
+        let derivative = terms.block.matrix(&b, &terms.known);
         let far = terms.far.unwrap();
-        assert_eq!(far.has_no_kernel(&terms.unknowns, &derivative, &terms.inverse), Ok(()));
-        terms.inverse.iter_mut().for_each(|row| row[7] = Interval::ZERO);
-        let found = far.has_no_kernel(&terms.unknowns, &derivative, &terms.inverse);
+        assert_eq!(far.has_no_kernel(&terms.block, &derivative), Ok(()));
+        terms.block.inverse.iter_mut().for_each(|row| row[7] = Interval::ZERO);
+        let found = far.has_no_kernel(&terms.block, &derivative);
         assert!(matches!(found, Err(Refused::Kernel(bound)) if bound >= 1.0), "{found:?}");
     }
 
@@ -859,10 +660,10 @@ mod tests {
     fn the_row_of_c0_is_a_row_of_its_own() {
         let text = "hertzchain certificate 1\nkind breather\nalpha 3/2\nkappa 1\nrho 1/3\nomega 2.05\nmean 0\n\
             block 1\nenclosed 4\nsites 3\ncenter bond\na 0x0p0 0x1.p-3\na 0x0p0 -0x1.p-3\n";
-        let system = System::new(&text.parse().unwrap()).unwrap();
-        let unknowns = Unknowns::new(&system, 1);
-        assert_eq!((unknowns.rows, &unknowns.all), (5, &vec![(0, 0), (0, 1), (1, 0), (1, 1)]));
-        let rows = unknowns.by_site(&|i| of(i + 1));
+        let block = Terms::new(&text.parse().unwrap(), &|| Ok(())).unwrap().block;
+        let places = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(n, k)| (n, k, false));
+        assert!(block.all == places && block.inverse.len() == 5);
+        let rows = block.by_site(&|i| of(i + 1));
         let truth = [2_f64.sqrt() + 2.0, 3.0 * 2_f64.sqrt() + 4.0, 5.0];
         assert!(rows.iter().zip(truth).all(|(row, truth)| (row.mid() - truth).abs() < 1e-14), "{rows:?}");
     }

@@ -6,7 +6,11 @@
 //! `A` and those after it are copies of each other, in the strains shifted by half a period a site.
 //! So are their rows of `1 - A DG`, which see the background and weights `W e^{-eta n}` only.
 
-use super::{Proof, Refused, System, bounds::Unknowns, check_until, of};
+use super::{
+    Proof, Refused, System,
+    block::{Block, Place},
+    check_until, of,
+};
 use crate::{
     certificate::{Center, Certificate, Infinite, Orbit, Wave},
     exact::Exact,
@@ -55,14 +59,15 @@ impl Far {
     }
 
     /// Cuts the rows of `A` off at the distance `J`, and copies the last one.
-    pub(super) fn copy_rows(&self, unknowns: &Unknowns, inverse: &mut [Vec<Interval>]) {
-        for (i, &(n, _)) in unknowns.all.iter().enumerate() {
-            for (j, &(m, _)) in unknowns.all.iter().enumerate() {
+    pub(super) fn copy_rows(&self, Block { all, inverse, coupled, .. }: &mut Block) {
+        *coupled = self.band + 1;
+        for (i, &(n, ..)) in all.iter().enumerate() {
+            // This site and those before it have all harmonics, if it is a copy.
+            let width = all.iter().filter(|place| place.0 == n).count();
+            for (j, &(m, ..)) in all.iter().enumerate() {
                 if n.abs_diff(m) > self.band {
                     inverse[i][j] = Interval::ZERO;
                 } else if n > self.last_row() {
-                    // These sites and those before them have all harmonics.
-                    let width = unknowns.index[n].len();
                     inverse[i][j] = inverse[i - width][j - width];
                 }
             }
@@ -71,14 +76,9 @@ impl Far {
 
     /// Shows that `A` has no kernel, by `|1 - B A| < 1` on bounded sequences, for a matrix `B` near
     /// `DG`. Its rows from `M + J + 2` on are copies, too.
-    pub(super) fn has_no_kernel(
-        &self,
-        unknowns: &Unknowns,
-        b: &[Vec<f64>],
-        a: &[Vec<Interval>],
-    ) -> Result<(), Refused> {
-        let rows = unknowns.all.iter().enumerate().filter(|(_, (n, _))| *n <= self.last_row() + 1);
-        let of_row = |(i, _): (usize, &(usize, usize))| {
+    pub(super) fn has_no_kernel(&self, Block { all, inverse: a, .. }: &Block, b: &[Vec<f64>]) -> Result<(), Refused> {
+        let rows = all.iter().enumerate().filter(|(_, place)| place.0 <= self.last_row() + 1);
+        let of_row = |(i, _): (usize, &Place)| {
             let mut row = vec![Interval::ZERO; a.len()];
             row[i] = Interval::ONE;
             for (b, a) in b[i].iter().zip(a).filter(|(b, _)| **b != 0.0) {
@@ -88,11 +88,6 @@ impl Far {
         };
         let most = rows.map(of_row).fold(Interval::ZERO, Interval::max);
         if (Interval::ONE - most).is_positive() { Ok(()) } else { Err(Refused::Kernel(most.hi())) }
-    }
-
-    /// Whether `A DG` couples two sites, in a row up to the first one that is copied.
-    pub(super) fn couples(&self, n: usize, m: usize) -> bool {
-        n <= self.last_row() && n.abs_diff(m) <= self.band + 1
     }
 
     /// `W_n`: 1 up to the first site of the background, `e^{-eta (n - M)}` beyond.

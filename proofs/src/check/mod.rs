@@ -4,12 +4,14 @@
 //! |---|---|
 //! | `system.rs` | the equations of waves and of breathers, with their factors `l_k` |
 //! | `moments.rs` | encloses the Fourier coefficients of contact forces and stiffnesses |
+//! | `block.rs` | linear equations on a few harmonics, and their approximate inverse |
 //! | `bounds.rs` | the bounds `Y0`, `Z1`, `Z2` |
 //! | `multiplier.rs` | real Floquet multipliers of breathers, complex ones of waves |
 //! | `infinite.rs` | what a breather of the infinite chain has beside them |
 //! | `branch.rs` | whether pieces of a branch make one, where its period doubles, and its folds |
 //! | this file | the inequalities, from which the radii follow |
 
+mod block;
 mod bounds;
 mod branch;
 mod infinite;

@@ -20,7 +20,7 @@
 
 use super::{
     Moments, Refused, System,
-    bounds::{approximate_inverse, by_site, dot, kronecker, perron, product, split, weight},
+    block::{Block, Place, dot, kronecker, perron, product, split},
     of,
     system::lattice,
 };
@@ -40,8 +40,6 @@ const SHARE: usize = 4;
 /// Corrections of the approximate solution.
 const CORRECTIONS: usize = 3;
 
-/// Site, harmonic, and whether it is the coefficient of a sine.
-type Place = (usize, usize, bool);
 /// Coefficients of cosines and of sines, by site and harmonic.
 type Field = Vec<[Vec<Interval>; 2]>;
 /// `l_k` and `l_{-k}`, by harmonic.
@@ -59,11 +57,8 @@ struct Equations<'a> {
     odd: usize,
     /// Which parts there are: cosines (`false`), sines.
     parts: &'static [bool],
-    /// The unknowns of the block.
-    all: Vec<Place>,
-    /// The indices of the coefficients that are given: that is 1, and of waves its imaginary part
-    /// is 0.
-    pinned: Vec<usize>,
+    /// The coefficients that are given: that is 1, and of waves its imaginary part is 0.
+    pinned: Vec<Place>,
 }
 
 impl<'a> Equations<'a> {
@@ -78,13 +73,10 @@ impl<'a> Equations<'a> {
             Multiplier::Doubling { sine: false } => (1, &[false]),
             Multiplier::Doubling { sine: true } => (1, &[true]),
         };
-        let (all, pinned) = (Vec::new(), Vec::new());
-        let mut it = Self { certificate, system, known, block, enclosed, odd, parts, all, pinned };
-        it.all = (0..known.len()).flat_map(|n| it.places(n, block)).collect();
         let (first, harmonic) = (usize::from(system.center == Center::Site), (1 - odd) * system.center.periods());
         let sites = if system.is_wave() { 0..2 } else { first..first + 1 };
-        it.pinned = sites.map(|n| it.index((n, harmonic, parts[0])).unwrap_or(n)).collect();
-        it
+        let pinned = sites.map(|n| (n, harmonic.min(block), parts[0])).collect();
+        Self { certificate, system, known, block, enclosed, odd, parts, pinned }
     }
 
     /// The coefficients of a site up to harmonic `last`.
@@ -95,20 +87,6 @@ impl<'a> Equations<'a> {
 
     fn has(&self, (n, k, sine): Place) -> bool {
         n < self.known.len() && self.system.has(n, k) && (k + self.odd > 0 || !sine)
-    }
-
-    fn index(&self, place: Place) -> Option<usize> {
-        self.all.iter().position(|other| *other == place)
-    }
-
-    /// The unknowns of a site in the block.
-    fn at(&self, n: usize) -> impl Iterator<Item = (usize, &Place)> {
-        self.all.iter().enumerate().filter(move |(_, place)| place.0 == n)
-    }
-
-    /// The weight of a harmonic in the norm.
-    fn weight(&self, k: usize) -> Interval {
-        weight(k + self.odd)
     }
 
     /// `l_k = (1/s^2 + rho^2/(kappa (1 + rho) + rho s^2))/(1 + rho)` up to `K' + 1`; for
@@ -169,32 +147,6 @@ impl<'a> Equations<'a> {
         all.filter(|(place, _)| self.has(*place)).collect()
     }
 
-    /// `M` on the unknowns of the block, rounded to nearest.
-    fn matrix(&self, l: &Factors) -> Vec<Vec<f64>> {
-        let last = self.all.len();
-        let rows = last + self.pinned.len();
-        let mut matrix = vec![vec![0.0; rows]; rows];
-        for (i, place) in self.all.iter().enumerate() {
-            matrix[i][i] += 1.0;
-            for ((m, k, part), factor) in self.forces(l, *place) {
-                for (j, other) in self.at(m).filter(|(_, other)| other.2 == part) {
-                    matrix[i][j] += (factor * self.stiffness(m, k, (other.1, part))).mid();
-                }
-            }
-        }
-        for (pinned, g) in self.pinned.iter().zip(last..) {
-            (matrix[g][*pinned], matrix[*pinned][g]) = (1.0, -1.0);
-        }
-        matrix
-    }
-
-    /// Sums over the rows of each site with the weights of the norm, and over those of `g`.
-    fn by_site(&self, of_row: &dyn Fn(usize) -> Interval) -> Vec<Interval> {
-        let sites = self.known.len();
-        let of_g = self.pinned.iter().map(|_| (sites, Interval::ONE));
-        by_site(sites, self.all.iter().map(|(n, k, _)| (*n, self.weight(*k))).chain(of_g), of_row, false)
-    }
-
     /// `v` times the root of the sum of `|l_k|^2`, or of `|l_{-k}|^2`, beyond a harmonic.
     fn beyond(&self, l: &Factors, last: usize) -> Interval {
         let most = l[last + 1..].iter().map(|l| l[0].abs().max(l[1].abs()));
@@ -215,7 +167,7 @@ impl<'a> Equations<'a> {
                 let force = |((m, k, part), factor): (Place, _)| factor * products[m][usize::from(part)][k];
                 let sum = self.forces(l, place).into_iter().map(force).sum();
                 let own = &mut rows[usize::from(place.2)][place.1];
-                let g = self.pinned.iter().zip(g).filter(|(pinned, _)| place == self.all[**pinned]);
+                let g = self.pinned.iter().zip(g).filter(|(pinned, _)| place == **pinned);
                 *own = *own + sum - g.map(|(_, g)| *g).sum();
             }
         }
@@ -227,13 +179,8 @@ impl<'a> Equations<'a> {
 struct Terms<'a> {
     it: Equations<'a>,
     l: Factors,
-    /// `A`, and `A B`, where `B` takes harmonics of `D p` to equations.
-    inverse: Vec<Vec<Interval>>,
-    product: Vec<Vec<Interval>>,
-    /// `R`, by site of the column.
-    reach: Vec<Vec<Interval>>,
-    /// `|e|`, and `R + v t |e|`, by row.
-    moduli: Vec<Vec<Interval>>,
+    block: Block,
+    /// `R + v t |e|`, by row.
     contacts: Vec<Vec<Interval>>,
     /// `W_n`.
     weights: Vec<Interval>,
@@ -243,57 +190,35 @@ struct Terms<'a> {
 
 impl<'a> Terms<'a> {
     fn new(it: Equations<'a>, rates: Complex, changes: &[Interval]) -> Self {
-        let (l, last, sites) = (it.factors(rates), it.all.len(), it.known.len());
-        let inverse = approximate_inverse(it.matrix(&l));
-        let b = |place: &Place| -> Vec<(usize, Interval)> {
-            it.forces(&l, *place).into_iter().filter_map(|(place, factor)| Some((it.index(place)?, factor))).collect()
+        let (l, sites) = (it.factors(rates), it.known.len());
+        let all: Vec<Place> = (0..sites).flat_map(|n| it.places(n, it.block)).collect();
+        let of_pinned = |pinned: &Place| {
+            let row: Vec<Interval> = all.iter().map(|place| kronecker(place == pinned)).collect();
+            let column = row.iter().map(|entry| -*entry).collect();
+            [row, column]
         };
-        let b: Vec<Vec<(usize, Interval)>> = it.all.iter().map(b).collect();
-        let times_b = |row: &Vec<Interval>| {
-            let mut product = vec![Interval::ZERO; last];
-            for (entries, a) in b.iter().zip(row) {
-                entries.iter().for_each(|(j, b)| product[*j] = product[*j] + *a * *b);
-            }
-            product
-        };
-        let product: Vec<Vec<Interval>> = inverse.iter().map(times_b).collect();
-        let reach = |m: usize| it.by_site(&|i| norm(it.at(m).map(|(j, place)| product[i][j] / it.weight(place.1))));
-        let reach: Vec<Vec<Interval>> = (0..sites).map(reach).collect();
-        let moduli: Vec<Vec<Interval>> = (0..=sites).map(|n| it.system.moduli(n)).collect();
-        let t = it.beyond(&l, it.block);
-        let contact = |n: usize| reach.iter().zip(&moduli[n]).map(|(reach, e)| reach[n] + t * *e).collect();
-        let contacts: Vec<Vec<Interval>> = (0..=sites).map(contact).collect();
+        let more = it.pinned.iter().map(of_pinned).collect();
+        let mut block = Block::new(all, sites, [0, it.odd], more);
+        let b = block.rows(|place| it.forces(&l, place));
+        block.invert(&b, it.known);
+        block.multiply(&b);
+        let contacts = block.contacts(it.system, it.beyond(&l, it.block));
         let weights = perron(&contacts[..sites]);
         let alpha = it.certificate.model.alpha;
         let changed = it.known.iter().zip(changes).map(|(one, change)| one.change(alpha, *change)).collect();
-        Self { it, l, inverse, product, reach, moduli, contacts, weights, changed }
+        Self { it, l, block, contacts, weights, changed }
     }
 
     /// The largest columns of `1 - A M` of a site, by site.
     fn columns(&self, m: usize) -> Vec<Interval> {
-        let Self { it, inverse, product, reach, .. } = self;
-        let computed = it.enclosed / SHARE;
-        let beyond = it.known[m].stiffness_tail(computed) / of(2).sqrt();
-        let mut most: Vec<Interval> = reach[m].iter().map(|reach| *reach * beyond).collect();
-        for (_, j, sine) in it.places(m, computed + it.block) {
-            let own = it.index((m, j, sine));
-            let entries = it.at(m).filter(|(_, place)| place.2 == sine);
-            let entries: Vec<_> = entries.map(|(i, place)| (i, it.stiffness(m, place.1, (j, sine)))).collect();
-            let sums = it.by_site(&|i| {
-                let given =
-                    |own: usize| it.pinned.iter().zip(&inverse[i][it.all.len()..]).filter(move |it| *it.0 == own);
-                let plain = own.map_or(Interval::ZERO, |own| inverse[i][own] + given(own).map(|it| *it.1).sum());
-                let stiff: Interval = entries.iter().map(|(column, d)| product[i][*column] * *d).sum();
-                (kronecker(own == Some(i)) - plain - stiff).abs()
-            });
-            most.iter_mut().zip(sums).for_each(|(most, sum)| *most = most.max(sum / it.weight(j)));
-        }
-        most
+        let (Self { it, block, .. }, computed) = (self, self.it.enclosed / SHARE);
+        let (places, known) = (it.places(m, computed + it.block), &it.known[m]);
+        block.columns(m, places, &known.stiffness, known.stiffness_tail(computed))
     }
 
     /// `eta`, the row of `g` in `Z1`, and `1 - Z1`.
     fn z1(&self, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<[Interval; 3], Refused> {
-        let Self { it, inverse, weights, .. } = self;
+        let Self { it, block, weights, .. } = self;
         let (alpha, sites) = (it.certificate.model.alpha, weights.len());
         let columns = (0..sites).map(|m| go_on().map(|()| self.columns(m))).collect::<Result<Vec<_>, _>>()?;
         let times = |of: &dyn Fn(usize) -> Interval| -> Vec<Interval> {
@@ -303,44 +228,40 @@ impl<'a> Terms<'a> {
         let t = it.beyond(&self.l, it.block);
         let z1 = |n: usize| {
             let near: Interval = columns.iter().zip(weights).map(|(column, w)| column[n] * *w).sum();
-            near + t * dot(&self.moduli[n], &steepest) + dot(&self.contacts[n], &moved)
+            near + t * dot(&it.system.moduli(n), &steepest) + dot(&self.contacts[n], &moved)
         };
         let z1: Vec<Interval> = (0..=sites).map(z1).collect();
         // The weight eta of g makes its row at most half as large as the largest.
         let [most, own] = split(&z1, weights, sites);
         let eta = Interval::exact((0.5 * most.mid() / own.hi()).max(f64::MIN_POSITIVE));
-        let mut of_g = vec![Interval::ZERO; sites + 1];
-        for (pinned, g) in it.pinned.iter().zip(it.all.len()..) {
-            let column = it.by_site(&|i| (kronecker(i == g) + inverse[i][*pinned]).abs());
-            of_g.iter_mut().zip(column).for_each(|(most, own)| *most = most.max(own));
-        }
-        let z1: Vec<Interval> = z1.iter().zip(of_g).map(|(z1, of_g)| *z1 + of_g / eta).collect();
+        let z1: Vec<Interval> = z1.iter().zip(block.further_columns()).map(|(z1, of_g)| *z1 + of_g / eta).collect();
         let [most, own] = split(&z1, weights, sites);
         Ok([eta, own, Interval::ONE - most.max(eta * own)])
     }
 
     /// `g` at a growth rate.
     fn g(&self, rate: Complex, [eta, own, rest]: [Interval; 3]) -> Vec<Interval> {
-        let Self { it, inverse, weights, .. } = self;
+        let Self { it, block, weights, .. } = self;
+        let (all, inverse) = (&block.all, &block.inverse);
         let (l, sites, harmonics) = (it.factors(rate), weights.len(), it.enclosed / SHARE);
         let computed = it.enclosed - harmonics - 1;
         let mut p: Field = vec![[false, true].map(|_| vec![Interval::ZERO; harmonics + 1]); sites];
         let mut g = vec![Interval::ZERO; it.pinned.len()];
         let entry = |field: &Field, (n, k, sine): Place| field[n][usize::from(sine)][k];
         let head = |defect: &Field, p: &Field| -> Vec<Interval> {
-            let given = it.pinned.iter().zip(0..).map(|(own, which)| entry(p, it.all[*own]) - kronecker(which == 0));
-            it.all.iter().map(|place| entry(defect, *place)).chain(given).collect()
+            let given = it.pinned.iter().zip(0..).map(|(own, which)| entry(p, *own) - kronecker(which == 0));
+            all.iter().map(|place| entry(defect, *place)).chain(given).collect()
         };
         for _ in 0..CORRECTIONS {
             let defect = it.defect(&l, (&p, &g), harmonics);
             let head = head(&defect, &p);
             let step = |i: usize| dot(&inverse[i], &head).mid();
             for place in (0..sites).flat_map(|n| it.places(n, harmonics)) {
-                let step = it.index(place).map_or_else(|| entry(&defect, place).mid(), step);
+                let step = block.index(place).map_or_else(|| entry(&defect, place).mid(), step);
                 let p = &mut p[place.0][usize::from(place.2)][place.1];
                 *p = Interval::exact(p.mid() - step);
             }
-            g.iter_mut().zip(it.all.len()..).for_each(|(g, i)| *g = Interval::exact(g.mid() - step(i)));
+            g.iter_mut().zip(all.len()..).for_each(|(g, i)| *g = Interval::exact(g.mid() - step(i)));
         }
         let defect = it.defect(&l, (&p, &g), computed);
         let head = head(&defect, &p);
@@ -349,11 +270,11 @@ impl<'a> Terms<'a> {
         };
         let tails = times(&|m| it.known[m].stiffness_tail(computed - harmonics));
         let (moved, t) = (times(&|m| self.changed[m]), it.beyond(&self.l, computed));
-        let mut error = it.by_site(&|i| dot(&inverse[i], &head).abs());
+        let mut error = block.by_site(&|i| dot(&inverse[i], &head).abs());
         for (n, error) in error.iter_mut().enumerate() {
             let beyond = it.places(n, computed).into_iter().filter(|place| place.1 > it.block);
             let beyond: Interval = beyond.map(|place| entry(&defect, place).abs()).sum();
-            *error = *error + beyond + t * dot(&self.moduli[n], &tails) + dot(&self.contacts[n], &moved);
+            *error = *error + beyond + t * dot(&it.system.moduli(n), &tails) + dot(&self.contacts[n], &moved);
         }
         let [most, own_error] = split(&error, weights, sites);
         let error = (own_error + own * most.max(eta * own_error) / rest).ball();
@@ -551,7 +472,7 @@ mod tests {
 
     /// Adds a multiple of a row of `A` to one.
     fn add(terms: &mut Terms, factor: f64, [from, to]: [usize; 2]) {
-        for matrix in [&mut terms.inverse, &mut terms.product] {
+        for matrix in [&mut terms.block.inverse, &mut terms.block.product] {
             let row = matrix[from].clone();
             matrix[to].iter_mut().zip(row).for_each(|(a, b)| *a = *a + Interval::exact(factor) * b);
         }
@@ -655,14 +576,15 @@ mod tests {
     #[test]
     fn z1_has_the_rows_and_columns_of_g() {
         let it = driven(&[(0, 0.3)], 64);
-        let (all, pinned) = (equations(&it).all.len(), equations(&it).pinned);
+        let block = terms(&it, 0.0).block;
+        let (all, pinned) = (block.all.len(), [0, 1].map(|n| block.index(equations(&it).pinned[n]).unwrap()));
         for g in [all, all + 1] {
             for row in [pinned[0], pinned[1], all, all + 1] {
                 let mut terms = terms(&it, 0.0);
                 add(&mut terms, 2.0, [g, row]);
                 add(&mut terms, 2.0, [0, g]);
                 let [eta, own, rest] = terms.z1(&|| Ok(())).unwrap();
-                let entry = match terms.it.all.get(row) {
+                let entry = match terms.block.all.get(row) {
                     Some(place) => 2.0 / (eta * terms.weights[place.0]).mid(),
                     None => 2.0,
                 };
@@ -680,7 +602,7 @@ mod tests {
         let truth = of_wave(&terms(&it, 0.0));
         for which in 0..2 {
             let mut terms = terms(&it, 0.0);
-            let g = terms.it.all.len() + which;
+            let g = terms.block.all.len() + which;
             add(&mut terms, -0.5, [g, g]);
             let (bounds, truth) = (of_wave(&terms)[which], truth[which]);
             assert!(bounds.lo() < truth.lo() && truth.hi() < bounds.hi(), "{which}: {bounds:?} {truth:?}");

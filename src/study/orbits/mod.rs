@@ -284,8 +284,6 @@ impl FollowCommand for Continue {
 
     fn with_options(&self, branch: Branch) -> Result<Branch> {
         self.proving.of_branch(branch.continuation.parameter.name(), Parameter::OmegaB.name())?;
-        let rule = "of orbits of doubled period one is proved, by `breather doubled`, and no branch";
-        require(!self.proving.prove || branch.setting.turns == 1, "prove", true, rule)?;
         stays_dark(&branch.setting, &branch.continuation)?;
         Ok(branch)
     }
@@ -306,7 +304,12 @@ impl FollowCommand for Continue {
             Ok(near)
         };
         let all = map(&(0..branch.orbits.len()).collect::<Vec<_>>(), near);
-        Ok(all.into_iter().collect::<Result<Vec<_>>>()?.concat())
+        let mut all = all.into_iter().collect::<Result<Vec<_>>>()?.concat();
+        // From its end: where a branch of doubled period begins, its inequalities have no solution.
+        if branch.setting.turns > 1 {
+            all.reverse();
+        }
+        Ok(all)
     }
 }
 
