@@ -19,7 +19,7 @@ use crate::{
     dps::{Center, Homoclinic},
     error::{Error, Result, require},
 };
-use std::{f64::consts::PI, ops::Range};
+use std::{cell::RefCell, f64::consts::PI, ops::Range};
 
 /// Share of `sum a_n^2` that the core holds.
 const CORE_SHARE: f64 = 0.999;
@@ -76,6 +76,16 @@ impl Norms {
     }
 }
 
+/// The profile, kept on each thread until another one is asked for: it takes 128-bit numbers and
+/// most of the time of a short run, and is the same at all points of most sweeps.
+fn profile(alpha: f64, center: Center) -> Result<Homoclinic> {
+    thread_local!(static LAST: RefCell<Option<Homoclinic>> = const { RefCell::new(None) });
+    LAST.with_borrow_mut(|last| match last {
+        Some(last) if (last.alpha(), last.center()) == (alpha, center) => Ok(last.clone()),
+        _ => Ok(last.insert(Homoclinic::new(alpha, center)?).clone()),
+    })
+}
+
 impl BrightBreather {
     /// The breather `a^1` (about a site) or `a^2` (about a bond) of size `epsilon` in the middle of
     /// `sites` beads.
@@ -95,7 +105,7 @@ impl BrightBreather {
         }
         let rule = "the size of the breather is finite and positive";
         require(epsilon.is_finite() && epsilon > 0.0, "epsilon", epsilon, rule)?;
-        let breather = Self { params, epsilon, profile: Homoclinic::new(params.alpha, center)?, sites };
+        let breather = Self { params, epsilon, profile: profile(params.alpha, center)?, sites };
         let mu = breather.mu();
         let rule = "epsilon^{alpha-1}/kappa and its square are finite and positive numbers";
         require(mu.is_finite() && mu * mu > 0.0, "epsilon", epsilon, rule)?;

@@ -7,7 +7,7 @@ use crate::program::{json, refused};
 use hertzchain::{
     breathers::BrightBreather,
     chain::{Boundary, Chain, Params, State},
-    dps::Center,
+    dps::{Center, Homoclinic},
     integrators::{Silent, collocation::StepControl, drive},
     run::method::Method,
     study::{Adaptive, Criterion, Fate, Life, LifetimeOptions, LifetimeStudy, lifetimes},
@@ -65,6 +65,20 @@ fn two_integrators_agree_on_lifetimes_and_so_do_two_tolerances() {
         }
         assert_eq!((ours.fate, other.fate, ours.sites), (Fate::Radiates, Fate::Radiates, sites));
     }
+}
+
+// Truth: the profile alone. Breathers keep the last one, which must be that of their exponent and
+// centre, also after one that was refused.
+#[test]
+fn breathers_have_the_profile_of_their_own_exponent_and_centre() {
+    let told = |(alpha, center)| {
+        let breather = BrightBreather::new(Params::new(alpha, 1.0, 100.0).unwrap(), center, 0.1, 60).unwrap();
+        assert_eq!(*breather.profile(), Homoclinic::new(alpha, center).unwrap());
+    };
+    let cases = [(1.5, Center::Bond), (1.5, Center::Bond), (1.5, Center::Site), (2.0, Center::Site)];
+    cases.into_iter().for_each(told);
+    assert!(BrightBreather::new(Params::new(11.0, 1.0, 100.0).unwrap(), Center::Site, 0.1, 60).is_err());
+    cases.into_iter().rev().for_each(told);
 }
 
 // Truth: fresh runs, the ansatz written out, and the energy share of `BrightBreather`, sampled a
