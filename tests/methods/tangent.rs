@@ -98,13 +98,10 @@ fn ten_periods_agree_with_differences_in_double_double() {
     // at 1e-23. Measured: 6.8e-13.
     let case: Case = (1.5, THIRD, Boundary::Free, 21);
     let m = matrix(case, TEN_PERIODS, fine(400));
-    for k in 0..2 {
-        let w = direction(m.ncols(), k);
-        let truth = difference::<TwoFloat>(case, &w, TEN_PERIODS, 1e-9, 1e-23);
-        let error = error(&times(&m, &w), &truth);
-        println!("direction {k}: {error:e}");
-        assert!(error < 1.4e-12, "direction {k}: {error:e}");
-    }
+    let w = direction(m.ncols(), 0);
+    let truth = difference::<TwoFloat>(case, &w, TEN_PERIODS, 1e-9, 1e-23);
+    let error = error(&times(&m, &w), &truth);
+    assert!(error < 1.4e-12, "{error:e}");
 }
 
 #[test]

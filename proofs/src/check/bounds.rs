@@ -381,38 +381,47 @@ mod tests {
                 system.a.iter().map(|a| moments(a, alpha, count, NARROWEST, &|| false).unwrap()).collect()
             };
             let Block { all, inverse, .. } = Terms::new(&certificate, &|| Ok(())).unwrap().block;
-            let system = System::new(&Certificate { enclosed: 4 * enclosed, ..certificate }).unwrap();
-            let (known, sites) = (known(&system, 8 * enclosed), system.a.len());
-            let of_h = |h: &[(usize, Interval)]| -> f64 {
-                let own = |n: usize, k: usize| if h[n].0 == k { h[n].1 } else { Interval::ZERO };
-                let force = |n: usize, k: usize| stiffness(&known[n].stiffness, k, h[n].0) * h[n].1;
+            let system = &System::new(&Certificate { enclosed: 4 * enclosed, ..certificate }).unwrap();
+            let (known, sites) = (known(system, 8 * enclosed), system.a.len());
+            let harmonics = |n: usize| (0..=4 * enclosed).filter(move |k| system.has(n, *k)).map(move |k| (n, k));
+            let beyond: Vec<_> = (0..sites).flat_map(harmonics).filter(|(_, k)| *k > block).collect();
+            // The rows of one harmonic at one site; they are added and subtracted below.
+            let of_h = |(m, j): (usize, usize)| -> Vec<Interval> {
+                let h = Interval::exact(proof.weights[m]) / weight(j);
+                let own = |n: usize, k: usize| if (n, k) == (m, j) { h } else { Interval::ZERO };
+                let force = |n: usize, k: usize| {
+                    if n == m { stiffness(&known[m].stiffness, k, j) * h } else { Interval::ZERO }
+                };
                 let row = |n: usize, k: usize| {
                     let forces = system.coupled(n, k).into_iter().map(|(m, e)| Interval::exact(e) * force(m, k));
                     if k == 0 { -force(n, 0) } else { own(n, k) + system.factors[k] * forces.sum() }
                 };
-                let mean = system.fixed.as_ref().map(|it| (0..sites).map(|n| it.shares[n] * own(n, 0)).sum());
+                let mean = system.fixed.as_ref().map(|it| it.shares[m] * own(m, 0));
                 let rows: Vec<Interval> = all.iter().map(|&(n, k, _)| row(n, k)).chain(mean).collect();
+                let block = all.iter().zip(&inverse);
+                let block = block.map(|(&(n, k, _), inverse)| weight(k) * (own(n, k) - dot(inverse, &rows)));
+                block.chain(beyond.iter().map(|&(n, k)| own(n, k) - row(n, k))).collect()
+            };
+            let columns: Vec<Vec<_>> = (0..sites).map(|n| harmonics(n).map(of_h).collect()).collect();
+            let norm = |rows: &[Interval]| {
                 let mut sums = vec![Interval::ZERO; sites];
-                for (i, &(n, k, _)) in all.iter().enumerate() {
-                    sums[n] = sums[n] + weight(k) * (own(n, k) - dot(&inverse[i], &rows)).abs();
-                }
-                let of_site = |n: usize| {
-                    let beyond = (block + 1..=4 * enclosed).filter(|k| system.has(n, *k));
-                    sums[n] + beyond.map(|k| (own(n, k) - row(n, k)).abs()).sum()
-                };
-                (0..sites).map(|n| of_site(n).lo() / proof.weights[n]).fold(0.0, f64::max)
+                let places = all.iter().map(|one| one.0).chain(beyond.iter().map(|one| one.0));
+                places.zip(rows).for_each(|(n, row)| sums[n] = sums[n] + row.abs());
+                sums.iter().zip(&proof.weights).map(|(sum, weight)| sum.lo() / weight).fold(0.0, f64::max)
             };
             let mut most = 0.0_f64;
             // A column of each site in turn, with the sign and harmonic that add most.
-            let entry = |n: usize, k: usize, sign: f64| (k, Interval::exact(sign * proof.weights[n]) / weight(k));
             for first in 0..sites {
-                let (mut h, mut largest) = (vec![(1, Interval::ZERO); sites], 0.0);
+                let (mut sum, mut largest) = (vec![Interval::ZERO; all.len() + beyond.len()], 0.0);
                 for n in (first..sites).chain(0..first) {
-                    let tried = (0..=4 * enclosed).filter(|k| system.has(n, *k));
-                    for it in tried.flat_map(|k| [entry(n, k, 1.0), entry(n, k, -1.0)]) {
-                        let before = std::mem::replace(&mut h[n], it);
-                        let size = of_h(&h);
-                        if size > largest { largest = size } else { h[n] = before }
+                    let before = sum.clone();
+                    for (column, sign) in columns[n].iter().flat_map(|column| [(column, 1.0), (column, -1.0)]) {
+                        let with = |(sum, row): (&Interval, &Interval)| *sum + Interval::exact(sign) * *row;
+                        let with: Vec<Interval> = before.iter().zip(column).map(with).collect();
+                        let size = norm(&with);
+                        if size > largest {
+                            (sum, largest) = (with, size);
+                        }
                     }
                 }
                 most = most.max(largest);
