@@ -228,9 +228,7 @@ fn resume(args: &RunArgs, path: &Path, parts: Decomposition) -> Exit {
     // Only its file is compared.
     let scene = args.scene.as_deref().map(|name| Scene::load_by_sites(name, &[])).transpose()?;
     long.is(path, scene.as_ref(), args.method.integrator.as_deref().map(Method::named).transpose()?)?;
-    if args.events && !long.has_contacts() {
-        return Err(Error::parameter("events", true, NO_EVENTS));
-    }
+    require(!args.events || long.has_contacts(), "events", true, NO_EVENTS)?;
     go_on(args, long, &folder)
 }
 

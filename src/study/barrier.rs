@@ -165,9 +165,7 @@ impl Barrier {
                 return Err(Error::parameter(name, value, "a dark breather has a finite frequency above omega"));
             }
         }
-        if from >= to {
-            return Err(Error::parameter("to", to, "above --from"));
-        }
+        require(from < to, "to", to, "above --from")?;
         Tolerance::RUN.check(self.ring.tol)?;
         // The seed of the first breather checks the parameters of the ring.
         self.ring.breather(Center::Site, Some(from), ONE)?.seed()?;

@@ -24,7 +24,7 @@ use crate::{
     breathers::DarkBreather,
     chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, State, max_norm},
     dps::Center,
-    error::{Error, Result},
+    error::{Error, Result, require},
     named::named,
     numerics::{largest_by, least_by},
     orbits::{
@@ -264,13 +264,8 @@ impl EndDriven {
         if let Some(omega) = self.omegas.iter().find(|omega| !(omega.is_finite() && **omega > least)) {
             return Err(Error::parameter("omegas", omega, "finite, and above sqrt(1 + 1/rho)"));
         }
-        if self.drag + self.dashpot == 0.0 {
-            return Err(Error::parameter("drag", 0, "a chain without drag has a dashpot"));
-        }
-        if self.step >= self.to {
-            return Err(Error::parameter("step", self.step, "below the largest amplitude, --to"));
-        }
-        Ok(())
+        require(self.drag + self.dashpot > 0.0, "drag", 0, "a chain without drag has a dashpot")?;
+        require(self.step < self.to, "step", self.step, "below the largest amplitude, --to")
     }
 
     /// The chain.
