@@ -29,7 +29,7 @@ use crate::{
     report::{
         self, Column,
         Digits::{Fixed, Hidden, Json, Power},
-        Line, Panel, Panels, Report, Table,
+        Line, Panel, Panels, Report, Table, fields,
     },
     sweep::{Engine, Grid},
 };
@@ -312,8 +312,7 @@ impl BarrierStudy {
         let picture = Panels { title: title.to_owned(), columns: vec![self.column()], caption: self.caption() };
         Report::new("barrier")
             .facts(Params::from(params))
-            .fact("sites", ring.sites)
-            .fact("c_x", ring.c_x())
+            .facts(fields!(ring => sites, c_x()))
             .table(table(&self.points))
             .words(self.caption())
             .fact("sign_changes", zeros)

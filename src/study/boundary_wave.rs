@@ -23,7 +23,7 @@ use crate::{
     report::{
         Column,
         Digits::{Fixed, Power, Short},
-        Kind, Panel, Panels, Report, rows,
+        Kind, Panel, Panels, Report, fields, rows,
     },
     run::{Method, Run},
     sweep::{Engine, Grid, Missing},
@@ -313,8 +313,7 @@ impl BoundaryWaveStudy {
         Report::new("boundary-wave")
             .fact("alpha", ALPHA)
             .fact("kappa", KAPPA)
-            .fact("rho", options.rho)
-            .fact("sites", options.sites)
+            .facts(fields!(options => rho, sites))
             .fact("drive_amplitude", options.drive)
             .fact("overlap", options.overlap)
             .fact("integrator", "collocation")

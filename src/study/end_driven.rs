@@ -34,7 +34,7 @@ use crate::{
     report::{
         Column,
         Digits::{Fixed, Hidden, Json, Short},
-        Kind, Line, Panel, Panels, Report, Table,
+        Kind, Line, Panel, Panels, Report, Table, fields,
     },
     sweep::{Engine, Grid},
 };
@@ -297,9 +297,7 @@ impl EndDriven {
                 cases.extend(self.omegas.iter().map(|&omega| (sites, ends, omega)));
             }
         }
-        let Self { rho, drag, dashpot, to, step, max_points, .. } = self;
-        let settings =
-            json!({"rho": rho, "drag": drag, "dashpot": dashpot, "to": to, "step": step, "max_points": max_points});
+        let settings = fields!(self => rho, drag, dashpot, to, step, max_points);
         let grid = Grid { store: Self::STORE, study: "end-driven", settings };
         let swept = engine.sweep(&grid, &cases, progress, |&(sites, ends, omega)| self.case(sites, ends, omega))?;
         let found =
@@ -449,13 +447,9 @@ impl EndDrivenStudy {
         Report::new("end-driven")
             .fact("alpha", 1.5)
             .fact("kappa", 1.0)
-            .fact("rho", options.rho)
-            .fact("drag", options.drag)
-            .fact("dashpot", options.dashpot)
+            .facts(fields!(options => rho, drag, dashpot))
             .fact("from", options.step)
-            .fact("to", options.to)
-            .fact("step", options.step)
-            .fact("max_points", options.max_points)
+            .facts(fields!(options => to, step, max_points))
             .fact("settle", SETTLE)
             .fact("ramps", RAMPS)
             .fact("after_ramp", AFTER_RAMP)

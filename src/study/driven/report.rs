@@ -10,7 +10,7 @@ use crate::{
     report::{
         Column,
         Digits::{Fixed, Hidden, Json, Power, Short},
-        Kind, Line, Panel, Panels, Report, Rows, Table,
+        Kind, Line, Panel, Panels, Report, Rows, Table, fields,
     },
     scene::{Quantity, Units},
     study::{
@@ -150,12 +150,9 @@ impl DrivenStudy {
             .fact("strain_ranges", strains)
             .fact("driven", scale.reported(Quantity::Energy, *driven))
             .fact("dissipated", scale.reported(Quantity::Energy, *dissipated))
-            .fact("residual", point.orbit.residual)
-            .fact("newton", &point.orbit.newton)
-            .fact("multipliers", &point.spectrum.multipliers)
+            .facts(fields!(point.orbit => residual, newton; point.spectrum => multipliers))
             .fact("max_modulus", point.spectrum.largest())
-            .fact("unstable", point.spectrum.unstable())
-            .fact("liouville", point.spectrum.liouville)
+            .facts(fields!(point.spectrum => unstable(), liouville))
             .fact("integrator", METHOD)
             .fact("scene_file", scene_json(scene))
             .warnings(scene.doubts())

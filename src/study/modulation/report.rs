@@ -5,7 +5,7 @@ use crate::{
     number::{format_parameter, format_short, of_pi},
     report::{
         Digits::{Fixed, Hidden, Json, Power, Short},
-        Growth, GrowthMap, Line, Report, Table, number,
+        Growth, GrowthMap, Line, Report, Table, fields, number,
     },
     study::params_words,
     waves::Shape,
@@ -62,10 +62,7 @@ impl StabilityStudy {
         let report = Report::new("stability")
             .fact("params", params)
             .fact("Omega", modulation.slow_frequency())
-            .fact("omega_tw", rates.omega_tw)
-            .fact("lag", rates.lag)
-            .fact("sigma", modulation.sigma())
-            .fact("slope", modulation.slope())
+            .facts(fields!(rates => omega_tw, lag; modulation => sigma(), slope()))
             .fact("verdict", modulation.verdict().words())
             .fact("band", modulation.band().map(|(from, to)| [from, to]))
             .fact("fastest", fastest.as_ref().map(row))

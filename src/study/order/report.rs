@@ -4,7 +4,7 @@ use super::{Mode, OrderRow, OrderStudy, Quantity};
 use crate::report::{
     Curve,
     Digits::{Fixed, Hidden, Json, Power, Short},
-    Point, Report, Table, WorkPrecision,
+    Point, Report, Table, WorkPrecision, fields,
 };
 use serde_json::{Value, json};
 
@@ -61,10 +61,7 @@ impl OrderStudy {
         let event = |event: &crate::integrators::Event<f64>| json!({"t": event.t, "bond": event.index + 1, "kind": if event.rising { "onset" } else { "release" }});
         let (state, tangent) = self.floor;
         Report::new("order")
-            .fact("alpha", self.alpha)
-            .fact("beads", self.beads)
-            .fact("kappa", self.params.kappa)
-            .fact("rho", self.params.rho)
+            .facts(fields!(self => alpha, beads; self.params => kappa, rho))
             .fact("t", self.end)
             .fact("events", self.events.len())
             .fact("event_times", self.events.iter().map(event).collect::<Value>())
