@@ -219,7 +219,6 @@ fn report(
     outcome.failure.map(Error::from).or(doubt).map_or(printed, Err).map(|()| DONE)
 }
 
-/// Goes on from a checkpoint.
 fn resume(args: &RunArgs, path: &Path, parts: Decomposition) -> Exit {
     // Before a folder is made or locked for a checkpoint that is not there.
     std::fs::metadata(path).map_err(|source| Error::File { path: path.to_owned(), source })?;

@@ -163,7 +163,6 @@ pub(crate) fn center_word(center: Center) -> &'static str {
     }
 }
 
-/// `a_n` or `b_n` of all sites.
 fn of_sites(profile: &DarkProfile, value: impl Fn(i64) -> f64) -> Vec<f64> {
     profile.sites().map(value).collect()
 }

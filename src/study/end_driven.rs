@@ -515,7 +515,6 @@ impl EndDrivenStudy {
     }
 }
 
-/// The branches, and their points.
 fn tables(cases: &[EndDrivenCase]) -> [Table; 2] {
     let first = |k: usize| move |case: &EndDrivenCase| case.first()[k].map(|one| one.amplitude);
     let rest = |case: &EndDrivenCase| {
@@ -562,7 +561,6 @@ fn of(case: &EndDrivenCase) -> Vec<(&EndDrivenCase, &EndDrivenPoint)> {
     case.points.iter().map(|one| (case, one)).collect()
 }
 
-/// Points of branches.
 fn points(rows: &[(&EndDrivenCase, &EndDrivenPoint)]) -> Table {
     Table::of("end-driven", rows)
         .key("")

@@ -127,7 +127,6 @@ impl<'a> Tally<'a> {
         Self { done: AtomicU64::new(0), total: total as u64, tell }
     }
 
-    /// Counts one more point.
     fn tick(&self) {
         self.add(1);
     }

@@ -134,7 +134,6 @@ impl Problem {
         &self.name
     }
 
-    /// The TOML of the scene, or `built-in`.
     pub(super) fn source(&self) -> &str {
         &self.source
     }

@@ -91,7 +91,6 @@ impl Driven {
         }))
     }
 
-    /// The orbit to which the scene leads.
     fn orbit(&self, scene: &Scene, setting: &DrivenSetting, progress: Progress<'_>) -> Result<DrivenOrbit> {
         let shooting = DrivenShooting::default();
         let seen = |share: f64| progress(share, "the scene settles");

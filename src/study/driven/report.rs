@@ -85,7 +85,6 @@ fn bifurcations<'a>(
         .kind(Quantity::Omega)
 }
 
-/// A report of a branch without rows.
 pub(super) fn outline() -> Report {
     let varied = DriveParameter::Amplitude;
     let report = Report::new("driven-branch").table(points(BRANCH[0], &[], varied, None));
@@ -196,7 +195,6 @@ impl DrivenStudy {
 }
 
 impl DrivenBranchStudy {
-    /// The kind of number that the parameter is.
     fn kind(&self) -> Quantity {
         quantity(self.branch.continuation.parameter, &self.branch.setting)
     }
@@ -215,7 +213,6 @@ impl DrivenBranchStudy {
     }
 }
 
-/// The report of a branch.
 pub(super) fn branch(study: &DrivenBranchStudy) -> Result<Report> {
     let DrivenBranchStudy { scene, branch, switched, si } = study;
     let report = Report::new("driven-branch")

@@ -35,7 +35,6 @@ fn motion(rows: &[Motion]) -> Table {
         .done()
 }
 
-/// A report without rows.
 pub(super) fn outline() -> Report {
     Report::new("evolution").table(periods(&[])).table(motion(&[]))
 }

@@ -176,7 +176,6 @@ impl ExactStudy {
     }
 }
 
-/// The tables of exact waves without rows.
 pub(super) fn outline() -> Report {
     let tables = [
         wave_columns(Table::of("exact", &[]), |wave| wave).done(),
@@ -240,7 +239,6 @@ fn multipliers(rows: &[WaveMultiplier]) -> Table {
         .done()
 }
 
-/// The report of a branch.
 pub(super) fn branch(study: &WaveBranchStudy) -> Result<Report> {
     let WaveBranchStudy { scene, branch, .. } = study;
     let (continuation, base, end) = (branch.continuation, branch.setting, branch.ended());
@@ -278,7 +276,6 @@ pub(super) fn branch(study: &WaveBranchStudy) -> Result<Report> {
 }
 
 impl WaveBranchStudy {
-    /// A row for each wave.
     pub(super) fn table(&self) -> Table {
         waves(&branches::rows(&self.branch), self.branch.continuation.parameter)
     }
@@ -321,7 +318,6 @@ fn waves(rows: &[BranchRow<'_, WaveContinuation>], parameter: WaveParameter) -> 
         .done()
 }
 
-/// The table of a branch without rows.
 pub(super) fn branch_outline() -> Report {
     Report::new("waves").table(waves(&[], WaveParameter::OmegaTw))
 }

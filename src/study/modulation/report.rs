@@ -106,7 +106,6 @@ impl StabilityStudy {
         )
     }
 
-    /// The picture, with a caption.
     fn figure(&self, caption: String) -> Growth {
         let (options, modulation) = (&self.options, &self.modulation);
         let points = (0..=POINTS).map(|k| k as f64 / POINTS as f64).map(|p| (p, modulation.growth(PI * p)));
@@ -134,7 +133,6 @@ impl StabilityStudy {
         }
     }
 
-    /// The caption of the picture.
     fn caption(&self) -> String {
         let (options, modulation) = (&self.options, &self.modulation);
         let (params, Shape { q, a, b, .. }) = (options.params, options.shape);
@@ -155,7 +153,6 @@ impl StabilityStudy {
     }
 }
 
-/// The tables without rows.
 pub(super) fn outline() -> Report {
     let rates = Rates { epsilon: 1.0, slow: 1.0, omega_tw: 1.0, lag: 1.0 };
     let report = Report::new("stability").table(stability(&[], rates)).table(measured(&[])).table(chart(None));

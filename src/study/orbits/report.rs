@@ -183,7 +183,6 @@ fn bifurcations(name: &str, all: &[Bifurcation]) -> Table {
         .done()
 }
 
-/// The points of a branch in a parameter.
 fn points(parameter: Parameter, rows: &[BranchRow<'_, Continuation>]) -> Table {
     let off = |kind: Kind| {
         move |row: &BranchRow<'_, Continuation>| {
@@ -218,7 +217,6 @@ fn points(parameter: Parameter, rows: &[BranchRow<'_, Continuation>]) -> Table {
         .done()
 }
 
-/// A report of a branch without rows.
 pub(super) fn outline() -> Report {
     Report::new("branch").table(points(Parameter::OmegaB, &[])).table(bifurcations("bifurcations", &[]))
 }

@@ -38,7 +38,6 @@ pub(super) fn orders(rows: &[OrderRow]) -> Table {
         .done()
 }
 
-/// A line a run.
 pub(super) fn runs(rows: &[OrderRow]) -> Table {
     let of = |row| move |(&steps, &error)| (row, steps, error);
     let runs: Vec<(&OrderRow, u64, f64)> =

@@ -152,7 +152,6 @@ pub fn tapered(ratio: f64, spheres: usize) -> Result<TaperRow> {
     Ok(TaperRow { ratio, growth, binary, adiabatic, energy, velocity })
 }
 
-/// The report.
 fn report(rows: &[TaperRow]) -> Report {
     let table = TaperRow::table("taper", rows).done();
     let all = |row: &TaperRow| {

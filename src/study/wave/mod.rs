@@ -80,7 +80,6 @@ options! {
 }
 
 impl Wave {
-    /// The scene with all changes.
     fn scene(&self) -> Result<Scene> {
         self.within_ranges()?;
         let mut scene = super::scene(self.scene.as_deref().unwrap_or_default(), &self.set)?;
@@ -357,7 +356,6 @@ impl Others<'_> {
     }
 }
 
-/// The sample times.
 fn times(scene: &Scene, options: &WaveOptions) -> Result<Vec<f64>> {
     options.solver.check()?;
     options.within_ranges()?;
