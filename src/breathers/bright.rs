@@ -113,9 +113,8 @@ impl BrightBreather {
         let on_chain = |n: &i64| u64::try_from(n + breather.origin() as i64).is_ok_and(|i| i < sites as u64);
         let held: f64 = breather.profile.sites().filter(on_chain).map(share).sum();
         let whole: f64 = breather.profile.sites().map(share).sum();
-        if whole - held > CUT_OFF * whole {
-            return Err(Error::parameter("sites", sites, "the chain holds the breather but for a share of 10^-6"));
-        }
+        let rule = "the chain holds the breather but for a share of 10^-6";
+        require(whole - held <= CUT_OFF * whole, "sites", sites, rule)?;
         Ok(breather)
     }
 

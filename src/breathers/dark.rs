@@ -131,11 +131,8 @@ impl DarkBreather {
         if let Some(z) = self.loaded_seed() {
             return Ok(z);
         }
-        if self.params.resonators() == Resonators::None && self.c_x < 0.0 {
-            let rule =
-                "without resonators a dark breather is below the edge of the band, at first order in its amplitude";
-            return Err(Error::parameter("omega_b", self.omega_b, rule));
-        }
+        let rule = "without resonators a dark breather is below the edge of the band, at first order in its amplitude";
+        require(self.params.resonators() != Resonators::None || self.c_x >= 0.0, "omega_b", self.omega_b, rule)?;
         let Self { params, center, sites, omega_b, c_x } = *self;
         let unit = DarkProfile::new(params, center, sites, 0.0)?;
         let size = unit.mu(omega_b)?.powf((params.alpha - 1.0).recip());
@@ -144,11 +141,8 @@ impl DarkBreather {
         z.extend(y);
         // Such a strong background is not a small oscillation, and Newton's method would run for
         // minutes without result.
-        if self.setting().fastest_rate(&z) > FASTEST {
-            let rule = "the first-order breather has contacts at most 10 times as fast as it is: take a larger rho, or omega_b nearer to omega";
-            return Err(Error::parameter("strains", max_norm(z), rule));
-        }
-        Ok(z)
+        let rule = "the first-order breather has contacts at most 10 times as fast as it is: take a larger rho, or omega_b nearer to omega";
+        require(self.setting().fastest_rate(&z) <= FASTEST, "strains", max_norm(z.iter().copied()), rule).map(|()| z)
     }
 
     /// Refuses an orbit that is no dark breather about this centre: a chain at rest, a kink

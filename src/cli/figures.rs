@@ -59,7 +59,6 @@ pub(crate) struct FiguresArgs {
     json: bool,
 }
 
-/// Long help of `--only`, with the names of all figures.
 fn figures_help() -> String {
     let names: Vec<_> = crate::paper::FIGURES.iter().map(|figure| figure.name).collect();
     format!("Figures to make, separated by commas [default: all].\n\nOf {}.", names.join(", "))
@@ -67,7 +66,6 @@ fn figures_help() -> String {
 
 const STORE: &str = "figures.store";
 
-/// A point of the sweep.
 #[derive(Serialize)]
 struct Point {
     figure: &'static str,
@@ -78,7 +76,6 @@ struct Point {
 /// A figure, and what was made of it or why nothing was.
 type Drawn = (&'static Figure, Row<Made>);
 
-/// A finished figure.
 #[derive(Debug, Serialize, Deserialize)]
 struct Made {
     caption: String,

@@ -8,7 +8,6 @@ use crate::{
 };
 use clap::Args;
 
-/// The formats of pictures.
 #[derive(Args, Clone, Debug)]
 pub(super) struct Formats {
     /// Formats of pictures, separated by commas: png, svg
@@ -23,7 +22,6 @@ pub(super) struct Formats {
     format: Vec<Format>,
 }
 
-/// The formats of a run.
 #[derive(Args, Clone, Debug)]
 pub(super) struct RunFormats {
     /// Formats of pictures, separated by commas: png, svg; gif for a film; mat for arrays.
@@ -50,12 +48,10 @@ pub(super) const FILM: &str = "gif";
 pub(super) const MAT: &str = "mat";
 
 impl RunFormats {
-    /// Whether a format is asked for.
     pub(super) fn has(&self, format: &str) -> bool {
         self.format.iter().any(|name| name == format)
     }
 
-    /// The formats of pictures that are asked for.
     pub(super) fn pictures(&self) -> Formats {
         Formats { format: self.format.iter().filter_map(|name| name.parse().ok()).collect() }
     }

@@ -1,7 +1,11 @@
 //! `hertzchain integrators`.
 
 use super::{DONE, Exit, print, runner::Runs};
-use crate::{output::to_json, report::text::table, run::Method};
+use crate::{
+    output::to_json,
+    report::{fields, text::table},
+    run::Method,
+};
 use clap::Args;
 use serde_json::json;
 
@@ -16,18 +20,8 @@ impl Runs for IntegratorsArgs {
     fn run(&self) -> Exit {
         let all = Method::all();
         if self.json {
-            let list: Vec<_> = all
-                .iter()
-                .map(|method| {
-                    json!({
-                        "name": method.name(),
-                        "order": method.order(),
-                        "stages": method.stages(),
-                        "family": method.family(),
-                        "source": method.source(),
-                    })
-                })
-                .collect();
+            let told = |method: &Method| fields!(method => name(), order(), stages(), family(), source());
+            let list: Vec<_> = all.iter().map(told).collect();
             return print(&(to_json(&json!({"integrators": list})) + "\n")).map(|()| DONE);
         }
         let rows: Vec<_> = all

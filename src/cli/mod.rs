@@ -120,7 +120,6 @@ fn refused(error: &clap::Error) -> Error {
     Error::Options(words.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// Runs the command.
 fn begun(cli: &Cli) -> Exit {
     prepare(cli)?;
     signals::outlive_file_limits();

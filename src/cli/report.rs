@@ -164,7 +164,6 @@ impl Part {
     }
 }
 
-/// The report of a study.
 fn of(study: &impl Study, tell: Progress<'_>) -> Result<Vec<Report>> {
     Ok(vec![study.begin()?(&Engine::threads(), tell)?])
 }

@@ -219,7 +219,6 @@ fn report(
     outcome.failure.map(Error::from).or(doubt).map_or(printed, Err).map(|()| DONE)
 }
 
-/// Goes on from a checkpoint.
 fn resume(args: &RunArgs, path: &Path, parts: Decomposition) -> Exit {
     // Before a folder is made or locked for a checkpoint that is not there.
     std::fs::metadata(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
@@ -228,9 +227,7 @@ fn resume(args: &RunArgs, path: &Path, parts: Decomposition) -> Exit {
     // Only its file is compared.
     let scene = args.scene.as_deref().map(|name| Scene::load_by_sites(name, &[])).transpose()?;
     long.is(path, scene.as_ref(), args.method.integrator.as_deref().map(Method::named).transpose()?)?;
-    if args.events && !long.has_contacts() {
-        return Err(Error::parameter("events", true, NO_EVENTS));
-    }
+    require(!args.events || long.has_contacts(), "events", true, NO_EVENTS)?;
     go_on(args, long, &folder)
 }
 

@@ -72,7 +72,6 @@ impl EngineArgs {
     }
 }
 
-/// The engine of an MPI job.
 #[cfg(feature = "mpi")]
 fn over_ranks() -> Result<Engine> {
     Ok(Engine::new(Box::new(crate::sweep::Mpi::new()?)))
@@ -292,7 +291,6 @@ fn nothing() -> Error {
     Error::Stopped { kept: "nothing of this study was finished".to_owned() }
 }
 
-/// What a shard has done.
 pub(super) fn part_report(part: &Part) -> Report {
     let Part { shard, points, kept, computed, store } = part;
     let report = Report::new("shard").fact("shard", shard.to_string()).fact("points", points).fact("kept", kept);

@@ -193,9 +193,7 @@ impl Scales {
 /// Refuses numbers outside their rules, for a continuation from one value of the parameter to
 /// another.
 pub(crate) fn check([from, to]: [f64; 2], step: f64, most_points: usize) -> Result<()> {
-    if !to.is_finite() || to == from {
-        return Err(Error::parameter("to", to, "a finite number, not where the branch begins"));
-    }
+    require(to.is_finite() && to != from, "to", to, "a finite number, not where the branch begins")?;
     positive("step", step)?;
     require(most_points >= 2, "max-points", most_points, "at least 2")?;
     Ok(())
@@ -203,10 +201,8 @@ pub(crate) fn check([from, to]: [f64; 2], step: f64, most_points: usize) -> Resu
 
 /// Refuses a final value that is not beyond the last value of the parameter, seen from the first.
 pub(super) fn check_onward([from, last]: [f64; 2], to: f64) -> Result<()> {
-    if (to - last) * (to - from) <= 0.0 || (last - from) * (to - from) < 0.0 {
-        return Err(Error::parameter("to", to, "a branch goes on beyond its last point, seen from its first"));
-    }
-    Ok(())
+    let onward = (to - last) * (to - from) > 0.0 && (last - from) * (to - from) >= 0.0;
+    require(onward, "to", to, "a branch goes on beyond its last point, seen from its first")
 }
 
 /// The unit vector along the parameter, with the sign `direction`: the direction of a branch of so

@@ -430,10 +430,7 @@ impl ModeContinuation {
         self.check_value(modes, 1.0)?;
         require(self.to.is_finite() && self.to > 0.0, "to", self.to, "an amplitude is finite and positive")?;
         arclength::check([self.step, self.to], self.step, self.most_points)?;
-        if self.step > self.to {
-            return Err(Error::parameter("step", self.step, "at most the last amplitude"));
-        }
-        Ok(())
+        require(self.step <= self.to, "step", self.step, "at most the last amplitude")
     }
 
     /// Follows the branch, past folds, and locates the bifurcations between its points; `seen` is

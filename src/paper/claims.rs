@@ -61,7 +61,6 @@ struct File {
     claim: Vec<Row>,
 }
 
-/// A row of the file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Row {
@@ -79,7 +78,6 @@ struct Row {
     why: String,
 }
 
-/// The claims of a table.
 fn read(text: &str) -> Result<Vec<Claim>, String> {
     let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
     file.claim.into_iter().map(|row| row.claim(&file.rules)).collect()

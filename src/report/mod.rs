@@ -21,6 +21,15 @@ use crate::{
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+/// Fields of JSON that have the names of fields or methods of values: `fields!(line => to, len();
+/// point => x)`.
+macro_rules! fields {
+    ($($of:expr => $($field:ident $(($($argument:tt)*))?),+);+) => {
+        serde_json::json!({ $($(stringify!($field): $of.$field $(($($argument)*))?,)+)+ })
+    };
+}
+pub(crate) use fields;
+
 /// A paragraph or a table.
 #[derive(Clone, Debug)]
 pub enum Block {

@@ -232,10 +232,8 @@ fn given(chain: &Chain<f64>, arrays: [&[f64]; 4]) -> Result<State<f64>> {
         array.iter().try_for_each(|&value| finite(name, value).map(drop))?;
     }
     let [u, v, u_dot, v_dot] = arrays;
-    if !(chain.layout().resonators() || v.is_empty() && v_dot.is_empty()) {
-        let rule = "no resonator moves in this chain: leave `v` and `v_dot` out";
-        return Err(Error::parameter("v", format!("{} numbers", v.len().max(v_dot.len())), rule));
-    }
+    let (count, rule) = (v.len().max(v_dot.len()), "no resonator moves in this chain: leave `v` and `v_dot` out");
+    require(count == 0 || chain.layout().resonators(), "v", format!("{count} numbers"), rule)?;
     for (name, array) in [("v", v), ("v_dot", v_dot)] {
         if let Some(site) = (0..array.len()).find(|&i| array[i] != 0.0 && !chain.resonator_moves(i)) {
             let rule = "no resonator moves at this site: its `v` and `v_dot` are 0";
@@ -324,10 +322,6 @@ pub(super) fn within_range(chain: &Chain<f64>, state: &Start, initial: &Initial)
     require(!(size > 0.0 && at_rest && force < LEAST_FORCE), name, size, rule)?;
     let energy = energy.map_or(0.0, |energy| energy.total());
     let most = (size * size).max(law.force(far) * far).max(energy) * chain.sites() as f64;
-    if most.is_nan() || most > MOST_ENERGY {
-        let rule =
-            "overflow: u^2, u^(alpha + 1) and the energy, times the sites, are at most 1e300; scale the state down";
-        return Err(Error::parameter(name, size, rule));
-    }
-    Ok(())
+    let rule = "overflow: u^2, u^(alpha + 1) and the energy, times the sites, are at most 1e300; scale the state down";
+    require(most <= MOST_ENERGY, name, size, rule)
 }

@@ -147,10 +147,8 @@ impl Record {
             let rule = "single precision is for what is named: name `sites`, `bonds` or `quantities`";
             return if *single == Some(true) { Err(Error::parameter("record.single", true, rule)) } else { Ok(None) };
         }
-        if chain.boundary() == Boundary::StrainRing {
-            let rule = "a run of strains keeps all of them: leave `sites`, `bonds` and `quantities` out";
-            return Err(Error::parameter("record", "on a strain ring", rule));
-        }
+        let rule = "a run of strains keeps all of them: leave `sites`, `bonds` and `quantities` out";
+        require(chain.boundary() != Boundary::StrainRing, "record", "on a strain ring", rule)?;
         let usual = [Recorded::UDot, Recorded::Force].into_iter();
         let usual = usual.filter(|one| if one.of_bonds() { bonds.is_some() } else { sites.is_some() });
         let quantities = quantities.clone().unwrap_or_else(|| usual.collect());

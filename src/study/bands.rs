@@ -33,7 +33,6 @@ options! {
     }
 }
 
-/// A band.
 #[derive(Clone, Copy, Debug)]
 struct Band {
     number: usize,
@@ -73,7 +72,6 @@ impl Study for Bands {
     }
 }
 
-/// The edges of bands.
 fn edges(bands: &[Band], si: Option<&Units>) -> Table {
     Table::of("band-edges", bands)
         .key("bands")
@@ -138,7 +136,6 @@ fn envelopes(all: &[Envelope], si: Option<&Units>) -> Table {
         .done()
 }
 
-/// The report of waves.
 fn told(scene: &Scene, bands: &orbits::Bands, all: &[(f64, Vec<f64>)], si: Option<&Units>) -> Report {
     let ends = bands.edges();
     let above = |k: usize| ends.get(k + 1).map_or(f64::NAN, |next| (next[0] - ends[k][1]).max(0.0));

@@ -29,7 +29,7 @@ use crate::{
     report::{
         self, Column,
         Digits::{Fixed, Hidden, Json, Power},
-        Line, Panel, Panels, Report, Table,
+        Line, Panel, Panels, Report, Table, fields,
     },
     sweep::{Engine, Grid},
 };
@@ -165,9 +165,7 @@ impl Barrier {
                 return Err(Error::parameter(name, value, "a dark breather has a finite frequency above omega"));
             }
         }
-        if from >= to {
-            return Err(Error::parameter("to", to, "above --from"));
-        }
+        require(from < to, "to", to, "above --from")?;
         Tolerance::RUN.check(self.ring.tol)?;
         // The seed of the first breather checks the parameters of the ring.
         self.ring.breather(Center::Site, Some(from), ONE)?.seed()?;
@@ -314,8 +312,7 @@ impl BarrierStudy {
         let picture = Panels { title: title.to_owned(), columns: vec![self.column()], caption: self.caption() };
         Report::new("barrier")
             .facts(Params::from(params))
-            .fact("sites", ring.sites)
-            .fact("c_x", ring.c_x())
+            .facts(fields!(ring => sites, c_x()))
             .table(table(&self.points))
             .words(self.caption())
             .fact("sign_changes", zeros)

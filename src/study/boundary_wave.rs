@@ -23,7 +23,7 @@ use crate::{
     report::{
         Column,
         Digits::{Fixed, Power, Short},
-        Kind, Panel, Panels, Report, rows,
+        Kind, Panel, Panels, Report, fields, rows,
     },
     run::{Method, Run},
     sweep::{Engine, Grid, Missing},
@@ -176,7 +176,6 @@ impl BoundaryWave {
         require(frequency <= FASTEST * omega_d, "overlap", self.overlap, rule)
     }
 
-    /// Wave number of a weak wave.
     fn weak_wave_number(&self, omega_d: f64) -> Result<f64> {
         let (omega, h) = (self.params()?.omega(), Averages::new(ALPHA, KAPPA)?.h(-self.overlap, 0.0));
         let rule = "above sqrt(1 + 1/rho), by at most 3 overlap^(1/2)/(1 + 1/rho)^(3/2)";
@@ -199,7 +198,6 @@ impl BoundaryWave {
         Chain::new(self.params()?, Boundary::Fixed, self.sites)?.precompressed(self.overlap)?.with(&details)
     }
 
-    /// The bonds that are measured.
     fn measured(&self) -> Range<usize> {
         NEAR..self.sites - ABSORBING - BEFORE
     }
@@ -313,8 +311,7 @@ impl BoundaryWaveStudy {
         Report::new("boundary-wave")
             .fact("alpha", ALPHA)
             .fact("kappa", KAPPA)
-            .fact("rho", options.rho)
-            .fact("sites", options.sites)
+            .facts(fields!(options => rho, sites))
             .fact("drive_amplitude", options.drive)
             .fact("overlap", options.overlap)
             .fact("integrator", "collocation")

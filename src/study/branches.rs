@@ -356,7 +356,6 @@ impl SceneSource {
         (Self { scene: scene.file().to_toml(), turns }, arrays)
     }
 
-    /// The scene.
     pub(super) fn scene(&self) -> Result<Scene> {
         SceneFile::parse(&self.scene, SETTINGS).and_then(Scene::build)
     }

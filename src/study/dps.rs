@@ -8,7 +8,7 @@ use crate::{
     report::{
         Column,
         Digits::{Fixed, Power, Short},
-        Kind, Line, Panel, Panels, Report, Table, number,
+        Kind, Line, Panel, Panels, Report, Table, fields, number,
     },
 };
 use serde_json::json;
@@ -53,8 +53,7 @@ impl Study for Integrals {
             .col("value", Short, "", |row| format!("{:e}", row.2))
             .col("what_it_is", Short, "", |row| row.1);
         let report = Report::new("integrals")
-            .fact("alpha", averages.alpha())
-            .fact("kappa", averages.kappa())
+            .facts(fields!(averages => alpha(), kappa()))
             .fact("b", b)
             .fact("r", r)
             .table(table);
@@ -141,8 +140,7 @@ impl Homoclinics {
         );
         let columns = vec![Column::new("", [panel("aₙ", "a")]), Column::new("", [decay])];
         Ok(Report::new("homoclinic")
-            .fact("alpha", one.alpha())
-            .fact("omega_0", one.omega_0())
+            .facts(fields!(one => alpha(), omega_0()))
             .fact("n", &sites)
             .fact("a", sites.iter().map(|n| one.a(*n)).collect::<Vec<_>>())
             .fact("residual", one.residual())
@@ -165,7 +163,6 @@ pub(crate) fn center_word(center: Center) -> &'static str {
     }
 }
 
-/// `a_n` or `b_n` of all sites.
 fn of_sites(profile: &DarkProfile, value: impl Fn(i64) -> f64) -> Vec<f64> {
     profile.sites().map(value).collect()
 }
@@ -274,9 +271,7 @@ fn dark_report(profile: &DarkProfile, omega_b: f64, mu: f64, [x, y]: [Vec<f64>; 
         newton.join(", "),
     );
     Report::new("dark")
-        .fact("alpha", params.alpha)
-        .fact("kappa", params.kappa)
-        .fact("rho", params.rho)
+        .facts(fields!(params => alpha, kappa, rho))
         .fact("center", center)
         .fact("sites", x.len())
         .fact("c", profile.c())
@@ -286,8 +281,7 @@ fn dark_report(profile: &DarkProfile, omega_b: f64, mu: f64, [x, y]: [Vec<f64>; 
         .fact("n", profile.sites().collect::<Vec<_>>())
         .fact("a", of_sites(profile, |n| profile.a(n)))
         .fact("b", of_sites(profile, |n| profile.b(n)))
-        .fact("residual", profile.residual())
-        .fact("newton", profile.newton())
+        .facts(fields!(profile => residual(), newton()))
         .fact("background", json!({ "a": background.0, "b": background.1 }))
         .fact("x", x)
         .fact("y", y)

@@ -246,7 +246,6 @@ fn setting(scene: &Scene, method: &Method) -> (Setting, String) {
     }
 }
 
-/// Runs a method.
 fn run(scene: &Scene, method: Method, times: &[f64]) -> Result<DriftRun> {
     let mut stepper = scene.run().method(method).setting(setting(scene, &method).0).stepper()?;
     let mut state = scene.initial().as_slice().to_vec();
@@ -265,7 +264,6 @@ fn run(scene: &Scene, method: Method, times: &[f64]) -> Result<DriftRun> {
     })
 }
 
-/// The row of a run.
 fn row_of(scene: &Scene, method: Method, times: &[f64], run: DriftRun) -> Result<DriftRow> {
     let t = times.get(..run.energy_error.len()).map(<[f64]>::to_vec);
     let t = t.ok_or_else(|| Error::Point { point: method.name(), why: "more errors than times".to_owned() })?;

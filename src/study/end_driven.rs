@@ -24,7 +24,7 @@ use crate::{
     breathers::DarkBreather,
     chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, State, max_norm},
     dps::Center,
-    error::{Error, Result},
+    error::{Error, Result, require},
     named::named,
     numerics::{largest_by, least_by},
     orbits::{
@@ -34,7 +34,7 @@ use crate::{
     report::{
         Column,
         Digits::{Fixed, Hidden, Json, Short},
-        Kind, Line, Panel, Panels, Report, Table,
+        Kind, Line, Panel, Panels, Report, Table, fields,
     },
     sweep::{Engine, Grid},
 };
@@ -264,13 +264,8 @@ impl EndDriven {
         if let Some(omega) = self.omegas.iter().find(|omega| !(omega.is_finite() && **omega > least)) {
             return Err(Error::parameter("omegas", omega, "finite, and above sqrt(1 + 1/rho)"));
         }
-        if self.drag + self.dashpot == 0.0 {
-            return Err(Error::parameter("drag", 0, "a chain without drag has a dashpot"));
-        }
-        if self.step >= self.to {
-            return Err(Error::parameter("step", self.step, "below the largest amplitude, --to"));
-        }
-        Ok(())
+        require(self.drag + self.dashpot > 0.0, "drag", 0, "a chain without drag has a dashpot")?;
+        require(self.step < self.to, "step", self.step, "below the largest amplitude, --to")
     }
 
     /// The chain.
@@ -302,9 +297,7 @@ impl EndDriven {
                 cases.extend(self.omegas.iter().map(|&omega| (sites, ends, omega)));
             }
         }
-        let Self { rho, drag, dashpot, to, step, max_points, .. } = self;
-        let settings =
-            json!({"rho": rho, "drag": drag, "dashpot": dashpot, "to": to, "step": step, "max_points": max_points});
+        let settings = fields!(self => rho, drag, dashpot, to, step, max_points);
         let grid = Grid { store: Self::STORE, study: "end-driven", settings };
         let swept = engine.sweep(&grid, &cases, progress, |&(sites, ends, omega)| self.case(sites, ends, omega))?;
         let found =
@@ -454,13 +447,9 @@ impl EndDrivenStudy {
         Report::new("end-driven")
             .fact("alpha", 1.5)
             .fact("kappa", 1.0)
-            .fact("rho", options.rho)
-            .fact("drag", options.drag)
-            .fact("dashpot", options.dashpot)
+            .facts(fields!(options => rho, drag, dashpot))
             .fact("from", options.step)
-            .fact("to", options.to)
-            .fact("step", options.step)
-            .fact("max_points", options.max_points)
+            .facts(fields!(options => to, step, max_points))
             .fact("settle", SETTLE)
             .fact("ramps", RAMPS)
             .fact("after_ramp", AFTER_RAMP)
@@ -526,7 +515,6 @@ impl EndDrivenStudy {
     }
 }
 
-/// The branches, and their points.
 fn tables(cases: &[EndDrivenCase]) -> [Table; 2] {
     let first = |k: usize| move |case: &EndDrivenCase| case.first()[k].map(|one| one.amplitude);
     let rest = |case: &EndDrivenCase| {
@@ -573,7 +561,6 @@ fn of(case: &EndDrivenCase) -> Vec<(&EndDrivenCase, &EndDrivenPoint)> {
     case.points.iter().map(|one| (case, one)).collect()
 }
 
-/// Points of branches.
 fn points(rows: &[(&EndDrivenCase, &EndDrivenPoint)]) -> Table {
     Table::of("end-driven", rows)
         .key("")

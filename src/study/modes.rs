@@ -65,7 +65,6 @@ fn shapes(places: &[(usize, bool)], modes: &[LinearMode]) -> Table {
     table.done()
 }
 
-/// The report of modes.
 fn told(scene: &Scene, modes: &NormalModes, si: Option<&Units>) -> Report {
     let (linear, scale) = (modes.linear(), Scale(si));
     let places: Vec<(usize, bool)> = (0..modes.coordinates()).map(|c| modes.place(c)).collect();

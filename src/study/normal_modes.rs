@@ -155,7 +155,6 @@ const NEIGHBOURS: usize = 3;
 /// this is that of a resonator.
 pub(super) type Numbered<'a> = (usize, &'a LinearMode, (usize, bool));
 
-/// The linear modes of a chain with their numbers.
 pub(super) fn numbered(modes: &NormalModes) -> Vec<Numbered<'_>> {
     (1..).zip(modes.linear()).map(|(k, mode)| (k, mode, modes.place(mode.leading))).collect()
 }

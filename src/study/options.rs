@@ -202,13 +202,11 @@ options! {
 }
 
 impl Adaptive {
-    /// Refuses a method that takes no tolerance.
     pub(super) fn check(&self) -> Result<()> {
         let rule = "an adaptive method: collocation or a dop853";
         require(self.method.adaptive(), "integrator", self.method.name(), rule)
     }
 
-    /// The run of a scene.
     pub(super) fn run(&self, scene: &Scene) -> Result<Run> {
         self.check()?;
         scene.run().method(self.method).tolerance(self.tol)

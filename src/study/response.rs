@@ -195,7 +195,6 @@ fn table(rows: &[Row], setting: &Setting, runs: bool, si: Option<&Units>) -> Tab
     table.done()
 }
 
-/// The report of responses.
 fn told(scene: &Scene, (setting, response): (&Setting, &orbits::Response), rows: &[Row], si: Option<&Units>) -> Report {
     let scale = Scale(si);
     let runs = rows.iter().any(|row| row.run.is_some());

@@ -10,7 +10,7 @@ use crate::{
     report::{
         Column,
         Digits::{Fixed, Hidden, Power, Short},
-        Kind, Line, Panel, Panels, Report, Table, rows,
+        Kind, Line, Panel, Panels, Report, Table, fields, rows,
     },
     sweep::{Engine, Grid},
     waves::{LinePulse, Search, SolitaryWave, best_ring, wake_of_line},
@@ -220,15 +220,9 @@ impl SolitaryStudy {
             self.tails.iter().filter(|tail| tail.wake.is_none()).map(|t| format_short(t.rho)).collect();
         let start = hertz.wave.on_ring(self.options.sites);
         Report::new("solitary")
-            .fact("alpha", self.options.alpha)
-            .fact("kappa", self.options.kappa)
-            .fact("sites", self.options.sites)
-            .fact("speed", hertz.speed)
-            .fact("crest", hertz.crest())
-            .fact("coefficient", hertz.coefficient())
+            .facts(fields!(self.options => alpha, kappa, sites; hertz => speed, crest(), coefficient()))
             .fact("coefficient_of_line", self.line.coefficient())
-            .fact("residual", hertz.wave.residual)
-            .fact("apart", self.apart())
+            .facts(fields!(hertz.wave => residual; self => apart()))
             .fact("x", &start[0])
             .fact("vx", &start[2])
             .fact("pulse", &self.decay)

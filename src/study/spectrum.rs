@@ -71,7 +71,6 @@ options! {
     }
 }
 
-/// The spectrum of a signal.
 #[derive(Clone, Debug, Default)]
 struct Density {
     name: String,
@@ -261,7 +260,6 @@ fn centred(signal: &Signal<'_>, n: usize) -> (f64, Vec<f64>) {
     (mean, signal.values().take(n).map(|x| x - mean).collect())
 }
 
-/// The spectrum of a signal.
 fn spectrum(signal: &Signal<'_>, window: &[f64], dt: f64, frequencies: &[f64]) -> Density {
     let n = window.len();
     let (mean, values) = centred(signal, n);

@@ -9,12 +9,11 @@ use crate::{
     error::Result,
     report::{
         Digits::{Fixed, Hidden, Json, Power},
-        Kind, Panels, Report, rows,
+        Kind, Panels, Report, fields, rows,
     },
     sweep::{Engine, Grid, Missing},
 };
 use serde::{Deserialize, Serialize};
-use serde_json::json;
 
 options! {
     /// Travelling bright breathers as relative periodic orbits.
@@ -91,13 +90,11 @@ impl Travelling {
     /// An option outside its rule; no breather is found; a signal.
     pub fn study(&self, engine: &Engine, progress: Progress<'_>) -> Result<(Vec<TravellingRow>, Missing)> {
         self.breathers()?;
-        let (Params { alpha, kappa, rho }, &Self { sites, turns, precompression, tol, .. }) =
-            (self.params.into(), self);
-        let settings = json!({"sites": sites, "alpha": alpha, "kappa": kappa, "rho": rho, "turns": turns,
-            "precompression": precompression, "tol": tol});
+        let &Self { params, sites, turns, precompression, tol, .. } = self;
+        let settings = fields!(self => sites; params => alpha, kappa, rho; self => turns, precompression, tol);
         let grid = Grid { store: Self::STORE, study: "travelling", settings };
         let swept = engine.sweep(&grid, &self.amplitude, progress, |&amplitude| {
-            row(&TravellingBreather::new(self.params.into(), sites, precompression, turns, amplitude)?, amplitude, tol)
+            row(&TravellingBreather::new(params.into(), sites, precompression, turns, amplitude)?, amplitude, tol)
         })?;
         swept.found(&self.amplitude, |amplitude| format!("amplitude {amplitude}"))
     }

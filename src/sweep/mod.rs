@@ -31,7 +31,7 @@ pub use threads::{InTurn, Threads, map, start_all};
 pub(crate) use threads::{cores, on_one_thread};
 
 use crate::{
-    error::{Error, Result},
+    error::{Error, Result, require},
     interrupt,
 };
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -127,7 +127,6 @@ impl<'a> Tally<'a> {
         Self { done: AtomicU64::new(0), total: total as u64, tell }
     }
 
-    /// Counts one more point.
     fn tick(&self) {
         self.add(1);
     }
@@ -308,9 +307,8 @@ impl<T: Serialize, U: Serialize + DeserializeOwned> Job<'_, T, U> {
             tally.tick();
             Ok(())
         })?;
-        if left.into_inner() > 0 && !stopped.into_inner() && !interrupt::asked() && !backend.serves() {
-            return Err(Error::parameter("rows", "incomplete", "a backend computes every point it is given"));
-        }
+        let whole = left.into_inner() == 0 || stopped.into_inner() || interrupt::asked() || backend.serves();
+        require(whole, "rows", "incomplete", "a backend computes every point it is given")?;
         Ok(rows.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 }

@@ -251,7 +251,6 @@ impl Store {
         Ok(())
     }
 
-    /// Checks the first line.
     fn take_head(&self, line: &[u8]) -> std::result::Result<(), String> {
         let text = check_and_json(line);
         let json = fitting(text, fnv(BASIS, text.1))?;

@@ -79,22 +79,14 @@ impl TravellingWave {
     /// size) or with `q = 0`; a number that is not finite or outside its rule.
     pub fn new(params: Params, shape: Shape, size: Size) -> Result<Self> {
         params.validate()?;
-        if params.resonators() != Resonators::Moving {
-            return Err(Error::parameter(
-                "rho",
-                params.rho,
-                "travelling waves need resonators: 0 < rho < inf, kappa > 0",
-            ));
-        }
+        let rule = "travelling waves need resonators: 0 < rho < inf, kappa > 0";
+        require(params.resonators() == Resonators::Moving, "rho", params.rho, rule)?;
         let Shape { q, a, b, phi } = shape;
         [("q", q), ("b", b), ("phi", phi)].into_iter().try_for_each(|(name, value)| finite(name, value).map(drop))?;
-        if q.abs() > PI {
-            return Err(Error::parameter("q", q, "the wave number is from -pi to pi: a lattice knows no other"));
-        }
+        require(q.abs() <= PI, "q", q, "the wave number is from -pi to pi: a lattice knows no other")?;
         require(a.is_finite() && a > 0.0, "a", a, "the amplitude is finite and positive")?;
-        if b >= 2.0 * params.kappa * a {
-            return Err(Error::parameter("b", b, "the mean strain is below 2 kappa a, or no contact ever closes"));
-        }
+        let rule = "the mean strain is below 2 kappa a, or no contact ever closes";
+        require(b < 2.0 * params.kappa * a, "b", b, rule)?;
         let omega = params.omega();
         let h_alpha = Averages::new(params.alpha, params.kappa)?.h(b, a);
         let per_size = detuning(omega, q, h_alpha);

@@ -70,7 +70,7 @@ use super::{Shape, Size, TravellingWave};
 use crate::{
     chain::{Params, Resonators},
     dps::Averages,
-    error::{Error, Result, require},
+    error::{Result, require},
 };
 use std::f64::consts::PI;
 
@@ -142,9 +142,7 @@ impl Modulation {
         // Waves of the cradle have the same rules for the shape.
         params.validate()?;
         TravellingWave::new(if fixed { Params { rho: 1.0, ..params } } else { params }, shape, Size::Epsilon(1.0))?;
-        if fixed && b != 0.0 {
-            return Err(Error::parameter("b", b, "the DpS equation of rho = inf has no mean strain: b = 0"));
-        }
+        require(!fixed || b == 0.0, "b", b, "the DpS equation of rho = inf has no mean strain: b = 0")?;
         let values = Averages::new(params.alpha, params.kappa)?.checked(b, a)?;
         let sigma = values.h / (2.0 * params.omega().powi(3));
         let mean_slope = if fixed { 0.0 } else { -values.dg_dr / values.dg_db };

@@ -54,7 +54,7 @@ pub use state::max_norm;
 pub use state::{Layout, Site, State};
 pub use topology::{Pushed, Topology};
 
-use crate::error::{Error, Result, require};
+use crate::error::{Result, require};
 use details::CheckedDetails;
 use hertzchain_integrators::Real;
 use std::sync::Arc;
@@ -104,10 +104,9 @@ impl<R: Real> Chain<R> {
     /// initial condition).
     pub fn precompressed(mut self, delta_0: f64) -> Result<Self> {
         require(delta_0.is_finite() && delta_0 >= 0.0, "precompression", delta_0, "a finite overlap, at least zero")?;
-        if delta_0 > 0.0 && !matches!(self.boundary(), Boundary::Fixed | Boundary::Ring) {
-            let rule = "only two walls or a ring can hold a precompression; elsewhere it is an initial condition";
-            return Err(Error::parameter("precompression", delta_0, rule));
-        }
+        let held = delta_0 <= 0.0 || matches!(self.boundary(), Boundary::Fixed | Boundary::Ring);
+        let rule = "only two walls or a ring can hold a precompression; elsewhere it is an initial condition";
+        require(held, "precompression", delta_0, rule)?;
         self.precompression = R::of(delta_0);
         Ok(self)
     }

@@ -1,6 +1,6 @@
 //! The three parameters of the model.
 
-use crate::error::{Error, Result, require};
+use crate::error::{Result, require};
 use hertzchain_integrators::{DoubleDouble, Real};
 use serde::{Deserialize, Serialize};
 
@@ -57,14 +57,10 @@ impl Params {
         require(self.alpha.is_finite() && self.alpha > 0.0, "alpha", self.alpha, rule)?;
         let rule = "the spring constant is finite and at least zero";
         require(self.kappa.is_finite() && self.kappa >= 0.0, "kappa", self.kappa, rule)?;
-        if self.rho.is_nan() || self.rho < 0.0 {
-            return Err(Error::parameter("rho", self.rho, "the mass ratio is in [0, inf]"));
-        }
-        if self.resonators() == Resonators::Moving && !(self.kappa / self.rho + self.rho.recip()).is_finite() {
-            let rule = "1/rho and kappa/rho are finite numbers; rho = 0 leaves the resonators out";
-            return Err(Error::parameter("rho", self.rho, rule));
-        }
-        Ok(())
+        require(self.rho >= 0.0, "rho", self.rho, "the mass ratio is in [0, inf]")?;
+        let finite = (self.kappa / self.rho + self.rho.recip()).is_finite();
+        let rule = "1/rho and kappa/rho are finite numbers; rho = 0 leaves the resonators out";
+        require(finite || self.resonators() != Resonators::Moving, "rho", self.rho, rule)
     }
 
     /// Which of the three models this is.

@@ -7,7 +7,7 @@ use crate::{
         Chain, CorrectedSplit, Details, Field, HeterogeneousChain, KineticFlow, LinearFlow, Overlaps, SitewiseBonds,
         SitewiseFlow, Topology, max_norm,
     },
-    error::{Error, Result},
+    error::{Error, Result, require},
     parts::{Decomposition, Motion, Parted},
 };
 use hertzchain_integrators::{
@@ -98,9 +98,7 @@ impl Setting {
     /// More than 10^15, or a count that is not a number.
     pub fn steps(count: f64) -> Result<Self> {
         let steps = (count * (1.0 - 1e-12)).ceil();
-        if steps.is_nan() || steps > MOST_STEPS {
-            return Err(Error::parameter("steps", steps, "at most 1e15 steps"));
-        }
+        require(steps <= MOST_STEPS, "steps", steps, "at most 1e15 steps")?;
         Ok(Self::Steps(steps.max(1.0) as u64))
     }
 

@@ -313,9 +313,7 @@ impl Run {
     /// [`Details`](crate::chain::Details).
     pub fn in_parts(mut self, parts: Decomposition) -> Result<Self> {
         parts.check(self.chain.sites())?;
-        if !parts.whole() && self.chain.details().is_some() {
-            return Err(Error::parameter("parts", parts.count(), ONE_PART));
-        }
+        require(parts.whole() || self.chain.details().is_none(), "parts", parts.count(), ONE_PART)?;
         self.parts = parts;
         Ok(self)
     }

@@ -428,9 +428,7 @@ fn bright_times(breather: &BrightBreather, end: f64, per_period: u32) -> Result<
     Bright { samples_per_period: per_period, ..Bright::default() }.within_ranges()?;
     let (period, parts) = (breather.period(), f64::from(per_period));
     let count = (end / period * parts).floor();
-    if count > MOST_SAMPLES {
-        return Err(Error::parameter("samples", count, "at most 10^7: a shorter run, or fewer samples a period"));
-    }
+    require(count <= MOST_SAMPLES, "samples", count, "at most 10^7: a shorter run, or fewer samples a period")?;
     let mut times: Vec<f64> = (0..=count as u64).map(|k| period * (k as f64 / parts)).collect();
     times.extend([breather.horizon(), end]);
     times.retain(|t| *t <= end);

@@ -7,7 +7,7 @@ use crate::{
     report::{
         Column,
         Digits::{Fixed, Hidden},
-        Kind, Line, Panel, Panels, Report, Rows, SpaceTime, Table, number,
+        Kind, Line, Panel, Panels, Report, Rows, SpaceTime, Table, fields, number,
     },
     study::{format_short, scene_caption, scene_json},
 };
@@ -100,10 +100,7 @@ impl BrightStudy {
         let columns = columns.map(|name| (name, rows.iter().map(|row| row[name].clone()).collect::<Value>()));
         Report::new("breather")
             .fact("scene", scene.name())
-            .fact("setting", &self.setting)
-            .fact("center", breather.profile().center())
-            .fact("alpha", params.alpha)
-            .fact("kappa", params.kappa)
+            .facts(fields!(self => setting; breather.profile() => center(); params => alpha, kappa))
             .fact("rho", number(params.rho))
             .fact("epsilon", breather.epsilon())
             .fact("sites", breather.sites())
@@ -111,9 +108,7 @@ impl BrightStudy {
             .fact("omega_0", breather.omega_0())
             .fact("slow_period", breather.slow_period())
             .fact("horizon", horizon)
-            .fact("omega_b", breather.omega_b())
-            .fact("period", breather.period())
-            .fact("mass_condition", breather.mass_condition())
+            .facts(fields!(breather => omega_b(), period(), mass_condition()))
             .fact("t", end)
             .fact("samples", self.samples.len())
             .fact("core", json!({"first": core.start, "last": core.end - 1, "sites": core.len()}))
@@ -128,8 +123,7 @@ impl BrightStudy {
             .fact("profiles", profiles.collect::<Vec<_>>())
             .fact("mean_forces_first_period", forces_json(&self.first_forces))
             .fact("mean_forces_after_end", forces_json(&self.last_forces))
-            .fact("energy_error", self.energy_error)
-            .fact("force_evaluations", self.stats.force_evaluations)
+            .facts(fields!(self => energy_error; self.stats => force_evaluations))
             .fact("wall_s", self.wall.as_secs_f64())
             .fact("scene_file", scene_json(scene))
             .words(self.words())
@@ -389,12 +383,10 @@ impl TrivialStudy {
             .fact("setting", &self.setting)
             .facts(params)
             .fact("sites", means.len())
-            .fact("omega", params.omega())
-            .fact("period", scene.period())
+            .facts(fields!(params => omega(); scene => period()))
             .fact("t", scene.end())
             .fact("samples", self.t.len())
-            .fact("amplitudes", breather.amplitudes())
-            .fact("phases", breather.phases())
+            .facts(fields!(breather => amplitudes(), phases()))
             .fact("means", means)
             .fact("kink_height", height)
             .fact("least_slack", self.least_slack.map(|(bond, slack)| json!({"bond": bond, "slack": slack})))

@@ -88,7 +88,6 @@ impl Chart {
         known.ok_or_else(|| Error::unknown("chart", name, Self::ALL.map(Self::name)))
     }
 
-    /// Its variants.
     fn variants(self, options: &ChartOptions) -> Vec<Variant> {
         let none = Variant::default();
         let thin = |fine: usize| if options.quick { 2 * fine } else { fine };
@@ -171,7 +170,6 @@ options! {
     }
 }
 
-/// Parses one name of the list `--charts`.
 #[cfg(feature = "cli")]
 fn listed(name: &str) -> Result<Chart> {
     Chart::named(name.trim())
@@ -325,7 +323,6 @@ impl ChartStudy {
     }
 }
 
-/// A point that is to be measured.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Point {
@@ -406,7 +403,6 @@ pub fn charts(
     Ok(study)
 }
 
-/// Measures a point.
 fn value(problem: &Problem, options: &ChartOptions, place: &Point) -> Result<Value> {
     Ok(match *place {
         Point::Chart { chart, variant, method } => {

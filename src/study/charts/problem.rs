@@ -2,7 +2,7 @@
 
 use crate::{
     chain::{Boundary, Chain, Layout},
-    error::{Error, Result, require},
+    error::{Result, require},
     run::{contact_frequency, overlap_scale},
     scene::{ChainSection, Initial, Quantity, Record, Scene, SceneFile, Span, Units},
 };
@@ -111,9 +111,7 @@ impl Problem {
         require(chain.has_energy(y), "scene", scene.name(), rule)?;
         chain.uniform("a chart of stability")?;
         let amplitude = overlap_scale(chain, y);
-        if amplitude == 0.0 {
-            return Err(Error::parameter("scene", scene.name(), "a chain at rest has no error to chart"));
-        }
+        require(amplitude != 0.0, "scene", scene.name(), "a chain at rest has no error to chart")?;
         let (name, source) = (scene.name().to_owned(), scene.file().to_toml());
         let state = Some(arrays(chain.layout(), y));
         // The file may be in SI units.
@@ -136,7 +134,6 @@ impl Problem {
         &self.name
     }
 
-    /// The TOML of the scene, or `built-in`.
     pub(super) fn source(&self) -> &str {
         &self.source
     }

@@ -76,7 +76,6 @@ impl ChartStudy {
         self.pictures(report)
     }
 
-    /// Heat maps of every chart.
     fn pictures(&self, mut report: Report) -> Report {
         for &chart in &self.charts {
             let name = chart.name();
@@ -128,7 +127,6 @@ fn varied<'a, T>(mut table: Rows<'a, T>, chart: Chart, variant: fn(&T) -> &Varia
     table
 }
 
-/// The points of a chart.
 fn points(study: &ChartStudy, chart: Chart) -> Table {
     fn of(value: fn(&Measured) -> Option<f64>) -> impl Fn(&&ChartPoint) -> Option<f64> {
         move |point| point.measured.as_ref().ok().and_then(value)
@@ -175,7 +173,6 @@ fn points(study: &ChartStudy, chart: Chart) -> Table {
         .done()
 }
 
-/// The runs of the ladders of a chart.
 fn ladder(study: &ChartStudy, chart: Chart) -> Table {
     let measured = study.of(chart).filter_map(|point| Some((point, point.measured.as_ref().ok()?)));
     let rows: Vec<(&ChartPoint, f64, &Trial)> =
@@ -228,7 +225,6 @@ fn errors(study: &ChartStudy, chart: Chart) -> Table {
     table.done()
 }
 
-/// The resonances.
 fn resonances(points: &[ResonancePoint]) -> Table {
     let of = |value: fn(&super::Resonance) -> Option<f64>| {
         move |point: &ResonancePoint| point.resonance.as_ref().ok()?.as_ref().and_then(value)
@@ -278,7 +274,6 @@ fn widths(points: &[ResonancePoint]) -> Table {
     table.done()
 }
 
-/// The cheapest methods.
 fn regimes_table(regimes: &[Regime]) -> Table {
     let mut table = Table::of("regimes", regimes)
         .key("regimes")

@@ -22,7 +22,7 @@ use super::{
     problem::{Problem, Variant},
 };
 use crate::{
-    error::{Error, Result},
+    error::{Result, require},
     numerics::{golden, largest_by},
     run::Records,
     run::method::{Method, Setting, Split},
@@ -74,9 +74,7 @@ pub struct Resonance {
 pub fn resonance(problem: &Problem, method: Method, k: u32, delta: f64) -> Result<Option<Resonance>> {
     let params = problem.chain().params();
     let (omega, near) = (params.omega(), PI * f64::from(k));
-    if omega == 0.0 {
-        return Err(Error::parameter("kappa", params.kappa, "resonances are of resonators: kappa and rho above zero"));
-    }
+    require(omega != 0.0, "kappa", params.kappa, "resonances are of resonators: kappa and rho above zero")?;
     let growth = |h_omega: f64| growth(problem, method, delta, h_omega / omega);
     let (from, to, each) = OFFSETS;
     let offsets = (from * each..=to * each).map(|j| 10f64.powf(0.1 * f64::from(j) / f64::from(each)));

@@ -41,7 +41,6 @@ const GROWTH: f64 = 2.0;
 /// Number of last gains from which the error of the next level is expected.
 const GAINS: usize = 2;
 
-/// A level of a ladder.
 #[derive(Clone, Copy)]
 pub(super) struct Level(usize);
 
@@ -130,7 +129,6 @@ fn plain_seconds(scene: &Scene, plain: Loop, level: Level) -> f64 {
 /// Why a run has no row.
 const OVER: &str = "--max-time was over, or a signal came, before this run ended";
 
-/// The ladder of a method or loop.
 struct Ladder {
     candidate: Candidate,
     rows: Vec<Row>,

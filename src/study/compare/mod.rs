@@ -46,7 +46,6 @@ options! {
     }
 }
 
-/// Names the integrators of a comparison by default.
 #[cfg(feature = "cli")]
 fn integrators_help() -> String {
     let names: Vec<_> = Method::default_comparison_set().iter().map(Method::name).collect();

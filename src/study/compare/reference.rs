@@ -95,7 +95,6 @@ impl End {
     }
 }
 
-/// A reference that comes with the program.
 #[derive(Debug, Serialize, Deserialize)]
 struct Stored {
     /// How it was made.

@@ -76,7 +76,6 @@ impl Comparison {
             .picture(self.picture())
     }
 
-    /// A line a row.
     fn table(&self) -> Table {
         let below = "whether the error is below 3 times the error estimate of the reference: an upper bound at best";
         Table::of("compare", &self.rows)
@@ -121,7 +120,6 @@ impl Comparison {
             .done()
     }
 
-    /// The work-precision diagram.
     fn picture(&self) -> WorkPrecision {
         let (mut methods, mut loops) = (Vec::new(), Vec::new());
         for candidate in self.candidates() {

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     chain::DriveKind,
-    error::{Error, Result},
+    error::{Result, require},
     orbits::{
         BifurcationKind, DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting,
         DrivenShooting, Problem,
@@ -91,7 +91,6 @@ impl Driven {
         }))
     }
 
-    /// The orbit to which the scene leads.
     fn orbit(&self, scene: &Scene, setting: &DrivenSetting, progress: Progress<'_>) -> Result<DrivenOrbit> {
         let shooting = DrivenShooting::default();
         let seen = |share: f64| progress(share, "the scene settles");
@@ -197,9 +196,8 @@ impl Kept for DrivenContinuation {
 
     fn made(source: SceneSource, birth: Option<BifurcationKind>) -> Result<(Scene, DrivenSetting)> {
         let (scene, turns) = (source.scene()?, source.turns);
-        if birth == Some(BifurcationKind::PeriodDoubling) && !turns.is_multiple_of(2) {
-            return Err(Error::parameter("turns", turns, "even after a period doubling"));
-        }
+        let fits = birth != Some(BifurcationKind::PeriodDoubling) || turns.is_multiple_of(2);
+        require(fits, "turns", turns, "even after a period doubling")?;
         let setting = DrivenSetting::new(scene.chain(), turns)?;
         Ok((scene, setting))
     }

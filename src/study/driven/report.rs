@@ -10,7 +10,7 @@ use crate::{
     report::{
         Column,
         Digits::{Fixed, Hidden, Json, Power, Short},
-        Kind, Line, Panel, Panels, Report, Rows, Table,
+        Kind, Line, Panel, Panels, Report, Rows, Table, fields,
     },
     scene::{Quantity, Units},
     study::{
@@ -85,7 +85,6 @@ fn bifurcations<'a>(
         .kind(Quantity::Omega)
 }
 
-/// A report of a branch without rows.
 pub(super) fn outline() -> Report {
     let varied = DriveParameter::Amplitude;
     let report = Report::new("driven-branch").table(points(BRANCH[0], &[], varied, None));
@@ -150,12 +149,9 @@ impl DrivenStudy {
             .fact("strain_ranges", strains)
             .fact("driven", scale.reported(Quantity::Energy, *driven))
             .fact("dissipated", scale.reported(Quantity::Energy, *dissipated))
-            .fact("residual", point.orbit.residual)
-            .fact("newton", &point.orbit.newton)
-            .fact("multipliers", &point.spectrum.multipliers)
+            .facts(fields!(point.orbit => residual, newton; point.spectrum => multipliers))
             .fact("max_modulus", point.spectrum.largest())
-            .fact("unstable", point.spectrum.unstable())
-            .fact("liouville", point.spectrum.liouville)
+            .facts(fields!(point.spectrum => unstable(), liouville))
             .fact("integrator", METHOD)
             .fact("scene_file", scene_json(scene))
             .warnings(scene.doubts())
@@ -199,7 +195,6 @@ impl DrivenStudy {
 }
 
 impl DrivenBranchStudy {
-    /// The kind of number that the parameter is.
     fn kind(&self) -> Quantity {
         quantity(self.branch.continuation.parameter, &self.branch.setting)
     }
@@ -218,7 +213,6 @@ impl DrivenBranchStudy {
     }
 }
 
-/// The report of a branch.
 pub(super) fn branch(study: &DrivenBranchStudy) -> Result<Report> {
     let DrivenBranchStudy { scene, branch, switched, si } = study;
     let report = Report::new("driven-branch")

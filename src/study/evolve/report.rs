@@ -6,7 +6,7 @@ use crate::{
     report::{
         Column,
         Digits::{Fixed, Power},
-        Kind, Panels, Report, SpaceTime, Table,
+        Kind, Panels, Report, SpaceTime, Table, fields,
     },
     study::{format_short, params_words},
 };
@@ -35,7 +35,6 @@ fn motion(rows: &[Motion]) -> Table {
         .done()
 }
 
-/// A report without rows.
 pub(super) fn outline() -> Report {
     Report::new("evolution").table(periods(&[])).table(motion(&[]))
 }
@@ -80,10 +79,7 @@ impl Evolution {
             .fact("period", setting.period())
             .fact("kick", self.kick.map(json))
             .fact("t", &self.times)
-            .fact("e_b", &self.e_b)
-            .fact("position", &self.position)
-            .fact("amplification", self.amplification)
-            .fact("failure", &self.failure)
+            .facts(fields!(self => e_b, position, amplification, failure))
             .fact("integrator", "collocation")
             .fact("tol", self.tol)
             .table(periods)

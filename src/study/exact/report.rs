@@ -7,7 +7,7 @@ use crate::{
     report::{
         Column,
         Digits::{Fixed, Hidden, Json, Power},
-        Kind, Panel, Panels, Report, Rows, Table,
+        Kind, Panel, Panels, Report, Rows, Table, fields,
     },
     study::{
         branches::{self, BranchRow, Kept, branch_npz},
@@ -73,9 +73,7 @@ impl ExactStudy {
             .fold(Report::new("exact").words(self.caption()).table(row.clone()), Report::table);
         report
             .facts(&row.json()[0])
-            .fact("scene", &self.scene)
-            .fact("sites", spectrum.sites)
-            .fact("cell", wave.setting.q.cell())
+            .facts(fields!(self => scene; spectrum => sites; wave.setting.q => cell()))
             .fact("x", x)
             .fact("y", y)
             .fact("vx", vx)
@@ -83,11 +81,9 @@ impl ExactStudy {
             .fact("newton", &wave.newton)
             .fact("fourier", &self.fourier[0])
             .fact("fourier_y", &self.fourier[1])
-            .fact("odd", self.odd)
-            .fact("closed", self.profile.closed())
+            .facts(fields!(self => odd; self.profile => closed()))
             .fact("quality", quality)
-            .fact("growing", spectrum.growing())
-            .fact("fastest", spectrum.fastest())
+            .facts(fields!(spectrum => growing(), fastest()))
             .fact("e_x_ansatz", self.errors.map(|errors| errors[0]))
             .fact("e_y_ansatz", self.errors.map(|errors| errors[1]))
             .fact("ansatz", ansatz)
@@ -180,7 +176,6 @@ impl ExactStudy {
     }
 }
 
-/// The tables of exact waves without rows.
 pub(super) fn outline() -> Report {
     let tables = [
         wave_columns(Table::of("exact", &[]), |wave| wave).done(),
@@ -244,7 +239,6 @@ fn multipliers(rows: &[WaveMultiplier]) -> Table {
         .done()
 }
 
-/// The report of a branch.
 pub(super) fn branch(study: &WaveBranchStudy) -> Result<Report> {
     let WaveBranchStudy { scene, branch, .. } = study;
     let (continuation, base, end) = (branch.continuation, branch.setting, branch.ended());
@@ -272,9 +266,7 @@ pub(super) fn branch(study: &WaveBranchStudy) -> Result<Report> {
     let title = format!("Branch of exact travelling waves in {}", continuation.parameter.symbol());
     let report = Report::new("waves")
         .fact("scene", scene)
-        .fact("parameter", continuation.parameter)
-        .fact("to", continuation.to)
-        .fact("sites", base.sites)
+        .facts(fields!(continuation => parameter, to; base => sites))
         .table(study.table())
         .words(&about)
         .fact("end", end)
@@ -284,7 +276,6 @@ pub(super) fn branch(study: &WaveBranchStudy) -> Result<Report> {
 }
 
 impl WaveBranchStudy {
-    /// A row for each wave.
     pub(super) fn table(&self) -> Table {
         waves(&branches::rows(&self.branch), self.branch.continuation.parameter)
     }
@@ -327,7 +318,6 @@ fn waves(rows: &[BranchRow<'_, WaveContinuation>], parameter: WaveParameter) -> 
         .done()
 }
 
-/// The table of a branch without rows.
 pub(super) fn branch_outline() -> Report {
     Report::new("waves").table(waves(&[], WaveParameter::OmegaTw))
 }

@@ -35,7 +35,7 @@ use crate::{
     breathers::BrightBreather,
     chain::{Boundary, Chain, Params, State},
     dps::Center,
-    error::{Error, Result},
+    error::{Result, require},
     interrupt,
     named::named,
     numerics::{fit_line, fit_plane},
@@ -299,10 +299,8 @@ fn checked(options: &LifetimeOptions) -> Result<Vec<Point>> {
     for place in &places {
         let breather = place.breather(options, place.sites(options))?;
         let cap = options.until.unwrap_or(CAP * breather.horizon());
-        if cap > MOST_PERIODS * breather.period() {
-            let rule = "a run has at most 10^6 periods of the breather: give an earlier --until";
-            return Err(Error::parameter("until", cap, rule));
-        }
+        let rule = "a run has at most 10^6 periods of the breather: give an earlier --until";
+        require(cap <= MOST_PERIODS * breather.period(), "until", cap, rule)?;
     }
     Ok(places)
 }

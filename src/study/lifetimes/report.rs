@@ -6,7 +6,7 @@ use crate::{
     report::{
         CellMap,
         Digits::{Fixed, Hidden, Power, Short},
-        Line, Maps, Report, Table,
+        Line, Maps, Report, Table, fields,
     },
     study::{RhoLaw, dps::center_word},
     sweep::STOPPED,
@@ -94,11 +94,7 @@ impl LifetimeStudy {
                 center_word(options.center),
                 options.alpha
             ))
-            .fact("alpha", options.alpha)
-            .fact("center", options.center)
-            .fact("criterion", options.criterion)
-            .fact("epsilons", &options.epsilons)
-            .fact("rhos", &options.rhos)
+            .facts(fields!(options => alpha, center, criterion, epsilons, rhos))
             .table(points(&self.points, options.criterion))
             .words(
                 "radiates: the core fell below 0.9 of the energy while contact was at least 1/3. decouples: contact fell \
@@ -106,8 +102,7 @@ impl LifetimeStudy {
             )
             .fact("fit", fit.map(fit_json))
             .words(fit_words(*fit))
-            .fact("sites", options.sites)
-            .fact("until", options.until)
+            .facts(fields!(options => sites, until))
             .fact("integrator", options.solver.method.name())
             .fact("tolerance", options.solver.tol)
             .picture(self.picture());

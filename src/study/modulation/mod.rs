@@ -5,7 +5,7 @@ mod report;
 use super::{Changes, Progress, Study, Work, fit_line, options::options};
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, State},
-    error::{Error, Result},
+    error::{Error, Result, require},
     numerics::largest_by,
     report::Report,
     run::state_at,
@@ -278,19 +278,13 @@ fn check(options: &StabilityOptions) -> Result<()> {
     let (epsilon, modes_or) = (epsilons.clone(), modes.unwrap_or(defaults.modes));
     ModulationStudy { epsilon, sites: *sites, modes: modes_or, ..defaults }.within_ranges()?;
     let waves = shape.q * *sites as f64 / (2.0 * PI);
-    if (waves - waves.round()).abs() > 1e-9 * waves.abs().max(1.0) {
-        let rule = "a whole number of waves fits the ring: q sites / (2 pi) is an integer";
-        return Err(Error::parameter("sites", sites, rule));
-    }
-    let fixed = params.resonators() == Resonators::Fixed;
-    if fixed && (modes.is_some() || *chart) {
-        let rule = "growth is measured and charted for moving resonators: rho < inf";
-        return Err(Error::parameter("rho", params.rho, rule));
-    }
-    if modes.is_some() && *sites > MOST_MEASURED_SITES {
-        return Err(Error::parameter("sites", sites, "growth is measured on rings of at most 1000 sites"));
-    }
-    Ok(())
+    let rule = "a whole number of waves fits the ring: q sites / (2 pi) is an integer";
+    require((waves - waves.round()).abs() <= 1e-9 * waves.abs().max(1.0), "sites", sites, rule)?;
+    let (moving, theory_only) = (params.resonators() != Resonators::Fixed, modes.is_none());
+    let rule = "growth is measured and charted for moving resonators: rho < inf";
+    require(moving || theory_only && !chart, "rho", params.rho, rule)?;
+    let rule = "growth is measured on rings of at most 1000 sites";
+    require(theory_only || *sites <= MOST_MEASURED_SITES, "sites", sites, rule)
 }
 
 fn theory(modulation: &Modulation, p: f64) -> StabilityRow {

@@ -5,7 +5,7 @@ use crate::{
     number::{format_parameter, format_short, of_pi},
     report::{
         Digits::{Fixed, Hidden, Json, Power, Short},
-        Growth, GrowthMap, Line, Report, Table, number,
+        Growth, GrowthMap, Line, Report, Table, fields, number,
     },
     study::params_words,
     waves::Shape,
@@ -62,10 +62,7 @@ impl StabilityStudy {
         let report = Report::new("stability")
             .fact("params", params)
             .fact("Omega", modulation.slow_frequency())
-            .fact("omega_tw", rates.omega_tw)
-            .fact("lag", rates.lag)
-            .fact("sigma", modulation.sigma())
-            .fact("slope", modulation.slope())
+            .facts(fields!(rates => omega_tw, lag; modulation => sigma(), slope()))
             .fact("verdict", modulation.verdict().words())
             .fact("band", modulation.band().map(|(from, to)| [from, to]))
             .fact("fastest", fastest.as_ref().map(row))
@@ -109,7 +106,6 @@ impl StabilityStudy {
         )
     }
 
-    /// The picture, with a caption.
     fn figure(&self, caption: String) -> Growth {
         let (options, modulation) = (&self.options, &self.modulation);
         let points = (0..=POINTS).map(|k| k as f64 / POINTS as f64).map(|p| (p, modulation.growth(PI * p)));
@@ -137,7 +133,6 @@ impl StabilityStudy {
         }
     }
 
-    /// The caption of the picture.
     fn caption(&self) -> String {
         let (options, modulation) = (&self.options, &self.modulation);
         let (params, Shape { q, a, b, .. }) = (options.params, options.shape);
@@ -158,7 +153,6 @@ impl StabilityStudy {
     }
 }
 
-/// The tables without rows.
 pub(super) fn outline() -> Report {
     let rates = Rates { epsilon: 1.0, slow: 1.0, omega_tw: 1.0, lag: 1.0 };
     let report = Report::new("stability").table(stability(&[], rates)).table(measured(&[])).table(chart(None));

@@ -166,7 +166,6 @@ impl MovingStudy {
     }
 }
 
-/// A row for each breather.
 pub(super) fn points(points: &[MovingPoint]) -> Table {
     Table::of("moving", points)
         .key("points")

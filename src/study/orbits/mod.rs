@@ -493,11 +493,10 @@ impl Branch {
 /// frequency is above `omega`.
 fn stays_dark(setting: &Setting, continuation: &Continuation) -> Result<()> {
     let last = setting.with(continuation.parameter, continuation.to);
-    if last.c_x >= 0.0 && f64::from(last.turns) * last.omega_b <= last.params.omega() {
-        let rule = "a branch of dark breathers ends where they vanish: omega_b > omega = sqrt(kappa (1 + 1/rho)) up to its end";
-        return Err(Error::parameter("to", continuation.to, rule));
-    }
-    Ok(())
+    let dark = last.c_x < 0.0 || f64::from(last.turns) * last.omega_b > last.params.omega();
+    let rule =
+        "a branch of dark breathers ends where they vanish: omega_b > omega = sqrt(kappa (1 + 1/rho)) up to its end";
+    require(dark, "to", continuation.to, rule)
 }
 
 /// Continues a branch, unless it has ended, keeps it in the folder of the engine meanwhile, and
@@ -541,21 +540,17 @@ pub fn doubled_from(
 ) -> Result<(Bifurcation, Branch)> {
     let rule = "only bond-centred breathers double their period: a site-centred one is the square of half its period";
     require(main.setting.about != Some(Center::Site), "center", "site", rule)?;
-    if main.points.iter().any(|point| point.orbit.setting.turns > 1) {
-        return Err(Error::parameter("turns", 2, "the main branch has one turn a period: this one is doubled"));
-    }
+    let main_branch = main.points.iter().all(|point| point.orbit.setting.turns == 1);
+    require(main_branch, "turns", 2, "the main branch has one turn a period: this one is doubled")?;
     let Continuation { to, ref shooting, .. } = main.continuation;
     let name = main.continuation.parameter.name();
     require(name == Parameter::OmegaB.name(), "branch", format!("one in {name}"), "a main branch in omega_b")?;
     let birth = main.bifurcations.iter().find(|one| one.kind == BifurcationKind::PeriodDoubling).cloned();
-    let Some(birth) = birth else {
-        return Err(Error::parameter("most", to, "the main branch has no period doubling up to there"));
-    };
-    if omega_b <= birth.orbit.setting.omega_b / 2.0 {
-        let rule =
-            "the branch of doubled period goes up from half the frequency of the period doubling, 1.0316 at rho = 1/3";
-        return Err(Error::parameter("omega-b", omega_b, rule));
-    }
+    let rule = "the main branch has no period doubling up to there";
+    let birth = birth.ok_or_else(|| Error::parameter("most", to, rule))?;
+    let rule =
+        "the branch of doubled period goes up from half the frequency of the period doubling, 1.0316 at rho = 1/3";
+    require(omega_b > birth.orbit.setting.omega_b / 2.0, "omega-b", omega_b, rule)?;
     let continuation =
         Continuation { parameter: Parameter::OmegaB, to: omega_b, step: 0.5 * step, ..main.continuation };
     let start = birth.doubled(shooting, FIRST_SIZE)?;

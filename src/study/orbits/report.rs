@@ -8,7 +8,7 @@ use crate::{
     report::{
         self, Column,
         Digits::{Fixed, Hidden, Json, Power, Short},
-        Line, Panel, Panels, Report, Table,
+        Line, Panel, Panels, Report, Table, fields,
     },
     study::{
         branches::{BranchRow, branch_npz, ended, filled, gaps, lines, rows, shows},
@@ -64,17 +64,13 @@ impl OrbitStudy {
             .fact("sites", sites)
             .fact("turns", orbit.setting.turns)
             .fact("n", (-half..=half).collect::<Vec<_>>())
-            .fact("x", orbit.x())
-            .fact("y", orbit.y())
-            .fact("period", orbit.setting.period())
-            .fact("residual", orbit.residual)
+            .facts(fields!(orbit => x(), y(); orbit.setting => period(); orbit => residual))
             .facts(extent)
             .fact("c_x_asked", orbit.setting.c_x)
             .fact("e_b", e_b)
             .fact("mean_force", forces.mean())
             .fact("mean_force_spread", forces.spread())
-            .fact("newton", &orbit.newton)
-            .fact("multipliers", &spectrum.multipliers)
+            .facts(fields!(orbit => newton; spectrum => multipliers))
             .fact("max_modulus", spectrum.largest())
             .fact("tau", spectrum.tau.iter().map(|tau| json!({ "re": tau.re, "im": tau.im })).collect::<Vec<_>>())
             .fact("quality", spectrum.quality)
@@ -187,7 +183,6 @@ fn bifurcations(name: &str, all: &[Bifurcation]) -> Table {
         .done()
 }
 
-/// The points of a branch in a parameter.
 fn points(parameter: Parameter, rows: &[BranchRow<'_, Continuation>]) -> Table {
     let off = |kind: Kind| {
         move |row: &BranchRow<'_, Continuation>| {
@@ -222,7 +217,6 @@ fn points(parameter: Parameter, rows: &[BranchRow<'_, Continuation>]) -> Table {
         .done()
 }
 
-/// A report of a branch without rows.
 pub(super) fn outline() -> Report {
     Report::new("branch").table(points(Parameter::OmegaB, &[])).table(bifurcations("bifurcations", &[]))
 }

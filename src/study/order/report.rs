@@ -4,7 +4,7 @@ use super::{Mode, OrderRow, OrderStudy, Quantity};
 use crate::report::{
     Curve,
     Digits::{Fixed, Hidden, Json, Power, Short},
-    Point, Report, Table, WorkPrecision,
+    Point, Report, Table, WorkPrecision, fields,
 };
 use serde_json::{Value, json};
 
@@ -38,7 +38,6 @@ pub(super) fn orders(rows: &[OrderRow]) -> Table {
         .done()
 }
 
-/// A line a run.
 pub(super) fn runs(rows: &[OrderRow]) -> Table {
     let of = |row| move |(&steps, &error)| (row, steps, error);
     let runs: Vec<(&OrderRow, u64, f64)> =
@@ -61,10 +60,7 @@ impl OrderStudy {
         let event = |event: &crate::integrators::Event<f64>| json!({"t": event.t, "bond": event.index + 1, "kind": if event.rising { "onset" } else { "release" }});
         let (state, tangent) = self.floor;
         Report::new("order")
-            .fact("alpha", self.alpha)
-            .fact("beads", self.beads)
-            .fact("kappa", self.params.kappa)
-            .fact("rho", self.params.rho)
+            .facts(fields!(self => alpha, beads; self.params => kappa, rho))
             .fact("t", self.end)
             .fact("events", self.events.len())
             .fact("event_times", self.events.iter().map(event).collect::<Value>())

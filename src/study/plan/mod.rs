@@ -170,7 +170,6 @@ fn reported(scene: &Scene, outcome: Trajectory, signals: Option<Signals>) -> Val
     })
 }
 
-/// The run of a point.
 fn run_of(plan: &Plan, point: &Point) -> Result<(Scene, Run)> {
     let scene = plan.scene(point)?;
     let run = scene.observed_run().records(Records::Energy);

@@ -4,7 +4,7 @@ use super::{NumberColumn, Plan, PlanStudy, file::in_json};
 use crate::{
     error::Result,
     output::{Array, npz, to_json},
-    report::{CellMap, Figure, Kind, Line, Maps, Matrix, Panel, Panels, Report, SpaceTime, text::table},
+    report::{CellMap, Figure, Kind, Line, Maps, Matrix, Panel, Panels, Report, SpaceTime, fields, text::table},
     study::format_short,
 };
 use serde_json::{Value, json};
@@ -63,15 +63,13 @@ impl PlanStudy {
         let axis = |axis: &super::Axis| json!({"keys": axis.keys, "places": axis.values.len()});
         let failed = |(k, why): &(usize, String)| json!({"row": k, "point": self.plan.point(*k), "failure": why});
         Report::new("sweep")
-            .fact("name", &self.plan.name)
-            .fact("points", self.plan.points())
+            .facts(fields!(self.plan => name, points()))
             .fact("axes", self.plan.axes.iter().map(axis).collect::<Vec<_>>())
             .fact("keep", self.plan.keep.iter().map(|kept| &kept.name).collect::<Vec<_>>())
             .fact("columns", if numbers > MOST_PRINTED { Value::Null } else { Value::Object(columns) })
             .fact("failures", self.failures)
             .fact("failed", self.failed.iter().map(failed).collect::<Vec<_>>())
-            .fact("missing", self.missing)
-            .fact("settings", self.plan.settings())
+            .facts(fields!(self => missing; self.plan => settings()))
             .warnings(self.plan.doubts.clone())
     }
 

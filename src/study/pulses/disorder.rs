@@ -142,7 +142,6 @@ pub fn decay(strength: f64, beads: usize, seed: u64) -> Result<Vec<f64>> {
     Ok(energies)
 }
 
-/// The row of a strength from the energies of its chains.
 fn row_of(strength: f64, energies: &[Vec<f64>]) -> DisorderRow {
     let logs: Vec<Vec<f64>> = energies.iter().map(|chain| chain.iter().map(|energy| energy.ln()).collect()).collect();
     let rates: Vec<f64> = logs.iter().map(|logs| rate(logs)).collect();
@@ -153,7 +152,6 @@ fn row_of(strength: f64, energies: &[Vec<f64>]) -> DisorderRow {
     DisorderRow { strength, rate, error, binary: strength * strength / 6.0, log_energy, spread }
 }
 
-/// The rate of decay of one chain.
 fn rate(logs: &[f64]) -> f64 {
     let points: Vec<(f64, f64)> = logs.iter().enumerate().skip(FIRST).map(|(n, log)| (n as f64, *log)).collect();
     fit_line(&points).map_or(f64::NAN, |(slope, _)| -slope)

@@ -224,7 +224,6 @@ impl Ringing {
     }
 }
 
-/// The report.
 fn report(rows: &[ImpurityRow]) -> Report {
     let table = ImpurityRow::table("impurity", rows).done();
     let label = "mass ratio M";

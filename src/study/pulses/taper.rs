@@ -14,7 +14,7 @@
 
 use super::{CREST, Crests, LEAD, METHOD, STEP, ascending, follow, plain, pulse_energy, solitary_wave};
 use crate::{
-    error::{Error, Result},
+    error::{Result, require},
     report::{
         Digits::{Fixed, Hidden, Json},
         Kind, Line, Panel, Panels, Report, Table, rows,
@@ -77,11 +77,8 @@ impl TaperOptions {
         self.within_ranges()?;
         ascending(self.from, self.to)?;
         let last = |ratio: f64| ratio.powi((self.spheres + BEYOND) as i32);
-        if last(self.from) < LIMITS.0 || last(self.to) > LIMITS.1 {
-            let rule = "so few that all radii stay between 0.001 and 1000";
-            return Err(Error::parameter("spheres", self.spheres, rule));
-        }
-        Ok(())
+        let rule = "so few that all radii stay between 0.001 and 1000";
+        require(last(self.from) >= LIMITS.0 && last(self.to) <= LIMITS.1, "spheres", self.spheres, rule)
     }
 }
 
@@ -155,7 +152,6 @@ pub fn tapered(ratio: f64, spheres: usize) -> Result<TaperRow> {
     Ok(TaperRow { ratio, growth, binary, adiabatic, energy, velocity })
 }
 
-/// The report.
 fn report(rows: &[TaperRow]) -> Report {
     let table = TaperRow::table("taper", rows).done();
     let all = |row: &TaperRow| {

@@ -144,7 +144,6 @@ pub(super) fn crossing_totals(conditions: &[Condition], outcome: &Trajectory) ->
     times(conditions, outcome).map(total).collect()
 }
 
-/// A line for each condition.
 pub(super) fn crossing_lines(conditions: &[Condition], outcome: &Trajectory) -> Vec<String> {
     let line = |(text, t): (&str, Vec<f64>)| {
         let first = t.first().map_or(String::new(), |t| format!(", the first at t = {t:.9e}"));

@@ -116,7 +116,6 @@ impl Serialize for Entries {
     }
 }
 
-/// An entry of the JSON of a run.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Entry {
@@ -127,7 +126,6 @@ enum Entry {
     Value(Value),
 }
 
-/// The entries of the JSON of a run.
 fn entries(ran: &RunView<'_>) -> Entries {
     let &RunView { scene, integrator, setting, reason, outcome, amplification, si, signals, conditions } = ran;
     let mut object = Vec::new();
@@ -203,7 +201,6 @@ fn fastest(RunView { scene, outcome, .. }: &RunView<'_>) -> Option<(usize, f64)>
     largest.filter(|_| scene.chain().boundary() != Boundary::StrainRing)
 }
 
-/// The largest force of the contacts that were logged.
 fn largest_force(RunView { outcome, .. }: &RunView<'_>) -> Option<f64> {
     outcome.contacts.as_ref()?.iter().map(|contact| contact.peak_force).reduce(f64::max)
 }

@@ -57,13 +57,11 @@ fn unit_of_entry(i: usize, layout: Layout, units: &Units) -> f64 {
     }
 }
 
-/// A failure of a run in SI units.
 fn failed_in_si(Failed { cause, h, place, largest, .. }: Failed, layout: Layout, units: &Units) -> Failed {
     let largest = largest.map(|one| Box::new((one.0, one.1 * unit_of_entry(one.0, layout, units))));
     Failed { cause: failure_in_si(cause, units), h: h.map(|h| h * units.time_s), place, largest, si: true }
 }
 
-/// A failure of a method in SI units.
 fn failure_in_si(mut cause: Failure, units: &Units) -> Failure {
     let (t, h) = match &mut cause {
         Failure::Unstable { quantity, initial, value, t, .. } => {

@@ -24,7 +24,7 @@ pub use suprema::{Errors, Norm, Sampling};
 
 use super::{Progress, Study, Work, options::options};
 use crate::{
-    error::{Error, Result},
+    error::{Error, Result, require},
     named::named,
     report::Report,
     sweep::{Engine, Grid},
@@ -347,10 +347,8 @@ fn checked(options: &TheoremOptions) -> Result<TheoremOptions> {
     let mut epsilons = options.epsilons.clone();
     epsilons.sort_by(|a, b| b.total_cmp(a));
     let longest = epsilons.iter().map(|epsilon| horizon * epsilon.powf(1.0 - alpha)).fold(0.0, f64::max);
-    if longest > LONGEST {
-        let rule = "runs are at most 1e8 long: a larger epsilon, or a shorter horizon";
-        return Err(Error::parameter("T epsilon^(1-alpha)", longest, rule));
-    }
+    let rule = "runs are at most 1e8 long: a larger epsilon, or a shorter horizon";
+    require(longest <= LONGEST, "T epsilon^(1-alpha)", longest, rule)?;
     options.sampling.checked()?;
     Ok(TheoremOptions { epsilons, ..options.clone() })
 }

@@ -3,7 +3,7 @@
 use super::{Bound, Errors, Norm, TheoremRun, TheoremSlope, TheoremStudy};
 use crate::report::{
     Digits::{Fixed, Hidden, Json, Power, Short},
-    Kind, Line, Panel, Panels, Report, Table,
+    Kind, Line, Panel, Panels, Report, Table, fields,
 };
 use serde_json::{Value, json};
 
@@ -97,14 +97,11 @@ impl TheoremStudy {
                 self.sites,
             ))
             .finding()
-            .fact("alpha", options.alpha)
-            .fact("horizon", options.horizon)
+            .facts(fields!(options => alpha, horizon))
             .fact("rho_law", options.rho_law.name())
             .fact("rho_allowed", options.rho_law.allowed())
             .fact("initial", options.initial.name())
-            .fact("c_i", options.c_i)
-            .fact("seed", options.seed())
-            .fact("sites", self.sites)
+            .facts(fields!(options => c_i, seed(); self => sites))
             .table(self.table())
             .table(local)
             .table(limits)

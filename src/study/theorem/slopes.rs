@@ -72,7 +72,6 @@ pub struct TheoremSlope {
     pub bound: Bound,
 }
 
-/// The slopes of all errors in all norms.
 pub(super) fn of_all(options: &TheoremOptions, runs: &[TheoremRun]) -> Vec<TheoremSlope> {
     let expected = options.rho_law.exponent(options.alpha).map(|gamma| {
         let secular = gamma + 2.0 - options.alpha;

@@ -13,7 +13,7 @@ use super::{Adaptive, Changes, Progress, Study, Work, fit_line, options::options
 use crate::{
     chain::{Site, max_norm},
     dps::{Envelope, project},
-    error::{Error, Result},
+    error::{Error, Result, require},
     report::{Report, rows},
     run::state_at,
     scene::{Scene, Theory},
@@ -80,7 +80,6 @@ options! {
 }
 
 impl Wave {
-    /// The scene with all changes.
     fn scene(&self) -> Result<Scene> {
         self.within_ranges()?;
         let mut scene = super::scene(self.scene.as_deref().unwrap_or_default(), &self.set)?;
@@ -357,27 +356,22 @@ impl Others<'_> {
     }
 }
 
-/// The sample times.
 fn times(scene: &Scene, options: &WaveOptions) -> Result<Vec<f64>> {
     options.solver.check()?;
     options.within_ranges()?;
     // If the number is whole up to rounding, no sample is added.
     let wanted = scene.end() / scene.period() * f64::from(options.samples_per_period);
     let count = (wanted * (1.0 - 1e-12)).ceil().max(1.0);
-    if (count + 1.0) * 2.0 * scene.chain().sites() as f64 > MOST_NUMBERS {
-        let rule = "at most 2^27 strains are kept: a shorter run, or fewer samples a period";
-        return Err(Error::parameter("samples", count, rule));
-    }
+    let rule = "at most 2^27 strains are kept: a shorter run, or fewer samples a period";
+    require((count + 1.0) * 2.0 * scene.chain().sites() as f64 <= MOST_NUMBERS, "samples", count, rule)?;
     Ok((0..=count as u64).map(|k| scene.end() * (k as f64 / count)).collect())
 }
 
 /// The seeds of the ensemble; none for a wave that is not perturbed.
 fn seeds(scene: &Scene, options: &WaveOptions, samples: usize) -> Result<Vec<u64>> {
     let count = options.seeds.unwrap_or(1);
-    if f64::from(count) * 2.0 * samples as f64 > MOST_NUMBERS {
-        let rule = "at most 2^27 differences are kept: fewer seeds, a shorter run, or fewer samples a period";
-        return Err(Error::parameter("seeds", count, rule));
-    }
+    let rule = "at most 2^27 differences are kept: fewer seeds, a shorter run, or fewer samples a period";
+    require(f64::from(count) * 2.0 * samples as f64 <= MOST_NUMBERS, "seeds", count, rule)?;
     match (scene.theory(), options.seeds) {
         (Some(Theory::PerturbedWave(perturbed)), _) => {
             let first = perturbed.seed();

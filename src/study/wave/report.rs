@@ -86,7 +86,6 @@ impl WaveStudy {
             .fold(report, Report::table)
     }
 
-    /// What was compared.
     fn about(&self) -> String {
         let perturbed = self.perturbed.as_ref().map_or(String::new(), |run| {
             format!(
@@ -216,7 +215,6 @@ impl WaveStudy {
     }
 }
 
-/// The tables of a perturbed wave without rows.
 pub(super) fn outline() -> Report {
     let none = XAndY::default();
     let tables = [
@@ -292,7 +290,6 @@ fn columns(name: &str, columns: &[(&str, &str, &[f64])]) -> Table {
     table.done()
 }
 
-/// Errors in time.
 fn errors(t: &[f64], own: &XAndY, perturbed: Option<[&XAndY; 2]>) -> Table {
     let mut all = vec![("t", "", t), ("e_x", "E_x", &own.x[..]), ("e_y", "E_y", &own.y)];
     if let Some([errors, difference]) = perturbed {
@@ -305,7 +302,6 @@ fn errors(t: &[f64], own: &XAndY, perturbed: Option<[&XAndY; 2]>) -> Table {
     columns("errors", &all)
 }
 
-/// Strains at the end by site.
 fn profile(strains: &XAndY, ansatz: &XAndY, perturbed: Option<[&XAndY; 2]>) -> Table {
     let sites: Vec<f64> = (0..strains.x.len()).map(|n| n as f64).collect();
     let mut all = vec![("n", "site", &sites[..])];

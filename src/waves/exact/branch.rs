@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     chain::{Params, Resonators, max_norm},
-    error::{Error, Result, SMOOTH},
+    error::{Error, Result, SMOOTH, require},
     named::named,
     orbits::{Branch, End, Equations, MOST_CORRECTIONS, Point, Problem, Range, Solution, check, returns},
     output::FileFormat,
@@ -363,9 +363,7 @@ impl WaveContinuation {
             _ => {}
         }
         let (.., least, rule) = self.parameter.told();
-        if self.to <= least {
-            return Err(Error::parameter("to", self.to, rule));
-        }
+        require(self.to > least, "to", self.to, rule)?;
         // An infinite step is a default.
         check([from, self.to], if self.step == f64::INFINITY { 1.0 } else { self.step }, self.most_points)
     }

@@ -33,7 +33,7 @@ pub use line::LinePulse;
 use super::{ExactWave, Given, MeanStrain, Search, WaveNumber, WaveSetting};
 use crate::{
     chain::{Params, Resonators},
-    error::{Error, Result, positive, require},
+    error::{Result, positive, require},
     numerics::largest_by,
 };
 use std::f64::consts::PI;
@@ -145,10 +145,9 @@ fn ring(params: Params, speed: f64, sites: usize) -> Result<WaveSetting> {
     require(EXPONENTS.contains(&params.alpha), "alpha", params.alpha, "from 1.2 to 5 for a solitary wave")?;
     positive("speed", speed)?;
     require(SITES.contains(&sites), "sites", sites, "from 8 to 64 for a solitary wave")?;
-    if params.resonators() == Resonators::Moving && ring_phase(params, speed, sites) < OFF_RESONANCE {
-        let rule = "a ring that is not in resonance with the tails: omega N/speed is no multiple of 2 pi";
-        return Err(Error::parameter("sites", sites, rule));
-    }
+    let apart = params.resonators() != Resonators::Moving || ring_phase(params, speed, sites) >= OFF_RESONANCE;
+    let rule = "a ring that is not in resonance with the tails: omega N/speed is no multiple of 2 pi";
+    require(apart, "sites", sites, rule)?;
     let omega_tw = 2.0 * PI * speed / sites as f64;
     let q = WaveNumber::on_ring(2.0 / sites as f64, sites)?;
     Ok(WaveSetting { params, q, omega_tw, mean: MeanStrain::Background(0.0) })

@@ -198,9 +198,8 @@ impl Signal {
     }
 
     pub(super) fn check(&self, kind: DriveKind) -> Result<()> {
-        if self.harmonics.is_empty() && self.course.is_none() {
-            return Err(Error::parameter("drive.amplitude", "[]", "a drive has at least one harmonic"));
-        }
+        let moves = !self.harmonics.is_empty() || self.course.is_some();
+        require(moves, "drive.amplitude", "[]", "a drive has at least one harmonic")?;
         let frequency = |name, omega: f64| {
             require(omega.is_finite() && omega >= 0.0, name, omega, "a frequency is finite and at least zero")
         };

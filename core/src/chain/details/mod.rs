@@ -530,10 +530,9 @@ impl Details {
             require(drive.site < sites, "drive.site", drive.site, "a site of the chain, counted from 0")?;
             drive.signal.check(drive.kind)?;
             // A force on a moved bead would have no effect: its position is prescribed.
-            if self.drives[..k].iter().any(|other| other.site == drive.site && other.kind != drive.kind) {
-                let rule = "a bead that is moved is not pushed: its position is prescribed";
-                return Err(Error::parameter("drive.site", drive.site, rule));
-            }
+            let differs = |other: &Drive| other.site == drive.site && other.kind != drive.kind;
+            let rule = "a bead that is moved is not pushed: its position is prescribed";
+            require(!self.drives[..k].iter().any(differs), "drive.site", drive.site, rule)?;
         }
         Ok(())
     }

@@ -9,7 +9,7 @@ use super::{Method, Setting};
 use crate::run::Run;
 use crate::{
     chain::{Chain, max_norm},
-    error::{Error, Result},
+    error::{Result, require},
 };
 use hertzchain_integrators::{Silent, drive};
 use std::f64::consts::SQRT_2;
@@ -65,13 +65,9 @@ pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol:
         last = if error.is_finite() { error } else { last };
         stalled = if error < least || least > RESOLVED { 0 } else { stalled + 1 };
         least = least.min(error);
-        if stalled >= STALLED {
-            return Err(Error::parameter("tol", tol, "rounding errors of contact-corrected splitting are larger here"));
-        }
+        require(stalled < STALLED, "tol", tol, "rounding errors of contact-corrected splitting are larger here")?;
         steps = (finer * if factor.is_finite() { (factor / FARTHEST).clamp(SQRT_2, FASTEST) } else { FASTEST }).ceil();
-        if steps > MOST_STEPS {
-            return Err(Error::parameter("tol", tol, "no number of steps up to 1e12 reaches this tolerance"));
-        }
+        require(steps <= MOST_STEPS, "tol", tol, "no number of steps up to 1e12 reaches this tolerance")?;
     }
 }
 
