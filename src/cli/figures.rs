@@ -84,7 +84,7 @@ struct Made {
 }
 
 /// Makes a figure, and tells the share that is done.
-type Make<'a> = dyn Fn(&Figure, &FiguresArgs, &(dyn Fn(f64) + Sync)) -> Result<Made> + Sync + 'a;
+type Make<'a> = dyn Fn(&Figure, &(dyn Fn(f64) + Sync)) -> Result<Made> + Sync + 'a;
 
 /// A file of a figure: its name and what is in it.
 #[derive(Debug, Serialize, Deserialize)]
@@ -105,9 +105,11 @@ enum Content {
 impl Runs for FiguresArgs {
     fn run(&self) -> Exit {
         let engine = self.engine_args.engine(Engine::in_turn)?;
+        let formats = formats(self);
+        let make = |figure: &Figure, tell: &(dyn Fn(f64) + Sync)| made(figure, self, tell);
         if engine.serves() {
             // Rank 0 reports errors.
-            let sweep = |chosen: Vec<_>| sweep(&chosen, self, &engine, &ProgressBar::hidden(), &made).map(drop);
+            let sweep = |chosen: Vec<_>| sweep(&chosen, &formats, &engine, &ProgressBar::hidden(), &make).map(drop);
             let _ = chosen(&self.only).and_then(sweep);
             return Ok(DONE);
         }
@@ -115,14 +117,14 @@ impl Runs for FiguresArgs {
         let folder = self.engine_args.own(&self.out)?;
         let engine = self.engine_args.keeping(engine, Some(&folder))?;
         let bar = progress_bar();
-        let swept = sweep(&chosen, self, &engine, &bar, &made);
+        let swept = sweep(&chosen, &formats, &engine, &bar, &make);
         bar.finish_and_clear();
         match engine.part() {
             Some(part) if part.kept == part.points => {
                 let report = part_report(&part);
                 print(&if self.json { to_json(&report.json()) + "\n" } else { report.text() }).map(|()| DONE)
             }
-            _ => swept.and_then(|(drawn, resumed)| told(&drawn, resumed, self, &folder)),
+            _ => swept.and_then(|(drawn, resumed)| told(&drawn, resumed, self.json, &folder)),
         }
     }
 }
@@ -137,13 +139,13 @@ fn chosen(only: &[String]) -> Result<Vec<&'static Figure>> {
 /// folder. Returns the number of figures that the store had.
 fn sweep(
     chosen: &[&'static Figure],
-    args: &FiguresArgs,
+    formats: &[&'static str],
     engine: &Engine,
     bar: &ProgressBar,
     make: &Make<'_>,
 ) -> Result<(Vec<Drawn>, usize)> {
     let grid = Grid { store: STORE, study: "figures", settings: serde_json::json!({}) };
-    let point = |k: usize| Point { figure: chosen[k].name, formats: formats(args) };
+    let point = |k: usize| Point { figure: chosen[k].name, formats: formats.to_vec() };
     let (count, done) = (chosen.len() as f64, AtomicU64::new(0));
     let position = |done: f64| bar.set_position((1000.0 * done / count) as u64);
     let progress = |made: u64, _| {
@@ -153,9 +155,10 @@ fn sweep(
     let folder = engine.folder();
     let at_once = folder.filter(|_| engine.its_shard().is_none());
     let work = |point: Point| {
-        let figure = Figure::named(point.figure)?;
+        let figure = chosen.iter().find(|figure| figure.name == point.figure);
+        let figure = figure.expect("a point is a figure that was chosen");
         bar.set_message(figure.name);
-        let made = make(figure, args, &|share| position(done.load(Ordering::Relaxed) as f64 + share.min(1.0)))?;
+        let made = make(figure, &|share| position(done.load(Ordering::Relaxed) as f64 + share.min(1.0)))?;
         // A finished figure can be looked at while others are computed. An error here is met again
         // when all is done.
         if let Some(folder) = at_once {
@@ -277,9 +280,9 @@ fn written(figure: &Figure, made: &Made, folder: &Folder) -> Result<()> {
 }
 
 /// Prints what was drawn, and says what failed or is missing.
-fn told(drawn: &[Drawn], resumed: usize, args: &FiguresArgs, folder: &Folder) -> Exit {
+fn told(drawn: &[Drawn], resumed: usize, json: bool, folder: &Folder) -> Exit {
     let report = figures_report(drawn);
-    let printed = print(&if args.json { to_json(&report.json()) + "\n" } else { report.text() });
+    let printed = print(&if json { to_json(&report.json()) + "\n" } else { report.text() });
     let (mut code, mut missing) = (DONE, 0);
     for (figure, row) in drawn {
         match row {
@@ -305,14 +308,12 @@ fn told(drawn: &[Drawn], resumed: usize, args: &FiguresArgs, folder: &Folder) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::Parser;
     use std::sync::Mutex;
 
-    #[derive(Parser)]
-    struct CommandLine {
-        #[command(flatten)]
-        args: FiguresArgs,
-    }
+    // Rows of their own: the table of all figures would compile all studies for these two tests.
+    static FIRST: Figure = Figure::named_only("first");
+    static SECOND: Figure = Figure::named_only("second");
+    static THIRD: Figure = Figure::named_only("third");
 
     fn small(name: &str) -> Made {
         let file = |name: String| MadeFile::of((name, vec![0xff, 0x00, 0xfe]));
@@ -324,35 +325,33 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let folder = Folder::create(folder.path()).unwrap();
         let engine = Engine::in_turn().keeping(&folder);
-        let args = CommandLine::parse_from(["figures"]).args;
-        let names = ["homoclinics", "barrier", "exact-wave"];
-        let chosen = names.map(|name| Figure::named(name).unwrap());
+        let chosen = [&FIRST, &SECOND, &THIRD];
         let made = Mutex::new(Vec::new());
-        let make = |figure: &Figure, _: &FiguresArgs, _: &(dyn Fn(f64) + Sync)| {
+        let make = |figure: &Figure, _: &(dyn Fn(f64) + Sync)| {
             made.lock().unwrap().push(figure.name);
             match figure.name {
-                "homoclinics" => panic!("on purpose"),
-                "barrier" => Err(Error::parameter("size", 7, "smaller")),
+                "first" => panic!("on purpose"),
+                "second" => Err(Error::parameter("size", 7, "smaller")),
                 name => Ok(small(name)),
             }
         };
         for resumed in [0, 3] {
-            let (drawn, before) = sweep(&chosen, &args, &engine, &ProgressBar::hidden(), &make).unwrap();
+            let (drawn, before) = sweep(&chosen, &["png"], &engine, &ProgressBar::hidden(), &make).unwrap();
             assert_eq!(before, resumed);
             let [panicked, failed, done] = &drawn[..] else { panic!("{drawn:?}") };
             assert_eq!(panicked.1.as_ref().unwrap_err(), "panicked: on purpose");
             assert!(failed.1.as_ref().is_err_and(|why| why.contains("size = 7")));
             let Made { caption, files, wall_s } = done.1.as_ref().unwrap();
-            assert_eq!((caption.as_str(), &*files[0].name, *wall_s), ("exact-wave", "exact-wave.csv", 1.5));
-            assert_eq!(std::fs::read(folder.path().join("exact-wave.csv")).unwrap(), [0xff, 0x00, 0xfe]);
-            assert_eq!(told(&drawn, before, &args, &folder).unwrap(), FAILED);
+            assert_eq!((caption.as_str(), &*files[0].name, *wall_s), ("third", "third.csv", 1.5));
+            assert_eq!(std::fs::read(folder.path().join("third.csv")).unwrap(), [0xff, 0x00, 0xfe]);
+            assert_eq!(told(&drawn, before, false, &folder).unwrap(), FAILED);
             let report = figures_report(&drawn);
             let (json, table) = (to_json(&report.json()), report.text());
             assert!(json.contains("panicked: on purpose") && json.contains("\"wall_s\": null"), "{json}");
             assert_eq!(table.matches("FAILED").count(), 2, "{table}");
         }
         // A failed row is kept as any other, so that each figure was made once.
-        assert_eq!(*made.lock().unwrap(), names);
+        assert_eq!(*made.lock().unwrap(), ["first", "second", "third"]);
     }
 
     #[test]
@@ -360,14 +359,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let folder = Folder::create(folder.path()).unwrap();
         let engine = Engine::in_turn().keeping(&folder);
-        let args = CommandLine::parse_from(["figures"]).args;
-        let chosen = ["homoclinics", "exact-wave"].map(|name| Figure::named(name).unwrap());
+        let chosen = [&FIRST, &SECOND];
         // A folder in the place of a file, which was not there when the command began.
-        std::fs::create_dir_all(folder.path().join("homoclinics.csv/in the way")).unwrap();
-        let make = |figure: &Figure, _: &FiguresArgs, _: &(dyn Fn(f64) + Sync)| Ok(small(figure.name));
-        let (drawn, _) = sweep(&chosen, &args, &engine, &ProgressBar::hidden(), &make).unwrap();
-        assert!(drawn[0].1.as_ref().is_err_and(|why| why.contains("homoclinics.csv")), "{drawn:?}");
-        assert!(drawn[1].1.is_ok() && folder.path().join("exact-wave.csv").is_file(), "{drawn:?}");
-        assert_eq!(told(&drawn, 0, &args, &folder).unwrap(), FAILED);
+        std::fs::create_dir_all(folder.path().join("first.csv/in the way")).unwrap();
+        let make = |figure: &Figure, _: &(dyn Fn(f64) + Sync)| Ok(small(figure.name));
+        let (drawn, _) = sweep(&chosen, &["png"], &engine, &ProgressBar::hidden(), &make).unwrap();
+        assert!(drawn[0].1.as_ref().is_err_and(|why| why.contains("first.csv")), "{drawn:?}");
+        assert!(drawn[1].1.is_ok() && folder.path().join("second.csv").is_file(), "{drawn:?}");
+        assert_eq!(told(&drawn, 0, false, &folder).unwrap(), FAILED);
     }
 }

@@ -24,7 +24,7 @@ use crate::{
 };
 use args::Cli;
 use clap::{
-    ArgMatches, CommandFactory, FromArgMatches,
+    ArgMatches, Command, CommandFactory, FromArgMatches,
     builder::ValueParser,
     error::{ContextKind, ContextValue, ErrorKind},
     value_parser,
@@ -57,6 +57,15 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         code(&error)
     });
     signals::exit_code().unwrap_or(code)
+}
+
+/// The program as `clap` knows it: its commands, flags, and what `--help` says of them.
+///
+/// ```
+/// assert!(hertzchain::cli::command().find_subcommand("run").is_some());
+/// ```
+pub fn command() -> Command {
+    Cli::command()
 }
 
 /// The command and its flags.

@@ -261,6 +261,9 @@ impl Report {
     /// there is, perhaps another archive of its name.
     pub fn files_in_words(&self, others: &str) -> String {
         let name = self.name;
+        if self.tables().next().is_none() && self.pictures.is_empty() {
+            return format!("Files: {name}.json, {name}.npz.\n\n");
+        }
         let columns = |table: &Table| {
             let told = |(column, about): (String, &str)| {
                 if about.is_empty() { column } else { format!("{column} ({about})") }

@@ -104,8 +104,9 @@ fn driven(chain: &Chain<f64>, state: State<f64>, start: f64) -> Result<State<f64
     match chain.follows_drives(filled.as_slice(), start) {
         Ok(()) => Ok(own),
         Err(site) => {
-            let [given, drive] = [&state, &own]
-                .map(|state| format!("position = {:e}, velocity = {:e}", state.u()[site], state.u_dot()[site]));
+            let [given, drive] = [&state, &own].map(|state| {
+                format!("position = {:e}, velocity = {:e}", state.u()[site] + 0.0, state.u_dot()[site] + 0.0)
+            });
             let rule = "a bead that is moved begins as its drive does: leave its numbers 0, or give those of the drive";
             Err(Error::parameter("initial", format!("{given} at site {site}, whose drive begins at {drive}"), rule))
         }

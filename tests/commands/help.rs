@@ -1,7 +1,7 @@
 //! What the program says of itself: commands, help that fits a terminal, examples, old names.
 
 use super::program::{self, names};
-use std::process::Output;
+use std::{collections::BTreeMap, process::Output};
 
 /// Lines and columns of a terminal that `-h` must fit.
 const SCREEN: (usize, usize) = (40, 79);
@@ -115,4 +115,71 @@ fn every_command_has_a_manual_page_and_completions_know_its_flags() {
         assert!(output.status.success() && script.contains("steps-per-period"), "{shell}");
     }
     assert_eq!(hertzchain(&["shell", "completions", "sh"]).status.code(), Some(2));
+}
+
+/// Flags that mean one thing in one command and another in the next.
+const OF_THEIR_OWN: &[&str] =
+    &["from", "to", "step", "epsilon", "amplitude", "turns", "only", "c", "instructions", "engine", "format", "tol"];
+
+fn every(command: &clap::Command, path: &str, visit: &mut dyn FnMut(&str, &clap::Command)) {
+    let path = format!("{path} {}", command.get_name());
+    visit(&path, command);
+    command.get_subcommands().filter(|one| one.get_name() != "help").for_each(|one| every(one, &path, visit));
+}
+
+#[test]
+fn a_flag_is_said_in_the_same_words_everywhere() {
+    let mut words: BTreeMap<(String, bool), (String, String)> = BTreeMap::new();
+    let mut shared = 0;
+    every(&hertzchain::cli::command(), "", &mut |path, command| {
+        for arg in command.get_arguments() {
+            let Some(long) = arg.get_long().filter(|long| !OF_THEIR_OWN.contains(long)) else { continue };
+            let help = arg.get_help().expect("every flag is explained").to_string();
+            let said = help.split(" [default").next().unwrap_or_default().to_owned();
+            // Lists are not numbers.
+            let key = (long.to_owned(), arg.get_value_delimiter().is_some());
+            match words.get(&key) {
+                Some((first, other)) => {
+                    assert_eq!((&said, shared += 1), (other, ()), "--{long} of{path} and of{first}");
+                }
+                None => drop(words.insert(key, (path.to_owned(), said))),
+            }
+        }
+    });
+    assert!(shared > 50, "{shared} flags were compared");
+}
+
+#[test]
+fn examples_are_commands_that_the_program_takes() {
+    let mut seen = 0;
+    every(&hertzchain::cli::command(), "", &mut |path, command| {
+        let help = command.get_after_long_help().unwrap_or_else(|| panic!("{path} has no example")).to_string();
+        let joined = help.replace("\\\n", " ");
+        let examples = joined.lines().filter_map(|line| line.strip_prefix("  hertzchain "));
+        let name = path.trim().trim_start_matches("hertzchain").trim();
+        let mut own = 0;
+        for example in examples {
+            own += usize::from(example.starts_with(name));
+            // What the shell does with the output is no argument.
+            let words = example.split(" > ").next().unwrap_or_default();
+            let words = words.split_whitespace().map(|word| word.trim_matches('\''));
+            let taken = hertzchain::cli::command().try_get_matches_from(["hertzchain"].into_iter().chain(words));
+            assert!(taken.is_ok(), "{example}: {}", taken.unwrap_err());
+        }
+        assert!(own > 0, "{path} has no example of its own: {help}");
+        seen += own;
+    });
+    assert!(seen > 30, "{seen} examples were parsed");
+}
+
+#[test]
+fn defaults_are_written_as_people_write_them() {
+    every(&hertzchain::cli::command(), "", &mut |path, command| {
+        for arg in command.get_arguments() {
+            for value in arg.get_default_values() {
+                let value = value.to_string_lossy();
+                assert!(!value.contains(".000"), "{path} {}: {value}", arg.get_id());
+            }
+        }
+    });
 }

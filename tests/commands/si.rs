@@ -741,6 +741,8 @@ fn a_run_that_fails_says_so_in_the_units_of_its_scene() {
     let method = "set = [\"method = { integrator = \\\"verlet\\\", step = 2e-4 }\"]\n";
     fs::write(folder.path().join("plan.toml"), format!("scene = \"{path}\"\n{method}{axis}")).unwrap();
     let swept = hertzchain(&format!("sweep {} --json", folder.path().join("plan.toml").display()));
+    // No point has a result.
+    assert_eq!(swept.status.code(), Some(1));
     let swept: Value = serde_json::from_slice(&swept.stdout).unwrap();
     assert_eq!(swept["failed"][0]["failure"].as_str().unwrap(), si);
 }

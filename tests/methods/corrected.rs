@@ -498,6 +498,28 @@ fn a_tolerance_is_kept_over_decades() {
 }
 
 #[test]
+fn a_tolerance_below_the_rounding_errors_of_a_long_run_is_refused() {
+    // Truth: collocation at 1e-13. A change of the initial state grows by 5e5, so that rounding
+    // errors are some 1e-7 at the number of steps that 1e-8 asks for.
+    let scene = Scene::parse(
+        "chain = { sites = 20, alpha = 2, kappa = 1, rho = 1, boundary = 'fixed' }
+        beads.mass = [1.14, 1.482, 1.239, 0.909, 0.682, 1.54, 1.074, 1.596, 0.742, 1.412, 1.413, 1.52, 0.618,
+            0.972, 0.652, 1.352, 0.955, 1.56, 0.975, 1.374]
+        initial = { kind = 'state', u_dot = [0.408, 0.323, -0.78, -0.946, -0.232, 0.493, -0.495, 0.003, -0.365,
+            0.693, 0.89, -0.197, 0.997, -0.876, 0.625, 0.751, -0.698, 0.411, 0.118, 0.91] }
+        span.until = 200",
+        "chaos",
+    )
+    .unwrap();
+    let truth = by_collocation(scene.chain(), scene.initial().as_slice(), scene.end(), 1e-13);
+    let by = |tol| scene.run().method(Method::CORRECTED).setting(Setting::Tolerance(tol)).records(Records::End).start();
+    let error = relative(scene.chain(), &by(1e-5).unwrap().state, &truth);
+    assert!(error < 1e-5, "{error:e}");
+    let why = by(1e-8).err().unwrap().to_string();
+    assert!(why.contains("rounding errors"), "{why}");
+}
+
+#[test]
 fn what_the_method_does_not_serve_is_refused() {
     for alpha in [0.5, 0.99, 10.5] {
         let chain = Chain::<f64>::new(Params::new(alpha, 1.0, 1.0).unwrap(), Boundary::Free, 3).unwrap();

@@ -25,7 +25,7 @@ const MOST_VALUES: usize = 1 << 22;
 /// Quantities that are kept if the plan names none.
 const KEPT: [&str; 2] = ["energy_error", "force_evaluations"];
 /// What a run reports as a number, or as a table or an array of numbers.
-const REPORTED: [&str; 24] = [
+const REPORTED: [&str; 26] = [
     "t",
     "period",
     "u",
@@ -39,6 +39,8 @@ const REPORTED: [&str; 24] = [
     "energy",
     "energy_error",
     "energies",
+    "dissipated",
+    "driven",
     "e_x_final",
     "e_y_final",
     "contacts",
@@ -162,6 +164,9 @@ impl Plan {
         let keep = keep.iter().map(|name| Reported::named(name, path)).collect::<Result<Vec<_>>>()?;
         if keep.is_empty() {
             return Err(refused(path, "`keep`", "name at least one quantity"));
+        }
+        if let Some((_, twice)) = keep.iter().enumerate().find(|(k, kept)| keep[..*k].contains(kept)) {
+            return Err(refused(path, "`keep`", format!("`{}` is named twice", twice.name)));
         }
         let picture = file.picture.map(|name| picture(&keep, &name, path)).transpose()?.unwrap_or(0);
         let stem = path.file_stem().map_or("sweep".into(), |stem| one_line(&stem.to_string_lossy()));
@@ -571,6 +576,7 @@ mod tests {
             ("scene = 3", "`scene`: the name of a scene"),
             ("", "missing field `scene`"),
             ("scene = \"impact\"\nkeep = [\"energy_eror\"]", "`keep`: unknown quantity `energy_eror`; did you mean"),
+            ("scene = \"impact\"\nkeep = [\"u[0]\", \"t\", \"u[0]\"]", "`keep`: `u[0]` is named twice"),
             ("scene = \"impact\"\nkeep = [\"vx\"]", "`keep`: `vx`: states are u, v, pu and pv on this boundary"),
             ("scene = \"impact\"\nname = \"a\\u0007\"", "line 2: `name`: \"a\\u{7}\": a text here has no control"),
             (

@@ -43,6 +43,7 @@ impl PlanStudy {
             .fact("resumed", self.resumed)
             .fact("wall_s", self.wall.as_secs_f64())
             .lines(self.text(computed))
+            .failure((self.failures == points).then(|| "no point has a result".to_owned()))
             .remark(
                 (self.missing > 0)
                     .then(|| format!("stopped by a signal: {} points of {points} were not run", self.missing)),

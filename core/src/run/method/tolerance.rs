@@ -6,10 +6,10 @@
 //! repeated with more steps.
 
 use super::{Method, Setting};
-use crate::run::Run;
 use crate::{
     chain::{Chain, max_norm},
     error::{Result, require},
+    run::{Run, perturb},
 };
 use hertzchain_integrators::{Silent, drive};
 use std::f64::consts::SQRT_2;
@@ -32,6 +32,11 @@ const RESOLVED: f64 = 1e-3;
 const STALLED: u32 = 2;
 /// Largest number of steps in the coarser run of a pair.
 const MOST_STEPS: f64 = 1e12;
+/// Relative change of an initial state whose growth is measured.
+const CHANGE: f64 = 1e-10;
+/// Rounding errors are measured where those of a random walk are more than this share of the
+/// tolerance. Chosen: measured ones were up to seven times as large.
+const DOUBTFUL: f64 = 0.03;
 
 /// Number of steps for which the estimated error of the state at the end is at most `tol`. The
 /// error is the largest error of a column `u, v, u', v'` of the state, in the maximum norm and
@@ -43,29 +48,46 @@ const MOST_STEPS: f64 = 1e12;
 /// the estimate, or that rounding errors keep it from; the error that ends a run.
 pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol: f64) -> Result<u64> {
     let tol = method.tolerances().check(tol)?;
-    let end = |steps: f64| -> Result<Vec<f64>> {
+    let end_from = |y: &[f64], steps: f64| -> Result<Vec<f64>> {
         let mut stepper = method.start(run, y, span, Setting::Steps(steps as u64))?;
         let mut end = y.to_vec();
         drive(&mut *stepper, &mut Silent, &mut end)?;
         Ok(end)
     };
-    let mut steps = (FIRST * (span.1 - span.0) / run.fast_period()).ceil().max(FIRST);
+    let (end, apart) = (|steps: f64| end_from(y, steps), |a: &[f64], b: &[f64]| distance(run.chain(), a, b));
+    let first = (FIRST * (span.1 - span.0) / run.fast_period()).ceil().max(FIRST);
+    // A rounding error in each step grows as a change of the initial state does. One step more
+    // shows how large they are: it changes the truncation error by a share of `4/n` only.
+    let rounded = |steps: f64, coarse: &[f64]| -> Result<bool> {
+        let mut changed = y.to_vec();
+        let half = run.chain().layout().half();
+        for column in changed[..2 * half].chunks_mut(run.chain().sites()) {
+            perturb(column, CHANGE * max_norm(column.iter().copied()), 0.0);
+        }
+        let growth = apart(&end_from(&changed, first)?, &end(first)?) / CHANGE;
+        let doubtful = f64::EPSILON * growth * steps.sqrt() > DOUBTFUL * tol;
+        Ok(doubtful && apart(coarse, &end(steps + 1.0)?) > tol)
+    };
+    let above_rounding =
+        |good| require(good, "tol", tol, "rounding errors of contact-corrected splitting are larger here");
+    let mut steps = first;
     let (mut last, mut least, mut stalled) = (f64::INFINITY, f64::INFINITY, 0);
     loop {
         let finer = (SQRT_2 * steps).round();
-        let error = distance(run.chain(), &end(steps)?, &end(finer)?) / (SQRT_2.powf(ORDER) - 1.0);
+        let coarse = end(steps)?;
+        let error = apart(&coarse, &end(finer)?) / (SQRT_2.powf(ORDER) - 1.0);
         let factor = (error / (GOAL * tol)).powf(1.0 / ORDER);
-        if factor <= FARTHEST {
-            return Ok(at_samples(run, span, (finer * factor.max(0.5)).ceil() as u64));
-        }
-        // The error is below the tolerance and does not decrease: it consists of rounding errors.
-        if error > last && error < tol {
-            return Ok(at_samples(run, span, finer as u64));
+        let reached = factor <= FARTHEST;
+        // An error below the tolerance that does not decrease consists of rounding errors.
+        if reached || error > last && error < tol {
+            above_rounding(!rounded(steps, &coarse)?)?;
+            let steps = if reached { (finer * factor.max(0.5)).ceil() } else { finer };
+            return Ok(at_samples(run, span, steps as u64));
         }
         last = if error.is_finite() { error } else { last };
         stalled = if error < least || least > RESOLVED { 0 } else { stalled + 1 };
         least = least.min(error);
-        require(stalled < STALLED, "tol", tol, "rounding errors of contact-corrected splitting are larger here")?;
+        above_rounding(stalled < STALLED)?;
         steps = (finer * if factor.is_finite() { (factor / FARTHEST).clamp(SQRT_2, FASTEST) } else { FASTEST }).ceil();
         require(steps <= MOST_STEPS, "tol", tol, "no number of steps up to 1e12 reaches this tolerance")?;
     }
