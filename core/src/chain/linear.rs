@@ -26,7 +26,7 @@ use super::{
     rows::{Clock, InRow, Pairs, RowForces},
     sweep::{MOST_KICKS, Sites, Swept, Visit, follow, long, step},
 };
-use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector, system::ContactFlow};
+use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector, system::ContactFlow, with_registers};
 use std::marker::PhantomData;
 
 /// Number of kicks after which `R0` is set to the present position and `tau` to zero, so that `V
@@ -96,11 +96,13 @@ impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
 
     /// `R0 <- R0 + V tau`, `tau <- 0`.
     fn anchor(&mut self) {
-        let (tau, stride) = (self.tau, self.chain.stride::<K>());
-        let [r0, v] = &mut self.centre;
-        for (i, (r0, &v)) in r0.iter_mut().zip(v.iter()).enumerate() {
-            *r0 += v * tau.lane(i % stride);
-        }
+        let (tau, [mut r0, v]) = (self.tau, self.centre.each_mut().map(Aligned::column));
+        with_registers!(V<R> => {
+            for at in (0..r0.len()).step_by(V::<R>::LANES) {
+                // SAFETY: both columns have the same whole registers.
+                unsafe { r0.store(at, r0.load::<V<R>>(at) + v.load::<V<R>>(at) * tau.in_lanes::<V<R>>()) }
+            }
+        });
         self.tau = K::zero();
         self.kicks = 0;
     }
