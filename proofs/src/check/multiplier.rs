@@ -180,8 +180,7 @@ struct Terms<'a> {
     it: Equations<'a>,
     l: Factors,
     block: Block,
-    /// `|e|`, and `R + v t |e|`, by row.
-    moduli: Vec<Vec<Interval>>,
+    /// `R + v t |e|`, by row.
     contacts: Vec<Vec<Interval>>,
     /// `W_n`.
     weights: Vec<Interval>,
@@ -203,12 +202,11 @@ impl<'a> Terms<'a> {
         let b = block.rows(|place| it.forces(&l, place));
         block.invert(&b, it.known);
         block.multiply(&b);
-        let moduli: Vec<Vec<Interval>> = (0..=sites).map(|n| it.system.moduli(n)).collect();
         let contacts = block.contacts(it.system, it.beyond(&l, it.block));
         let weights = perron(&contacts[..sites]);
         let alpha = it.certificate.model.alpha;
         let changed = it.known.iter().zip(changes).map(|(one, change)| one.change(alpha, *change)).collect();
-        Self { it, l, block, moduli, contacts, weights, changed }
+        Self { it, l, block, contacts, weights, changed }
     }
 
     /// The largest columns of `1 - A M` of a site, by site.
@@ -230,7 +228,7 @@ impl<'a> Terms<'a> {
         let t = it.beyond(&self.l, it.block);
         let z1 = |n: usize| {
             let near: Interval = columns.iter().zip(weights).map(|(column, w)| column[n] * *w).sum();
-            near + t * dot(&self.moduli[n], &steepest) + dot(&self.contacts[n], &moved)
+            near + t * dot(&it.system.moduli(n), &steepest) + dot(&self.contacts[n], &moved)
         };
         let z1: Vec<Interval> = (0..=sites).map(z1).collect();
         // The weight eta of g makes its row at most half as large as the largest.
@@ -276,7 +274,7 @@ impl<'a> Terms<'a> {
         for (n, error) in error.iter_mut().enumerate() {
             let beyond = it.places(n, computed).into_iter().filter(|place| place.1 > it.block);
             let beyond: Interval = beyond.map(|place| entry(&defect, place).abs()).sum();
-            *error = *error + beyond + t * dot(&self.moduli[n], &tails) + dot(&self.contacts[n], &moved);
+            *error = *error + beyond + t * dot(&it.system.moduli(n), &tails) + dot(&self.contacts[n], &moved);
         }
         let [most, own_error] = split(&error, weights, sites);
         let error = (own_error + own * most.max(eta * own_error) / rest).ball();
