@@ -178,7 +178,7 @@ ROWS = {
 }
 for q, arguments in [
     ("1/5", (1.5, 1, 1 / 3, 2.001, pi / 5, 0, WAVE, 2, 8)),
-    ("4/5", (2.5, 2, inf, 1.9, 0.8 * pi, -0.001, WAVE, 2, 8)),
+    ("4/5", (2.5, 2, inf, 1.9, 0.8 * pi, -0.001, [100 * a for a in WAVE], 2, 8)),
     ("1/2", (1.2, 1, 3, 1.2, pi / 2, 0.002, WAVE, 1, 6)),
 ]:
     print("wave", q, arguments[:4], "%.9e, %.9e, %.9e" % wave(*arguments))

@@ -203,6 +203,18 @@ fn a_fold_is_refused() {
     assert!(matches!(check(&piece), Err(Refused::Bounds(_))));
 }
 
+// Truth: one frequency has two waves, one on each side of the fold.
+#[test]
+fn a_ball_of_uniqueness_holds_one_wave() {
+    let waves = [0.315, 0.2].map(|a| solve::near(&wave(["2.0103", "-0.1"], a), Sizes::WAVE).unwrap());
+    let apart = distance(&waves[0], &waves[1], &[1.0]);
+    for wave in &waves {
+        let unique = check(wave).unwrap().uniqueness_radius;
+        // Measured: a twentieth.
+        assert!(unique < apart && unique > 0.02 * apart, "{unique:e} {apart:e}");
+    }
+}
+
 /// A wave of mean strain -0.1 near this first harmonic, of which the frequency is near 2.0102.
 fn of_first(a: &str) -> Certificate {
     Certificate { first: Some([exact(a); 2]), ..wave(["2.0102", "-0.1"], a.parse().unwrap()) }

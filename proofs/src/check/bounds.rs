@@ -7,7 +7,6 @@ use super::{
     Bounds, Moments, Proof, Refused, System,
     block::{Block, Place, Rows, dot, perron, split},
     infinite::Far,
-    ladder,
     moments::{NARROWEST, NARROWEST_ALONG, moments},
     multiplier, of, radii,
     system::Fixed,
@@ -275,14 +274,14 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let of_last = terms.column_of_last();
 
     // The Hölder constant of D: for alpha > 2 in balls up to an eighth of the first harmonic.
-    let amplitude = system.a.iter().map(|a| a[1].abs()).fold(Interval::ZERO, Interval::max);
     let [stiff, bent] = [alpha.less_one(), alpha.less_one().less_one()];
-    let largest = (bent.num() > 0).then(|| (amplitude / of(8)).lo());
-    let overlaps = known.iter().map(|one| Interval::exact(one.overlap.hi()));
-    let overlap = overlaps.fold(Interval::ZERO, Interval::max) + largest.unwrap_or(0.0).into();
-    let (gamma, hoelder) = match largest {
-        Some(_) => (Exact::ONE, alpha.enclosed() * stiff.enclosed() * overlap.pow(bent)),
-        None => (stiff, alpha.enclosed()),
+    let (gamma, hoelder) = if bent.num() > 0 {
+        let amplitude = system.a.iter().map(|a| a[1].abs()).fold(Interval::ZERO, Interval::max);
+        let overlaps = known.iter().map(|one| Interval::exact(one.overlap.hi()));
+        let overlap = overlaps.fold(Interval::ZERO, Interval::max) + amplitude / of(8);
+        (Exact::ONE, alpha.enclosed() * stiff.enclosed() * overlap.pow(bent))
+    } else {
+        (stiff, alpha.enclosed())
     };
 
     // Z1 and Z2, by site, with weights near Perron's vector of R + t |e|.
@@ -318,37 +317,31 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let constants = all(eta).map(|[most, own]| most.max(eta * own));
     let bounds = constants.map(Interval::hi);
     let bounds = Bounds { y0: bounds[0], z1: bounds[1], z2: bounds[2] };
-    let mut frequency = system.omega;
-    let found = if certificate.to.is_some() {
-        let steep = z1(eta);
-        let rows = |r: f64| {
-            let change = |(one, w): (&Moments, &Interval)| {
-                let most = *w * Interval::exact(r) + shift;
-                let change = one.change(alpha, most);
-                *w * if largest.is_none() { change.min(hoelder * most.pow(gamma)) } else { change }
-            };
-            let changes: Vec<Interval> = known.iter().zip(&weights).map(change).collect();
-            let row = |(n, row): (usize, &Vec<Interval>)| {
-                let z1 = steep[n] + dot(row, &changes);
-                if system.is_free() { z1 + terms.change_of_last(n, r.into()) / eta } else { z1 }
-            };
-            split(&contacts.iter().enumerate().map(row).collect::<Vec<_>>())
+    let steep = z1(eta);
+    let rows = |r: f64| {
+        let change = |(one, w): (&Moments, &Interval)| {
+            let most = *w * Interval::exact(r) + shift;
+            let change = one.change(alpha, most);
+            *w * if gamma == stiff { change.min(hoelder * most.pow(gamma)) } else { change }
         };
-        let widest = if system.is_free() { eta.lo() } else { f64::INFINITY };
-        let found = ladder(constants[0], widest, |r| {
-            let [most, own] = rows(r);
-            most.max(eta * own)
-        });
-        // An unknown frequency is nearer than the radius says, by its own row of T.
-        if let (true, Some((radius, _))) = (system.is_free(), found) {
-            let [_, own] = rows(radius.hi());
-            frequency = system.middle[0] + (system.middle[1] * (y0[sites] + own * radius)).ball();
-        }
-        found
-    } else {
-        radii(constants, gamma, largest)
+        let changes: Vec<Interval> = known.iter().zip(&weights).map(change).collect();
+        let row = |(n, row): (usize, &Vec<Interval>)| {
+            let z1 = steep[n] + dot(row, &changes);
+            if system.is_free() { z1 + terms.change_of_last(n, r.into()) / eta } else { z1 }
+        };
+        split(&contacts.iter().enumerate().map(row).collect::<Vec<_>>())
     };
+    let widest = if system.is_free() { eta.lo() } else { f64::INFINITY };
+    let found = radii(constants[0], widest, |r| {
+        let [most, own] = rows(r);
+        most.max(eta * own)
+    });
     let (radius, unique) = found.ok_or(Refused::Bounds(bounds))?;
+    // An unknown frequency is nearer than the radius says, by its own row of T.
+    let frequency = turn.map_or(system.omega, |_| {
+        let turned = y0[sites] + rows(radius.hi())[1] * radius;
+        system.middle[0] + (system.middle[1] * turned).ball()
+    });
     let weights = weights.into_iter().chain(turn).collect();
     terms.proof((bounds, radius, unique), frequency, weights, &go_on)
 }

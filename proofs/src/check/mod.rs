@@ -24,10 +24,10 @@ use system::System;
 pub use branch::{Gap, connected, doublings, folds};
 pub use moments::{Moments, NARROWEST, moments};
 
-use crate::{certificate::Certificate, exact::Exact, interval::Interval};
+use crate::{certificate::Certificate, interval::Interval};
 use std::fmt;
 
-/// Ratio of two radii that are tried for a piece of a branch, and their largest number.
+/// Ratio of two radii that are tried, and their largest number.
 const RUNG: f64 = 1.2;
 const RUNGS: usize = 200;
 
@@ -186,13 +186,13 @@ fn of(k: usize) -> Interval {
     Interval::exact(k as f64)
 }
 
-/// Radii of a piece of a branch, where this bounds the derivative of `T` on balls:
-/// `Y0 + q r' <= r'` with `q` of a ball of radius `r >= r'`, and `q < 1` on that of uniqueness.
-/// Both are at most `largest`.
-fn ladder(y0: Interval, largest: f64, contracts: impl Fn(f64) -> Interval) -> Option<(Interval, f64)> {
+/// The radius `r` of a ball that `T` maps into itself, and that of uniqueness, where `q(r)` bounds
+/// its derivative on balls: `Y0 + q r' <= r'` with `q` of a ball of radius `r >= r'`, and `q < 1`
+/// on that of uniqueness. Both are at most `largest`.
+fn radii(y0: Interval, largest: f64, q: impl Fn(f64) -> Interval) -> Option<(Interval, f64)> {
     let (mut radius, mut unique, mut r) = (None, None, y0.hi());
     for _ in 0..RUNGS {
-        let q = contracts(r);
+        let q = q(r);
         if !((Interval::ONE - q).is_positive() && r <= largest) {
             break;
         }
@@ -206,53 +206,33 @@ fn ladder(y0: Interval, largest: f64, contracts: impl Fn(f64) -> Interval) -> Op
     radius.zip(unique)
 }
 
-/// The radius `r` of a ball that `T` maps into itself, and that of uniqueness:
-/// `Y0 + Z1 r + Z2 r^{1+gamma}/(1+gamma) <= r` and `Z1 + Z2 r^gamma < 1`. Both are at most
-/// `largest`.
-fn radii([y0, z1, z2]: [Interval; 3], gamma: Exact, largest: Option<f64>) -> Option<(Interval, f64)> {
-    let power = |r: f64| z2 * Interval::exact(r).pow(gamma);
-    let image = |r: f64| y0 + z1 * r.into() + power(r) * r.into() / (Interval::ONE + gamma.enclosed());
-    let contracts = |r: f64| (z1 + power(r)).hi() < 1.0;
-    let within = |r: f64| largest.is_none_or(|largest| r <= largest);
-    let fits = |r: &f64| image(*r).hi() <= *r && contracts(*r) && within(*r);
-    // The least radius by iteration, or, where that is slow, one of the same size.
-    let near = (0..1000).fold(y0.hi(), |r, _| image(r).hi()) * (1.0 + 1e-9);
-    let linear = (y0 / (Interval::ONE - z1)).hi();
-    let radius = std::iter::once(near).chain((1..60).map(|k| linear * (1.0 + 0.1 * f64::from(k)))).find(fits)?;
-    let widest = gamma.inverse().map_or(f64::NAN, |power| ((Interval::ONE - z1) / z2).pow(power).lo());
-    let unique = largest.map_or(widest, |largest| widest.min(largest));
-    // An unbounded interval above the radius: what is left to show is that its bound is not NaN.
-    (unique >= radius).then_some((radius.into(), unique))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    // Truth: for gamma = 1 the first inequality is quadratic; for gamma = 1/2 a radius exists up to
-    // Y0 = (1 - Z1)^3/(3 Z2^2).
+    // Truth: for q = Z1 + Z2 r the inequality Y0 + q r <= r is quadratic.
     #[test]
     fn radii_are_the_roots() {
-        let numbers = |all: [f64; 3]| all.map(Interval::exact);
-        let half = Exact::new(1, 2).unwrap();
-        for [y0, z1, z2] in [[1e-6_f64, 0.5, 1.0], [1e-3, 0.1, 30.0], [0.1, 0.7, 0.4]] {
-            let root = (1.0 - z1 - f64::sqrt((1.0 - z1).powi(2) - 2.0 * z2 * y0)) / z2;
-            let (radius, unique) = radii(numbers([y0, z1, z2]), Exact::ONE, None).unwrap();
-            assert!(radius.hi() >= root && radius.hi() < (1.0 + 1e-6) * root, "{radius:?} {root:e}");
-            assert!(unique <= (1.0 - z1) / z2 && unique > (1.0 - 1e-12) * (1.0 - z1) / z2, "{unique:e}");
-            assert!(radii(numbers([y0, z1, z2]), Exact::ONE, Some(0.9 * root)).is_none());
-            let (_, unique) = radii(numbers([y0, z1, z2]), Exact::ONE, Some(1.1 * root)).unwrap();
-            assert!(unique <= 1.1 * root);
-            let most = (1.0 - z1).powi(3) / (3.0 * z2 * z2);
-            assert!(radii(numbers([0.9 * most, z1, z2]), half, None).is_some());
-            assert!(radii(numbers([1.001 * most, z1, z2]), half, None).is_none());
+        let radii = |[y0, z1, z2]: [f64; 3], largest: f64| {
+            let [y0, z1, z2] = [y0, z1, z2].map(Interval::exact);
+            radii(y0, largest, |r| z1 + z2 * r.into())
+        };
+        for [y0, z1, z2] in [[1e-6_f64, 0.5, 1.0], [1e-13, 0.1, 30.0], [0.02, 0.7, 0.4]] {
+            let root = 2.0 * y0 / (1.0 - z1 + f64::sqrt((1.0 - z1).powi(2) - 4.0 * z2 * y0));
+            let (radius, unique) = radii([y0, z1, z2], f64::INFINITY).unwrap();
+            // One rung of the ladder.
+            assert!(radius.hi() >= root && radius.hi() < RUNG * root, "{radius:?} {root:e}");
+            let widest = (1.0 - z1) / z2;
+            assert!(unique < widest && unique > widest / RUNG / (1.0 + 1e-12), "{unique:e} {widest:e}");
+            assert!(radii([y0, z1, z2], 0.9 * root).is_none());
+            assert!(radii([y0, z1, z2], 2.0 * root).is_some_and(|(_, unique)| unique <= 2.0 * root));
+            // Twice the largest Y0 that has a root.
+            assert!(radii([0.5 * (1.0 - z1).powi(2) / z2, z1, z2], f64::INFINITY).is_none());
         }
-        // Where Z1 is near 1, iteration does not come to the radius.
-        assert!(radii(numbers([1.57e-13, 0.9865, 53.95]), half, None).is_some());
         for wrong in
             [[f64::NAN, 0.1, 1.0], [0.1, f64::NAN, 1.0], [0.1, 0.1, f64::NAN], [0.0, 1.0, 1.0], [0.0, 1.5, 1.0]]
         {
-            assert!(radii(numbers(wrong), half, None).is_none(), "{wrong:?}");
+            assert!(radii(wrong, f64::INFINITY).is_none(), "{wrong:?}");
         }
     }
 }
