@@ -2719,7 +2719,6 @@ def dps_dark(
 def prove(
     certificate: str | os.PathLike[str],
     *,
-    format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
     progress: Progress = False,
 ) -> Study:
@@ -2732,11 +2731,8 @@ def prove(
     ----------
     certificate : str | os.PathLike[str]
         File that `certificate` of a wave, a breather or a branch of them has written.
-    format : str | Sequence[str]
-        Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
-        Write the results to this folder. Files: proof.json, proof.png; proof.npz with an array
-        TABLE.COLUMN for each column of .
+        Write the results to this folder. Files: proof.json, proof.npz.
     progress : bool or callable
         As in :func:`hertzchain.run`.
     """
