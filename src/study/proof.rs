@@ -450,8 +450,8 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
                 );
             }
             let words = format!(
-                "Proved: within {} of the sum of {harmonics} harmonics, {} of the amplitude, there is exactly \
-                 one solution (Y0 = {}, Z1 = {}, Z2 = {}).{far}",
+                "Proved: a solution is within {} of the sum of {harmonics} harmonics, {} of the amplitude. It is the \
+                 only one of its symmetry and mean strain in the ball of the proof (Y0 = {}, Z1 = {}, Z2 = {}).{far}",
                 up(proof.radius),
                 up(proof.radius / proof.amplitude),
                 up(bounds.y0),
@@ -645,7 +645,7 @@ impl Study for Prove {
             let kind = match &certificate.orbit {
                 certificate::Orbit::Wave(wave) => format!("travelling wave, q = {} pi", wave.q_over_pi),
                 certificate::Orbit::Breather(it) if it.center == Center::Doubled => {
-                    format!("dark breather of doubled period on a ring of {}", it.sites)
+                    format!("dark breather, x_(1-n)(t) = x_n(t + T/2), T its least period, on a ring of {}", it.sites)
                 }
                 certificate::Orbit::Breather(it) => {
                     format!("dark breather about a {} on a ring of {}", it.center.name(), it.sites)
