@@ -108,7 +108,7 @@ def test_contacts_have_sums_of_powers() -> None:
     assert other == chain and hash(other) == hash(chain) and chain != hc.Chain(sites=2, alpha=1.0)
     for same in (again, other):
         assert same.bonds is not None and same.bonds["terms"][0]["contact"].tolist() == [3.0]
-    with pytest.raises(hc.Error, match="integrator = collocation is not valid: its contacts have one power"):
+    with pytest.raises(hc.Error, match="integrator = collocation is not valid: it needs contacts of one power"):
         hc.run(chain, y0={"pu": [1.0, 0.0]}, until=3.0, method="collocation", tol=1e-9)
 
 
