@@ -645,7 +645,7 @@ impl Study for Prove {
             let kind = match &certificate.orbit {
                 certificate::Orbit::Wave(wave) => format!("travelling wave, q = {} pi", wave.q_over_pi),
                 certificate::Orbit::Breather(it) if it.center == Center::Doubled => {
-                    format!("dark breather, x_(1-n)(t) = x_n(t + T/2), T its least period, on a ring of {}", it.sites)
+                    format!("dark breather with x_(1-n)(t) = x_n(t + T/2) on a ring of {}", it.sites)
                 }
                 certificate::Orbit::Breather(it) => {
                     format!("dark breather about a {} on a ring of {}", it.center.name(), it.sites)

@@ -39,6 +39,22 @@ fn collocation_works_no_more_a_bond_on_a_longer_ring() {
 }
 
 #[test]
+fn a_sweep_keeps_what_an_open_chain_dissipates() {
+    // Truth: a bead that flies away with the speed v has lost v^2 (1 - exp(-2 c t))/2 to its drag c.
+    let folder = tempfile::tempdir().unwrap();
+    let plan = folder.path().join("plan.toml");
+    let scene = "[scene]\nchain = { sites = 2, alpha = 1.5, boundary = \"free\" }\nbeads.drag = 0.1\n\
+                 initial = { kind = \"state\", u_dot = [0, 0.5] }\nspan.until = 5\n";
+    let axis = "[[axis]]\nkey = \"beads.drag\"\nvalues = [0.1, 0.3]\n";
+    fs::write(&plan, format!("keep = [\"dissipated.total\", \"driven\"]\n{scene}{axis}")).unwrap();
+    let swept = json(&format!("sweep {}", plan.display()));
+    for (lost, drag) in numbers(&swept["columns"]["dissipated.total"]).into_iter().zip([0.1, 0.3]) {
+        assert!((lost - 0.125 * (1.0 - f64::exp(-10.0 * drag))).abs() < 1e-9, "{drag}: {lost}");
+    }
+    assert_eq!(numbers(&swept["columns"]["driven"]), [0.0; 2]);
+}
+
+#[test]
 fn a_pulse_has_the_speed_of_the_exact_wave_with_its_force() {
     // Truth: the solitary wave of Newton's method, c = C F^((alpha - 1)/(2 alpha)), printed with ten
     // digits and more. A pulse becomes one within a few bonds of the strike.

@@ -62,10 +62,14 @@ pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol:
     let first = (FIRST * (span.1 - span.0) / run.fast_period()).ceil().max(FIRST);
     // What each event errs by through rounding grows as a change of the initial state does, and
     // depends on where in a step it falls: with one step more it is another.
-    let rounded = |steps: f64| -> Result<bool> {
-        let growth = apart(&end_near(CHANGE, first)?, &end(first)?) / CHANGE;
-        let doubtful = f64::EPSILON * growth * steps.sqrt() > DOUBTFUL * tol;
-        Ok(doubtful && apart(&end(steps)?, &end(steps + 1.0)?) > tol)
+    let at_first = end(first)?;
+    let rounded = |steps: f64, finer: &[f64]| -> Result<bool> {
+        let growth = apart(&end_near(CHANGE, first)?, &at_first) / CHANGE;
+        if f64::EPSILON * growth * steps.sqrt() <= DOUBTFUL * tol {
+            return Ok(false);
+        }
+        let here = end(steps)?;
+        Ok(apart(&here, finer) > tol && apart(&here, &end(steps + 1.0)?) > tol)
     };
     let above_rounding =
         |good| require(good, "tol", tol, "rounding errors of contact-corrected splitting are larger here");
@@ -73,13 +77,15 @@ pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol:
     let (mut last, mut least, mut stalled) = (f64::INFINITY, f64::INFINITY, 0);
     loop {
         let finer = (SQRT_2 * steps).round();
-        let error = apart(&end(steps)?, &end(finer)?) / (SQRT_2.powf(ORDER) - 1.0);
+        let coarse = if steps == first { at_first.clone() } else { end(steps)? };
+        let fine = end(finer)?;
+        let error = apart(&coarse, &fine) / (SQRT_2.powf(ORDER) - 1.0);
         let factor = (error / (GOAL * tol)).powf(1.0 / ORDER);
         let reached = factor <= FARTHEST;
         // An error below the tolerance that does not decrease consists of rounding errors.
         if reached || error > last && error < tol {
             let steps = if reached { (finer * factor.max(0.5)).ceil() } else { finer };
-            above_rounding(!rounded(steps)?)?;
+            above_rounding(!rounded(steps, &fine)?)?;
             return Ok(at_samples(run, span, steps as u64));
         }
         last = if error.is_finite() { error } else { last };
