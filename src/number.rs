@@ -69,6 +69,11 @@ pub(crate) fn format_short(x: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
+/// A number of things with their noun: `1 piece`, `2 pieces`.
+pub(crate) fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
 /// A whole number, at least zero.
 ///
 /// # Errors

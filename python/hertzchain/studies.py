@@ -298,7 +298,7 @@ def response(
         First frequency omega. Finite and at least 0.
     to : float
         Last frequency omega [default: 1.2 times that of the highest mode]. In rad/s for scenes with
-        `[units]`, as `from_`. Finite and positive.
+        `[units]`, as `from_`. From 1e-100 to 1e100.
     points : int
         Number of points. Frequencies, equally spaced. From 2 to 100000.
     by_runs : float
@@ -306,7 +306,7 @@ def response(
         At every frequency above zero the chain starts from its static state, and the drive comes to
         its full height over the first quarter of `run_periods`. The response is the Fourier
         coefficient over the last ten periods of the drive. In metres or newtons for scenes with
-        `[units]`. Take few `points`. Finite and positive.
+        `[units]`. Take few `points`. From 1e-100 to 1e100.
     run_periods : int
         Length of these runs, in periods of the drive. From 20 to 1000000.
     dimensionless : bool
@@ -1341,11 +1341,12 @@ def wave_exact(
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
         by piece; the mean strain is linear between its points, and proof.store has the pieces as
-        they are proved, from which the same command goes on. Where it can, `wave exact` also
-        encloses the rate of the perturbation that grows fastest, `breather dark` and `breather
-        doubled`, which proves its last orbit, a real Floquet multiplier above 1, and `breather
-        continue --center bond` with `bifurcations` the frequencies at which the period doubles.
-        Exit code 1 if existence is not proved, or not of the whole branch.
+        they are proved, from which the same command goes on; without multipliers they are the
+        points of `shard` and `engine`. Where it can, `wave exact` also encloses the rate of the
+        perturbation that grows fastest, `breather dark` and `breather doubled`, which proves its
+        last orbit, a real Floquet multiplier above 1, and `breather continue --center bond` with
+        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
+        proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
         that are missing are made.
@@ -1451,11 +1452,12 @@ def wave_continue(
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
         by piece; the mean strain is linear between its points, and proof.store has the pieces as
-        they are proved, from which the same command goes on. Where it can, `wave exact` also
-        encloses the rate of the perturbation that grows fastest, `breather dark` and `breather
-        doubled`, which proves its last orbit, a real Floquet multiplier above 1, and `breather
-        continue --center bond` with `bifurcations` the frequencies at which the period doubles.
-        Exit code 1 if existence is not proved, or not of the whole branch.
+        they are proved, from which the same command goes on; without multipliers they are the
+        points of `shard` and `engine`. Where it can, `wave exact` also encloses the rate of the
+        perturbation that grows fastest, `breather dark` and `breather doubled`, which proves its
+        last orbit, a real Floquet multiplier above 1, and `breather continue --center bond` with
+        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
+        proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
         that are missing are made.
@@ -1514,7 +1516,7 @@ def wave_solitary(
     alpha : float
         Exponent of the contact force; 1.5 for spheres. From 1.2 to 5.
     kappa : float
-        Spring constant of the resonators. Finite and positive.
+        Spring constant of the resonators. From 1e-100 to 1e100.
     speed : float
         Speed of the pulses, in sites per unit of time [default: that of the pulse of overlap 1
         without resonators]. From 1e-3 to 1e3.
@@ -1579,7 +1581,7 @@ def breather_bright(
         What the profile is symmetric about. A site (solution a^1), or a bond (solution a^2), as in
         the paper's run.
     epsilon : float
-        Size of the breather: beads start at 2 epsilon a_n. Finite and positive.
+        Size of the breather: beads start at 2 epsilon a_n. From 1e-100 to 1e100.
     rho : float
         Mass ratio resonator to bead. Above 0; inf for resonators that stay at rest.
     alpha : float
@@ -1754,11 +1756,12 @@ def breather_dark(
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
         by piece; the mean strain is linear between its points, and proof.store has the pieces as
-        they are proved, from which the same command goes on. Where it can, `wave exact` also
-        encloses the rate of the perturbation that grows fastest, `breather dark` and `breather
-        doubled`, which proves its last orbit, a real Floquet multiplier above 1, and `breather
-        continue --center bond` with `bifurcations` the frequencies at which the period doubles.
-        Exit code 1 if existence is not proved, or not of the whole branch.
+        they are proved, from which the same command goes on; without multipliers they are the
+        points of `shard` and `engine`. Where it can, `wave exact` also encloses the rate of the
+        perturbation that grows fastest, `breather dark` and `breather doubled`, which proves its
+        last orbit, a real Floquet multiplier above 1, and `breather continue --center bond` with
+        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
+        proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
         that are missing are made.
@@ -1859,11 +1862,12 @@ def breather_continue(
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
         by piece; the mean strain is linear between its points, and proof.store has the pieces as
-        they are proved, from which the same command goes on. Where it can, `wave exact` also
-        encloses the rate of the perturbation that grows fastest, `breather dark` and `breather
-        doubled`, which proves its last orbit, a real Floquet multiplier above 1, and `breather
-        continue --center bond` with `bifurcations` the frequencies at which the period doubles.
-        Exit code 1 if existence is not proved, or not of the whole branch.
+        they are proved, from which the same command goes on; without multipliers they are the
+        points of `shard` and `engine`. Where it can, `wave exact` also encloses the rate of the
+        perturbation that grows fastest, `breather dark` and `breather doubled`, which proves its
+        last orbit, a real Floquet multiplier above 1, and `breather continue --center bond` with
+        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
+        proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
         that are missing are made.
@@ -1960,11 +1964,12 @@ def breather_doubled(
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
         the computed solution. Of a branch in its frequency one curve of solutions is proved, piece
         by piece; the mean strain is linear between its points, and proof.store has the pieces as
-        they are proved, from which the same command goes on. Where it can, `wave exact` also
-        encloses the rate of the perturbation that grows fastest, `breather dark` and `breather
-        doubled`, which proves its last orbit, a real Floquet multiplier above 1, and `breather
-        continue --center bond` with `bifurcations` the frequencies at which the period doubles.
-        Exit code 1 if existence is not proved, or not of the whole branch.
+        they are proved, from which the same command goes on; without multipliers they are the
+        points of `shard` and `engine`. Where it can, `wave exact` also encloses the rate of the
+        perturbation that grows fastest, `breather dark` and `breather doubled`, which proves its
+        last orbit, a real Floquet multiplier above 1, and `breather continue --center bond` with
+        `bifurcations` the frequencies at which the period doubles. Exit code 1 if existence is not
+        proved, or not of the whole branch.
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
         that are missing are made.

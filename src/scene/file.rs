@@ -8,7 +8,7 @@ use super::{
 use crate::{
     chain::{Boundary, Params},
     dps::Center,
-    error::{Error, Result, in_words, nearest, one_line, require},
+    error::{Error, Result, brief, in_words, nearest, one_line, require},
     number::double,
     run::{Method, Run},
 };
@@ -429,9 +429,18 @@ impl Source<'_> {
             let Some((key, value)) = change.split_once('=') else {
                 return Err(format!("--set {}: not KEY=VALUE, as in chain.rho=3", short(change)));
             };
-            let is_toml = DeTable::parse(change).is_ok();
-            let text = if is_toml { change.clone() } else { format!("{key}={}", toml::Value::from(value.trim())) };
-            Ok(" ".repeat(start) + &text)
+            if DeTable::parse(change).is_ok() {
+                return Ok(" ".repeat(start) + change);
+            }
+            // A number or a place in a list that TOML would write otherwise is not meant as a text.
+            let why = match value.trim().parse::<f64>() {
+                _ if key.contains('[') => {
+                    "an entry of a list has its number after a dot, as in drive.0.amplitude".into()
+                }
+                Ok(number) => format!("TOML writes this number {}", brief(&number.to_string().to_lowercase())),
+                Err(_) => return Ok(format!("{}{key}={}", " ".repeat(start), toml::Value::from(value.trim()))),
+            };
+            Err(format!("--set {}: {why}", short(change)))
         };
         self.starts().map(line).collect()
     }

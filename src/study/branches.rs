@@ -8,6 +8,7 @@ use super::{
 use crate::{
     chain::State,
     error::{Error, NOTHING, Result},
+    number::counted,
     orbits::{AnalysisLevel, Bifurcation, BifurcationKind, Branch, End, Point, Problem, Range},
     output::{Archive, Array, SETTINGS},
     report::{Digits::Short, Line, Panel, Report, Rows},
@@ -231,11 +232,15 @@ impl<C: FollowCommand> Study for C {
         let proving = self.proving().filter(|proving| proving.prove);
         proving.map(Proving::file).transpose()?;
         let orbits = if proving.is_some() { PROVED } else { 1.0 };
+        // Without multipliers the strips of the proof are what shards and ranks have to share.
+        let (options, more, _) = self.options();
+        let strips = proving.is_some() && options.level::<C::Problem>(more)? == AnalysisLevel::Orbits;
         Ok(Box::new(move |engine, progress| {
-            let study = work(engine, &part(progress, 0.0, orbits))?;
+            let alone = engine.alone();
+            let study = work(if strips { &alone } else { engine }, &part(progress, 0.0, orbits))?;
             let report = study.report()?;
             match proving {
-                Some(proving) if study.branch.ended() != End::Stopped => {
+                Some(proving) if study.branch.ended() != End::Stopped || engine.its_shard().is_some() => {
                     proving.added_of_branch(report, &self.near(&study.branch)?, engine, &part(progress, orbits, 1.0))
                 }
                 _ => Ok(report),
@@ -524,7 +529,7 @@ pub(super) fn ended<P: Problem>(branch: &Branch<P>) -> String {
         (true, _) => ", no bifurcation",
         _ => "",
     };
-    format!("{points} points{none}; the branch ended: {}.", end.words())
+    format!("{}{none}; the branch ended: {}.", counted(points, "point"), end.words())
 }
 
 /// Adds a branch of a scene, whose fields are those of the report, and its file. One that crosses

@@ -6,6 +6,7 @@ use crate::{
     dps,
     error::{Error, Result},
     interrupt,
+    number::counted,
     numerics::least_by,
     orbits::Orbit,
     output::{Folder, read},
@@ -33,6 +34,10 @@ use std::{
 /// What the checker says.
 type Checked = std::result::Result<Proof, Refused>;
 
+/// What is told of the proof of a piece: radius, radius of uniqueness, amplitude, bounds of the
+/// frequency and of the multiplier, weights.
+type Told = (f64, f64, f64, [f64; 2], Option<[f64; 2]>, Vec<f64>);
+
 /// Largest certificate that is read, in bytes.
 const LONGEST: u64 = 1 << 26;
 /// Harmonics of an orbit from which the search for those of the certificate starts.
@@ -58,11 +63,12 @@ options! {
         /// nearest to it), about a cosine sum near the computed solution. Of a branch in its
         /// frequency one curve of solutions is proved, piece by piece; the mean strain is linear
         /// between its points, and proof.store has the pieces as they are proved, from which the
-        /// same command goes on. Where it can, `wave exact` also encloses the rate of the
-        /// perturbation that grows fastest, `breather dark` and `breather doubled`, which proves
-        /// its last orbit, a real Floquet multiplier above 1, and `breather continue --center bond`
-        /// with --bifurcations the frequencies at which the period doubles. Exit code 1 if
-        /// existence is not proved, or not of the whole branch.
+        /// same command goes on; without multipliers they are the points of --shard and --engine.
+        /// Where it can, `wave exact` also encloses the rate of the perturbation that grows
+        /// fastest, `breather dark` and `breather doubled`, which proves its last orbit, a real
+        /// Floquet multiplier above 1, and `breather continue --center bond` with --bifurcations
+        /// the frequencies at which the period doubles. Exit code 1 if existence is not proved, or
+        /// not of the whole branch.
         prove: bool = false, [arg(long)];
         /// Write the certificate of the proof to this file.
         ///
@@ -132,8 +138,8 @@ impl Proving {
     }
 
     /// Adds the proof of a branch to a report: of the curve through solutions near these
-    /// certificates. Its strips are points of a sweep, kept in a store. What comes from there, and
-    /// not from this process, is checked again. If the process is asked to end, it is that of the
+    /// certificates. Its strips are points of a sweep, kept in a store. What was there before, and
+    /// is not from this job, is checked again. If the process is asked to end, it is that of the
     /// pieces so far.
     ///
     /// # Errors
@@ -157,7 +163,10 @@ impl Proving {
         let check = |piece: &Certificate| {
             let proof = check_until(piece, &interrupt::asked);
             let count = proved.fetch_add(usize::from(proof.is_ok()), Relaxed);
-            progress(done.load(Relaxed) as f64 / strips.len() as f64, &format!("{count} pieces are proved"));
+            progress(
+                done.load(Relaxed) as f64 / strips.len() as f64,
+                &format!("proved so far: {}", counted(count, "piece")),
+            );
             proof
         };
         let searched = |k: usize| -> Result<Strip> {
@@ -173,20 +182,24 @@ impl Proving {
             Ok(strip)
         };
         let own = Mutex::new(BTreeMap::new());
-        let strip = |(k, _): &(usize, String)| -> Result<String> {
+        let strip = |(k, _): &(usize, String)| -> Result<(String, Vec<Told>)> {
             let strip = searched(*k)?;
             let text = strip.pieces.iter().map(|(piece, _)| piece.to_string()).collect();
+            let told = strip.pieces.iter().map(|(_, proof)| told(proof)).collect();
             locked(&own).insert(*k, strip);
-            Ok(text)
+            Ok((text, told))
         };
         let grid = Grid { store: "proof.store", study: "proof", settings: json!({}) };
         let swept = engine.sweep(&grid, &strips, &|_, _| (), strip)?;
-        let again = |(k, row): &(usize, sweep::Row<String>)| -> sweep::Row<Strip> {
+        let again = |(k, row): &(usize, sweep::Row<(String, Vec<Told>)>)| -> sweep::Row<Strip> {
             let known = locked(&own).remove(k);
             match (known, row) {
                 (Some(strip), _) => Ok(strip),
                 (None, Err(why)) => Err(why.clone()),
-                (None, Ok(text)) => match checked_again([&near[*k], &near[k + 1]], text, &check) {
+                (None, Ok((text, told))) => match checked_again([&near[*k], &near[k + 1]], text, &|i, it| {
+                    let told = told.get(i).filter(|_| swept.fresh.binary_search(k).is_ok());
+                    told.map_or_else(|| check(it), |told| Ok(proof_of(told.clone())))
+                }) {
                     Some(strip) => {
                         done.fetch_add(1, Relaxed);
                         Ok(strip)
@@ -252,9 +265,32 @@ fn sizes([from, to]: [&Certificate; 2]) -> Sizes {
     }
 }
 
-/// The strip of a branch between two certificates near solutions, from the text of its pieces.
-/// `None` if that is not the whole strip, or if the checker refuses it.
-fn checked_again(near: [&Certificate; 2], text: &str, check: &dyn Fn(&Certificate) -> Checked) -> Option<Strip> {
+fn told(proof: &Proof) -> Told {
+    let Proof { radius, uniqueness_radius, amplitude, frequency, multiplier, weights, .. } = proof.clone();
+    (radius, uniqueness_radius, amplitude, frequency, multiplier, weights)
+}
+
+/// The proof of a piece from what is told of it; no other bounds are known.
+fn proof_of((radius, uniqueness_radius, amplitude, frequency, multiplier, weights): Told) -> Proof {
+    let unknown = f64::INFINITY;
+    Proof {
+        radius,
+        radius_y: unknown,
+        radius_velocity: unknown,
+        radius_velocity_y: unknown,
+        uniqueness_radius,
+        frequency,
+        amplitude,
+        bounds: Bounds { y0: unknown, z1: unknown, z2: unknown },
+        weights,
+        multiplier,
+        decay: None,
+    }
+}
+
+/// The strip of a branch between two certificates near solutions, from the text of its pieces, and
+/// what `check` says of each, by its number. `None` if that is not the whole strip, or not proved.
+fn checked_again(near: [&Certificate; 2], text: &str, check: &dyn Fn(usize, &Certificate) -> Checked) -> Option<Strip> {
     let pieces = certificate::pieces(text).ok()?;
     let [from, to] = near.map(|it| it.ends()[0]);
     let multiplier = near[0].multiplier.filter(|it| near[1].multiplier == Some(*it));
@@ -273,7 +309,8 @@ fn checked_again(near: [&Certificate; 2], text: &str, check: &dyn Fn(&Certificat
     if !whole || !pieces.iter().all(fits) {
         return None;
     }
-    let pieces: Vec<(Certificate, Checked)> = pieces.into_iter().map(|it| (it.clone(), check(&it))).collect();
+    let pieces: Vec<(Certificate, Checked)> =
+        pieces.into_iter().enumerate().map(|(i, it)| (it.clone(), check(i, &it))).collect();
     if connected(&pieces).1.is_some() {
         return None;
     }
@@ -396,9 +433,9 @@ fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: Option<
     });
     let words = match (from, to, share) {
         (Some(from), Some(to), Some(share)) => format!(
-            "Proved: one curve of solutions from the {name} {from} to {to}, in {} pieces; within {} of their \
+            "Proved: one curve of solutions from the {name} {from} to {to}, in {}; within {} of their \
              cosine sums, {} of the amplitude.",
-            pieces.len(),
+            counted(pieces.len(), "piece"),
             up(radius.unwrap_or(f64::NAN)),
             up(share)
         ),
@@ -654,7 +691,10 @@ impl Study for Prove {
                     format!("dark breather about a {} on the infinite chain", it.center.name())
                 }
             };
-            let last = pieces.last().filter(|piece| piece.to.is_some()).map(|piece| piece.ends()[1]);
+            // Those before the first one of another chain or kind of orbit.
+            let alike = pieces.iter().take_while(|piece| piece.frame() == certificate.frame()).count();
+            let last = pieces[..alike].last().filter(|piece| piece.to.is_some()).map(|piece| piece.ends()[1]);
+            let end = last.filter(|_| alike == pieces.len()).map(|to| nearest(to[0]));
             let (name, from) = (parameter(&certificate), certificate.ends()[0]);
             let [value, mean] = [0, 1].map(|i| match last {
                 Some(to) => format!("{} to {}", from[i], to[i]),
@@ -693,7 +733,6 @@ impl Study for Prove {
                     let mut all: Vec<_> = pieces.drain(..).zip(all).collect();
                     let (count, gap) = connected(&all);
                     all.truncate(count);
-                    let end = last.map(|to| nearest(to[0]));
                     let words = |gap: Gap| format!("piece {}: {gap}", count + 1);
                     Ok(proved_branch(report, &all, end, gap.map(words)))
                 }

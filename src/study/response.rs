@@ -46,7 +46,7 @@ options! {
         /// Last frequency omega [default: 1.2 times that of the highest mode].
         ///
         /// In rad/s for scenes with `[units]`, as --from.
-        to: Option<f64> = None, "W", (positive);
+        to: Option<f64> = None, "W", (end);
         /// Number of points.
         ///
         /// Frequencies, equally spaced.
@@ -58,7 +58,7 @@ options! {
         /// comes to its full height over the first quarter of --run-periods. The response is the
         /// Fourier coefficient over the last ten periods of the drive. In metres or newtons for
         /// scenes with `[units]`. Take few --points.
-        by_runs: Option<f64> = None, "A", (positive);
+        by_runs: Option<f64> = None, "A", (end);
         /// Length of these runs, in periods of the drive.
         run_periods: usize = 200, "P", (20 to 1_000_000);
         /// The units of options and results.

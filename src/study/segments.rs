@@ -78,16 +78,7 @@ pub(super) fn analysed<P: Problem>(
         let rows = map(&(start..end).collect::<Vec<_>>(), |&k| unless_asked(|| Ok(spectra.analysis(k))));
         rows.into_iter().collect::<Result<Vec<_>>>()
     };
-    let alone = engine.its_shard().is_none();
-    if !alone && interrupt::asked() {
-        // A shard of a part of the branch is not the shard that was asked for.
-        return Err(Error::Stopped { kept: "what this shard had before".to_owned() });
-    }
     let swept = engine.sweep(&grid, &points, &tell, work)?;
-    if swept.missing > 0 && !alone {
-        let (kept, total) = (swept.rows.iter().filter(|row| row.is_ok()).count(), points.len());
-        return Err(Error::Stopped { kept: format!("multipliers of {kept} of {total} segments of the branch") });
-    }
     let mut rows = Vec::with_capacity(orbits.len());
     for (Segment { orbits, .. }, row) in points.iter().zip(swept.rows) {
         let point = || format!("points {} to {} of the branch", orbits.start, orbits.end - 1);

@@ -37,7 +37,7 @@ options! {
         /// Exponent of the contact force; 1.5 for spheres.
         alpha: f64 = 1.5, "A", (1.2 to 5);
         /// Spring constant of the resonators.
-        kappa: f64 = 1.0, "K", (positive);
+        kappa: f64 = 1.0, "K", (end);
         /// Speed of the pulses, in sites per unit of time [default: that of the pulse of overlap 1
         /// without resonators].
         speed: Option<f64> = None, "C", (1e-3 to 1e3);

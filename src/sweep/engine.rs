@@ -3,6 +3,7 @@
 use super::{Backend, InTurn, Job, Progress, Rows, Shard, Store, Swept, Threads, collected, counted};
 use crate::{
     error::{Error, Result},
+    interrupt,
     output::Folder,
 };
 use serde::{Serialize, de::DeserializeOwned};
@@ -104,6 +105,12 @@ impl Engine {
         Self { shard: Some(shard), ..self }
     }
 
+    /// The threads of this process, for points that each shard and each rank computes for itself;
+    /// with the store, but in a shard.
+    pub(crate) fn alone(&self) -> Self {
+        Self { folder: self.folder.clone().filter(|_| self.shard.is_none()), ..Self::threads() }
+    }
+
     /// The folder.
     pub fn folder(&self) -> Option<&Folder> {
         self.folder.as_ref()
@@ -153,8 +160,8 @@ impl Engine {
             progress: &counted(progress),
         };
         let mut store = self.open(grid, job.count)?;
-        let (rows, resumed) = self.rows(grid, &job, store.as_mut())?;
-        collected(rows, resumed)
+        let (rows, fresh) = self.rows(grid, &job, store.as_mut())?;
+        collected(rows, fresh)
     }
 
     /// Computes the points of a grid that need not be in memory. `take` is called with all rows,
@@ -170,9 +177,9 @@ impl Engine {
         take: impl FnOnce(&mut Rows<'_>) -> Result<R>,
     ) -> Result<(R, usize)> {
         let mut store = self.open(grid, job.count)?;
-        let (mut rows, resumed) = self.rows(grid, job, store.as_mut())?;
+        let (mut rows, fresh) = self.rows(grid, job, store.as_mut())?;
         rows.settle()?;
-        Ok((take(&mut rows)?, resumed))
+        Ok((take(&mut rows)?, job.count - fresh.len()))
     }
 
     /// Opens the store of the whole grid and merges the stores of shards into it. `None` without a
@@ -189,13 +196,13 @@ impl Engine {
         Ok(Some(store))
     }
 
-    /// Computes the missing rows. Returns all rows, and the number of rows that were there.
+    /// Computes the missing rows. Returns all rows, and the points whose rows were missing.
     fn rows<'s, T: Serialize, U: Serialize + DeserializeOwned>(
         &self,
         grid: &Grid,
         job: &Job<'_, T, U>,
         store: Option<&'s mut Store>,
-    ) -> Result<(Rows<'s>, usize)> {
+    ) -> Result<(Rows<'s>, Vec<usize>)> {
         if self.backend.serves() {
             let none = Rows { store: None, texts: Vec::new(), places: Vec::new() };
             job.compute(none, &[], 0, &*self.backend)?;
@@ -207,8 +214,7 @@ impl Engine {
         }
         let rows = Rows::find(job, store)?;
         let todo = rows.missing(|_| true);
-        let resumed = job.count - todo.len();
-        Ok((job.compute(rows, &todo, resumed, &*self.backend)?, resumed))
+        Ok((job.compute(rows, &todo, job.count - todo.len(), &*self.backend)?, todo))
     }
 
     /// Computes a shard. Returns the error with its result.
@@ -218,6 +224,10 @@ impl Engine {
         grid: &Grid,
         job: &Job<'_, T, U>,
     ) -> Result<Error> {
+        if interrupt::asked() {
+            // The points may be those of a part of a branch: not the shard that was asked for.
+            return Err(Error::Stopped { kept: "what this shard had before".to_owned() });
+        }
         let Some(folder) = &self.folder else {
             return Err(Error::parameter("shard", shard, "a shard keeps its points in a folder: give the engine one"));
         };

@@ -144,6 +144,8 @@ pub struct Swept<U> {
     pub rows: Vec<Row<U>>,
     /// Number of rows that were in the store.
     pub resumed: usize,
+    /// Numbers of the points whose rows were not in the store, in order.
+    pub fresh: Vec<usize>,
     /// Number of points not computed because the process was asked to end; their rows are failures
     /// and are not kept.
     pub missing: usize,
@@ -225,14 +227,14 @@ enum Outcome<U> {
 }
 
 /// Reads all rows into memory, in the order of the grid.
-fn collected<U: DeserializeOwned + Send>(mut rows: Rows<'_>, resumed: usize) -> Result<Swept<U>> {
+fn collected<U: DeserializeOwned + Send>(mut rows: Rows<'_>, fresh: Vec<usize>) -> Result<Swept<U>> {
     rows.settle()?;
     let mut all = Vec::with_capacity(rows.places.len());
     let missing = rows.each(&|_, row| row, &mut |row| {
         all.push(row);
         Ok(())
     })?;
-    Ok(Swept { rows: all, resumed, missing })
+    Ok(Swept { resumed: all.len() - fresh.len(), rows: all, fresh, missing })
 }
 
 /// The points of a grid by their number, so that a large grid need not be in memory, and what is

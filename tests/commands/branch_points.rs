@@ -34,6 +34,9 @@ const WAVES: [&str; 2] = [
     "wave continue --sites 10 --rho inf --vary amplitude --amplitude 0.1 --to 0.12 --step 0.004",
 ];
 
+/// A branch that is proved, in three strips.
+pub(crate) const PROVED: &str = "wave continue --sites 10 --to 2.00103 --step 1e-5 --multipliers=false --prove";
+
 fn run(line: &str, out: &Path, more: &[&str]) -> String {
     printed(output(line, out, more))
 }
@@ -45,7 +48,13 @@ fn results(folder: &Path) -> Vec<(String, Vec<u8>)> {
 
 #[test]
 fn branches_in_three_shards_have_the_files_of_one_process() {
-    [DARK, DRIVEN, MODE].into_iter().for_each(in_shards);
+    [DARK, DRIVEN, MODE, PROVED].into_iter().for_each(in_shards);
+    // Strips are what is shared where no multipliers are asked for.
+    let folder = tempfile::tempdir().unwrap();
+    for (line, store) in [(PROVED, "proof"), (&PROVED.replace("s=false", "s"), "wave-spectra")] {
+        let part: Value = serde_json::from_str(&run(line, folder.path(), &["--shard", "2/3", "--json"])).unwrap();
+        assert!(part["store"].as_str().unwrap().ends_with(&format!("{store}.shard-2-of-3.store")), "{part}");
+    }
 }
 
 fn points(folder: &Path, name: &str) -> Vec<Value> {

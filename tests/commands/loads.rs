@@ -70,7 +70,8 @@ fn a_bad_file_of_a_drive_is_refused_with_scene_drive_key_file_and_line() {
         assert!(said.starts_with(&start) && said.contains(words), "{content:?}: {said}");
     }
     fs::remove_file(folder.path().join("drive.csv")).unwrap();
-    assert!(refused(&["run", &path], 2).contains("drive.csv: No such file"));
+    let missing = refused(&["run", &path], 2);
+    assert!(missing.contains("[[drive]] 1, `file`: ") && missing.contains("drive.csv: No such file"), "{missing}");
     let twice = refused(&["run", &path, "--set", "drive=[{site=0, kind=\"pushed\", file=\"a\", times=[0.0]}]"], 2);
     assert!(
         twice.contains("drive.file = a is not valid: numbers are in a file, or in `times` and `values`"),

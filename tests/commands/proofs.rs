@@ -271,18 +271,28 @@ fn branches_are_proved_without_a_gap() {
         lines = all.lines().take(2).map(|line| format!("{line}\n")).collect();
         fs::write(&store, lines.concat()).unwrap();
     }
-    // A strip of the store that is not whole, of another chain, or without a proof, is proved anew.
+    // A strip of the store that is not whole, of another chain, or without a proof, is proved anew;
+    // what the store tells of its proof is not believed.
     let kept = fs::read_to_string(&store).unwrap();
     let [head, row] = [0, 1].map(|k| kept.lines().nth(k).unwrap().split_once(' ').unwrap().1);
-    let short = format!("{}\"}}}}", &row[..row.rfind("hertzchain certificate").unwrap()]);
+    let (pieces, told) = row.split_at(row.find("\",[[").unwrap());
+    let short = format!("{}{told}", &pieces[..pieces.rfind("hertzchain certificate").unwrap()]);
     let far = row.replacen("p-", "p-1", 1);
-    for row in [row, &short, &row.replace("alpha 3/2", "alpha 8/5"), &far] {
+    let mut wider: Value = serde_json::from_str(row).unwrap();
+    for told in wider["row"]["value"][1].as_array_mut().unwrap() {
+        told[0] = (1.2 * number(&told[0])).into();
+    }
+    let mut before = None;
+    for row in [row, &short, &row.replace("alpha 3/2", "alpha 8/5"), &far, &wider.to_string()] {
         let check = fnv(fnv(0xcbf2_9ce4_8422_2325, head), row);
         fs::write(&store, format!("{}\n{check:016x} {row}\n", kept.lines().next().unwrap())).unwrap();
         fs::remove_file(&file).unwrap();
         let words = printed(hertzchain(&format!("{line} {path} --out {}", out.display())));
         assert!(words.contains("1 of 2 strips were in proof.store") && words.contains("Proved: one curve"), "{words}");
         assert_eq!(fs::read_to_string(&file).unwrap(), text, "{row}");
+        let proved = words.split_once("Proved:").map(|(_, proved)| proved.to_owned());
+        assert!(before.is_none() || before == proved, "{row}: {words}");
+        before = proved;
     }
     let mut pieces = hertzchain_proofs::certificate::pieces(&text).unwrap();
     assert_eq!(pieces.len(), count);
@@ -293,6 +303,16 @@ fn branches_are_proved_without_a_gap() {
     let words = "piece 2: it does not begin where the piece before it ends";
     assert!(proof["proved"] == false && proof["pieces"] == 1, "{proof}");
     assert!(output.status.code() == Some(1) && said(&output).contains(words), "{}", said(&output));
+    // The head is that of the pieces before one of another chain.
+    pieces.truncate(2);
+    pieces[1].model.alpha = Exact::new(8, 5).unwrap();
+    fs::write(&file, format!("{}{}", pieces[0], pieces[1])).unwrap();
+    let output = hertzchain(&format!("prove {path}"));
+    let words = String::from_utf8_lossy(&output.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
+    let [from, to] = pieces[0].ends().map(|end| end[0]);
+    assert!(words.contains(&format!("frequency {from} to {to}, mean")) && words.contains("in 1 piece;"), "{words}");
+    let up_to = format!("proved up to the frequency {}: piece 2: ", proof["to"]);
+    assert!(said(&output).contains(&up_to), "{}", said(&output));
     let output = hertzchain("wave continue --vary mean --to 0.06 --prove");
     assert!(output.status.code() == Some(2) && said(&output).contains("in its frequency"), "{}", said(&output));
 }

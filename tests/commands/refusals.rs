@@ -54,6 +54,18 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
         &[
             ("run", "required"),
             ("run tw-q51", "did you mean \"tw-q15\"?"),
+            ("run impact --set chain.rho=.3", "--set chain.rho=.3: TOML writes this number 0.3\n"),
+            ("run impact --set chain.sites=007", "--set chain.sites=007: TOML writes this number 7\n"),
+            (
+                "run end-driven --set drive[0].amplitude=.3",
+                "an entry of a list has its number after a dot, as in drive.0",
+            ),
+            ("dps dark --omega-b 1e308", "--omega-b = 1e308 is not valid: so near omega"),
+            ("breather dark --omega-b 1e308", "--omega-b = 1e308 is not valid: so near omega"),
+            ("breather bright --epsilon 1e308", "--epsilon = 1e308 is not valid: from 1e-100 to 1e100"),
+            ("wave solitary --kappa 1e308", "--kappa = 1e308 is not valid: from 1e-100 to 1e100"),
+            ("study response --to 1e308", "--to = 1e308 is not valid: from 1e-100 to 1e100"),
+            ("study response --by-runs 1e308 --points 3", "--by-runs = 1e308 is not valid: from 1e-100 to 1e100"),
             ("run tw-q15 --step 0", "step = 0 is not valid"),
             ("run tw-q15 --step 1e-30", "at most 1e15 steps"),
             ("run tw-q15 --until inf", "until = inf is not valid"),

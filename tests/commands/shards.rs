@@ -181,6 +181,20 @@ fn a_plan_that_cannot_be_is_refused_with_file_key_and_rule() {
     let (said, words) = (refused(&line, 2), "error: scene impact: --set chain.rho=-1: `chain.rho`: rho = -1 is not");
     assert!(said.starts_with(words) && !out.exists(), "{said}");
     assert!(refused("sweep nothing.toml", 1).contains("nothing.toml"));
+    // A method that can run no point is refused once; one that can run some is not.
+    let plan = |integrators: &str| {
+        let axes =
+            [format!("method.integrator\"\nvalues = [{integrators}]"), "initial.velocity\"\nvalues = [1, 2]".into()];
+        let set = "scene = \"impact\"\nset = [\"bonds.viscoelastic=0.1\", \"span.until=0.1\"]\n";
+        fs::write(&path, axes.iter().fold(set.to_owned(), |plan, axis| plan + "[[axis]]\nkey = \"" + axis + "\n"))
+            .unwrap();
+    };
+    plan("\"verlet\"");
+    let (said, words) = (refused(&line, 2), "plan.toml, all points: integrator = verlet is not valid: its kicks");
+    assert!(said.contains(words) && !out.exists(), "{said}");
+    plan("\"verlet\", \"dop853\"");
+    assert!(stdout(&line).contains("2 failed"));
+    fs::remove_dir_all(&out).unwrap();
     fs::write(&path, stdout("sweep --template")).unwrap();
     stdout(&line);
 }

@@ -212,12 +212,15 @@ impl DarkProfile {
     /// `(omega_b - omega) / omega`, with a large factor.
     ///
     /// # Errors
-    /// As [`mu`](Self::mu).
+    /// As [`mu`](Self::mu); strains that a double cannot hold.
     pub fn seed(&self, omega_b: f64) -> Result<(Vec<f64>, Vec<f64>)> {
         let Params { alpha, kappa, rho } = self.params;
         let scale = self.mu(omega_b)?.powf((alpha - 1.0).recip());
         let strain = |n: i64, swing: f64| scale * (self.b(n) + 2.0 * kappa * swing * self.a(n));
-        Ok(self.sites().map(|n| (strain(n, 1.0), strain(n, -rho.recip()))).unzip())
+        let strains: (Vec<f64>, Vec<f64>) = self.sites().map(|n| (strain(n, 1.0), strain(n, -rho.recip()))).unzip();
+        let rule = "so near omega that its strains, which grow with mu^{1/(alpha-1)}, are finite";
+        require(strains.0.iter().chain(&strains.1).all(|x| x.is_finite()), "omega_b", omega_b, rule)?;
+        Ok(strains)
     }
 }
 

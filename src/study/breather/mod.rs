@@ -48,7 +48,7 @@ options! {
         /// A site (solution a^1), or a bond (solution a^2), as in the paper's run.
         center: Center = Center::Bond, "C";
         /// Size of the breather: beads start at 2 epsilon a_n.
-        epsilon: f64 = 0.01, "E", (positive);
+        epsilon: f64 = 0.01, "E", (end);
         /// Mass ratio resonator to bead.
         ///
         /// Above 0; inf for resonators that stay at rest.

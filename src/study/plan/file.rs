@@ -185,7 +185,7 @@ impl Plan {
     }
 
     /// Refuses more points than the memory has room for, scenes at the ends of the axes that cannot
-    /// be built, and quantities that runs do not report.
+    /// be built, quantities that runs do not report, and a run that no point can start.
     fn check(&mut self) -> Result<()> {
         // Hash, place and entry of the store, and a number of each column.
         let bytes = self.points() as u64 * 8 * (7 + self.keys().count() + self.keep.len()) as u64;
@@ -214,7 +214,16 @@ impl Plan {
                 _ => lost.into_iter().zip(why).map(|(before, here)| before.and(here)).collect(),
             };
         }
-        lost.into_iter().flatten().next().map_or(Ok(()), |why| Err(refused(&self.path, "`keep`", why)))
+        if let Some(why) = lost.into_iter().flatten().next() {
+            return Err(refused(&self.path, "`keep`", why));
+        }
+        let refusal = |k: usize| Some(super::run_of(self, &self.point(k)).ok()?.1.stepper().err()?.to_string());
+        match refusal(0) {
+            Some(why) if (1..self.points()).all(|k| refusal(k).as_ref() == Some(&why)) => {
+                Err(refused(&self.path, "all points", why))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Refuses strains of a chain of displacements, and the other way round.

@@ -3,6 +3,7 @@
 use super::{NumberColumn, Plan, PlanStudy, file::in_json};
 use crate::{
     error::Result,
+    number::counted,
     output::{Array, npz, to_json},
     report::{CellMap, Figure, Kind, Line, Maps, Matrix, Panel, Panels, Report, SpaceTime, fields, text::table},
     study::format_short,
@@ -86,7 +87,8 @@ impl PlanStudy {
             text += &format!("{}: {why}\n", words(&self.plan, *k));
         }
         text + &format!(
-            "\n{points} points: {computed} computed, {} resumed, {} failed, {:.1} s\n",
+            "\n{}: {computed} computed, {} resumed, {} failed, {:.1} s\n",
+            counted(points, "point"),
             self.resumed,
             self.failures,
             self.wall.as_secs_f64()
