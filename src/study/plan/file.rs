@@ -185,7 +185,7 @@ impl Plan {
     }
 
     /// Refuses more points than the memory has room for, scenes at the ends of the axes that cannot
-    /// be built, quantities that runs do not report, and a run that no point can start.
+    /// be built, quantities that runs do not report, and a method that can run no point.
     fn check(&mut self) -> Result<()> {
         // Hash, place and entry of the store, and a number of each column.
         let bytes = self.points() as u64 * 8 * (7 + self.keys().count() + self.keep.len()) as u64;
@@ -217,7 +217,10 @@ impl Plan {
         if let Some(why) = lost.into_iter().flatten().next() {
             return Err(refused(&self.path, "`keep`", why));
         }
-        let refusal = |k: usize| Some(super::run_of(self, &self.point(k)).ok()?.1.stepper().err()?.to_string());
+        let refusal = |k: usize| {
+            let (scene, run) = super::run_of(self, &self.point(k)).ok()?;
+            Some(run.choice().ok()?.0.runs(scene.chain()).err()?.to_string())
+        };
         match refusal(0) {
             Some(why) if (1..self.points()).all(|k| refusal(k).as_ref() == Some(&why)) => {
                 Err(refused(&self.path, "all points", why))
