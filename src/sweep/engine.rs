@@ -1,6 +1,6 @@
 //! The engine, with which all studies compute their grids.
 
-use super::{Backend, InTurn, Job, Progress, Rows, Shard, Store, Swept, Threads, collected, counted};
+use super::{Backend, InTurn, Job, Progress, Rows, Shard, Store, Swept, Threads, check, collected, counted, key, text};
 use crate::{
     error::{Error, Result},
     output::Folder,
@@ -147,9 +147,10 @@ impl Engine {
     ) -> Result<Swept<U>> {
         let job = Job {
             count: points.len(),
-            point: &|k| &points[k],
-            work: &|points: Vec<&T>| points.into_iter().map(&work).collect(),
+            key: &|k| key(&points[k]),
+            work: &|ks| ks.iter().map(|&k| text(work(&points[k]))).collect(),
             together: 1,
+            check: check::<U>,
             progress: &counted(progress),
         };
         let mut store = self.open(grid, job.count)?;
@@ -163,10 +164,10 @@ impl Engine {
     ///
     /// # Errors
     /// As [`sweep`](Self::sweep); errors of `take`.
-    pub(crate) fn each<T: Serialize, U: Serialize + DeserializeOwned, R>(
+    pub(crate) fn each<R>(
         &self,
         grid: &Grid,
-        job: &Job<'_, T, U>,
+        job: &Job<'_>,
         take: impl FnOnce(&mut Rows<'_>) -> Result<R>,
     ) -> Result<(R, usize)> {
         let mut store = self.open(grid, job.count)?;
@@ -190,12 +191,7 @@ impl Engine {
     }
 
     /// Computes the missing rows. Returns all rows, and the number of rows that were there.
-    fn rows<'s, T: Serialize, U: Serialize + DeserializeOwned>(
-        &self,
-        grid: &Grid,
-        job: &Job<'_, T, U>,
-        store: Option<&'s mut Store>,
-    ) -> Result<(Rows<'s>, usize)> {
+    fn rows<'s>(&self, grid: &Grid, job: &Job<'_>, store: Option<&'s mut Store>) -> Result<(Rows<'s>, usize)> {
         if self.backend.serves() {
             let none = Rows { store: None, texts: Vec::new(), places: Vec::new() };
             job.compute(none, &[], 0, &*self.backend)?;
@@ -212,12 +208,7 @@ impl Engine {
     }
 
     /// Computes a shard. Returns the error with its result.
-    fn part_of<T: Serialize, U: Serialize + DeserializeOwned>(
-        &self,
-        shard: Shard,
-        grid: &Grid,
-        job: &Job<'_, T, U>,
-    ) -> Result<Error> {
+    fn part_of(&self, shard: Shard, grid: &Grid, job: &Job<'_>) -> Result<Error> {
         let Some(folder) = &self.folder else {
             return Err(Error::parameter("shard", shard, "a shard keeps its points in a folder: give the engine one"));
         };
