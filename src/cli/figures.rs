@@ -18,7 +18,7 @@ use crate::{
         Digits::{Fixed, Json, Short},
         Report, Table,
     },
-    sweep::{Engine, Grid, Job, Row, STOPPED},
+    sweep::{self, Engine, Grid, Job, Row, STOPPED},
 };
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use clap::Args;
@@ -145,7 +145,7 @@ fn sweep(
     make: &Make<'_>,
 ) -> Result<(Vec<Drawn>, usize)> {
     let grid = Grid { store: STORE, study: "figures", settings: serde_json::json!({}) };
-    let point = |k: usize| Point { figure: chosen[k].name, formats: formats.to_vec() };
+    let key = |k: usize| sweep::key(&Point { figure: chosen[k].name, formats: formats.to_vec() });
     let (count, done) = (chosen.len() as f64, AtomicU64::new(0));
     let position = |done: f64| bar.set_position((1000.0 * done / count) as u64);
     let progress = |made: u64, _| {
@@ -154,9 +154,7 @@ fn sweep(
     };
     let folder = engine.folder();
     let at_once = folder.filter(|_| engine.its_shard().is_none());
-    let work = |point: Point| {
-        let figure = chosen.iter().find(|figure| figure.name == point.figure);
-        let figure = figure.expect("a point is a figure that was chosen");
+    let work = |figure: &Figure| {
         bar.set_message(figure.name);
         let made = make(figure, &|share| position(done.load(Ordering::Relaxed) as f64 + share.min(1.0)))?;
         // A finished figure can be looked at while others are computed. An error here is met again
@@ -166,8 +164,9 @@ fn sweep(
         }
         Ok(made)
     };
-    let each = |points: Vec<Point>| points.into_iter().map(&work).collect();
-    let job = Job { count: chosen.len(), point: &point, work: &each, together: 1, progress: &progress };
+    let each = |ks: &[usize]| ks.iter().map(|&k| sweep::text(work(chosen[k]))).collect();
+    let check = sweep::check::<Made>;
+    let job = Job { count: chosen.len(), key: &key, work: &each, together: 1, check, progress: &progress };
     engine.each(&grid, &job, |rows| {
         let mut drawn = Vec::with_capacity(chosen.len());
         let bring = |k: usize, row: Row<Made>| brought(chosen[k], row, folder);

@@ -100,18 +100,30 @@ pub(super) trait Runs {
 /// A study as a command: its options, and the flags that say where it runs and where results go.
 pub(super) struct StudyCommand<S> {
     study: S,
+    flags: Flags,
+}
+
+/// The flags of a study, and what it says of itself; not generic, so that it is compiled once.
+struct Flags {
     out: Option<PathBuf>,
     engine_args: EngineArgs,
     json: bool,
     #[cfg(feature = "plot")]
     formats: Option<super::formats::Formats>,
+    here: fn() -> Engine,
+    interruptible: bool,
+    sweeps: bool,
+    optional_files: fn() -> Vec<String>,
 }
 
-impl<S: Study> StudyCommand<S> {
+/// [`Study::begin`] of a study.
+type Begin<'a> = &'a dyn Fn() -> Result<Work<'a>>;
+
+impl Flags {
     /// The engine with the folder for the results, the one of --out or another one, and the work,
     /// once the options are checked.
-    fn begun(&self, engine: Engine, otherwise: Option<PathBuf>) -> Result<(Engine, Work<'_>)> {
-        let work = self.study.begin()?;
+    fn begun<'a>(&self, begin: Begin<'a>, engine: Engine, otherwise: Option<PathBuf>) -> Result<(Engine, Work<'a>)> {
+        let work = begin()?;
         let out = self.out.clone().or(otherwise);
         let folder = out.map(|out| self.engine_args.own(out)).transpose()?;
         Ok((self.engine_args.keeping(engine, folder.as_ref())?, work))
@@ -120,7 +132,7 @@ impl<S: Study> StudyCommand<S> {
     /// Writes the files of a report, in place of those that an earlier run may have left.
     fn write(&self, engine: &Engine, report: &Report) -> Result<()> {
         let Some(folder) = engine.folder().filter(|_| finished_part(engine).is_none()) else { return Ok(()) };
-        let left = S::optional_files();
+        let left = (self.optional_files)();
         #[cfg(feature = "plot")]
         let left: Vec<String> = left.iter().flat_map(|name| super::formats::names(name)).collect();
         folder.remove(left.iter().map(String::as_str))?;
@@ -133,50 +145,43 @@ impl<S: Study> StudyCommand<S> {
         }
         Ok(())
     }
-}
 
-/// Does the work of a study. Of a shard, the report says what it has done.
-fn done<S: Study>(work: Work<'_>, engine: &Engine, progress: Progress<'_>) -> Result<Report> {
-    let report = work(engine, progress);
-    let report = match (engine.part(), finished_part(engine)) {
-        (_, Some(part)) => return Ok(part_report(&part)),
-        (Some(_), None) => report,
-        (None, _) => report.and_then(|report| whole(report, engine)),
-    };
-    match report {
-        // Parts of this study may have failed since it was asked to end, and it does not know.
-        Ok(_) if interrupt::asked() && !S::INTERRUPTIBLE => Err(nothing()),
-        Err(Error::Parameter { .. } | Error::Integration(_) | Error::Stalled { .. } | Error::Run(_))
-            if interrupt::asked() =>
-        {
-            Err(nothing())
+    /// Does the work of a study. Of a shard, the report says what it has done.
+    fn done(&self, work: Work<'_>, engine: &Engine, progress: Progress<'_>) -> Result<Report> {
+        let report = work(engine, progress);
+        let report = match (engine.part(), finished_part(engine)) {
+            (_, Some(part)) => return Ok(part_report(&part)),
+            (Some(_), None) => report,
+            (None, _) => report.and_then(|report| whole(report, engine)),
+        };
+        match report {
+            // Parts of this study may have failed since it was asked to end, and it does not know.
+            Ok(_) if interrupt::asked() && !self.interruptible => Err(nothing()),
+            Err(Error::Parameter { .. } | Error::Integration(_) | Error::Stalled { .. } | Error::Run(_))
+                if interrupt::asked() =>
+            {
+                Err(nothing())
+            }
+            report => report,
         }
-        report => report,
     }
-}
 
-/// What a shard has done, once it has all of its points.
-fn finished_part(engine: &Engine) -> Option<Part> {
-    engine.part().filter(|part| part.kept == part.points)
-}
-
-impl<S: Study> Runs for StudyCommand<S> {
-    fn run(&self) -> Exit {
-        let engine = self.engine_args.engine(S::ENGINE)?;
+    fn run<'a>(&self, begin: Begin<'a>, otherwise: Option<PathBuf>) -> Exit {
+        let engine = self.engine_args.engine(self.here)?;
         if engine.serves() {
             // Rank 0 reports errors.
-            let _ = self.study.begin().and_then(|work| work(&engine, &|_, _| ()));
+            let _ = begin().and_then(|work| work(&engine, &|_, _| ()));
             return Ok(DONE);
         }
-        let (engine, work) = self.begun(engine, self.study.default_folder())?;
+        let (engine, work) = self.begun(begin, engine, otherwise)?;
         let bar = progress_bar();
-        let report = done::<S>(work, &engine, &|share, what| {
+        let report = self.done(work, &engine, &|share, what| {
             bar.set_position((1000.0 * share.min(1.0)) as u64);
             bar.set_message(what.to_owned());
         });
         bar.finish_and_clear();
         if interrupt::asked() && finished_part(&engine).is_none() {
-            say(&stopped(S::SWEEPS, &engine));
+            say(&stopped(self.sweeps, &engine));
         }
         let report = report?;
         if let Some(remark) = report.remarks() {
@@ -195,15 +200,30 @@ impl<S: Study> Runs for StudyCommand<S> {
         printed.map(|()| if report.error().is_none() { DONE } else { FAILED })
     }
 
-    fn report(&self, progress: Progress<'_>) -> Result<Report> {
-        let engine = self.engine_args.engine(S::ENGINE)?;
+    fn report<'a>(&self, begin: Begin<'a>, progress: Progress<'_>) -> Result<Report> {
+        let engine = self.engine_args.engine(self.here)?;
         if engine.serves() {
-            return self.study.begin()?(&engine, progress);
+            return begin()?(&engine, progress);
         }
-        let (engine, work) = self.begun(engine, None)?;
-        let report = done::<S>(work, &engine, progress)?;
+        let (engine, work) = self.begun(begin, engine, None)?;
+        let report = self.done(work, &engine, progress)?;
         self.write(&engine, &report)?;
         Ok(report)
+    }
+}
+
+/// What a shard has done, once it has all of its points.
+fn finished_part(engine: &Engine) -> Option<Part> {
+    engine.part().filter(|part| part.kept == part.points)
+}
+
+impl<S: Study> Runs for StudyCommand<S> {
+    fn run(&self) -> Exit {
+        self.flags.run(&|| self.study.begin(), self.study.default_folder())
+    }
+
+    fn report(&self, progress: Progress<'_>) -> Result<Report> {
+        self.flags.report(&|| self.study.begin(), progress)
     }
 }
 
@@ -220,10 +240,9 @@ impl<S: Study + Args> Args for StudyCommand<S> {
 
 impl<S: Study + FromArgMatches> FromArgMatches for StudyCommand<S> {
     fn from_arg_matches(matches: &ArgMatches) -> std::result::Result<Self, clap::Error> {
-        let out = matches.try_get_one("out").ok().flatten().cloned();
-        Ok(Self {
-            study: S::from_arg_matches(matches)?,
-            out,
+        let study = S::from_arg_matches(matches)?;
+        let flags = Flags {
+            out: matches.try_get_one("out").ok().flatten().cloned(),
             // Without the flags, as for a command that does not sweep: all points on the threads.
             engine_args: if S::SWEEPS { EngineArgs::from_arg_matches(matches)? } else { EngineArgs::default() },
             json: matches.get_flag("json"),
@@ -231,7 +250,12 @@ impl<S: Study + FromArgMatches> FromArgMatches for StudyCommand<S> {
             formats: draws(&files_help::<S>())
                 .then(|| super::formats::Formats::from_arg_matches(matches))
                 .transpose()?,
-        })
+            here: S::ENGINE,
+            interruptible: S::INTERRUPTIBLE,
+            sweeps: S::SWEEPS,
+            optional_files: S::optional_files,
+        };
+        Ok(Self { study, flags })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> std::result::Result<(), clap::Error> {

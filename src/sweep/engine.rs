@@ -1,6 +1,6 @@
 //! The engine, with which all studies compute their grids.
 
-use super::{Backend, InTurn, Job, Progress, Rows, Shard, Store, Swept, Threads, collected, counted};
+use super::{Backend, InTurn, Job, Progress, Rows, Shard, Store, Swept, Threads, check, collected, counted, key, text};
 use crate::{
     error::{Error, Result},
     interrupt,
@@ -154,9 +154,10 @@ impl Engine {
     ) -> Result<Swept<U>> {
         let job = Job {
             count: points.len(),
-            point: &|k| &points[k],
-            work: &|points: Vec<&T>| points.into_iter().map(&work).collect(),
+            key: &|k| key(&points[k]),
+            work: &|ks| ks.iter().map(|&k| text(work(&points[k]))).collect(),
             together: 1,
+            check: check::<U>,
             progress: &counted(progress),
         };
         let mut store = self.open(grid, job.count)?;
@@ -170,10 +171,10 @@ impl Engine {
     ///
     /// # Errors
     /// As [`sweep`](Self::sweep); errors of `take`.
-    pub(crate) fn each<T: Serialize, U: Serialize + DeserializeOwned, R>(
+    pub(crate) fn each<R>(
         &self,
         grid: &Grid,
-        job: &Job<'_, T, U>,
+        job: &Job<'_>,
         take: impl FnOnce(&mut Rows<'_>) -> Result<R>,
     ) -> Result<(R, usize)> {
         let mut store = self.open(grid, job.count)?;
@@ -197,12 +198,7 @@ impl Engine {
     }
 
     /// Computes the missing rows. Returns all rows, and the points whose rows were missing.
-    fn rows<'s, T: Serialize, U: Serialize + DeserializeOwned>(
-        &self,
-        grid: &Grid,
-        job: &Job<'_, T, U>,
-        store: Option<&'s mut Store>,
-    ) -> Result<(Rows<'s>, Vec<usize>)> {
+    fn rows<'s>(&self, grid: &Grid, job: &Job<'_>, store: Option<&'s mut Store>) -> Result<(Rows<'s>, Vec<usize>)> {
         if self.backend.serves() {
             let none = Rows { store: None, texts: Vec::new(), places: Vec::new() };
             job.compute(none, &[], 0, &*self.backend)?;
@@ -218,12 +214,7 @@ impl Engine {
     }
 
     /// Computes a shard. Returns the error with its result.
-    fn part_of<T: Serialize, U: Serialize + DeserializeOwned>(
-        &self,
-        shard: Shard,
-        grid: &Grid,
-        job: &Job<'_, T, U>,
-    ) -> Result<Error> {
+    fn part_of(&self, shard: Shard, grid: &Grid, job: &Job<'_>) -> Result<Error> {
         if interrupt::asked() {
             // The points may be those of a part of a branch: not the shard that was asked for.
             return Err(Error::Stopped { kept: "what this shard had before".to_owned() });

@@ -239,21 +239,18 @@ fn collected<U: DeserializeOwned + Send>(mut rows: Rows<'_>, fresh: Vec<usize>) 
 
 /// The points of a grid by their number, so that a large grid need not be in memory, and what is
 /// done with them.
-pub(crate) struct Job<'a, T, U> {
+pub(crate) struct Job<'a> {
     pub(crate) count: usize,
-    pub(crate) point: &'a (dyn Fn(usize) -> T + Sync),
-    /// The results of a few points, up to `together` of them.
-    pub(crate) work: &'a (dyn Fn(Vec<T>) -> Vec<Result<U>> + Sync),
+    /// A point as JSON text, which identifies it in the store; see [`key`].
+    pub(crate) key: &'a (dyn Fn(usize) -> Result<String> + Sync),
+    /// The results of a few points, up to `together` of them, each as a [`text`].
+    pub(crate) work: &'a (dyn Fn(&[usize]) -> Vec<String> + Sync),
     pub(crate) together: usize,
+    pub(crate) check: Reads<()>,
     pub(crate) progress: &'a (dyn Fn(u64, u64) + Sync),
 }
 
-impl<T: Serialize, U: Serialize + DeserializeOwned> Job<'_, T, U> {
-    /// The point as JSON text, which identifies it in the store.
-    fn key(&self, k: usize) -> Result<String> {
-        let refused = |why| Error::parameter("point", why, "a point of a grid can be written as JSON");
-        serde_json::to_string(&(self.point)(k)).map_err(refused)
-    }
+impl Job<'_> {
 
     /// The hashes of all points, sorted, each with the number of its point. Refuses a point that is
     /// in the grid twice.
@@ -263,28 +260,28 @@ impl<T: Serialize, U: Serialize + DeserializeOwned> Job<'_, T, U> {
             let pieces: Vec<usize> = (first..self.count.min(first + PIECES * PIECE)).step_by(PIECE).collect();
             let hashed = map(&pieces, |&first| {
                 let numbers = first..self.count.min(first + PIECE);
-                numbers.map(|k| Ok((store::hash(&self.key(k)?), k))).collect::<Result<Vec<_>>>()
+                numbers.map(|k| Ok((store::hash(&(self.key)(k)?), k))).collect::<Result<Vec<_>>>()
             });
             hashed.into_iter().try_for_each(|piece| piece.map(|piece| hashes.extend(piece)))?;
         }
         threads::sort(&mut hashes);
         match hashes.windows(2).find(|two| two[0].0 == two[1].0) {
-            Some(twice) => Err(Error::parameter("point", self.key(twice[0].1)?, "a grid has every point once")),
+            Some(twice) => Err(Error::parameter("point", (self.key)(twice[0].1)?, "a grid has every point once")),
             None => Ok(hashes),
         }
     }
 
     /// The rows of points as text; empty if the process was asked to end.
     fn texts(&self, ks: &[usize]) -> Vec<String> {
-        let made = attempt(|| Ok((self.work)(ks.iter().map(|&k| (self.point)(k)).collect())));
+        let made = attempt(|| (self.work)(ks));
         // A computation that was asked to end may have a part of its result, or a wrong one: what
         // fails on the way is an answer to some.
         if interrupt::asked() {
             return vec![String::new(); ks.len()];
         }
         match made {
-            Ok(rows) => rows.into_iter().map(|row| text(row.map_err(|error| error.to_string()))).collect(),
-            Err(why) if ks.len() == 1 => vec![text::<U>(Err(why))],
+            Ok(texts) => texts,
+            Err(why) if ks.len() == 1 => vec![failed(&why)],
             // Whose panic it was is seen one by one.
             Err(_) => ks.iter().flat_map(|&k| self.texts(&[k])).collect(),
         }
@@ -303,8 +300,8 @@ impl<T: Serialize, U: Serialize + DeserializeOwned> Job<'_, T, U> {
                 stopped.store(true, Ordering::Relaxed);
                 return Ok(());
             }
-            read::<U>(&text).map(drop).map_err(|_| changed(text.clone()))?;
-            locked(&rows).keep(k, &self.key(k)?, text)?;
+            (self.check)(&text).map_err(|_| changed(text.clone()))?;
+            locked(&rows).keep(k, &(self.key)(k)?, text)?;
             left.fetch_sub(1, Ordering::Relaxed);
             tally.tick();
             Ok(())
@@ -327,17 +324,14 @@ pub(crate) struct Rows<'s> {
 impl<'s> Rows<'s> {
     /// The rows that the store has. Of these only the first one is read, so that a store of other
     /// values is refused before anything is computed: all have been written by one study.
-    fn find<T: Serialize, U: Serialize + DeserializeOwned>(
-        job: &Job<'_, T, U>,
-        store: Option<&'s mut Store>,
-    ) -> Result<Self> {
+    fn find(job: &Job<'_>, store: Option<&'s mut Store>) -> Result<Self> {
         let hashes = job.hashes()?;
         let places = store.as_ref().map_or_else(|| vec![None; job.count], |store| store.places(&hashes));
         let rows = Self { store, texts: Vec::new(), places };
         if let Some(k) = rows.places.iter().position(Option::is_some) {
             let mut text = String::new();
             rows.reader()?(k, &mut text)?;
-            drop(rows.row::<U>(k, &text)?);
+            rows.row(k, &text, job.check)?;
         }
         Ok(rows)
     }
@@ -370,6 +364,16 @@ impl<'s> Rows<'s> {
         make: &(dyn Fn(usize, Row<U>) -> V + Sync),
         take: &mut dyn FnMut(V) -> Result<()>,
     ) -> Result<usize> {
+        self.texts(&mut |texts| {
+            let pieces: Vec<&[(usize, &str)]> = texts.chunks(PIECE).collect();
+            let row = |&(k, text): &(usize, &str)| Ok(make(k, self.row(k, text, read)?.unwrap_or_else(|| Err(STOPPED.to_owned()))));
+            let made = map(&pieces, |piece| piece.iter().map(row).collect::<Result<Vec<V>>>());
+            made.into_iter().try_for_each(|piece| piece?.into_iter().try_for_each(&mut *take))
+        })
+    }
+
+    /// Calls `take` with what is kept of every point, and its number, many at a time.
+    fn texts(&self, take: &mut dyn FnMut(&[(usize, &str)]) -> Result<()>) -> Result<usize> {
         let (count, mut read) = (self.places.len(), self.reader()?);
         let (mut text, mut ends) = (String::new(), Vec::new());
         for k in 0..count {
@@ -381,13 +385,7 @@ impl<'s> Rows<'s> {
             let mut start = 0;
             let texts: Vec<(usize, &str)> =
                 ends.drain(..).map(|(k, end)| (k, &text[std::mem::replace(&mut start, end)..end])).collect();
-            let pieces: Vec<&[(usize, &str)]> = texts.chunks(PIECE).collect();
-            let made = map(&pieces, |piece| {
-                piece.iter().map(|(k, text)| Ok(make(*k, self.row(*k, text)?))).collect::<Result<Vec<V>>>()
-            });
-            for piece in made {
-                piece?.into_iter().try_for_each(&mut *take)?;
-            }
+            take(&texts)?;
             text.clear();
         }
         Ok(self.places.iter().filter(|place| place.is_none()).count())
@@ -410,12 +408,13 @@ impl<'s> Rows<'s> {
     }
 
     /// The row of a point, from the text that [`reader`](Self::reader) gives for it.
-    fn row<U: DeserializeOwned>(&self, k: usize, text: &str) -> Result<Row<U>> {
-        match (self.places[k], &self.store) {
-            (None, _) => Ok(Err(STOPPED.to_owned())),
+    fn row<X>(&self, k: usize, text: &str, read: Reads<X>) -> Result<Option<X>> {
+        let row = match (self.places[k], &self.store) {
+            (None, _) => return Ok(None),
             (Some(place), Some(store)) => store::row(text).and_then(read).map_err(|why| store.corrupt(place, &why)),
             (Some(_), None) => read(text).map_err(changed),
-        }
+        };
+        row.map(Some)
     }
 }
 
@@ -425,15 +424,12 @@ fn changed(text: String) -> Error {
 
 /// The row of a point, also if its work fails or panics. No work is begun after the process was
 /// asked to end.
-fn attempt<U>(work: impl FnOnce() -> Result<U>) -> Row<U> {
+fn attempt<X>(work: impl FnOnce() -> X) -> Row<X> {
     if interrupt::asked() {
         return Err(STOPPED.to_owned());
     }
     // Unwinding is safe: what points share is read only, and what a point made is dropped.
-    match catch_unwind(AssertUnwindSafe(work)) {
-        Ok(result) => result.map_err(|error| error.to_string()),
-        Err(panic) => Err(format!("panicked: {}", message(&*panic))),
-    }
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| format!("panicked: {}", message(&*panic)))
 }
 
 fn message(panic: &(dyn Any + Send)) -> &str {
@@ -441,19 +437,30 @@ fn message(panic: &(dyn Any + Send)) -> &str {
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message")
 }
 
-/// A row as text that reads back to the same type; a row for which this fails becomes a failed row.
-fn text<U: Serialize + DeserializeOwned>(row: Row<U>) -> String {
-    let kept = match row {
-        Ok(value) => Outcome::Value(value),
-        Err(failure) => Outcome::Failure(failure),
-    };
-    let tried = serde_json::to_string(&kept).map_err(|why| why.to_string());
-    let good = tried.and_then(|text| read::<U>(&text).map(|_| text));
-    good.unwrap_or_else(|why| {
-        let failure = serde_json::Value::from(format!("the result cannot be kept: {why}"));
-        format!(r#"{{"failure":{failure}}}"#)
-    })
+/// A point as JSON text.
+pub(crate) fn key<T: Serialize>(point: &T) -> Result<String> {
+    let refused = |why| Error::parameter("point", why, "a point of a grid can be written as JSON");
+    serde_json::to_string(point).map_err(refused)
 }
+
+/// A row as text that reads back to the same type; a row for which this fails becomes a failed row.
+pub(crate) fn text<U: Serialize + DeserializeOwned>(row: Result<U>) -> String {
+    let value = match row {
+        Ok(value) => value,
+        Err(failure) => return failed(&failure.to_string()),
+    };
+    let tried = serde_json::to_string(&Outcome::Value(value)).map_err(|why| why.to_string());
+    let good = tried.and_then(|text| read::<U>(&text).map(|_| text));
+    good.unwrap_or_else(|why| failed(&format!("the result cannot be kept: {why}")))
+}
+
+/// A failed row as text.
+fn failed(why: &str) -> String {
+    format!(r#"{{"failure":{}}}"#, serde_json::Value::from(why))
+}
+
+/// What reads a row from its text, or refuses the text with a reason.
+type Reads<X> = fn(&str) -> std::result::Result<X, String>;
 
 fn read<U: DeserializeOwned>(text: &str) -> std::result::Result<Row<U>, String> {
     match serde_json::from_str(text) {
@@ -461,6 +468,11 @@ fn read<U: DeserializeOwned>(text: &str) -> std::result::Result<Row<U>, String> 
         Ok(Outcome::Failure(failure)) => Ok(Err(failure)),
         Err(why) => Err(why.to_string()),
     }
+}
+
+/// Whether a text is a row with such a value.
+pub(crate) fn check<U: DeserializeOwned>(text: &str) -> std::result::Result<(), String> {
+    read::<U>(text).map(drop)
 }
 
 /// Locks a mutex, also after a panic of another thread: its data are consistent between two calls.

@@ -21,7 +21,7 @@ use crate::{
     report::Report,
     run::{Recorder, Records, Run, Snapshot, Trajectory, groups, start_all},
     scene::Scene,
-    sweep::{Engine, Grid, Job, Row, Rows, STOPPED, cores, counted},
+    sweep::{self, Engine, Grid, Job, Row, Rows, STOPPED, cores, counted},
 };
 use file::in_json;
 use hertzchain_integrators::vector::MOST_LANES;
@@ -118,7 +118,10 @@ pub struct PlanStudy {
 pub fn planned(plan: &Plan, engine: &Engine, progress: Progress<'_>) -> Result<PlanStudy> {
     let clock = Instant::now();
     let grid = Grid { store: PlanFile::STORE, study: "plan", settings: plan.settings() };
-    let work = |points: Vec<Point>| run(plan, &points);
+    let work = |ks: &[usize]| {
+        let points: Vec<Point> = ks.iter().map(|&k| plan.point(k)).collect();
+        run(plan, &points).into_iter().map(sweep::text).collect()
+    };
     let swept = |rows: &mut Rows<'_>| {
         let mut table = Table::new(plan);
         let missing = match engine.folder() {
@@ -130,8 +133,14 @@ pub fn planned(plan: &Plan, engine: &Engine, progress: Progress<'_>) -> Result<P
         };
         Ok((table, missing))
     };
-    let (point, progress) = (|k: usize| plan.point(k), counted(progress));
-    let job = Job { count: plan.points(), point: &point, work: &work, together: together(plan), progress: &progress };
+    let job = Job {
+        count: plan.points(),
+        key: &|k| sweep::key(&plan.point(k)),
+        work: &work,
+        together: together(plan),
+        check: sweep::check::<Vec<Value>>,
+        progress: &counted(progress),
+    };
     let ((table, missing), resumed) = engine.each(&grid, &job, swept)?;
     Ok(PlanStudy {
         plan: plan.clone(),
