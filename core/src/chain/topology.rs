@@ -15,7 +15,7 @@ use super::Boundary;
 use hertzchain_integrators::Real;
 use std::ops::Range;
 
-/// A row of sites with its boundary condition; or rows [abreast](super::lanes).
+/// A row of sites with its boundary condition; or rows abreast, one in each lane of a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Topology {
     boundary: Boundary,

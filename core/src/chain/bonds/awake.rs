@@ -36,8 +36,8 @@ const AHEAD: usize = 256;
 const MARGIN: usize = 5;
 /// Shorter chains, in sites, are awake as a whole, and are moved abreast where they are alike. In a
 /// trial with AVX-512 (CPU time, least of 25 runs each, a busy machine), rings abreast take 0.53 to
-/// 0.67 of the time of each alone with 16 sites, 0.53 to 0.72 with 32, 0.55 to 0.75 with 50, 0.51 to
-/// 0.88 with 63, 0.68 to 1.18 with 100, by 32 to 512 steps a period.
+/// 0.67 of the time of each alone with 16 sites, 0.53 to 0.72 with 32, 0.55 to 0.75 with 50, 0.51
+/// to 0.88 with 63, 0.68 to 1.18 with 100, by 32 to 512 steps a period.
 pub(crate) const FEW: usize = 8 * LANES;
 /// The distance of a sleeping overlap from zero, in steps of its motion. A turn counts up to three
 /// second differences from zero; these are at most `2 omega h A`, or `h abs(G')` where a bond has

@@ -7,10 +7,10 @@
 //! is loaded that was written in parts.
 //!
 //! For each register a cheap test finds whether a bond in it may have changed its side or turned
-//! near zero. Only after a pass in which one may have, the exact test follows, of the registers from
-//! the first such one to the last, and of all at the end of a row. One call makes steps
-//! until a bond has. Sites that sleep, see [`awake`](super::awake), are left out: a pass goes over
-//! each range of awake sites.
+//! near zero. Only after a pass in which one may have, the exact test follows, of the registers
+//! from the first such one to the last, and of all at the end of a row. One call makes steps until
+//! a bond has. Sites that sleep, see [`awake`](super::awake), are left out: a pass goes over each
+//! range of awake sites.
 
 use super::{
     super::{
