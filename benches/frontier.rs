@@ -122,7 +122,7 @@ impl Problem {
     fn ours(&self, members: usize) -> Vec<Point> {
         let single = [Split::Kinetic, Split::Linear].map(Method::SingleRoots);
         let methods = Method::default_comparison_set().into_iter().chain(single);
-        let aside = |method: &Method| matches!(method, Method::Splitting(..) | Method::SingleRoots(_));
+        let aside = |method: &Method| method.split().is_some();
         let methods = methods.filter(|method| members == 1 || aside(method));
         let names = methods.map(|method| method.name()).filter(|name| name != "dop853");
         names.flat_map(|name| self.method(&name, members)).collect()

@@ -25,6 +25,13 @@ pub trait Coefficient<R: Real>: Copy + PartialEq + 'static {
     /// Several coefficients from their numbers in each lane.
     fn by_lane<const N: usize>(numbers: impl Fn(usize) -> [R; N]) -> [Self; N];
 
+    /// The same number in all lanes.
+    #[inline(always)]
+    fn all(x: R) -> Self {
+        let [all] = Self::by_lane(|_| [x]);
+        all
+    }
+
     /// A coefficient to twice the working precision from its number in each lane.
     #[inline(always)]
     fn twofold(number: impl Fn(usize) -> DoubleDouble<R>) -> DoubleDouble<Self> {

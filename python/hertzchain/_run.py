@@ -689,7 +689,7 @@ def run_many(
 ) -> Ensemble:
     """Run a chain from many states, on all cores; each trajectory has the bits of :func:`run`.
 
-    By a splitting with equal steps, such as ``strang-linear`` or ``verlet``, short chains are moved
+    By a splitting with equal steps, such as ``corrected`` or ``verlet``, short chains are moved
     side by side, one in each lane of a vector register, which takes less time.
 
     Parameters

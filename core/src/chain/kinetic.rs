@@ -257,6 +257,7 @@ struct Resonant<'a, R, K> {
 
 impl<R: Real, K: Coefficient<R>> Sites<R> for Beads<'_, R, K> {
     type Moment = Durations<K>;
+    type Coefficient = K;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -285,6 +286,7 @@ impl<R: Real, K: Coefficient<R>> Sites<R> for Beads<'_, R, K> {
 
 impl<R: Real, K: Coefficient<R>> Sites<R> for Cradle<'_, R, K> {
     type Moment = Durations<K>;
+    type Coefficient = K;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -309,6 +311,7 @@ impl<R: Real, K: Coefficient<R>> Sites<R> for Cradle<'_, R, K> {
 
 impl<R: Real, K: Coefficient<R>> Sites<R> for Resonant<'_, R, K> {
     type Moment = Durations<K>;
+    type Coefficient = K;
 
     #[inline(always)]
     fn room(&self) -> usize {

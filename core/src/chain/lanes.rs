@@ -42,9 +42,9 @@ impl Chain<f64> {
         assert!(members.len() <= first.most_abreast(), "more chains than can be moved together");
         let parts: Option<Vec<_>> = members.iter().map(Self::parts).collect();
         let details = parts.map(|parts| Arc::new(CheckedDetails::abreast(&parts)));
-        let sites = first.sites() * details.as_ref().map_or(lanes, |_| members.len());
-        let all = first.with_sites(first.boundary(), sites);
-        Self { members, details, ..all }
+        let topology = first.topology.abreast(details.as_ref().map_or(lanes, |_| members.len()));
+        let all = first.with_sites(first.boundary(), topology.sites());
+        Self { topology, members, details, ..all }
     }
 }
 
@@ -52,7 +52,7 @@ impl<R: Real> Chain<R> {
     /// Distance of the numbers of neighbouring sites in columns.
     #[inline(always)]
     pub(super) fn stride<K: Coefficient<R>>(&self) -> usize {
-        if K::EACH { self.sites() / self.members[0].sites() } else { 1 }
+        if K::EACH { self.topology.apart() } else { 1 }
     }
 
     /// The chain of a lane; lanes without a member are like the last one.

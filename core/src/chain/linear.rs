@@ -23,7 +23,7 @@ use super::{
     divisible::Divisible,
     lanes::Coefficient,
     phase::Phase,
-    rows::{Clock, InRow, Pairs, RowForces},
+    rows::{Clock, InRow, RowForces},
     sweep::{MOST_KICKS, Sites, Swept, Visit, follow, long, step},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector, system::ContactFlow, with_registers};
@@ -59,16 +59,6 @@ impl<R: Real> LinearFlow<R> {
     pub fn new(chain: Chain<R>) -> Self {
         Self::of(chain)
     }
-
-    /// `mu`.
-    pub(super) fn mu(&self) -> R {
-        self.chain.modes().mu
-    }
-
-    /// `omega`.
-    pub(super) fn omega(&self) -> R {
-        self.phase.omega(0)
-    }
 }
 
 impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
@@ -92,6 +82,16 @@ impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
         let (phase, forces) = (Phase::new(DoubleDouble { hi, lo }), RowForces::new(&chain));
         let (tau, kicks) = (K::zero(), 0);
         Self { chain, centre, oscillation, m, mu_over_omega, rest, phase, tau, kicks, forces }
+    }
+
+    /// `mu`; of the first chain abreast.
+    pub(super) fn mu(&self) -> R {
+        self.chain.modes().mu
+    }
+
+    /// `omega`, likewise.
+    pub(super) fn omega(&self) -> R {
+        self.phase.omega(0)
     }
 
     /// `R0 <- R0 + V tau`, `tau <- 0`.
@@ -361,50 +361,50 @@ impl<K: Copy> Now<K> {
 }
 
 impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
-    /// What positions and a kick of duration `kick` depend on at the present time, of a chain
-    /// alone.
+    /// What positions and a kick of duration `kick` depend on at the present time.
     #[inline]
     pub(super) fn now(&self, kick: K) -> Now<K> {
-        Now::new::<R, R>(self.phase.sin_cos(), self.tau, kick, [self.m, self.mu_over_omega])
+        let shares = [self.m, self.mu_over_omega];
+        with_registers!(V<R> => Now::new::<R, V<R>>(self.phase.sin_cos(), self.tau, kick, shares))
     }
 
     /// Does the work that `work` makes of a clock of the (kick, drift) pairs in a row. Only the
     /// first kick may have an anchor before it.
     #[inline(always)]
-    pub(super) fn in_row<'a, W: Visit<R, Now<K>>>(
+    pub(super) fn in_row<'a, W: Visit<R, Now<K>>, I>(
         &'a mut self,
-        pairs: &'a [(K, DoubleDouble<K>)],
-        work: impl FnOnce(Phases<'a, R, K>) -> W,
+        pairs: I,
+        work: impl FnOnce(Phases<'a, R, K, I>) -> W,
     ) -> W::Output {
         let shares = [self.m, self.mu_over_omega];
-        let now = self.now(K::zero());
+        let now = Now::new::<R, R>(self.phase.sin_cos(), self.tau, K::zero(), shares);
         let Self { chain, centre, oscillation, phase, tau, .. } = self;
-        hand_over(chain, [centre, oscillation], now, work(Phases { phase, tau, shares, pairs: pairs.iter() }))
+        hand_over(chain, [centre, oscillation], now, work(Phases { phase, tau, shares, pairs }))
     }
 
     /// Kicks of a short chain in a row, each followed by its drift.
     fn row(&mut self, pairs: &[(K, DoubleDouble<K>)]) {
         let (mut forces, rest) = (std::mem::replace(&mut self.forces, RowForces::none()), self.rest);
-        self.in_row(pairs, |clock| InRow { forces: &mut forces, rest, clock, kicks: pairs.len() });
+        self.in_row(pairs.iter().copied(), |clock| InRow { forces: &mut forces, rest, clock, kicks: pairs.len() });
         self.forces = forces;
     }
 }
 
 /// The clock of (kick, drift) pairs in a row.
-pub(super) struct Phases<'a, R, K = R> {
+pub(super) struct Phases<'a, R, K, I> {
     phase: &'a mut Phase<R, K>,
     tau: &'a mut K,
     shares: [K; 2],
-    pairs: Pairs<'a, K>,
+    pairs: I,
 }
 
-impl<R: Real, K: Coefficient<R>> Clock<R> for Phases<'_, R, K> {
+impl<R: Real, K: Coefficient<R>, I: Iterator<Item = (K, DoubleDouble<K>)>> Clock<R> for Phases<'_, R, K, I> {
     type Coefficient = K;
     type Moment = Now<K>;
 
     #[inline(always)]
     fn next<V: Vector<R>>(&mut self) -> Now<K> {
-        let &(kick, drift) = self.pairs.next().expect("a pair for each kick");
+        let (kick, drift) = self.pairs.next().expect("a pair for each kick");
         let now = Now::new::<R, V>(self.phase.sin_cos(), *self.tau, kick, self.shares);
         self.phase.advance_inside::<V>(drift);
         *self.tau = K::kept::<V>(self.tau.get::<V>() + drift.hi.get::<V>());
@@ -439,6 +439,7 @@ struct Both<'a, R, K> {
 
 impl<R: Real, K: Coefficient<R>> Sites<R> for Centre<'_, R, K> {
     type Moment = Now<K>;
+    type Coefficient = K;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -467,6 +468,7 @@ impl<R: Real, K: Coefficient<R>> Sites<R> for Centre<'_, R, K> {
 
 impl<R: Real, K: Coefficient<R>> Sites<R> for Oscillation<'_, R, K> {
     type Moment = Now<K>;
+    type Coefficient = K;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -495,6 +497,7 @@ impl<R: Real, K: Coefficient<R>> Sites<R> for Oscillation<'_, R, K> {
 
 impl<R: Real, K: Coefficient<R>> Sites<R> for Both<'_, R, K> {
     type Moment = Now<K>;
+    type Coefficient = K;
 
     #[inline(always)]
     fn room(&self) -> usize {

@@ -34,6 +34,7 @@ mod sweep;
 mod topology;
 
 pub use blocks::{Blocks, Whole};
+pub(crate) use bonds::FEW;
 pub use bonds::{CorrectedSplit, SiteFlow};
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Maximum, Overlaps, TOUCH};

@@ -296,25 +296,28 @@ unsafe fn moved<R: Real, V: Vector<R>, S: Sites<R>, const KICK: bool>(
 /// # Safety
 /// The column has forces of bonds from `PAD` on, and a register before.
 #[inline(always)]
-unsafe fn force_before<R: Real, V: Vector<R>, K: Coefficient<R>>(forces: &Column<'_, R>, at: usize) -> V {
+pub(crate) unsafe fn force_before<R: Real, V: Vector<R>, K: Coefficient<R>>(forces: &Column<'_, R>, at: usize) -> V {
     // SAFETY: the caller's promise.
     unsafe { if K::EACH { forces.load(PAD + at - V::LANES) } else { V::all(forces.load(PAD + at - 1)) } }
 }
 
 /// [`overlaps`], also of chains abreast.
 #[inline(always)]
-fn between<R: Real, V: Vector<R>, const STRAIN: bool, K: Coefficient<R>>(rest: V, before: V, q: V) -> V {
+pub(crate) fn between<R: Real, V: Vector<R>, const STRAIN: bool, K: Coefficient<R>>(rest: V, before: V, q: V) -> V {
     if K::EACH && !STRAIN { rest + (before - q) } else { overlaps::<R, V, STRAIN>(rest, before, q) }
+}
+
+/// The numbers before and after those of the register `f`, from the registers around it.
+#[inline(always)]
+pub(crate) fn around<R: Real, V: Vector<R>, K: Coefficient<R>>([before, f, next]: [V; 3]) -> [V; 2] {
+    if K::EACH { [before, next] } else { [f.after(before), f.before(next)] }
 }
 
 /// [`push`], also on chains abreast.
 #[inline(always)]
-fn pushes<R: Real, V: Vector<R>, const STRAIN: bool, K: Coefficient<R>>(before: V, f: V, next: V) -> V {
-    match (STRAIN, K::EACH) {
-        (true, true) => (f - before) - (next - f),
-        (false, true) => f - next,
-        (_, false) => push::<R, V, STRAIN>(before, f, next),
-    }
+pub(crate) fn pushes<R: Real, V: Vector<R>, const STRAIN: bool, K: Coefficient<R>>(before: V, f: V, next: V) -> V {
+    let [before, next] = around::<R, V, K>([before, f, next]);
+    if STRAIN { (f - before) - (next - f) } else { f - next }
 }
 
 /// [`given`], also on chains abreast, whose forces beyond the last site fill a register.
@@ -322,7 +325,7 @@ fn pushes<R: Real, V: Vector<R>, const STRAIN: bool, K: Coefficient<R>>(before: 
 /// # Safety
 /// As [`given`].
 #[inline(always)]
-unsafe fn forces_on<R: Real, V: Vector<R>, const STRAIN: bool, K: Coefficient<R>>(
+pub(crate) unsafe fn forces_on<R: Real, V: Vector<R>, const STRAIN: bool, K: Coefficient<R>>(
     forces: &Column<'_, R>,
     n: usize,
     at: usize,
@@ -344,11 +347,7 @@ unsafe fn forces_on<R: Real, V: Vector<R>, const STRAIN: bool, K: Coefficient<R>
 /// The column has the forces of bonds from `PAD` on, that of the bond before the first before it,
 /// and that of the bond after the last site in the register after the last.
 #[inline(always)]
-pub(crate) unsafe fn given<R: Real, V: Vector<R>, const STRAIN: bool>(
-    forces: &Column<'_, R>,
-    n: usize,
-    at: usize,
-) -> V {
+unsafe fn given<R: Real, V: Vector<R>, const STRAIN: bool>(forces: &Column<'_, R>, n: usize, at: usize) -> V {
     // SAFETY: the caller's promise.
     let (before, f): (R, V) = unsafe { (forces.load(PAD + at - 1), forces.load(PAD + at)) };
     let (before, after) = (V::all(before), PAD + at + V::LANES);

@@ -17,6 +17,7 @@
 
 use super::{
     Chain,
+    lanes::Coefficient,
     law::{LANES, Power, with_roots},
 };
 use hertzchain_integrators::{DoubleDouble, Real, Vector, with_registers};
@@ -25,6 +26,8 @@ use hertzchain_integrators::{DoubleDouble, Real, Vector, with_registers};
 pub(crate) trait Sites<R: Real> {
     /// What positions, a kick and its drift depend on.
     type Moment: Copy;
+    /// Its coefficients.
+    type Coefficient: Coefficient<R>;
     /// Length of the columns.
     fn room(&self) -> usize;
     /// The positions of the sites from `at` on.

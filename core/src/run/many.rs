@@ -5,13 +5,13 @@ use super::{
     method::{Split, loaded},
 };
 use crate::{
-    chain::{Chain, Divisible, KineticFlow, LinearFlow, SitewiseFlow},
+    chain::{Chain, CorrectedSplit, Divisible, FEW, KineticFlow, LinearFlow, SitewiseFlow},
     error::Result,
 };
 use hertzchain_integrators::{
     Error as Failure, Observer, Splitting, Stats, Stepper, drive,
     lanes::Each,
-    splitting::{Scheme, tables},
+    splitting::{Corrected, tables},
 };
 use std::{ops::ControlFlow, time::Instant};
 
@@ -24,10 +24,12 @@ use std::{ops::ControlFlow, time::Instant};
 ///
 /// Chains of equal beads may differ in their initial states, in kappa, rho and precompression and,
 /// if samples are equally spaced and taken at ends of steps, in the span; all are plain, or all
-/// have fixed resonators, or all moving ones. Chains with details may differ in their initial
-/// states and in all details but gravity and further powers of contacts, and none has a table;
-/// moving resonators, springs or magnets between beads, and the ledger of energies are in all of
-/// them or in none. Their wall time is shared equally.
+/// have fixed resonators, or all moving ones. By contact-corrected splitting on the linear split
+/// they have fewer than 64 beads, and differ in their initial states only; by that on the kinetic
+/// split, and by either on chains with details, runs are made one by one. Chains with details may
+/// differ in their initial states and in all details but gravity and further powers of contacts,
+/// and none has a table; moving resonators, springs or magnets between beads, and the ledger of
+/// energies are in all of them or in none. Their wall time is shared equally.
 ///
 /// ```
 /// # use hertzchain_core::{Boundary, Chain, Method, Params, Run, Setting, State, run::start_all};
@@ -73,34 +75,36 @@ pub fn groups(runs: &[Run], most: usize) -> Vec<&[Run]> {
 }
 
 impl Run {
-    /// Scheme, split and steps of a run that can be made together with others.
-    fn split(&self) -> Option<(&'static Scheme, Split, u64)> {
+    /// Split and steps of a run that can be made together with others.
+    fn split(&self) -> Option<(Split, u64)> {
         let runs = self.method?.runs(&self.chain).and(self.chain.magnets_apart(self.initial().as_slice()));
         // A run with a table is watched for overlaps beyond its last row.
         let table = self.chain.details().is_some_and(|details| details.table.is_some());
         let plain = runs.is_ok() && self.parts.whole() && !self.contacts && !table;
-        let (scheme, split) = match self.method? {
-            Method::Splitting(scheme, split) => (scheme, split),
-            Method::SingleRoots(split) => (&tables::STRANG, split),
-            _ => return None,
-        };
+        let (split, corrected) = (self.method?.split()?, matches!(self.method?, Method::Corrected(..)));
+        let few = split == Split::Linear && self.chain.details().is_none() && self.chain.sites() < FEW;
+        let plain = plain && (few || !corrected) && self.observables.is_none() && self.crossings.is_none();
         match self.setting {
-            Some(Setting::Steps(steps)) if plain && self.observables.is_none() && self.crossings.is_none() => {
-                Some((scheme, split, steps))
-            }
+            Some(Setting::Steps(steps)) if plain => Some((split, steps)),
             _ => None,
         }
     }
 
     /// Whether another run can be made together with this one.
     fn alike(&self, other: &Self) -> bool {
-        self.split().is_some()
+        let same = (self.start, self.end) == (other.start, other.end);
+        let (own, others) = (&self.chain, &other.chain);
+        let fits = match self.method {
+            Some(Method::Corrected(..)) => {
+                same && (own.params(), own.precompression()) == (others.params(), others.precompression())
+            }
+            _ => same || own.details().is_none() && self.sampled_at_steps(),
+        };
+        fits && self.split().is_some()
             && (self.method, self.setting) == (other.method, other.setting)
             && other.split().is_some()
-            && self.chain.kind() == other.chain.kind()
+            && own.kind() == others.kind()
             && (self.records, &self.sampling) == (other.records, &other.sampling)
-            && ((self.start, self.end) == (other.start, other.end)
-                || self.chain.details().is_none() && self.sampled_at_steps())
     }
 
     /// Whether all samples of a run by equal steps are at ends of steps.
@@ -117,7 +121,7 @@ impl Run {
 /// Runs that are alike, side by side.
 fn together(
     runs: &[Run],
-    (scheme, split, steps): (&'static Scheme, Split, u64),
+    (split, steps): (Split, u64),
     seen: &mut dyn FnMut(usize, f64, &[f64]),
 ) -> Result<Vec<Trajectory>> {
     let clock = Instant::now();
@@ -128,16 +132,21 @@ fn together(
         _ => run.chain.clone(),
     };
     let (chain, first) = (Chain::abreast(runs.iter().map(forces).collect()), split.first());
-    let mut stepper: Box<dyn Stepper<f64>> = match split {
+    let scheme = if let Some(Method::Splitting(scheme, _)) = runs[0].method { scheme } else { &tables::STRANG };
+    let mut stepper: Box<dyn Stepper<f64>> = match (runs[0].method, split) {
+        (Some(Method::Corrected(parts, _)), _) => {
+            let flow = loaded(LinearFlow::<f64, Each<f64>>::rest(chain), &y);
+            Box::new(Corrected::new(CorrectedSplit::new(flow), spans[0], steps, parts)?)
+        }
         _ if chain.details().is_some() => {
             let flow = loaded(SitewiseFlow::new(chain, split, spans[0].0), &y);
             Box::new(Splitting::new(scheme, first, flow, spans[0], steps)?)
         }
-        Split::Kinetic => {
+        (_, Split::Kinetic) => {
             let flow = loaded(KineticFlow::<f64, Each<f64>>::rest(chain), &y);
             Box::new(Splitting::abreast(scheme, first, flow, &spans, steps)?)
         }
-        Split::Linear => {
+        (_, Split::Linear) => {
             let flow = loaded(LinearFlow::<f64, Each<f64>>::rest(chain), &y);
             Box::new(Splitting::abreast(scheme, first, flow, &spans, steps)?)
         }
@@ -242,6 +251,34 @@ mod tests {
         });
     }
 
+    #[test]
+    fn corrected_runs_that_are_made_together_have_the_bits_of_each_alone() {
+        // Truth: each run alone; samples at ends of steps and inside, each of which searches for
+        // events near it; numbers of sites around those of a register, walls that hold a
+        // precompression, and both parts of the method.
+        crate::chain::on_every_set(|set| {
+            for (k, boundary) in Boundary::ALL.into_iter().enumerate() {
+                for (n, rho) in [1, 2, 3, 9, 17].into_iter().flat_map(|n| [0.0, 0.4, f64::INFINITY].map(|rho| (n, rho)))
+                {
+                    let chain = Chain::new(Params::new([1.2, 1.5, 2.0][(n + k) % 3], 1.0, rho).unwrap(), boundary, n);
+                    let chain = chain.unwrap();
+                    let chain = chain.clone().precompressed([0.0, 0.02][n % 2]).unwrap_or(chain);
+                    for (method, steps) in [("corrected", 90), ("corrected", 101), ("takahashi-imada-linear", 91)] {
+                        let runs = runs(|_| chain.clone(), method, 1..8, steps);
+                        let runs: Vec<_> = runs.into_iter().map(|run| run.until(12.0).unwrap()).collect();
+                        each_as_alone(&runs, &format!("{set} {boundary:?} {n} {rho} {method} {steps}"));
+                    }
+                }
+            }
+        });
+        // What cannot be made together: parameters and spans of their own, the kinetic split.
+        let chain = |size: u32| Chain::new(Params::new(1.5, f64::from(size), 0.4).unwrap(), Boundary::Free, 9).unwrap();
+        let alone = |runs: &[Run]| assert_eq!(groups(runs, 7)[0].len(), 1);
+        alone(&runs(chain, "corrected", 1..8, 91));
+        alone(&runs(|_| chain(1), "corrected", 1..8, 90));
+        alone(&runs(|_| chain(1), "corrected-kinetic", 1..8, 91));
+    }
+
     /// Seven runs that are made together have the bits of each alone, at all samples.
     fn each_as_alone(runs: &[Run], told: &str) {
         assert_eq!(groups(runs, 7)[0].len(), runs[0].chain.most_abreast().min(7), "{told}");
@@ -328,18 +365,21 @@ mod tests {
         // Truth: each alone. Steps of 0.7 are unstable for Verlet where beads are pressed hard.
         let chain = Chain::new(Params::new(2.5, 4.0, f64::INFINITY).unwrap(), Boundary::Ring, 9).unwrap();
         let chain = |_| chain.clone();
-        let mut all = runs(chain, "verlet", 1..4, 10);
-        all[1] = runs(chain, "verlet", 100_000..100_001, 10).remove(0);
-        all.push(all[0].clone().setting(Setting::Tolerance(1e-3)));
-        let mut ends = start_all(&all, &mut |_, _, _| ());
-        assert!(matches!(ends.pop(), Some(Err(_))), "verlet takes no tolerance");
-        let failed: Vec<bool> = ends.iter().map(|end| end.as_ref().unwrap().failure.is_some()).collect();
-        assert_eq!(failed, [false, true, false]);
-        for (run, end) in all.iter().zip(ends) {
-            let (alone, end) = (run.start().unwrap(), end.unwrap());
-            // As text, in which NaN is itself.
-            let told = |end: &Trajectory| format!("{:?}", (&end.state, end.t, &end.failure));
-            assert_eq!(told(&end), told(&alone));
+        for method in ["verlet", "corrected"] {
+            let mut all = runs(chain, method, 1..4, 10);
+            all[1] = runs(chain, method, 100_000..100_001, 10).remove(0);
+            let verlet = Method::named("verlet").unwrap();
+            all.push(all[0].clone().method(verlet).setting(Setting::Tolerance(1e-3)));
+            let mut ends = start_all(&all, &mut |_, _, _| ());
+            assert!(matches!(ends.pop(), Some(Err(_))), "verlet takes no tolerance");
+            let failed: Vec<bool> = ends.iter().map(|end| end.as_ref().unwrap().failure.is_some()).collect();
+            assert_eq!(failed, [false, true, false]);
+            for (run, end) in all.iter().zip(ends) {
+                let (alone, end) = (run.start().unwrap(), end.unwrap());
+                // As text, in which NaN is itself.
+                let told = |end: &Trajectory| format!("{:?}", (&end.state, end.t, &end.failure));
+                assert_eq!(told(&end), told(&alone));
+            }
         }
     }
 }

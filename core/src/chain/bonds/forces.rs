@@ -5,8 +5,10 @@
 use super::{
     super::{
         Chain, ContactLaw, Topology,
+        lanes::Coefficient,
         law::{LANES, Power, with_hertz},
-        sweep::{Sites, Visit, push},
+        rows::{around, between, force_before, pushes},
+        sweep::{Sites, Visit},
     },
     PAD, WORD,
 };
@@ -59,7 +61,8 @@ impl Forces<'_> {
     #[inline(always)]
     fn refresh_by<V: Vector<f64>, P: Power<f64>>(mut self, power: P, chain: &Chain<f64>, registers: &[usize]) {
         let (law, strain, rest) = (chain.law(), chain.topology().strains(), V::all(chain.precompression()));
-        let room = (chain.sites() + 1).next_multiple_of(LANES);
+        let apart = chain.topology().apart();
+        let room = (chain.sites() + apart).next_multiple_of(LANES);
         assert!(self.overlap.len() >= room && self.before.iter().all(|column| column.len() >= room));
         assert!([&self.q, &self.force, &self.slope].iter().all(|column| column.len() >= PAD + room));
         for &register in registers {
@@ -69,7 +72,8 @@ impl Forces<'_> {
                 // SAFETY: columns have room, as asserted.
                 unsafe {
                     let here: V = self.q.load(PAD + at);
-                    let g = if strain { V::all(0.0) - here } else { rest + (self.q.load::<V>(PAD + at - 1) - here) };
+                    let g =
+                        if strain { V::all(0.0) - here } else { rest + (self.q.load::<V>(PAD + at - apart) - here) };
                     let (f, slope) = law.force_and_slope(power, g);
                     self.overlap.store(at, g);
                     self.force.store(PAD + at, f);
@@ -99,20 +103,24 @@ impl Forces<'_> {
         assert!([q, force, slope].iter().all(|column| column.len() >= PAD + room));
         self.closed.fill(0);
         self.turning.fill(0);
+        let (left, right) = topology.ghosts(0.0, 0.0);
+        let (mut left, mut right) = (Outer::<V, S>::all(left), Outer::<V, S>::all(right));
         // SAFETY: registers begin at most at the last bond, and columns have room for them, as
         // asserted.
-        let (first, last) = unsafe { (sites.positions::<f64>(0, &now), sites.positions::<f64>(n - 1, &now)) };
-        let (left, right) = topology.ghosts(first, last);
-        // SAFETY: as above.
-        unsafe { self.q.store(PAD - 1, left) };
-        let (mut before, beyond) = (V::all(left), V::all(right));
+        unsafe {
+            if topology.ring() {
+                (left, right) = (sites.positions(n - topology.apart(), &now), sites.positions(0, &now));
+            }
+            self.q.store(PAD - topology.apart(), left);
+        }
+        let (mut before, beyond) = (spread::<V, S::Coefficient>(left), spread::<V, S::Coefficient>(right));
         for at in (0..=n).step_by(V::LANES) {
             let here = match n - at {
                 0 => beyond,
                 // SAFETY: as above.
                 left => unsafe { sites.positions::<V>(at, &now) }.first(left.min(V::LANES), beyond),
             };
-            let g = if STRAIN { V::all(0.0) - here } else { V::all(rest) + (here.after(before) - here) };
+            let g = between::<f64, V, STRAIN, S::Coefficient>(V::all(rest), before, here);
             let (f, by_overlap) = power.raise_with_slope(law.positive_part(g));
             // SAFETY: as above.
             unsafe {
@@ -128,6 +136,15 @@ impl Forces<'_> {
             before = here;
         }
     }
+}
+
+/// A number beyond an end; or a register of them, of chains abreast.
+type Outer<V, S> = <<S as Sites<f64>>::Coefficient as Coefficient<f64>>::In<V>;
+
+/// A number in all lanes, or the register.
+#[inline(always)]
+pub(super) fn spread<V: Vector<f64>, K: Coefficient<f64>>(outer: K::In<V>) -> V {
+    K::kept::<V>(outer).in_lanes::<V>()
 }
 
 /// The numbers of a register.
@@ -211,8 +228,9 @@ impl Modified<'_> {
     /// # Safety
     /// The columns have room for a register from `PAD + at` on.
     #[inline(always)]
-    unsafe fn at<V: Vector<f64>, const STRAIN: bool>(&self, at: usize, [before, f, next]: [V; 3]) -> V {
-        let mut pull = (f.after(before) - f) - (f - f.before(next));
+    unsafe fn at<V: Vector<f64>, K: Coefficient<f64>, const STRAIN: bool>(&self, at: usize, registers: [V; 3]) -> V {
+        let (f, [before, next]) = (registers[1], around::<f64, V, K>(registers));
+        let mut pull = (before - f) - (f - next);
         // SAFETY: the caller's promise; there is a register before `PAD`.
         unsafe {
             if let Some(spring) = &self.spring {
@@ -232,30 +250,35 @@ impl Modified<'_> {
         assert!(sites.room() >= n.next_multiple_of(V::LANES));
         assert!(self.force.len() >= room && self.slope.len() >= room);
         assert!(self.spring.as_ref().is_none_or(|spring| spring.len() >= room));
+        let (mut before, mut wrapped, apart) = (V::all(0.0), Outer::<V, S>::all(0.0), topology.apart());
         // SAFETY: registers begin at most at the last bond, and one follows it in the columns, as
         // asserted.
-        let around = |b: usize| unsafe { [PAD + b - 1, PAD + b, PAD + b + 1].map(|at| self.force.load::<f64>(at)) };
-        // On a ring of strains the last bond pushes the first strain.
-        // SAFETY: as above.
-        let wrapped = if STRAIN { unsafe { self.at::<f64, STRAIN>(n - 1, around(n - 1)) } } else { 0.0 };
-        let (mut before, mut modified) = (V::all(0.0), V::all(wrapped));
-        // SAFETY: as above.
-        let mut f: [V; 2] = unsafe { [V::all(self.force.load(PAD - 1)), self.force.load(PAD)] };
+        let mut f: [V; 2] = unsafe {
+            if STRAIN {
+                // The last bond of a ring pushes the first strain.
+                let last = [PAD + n - 2 * apart, PAD + n - apart, PAD + n].map(|at| self.force.load(at));
+                wrapped = self.at::<_, S::Coefficient, STRAIN>(n - apart, last);
+            }
+            [force_before::<f64, V, S::Coefficient>(&self.force, 0), self.force.load(PAD)]
+        };
+        let mut modified = spread::<V, S::Coefficient>(wrapped);
         for at in (0..=n).step_by(V::LANES) {
             // SAFETY: as above.
             let next = unsafe { self.force.load(PAD + at + V::LANES) };
             // SAFETY: as above.
-            let here = unsafe { self.at::<V, STRAIN>(at, [f[0], f[1], next]) };
+            let here = unsafe { self.at::<V, S::Coefficient, STRAIN>(at, [f[0], f[1], next]) };
             if at > 0 {
                 // SAFETY: as above.
-                unsafe { sites.update(at - V::LANES, push::<f64, V, STRAIN>(before, modified, here), &now) };
+                unsafe {
+                    sites.update(at - V::LANES, pushes::<f64, V, STRAIN, S::Coefficient>(before, modified, here), &now)
+                };
             }
             (before, modified, f) = (modified, here, [f[1], next]);
         }
         let rest = n % V::LANES;
         if rest > 0 {
             let none = V::all(0.0);
-            let last = push::<f64, V, STRAIN>(before, modified, none).first(rest, none);
+            let last = pushes::<f64, V, STRAIN, S::Coefficient>(before, modified, none).first(rest, none);
             // SAFETY: as above.
             unsafe { sites.update(n - rest, last, &now) };
         }

@@ -7,20 +7,22 @@
 //! is loaded that was written in parts.
 //!
 //! For each register a cheap test finds whether a bond in it may have changed its side or turned
-//! near zero. Only after a pass in which one may have, the exact test follows. One call makes steps
-//! until a bond has. Sites that sleep, see [`awake`](super::awake), are left out: a pass goes over
-//! each range of awake sites.
+//! near zero. Only after a pass in which one may have, the exact test follows, of the registers
+//! from the first such one to the last, and of all at the end of a row. One call makes steps until
+//! a bond has. Sites that sleep, see [`awake`](super::awake), are left out: a pass goes over each
+//! range of awake sites.
 
 use super::{
     super::{
         Chain, ContactLaw, Topology,
+        lanes::Coefficient,
         law::{Power, with_hertz},
-        rows::{Clock, given},
-        sweep::{Sites, Visit, overlaps, push},
+        rows::{Clock, around, between, force_before, forces_on, pushes},
+        sweep::{Sites, Visit},
     },
     PAD, WORD,
     awake::ActiveRange,
-    forces::{lanes, mark},
+    forces::{lanes, mark, spread},
 };
 use hertzchain_integrators::{Column, Vector, with_registers};
 use std::ops::Range;
@@ -44,9 +46,10 @@ pub struct Fused<'a> {
     /// Overlaps at the last evaluation and at the two before, latest first. Each evaluation
     /// exchanges the columns, and those of forces and derivatives.
     pub(super) overlaps: [Column<'a, f64>; 3],
-    /// Forces and derivatives, from `PAD` on: those of the last evaluation, and room for the next.
+    /// Forces, from `PAD` on: those of the last evaluation, and room for the next.
     pub(super) forces: [Column<'a, f64>; 2],
-    pub(super) slopes: [Column<'a, f64>; 2],
+    /// Derivatives, from `PAD` on.
+    pub(super) slope: Column<'a, f64>,
     /// Modified forces, from `PAD` on, with those of neighbours beyond either end; zeros where
     /// sites sleep.
     pub(super) modified: Column<'a, f64>,
@@ -89,35 +92,43 @@ impl<C: Clock<f64>> FusedRow<'_, C> {
     ) -> usize {
         let Self { fused, mut clock, kicks } = self;
         let (topology, n) = (chain.topology(), chain.sites());
+        let bonds = n + topology.apart();
+        assert!(!S::Coefficient::EACH || topology.apart() == V::LANES, "made for these instructions");
         fused.check(n, V::LANES, sites.room());
-        let Fused { c, reach, watched, awake, mut q, overlaps, forces, slopes, mut modified, .. } = fused;
+        let Fused { c, reach, watched, awake, mut q, overlaps, forces, mut slope, mut modified, .. } = fused;
         let Fused { closed, turning, told, .. } = fused;
-        let ([mut g, mut g1, mut g0], [mut f, mut f1], [mut slope, mut slope1]) = (overlaps, forces, slopes);
+        let ([mut g, mut g1, mut g0], [mut f, mut f1]) = (overlaps, forces);
         // SAFETY: columns have room, as checked.
         let same = unsafe { sides::<V>(&g, topology, awake, told) };
         let kicks = if watched && !same { 1 } else { kicks };
         let mut made = 0;
         loop {
-            (g, g1, g0, f, f1, slope, slope1) = (g0, g, g1, f1, f, slope1, slope);
+            (g, g1, g0, f, f1) = (g0, g, g1, f1, f);
             // The next moment is known after the clock has moved on.
-            let (now, next, mut seen) = (clock.next::<V>(), clock.now::<V>(), 0);
+            let (now, next, mut seen) = (clock.next::<V>(), clock.now::<V>(), bonds..0);
             for &range in awake {
                 // SAFETY: as above.
-                unsafe { modify::<V>(topology, c, range, [&f1, &slope1], &mut modified) };
+                unsafe { modify::<V, S::Coefficient>(topology, c, range, [&f1, &slope], &mut modified) };
             }
             for &range in awake {
                 let (read, write) = ([&g1, &g0], [&mut q, &mut g, &mut f, &mut slope]);
                 let (law, rest, reach) = (chain.law(), chain.precompression(), reach * WIDER);
-                let evaluation = Evaluation { n, law, rest, power, watched, reach, read, write };
+                let seen = &mut seen;
+                let evaluation = Evaluation { n, law, rest, power, watched, reach, read, write, seen };
                 // SAFETY: as above.
-                seen |= unsafe {
-                    pass::<V, _, _, STRAIN>(topology, &mut sites, [&now, &next], range, &modified, evaluation)
-                };
+                unsafe { pass::<V, _, _, STRAIN>(topology, &mut sites, [&now, &next], range, &modified, evaluation) };
             }
             made += 1;
-            if made == kicks || seen != 0 {
+            if made == kicks || seen.end > 0 {
+                let looked_at = if made == kicks {
+                    0..usize::MAX
+                } else {
+                    turning.fill(0);
+                    seen.start / V::LANES * V::LANES..seen.end
+                };
                 // No closure: it would not be compiled for the registers of the pass.
-                for bonds in awake.iter().flat_map(|range| range.bonds(n)) {
+                for bonds in awake.iter().flat_map(|range| range.bonds(bonds)) {
+                    let bonds = bonds.start.max(looked_at.start)..bonds.end.min(looked_at.end);
                     // SAFETY: as above.
                     unsafe { mark::<V>(bonds, reach, [&g, &g1, &g0], [&mut *closed, &mut *turning]) };
                 }
@@ -127,7 +138,7 @@ impl<C: Clock<f64>> FusedRow<'_, C> {
             }
         }
         if STRAIN {
-            for bonds in awake.iter().flat_map(|range| range.bonds(n)) {
+            for bonds in awake.iter().flat_map(|range| range.bonds(bonds)) {
                 for at in (bonds.start..bonds.end.min(n)).step_by(V::LANES) {
                     // SAFETY: as above.
                     unsafe { q.store(PAD + at, V::all(0.0) - g.load(at)) };
@@ -144,39 +155,39 @@ impl<C: Clock<f64>> FusedRow<'_, C> {
 /// # Safety
 /// Columns have room.
 #[inline(always)]
-unsafe fn modify<V: Vector<f64>>(
+unsafe fn modify<V: Vector<f64>, K: Coefficient<f64>>(
     topology: Topology,
     c: f64,
     range: ActiveRange,
     [force, slope]: [&Column<'_, f64>; 2],
     to: &mut Column<'_, f64>,
 ) {
-    let (n, ring) = (topology.sites(), topology.ring());
+    let (n, apart, ring) = (topology.sites(), topology.apart(), topology.ring());
     // SAFETY: the caller's promise.
-    let of = |b: usize| unsafe { force.load::<f64>(PAD + b) };
+    let of = |b: usize| unsafe { force.load::<K::In<V>>(PAD + b) };
     // Forces beyond the ends: on a ring those of the neighbours, else copies of the outer ones.
-    let (left, right, after) = if ring { (of(n - 1), of(0), of(1 % n)) } else { (of(0), of(n), of(n)) };
-    for Range { start, end } in range.bonds(n) {
-        let mut before = V::all(if start > 0 { of(start - 1) } else { left });
+    let (left, right, after) = if ring { (of(n - apart), of(0), of(apart % n)) } else { (of(0), of(n), of(n)) };
+    for Range { start, end } in range.bonds(n + apart) {
+        let mut before = spread::<V, K>(if start > 0 { of(start - apart) } else { left });
         let mut at = start;
         // SAFETY: as above.
-        let mut f: V = unsafe { forces_from(n, at, right, force) };
+        let mut f: V = unsafe { forces_from::<V, K>(n, at, right, force) };
         while at < end.min(n) {
             // SAFETY: as above.
             unsafe {
-                let next = forces_from(n, at + V::LANES, right, force);
-                to.store(PAD + at, modified(c, [before, f, next], slope.load(PAD + at)));
+                let next = forces_from::<V, K>(n, at + V::LANES, right, force);
+                to.store(PAD + at, modified::<V, K>(c, [before, f, next], slope.load(PAD + at)));
                 (before, f, at) = (f, next, at + V::LANES);
             }
         }
         if end > n {
             // SAFETY: as above.
-            let slope = unsafe { slope.load::<f64>(PAD + if ring { 0 } else { n }) };
-            let beyond = modified(c, [of(n - 1), right, after], slope);
+            let slope = unsafe { slope.load(PAD + if ring { 0 } else { n }) };
+            let beyond = modified::<K::In<V>, K>(c, [of(n - apart), right, after], slope);
             // SAFETY: as above.
             unsafe {
-                to.store(PAD + n.next_multiple_of(V::LANES), V::all(beyond));
-                to.store::<f64>(PAD - 1, to.load(PAD + n - 1));
+                to.store(PAD + n.next_multiple_of(V::LANES), spread::<V, K>(beyond));
+                to.store::<K::In<V>>(PAD - apart, to.load(PAD + n - apart));
             }
         }
     }
@@ -188,23 +199,28 @@ unsafe fn modify<V: Vector<f64>>(
 /// # Safety
 /// The column has room for registers that begin at a site.
 #[inline(always)]
-unsafe fn forces_from<V: Vector<f64>>(n: usize, at: usize, right: f64, force: &Column<'_, f64>) -> V {
+unsafe fn forces_from<V: Vector<f64>, K: Coefficient<f64>>(
+    n: usize,
+    at: usize,
+    right: K::In<V>,
+    force: &Column<'_, f64>,
+) -> V {
     if at >= n {
-        return V::all(right);
+        return spread::<V, K>(right);
     }
     // SAFETY: the caller's promise.
     let f: V = unsafe { force.load(PAD + at) };
-    if at + V::LANES <= n { f } else { f.first(n - at, V::all(right)) }
+    if at + V::LANES <= n { f } else { f.first(n - at, spread::<V, K>(right)) }
 }
 
 /// `f + c f' s` of bonds, from the forces of three neighbouring bonds each.
 #[inline(always)]
-fn modified<V: Vector<f64>>(c: f64, [before, f, behind]: [V; 3], slope: V) -> V {
-    f + V::all(c) * slope * ((f.after(before) - f) - (f - f.before(behind)))
+fn modified<V: Vector<f64>, K: Coefficient<f64>>(c: f64, registers: [V; 3], slope: V) -> V {
+    let (f, [before, behind]) = (registers[1], around::<f64, V, K>(registers));
+    f + V::all(c) * slope * ((before - f) - (f - behind))
 }
 
-/// Kicks and drifts the sites of a range by modified `forces`, and evaluates their bonds. Returns
-/// bits, which are not all zero where a bond may have changed its side or turned near zero.
+/// Kicks and drifts the sites of a range by modified `forces`, and evaluates their bonds.
 ///
 /// # Safety
 /// Columns have room.
@@ -216,19 +232,20 @@ unsafe fn pass<V: Vector<f64>, S: Sites<f64>, P: Power<f64>, const STRAIN: bool>
     ActiveRange { from, to }: ActiveRange,
     forces: &Column<'_, f64>,
     mut evaluation: Evaluation<'_, '_, P>,
-) -> u64 {
+) {
     let (n, ring) = (topology.sites(), topology.ring());
     let end = n.next_multiple_of(V::LANES);
     // Overlaps of strains need no neighbour. In a pass over a whole ring the first register is
     // evaluated last, since its first overlap needs the site before it.
     let wait = ring && !STRAIN && from == to;
     let (left, right) = topology.ghosts(0.0, 0.0);
-    let (mut q, mut first, mut at, mut seen) = (V::all(left), V::all(left), from, 0);
+    let (mut q, mut first, mut at) = (V::all(left), V::all(left), from);
     // SAFETY: the caller's promise.
     unsafe {
         if wait {
-            first = sites.advance(at, given::<f64, V, STRAIN>(forces, n, at), now, next);
-            (q, at) = (if at + V::LANES < n { first } else { first.spread(n - 1 - at) }, at + V::LANES);
+            first = sites.advance(at, forces_on::<f64, V, STRAIN, S::Coefficient>(forces, n, at), now, next);
+            let whole = S::Coefficient::EACH || at + V::LANES < n;
+            (q, at) = (if whole { first } else { first.spread(n - 1 - at) }, at + V::LANES);
         } else if !STRAIN && from != to && (ring || from > 0) {
             // The site before sleeps: nothing pushes it.
             let site = if from > 0 { from - 1 } else { n - 1 };
@@ -238,19 +255,22 @@ unsafe fn pass<V: Vector<f64>, S: Sites<f64>, P: Power<f64>, const STRAIN: bool>
         }
         let wraps = to <= from;
         for registers in [at..if wraps { end } else { to }, 0..if wraps { to } else { 0 }] {
-            (q, seen) = part::<V, S, P, STRAIN>(sites, [now, next], registers, (q, seen), forces, &mut evaluation);
+            q = part::<V, S, P, STRAIN>(sites, [now, next], registers, q, forces, &mut evaluation);
         }
         if wait {
-            seen |= evaluation.bonds::<V, STRAIN>(from, q, first);
+            evaluation.bonds::<V, S::Coefficient, STRAIN>(from, q, first);
         } else if !ring && (from == to || to == 0) {
-            seen |= evaluation.bonds::<f64, STRAIN>(n, lanes(q)[0], right);
+            if S::Coefficient::EACH {
+                evaluation.bonds::<V, S::Coefficient, STRAIN>(n, q, V::all(right))
+            } else {
+                evaluation.bonds::<f64, f64, STRAIN>(n, lanes(q)[0], right)
+            }
         }
     }
-    seen
 }
 
-/// [`pass`] over registers that follow each other. `q` are the positions of the register before,
-/// `seen` the bits of bonds so far; both are returned for these registers.
+/// [`pass`] over registers that follow each other. `q` are the positions of the register before;
+/// returns those of the last one.
 ///
 /// # Safety
 /// Columns have room.
@@ -259,31 +279,32 @@ unsafe fn part<V: Vector<f64>, S: Sites<f64>, P: Power<f64>, const STRAIN: bool>
     sites: &mut S,
     [now, next]: [&S::Moment; 2],
     registers: Range<usize>,
-    (mut q, mut seen): (V, u64),
+    mut q: V,
     forces: &Column<'_, f64>,
     evaluation: &mut Evaluation<'_, '_, P>,
-) -> (V, u64) {
+) -> V {
     let (n, mut at) = (evaluation.n, registers.start);
     if registers.is_empty() {
-        return (q, seen);
+        return q;
     }
     // SAFETY: the caller's promise.
     unsafe {
-        let (mut before, mut f) = (V::all(forces.load::<f64>(PAD + at - 1)), forces.load::<V>(PAD + at));
+        let (mut before, mut f) = (force_before::<f64, V, S::Coefficient>(forces, at), forces.load::<V>(PAD + at));
         while at < registers.end && at + V::LANES < n {
             let after = forces.load(PAD + at + V::LANES);
-            let here = sites.advance(at, push::<f64, V, STRAIN>(before, f, after), now, next);
-            seen |= evaluation.bonds::<V, STRAIN>(at, q, here);
+            let force = pushes::<f64, V, STRAIN, S::Coefficient>(before, f, after);
+            let here = sites.advance(at, force, now, next);
+            evaluation.bonds::<V, S::Coefficient, STRAIN>(at, q, here);
             (q, before, f) = (here, f, after);
             at += V::LANES;
         }
         if at < registers.end {
-            let here = sites.advance(at, given::<f64, V, STRAIN>(forces, n, at), now, next);
-            seen |= evaluation.bonds::<V, STRAIN>(at, q, here);
-            q = here.spread(n - 1 - at);
+            let here = sites.advance(at, forces_on::<f64, V, STRAIN, S::Coefficient>(forces, n, at), now, next);
+            evaluation.bonds::<V, S::Coefficient, STRAIN>(at, q, here);
+            q = if S::Coefficient::EACH { here } else { here.spread(n - 1 - at) };
         }
     }
-    (q, seen)
+    q
 }
 
 impl Fused<'_> {
@@ -293,7 +314,7 @@ impl Fused<'_> {
         assert!(self.awake.iter().all(|range| range.from.max(range.to) < n), "ranges are of the chain");
         assert!(sites >= n.next_multiple_of(lanes), "columns are whole registers");
         assert!(self.overlaps.iter().all(|column| column.len() >= room));
-        let padded = self.forces.iter().chain(&self.slopes).chain([&self.q, &self.modified]);
+        let padded = self.forces.iter().chain([&self.slope, &self.q, &self.modified]);
         assert!(padded.into_iter().all(|column| column.len() >= PAD + room + lanes));
     }
 }
@@ -310,7 +331,7 @@ unsafe fn sides<V: Vector<f64>>(
     told: &[u64],
 ) -> bool {
     let mut differences = 0;
-    for bonds in awake.iter().flat_map(|range| range.bonds(topology.sites())) {
+    for bonds in awake.iter().flat_map(|range| range.bonds(topology.sites() + topology.apart())) {
         let end = bonds.end.min(topology.touching().end);
         for at in (bonds.start..end).step_by(V::LANES) {
             // SAFETY: the caller's promise.
@@ -349,6 +370,8 @@ struct Evaluation<'a, 'b, P> {
     /// Whether bonds are tested.
     watched: bool,
     reach: f64,
+    /// Where bonds have changed their sides or may have turned near zero.
+    seen: &'a mut Range<usize>,
     /// Overlaps at the two evaluations before, later one first.
     read: [&'a Column<'b, f64>; 2],
     /// Positions (not written if they are strains, which follow from the overlaps), overlaps,
@@ -358,11 +381,10 @@ struct Evaluation<'a, 'b, P> {
 
 impl<P: Power<f64>> Evaluation<'_, '_, P> {
     /// Evaluates the bonds to the left of the sites from `at` on; `q` are the positions of these
-    /// sites and `before` those of the register before. Returns bits, which are not all zero where
-    /// a bond has changed its side or may have turned near zero.
+    /// sites and `before` those of the register before.
     #[inline(always)]
-    unsafe fn bonds<V: Vector<f64>, const STRAIN: bool>(&mut self, at: usize, before: V, q: V) -> u64 {
-        let g = overlaps::<f64, V, STRAIN>(V::all(self.rest), before, q);
+    unsafe fn bonds<V: Vector<f64>, K: Coefficient<f64>, const STRAIN: bool>(&mut self, at: usize, before: V, q: V) {
+        let g = between::<f64, V, STRAIN, K>(V::all(self.rest), before, q);
         let (f, slope) = self.law.force_and_slope(self.power, g);
         let [positions, overlap, force, derivative] = &mut self.write;
         // SAFETY: the caller's promise.
@@ -374,13 +396,16 @@ impl<P: Power<f64>> Evaluation<'_, '_, P> {
             force.store(PAD + at, f);
             derivative.store(PAD + at, slope);
             if !self.watched {
-                return 0;
+                return;
             }
             [self.read[0].load(at), self.read[1].load(at)]
         };
         // An overlap that turns near zero is near zero: the test for a turn itself is left out.
         let curvature = ((g - g1) - (g1 - g0)).size();
         let seen = g.positive() ^ g1.positive() | (V::all(self.reach) * curvature).exceeds(g1.size());
-        if V::LANES > 1 && at + V::LANES > self.n { seen & low(self.n - at) } else { seen }
+        let inside = if V::LANES > 1 && !K::EACH && at + V::LANES > self.n { low(self.n - at) } else { u64::MAX };
+        if seen & inside != 0 {
+            *self.seen = self.seen.start.min(at)..self.seen.end.max(at + V::LANES);
+        }
     }
 }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | bond `b` | lies to the left of site `b`; all chains have `n + 1` bonds here: the outer two of a free chain never close, on a ring they are the same |
 //! | evaluation | computation of positions, overlaps, forces and `f'` of all bonds at one time, and of which bonds are closed or turn near zero |
+//! | abreast | chains with the same parameters, one in each [lane](super::lanes); sites and bonds are those of all, and neighbours are a register apart |
 //! | turn | an overlap that is larger or smaller than at the evaluations before and after; near zero if it is below `reach` times its second difference |
 //! | `f, f'` | contact forces and their derivatives by the overlap |
 //! | `a` | accelerations of sites by the forces of the kick |
@@ -16,11 +17,12 @@ mod kinetic;
 mod linear;
 
 use awake::Awake;
+pub(crate) use awake::FEW;
 pub(super) use forces::turning;
 use forces::{Forces, Modified};
 use fused::Fused;
 
-use super::{Chain, aligned::Aligned, law::LANES};
+use super::{Chain, aligned::Aligned, lanes::Coefficient, law::LANES};
 use hertzchain_integrators::{
     DoubleDouble, Error, SplitFlow, Stepper, Vector,
     collocation::{Collocation, StepControl, Windows},
@@ -39,7 +41,9 @@ const INSIDE: usize = 12;
 const TOLERANCE: f64 = 1e-13;
 
 /// Sites that the drift of a split moves exactly, one by one.
-pub trait SiteFlow: SplitFlow<f64> {
+pub trait SiteFlow: SplitFlow<f64, <Self as SiteFlow>::Coefficient> {
+    /// A number; or one for each lane, of chains abreast.
+    type Coefficient: Coefficient<f64>;
     /// The chain.
     fn chain(&self) -> &Chain<f64>;
     /// Writes the positions of sites into `forces`, and computes overlaps and forces from them.
@@ -99,9 +103,8 @@ pub struct CorrectedSplit<F> {
     /// the force of a neighbour beyond either end.
     force: Box<Aligned<f64>>,
     slope: Box<Aligned<f64>>,
-    /// `f` and `f'` at the evaluation before.
+    /// `f` at the evaluation before.
     force_before: Box<Aligned<f64>>,
-    slope_before: Box<Aligned<f64>>,
     /// Modified forces of the last kick that was made in a row, from `PAD` on.
     modified: Aligned<f64>,
     /// A bit for each bond: whether it was closed at the last evaluation, and whether it was closed
@@ -130,31 +133,30 @@ pub struct CorrectedSplit<F> {
 impl<F: SiteFlow> CorrectedSplit<F> {
     /// Adds the kicks to `flow`, which holds a state.
     pub fn new(flow: F) -> Self {
-        let sites = flow.chain().sites();
+        let (sites, bonds) = (flow.chain().sites(), flow.chain().sites() + flow.chain().topology().apart());
         let (_, _, omega) = flow.response();
         let springs = omega == 0.0 && flow.chain().params().omega() > 0.0;
         let zeros = |len| Box::new(Aligned::zeros(len));
-        let padded = || zeros(PAD + (sites + 1).next_multiple_of(LANES) + LANES);
+        let padded = || zeros(PAD + bonds.next_multiple_of(LANES) + 2 * LANES);
         Self {
             flow,
             sites,
             q: *padded(),
-            overlap: zeros(sites + 1),
-            overlaps_before: [zeros(sites + 1), zeros(sites + 1)],
+            overlap: zeros(bonds),
+            overlaps_before: [zeros(bonds), zeros(bonds)],
             force: padded(),
             slope: padded(),
             force_before: padded(),
-            slope_before: padded(),
             modified: *padded(),
-            closed: vec![0; (sites + 1).div_ceil(WORD)],
-            told: vec![0; (sites + 1).div_ceil(WORD)],
+            closed: vec![0; bonds.div_ceil(WORD)],
+            told: vec![0; bonds.div_ceil(WORD)],
             spring: if springs { padded() } else { zeros(0) },
             spring_before: if springs { padded() } else { zeros(0) },
-            turning: vec![0; (sites + 1).div_ceil(WORD)],
+            turning: vec![0; bonds.div_ceil(WORD)],
             reach: 0.0,
             a: Aligned::zeros(sites),
             tan_ratio: (0.0, 1.0),
-            moved: Vec::with_capacity(3 * sites + 3),
+            moved: Vec::with_capacity(3 * bonds),
             awake: Awake::all(sites),
         }
     }
@@ -162,6 +164,12 @@ impl<F: SiteFlow> CorrectedSplit<F> {
     #[inline]
     fn chain(&self) -> &Chain<f64> {
         self.flow.chain()
+    }
+
+    /// Distance of neighbours, which the compiler knows for a chain alone.
+    #[inline(always)]
+    fn apart(&self) -> usize {
+        if F::Coefficient::EACH { self.chain().topology().apart() } else { 1 }
     }
 
     #[inline]
@@ -183,7 +191,6 @@ impl<F: SiteFlow> CorrectedSplit<F> {
         }
         if evaluations % 2 == 1 {
             std::mem::swap(&mut self.force, &mut self.force_before);
-            std::mem::swap(&mut self.slope, &mut self.slope_before);
             std::mem::swap(&mut self.spring, &mut self.spring_before);
         }
     }
@@ -207,10 +214,19 @@ impl<F: SiteFlow> CorrectedSplit<F> {
         if !self.ring() {
             return;
         }
-        let n = self.sites;
-        (self.q[PAD - 1], self.q[PAD + n]) = (self.q[PAD + n - 1], self.q[PAD]);
-        self.overlap[n] = self.overlap[0];
-        (self.force[PAD + n], self.slope[PAD + n]) = (self.force[PAD], self.slope[PAD]);
+        let (n, apart) = (self.sites, self.apart());
+        self.join_positions();
+        self.overlap.copy_within(..apart, n);
+        self.force.copy_within(PAD..PAD + apart, PAD + n);
+        self.slope.copy_within(PAD..PAD + apart, PAD + n);
+    }
+
+    /// On a ring, copies the positions beyond both ends.
+    #[inline]
+    fn join_positions(&mut self) {
+        let (n, apart) = (self.sites, self.apart());
+        self.q.copy_within(PAD + n - apart..PAD + n, PAD - apart);
+        self.q.copy_within(PAD..PAD + apart, PAD + n);
     }
 
     /// The bond with number `index` among those that can touch.
@@ -223,9 +239,10 @@ impl<F: SiteFlow> CorrectedSplit<F> {
     /// bonds' forces, so that whatever lies beyond an end has no acceleration.
     #[inline]
     fn close(&mut self) {
-        let (n, ring) = (self.sites, self.ring());
-        let f = &mut self.force[PAD - 1..];
-        (f[0], f[n + 2]) = if ring { (f[n], f[2]) } else { (f[1], f[n + 1]) };
+        let (n, apart) = (self.sites, self.apart());
+        let [before, after] = if self.ring() { [n - apart, apart] } else { [0, n] }.map(|b| PAD + b..PAD + b + apart);
+        self.force.copy_within(before, PAD - apart);
+        self.force.copy_within(after, PAD + n + apart);
     }
 
     /// Evaluates the registers of `moved` again.
@@ -321,8 +338,8 @@ impl<F: SiteFlow> CorrectedSplit<F> {
         let mut beside = [[0; LANES]; 2];
         for k in 0..V::LANES {
             for (side, bond) in self.chain().topology().beside(bonds[k]).into_iter().enumerate() {
-                // Nothing is stored at 0.
-                beside[side][k] = bond.map_or(0, |b| PAD + b);
+                // Nothing is stored in the last place.
+                beside[side][k] = bond.map_or(force.len() - 1, |b| PAD + b);
             }
         }
         let contacts: V = gathered::<V>(force, &beside[0]) + gathered(force, &beside[1]);
@@ -395,13 +412,13 @@ impl<F: SiteFlow> SplitFlow<f64> for CorrectedSplit<F> {
     }
 
     fn drift(&mut self, dt: DoubleDouble<f64>) {
-        self.flow.drift(dt);
+        self.flow.drift(F::Coefficient::twofold(|_| dt));
     }
 
     fn kick_drift(&mut self, kick: f64, drift: DoubleDouble<f64>) {
         self.evaluate();
         self.kick(kick, 0.0);
-        self.flow.drift(drift);
+        self.drift(drift);
     }
 }
 
@@ -471,7 +488,7 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
                 q: q.column(),
                 overlaps: [overlap.column(), latest.column(), first.column()],
                 forces: [self.force.column(), self.force_before.column()],
-                slopes: [self.slope.column(), self.slope_before.column()],
+                slope: self.slope.column(),
                 modified: self.modified.column(),
                 closed,
                 turning,
@@ -553,14 +570,15 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
             let [before, behind] = self.chain().topology().beside(b);
             for b in [before, Some(b), behind].into_iter().flatten() {
                 let register = b / LANES * LANES;
-                if self.moved.last() != Some(&register) {
+                // Those of the last bond, in all of its chains abreast.
+                if !self.moved.iter().rev().take(3).any(|&moved| moved == register) {
                     self.moved.push(register);
                 }
             }
         }
         if self.ring() {
-            // Positions beyond the ends, for the first bond and its copy.
-            (self.q[PAD - 1], self.q[PAD + self.sites]) = (self.q[PAD + self.sites - 1], self.q[PAD]);
+            // For the first bond and its copy.
+            self.join_positions();
         }
         self.refresh();
         self.join();
@@ -585,7 +603,7 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
         let n = self.sites;
         self.evaluate();
         let first = self.chain().touching().start;
-        let mut rates = vec![0.0; n + 1];
+        let mut rates = vec![0.0; n + self.apart()];
         for (index, side) in sides.iter().enumerate() {
             if *side != Side::Near {
                 let b = first + index;
@@ -593,7 +611,7 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
             }
         }
         if self.ring() {
-            rates[n] = rates[0];
+            rates.copy_within(..self.apart(), n);
         }
         let params = self.chain().params();
         let topology = self.chain().topology();
@@ -621,7 +639,8 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
     }
 
     fn back(&self, y: &mut [f64], by: f64) {
-        back(self.chain(), y, by);
+        let chain = self.chain().member(0);
+        y.chunks_mut(chain.layout().dim()).for_each(|y| back(chain, y, by));
     }
 }
 
