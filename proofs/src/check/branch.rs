@@ -40,18 +40,18 @@ impl fmt::Display for Gap {
     }
 }
 
-/// The radius about the cosine sum of `to` that holds the ball of `from`, in the norm of `to`. The
-/// mean of a wave is no unknown, and `c_0` free: T contracts whatever it is.
+/// The radius about the cosine sum of `to` that holds the ball of `from`, in the norm of `to`.
 fn needed((from, ball): (&Certificate, &Proof), (to, other): (&Certificate, &Proof)) -> f64 {
     let rows = |it: &Certificate| {
         let exact = |a: &Vec<f64>| a.iter().map(|a| Interval::exact(*a)).collect();
         let mut rows: Vec<Vec<Interval>> = it.orbit.rows().iter().map(exact).collect();
+        let start = [it.model.omega, it.mean];
+        let middle = |i: usize| start[i].enclosed() / of(2) + it.to.unwrap_or(start)[i].enclosed() / of(2);
         if let (Orbit::Wave(_), [row]) = (&it.orbit, &mut rows[..]) {
-            row.insert(0, Interval::ZERO);
+            row.insert(0, middle(1));
         }
         // An unknown frequency has a row of its own.
-        let [start, end] = [it.model.omega, it.to.map_or(it.model.omega, |to| to[0])].map(Exact::enclosed);
-        rows.extend(it.first.map(|_| vec![Interval::ZERO, start / of(2) + end / of(2)]));
+        rows.extend(it.first.map(|_| vec![Interval::ZERO, middle(0)]));
         rows
     };
     let (from, to) = (rows(from), rows(to));

@@ -25,13 +25,13 @@ use super::{
     system::lattice,
 };
 use crate::{
-    certificate::{Center, Certificate, Multiplier, Orbit, WIDER},
+    certificate::{Certificate, Multiplier, Orbit, WIDER},
     exact::Exact,
     interval::{Complex, Interval, norm},
 };
 
-/// `K` of this proof for each period of the background, at most that of the certificate.
-const BLOCK: usize = 8;
+/// `K` of this proof, at most that of the certificate: this, or a share of `K'`.
+const BLOCK: [usize; 2] = [8, 32];
 /// `K` and `K'` of this proof for a wave, at most an eighth of that of the certificate, and that.
 const OF_WAVE: [usize; 2] = [32, 512];
 /// `K'` over the number of columns of `1 - A M` that are computed beyond `K`, and over that of the
@@ -73,9 +73,17 @@ impl<'a> Equations<'a> {
             Multiplier::Doubling { sine: false } => (1, &[false]),
             Multiplier::Doubling { sine: true } => (1, &[true]),
         };
-        let (first, harmonic) = (usize::from(system.center == Center::Site), (1 - odd) * system.center.periods());
-        let sites = if system.is_wave() { 0..2 } else { first..first + 1 };
-        let pinned = sites.map(|n| (n, harmonic.min(block), parts[0])).collect();
+        let pinned = match (multiplier, &certificate.orbit) {
+            (Multiplier::Growing(_), Orbit::Breather(it)) => {
+                // Near the centre the harmonic of the background is least.
+                let k = it.background();
+                let own = |n: &usize| it.a[*n].get(k).copied().unwrap_or(0.0).abs();
+                let sites = (0..it.a.len()).filter(|n| system.has(*n, k));
+                sites.min_by(|n, m| own(n).total_cmp(&own(m))).map(|n| (n, k.min(block), false)).into_iter().collect()
+            }
+            (Multiplier::Doubling { sine }, _) => vec![(0, 0, *sine)],
+            _ => [0, 1].map(|n| (n, 1, false)).to_vec(),
+        };
         Self { certificate, system, known, block, enclosed, odd, parts, pinned }
     }
 
@@ -130,7 +138,7 @@ impl<'a> Equations<'a> {
     /// these are real; for waves their imaginary parts are between real and imaginary parts.
     fn forces(&self, l: &Factors, (n, k, sine): Place) -> Vec<(Place, Interval)> {
         let factor = |m: usize, part: bool| {
-            let turn = |z: Complex| if self.system.is_wave() && m != n { Complex { re: z.im, im: -z.re } } else { z };
+            let turn = |z: Complex| if self.system.wave && m != n { Complex { re: z.im, im: -z.re } } else { z };
             let [l, other] = l[k].map(turn);
             let twice = match (sine, part) {
                 (false, true) => l.im - other.im,
@@ -180,7 +188,8 @@ struct Terms<'a> {
     it: Equations<'a>,
     l: Factors,
     block: Block,
-    /// `R + v t |e|`, by row.
+    /// `v t |e|`, and `R` with it, by row.
+    far: Vec<Vec<Interval>>,
     contacts: Vec<Vec<Interval>>,
     /// `W_n`.
     weights: Vec<Interval>,
@@ -192,21 +201,23 @@ impl<'a> Terms<'a> {
     fn new(it: Equations<'a>, rates: Complex, changes: &[Interval]) -> Self {
         let (l, sites) = (it.factors(rates), it.known.len());
         let all: Vec<Place> = (0..sites).flat_map(|n| it.places(n, it.block)).collect();
-        let of_pinned = |pinned: &Place| {
-            let row: Vec<Interval> = all.iter().map(|place| kronecker(place == pinned)).collect();
-            let column = row.iter().map(|entry| -*entry).collect();
-            [row, column]
-        };
-        let more = it.pinned.iter().map(of_pinned).collect();
-        let mut block = Block::new(all, sites, [0, it.odd], more);
+        let further = |place: &Place| it.pinned.iter().position(|pinned| pinned == place).map(|i| all.len() + i);
+        let column = |(i, place): (usize, &Place)| [i].into_iter().chain(further(place)).map(|i| (i, Interval::ONE));
+        let own = |pinned: &Place| all.iter().position(|place| place == pinned).map(|i| (i, -Interval::ONE));
+        let plain = all.iter().enumerate().map(|one| column(one).collect());
+        let plain = plain.chain(it.pinned.iter().map(|pinned| own(pinned).into_iter().collect())).collect();
+        let mut block = Block::new(all, sites, it.odd, plain);
         let b = block.rows(|place| it.forces(&l, place));
         block.invert(&b, it.known);
         block.multiply(&b);
-        let contacts = block.contacts(it.system, it.beyond(&l, it.block));
+        let t = it.beyond(&l, it.block);
+        let far: Vec<Vec<Interval>> =
+            (0..=sites).map(|n| it.system.moduli(n).into_iter().map(|e| t * e).collect()).collect();
+        let contacts = block.contacts(&far);
         let weights = perron(&contacts[..sites]);
         let alpha = it.certificate.model.alpha;
         let changed = it.known.iter().zip(changes).map(|(one, change)| one.change(alpha, *change)).collect();
-        Self { it, l, block, contacts, weights, changed }
+        Self { it, l, block, far, contacts, weights, changed }
     }
 
     /// The largest columns of `1 - A M` of a site, by site.
@@ -220,17 +231,12 @@ impl<'a> Terms<'a> {
     fn z1(&self, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<[Interval; 3], Refused> {
         let Self { it, block, weights, .. } = self;
         let (alpha, sites) = (it.certificate.model.alpha, weights.len());
-        let columns = (0..sites).map(|m| go_on().map(|()| self.columns(m))).collect::<Result<Vec<_>, _>>()?;
         let times = |of: &dyn Fn(usize) -> Interval| -> Vec<Interval> {
             weights.iter().enumerate().map(|(m, w)| *w * of(m)).collect()
         };
         let (moved, steepest) = (times(&|m| self.changed[m]), times(&|m| it.known[m].steepest(alpha)));
-        let t = it.beyond(&self.l, it.block);
-        let z1 = |n: usize| {
-            let near: Interval = columns.iter().zip(weights).map(|(column, w)| column[n] * *w).sum();
-            near + t * dot(&it.system.moduli(n), &steepest) + dot(&self.contacts[n], &moved)
-        };
-        let z1: Vec<Interval> = (0..=sites).map(z1).collect();
+        let near = block.z1(&self.far, [weights, &steepest], |m| go_on().map(|()| self.columns(m)))?;
+        let z1: Vec<Interval> = near.iter().zip(&self.contacts).map(|(z1, row)| *z1 + dot(row, &moved)).collect();
         // The weight eta of g makes its row at most half as large as the largest.
         let [most, own] = split(&z1, weights, sites);
         let eta = Interval::exact((0.5 * most.mid() / own.hi()).max(f64::MIN_POSITIVE));
@@ -301,7 +307,7 @@ pub(super) fn check(
     };
     let sizes = match multiplier {
         Multiplier::Bloch { .. } => [OF_WAVE[0].min(enclosed / 8), OF_WAVE[1].min(*enclosed)],
-        _ => [(*block).min(BLOCK * system.center.periods()), *enclosed],
+        _ => [(*block).min(BLOCK[0].max(enclosed / BLOCK[1])), *enclosed],
     };
     let equations = Equations::new(certificate, (system, known), sizes, multiplier);
     let all = Complex { re: Interval::new(rates[0].lo(), rates[1].hi()) + wide, im: im + wide };

@@ -2,17 +2,17 @@
 //!
 //! `a_nk - l_k sum_m e_nm n_mk = 0` for `k >= 1`,
 //!
-//! with factors `l_k` of order `1/k^2` and whole numbers `e_nm`. A wave has one site, `l_k = C_k`
-//! and `e = 1`. A breather has the sites of half a ring, of which the reflection makes the other
-//! half, `l_k = 1/L_k`, the second difference as `e`, and for `k = 0` the equations `n_n0 = c_0`
-//! and `sum share_n a_n0 = mean`.
+//! with factors `l_k` of order `1/k^2` and whole numbers `e_nm`. For `k = 0` the mean forces of
+//! neighbours are the same, and the last equation is `sum share_n a_n0 = mean`. A wave has one site,
+//! `l_k = C_k` and `e = 1`. A breather has the sites of half a ring, of which the reflection makes
+//! the other half, `l_k = 1/L_k`, and the second difference as `e`.
 //!
-//! A breather of the infinite chain has the sites of one half of it, and `c_0` is the mean force of
+//! A breather of the infinite chain has the sites of one half of it, and all mean forces are that of
 //! the background. Its coefficients are those of `x_n(t + n T/2)`, `(-1)^{kn} a_nk`, so that the
 //! background is the same at all sites. The system has the first sites only, in place of the others
 //! an end that no constant of the proof depends on.
 
-use super::{Moments, Refused, of};
+use super::{Refused, of};
 use crate::{
     certificate::{Breather, Center, Certificate, Model, Orbit},
     exact::Exact,
@@ -23,12 +23,16 @@ use crate::{
 pub(super) struct System {
     /// `a_nk`, with the mean of a wave as `a_00`.
     pub(super) a: Vec<Vec<Interval>>,
+    /// Whether it is of a wave.
+    pub(super) wave: bool,
     /// `l_k` for `k` up to `K'`; -1 as `l_0`. Of a piece of a branch at its middle.
     pub(super) factors: Vec<Interval>,
     /// Along a piece `l_k` is the factor, and a number from -1 to 1 times one in this interval.
     pub(super) slopes: Vec<Interval>,
-    /// Half of the change of the mean strain of a wave along a piece: it is no unknown.
-    pub(super) shift: Interval,
+    /// The parts of the ring that have the strain of a site; none of the infinite chain.
+    pub(super) shares: Vec<Interval>,
+    /// The mean strain in the middle of a piece, and half of its change.
+    pub(super) mean: [Interval; 2],
     /// The frequency; along a piece all of its values.
     pub(super) omega: Interval,
     /// The frequency in the middle of a piece, and half of its change.
@@ -38,8 +42,10 @@ pub(super) struct System {
     pub(super) resonators: Vec<Interval>,
     /// `c` with `|l_k| <= c/k^2` beyond; the same for what `slopes` has.
     pub(super) decay: [Interval; 2],
-    /// The equation that belongs to one more unknown.
-    pub(super) fixed: Option<Fixed>,
+    /// The same of `a_1` where it is given, and `(omega - omega_m)/half` one more unknown, `omega_m`
+    /// in the middle of the piece. So the factors of the piece are `l_k` plus the unknown times one
+    /// in `slopes`.
+    pub(super) first: Option<[Interval; 2]>,
     /// Of the infinite chain the first site that has the strains of the background.
     pub(super) background: Option<usize>,
     /// The reflection of a breather; of a wave one that leaves its strains alone.
@@ -49,17 +55,6 @@ pub(super) struct System {
     pub(super) parity: f64,
 }
 
-/// The equation `sum_n shares_n a_nk = value`, of a ring for its mean strain, with the unknown
-/// `c_0`; along a piece with `first` for `a_1`, with the unknown `(omega - omega_m)/half`,
-/// `omega_m` in the middle of the piece. So the factors of the piece are `l_k` plus the unknown
-/// times one in `slopes`.
-pub(super) struct Fixed {
-    pub(super) harmonic: usize,
-    pub(super) shares: Vec<Interval>,
-    /// In the middle of a piece, and half of its change.
-    pub(super) value: [Interval; 2],
-}
-
 impl System {
     pub(super) fn new(certificate: &Certificate) -> Result<Self, Refused> {
         let Certificate { model, mean, to, first, enclosed, orbit, .. } = certificate;
@@ -67,7 +62,7 @@ impl System {
             let [from, to] = [from, to].map(|end| end.enclosed() / of(2));
             [from + to, to - from]
         };
-        let [[omega, half], [mean, mut shift]] = match to {
+        let [[omega, half], mean] = match to {
             None => [model.omega, *mean].map(|one| [one.enclosed(), Interval::ZERO]),
             Some(to) => [between(model.omega, to[0]), between(*mean, to[1])],
         };
@@ -76,25 +71,20 @@ impl System {
         let omega = omega + half.abs().ball();
         let resonators = resonators(model, omega, enclosed + 1);
         let row = |a: &[f64]| a.iter().map(|a| Interval::exact(*a)).collect::<Vec<_>>();
-        let (mut background, with_mean) = (None, |a: &[f64]| [&[mean], row(a).as_slice()].concat());
-        let (a, fixed, center) = match orbit {
+        let (mut background, with_mean) = (None, |a: &[f64]| [&mean[..1], row(a).as_slice()].concat());
+        let (a, shares, center) = match orbit {
             Orbit::Wave(wave) => {
                 for (k, (l, slope)) in (0..).zip(factors.iter_mut().zip(&mut slopes)) {
                     let lattice = lattice(Exact::ONE.less_one(), wave.q_over_pi, k);
                     (*l, *slope) = (*l * lattice, *slope * lattice);
                 }
                 decay = decay.map(|c| of(4) * c);
-                let value = first.map(|[from, to]| between(from, to));
-                let fixed = value.map(|value| Fixed { harmonic: 1, shares: vec![Interval::ONE], value });
-                (vec![with_mean(&wave.a)], fixed, Center::Bond)
+                (vec![with_mean(&wave.a)], vec![Interval::ONE], Center::Bond)
             }
             Orbit::Breather(Breather { sites, center, a }) => {
                 let alone = if *center == Center::Site { 0 } else { a.len() - 1 };
                 let share = |n: usize| of(if n == alone { 1 } else { 2 }) / of(*sites);
-                let shares = (0..a.len()).map(share).collect();
-                let fixed = Fixed { harmonic: 0, shares, value: [mean, shift] };
-                shift = Interval::ZERO;
-                (a.iter().map(|a| row(a)).collect(), Some(fixed), *center)
+                (a.iter().map(|a| row(a)).collect(), (0..a.len()).map(share).collect(), *center)
             }
             Orbit::Infinite(infinite) => {
                 background = Some(infinite.a.len());
@@ -104,16 +94,32 @@ impl System {
                 };
                 let mut a: Vec<Vec<Interval>> = infinite.a.iter().enumerate().map(shifted).collect();
                 a.resize(infinite.section(), with_mean(&infinite.background));
-                (a, None, infinite.center)
+                (a, Vec::new(), infinite.center)
             }
         };
-        Ok(Self { a, factors, slopes, shift, omega, middle, resonators, decay, fixed, background, center, parity: 1.0 })
+        let (first, parity, wave) = (first.map(|[from, to]| between(from, to)), 1.0, a.len() == 1);
+        Ok(Self {
+            a,
+            wave,
+            factors,
+            slopes,
+            shares,
+            mean,
+            omega,
+            middle,
+            resonators,
+            decay,
+            first,
+            background,
+            center,
+            parity,
+        })
     }
 
     /// That of the perturbations which [`multiplier`](super::multiplier) looks for. Those of a wave
     /// are complex: their real part is one site, their imaginary part a second one.
     pub(super) fn perturbed(mut self) -> Self {
-        if self.is_wave() {
+        if self.wave {
             self.a.push(self.a[0].clone())
         } else {
             self.parity = -1.0
@@ -121,22 +127,10 @@ impl System {
         self
     }
 
-    /// Whether it is of a wave, whose mean is no unknown.
-    pub(super) fn is_wave(&self) -> bool {
-        self.background.is_none() && (self.fixed.is_none() || self.is_free())
-    }
-
-    /// Whether its frequency is unknown.
-    pub(super) fn is_free(&self) -> bool {
-        self.fixed.as_ref().is_some_and(|fixed| fixed.harmonic > 0)
-    }
-
-    /// The derivative of equation `k` by the unknown of [`Fixed`], where it is not zero.
-    pub(super) fn by_last(&self, known: &[Moments], k: usize) -> Option<Interval> {
-        match k {
-            0 => Some(-Interval::ONE),
-            _ => self.is_free().then(|| -(self.slopes[k] * known[0].force[k])),
-        }
+    /// The site whose mean force that of a site is: the next one, or the background. `None` for the
+    /// last site of a ring, which has the equation of the mean strain.
+    pub(super) fn level(&self, n: usize) -> Option<usize> {
+        Some(self.background.unwrap_or(n + 1)).filter(|m| *m < self.a.len())
     }
 
     /// Whether a site has the strains of the background of the infinite chain.
@@ -147,12 +141,12 @@ impl System {
     /// Whether harmonic `k` of a site is unknown.
     pub(super) fn has(&self, n: usize, k: usize) -> bool {
         let fixed = if self.center == Center::Site { 0 } else { self.a.len() - 1 };
-        (k > 0 || self.a.len() > 1) && (n != fixed || self.image(k) > 0.0)
+        n != fixed || self.image(k) > 0.0
     }
 
     /// What the reflection multiplies harmonic `k` by: 1 or -1.
     fn image(&self, k: usize) -> f64 {
-        if self.center.turns() && k % 2 == 1 { -self.parity } else { self.parity }
+        if self.center == Center::Site && k % 2 == 1 { -self.parity } else { self.parity }
     }
 
     /// All values of `l_k`.
@@ -177,7 +171,7 @@ impl System {
     /// last site is that of the site before it, or its image (site-centred). Of the infinite chain
     /// neighbours are shifted by half a period.
     pub(super) fn coupled(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
-        if self.is_wave() {
+        if self.wave {
             return (0..self.a.len()).map(|m| (m, if m > n { -1.0 } else { 1.0 })).collect();
         }
         let last = self.a.len() - 1;
