@@ -176,9 +176,9 @@ fn a_gap_is_refused() {
     // Nodes that do not meet, in the frequency or in the mean strain.
     assert_eq!(gap(&|pieces| pieces[0].0.to = Some([exact("2.00100001"), exact("0")])), (1, Some(Gap::Nodes)));
     assert_eq!(gap(&|pieces| pieces[1].0.mean = exact("1/100000000")), (1, Some(Gap::Nodes)));
-    // A single wave, another chain, a piece that is not proved.
-    assert_eq!(gap(&|pieces| pieces[0].0.to = None), (0, Some(Gap::Point)));
-    assert_eq!(gap(&|pieces| pieces[1].0.to = None), (1, Some(Gap::Point)));
+    // A single wave is its own end; another chain, a piece that is not proved.
+    assert_eq!(gap(&|pieces| pieces[0].0.to = None), (1, Some(Gap::Nodes)));
+    assert_eq!(gap(&|pieces| pieces[1].0.to = None), (2, Some(Gap::Nodes)));
     assert_eq!(gap(&|pieces| pieces[1].0.model.kappa = exact("2")), (1, Some(Gap::Other)));
     assert_eq!(gap(&|pieces| pieces[1].1 = Err(Refused::Moments)), (1, Some(Gap::Refused(Refused::Moments))));
     // Balls that overlap: both are wider than the other's ball of uniqueness.

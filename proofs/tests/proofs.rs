@@ -268,7 +268,7 @@ fn what_is_no_solution_is_refused() {
     }
     // All enclosed harmonics are below the resonance.
     resonant.model.omega = exact("1/300");
-    assert_eq!(refused(&resonant), Refused::Below(512));
+    assert_eq!(refused(&resonant), Refused::Resonance(513));
     resonant.model = Model { rho: None, omega: exact("1/3"), ..resonant.model };
     assert_eq!(refused(&resonant), Refused::Resonance(3));
     // The state at rest, unloaded, and under load, where it is a zero of G.

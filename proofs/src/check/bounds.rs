@@ -235,9 +235,12 @@ impl<'a> Terms<'a> {
             multiplier::check(certificate, multiplier, (&system, &known, &changes), go_on)
         });
         let multiplier = multiplier.transpose()?;
-        // The mean of a single wave is exact.
-        let mean = if system.wave && certificate.to.is_none() { Interval::ZERO } else { Interval::ONE };
-        let resonators = system.resonators[1..].iter().copied().fold(mean, Interval::max);
+        // |b_k/a_k|; NaN where it is not known to be finite. The mean of a single wave is exact.
+        let kappa = certificate.model.kappa.enclosed();
+        let share = |rho: Exact, k: usize| kappa / (kappa - rho.enclosed() * (system.omega() * of(k)).square());
+        let resonator = |k: usize| certificate.model.rho.map_or(Interval::ZERO, |rho| share(rho, k).abs());
+        let mean = if system.is_wave() && certificate.to.is_none() { Interval::ZERO } else { Interval::ONE };
+        let resonators = (1..=certificate.enclosed + 1).map(resonator).fold(mean, Interval::max);
         let decay = far.as_ref().map(|far| far.decay(system, &weights, radius));
         // The background of the infinite chain is as near to its own sum as its proof says.
         let of_background =
@@ -246,12 +249,12 @@ impl<'a> Terms<'a> {
             let bound = own + of_background(background);
             if bound.is_nan() { f64::INFINITY } else { bound.hi() }
         };
-        let velocity = |share: &dyn Fn(usize) -> Interval| system.omega * self.velocity(&changes, share);
+        let velocity = |share: &dyn Fn(usize) -> Interval| system.omega() * self.velocity(&changes, share);
         Ok(Proof {
             radius: bound(radius, |it| it.radius),
             radius_y: bound(radius * resonators, |it| it.radius_y),
             radius_velocity: bound(velocity(&|_| Interval::ONE), |it| it.radius_velocity),
-            radius_velocity_y: bound(velocity(&|k| system.resonators[k]), |it| it.radius_velocity_y),
+            radius_velocity_y: bound(velocity(&resonator), |it| it.radius_velocity_y),
             uniqueness_radius: unique,
             frequency: [frequency.lo(), frequency.hi()],
             amplitude: amplitude.lo(),
@@ -321,7 +324,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let found = radii(most(&y0), widest, |r| most(&rows(r)));
     let (radius, unique) = found.ok_or(Refused::Bounds(bounds))?;
     // An unknown frequency is nearer than the radius says, by its own row of T.
-    let frequency = turn.map_or(system.omega, |_| {
+    let frequency = turn.map_or(system.omega(), |_| {
         let turned = y0[sites] + rows(radius.hi())[sites] * radius;
         system.middle[0] + (system.middle[1] * turned).ball()
     });

@@ -1,16 +1,11 @@
 //! Enclosures of the Fourier coefficients of contact forces.
 
 use super::of;
-use crate::{
-    exact::Exact,
-    interval::{Complex, Interval},
-};
+use crate::{exact::Exact, interval::Interval};
 use std::sync::OnceLock;
 
 /// Nodes of the quadrature of a piece.
 const NODES: usize = 24;
-/// Terms of the Taylor polynomial of a piece.
-const TERMS: usize = 8;
 /// Pieces below this share of the half-period are bounded and not integrated.
 pub const NARROWEST: f64 = 1.0 / (1_u64 << 34) as f64;
 /// The same for pieces of a branch, whose balls are wider by far.
@@ -185,58 +180,47 @@ impl Sums<'_> {
     fn add(&mut self, from: f64, to: f64, quadrature: &[[Interval; 2]]) -> bool {
         let centre = Interval::PI * (Interval::exact(from) + Interval::exact(to)) / of(2);
         let half = Interval::PI * (Interval::exact(to) - Interval::exact(from)) / of(2);
-        let taylor = self.taylor(centre);
-        let real = Complex { re: half.ball(), im: Interval::ZERO };
-        let on_piece = horner(&taylor, real).re + self.remainder(half, Interval::ZERO).ball();
+        let [middle, slope] = self.line(centre, half);
+        let on_piece = middle + (slope + self.apart(half, Interval::ONE)).ball();
         let overlap = (-on_piece).positive_part();
         if to - from < self.narrowest && overlap.hi() > 0.0 {
             self.add_errors(overlap, of(2) * half, Interval::ONE);
         } else if overlap.hi() > 0.0 || overlap.is_nan() {
             // The ellipse has the half-axes 17/8 and 15/8 of the half-width.
-            let [along, across] = [17, 15].map(|axis| half * of(axis) / of(8));
-            let on_box = horner(&taylor, Complex { re: along.ball(), im: across.ball() });
-            let rest = self.remainder(along, across).ball();
-            let value = Complex { re: on_box.re + rest, im: on_box.im + rest };
-            if !(-value.re).is_positive() {
+            let [long, across] = [17, 15].map(|axis| of(axis) / of(8));
+            let growth = Interval::exact((half * across).hi()).exp();
+            let rest = slope * long + self.apart(half * long, growth);
+            if !(-middle - rest).is_positive() {
                 return false;
             }
             self.integrated(centre, half, quadrature);
             // 4^{-n}
             let power = Interval::exact(f64::from_bits((1023 - 2 * NODES as u64) << 52));
             let share = half * of(8) * power / (Interval::ONE - Interval::exact(0.25));
-            self.add_errors(value.abs(), share, Interval::exact(across.hi()).exp());
+            self.add_errors(middle.abs() + rest, share, growth);
         }
         self.pieces.push((Interval::exact(to) - Interval::exact(from), -on_piece));
         self.overlap = self.overlap.max(overlap);
         true
     }
 
-    /// `X^{(j)}/j!` at a phase.
-    fn taylor(&self, phase: Interval) -> [Interval; TERMS] {
-        let mut sums = [Interval::ZERO; TERMS];
-        for (k, (a, turn)) in self.a.iter().zip(turns(phase, self.a.len())).enumerate() {
-            let mut factor = *a;
-            for (j, sum) in sums.iter_mut().enumerate() {
-                if j > 0 {
-                    factor = factor * of(k) / of(j);
-                }
-                *sum = *sum + factor * [turn.re, -turn.im, -turn.re, turn.im][j % 4];
-            }
-        }
-        sums
+    /// `X` at a phase, from the cosines there.
+    fn strain(a: &[Interval], cosines: &[Interval]) -> Interval {
+        a.iter().zip(cosines).map(|(a, cosine)| *a * *cosine).sum()
     }
 
-    /// The remainder of the Taylor polynomial within the distance `along` of its centre and the
-    /// height `across` above the real axis: the sum of `|a_k| (k along)^8/8! e^{k across}`.
-    fn remainder(&self, along: Interval, across: Interval) -> Interval {
-        let growth = Interval::exact(across.hi()).exp();
-        let factorial: Interval = of((1..=TERMS).product());
-        let (mut sum, mut grown) = (Interval::ZERO, Interval::ONE);
-        for (k, a) in self.a.iter().enumerate().skip(1) {
-            grown = grown * growth;
-            sum = sum + a.abs() * (of(k) * along).square().square().square() * grown;
-        }
-        sum / factorial
+    /// The line through `X` at both ends of a piece: its value in the middle, and its change to an
+    /// end.
+    fn line(&self, centre: Interval, half: Interval) -> [Interval; 2] {
+        let [from, to] = [-half, half].map(|by| Self::strain(self.a, &cosines(centre + by, self.a.len())));
+        [(from + to) / of(2), ((to - from) / of(2)).abs()]
+    }
+
+    /// A bound of the distance of `X` from this line in an ellipse of the half-axis `long` with the
+    /// ends of the piece as its foci, `z = -half` and `half`: the distance is `z^2 - half^2`, at most
+    /// `long^2`, times a divided difference of at most `sup |X''|/2` (Hermite and Genocchi).
+    fn apart(&self, long: Interval, growth: Interval) -> Interval {
+        self.most_bent(growth) * long.square() / of(2)
     }
 
     fn integrated(&mut self, centre: Interval, half: Interval, quadrature: &[[Interval; 2]]) {
@@ -246,8 +230,7 @@ impl Sums<'_> {
         let mut squares = [Interval::ZERO; 3];
         for [node, weight] in quadrature {
             let cosines = cosines(centre + half * *node, harmonics);
-            let [x, bent] =
-                [self.a, &self.bent].map(|a| a.iter().zip(&cosines).map(|(a, cosine)| *a * *cosine).sum::<Interval>());
+            let [x, bent] = [self.a, &self.bent].map(|a| Self::strain(a, &cosines));
             let laws = self.laws(-x);
             squares[2] = squares[2] + *weight * half * laws[0] * laws[1] * bent;
             for ((sums, square), law) in own.iter_mut().zip(&mut squares).zip(laws) {
@@ -300,15 +283,6 @@ impl Sums<'_> {
     }
 }
 
-/// A polynomial by its coefficients.
-fn horner(coefficients: &[Interval; TERMS], z: Complex) -> Complex {
-    let zero = Complex { re: Interval::ZERO, im: Interval::ZERO };
-    coefficients.iter().rev().fold(zero, |sum, c| {
-        let product = sum * z;
-        Complex { re: product.re + *c, im: product.im }
-    })
-}
-
 /// `cos k phase` for `k < count`, by `cos (i + j) t = 2 cos i t cos j t - cos (j - i) t`, `j - i` 0
 /// or 1.
 fn cosines(phase: Interval, count: usize) -> Vec<Interval> {
@@ -316,18 +290,6 @@ fn cosines(phase: Interval, count: usize) -> Vec<Interval> {
     for k in 2..count {
         let product = all[k / 2] * all[k - k / 2];
         all.push(product + product - all[k % 2]);
-    }
-    all.truncate(count);
-    all
-}
-
-/// `e^{i k phase}` for `k < count`, each the product of two of half its index.
-fn turns(phase: Interval, count: usize) -> Vec<Complex> {
-    let [im, re] = phase.sin_cos();
-    let mut all = vec![Complex { re: Interval::ONE, im: Interval::ZERO }, Complex { re, im }];
-    for k in 2..count {
-        let next = all[k / 2] * all[k - k / 2];
-        all.push(next);
     }
     all.truncate(count);
     all

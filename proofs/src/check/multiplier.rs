@@ -22,13 +22,14 @@ use super::{
     Moments, Refused, System,
     block::{Block, Place, dot, kronecker, perron, product, split},
     of,
-    system::lattice,
+    system::{lattice, poles},
 };
 use crate::{
     certificate::{Certificate, Multiplier, Orbit, WIDER},
     exact::Exact,
     interval::{Complex, Interval, norm},
 };
+use std::ops::Add;
 
 /// `K` of this proof, at most that of the certificate: this, or a share of `K'`.
 const BLOCK: [usize; 2] = [8, 32];
@@ -97,33 +98,29 @@ impl<'a> Equations<'a> {
         n < self.known.len() && self.system.has(n, k) && (k + self.odd > 0 || !sine)
     }
 
-    /// `l_k = (1/s^2 + rho^2/(kappa (1 + rho) + rho s^2))/(1 + rho)` up to `K' + 1`; for
-    /// resonators that do not move `1/(kappa + s^2)`.
+    /// `l_k` up to `K' + 1`.
     ///
     /// Beyond, `|s|` is at least `(k - 1) omega`, so that the sum of `|l_k|^2` is at most that of a
     /// periodic orbit beyond `K'`.
     fn factors(&self, lambda: Complex) -> Factors {
         let Certificate { model, orbit, multiplier, .. } = self.certificate;
-        let kappa = model.kappa.enclosed();
-        let (own, rho, more) = model
-            .rho
-            .map(Exact::enclosed)
-            .map_or((Interval::ZERO, Interval::ONE, Interval::ONE), |rho| (Interval::ONE, rho, Interval::ONE + rho));
-        let over = |z: Complex, factor: Interval| {
-            let scale = factor / (more * (z.re.square() + z.im.square()));
-            Complex { re: z.re * scale, im: -z.im * scale }
-        };
+        let poles = poles(model);
         let factor = |k: usize, sign: i128| {
-            let frequency = lambda.im + Interval::of_integer(sign) * of(2 * k + self.odd) / of(2) * self.system.omega;
+            let frequency = lambda.im + Interval::of_integer(sign) * of(2 * k + self.odd) / of(2) * self.system.omega();
             let square = Complex { re: lambda.re.square() - frequency.square(), im: of(2) * lambda.re * frequency };
-            let den = Complex { re: kappa * more + rho * square.re, im: rho * square.im };
+            let term = |&[c, p, r]: &[Interval; 3]| {
+                let den = Complex { re: p + r * square.re, im: r * square.im };
+                let scale = c / (den.re.square() + den.im.square());
+                Complex { re: den.re * scale, im: -den.im * scale }
+            };
             let re = match (orbit, multiplier) {
                 (Orbit::Wave(wave), Some(Multiplier::Bloch { p_over_pi, .. })) => {
                     lattice(*p_over_pi, wave.q_over_pi, -sign * k as i128)
                 }
                 _ => Interval::ONE,
             };
-            (over(square, own) + over(den, rho.square())) * Complex { re, im: Interval::ZERO }
+            let zero = Complex { re: Interval::ZERO, im: Interval::ZERO };
+            poles.iter().map(term).fold(zero, Complex::add) * Complex { re, im: Interval::ZERO }
         };
         (0..=self.system.factors.len()).map(|k| [1, -1].map(|sign| factor(k, sign))).collect()
     }
@@ -138,7 +135,7 @@ impl<'a> Equations<'a> {
     /// these are real; for waves their imaginary parts are between real and imaginary parts.
     fn forces(&self, l: &Factors, (n, k, sine): Place) -> Vec<(Place, Interval)> {
         let factor = |m: usize, part: bool| {
-            let turn = |z: Complex| if self.system.wave && m != n { Complex { re: z.im, im: -z.re } } else { z };
+            let turn = |z: Complex| if self.system.is_wave() && m != n { Complex { re: z.im, im: -z.re } } else { z };
             let [l, other] = l[k].map(turn);
             let twice = match (sine, part) {
                 (false, true) => l.im - other.im,
@@ -335,7 +332,7 @@ pub(super) fn check(
     };
     let ends = match multiplier {
         Multiplier::Doubling { .. } => bounds,
-        _ if vanishes => rates.map(|rate| (rate * of(2) * Interval::PI / system.omega).exp()),
+        _ if vanishes => rates.map(|rate| (rate * of(2) * Interval::PI / system.omega()).exp()),
         _ => [Interval::exact(f64::NAN); 2],
     };
     let [from, to] = [ends[0].lo(), ends[1].hi()];

@@ -23,8 +23,6 @@ use crate::{
 pub(super) struct System {
     /// `a_nk`, with the mean of a wave as `a_00`.
     pub(super) a: Vec<Vec<Interval>>,
-    /// Whether it is of a wave.
-    pub(super) wave: bool,
     /// `l_k` for `k` up to `K'`; -1 as `l_0`. Of a piece of a branch at its middle.
     pub(super) factors: Vec<Interval>,
     /// Along a piece `l_k` is the factor, and a number from -1 to 1 times one in this interval.
@@ -33,13 +31,8 @@ pub(super) struct System {
     pub(super) shares: Vec<Interval>,
     /// The mean strain in the middle of a piece, and half of its change.
     pub(super) mean: [Interval; 2],
-    /// The frequency; along a piece all of its values.
-    pub(super) omega: Interval,
     /// The frequency in the middle of a piece, and half of its change.
     pub(super) middle: [Interval; 2],
-    /// `|b_k/a_k|` for `k` up to `K' + 1`, the coefficients of `y_n` over those of `x_n`; less
-    /// beyond.
-    pub(super) resonators: Vec<Interval>,
     /// `c` with `|l_k| <= c/k^2` beyond; the same for what `slopes` has.
     pub(super) decay: [Interval; 2],
     /// The same of `a_1` where it is given, and `(omega - omega_m)/half` one more unknown, `omega_m`
@@ -68,8 +61,6 @@ impl System {
         };
         let ([mut factors, mut slopes], mut decay) = inverses(model, [omega, half], *enclosed)?;
         let middle = [omega, half.abs()];
-        let omega = omega + half.abs().ball();
-        let resonators = resonators(model, omega, enclosed + 1);
         let row = |a: &[f64]| a.iter().map(|a| Interval::exact(*a)).collect::<Vec<_>>();
         let (mut background, with_mean) = (None, |a: &[f64]| [&mean[..1], row(a).as_slice()].concat());
         let (a, shares, center) = match orbit {
@@ -97,34 +88,29 @@ impl System {
                 (a, Vec::new(), infinite.center)
             }
         };
-        let (first, parity, wave) = (first.map(|[from, to]| between(from, to)), 1.0, a.len() == 1);
-        Ok(Self {
-            a,
-            wave,
-            factors,
-            slopes,
-            shares,
-            mean,
-            omega,
-            middle,
-            resonators,
-            decay,
-            first,
-            background,
-            center,
-            parity,
-        })
+        let (first, parity) = (first.map(|[from, to]| between(from, to)), 1.0);
+        Ok(Self { a, factors, slopes, shares, mean, middle, decay, first, background, center, parity })
     }
 
     /// That of the perturbations which [`multiplier`](super::multiplier) looks for. Those of a wave
     /// are complex: their real part is one site, their imaginary part a second one.
     pub(super) fn perturbed(mut self) -> Self {
-        if self.wave {
+        if self.is_wave() {
             self.a.push(self.a[0].clone())
         } else {
             self.parity = -1.0
         }
         self
+    }
+
+    /// Whether it is of a wave.
+    pub(super) fn is_wave(&self) -> bool {
+        self.shares.len() == 1
+    }
+
+    /// The frequency; along a piece all of its values.
+    pub(super) fn omega(&self) -> Interval {
+        self.middle[0] + self.middle[1].ball()
     }
 
     /// The site whose mean force that of a site is: the next one, or the background. `None` for the
@@ -171,7 +157,7 @@ impl System {
     /// last site is that of the site before it, or its image (site-centred). Of the infinite chain
     /// neighbours are shifted by half a period.
     pub(super) fn coupled(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
-        if self.wave {
+        if self.is_wave() {
             return (0..self.a.len()).map(|m| (m, if m > n { -1.0 } else { 1.0 })).collect();
         }
         let last = self.a.len() - 1;
@@ -203,14 +189,6 @@ impl System {
     }
 }
 
-/// `kappa/|kappa - rho omega^2 k^2|` for `k` up to `count`, or 0 for resonators that do not move.
-/// NaN where it is not known to be finite.
-fn resonators(model: &Model, omega: Interval, count: usize) -> Vec<Interval> {
-    let (kappa, rho) = (model.kappa.enclosed(), model.rho.map(Exact::enclosed));
-    let share = |rho: Interval, k: usize| (kappa / (kappa - rho * (omega * of(k)).square())).abs();
-    (0..=count).map(|k| rho.map_or(Interval::ZERO, |rho| share(rho, k))).collect()
-}
-
 /// `4 sin^2((p + k q)/2)` by `p/pi` and `q/pi`, with the angle reduced exactly.
 pub(super) fn lattice(p: Exact, q: Exact, k: i128) -> Interval {
     let (num, den) = (p.num() * q.den() + k * q.num() * p.den(), p.den() * q.den());
@@ -218,52 +196,43 @@ pub(super) fn lattice(p: Exact, q: Exact, k: i128) -> Interval {
     of(4) * (share * Interval::PI).sin_cos()[0].square()
 }
 
+/// `c`, `p` and `r` of the terms of `1/L(s) = sum c/(p + r s^2)`.
+pub(super) fn poles(model: &Model) -> Vec<[Interval; 3]> {
+    let (kappa, one) = (model.kappa.enclosed(), Interval::ONE);
+    let Some(rho) = model.rho else { return vec![[one, kappa, one]] };
+    let (beads, rho) = (rho.num() == 0, rho.enclosed());
+    let all = one + rho;
+    let resonators = [rho.square() / all, kappa * all, rho];
+    [[one / all, Interval::ZERO, one], resonators].into_iter().take(if beads { 1 } else { 2 }).collect()
+}
+
 /// `1/L_k` for `k` up to `count` (-1 for `k = 0`) at `omega`; its derivative by `omega` times
 /// `half`, on the piece that is `half` longer on both sides; and for each of both `c` with `c/k^2`
-/// as a bound beyond, there.
-///
-/// As a function of `w = (omega k)^2`, `1/L_k = (-1/w + rho^2/den_k)/(1 + rho)`, which increases.
-/// Beyond, `k^2` times its derivative by `omega` falls with `k`, since `w/|den_k|` does.
+/// as a bound beyond, there: `k^2` times a term falls with `k` where `r omega^2 k^2 > p`, and so
+/// does `k^2` times its derivative.
 fn inverses(
     model: &Model,
     [omega, half]: [Interval; 2],
     count: usize,
 ) -> Result<([Vec<Interval>; 2], [Interval; 2]), Refused> {
-    let (kappa, one, all) = (model.kappa.enclosed(), Interval::ONE, omega + half.abs().ball());
-    let square = |omega: Interval, k: usize| (omega * of(k)).square();
-    // The value, and the derivative by w.
-    let inverse = |omega: Interval, k: usize| match (square(omega, k), model.rho) {
-        _ if k == 0 => [-Interval::ONE, Interval::ZERO],
-        (w, None) => [one / (kappa - w), one / (kappa - w).square()],
-        (w, Some(rho)) if rho.num() == 0 => [-one / w, one / w.square()],
-        (w, Some(rho)) => {
-            let rho = rho.enclosed();
-            let den = kappa * (one + rho) - rho * w;
-            let slope = one / w.square() + rho * (rho / den).square();
-            [-one / w + rho.square() / den, slope].map(|it| it / (one + rho))
-        }
+    let (poles, all) = (poles(model), omega + half.abs().ball());
+    let den = |omega: Interval, k: usize, p: Interval, r: Interval| p - r * (omega * of(k)).square();
+    let value =
+        |omega: Interval, k: usize| -> Interval { poles.iter().map(|&[c, p, r]| c / den(omega, k, p, r)).sum() };
+    let slope = |k: usize| -> Interval {
+        let term = |&[c, p, r]: &[Interval; 3]| c * r / den(all, k, p, r).square();
+        half * of(2) * all * of(k * k) * poles.iter().map(term).sum()
     };
-    let factors: Vec<Interval> = (0..=count).map(|k| inverse(omega, k)[0]).collect();
-    let slope = |k: usize| half * inverse(all, k)[1] * of(2) * all * of(k) * of(k);
-    let slopes: Vec<Interval> = (0..=count).map(slope).collect();
-    if let Some(k) = factors.iter().zip(&slopes).position(|(one, slope)| one.is_nan() || slope.is_nan()) {
-        return Err(Refused::Resonance(k));
-    }
-    // L_k over -omega^2 k^2 is (1 + added/over)^{-1} for k = count + 1, and nearer to 1 beyond.
-    let (added, over) = match model.rho {
-        Some(rho) if rho.num() == 0 => (Interval::ZERO, one),
-        Some(rho) => {
-            let rho = rho.enclosed();
-            (kappa * rho, rho * square(all, count + 1) - kappa * (one + rho))
+    let own = |k: usize| if k == 0 { [-Interval::ONE, Interval::ZERO] } else { [value(omega, k), slope(k)] };
+    let known: Vec<[Interval; 2]> = (0..=count).map(own).collect();
+    let last = count + 1;
+    let resonant = known.iter().position(|it| it.iter().any(|it| it.is_nan()));
+    let passed = poles.iter().all(|&[_, p, r]| (-den(all, last, p, r)).is_positive());
+    match resonant.or((!passed).then_some(last)) {
+        Some(k) => Err(Refused::Resonance(k)),
+        None => {
+            let decay = [value(all, last), slope(last)].map(|it| it.abs() * of(last * last));
+            Ok(([0, 1].map(|i| known.iter().map(|it| it[i]).collect()), decay))
         }
-        None => (kappa, square(all, count + 1) - kappa),
-    };
-    match over {
-        over if over.is_positive() => {
-            let turn = slope(count + 1).abs() * of(count + 1).square();
-            Ok(([factors, slopes], [(one + added / over) / all.square(), turn]))
-        }
-        over if (-over).is_positive() => Err(Refused::Below(count)),
-        _ => Err(Refused::Resonance(count + 1)),
     }
 }
