@@ -33,21 +33,8 @@ pub(super) fn kronecker(equal: bool) -> Interval {
     if equal { Interval::ONE } else { Interval::ZERO }
 }
 
-/// The largest of the first sums by site over their weights, and the entry after all sites.
-pub(super) fn split(all: &[Interval], weights: &[Interval], rows: usize) -> [Interval; 2] {
-    let most = all.iter().zip(weights).take(rows).map(|(one, w)| *one / *w).fold(Interval::ZERO, Interval::max);
-    [most, all[weights.len()]]
-}
-
-/// A positive vector, at most 1, near the eigenvector of the largest eigenvalue.
-pub(super) fn perron(rows: &[Vec<Interval>]) -> Vec<Interval> {
-    let mut vector = vec![1.0; rows.len()];
-    for _ in 0..50 {
-        let next: Vec<f64> = rows.iter().map(|row| row.iter().zip(&vector).map(|(a, b)| a.mid() * b).sum()).collect();
-        let most = next.iter().copied().fold(0.0, f64::max);
-        vector = next.into_iter().map(|x| (x / most).clamp(0.01, 1.0)).collect();
-    }
-    vector.into_iter().map(Interval::exact).collect()
+pub(super) fn largest(all: &[Interval]) -> Interval {
+    all.iter().copied().fold(Interval::ZERO, Interval::max)
 }
 
 /// A floating-point inverse, which need not be accurate: Gauss-Jordan elimination with pivots.
@@ -190,15 +177,12 @@ impl Block {
     pub(super) fn z1(
         &self,
         far: &[Vec<Interval>],
-        [weights, steepest]: [&[Interval]; 2],
+        steepest: &[Interval],
         columns: impl Fn(usize) -> Result<Vec<Interval>, Refused>,
     ) -> Result<Vec<Interval>, Refused> {
         let columns = (0..self.sites).map(columns).collect::<Result<Vec<_>, _>>()?;
-        let of_row = |(n, far): (usize, &Vec<Interval>)| {
-            let near: Interval = columns.iter().zip(weights).map(|(column, w)| column[n] * *w).sum();
-            near + dot(far, steepest)
-        };
-        Ok(far.iter().enumerate().map(of_row).collect())
+        let near = |n: usize| columns.iter().map(|column| column[n]).sum::<Interval>();
+        Ok(far.iter().enumerate().map(|(n, far)| near(n) + dot(far, steepest)).collect())
     }
 
     /// The largest columns of `1 - A M` of a site with the stiffness `d`, by site: of these places,

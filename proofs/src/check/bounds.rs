@@ -5,7 +5,7 @@
 
 use super::{
     Bounds, Moments, Proof, Refused, System,
-    block::{Block, Lines, Place, dot, perron, split},
+    block::{Block, Lines, Place, dot, largest},
     infinite::Far,
     moments::{NARROWEST, NARROWEST_ALONG, moments},
     multiplier, of, radii,
@@ -283,22 +283,25 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
         (stiff, alpha.enclosed())
     };
 
-    // Y0, Z1 and Z2, by site, with weights near Perron's vector of R + R' + t |e|.
+    // Y0, Z1 and Z2, by site.
     let beyond = |n: usize| -> Vec<Interval> {
         let turned = turned.iter().map(|turned| turned[n]);
         turned.zip(system.moduli(n)).map(|(turned, e)| turned + terms.beyond_block[0] * e).collect()
     };
     let beyond: Vec<Vec<Interval>> = (0..=sites).map(beyond).collect();
     let contacts = block.contacts(&beyond);
-    let weights = terms.far.as_ref().map_or_else(|| perron(&contacts[..sites]), |far| far.weights(sites));
+    let weights = terms.far.as_ref().map_or_else(|| vec![Interval::ONE; sites], |far| far.weights(sites));
     let powers: Vec<Interval> = weights.iter().map(|w| *w * w.pow(gamma)).collect();
     let z2: Vec<Interval> = contacts.iter().map(|row| hoelder * dot(row, &powers)).collect();
     let steepest: Vec<Interval> = known.iter().zip(&weights).map(|(one, w)| *w * one.steepest(alpha)).collect();
-    let z1 = block.z1(&beyond, [&weights, &steepest], |m| go_on().map(|()| terms.columns(m)))?;
+    let z1 = block.z1(&beyond, &steepest, |m| {
+        go_on().map(|()| terms.columns(m).into_iter().map(|column| column * weights[m]).collect())
+    })?;
     let (y0, of_last) = (terms.y0(), terms.column_of_last());
     // An unknown frequency has a weight with which a ball of the radius eta, a multiple of Y0, has
     // all frequencies of the piece.
-    let split = |all: &[Interval]| split(all, &weights, terms.rows());
+    let over = |all: &[Interval]| -> Vec<Interval> { all.iter().zip(&weights).map(|(one, w)| *one / *w).collect() };
+    let split = |all: &[Interval]| [largest(&over(all)[..terms.rows()]), all[sites]];
     let turn = system.first.map(|_| Interval::exact((system.middle[1] / (of(WIDEST) * split(&y0)[0])).mid()));
     let eta = turn.map_or(Interval::ONE, |turn| system.middle[1] / turn);
     let z1: Vec<Interval> = z1.iter().zip(&of_last).map(|(z1, of_last)| *z1 + *of_last / eta).collect();

@@ -20,7 +20,7 @@
 
 use super::{
     Moments, Refused, System,
-    block::{Block, Place, dot, kronecker, perron, product, split},
+    block::{Block, Place, dot, kronecker, largest, product},
     of,
     system::{lattice, poles},
 };
@@ -188,8 +188,6 @@ struct Terms<'a> {
     /// `v t |e|`, and `R` with it, by row.
     far: Vec<Vec<Interval>>,
     contacts: Vec<Vec<Interval>>,
-    /// `W_n`.
-    weights: Vec<Interval>,
     /// Bounds of the change of `D` in the ball.
     changed: Vec<Interval>,
 }
@@ -211,10 +209,9 @@ impl<'a> Terms<'a> {
         let far: Vec<Vec<Interval>> =
             (0..=sites).map(|n| it.system.moduli(n).into_iter().map(|e| t * e).collect()).collect();
         let contacts = block.contacts(&far);
-        let weights = perron(&contacts[..sites]);
         let alpha = it.certificate.model.alpha;
         let changed = it.known.iter().zip(changes).map(|(one, change)| one.change(alpha, *change)).collect();
-        Self { it, l, block, far, contacts, weights, changed }
+        Self { it, l, block, far, contacts, changed }
     }
 
     /// The largest columns of `1 - A M` of a site, by site.
@@ -226,27 +223,24 @@ impl<'a> Terms<'a> {
 
     /// `eta`, the row of `g` in `Z1`, and `1 - Z1`.
     fn z1(&self, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<[Interval; 3], Refused> {
-        let Self { it, block, weights, .. } = self;
-        let (alpha, sites) = (it.certificate.model.alpha, weights.len());
-        let times = |of: &dyn Fn(usize) -> Interval| -> Vec<Interval> {
-            weights.iter().enumerate().map(|(m, w)| *w * of(m)).collect()
-        };
-        let (moved, steepest) = (times(&|m| self.changed[m]), times(&|m| it.known[m].steepest(alpha)));
-        let near = block.z1(&self.far, [weights, &steepest], |m| go_on().map(|()| self.columns(m)))?;
-        let z1: Vec<Interval> = near.iter().zip(&self.contacts).map(|(z1, row)| *z1 + dot(row, &moved)).collect();
+        let Self { it, block, changed, .. } = self;
+        let (alpha, sites) = (it.certificate.model.alpha, it.known.len());
+        let steepest: Vec<Interval> = it.known.iter().map(|one| one.steepest(alpha)).collect();
+        let near = block.z1(&self.far, &steepest, |m| go_on().map(|()| self.columns(m)))?;
+        let z1: Vec<Interval> = near.iter().zip(&self.contacts).map(|(z1, row)| *z1 + dot(row, changed)).collect();
         // The weight eta of g makes its row at most half as large as the largest.
-        let [most, own] = split(&z1, weights, sites);
+        let (most, own) = (largest(&z1[..sites]), z1[sites]);
         let eta = Interval::exact((0.5 * most.mid() / own.hi()).max(f64::MIN_POSITIVE));
         let z1: Vec<Interval> = z1.iter().zip(block.further_columns()).map(|(z1, of_g)| *z1 + of_g / eta).collect();
-        let [most, own] = split(&z1, weights, sites);
+        let (most, own) = (largest(&z1[..sites]), z1[sites]);
         Ok([eta, own, Interval::ONE - most.max(eta * own)])
     }
 
     /// `g` at a growth rate.
     fn g(&self, rate: Complex, [eta, own, rest]: [Interval; 3]) -> Vec<Interval> {
-        let Self { it, block, weights, .. } = self;
+        let Self { it, block, .. } = self;
         let (all, inverse) = (&block.all, &block.inverse);
-        let (l, sites, harmonics) = (it.factors(rate), weights.len(), it.enclosed / SHARE);
+        let (l, sites, harmonics) = (it.factors(rate), it.known.len(), it.enclosed / SHARE);
         let computed = it.enclosed - harmonics - 1;
         let mut p: Field = vec![[false, true].map(|_| vec![Interval::ZERO; harmonics + 1]); sites];
         let mut g = vec![Interval::ZERO; it.pinned.len()];
@@ -279,7 +273,7 @@ impl<'a> Terms<'a> {
             let beyond: Interval = beyond.map(|place| entry(&defect, place).abs()).sum();
             *error = *error + beyond + t * dot(&it.system.moduli(n), &tails) + dot(&self.contacts[n], &moved);
         }
-        let [most, own_error] = split(&error, weights, sites);
+        let (most, own_error) = (largest(&error[..sites]), error[sites]);
         let error = (own_error + own * most.max(eta * own_error) / rest).ball();
         g.into_iter().map(|g| g + error).collect()
     }
@@ -588,7 +582,7 @@ mod tests {
                 add(&mut terms, 2.0, [0, g]);
                 let [eta, own, rest] = terms.z1(&|| Ok(())).unwrap();
                 let entry = match terms.block.all.get(row) {
-                    Some(place) => 2.0 / (eta * terms.weights[place.0]).mid(),
+                    Some(_) => 2.0 / eta.mid(),
                     None => 2.0,
                 };
                 assert!(1.0 - rest.lo() > (1.0 - 1e-9) * entry, "{row} {g}: {rest:?} {entry}");
