@@ -5,7 +5,7 @@
 
 use crate::{
     certificate::{Breather, Center, Certificate, Infinite, Model, Orbit, Wave},
-    check::{Proof, Refused},
+    check::{Proof, Refused, solved},
     exact::Exact,
 };
 use std::f64::consts::PI;
@@ -261,7 +261,7 @@ fn wave_of(
             _ => f64::from(k == j) + c[k] * cosine_product(&stiffness, k, j),
         };
         let rows = (1..=block).map(|k| (1..=block).map(|j| entry(k, j)).chain([a[k] - c[k] * force[k]]).collect());
-        let mut steps = solved(rows.collect());
+        let mut steps = solved(rows.collect()).concat();
         steps.extend((block + 1..=harmonics).map(|k| a[k] - c[k] * force[k]));
         let size: f64 = steps.iter().map(|step| step.abs()).sum();
         if first.is_some() {
@@ -370,7 +370,7 @@ fn half(
                 }
             }
         }
-        let steps = solved(rows);
+        let steps = solved(rows).concat();
         let beyond: Vec<Vec<f64>> = (0..free).map(|i| (width..=harmonics).map(|k| defect(i, k)).collect()).collect();
         for ((a, near), far) in a.iter_mut().zip(steps.chunks(width)).zip(&beyond) {
             a.iter_mut().zip(near.iter().chain(far)).for_each(|(a, step)| *a -= step);
@@ -456,25 +456,4 @@ fn fourier(values: &mut [(f64, f64)]) {
         }
         half *= 2;
     }
-}
-
-/// The solution of a linear system; rows end with the right-hand side.
-fn solved(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
-    let n = rows.len();
-    for step in 0..n {
-        let pivot = (step..n).max_by(|&i, &j| rows[i][step].abs().total_cmp(&rows[j][step].abs())).unwrap_or(step);
-        rows.swap(step, pivot);
-        let (above, below) = rows.split_at_mut(step + 1);
-        let row = &above[step];
-        for other in below {
-            let factor = other[step] / row[step];
-            other[step..].iter_mut().zip(&row[step..]).for_each(|(x, y)| *x -= factor * y);
-        }
-    }
-    let mut solution = vec![0.0; n];
-    for i in (0..n).rev() {
-        let known: f64 = (i + 1..n).map(|j| rows[i][j] * solution[j]).sum();
-        solution[i] = (rows[i][n] - known) / rows[i][i];
-    }
-    solution
 }

@@ -37,13 +37,10 @@ pub(super) fn largest(all: &[Interval]) -> Interval {
     all.iter().copied().fold(Interval::ZERO, Interval::max)
 }
 
-/// A floating-point inverse, which need not be accurate: Gauss-Jordan elimination with pivots.
-fn approximate_inverse(mut rows: Vec<Vec<f64>>) -> Vec<Vec<Interval>> {
+/// The solutions of linear systems in floating point, which need not be accurate: Gauss-Jordan
+/// elimination with pivots. Rows end with the right-hand sides, rows of the result have solutions.
+pub(crate) fn solved(mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let n = rows.len();
-    for (i, row) in rows.iter_mut().enumerate() {
-        row.resize(2 * n, 0.0);
-        row[n + i] = 1.0;
-    }
     for step in 0..n {
         let pivot = (step..n).max_by(|&i, &j| rows[i][step].abs().total_cmp(&rows[j][step].abs())).unwrap_or(step);
         rows.swap(step, pivot);
@@ -55,7 +52,7 @@ fn approximate_inverse(mut rows: Vec<Vec<f64>>) -> Vec<Vec<Interval>> {
             other[step..].iter_mut().zip(&row[step..]).for_each(|(x, y)| *x -= factor * y);
         }
     }
-    rows.into_iter().map(|row| row[n..].iter().map(|x| Interval::exact(*x)).collect()).collect()
+    rows.into_iter().map(|row| row[n..].to_vec()).collect()
 }
 
 /// The unknowns and the matrices.
@@ -133,7 +130,10 @@ impl Block {
 
     /// Makes `A`.
     pub(super) fn invert(&mut self, b: &Lines, known: &[Moments]) {
-        self.inverse = approximate_inverse(self.matrix(b, known));
+        let identity = |i: usize| (0..self.plain.len()).map(move |j| f64::from(u8::from(i == j)));
+        let rows = self.matrix(b, known).into_iter().enumerate();
+        let inverse = solved(rows.map(|(i, row)| row.into_iter().chain(identity(i)).collect()).collect());
+        self.inverse = inverse.iter().map(|row| row.iter().copied().map(Interval::exact).collect()).collect();
     }
 
     /// Makes what follows from `A`.

@@ -102,13 +102,9 @@ impl<'a> Terms<'a> {
         Ok(Self { certificate, system, block, turned, known, beyond_block, tails, far })
     }
 
-    fn sites(&self) -> usize {
-        self.system.a.len()
-    }
-
     /// Sites whose bounds are those of all sites.
     fn rows(&self) -> usize {
-        self.far.as_ref().map_or(self.sites(), |far| far.last_row() + 1)
+        self.far.as_ref().map_or(self.known.len(), |far| far.last_row() + 1)
     }
 
     /// `sum_m e_nm n_mk`; of a site of the background less that of the background.
@@ -117,18 +113,17 @@ impl<'a> Terms<'a> {
         self.system.defects(n, k).into_iter().map(term).sum()
     }
 
-    /// `a_nk`; of a site of the background less that of the background.
-    fn coefficient(&self, n: usize, k: usize) -> Interval {
-        let own = if self.system.is_background(n) { None } else { self.system.a[n].get(k) };
-        own.copied().unwrap_or(Interval::ZERO)
-    }
-
-    /// `G_nk` for these factors, but for the last equation for `k = 0`.
+    /// `G_nk` for these factors; of a site of the background less that of the background.
     fn defect(&self, (n, k): (usize, usize), l: Interval) -> Interval {
-        match (k, self.system.level(n)) {
-            (0, _) if self.system.is_background(n) => Interval::ZERO,
-            (0, m) => m.map_or(Interval::ZERO, |m| self.known[n].force[0] - self.known[m].force[0]),
-            _ => self.coefficient(n, k) - l * self.force(n, k),
+        let (Self { system, known, .. }, is_background) = (self, self.system.is_background(n));
+        let own = system.a[n].get(k).copied().filter(|_| !is_background).unwrap_or(Interval::ZERO);
+        match (k, system.level(n)) {
+            (0, _) if is_background => Interval::ZERO,
+            (0, Some(m)) => known[n].force[0] - known[m].force[0],
+            (0, None) => {
+                system.shares.iter().zip(&system.a).map(|(share, a)| *share * a[0]).sum::<Interval>() - system.mean[0]
+            }
+            _ => own - l * self.force(n, k),
         }
     }
 
@@ -136,29 +131,21 @@ impl<'a> Terms<'a> {
     /// the piece.
     fn y0(&self) -> Vec<Interval> {
         let Self { certificate, system, block, .. } = self;
-        let is_mean = |n: usize, k: usize| k == 0 && system.level(n).is_none();
-        let residual = |&(n, k, _): &Place| {
-            let means = system.shares.iter().zip(&system.a).map(|(share, a)| *share * a[0]);
-            if is_mean(n, k) {
-                means.sum::<Interval>() - system.mean[0]
-            } else {
-                self.defect((n, k), system.factors[k])
-            }
-        };
+        let residual = |&(n, k, _): &Place| self.defect((n, k), system.factors[k]);
         let rate = |&(n, k, _): &Place| match k {
-            _ if is_mean(n, k) => -system.mean[1],
+            0 if system.level(n).is_none() => -system.mean[1],
             _ if system.first.is_some() => Interval::ZERO,
             _ => -(system.slopes[k] * self.force(n, k)),
         };
-        let [residual, rates]: [Vec<Interval>; 2] = [
-            block.all.iter().map(residual).chain(system.first.map(|[first, _]| system.a[0][1] - first)).collect(),
-            block.all.iter().map(rate).chain(system.first.map(|[_, change]| -change)).collect(),
-        ];
+        let [first, change] = [0, 1].map(|i| system.first.map(|it| it[i]));
+        let residual: Vec<Interval> =
+            block.all.iter().map(residual).chain(first.map(|first| system.a[0][1] - first)).collect();
+        let rates: Vec<Interval> = block.all.iter().map(rate).chain(change.map(|change| -change)).collect();
         let mut y0 = block.by_site(&|i| {
             let row = &block.inverse[i];
             dot(row, &residual).abs() + dot(row, &rates).abs()
         });
-        for (n, y0) in y0.iter_mut().enumerate().take(self.sites()) {
+        for (n, y0) in y0.iter_mut().enumerate().take(self.known.len()) {
             let beyond = (certificate.block + 1..=certificate.enclosed).filter(|k| system.has(n, *k));
             let middle: Interval = beyond.map(|k| self.defect((n, k), system.range(k)).abs()).sum();
             let tails = system.defects(n, 0).into_iter().map(|(m, e)| Interval::exact(e.abs()) * self.tails[m][0]);
@@ -270,7 +257,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let go_on = || if stopped() { Err(Refused::Stopped) } else { Ok(()) };
     let terms = Terms::new(certificate, &go_on)?;
     let Terms { system, known, block, turned, .. } = &terms;
-    let (alpha, sites) = (certificate.model.alpha, terms.sites());
+    let (alpha, sites) = (certificate.model.alpha, known.len());
 
     // The Hölder constant of D: for alpha > 2 in balls up to an eighth of the first harmonic.
     let [stiff, bent] = [alpha.less_one(), alpha.less_one().less_one()];
@@ -290,32 +277,28 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     };
     let beyond: Vec<Vec<Interval>> = (0..=sites).map(beyond).collect();
     let contacts = block.contacts(&beyond);
-    let weights = terms.far.as_ref().map_or_else(|| vec![Interval::ONE; sites], |far| far.weights(sites));
+    let (y0, of_last) = (terms.y0(), terms.column_of_last());
+    // An unknown frequency has an exact weight with which a ball of the radius eta, a multiple of
+    // Y0, has all frequencies of the piece.
+    let turn = system.first.map(|_| Interval::exact((system.middle[1] / (of(WIDEST) * y0[0])).mid()));
+    let eta = turn.map_or(Interval::ONE, |turn| system.middle[1] / turn);
+    let mut weights = terms.far.as_ref().map_or_else(|| vec![Interval::ONE; sites], |far| far.weights(sites));
     let powers: Vec<Interval> = weights.iter().map(|w| *w * w.pow(gamma)).collect();
     let z2: Vec<Interval> = contacts.iter().map(|row| hoelder * dot(row, &powers)).collect();
     let steepest: Vec<Interval> = known.iter().zip(&weights).map(|(one, w)| *w * one.steepest(alpha)).collect();
     let z1 = block.z1(&beyond, &steepest, |m| {
         go_on().map(|()| terms.columns(m).into_iter().map(|column| column * weights[m]).collect())
     })?;
-    let (y0, of_last) = (terms.y0(), terms.column_of_last());
-    // An unknown frequency has a weight with which a ball of the radius eta, a multiple of Y0, has
-    // all frequencies of the piece.
-    let over = |all: &[Interval]| -> Vec<Interval> { all.iter().zip(&weights).map(|(one, w)| *one / *w).collect() };
-    let split = |all: &[Interval]| [largest(&over(all)[..terms.rows()]), all[sites]];
-    let turn = system.first.map(|_| Interval::exact((system.middle[1] / (of(WIDEST) * split(&y0)[0])).mid()));
-    let eta = turn.map_or(Interval::ONE, |turn| system.middle[1] / turn);
+    weights.push(Interval::ONE / eta);
     let z1: Vec<Interval> = z1.iter().zip(&of_last).map(|(z1, of_last)| *z1 + *of_last / eta).collect();
+    // The largest over the sites, and that of the last unknown.
     let most = |all: &[Interval]| {
-        let [most, own] = split(all);
-        most.max(eta * own)
+        let over: Vec<Interval> = all.iter().zip(&weights).map(|(one, w)| *one / *w).collect();
+        largest(&over[..terms.rows()]).max(over[sites])
     };
     let bounds = Bounds { y0: most(&y0).hi(), z1: most(&z1).hi(), z2: most(&z2).hi() };
     let rows = |r: f64| -> Vec<Interval> {
-        let change = |(one, w): (&Moments, &Interval)| {
-            let most = *w * Interval::exact(r);
-            let change = one.change(alpha, most);
-            *w * if gamma == stiff { change.min(hoelder * most.pow(gamma)) } else { change }
-        };
+        let change = |(one, w): (&Moments, &Interval)| *w * one.change(alpha, *w * r.into());
         let changes: Vec<Interval> = known.iter().zip(&weights).map(change).collect();
         let row = |(n, row): (usize, &Vec<Interval>)| {
             let turned = system.first.map_or(Interval::ZERO, |_| terms.change_of_last(n, r.into()) / eta);
@@ -331,7 +314,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
         let turned = y0[sites] + rows(radius.hi())[sites] * radius;
         system.middle[0] + (system.middle[1] * turned).ball()
     });
-    let weights = weights.into_iter().chain(turn).collect();
+    let weights = weights.into_iter().take(sites).chain(turn).collect();
     terms.proof((bounds, radius, unique), frequency, weights, &go_on)
 }
 

@@ -21,6 +21,7 @@ mod system;
 
 use system::System;
 
+pub(crate) use block::solved;
 pub use branch::{Gap, connected, doublings, folds};
 pub use moments::{Moments, NARROWEST, moments};
 
