@@ -154,13 +154,6 @@ impl<'a> Terms<'a> {
         y0
     }
 
-    /// Largest columns of `I - A DG`, by site, of those of a site.
-    fn columns(&self, m: usize) -> Vec<Interval> {
-        let Self { certificate, system, block, known, tails, .. } = self;
-        let computed = (0..=certificate.enclosed - certificate.block).filter(|j| system.has(m, *j));
-        block.columns(m, computed.map(|j| (m, j, false)).collect(), &known[m].stiffness, tails[m][1])
-    }
-
     /// The column of an unknown frequency of `I - A DG`, by site, along all of the piece.
     fn column_of_last(&self) -> Vec<Interval> {
         let Self { certificate, system, block, known, tails, .. } = self;
@@ -287,7 +280,10 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let z2: Vec<Interval> = contacts.iter().map(|row| hoelder * dot(row, &powers)).collect();
     let steepest: Vec<Interval> = known.iter().zip(&weights).map(|(one, w)| *w * one.steepest(alpha)).collect();
     let z1 = block.z1(&beyond, &steepest, |m| {
-        go_on().map(|()| terms.columns(m).into_iter().map(|column| column * weights[m]).collect())
+        let computed = (0..=certificate.enclosed - certificate.block).filter(|j| system.has(m, *j));
+        let places = computed.map(|j| (m, j, false)).collect();
+        let columns = go_on().map(|()| block.columns(m, places, &known[m].stiffness, terms.tails[m][1]))?;
+        Ok(columns.into_iter().map(|column| column * weights[m]).collect())
     })?;
     weights.push(Interval::ONE / eta);
     let z1: Vec<Interval> = z1.iter().zip(&of_last).map(|(z1, of_last)| *z1 + *of_last / eta).collect();

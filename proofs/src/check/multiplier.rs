@@ -41,10 +41,14 @@ const SHARE: usize = 4;
 /// Corrections of the approximate solution.
 const CORRECTIONS: usize = 3;
 
-/// Coefficients of cosines and of sines, by site and harmonic.
-type Field = Vec<[Vec<Interval>; 2]>;
+/// Coefficients by harmonic, of the cosines and of the sines of each site in turn.
+type Field = Vec<Vec<Interval>>;
 /// `l_k` and `l_{-k}`, by harmonic.
 type Factors = Vec<[Complex; 2]>;
+
+fn entry(field: &Field, (n, k, sine): Place) -> Interval {
+    field[2 * n + usize::from(sine)][k]
+}
 
 /// The equations of the perturbations.
 struct Equations<'a> {
@@ -160,21 +164,17 @@ impl<'a> Equations<'a> {
 
     /// Left-hand sides less right-hand sides of the equations up to harmonic `last`.
     fn defect(&self, l: &Factors, (p, g): (&Field, &[Interval]), last: usize) -> Field {
-        let product = |m: usize, sine: bool| -> Vec<Interval> {
-            let row = p[m][usize::from(sine)].iter().enumerate();
-            (0..=last).map(|k| row.clone().map(|(j, p)| self.stiffness(m, k, (j, sine)) * *p).sum()).collect()
+        let product = |(i, row): (usize, &Vec<Interval>), k: usize| {
+            row.iter().enumerate().map(|(j, p)| self.stiffness(i / 2, k, (j, i % 2 == 1)) * *p).sum()
         };
-        let products: Field = (0..p.len()).map(|m| [false, true].map(|sine| product(m, sine))).collect();
+        let products: Field = p.iter().enumerate().map(|row| (0..=last).map(|k| product(row, k)).collect()).collect();
         let mut defect = p.clone();
-        for (n, rows) in defect.iter_mut().enumerate() {
-            rows.iter_mut().for_each(|row| row.resize(last + 1, Interval::ZERO));
-            for place in self.places(n, last) {
-                let force = |((m, k, part), factor): (Place, _)| factor * products[m][usize::from(part)][k];
-                let sum = self.forces(l, place).into_iter().map(force).sum();
-                let own = &mut rows[usize::from(place.2)][place.1];
-                let g = self.pinned.iter().zip(g).filter(|(pinned, _)| place == **pinned);
-                *own = *own + sum - g.map(|(_, g)| *g).sum();
-            }
+        defect.iter_mut().for_each(|row| row.resize(last + 1, Interval::ZERO));
+        for place in (0..self.known.len()).flat_map(|n| self.places(n, last)) {
+            let forces = self.forces(l, place).into_iter().map(|(place, factor)| factor * entry(&products, place));
+            let g = self.pinned.iter().zip(g).filter(|(pinned, _)| place == **pinned).map(|(_, g)| *g);
+            let own = &mut defect[2 * place.0 + usize::from(place.2)][place.1];
+            *own = *own + forces.sum() - g.sum();
         }
         defect
     }
@@ -214,19 +214,16 @@ impl<'a> Terms<'a> {
         Self { it, l, block, far, contacts, changed }
     }
 
-    /// The largest columns of `1 - A M` of a site, by site.
-    fn columns(&self, m: usize) -> Vec<Interval> {
-        let (Self { it, block, .. }, computed) = (self, self.it.enclosed / SHARE);
-        let (places, known) = (it.places(m, computed + it.block), &it.known[m]);
-        block.columns(m, places, &known.stiffness, known.stiffness_tail(computed))
-    }
-
     /// `eta`, the row of `g` in `Z1`, and `1 - Z1`.
     fn z1(&self, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<[Interval; 3], Refused> {
         let Self { it, block, changed, .. } = self;
         let (alpha, sites) = (it.certificate.model.alpha, it.known.len());
         let steepest: Vec<Interval> = it.known.iter().map(|one| one.steepest(alpha)).collect();
-        let near = block.z1(&self.far, &steepest, |m| go_on().map(|()| self.columns(m)))?;
+        let computed = it.enclosed / SHARE;
+        let near = block.z1(&self.far, &steepest, |m| {
+            let (places, known) = (it.places(m, computed + it.block), &it.known[m]);
+            go_on().map(|()| block.columns(m, places, &known.stiffness, known.stiffness_tail(computed)))
+        })?;
         let z1: Vec<Interval> = near.iter().zip(&self.contacts).map(|(z1, row)| *z1 + dot(row, changed)).collect();
         // The weight eta of g makes its row at most half as large as the largest.
         let (most, own) = (largest(&z1[..sites]), z1[sites]);
@@ -242,9 +239,8 @@ impl<'a> Terms<'a> {
         let (all, inverse) = (&block.all, &block.inverse);
         let (l, sites, harmonics) = (it.factors(rate), it.known.len(), it.enclosed / SHARE);
         let computed = it.enclosed - harmonics - 1;
-        let mut p: Field = vec![[false, true].map(|_| vec![Interval::ZERO; harmonics + 1]); sites];
+        let mut p: Field = vec![vec![Interval::ZERO; harmonics + 1]; 2 * sites];
         let mut g = vec![Interval::ZERO; it.pinned.len()];
-        let entry = |field: &Field, (n, k, sine): Place| field[n][usize::from(sine)][k];
         let head = |defect: &Field, p: &Field| -> Vec<Interval> {
             let given = it.pinned.iter().zip(0..).map(|(own, which)| entry(p, *own) - kronecker(which == 0));
             all.iter().map(|place| entry(defect, *place)).chain(given).collect()
@@ -255,7 +251,7 @@ impl<'a> Terms<'a> {
             let step = |i: usize| dot(&inverse[i], &head).mid();
             for place in (0..sites).flat_map(|n| it.places(n, harmonics)) {
                 let step = block.index(place).map_or_else(|| entry(&defect, place).mid(), step);
-                let p = &mut p[place.0][usize::from(place.2)][place.1];
+                let p = &mut p[2 * place.0 + usize::from(place.2)][place.1];
                 *p = Interval::exact(p.mid() - step);
             }
             g.iter_mut().zip(all.len()..).for_each(|(g, i)| *g = Interval::exact(g.mid() - step(i)));
@@ -263,7 +259,8 @@ impl<'a> Terms<'a> {
         let defect = it.defect(&l, (&p, &g), computed);
         let head = head(&defect, &p);
         let times = |of: &dyn Fn(usize) -> Interval| -> Vec<Interval> {
-            p.iter().enumerate().map(|(m, p)| p.iter().flatten().map(|p| p.abs()).sum::<Interval>() * of(m)).collect()
+            let all = p.chunks(2).map(|p| p.iter().flatten().map(|p| p.abs()).sum::<Interval>());
+            all.enumerate().map(|(m, all)| all * of(m)).collect()
         };
         let tails = times(&|m| it.known[m].stiffness_tail(computed - harmonics));
         let (moved, t) = (times(&|m| self.changed[m]), it.beyond(&self.l, computed));
