@@ -244,7 +244,7 @@ fn past_folds(near: &[Certificate]) -> Result<Vec<Certificate>> {
 
 /// The sizes of the pieces of a strip.
 fn sizes([from, to]: [&Certificate; 2]) -> Sizes {
-    match from.orbit {
+    match &from.orbit {
         certificate::Orbit::Wave(_) => Sizes::WAVE_PIECE,
         certificate::Orbit::Breather(it) if it.background() == 2 => Sizes::DOUBLED_PIECE,
         certificate::Orbit::Breather(_) if from.multiplier.is_some() && to.multiplier.is_some() => Sizes::BREATHER,
@@ -360,11 +360,11 @@ fn up(bound: f64) -> String {
 fn norm(certificate: &Certificate) -> &'static str {
     match certificate.orbit {
         certificate::Orbit::Wave(_) if certificate.first.is_some() => {
-            "sum of |a_k| over k >= 1; and |omega - omega_m|/W, omega_m in the middle of a piece"
+            "largest of sqrt(2) |a_0| + sum of |a_k| over k >= 1, and of |omega - omega_m|/W, omega_m in the middle of a \
+             piece"
         }
-        certificate::Orbit::Wave(_) => "sum of |a_k| over k >= 1",
-        certificate::Orbit::Breather(_) => {
-            "largest over n of (sqrt(2) |a_n0| + sum of |a_nk| over k >= 1)/W_n, W_n <= 1; and of eta |c_0|"
+        certificate::Orbit::Wave(_) | certificate::Orbit::Breather(_) => {
+            "largest over n of sqrt(2) |a_n0| + sum of |a_nk| over k >= 1"
         }
         certificate::Orbit::Infinite(_) => {
             "largest over n of (sqrt(2) |a_n0| + sum of |a_nk| over k >= 1)/W_n, W_n = 1 near the centre, \
