@@ -181,6 +181,9 @@ fn a_gap_is_refused() {
     assert_eq!(gap(&|pieces| pieces[1].0.to = None), (2, Some(Gap::Nodes)));
     assert_eq!(gap(&|pieces| pieces[1].0.model.kappa = exact("2")), (1, Some(Gap::Other)));
     assert_eq!(gap(&|pieces| pieces[1].1 = Err(Refused::Moments)), (1, Some(Gap::Refused(Refused::Moments))));
+    // Waves of about the same first harmonics, but of another mean strain.
+    let (at, why) = gap(&|pieces| pieces[1].0.to = pieces[1].0.to.map(|[omega, _]| [omega, exact("1")]));
+    assert!(at == 1 && matches!(why, Some(Gap::Apart(needed, _)) if needed > 0.7), "{at} {why:?}");
     // Balls that overlap: both are wider than the other's ball of uniqueness.
     let (at, why) = gap(&|pieces| {
         for (_, proof) in &mut pieces[..2] {

@@ -126,17 +126,7 @@ pub fn moments(
     static QUADRATURE: OnceLock<Vec<[Interval; 2]>> = OnceLock::new();
     let quadrature = QUADRATURE.get_or_init(fejer);
     let cut = a.len().saturating_sub(1).max(count).next_power_of_two().div_ceil(4);
-    let mut sums = Sums {
-        a,
-        bent: a.iter().enumerate().map(|(k, a)| -of(k).square() * *a).collect(),
-        powers: [alpha, alpha.less_one()],
-        narrowest,
-        force: vec![Interval::ZERO; count + 1],
-        stiffness: vec![Interval::ZERO; count + 1],
-        squares: [Interval::ZERO; 3],
-        overlap: Interval::ZERO,
-        pieces: Vec::new(),
-    };
+    let mut sums = Sums::new(a, alpha, count, narrowest);
     let width = 1.0 / cut as f64;
     let mut pieces: Vec<[f64; 2]> = (0..cut).map(|i| [i as f64 * width, (i + 1) as f64 * width]).collect();
     for _ in 0..MOST_PIECES {
@@ -169,7 +159,21 @@ struct Sums<'a> {
     pieces: Vec<(Interval, Interval)>,
 }
 
-impl Sums<'_> {
+impl<'a> Sums<'a> {
+    fn new(a: &'a [Interval], alpha: Exact, count: usize, narrowest: f64) -> Self {
+        Self {
+            a,
+            bent: a.iter().enumerate().map(|(k, a)| -of(k).square() * *a).collect(),
+            powers: [alpha, alpha.less_one()],
+            narrowest,
+            force: vec![Interval::ZERO; count + 1],
+            stiffness: vec![Interval::ZERO; count + 1],
+            squares: [Interval::ZERO; 3],
+            overlap: Interval::ZERO,
+            pieces: Vec::new(),
+        }
+    }
+
     /// `N` and `D` for an overlap.
     fn laws(&self, overlap: Interval) -> [Interval; 2] {
         let overlap = overlap.positive_part();
@@ -180,24 +184,20 @@ impl Sums<'_> {
     fn add(&mut self, from: f64, to: f64, quadrature: &[[Interval; 2]]) -> bool {
         let centre = Interval::PI * (Interval::exact(from) + Interval::exact(to)) / of(2);
         let half = Interval::PI * (Interval::exact(to) - Interval::exact(from)) / of(2);
-        let [middle, slope] = self.line(centre, half);
-        let on_piece = middle + (slope + self.apart(half, Interval::ONE)).ball();
+        let [middle, on_piece, on_ellipse, growth] = self.near(centre, half);
+        let on_piece = middle + on_piece.ball();
         let overlap = (-on_piece).positive_part();
         if to - from < self.narrowest && overlap.hi() > 0.0 {
             self.add_errors(overlap, of(2) * half, Interval::ONE);
         } else if overlap.hi() > 0.0 || overlap.is_nan() {
-            // The ellipse has the half-axes 17/8 and 15/8 of the half-width.
-            let [long, across] = [17, 15].map(|axis| of(axis) / of(8));
-            let growth = Interval::exact((half * across).hi()).exp();
-            let rest = slope * long + self.apart(half * long, growth);
-            if !(-middle - rest).is_positive() {
+            if !(-middle - on_ellipse).is_positive() {
                 return false;
             }
             self.integrated(centre, half, quadrature);
             // 4^{-n}
             let power = Interval::exact(f64::from_bits((1023 - 2 * NODES as u64) << 52));
             let share = half * of(8) * power / (Interval::ONE - Interval::exact(0.25));
-            self.add_errors(middle.abs() + rest, share, growth);
+            self.add_errors(middle.abs() + on_ellipse, share, growth);
         }
         self.pieces.push((Interval::exact(to) - Interval::exact(from), -on_piece));
         self.overlap = self.overlap.max(overlap);
@@ -209,18 +209,20 @@ impl Sums<'_> {
         a.iter().zip(cosines).map(|(a, cosine)| *a * *cosine).sum()
     }
 
-    /// The line through `X` at both ends of a piece: its value in the middle, and its change to an
-    /// end.
-    fn line(&self, centre: Interval, half: Interval) -> [Interval; 2] {
+    /// The mean of `X` at both ends of a piece; bounds of the distance of `X` from it on the piece,
+    /// and in the ellipse of Bernstein, of half-axes 17/8 and 15/8 of the half-width, whose foci are
+    /// these ends; and `e^h` for the height `h` of the ellipse.
+    ///
+    /// `X` differs from the line through both ends by `z^2 - half^2` times a divided difference of
+    /// at most `sup |X''|/2` (Hermite and Genocchi), where `|z^2 - half^2| <= long^2` in an ellipse
+    /// with the half-axis `long`.
+    fn near(&self, centre: Interval, half: Interval) -> [Interval; 4] {
         let [from, to] = [-half, half].map(|by| Self::strain(self.a, &cosines(centre + by, self.a.len())));
-        [(from + to) / of(2), ((to - from) / of(2)).abs()]
-    }
-
-    /// A bound of the distance of `X` from this line in an ellipse of the half-axis `long` with the
-    /// ends of the piece as its foci, `z = -half` and `half`: the distance is `z^2 - half^2`, at most
-    /// `long^2`, times a divided difference of at most `sup |X''|/2` (Hermite and Genocchi).
-    fn apart(&self, long: Interval, growth: Interval) -> Interval {
-        self.most_bent(growth) * long.square() / of(2)
+        let growth = Interval::exact((half * of(15) / of(8)).hi()).exp();
+        let apart = |long: Interval, growth: Interval| {
+            long * (to - from).abs() / of(2) + self.most_bent(growth) * (half * long).square() / of(2)
+        };
+        [(from + to) / of(2), apart(Interval::ONE, Interval::ONE), apart(of(17) / of(8), growth), growth]
     }
 
     fn integrated(&mut self, centre: Interval, half: Interval, quadrature: &[[Interval; 2]]) {
@@ -331,6 +333,43 @@ mod tests {
         }
         // Measured: 0.40 of the width that is proved.
         assert!(to == 0.0 && least > 0.2, "{to} {least}");
+    }
+
+    // Truth: strains on the ellipse.
+    #[test]
+    fn strains_are_bounded_on_ellipses() {
+        let a = [0.01, -0.4, 0.2, 0.05];
+        let exact = a.map(Interval::exact);
+        let sums = Sums::new(&exact, "3/2".parse().unwrap(), 4, NARROWEST);
+        for (centre, half) in [(0.3, 0.1), (1.5, 0.2), (1.5, 0.01), (3.1, 0.3)] {
+            let [middle, _, bound, growth] = sums.near(Interval::exact(centre), Interval::exact(half));
+            let at = |j: u32| -> f64 {
+                let (sin, cos) = (f64::from(j) * std::f64::consts::PI / 20.0).sin_cos();
+                let (x, y) = (centre + half * 17.0 / 8.0 * cos, half * 15.0 / 8.0 * sin);
+                let sum =
+                    |of: &dyn Fn(f64) -> f64| -> f64 { a.iter().zip(0..).map(|(a, k)| a * of(f64::from(k))).sum() };
+                let re = sum(&|k| (k * x).cos() * (k * y).cosh()) - middle.mid();
+                re.hypot(sum(&|k| (k * x).sin() * (k * y).sinh()))
+            };
+            let most = (0..40).map(at).fold(0.0, f64::max);
+            // Measured: 0.13 to 0.98 of the bound, which has the sum of all moduli of X''.
+            assert!(most < bound.hi() && most > 0.1 * bound.hi(), "{centre} {half}: {most} {bound:?}");
+            assert!((growth.hi().ln() - half * 15.0 / 8.0).abs() < 1e-14, "{growth:?}");
+        }
+    }
+
+    // Truth: integrals of Chebyshev's polynomials, 2/(1 - j^2) for even j.
+    #[test]
+    fn the_quadrature_is_exact_for_polynomials() {
+        let nodes = fejer();
+        assert!(nodes.iter().all(|[_, weight]| weight.is_positive()));
+        for j in 0..NODES {
+            let degree = j as f64;
+            let truth = if j % 2 == 0 { 2.0 / (1.0 - degree * degree) } else { 0.0 };
+            let term = |[node, weight]: &[Interval; 2]| weight.mid() * (degree * node.mid().acos()).cos();
+            let sum: f64 = nodes.iter().map(term).sum();
+            assert!((sum - truth).abs() < 1e-13, "{j}: {sum} {truth}");
+        }
     }
 
     // Truth: midpoint sums over the half-period, with the change at both ends of the ball.
