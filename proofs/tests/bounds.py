@@ -139,7 +139,11 @@ def breather(alpha, kappa, rho, omega, center, sites, mean, a, K, last):
         for i in range(half)
     ])
     contact = R + t * moduli
-    z2 = alpha * max(contact.sum(axis=1))
+    W = np.ones(half)
+    for _ in range(50):
+        W = contact @ W
+        W = np.clip(W / W.max(), 0.01, 1)
+    z2 = alpha * max(contact @ W**alpha / W)
     get = lambda i, k: a[i][k] if k < len(a[i]) else 0
     defect = lambda i, k: get(i, k) - l[k] * sum(f * known[j][0][k] for j, f in enumerate(second(i, k)))
     c0 = known[0][0][0]
@@ -147,7 +151,7 @@ def breather(alpha, kappa, rho, omega, center, sites, mean, a, K, last):
     step = np.abs(A @ G)
     tails = moduli @ [tail(one[0], one[2], last) for one in known]
     y0 = max(
-        (sum(w(unknowns[r][1]) * step[r] for r in rows_of(i)) + sum(abs(defect(i, k)) for k in range(K + 1, last + 1) if has(i, k)) + edge * tails[i])
+        (sum(w(unknowns[r][1]) * step[r] for r in rows_of(i)) + sum(abs(defect(i, k)) for k in range(K + 1, last + 1) if has(i, k)) + edge * tails[i]) / W[i]
         for i in range(half)
     )
     J = last - K
@@ -162,7 +166,7 @@ def breather(alpha, kappa, rho, omega, center, sites, mean, a, K, last):
                 columns.append(sum(w(unknowns[r][1]) * abs(column[r]) for r in rows_of(i)))
             largest[i, j] = max(columns)
     steepest = [min(alpha * one[4] ** (alpha - 1), sqrt(2 * one[3])) for one in known]
-    z1 = max(largest.sum(axis=1) + t * (moduli @ steepest))
+    z1 = max((largest @ W + t * (moduli @ (steepest * W))) / W)
     return y0, z1, z2
 
 

@@ -363,8 +363,9 @@ fn norm(certificate: &Certificate) -> &'static str {
             "largest of sqrt(2) |a_0| + sum of |a_k| over k >= 1, and of |omega - omega_m|/W, omega_m in the middle of a \
              piece"
         }
-        certificate::Orbit::Wave(_) | certificate::Orbit::Breather(_) => {
-            "largest over n of sqrt(2) |a_n0| + sum of |a_nk| over k >= 1"
+        certificate::Orbit::Wave(_) => "sqrt(2) |a_0| + sum of |a_k| over k >= 1",
+        certificate::Orbit::Breather(_) => {
+            "largest over n of (sqrt(2) |a_n0| + sum of |a_nk| over k >= 1)/W_n, W_n <= 1"
         }
         certificate::Orbit::Infinite(_) => {
             "largest over n of (sqrt(2) |a_n0| + sum of |a_nk| over k >= 1)/W_n, W_n = 1 near the centre, \

@@ -33,6 +33,17 @@ pub(super) fn kronecker(equal: bool) -> Interval {
     if equal { Interval::ONE } else { Interval::ZERO }
 }
 
+/// A positive vector, at most 1, near the eigenvector of the largest eigenvalue.
+pub(super) fn perron(rows: &[Vec<Interval>]) -> Vec<Interval> {
+    let mut vector = vec![1.0; rows.len()];
+    for _ in 0..50 {
+        let next: Vec<f64> = rows.iter().map(|row| row.iter().zip(&vector).map(|(a, b)| a.mid() * b).sum()).collect();
+        let most = next.iter().copied().fold(0.0, f64::max);
+        vector = next.into_iter().map(|x| (x / most).clamp(0.01, 1.0)).collect();
+    }
+    vector.into_iter().map(Interval::exact).collect()
+}
+
 pub(super) fn largest(all: &[Interval]) -> Interval {
     all.iter().copied().fold(Interval::ZERO, Interval::max)
 }

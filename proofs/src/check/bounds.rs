@@ -5,7 +5,7 @@
 
 use super::{
     Bounds, Moments, Proof, Refused, System,
-    block::{Block, Lines, Place, dot, largest},
+    block::{Block, Lines, Place, dot, largest, perron},
     infinite::Far,
     moments::{NARROWEST, NARROWEST_ALONG, moments},
     multiplier, of, radii,
@@ -260,7 +260,8 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
         (stiff, alpha.enclosed())
     };
 
-    // Y0, Z1 and Z2, by site.
+    // Y0, Z1 and Z2, by site, with weights near Perron's vector of R + R' + t |e|: uniform ones have
+    // narrower balls of single orbits, but prove less of branches of doubled period.
     let beyond = |n: usize| -> Vec<Interval> {
         let turned = turned.iter().map(|turned| turned[n]);
         turned.zip(system.moduli(n)).map(|(turned, e)| turned + terms.beyond_block[0] * e).collect()
@@ -272,7 +273,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     // Y0, has all frequencies of the piece.
     let turn = system.first.map(|_| Interval::exact((system.middle[1] / (of(WIDEST) * y0[0])).mid()));
     let eta = turn.map_or(Interval::ONE, |turn| system.middle[1] / turn);
-    let mut weights = terms.far.as_ref().map_or_else(|| vec![Interval::ONE; sites], |far| far.weights(sites));
+    let mut weights = terms.far.as_ref().map_or_else(|| perron(&contacts[..sites]), |far| far.weights(sites));
     let powers: Vec<Interval> = weights.iter().map(|w| *w * w.pow(gamma)).collect();
     let z2: Vec<Interval> = contacts.iter().map(|row| hoelder * dot(row, &powers)).collect();
     let steepest: Vec<Interval> = known.iter().zip(&weights).map(|(one, w)| *w * one.steepest(alpha)).collect();
