@@ -44,6 +44,7 @@ pub(super) fn perron(rows: &[Vec<Interval>]) -> Vec<Interval> {
     vector.into_iter().map(Interval::exact).collect()
 }
 
+/// The largest of numbers that are not negative.
 pub(super) fn largest(all: &[Interval]) -> Interval {
     all.iter().copied().fold(Interval::ZERO, Interval::max)
 }

@@ -200,10 +200,9 @@ pub(super) fn lattice(p: Exact, q: Exact, k: i128) -> Interval {
 pub(super) fn poles(model: &Model) -> Vec<[Interval; 3]> {
     let (kappa, one) = (model.kappa.enclosed(), Interval::ONE);
     let Some(rho) = model.rho else { return vec![[one, kappa, one]] };
-    let (beads, rho) = (rho.num() == 0, rho.enclosed());
-    let all = one + rho;
-    let resonators = [rho.square() / all, kappa * all, rho];
-    [[one / all, Interval::ZERO, one], resonators].into_iter().take(if beads { 1 } else { 2 }).collect()
+    let (all, resonators) = (one + rho.enclosed(), (rho.num() > 0).then_some(rho.enclosed()));
+    let resonators = resonators.map(|rho| [rho.square() / all, kappa * all, rho]);
+    [[one / all, Interval::ZERO, one]].into_iter().chain(resonators).collect()
 }
 
 /// `1/L_k` for `k` up to `count` (-1 for `k = 0`) at `omega`; its derivative by `omega` times
