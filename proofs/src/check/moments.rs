@@ -5,7 +5,7 @@ use crate::{exact::Exact, interval::Interval};
 use std::sync::OnceLock;
 
 /// Nodes of the quadrature of a piece.
-const NODES: usize = 24;
+const NODES: usize = 28;
 /// Pieces below this share of the half-period are bounded and not integrated.
 pub const NARROWEST: f64 = 1.0 / (1_u64 << 34) as f64;
 /// The same for pieces of a branch, whose balls are wider by far.
