@@ -45,9 +45,6 @@ pub enum Center {
     Site,
     /// `x_{1-n}(t) = x_n(t)`.
     Bond,
-    /// `x_{1-n}(t) = x_n(t + T/2)`: of orbits that branch off from [`Bond`](Self::Bond) where their
-    /// period doubles, with `T` the doubled one.
-    Doubled,
 }
 
 impl Center {
@@ -56,19 +53,7 @@ impl Center {
         match self {
             Self::Site => "site",
             Self::Bond => "bond",
-            Self::Doubled => "doubled",
         }
-    }
-
-    /// Periods of the background in one of the orbit.
-    pub(crate) fn periods(self) -> usize {
-        if self == Self::Doubled { 2 } else { 1 }
-    }
-
-    /// Whether the image of a site has its strain half a period later. The site that is its own
-    /// image then has even harmonics only.
-    pub(crate) fn turns(self) -> bool {
-        self != Self::Bond
     }
 }
 
@@ -79,9 +64,17 @@ pub struct Breather {
     pub sites: usize,
     /// Reflection.
     pub center: Center,
-    /// `a_{nk}` of the sites from 0 (site-centred) or 1 (others) to the far end, which the
+    /// `a_{nk}` of the sites from 0 (site-centred) or 1 (bond-centred) to the far end, which the
     /// reflection maps to all others; `k = 0, 1, ...`.
     pub a: Vec<Vec<f64>>,
+}
+
+impl Breather {
+    /// The harmonic of the background: 2 if the period is doubled.
+    pub fn background(&self) -> usize {
+        let most = |k: usize| self.a.iter().filter_map(|a| a.get(k)).fold(0.0, |most: f64, a| most.max(a.abs()));
+        1 + usize::from(most(2) > most(1))
+    }
 }
 
 /// A dark breather of the infinite chain. Far from its centre it is a standing wave,
@@ -221,10 +214,8 @@ impl Certificate {
         let finite = |a: &[f64]| a.iter().all(|a| a.is_finite());
         let of_breather = |center: Center, a: &[Vec<f64>], sites: usize| {
             let odd = |a: &Vec<f64>| a.iter().skip(1).step_by(2).any(|a| *a != 0.0);
-            let own = if center == Center::Site { a.first() } else { a.last() };
-            let words = "the centre of a site-centred breather, and the far end of a doubled one, have even \
-                         harmonics only";
-            rule(!center.turns() || !own.is_some_and(odd), words)?;
+            let words = "the centre of a site-centred breather has even harmonics only";
+            rule(center == Center::Bond || !a.first().is_some_and(odd), words)?;
             rule(rho.is_some(), "the resonators of a breather move: rho must be finite")?;
             rule(sites.saturating_mul(block + 1) < LARGEST_BLOCK, "the block has at most 2500 unknowns")?;
             rule(a.iter().all(|a| a.len() == h + 1 && finite(a)), "rows of as many finite coefficients")
@@ -265,7 +256,6 @@ impl Certificate {
                 let Infinite { center, decay, band, background, a } = infinite;
                 rule(multiplier.is_none(), "a multiplier is that of a wave or of a breather of a ring")?;
                 rule(to.is_none(), "a breather of the infinite chain is no piece of a branch")?;
-                rule(*center != Center::Doubled, "a breather of doubled period is one of a ring")?;
                 rule(decay.num() > 0, "decay must be above 0")?;
                 rule(*band >= 1 && *band <= MOST_SITES, "band must be from 1 to 401")?;
                 rule(!a.is_empty(), "a row of coefficients for one site at least")?;
@@ -333,8 +323,8 @@ impl FromStr for Certificate {
         let (mut keys, mut rows) = (Vec::new(), Vec::new());
         let numbers = |row: &str| row.split(' ').map(from_hexadecimal).collect::<Result<Vec<f64>, _>>();
         let center = |name: &str| {
-            let named = [Center::Site, Center::Bond, Center::Doubled].into_iter().find(|one| one.name() == name);
-            named.ok_or_else(|| format!("center {name} is neither site, bond nor doubled"))
+            let named = [Center::Site, Center::Bond].into_iter().find(|one| one.name() == name);
+            named.ok_or_else(|| format!("center {name} is neither site nor bond"))
         };
         for line in lines.filter(|line| !line.is_empty()) {
             match line.split_once(' ') {

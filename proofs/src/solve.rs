@@ -5,7 +5,7 @@
 
 use crate::{
     certificate::{Breather, Center, Certificate, Infinite, Model, Orbit, Wave},
-    check::{Proof, Refused},
+    check::{Proof, Refused, solved},
     exact::Exact,
 };
 use std::f64::consts::PI;
@@ -261,7 +261,7 @@ fn wave_of(
             _ => f64::from(k == j) + c[k] * cosine_product(&stiffness, k, j),
         };
         let rows = (1..=block).map(|k| (1..=block).map(|j| entry(k, j)).chain([a[k] - c[k] * force[k]]).collect());
-        let mut steps = solved(rows.collect());
+        let mut steps = solved(rows.collect()).concat();
         steps.extend((block + 1..=harmonics).map(|k| a[k] - c[k] * force[k]));
         let size: f64 = steps.iter().map(|step| step.abs()).sum();
         if first.is_some() {
@@ -306,9 +306,10 @@ fn half(
     held: bool,
 ) -> Option<Vec<Vec<f64>>> {
     let Sizes { block, harmonics, .. } = sizes;
-    let (half, width, site, turns) = (guess.len(), block + 1, center == Center::Site, center.turns());
+    let (half, width, site) = (guess.len(), block + 1, center == Center::Site);
     let free = half - usize::from(held);
-    let inverses: Vec<f64> = (0..=harmonics).map(|k| inverse(&model, approximate(model.omega), k)).collect();
+    let (mean, omega) = (approximate(mean), approximate(model.omega));
+    let inverses: Vec<f64> = (0..=harmonics).map(|k| inverse(&model, omega, k)).collect();
     // Row of a site of the ring, and whether its strain is that of half a period later.
     let row = |n: usize| {
         let n = n % sites;
@@ -318,7 +319,7 @@ fn half(
         } else if site {
             (sites - n, true)
         } else {
-            ((sites + 1 - n) % sites - 1, turns)
+            ((sites + 1 - n) % sites - 1, false)
         }
     };
     let ring = |i: usize| i + usize::from(!site) + sites;
@@ -334,54 +335,51 @@ fn half(
     let mut a: Vec<Vec<f64>> = guess.to_vec();
     a.iter_mut().for_each(|a| a.resize(harmonics + 1, 0.0));
     let (mut smallest, unknowns) = (f64::INFINITY, free * width);
-    let mut c0: Option<f64> = None;
     for _ in 0..MOST_STEPS {
         let known: Vec<[Vec<f64>; 2]> =
             a.iter().map(|a| series(a, approximate(model.alpha), harmonics.max(2 * block))).collect();
-        let c0 = c0.get_or_insert_with(|| match held {
-            true => known[half - 1][0][0],
-            false => known.iter().zip(&share).map(|(known, share)| known[0][0] * share).sum(),
-        });
         let defect = |i: usize, k: usize| {
             let sum: f64 = difference(i, k).iter().map(|(m, factor)| factor * known[*m][0][k]).sum();
             a[i][k] - inverses[k] * sum
         };
-        let mut rows = vec![vec![0.0; unknowns + 2]; unknowns + 1];
+        let mut rows = vec![vec![0.0; unknowns + 1]; unknowns];
         for i in 0..free {
-            rows[i * width][unknowns] = -1.0;
-            rows[i * width][unknowns + 1] = known[i][0][0] - *c0;
-            rows[unknowns][i * width] = if held { 0.0 } else { share[i] };
-            for k in 1..width {
-                rows[i * width + k][unknowns + 1] = defect(i, k);
-                rows[i * width + k][i * width + k] = 1.0;
-            }
             for k in 0..width {
-                let terms = if k == 0 { [(i, -1.0), (i, 0.0), (i, 0.0)] } else { difference(i, k) };
-                let factor = if k == 0 { 1.0 } else { inverses[k] };
+                let row = &mut rows[i * width + k];
+                // Mean forces of neighbours are the same; the last equation is that of the mean strain.
+                let level = [(i, -1.0), ((i + 1) % half, 1.0), (i, 0.0)];
+                let (terms, factor) = match k {
+                    0 if i + 1 == half => {
+                        (0..half).for_each(|m| row[m * width] = share[m]);
+                        row[unknowns] = a.iter().zip(&share).map(|(a, share)| a[0] * share).sum::<f64>() - mean;
+                        continue;
+                    }
+                    0 => {
+                        row[unknowns] = known[i][0][0] - known[i + 1][0][0];
+                        (level, 1.0)
+                    }
+                    _ => {
+                        (row[unknowns], row[i * width + k]) = (defect(i, k), 1.0);
+                        (difference(i, k), inverses[k])
+                    }
+                };
                 for (m, term) in terms.into_iter().filter(|(m, _)| *m < free) {
                     for j in 0..width {
-                        rows[i * width + k][m * width + j] += factor * term * cosine_product(&known[m][1], k, j);
+                        row[m * width + j] += factor * term * cosine_product(&known[m][1], k, j);
                     }
                 }
             }
         }
-        let mean_strain: f64 = a.iter().zip(&share).map(|(a, share)| a[0] * share).sum();
-        if held {
-            rows[unknowns][unknowns] = 1.0;
-        } else {
-            rows[unknowns][unknowns + 1] = mean_strain - approximate(mean);
-        }
-        let steps = solved(rows);
+        let steps = solved(rows).concat();
         let beyond: Vec<Vec<f64>> = (0..free).map(|i| (width..=harmonics).map(|k| defect(i, k)).collect()).collect();
-        *c0 -= steps[unknowns];
         for ((a, near), far) in a.iter_mut().zip(steps.chunks(width)).zip(&beyond) {
             a.iter_mut().zip(near.iter().chain(far)).for_each(|(a, step)| *a -= step);
         }
         let size = steps.iter().chain(beyond.iter().flatten()).fold(0.0, |most: f64, step| most.max(step.abs()));
         let first = a.iter().fold(0.0, |most: f64, a| most.max(a[1].abs()));
         if size >= 0.5 * smallest && size < 1e-10 * first || size == 0.0 {
-            if turns {
-                a[if site { 0 } else { half - 1 }].iter_mut().skip(1).step_by(2).for_each(|a| *a = 0.0);
+            if site {
+                a[0].iter_mut().skip(1).step_by(2).for_each(|a| *a = 0.0);
             }
             return Some(a);
         }
@@ -458,25 +456,4 @@ fn fourier(values: &mut [(f64, f64)]) {
         }
         half *= 2;
     }
-}
-
-/// The solution of a linear system; rows end with the right-hand side.
-fn solved(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
-    let n = rows.len();
-    for step in 0..n {
-        let pivot = (step..n).max_by(|&i, &j| rows[i][step].abs().total_cmp(&rows[j][step].abs())).unwrap_or(step);
-        rows.swap(step, pivot);
-        let (above, below) = rows.split_at_mut(step + 1);
-        let row = &above[step];
-        for other in below {
-            let factor = other[step] / row[step];
-            other[step..].iter_mut().zip(&row[step..]).for_each(|(x, y)| *x -= factor * y);
-        }
-    }
-    let mut solution = vec![0.0; n];
-    for i in (0..n).rev() {
-        let known: f64 = (i + 1..n).map(|j| rows[i][j] * solution[j]).sum();
-        solution[i] = (rows[i][n] - known) / rows[i][i];
-    }
-    solution
 }

@@ -257,9 +257,9 @@ fn past_folds(near: &[Certificate]) -> Result<Vec<Certificate>> {
 
 /// The sizes of the pieces of a strip.
 fn sizes([from, to]: [&Certificate; 2]) -> Sizes {
-    match from.orbit {
+    match &from.orbit {
         certificate::Orbit::Wave(_) => Sizes::WAVE_PIECE,
-        certificate::Orbit::Breather(Breather { center: Center::Doubled, .. }) => Sizes::DOUBLED_PIECE,
+        certificate::Orbit::Breather(it) if it.background() == 2 => Sizes::DOUBLED_PIECE,
         certificate::Orbit::Breather(_) if from.multiplier.is_some() && to.multiplier.is_some() => Sizes::BREATHER,
         certificate::Orbit::Breather(_) | certificate::Orbit::Infinite(_) => Sizes::BREATHER_PIECE,
     }
@@ -397,11 +397,12 @@ fn up(bound: f64) -> String {
 fn norm(certificate: &Certificate) -> &'static str {
     match certificate.orbit {
         certificate::Orbit::Wave(_) if certificate.first.is_some() => {
-            "sum of |a_k| over k >= 1; and |omega - omega_m|/W, omega_m in the middle of a piece"
+            "largest of sqrt(2) |a_0| + sum of |a_k| over k >= 1, and of |omega - omega_m|/W, omega_m in the middle of a \
+             piece"
         }
-        certificate::Orbit::Wave(_) => "sum of |a_k| over k >= 1",
+        certificate::Orbit::Wave(_) => "sqrt(2) |a_0| + sum of |a_k| over k >= 1",
         certificate::Orbit::Breather(_) => {
-            "largest over n of (sqrt(2) |a_n0| + sum of |a_nk| over k >= 1)/W_n, W_n <= 1; and of eta |c_0|"
+            "largest over n of (sqrt(2) |a_n0| + sum of |a_nk| over k >= 1)/W_n, W_n <= 1"
         }
         certificate::Orbit::Infinite(_) => {
             "largest over n of (sqrt(2) |a_n0| + sum of |a_nk| over k >= 1)/W_n, W_n = 1 near the centre, \
@@ -566,7 +567,8 @@ pub(super) fn near_breather(orbit: &Orbit, tol: f64) -> Result<Certificate> {
     let (center, first) = match setting.about {
         Some(dps::Center::Site) if setting.turns == 1 => (Center::Site, half),
         Some(dps::Center::Bond) if setting.turns == 1 => (Center::Bond, half + 1),
-        Some(dps::Center::Bond) => (Center::Doubled, half + 1),
+        // Its image has its strain half of the doubled period later, about the far site as well.
+        Some(dps::Center::Bond) => (Center::Site, 0),
         _ => return Err(Error::parameter("prove", true, "a breather with a centre")),
     };
     let row = |i: usize| (0..=HARMONICS).map(|k| coefficient((first + i) % sites, k)).collect();
@@ -681,9 +683,6 @@ impl Study for Prove {
             let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
             let kind = match &certificate.orbit {
                 certificate::Orbit::Wave(wave) => format!("travelling wave, q = {} pi", wave.q_over_pi),
-                certificate::Orbit::Breather(it) if it.center == Center::Doubled => {
-                    format!("dark breather with x_(1-n)(t) = x_n(t + T/2) on a ring of {}", it.sites)
-                }
                 certificate::Orbit::Breather(it) => {
                     format!("dark breather about a {} on a ring of {}", it.center.name(), it.sites)
                 }

@@ -1,17 +1,16 @@
 //! The linear equations `M` of a proof on the harmonics of a block, and an approximate inverse `A`.
 //!
 //! `M = P + B D`. `D` multiplies each site by its stiffness, and `B` takes harmonics of this to
-//! equations. `P` is the identity on harmonics from `own` on, and the rows and columns of a few
-//! further unknowns. `A` is the identity beyond the block. Vectors "by site" have an entry for each
-//! site, and one for the further unknowns.
+//! equations. `P` is the identity beyond the block, as `A` is. A few further unknowns come after the
+//! harmonics. Vectors "by site" have an entry for each site, and one for the further unknowns.
 
-use super::{Moments, System, of};
+use super::{Moments, Refused, of};
 use crate::interval::{Interval, norm};
 
 /// Site, harmonic, and whether it is the coefficient of a sine.
 pub(super) type Place = (usize, usize, bool);
-/// The rows of `B`: columns and entries.
-pub(super) type Rows = Vec<Vec<(usize, Interval)>>;
+/// The rows of `B`: columns and entries; or the columns of `P`: rows and entries.
+pub(super) type Lines = Vec<Vec<(usize, Interval)>>;
 
 /// The weight of a harmonic in the norm: `sqrt 2` for the mean.
 pub(super) fn weight(k: usize) -> Interval {
@@ -34,12 +33,6 @@ pub(super) fn kronecker(equal: bool) -> Interval {
     if equal { Interval::ONE } else { Interval::ZERO }
 }
 
-/// The largest of the first sums by site over their weights, and the entry after all sites.
-pub(super) fn split(all: &[Interval], weights: &[Interval], rows: usize) -> [Interval; 2] {
-    let most = all.iter().zip(weights).take(rows).map(|(one, w)| *one / *w).fold(Interval::ZERO, Interval::max);
-    [most, all[weights.len()]]
-}
-
 /// A positive vector, at most 1, near the eigenvector of the largest eigenvalue.
 pub(super) fn perron(rows: &[Vec<Interval>]) -> Vec<Interval> {
     let mut vector = vec![1.0; rows.len()];
@@ -51,13 +44,15 @@ pub(super) fn perron(rows: &[Vec<Interval>]) -> Vec<Interval> {
     vector.into_iter().map(Interval::exact).collect()
 }
 
-/// A floating-point inverse, which need not be accurate: Gauss-Jordan elimination with pivots.
-fn approximate_inverse(mut rows: Vec<Vec<f64>>) -> Vec<Vec<Interval>> {
+/// The largest of numbers that are not negative.
+pub(super) fn largest(all: &[Interval]) -> Interval {
+    all.iter().copied().fold(Interval::ZERO, Interval::max)
+}
+
+/// The solutions of linear systems in floating point, which need not be accurate: Gauss-Jordan
+/// elimination with pivots. Rows end with the right-hand sides, rows of the result have solutions.
+pub(crate) fn solved(mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let n = rows.len();
-    for (i, row) in rows.iter_mut().enumerate() {
-        row.resize(2 * n, 0.0);
-        row[n + i] = 1.0;
-    }
     for step in 0..n {
         let pivot = (step..n).max_by(|&i, &j| rows[i][step].abs().total_cmp(&rows[j][step].abs())).unwrap_or(step);
         rows.swap(step, pivot);
@@ -69,7 +64,7 @@ fn approximate_inverse(mut rows: Vec<Vec<f64>>) -> Vec<Vec<Interval>> {
             other[step..].iter_mut().zip(&row[step..]).for_each(|(x, y)| *x -= factor * y);
         }
     }
-    rows.into_iter().map(|row| row[n..].iter().map(|x| Interval::exact(*x)).collect()).collect()
+    rows.into_iter().map(|row| row[n..].to_vec()).collect()
 }
 
 /// The unknowns and the matrices.
@@ -77,11 +72,10 @@ pub(super) struct Block {
     /// The unknowns but for the further ones.
     pub(super) all: Vec<Place>,
     sites: usize,
-    /// First harmonic whose equations have the identity, and 1 for harmonics `k + 1/2`.
-    own: usize,
+    /// 1 for harmonics `k + 1/2`.
     odd: usize,
-    /// Row and column of `M` of each further unknown.
-    more: Vec<[Vec<Interval>; 2]>,
+    /// The columns of `P`.
+    plain: Lines,
     /// Largest distance of sites that `A M` couples.
     pub(super) coupled: usize,
     /// `A`, and `A B`.
@@ -93,9 +87,9 @@ pub(super) struct Block {
 
 impl Block {
     /// The unknowns, without matrices.
-    pub(super) fn new(all: Vec<Place>, sites: usize, [own, odd]: [usize; 2], more: Vec<[Vec<Interval>; 2]>) -> Self {
+    pub(super) fn new(all: Vec<Place>, sites: usize, odd: usize, plain: Lines) -> Self {
         let coupled = usize::MAX;
-        Self { all, sites, own, odd, more, coupled, inverse: Vec::new(), product: Vec::new(), reach: Vec::new() }
+        Self { all, sites, odd, plain, coupled, inverse: Vec::new(), product: Vec::new(), reach: Vec::new() }
     }
 
     pub(super) fn index(&self, place: Place) -> Option<usize> {
@@ -115,7 +109,7 @@ impl Block {
     /// Sums over the rows of each site with the weights of the norm, and over the further rows.
     pub(super) fn by_site(&self, of_row: &dyn Fn(usize) -> Interval) -> Vec<Interval> {
         let mut sums = vec![Interval::ZERO; self.sites + 1];
-        for i in 0..self.all.len() + self.more.len() {
+        for i in 0..self.plain.len() {
             let (n, weight) = self.all.get(i).map_or((self.sites, Interval::ONE), |it| (it.0, self.weight(it.1)));
             sums[n] = sums[n] + weight * of_row(i);
         }
@@ -123,15 +117,15 @@ impl Block {
     }
 
     /// Rows of `B` from what it has by place.
-    pub(super) fn rows(&self, of: impl Fn(Place) -> Vec<(Place, Interval)>) -> Rows {
+    pub(super) fn rows(&self, of: impl Fn(Place) -> Vec<(Place, Interval)>) -> Lines {
         let entry = |(place, factor): (Place, Interval)| Some((self.index(place)?, factor));
         self.all.iter().map(|place| of(*place).into_iter().filter_map(entry).collect()).collect()
     }
 
     /// `M`, rounded to nearest: `A` may be any matrix.
-    pub(super) fn matrix(&self, b: &Rows, known: &[Moments]) -> Vec<Vec<f64>> {
-        let last = self.all.len();
-        let mut matrix = vec![vec![0.0; last + self.more.len()]; last + self.more.len()];
+    pub(super) fn matrix(&self, b: &Lines, known: &[Moments]) -> Vec<Vec<f64>> {
+        let size = self.plain.len();
+        let mut matrix = vec![vec![0.0; size]; size];
         for (i, entries) in b.iter().enumerate() {
             for &(column, factor) in entries {
                 let (m, k, part) = self.all[column];
@@ -139,29 +133,29 @@ impl Block {
                     matrix[i][j] += (factor * product(&known[m].stiffness, k, place.1, (self.odd, part))).mid();
                 }
             }
-            if self.all[i].1 >= self.own {
-                matrix[i][i] += 1.0;
-            }
-            for (further, [row, column]) in (last..).zip(&self.more) {
-                (matrix[further][i], matrix[i][further]) = (row[i].mid(), column[i].mid());
-            }
+        }
+        for (j, column) in self.plain.iter().enumerate() {
+            column.iter().for_each(|(i, entry)| matrix[*i][j] += entry.mid());
         }
         matrix
     }
 
     /// Makes `A`.
-    pub(super) fn invert(&mut self, b: &Rows, known: &[Moments]) {
-        self.inverse = approximate_inverse(self.matrix(b, known));
+    pub(super) fn invert(&mut self, b: &Lines, known: &[Moments]) {
+        let identity = |i: usize| (0..self.plain.len()).map(move |j| f64::from(u8::from(i == j)));
+        let rows = self.matrix(b, known).into_iter().enumerate();
+        let inverse = solved(rows.map(|(i, row)| row.into_iter().chain(identity(i)).collect()).collect());
+        self.inverse = inverse.iter().map(|row| row.iter().copied().map(Interval::exact).collect()).collect();
     }
 
     /// Makes what follows from `A`.
-    pub(super) fn multiply(&mut self, b: &Rows) {
+    pub(super) fn multiply(&mut self, b: &Lines) {
         self.product = self.times(b);
         self.reach = self.reach_of(&self.product);
     }
 
     /// `A B`.
-    fn times(&self, b: &Rows) -> Vec<Vec<Interval>> {
+    pub(super) fn times(&self, b: &Lines) -> Vec<Vec<Interval>> {
         let of_row = |row: &Vec<Interval>| {
             let mut product = vec![Interval::ZERO; b.len()];
             for (entries, a) in b.iter().zip(row) {
@@ -174,7 +168,7 @@ impl Block {
 
     /// Norms of the rows of `A B` for harmonics with `2 g_0^2 + sum g_k^2 = 1`, by site of the
     /// column.
-    fn reach_of(&self, product: &[Vec<Interval>]) -> Vec<Vec<Interval>> {
+    pub(super) fn reach_of(&self, product: &[Vec<Interval>]) -> Vec<Vec<Interval>> {
         let of_site = |m: usize| {
             let own: Vec<(usize, Interval)> = self.at(m).map(|(j, place)| (j, self.weight(place.1))).collect();
             self.by_site(&|i| norm(own.iter().map(|(j, weight)| product[i][*j] / *weight)))
@@ -182,18 +176,25 @@ impl Block {
         (0..self.sites).map(of_site).collect()
     }
 
-    /// Adds `R` of the changes of `B` along a piece, and returns it.
-    pub(super) fn turned(&mut self, b: &Rows) -> Vec<Vec<Interval>> {
-        let turned = self.reach_of(&self.times(b));
-        let all = self.reach.iter_mut().flatten().zip(turned.iter().flatten());
-        all.for_each(|(sum, turned)| *sum = *sum + *turned);
-        turned
+    /// `R`, and what is beyond the block, by row.
+    pub(super) fn contacts(&self, far: &[Vec<Interval>]) -> Vec<Vec<Interval>> {
+        let of_row = |(n, far): (usize, &Vec<Interval>)| {
+            self.reach.iter().zip(far).map(|(reach, far)| reach[n] + *far).collect()
+        };
+        far.iter().enumerate().map(of_row).collect()
     }
 
-    /// `R + t |e|`, by row.
-    pub(super) fn contacts(&self, system: &System, t: Interval) -> Vec<Vec<Interval>> {
-        let of_row = |n: usize| self.reach.iter().zip(system.moduli(n)).map(|(reach, e)| reach[n] + t * e).collect();
-        (0..=self.sites).map(of_row).collect()
+    /// Bounds of `(1 - A M) h` by site for `|h| <= 1`, from the columns of each site in the rows of
+    /// the block, and from `far` beyond.
+    pub(super) fn z1(
+        &self,
+        far: &[Vec<Interval>],
+        steepest: &[Interval],
+        columns: impl Fn(usize) -> Result<Vec<Interval>, Refused>,
+    ) -> Result<Vec<Interval>, Refused> {
+        let columns = (0..self.sites).map(columns).collect::<Result<Vec<_>, _>>()?;
+        let near = |n: usize| columns.iter().map(|column| column[n]).sum::<Interval>();
+        Ok(far.iter().enumerate().map(|(n, far)| near(n) + dot(far, steepest)).collect())
     }
 
     /// The largest columns of `1 - A M` of a site with the stiffness `d`, by site: of these places,
@@ -209,24 +210,25 @@ impl Block {
                 if self.all.get(i).is_some_and(|it| it.0.abs_diff(m) > self.coupled) {
                     return Interval::ZERO;
                 }
-                let (row, further) = self.inverse[i].split_at(self.all.len());
-                let plain = |own: usize| -> Interval {
-                    let more = self.more.iter().zip(further).map(|([row, _], a)| *a * row[own]).sum();
-                    if j >= self.own { row[own] + more } else { more }
-                };
                 let stiff = entries.iter().map(|(column, d)| self.product[i][*column] * *d).sum();
-                (kronecker(own == Some(i)) - own.map_or(Interval::ZERO, plain) - stiff).abs()
+                (own.map_or(Interval::ZERO, |own| self.kept(i, own)) - stiff).abs()
             });
             most.iter_mut().zip(sums).for_each(|(most, sum)| *most = most.max(sum / self.weight(j)));
         }
         most
     }
 
+    /// An entry of `1 - A P`.
+    fn kept(&self, i: usize, own: usize) -> Interval {
+        let image: Interval = self.plain[own].iter().map(|(row, entry)| self.inverse[i][*row] * *entry).sum();
+        kronecker(own == i) - image
+    }
+
     /// The same of the further unknowns, in the rows of the block.
     pub(super) fn further_columns(&self) -> Vec<Interval> {
         let mut most = vec![Interval::ZERO; self.sites + 1];
-        for (own, [_, column]) in (self.all.len()..).zip(&self.more) {
-            let sums = self.by_site(&|i| (kronecker(i == own) - dot(&self.inverse[i][..column.len()], column)).abs());
+        for own in self.all.len()..self.plain.len() {
+            let sums = self.by_site(&|i| self.kept(i, own).abs());
             most.iter_mut().zip(sums).for_each(|(most, sum)| *most = most.max(sum));
         }
         most

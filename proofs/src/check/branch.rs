@@ -14,8 +14,6 @@ use std::fmt;
 pub enum Gap {
     /// It is not proved.
     Refused(Refused),
-    /// It is no piece: it has no end.
-    Point,
     /// It is of another chain or kind of orbit.
     Other,
     /// It does not begin where the one before it ends.
@@ -29,7 +27,6 @@ impl fmt::Display for Gap {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Refused(why) => why.fmt(f),
-            Self::Point => f.write_str("it has no line \"to\", so it is no piece of a branch"),
             Self::Other => f.write_str("it is of another chain or kind of orbit than the piece before it"),
             Self::Nodes => f.write_str("it does not begin where the piece before it ends"),
             Self::Apart(needed, unique) => write!(
@@ -40,18 +37,18 @@ impl fmt::Display for Gap {
     }
 }
 
-/// The radius about the cosine sum of `to` that holds the ball of `from`, in the norm of `to`. The
-/// mean of a wave is no unknown, and `c_0` free: T contracts whatever it is.
+/// The radius about the cosine sum of `to` that holds the ball of `from`, in the norm of `to`.
 fn needed((from, ball): (&Certificate, &Proof), (to, other): (&Certificate, &Proof)) -> f64 {
     let rows = |it: &Certificate| {
         let exact = |a: &Vec<f64>| a.iter().map(|a| Interval::exact(*a)).collect();
         let mut rows: Vec<Vec<Interval>> = it.orbit.rows().iter().map(exact).collect();
+        let start = [it.model.omega, it.mean];
+        let middle = |i: usize| start[i].enclosed() / of(2) + it.to.unwrap_or(start)[i].enclosed() / of(2);
         if let (Orbit::Wave(_), [row]) = (&it.orbit, &mut rows[..]) {
-            row.insert(0, Interval::ZERO);
+            row.insert(0, middle(1));
         }
         // An unknown frequency has a row of its own.
-        let [start, end] = [it.model.omega, it.to.map_or(it.model.omega, |to| to[0])].map(Exact::enclosed);
-        rows.extend(it.first.map(|_| vec![Interval::ZERO, start / of(2) + end / of(2)]));
+        rows.extend(it.first.map(|_| vec![Interval::ZERO, middle(0)]));
         rows
     };
     let (from, to) = (rows(from), rows(to));
@@ -76,7 +73,6 @@ pub fn connected(pieces: &[(Certificate, Result<Proof, Refused>)]) -> (usize, Op
         };
         let continues = match i.checked_sub(1).and_then(|before| pieces.get(before)) {
             Some((before, Ok(ball))) => joined((before, ball), (piece, proof)),
-            _ if piece.to.is_none() => Err(Gap::Point),
             _ => Ok(()),
         };
         if let Err(gap) = continues {
@@ -91,26 +87,20 @@ pub fn connected(pieces: &[(Certificate, Result<Proof, Refused>)]) -> (usize, Op
 /// changes its sign. The bounds hold all frequencies of the pieces between two signs, which may go
 /// back and forth.
 pub fn doublings(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[f64; 2]> {
+    let kind = |(piece, proof): &(Certificate, Result<Proof, Refused>)| {
+        piece.multiplier.filter(|it| proof.is_ok() && matches!(it, Multiplier::Doubling { .. }))
+    };
+    let sign = |(_, proof): &(Certificate, Result<Proof, Refused>)| {
+        let [lo, hi] = proof.as_ref().ok()?.multiplier?;
+        (lo > 0.0 || hi < 0.0).then_some(lo > 0.0)
+    };
     let mut found = Vec::new();
-    let both = |a: Interval, b: Interval| Interval::new(a.lo().min(b.lo()), a.hi().max(b.hi()));
-    // The kind, the sign of g on the last piece where it has one, and the frequencies since this
-    // ends.
-    let mut before: Option<(Multiplier, bool, Interval)> = None;
-    for (piece, proof) in pieces {
-        let g = proof.as_ref().ok().and_then(|proof| proof.multiplier);
-        let (Some(kind @ Multiplier::Doubling { .. }), Some([lo, hi]), Some([end, _])) =
-            (piece.multiplier, g, piece.to)
-        else {
-            before = None;
-            continue;
-        };
-        let [start, end] = [piece.model.omega, end].map(Exact::enclosed);
-        before = before.filter(|it| it.0 == kind).map(|(kind, sign, since)| (kind, sign, both(since, start)));
-        if lo > 0.0 || hi < 0.0 {
-            found.extend(before.filter(|it| it.1 != (lo > 0.0)).map(|it| [it.2.lo(), it.2.hi()]));
-            before = Some((kind, lo > 0.0, end));
-        } else {
-            before = before.map(|(kind, sign, since)| (kind, sign, both(since, end)));
+    for run in pieces.chunk_by(|a, b| kind(a) == kind(b)).filter(|run| kind(&run[0]).is_some()) {
+        let signs: Vec<(usize, bool)> = run.iter().enumerate().filter_map(|(i, it)| Some((i, sign(it)?))).collect();
+        for pair in signs.windows(2).filter(|pair| pair[0].1 != pair[1].1) {
+            let nodes = run[pair[0].0..pair[1].0].iter().filter_map(|(piece, _)| Some(piece.to?[0].enclosed()));
+            let hull = |all: Interval, one: Interval| Interval::new(all.lo().min(one.lo()), all.hi().max(one.hi()));
+            found.extend(nodes.reduce(hull).map(|all| [all.lo(), all.hi()]));
         }
     }
     found
@@ -143,9 +133,6 @@ pub fn folds(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[f64; 2]> 
 fn joined(before: (&Certificate, &Proof), piece: (&Certificate, &Proof)) -> Result<(), Gap> {
     if before.0.frame() != piece.0.frame() {
         return Err(Gap::Other);
-    }
-    if before.0.to.is_none() || piece.0.to.is_none() {
-        return Err(Gap::Point);
     }
     if before.0.ends()[1] != piece.0.ends()[0] {
         return Err(Gap::Nodes);

@@ -21,6 +21,7 @@ mod system;
 
 use system::System;
 
+pub(crate) use block::solved;
 pub use branch::{Gap, connected, doublings, folds};
 pub use moments::{Moments, NARROWEST, moments};
 
@@ -77,10 +78,9 @@ pub struct Bounds {
 pub enum Refused {
     /// The text is no certificate: the rule that it breaks.
     Certificate(String),
-    /// The free oscillation of the resonators has this multiple of the frequency.
+    /// This multiple of the frequency is not shown to be another one than that of the free
+    /// oscillation of the resonators or, beyond the enclosed harmonics, a larger one.
     Resonance(usize),
-    /// The enclosed harmonics end below the free oscillation.
-    Below(usize),
     /// The check was asked to end.
     Stopped,
     /// The contact force could not be enclosed: the series does not converge, or is zero.
@@ -109,12 +109,10 @@ impl fmt::Display for Refused {
         match self {
             Self::Certificate(rule) => write!(f, "no certificate: {rule}"),
             Self::Resonance(k) => {
-                write!(f, "harmonic {k} is not separated from the free frequency of beads and resonators")
-            }
-            Self::Below(k) => {
                 write!(
                     f,
-                    "the {k} enclosed harmonics end below the free frequency of beads and resonators: enclose more"
+                    "harmonic {k} is not separated from the free frequency of beads and resonators, which has to be \
+                     below all harmonics that are not enclosed"
                 )
             }
             Self::Stopped => f.write_str("the check was asked to end"),

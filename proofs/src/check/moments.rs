@@ -1,16 +1,11 @@
 //! Enclosures of the Fourier coefficients of contact forces.
 
 use super::of;
-use crate::{
-    exact::Exact,
-    interval::{Complex, Interval},
-};
+use crate::{exact::Exact, interval::Interval};
 use std::sync::OnceLock;
 
 /// Nodes of the quadrature of a piece.
-const NODES: usize = 20;
-/// Terms of the Taylor polynomial of a piece.
-const TERMS: usize = 8;
+const NODES: usize = 28;
 /// Pieces below this share of the half-period are bounded and not integrated.
 pub const NARROWEST: f64 = 1.0 / (1_u64 << 34) as f64;
 /// The same for pieces of a branch, whose balls are wider by far.
@@ -116,8 +111,8 @@ impl Moments {
 /// The moments of `X = sum a_k cos k theta`, with coefficients up to `count`.
 ///
 /// `[0, pi]` is bisected. A piece is free of contact; or `-X` has a positive real part on an
-/// ellipse of Bernstein about it (parameter 4), so that Gauss-Legendre quadrature of `n` nodes has
-/// an error of at most `8 M 4^{-2n}/(1 - 1/4)` half-widths, `M` the bound of the integrand on the
+/// ellipse of Bernstein about it (parameter 4), so that Fejér's quadrature of `n` nodes has
+/// an error of at most `8 M 4^{-n}/(1 - 1/4)` half-widths, `M` the bound of the integrand on the
 /// ellipse; or it is below the share `narrowest` of the half-period, and bounded; else it is cut.
 ///
 /// `None` if the subdivision does not end, or is `stopped`.
@@ -128,20 +123,10 @@ pub fn moments(
     narrowest: f64,
     stopped: &dyn Fn() -> bool,
 ) -> Option<Moments> {
-    static QUADRATURE: OnceLock<Option<Vec<[Interval; 2]>>> = OnceLock::new();
-    let quadrature = QUADRATURE.get_or_init(gauss).as_ref()?;
+    static QUADRATURE: OnceLock<Vec<[Interval; 2]>> = OnceLock::new();
+    let quadrature = QUADRATURE.get_or_init(fejer);
     let cut = a.len().saturating_sub(1).max(count).next_power_of_two().div_ceil(4);
-    let mut sums = Sums {
-        a,
-        bent: a.iter().enumerate().map(|(k, a)| -of(k).square() * *a).collect(),
-        powers: [alpha, alpha.less_one()],
-        narrowest,
-        force: vec![Interval::ZERO; count + 1],
-        stiffness: vec![Interval::ZERO; count + 1],
-        squares: [Interval::ZERO; 3],
-        overlap: Interval::ZERO,
-        pieces: Vec::new(),
-    };
+    let mut sums = Sums::new(a, alpha, count, narrowest);
     let width = 1.0 / cut as f64;
     let mut pieces: Vec<[f64; 2]> = (0..cut).map(|i| [i as f64 * width, (i + 1) as f64 * width]).collect();
     for _ in 0..MOST_PIECES {
@@ -174,7 +159,21 @@ struct Sums<'a> {
     pieces: Vec<(Interval, Interval)>,
 }
 
-impl Sums<'_> {
+impl<'a> Sums<'a> {
+    fn new(a: &'a [Interval], alpha: Exact, count: usize, narrowest: f64) -> Self {
+        Self {
+            a,
+            bent: a.iter().enumerate().map(|(k, a)| -of(k).square() * *a).collect(),
+            powers: [alpha, alpha.less_one()],
+            narrowest,
+            force: vec![Interval::ZERO; count + 1],
+            stiffness: vec![Interval::ZERO; count + 1],
+            squares: [Interval::ZERO; 3],
+            overlap: Interval::ZERO,
+            pieces: Vec::new(),
+        }
+    }
+
     /// `N` and `D` for an overlap.
     fn laws(&self, overlap: Interval) -> [Interval; 2] {
         let overlap = overlap.positive_part();
@@ -185,58 +184,45 @@ impl Sums<'_> {
     fn add(&mut self, from: f64, to: f64, quadrature: &[[Interval; 2]]) -> bool {
         let centre = Interval::PI * (Interval::exact(from) + Interval::exact(to)) / of(2);
         let half = Interval::PI * (Interval::exact(to) - Interval::exact(from)) / of(2);
-        let taylor = self.taylor(centre);
-        let real = Complex { re: half.ball(), im: Interval::ZERO };
-        let on_piece = horner(&taylor, real).re + self.remainder(half, Interval::ZERO).ball();
+        let [middle, on_piece, on_ellipse, growth] = self.near(centre, half);
+        let on_piece = middle + on_piece.ball();
         let overlap = (-on_piece).positive_part();
         if to - from < self.narrowest && overlap.hi() > 0.0 {
             self.add_errors(overlap, of(2) * half, Interval::ONE);
         } else if overlap.hi() > 0.0 || overlap.is_nan() {
-            // The ellipse has the half-axes 17/8 and 15/8 of the half-width.
-            let [along, across] = [17, 15].map(|axis| half * of(axis) / of(8));
-            let on_box = horner(&taylor, Complex { re: along.ball(), im: across.ball() });
-            let rest = self.remainder(along, across).ball();
-            let value = Complex { re: on_box.re + rest, im: on_box.im + rest };
-            if !(-value.re).is_positive() {
+            if !(-middle - on_ellipse).is_positive() {
                 return false;
             }
             self.integrated(centre, half, quadrature);
-            // 4^{-2n}
-            let power = Interval::exact(f64::from_bits((1023 - 4 * NODES as u64) << 52));
+            // 4^{-n}
+            let power = Interval::exact(f64::from_bits((1023 - 2 * NODES as u64) << 52));
             let share = half * of(8) * power / (Interval::ONE - Interval::exact(0.25));
-            self.add_errors(value.abs(), share, Interval::exact(across.hi()).exp());
+            self.add_errors(middle.abs() + on_ellipse, share, growth);
         }
         self.pieces.push((Interval::exact(to) - Interval::exact(from), -on_piece));
         self.overlap = self.overlap.max(overlap);
         true
     }
 
-    /// `X^{(j)}/j!` at a phase.
-    fn taylor(&self, phase: Interval) -> [Interval; TERMS] {
-        let mut sums = [Interval::ZERO; TERMS];
-        for (k, (a, turn)) in self.a.iter().zip(turns(phase, self.a.len())).enumerate() {
-            let mut factor = *a;
-            for (j, sum) in sums.iter_mut().enumerate() {
-                if j > 0 {
-                    factor = factor * of(k) / of(j);
-                }
-                *sum = *sum + factor * [turn.re, -turn.im, -turn.re, turn.im][j % 4];
-            }
-        }
-        sums
+    /// `X` at a phase, from the cosines there.
+    fn strain(a: &[Interval], cosines: &[Interval]) -> Interval {
+        a.iter().zip(cosines).map(|(a, cosine)| *a * *cosine).sum()
     }
 
-    /// The remainder of the Taylor polynomial within the distance `along` of its centre and the
-    /// height `across` above the real axis: the sum of `|a_k| (k along)^8/8! e^{k across}`.
-    fn remainder(&self, along: Interval, across: Interval) -> Interval {
-        let growth = Interval::exact(across.hi()).exp();
-        let factorial: Interval = of((1..=TERMS).product());
-        let (mut sum, mut grown) = (Interval::ZERO, Interval::ONE);
-        for (k, a) in self.a.iter().enumerate().skip(1) {
-            grown = grown * growth;
-            sum = sum + a.abs() * (of(k) * along).square().square().square() * grown;
-        }
-        sum / factorial
+    /// The mean of `X` at both ends of a piece; bounds of the distance of `X` from it on the piece,
+    /// and in the ellipse of Bernstein, of half-axes 17/8 and 15/8 of the half-width, whose foci are
+    /// these ends; and `e^h` for the height `h` of the ellipse.
+    ///
+    /// `X` differs from the line through both ends by `z^2 - half^2` times a divided difference of
+    /// at most `sup |X''|/2` (Hermite and Genocchi), where `|z^2 - half^2| <= long^2` in an ellipse
+    /// with the half-axis `long`.
+    fn near(&self, centre: Interval, half: Interval) -> [Interval; 4] {
+        let [from, to] = [-half, half].map(|by| Self::strain(self.a, &cosines(centre + by, self.a.len())));
+        let growth = Interval::exact((half * of(15) / of(8)).hi()).exp();
+        let apart = |long: Interval, growth: Interval| {
+            long * (to - from).abs() / of(2) + self.most_bent(growth) * (half * long).square() / of(2)
+        };
+        [(from + to) / of(2), apart(Interval::ONE, Interval::ONE), apart(of(17) / of(8), growth), growth]
     }
 
     fn integrated(&mut self, centre: Interval, half: Interval, quadrature: &[[Interval; 2]]) {
@@ -246,8 +232,7 @@ impl Sums<'_> {
         let mut squares = [Interval::ZERO; 3];
         for [node, weight] in quadrature {
             let cosines = cosines(centre + half * *node, harmonics);
-            let [x, bent] =
-                [self.a, &self.bent].map(|a| a.iter().zip(&cosines).map(|(a, cosine)| *a * *cosine).sum::<Interval>());
+            let [x, bent] = [self.a, &self.bent].map(|a| Self::strain(a, &cosines));
             let laws = self.laws(-x);
             squares[2] = squares[2] + *weight * half * laws[0] * laws[1] * bent;
             for ((sums, square), law) in own.iter_mut().zip(&mut squares).zip(laws) {
@@ -300,15 +285,6 @@ impl Sums<'_> {
     }
 }
 
-/// A polynomial by its coefficients.
-fn horner(coefficients: &[Interval; TERMS], z: Complex) -> Complex {
-    let zero = Complex { re: Interval::ZERO, im: Interval::ZERO };
-    coefficients.iter().rev().fold(zero, |sum, c| {
-        let product = sum * z;
-        Complex { re: product.re + *c, im: product.im }
-    })
-}
-
 /// `cos k phase` for `k < count`, by `cos (i + j) t = 2 cos i t cos j t - cos (j - i) t`, `j - i` 0
 /// or 1.
 fn cosines(phase: Interval, count: usize) -> Vec<Interval> {
@@ -321,66 +297,80 @@ fn cosines(phase: Interval, count: usize) -> Vec<Interval> {
     all
 }
 
-/// `e^{i k phase}` for `k < count`, each the product of two of half its index.
-fn turns(phase: Interval, count: usize) -> Vec<Complex> {
-    let [im, re] = phase.sin_cos();
-    let mut all = vec![Complex { re: Interval::ONE, im: Interval::ZERO }, Complex { re, im }];
-    for k in 2..count {
-        let next = all[k / 2] * all[k - k / 2];
-        all.push(next);
-    }
-    all.truncate(count);
-    all
-}
-
-/// Nodes and weights of the Gauss-Legendre quadrature on `[-1, 1]`.
-///
-/// `P_n(cos t) = sum_k c_k c_{n-k} cos (n-2k) t`, `c_k = (2k-1)!!/(2k)!!`, is positive and negative
-/// at the ends of `n` intervals of `t` without common points, so each holds one of its `n` zeros.
-/// The weights are `2/(dP_n/dt)^2`. `None` if an interval is not verified.
-fn gauss() -> Option<Vec<[Interval; 2]>> {
-    let mut c = vec![Interval::ONE];
-    for k in 1..=NODES {
-        c.push(c[k - 1] * of(2 * k - 1) / of(2 * k));
-    }
-    // The polynomial and its first two derivatives.
-    let legendre = |t: Interval| {
-        let mut sums = [Interval::ZERO; 3];
-        for k in 0..=NODES {
-            let order = Interval::exact(NODES as f64 - 2.0 * k as f64);
-            let [sin, cos] = (order * t).sin_cos();
-            let factor = c[k] * c[NODES - k];
-            sums[0] = sums[0] + factor * cos;
-            sums[1] = sums[1] - factor * order * sin;
-            sums[2] = sums[2] - factor * order.square() * cos;
-        }
-        sums
+/// Nodes `cos t` and weights `(2/n) (1 - sum_k 2 cos 2kt/(4k^2 - 1))`, `1 <= k < n/2`, of Fejér's
+/// first quadrature on `[-1, 1]`: that of the polynomial through the nodes. The weights are
+/// positive. (L. Fejér 1933.)
+fn fejer() -> Vec<[Interval; 2]> {
+    let of_node = |j: usize| {
+        let angle = Interval::PI * of(2 * j + 1) / of(2 * NODES);
+        let cos = |k: usize| (of(k) * angle).sin_cos()[1];
+        let sum: Interval = (1..NODES.div_ceil(2)).map(|k| of(2) * cos(2 * k) / of(4 * k * k - 1)).sum();
+        [cos(1), of(2) / of(NODES) * (Interval::ONE - sum)]
     };
-    let mut all = Vec::with_capacity(NODES);
-    let mut before = 0.0;
-    for i in 0..NODES {
-        let mut t = std::f64::consts::PI * (i as f64 + 0.75) / (NODES as f64 + 0.5);
-        for _ in 0..6 {
-            let [value, slope, _] = legendre(Interval::exact(t));
-            t -= value.mid() / slope.mid();
-        }
-        let [from, to] = [t - 5e-15, t + 5e-15];
-        let [below, above] = [from, to].map(|t| legendre(Interval::exact(t))[0]);
-        let changes = (-(below * above)).is_positive();
-        if !(changes && before < from && to < std::f64::consts::PI) {
-            return None;
-        }
-        before = to;
-        let node = Interval::new(from, to);
-        let slope = legendre(Interval::exact(t))[1] + legendre(node)[2] * (node - Interval::exact(t));
-        all.push([node.sin_cos()[1], of(2) / slope.square()]);
-    }
-    Some(all)
+    (0..NODES).map(of_node).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    // Truth: the strains at 21 phases of each piece. Pieces come one after the other, from pi to 0.
+    #[test]
+    fn overlaps_are_bounded_on_pieces() {
+        let a = [0.01, -0.4, 0.2, 0.05];
+        let moments = moments(&a.map(Interval::exact), "3/2".parse().unwrap(), 4, NARROWEST_ALONG, &|| false).unwrap();
+        let (mut to, mut least) = (1.0, f64::INFINITY);
+        for (share, overlap) in &moments.pieces {
+            let at = |j: u32| -> f64 {
+                let theta = std::f64::consts::PI * (to - share.mid() * f64::from(j) / 20.0);
+                -a.iter().zip(0_u32..).map(|(a, k)| a * (f64::from(k) * theta).cos()).sum::<f64>()
+            };
+            let all: Vec<f64> = (0..=20).map(at).collect();
+            assert!(all.iter().all(|x| overlap.lo() - 1e-15 < *x && *x < overlap.hi() + 1e-15), "{to} {overlap:?}");
+            let [low, high] = [f64::min, f64::max].map(|most| all.iter().copied().reduce(most).unwrap());
+            least = least.min((high - low + 1e-15) / (overlap.hi() - overlap.lo()));
+            to -= share.mid();
+        }
+        // Measured: 0.40 of the width that is proved.
+        assert!(to == 0.0 && least > 0.2, "{to} {least}");
+    }
+
+    // Truth: strains on the ellipse.
+    #[test]
+    fn strains_are_bounded_on_ellipses() {
+        let a = [0.01, -0.4, 0.2, 0.05];
+        let exact = a.map(Interval::exact);
+        let sums = Sums::new(&exact, "3/2".parse().unwrap(), 4, NARROWEST);
+        for (centre, half) in [(0.3, 0.1), (1.5, 0.2), (1.5, 0.01), (3.1, 0.3)] {
+            let [middle, _, bound, growth] = sums.near(Interval::exact(centre), Interval::exact(half));
+            let at = |j: u32| -> f64 {
+                let (sin, cos) = (f64::from(j) * std::f64::consts::PI / 20.0).sin_cos();
+                let (x, y) = (centre + half * 17.0 / 8.0 * cos, half * 15.0 / 8.0 * sin);
+                let sum =
+                    |of: &dyn Fn(f64) -> f64| -> f64 { a.iter().zip(0..).map(|(a, k)| a * of(f64::from(k))).sum() };
+                let re = sum(&|k| (k * x).cos() * (k * y).cosh()) - middle.mid();
+                re.hypot(sum(&|k| (k * x).sin() * (k * y).sinh()))
+            };
+            let most = (0..40).map(at).fold(0.0, f64::max);
+            // Measured: 0.13 to 0.98 of the bound, which has the sum of all moduli of X''.
+            assert!(most < bound.hi() && most > 0.1 * bound.hi(), "{centre} {half}: {most} {bound:?}");
+            assert!((growth.hi().ln() - half * 15.0 / 8.0).abs() < 1e-14, "{growth:?}");
+        }
+    }
+
+    // Truth: integrals of Chebyshev's polynomials, 2/(1 - j^2) for even j.
+    #[test]
+    fn the_quadrature_is_exact_for_polynomials() {
+        let nodes = fejer();
+        assert!(nodes.iter().all(|[_, weight]| weight.is_positive()));
+        for j in 0..NODES {
+            let degree = j as f64;
+            let truth = if j % 2 == 0 { 2.0 / (1.0 - degree * degree) } else { 0.0 };
+            let term = |[node, weight]: &[Interval; 2]| weight.mid() * (degree * node.mid().acos()).cos();
+            let sum: f64 = nodes.iter().map(term).sum();
+            assert!((sum - truth).abs() < 1e-13, "{j}: {sum} {truth}");
+        }
+    }
 
     // Truth: midpoint sums over the half-period, with the change at both ends of the ball.
     #[test]

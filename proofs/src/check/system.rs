@@ -2,17 +2,17 @@
 //!
 //! `a_nk - l_k sum_m e_nm n_mk = 0` for `k >= 1`,
 //!
-//! with factors `l_k` of order `1/k^2` and whole numbers `e_nm`. A wave has one site, `l_k = C_k`
-//! and `e = 1`. A breather has the sites of half a ring, of which the reflection makes the other
-//! half, `l_k = 1/L_k`, the second difference as `e`, and for `k = 0` the equations `n_n0 = c_0`
-//! and `sum share_n a_n0 = mean`.
+//! with factors `l_k` of order `1/k^2` and whole numbers `e_nm`. For `k = 0` the mean forces of
+//! neighbours are the same, and the last equation is `sum share_n a_n0 = mean`. A wave has one site,
+//! `l_k = C_k` and `e = 1`. A breather has the sites of half a ring, of which the reflection makes
+//! the other half, `l_k = 1/L_k`, and the second difference as `e`.
 //!
-//! A breather of the infinite chain has the sites of one half of it, and `c_0` is the mean force of
+//! A breather of the infinite chain has the sites of one half of it, and all mean forces are that of
 //! the background. Its coefficients are those of `x_n(t + n T/2)`, `(-1)^{kn} a_nk`, so that the
 //! background is the same at all sites. The system has the first sites only, in place of the others
 //! an end that no constant of the proof depends on.
 
-use super::{Moments, Refused, of};
+use super::{Refused, of};
 use crate::{
     certificate::{Breather, Center, Certificate, Model, Orbit},
     exact::Exact,
@@ -27,19 +27,18 @@ pub(super) struct System {
     pub(super) factors: Vec<Interval>,
     /// Along a piece `l_k` is the factor, and a number from -1 to 1 times one in this interval.
     pub(super) slopes: Vec<Interval>,
-    /// Half of the change of the mean strain of a wave along a piece: it is no unknown.
-    pub(super) shift: Interval,
-    /// The frequency; along a piece all of its values.
-    pub(super) omega: Interval,
+    /// The parts of the ring that have the strain of a site; none of the infinite chain.
+    pub(super) shares: Vec<Interval>,
+    /// The mean strain in the middle of a piece, and half of its change.
+    pub(super) mean: [Interval; 2],
     /// The frequency in the middle of a piece, and half of its change.
     pub(super) middle: [Interval; 2],
-    /// `|b_k/a_k|` for `k` up to `K' + 1`, the coefficients of `y_n` over those of `x_n`; less
-    /// beyond.
-    pub(super) resonators: Vec<Interval>,
     /// `c` with `|l_k| <= c/k^2` beyond; the same for what `slopes` has.
     pub(super) decay: [Interval; 2],
-    /// The equation that belongs to one more unknown.
-    pub(super) fixed: Option<Fixed>,
+    /// The same of `a_1` where it is given, and `(omega - omega_m)/half` one more unknown, `omega_m`
+    /// in the middle of the piece. So the factors of the piece are `l_k` plus the unknown times one
+    /// in `slopes`.
+    pub(super) first: Option<[Interval; 2]>,
     /// Of the infinite chain the first site that has the strains of the background.
     pub(super) background: Option<usize>,
     /// The reflection of a breather; of a wave one that leaves its strains alone.
@@ -49,17 +48,6 @@ pub(super) struct System {
     pub(super) parity: f64,
 }
 
-/// The equation `sum_n shares_n a_nk = value`, of a ring for its mean strain, with the unknown
-/// `c_0`; along a piece with `first` for `a_1`, with the unknown `(omega - omega_m)/half`,
-/// `omega_m` in the middle of the piece. So the factors of the piece are `l_k` plus the unknown
-/// times one in `slopes`.
-pub(super) struct Fixed {
-    pub(super) harmonic: usize,
-    pub(super) shares: Vec<Interval>,
-    /// In the middle of a piece, and half of its change.
-    pub(super) value: [Interval; 2],
-}
-
 impl System {
     pub(super) fn new(certificate: &Certificate) -> Result<Self, Refused> {
         let Certificate { model, mean, to, first, enclosed, orbit, .. } = certificate;
@@ -67,34 +55,27 @@ impl System {
             let [from, to] = [from, to].map(|end| end.enclosed() / of(2));
             [from + to, to - from]
         };
-        let [[omega, half], [mean, mut shift]] = match to {
+        let [[omega, half], mean] = match to {
             None => [model.omega, *mean].map(|one| [one.enclosed(), Interval::ZERO]),
             Some(to) => [between(model.omega, to[0]), between(*mean, to[1])],
         };
         let ([mut factors, mut slopes], mut decay) = inverses(model, [omega, half], *enclosed)?;
         let middle = [omega, half.abs()];
-        let omega = omega + half.abs().ball();
-        let resonators = resonators(model, omega, enclosed + 1);
         let row = |a: &[f64]| a.iter().map(|a| Interval::exact(*a)).collect::<Vec<_>>();
-        let (mut background, with_mean) = (None, |a: &[f64]| [&[mean], row(a).as_slice()].concat());
-        let (a, fixed, center) = match orbit {
+        let (mut background, with_mean) = (None, |a: &[f64]| [&mean[..1], row(a).as_slice()].concat());
+        let (a, shares, center) = match orbit {
             Orbit::Wave(wave) => {
                 for (k, (l, slope)) in (0..).zip(factors.iter_mut().zip(&mut slopes)) {
                     let lattice = lattice(Exact::ONE.less_one(), wave.q_over_pi, k);
                     (*l, *slope) = (*l * lattice, *slope * lattice);
                 }
                 decay = decay.map(|c| of(4) * c);
-                let value = first.map(|[from, to]| between(from, to));
-                let fixed = value.map(|value| Fixed { harmonic: 1, shares: vec![Interval::ONE], value });
-                (vec![with_mean(&wave.a)], fixed, Center::Bond)
+                (vec![with_mean(&wave.a)], vec![Interval::ONE], Center::Bond)
             }
             Orbit::Breather(Breather { sites, center, a }) => {
                 let alone = if *center == Center::Site { 0 } else { a.len() - 1 };
                 let share = |n: usize| of(if n == alone { 1 } else { 2 }) / of(*sites);
-                let shares = (0..a.len()).map(share).collect();
-                let fixed = Fixed { harmonic: 0, shares, value: [mean, shift] };
-                shift = Interval::ZERO;
-                (a.iter().map(|a| row(a)).collect(), Some(fixed), *center)
+                (a.iter().map(|a| row(a)).collect(), (0..a.len()).map(share).collect(), *center)
             }
             Orbit::Infinite(infinite) => {
                 background = Some(infinite.a.len());
@@ -104,10 +85,11 @@ impl System {
                 };
                 let mut a: Vec<Vec<Interval>> = infinite.a.iter().enumerate().map(shifted).collect();
                 a.resize(infinite.section(), with_mean(&infinite.background));
-                (a, None, infinite.center)
+                (a, Vec::new(), infinite.center)
             }
         };
-        Ok(Self { a, factors, slopes, shift, omega, middle, resonators, decay, fixed, background, center, parity: 1.0 })
+        let (first, parity) = (first.map(|[from, to]| between(from, to)), 1.0);
+        Ok(Self { a, factors, slopes, shares, mean, middle, decay, first, background, center, parity })
     }
 
     /// That of the perturbations which [`multiplier`](super::multiplier) looks for. Those of a wave
@@ -121,22 +103,20 @@ impl System {
         self
     }
 
-    /// Whether it is of a wave, whose mean is no unknown.
+    /// Whether it is of a wave.
     pub(super) fn is_wave(&self) -> bool {
-        self.background.is_none() && (self.fixed.is_none() || self.is_free())
+        self.shares.len() == 1
     }
 
-    /// Whether its frequency is unknown.
-    pub(super) fn is_free(&self) -> bool {
-        self.fixed.as_ref().is_some_and(|fixed| fixed.harmonic > 0)
+    /// The frequency; along a piece all of its values.
+    pub(super) fn omega(&self) -> Interval {
+        self.middle[0] + self.middle[1].ball()
     }
 
-    /// The derivative of equation `k` by the unknown of [`Fixed`], where it is not zero.
-    pub(super) fn by_last(&self, known: &[Moments], k: usize) -> Option<Interval> {
-        match k {
-            0 => Some(-Interval::ONE),
-            _ => self.is_free().then(|| -(self.slopes[k] * known[0].force[k])),
-        }
+    /// The site whose mean force that of a site is: the next one, or the background. `None` for the
+    /// last site of a ring, which has the equation of the mean strain.
+    pub(super) fn level(&self, n: usize) -> Option<usize> {
+        Some(self.background.unwrap_or(n + 1)).filter(|m| *m < self.a.len())
     }
 
     /// Whether a site has the strains of the background of the infinite chain.
@@ -147,12 +127,12 @@ impl System {
     /// Whether harmonic `k` of a site is unknown.
     pub(super) fn has(&self, n: usize, k: usize) -> bool {
         let fixed = if self.center == Center::Site { 0 } else { self.a.len() - 1 };
-        (k > 0 || self.a.len() > 1) && (n != fixed || self.image(k) > 0.0)
+        n != fixed || self.image(k) > 0.0
     }
 
     /// What the reflection multiplies harmonic `k` by: 1 or -1.
     fn image(&self, k: usize) -> f64 {
-        if self.center.turns() && k % 2 == 1 { -self.parity } else { self.parity }
+        if self.center == Center::Site && k % 2 == 1 { -self.parity } else { self.parity }
     }
 
     /// All values of `l_k`.
@@ -209,14 +189,6 @@ impl System {
     }
 }
 
-/// `kappa/|kappa - rho omega^2 k^2|` for `k` up to `count`, or 0 for resonators that do not move.
-/// NaN where it is not known to be finite.
-fn resonators(model: &Model, omega: Interval, count: usize) -> Vec<Interval> {
-    let (kappa, rho) = (model.kappa.enclosed(), model.rho.map(Exact::enclosed));
-    let share = |rho: Interval, k: usize| (kappa / (kappa - rho * (omega * of(k)).square())).abs();
-    (0..=count).map(|k| rho.map_or(Interval::ZERO, |rho| share(rho, k))).collect()
-}
-
 /// `4 sin^2((p + k q)/2)` by `p/pi` and `q/pi`, with the angle reduced exactly.
 pub(super) fn lattice(p: Exact, q: Exact, k: i128) -> Interval {
     let (num, den) = (p.num() * q.den() + k * q.num() * p.den(), p.den() * q.den());
@@ -224,52 +196,42 @@ pub(super) fn lattice(p: Exact, q: Exact, k: i128) -> Interval {
     of(4) * (share * Interval::PI).sin_cos()[0].square()
 }
 
+/// `c`, `p` and `r` of the terms of `1/L(s) = sum c/(p + r s^2)`.
+pub(super) fn poles(model: &Model) -> Vec<[Interval; 3]> {
+    let (kappa, one) = (model.kappa.enclosed(), Interval::ONE);
+    let Some(rho) = model.rho else { return vec![[one, kappa, one]] };
+    let (all, resonators) = (one + rho.enclosed(), (rho.num() > 0).then_some(rho.enclosed()));
+    let resonators = resonators.map(|rho| [rho.square() / all, kappa * all, rho]);
+    [[one / all, Interval::ZERO, one]].into_iter().chain(resonators).collect()
+}
+
 /// `1/L_k` for `k` up to `count` (-1 for `k = 0`) at `omega`; its derivative by `omega` times
 /// `half`, on the piece that is `half` longer on both sides; and for each of both `c` with `c/k^2`
-/// as a bound beyond, there.
-///
-/// As a function of `w = (omega k)^2`, `1/L_k = (-1/w + rho^2/den_k)/(1 + rho)`, which increases.
-/// Beyond, `k^2` times its derivative by `omega` falls with `k`, since `w/|den_k|` does.
+/// as a bound beyond, there: `k^2` times a term falls with `k` where `r omega^2 k^2 > p`, and so
+/// does `k^2` times its derivative.
 fn inverses(
     model: &Model,
     [omega, half]: [Interval; 2],
     count: usize,
 ) -> Result<([Vec<Interval>; 2], [Interval; 2]), Refused> {
-    let (kappa, one, all) = (model.kappa.enclosed(), Interval::ONE, omega + half.abs().ball());
-    let square = |omega: Interval, k: usize| (omega * of(k)).square();
-    // The value, and the derivative by w.
-    let inverse = |omega: Interval, k: usize| match (square(omega, k), model.rho) {
-        _ if k == 0 => [-Interval::ONE, Interval::ZERO],
-        (w, None) => [one / (kappa - w), one / (kappa - w).square()],
-        (w, Some(rho)) if rho.num() == 0 => [-one / w, one / w.square()],
-        (w, Some(rho)) => {
-            let rho = rho.enclosed();
-            let den = kappa * (one + rho) - rho * w;
-            let slope = one / w.square() + rho * (rho / den).square();
-            [-one / w + rho.square() / den, slope].map(|it| it / (one + rho))
-        }
+    let (poles, all) = (poles(model), omega + half.abs().ball());
+    let den = |omega: Interval, k: usize, p: Interval, r: Interval| p - r * (omega * of(k)).square();
+    let value =
+        |omega: Interval, k: usize| -> Interval { poles.iter().map(|&[c, p, r]| c / den(omega, k, p, r)).sum() };
+    let slope = |k: usize| -> Interval {
+        let term = |&[c, p, r]: &[Interval; 3]| c * r / den(all, k, p, r).square();
+        half * of(2) * all * of(k * k) * poles.iter().map(term).sum()
     };
-    let factors: Vec<Interval> = (0..=count).map(|k| inverse(omega, k)[0]).collect();
-    let slope = |k: usize| half * inverse(all, k)[1] * of(2) * all * of(k) * of(k);
-    let slopes: Vec<Interval> = (0..=count).map(slope).collect();
-    if let Some(k) = factors.iter().zip(&slopes).position(|(one, slope)| one.is_nan() || slope.is_nan()) {
-        return Err(Refused::Resonance(k));
-    }
-    // L_k over -omega^2 k^2 is (1 + added/over)^{-1} for k = count + 1, and nearer to 1 beyond.
-    let (added, over) = match model.rho {
-        Some(rho) if rho.num() == 0 => (Interval::ZERO, one),
-        Some(rho) => {
-            let rho = rho.enclosed();
-            (kappa * rho, rho * square(all, count + 1) - kappa * (one + rho))
+    let own = |k: usize| if k == 0 { [-Interval::ONE, Interval::ZERO] } else { [value(omega, k), slope(k)] };
+    let known: Vec<[Interval; 2]> = (0..=count).map(own).collect();
+    let last = count + 1;
+    let resonant = known.iter().position(|it| it.iter().any(|it| it.is_nan()));
+    let passed = poles.iter().all(|&[_, p, r]| (-den(all, last, p, r)).is_positive());
+    match resonant.or((!passed).then_some(last)) {
+        Some(k) => Err(Refused::Resonance(k)),
+        None => {
+            let decay = [value(all, last), slope(last)].map(|it| it.abs() * of(last * last));
+            Ok(([0, 1].map(|i| known.iter().map(|it| it[i]).collect()), decay))
         }
-        None => (kappa, square(all, count + 1) - kappa),
-    };
-    match over {
-        over if over.is_positive() => {
-            let turn = slope(count + 1).abs() * of(count + 1).square();
-            Ok(([factors, slopes], [(one + added / over) / all.square(), turn]))
-        }
-        over if (-over).is_positive() => Err(Refused::Below(count)),
-        _ => Err(Refused::Resonance(count + 1)),
     }
 }
