@@ -202,6 +202,21 @@ pub fn require(keeps: bool, name: &'static str, value: impl ToString, rule: &'st
     if keeps { Ok(()) } else { Err(Error::parameter(name, value, rule)) }
 }
 
+/// Refuses a value that breaks a rule, if there is one.
+///
+/// # Errors
+/// [`Error::Parameter`], with the value and the rule.
+///
+/// ```
+/// use hertzchain_core::error::refuse;
+/// let negative = |values: &[f64]| refuse("mass", values.iter().find(|mass| **mass < 0.0), "at least zero");
+/// assert!(negative(&[1.0]).is_ok());
+/// assert_eq!(negative(&[1.0, -2.0]).unwrap_err().to_string(), "mass = -2 is not valid: at least zero");
+/// ```
+pub fn refuse(name: &'static str, breaks: Option<impl ToString>, rule: &'static str) -> Result<()> {
+    breaks.map_or(Ok(()), |value| Err(Error::parameter(name, value, rule)))
+}
+
 /// The rule for exponents of contacts whose stiffness is asked for.
 pub const SMOOTH: &str = "above 1 (that of a table is 1): else the stiffness of a contact jumps where it opens";
 

@@ -10,7 +10,7 @@
 
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, Site},
-    error::{Error, Result, finite, require},
+    error::{Error, Result, finite, refuse, require},
 };
 use hertzchain_integrators::{DoubleDouble, Stats, Stepper};
 
@@ -53,10 +53,9 @@ impl TrivialBreather {
     pub fn new(params: Params, amplitudes: Vec<f64>, phases: Vec<f64>, offsets: &[f64]) -> Result<Self> {
         require(offsets.len() == amplitudes.len(), "d", counts(offsets, &amplitudes), "as many offsets as amplitudes")?;
         offsets.iter().try_for_each(|&d| finite("d", d).map(drop))?;
-        if let Some(n) = (1..offsets.len()).find(|&n| offsets[n] < offsets[n - 1]) {
-            let values = format!("{} after {} at site {n}", offsets[n], offsets[n - 1]);
-            return Err(Error::parameter("d", values, "the offsets do not decrease (constraint2)"));
-        }
+        let fall = (1..offsets.len()).find(|&n| offsets[n] < offsets[n - 1]);
+        let fall = fall.map(|n| format!("{} after {} at site {n}", offsets[n], offsets[n - 1]));
+        refuse("d", fall, "the offsets do not decrease (constraint2)")?;
         let mut breather = Self::oscillating(params, amplitudes, phases)?;
         let mut sum = 0.0;
         for (n, offset) in offsets.iter().enumerate() {
@@ -113,9 +112,8 @@ impl TrivialBreather {
         require(params.resonators() == Resonators::Moving, "rho", params.rho, rule)?;
         let rule = "as many phases as amplitudes";
         require(amplitudes.len() == phases.len(), "phases", counts(&phases, &amplitudes), rule)?;
-        if let Some(&a) = amplitudes.iter().find(|a| !(a.is_finite() && **a >= 0.0)) {
-            return Err(Error::parameter("amplitude", a, "finite and at least zero"));
-        }
+        let odd = amplitudes.iter().find(|a| !(a.is_finite() && **a >= 0.0));
+        refuse("amplitude", odd, "finite and at least zero")?;
         phases.iter().try_for_each(|&phi| finite("phase", phi).map(drop))?;
         Ok(Self { means: vec![0.0; amplitudes.len()], params, amplitudes, phases })
     }

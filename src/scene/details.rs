@@ -7,7 +7,7 @@ use crate::{
         Boundary, Chain, Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Signal, Spline,
         Table, Term,
     },
-    error::{Error, GIVEN, NOTHING, Result, beside, one_line, require},
+    error::{Error, GIVEN, NOTHING, Result, beside, one_line, refuse, require},
     number::format_short,
     output::read,
     random::uniform,
@@ -262,10 +262,8 @@ impl BeadsSection {
         let mass = |i: usize| details.mass.get(i).copied().unwrap_or(1.0);
         let of = |name, values: &Option<Values>, good: fn(f64) -> bool, rule, of: fn(f64, f64) -> f64| {
             let values = list(name, values)?;
-            match values.iter().find(|value| !good(**value)) {
-                Some(value) => Err(Error::parameter(name, value, rule)),
-                None => Ok(values.iter().enumerate().map(|(i, value)| of(*value, mass(i))).collect()),
-            }
+            refuse(name, values.iter().find(|value| !good(**value)), rule)?;
+            Result::Ok(values.iter().enumerate().map(|(i, value)| of(*value, mass(i))).collect())
         };
         if self.resonator.is_some() {
             let rule = "the mass of a resonator is in [0, inf]";
@@ -308,10 +306,8 @@ impl BondsSection {
         }
         let mut losses = self.losses();
         if let Some((key, kind, values)) = losses.next() {
-            if let Some((_, other, _)) = losses.next() {
-                let rule = "contacts dissipate by one law: `viscoelastic`, `dashpot` or `hunt_crossley`";
-                return Err(Error::parameter(key, beside(other.name()), rule));
-            }
+            let rule = "contacts dissipate by one law: `viscoelastic`, `dashpot` or `hunt_crossley`";
+            refuse(key, losses.next().map(|(_, other, _)| beside(other.name())), rule)?;
             details.dissipation = Some(Dissipation { kind, strength: values.of(key, touching)? });
         }
         (details.beta, details.pull) = (self.beta.unwrap_or(0.0), self.pull == Some(true));
@@ -487,9 +483,7 @@ impl DriveSection {
         if let Some([low, high]) = self.band {
             return self.noise(&amplitudes, low, high);
         }
-        if let Some(seed) = self.seed {
-            return Err(Error::parameter("drive.seed", seed, "a seed belongs to noise with a `band`"));
-        }
+        refuse("drive.seed", self.seed, "a seed belongs to noise with a `band`")?;
         let Some(omega) = &self.omega else {
             require(self.phase.is_none(), "drive.phase", GIVEN, "a phase belongs to an `omega`")?;
             return Ok(amplitudes.into_iter().flat_map(|value| Signal::constant(value).harmonics).collect());

@@ -8,7 +8,7 @@ use crate::{
     breathers::{BrightBreather, TrivialBreather},
     chain::{Boundary, Chain, Site, State},
     dps::Center,
-    error::{Error, NOTHING, Result, finite, positive, require},
+    error::{Error, NOTHING, Result, finite, positive, refuse, require},
     orbits::{Bands, NormalModes},
     run::{Initial as Start, Measure},
     waves::{PerturbedWave, Shape, Size, TravellingWave},
@@ -236,10 +236,9 @@ fn given(chain: &Chain<f64>, arrays: [&[f64]; 4]) -> Result<State<f64>> {
     let (count, rule) = (v.len().max(v_dot.len()), "no resonator moves in this chain: leave `v` and `v_dot` out");
     require(count == 0 || chain.layout().resonators(), "v", format!("{count} numbers"), rule)?;
     for (name, array) in [("v", v), ("v_dot", v_dot)] {
-        if let Some(site) = (0..array.len()).find(|&i| array[i] != 0.0 && !chain.resonator_moves(i)) {
-            let rule = "no resonator moves at this site: its `v` and `v_dot` are 0";
-            return Err(Error::parameter(name, format!("{} at site {site}", array[site]), rule));
-        }
+        let still = (0..array.len()).find(|&i| array[i] != 0.0 && !chain.resonator_moves(i));
+        let rule = "no resonator moves at this site: its `v` and `v_dot` are 0";
+        refuse(name, still.map(|site| format!("{} at site {site}", array[site])), rule)?;
     }
     let at = |array: &[f64], i: usize| array.get(i).copied().unwrap_or(0.0);
     State::from_fn(chain, |i| Site { u: at(u, i), v: at(v, i), u_dot: at(u_dot, i), v_dot: at(v_dot, i) })

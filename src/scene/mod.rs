@@ -47,7 +47,7 @@ pub use values::{Rule, Values};
 use crate::{
     breathers::{BrightBreather, TrivialBreather},
     chain::{Chain, Resonators, State},
-    error::{Error, Result, positive, require},
+    error::{Error, Result, positive, refuse, require},
     memory::lacking,
     number::rounded,
     output::read,
@@ -242,9 +242,7 @@ impl Scene {
         let (file, units) = plain.map_or((&given, None), |(file, units)| (file, Some(*units)));
         let start = start.map(|start| units.map_or(start, |units| units.from_si(Quantity::Time, start)));
         let section = &file.chain;
-        if let Some(samples) = file.record.samples.filter(|samples| *samples > MOST_SAMPLES) {
-            return Err(Error::parameter("samples", samples, "at most 10^6"));
-        }
+        refuse("samples", file.record.samples.filter(|samples| *samples > MOST_SAMPLES), "at most 10^6")?;
         // The chain takes -0 as zero; in a file it is a mistake.
         for (name, value) in
             [("kappa", section.kappa), ("rho", section.rho), ("precompression", section.precompression)]
@@ -266,10 +264,9 @@ impl Scene {
         if !by_sites {
             // Small states are not worth a look at the files of the system.
             let needed = Self::least_memory(&chain);
-            if let Some(words) = (needed > NEGLIGIBLE).then(|| lacking(needed)).flatten() {
-                let what = format!("{}, which need {words},", chain.sites());
-                return Err(Error::parameter("sites", what, "three states fit into the memory"));
-            }
+            let words = (needed > NEGLIGIBLE).then(|| lacking(needed)).flatten();
+            let what = words.map(|words| format!("{}, which need {words},", chain.sites()));
+            refuse("sites", what, "three states fit into the memory")?;
         }
         let (initial, theory) = initial_state(&chain, &file.initial, start)?;
         if !by_sites {
@@ -286,9 +283,8 @@ impl Scene {
             _ if has_frequency => 2.0 * PI / chain.params().omega(),
             _ => file.span.period.unwrap_or(1.0),
         };
-        if let (Some(given), true) = (file.span.period, has_frequency) {
-            return Err(Error::parameter("period", given, "this scene has a frequency of its own: leave `period` out"));
-        }
+        let rule = "this scene has a frequency of its own: leave `period` out";
+        refuse("period", file.span.period.filter(|_| has_frequency), rule)?;
         let period = positive("period", period)?;
         let end = match (file.span.periods, file.span.until) {
             (Some(periods), None) => checked_end(positive("periods", periods)? * period)

@@ -13,7 +13,7 @@
 use super::Quantity;
 use crate::{
     chain::{Boundary, Chain},
-    error::{Error, NOTHING, Result, require},
+    error::{Error, NOTHING, Result, refuse, require},
     named::named,
 };
 use serde::{Deserialize, Serialize};
@@ -153,13 +153,10 @@ impl Record {
         let usual = usual.filter(|one| if one.of_bonds() { bonds.is_some() } else { sites.is_some() });
         let quantities = quantities.clone().unwrap_or_else(|| usual.collect());
         let repeated = (1..quantities.len()).find(|&k| quantities[..k].contains(&quantities[k]));
-        if let Some(k) = repeated {
-            return Err(Error::parameter("record.quantities", quantities[k].name(), "name each quantity once"));
-        }
+        refuse("record.quantities", repeated.map(|k| quantities[k].name()), "name each quantity once")?;
         let moving = (0..chain.sites()).any(|n| chain.resonator_moves(n));
-        if let Some(one) = quantities.iter().find(|one| !moving && matches!(one, Recorded::V | Recorded::VDot)) {
-            return Err(Error::parameter("record.quantities", one.name(), "no resonator of this chain moves"));
-        }
+        let still = quantities.iter().find(|one| !moving && matches!(one, Recorded::V | Recorded::VDot));
+        refuse("record.quantities", still.map(|one| one.name()), "no resonator of this chain moves")?;
         let named = |places: &Option<Places>, key, of_bonds: bool, all: std::ops::Range<usize>, rule| {
             let any = quantities.iter().any(|one| one.of_bonds() == of_bonds);
             match places {
@@ -194,13 +191,9 @@ impl Places {
                 (*from..=*to).step_by(step.unwrap_or(1)).take(within.end + 1).collect()
             }
         };
-        if let Some(place) = all.iter().find(|place| !within.contains(place)) {
-            return Err(Error::parameter(key, place, rule));
-        }
-        if all.is_empty() || (1..all.len()).any(|k| all[k] <= all[k - 1]) {
-            return Err(Error::parameter(key, format!("{all:?}"), "at least one number, in ascending order"));
-        }
-        Ok(all)
+        refuse(key, all.iter().find(|place| !within.contains(place)), rule)?;
+        let odd = all.is_empty() || all.windows(2).any(|two| two[1] <= two[0]);
+        refuse(key, odd.then(|| format!("{all:?}")), "at least one number, in ascending order").map(|()| all)
     }
 }
 

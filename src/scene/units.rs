@@ -22,7 +22,7 @@ use super::{
 };
 use crate::{
     chain::{Boundary, Chain},
-    error::{Error, Iterate, NOTHING, Result, brief, require},
+    error::{Error, Iterate, NOTHING, Result, brief, refuse, require},
     number::{format_short, rounded},
     numerics::extremes,
     report::Units,
@@ -110,10 +110,9 @@ impl SceneFile {
                 bodies[site] = section.wall(bodies[site]);
             }
         }
-        if let Some(i) = masses.iter().position(|mass| !(mass.is_finite() && *mass > 0.0)) {
-            let rule = "a mass is finite and positive: give it, or `radius` and `density` of [units]";
-            return Err(Error::parameter("beads.mass", at(masses[i], i), rule));
-        }
+        let odd = masses.iter().position(|mass| !(mass.is_finite() && *mass > 0.0));
+        let rule = "a mass is finite and positive: give it, or `radius` and `density` of [units]";
+        refuse("beads.mass", odd.map(|i| at(masses[i], i)), rule)?;
 
         let touching = chain.touching();
         let alphas = bonds.alpha.as_ref().map(|values| values.of("bonds.alpha", touching.len())).transpose()?;
@@ -274,10 +273,8 @@ impl BondsSection {
 
 /// Refuses contact constants that are not known or break the rule.
 fn constants(name: &'static str, given: &[f64], rule: &'static str) -> Result<()> {
-    match given.iter().position(|constant| !(constant.is_finite() && *constant >= 0.0)) {
-        Some(k) => Err(Error::parameter(name, at(given[k], k), rule)),
-        None => Ok(()),
-    }
+    let odd = given.iter().position(|constant| !(constant.is_finite() && *constant >= 0.0));
+    refuse(name, odd.map(|k| at(given[k], k)), rule)
 }
 
 /// The static overlaps by a load, of contacts with these constants and exponents; `other`: whether
@@ -285,10 +282,9 @@ fn constants(name: &'static str, given: &[f64], rule: &'static str) -> Result<()
 fn pressed(load: f64, contacts: &[f64], alpha: &dyn Fn(usize) -> f64, other: bool) -> Result<Vec<f64>> {
     let rule = "a static load gives the static overlaps: leave `overlap` and `precompression` out";
     require(!other, "units.static_load", load, rule)?;
-    if let Some(k) = contacts.iter().position(|constant| *constant == 0.0) {
-        let rule = "no load where beads have no contact: give `overlap` of [bonds]";
-        return Err(Error::parameter("units.static_load", at(load, k), rule));
-    }
+    let open = contacts.iter().position(|constant| *constant == 0.0);
+    let rule = "no load where beads have no contact: give `overlap` of [bonds]";
+    refuse("units.static_load", open.map(|k| at(load, k)), rule)?;
     Ok(contacts.iter().enumerate().map(|(k, a)| (load / a).powf(alpha(k).recip())).collect())
 }
 
@@ -306,23 +302,16 @@ impl UnitsSection {
             return Err(Error::parameter("units.system", self.system.as_deref().unwrap_or(NOTHING), rule));
         }
         self.wall_young.map(|young| crate::error::positive("units.wall_young", young)).transpose()?;
-        if let Some(poisson) = self.wall_poisson.filter(|&poisson| !ratio(poisson)) {
-            return Err(Error::parameter("units.wall_poisson", poisson, RATIO));
-        }
-        match self.static_load.filter(|load| !(load.is_finite() && *load >= 0.0)) {
-            Some(load) => Err(Error::parameter("units.static_load", load, "a load is finite and at least zero")),
-            None => Ok(()),
-        }
+        refuse("units.wall_poisson", self.wall_poisson.filter(|&poisson| !ratio(poisson)), RATIO)?;
+        let odd = self.static_load.filter(|load| !(load.is_finite() && *load >= 0.0));
+        refuse("units.static_load", odd, "a load is finite and at least zero")
     }
 
     fn bodies(&self, sites: usize) -> Result<Vec<Body>> {
         let list = |name, values: &Option<Values>, good: fn(f64) -> bool, rule| {
             let Some(values) = values else { return Ok(vec![f64::NAN; sites]) };
             let values = values.of(name, sites)?;
-            match values.iter().find(|&&value| !good(value)) {
-                Some(value) => Err(Error::parameter(name, value, rule)),
-                None => Ok(values),
-            }
+            refuse(name, values.iter().find(|&&value| !good(value)), rule).map(|()| values)
         };
         let (positive, rule): (fn(f64) -> bool, _) = (|x| x.is_finite() && x > 0.0, "finite and positive");
         let radius = list("units.radius", &self.radius, |x| x > 0.0, "positive; inf for a flat body")?;

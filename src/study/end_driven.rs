@@ -24,7 +24,7 @@ use crate::{
     breathers::DarkBreather,
     chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, State, max_norm},
     dps::Center,
-    error::{Error, Result, require},
+    error::{Error, Result, refuse, require},
     named::named,
     numerics::{largest_by, least_by},
     orbits::{
@@ -261,9 +261,8 @@ impl EndDriven {
     fn check(&self) -> Result<()> {
         self.within_ranges()?;
         let least = Params::new(1.5, 1.0, self.rho)?.omega();
-        if let Some(omega) = self.omegas.iter().find(|omega| !(omega.is_finite() && **omega > least)) {
-            return Err(Error::parameter("omegas", omega, "finite, and above sqrt(1 + 1/rho)"));
-        }
+        let odd = self.omegas.iter().find(|omega| !(omega.is_finite() && **omega > least));
+        refuse("omegas", odd, "finite, and above sqrt(1 + 1/rho)")?;
         require(self.drag + self.dashpot > 0.0, "drag", 0, "a chain without drag has a dashpot")?;
         require(self.step < self.to, "step", self.step, "below the largest amplitude, --to")
     }

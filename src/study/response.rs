@@ -5,7 +5,7 @@ use super::{
 };
 use crate::{
     chain::{Drive, DriveKind},
-    error::{Error, Result},
+    error::{Error, Result, refuse},
     numerics::extremes,
     orbits,
     report::{
@@ -111,9 +111,7 @@ impl Study for Responses {
         let held = |i: &usize| drives().any(|drive| moves(drive) && drive.site == *i);
         let last = (0..chain.sites()).rev().find(|i| !held(i)).unwrap_or(0);
         let at = if self.at.is_empty() { vec![last] } else { self.at.clone() };
-        if let Some(outside) = at.iter().find(|at| **at >= chain.sites()) {
-            return Err(Error::parameter("at", outside, "a site of the chain, counted from 0"));
-        }
+        refuse("at", at.iter().find(|at| **at >= chain.sites()), "a site of the chain, counted from 0")?;
         let setting = Setting { site, kind, at };
         let response = orbits::Response::new(chain, site, kind)?;
         let (given, si) = (Scale(scene.units()), self.results.of(&scene));

@@ -7,7 +7,7 @@
 
 use super::{Progress, Study, Work, compare::time, families, options::options};
 use crate::{
-    error::{Error, Result},
+    error::{Result, refuse},
     present::machine_json,
     random::uniform,
     report::{
@@ -211,10 +211,8 @@ fn checked(options: &ScalingOptions) -> Result<Vec<usize>> {
     let mut sizes = options.sites.clone();
     sizes.sort_unstable();
     sizes.dedup();
-    match sizes.iter().find(|sites| !sites.is_multiple_of(WAVE)) {
-        Some(sites) => Err(Error::parameter("sites", sites, "a multiple of 10, so that whole waves fit the ring")),
-        None => Ok(sizes),
-    }
+    let odd = sizes.iter().find(|sites| !sites.is_multiple_of(WAVE));
+    refuse("sites", odd, "a multiple of 10, so that whole waves fit the ring").map(|()| sizes)
 }
 
 /// What run times are measured and predicted with.

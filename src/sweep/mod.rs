@@ -251,7 +251,6 @@ pub(crate) struct Job<'a> {
 }
 
 impl Job<'_> {
-
     /// The hashes of all points, sorted, each with the number of its point. Refuses a point that is
     /// in the grid twice.
     fn hashes(&self) -> Result<Vec<(Hash, usize)>> {
@@ -366,7 +365,9 @@ impl<'s> Rows<'s> {
     ) -> Result<usize> {
         self.texts(&mut |texts| {
             let pieces: Vec<&[(usize, &str)]> = texts.chunks(PIECE).collect();
-            let row = |&(k, text): &(usize, &str)| Ok(make(k, self.row(k, text, read)?.unwrap_or_else(|| Err(STOPPED.to_owned()))));
+            let row = |&(k, text): &(usize, &str)| {
+                Ok(make(k, self.row(k, text, read)?.unwrap_or_else(|| Err(STOPPED.to_owned()))))
+            };
             let made = map(&pieces, |piece| piece.iter().map(row).collect::<Result<Vec<V>>>());
             made.into_iter().try_for_each(|piece| piece?.into_iter().try_for_each(&mut *take))
         })

@@ -333,10 +333,8 @@ impl Method {
     /// # Errors
     /// A chain that the method cannot run; the message names a method that can.
     pub fn runs(&self, chain: &Chain<f64>) -> Result<()> {
-        match self.unsupported_reason(chain) {
-            Some(rule) => Err(Error::parameter("integrator", self.name(), rule)),
-            None => Ok(()),
-        }
+        let reason = self.unsupported_reason(chain);
+        require(reason.is_none(), "integrator", self.name(), reason.unwrap_or_default())
     }
 
     /// Why the method cannot run a chain, and a method that can; `None` if it can.

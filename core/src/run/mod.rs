@@ -43,7 +43,7 @@ pub use states::state_at;
 
 use crate::{
     chain::{Chain, Contact, Contacts, State},
-    error::{Error, NOTHING, Result, positive, require},
+    error::{Error, NOTHING, Result, positive, refuse, require},
     parts::{Decomposition, ONE_PART},
 };
 use hertzchain_integrators::Stepper;
@@ -260,15 +260,11 @@ impl Run {
     /// end by four units of the last place.
     fn checked_times(&self, times: &[f64]) -> Result<()> {
         let last = self.end()? * (1.0 + 4.0 * f64::EPSILON);
-        if let Some(&wrong) = times.iter().find(|&&t| !(self.start..=last).contains(&t)) {
-            let rule = "from zero to the end of the run";
-            let rule = if self.start > 0.0 { "from the start to the end of the run" } else { rule };
-            return Err(Error::parameter("times", wrong, rule));
-        }
-        if let Some(pair) = times.windows(2).find(|pair| pair[0] > pair[1]) {
-            return Err(Error::parameter("times", pair[1], "in ascending order"));
-        }
-        Ok(())
+        let rule = "from zero to the end of the run";
+        let rule = if self.start > 0.0 { "from the start to the end of the run" } else { rule };
+        refuse("times", times.iter().find(|&&t| !(self.start..=last).contains(&t)), rule)?;
+        let back = times.windows(2).find(|pair| pair[0] > pair[1]);
+        refuse("times", back.map(|pair| pair[1]), "in ascending order")
     }
 
     /// Asks for a log of all contacts.
@@ -395,10 +391,9 @@ impl Run {
             let given = initial.as_slice().len();
             return Err(Error::parameter("state", given, "as many numbers as the chain has"));
         }
-        if let Err(site) = self.chain.follows_drives(initial.as_slice(), self.start) {
-            let rule = "a bead that is moved begins where its drive does, with its speed: State::driven";
-            return Err(Error::parameter("state", format!("at site {site}"), rule));
-        }
+        let apart = self.chain.follows_drives(initial.as_slice(), self.start).err();
+        let rule = "a bead that is moved begins where its drive does, with its speed: State::driven";
+        refuse("state", apart.map(|site| format!("at site {site}")), rule)?;
         Ok((self.start, self.end()?))
     }
 

@@ -34,7 +34,7 @@ pub use resonances::{Resonance, kick_sum, resonance};
 
 use super::{Changes, Progress, ResultUnits, Study, Work, methods, options::options, run::error_in, scene};
 use crate::{
-    error::{Error, Result},
+    error::{Error, Result, refuse},
     named::named,
     number::rounded,
     numerics::least_by,
@@ -428,11 +428,9 @@ fn measured(
     method: Method,
 ) -> Result<Measured> {
     let stops = matches!(method, Method::Landed(_) | Method::Dop853(Contacts::Landed | Contacts::Regularised));
-    if let Some(sites) = variant.sites.filter(|sites| stops && *sites > STOPPING_SITES) {
-        let rule =
-            "a method that stops the whole chain at every event is tried on up to 10^3: its work grows with the square";
-        return Err(Error::parameter("sites", sites, rule));
-    }
+    let rule =
+        "a method that stops the whole chain at every event is tried on up to 10^3: its work grows with the square";
+    refuse("sites", variant.sites.filter(|sites| stops && *sites > STOPPING_SITES), rule)?;
     let longer = (variant.periods.unwrap_or(PERIODS) / LONG).clamp(1.0, 10.0);
     let search = Search { work: longer * options.work, light: chart == Chart::Light };
     let prepared = problem.prepare(variant)?;

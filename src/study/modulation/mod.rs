@@ -5,7 +5,7 @@ mod report;
 use super::{Changes, Progress, Study, Work, fit_line, options::options};
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, State},
-    error::{Error, Result, require},
+    error::{Error, Result, refuse, require},
     numerics::largest_by,
     report::Report,
     run::state_at,
@@ -92,9 +92,7 @@ impl ModulationStudy {
         let &Self { alpha, kappa, rho, a, b, q_over_pi, sites, measure, modes, chart, .. } = self;
         let modes = measure.then_some(modes);
         let Some(name) = &self.scene else {
-            if let Some(change) = self.set.set.first() {
-                return Err(Error::parameter("set", change, "it changes a scene: name one"));
-            }
+            refuse("set", self.set.set.first(), "it changes a scene: name one")?;
             let shape = Shape { q: q_over_pi * PI, a, b, phi: 0.0 };
             let (params, epsilons) = (Params { alpha, kappa, rho }, self.epsilon.clone());
             return Ok(StabilityOptions { params, shape, epsilons, sites, modes, chart });
@@ -398,10 +396,8 @@ fn measure(
         let periods = WINDOW.1 / rates.per_time(fastest(study)) * rates.omega_tw / (2.0 * PI);
         periods.is_nan() || periods > MOST_PERIODS
     };
-    if let Some(slow) = study.rates.iter().find(slow) {
-        let rule = "growth that takes more than 10^5 periods of the wave is not measured";
-        return Err(Error::parameter("epsilon", slow.epsilon, rule));
-    }
+    let rule = "growth that takes more than 10^5 periods of the wave is not measured";
+    refuse("epsilon", study.rates.iter().find(slow).map(|slow| slow.epsilon), rule)?;
     let settings = json!({"params": params, "shape": shape, "sites": sites, "modes": count});
     let grid = Grid { store: ModulationStudy::STORE, study: "modulation", settings };
     let work = |&epsilon: &f64| {

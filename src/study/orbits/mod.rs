@@ -18,7 +18,7 @@ use crate::{
     breathers::DarkBreather,
     chain::MeanForces,
     dps::Center,
-    error::{Error, NOTHING, Result, require},
+    error::{Error, NOTHING, Result, refuse, require},
     interrupt,
     orbits::{
         AnalysisLevel, Bifurcation, BifurcationKind, Branch, Continuation, End, Extent, Formulation, Orbit,
@@ -238,9 +238,7 @@ impl Continue {
             Parameter::Alpha => ("alpha", beside(own.alpha, usual.alpha)),
             Parameter::Cx => ("precompression", beside(self.ring.precompression, 0.0)),
         };
-        if let Some(given) = given {
-            return Err(Error::parameter(name, given, "it is the parameter that varies: give --from and --to"));
-        }
+        refuse(name, given, "it is the parameter that varies: give --from and --to")?;
         let end = |given: Option<f64>, usual: [f64; 2], name: &'static str| match given {
             Some(value) => Ok(value),
             None if varies => Ok(breather.usual_frequency(usual)),

@@ -18,7 +18,7 @@ mod report;
 use super::{Progress, Study, Work, fit_line, methods, options::options};
 use crate::{
     chain::{Boundary, Chain, Field, Overlaps, Params, Site, State, max_norm},
-    error::{Error, Result},
+    error::{Error, Result, refuse},
     named::named,
     report::{Report, WorkPrecision},
     run::{
@@ -165,11 +165,9 @@ impl OrderOptions {
         self.within_ranges()?;
         let (mut cases, wanted) = (cases(self.alpha), methods(&self.integrators, Method::all)?);
         let all = wanted.len() > self.integrators.len();
-        let missing = wanted.iter().find(|method| !cases.iter().any(|(one, _)| one == *method));
-        if let Some(method) = missing.filter(|_| !all) {
-            let rule = "the order study has splitting schemes and dop853, and corrected kicks for alpha from 1";
-            return Err(Error::parameter("integrators", method.name(), rule));
-        }
+        let missing = wanted.iter().find(|method| !all && !cases.iter().any(|(one, _)| one == *method));
+        let rule = "the order study has splitting schemes and dop853, and corrected kicks for alpha from 1";
+        refuse("integrators", missing.map(Method::name), rule)?;
         cases.retain(|(method, _)| wanted.contains(method));
         Ok(cases)
     }

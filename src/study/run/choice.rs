@@ -5,7 +5,7 @@ use super::{LongRun, parts_plan};
 use crate::{
     breathers::{self, TrivialBreather},
     chain::Contact,
-    error::{Error, Result, require},
+    error::{Error, Result, refuse, require},
     memory,
     parts::Decomposition,
     run::{Method, Regime, Run, Setting, Trajectory, method::NO_TOLERANCE, regime},
@@ -252,15 +252,12 @@ fn setting(args: &MethodRequest, method: Method, scene: &Scene) -> Result<(Setti
         return Ok((setting, in_words(scene, setting)));
     }
     if method.adaptive() || method.tolerant() && args.tol.is_some() {
-        if let Some(value) = args.step.or(args.steps_per_period) {
-            return Err(Error::parameter("step", value, "an adaptive method chooses its steps: give it --tol"));
-        }
+        let rule = "an adaptive method chooses its steps: give it --tol";
+        refuse("step", args.step.or(args.steps_per_period), rule)?;
         let tol = method.tolerances().check(args.tol.unwrap_or(DEFAULT_TOLERANCE))?;
         return Ok((Setting::Tolerance(tol), in_words(scene, Setting::Tolerance(tol))));
     }
-    if let Some(tol) = args.tol {
-        return Err(Error::parameter("tol", tol, NO_TOLERANCE));
-    }
+    refuse("tol", args.tol, NO_TOLERANCE)?;
     let steps = match args.step {
         Some(step) => scene.length() / scene.of_file(Quantity::Time, step),
         None => match args.steps_per_period {

@@ -24,7 +24,7 @@ pub use suprema::{Errors, Norm, Sampling};
 
 use super::{Progress, Study, Work, options::options};
 use crate::{
-    error::{Error, Result, require},
+    error::{Error, Result, refuse, require},
     named::named,
     report::Report,
     sweep::{Engine, Grid},
@@ -335,14 +335,10 @@ fn settings(options: &TheoremOptions) -> serde_json::Value {
 fn checked(options: &TheoremOptions) -> Result<TheoremOptions> {
     let &TheoremOptions { alpha, horizon, .. } = options;
     options.within_ranges()?;
-    if let (Some(seed), false) = (options.seed, options.random()) {
-        let rule = "a seed needs something random: --initial generic, or --c-i above 0";
-        return Err(Error::parameter("seed", seed, rule));
-    }
-    if let RhoLaw::Value(rho) = options.rho_law
-        && (rho.is_nan() || rho <= 0.0)
-    {
-        return Err(Error::parameter("rho-law", rho, "a mass ratio is positive, or inf"));
+    let rule = "a seed needs something random: --initial generic, or --c-i above 0";
+    refuse("seed", options.seed.filter(|_| !options.random()), rule)?;
+    if let RhoLaw::Value(rho) = options.rho_law {
+        require(rho > 0.0, "rho-law", rho, "a mass ratio is positive, or inf")?;
     }
     let mut epsilons = options.epsilons.clone();
     epsilons.sort_by(|a, b| b.total_cmp(a));

@@ -54,7 +54,7 @@ pub(super) use ledger::LEDGER;
 pub(super) use pushing::{Pushing, Switched};
 
 use super::{Chain, Layout, Params, Resonators};
-use crate::error::{Error, NOTHING, Result, beside, finite, require};
+use crate::error::{Error, NOTHING, Result, beside, finite, refuse, require};
 use hertzchain_integrators::{Real, law::BondLaw, regularised::common_power};
 use std::{collections::HashMap, sync::Arc};
 
@@ -386,10 +386,8 @@ fn checked(
         let rule = "a list has one number for each site, or for each bond that can touch";
         return Err(Error::parameter(name, format!("{} numbers for {count} {of}", list.len()), rule));
     }
-    match list.iter().position(|&value| !good(value)) {
-        Some(i) => Err(Error::parameter(name, format!("{} (entry {i})", list[i]), rule)),
-        None => Ok(()),
-    }
+    let bad = list.iter().position(|&value| !good(value));
+    refuse(name, bad.map(|i| format!("{} (entry {i})", list[i])), rule)
 }
 
 impl Details {
@@ -439,9 +437,7 @@ impl Details {
             require(law.is_none(), law.unwrap_or_default(), beside(kind.name()), rule)?;
             let (least, rule) = kind.exponents();
             let alphas = if self.alpha.is_empty() { &[alpha] } else { &self.alpha[..] };
-            if let Some(alpha) = alphas.iter().find(|&&alpha| alpha <= least) {
-                return Err(Error::parameter("alpha", alpha, rule));
-            }
+            refuse("alpha", alphas.iter().find(|&&alpha| alpha <= least), rule)?;
             let (beta, alpha) = (self.beta, alphas.iter().copied().fold(f64::INFINITY, f64::min));
             let good = beta.is_finite() && beta >= 0.0 && (self.pull || beta + 1.0 <= alpha.max(1.0));
             let rule = "the power of the overlap in a dashpot is at least zero, and at most alpha - 1 unless contacts may pull";

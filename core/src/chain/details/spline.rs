@@ -1,6 +1,6 @@
 //! A cubic spline: a function through given values at given times.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, refuse};
 use hertzchain_integrators::Real;
 
 /// Changes of values below this share of the largest are rounding.
@@ -41,14 +41,12 @@ impl Spline {
             let value = format!("{n} times, {} values", values.len());
             return Err(Error::parameter("drive.times", value, "at least two times, and a value for each"));
         }
-        if let Some(k) = (0..n).find(|&k| !(times[k].is_finite() && values[k].is_finite())) {
-            let value = format!("{}, values = {} (entry {k})", times[k], values[k]);
-            return Err(Error::parameter("drive.times", value, "times and values are finite"));
-        }
-        if let Some(k) = (1..n).find(|&k| times[k] <= times[k - 1]) {
-            let value = format!("{} after {} (entry {k})", times[k], times[k - 1]);
-            return Err(Error::parameter("drive.times", value, "times increase"));
-        }
+        let odd = (0..n).find(|&k| !(times[k].is_finite() && values[k].is_finite()));
+        let odd = odd.map(|k| format!("{}, values = {} (entry {k})", times[k], values[k]));
+        refuse("drive.times", odd, "times and values are finite")?;
+        let back = (1..n).find(|&k| times[k] <= times[k - 1]);
+        let back = back.map(|k| format!("{} after {} (entry {k})", times[k], times[k - 1]));
+        refuse("drive.times", back, "times increase")?;
         let step: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let slope: Vec<f64> = values.windows(2).zip(&step).map(|(pair, h)| (pair[1] - pair[0]) / h).collect();
         let mut seconds = seconds(&step, &slope);

@@ -85,7 +85,7 @@ use super::{
     super::{Chain, Field, Overlaps, Resonators},
     CheckedDetails, Parameter, Pushing, Switched,
 };
-use crate::error::{Error, Result, SMOOTH, require};
+use crate::error::{Error, Result, SMOOTH, refuse, require};
 use hertzchain_integrators::{Real, Regularised, Stepper, VectorField, dop853::Options, kernel};
 
 /// A state and the columns `W` that the linearised flow carries along, in one vector: the state,
@@ -129,9 +129,7 @@ impl<R: Real> Variations<R> {
             None => chain.clone().with(&super::Details::default())?,
         };
         let parts = parts(&chain);
-        if let Some(alpha) = parts.exponents().find(|alpha| *alpha <= 1.0) {
-            return Err(Error::parameter("alpha", alpha, SMOOTH));
-        }
+        refuse("alpha", parts.exponents().find(|alpha| *alpha <= 1.0), SMOOTH)?;
         let power = parts.given.rate_power.filter(|power| parts.dissipative && *power != 1.0);
         let rule = "1: tangent maps are of dashpots that resist in proportion to the rate";
         power.map_or(Ok(()), |power| Err(Error::parameter("rate_power", power, rule)))?;
