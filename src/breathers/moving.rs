@@ -321,10 +321,8 @@ impl Relative for MovingBreather {
         self.at_rest().setting().chain()?;
         require(sites >= 9 && !sites.is_multiple_of(2), "sites", sites, "an odd number, at least 9")?;
         require((1..=MOST_TURNS).contains(&turns), "turns", turns, "from 1 to 100 whole periods")?;
-        if omega_b <= params.omega() {
-            let value = format!("{omega_b}, where omega = {}", params.omega());
-            return Err(Error::parameter("omega_b", value, "a dark breather has a frequency above omega"));
-        }
+        let value = format!("{omega_b}, where omega = {}", params.omega());
+        require(omega_b > params.omega(), "omega_b", value, "a dark breather has a frequency above omega")?;
         Chain::new(params, Boundary::StrainRing, sites)
     }
 }

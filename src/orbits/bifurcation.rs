@@ -21,7 +21,7 @@ use super::{
     shooting::{Orbit, Shooting},
 };
 use crate::{
-    error::{Error, Result, require},
+    error::{Result, require},
     named::named,
     numerics::least_by,
 };
@@ -283,13 +283,8 @@ impl Bifurcation {
     /// # Errors
     /// A bifurcation of another kind, a size that is not in `(0, 1]`, or no convergence.
     pub fn doubled(&self, shooting: &Shooting, size: f64) -> Result<Orbit> {
-        if self.kind != BifurcationKind::PeriodDoubling {
-            return Err(Error::parameter(
-                "kind",
-                format!("{:?}", self.kind),
-                "the period doubles at a period doubling only",
-            ));
-        }
+        let doubles = self.kind == BifurcationKind::PeriodDoubling;
+        require(doubles, "kind", format!("{:?}", self.kind), "the period doubles at a period doubling only")?;
         require(size > 0.0 && size <= 1.0, "size", size, "a share of the amplitude in (0, 1]")?;
         let omega_b = 0.5 * self.orbit.setting.omega_b;
         let orbit = Orbit { setting: Setting { omega_b, turns: 2, ..self.orbit.setting }, ..self.orbit.clone() };

@@ -372,10 +372,8 @@ const FASTEST: f64 = 1e5;
 /// Refuses an orbit from a file whose integration may take too long, by its fastest `rate` in units
 /// of its frequency, or that is `off` by too much after a period.
 pub(crate) fn returns(rate: f64, off: impl FnOnce() -> Result<f64>) -> Result<()> {
-    if !rate.is_finite() || rate > FASTEST {
-        let rule = "contacts, resonators, damping and drives of an orbit are at most 10^5 times as fast as it is";
-        return Err(Error::parameter("rates", format!("up to {rate:.1e}"), rule));
-    }
+    let rule = "contacts, resonators, damping and drives of an orbit are at most 10^5 times as fast as it is";
+    require(rate <= FASTEST, "rates", format!("up to {rate:.1e}"), rule)?;
     let off = off()?;
     require(off <= RETURNED, "residual", off, "an orbit returns to 1e-8")
 }

@@ -562,10 +562,8 @@ impl Problem for ModeContinuation {
 
     fn check_value(&self, modes: &NormalModes, a: f64) -> Result<()> {
         let count = modes.linear.len();
-        if self.mode >= count {
-            let value = format!("{} of {count}", self.mode.wrapping_add(1));
-            return Err(Error::parameter("linear_mode", value, "linear modes are numbered from 1, by frequency"));
-        }
+        let value = format!("{} of {count}", self.mode.wrapping_add(1));
+        require(self.mode < count, "linear_mode", value, "linear modes are numbered from 1, by frequency")?;
         let rule = "breathers of beads that just touch are in the middle of the chain";
         let middle = modes.center.is_none() || self.mode == modes.most_localised();
         require(middle, "linear_mode", self.mode + 1, rule)?;

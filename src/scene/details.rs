@@ -493,10 +493,9 @@ impl DriveSection {
             Some(phase) => phase.list("drive.phase")?,
             None => vec![0.0; omegas.len()],
         };
-        if amplitudes.len() != omegas.len() || phases.len() != omegas.len() {
-            let value = format!("{} for {} frequencies", amplitudes.len().max(phases.len()), omegas.len());
-            return Err(Error::parameter("drive.amplitude", value, "one amplitude and one phase a frequency"));
-        }
+        let each = amplitudes.len() == omegas.len() && phases.len() == omegas.len();
+        let value = format!("{} for {} frequencies", amplitudes.len().max(phases.len()), omegas.len());
+        require(each, "drive.amplitude", value, "one amplitude and one phase a frequency")?;
         let of = |k: usize| Harmonic { amplitude: amplitudes[k], omega: omegas[k], phase: phases[k] };
         Ok((0..omegas.len()).map(of).collect())
     }
@@ -528,10 +527,9 @@ pub(super) fn within(chain: &Chain<f64>, end: f64, whole: bool) -> Result<()> {
     for drive in chain.details().iter().flat_map(|details| &details.drives) {
         if let Some(Course::Table(spline)) = &drive.signal.course {
             let [first, last] = [spline.times()[0], spline.times()[spline.times().len() - 1]];
-            if first > 0.0 || last < end * (1.0 - 1e-12) {
-                let value = format!("from {first} to {last}");
-                return Err(Error::parameter("drive.times", value, "the times of a drive cover the run"));
-            }
+            let covered = first <= 0.0 && last >= end * (1.0 - 1e-12);
+            let value = format!("from {first} to {last}");
+            require(covered, "drive.times", value, "the times of a drive cover the run")?;
         }
         if whole && drive.signal.settled() > end {
             let name = match drive.signal.envelope {

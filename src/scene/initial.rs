@@ -226,10 +226,8 @@ fn bright_breather(chain: &Chain<f64>, center: Center, epsilon: f64) -> Result<B
 fn given(chain: &Chain<f64>, arrays: [&[f64]; 4]) -> Result<State<f64>> {
     let n = chain.sites();
     for (name, array) in ["u", "v", "u_dot", "v_dot"].into_iter().zip(arrays) {
-        if !array.is_empty() && array.len() != n {
-            let rule = "an array of the state has one number a site, or is left out";
-            return Err(Error::parameter(name, numbers_for(array, n), rule));
-        }
+        let rule = "an array of the state has one number a site, or is left out";
+        require([0, n].contains(&array.len()), name, numbers_for(array, n), rule)?;
         array.iter().try_for_each(|&value| finite(name, value).map(drop))?;
     }
     let [u, v, u_dot, v_dot] = arrays;

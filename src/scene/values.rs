@@ -2,7 +2,7 @@
 
 use super::Quantity;
 use crate::{
-    error::{Error, Result},
+    error::{Error, Result, require},
     random::uniform,
 };
 use serde::{
@@ -232,10 +232,8 @@ fn repeated(name: &'static str, pattern: &[f64], repeat: Option<bool>, count: us
     let Some(&last) = pattern.last() else {
         return Err(Error::parameter(name, "[]", "a pattern has at least one number"));
     };
-    if pattern.len() > count {
-        let value = format!("{} numbers for {count}", pattern.len());
-        return Err(Error::parameter(name, value, "a pattern is not longer than what it is for"));
-    }
+    let value = format!("{} numbers for {count}", pattern.len());
+    require(pattern.len() <= count, name, value, "a pattern is not longer than what it is for")?;
     let at =
         |i: usize| if repeat == Some(true) { pattern[i % pattern.len()] } else { *pattern.get(i).unwrap_or(&last) };
     Ok((0..count).map(at).collect())

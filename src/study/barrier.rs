@@ -160,10 +160,9 @@ impl Barrier {
         let [from, to] = [self.from.unwrap_or(RANGE[0] * omega), self.to.unwrap_or(RANGE[1] * omega)];
         self.within_ranges()?;
         for (name, value) in [("from", from), ("to", to)] {
-            if !(value.is_finite() && value > omega) {
-                let value = format!("{value}, where omega = {omega}");
-                return Err(Error::parameter(name, value, "a dark breather has a finite frequency above omega"));
-            }
+            let told = format!("{value}, where omega = {omega}");
+            let above = value.is_finite() && value > omega;
+            require(above, name, told, "a dark breather has a finite frequency above omega")?;
         }
         require(from < to, "to", to, "above --from")?;
         Tolerance::RUN.check(self.ring.tol)?;

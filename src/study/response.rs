@@ -5,7 +5,7 @@ use super::{
 };
 use crate::{
     chain::{Drive, DriveKind},
-    error::{Error, Result, refuse},
+    error::{Result, refuse, require},
     numerics::extremes,
     orbits,
     report::{
@@ -118,10 +118,12 @@ impl Study for Responses {
         let highest = response.modes().linear().last().map_or(1.0, |mode| mode.omega);
         let from = given.read(Quantity::Omega, self.from);
         let to = self.to.map_or(BEYOND * highest, |to| given.read(Quantity::Omega, to));
-        if to <= from {
-            let least = format!("{} after --from {}", self.to.unwrap_or(f64::NAN), self.from);
-            return Err(Error::parameter("to", least, "above --from"));
-        }
+        require(
+            to > from,
+            "to",
+            format!("{} after --from {}", self.to.unwrap_or(f64::NAN), self.from),
+            "above --from",
+        )?;
         let of = if kind == DriveKind::Force { Quantity::Force } else { Quantity::Length };
         let amplitude = self.by_runs.map(|amplitude| given.read(of, amplitude));
         self.by_runs.map_or(Ok(()), |given| response.settles(given)).map_err(|error| error.named("by_runs"))?;

@@ -38,7 +38,7 @@ pub use spectrum::{WaveKind, WaveMultiplier, WaveQuality, WaveSpectrum};
 
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, max_norm},
-    error::{Error, Result, SMOOTH, finite, positive, require},
+    error::{Result, SMOOTH, finite, positive, require},
     orbits::Orbit,
 };
 use serde::{Deserialize, Serialize};
@@ -75,10 +75,9 @@ impl WaveNumber {
         require(q_over_pi > 0.0 && q_over_pi <= 1.0, "q_over_pi", q_over_pi, "above 0 and at most 1")?;
         let waves = 0.5 * sites as f64 * q_over_pi;
         let whole = waves.round().clamp(1.0, (sites / 2) as f64);
-        if (waves - whole).abs() > WHOLE {
-            let value = format!("{q_over_pi} on {sites} sites (the nearest is {})", 2.0 * whole / sites as f64);
-            return Err(Error::parameter("q_over_pi", value, "a ring holds whole waves: N q is a multiple of 2 pi"));
-        }
+        let value = format!("{q_over_pi} on {sites} sites (the nearest is {})", 2.0 * whole / sites as f64);
+        let rule = "a ring holds whole waves: N q is a multiple of 2 pi";
+        require((waves - whole).abs() <= WHOLE, "q_over_pi", value, rule)?;
         let (waves, common) = (whole as usize, gcd(whole as usize, sites));
         Ok(Self { turns: waves / common, cell: sites / common })
     }

@@ -88,9 +88,8 @@ impl Search {
     pub fn solve(&self, setting: &WaveSetting, given: Given, seed: &[f64]) -> Result<ExactWave> {
         let rule = "four numbers a site of the cell, two where no resonator moves";
         require(seed.len() == setting.numbers(), "seed", format!("{} numbers", seed.len()), rule)?;
-        if !(swing(seed, setting) > 0.0 && seed.iter().all(|z| z.is_finite())) {
-            return Err(Error::parameter("seed", max_norm(seed.iter().copied()), "finite, and not uniform"));
-        }
+        let good = swing(seed, setting) > 0.0 && seed.iter().all(|z| z.is_finite());
+        require(good, "seed", max_norm(seed.iter().copied()), "finite, and not uniform")?;
         let mut wave = ExactWave { setting: *setting, z: seed.to_vec(), residual: f64::INFINITY, newton: Vec::new() };
         let mut best: Option<ExactWave> = None;
         for _ in 0..self.most_steps {

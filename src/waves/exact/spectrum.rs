@@ -28,7 +28,7 @@
 use super::{ExactWave, Search, eigen, newton::moved, repeated};
 use crate::{
     chain::{Field, Resonators},
-    error::{Error, Result},
+    error::{Error, Result, require},
     named::named,
     numerics::least_by,
     orbits::{self, Eigenpair, flow},
@@ -139,10 +139,9 @@ impl ExactWave {
     /// that fails; eigenvalues that do not converge.
     pub fn spectrum(&self, sites: usize, search: &Search) -> Result<WaveSpectrum> {
         let m = self.setting.q.cell();
-        if !(3..=super::MOST_SITES).contains(&sites) || !sites.is_multiple_of(m) {
-            let value = format!("{sites}, where the wave repeats after {m}");
-            return Err(Error::parameter("sites", value, "from 3 to 256, and a multiple of the cell"));
-        }
+        let good = (3..=super::MOST_SITES).contains(&sites) && sites.is_multiple_of(m);
+        let value = format!("{sites}, where the wave repeats after {m}");
+        require(good, "sites", value, "from 3 to 256, and a multiple of the cell")?;
         let cells = sites / m;
         let blocks = self.responses(cells, search)?;
         let mut multipliers = Vec::with_capacity(4 * sites);
