@@ -204,7 +204,7 @@ fn refusals_name_value_and_rule() {
         (Solitary { rhos: vec![f64::INFINITY], ..ok.clone() }, "rhos = inf is not valid: from 1e-6 to 100"),
         (Solitary { speed: Some(0.0), ..ok.clone() }, "speed = 0 is not valid: from 1e-3 to 1e3"),
         (Solitary { sites: 4, ..ok.clone() }, "sites = 4 is not valid: from 8 to 60"),
-        (Solitary { kappa: 0.0, ..ok.clone() }, "kappa = 0 is not valid: finite and positive"),
+        (Solitary { kappa: 0.0, ..ok.clone() }, "kappa = 0 is not valid: from 1e-100 to 1e100"),
         (Solitary { tol: 1e-6, ..ok }, "tol = 1e-6 is not valid: from 1e-15 to 1e-12"),
     ] {
         let text = options.study(&Engine::threads(), &|_, _| ()).unwrap_err().to_string();
