@@ -192,6 +192,27 @@ fn a_gap_is_refused() {
         }
     });
     assert!(at == 1 && matches!(why, Some(Gap::Apart(needed, unique)) if needed > unique), "{at} {why:?}");
+    // The distance of mean strains has the factor sqrt 2: of one site, and of the middle of a piece.
+    let [_, _, breathers, _] = branches();
+    for (apart, joined) in [(0.7e-3, true), (0.72e-3, false)] {
+        let mut both = [breathers[..2].to_vec(), all[..2].to_vec()];
+        for (_, proof) in both.iter_mut().flatten() {
+            let proof = proof.as_mut().unwrap();
+            (proof.radius, proof.uniqueness_radius) = (0.0, 1e-3);
+            proof.weights.fill(1.0);
+        }
+        for pieces in &mut both {
+            pieces[1].0.orbit = pieces[0].0.orbit.clone();
+        }
+        if let Orbit::Breather(it) = &mut both[0][1].0.orbit {
+            it.a[3][0] += apart;
+        }
+        both[1][0].0.mean = Exact::of_double(-apart).unwrap();
+        both[1][1].0.to = both[1][1].0.to.map(|[omega, _]| [omega, Exact::of_double(apart).unwrap()]);
+        for pieces in &both {
+            assert_eq!(connected(pieces).1.is_none(), joined, "{apart}");
+        }
+    }
     // Under load there are two waves of the same frequency, on both sides of a fold.
     let high = proved([&wave(["2.0104", "-0.1"], 0.35), &wave(["2.01041", "-0.1"], 0.352)]);
     let low = proved([&wave(["2.01041", "-0.1"], 0.163), &wave(["2.01042", "-0.1"], 0.162)]);
@@ -301,6 +322,12 @@ fn a_branch_is_proved_past_its_fold() {
     {
         assert!(matches!(check(&wrong), Err(Refused::Certificate(rule)) if rule.contains("first harmonics")));
     }
+    // The distance of frequencies counts where they are unknown.
+    let mut moved = pieces[..2].to_vec();
+    let shifted = |omega: Exact| Exact::of_double(omega.enclosed().mid() + 1e-3).unwrap();
+    moved[1].0.model.omega = shifted(moved[1].0.model.omega);
+    moved[1].0.to = moved[1].0.to.map(|[omega, mean]| [shifted(omega), mean]);
+    assert!(matches!(connected(&moved), (1, Some(Gap::Apart(..)))));
     // Another parameter is another kind of piece.
     assert_eq!(connected(&[waves[0].clone(), pieces[0].clone()]).1, Some(Gap::Other));
     assert_eq!(connected(&[pieces[0].clone(), pieces[2].clone()]).1, Some(Gap::Nodes));

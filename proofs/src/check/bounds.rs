@@ -425,6 +425,13 @@ mod tests {
             found.force.into_iter().map(Interval::mid).collect()
         };
         let (own, ends) = (force(&terms.system.a[0]), [2.0092, 2.0102, 2.0112]);
+        // The row of the frequency has this column over eta, times eta.
+        let bounds = match check(&piece, &|| false) {
+            Ok(proof) => proof.bounds,
+            Err(Refused::Bounds(bounds)) => bounds,
+            Err(why) => panic!("{why}"),
+        };
+        assert!(bounds.z1 > terms.column_of_last()[1].hi(), "{bounds:?}");
         for (n, bound) in terms.column_of_last().into_iter().map(Interval::hi).enumerate() {
             let most = ends.map(|omega| column(omega, &own, 1.0)[n]).into_iter().fold(0.0, f64::max);
             assert!(most < bound && most > 0.5 * bound, "{n}: {most:e} {bound:e}");
@@ -440,6 +447,23 @@ mod tests {
                 assert!(most < bound && most > 0.1 * bound, "{n} {r}: {most:e} {bound:e}");
             }
         }
+    }
+
+    // Truth: factors at both ends of a piece, and sums of squares of 16 times as many.
+    #[test]
+    fn factors_of_a_piece_are_bounded() {
+        let near = Certificate { enclosed: 16, ..guess(Some(Center::Bond)) };
+        let ends = ["2.04", "2.06"].map(|end| Model { omega: end.parse().unwrap(), ..near.model });
+        let piece = Certificate { model: ends[0], to: Some([ends[1].omega, near.mean]), ..near.clone() };
+        let system = System::new(&piece).unwrap();
+        let more = System::new(&Certificate { enclosed: 256, ..piece.clone() }).unwrap();
+        for model in ends {
+            let truth = System::new(&Certificate { model, enclosed: 256, ..near.clone() }).unwrap().factors;
+            assert!((1..=16).all(|k| system.range(k).lo() < truth[k].lo() && truth[k].hi() < system.range(k).hi()));
+            assert!(norm(truth[17..].iter().copied()).hi() < system.beyond().hi());
+        }
+        let [slopes, bound] = [norm(more.slopes[17..].iter().copied()), system.tails()[1]].map(Interval::hi);
+        assert!(slopes < bound && bound < 1.1 * slopes, "{slopes:e} {bound:e}");
     }
 
     /// Near a wave, or a breather on a ring of 15.

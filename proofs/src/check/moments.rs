@@ -372,11 +372,74 @@ mod tests {
         }
     }
 
-    // Truth: midpoint sums over the half-period, with the change at both ends of the ball.
+    // Truth: X in the complex plane, at 32 points of the ellipse of each piece with contact.
+    #[test]
+    fn ellipses_are_free_of_zeros() {
+        let mut least = f64::INFINITY;
+        let sums = |shift: u32| {
+            let shift = f64::from(shift) / 200.0;
+            [
+                [shift - 0.7, -0.4, 0.2, 0.05, 0.0, 0.0, 0.0, 0.0],
+                [-1.0 - 4.0 * shift, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+            ]
+        };
+        for a in (0..200).flat_map(sums) {
+            let alpha = "3/2".parse().unwrap();
+            let moments = moments(&a.map(Interval::exact), alpha, 4, NARROWEST_ALONG, &|| false).unwrap();
+            let mut to = 1.0;
+            for (share, overlap) in &moments.pieces {
+                let half = 0.5 * std::f64::consts::PI * share.mid();
+                let centre = std::f64::consts::PI * to - half;
+                let at = |j: u32| -> f64 {
+                    let (sin, cos) = (f64::from(j) * std::f64::consts::PI / 16.0).sin_cos();
+                    let [x, y] = [centre + 17.0 / 8.0 * half * cos, 15.0 / 8.0 * half * sin];
+                    -a.iter()
+                        .zip(0_u32..)
+                        .map(|(a, k)| a * (f64::from(k) * x).cos() * (f64::from(k) * y).cosh())
+                        .sum::<f64>()
+                };
+                if overlap.hi() > 0.0 && share.mid() >= NARROWEST_ALONG {
+                    least = least.min((0..32).map(at).fold(f64::INFINITY, f64::min) / overlap.hi());
+                }
+                to -= share.mid();
+            }
+        }
+        assert!(least > 0.0 && least < 0.1, "{least}");
+    }
+
+    // Truth: 8 4^{-n} e^{15 k h/8}/(1 - 1/4) for n nodes, k = 64, half-widths h = pi/32 and the
+    // overlap 1.
+    #[test]
+    fn the_error_of_the_quadrature_is_added() {
+        let moments = moments(&[-Interval::ONE], "3/2".parse().unwrap(), 64, NARROWEST, &|| false).unwrap();
+        let error = 8.0 * 0.25_f64.powi(NODES as i32) / 0.75 * (15.0 / 8.0 * 64.0 * std::f64::consts::PI / 32.0).exp();
+        for (found, error) in [(moments.force[64], error), (moments.stiffness[64], 1.5 * error)] {
+            // The rest is rounding.
+            assert!(found.hi() > error && found.hi() < 1.1 * error, "{found:?} {error:e}");
+        }
+    }
+
+    // Truth: the moments with pieces as narrow as they can be.
+    #[test]
+    fn pieces_that_are_not_integrated_are_bounded() {
+        let of = |narrowest: f64| {
+            let a = [0.01, -0.4, 0.2, 0.05].map(Interval::exact);
+            let found = moments(&a, "3/2".parse().unwrap(), 16, narrowest, &|| false).unwrap();
+            let squares = [found.force_square, found.stiffness_square, found.slope_square];
+            [found.force, found.stiffness, squares.to_vec()].concat()
+        };
+        for (wide, near) in of(1.0 / 64.0).iter().zip(of(NARROWEST)) {
+            assert!(wide.lo() < near.lo() && near.hi() < wide.hi(), "{wide:?} {near:?}");
+        }
+    }
+
+    // Truth: midpoint sums over the half-period, with the change at both ends of the ball. The second
+    // sum has no zeros.
     #[test]
     fn changes_of_the_stiffness_are_bounded() {
-        let a = [0.01, -0.4, 0.2, 0.05];
-        for (text, power) in [("6/5", 0.2_f64), ("3/2", 0.5), ("2", 1.0), ("5/2", 1.5)] {
+        const LAWS: [(&str, f64); 4] = [("6/5", 0.2), ("3/2", 0.5), ("2", 1.0), ("5/2", 1.5)];
+        for (mean, (text, power)) in [0.01, -1.0].into_iter().flat_map(|mean| LAWS.map(|law| (mean, law))) {
+            let a = [mean, -0.4, 0.2, 0.05];
             let alpha: Exact = text.parse().unwrap();
             let moments = moments(&a.map(Interval::exact), alpha, 32, NARROWEST_ALONG, &|| false).unwrap();
             for r in [1e-4, 1e-2, 0.1] {
