@@ -85,7 +85,8 @@ impl Moments {
         alpha.enclosed() * (Interval::exact(self.overlap.hi()) + r).pow(alpha.less_one()) * r
     }
 
-    /// An upper bound of `sqrt 2` times the mean square of `sup |D(X + h) - D(X)|` over `|h| <= r`.
+    /// An upper bound of `sqrt 2` times the root of the mean square of `sup |D(X + h) - D(X)|` over
+    /// `|h| <= r`.
     ///
     /// For `alpha <= 2`, as a function of the overlap, `D` is concave where it is not 0: it changes
     /// most at the smallest overlap, and by its value for the overlap `r` at most. For `alpha > 2`
