@@ -23,8 +23,8 @@ use std::time::Instant;
 /// Kicks a period on the coarsest rung of a ladder; each rung has twice those of the one before.
 const COARSEST: f64 = 8.0;
 const RUNGS: i32 = 14;
-/// A ladder ends with the first run that takes more than `LONGEST` seconds or has an error below
-/// `FINE`.
+/// A ladder ends with the first run that takes more than `LONGEST` seconds, but for its coarsest
+/// rung, or has an error below `FINE`.
 const LONGEST: f64 = 0.4;
 const FINE: f64 = 3e-12;
 /// Runs of a batch.
@@ -83,7 +83,7 @@ impl Problem {
             let Some(end) = end else { continue };
             let error = self.error(&self.scene.strains(&end));
             points.push(Point { name: name.to_owned(), error, seconds: times[1] });
-            if times[1] * members as f64 > LONGEST || error < FINE {
+            if points.len() > 1 && times[1] * members as f64 > LONGEST || error < FINE {
                 break;
             }
         }
