@@ -311,6 +311,9 @@ impl Job<'_> {
     }
 }
 
+/// The number of a point, and what is kept of it.
+type Kept<'a> = (usize, &'a str);
+
 /// The rows of a grid: in a store, or in memory.
 pub(crate) struct Rows<'s> {
     store: Option<&'s mut Store>,
@@ -364,8 +367,8 @@ impl<'s> Rows<'s> {
         take: &mut dyn FnMut(V) -> Result<()>,
     ) -> Result<usize> {
         self.texts(&mut |texts| {
-            let pieces: Vec<&[(usize, &str)]> = texts.chunks(PIECE).collect();
-            let row = |&(k, text): &(usize, &str)| {
+            let pieces: Vec<&[Kept<'_>]> = texts.chunks(PIECE).collect();
+            let row = |&(k, text): &Kept<'_>| {
                 Ok(make(k, self.row(k, text, read)?.unwrap_or_else(|| Err(STOPPED.to_owned()))))
             };
             let made = map(&pieces, |piece| piece.iter().map(row).collect::<Result<Vec<V>>>());
@@ -373,8 +376,9 @@ impl<'s> Rows<'s> {
         })
     }
 
-    /// Calls `take` with what is kept of every point, and its number, many at a time.
-    fn texts(&self, take: &mut dyn FnMut(&[(usize, &str)]) -> Result<()>) -> Result<usize> {
+    /// Calls `take` with what is kept of every point, many at a time. Returns the number of missing
+    /// rows.
+    fn texts(&self, take: &mut dyn FnMut(&[Kept<'_>]) -> Result<()>) -> Result<usize> {
         let (count, mut read) = (self.places.len(), self.reader()?);
         let (mut text, mut ends) = (String::new(), Vec::new());
         for k in 0..count {
@@ -384,7 +388,7 @@ impl<'s> Rows<'s> {
                 continue;
             }
             let mut start = 0;
-            let texts: Vec<(usize, &str)> =
+            let texts: Vec<Kept<'_>> =
                 ends.drain(..).map(|(k, end)| (k, &text[std::mem::replace(&mut start, end)..end])).collect();
             take(&texts)?;
             text.clear();
