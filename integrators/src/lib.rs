@@ -50,3 +50,25 @@ pub use stats::Stats;
 pub use system::{SplitFlow, VectorField};
 pub use tolerance::Tolerance;
 pub use vector::{Column, Vector};
+
+/// Kernels that are private otherwise, for the tests of this package: no part of its interface.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::{
+        collocation::{flow::Flow, loss::solve},
+        events::{
+            bernstein::{Interpolation, Polynomial},
+            sides::Sides,
+        },
+        splitting::{
+            corrected::{
+                ends::{end_terms, nearest_zeros},
+                event::{Corrector, sides},
+                graze::{Extrema, Extremum},
+                pack::Pack,
+                path::{SERIES, oscillation},
+            },
+            landed::Cubic,
+        },
+    };
+}

@@ -41,7 +41,7 @@ const NO_SERIES: &Series<0> = &[[]; TERMS];
 
 /// The motion of one site with its drag and dashpot, without its contacts.
 #[derive(Clone, Debug)]
-pub(crate) struct Flow {
+pub struct Flow {
     /// `A`.
     a: [Path; 4],
     response: Response,
@@ -71,11 +71,11 @@ pub(crate) struct Flow {
 
 /// What a prediction needs of a site at a time `t`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ahead {
+pub struct Ahead {
     /// `lag`, `cos` and `sin`.
     pub(crate) position: [f64; 3],
     /// `K(t)`, and `int_0^t K(t - s) s^k/k! ds` for `k = 0, 1`.
-    pub(crate) ramps: [f64; 3],
+    pub ramps: [f64; 3],
 }
 
 fn apply(a: &[Path; 4], y: &Path) -> Path {
@@ -190,7 +190,7 @@ impl<const N: usize, const P: usize> Horner<'_, N, P> {
 impl Flow {
     /// The flow of a site with drag, a force over the velocity, and a dashpot that damps the
     /// velocity of the oscillating part at the rate `slip`.
-    pub(crate) fn new(response: Response, [drag, slip]: [f64; 2]) -> Self {
+    pub fn new(response: Response, [drag, slip]: [f64; 2]) -> Self {
         let Response { m, mu, omega } = response;
         let omega = if mu == 0.0 { 0.0 } else { omega.value() };
         let per = if mu == 0.0 { 0.0 } else { 1.0 / omega };
@@ -258,7 +258,7 @@ impl Flow {
     }
 
     /// `exp(A t) y - y`.
-    pub(crate) fn moved(&self, y: &Path, t: f64) -> Path {
+    pub fn moved(&self, y: &Path, t: f64) -> Path {
         let (mut term, mut sum) = (*y, [0.0; 4]);
         for per in &PER[..terms(self.rate * t)] {
             let part = t * per;
@@ -271,7 +271,7 @@ impl Flow {
     }
 
     /// `A y`: the path whose position is the velocity along `y`.
-    pub(crate) fn rates(&self, y: &Path) -> Path {
+    pub fn rates(&self, y: &Path) -> Path {
         apply(&self.a, y)
     }
 
@@ -298,26 +298,26 @@ impl Flow {
 
     /// `lag`, `cos` and `sin` at `L` times.
     #[inline(always)]
-    pub(crate) fn position<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
+    pub fn position<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
         self.at((&self.position, NO_SERIES), t).0
     }
 
     /// The factors of `v`, `c` and `s` in the velocity `q'`.
     #[inline(always)]
-    pub(crate) fn velocity<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
+    pub fn velocity<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
         self.at((&self.velocity, NO_SERIES), t).0
     }
 
     /// The factors of `v`, `c` and `s` in the velocity of the oscillating part.
     #[inline(always)]
-    pub(crate) fn swing<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
+    pub fn swing<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
         self.at((&self.swing, NO_SERIES), t).0
     }
 
     /// [`position`](Self::position), and `exp(-A t) b`: the path by a unit impulse at `t`, after
     /// `t`.
     #[inline(always)]
-    pub(crate) fn position_and_answer<const L: usize>(&self, t: &[f64; L]) -> ([[f64; L]; 3], [[f64; L]; 4]) {
+    pub fn position_and_answer<const L: usize>(&self, t: &[f64; L]) -> ([[f64; L]; 3], [[f64; L]; 4]) {
         self.at((&self.position, &self.answer), t)
     }
 
@@ -329,7 +329,7 @@ impl Flow {
 
     /// The functions of a prediction at a time.
     #[inline(always)]
-    pub(crate) fn ahead(&self, t: f64) -> Ahead {
+    pub fn ahead(&self, t: f64) -> Ahead {
         let (theta, mut sums) = (self.rate * t, [0.0; 8]);
         for term in self.ahead[..terms(theta)].iter().rev() {
             for i in 0..8 {
@@ -341,7 +341,7 @@ impl Flow {
     }
 
     /// Coefficients of `t^2`, `t^3` and `t^4` in `sum_k rates[k] int_0^t K(t - s) s^k/k! ds`.
-    pub(crate) fn ramped(&self, [f0, f1, f2]: [f64; 3]) -> [f64; 3] {
+    pub fn ramped(&self, [f0, f1, f2]: [f64; 3]) -> [f64; 3] {
         let [a, b, c] = self.slopes;
         [a * f0 * 0.5, (a * f1 + b * f0) * (1.0 / 6.0), (a * f2 + b * f1 + c * f0) * (1.0 / 24.0)]
     }
@@ -350,7 +350,7 @@ impl Flow {
     ///
     /// The energy `r'^2/m + (c'^2 + omega^2 c^2)/mu` does not grow, so that it bounds the velocity;
     /// drag then adds no more than this to the amplitude of the oscillation.
-    pub(crate) fn curvature_bound(&self, path: &Path, h: f64) -> f64 {
+    pub fn curvature_bound(&self, path: &Path, h: f64) -> f64 {
         let [now, per_time] = self.bound_over(path);
         now + h * per_time
     }
@@ -373,106 +373,5 @@ impl Flow {
     /// Bounds of `K''` and `K'''` up to the time `h`.
     pub(crate) fn curvature_bounds(&self, h: f64) -> [f64; 2] {
         self.curvature_bounds.map(|[now, per_time]| now + h * per_time)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::clock::DoubleDouble;
-
-    fn flow(m: f64, mu: f64, omega: f64, damping: [f64; 2]) -> Flow {
-        Flow::new(Response { m, mu, omega: DoubleDouble::new(omega) }, damping)
-    }
-
-    /// Position and velocity of the oscillating part, and of all, along `y` at `t`.
-    fn at(flow: &Flow, y: Path, t: f64) -> [f64; 2] {
-        let ([lag, cos, sin], [v, c, s]) = (flow.position(&[t]), flow.swing(&[t]));
-        let position = (y[0] + y[1] * t) + (y[1] * lag[0] + y[2] * cos[0] + y[3] * sin[0]);
-        [position, y[1] * v[0] + y[2] * c[0] + y[3] * s[0]]
-    }
-
-    #[test]
-    fn closed_forms_of_damped_motions() {
-        for t in [0.01, 0.3, 1.1] {
-            // Truth: r + v (1 - e^{-k t})/k, k = drag m.
-            let bead = flow(0.8, 0.0, 0.0, [0.9, 0.0]);
-            let k = 0.72;
-            let want = 0.3 - 0.7 * (1.0 - f64::exp(-k * t)) / k;
-            assert!((at(&bead, [0.3, -0.7, 0.0, 0.0], t)[0] - want).abs() < 2e-16);
-            // Truth: e^{-n t} (c cos w t + (omega s + n c)/w sin w t), w^2 = omega^2 - n^2; also
-            // where n is larger than omega and where both are nearly the same.
-            for slip in [0.6, 2.6, 3.0] {
-                let (n, omega, c, s) = (0.5 * slip, 1.3f64, 0.4, -0.2);
-                let (square, start) = (omega * omega - n * n, omega * s + n * c);
-                let w = square.abs().sqrt();
-                let (cos, sin) = match square {
-                    0.0 => (1.0, t),
-                    0.0.. => ((w * t).cos(), (w * t).sin() / w),
-                    _ => ((w * t).cosh(), (w * t).sinh() / w),
-                };
-                let want = (-n * t).exp() * (c * cos + start * sin);
-                let got = at(&flow(0.0, 1.0, omega, [0.0, slip]), [0.0, 0.0, c, s], t);
-                assert!((got[0] - want).abs() < 4e-16, "{slip} {t}: {:e}", got[0] - want);
-                // The same by drag alone, of a site whose free part does not answer.
-                let other = at(&flow(0.0, 0.5, omega, [2.0 * slip, 0.0]), [0.0, 0.0, c, s], t);
-                assert!((other[0] - want).abs() < 4e-16 && (other[1] - got[1]).abs() < 1e-15);
-            }
-        }
-    }
-
-    #[test]
-    fn answers_and_motions_belong_together() {
-        // Truth: K(t - s) = e exp(A t) exp(-A s) b; motions over two times are those over their
-        // sum; integrals of K by the rule of Gauss.
-        let site = flow(0.6, 0.5, 1.7, [0.8, 0.3]);
-        let (t, s) = (0.45, 0.17);
-        let answer = site.position_and_answer(&[s]).1.map(|x| x[0]);
-        // Terms are below 1; each of some ten sums and products rounds by half of 2.2e-16 of its
-        // size.
-        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-15 * a.abs().max(b.abs()).max(0.5), "{a:e} {b:e}");
-        near(at(&site, answer, t)[0], site.ahead(t - s).ramps[0]);
-        let y = [0.3, -0.4, 0.2, 0.7];
-        let add = |y: Path, by: Path| std::array::from_fn(|i| y[i] + by[i]);
-        let once = add(y, site.moved(&y, t));
-        let part: Path = add(y, site.moved(&y, s));
-        let twice: Path = add(part, site.moved(&part, t - s));
-        for i in 0..4 {
-            assert!((once[i] - twice[i]).abs() < 3e-16);
-        }
-        let [position, swing] = at(&site, y, t);
-        let [v, c, s] = site.velocity(&[t]).map(|x| x[0]);
-        let velocity = y[1] * v + y[2] * c + y[3] * s;
-        assert!((velocity - once[1] - 1.7 * once[3]).abs() < 3e-16);
-        assert!((position - once[0] - once[2]).abs() < 2e-16 && (swing - 1.7 * once[3]).abs() < 3e-16);
-        let [_, k2, k3] = site.ahead(t).ramps;
-        let rule = super::super::Rule::<12>::shared();
-        let times = rule.nodes.map(|x| 0.5 * t * (1.0 + x));
-        let integral = |of: &dyn Fn(f64) -> f64| -> f64 {
-            (0..12).map(|j| 0.5 * t * rule.weights[j] * of(times[j]) * site.ahead(t - times[j]).ramps[0]).sum()
-        };
-        near(k2, integral(&|_| 1.0));
-        near(k3, integral(&|s| s));
-        // Truth: the integrals themselves, up to the next power.
-        let (h, [a, b, c]) = (1e-3, site.ramped([2.0, 3.0, 0.0]));
-        let [_, k2, k3] = site.ahead(h).ramps;
-        assert!((2.0 * k2 + 3.0 * k3 - h * h * (a + h * (b + h * c))).abs() < 1e-15);
-    }
-
-    #[test]
-    fn bends_bound_second_derivatives() {
-        // Truth: q'' = e A^2 exp(A t) y along the way.
-        for (m, mu, damping) in [(0.6, 0.5, [0.8, 0.3]), (0.0, 1.0, [0.0, 4.0]), (1.0, 0.0, [2.0, 0.0])] {
-            let site = flow(m, mu, 1.7, damping);
-            let y = [0.3, -0.4, if mu > 0.0 { 0.2 } else { 0.0 }, if mu > 0.0 { 0.7 } else { 0.0 }];
-            let bound = site.curvature_bound(&y, 1.0);
-            for k in 0..=20 {
-                let by = site.moved(&y, 0.05 * f64::from(k));
-                let now: Path = std::array::from_fn(|i| y[i] + by[i]);
-                let curvature = site.rates(&site.rates(&now));
-                assert!((curvature[0] + curvature[2]).abs() <= bound * (1.0 + 1e-14));
-                assert!(bound < 30.0);
-            }
-        }
     }
 }

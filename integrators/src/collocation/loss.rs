@@ -277,7 +277,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
 /// Solves a linear system by Gauss-Jordan elimination; the matrix is given by columns. There is no
 /// pivoting, since the diagonal is at least 1 and other entries are small.
 #[inline(always)]
-fn solve<const M: usize>(columns: &mut [[f64; M]; M], x: &mut [f64; M]) {
+pub fn solve<const M: usize>(columns: &mut [[f64; M]; M], x: &mut [f64; M]) {
     for p in 0..M {
         let per = 1.0 / columns[p][p];
         let mut factor = columns[p].map(|a| a * per);
@@ -341,24 +341,5 @@ impl<const M: usize, const S: usize> Panels<M, S> {
         let rates = panels[k].rates.as_deref().expect("panels beside contacts that dissipate have rates");
         let [moved] = value(&rates.series[theirs], &panels[k].variable(&[t]));
         along(&panels[k].before[theirs]) + moved
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_system_with_a_small_rest_is_solved() {
-        // Truth: the product of the matrix with the solution.
-        let mut columns: [[f64; 6]; 6] =
-            std::array::from_fn(|k| std::array::from_fn(|j| 0.3 * ((7 * k + 3 * j) as f64).sin()));
-        (0..6).for_each(|k| columns[k][k] += 1.0);
-        let want: [f64; 6] = std::array::from_fn(|k| (k as f64 - 2.3) * 0.7);
-        let (mut matrix, mut x) = (columns, product(&columns, &want));
-        solve(&mut matrix, &mut x);
-        for k in 0..6 {
-            assert!((x[k] - want[k]).abs() < 4e-15, "{:e}", x[k] - want[k]);
-        }
     }
 }

@@ -23,11 +23,11 @@ pub const SHARES: [f64; NODES] = [
 /// Its values lie between its smallest and its largest coefficient. Halving the interval tightens
 /// these bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Polynomial([f64; NODES]);
+pub struct Polynomial([f64; NODES]);
 
 impl Polynomial {
     /// The value at `s` (de Casteljau).
-    pub(crate) fn at(&self, s: f64) -> f64 {
+    pub fn at(&self, s: f64) -> f64 {
         let mut c = self.0;
         for last in (0..NODES - 1).rev() {
             for j in 0..=last {
@@ -101,7 +101,7 @@ impl Polynomial {
     /// The first change of side, as shares `(zero, left)` of the step: the band is left at `left`;
     /// `zero` is the last zero before it. `positive` is the side before. With `late`, the search
     /// begins where the polynomial first leaves the band on that side.
-    pub(crate) fn first_crossing(&self, positive: bool, late: bool, band: f64) -> Option<(f64, f64)> {
+    pub fn first_crossing(&self, positive: bool, late: bool, band: f64) -> Option<(f64, f64)> {
         let to_far_side = self.times(if positive { -1.0 } else { 1.0 });
         let from = if late { to_far_side.times(-1.0).first_above(band)? } else { 0.0 };
         let rest = to_far_side.split(from).1;
@@ -115,15 +115,15 @@ impl Polynomial {
 
 /// Computes polynomials from values at fixed nodes.
 #[derive(Clone, Debug)]
-pub(crate) struct Interpolation {
+pub struct Interpolation {
     coefficients: [[f64; NODES]; NODES],
     /// Coefficients differ from the middle of the values by at most this many times half their
     /// range.
     stretch: f64,
 }
 
-impl Interpolation {
-    pub(crate) fn new() -> Self {
+impl Default for Interpolation {
+    fn default() -> Self {
         let basis = SHARES.map(|s| {
             std::array::from_fn(|j| {
                 let mut unit = Polynomial([0.0; NODES]);
@@ -135,9 +135,11 @@ impl Interpolation {
         let stretch = coefficients.iter().map(|row| row.iter().map(|c| c.abs()).sum()).fold(1.0, f64::max);
         Self { coefficients, stretch }
     }
+}
 
+impl Interpolation {
     /// The polynomial with these values at the nodes.
-    pub(crate) fn through(&self, values: &[f64; NODES]) -> Polynomial {
+    pub fn through(&self, values: &[f64; NODES]) -> Polynomial {
         let mut c: [f64; NODES] =
             std::array::from_fn(|j| self.coefficients[j].iter().zip(values).map(|(m, value)| m * value).sum());
         (c[0], c[NODES - 1]) = (values[0], values[NODES - 1]);
@@ -146,7 +148,7 @@ impl Interpolation {
 
     /// Whether the polynomial through these values certainly does not leave the band on the other
     /// side. This test saves most searches.
-    pub(crate) fn stays(&self, values: &[f64; NODES], positive: bool, band: f64) -> bool {
+    pub fn stays(&self, values: &[f64; NODES], positive: bool, band: f64) -> bool {
         let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(low, high), &v| (low.min(v), high.max(v)));
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         let nearest = if positive { -middle } else { middle } + self.stretch * half;
@@ -176,83 +178,4 @@ fn inverse(mut a: [[f64; NODES]; NODES]) -> [[f64; NODES]; NODES] {
         }
     }
     b
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn through(f: impl Fn(f64) -> f64) -> Polynomial {
-        let interpolation = Interpolation::new();
-        interpolation.through(&SHARES.map(f))
-    }
-
-    #[test]
-    fn values_are_taken_at_chebyshev_lobatto_points() {
-        for (k, share) in SHARES.into_iter().enumerate() {
-            let angle = std::f64::consts::PI * k as f64 / 14.0;
-            assert!((share - angle.sin().powi(2)).abs() < f64::EPSILON);
-        }
-    }
-
-    #[test]
-    fn a_polynomial_of_degree_seven_is_met_everywhere() {
-        let f = |s: f64| (s - 0.3) * (s - 0.31) * (s + 1.0) * (s * s + 0.5) * (s - 2.0) * (1.0 - 3.0 * s);
-        let p = through(f);
-        for k in 0..=100 {
-            let s = f64::from(k) / 100.0;
-            assert!((p.at(s) - f(s)).abs() < 1e-14, "{s}");
-        }
-    }
-
-    #[test]
-    fn a_short_excursion_inside_a_step_is_seen_and_a_near_miss_is_none() {
-        // Above zero only on (0.3, 0.3 + 2e-5): 1e-10 high.
-        let f = |shift: f64| move |s: f64| -(s - 0.3) * (s - 0.300_02) - shift;
-        let (zero, left) = through(f(0.0)).first_crossing(false, false, 1e-12).unwrap();
-        assert!((zero - 0.3).abs() < 1e-10 && left > zero && left < 0.300_01, "{zero} {left}");
-        assert!(through(f(2e-10)).first_crossing(false, false, 1e-12).is_none());
-        assert!(through(f(0.0)).first_crossing(false, false, 2e-10).is_none());
-    }
-
-    #[test]
-    fn the_zero_is_the_last_before_the_band_is_left() {
-        // Zeros at 0.2, 0.4 and 0.6; between the first two it stays inside the band.
-        let p = through(|s| 1e-3 * (s - 0.2) * (s - 0.4) * (s - 0.6));
-        let (zero, left) = p.first_crossing(false, false, 2e-5).unwrap();
-        assert!((zero - 0.6).abs() < 1e-12 && left > 0.6);
-        // A polynomial that starts inside the band and leaves it: the zero is the start.
-        let p = through(|s| 1e-12 + s);
-        assert_eq!(p.first_crossing(false, false, 1e-9).unwrap().0, 0.0);
-    }
-
-    #[test]
-    fn a_late_function_is_waited_for() {
-        let p = through(|s| s - 0.25);
-        assert!(p.first_crossing(true, true, 1e-12).is_none());
-        let p = through(|s| (s - 0.25) * (0.75 - s));
-        assert!((p.first_crossing(true, true, 1e-12).unwrap().0 - 0.75).abs() < 1e-12);
-        assert_eq!(p.first_crossing(true, false, 1e-12).unwrap().0, 0.0);
-    }
-
-    #[test]
-    fn the_certificate_never_lies() {
-        let interpolation = Interpolation::new();
-        let mut seed = 1u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        };
-        let mut certified = 0;
-        for _ in 0..2000 {
-            let offset = 200.0 * random();
-            let values: [f64; NODES] = std::array::from_fn(|_| offset + random());
-            let positive = offset > 0.0;
-            if interpolation.stays(&values, positive, 0.0) {
-                certified += 1;
-                assert!(interpolation.through(&values).first_crossing(positive, false, 0.0).is_none());
-            }
-        }
-        assert!((200..1900).contains(&certified), "{certified}");
-    }
 }

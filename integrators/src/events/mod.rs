@@ -22,7 +22,7 @@
 //! The tail of a breather holds overlaps down to 1e-300 and below, which do not change a bit of the
 //! state. Without the band their changes of sign, which are rounding errors, would be events.
 
-mod bernstein;
+pub(crate) mod bernstein;
 mod curve;
 pub(crate) mod root;
 pub(crate) mod sides;

@@ -259,22 +259,24 @@ fn crossing<R: Real>(bond: &Bond<R>, length: R, band: R) -> Option<(R, R)> {
 
 /// The cubic on `[0, 1]` with given values and slopes at the ends:
 /// `c_0 + c_1 s + c_2 s^2 + c_3 s^3`.
-struct Cubic<R>([R; 4]);
+pub struct Cubic<R>([R; 4]);
 
 impl<R: Real> Cubic<R> {
-    fn new((g0, r0): (R, R), (g1, r1): (R, R)) -> Self {
+    /// From value and slope at 0, and at 1.
+    pub fn new((g0, r0): (R, R), (g1, r1): (R, R)) -> Self {
         let (two, three, rise) = (R::of(2.0), R::of(3.0), g1 - g0);
         Self([g0, r0, three * rise - two * r0 - r1, r0 + r1 - two * rise])
     }
 
-    fn at(&self, s: R) -> R {
+    /// Its value at `s`.
+    pub fn at(&self, s: R) -> R {
         let [c0, c1, c2, c3] = self.0;
         c0 + s * (c1 + s * (c2 + s * c3))
     }
 
     /// The position of its local minimum: the zero of `c_1 + 2 c_2 s + 3 c_3 s^2` at which the
     /// slope rises.
-    fn minimum(&self) -> Option<R> {
+    pub fn minimum(&self) -> Option<R> {
         let [_, c1, c2, c3] = self.0;
         let discriminant = c2 * c2 - R::of(3.0) * c1 * c3;
         if discriminant < R::zero() {
@@ -284,25 +286,5 @@ impl<R: Real> Cubic<R> {
         // The form of the solution without cancellation.
         let s = if c2 > R::zero() { -c1 / (c2 + root) } else { (root - c2) / (R::of(3.0) * c3) };
         s.is_finite().then_some(s)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_cubic_meets_both_ends_and_its_minimum_is_where_it_turns_up() {
-        for (start, end) in [((1.0, -3.0), (2.0, 5.0)), ((0.5, -1.0), (0.5, 1.0)), ((0.1, 2.0), (0.2, 7.0))] {
-            let cubic = Cubic::<f64>::new(start, end);
-            assert!((cubic.at(0.0) - start.0).abs() < 1e-14 && (cubic.at(1.0) - end.0).abs() < 1e-14);
-            if let Some(s) = cubic.minimum() {
-                assert!(cubic.at(s) < cubic.at(s + 1e-3) && cubic.at(s) < cubic.at(s - 1e-3));
-            }
-        }
-        assert_eq!(Cubic::<f64>::new((0.5, -1.0), (0.5, 1.0)).minimum(), Some(0.5));
-        // A parabola that opens downwards, and a line, have no minimum.
-        assert_eq!(Cubic::<f64>::new((0.5, 1.0), (0.5, -1.0)).minimum(), None);
-        assert_eq!(Cubic::<f64>::new((0.5, 1.0), (1.5, 1.0)).minimum(), None);
     }
 }

@@ -13,7 +13,7 @@
 //! [`Corrected`] adds corrections at contacts that begin or end.
 
 pub mod corrected;
-mod landed;
+pub(crate) mod landed;
 mod scheme;
 mod stepper;
 pub(crate) mod steps;

@@ -120,7 +120,7 @@ fn closed<S: BondFlow>(flow: &S, bonds: impl Iterator<Item = usize>) -> (Vec<usi
 }
 
 /// For each path, its last zero before now and the first one after, if they are within reach.
-fn nearest_zeros(paths: &[BondPath], reach: f64) -> Vec<[Option<f64>; 2]> {
+pub fn nearest_zeros(paths: &[BondPath], reach: f64) -> Vec<[Option<f64>; 2]> {
     let mut zeros = Vec::with_capacity(paths.len());
     let out = &mut zeros;
     with_registers!(V => for paths in paths.chunks(V::LANES) {
@@ -176,7 +176,7 @@ fn missed<V: Vector<f64>>(corrector: &Corrector, events: &[Event]) -> [Pack<V>; 
 
 /// `Z_alpha` and `Z_{alpha+1}`, for `x` up to [`REACH`].
 #[inline(always)]
-fn end_terms<V: Vector<f64>>(corrector: &Corrector, x: Pack<V>) -> [Pack<V>; 2] {
+pub fn end_terms<V: Vector<f64>>(corrector: &Corrector, x: Pack<V>) -> [Pack<V>; 2] {
     let alpha = corrector.exponent();
     let theta = x.fraction();
     let [_, mut z0, mut z1, _] = corrector.beyond(theta);
@@ -190,49 +190,4 @@ fn end_terms<V: Vector<f64>>(corrector: &Corrector, x: Pack<V>) -> [Pack<V>; 2] 
     let above = power * x;
     (z0, z1) = (z0 + power * 0.5, z1 + above * 0.5);
     [z0 + above * (1.0 / (alpha + 1.0)), z1 + above * x * (1.0 / (alpha + 2.0))]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{super::hurwitz, *};
-
-    #[test]
-    fn end_terms_are_their_formula() {
-        // Truth: Hurwitz' function by its series. The error is that of the tables, and roundings of
-        // the largest power that is subtracted.
-        for alpha in [1.0, 1.2, 1.5, 2.0, 3.0] {
-            let corrector = Corrector::new(alpha, 0.1);
-            for k in 0..=600 {
-                let x = f64::from(k) * 0.01;
-                for (k, got) in end_terms(&corrector, Pack(x)).map(|z| z.0).into_iter().enumerate() {
-                    let z = alpha + k as f64;
-                    let want = hurwitz(z, 1.0 + x) + 0.5 * x.powf(z) + x.powf(z + 1.0) / (z + 1.0);
-                    assert!((got - want).abs() < 3e-12 + 2e-15 * 8f64.powf(z + 1.0), "{alpha} {x}: {:e}", got - want);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn zeros_around_now_are_those_of_the_parabola() {
-        // Truth: the formula of its zeros; a path bends up or down, or not at all.
-        let path = |overlap, rate, a| BondPath { overlap, rate, acceleration: [a, 0.0], jerk: [0.0; 2], omega: 0.0 };
-        let paths =
-            [path(0.1, 1.0, 0.0), path(0.1, -1.0, 0.0), path(0.1, 0.2, -2.0), path(0.1, 1.0, 2.0), path(0.1, 0.1, 3.0)];
-        let root = (0.2f64 * 0.2 + 0.4).sqrt();
-        let want = [
-            [Some(-0.1), None],
-            [None, Some(0.1)],
-            [Some((0.2 - root) / 2.0), Some((0.2 + root) / 2.0)],
-            [Some((-1.0 + 0.6f64.sqrt()) / 2.0), None],
-            [None; 2],
-        ];
-        for (got, want) in nearest_zeros(&paths, 1.0).iter().zip(want) {
-            for (got, want) in got.iter().zip(want) {
-                assert_eq!(got.is_some(), want.is_some(), "{got:?} {want:?}");
-                assert!(got.zip(want).is_none_or(|(got, want)| (got - want).abs() < 1e-15), "{got:?} {want:?}");
-            }
-        }
-        assert_eq!(nearest_zeros(&paths, 0.09), [[None; 2]; 5]);
-    }
 }

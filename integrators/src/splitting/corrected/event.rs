@@ -10,7 +10,7 @@ use crate::{vector::Vector, with_registers};
 
 /// Corrections at events, for one exponent and one step length.
 #[derive(Clone, Debug)]
-pub(super) struct Corrector {
+pub struct Corrector {
     alpha: f64,
     table: ZetaTable,
     h: f64,
@@ -21,7 +21,7 @@ pub(super) struct Corrector {
 /// A bit for each lane: whether its event is an onset. As in [`Pack::of`], lanes without an event
 /// of their own repeat the first one.
 #[inline(always)]
-fn sides<T>(lanes: usize, events: &[T], onset: impl Fn(&T) -> bool) -> u64 {
+pub fn sides<T>(lanes: usize, events: &[T], onset: impl Fn(&T) -> bool) -> u64 {
     let mut onsets = if onset(&events[0]) { u64::MAX << events.len() } else { 0 };
     for (k, event) in events.iter().enumerate() {
         onsets |= u64::from(onset(event)) << k;
@@ -30,7 +30,8 @@ fn sides<T>(lanes: usize, events: &[T], onset: impl Fn(&T) -> bool) -> u64 {
 }
 
 impl Corrector {
-    pub(super) fn new(alpha: f64, h: f64) -> Self {
+    /// For forces with the exponent `alpha`, and steps of `h`.
+    pub fn new(alpha: f64, h: f64) -> Self {
         Self { alpha, table: ZetaTable::new(alpha), h, h2: h.powf(alpha + 2.0) }
     }
 
@@ -47,7 +48,7 @@ impl Corrector {
 
     /// Appends the corrections of the events in the first `count` lanes.
     #[inline(always)]
-    fn corrections<V: Vector<f64>>(
+    pub fn corrections<V: Vector<f64>>(
         &self,
         view: &BondView<V>,
         onsets: u64,
@@ -149,7 +150,7 @@ impl Corrector {
     /// functions `z` there. `moved` are changes of overlap and rate at that time: zeros and zeta
     /// functions are then those of the changed paths.
     #[inline(always)]
-    fn gradient<V: Vector<f64>>(
+    pub fn gradient<V: Vector<f64>>(
         &self,
         (rate, a): (Pack<V>, Pack<V>),
         moved: Option<(Pack<V>, Pack<V>)>,
@@ -186,7 +187,7 @@ impl Corrector {
 
     /// `zeta(-alpha - k, theta)` for `k = -1 .. 2`.
     #[inline(always)]
-    fn zeta<V: Vector<f64>>(&self, theta: Pack<V>) -> [Pack<V>; ZetaTable::COUNT] {
+    pub fn zeta<V: Vector<f64>>(&self, theta: Pack<V>) -> [Pack<V>; ZetaTable::COUNT] {
         let mut z = self.table.beyond(theta);
         let mut power = slope(self.alpha, theta);
         for z in &mut z {
@@ -201,157 +202,4 @@ impl Corrector {
 #[inline(always)]
 pub(super) fn slope<V: Vector<f64>>(alpha: f64, x: Pack<V>) -> Pack<V> {
     if alpha == 1.5 { x.sqrt() } else { x.each(|x| x.powf(alpha - 1.0)) }
-}
-
-#[cfg(test)]
-pub(super) mod tests {
-    use super::{super::path::BondPath, *};
-
-    struct Event {
-        view: BondView,
-        onset: bool,
-    }
-
-    fn corrections(corrector: &Corrector, events: &[Event]) -> Vec<Option<Correction>> {
-        let mut out = Vec::new();
-        let all = &mut out;
-        with_registers!(V => for events in events.chunks(V::LANES) {
-            let of = |number: fn(&BondView) -> f64| Pack::<V>::of(events, |event| number(&event.view)).0;
-            let view = BondView {
-                path: BondPath::new(events, |event| &event.view.path),
-                mobility: of(|view| view.mobility),
-                pull: [of(|view| view.pull[0]), of(|view| view.pull[1])],
-            };
-            corrector.corrections::<V>(&view, sides(V::LANES, events, |event| event.onset), events.len(), all);
-        });
-        out
-    }
-
-    pub(in super::super) fn event(corrector: &Corrector, view: &BondView, onset: bool) -> Option<Correction> {
-        corrections(corrector, &[Event { view: *view, onset }])[0]
-    }
-
-    /// `h sum f(t_k) p(t_k) - int f p dt` over kicks at `(theta + k) h`, by direct summation, with
-    /// the end terms of Euler and Maclaurin where the force is smooth.
-    fn quadrature_error(f: impl Fn(f64) -> f64, theta: f64, h: f64) -> f64 {
-        const KICKS: i32 = 60;
-        let at = |k: i32| (theta + f64::from(k)) * h;
-        let end = at(KICKS);
-        let sum: f64 = (0..KICKS).map(|k| h * f(at(k))).sum::<f64>() + 0.5 * h * f(end);
-        let d = 0.1 * h;
-        let slope = (8.0 * (f(end + d) - f(end - d)) - (f(end + 2.0 * d) - f(end - 2.0 * d))) / (12.0 * d);
-        let third = (f(end + 2.0 * d) - 2.0 * f(end + d) + 2.0 * f(end - d) - f(end - 2.0 * d)) / (2.0 * d * d * d);
-        // The integral in a variable in which the force is smooth: t = end s^4, Gauss and Legendre
-        // with two points on 20 000 parts.
-        const PARTS: i32 = 20_000;
-        let integral: f64 = (0..PARTS)
-            .flat_map(|i| [-1.0, 1.0].map(|side| (f64::from(i) + 0.5 + side / 12f64.sqrt()) / f64::from(PARTS)))
-            .map(|s| f(end * s.powi(4)) * end * 4.0 * s.powi(3) / f64::from(2 * PARTS))
-            .sum();
-        sum - integral - h * h / 12.0 * slope + h.powi(4) / 720.0 * third
-    }
-
-    fn view(rate: f64, acceleration: f64, overlap: f64) -> BondView {
-        let path = BondPath { overlap, rate, acceleration: [acceleration, 0.0], jerk: [0.0; 2], omega: 0.0 };
-        // Without mobility, so that the midpoint rule is Euler's: the error of the quadrature
-        // itself.
-        BondView { path, mobility: 0.0, pull: [0.0; 2] }
-    }
-
-    #[test]
-    fn a_straight_path_is_corrected_by_what_its_sum_misses() {
-        // Truth: sums and integrals of the force itself.
-        let (h, c): (f64, f64) = (0.1, 1.3);
-        for alpha in [1.0, 1.1, 1.5, 2.0, 2.5, 3.0] {
-            let corrector = Corrector::new(alpha, h);
-            for theta in [0.05, 0.3, 0.5, 0.9, 1.0] {
-                let force = |tau: f64| (c * tau).powf(alpha);
-                let scale = c.powf(alpha) * h.powf(alpha + 1.0);
-                let onset = event(&corrector, &view(c, 0.0, c * theta * h), true).unwrap();
-                assert!((onset.at + theta * h).abs() < 1e-15 && (onset.rate - c).abs() < 1e-15);
-                let (missed, moment) =
-                    (quadrature_error(force, theta, h), quadrature_error(|tau| tau * force(tau), theta, h));
-                assert!(
-                    (onset.impulse + missed).abs() < 1e-7 * scale,
-                    "{alpha} {theta}: {:e}",
-                    (onset.impulse + missed) / scale
-                );
-                assert!(
-                    (onset.displacement - moment).abs() < 1e-6 * scale * h,
-                    "{alpha} {theta}: {:e} {:e}",
-                    onset.displacement / (scale * h),
-                    moment / (scale * h)
-                );
-                // A release is the mirror image.
-                let release = event(&corrector, &view(-c, 0.0, -c * (1.0 - theta) * h), false).unwrap();
-                assert!((release.impulse - onset.impulse).abs() < 1e-12 * scale);
-                assert!((release.displacement + onset.displacement).abs() < 1e-12 * scale * h);
-            }
-        }
-    }
-
-    #[test]
-    fn a_curved_path_is_corrected_but_for_two_powers_of_the_step() {
-        let (c, a): (f64, f64) = (1.3, -0.8);
-        for alpha in [1.2, 1.5, 2.5] {
-            let error = |h: f64| {
-                let theta = 0.4;
-                let tau = theta * h;
-                let path = view(c + a * tau, a, tau * (c + 0.5 * a * tau));
-                let got = event(&Corrector::new(alpha, h), &path, true).unwrap();
-                // Sums to the same distance whatever the step, so that only the onset is in it.
-                let force = |tau: f64| (tau * (c + 0.5 * a * tau)).max(0.0).powf(alpha);
-                (got.impulse + quadrature_error(force, theta, h)).abs() / h.powf(alpha + 1.0)
-            };
-            let (coarse, fine) = (error(4e-3), error(2e-3));
-            let order = (coarse / fine).log2();
-            assert!((order - 2.0).abs() < 0.1, "{alpha}: {coarse:e} {fine:e} {order}");
-        }
-    }
-
-    #[test]
-    fn impulse_and_displacement_are_derivatives_of_one_function() {
-        // Mixed derivatives of W agree: -d(impulse)/dg' = d(displacement)/dg.
-        let corrector = Corrector::new(1.5, 0.2);
-        for (rate, acceleration, theta) in [(1.0, 0.5, 0.3), (0.4, -0.9, 0.8), (0.1, 2.0, 0.5)] {
-            let by = |overlap, change| {
-                let z = &mut corrector.zeta(Pack(theta));
-                let moved = Some((Pack(overlap), Pack(change)));
-                let (by_overlap, by_rate) = corrector.gradient((Pack(rate), Pack(acceleration)), moved, z);
-                (by_overlap.0, by_rate.0)
-            };
-            let d = 1e-6;
-            let mixed = (by(0.0, d).0 - by(0.0, -d).0) / (2.0 * d);
-            let other = (by(d, 0.0).1 - by(-d, 0.0).1) / (2.0 * d);
-            assert!((mixed - other).abs() < 1e-10, "{mixed} {other}");
-        }
-    }
-
-    #[test]
-    fn events_have_the_same_bits_alone_and_among_others() {
-        let corrector = Corrector::new(1.5, 0.1);
-        let views = [
-            view(1.3, -0.4, 0.05),
-            view(0.2, 3.0, 1e-3),
-            view(1.0, 0.0, 0.0),
-            view(0.0, 0.0, 1e-3),
-            view(0.7, 0.1, 0.01),
-        ];
-        let alone = views.map(|view| event(&corrector, &view, true));
-        assert_eq!(corrections(&corrector, &views.map(|view| Event { view, onset: true })), alone);
-        assert!(alone[3].is_none() && alone[4].is_some());
-    }
-
-    #[test]
-    fn paths_without_a_time_of_change_are_left_alone() {
-        let corrector = Corrector::new(1.5, 0.1);
-        for path in [view(0.0, 0.0, 1e-3), view(f64::NAN, 0.0, 1e-3), view(-1.0, 0.0, 1e-3), view(1e-200, 0.0, 1e-200)]
-        {
-            let correction = event(&corrector, &path, true);
-            assert!(correction.is_none_or(|c| c.impulse.abs() < 1e-200), "{correction:?}");
-        }
-        // A grazing path turns back at once: its impulse stays small.
-        let grazing = event(&corrector, &view(-1e-6, -1.0, 5e-10), true).unwrap();
-        assert!(grazing.impulse.abs() < 1e-6, "{grazing:?}");
-    }
 }

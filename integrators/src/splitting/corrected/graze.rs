@@ -58,22 +58,24 @@ const MOST: f64 = 0.62;
 /// An overlap that has turned near zero: the view of its bond from the kick after, and whether the
 /// bond was closed at the kick nearest to the turning point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Extremum {
-    pub(super) view: BondView,
-    pub(super) closed: bool,
+pub struct Extremum {
+    /// The bond, seen from the kick after the one next to the turning point.
+    pub view: BondView,
+    /// Whether it is closed at the kick next to the turning point.
+    pub closed: bool,
 }
 
 /// The correction of a turning point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Graze {
-    pub(super) correction: Correction,
+pub struct Graze {
+    pub correction: Correction,
     /// A contact between two kicks: half its duration, its largest overlap, and its impulse.
     pub(super) hidden: Option<[f64; 3]>,
 }
 
 /// Corrections at turning points, for one exponent.
 #[derive(Clone, Debug)]
-pub(super) struct Extrema {
+pub struct Extrema {
     alpha: f64,
     /// `B(1/2, alpha + 1)`.
     bump: f64,
@@ -94,7 +96,8 @@ struct Parabola<'a> {
 }
 
 impl Extrema {
-    pub(super) fn new(alpha: f64) -> Self {
+    /// For forces with the exponent `alpha`.
+    pub fn new(alpha: f64) -> Self {
         let of = |sign: f64| chebyshev(|x| gap_integral(alpha, sign * (0.5 * MOST * (x + 1.0)).powi(2)));
         // y = 1 - w^4, in which the force is smooth.
         let bump = integral(0.0, 1.0, |w: f64| (w.powi(4) * (2.0 - w.powi(4))).powf(alpha) * 4.0 * w.powi(3));
@@ -103,7 +106,7 @@ impl Extrema {
 
     /// The correction at a turning point, in addition to those at its events; `None` where the
     /// overlap does not turn near zero, or springs are too fast for a parabola.
-    pub(super) fn correction(&self, turn: &Extremum, corrector: &Corrector) -> Option<Graze> {
+    pub fn correction(&self, turn: &Extremum, corrector: &Corrector) -> Option<Graze> {
         let (h, path) = (corrector.step(), &turn.view.path);
         if path.omega * h > TURN {
             return None;
@@ -281,105 +284,4 @@ fn integral(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     let rule = Rule::<NODES>::shared();
     rule.nodes.iter().zip(&rule.weights).map(|(x, weight)| half * weight * f(middle + half * x)).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{super::event::tests::event, *};
-
-    const H: f64 = 0.1;
-
-    /// A bond on a parabola about `t0`, seen from kick `k`, that nothing pulls but springs.
-    fn view(t0: f64, b: f64, a: f64, k: i32) -> BondView {
-        let t = f64::from(k) * H - t0;
-        let path =
-            BondPath { overlap: b + 0.5 * a * t * t, rate: a * t, acceleration: [a, 0.0], jerk: [0.0; 2], omega: 0.0 };
-        BondView { path, mobility: 0.0, pull: [0.0; 2] }
-    }
-
-    /// Errors of impulse and of moment about `t0`: the sums of kicks and of corrections at events
-    /// and at the turning point next to kick 0, minus the integrals of the force. The second pair
-    /// is without the correction at the turning point.
-    fn missed(alpha: f64, t0: f64, b: f64, a: f64) -> [[f64; 2]; 2] {
-        // Far enough for the formula of Euler and Maclaurin with two terms.
-        const FAR: i32 = 40;
-        let corrector = Corrector::new(alpha, H);
-        let overlap = |t: f64| b + 0.5 * a * t * t;
-        let force = |t: f64| overlap(t).max(0.0).powf(alpha);
-        let mut sums = [0.0; 2];
-        let mut give = |impulse: f64, displacement: f64, t: f64| {
-            sums[0] += impulse;
-            sums[1] += impulse * t - displacement;
-        };
-        for k in -FAR..=FAR {
-            let t = f64::from(k) * H - t0;
-            give(H * force(t) * if k.abs() == FAR { 0.5 } else { 1.0 }, 0.0, t);
-            let [before, now] = [t - H, t].map(|t| overlap(t) > 0.0);
-            if k > -FAR && before != now {
-                let given = event(&corrector, &view(t0, b, a, k), now).unwrap();
-                give(given.impulse, given.displacement, f64::from(k) * H + given.at - t0);
-            }
-        }
-        let d = 1e-3 * H;
-        for end in [-1.0, 1.0] {
-            let t = end * f64::from(FAR) * H - t0;
-            let derivative = |f: &dyn Fn(f64) -> f64| (f(t + d) - f(t - d)) / (2.0 * d);
-            let third = |f: &dyn Fn(f64) -> f64| {
-                let d = 0.3 * H;
-                (f(t + 2.0 * d) - 2.0 * f(t + d) + 2.0 * f(t - d) - f(t - 2.0 * d)) / (2.0 * d * d * d)
-            };
-            let moment = |t: f64| t * force(t);
-            let terms = |f: &dyn Fn(f64) -> f64| end * (H * H / 12.0 * derivative(f) - H.powi(4) / 720.0 * third(f));
-            give(-terms(&force), 0.0, 0.0);
-            give(0.0, terms(&moment), 0.0);
-        }
-        // Integrals from zero to zero of the overlap, in a variable that is smooth at both ends.
-        let last = f64::from(FAR) * H;
-        let zero = (-2.0 * b / a).max(0.0).sqrt();
-        let mut ends = vec![-last - t0, -zero, 0.0, zero, last - t0];
-        ends.dedup();
-        for pair in ends.windows(2) {
-            const PARTS: i32 = 100_000;
-            let length = pair[1] - pair[0];
-            for i in 0..PARTS {
-                let w = (f64::from(i) + 0.5) / f64::from(PARTS);
-                // A polynomial that is flat at both ends.
-                let s = w * w * w * (10.0 - 15.0 * w + 6.0 * w * w);
-                let weight = 30.0 * w * w * (1.0 - w) * (1.0 - w) / f64::from(PARTS) * length;
-                give(-weight * force(pair[0] + length * s), 0.0, pair[0] + length * s);
-            }
-        }
-        let without = sums;
-        let closed = overlap(-t0) > 0.0;
-        let graze = Extremum { view: view(t0, b, a, 1), closed };
-        let graze = Extrema::new(alpha).correction(&graze, &corrector);
-        // Seen from kick 1.
-        let given = graze.unwrap().correction;
-        [[sums[0] + given.impulse, sums[1] - given.displacement], without]
-    }
-
-    #[test]
-    fn turning_points_near_zero_leave_nothing_of_a_parabola() {
-        // Truth: sums and integrals of the force itself, and Euler and Maclaurin's formula where it
-        // is smooth.
-        for alpha in [1.1, 1.3, 1.5, 2.0] {
-            for a in [-0.8, 1.3f64] {
-                let mut worst = [0.0f64; 2];
-                let scale = H * (a.abs() * H * H).powf(alpha);
-                for sigma in [-5.5, -2.0, -1.0, -0.3, -0.1, -0.01, 0.003, 0.05, 0.2, 0.7, 1.5, 3.0] {
-                    for t0 in [-0.48, -0.31, 0.02, 0.17, 0.45] {
-                        let b = 0.5 * sigma * a.abs() * H * H;
-                        let [with, without] = missed(alpha, t0 * H, b, a);
-                        for (worst, sums) in worst.iter_mut().zip([with, without]) {
-                            *worst = worst.max(sums[0].abs() / scale).max(sums[1].abs() / (scale * H));
-                        }
-                    }
-                }
-                // Contacts are summed exactly; for gaps the terms of Euler and Maclaurin end at
-                // h^4.
-                let bound = if a < 0.0 { 1e-9 } else { 4e-5 };
-                assert!(worst[0] < bound && worst[1] > 1e-2, "{alpha} {a}: {worst:?}");
-            }
-        }
-    }
 }

@@ -144,12 +144,12 @@
 //! too).
 
 mod bonds;
-mod ends;
-mod event;
-mod graze;
+pub(crate) mod ends;
+pub(crate) mod event;
+pub(crate) mod graze;
 mod log;
-mod pack;
-mod path;
+pub(crate) mod pack;
+pub(crate) mod path;
 mod zeta;
 
 pub use bonds::{BondFlow, BondView, Correction};

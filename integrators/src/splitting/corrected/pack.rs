@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A register of numbers.
 #[derive(Clone, Copy)]
-pub(super) struct Pack<V>(pub(super) V);
+pub struct Pack<V>(pub V);
 
 impl<V: Vector<f64>> Pack<V> {
     /// The same number in all lanes.
@@ -18,7 +18,7 @@ impl<V: Vector<f64>> Pack<V> {
     /// One number for each of `things`, of which there are at most as many as lanes; the other
     /// lanes get the number of the first.
     #[inline(always)]
-    pub(super) fn of<S>(things: &[S], number: impl Fn(&S) -> f64) -> Self {
+    pub fn of<S>(things: &[S], number: impl Fn(&S) -> f64) -> Self {
         Self(V::by_lane(|k| number(things.get(k).unwrap_or(&things[0]))))
     }
 

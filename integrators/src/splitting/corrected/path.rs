@@ -4,7 +4,7 @@ use super::pack::Pack;
 use crate::vector::{MOST_LANES, Vector};
 
 /// Largest phase `omega t` for which the functions of the path are summed as series.
-const SERIES: f64 = 0.5;
+pub const SERIES: f64 = 0.5;
 /// Largest phase for which they follow from the series at an eighth of it.
 const DOUBLED: f64 = 8.0 * SERIES;
 /// Largest number of iterations of Halley's method; then bisection takes over.
@@ -99,7 +99,7 @@ pub(super) struct Paths<V> {
 impl<V: Vector<f64>> BondPath<V> {
     /// The paths of some things, see [`Pack::of`]; all have the frequency of the first.
     #[inline(always)]
-    pub(super) fn new<S>(things: &[S], path: impl Fn(&S) -> &BondPath) -> Self {
+    pub fn new<S>(things: &[S], path: impl Fn(&S) -> &BondPath) -> Self {
         let pair = |of: fn(&BondPath) -> [f64; 2]| [0, 1].map(|k| Pack::of(things, |thing| of(path(thing))[k]).0);
         Self {
             overlap: Pack::of(things, |thing| path(thing).overlap).0,
@@ -230,15 +230,16 @@ impl<V: Vector<f64>> Paths<V> {
 }
 
 /// `cos x, sin x / x, (1 - cos x)/x^2, (x - sin x)/x^3`.
-struct Oscillation<P> {
-    cos: P,
-    sinc: P,
-    c2: P,
-    s3: P,
+pub struct Oscillation<P> {
+    pub cos: P,
+    pub sinc: P,
+    pub c2: P,
+    pub s3: P,
 }
 
+/// These functions of `x`, at any phase.
 #[inline(always)]
-fn oscillation<V: Vector<f64>>(x: Pack<V>) -> Oscillation<Pack<V>> {
+pub fn oscillation<V: Vector<f64>>(x: Pack<V>) -> Oscillation<Pack<V>> {
     let one = Pack::all(1.0);
     let y = x * x;
     let (mut c2, mut s3) = (y.polynomial(&C2), y.polynomial(&S3));
@@ -279,25 +280,3 @@ const C2: [[f64; 2]; 3] =
     [[1.0 / 2.0, -1.0 / 24.0], [1.0 / 720.0, -1.0 / 40_320.0], [1.0 / 3_628_800.0, -1.0 / 479_001_600.0]];
 const S3: [[f64; 2]; 3] =
     [[1.0 / 6.0, -1.0 / 120.0], [1.0 / 5040.0, -1.0 / 362_880.0], [1.0 / 39_916_800.0, -1.0 / 6_227_020_800.0]];
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_functions_of_a_path_are_their_formulas_at_all_phases() {
-        // Truth: sine and cosine of the library; the formulas lose digits where x is small. Series
-        // lack their next term.
-        for k in 1..=600 {
-            for x in [f64::from(k) * 0.01, -f64::from(k) * 0.01] {
-                let y = x * x;
-                let got = oscillation(Pack(x));
-                let next = if x.abs() > SERIES { 0.0 } else { y.powi(6) / 87_178_291_200.0 };
-                let error = (3.0 + y) * f64::EPSILON + next;
-                assert!((got.cos.0 - x.cos()).abs() < error && (got.sinc.0 - x.sin() / x).abs() < error, "{x}");
-                assert!((got.c2.0 - (1.0 - x.cos()) / y).abs() < error + error / y, "{x}");
-                assert!((got.s3.0 - (x - x.sin()) / (x * y)).abs() < error + error / y, "{x}");
-            }
-        }
-    }
-}

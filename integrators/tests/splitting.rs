@@ -1,0 +1,82 @@
+//! The loop over steps, and landings.
+
+use hertzchain_integrators::{
+    DoubleDouble, SplitFlow, Splitting, Stepper,
+    internals::Cubic,
+    splitting::{First, tables},
+};
+
+/// `q'' = -q^3`.
+struct Quartic([f64; 2]);
+
+impl SplitFlow<f64> for Quartic {
+    fn dim(&self) -> usize {
+        2
+    }
+    fn load(&mut self, y: &[f64]) {
+        self.0.copy_from_slice(y);
+    }
+    fn store(&self, y: &mut [f64]) {
+        y.copy_from_slice(&self.0);
+    }
+    fn duplicate(&self) -> Self {
+        Self(self.0)
+    }
+    fn copy_from(&mut self, other: &Self) {
+        self.0 = other.0;
+    }
+    fn drift(&mut self, dt: DoubleDouble<f64>) {
+        self.0[0] += dt.value() * self.0[1];
+    }
+    fn kick_drift(&mut self, kick: f64, drift: DoubleDouble<f64>) {
+        self.0[1] -= kick * self.0[0].powi(3);
+        self.drift(drift);
+    }
+}
+
+#[test]
+fn steps_in_a_row_are_steps_and_none_leads_beyond_what_is_wanted() {
+    // Truth: one step at a time, to the bit; times between steps, at their ends, and none.
+    for (scheme, first) in
+        [(tables::STRANG, First::Kick), (tables::STRANG, First::Drift), (tables::ABA864, First::Drift)]
+    {
+        let run = || Splitting::new(&scheme, first, Quartic([1.0, 0.3]), (0.5, 7.5), 700).unwrap();
+        let (mut row, mut one) = (run(), run());
+        for wanted in [Some(0.52), Some(0.525), Some(1.5), Some(2.0), Some(2.003), None, None, Some(7.5)] {
+            loop {
+                row.steps(wanted).unwrap();
+                let before = 0.5 + (row.stats().steps - 1) as f64 * 0.01;
+                assert!(wanted.is_none_or(|t| before < t - 1e-12), "{wanted:?} {before}");
+                if wanted.is_none_or(|t| row.time() > t - 1e-12) {
+                    break;
+                }
+            }
+            while one.stats().steps < row.stats().steps {
+                one.step().unwrap();
+            }
+            let state = |run: &mut Splitting<f64, Quartic>| {
+                let mut y = [0.0; 2];
+                run.sample(run.time(), &mut y);
+                y
+            };
+            assert_eq!(state(&mut row), state(&mut one));
+            assert_eq!((row.time(), row.stats()), (one.time(), one.stats()));
+        }
+        assert!(row.done() && row.stats().force_evaluations >= 699);
+    }
+}
+
+#[test]
+fn the_cubic_meets_both_ends_and_its_minimum_is_where_it_turns_up() {
+    for (start, end) in [((1.0, -3.0), (2.0, 5.0)), ((0.5, -1.0), (0.5, 1.0)), ((0.1, 2.0), (0.2, 7.0))] {
+        let cubic = Cubic::<f64>::new(start, end);
+        assert!((cubic.at(0.0) - start.0).abs() < 1e-14 && (cubic.at(1.0) - end.0).abs() < 1e-14);
+        if let Some(s) = cubic.minimum() {
+            assert!(cubic.at(s) < cubic.at(s + 1e-3) && cubic.at(s) < cubic.at(s - 1e-3));
+        }
+    }
+    assert_eq!(Cubic::<f64>::new((0.5, -1.0), (0.5, 1.0)).minimum(), Some(0.5));
+    // A parabola that opens downwards, and a line, have no minimum.
+    assert_eq!(Cubic::<f64>::new((0.5, 1.0), (0.5, -1.0)).minimum(), None);
+    assert_eq!(Cubic::<f64>::new((0.5, 1.0), (1.5, 1.0)).minimum(), None);
+}
