@@ -30,29 +30,24 @@
 // All output goes through one place, which handles full disks and closed pipes.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
-pub mod breathers;
 #[cfg(feature = "cli")]
 pub mod cli;
-#[cfg(feature = "plot")]
-pub mod figures;
-pub mod fourier;
 mod memory;
-mod named;
-mod number;
-pub mod orbits;
-pub mod output;
 pub mod paper;
-pub mod present;
-mod random;
 #[cfg(feature = "mpi")]
 pub mod ranks;
-pub mod report;
 pub mod scene;
 pub mod study;
 pub mod sweep;
-pub mod waves;
 
 pub use hertzchain_core::{chain, dps, error, interrupt, numerics, parts, plain, run};
+pub use hertzchain_orbits::{breathers, fourier, orbits, waves};
+#[cfg(feature = "plot")]
+pub use hertzchain_report::figures;
+pub use hertzchain_report::{output, present, report};
+
+use hertzchain_core::random;
+use hertzchain_report::{named, number};
 
 pub use chain::{Boundary, Chain, Params, State};
 pub use error::{Error, Result};

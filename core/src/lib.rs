@@ -10,6 +10,7 @@
 //! | [`interrupt`] | the flag that asks the process to end |
 //! | [`numerics`] | lines and planes through points, bisection, golden sections, extremes |
 //! | [`plain`] | plain loops over bonds and sites, as a yardstick |
+//! | [`random`] | pseudo-random numbers from a seed |
 //!
 //! It is a separate package to keep the build short: the code whose speed matters is compiled here
 //! at full optimisation, and the studies in `hertzchain` at a lower level. `hertzchain` exports all
@@ -21,6 +22,7 @@ pub mod error;
 pub mod numerics;
 pub mod parts;
 pub mod plain;
+pub mod random;
 pub mod run;
 
 pub use chain::{Boundary, Chain, Params, State};

@@ -14,7 +14,7 @@ use hertzchain::{
     },
     output::{Archive, Array, npz, npz_with},
     scene::Scene,
-    study::{BranchOptions, ContinueWave, FollowCommand, Kept, Wanted, branch_npz, load_branch, study},
+    study::{BranchOptions, ContinueWave, FollowCommand, Kept, Wanted, branch_npz, branch_report, load_branch, study},
     sweep::Engine,
 };
 use serde_json::{Value, json};
@@ -249,18 +249,18 @@ fn orbits_without_multipliers_are_gaps() {
     let branch = study(broken.clone(), &Engine::threads(), &|_, _| {}).unwrap();
     assert_eq!((branch.points.len(), branch.ended(), branch.orbits.len()), (count - 1, End::Reached, count));
     assert_eq!(branch.gaps, [gap]);
-    let report = branch.report().unwrap();
+    let report = branch_report(&branch).unwrap();
     let text = report.text().replace('\n', " ");
     assert!(text.contains(&format!("Orbits without multipliers at omega_b = {gap:.8}")) && report.error().is_none());
     broken.orbits[count - 1].setting.turns = 7;
     let branch = study(broken.clone(), &Engine::threads(), &|_, _| {}).unwrap();
     assert_eq!((branch.points.len(), branch.ended()), (count - 2, End::NoMultipliers));
-    assert!(branch.report().unwrap().error().is_some());
+    assert!(branch_report(&branch).unwrap().error().is_some());
     let why = branch.reached().unwrap_err().to_string();
     assert!(why.contains("is at omega_b = 2.04, but") && why.contains("the multipliers of its last orbit"), "{why}");
     broken.orbits.iter_mut().for_each(|orbit| orbit.setting.turns = 7);
     // Without any multipliers there is the table of the orbits, and the error.
-    let report = study(broken, &Engine::threads(), &|_, _| {}).unwrap().report().unwrap();
+    let report = branch_report(&study(broken, &Engine::threads(), &|_, _| {}).unwrap()).unwrap();
     assert_eq!((report.json()["points"].as_array().unwrap().len(), report.error().is_some()), (count, true));
 }
 

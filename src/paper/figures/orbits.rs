@@ -15,7 +15,10 @@ use crate::{
         Digits::{Hidden, Short},
         Line, Panel, Panels, Report, Table,
     },
-    study::{DarkStudy, KINDS, Kick, Progress, center_word, doubled_from, evolve, format_short, go_on, orbit_study},
+    study::{
+        DarkStudy, KINDS, Kick, Progress, branch_report, center_word, doubled_from, evolve, format_short, go_on,
+        orbit_study,
+    },
     sweep::{Engine, map},
 };
 
@@ -144,7 +147,7 @@ fn of_branch(branch: &Branch, title: &str) -> Result<Report> {
         point.spectrum.multipliers.iter().filter(|one| one.modulus != 1.0).map(move |one| (p, *one))
     });
     let table = multipliers("multipliers", parameter.name(), &off.collect::<Vec<_>>());
-    let (Some(first), Some(last)) = (branch.points.first(), branch.points.last()) else { return branch.report() };
+    let (Some(first), Some(last)) = (branch.points.first(), branch.points.last()) else { return branch_report(branch) };
     let events = |one: &Bifurcation| format!("{:.7} ({})", one.parameter, one.kind.name().replace('-', " "));
     let events: Vec<String> = branch.bifurcations.iter().map(events).collect();
     let events = match branch.weak {
@@ -166,7 +169,7 @@ fn of_branch(branch: &Branch, title: &str) -> Result<Report> {
         format_short(last.measures.extent.k_x),
         strongest(&last.spectrum),
     );
-    Ok(with(branch.report()?, table, vec![moduli(branch, title)], caption))
+    Ok(with(branch_report(branch)?, table, vec![moduli(branch, title)], caption))
 }
 
 /// An orbit with all its multipliers; its third plot is their plane.
@@ -339,7 +342,7 @@ pub fn mass_ratios(center: Center, omega_b: f64, to: f64, points: [u32; 2], tell
     };
     let mut first = leg(orbit(from, center, omega_b)?, from, near, points[0])?;
     // The last point of the first part is the first point of the second part.
-    let (Some(_), Some(last)) = (first.points.pop(), first.orbits.pop()) else { return first.report() };
+    let (Some(_), Some(last)) = (first.points.pop(), first.orbits.pop()) else { return branch_report(&first) };
     let mut branch = leg(last, near, to, points[1])?;
     branch.points.splice(..0, first.points);
     branch.gaps.splice(..0, first.gaps);

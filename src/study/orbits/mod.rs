@@ -4,6 +4,7 @@
 mod report;
 
 pub(crate) use report::KINDS;
+pub use report::branch_report;
 
 #[cfg(feature = "cli")]
 use super::OF_WINDOWS;
@@ -21,8 +22,8 @@ use crate::{
     error::{Error, NOTHING, Result, refuse, require},
     interrupt,
     orbits::{
-        AnalysisLevel, Bifurcation, BifurcationKind, Branch, Continuation, End, Extent, Formulation, Orbit,
-        OrbitMeasures, OrbitPoint, Parameter, Setting, Shooting, Spectrum,
+        AnalysisLevel, Bifurcation, BifurcationKind, Branch, Continuation, Extent, Formulation, Orbit, OrbitMeasures,
+        OrbitPoint, Parameter, Setting, Shooting, Spectrum,
     },
     output::Array,
     report::Report,
@@ -379,7 +380,7 @@ impl Study for Doubled {
             };
             let half = part(progress, 0.5, 1.0);
             let (birth, branch) = match doubled_from(&main, self.omega_b, self.step, engine, &half) {
-                Err(_) if interrupt::asked() => return main.report(),
+                Err(_) if interrupt::asked() => return branch_report(&main),
                 doubled => doubled?,
             };
             let last = branch.points.last().map(|point| orbit_study(point.orbit.clone(), &self.ring.shooting()));
@@ -425,7 +426,7 @@ impl Kept for Continuation {
     }
 
     fn report(study: &BranchStudy<Self>) -> Result<Report> {
-        study.branch.report()
+        branch_report(&study.branch)
     }
 }
 
@@ -460,31 +461,6 @@ pub fn orbit_study(orbit: Orbit, shooting: &Shooting) -> Result<OrbitStudy> {
         shooting: *shooting,
         orbit,
     })
-}
-
-impl Branch {
-    /// The branch, if it reached its end.
-    ///
-    /// # Errors
-    /// [`Error::Point`] otherwise, with the reason.
-    pub fn reached(self) -> Result<Self> {
-        match self.shortfall() {
-            None => Ok(self),
-            Some(why) => Err(Error::Point { point: "branch of orbits".to_owned(), why }),
-        }
-    }
-
-    /// Where and why the branch ended, if not at the final value of its parameter.
-    fn shortfall(&self) -> Option<String> {
-        let Continuation { parameter, to, .. } = self.continuation;
-        let (last, end) = (self.parameter(self.orbits.last()?), self.ended());
-        let (name, why) = (parameter.name(), end.words());
-        let words = || match last == to {
-            true => format!("is at {name} = {to}, but its multipliers are not complete: {why}"),
-            false => format!("ended at {name} = {last}, not at {to}: {why}"),
-        };
-        (end != End::Reached).then(words)
-    }
 }
 
 /// Refuses a final value at which there are no dark breathers: without a precompression their

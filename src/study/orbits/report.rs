@@ -159,7 +159,7 @@ impl DoubledStudy {
             0.5 * birth.parameter
         );
         let report = Report::new("branch").fact("birth", &bifurcations("", std::slice::from_ref(birth)).json()[0]);
-        let report = self.branch.reported(report.words(words))?;
+        let report = reported(&self.branch, report.words(words))?;
         let orbit = self.last.as_ref().map(|last| last.facts(Report::new("")).json());
         let report = report.fact("orbit", orbit);
         Ok(match &self.last {
@@ -221,64 +221,62 @@ pub(super) fn outline() -> Report {
     Report::new("branch").table(points(Parameter::OmegaB, &[])).table(bifurcations("bifurcations", &[]))
 }
 
-impl Branch {
-    /// The report.
-    ///
-    /// # Errors
-    /// Errors of the archive writer.
-    pub fn report(&self) -> Result<Report> {
-        self.reported(Report::new("branch"))
-    }
+/// The report of a branch.
+///
+/// # Errors
+/// Errors of the archive writer.
+pub fn branch_report(branch: &Branch) -> Result<Report> {
+    reported(branch, Report::new("branch"))
+}
 
-    /// Adds the branch to a report. `branch.npz` is what
-    /// [`Branch::load`] reads back, and all multipliers of every point.
-    fn reported(&self, report: Report) -> Result<Report> {
-        let parameter = self.continuation.parameter;
-        let table = points(parameter, &rows(self));
-        let end = ended(self);
-        let picture = self.picture(&table);
-        let report = report
-            .fact("parameter", parameter.name())
-            .fact("end", self.ended())
-            .fact("gaps", &self.gaps)
-            .fact("settings", json!(self.settings()))
-            .fact("integrator", "collocation")
-            .table(table)
-            .table(bifurcations("bifurcations", &self.bifurcations))
-            .words(end + &gaps(self))
-            .file("branch.npz", branch_npz(&(), self)?)
-            .failure(self.shortfall().filter(|_| !self.ended().is_complete()).map(|why| format!("the branch {why}")));
-        Ok(if !shows(self) { report } else { report.picture(picture) })
-    }
+/// Adds the branch to a report. `branch.npz` is what
+/// [`Branch::load`] reads back, and all multipliers of every point.
+fn reported(branch: &Branch, report: Report) -> Result<Report> {
+    let parameter = branch.continuation.parameter;
+    let table = points(parameter, &rows(branch));
+    let end = ended(branch);
+    let picture = picture(branch, &table);
+    let report = report
+        .fact("parameter", parameter.name())
+        .fact("end", branch.ended())
+        .fact("gaps", &branch.gaps)
+        .fact("settings", json!(branch.settings()))
+        .fact("integrator", "collocation")
+        .table(table)
+        .table(bifurcations("bifurcations", &branch.bifurcations))
+        .words(end + &gaps(branch))
+        .file("branch.npz", branch_npz(&(), branch)?)
+        .failure(branch.shortfall().filter(|_| !branch.ended().is_complete()).map(|why| format!("the branch {why}")));
+    Ok(if !shows(branch) { report } else { report.picture(picture) })
+}
 
-    /// The amplitude along the branch, with stability and bifurcations marked, and the largest
-    /// modulus.
-    fn picture(&self, table: &Table) -> Panels {
-        let parameter = self.continuation.parameter;
-        let rows: Vec<_> = rows(self).into_iter().filter(|row| row.measures.is_some()).collect();
-        let place = |row: &BranchRow<'_, Continuation>| {
-            let amplitude = row.measures.map_or(f64::NAN, |measures| measures.extent.k_x);
-            (row.orbit.setting.get(parameter), amplitude)
-        };
-        // A bifurcation is drawn at the height of the nearest point.
-        let mark = |one: &Bifurcation| {
-            let nearest = least_by(rows.iter().map(place), |(p, _)| (p - one.parameter).abs());
-            (one.parameter, nearest.map_or(f64::NAN, |(_, amplitude)| amplitude))
-        };
-        let lines = lines(self, &None, place, |spectrum| spectrum.largest() <= UNSTABLE, mark);
-        let symbol = parameter.symbol();
-        let moduli = [("largest |λ|", "max_modulus")];
-        let plots = filled([
-            Panel::new(report::Kind::Cloud, [symbol, "amplitude K_x"], lines),
-            table.panel(report::Kind::Parameter, [symbol, "largest modulus |λ|"], parameter.name(), &moduli),
-        ]);
-        let ring = rows.first().map_or(String::new(), |row| {
-            let Setting { params, sites, .. } = row.orbit.setting;
-            format!(" N = {sites}, {} at its first point.", params_words(params))
-        });
-        let known = rows.iter().any(|row| row.spectrum.is_some());
-        let unstable = if known { "; unstable: a multiplier with |λ| > 1 + 10⁻⁶" } else { "" };
-        let caption = format!("{} orbits{unstable}.{ring}", rows.len());
-        Panels::column(format!("Branch of periodic orbits in {symbol}"), plots, caption)
-    }
+/// The amplitude along the branch, with stability and bifurcations marked, and the largest
+/// modulus.
+fn picture(branch: &Branch, table: &Table) -> Panels {
+    let parameter = branch.continuation.parameter;
+    let rows: Vec<_> = rows(branch).into_iter().filter(|row| row.measures.is_some()).collect();
+    let place = |row: &BranchRow<'_, Continuation>| {
+        let amplitude = row.measures.map_or(f64::NAN, |measures| measures.extent.k_x);
+        (row.orbit.setting.get(parameter), amplitude)
+    };
+    // A bifurcation is drawn at the height of the nearest point.
+    let mark = |one: &Bifurcation| {
+        let nearest = least_by(rows.iter().map(place), |(p, _)| (p - one.parameter).abs());
+        (one.parameter, nearest.map_or(f64::NAN, |(_, amplitude)| amplitude))
+    };
+    let lines = lines(branch, &None, place, |spectrum| spectrum.largest() <= UNSTABLE, mark);
+    let symbol = parameter.symbol();
+    let moduli = [("largest |λ|", "max_modulus")];
+    let plots = filled([
+        Panel::new(report::Kind::Cloud, [symbol, "amplitude K_x"], lines),
+        table.panel(report::Kind::Parameter, [symbol, "largest modulus |λ|"], parameter.name(), &moduli),
+    ]);
+    let ring = rows.first().map_or(String::new(), |row| {
+        let Setting { params, sites, .. } = row.orbit.setting;
+        format!(" N = {sites}, {} at its first point.", params_words(params))
+    });
+    let known = rows.iter().any(|row| row.spectrum.is_some());
+    let unstable = if known { "; unstable: a multiplier with |λ| > 1 + 10⁻⁶" } else { "" };
+    let caption = format!("{} orbits{unstable}.{ring}", rows.len());
+    Panels::column(format!("Branch of periodic orbits in {symbol}"), plots, caption)
 }

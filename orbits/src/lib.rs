@@ -1,0 +1,17 @@
+//! Solutions of the chain, computed as such: periodic orbits, waves and breathers, with their
+//! stability and their branches.
+//!
+//! | module | contents |
+//! |---|---|
+//! | [`orbits`] | periodic orbits: shooting, Floquet multipliers, continuation, bifurcations |
+//! | [`waves`], [`breathers`] | families of solutions, and where their orbits begin |
+//! | [`fourier`](mod@fourier) | discrete Fourier transforms of any length |
+
+pub mod breathers;
+pub mod fourier;
+pub mod orbits;
+pub mod waves;
+
+pub use hertzchain_core::{Error, Params, Result, chain, dps, error, interrupt, numerics, random, run};
+
+use hertzchain_report::{named, output};

@@ -1,0 +1,460 @@
+//! Predictor and corrector of pseudo-arclength continuation, for equations with one parameter.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `X = (z/s, p/P)` | unknowns and parameter, scaled |
+//! | `F(X) = 0` | the equations |
+//! | `t` | unit tangent of the branch, `F_X t = 0` |
+//! | `ds` | length of the predictor `X + ds t` |
+//!
+//! The corrector solves `F(X) = 0` with `t . (X - predictor) = 0`. At a fold the parameter turns
+//! back; the equations with the arclength stay regular there. Source: Keller 1977, in *Applications
+//! of Bifurcation Theory*, pp. 359-384.
+
+use super::shooting::{Equations, NewtonStep, Orbit, least_squares};
+use crate::{
+    chain::max_norm,
+    error::{Error, Result, positive, require},
+    interrupt,
+    named::named,
+};
+use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
+
+/// Largest `ds`: the predictor changes the unknowns by at most half of the largest one, in the root
+/// mean square. The corrector gives up after a correction that is longer than this and than the
+/// one before it.
+const LONGEST: f64 = 0.5;
+/// Smallest `ds`, in units of the first one.
+const SHORTEST: f64 = 1e-6;
+/// Longest chord to the next point, in units of the predictor: the chord is 25 degrees from the
+/// tangent.
+const TURN: f64 = 1.1;
+/// Longest chord that is not a jump, in units of the shortest predictor: a branch may have a
+/// corner.
+pub(super) const FARTHEST: f64 = 4.0;
+/// Largest second correction of Newton's method, in units of the first one. Where corrections
+/// contract more slowly, Newton's method may lead to a solution far from its start (Deuflhard 2011,
+/// *Newton Methods for Nonlinear Problems*, Sec. 5.1).
+const CONTRACTION: f64 = 0.5;
+/// Largest number of steps of the corrector. The next `ds` is longer if it took fewer than
+/// `GOOD_CORRECTIONS`, and shorter if it took more than `MANY_CORRECTIONS`.
+pub const MOST_CORRECTIONS: usize = 10;
+const GOOD_CORRECTIONS: usize = 4;
+const MANY_CORRECTIONS: usize = GOOD_CORRECTIONS + 1;
+/// A correction below this, in units of `X`, is the last one.
+const LAST_CORRECTION: f64 = 1e-9;
+/// Relative change of the parameter for difference quotients of `F`.
+const DIFFERENCE: f64 = 1e-6;
+
+/// Equations `F(z, p) = 0` with a parameter.
+pub(super) trait Family {
+    /// `F`, and its derivative by `z` if `derivative`; otherwise the Jacobian has no columns.
+    fn equations(&self, z: &[f64], p: f64, derivative: bool) -> Result<Equations>;
+    /// A solution at this value of the parameter, by at most [`MOST_CORRECTIONS`] steps of Newton's
+    /// method from `seed`.
+    fn solve(&self, seed: &[f64], p: f64) -> Result<Solution>;
+    /// Unit of residuals: by default the largest unknown. It is larger where rounding errors are
+    /// those of larger numbers.
+    fn size(&self, z: &[f64], _p: f64) -> f64 {
+        max_norm(z.iter().copied())
+    }
+    /// Whether a solution may be one of another branch, from the chord to it, the predictor and
+    /// Newton's corrections; the step is then halved. By default as [`strays`].
+    fn strays(&self, chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
+        strays(chord, predictor, newton)
+    }
+    /// Largest residual of a solution, in units of [`size`](Self::size).
+    fn solved(&self, z: &[f64], p: f64) -> f64;
+}
+
+/// A solution, with its residual in its unit.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Solution {
+    /// The unknowns.
+    pub z: Vec<f64>,
+    /// The parameter.
+    pub p: f64,
+    /// The residual.
+    pub residual: f64,
+    /// Steps of Newton's method.
+    pub newton: Vec<NewtonStep>,
+}
+
+impl Solution {
+    /// The orbit of a setting whose unknowns these are.
+    pub fn orbit<S>(&self, setting: S) -> Orbit<S> {
+        Orbit { setting, z: self.z.clone(), residual: self.residual, newton: self.newton.clone() }
+    }
+}
+
+impl<S> Orbit<S> {
+    /// The orbit as a solution at a value of the parameter.
+    pub fn solution(&self, p: f64) -> Solution {
+        Solution { z: self.z.clone(), p, residual: self.residual, newton: self.newton.clone() }
+    }
+}
+
+/// A point of a branch, and its tangent.
+#[derive(Clone, Copy)]
+pub(super) struct BasePoint<'a> {
+    pub(super) z: &'a [f64],
+    pub(super) p: f64,
+    pub(super) tangent: &'a DVector<f64>,
+}
+
+named! {
+    /// The reason why a branch ended.
+    pub enum End {
+        /// The parameter has its final value.
+        Reached = "reached", "the parameter has its final value";
+        /// The branch has the largest number of points.
+        MostPoints = "most-points", "it has the largest number of points";
+        /// The branch turned back and the parameter passed its first value. For a branch that was
+        /// begun where it crosses another one, that is the first value of the other branch.
+        TurnedBack = "turned-back", "it turned back and passed the first value";
+        /// No orbit was found with the shortest step.
+        Lost = "lost", "no orbit was found with the shortest step";
+        /// Newton's method leads to an orbit of another branch, also with the shortest step.
+        Jumped = "jumped", "Newton's method leads to another branch, also with the shortest step";
+        /// The branch of doubled period came back to the branch of half its period.
+        Rejoined = "rejoined", "it came back to the branch of half its period";
+        /// The orbits vanish: beyond this point are those of the opposite phase.
+        AtRest = "at-rest", "beyond its last point its orbits vanish: the chain is at rest";
+        /// No contact of a wave closes any more: every wave of frequency `omega` without contacts
+        /// follows.
+        NoContact = "no-contact", "no contact closes any more, and the frequency is omega";
+        /// The waves vanish: contacts no longer change their frequency `omega`.
+        Vanished = "vanished", "its waves vanish where their frequency is omega";
+        /// The multipliers of the last orbit are not known.
+        NoMultipliers = "no-multipliers", "the multipliers of its last orbit are not known";
+        /// The process was asked to end.
+        Stopped = "stopped", "the process was asked to end";
+    }
+    /// The reason in words.
+    pub fn words
+}
+
+impl End {
+    /// Whether the branch was followed as far as it goes.
+    pub fn is_complete(self) -> bool {
+        matches!(self, Self::Reached | Self::TurnedBack | Self::Rejoined | Self::AtRest | Self::NoContact)
+    }
+
+    /// The end of a branch with multipliers, from that of its orbits, `None` while they can go on;
+    /// `whole` if the multipliers of all orbits are known.
+    pub fn with_multipliers(orbits: Option<Self>, whole: bool) -> Self {
+        match orbits {
+            Some(end) if whole => end,
+            _ if interrupt::asked() => Self::Stopped,
+            None if whole => Self::MostPoints,
+            _ => Self::NoMultipliers,
+        }
+    }
+}
+
+/// Units of `X`.
+#[derive(Clone, Copy)]
+pub(super) struct Scales {
+    /// `s`, the unit of the unknowns.
+    pub(super) state: f64,
+    /// `P`, the unit of the parameter.
+    pub(super) parameter: f64,
+}
+
+/// How far a branch is followed.
+#[derive(Clone, Copy)]
+pub(super) struct ContinuationOptions {
+    /// The value of the parameter at which the branch ends.
+    pub(super) to: f64,
+    /// The largest change of the parameter from point to point, positive.
+    pub(super) step: f64,
+    /// Whether steps are taken in the parameter, not in the arclength.
+    pub(super) natural: bool,
+    /// Sign of the parameter's change from the first point to the end.
+    pub(super) direction: f64,
+}
+
+impl Scales {
+    /// Units for unknowns as large as those in `z`, and for a parameter that varies by `range`.
+    pub(super) fn new(z: &[f64], range: f64) -> Self {
+        let root = (z.len() as f64).sqrt();
+        Self { state: max_norm(z.iter().copied()) * root, parameter: range }
+    }
+
+    /// The difference of two points in the units of `X`.
+    pub(super) fn chord(self, (a, p): (&[f64], f64), (b, q): (&[f64], f64)) -> DVector<f64> {
+        let along = (q - p) / self.parameter;
+        let chord = a.iter().zip(b).map(|(a, b)| (b - a) / self.state);
+        DVector::from_iterator(a.len() + 1, chord.chain([along]))
+    }
+}
+
+/// Refuses numbers outside their rules, for a continuation from one value of the parameter to
+/// another.
+pub fn check([from, to]: [f64; 2], step: f64, most_points: usize) -> Result<()> {
+    require(to.is_finite() && to != from, "to", to, "a finite number, not where the branch begins")?;
+    positive("step", step)?;
+    require(most_points >= 2, "max-points", most_points, "at least 2")?;
+    Ok(())
+}
+
+/// Refuses a final value that is not beyond the last value of the parameter, seen from the first.
+pub(super) fn check_onward([from, last]: [f64; 2], to: f64) -> Result<()> {
+    let onward = (to - last) * (to - from) > 0.0 && (last - from) * (to - from) >= 0.0;
+    require(onward, "to", to, "a branch goes on beyond its last point, seen from its first")
+}
+
+/// The unit vector along the parameter, with the sign `direction`: the direction of a branch of so
+/// many `unknowns` at its first point.
+fn along(unknowns: usize, direction: f64) -> DVector<f64> {
+    let mut along = DVector::zeros(unknowns + 1);
+    along[unknowns] = direction;
+    along
+}
+
+/// `F` and `[F_z s, F_p P]`.
+pub(super) fn extended(family: &impl Family, z: &[f64], p: f64, scales: Scales) -> Result<Equations> {
+    let Equations { residual, jacobian } = family.equations(z, p, true)?;
+    let columns = z.len();
+    let by = DIFFERENCE * p.abs().max(scales.parameter);
+    let at = |p: f64| family.equations(z, p, false);
+    let slope = (at(p + by)?.residual - at(p - by)?.residual) / (2.0 * by);
+    let mut jacobian = (jacobian * scales.state).insert_column(columns, 0.0);
+    jacobian.set_column(columns, &(slope * scales.parameter));
+    Ok(Equations { residual, jacobian })
+}
+
+/// The unit tangent with a positive product with `before`.
+pub(super) fn tangent(
+    family: &impl Family,
+    (z, p): (&[f64], f64),
+    scales: Scales,
+    before: &DVector<f64>,
+) -> Result<DVector<f64>> {
+    let Equations { residual, jacobian } = extended(family, z, p, scales)?;
+    let rows = residual.len();
+    let mut bordered = jacobian.insert_row(rows, 0.0);
+    bordered.set_row(rows, &before.transpose());
+    let mut right = DVector::zeros(rows + 1);
+    right[rows] = 1.0;
+    let tangent = least_squares(bordered, &right).ok_or(Error::Stalled { steps: 0, best: None })?;
+    Ok(tangent.normalize())
+}
+
+/// The solution in the hyperplane that is orthogonal to the tangent at the distance `ds` from
+/// `base`, by Newton's method from the predictor.
+pub(super) fn correct(family: &impl Family, base: BasePoint<'_>, scales: Scales, ds: f64) -> Result<Solution> {
+    let columns = base.z.len();
+    let t = base.tangent;
+    let mut z = DVector::from_column_slice(base.z) + t.rows(0, columns) * (ds * scales.state);
+    let mut p = base.p + ds * t[columns] * scales.parameter;
+    let (mut newton, mut before) = (Vec::new(), f64::INFINITY);
+    loop {
+        let Equations { residual, jacobian } = extended(family, z.as_slice(), p, scales)?;
+        let rows = residual.len();
+        let mut bordered = jacobian.insert_row(rows, 0.0);
+        bordered.set_row(rows, &t.transpose());
+        let relative = residual.amax() / family.size(z.as_slice(), p);
+        let stalled = Error::Stalled { steps: newton.len(), best: None };
+        // All iterates are in the hyperplane of the predictor: its equation has the residual zero.
+        let Some(by) = least_squares(bordered, &residual.push(0.0)) else { return Err(stalled) };
+        let step = by.norm();
+        newton.push(NewtonStep { residual: relative, step });
+        z -= by.rows(0, columns) * scales.state;
+        p -= by[columns] * scales.parameter;
+        if step <= LAST_CORRECTION {
+            let z = z.as_slice();
+            let residual = family.equations(z, p, false)?.residual.amax() / family.size(z, p);
+            let solution = Solution { z: z.to_vec(), p, residual, newton };
+            return if residual <= family.solved(&solution.z, p) { Ok(solution) } else { Err(stalled) };
+        }
+        if newton.len() >= MOST_CORRECTIONS || step > LONGEST && step > before {
+            return Err(stalled);
+        }
+        before = step;
+    }
+}
+
+/// The solution at the value `to` of the parameter. The initial guess is the point of the tangent
+/// with this value.
+fn naturally(family: &impl Family, base: BasePoint<'_>, scales: Scales, to: f64) -> Result<Solution> {
+    let by = (to - base.p) / (base.tangent[base.z.len()] * scales.parameter);
+    let z: Vec<f64> = base.z.iter().zip(base.tangent).map(|(z, t)| z + by * t * scales.state).collect();
+    family.solve(&z, to)
+}
+
+/// Whether a solution may be one of another branch, or beyond a fold: the chord to it is much
+/// longer than the predictor, or Newton's corrections do not contract from the first one on.
+pub(super) fn strays(chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
+    let slow = |first: f64, second: f64| second > CONTRACTION * first && second > LAST_CORRECTION;
+    chord > TURN * predictor + LAST_CORRECTION || matches!(newton, [first, second, ..] if slow(first.step, second.step))
+}
+
+/// The next point after `base`, and the length `ds` for the point after it; otherwise why the
+/// branch ends.
+///
+/// The predictor has the length `ds` at first; the length is halved until the corrector converges
+/// to a point that does not [stray](strays).
+pub(super) fn next(
+    family: &impl Family,
+    base: BasePoint<'_>,
+    scales: Scales,
+    ContinuationOptions { to, step, natural, direction }: ContinuationOptions,
+    ds: f64,
+) -> std::result::Result<(Solution, f64), End> {
+    let rate = base.tangent[base.tangent.len() - 1] * scales.parameter;
+    let shortest = SHORTEST * step / scales.parameter;
+    let mut ds = ds.min(LONGEST).min(step / rate.abs());
+    loop {
+        // The last step ends at the final value.
+        let lands = rate * direction > 0.0 && (to - base.p).abs() <= 1.001 * (rate * ds).abs();
+        let next = if lands || natural {
+            let to = if lands { to } else { base.p + rate.abs() * ds * direction };
+            naturally(family, base, scales, to)
+        } else {
+            correct(family, base, scales, ds)
+        };
+        let length = if lands { ((to - base.p) / rate).abs() } else { ds };
+        let chord = |to: &Solution| scales.chord((base.z, base.p), (&to.z, to.p)).norm();
+        match next {
+            Ok(solution) if ds > shortest && family.strays(chord(&solution), length, &solution.newton) => ds *= 0.5,
+            Ok(solution) if chord(&solution) > FARTHEST * length + LAST_CORRECTION => return Err(End::Jumped),
+            Ok(solution) => {
+                let factor = match solution.newton.len() {
+                    ..GOOD_CORRECTIONS => 1.5,
+                    GOOD_CORRECTIONS | MANY_CORRECTIONS => 1.0,
+                    _ => 0.6,
+                };
+                return Ok((solution, ds * factor));
+            }
+            Err(_) if ds > shortest => ds *= 0.5,
+            Err(_) => return Err(End::Lost),
+        }
+    }
+}
+
+/// A branch so far: unknowns and parameter of its last two solutions, and the next step.
+pub(super) struct BranchState {
+    /// The value of the parameter at which the branch ends if it has turned back.
+    pub(super) back: f64,
+    /// The solution before the last. `None` if there is only one: the branch then begins in the
+    /// direction of the final value.
+    pub(super) previous: Option<(Vec<f64>, f64)>,
+    pub(super) last: (Vec<f64>, f64),
+    /// Length of the next predictor.
+    pub(super) ds: f64,
+    /// Number of solutions so far.
+    pub(super) points: usize,
+}
+
+/// Called with every new solution, the length of the next predictor, and the reason why the branch
+/// ends with this solution, if it does. A reason that is returned ends the branch. The branch goes
+/// on from the solution as it is left, which is that of the orbit that is kept, to the bit.
+pub(super) type Keep<'a> = &'a mut dyn FnMut(&mut Solution, f64, Option<End>) -> Result<Option<End>>;
+
+/// Continues a branch past folds until the parameter reaches its final value or, if the branch has
+/// turned back, passes `back`. The branch gets at most `most_points` points, those in `state`
+/// included. A branch that was stopped on the way continues with the same bits.
+pub(super) fn follow(
+    family: &impl Family,
+    state: BranchState,
+    options: ContinuationOptions,
+    most_points: usize,
+    keep: Keep<'_>,
+) -> Result<End> {
+    let ContinuationOptions { to, direction, .. } = options;
+    let BranchState { back, mut previous, last: (mut z, mut p), mut ds, points } = state;
+    for points in points.. {
+        if points >= most_points {
+            break;
+        }
+        // A step that fails after the branch was asked to end does not say that it is lost.
+        let lost = || match interrupt::asked() {
+            true => Err(Error::Stopped { kept: format!("{points} points of the branch") }),
+            false => Ok(End::Lost),
+        };
+        if interrupt::asked() {
+            return lost();
+        }
+        let scales = Scales::new(&z, (to - back).abs());
+        let before = match &previous {
+            Some((before, q)) => scales.chord((before, *q), (&z, p)).normalize(),
+            None => along(z.len(), direction),
+        };
+        let Ok(tangent) = tangent(family, (&z, p), scales, &before) else { return lost() };
+        let base = BasePoint { z: &z, p, tangent: &tangent };
+        let (mut solution, longer) = match next(family, base, scales, options, ds) {
+            Ok(next) => next,
+            Err(End::Lost) => return lost(),
+            Err(end) => return Ok(end),
+        };
+        let gone_back = ((solution.p - back) * direction < 0.0).then_some(End::TurnedBack);
+        let end = if (solution.p - to) * direction >= 0.0 { Some(End::Reached) } else { gone_back };
+        if let Some(end) = keep(&mut solution, longer, end)?.or(end) {
+            return Ok(end);
+        }
+        previous = Some((std::mem::replace(&mut z, solution.z), p));
+        (p, ds) = (solution.p, longer);
+    }
+    Ok(End::MostPoints)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `p = z^3/3 - z`, whose fold at `p = 2/3`, `z = -1` has another sheet above, `z > 2`.
+    /// `turning`: whether only what would be a jump with the shortest step strays.
+    struct Sheets {
+        turning: bool,
+    }
+
+    impl Family for Sheets {
+        fn equations(&self, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
+            let jacobian = nalgebra::DMatrix::from_element(1, usize::from(derivative), z[0] * z[0] - 1.0);
+            Ok(Equations { residual: DVector::from_element(1, z[0].powi(3) / 3.0 - z[0] - p), jacobian })
+        }
+
+        fn solve(&self, seed: &[f64], p: f64) -> Result<Solution> {
+            let (mut z, mut newton) = (seed[0], Vec::new());
+            while newton.len() < 30 {
+                let Equations { residual, jacobian } = self.equations(&[z], p, true)?;
+                let (residual, step) = (residual[0], residual[0] / jacobian[0]);
+                newton.push(NewtonStep { residual: residual.abs(), step: step.abs() });
+                z -= step;
+                if step.abs() < 1e-12 {
+                    return Ok(Solution { z: vec![z], p, residual: 0.0, newton });
+                }
+            }
+            Err(Error::Stalled { steps: newton.len(), best: None })
+        }
+
+        fn strays(&self, chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
+            if self.turning { chord > FARTHEST * predictor } else { strays(chord, predictor, newton) }
+        }
+
+        fn solved(&self, _z: &[f64], _p: f64) -> f64 {
+            1e-12
+        }
+    }
+
+    #[test]
+    fn a_branch_ends_at_a_fold_and_does_not_jump_to_another_sheet() {
+        // Truth: the closed form. Steps in the parameter have no solution near by beyond the fold.
+        for turning in [false, true] {
+            let start = (vec![-2.0], -2.0 / 3.0);
+            let state = BranchState { back: start.1, previous: None, last: start.clone(), ds: 0.2, points: 1 };
+            let way = ContinuationOptions { to: 2.0, step: 0.3, natural: true, direction: 1.0 };
+            let mut last = start;
+            let end = follow(&Sheets { turning }, state, way, 2000, &mut |found, _, _| {
+                last = (found.z.clone(), found.p);
+                Ok(None)
+            });
+            assert!(matches!(end, Ok(End::Jumped | End::Lost)), "{end:?}");
+            // Measured: 3.3e-5 and its square.
+            let [z, p] = [-1.0 - last.0[0], 2.0 / 3.0 - last.1];
+            assert!((0.0..7e-5).contains(&z) && (0.0..3e-9).contains(&p), "{turning}: {last:?}");
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! Periodic orbits of a chain: shooting, Floquet multipliers, continuation (Sec. 7); orbits of
+//! driven, damped chains under the stroboscopic map are in `driven`, those of conservative chains
+//! that begin as linear modes in `normal_modes`.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `Z = (x, y)` | strains: the state is `(Z, Z')`, and `Z'(0) = 0` |
+//! | `T, omega_b` | period and frequency, `T = 2 pi/omega_b` |
+//! | `M(t)` | derivative of the state at `t` by the state at 0; `M(T)` is the monodromy matrix |
+//! | `lambda, tau` | multipliers, and `(lambda + 1/lambda)/2` |
+//! | `R` | time reversal, `diag(1, -1)` on `(Z, Z')` |
+
+mod arclength;
+mod bands;
+mod bifurcation;
+mod branch;
+mod continuation;
+mod driven;
+mod driven_branch;
+mod eigen;
+mod file;
+mod floquet;
+mod flow;
+mod normal_modes;
+mod orbit;
+mod response;
+mod setting;
+mod shooting;
+mod switching;
+mod touching;
+
+pub use arclength::{End, Solution};
+pub use arclength::{MOST_CORRECTIONS, check};
+pub use bands::Bands;
+pub use bifurcation::{BifurcationKind, CriticalPair};
+pub use branch::Spectra;
+pub use branch::{AnalysisLevel, At, Bifurcation, Branch, Located, Point, Problem, Range};
+pub use continuation::{Continuation, OrbitMeasures};
+pub use driven::returns;
+pub use driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum};
+pub use driven_branch::{DrivenContinuation, DrivenCritical, DrivenMeasures, DrivenPoint};
+pub use eigen::{Eigenpair, eigen, hessenberg};
+pub use file::Pick;
+pub use floquet::{Frame, known, or_nan};
+pub use floquet::{Kind, Multiplier, Quality, Spectrum};
+pub use flow::flow;
+pub use normal_modes::{LinearMode, ModeContinuation, ModeMeasures, ModeOrbit, ModePoint, NormalModes};
+pub use orbit::Extent;
+pub use response::Response;
+pub use setting::{Parameter, Setting};
+pub use shooting::least_squares;
+pub use shooting::{Equations, Formulation, NewtonStep, Orbit, Shooting};
+
+/// An orbit of a conservative ring with its multipliers.
+pub type OrbitPoint = Point<Continuation>;
+/// A branch of driven orbits.
+pub type DrivenBranch = Branch<DrivenContinuation>;
+/// A branch of normal modes.
+pub type ModeBranch = Branch<ModeContinuation>;

@@ -1,0 +1,23 @@
+//! Results as values, and what they become: text, JSON, CSV, NPZ, pictures, a page, files. Knows no
+//! physics.
+//!
+//! | module | contents |
+//! |---|---|
+//! | [`report`] | results: facts, tables, pictures, told once |
+//! | `figures` | pictures as PNG and SVG, films as GIF (feature `plot`) |
+//! | [`present`] | the HTML page of reports |
+//! | [`output`] | files, written whole or not at all; JSON, CSV, NPZ, MAT |
+//! | [`number`] | numbers read from text, and written for people |
+//! | [`named`] | enumerations whose variants have names |
+
+#[cfg(feature = "plot")]
+pub mod figures;
+pub mod named;
+pub mod number;
+pub mod output;
+pub mod present;
+pub mod report;
+
+use hertzchain_core::error;
+#[cfg(feature = "plot")]
+use hertzchain_core::numerics;

@@ -1,0 +1,85 @@
+//! Files and text: JSON with 17 significant digits, CSV, NPZ, MAT, and folders whose files are
+//! written whole or not at all.
+
+mod folder;
+mod json;
+mod mat;
+mod npz;
+mod stored;
+
+pub use folder::Folder;
+pub use json::to_json;
+pub use json::write_json;
+pub use mat::mat;
+pub use npz::in_memory;
+pub use npz::{Archive, Array, NpzWriter, SETTINGS, npz, npz_with};
+pub use stored::{FileFormat, PROGRAM};
+
+use crate::error::{Error, Result};
+use std::{
+    borrow::Cow,
+    fs::File,
+    io::{Read, Write, stderr},
+    path::Path,
+};
+
+/// The bytes of a file with at most `most` bytes. A device, or a wrong file, is refused before it
+/// fills the memory.
+///
+/// # Errors
+/// Errors of the system; [`Error::Content`] for a file that is too long.
+pub fn read(path: &Path, most: u64) -> Result<Vec<u8>> {
+    let fail = |source| Error::File { path: path.to_owned(), source };
+    let mut bytes = Vec::new();
+    let length = File::open(path).map_err(fail)?.take(most + 1).read_to_end(&mut bytes).map_err(fail)?;
+    if length as u64 > most {
+        let rule = format!("longer than {} MiB, which it may have at most", most >> 20);
+        return Err(Error::Content { path: path.to_owned(), place: "size".to_owned(), rule });
+    }
+    Ok(bytes)
+}
+
+/// Rows of numbers as CSV with a line of names; each number reads back to the same double.
+pub fn csv(names: &[&str], rows: impl IntoIterator<Item = Vec<f64>>) -> Vec<u8> {
+    let mut text = Vec::new();
+    // Writing to memory cannot fail.
+    let _ = write_csv(&mut text, names, rows);
+    text
+}
+
+/// Writes the text of [`csv`] without holding it in memory.
+pub fn write_csv(mut to: impl Write, names: &[&str], rows: impl IntoIterator<Item = Vec<f64>>) -> std::io::Result<()> {
+    writeln!(to, "{}", names.join(","))?;
+    for row in rows {
+        let cells: Vec<String> = row.iter().map(|value| format!("{value:e}").to_lowercase()).collect();
+        writeln!(to, "{}", cells.join(","))?;
+    }
+    Ok(())
+}
+
+/// A text without characters that a terminal obeys: U+FFFD in place of control characters other
+/// than tabs and ends of lines.
+pub fn harmless(text: &str) -> Cow<'_, str> {
+    let obeyed = |c: char| c.is_control() && c != '\n' && c != '\t';
+    if text.contains(obeyed) { text.replace(obeyed, "\u{fffd}").into() } else { text.into() }
+}
+
+/// Writes a line to standard error, where all messages go that are not results. An error is
+/// ignored, since it could not be reported.
+pub fn say(line: &str) {
+    let _ = writeln!(stderr(), "{}", harmless(line));
+}
+
+/// Whether the open file is still the one of this path.
+#[cfg(unix)]
+pub fn is_at(file: &File, path: &Path) -> bool {
+    use std::{fs::Metadata, os::unix::fs::MetadataExt};
+    let inode = |file: std::io::Result<Metadata>| file.ok().map(|file| (file.dev(), file.ino()));
+    inode(file.metadata()) == inode(std::fs::metadata(path))
+}
+
+/// On other systems a file that is open is not replaced.
+#[cfg(not(unix))]
+pub fn is_at(_: &File, _: &Path) -> bool {
+    true
+}

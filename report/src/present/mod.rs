@@ -1,0 +1,9 @@
+//! The page of a report, and the machine it was made on. Knows no physics.
+
+mod machine;
+#[cfg(feature = "cli")]
+mod page;
+
+pub use machine::{machine, machine_json};
+#[cfg(feature = "cli")]
+pub use page::{Page, Section, Shown};
